@@ -1,1 +1,14 @@
-//! contact
+//! Contact of a soft pad with the rigid object.
+//!
+//! A *contact edge* joins a point of one body to the surface of the other: points of the pad's surface to the object
+//! ([`surface`]), and points of the object's features to the pad ([`feature`]), so that neither a smooth face nor a needle
+//! slips between samples. All edges carry the same [`law`]: an augmented Lagrangian for the gap and for Coulomb friction.
+
+pub mod edge;
+pub mod law;
+pub mod surface;
+pub mod term;
+
+pub use edge::ContactEdge;
+pub use surface::ContactSurface;
+pub use term::Contact;

@@ -1,1 +1,31 @@
-//! element
+//! Tetrahedral elements: shape functions, quadrature, and the elastic kernel with mean dilatation.
+//!
+//! Both elements are sub-parametric (straight edges at rest), so an element is its four barycentric gradients and its
+//! volume; everything of higher order follows from constant tables over the barycentric coordinates.
+
+mod kernel;
+mod shape;
+
+pub use kernel::{Kernel, QuadratureStress};
+pub use shape::{EDGES, Shape, TET4, TET10};
+
+use glam::{DMat3, DVec3};
+
+/// Rest geometry of one tetrahedron.
+#[derive(Debug, Clone, Copy)]
+pub struct RestTet {
+    /// Gradients of the barycentric coordinates, 1/m.
+    pub gradient: [DVec3; 4],
+    /// Volume, m3; positive.
+    pub volume: f64,
+}
+
+impl RestTet {
+    /// From the rest positions of the four corners, m; the volume must be positive.
+    pub fn new(x: [DVec3; 4]) -> Self {
+        let d = DMat3::from_cols(x[1] - x[0], x[2] - x[0], x[3] - x[0]);
+        let inverse = d.inverse().transpose();
+        let [a, b, c] = [inverse.x_axis, inverse.y_axis, inverse.z_axis];
+        Self { gradient: [-(a + b + c), a, b, c], volume: d.determinant() / 6.0 }
+    }
+}

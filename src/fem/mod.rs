@@ -1,1 +1,9 @@
-//! fem
+//! Finite elements: bodies, the terms of the incremental potential, and the Newton solver that minimises their sum.
+
+pub mod arrow;
+pub mod body;
+pub mod cholesky;
+pub mod newton;
+pub mod pattern;
+pub mod state;
+pub mod term;

@@ -1,0 +1,166 @@
+//! Contact points on the free surface of a pad: the vertices of its subdivided faces, with the area they stand for.
+
+use crate::fem::body::{Body, Elements};
+use crate::element::EDGES;
+use crate::fem::term::Stencil;
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// A boundary face: three corners, and three mid-edge nodes ((0,1), (1,2), (2,0)) of a quadratic mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Face {
+    /// Corner nodes, counter-clockwise from outside.
+    pub corners: [u32; 3],
+    /// Mid-edge nodes; None for linear elements.
+    pub mids: Option<[u32; 3]>,
+}
+
+/// Sample points of a pad's free surface.
+#[derive(Debug, Clone)]
+pub struct ContactSurface {
+    /// Faces not entirely fixed.
+    pub faces: Vec<Face>,
+    /// Where each point sits: nodes and shape function values.
+    pub points: Vec<Stencil>,
+    /// Rest area each point stands for, m2.
+    pub area: Vec<f64>,
+    /// Mean spacing of the points, m.
+    pub spacing: f64,
+    /// Per point: nearest node with an unknown of its own for reporting forces (weights of the linear interpolation on the
+    /// nodal sub-triangles: non-negative, so that reported nodal forces have the sign of the pressure).
+    pub report: Vec<Stencil>,
+}
+
+/// Sub-edges per face edge of a linear and of a quadratic mesh: contact is felt between the nodes too.
+const SUBDIVISION: [usize; 2] = [4, 4];
+
+impl ContactSurface {
+    /// Samples the boundary faces of `body` that are not entirely fixed.
+    pub fn new(body: &Body) -> Self {
+        let faces: Vec<Face> = boundary(body)
+            .into_iter()
+            .filter(|f| {
+                let mut nodes = f.corners.to_vec();
+                nodes.extend(f.mids.into_iter().flatten());
+                !nodes.iter().all(|&n| body.fixed[n as usize])
+            })
+            .collect();
+        let m = SUBDIVISION[usize::from(matches!(body.elements, Elements::Quadratic(_)))];
+        // A lattice point shared by faces is one point: keyed by its corner weights, in node order.
+        let mut index: BTreeMap<[(u32, u32); 3], usize> = BTreeMap::new();
+        let mut surface = Self { faces: Vec::new(), points: Vec::new(), area: Vec::new(), spacing: 0.0, report: Vec::new() };
+        for face in &faces {
+            let [a, b, c] = face.corners.map(|n| body.rest[n as usize]);
+            let share = 0.5 * (b - a).cross(c - a).length() / (m * m) as f64 / 3.0;
+            for sub in sub_triangles(m) {
+                for lattice in sub {
+                    let mut key = [0, 1, 2].map(|k| (face.corners[k], lattice[k] as u32)).map(|(n, w)| if w == 0 { (u32::MAX, 0) } else { (n, w) });
+                    key.sort_unstable();
+                    let point = *index.entry(key).or_insert_with(|| {
+                        let l = lattice.map(|i| i as f64 / m as f64);
+                        surface.points.push(face.stencil(l));
+                        surface.report.push(face.report_stencil(l));
+                        surface.area.push(0.0);
+                        surface.points.len() - 1
+                    });
+                    surface.area[point] += share;
+                }
+            }
+        }
+        let total: f64 = surface.area.iter().sum();
+        surface.spacing = (total / surface.points.len().max(1) as f64).sqrt();
+        surface.faces = faces;
+        surface
+    }
+}
+
+impl Face {
+    /// Shape functions of the face at barycentric coordinates `l`.
+    pub fn stencil(&self, l: [f64; 3]) -> Stencil {
+        let [a, b, c] = self.corners;
+        match self.mids {
+            None => Stencil::new([(a, l[0]), (b, l[1]), (c, l[2])].into_iter()),
+            Some([ab, bc, ca]) => Stencil::new(
+                [
+                    (a, l[0] * (2.0 * l[0] - 1.0)),
+                    (b, l[1] * (2.0 * l[1] - 1.0)),
+                    (c, l[2] * (2.0 * l[2] - 1.0)),
+                    (ab, 4.0 * l[0] * l[1]),
+                    (bc, 4.0 * l[1] * l[2]),
+                    (ca, 4.0 * l[2] * l[0]),
+                ]
+                .into_iter(),
+            ),
+        }
+    }
+
+    /// Linear interpolation on the sub-triangle of nodes that contains `l`.
+    fn report_stencil(&self, l: [f64; 3]) -> Stencil {
+        let [a, b, c] = self.corners;
+        let Some([ab, bc, ca]) = self.mids else { return self.stencil(l) };
+        let (corner, k) = if l[0] >= 0.5 {
+            ([a, ab, ca], [2.0 * l[0] - 1.0, 2.0 * l[1], 2.0 * l[2]])
+        } else if l[1] >= 0.5 {
+            ([b, bc, ab], [2.0 * l[1] - 1.0, 2.0 * l[2], 2.0 * l[0]])
+        } else if l[2] >= 0.5 {
+            ([c, ca, bc], [2.0 * l[2] - 1.0, 2.0 * l[0], 2.0 * l[1]])
+        } else {
+            ([bc, ca, ab], [1.0 - 2.0 * l[0], 1.0 - 2.0 * l[1], 1.0 - 2.0 * l[2]])
+        };
+        Stencil::new(corner.into_iter().zip(k))
+    }
+}
+
+/// Lattice triangles of a face whose edges are cut into `m` parts, as integer barycentric coordinates.
+fn sub_triangles(m: usize) -> Vec<[[usize; 3]; 3]> {
+    let mut triangles = Vec::new();
+    for i in 0..m {
+        for j in 0..m - i {
+            let p = |i: usize, j: usize| [m - i - j, i, j];
+            triangles.push([p(i, j), p(i + 1, j), p(i, j + 1)]);
+            if i + j + 1 < m {
+                triangles.push([p(i + 1, j), p(i + 1, j + 1), p(i, j + 1)]);
+            }
+        }
+    }
+    triangles
+}
+
+/// Faces that belong to one element only, outward.
+fn boundary(body: &Body) -> Vec<Face> {
+    // Face k is opposite to corner k; vertices counter-clockwise from outside for positive volume.
+    const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+    let mid = |i: usize, j: usize| 4 + EDGES.iter().position(|e| *e == [i, j] || *e == [j, i]).unwrap_or(0);
+    let mut seen: BTreeMap<[u32; 3], (usize, Face)> = BTreeMap::new();
+    let mut add = |corner: &[u32], nodes: &[u32]| {
+        for f in FACES {
+            let corners = f.map(|k| corner[k]);
+            let mids = (nodes.len() == 10).then(|| [mid(f[0], f[1]), mid(f[1], f[2]), mid(f[2], f[0])].map(|k| nodes[k]));
+            let mut key = corners;
+            key.sort_unstable();
+            seen.entry(key).or_insert((0, Face { corners, mids })).0 += 1;
+        }
+    };
+    match &body.elements {
+        Elements::Linear(e) => e.iter().for_each(|n| add(&n[..4], n)),
+        Elements::Quadratic(e) => e.iter().for_each(|n| add(&n[..4], n)),
+    }
+    seen.into_values().filter(|(count, _)| *count == 1).map(|(_, face)| face).collect()
+}
+
+/// Position and unit outward normal of a face at barycentric coordinates `l`, for node positions `x`.
+pub fn face_frame(face: &Face, x: &[DVec3], l: [f64; 3]) -> (DVec3, DVec3) {
+    let at = |n: u32| x[n as usize];
+    let [a, b, c] = face.corners.map(at);
+    match face.mids.map(|m| m.map(at)) {
+        None => (a * l[0] + b * l[1] + c * l[2], (b - a).cross(c - a).normalize_or_zero()),
+        Some([ab, bc, ca]) => {
+            let p = face.stencil(l).position(x);
+            // Derivatives in l1 and l2 with l0 = 1 - l1 - l2.
+            let d0 = a * (4.0 * l[0] - 1.0) + (ab * l[1] + ca * l[2]) * 4.0;
+            let d1 = b * (4.0 * l[1] - 1.0) + (ab * l[0] + bc * l[2]) * 4.0;
+            let d2 = c * (4.0 * l[2] - 1.0) + (bc * l[1] + ca * l[0]) * 4.0;
+            (p, (d1 - d0).cross(d2 - d0).normalize_or_zero())
+        }
+    }
+}

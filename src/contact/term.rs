@@ -1,0 +1,232 @@
+//! Contact of one pad's surface points with the object, as a term of the potential.
+
+use super::edge::ContactEdge;
+use super::law::Law;
+use super::surface::ContactSurface;
+use crate::fem::body::Body;
+use crate::fem::state::View;
+use crate::fem::term::{Block, BodyTerm, Pair, Stencil};
+use crate::shape::SignedDistance;
+use glam::{DMat3, DVec3};
+use std::any::Any;
+use std::sync::Arc;
+
+/// Contact and friction between a pad and the object.
+#[derive(Debug)]
+pub struct Contact {
+    /// The law of every edge.
+    pub law: Law,
+    /// Current edges, one per surface point.
+    pub edges: Vec<ContactEdge>,
+    surface: Arc<ContactSurface>,
+    object: Arc<dyn SignedDistance>,
+    committed: Vec<ContactEdge>,
+}
+
+impl Contact {
+    /// All edges open.
+    pub fn new(law: Law, surface: Arc<ContactSurface>, object: Arc<dyn SignedDistance>) -> Self {
+        let edges = vec![ContactEdge { bound: f64::NEG_INFINITY, gap: f64::INFINITY, ..Default::default() }; surface.points.len()];
+        Self { law, committed: edges.clone(), edges, surface, object }
+    }
+
+    /// The sample points of the pad.
+    pub fn surface(&self) -> &ContactSurface {
+        &self.surface
+    }
+
+    /// Smallest gap of the edges that were evaluated exactly in the last assembly, m.
+    pub fn min_gap(&self) -> f64 {
+        self.edges.iter().map(|e| e.gap).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Force on the pad at point `i`, N, hand frame.
+    pub fn force(&self, i: usize) -> DVec3 {
+        let e = &self.edges[i];
+        (e.normal * e.pressure + e.traction) * self.surface.area[i]
+    }
+}
+
+/// Position of a point in the hand frame and in the object's frame.
+fn locate(stencil: &Stencil, view: &View) -> (DVec3, DVec3) {
+    let world = stencil.position(view.x) + view.offset;
+    (world, view.rotation.transpose() * (world - view.position))
+}
+
+/// Slip of a point against its anchor, in the tangent plane, m.
+fn slip(world: DVec3, anchor: DVec3, normal: DVec3, view: &View) -> DVec3 {
+    let s = world - view.position - view.rotation * anchor;
+    s - normal * normal.dot(s)
+}
+
+impl BodyTerm for Contact {
+    fn energy(&self, _: &Body, view: &View) -> f64 {
+        let mut energy = 0.0;
+        for ((e, stencil), area) in self.edges.iter().zip(&self.surface.points).zip(&self.surface.area) {
+            let reach = self.law.reach(e.lambda);
+            let (world, q) = locate(stencil, view);
+            if e.bound - q.distance(e.query) < reach {
+                let gap = self.object.closest(q, reach).map_or(f64::INFINITY, |c| c.distance);
+                if gap < reach {
+                    energy += area * self.law.normal_energy(gap, e.lambda);
+                } else {
+                    energy -= area * e.lambda * e.lambda / (2.0 * self.law.stiffness);
+                }
+            } else {
+                energy -= area * e.lambda * e.lambda / (2.0 * self.law.stiffness);
+            }
+            if let (Some(anchor), true) = (e.anchor, e.pressure > 0.0) {
+                let s = slip(world, anchor, e.normal, view);
+                let limit = self.law.friction * e.pressure;
+                energy += area * self.law.friction_energy(s, e.lambda_hand, limit);
+            }
+        }
+        energy
+    }
+
+    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
+        for i in 0..self.edges.len() {
+            let stencil = self.surface.points[i];
+            self.update(i, &stencil, view);
+            let e = &self.edges[i];
+            if e.pressure > 0.0 {
+                let (world, q) = locate(&stencil, view);
+                let curvature = if project { DMat3::ZERO } else { self.object.closest(q, f64::INFINITY).map_or(DMat3::ZERO, |c| c.curvature) };
+                let curvature = view.rotation * curvature * view.rotation.transpose();
+                let pair = normal_pair(&self.law, e, self.surface.area[i], world - view.position, &curvature, project);
+                block.add_pair(body, view, &stencil, &pair);
+                if let Some(anchor) = e.anchor {
+                    let pair = friction_pair(&self.law, e, self.surface.area[i], world, anchor, view, project);
+                    block.add_pair(body, view, &stencil, &pair);
+                }
+            }
+        }
+    }
+
+    fn commit(&mut self, _: &Body, view: &View) {
+        for (e, stencil) in self.edges.iter_mut().zip(&self.surface.points) {
+            e.lambda = e.pressure;
+            if e.pressure <= 0.0 {
+                e.anchor = None;
+                e.lambda_t = DVec3::ZERO;
+                continue;
+            }
+            e.lambda_t = view.rotation.transpose() * e.traction;
+            if e.slips {
+                let (_, q) = locate(stencil, view);
+                e.anchor = Some(q - view.rotation.transpose() * e.normal * e.gap);
+            }
+        }
+        self.committed.clone_from(&self.edges);
+    }
+
+    fn rollback(&mut self) {
+        self.edges.clone_from(&self.committed);
+    }
+
+    fn satisfied(&mut self, _: &Body, _: &View) -> bool {
+        // Strictly outside, with a quarter of the offset to spare.
+        if self.min_gap() >= 0.25 * self.law.offset {
+            return true;
+        }
+        for e in &mut self.edges {
+            e.lambda = e.pressure;
+        }
+        false
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}
+
+impl Contact {
+    /// Refreshes gap, pressure and friction of edge `i`.
+    fn update(&mut self, i: usize, stencil: &Stencil, view: &View) {
+        let law = self.law;
+        let e = &mut self.edges[i];
+        let reach = law.reach(e.lambda);
+        let (world, q) = locate(stencil, view);
+        // The distance changes no faster than the point moves: far points are skipped without a query.
+        if e.bound - q.distance(e.query) >= reach {
+            e.gap = f64::INFINITY;
+            e.pressure = 0.0;
+        } else {
+            // Look a little farther than needed, so that the bound spares the next queries.
+            let margin = reach + 50.0 * law.offset;
+            match self.object.closest(q, margin) {
+                Some(c) => {
+                    (e.gap, e.bound, e.query) = (c.distance, c.distance, q);
+                    e.normal = view.rotation * c.normal;
+                    e.pressure = law.pressure(c.distance, e.lambda);
+                }
+                None => {
+                    (e.gap, e.pressure) = (f64::INFINITY, 0.0);
+                    (e.bound, e.query) = (self.object.distance(q).max(margin), q);
+                }
+            }
+        }
+        e.traction = DVec3::ZERO;
+        e.slips = false;
+        if e.pressure <= 0.0 {
+            // A point that touched only on the way to this iterate has not stuck anywhere yet.
+            if self.committed[i].anchor.is_none() {
+                e.anchor = None;
+            }
+            return;
+        }
+        if law.friction > 0.0 {
+            let anchor = *e.anchor.get_or_insert(q - view.rotation.transpose() * e.normal * e.gap);
+            let s = slip(world, anchor, e.normal, view);
+            let lambda = view.rotation * e.lambda_t;
+            e.lambda_hand = lambda - e.normal * e.normal.dot(lambda);
+            (e.traction, e.slips) = law.traction(s, e.lambda_hand, law.friction * e.pressure);
+        }
+    }
+}
+
+/// Matrix of `v -> c x v`.
+fn cross_matrix(c: DVec3) -> DMat3 {
+    DMat3::from_cols(DVec3::new(0.0, c.z, -c.y), DVec3::new(-c.z, 0.0, c.x), DVec3::new(c.y, -c.x, 0.0))
+}
+
+fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}
+
+/// Second derivative in `w` of `f . (w x (w x r)) / 2`.
+fn rotation_hessian(f: DVec3, r: DVec3) -> DMat3 {
+    (outer(f, r) + outer(r, f)) * 0.5 - DMat3::IDENTITY * f.dot(r)
+}
+
+/// Derivatives of the normal energy. With `g` the gap, `u = delta - w x r` the relative motion and `n` the normal,
+/// `g = n.u + u.H u / 2 + n.(w x (w x r) / 2 - w x delta)` to second order.
+fn normal_pair(law: &Law, e: &ContactEdge, area: f64, r: DVec3, h: &DMat3, project: bool) -> Pair {
+    let (n, p, k) = (e.normal, e.pressure * area, law.stiffness * area);
+    let tau = -r.cross(n);
+    let mut pair =
+        Pair { force: n * -p, torque: tau * -p, dd: outer(n, n) * k, dw: outer(n, tau) * k, ww: outer(tau, tau) * k };
+    if !project {
+        let arm = cross_matrix(r);
+        pair.dd -= *h * p;
+        pair.dw -= (*h * arm - cross_matrix(n)) * p;
+        pair.ww -= (arm.transpose() * *h * arm + rotation_hessian(n, r)) * p;
+    }
+    pair
+}
+
+/// Derivatives of the friction energy at frozen normal, multiplier and limit; `s = x - p - R anchor`.
+fn friction_pair(law: &Law, e: &ContactEdge, area: f64, world: DVec3, anchor: DVec3, view: &View, project: bool) -> Pair {
+    let n = e.normal;
+    let (a, b) = law.friction_hessian(slip(world, anchor, n, view), e.lambda_hand, law.friction * e.pressure);
+    let t = e.traction.normalize_or_zero();
+    let d = ((DMat3::IDENTITY - outer(n, n)) * a - outer(t, t) * b) * area;
+    let r = view.rotation * anchor;
+    let force = e.traction * -area;
+    let arm = cross_matrix(r);
+    let mut pair = Pair { force, torque: -r.cross(force), dd: d, dw: d * arm, ww: arm.transpose() * d * arm };
+    if !project {
+        pair.ww -= rotation_hessian(force, r);
+    }
+    pair
+}

@@ -1,0 +1,78 @@
+//! Shape functions of the 4-node and the 10-node tetrahedron on barycentric coordinates.
+
+/// Shape functions of a tetrahedron with `N` nodes at `Q` quadrature points of equal weight.
+#[derive(Debug, Clone, Copy)]
+pub struct Shape<const N: usize, const Q: usize> {
+    /// Barycentric coordinates of the quadrature points.
+    pub points: [[f64; 4]; Q],
+    /// `d[q][a][k]`: derivative of shape function `a` in barycentric coordinate `k` at point `q`.
+    pub d: [[[f64; 4]; N]; Q],
+}
+
+/// The linear tetrahedron, one point: constant strain.
+pub const TET4: Shape<4, 1> = Shape {
+    points: [[0.25; 4]],
+    d: [[[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]],
+};
+
+/// Corner pairs of the six mid-edge nodes 4..10, the order of VTK and CalculiX.
+pub const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+
+/// The 10-node tetrahedron with the 4-point rule of degree 2 (Keast 1986).
+pub const TET10: Shape<10, 4> = tet10();
+
+const fn tet10() -> Shape<10, 4> {
+    // a = (5 + 3 sqrt 5) / 20, b = (5 - sqrt 5) / 20
+    let (a, b) = (0.585_410_196_624_968_5, 0.138_196_601_125_010_5);
+    let mut points = [[b; 4]; 4];
+    let mut d = [[[0.0; 4]; 10]; 4];
+    let mut q = 0;
+    while q < 4 {
+        points[q][q] = a;
+        let mut k = 0;
+        while k < 4 {
+            d[q][k][k] = 4.0 * points[q][k] - 1.0;
+            k += 1;
+        }
+        let mut e = 0;
+        while e < 6 {
+            let [i, j] = EDGES[e];
+            d[q][4 + e][i] = 4.0 * points[q][j];
+            d[q][4 + e][j] = 4.0 * points[q][i];
+            e += 1;
+        }
+        q += 1;
+    }
+    Shape { points, d }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quadratic_shape_functions_reproduce_quadratic_fields() {
+        // f(l) = sum c_ij l_i l_j: nodal interpolation differentiates exactly along the simplex.
+        let f = |l: [f64; 4]| 1.3 * l[0] * l[0] - 0.7 * l[1] * l[2] + 0.4 * l[3] * l[3] + 2.0 * l[0] * l[3] + l[2];
+        let mut nodes = [[0.0; 4]; 10];
+        for k in 0..4 {
+            nodes[k][k] = 1.0;
+        }
+        for (e, [i, j]) in EDGES.into_iter().enumerate() {
+            nodes[4 + e][i] = 0.5;
+            nodes[4 + e][j] = 0.5;
+        }
+        for q in 0..4 {
+            for k in 1..4 {
+                let interpolated: f64 = (0..10).map(|a| f(nodes[a]) * (TET10.d[q][a][k] - TET10.d[q][a][0])).sum();
+                let (mut p, mut m) = (TET10.points[q], TET10.points[q]);
+                p[k] += 1e-6;
+                p[0] -= 1e-6;
+                m[k] -= 1e-6;
+                m[0] += 1e-6;
+                let exact = (f(p) - f(m)) / 2e-6;
+                assert!((interpolated - exact).abs() < 1e-8, "point {q}, direction {k}: {interpolated} against {exact}");
+            }
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! The Newton system in arrow form: one sparse block per body, one small dense border.
+//!
+//! ```text
+//! | K1       B1 | |dx1|     |g1|
+//! |     K2   B2 | |dx2| = - |g2|      S = C - sum Bi^T Ki^-1 Bi
+//! | B1' B2'  C  | |dy |     |gy|
+//! ```
+
+use super::body::Body;
+use super::cholesky::Factor;
+use super::pattern::FIXED;
+use super::state::{MAX_BORDER, Step};
+use super::term::Block;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// One body's part of the linear system.
+pub struct ArrowBlock {
+    /// The body.
+    pub body: Arc<Body>,
+    /// Its gradient and Hessian.
+    pub block: Block,
+    factor: Factor,
+    rhs: Vec<f64>,
+}
+
+impl ArrowBlock {
+    /// Storage for `body` with `columns` border columns.
+    pub fn new(body: Arc<Body>, columns: usize) -> Self {
+        let block = Block::new(&body, columns);
+        let factor = Factor::new(&body.symbolic, columns + 1);
+        Self { body, block, factor, rhs: Vec::new() }
+    }
+
+    /// Factorises the block; false if it is not positive definite.
+    pub fn factorize(&mut self) -> bool {
+        self.factor.factorize(&self.body.symbolic, &self.body.pattern, &self.block.values)
+    }
+
+    /// Solves for all border columns and the gradient at once.
+    pub fn solve(&mut self) {
+        let n = self.body.pattern.unknowns();
+        self.rhs.clear();
+        self.rhs.extend_from_slice(&self.block.coupling);
+        self.rhs.resize(self.block.coupling.len() + n, 0.0);
+        let gradient = &mut self.rhs[self.block.coupling.len()..];
+        for (g, &p) in self.block.gradient.iter().zip(&self.body.pattern.position) {
+            if p != FIXED {
+                gradient[3 * p as usize..3 * p as usize + 3].copy_from_slice(&g.to_array());
+            }
+        }
+        let columns = self.rhs.len() / n.max(1);
+        self.factor.solve(&self.body.symbolic, &mut self.rhs, columns);
+    }
+
+    /// `B^T K^-1 B` and `B^T K^-1 g` of this body.
+    fn schur(&self, size: usize) -> ([[f64; MAX_BORDER]; MAX_BORDER], [f64; MAX_BORDER]) {
+        let n = self.body.pattern.unknowns();
+        let column = |data: &[f64], c: usize| -> Vec<f64> { data[c * n..(c + 1) * n].to_vec() };
+        let (mut s, mut r) = ([[0.0; MAX_BORDER]; MAX_BORDER], [0.0; MAX_BORDER]);
+        for i in 0..size {
+            let b = column(&self.block.coupling, i);
+            for (j, target) in s[i].iter_mut().enumerate().take(size) {
+                *target = dot(&b, &self.rhs[j * n..(j + 1) * n]);
+            }
+            r[i] = dot(&b, &self.rhs[size * n..(size + 1) * n]);
+        }
+        (s, r)
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Combines solved blocks into the full Newton step. Negative or tiny curvature of the border (rigid modes of an object
+/// that nothing holds yet) is replaced by its magnitude, at least `floor` (N/m): the step then descends and stays finite,
+/// and the solution is not changed because only the matrix is.
+pub fn step(blocks: &[ArrowBlock], border_gradient: &[f64; MAX_BORDER], size: usize, floor: f64) -> Step {
+    let (mut s, mut g) = ([[0.0; MAX_BORDER]; MAX_BORDER], *border_gradient);
+    for b in blocks {
+        let (schur, reduced) = b.schur(size);
+        for i in 0..size {
+            for j in 0..size {
+                s[i][j] += b.block.border_hessian[i][j] - schur[i][j];
+            }
+            g[i] -= reduced[i];
+        }
+    }
+    let dy = solve_border(&s, &g, size, floor);
+    let x = blocks
+        .iter()
+        .map(|b| {
+            let n = b.body.pattern.unknowns();
+            let solution = &b.rhs;
+            let entry = |row: usize| {
+                let mut v = solution[size * n + row];
+                for c in 0..size {
+                    v += solution[c * n + row] * dy[c];
+                }
+                -v
+            };
+            let position = &b.body.pattern.position;
+            position
+                .iter()
+                .map(|&p| {
+                    if p == FIXED {
+                        return DVec3::ZERO;
+                    }
+                    let row = 3 * p as usize;
+                    DVec3::new(entry(row), entry(row + 1), entry(row + 2))
+                })
+                .collect()
+        })
+        .collect();
+    Step { x, border: dy }
+}
+
+/// Solves `|S| dy = -g` through the eigenvalues of the border's Schur complement.
+fn solve_border(s: &[[f64; MAX_BORDER]; MAX_BORDER], g: &[f64; MAX_BORDER], size: usize, floor: f64) -> [f64; MAX_BORDER] {
+    let mut dy = [0.0; MAX_BORDER];
+    if size == 0 {
+        return dy;
+    }
+    let matrix = faer::Mat::<f64>::from_fn(size, size, |i, j| 0.5 * (s[i][j] + s[j][i]));
+    // Fails only for non-finite input; a zero step then makes the caller stop with a fault.
+    let Ok(eigen) = matrix.self_adjoint_eigen(faer::Side::Lower) else { return dy };
+    let (u, values) = (eigen.U(), eigen.S());
+    for k in 0..size {
+        let projected: f64 = (0..size).map(|i| u[(i, k)] * g[i]).sum();
+        let scaled = -projected / values[k].abs().max(floor);
+        for i in 0..size {
+            dy[i] += u[(i, k)] * scaled;
+        }
+    }
+    dy
+}

@@ -1,0 +1,211 @@
+//! One soft body: mesh, law and stiffness pattern. Immutable and shared; the state lives with the caller.
+
+use super::cholesky::Symbolic;
+use super::pattern::{Pattern, Slot};
+use crate::element::{Kernel, RestTet, Shape, TET4, TET10};
+use crate::error::Result;
+use crate::material::{Material, von_mises};
+use glam::{DMat3, DVec3};
+use std::sync::Arc;
+
+/// Node lists of the elements.
+#[derive(Debug, Clone)]
+pub enum Elements {
+    /// 4-node tetrahedra.
+    Linear(Vec<[u32; 4]>),
+    /// 10-node tetrahedra: corners, then mid-edges (0,1) (1,2) (2,0) (0,3) (1,3) (2,3).
+    Quadratic(Vec<[u32; 10]>),
+}
+
+/// A discretised soft body at rest.
+#[derive(Debug)]
+pub struct Body {
+    /// Rest position of every node, m.
+    pub rest: Vec<DVec3>,
+    /// Node lists.
+    pub elements: Elements,
+    /// Nodes without unknowns.
+    pub fixed: Vec<bool>,
+    /// The law of the gel.
+    pub material: Arc<dyn Material>,
+    /// One pressure per element.
+    pub mean_dilatation: bool,
+    /// Stiffness pattern and elimination order.
+    pub pattern: Pattern,
+    /// Symbolic Cholesky analysis.
+    pub symbolic: Symbolic,
+    tets: Vec<RestTet>,
+    slots: Vec<Slot>,
+}
+
+/// Stress recovered from a configuration.
+#[derive(Debug, Clone, Default)]
+pub struct Stress {
+    /// Von Mises stress of the element-averaged Cauchy tensor, Pa.
+    pub element: Vec<f64>,
+    /// Von Mises stress of the nodal Cauchy tensor (extrapolated from the quadrature points, volume-weighted), Pa.
+    pub node: Vec<f64>,
+    /// Smallest det F over all quadrature points.
+    pub min_det_f: f64,
+}
+
+/// Runs `$body` with `$nodes`, `$shape` bound to the element tables of the mesh's order.
+macro_rules! per_order {
+    ($self:expr, $nodes:ident, $kernel:ident, $body:expr) => {
+        match &$self.elements {
+            Elements::Linear($nodes) => {
+                let $kernel = $self.kernel(&TET4);
+                $body
+            }
+            Elements::Quadratic($nodes) => {
+                let $kernel = $self.kernel(&TET10);
+                $body
+            }
+        }
+    };
+}
+
+fn gather<const N: usize>(nodes: &[u32; N], x: &[DVec3]) -> [DVec3; N] {
+    nodes.map(|i| x[i as usize])
+}
+
+impl Body {
+    /// Prepares pattern and symbolic factor.
+    ///
+    /// # Errors
+    /// When the factorisation cannot be analysed (too large for memory).
+    pub fn new(
+        rest: Vec<DVec3>,
+        elements: Elements,
+        fixed: Vec<bool>,
+        material: Arc<dyn Material>,
+        mean_dilatation: bool,
+    ) -> Result<Self> {
+        let lists: Vec<&[u32]> = match &elements {
+            Elements::Linear(e) => e.iter().map(|n| n.as_slice()).collect(),
+            Elements::Quadratic(e) => e.iter().map(|n| n.as_slice()).collect(),
+        };
+        let pattern = Pattern::new(lists.iter().copied(), &fixed);
+        let symbolic = Symbolic::new(&pattern)?;
+        let tets = lists.iter().map(|n| RestTet::new(std::array::from_fn(|k| rest[n[k] as usize]))).collect();
+        let mut slots = Vec::new();
+        for nodes in &lists {
+            for (i, &a) in nodes.iter().enumerate() {
+                slots.extend(nodes[i..].iter().map(|&b| pattern.slot(a, b)));
+            }
+        }
+        Ok(Self { rest, elements, fixed, material, mean_dilatation, pattern, symbolic, tets, slots })
+    }
+
+    fn kernel<'a, const N: usize, const Q: usize>(&'a self, shape: &'a Shape<N, Q>) -> Kernel<'a, N, Q> {
+        Kernel { shape, material: self.material.as_ref(), mean_dilatation: self.mean_dilatation }
+    }
+
+    /// Number of elements.
+    pub fn element_count(&self) -> usize {
+        self.tets.len()
+    }
+
+    /// Elastic energy at positions `x`, J; `+inf` when an element is inverted under a law that refuses it.
+    pub fn energy(&self, x: &[DVec3]) -> f64 {
+        per_order!(self, nodes, kernel, {
+            nodes.iter().zip(&self.tets).map(|(n, rest)| kernel.energy(rest, &gather(n, x))).sum()
+        })
+    }
+
+    /// Adds the gradient of the elastic energy, N, per node.
+    pub fn add_gradient(&self, x: &[DVec3], gradient: &mut [DVec3]) {
+        per_order!(self, nodes, kernel, {
+            for (n, rest) in nodes.iter().zip(&self.tets) {
+                let mut local = n.map(|_| DVec3::ZERO);
+                kernel.add_gradient(rest, &gather(n, x), &mut local);
+                for (&i, g) in n.iter().zip(local) {
+                    gradient[i as usize] += g;
+                }
+            }
+        })
+    }
+
+    /// Adds gradient (N, per node) and stiffness (N/m, in [`Pattern`] storage). `project` makes every point's tangent
+    /// positive semidefinite.
+    pub fn add_stiffness(&self, x: &[DVec3], project: bool, gradient: &mut [DVec3], values: &mut [f64]) {
+        per_order!(self, nodes, kernel, {
+            let Some(first) = nodes.first() else { return };
+            let mut block = first.map(|_| first.map(|_| DMat3::ZERO));
+            let pairs = self.slots.len() / self.tets.len();
+            for ((n, rest), slots) in nodes.iter().zip(&self.tets).zip(self.slots.chunks_exact(pairs)) {
+                let mut local = n.map(|_| DVec3::ZERO);
+                kernel.stiffness(rest, &gather(n, x), project, &mut local, &mut block);
+                for (&i, g) in n.iter().zip(local) {
+                    gradient[i as usize] += g;
+                }
+                let mut slot = slots.iter();
+                for (i, row) in block.iter().enumerate() {
+                    for (b, &s) in row[i..].iter().zip(&mut slot) {
+                        Pattern::add(values, s, b);
+                    }
+                }
+            }
+        })
+    }
+
+    /// Stress and smallest det F at positions `x`.
+    pub fn stress(&self, x: &[DVec3]) -> Stress {
+        let mut node = vec![(DMat3::ZERO, 0.0); x.len()];
+        let mut element = Vec::with_capacity(self.tets.len());
+        let mut min_det_f = f64::INFINITY;
+        per_order!(self, nodes, kernel, {
+            for (n, rest) in nodes.iter().zip(&self.tets) {
+                let point = kernel.stress(rest, &gather(n, x));
+                min_det_f = min_det_f.min(point.min_det_f);
+                let mean = point.cauchy.iter().fold(DMat3::ZERO, |s, c| s + *c) * (1.0 / point.cauchy.len() as f64);
+                element.push(von_mises(&mean));
+                for (a, &i) in n.iter().enumerate() {
+                    let (sum, weight) = &mut node[i as usize];
+                    *sum += extrapolate(&point.cauchy, &mean, a) * rest.volume;
+                    *weight += rest.volume;
+                }
+            }
+        });
+        let node = node.iter().map(|(s, w)| if *w > 0.0 { von_mises(&(*s * (1.0 / w))) } else { 0.0 }).collect();
+        Stress { element, node, min_det_f }
+    }
+
+    /// Total mass per unit density that each node carries (row sums of the mass matrix are not positive for 10-node
+    /// tetrahedra; this is the element volume shared by diagonal scaling), m3.
+    pub fn nodal_volume(&self) -> Vec<f64> {
+        let mut volume = vec![0.0; self.rest.len()];
+        match &self.elements {
+            Elements::Linear(e) => {
+                for (n, t) in e.iter().zip(&self.tets) {
+                    n.iter().for_each(|&i| volume[i as usize] += t.volume / 4.0);
+                }
+            }
+            Elements::Quadratic(e) => {
+                // Consistent body-force weights: -1/20 at corners, 1/5 at mid-edges.
+                for (n, t) in e.iter().zip(&self.tets) {
+                    for (a, &i) in n.iter().enumerate() {
+                        volume[i as usize] += t.volume * if a < 4 { -0.05 } else { 0.2 };
+                    }
+                }
+            }
+        }
+        volume
+    }
+}
+
+/// Linear extrapolation of quadrature-point tensors to local node `a` (exact for linear fields).
+fn extrapolate<const Q: usize>(point: &[DMat3; Q], mean: &DMat3, a: usize) -> DMat3 {
+    if Q != 4 {
+        return *mean;
+    }
+    // Point q sits at barycentric coordinate 0.585 of corner q: scale its deviation from the mean out to the corner.
+    let scale = 1.0 / (0.585_410_196_624_968_5 - 0.138_196_601_125_010_5);
+    let corner = |k: usize| *mean + (point[k] - *mean) * scale;
+    if a < 4 {
+        corner(a)
+    } else {
+        let [i, j] = crate::element::EDGES[a - 4];
+        (corner(i) + corner(j)) * 0.5
+    }
+}

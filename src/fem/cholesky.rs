@@ -1,0 +1,109 @@
+//! Sparse Cholesky factor of one body's stiffness: symbolic analysis once per mesh, numbers once per iteration.
+
+use super::pattern::Pattern;
+use crate::error::{Error, Result};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side};
+
+/// Symbolic analysis, shared by every environment that uses the mesh.
+#[derive(Debug)]
+pub struct Symbolic(SymbolicCholesky<usize>);
+
+impl Symbolic {
+    /// Analyses the pattern; it is already in elimination order.
+    pub fn new(pattern: &Pattern) -> Result<Self> {
+        let n = pattern.unknowns();
+        // The analysis reads the upper triangle: the transpose of the stored lower one.
+        let (col_ptr, row_idx) = transpose(&pattern.col_ptr, &pattern.row_idx);
+        let a = SymbolicSparseColMatRef::new_checked(n, n, &col_ptr, None, &row_idx);
+        // Supernodal always: 3 to 8 times faster than simplicial on these meshes.
+        let params = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            ..Default::default()
+        };
+        factorize_symbolic_cholesky(a, Side::Upper, SymmetricOrdering::Identity, params)
+            .map(Symbolic)
+            .map_err(|e| Error::Solver(format!("symbolic factorisation of {n} unknowns failed: {e:?}; use a coarser mesh")))
+    }
+
+    /// Number of stored entries of the factor.
+    pub fn entries(&self) -> usize {
+        self.0.len_val()
+    }
+}
+
+/// Transposed compressed columns, rows sorted.
+fn transpose(col_ptr: &[usize], row_idx: &[usize]) -> (Vec<usize>, Vec<usize>) {
+    let n = col_ptr.len() - 1;
+    let mut next = vec![0usize; n + 1];
+    row_idx.iter().for_each(|&r| next[r + 1] += 1);
+    for i in 0..n {
+        next[i + 1] += next[i];
+    }
+    let ptr = next.clone();
+    let mut idx = vec![0; row_idx.len()];
+    for c in 0..n {
+        for &r in &row_idx[col_ptr[c]..col_ptr[c + 1]] {
+            idx[next[r]] = c;
+            next[r] += 1;
+        }
+    }
+    (ptr, idx)
+}
+
+/// Numeric factor with its workspace, owned by one environment.
+pub struct Factor {
+    values: Vec<f64>,
+    memory: MemBuffer,
+}
+
+impl Factor {
+    /// Workspace for `symbolic`, for solves with up to `columns` right-hand sides.
+    pub fn new(symbolic: &Symbolic, columns: usize) -> Self {
+        let request = symbolic
+            .0
+            .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default())
+            .or(symbolic.0.solve_in_place_scratch::<f64>(columns, Par::Seq));
+        Self { values: vec![0.0; symbolic.0.len_val()], memory: MemBuffer::new(request) }
+    }
+
+    /// Factorises the lower-triangular `values`; false if the matrix is not positive definite.
+    pub fn factorize(&mut self, symbolic: &Symbolic, pattern: &Pattern, values: &[f64]) -> bool {
+        let n = pattern.unknowns();
+        let a = SparseColMatRef::new(
+            SymbolicSparseColMatRef::new_checked(n, n, &pattern.col_ptr, None, &pattern.row_idx),
+            values,
+        );
+        symbolic
+            .0
+            .factorize_numeric_llt(
+                &mut self.values,
+                a,
+                Side::Lower,
+                Default::default(),
+                Par::Seq,
+                MemStack::new(&mut self.memory),
+                Default::default(),
+            )
+            .is_ok()
+    }
+
+    /// Solves in place for `columns` right-hand sides stored one after the other.
+    pub fn solve(&mut self, symbolic: &Symbolic, rhs: &mut [f64], columns: usize) {
+        if rhs.is_empty() {
+            return;
+        }
+        let rows = rhs.len() / columns;
+        LltRef::new(&symbolic.0, &self.values).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(rhs, rows, columns),
+            Par::Seq,
+            MemStack::new(&mut self.memory),
+        );
+    }
+}

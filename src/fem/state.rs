@@ -1,0 +1,135 @@
+//! The unknowns of a grasp and the small dense border they share.
+
+use glam::{DMat3, DQuat, DVec3};
+
+/// Most border unknowns a scene can have: two travels and six of a free object.
+pub const MAX_BORDER: usize = 8;
+
+/// Configuration of all bodies. Pad nodes are stored relative to their finger, in hand axes: the position in the
+/// hand frame is `x + travel * closing`, so that elasticity never sees the fingers move.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// Node positions of each body, m, relative to the finger.
+    pub x: Vec<Vec<DVec3>>,
+    /// Travel of each finger along its closing direction, m.
+    pub travel: Vec<f64>,
+    /// Object origin in the hand frame, m.
+    pub position: DVec3,
+    /// Object orientation in the hand frame.
+    pub rotation: DQuat,
+}
+
+/// Layout of the border: which travels and whether the object's pose are unknowns.
+#[derive(Debug, Clone)]
+pub struct Border {
+    /// Closing direction of each body's finger, unit, hand frame.
+    pub closing: Vec<DVec3>,
+    /// Column of each finger's travel; None where it is prescribed.
+    pub travel: Vec<Option<usize>>,
+    /// First of the six columns of the object's pose (translation, then rotation); None for a fixed object.
+    pub pose: Option<usize>,
+    /// Length that turns rotations into metres of surface motion, m: the object's bounding radius.
+    pub length: f64,
+    /// Number of columns.
+    pub size: usize,
+}
+
+impl Border {
+    /// No border: bodies alone, fingers at rest.
+    pub fn none(bodies: usize) -> Self {
+        Self { closing: vec![DVec3::ZERO; bodies], travel: vec![None; bodies], pose: None, length: 1.0, size: 0 }
+    }
+
+    /// Border for fingers with the given closing directions; `driven` are pushed by a force, else by prescribed travel.
+    pub fn new(closing: Vec<DVec3>, driven: bool, free_object: bool, length: f64) -> Self {
+        let fingers = if driven { closing.len() } else { 0 };
+        let travel = (0..closing.len()).map(|i| driven.then_some(i)).collect();
+        let size = fingers + if free_object { 6 } else { 0 };
+        Self { closing, travel, pose: free_object.then_some(fingers), length, size }
+    }
+}
+
+/// A Newton step: increments of every unknown.
+#[derive(Debug, Clone)]
+pub struct Step {
+    /// Per body and node, m.
+    pub x: Vec<Vec<DVec3>>,
+    /// Per border column, m.
+    pub border: [f64; MAX_BORDER],
+}
+
+impl State {
+    /// This state moved by `alpha * step`; rotations are updated multiplicatively.
+    pub fn moved(&self, border: &Border, step: &Step, alpha: f64) -> State {
+        let mut next = self.clone();
+        for (x, d) in next.x.iter_mut().zip(&step.x) {
+            for (x, d) in x.iter_mut().zip(d) {
+                *x += *d * alpha;
+            }
+        }
+        for (t, column) in next.travel.iter_mut().zip(&border.travel) {
+            if let Some(c) = column {
+                *t += alpha * step.border[*c];
+            }
+        }
+        if let Some(c) = border.pose {
+            let b = &step.border[c..];
+            next.position += DVec3::new(b[0], b[1], b[2]) * alpha;
+            let rotation = DVec3::new(b[3], b[4], b[5]) * (alpha / border.length);
+            next.rotation = (DQuat::from_scaled_axis(rotation) * self.rotation).normalize();
+        }
+        next
+    }
+
+    /// Linear extrapolation `self + factor (self - before)`.
+    pub fn extrapolated(&self, before: &State, factor: f64) -> State {
+        let mut next = self.clone();
+        for (body, (now, old)) in next.x.iter_mut().zip(self.x.iter().zip(&before.x)) {
+            for (x, (a, b)) in body.iter_mut().zip(now.iter().zip(old)) {
+                *x = *a + (*a - *b) * factor;
+            }
+        }
+        for (t, (a, b)) in next.travel.iter_mut().zip(self.travel.iter().zip(&before.travel)) {
+            *t = a + (a - b) * factor;
+        }
+        next.position = self.position + (self.position - before.position) * factor;
+        let turn = (self.rotation * before.rotation.inverse()).to_scaled_axis();
+        next.rotation = (DQuat::from_scaled_axis(turn * factor) * self.rotation).normalize();
+        next
+    }
+
+    /// What body `index` sees of the state.
+    pub fn view<'a>(&'a self, index: usize, border: &'a Border) -> View<'a> {
+        View {
+            x: &self.x[index],
+            offset: border.closing[index] * self.travel[index],
+            closing: border.closing[index],
+            position: self.position,
+            rotation: DMat3::from_quat(self.rotation),
+            travel_column: border.travel[index],
+            pose_column: border.pose,
+            length: border.length,
+        }
+    }
+}
+
+/// A body's view of the state: its nodes and the rigid frames it touches.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// Node positions relative to the finger, m.
+    pub x: &'a [DVec3],
+    /// Finger displacement, m, hand frame.
+    pub offset: DVec3,
+    /// Closing direction, unit.
+    pub closing: DVec3,
+    /// Object origin, m.
+    pub position: DVec3,
+    /// Object orientation.
+    pub rotation: DMat3,
+    /// Border column of the travel.
+    pub travel_column: Option<usize>,
+    /// First border column of the pose.
+    pub pose_column: Option<usize>,
+    /// Length scale of rotations, m.
+    pub length: f64,
+}

@@ -1,0 +1,225 @@
+//! The terms of the incremental potential. A physical effect is one file that implements [`BodyTerm`]; the solver sees
+//! only the sum.
+
+use super::body::Body;
+use super::pattern::{FIXED, Pattern};
+use super::state::{MAX_BORDER, View};
+use glam::{DMat3, DVec3};
+
+/// Gradient and Hessian of one body's terms, with its share of the border.
+#[derive(Debug, Clone)]
+pub struct Block {
+    /// Energy gradient per node, N.
+    pub gradient: Vec<DVec3>,
+    /// Lower triangle of the body's Hessian in [`Pattern`] storage, N/m.
+    pub values: Vec<f64>,
+    /// Columns of d2E / dx dborder in elimination order, one after the other, N/m.
+    pub coupling: Vec<f64>,
+    /// Border gradient, N.
+    pub border_gradient: [f64; MAX_BORDER],
+    /// Border Hessian, N/m.
+    pub border_hessian: [[f64; MAX_BORDER]; MAX_BORDER],
+    /// Sum of the norms of the forces that meet at the border (scale of the balance), N.
+    pub activity: f64,
+}
+
+impl Block {
+    /// Zeroed storage for `body` with `columns` border columns.
+    pub fn new(body: &Body, columns: usize) -> Self {
+        Self {
+            gradient: vec![DVec3::ZERO; body.rest.len()],
+            values: vec![0.0; body.pattern.row_idx.len()],
+            coupling: vec![0.0; columns * body.pattern.unknowns()],
+            border_gradient: [0.0; MAX_BORDER],
+            border_hessian: [[0.0; MAX_BORDER]; MAX_BORDER],
+            activity: 0.0,
+        }
+    }
+
+    /// Sets everything to zero.
+    pub fn clear(&mut self) {
+        self.gradient.fill(DVec3::ZERO);
+        self.values.fill(0.0);
+        self.coupling.fill(0.0);
+        self.border_gradient = [0.0; MAX_BORDER];
+        self.border_hessian = [[0.0; MAX_BORDER]; MAX_BORDER];
+        self.activity = 0.0;
+    }
+
+    /// Adds a term that acts between a material point of the body (`sum phi_a x_a`) and the rigid object.
+    ///
+    /// `force` is the gradient in the relative displacement `delta` of the point to the object, `torque` the gradient in
+    /// the object's rotation; `dd`, `dw`, `ww` are the second derivatives (delta-delta, delta-rotation, rotation-rotation).
+    pub fn add_pair(&mut self, body: &Body, view: &View, stencil: &Stencil, pair: &Pair) {
+        let pattern = &body.pattern;
+        let unknowns = pattern.unknowns();
+        let (nodes, phi) = stencil.slices();
+        for (&a, &pa) in nodes.iter().zip(phi) {
+            self.gradient[a as usize] += pair.force * pa;
+            let position = pattern.position[a as usize];
+            if position == FIXED {
+                continue;
+            }
+            for (&b, &pb) in nodes.iter().zip(phi) {
+                // Each unordered pair once: the pattern stores the lower triangle only.
+                if pattern.position[b as usize] != FIXED && pattern.position[b as usize] <= position {
+                    Pattern::add(&mut self.values, pattern.slot(a, b), &(pair.dd * (pa * pb)));
+                }
+            }
+            let row = 3 * position as usize;
+            let mut column = |c: usize, v: DVec3| {
+                let start = c * unknowns + row;
+                let target = &mut self.coupling[start..start + 3];
+                target[0] += v.x;
+                target[1] += v.y;
+                target[2] += v.z;
+            };
+            if let Some(c) = view.travel_column {
+                column(c, pair.dd * view.closing * pa);
+            }
+            if let Some(c) = view.pose_column {
+                for k in 0..3 {
+                    column(c + k, pair.dd.col(k) * -pa);
+                    column(c + 3 + k, pair.dw.col(k) * (pa / view.length));
+                }
+            }
+        }
+        self.add_border(view, pair);
+    }
+
+    /// The border-border part of [`Block::add_pair`].
+    fn add_border(&mut self, view: &View, pair: &Pair) {
+        // Columns of d(delta)/d(border) and d(rotation)/d(border).
+        let mut columns: [(usize, DVec3, DVec3); 7] = [(usize::MAX, DVec3::ZERO, DVec3::ZERO); 7];
+        let mut count = 0;
+        let mut push = |entry| {
+            columns[count] = entry;
+            count += 1;
+        };
+        if let Some(c) = view.travel_column {
+            push((c, view.closing, DVec3::ZERO));
+        }
+        if let Some(c) = view.pose_column {
+            for k in 0..3 {
+                push((c + k, -DVec3::AXES[k], DVec3::ZERO));
+            }
+            for k in 0..3 {
+                push((c + 3 + k, DVec3::ZERO, DVec3::AXES[k] / view.length));
+            }
+        }
+        for (i, di, wi) in &columns[..count] {
+            self.border_gradient[*i] += pair.force.dot(*di) + pair.torque.dot(*wi);
+            let (left_d, left_w) = (pair.dd * *di + pair.dw * *wi, pair.dw.transpose() * *di + pair.ww * *wi);
+            for (j, dj, wj) in &columns[..count] {
+                self.border_hessian[*i][*j] += left_d.dot(*dj) + left_w.dot(*wj);
+            }
+        }
+        self.activity += pair.force.length();
+    }
+}
+
+/// First and second derivatives of an interaction between a point of a pad and the object.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair {
+    /// Gradient in the point's displacement relative to the object, N.
+    pub force: DVec3,
+    /// Gradient in the object's rotation (hand axes), N m.
+    pub torque: DVec3,
+    /// Displacement-displacement, N/m, symmetric.
+    pub dd: DMat3,
+    /// Displacement (rows) - rotation (columns), N.
+    pub dw: DMat3,
+    /// Rotation-rotation, N m, symmetric.
+    pub ww: DMat3,
+}
+
+/// A material point of a body's surface: nodes and their shape function values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stencil {
+    nodes: [u32; 6],
+    phi: [f64; 6],
+    len: u8,
+}
+
+impl Stencil {
+    /// From at most six nodes and weights; weights of zero are dropped.
+    pub fn new(entries: impl Iterator<Item = (u32, f64)>) -> Self {
+        let mut s = Stencil { nodes: [0; 6], phi: [0.0; 6], len: 0 };
+        for (node, phi) in entries.filter(|(_, phi)| *phi != 0.0).take(6) {
+            s.nodes[s.len as usize] = node;
+            s.phi[s.len as usize] = phi;
+            s.len += 1;
+        }
+        s
+    }
+
+    /// Nodes and shape function values.
+    #[inline]
+    pub fn slices(&self) -> (&[u32], &[f64]) {
+        (&self.nodes[..self.len as usize], &self.phi[..self.len as usize])
+    }
+
+    /// Position of the point for node positions `x`.
+    #[inline]
+    pub fn position(&self, x: &[DVec3]) -> DVec3 {
+        let (nodes, phi) = self.slices();
+        nodes.iter().zip(phi).fold(DVec3::ZERO, |s, (&n, &p)| s + x[n as usize] * p)
+    }
+}
+
+/// One physical effect on one body: value, gradient, Hessian, and what it must remember between accepted states.
+pub trait BodyTerm: Send + Sync {
+    /// Energy, J; `+inf` where the state is not feasible. Quantities lagged by [`BodyTerm::assemble`] stay frozen.
+    fn energy(&self, body: &Body, view: &View) -> f64;
+    /// Adds gradient and Hessian to `block`; refreshes lagged quantities. `project`: positive semidefinite parts only.
+    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block);
+    /// The increment was accepted: take over history.
+    fn commit(&mut self, _body: &Body, _view: &View) {}
+    /// The increment was rejected: forget what was learnt since the last commit.
+    fn rollback(&mut self) {}
+    /// Whether the converged state satisfies what the term promises beyond equilibrium (no penetration); if not, the
+    /// term has strengthened itself and the solve goes on.
+    fn satisfied(&mut self, _body: &Body, _view: &View) -> bool {
+        true
+    }
+    /// For reading results back by type.
+    fn as_any(&self) -> &dyn std::any::Any;
+}
+
+/// Elastic energy of the gel.
+#[derive(Debug, Default)]
+pub struct Elastic;
+
+impl BodyTerm for Elastic {
+    fn energy(&self, body: &Body, view: &View) -> f64 {
+        body.energy(view.x)
+    }
+
+    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
+        body.add_stiffness(view.x, project, &mut block.gradient, &mut block.values);
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}
+
+/// Dead loads on nodes: potential `-sum f . x`.
+#[derive(Debug)]
+pub struct DeadLoad(pub Vec<DVec3>);
+
+impl BodyTerm for DeadLoad {
+    fn energy(&self, _: &Body, view: &View) -> f64 {
+        -self.0.iter().zip(view.x).map(|(f, x)| f.dot(*x)).sum::<f64>()
+    }
+
+    fn assemble(&mut self, _: &Body, _: &View, _: bool, block: &mut Block) {
+        for (g, f) in block.gradient.iter_mut().zip(&self.0) {
+            *g -= *f;
+        }
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}

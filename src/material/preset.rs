@@ -1,0 +1,47 @@
+//! Named gels, each with its source.
+
+/// Elastic constants and density of a named gel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Preset {
+    /// Name used in scenes.
+    pub name: &'static str,
+    /// Young's modulus at rest, Pa.
+    pub young: f64,
+    /// Poisson's ratio at rest.
+    pub poisson: f64,
+    /// Density, kg/m3.
+    pub density: f64,
+    /// Where the numbers come from.
+    pub source: &'static str,
+}
+
+/// All presets.
+pub const PRESETS: [Preset; 3] = [
+    Preset {
+        name: "gelsight_mini",
+        // 4 C10 (1 + nu) with C10 = 0.0725 MPa.
+        young: 432_100.0,
+        poisson: 0.49,
+        density: 1000.0,
+        source: "FEATS (2024): C10 = 0.0725 MPa identified on the real sensor, nearly incompressible",
+    },
+    Preset {
+        name: "tacgrasp",
+        young: 5.0e5,
+        poisson: 0.4,
+        density: 1000.0,
+        source: "values taken by users of the tactile grasp data set of DefGraspNets-like networks",
+    },
+    Preset {
+        name: "biotac",
+        young: 1.552_231e6,
+        poisson: 0.316_454,
+        density: 1000.0,
+        source: "Narang et al. (2021): BioTac skin",
+    },
+];
+
+/// The preset of this name, if there is one.
+pub fn preset(name: &str) -> Option<Preset> {
+    PRESETS.into_iter().find(|p| p.name == name)
+}
