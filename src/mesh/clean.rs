@@ -136,8 +136,7 @@ fn refuse_flat(mesh: &TetMesh) -> Result<()> {
     for t in 0..mesh.tets.len() {
         let corners = mesh.corners(t);
         let ratio = quality::mean_ratio(corners);
-        // Written so that a NaN is refused too.
-        if !(ratio >= FLAT) {
+        if ratio < FLAT || ratio.is_nan() {
             let centre = corners.iter().sum::<glam::DVec3>() / 4.0;
             return Err(Error::Mesh(format!(
                 "tetrahedron {t} (0-based), nodes {:?}, is flat: volume {:.3e} m^3, quality {ratio:.2e} (a regular one has \

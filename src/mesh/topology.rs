@@ -51,7 +51,7 @@ impl Watertight {
             Some("the surface has no triangles".into())
         } else if !self.oriented {
             Some("the triangles are not oriented consistently: neighbours disagree on which side is outside".into())
-        } else if !(self.signed_volume > 0.0) {
+        } else if self.signed_volume <= 0.0 || self.signed_volume.is_nan() {
             Some(format!("the surface encloses {:.3e} m^3: it is inside out or flat", self.signed_volume))
         } else {
             None
