@@ -164,6 +164,8 @@ fn holes_fins_and_inside_out_surfaces_are_reported() {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
     /// Repair of any junk returns, and what it accepts has positive volumes and valid indices.
     #[test]
     fn repair_never_panics(

@@ -102,7 +102,7 @@ fn a_disc_pad_is_a_polygon_in_the_circle_without_slivers() {
             missing * (n * n) as f64
         );
         assert!(missing > 0.0 && missing < 1.0 / (n * n) as f64, "missing {missing}");
-        assert!(worst > 0.25, "worst quality {worst}");
+        assert!(worst > 0.4, "worst quality {worst}");
         let far = pad.mesh.nodes.iter().map(|p| p.truncate().length()).fold(0.0, f64::max);
         assert_relative_eq!(far, radius, max_relative = 1e-12);
     }
@@ -118,12 +118,15 @@ fn the_gelsight_mini_is_a_box_or_a_dome() {
 
     let domed = pad::gelsight_mini(GelShape::Domed, &resolution.with_focus(1.5)).expect("pad");
     assert_symmetric(&domed);
-    let (volume, worst) = sound(&domed, 4e-3);
+    let (_, worst) = sound(&domed, 4e-3);
     eprintln!("domed: {} nodes, {} tets, worst {worst:.3}", domed.mesh.nodes.len(), domed.mesh.tets.len());
     // The CAD solid, meshed by FEATS, has 1896.5 mm^3; its corners are rounded (1.5 mm), those here are not.
+    // Flat facets cut the dome: fine cells keep that below a thousandth.
+    let fine = pad::gelsight_mini(GelShape::Domed, &Resolution::cells([80, 80, 4])).expect("pad");
+    let (volume, _) = sound(&fine, 4e-3);
     let rounding = (4.0 - PI) * 1.5e-3_f64.powi(2) * 2.75e-3;
     assert_relative_eq!(volume - rounding, 1896.5e-9, max_relative = 2e-3);
-    assert!(worst > 0.2, "worst quality {worst}");
+    assert!(worst > 0.5, "worst quality {worst}");
 }
 
 #[test]
@@ -195,6 +198,8 @@ fn unusable_requests_are_refused() {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
     /// Any request gives a sound pad or an error.
     #[test]
     fn any_request_is_sound_or_refused(

@@ -101,6 +101,9 @@ fn lists_survive_the_repair_of_the_mesh() {
     fs::write(&list, "0 1 2 3").expect("write");
     let (pad, notices) = pad::read_pad(&mesh, &placement(DVec3::Z, 0.0), Some(&list)).expect("pad");
     assert_eq!((pad.bonded, notices.len()), (vec![true, true, true, false], 1));
+    let listed = Placement { bonding: Bonding::Nodes(vec![5]), ..placement(DVec3::Z, 0.0) };
+    let message = pad::read_pad(&mesh, &listed, None).expect_err("refused").to_string();
+    assert!(message.contains("glued node index 5, but the mesh has 5 nodes; allowed: 0..=4"), "{message}");
     let message = pad::read_pad(&mesh, &placement(DVec3::Z, 7.0), None).expect_err("refused").to_string();
     assert!(message.contains("m.tet: all 4 nodes"), "{message}");
 }
@@ -124,7 +127,9 @@ fn real_pads() {
         let high = pad.mesh.nodes.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
         eprintln!("round pad: {low} .. {high}, {} of {} glued", count(&pad), pad.bonded.len());
         assert!((low.z + 3e-3).abs() < 1e-9 && high.z == 0.0);
-        assert!((low.x + high.x).abs() < 1e-9 && (low.y + high.y).abs() < 1e-9, "centred");
+        assert!((low.x + high.x).abs() < 1e-9, "centred");
+        // A row of inner nodes of the rim bulges by 18 um beyond the sensing face on one side.
+        assert!((low.y + high.y).abs() < 2e-5, "centred on the sensing face");
     }
     if let Some(mesh) = data("pads/biotac/int_ext_skin_combined_ftw.tet") {
         let (mesh, _) = io::read_tet_mesh(&mesh).expect("mesh");

@@ -1,7 +1,5 @@
 //! Pads made here: box, disc and the GelSight Mini gel, flat or domed. All have a flat bonded back face.
 
-use std::f64::consts::FRAC_1_SQRT_2;
-
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
@@ -37,7 +35,8 @@ pub fn box_pad(size_x: f64, size_y: f64, thickness: f64, resolution: &Resolution
 /// A disc of `radius` and `thickness`, m: a square grid mapped so that its outline becomes the circle.
 ///
 /// The grid needs the same even number of cells along x and y. The rim is a polygon inscribed in the circle, so the
-/// volume is a little small: by 13 / n^2 of itself for n cells across (n = 20: 3 %, n = 60: 0.4 %).
+/// volume is a little small: by 0.46 / n^2 of itself for n uniform cells across (n = 20: 0.12 %, n = 60: 0.013 %). The
+/// worst tetrahedra lie where the corners of the square were; their mean ratio is 0.58 at n = 20, 0.45 at n = 60.
 ///
 /// Errors: a length that is not in (0, [`MAX_SIZE`]], a bad resolution, odd or unequal numbers of cells.
 pub fn disc_pad(radius: f64, thickness: f64, resolution: &Resolution) -> Result<Pad> {
@@ -84,7 +83,6 @@ fn square_to_disc(u: f64, v: f64) -> (f64, f64) {
         return (0.0, 0.0);
     }
     let onto_circle = outer / length;
-    debug_assert!(onto_circle >= FRAC_1_SQRT_2 - 1e-12);
     let scale = 1.0 - outer * (1.0 - onto_circle);
     (u * scale, v * scale)
 }

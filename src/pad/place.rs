@@ -93,11 +93,12 @@ pub fn read_pad(
     };
     let mut placement = placement.clone();
     if let Some(list) = listed {
-        let now = list.into_iter().filter_map(|i| match repair.node_map.get(i) {
-            Some(None) => None, // removed as unused: nothing to glue
-            Some(Some(i)) => Some(*i as usize),
-            None => Some(usize::MAX), // out of range: refused below
-        });
+        if let Some(i) = list.iter().find(|i| **i >= count) {
+            let message = format!("glued node index {i}, but the mesh has {count} nodes; allowed: 0..={}", count - 1);
+            return Err(Error::file(path, message));
+        }
+        // Nodes removed as unused need no glue.
+        let now = list.into_iter().filter_map(|i| repair.node_map[i].map(|i| i as usize));
         placement.bonding = Bonding::Nodes(now.collect());
     }
     Ok((from_mesh(mesh, &placement).map_err(in_file)?, notices))
@@ -181,7 +182,7 @@ fn glued(mesh: &TetMesh, bonding: &Bonding) -> Result<Vec<bool>> {
                 match bonded.get_mut(*i) {
                     Some(b) => *b = true,
                     None => {
-                        let message = format!("a glued node index is outside the mesh; allowed: 0..={}", count - 1);
+                        let message = format!("glued node index {i} is outside the mesh; allowed: 0..={}", count - 1);
                         return Err(Error::Mesh(message));
                     }
                 }

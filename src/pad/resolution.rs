@@ -74,7 +74,7 @@ impl Resolution {
                 }
                 // At the centre a cell is 1 / (1 + beta) of the uniform width, see `across`.
                 let centre = spacing * (1.0 + self.beta());
-                let lateral = |length: f64| 2 * at_least(0.5 * length / centre).max(1);
+                let lateral = |length: f64| at_least(0.5 * length / centre).max(1).saturating_mul(2);
                 [lateral(size[0]), lateral(size[1]), self.layers(size[2] / (LAYER_ASPECT * spacing))]
             }
         };
@@ -119,7 +119,7 @@ impl Resolution {
             layer *= self.grading;
             depth.push(sum);
         }
-        depth.iter().rev().map(|d| -d / sum).collect()
+        depth.iter().rev().map(|d| 0.0 - d / sum).collect()
     }
 }
 

@@ -129,6 +129,10 @@ impl Builder {
                 return Err(text::at(path, block.first(), message));
             }
         }
+        if self.mesh.nodes.len() < total {
+            let message = format!("{total} nodes declared, but the blocks hold {}", self.mesh.nodes.len());
+            return Err(text::at(path, head.words[1], message));
+        }
         Ok(())
     }
 
