@@ -9,6 +9,9 @@ use crate::mesh::io::{self, text};
 use crate::mesh::{TetMesh, clean};
 use crate::pad::{Pad, free_faces, looks_along};
 
+/// A pad larger than this, m, gets a notice: its file is probably in millimetres.
+pub const UNLIKELY_SIZE: f64 = 0.5;
+
 /// Which nodes are glued to the finger.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Bonding {
@@ -101,7 +104,17 @@ pub fn read_pad(
         let now = list.into_iter().filter_map(|i| repair.node_map[i].map(|i| i as usize));
         placement.bonding = Bonding::Nodes(now.collect());
     }
-    Ok((from_mesh(mesh, &placement).map_err(in_file)?, notices))
+    let pad = from_mesh(mesh, &placement).map_err(in_file)?;
+    let low = pad.mesh.nodes.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = pad.mesh.nodes.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let size = (high - low).max_element();
+    if size > UNLIKELY_SIZE {
+        notices.push(format!(
+            "{}: the pad is {size} m long; coordinates are taken as metres: is it in mm?",
+            path.display()
+        ));
+    }
+    Ok((pad, notices))
 }
 
 /// The indices of a list of nodes, see [`read_pad`]; `count` is the number of nodes of the mesh file.
