@@ -1,4 +1,17 @@
 //! Tetrahedral and triangle meshes: storage, surface, quality, reading and writing.
+//!
+//! Readers live in [`io`]; what they return has valid indices and finite coordinates. [`clean::repair`] makes a
+//! tetrahedral mesh fit for simulation; [`topology`] and [`mass`] judge a triangle surface. Everything is
+//! deterministic: the numbering never depends on the order of a hash map.
+
+pub mod clean;
+pub mod grid;
+pub mod io;
+pub mod mass;
+pub mod quadratic;
+pub mod quality;
+pub mod surface;
+pub mod topology;
 
 use glam::DVec3;
 
@@ -18,4 +31,31 @@ pub struct TriMesh {
     pub vertices: Vec<DVec3>,
     /// Vertex indices of each triangle, 0-based.
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// Most nodes, vertices or elements accepted in one mesh; larger declared counts are refused before allocating.
+pub const MAX_COUNT: usize = 5_000_000;
+
+impl TetMesh {
+    /// Corner positions of tetrahedron `t`, m. `t` must be a valid tetrahedron of a mesh with valid indices.
+    pub fn corners(&self, t: usize) -> [DVec3; 4] {
+        self.tets[t].map(|i| self.nodes[i as usize])
+    }
+}
+
+impl TriMesh {
+    /// Corner positions of triangle `t`, m. `t` must be a valid triangle of a mesh with valid indices.
+    pub fn corners(&self, t: usize) -> [DVec3; 3] {
+        self.triangles[t].map(|i| self.vertices[i as usize])
+    }
+}
+
+/// Signed volume of a tetrahedron `(b-a) x (c-a) . (d-a) / 6`, m^3.
+pub fn signed_volume([a, b, c, d]: [DVec3; 4]) -> f64 {
+    (b - a).cross(c - a).dot(d - a) / 6.0
+}
+
+/// `p` as text for messages, in metres.
+pub(crate) fn show(p: DVec3) -> String {
+    format!("({:.6}, {:.6}, {:.6}) m", p.x, p.y, p.z)
 }

@@ -1,0 +1,109 @@
+//! Reading and writing mesh files, chosen by extension. SI: coordinates are taken as metres, as they stand.
+
+mod gmsh;
+mod medit;
+mod obj;
+mod stl;
+mod tet;
+pub(crate) mod text;
+mod write;
+
+use std::fs;
+use std::io::Read;
+use std::path::Path;
+
+pub use write::{write_obj, write_stl, write_tet};
+
+use crate::error::{Error, Result};
+use crate::mesh::{TetMesh, TriMesh, clean, topology};
+
+/// Largest file read, bytes.
+const MAX_BYTES: u64 = 1 << 31;
+
+/// Reads a tetrahedral mesh and repairs it with [`clean::repair`]: `.tet` (Isaac Gym), `.msh` (gmsh ASCII 2.2 or 4.1)
+/// or `.mesh` (Medit ASCII). Returns the mesh (m) and notices about everything that was changed or left out.
+///
+/// Errors: missing file, unknown extension, binary content, bad number, index or column count (with line and column),
+/// empty mesh, more than [`crate::mesh::MAX_COUNT`] nodes; and those of [`clean::repair`], with the file's name.
+pub fn read_tet_mesh(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>)> {
+    let path = path.as_ref();
+    let (mut mesh, mut notices) = read_tet_mesh_raw(path)?;
+    let repaired = clean::repair(&mut mesh).map_err(|e| Error::file(path, e.to_string()))?;
+    notices.extend(repaired.into_iter().map(|n| format!("{}: {n}", path.display())));
+    Ok((mesh, notices))
+}
+
+/// Like [`read_tet_mesh`] without the repair: nodes and tetrahedra in the order and winding of the file, indices valid
+/// and coordinates finite. For files that come with lists of node numbers.
+///
+/// Errors: those of [`read_tet_mesh`] that concern the file and not the geometry.
+pub fn read_tet_mesh_raw(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>)> {
+    let path = path.as_ref();
+    let parse = match extension(path).as_str() {
+        "tet" => tet::parse,
+        "msh" => gmsh::parse,
+        "mesh" => medit::parse,
+        other => return Err(unknown(path, other, ".tet, .msh (gmsh ASCII), .mesh (Medit ASCII)")),
+    };
+    parse(path, &read_text(path)?)
+}
+
+/// Reads a triangle mesh and welds exactly equal vertices: `.obj` (all groups merged, polygons triangulated) or `.stl`
+/// (binary or ASCII). Returns the mesh (m) and notices. Whether it is closed is for [`topology::watertight`] to say.
+///
+/// Errors: missing file, unknown extension, bad content (with line and column where there is one), empty mesh.
+pub fn read_tri_mesh(path: impl AsRef<Path>) -> Result<(TriMesh, Vec<String>)> {
+    let path = path.as_ref();
+    let (mut mesh, mut notices) = match extension(path).as_str() {
+        "obj" => obj::parse(path, &read_text(path)?)?,
+        "stl" => (stl::parse(path, read_bytes(path)?)?, Vec::new()),
+        other => return Err(unknown(path, other, ".obj, .stl")),
+    };
+    // Every facet of an STL file repeats its corners: welding them is no news.
+    let news = extension(path) != "stl";
+    let welded = topology::weld(&mut mesh);
+    if news && welded.vertices > 0 {
+        notices.push(format!("{}: welded {} duplicate or unused vertices", path.display(), welded.vertices));
+    }
+    if welded.triangles > 0 {
+        notices.push(format!("{}: dropped {} triangles with a repeated vertex", path.display(), welded.triangles));
+    }
+    if mesh.triangles.is_empty() {
+        return Err(Error::file(path, "the mesh is empty: every triangle has a repeated vertex"));
+    }
+    Ok((mesh, notices))
+}
+
+/// The extension in lower case, empty if there is none.
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+fn unknown(path: &Path, extension: &str, allowed: &str) -> Error {
+    Error::file(path, format!("file type `.{}` is not read here; allowed: {allowed}", extension.escape_debug()))
+}
+
+/// All bytes of a regular file.
+fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    let failed = |e: std::io::Error| Error::file(path, format!("cannot be read: {e}"));
+    let meta = fs::metadata(path).map_err(failed)?;
+    if !meta.is_file() {
+        return Err(Error::file(path, "cannot be read: not a regular file"));
+    }
+    if meta.len() > MAX_BYTES {
+        return Err(Error::file(path, format!("{} bytes; at most {MAX_BYTES} are read", meta.len())));
+    }
+    let mut bytes = Vec::new();
+    fs::File::open(path).and_then(|f| f.take(MAX_BYTES).read_to_end(&mut bytes)).map_err(failed)?;
+    Ok(bytes)
+}
+
+/// A text file; a byte order mark is dropped, bytes that are not UTF-8 (old comments) are replaced.
+pub(crate) fn read_text(path: &Path) -> Result<String> {
+    let bytes = read_bytes(path)?;
+    if let Some(at) = bytes.iter().position(|b| *b == 0) {
+        return Err(Error::file(path, format!("binary content (a zero byte at offset {at}); a text file is needed")));
+    }
+    let text = String::from_utf8_lossy(&bytes);
+    Ok(text.strip_prefix('\u{feff}').unwrap_or(&text).to_owned())
+}
