@@ -29,7 +29,8 @@ pub(crate) struct Bvh {
 
 impl Bvh {
     pub fn new(mut facets: Vec<Facet>) -> Self {
-        let mut items: Vec<(Aabb, DVec3, u32)> = facets.iter().zip(0..).map(|(f, i)| (f.aabb(), f.aabb().center(), i)).collect();
+        let mut items: Vec<(Aabb, DVec3, u32)> =
+            facets.iter().zip(0..).map(|(f, i)| (f.aabb(), f.aabb().center(), i)).collect();
         let mut nodes = vec![Node { bounds: Aabb::EMPTY, first: 0, count: items.len() as u32 }];
         let mut todo = vec![(0_usize, 0_usize)];
         while let Some((at, depth)) = todo.pop() {

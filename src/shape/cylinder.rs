@@ -27,7 +27,7 @@ impl SignedDistance for Cylinder {
             return None;
         }
         let radial = DVec3::new(q.x, q.y, 0.0).try_normalize().unwrap_or(DVec3::X);
-        let axial = DVec3::Z.copysign(DVec3::splat(q.z)) * DVec3::Z;
+        let axial = DVec3::Z * 1.0_f64.copysign(q.z);
         let (distance, normal, curvature) = if s > 0.0 && e > 0.0 {
             let d = s.hypot(e);
             (d, (s * radial + e * axial) / d, DMat3::ZERO)

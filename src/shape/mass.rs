@@ -74,8 +74,7 @@ impl MassProperties {
             let flat = a * a / 12.0;
             let core = a * b * c * flat;
             let slabs = 2.0 * b * c * ((h + r).powi(3) - h.powi(3)) / 3.0 + 2.0 * r * a * (b + c) * flat;
-            let edges = disc * a * flat
-                + (b + c) * (h * h * disc + a * 4.0 / 3.0 * r.powi(3) + PI * r.powi(4) / 4.0);
+            let edges = disc * a * flat + (b + c) * (h * h * disc + a * 4.0 / 3.0 * r.powi(3) + PI * r.powi(4) / 4.0);
             let corners = h * h * ball + a * PI * r.powi(4) / 2.0 + 4.0 / 15.0 * PI * r.powi(5);
             core + slabs + edges + corners
         };

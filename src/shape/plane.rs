@@ -16,7 +16,9 @@ impl Plane {
     pub fn new(point: DVec3, normal: DVec3) -> Result<Self> {
         match normal.try_normalize() {
             Some(n) if point.is_finite() => Ok(Self { normal: n, offset: n.dot(point) }),
-            _ => Err(Error::Mesh(format!("plane: point {point} and normal {normal} must be finite, the normal not zero"))),
+            _ => Err(Error::Mesh(format!(
+                "plane: point {point} and normal {normal} must be finite, the normal not zero"
+            ))),
         }
     }
 }

@@ -33,7 +33,9 @@ impl Profile {
     pub fn new(shape: &str, mut points: Vec<DVec2>, closed: bool) -> Result<Self> {
         let n = points.len();
         let most = 1e3;
-        require(shape, (3..=MAX_POINTS).contains(&n), || format!("the profile has {n} points; it must have 3 to {MAX_POINTS}"))?;
+        require(shape, (3..=MAX_POINTS).contains(&n), || {
+            format!("the profile has {n} points; it must have 3 to {MAX_POINTS}")
+        })?;
         for (i, p) in points.iter().enumerate() {
             let fits = p.is_finite() && p.abs().max_element() <= most;
             require(shape, fits, || format!("profile point {i} is {p}; it must be finite and within {most} m"))?;
@@ -56,7 +58,9 @@ impl Profile {
                     continue;
                 }
                 let cross = crossing(points[i], points[i + 1], points[j], points[(j + 1) % n]);
-                require(shape, !cross, || format!("the profile crosses itself near ({}, {}) m", points[i].x, points[i].y))?;
+                require(shape, !cross, || {
+                    format!("the profile crosses itself near ({}, {}) m", points[i].x, points[i].y)
+                })?;
             }
         }
         let ends = |i: usize| (points[i], points[(i + 1) % n]);

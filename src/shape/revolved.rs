@@ -47,8 +47,7 @@ impl SignedDistance for Revolved {
         }
         let radial = DVec3::new(q.x, q.y, 0.0).try_normalize().unwrap_or(DVec3::X);
         let around = DVec3::new(-radial.y, radial.x, 0.0);
-        let curvature =
-            if p.smooth && flat.x > 1e-12 { outer(around) * (p.normal.x / flat.x) } else { DMat3::ZERO };
+        let curvature = if p.smooth && flat.x > 1e-12 { outer(around) * (p.normal.x / flat.x) } else { DMat3::ZERO };
         Some(Closest { distance: p.distance, normal: p.normal.x * radial + p.normal.y * DVec3::Z, curvature })
     }
 

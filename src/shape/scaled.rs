@@ -18,7 +18,11 @@ impl SignedDistance for Scaled {
 
     fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
         let c = self.inner.closest(q / self.factor, max / self.factor)?;
-        Some(Closest { distance: self.factor * c.distance, normal: c.normal, curvature: c.curvature * self.factor.recip() })
+        Some(Closest {
+            distance: self.factor * c.distance,
+            normal: c.normal,
+            curvature: c.curvature * self.factor.recip(),
+        })
     }
 
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {

@@ -60,17 +60,25 @@ fn check_indices(mesh: &TriMesh) -> Result<()> {
         return Err(Error::Mesh("the object's mesh has no triangles; it must be a closed surface".into()));
     }
     if mesh.triangles.len() > (1 << 24) {
-        let message = format!("the object's mesh has {} triangles; at most 16777216 are handled: simplify it", mesh.triangles.len());
+        let message = format!(
+            "the object's mesh has {} triangles; at most 16777216 are handled: simplify it",
+            mesh.triangles.len()
+        );
         return Err(Error::Mesh(message));
     }
     if let Some(v) = mesh.vertices.iter().position(|p| !p.is_finite() || p.abs().max_element() > 1e3) {
         let p = mesh.vertices[v];
-        let message = format!("vertex {v} of the object's mesh is at {p}; coordinates must be finite and within 1000 m, in metres");
+        let message = format!(
+            "vertex {v} of the object's mesh is at {p}; coordinates must be finite and within 1000 m, in metres"
+        );
         return Err(Error::Mesh(message));
     }
     for (t, corners) in mesh.triangles.iter().enumerate() {
         if let Some(v) = corners.iter().find(|&&v| v as usize >= mesh.vertices.len()) {
-            let message = format!("triangle {t} of the object's mesh uses vertex {v}, but there are only {}", mesh.vertices.len());
+            let message = format!(
+                "triangle {t} of the object's mesh uses vertex {v}, but there are only {}",
+                mesh.vertices.len()
+            );
             return Err(Error::Mesh(message));
         }
     }
@@ -127,7 +135,11 @@ fn pair_edges(mesh: &TriMesh) -> Result<(Vec<Edge>, Vec<[u32; 3]>)> {
     };
     refuse(&open, "is open (an edge has one triangle only)", "fill the holes, or weld vertices that are repeated")?;
     refuse(&crowded, "has edges of more than two triangles", "separate the parts that touch along an edge")?;
-    refuse(&twisted, "is not wound consistently (both triangles of an edge run the same way)", "make all normals point outward")?;
+    refuse(
+        &twisted,
+        "is not wound consistently (both triangles of an edge run the same way)",
+        "make all normals point outward",
+    )?;
     Ok((edges, triangle_edges))
 }
 
