@@ -67,7 +67,7 @@ impl Bvh {
         loop {
             if at.count > 0 {
                 for i in at.first..at.first + at.count {
-                    let (d, _) = self.facets[i as usize].nearest(q);
+                    let (d, _) = self.facets[i as usize].nearest_within(q, best.0);
                     if d < best.0 {
                         best = (d, i);
                     }

@@ -50,16 +50,26 @@ impl Facet {
         Some(Self { origin: a, u, v, n, bx, cx: u.dot(c - a), cy: v.dot(c - a), triangle, turn: turn as u32 })
     }
 
-    /// Squared distance to the triangle, m2, and the part it is to.
+    /// Squared distance to the triangle, m2, and the part it is to. A point above an edge or corner counts as nearest to that.
     #[inline]
     pub fn nearest(&self, q: DVec3) -> (f64, Part) {
+        self.nearest_within(q, f64::INFINITY)
+    }
+
+    /// The same if the squared distance is below `limit`, m2; else it may be infinite.
+    #[inline]
+    pub fn nearest_within(&self, q: DVec3, limit: f64) -> (f64, Part) {
         let w = q - self.origin;
-        let (x, y, h) = (self.u.dot(w), self.v.dot(w), self.n.dot(w));
+        let h = self.n.dot(w);
+        let hh = h * h;
+        if hh >= limit {
+            return (f64::INFINITY, Part::Face);
+        }
+        let (x, y) = (self.u.dot(w), self.v.dot(w));
         let (bx, cx, cy) = (self.bx, self.cx, self.cy);
         let bc = cy * (x - bx) + (bx - cx) * y;
         let ca = cx * y - cy * x;
-        let hh = h * h;
-        if y >= 0.0 && bc <= 0.0 && ca <= 0.0 {
+        if y > 0.0 && bc < 0.0 && ca < 0.0 {
             return (hh, Part::Face);
         }
         let mut best = (f64::INFINITY, Part::Face);
@@ -77,13 +87,13 @@ impl Facet {
                 best = (d, part);
             }
         };
-        if y < 0.0 {
+        if y <= 0.0 {
             edge(0, x, y, bx, 0.0);
         }
-        if bc > 0.0 {
+        if bc >= 0.0 {
             edge(1, x - bx, y, cx - bx, cy);
         }
-        if ca > 0.0 {
+        if ca >= 0.0 {
             edge(2, x - cx, y - cy, -cx, -cy);
         }
         (best.0 + hh, best.1)

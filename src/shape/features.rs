@@ -83,9 +83,9 @@ impl Features {
         for (edge, &normal) in topology.edges.iter().zip(&topology.edge_normals) {
             let [l, r] = edge.triangles.map(|t| topology.normals[t as usize]);
             let [a, b] = edge.ends.map(|v| mesh.vertices[v as usize]);
-            // Around the edge from a to b, a convex dihedral turns from the left face's normal to the right's by -.
+            // Seen along the edge, with the left face on the left: over a ridge the normal turns from left to right.
             let angle = l.cross(r).length().atan2(l.dot(r));
-            let convex = l.cross(r).dot(b - a) < 0.0;
+            let convex = l.cross(r).dot(b - a) > 0.0;
             if convex && angle > SHARP {
                 edge.ends.iter().for_each(|&v| sharp[v as usize] = true);
                 sharp_edges.push(SharpEdge { a, b, normal, angle, round: false });

@@ -53,6 +53,8 @@ impl Profile {
         for i in 0..count {
             let short = points[i].distance(points[(i + 1) % n]) < 1e-9 * size;
             require(shape, !short, || format!("profile point near ({}, {}) m is repeated", points[i].x, points[i].y))?;
+        }
+        for i in 0..count {
             for j in i + 2..count {
                 if closed && i == 0 && j == n - 1 {
                     continue;
