@@ -3,6 +3,8 @@
 //! [`Shape`] bundles them; [`ShapeKind`] names every generated family, and [`Shape::from_mesh`] takes any closed mesh.
 //! All lengths are metres, in the object's own frame.
 
+#![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a value that is not a number must fail every test")]
+
 use glam::{DMat3, DVec3};
 
 mod aabb;
