@@ -184,6 +184,13 @@ fn meshes_that_bound_no_solid_are_refused_with_the_place() {
     let mut double = cube();
     double.triangles.extend(cube().triangles);
     assert!(refused(double).contains("has edges of more than two triangles"));
+    let sheet = TriMesh { vertices: cube().vertices, triangles: vec![[0, 1, 2], [0, 2, 1]] };
+    assert!(refused(sheet).contains("it is closed but encloses no volume"));
+    let mut spare = cube();
+    spare.vertices.insert(0, DVec3::splat(9.0));
+    spare.triangles.iter_mut().flatten().for_each(|v| *v += 1);
+    let spare = Shape::from_mesh(spare).unwrap();
+    assert_eq!((spare.surface.vertices.len(), spare.aabb.max), (8, DVec3::ONE));
     let mut inward = cube();
     inward.triangles.iter_mut().for_each(|t| t.swap(0, 1));
     let turned = Shape::from_mesh(inward).unwrap();

@@ -137,12 +137,12 @@ fn query_times() {
         let mut random = Random(9);
         let mut time = |what: &str, max: f64, mut point: Box<dyn FnMut(&mut Random) -> DVec3>| {
             let q: Vec<DVec3> = (0..20_000).map(|_| point(&mut random)).collect();
-            let mut found = 0;
-            let start = std::time::Instant::now();
-            for _ in 0..5 {
+            let (mut found, mut each) = (0, f64::INFINITY);
+            for _ in 0..8 {
+                let start = std::time::Instant::now();
                 found = q.iter().filter(|&&q| shape.distance.closest(q, max).is_some()).count();
+                each = each.min(start.elapsed().as_secs_f64() / 2e4 * 1e9);
             }
-            let each = start.elapsed().as_secs_f64() / 1e5 * 1e9;
             eprintln!("{name:14} {:5} triangles: {what:32} {each:7.0} ns ({found} found)", mesh.triangles.len());
         };
         let (low, high) = bounds(&mesh);

@@ -71,9 +71,13 @@ fn root(z: DVec3, gap: DVec3) -> f64 {
     if low == 0.0 && norm(0.0).0 <= 1.0 {
         return 0.0;
     }
-    let mut s = low;
+    // Next to the surface the root is next to t = 0, which is s = 1 in units of the shortest semi-axis.
+    let mut s = if low < 1.0 && 1.0 < high { 1.0 } else { low };
     for _ in 0..200 {
         let (n, slope) = norm(s);
+        if (n - 1.0).abs() <= 2.0 * f64::EPSILON {
+            return s;
+        }
         if n >= 1.0 {
             low = s;
         } else {

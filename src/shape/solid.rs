@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::mesh::TriMesh;
 use crate::shape::mesh_distance::MeshDistance;
-use crate::shape::params::length;
+use crate::shape::params::{length, require};
 use crate::shape::scaled::Scaled;
 use crate::shape::topology::Topology;
 use crate::shape::{Aabb, Features, Hit, MassProperties, SignedDistance};
@@ -33,9 +33,12 @@ pub struct Shape {
 
 impl Shape {
     /// An object whose surface is `mesh`: closed, consistently wound, without degenerate triangles, else refused with the first
-    /// place that is wrong. A mesh wound inside out is turned.
+    /// place that is wrong. A mesh wound inside out is turned; vertices that no triangle uses are dropped.
     pub fn from_mesh(mut mesh: TriMesh) -> Result<Self> {
         let mut topology = Topology::new(&mesh)?;
+        if drop_unused(&mut mesh) {
+            topology = Topology::new(&mesh)?;
+        }
         let mut mass = MassProperties::of_mesh(&mesh);
         if mass.volume < 0.0 {
             mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
@@ -44,6 +47,9 @@ impl Shape {
         }
         let aabb = Aabb::of(mesh.vertices.iter().copied());
         let bounding_radius = mesh.vertices.iter().fold(0.0, |r: f64, p| r.max(p.length()));
+        require("the object's mesh", mass.volume > 1e-12 * aabb.size().max_element().powi(3), || {
+            format!("it is closed but encloses no volume ({:e} m3)", mass.volume)
+        })?;
         let features = Arc::new(Features::of_mesh(&mesh, &topology));
         let surface = Arc::new(mesh);
         let distance = Arc::new(MeshDistance::with_topology(surface.clone(), topology));
@@ -81,7 +87,7 @@ impl Shape {
 
     /// The object magnified by `factor` about its origin.
     pub fn scaled(&self, factor: f64) -> Result<Self> {
-        crate::shape::params::require(&self.name, factor > 0.0 && factor.is_finite(), || {
+        require(&self.name, factor > 0.0 && factor.is_finite(), || {
             format!("the scale is {factor}; it must be positive and finite")
         })?;
         length(&self.name, "the scaled size", factor * self.bounding_radius)?;
@@ -117,4 +123,25 @@ impl Shape {
     pub fn extent(&self, direction: DVec3) -> (f64, f64) {
         (self.support(-direction).dot(direction), self.support(direction).dot(direction))
     }
+}
+
+/// Removes vertices that no triangle uses; whether there were any.
+fn drop_unused(mesh: &mut TriMesh) -> bool {
+    let mut used = vec![false; mesh.vertices.len()];
+    mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+    if used.iter().all(|&u| u) {
+        return false;
+    }
+    let mut next = 0;
+    let place: Vec<u32> = used
+        .iter()
+        .map(|&u| {
+            next += u32::from(u);
+            next.wrapping_sub(1)
+        })
+        .collect();
+    mesh.triangles.iter_mut().flatten().for_each(|v| *v = place[*v as usize]);
+    let mut keep = used.iter();
+    mesh.vertices.retain(|_| keep.next() == Some(&true));
+    true
 }
