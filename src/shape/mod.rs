@@ -1,6 +1,43 @@
-//! Rigid object shapes: exact signed distance, surface mesh, mass properties.
+//! Rigid object shapes: exact signed distance, surface mesh, mass properties, sharp features, rays.
+//!
+//! [`Shape`] bundles them; [`ShapeKind`] names every generated family, and [`Shape::from_mesh`] takes any closed mesh.
+//! All lengths are metres, in the object's own frame.
+
+#![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a value that is not a number must fail every test")]
 
 use glam::{DMat3, DVec3};
+
+mod aabb;
+mod bvh;
+pub mod capsule;
+pub mod cuboid;
+pub mod cylinder;
+pub mod ellipsoid;
+mod facet;
+mod family;
+pub mod features;
+pub mod generate;
+mod lattice;
+pub mod mass;
+pub mod mesh_distance;
+mod params;
+pub mod plane;
+pub mod polygon;
+mod ray;
+pub mod revolved;
+mod scaled;
+mod solid;
+pub mod sphere;
+mod topology;
+
+pub use aabb::Aabb;
+pub use family::ShapeKind;
+pub use features::{FeaturePoint, Features, SharpEdge};
+pub use mass::MassProperties;
+pub use mesh_distance::MeshDistance;
+pub use params::{DEFAULT_SEGMENTS, MAX_SEGMENTS, MIN_SEGMENTS};
+pub use ray::{Hit, trace, trace_convex};
+pub use solid::Shape;
 
 /// The closest surface point of a query point `q`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,4 +58,18 @@ pub trait SignedDistance: Send + Sync + std::fmt::Debug {
     fn distance(&self, q: DVec3) -> f64;
     /// Closest point data if the signed distance at `q` is below `max`, else None.
     fn closest(&self, q: DVec3, max: f64) -> Option<Closest>;
+    /// Where the ray from `origin` along `direction` (any length > 0) first enters the object, at `t >= 0` metres.
+    /// None if it misses, starts inside and never re-enters, or is not finite. Default: sphere tracing.
+    fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        trace(self, origin, direction)
+    }
+    /// A point of the surface farthest along `direction`, m, where it is known in closed form.
+    fn support(&self, _direction: DVec3) -> Option<DVec3> {
+        None
+    }
+}
+
+/// `n n^T`, the projection onto the unit vector `n`.
+pub(crate) fn outer(n: DVec3) -> DMat3 {
+    DMat3::from_cols(n * n.x, n * n.y, n * n.z)
 }

@@ -1,0 +1,156 @@
+//! Vertices and sharp edges of an object, to be held against the faces of a pad that is coarser than they are.
+
+use crate::mesh::TriMesh;
+use crate::shape::polygon::Profile;
+use crate::shape::topology::Topology;
+use glam::{DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// An edge is sharp if its two faces' normals differ by more than this, rad (20 degrees).
+pub const SHARP: f64 = 20.0 / 180.0 * std::f64::consts::PI;
+
+/// A point of the surface that may press into a pad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeaturePoint {
+    /// Position, m.
+    pub position: DVec3,
+    /// Unit outward pseudo-normal.
+    pub normal: DVec3,
+    /// Whether a sharp convex edge or tip passes through it.
+    pub sharp: bool,
+}
+
+/// A convex edge whose faces' normals differ by more than [`SHARP`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SharpEdge {
+    /// One end, m.
+    pub a: DVec3,
+    /// The other end, m.
+    pub b: DVec3,
+    /// Unit mean of the two faces' normals at `a`.
+    pub normal: DVec3,
+    /// Angle between the two faces' normals, rad.
+    pub angle: f64,
+    /// An arc about the z axis (the rim of a round object) rather than a straight line.
+    pub round: bool,
+}
+
+impl SharpEdge {
+    /// Length, m; of the chord, for an arc.
+    pub fn length(&self) -> f64 {
+        self.a.distance(self.b)
+    }
+
+    /// The point at `t` in 0..=1, on the edge itself also if that is an arc.
+    pub fn point(&self, t: f64) -> FeaturePoint {
+        let mut position = self.a.lerp(self.b, t);
+        let mut normal = self.normal;
+        if self.round {
+            let flat = DVec2::new(self.a.x, self.a.y);
+            let chord = DVec2::new(position.x, position.y).normalize_or(DVec2::X);
+            let tilt = normal.dot(DVec3::new(flat.x, flat.y, 0.0).normalize_or(DVec3::X));
+            position = (chord * flat.length()).extend(position.z);
+            normal = (chord * tilt).extend(normal.z).normalize_or(normal);
+        }
+        FeaturePoint { position, normal, sharp: true }
+    }
+}
+
+/// The features of an object: nothing, for one that is smooth everywhere.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Features {
+    /// All vertices of an object that is a mesh, the sharp corners of one that is not.
+    pub vertices: Vec<FeaturePoint>,
+    /// Sharp convex edges; a rim is a closed chain of arcs.
+    pub sharp_edges: Vec<SharpEdge>,
+}
+
+impl Features {
+    /// The vertices, then points on the sharp edges between their ends such that neighbours are at most `spacing` m apart
+    /// (no points on edges if it is not positive; at most 10,000 points an edge). No point occurs twice.
+    pub fn sample(&self, spacing: f64) -> Vec<FeaturePoint> {
+        let mut points = self.vertices.clone();
+        for edge in &self.sharp_edges {
+            let parts = if spacing > 0.0 { (edge.length() / spacing).ceil().min(1e4) as u32 } else { 1 };
+            points.extend((1..parts).map(|i| edge.point(f64::from(i) / f64::from(parts))));
+        }
+        points
+    }
+
+    pub(crate) fn of_mesh(mesh: &TriMesh, topology: &Topology) -> Self {
+        let mut sharp = vec![false; mesh.vertices.len()];
+        let mut sharp_edges = Vec::new();
+        for (edge, &normal) in topology.edges.iter().zip(&topology.edge_normals) {
+            let [l, r] = edge.triangles.map(|t| topology.normals[t as usize]);
+            let [a, b] = edge.ends.map(|v| mesh.vertices[v as usize]);
+            // Seen along the edge, with the left face on the left: over a ridge the normal turns from left to right.
+            let angle = l.cross(r).length().atan2(l.dot(r));
+            let convex = l.cross(r).dot(b - a) > 0.0;
+            if convex && angle > SHARP {
+                edge.ends.iter().for_each(|&v| sharp[v as usize] = true);
+                sharp_edges.push(SharpEdge { a, b, normal, angle, round: false });
+            }
+        }
+        mark_tips(mesh, topology, &mut sharp);
+        let used = |v: &usize| topology.vertex_normals[*v] != DVec3::ZERO;
+        let vertices = (0..mesh.vertices.len())
+            .filter(used)
+            .map(|v| FeaturePoint { position: mesh.vertices[v], normal: topology.vertex_normals[v], sharp: sharp[v] })
+            .collect();
+        Self { vertices, sharp_edges }
+    }
+
+    /// The rims of a round solid, each in `segments` arcs, and its tips on the axis.
+    pub(crate) fn of_profile(profile: &Profile, segments: u32) -> Self {
+        let mut features = Self::default();
+        for (i, &p) in profile.points().iter().enumerate() {
+            let (before, after) = profile.around(i);
+            let turn = before.perp_dot(after).atan2(before.dot(after));
+            if turn <= SHARP {
+                continue;
+            }
+            let normal = (before + after).try_normalize().unwrap_or(after);
+            if p.x == 0.0 {
+                let position = DVec3::new(0.0, 0.0, p.y);
+                features.vertices.push(FeaturePoint { position, normal: DVec3::Z * normal.y.signum(), sharp: true });
+                continue;
+            }
+            let ring = |k: u32| {
+                let (sin, cos) = (TAU * f64::from(k % segments) / f64::from(segments)).sin_cos();
+                (DVec3::new(p.x * cos, p.x * sin, p.y), DVec3::new(normal.x * cos, normal.x * sin, normal.y))
+            };
+            for k in 0..segments {
+                let ((a, n), (b, _)) = (ring(k), ring(k + 1));
+                features.vertices.push(FeaturePoint { position: a, normal: n, sharp: true });
+                features.sharp_edges.push(SharpEdge { a, b, normal: n, angle: turn, round: true });
+            }
+        }
+        features
+    }
+
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        scaled.vertices.iter_mut().for_each(|v| v.position *= factor);
+        scaled.sharp_edges.iter_mut().for_each(|e| (e.a, e.b) = (factor * e.a, factor * e.b));
+        scaled
+    }
+}
+
+/// The tip of a finely faceted cone has no sharp edge: a convex vertex is also sharp if a face there leans away from the
+/// pseudo-normal by more than [`SHARP`].
+fn mark_tips(mesh: &TriMesh, topology: &Topology, sharp: &mut [bool]) {
+    let mut leans = vec![false; sharp.len()];
+    let mut convex = vec![true; sharp.len()];
+    for (t, corners) in mesh.triangles.iter().enumerate() {
+        for i in 0..3 {
+            let v = corners[i] as usize;
+            let n = topology.vertex_normals[v];
+            leans[v] |= n.dot(topology.normals[t]) < SHARP.cos();
+            let along = mesh.vertices[corners[(i + 1) % 3] as usize] - mesh.vertices[v];
+            convex[v] &= n.dot(along) < 0.0;
+        }
+    }
+    for v in 0..sharp.len() {
+        sharp[v] |= leans[v] && convex[v];
+    }
+}

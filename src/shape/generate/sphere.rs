@@ -1,0 +1,16 @@
+//! Spheres.
+
+use crate::error::Result;
+use crate::shape::params::{length, segments as turn};
+use crate::shape::sphere::Sphere;
+use crate::shape::{Features, MassProperties, Shape, generate::icosphere};
+use glam::DVec3;
+
+/// A sphere; radius in m.
+pub fn sphere(radius: f64, segments: u32) -> Result<Shape> {
+    length("sphere", "radius", radius)?;
+    let mut mesh = icosphere(turn("sphere", segments)?);
+    mesh.vertices.iter_mut().for_each(|p| *p *= radius);
+    let mass = MassProperties::of_ellipsoid(DVec3::splat(radius));
+    Ok(Shape::closed_form("sphere", Sphere { radius }, mesh, Features::default(), mass, radius))
+}

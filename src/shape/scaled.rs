@@ -1,0 +1,36 @@
+//! A shape, uniformly scaled.
+
+use crate::shape::{Closest, Hit, SignedDistance};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// `inner` magnified by `factor` about the origin: `d(q) = factor * inner(q / factor)`.
+#[derive(Debug)]
+pub(crate) struct Scaled {
+    pub inner: Arc<dyn SignedDistance>,
+    pub factor: f64,
+}
+
+impl SignedDistance for Scaled {
+    fn distance(&self, q: DVec3) -> f64 {
+        self.factor * self.inner.distance(q / self.factor)
+    }
+
+    fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
+        let c = self.inner.closest(q / self.factor, max / self.factor)?;
+        Some(Closest {
+            distance: self.factor * c.distance,
+            normal: c.normal,
+            curvature: c.curvature * self.factor.recip(),
+        })
+    }
+
+    fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        let hit = self.inner.ray(origin / self.factor, direction)?;
+        Some(Hit { t: self.factor * hit.t, normal: hit.normal })
+    }
+
+    fn support(&self, direction: DVec3) -> Option<DVec3> {
+        Some(self.factor * self.inner.support(direction)?)
+    }
+}

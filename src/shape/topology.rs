@@ -1,0 +1,148 @@
+//! Edges of a triangle mesh, whether it is closed and consistently wound, and its pseudo-normals.
+
+use crate::error::{Error, Result};
+use crate::mesh::TriMesh;
+use glam::DVec3;
+
+/// An edge between two triangles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Edge {
+    /// End vertices; the left triangle runs from `ends[0]` to `ends[1]`.
+    pub ends: [u32; 2],
+    /// The left and the right triangle.
+    pub triangles: [u32; 2],
+}
+
+/// What a closed, oriented mesh knows about its neighbourhoods.
+#[derive(Debug, Clone)]
+pub(crate) struct Topology {
+    pub edges: Vec<Edge>,
+    /// Edge `i` of a triangle runs from its corner `i` to its corner `i + 1`.
+    pub triangle_edges: Vec<[u32; 3]>,
+    /// Unit outward normal of each triangle.
+    pub normals: Vec<DVec3>,
+    /// Unit pseudo-normal of each edge: the mean of its two triangles' normals.
+    pub edge_normals: Vec<DVec3>,
+    /// Unit angle-weighted pseudo-normal of each vertex (Baerentzen and Aanaes 2005, "Signed distance computation
+    /// using the angle weighted pseudonormal", eq. 1). Zero for a vertex no triangle uses.
+    pub vertex_normals: Vec<DVec3>,
+}
+
+impl Topology {
+    /// Refuses a mesh that does not bound a solid, naming the first place where it fails.
+    pub fn new(mesh: &TriMesh) -> Result<Self> {
+        check_indices(mesh)?;
+        let normals = (0..mesh.triangles.len()).map(|t| normal(mesh, t)).collect::<Result<Vec<_>>>()?;
+        let (edges, triangle_edges) = pair_edges(mesh)?;
+        let edge_normals = edges
+            .iter()
+            .map(|e| {
+                let [a, b] = e.triangles.map(|t| normals[t as usize]);
+                (a + b).try_normalize().unwrap_or(a)
+            })
+            .collect();
+        let mut vertex_normals = vec![DVec3::ZERO; mesh.vertices.len()];
+        for (t, corners) in mesh.triangles.iter().enumerate() {
+            let p = corners.map(|v| mesh.vertices[v as usize]);
+            for i in 0..3 {
+                let (a, b) = (p[(i + 1) % 3] - p[i], p[(i + 2) % 3] - p[i]);
+                let angle = a.cross(b).length().atan2(a.dot(b));
+                vertex_normals[corners[i] as usize] += angle * normals[t];
+            }
+        }
+        vertex_normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
+        Ok(Self { edges, triangle_edges, normals, edge_normals, vertex_normals })
+    }
+}
+
+fn check_indices(mesh: &TriMesh) -> Result<()> {
+    if mesh.triangles.is_empty() {
+        return Err(Error::Mesh("the object's mesh has no triangles; it must be a closed surface".into()));
+    }
+    if mesh.triangles.len() > (1 << 24) {
+        let message = format!(
+            "the object's mesh has {} triangles; at most 16777216 are handled: simplify it",
+            mesh.triangles.len()
+        );
+        return Err(Error::Mesh(message));
+    }
+    if let Some(v) = mesh.vertices.iter().position(|p| !p.is_finite() || p.abs().max_element() > 1e3) {
+        let p = mesh.vertices[v];
+        let message = format!(
+            "vertex {v} of the object's mesh is at {p}; coordinates must be finite and within 1000 m, in metres"
+        );
+        return Err(Error::Mesh(message));
+    }
+    for (t, corners) in mesh.triangles.iter().enumerate() {
+        if let Some(v) = corners.iter().find(|&&v| v as usize >= mesh.vertices.len()) {
+            let message = format!(
+                "triangle {t} of the object's mesh uses vertex {v}, but there are only {}",
+                mesh.vertices.len()
+            );
+            return Err(Error::Mesh(message));
+        }
+    }
+    Ok(())
+}
+
+fn normal(mesh: &TriMesh, t: usize) -> Result<DVec3> {
+    let p = mesh.triangles[t].map(|v| mesh.vertices[v as usize]);
+    match crate::shape::facet::Facet::new(p, 0) {
+        Some(f) => Ok(f.n),
+        None => Err(Error::Mesh(format!(
+            "triangle {t} of the object's mesh, near {}, has no area; remove it or weld its vertices",
+            place(p[0])
+        ))),
+    }
+}
+
+fn pair_edges(mesh: &TriMesh) -> Result<(Vec<Edge>, Vec<[u32; 3]>)> {
+    // (smaller end, larger end, reversed, triangle, side): sorted, the two sides of an edge are neighbours.
+    let mut sides: Vec<(u32, u32, bool, u32, u8)> = Vec::with_capacity(3 * mesh.triangles.len());
+    for (t, c) in mesh.triangles.iter().enumerate() {
+        for i in 0..3 {
+            let (a, b) = (c[i], c[(i + 1) % 3]);
+            sides.push((a.min(b), a.max(b), a > b, t as u32, i as u8));
+        }
+    }
+    sides.sort_unstable();
+    let mut edges = Vec::with_capacity(sides.len() / 2);
+    let mut triangle_edges = vec![[0; 3]; mesh.triangles.len()];
+    let (mut open, mut twisted, mut crowded) = (Vec::new(), Vec::new(), Vec::new());
+    for group in sides.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
+        let ends = [group[0].0, group[0].1];
+        match group {
+            [_] => open.push(ends),
+            [left, right] if left.2 != right.2 => {
+                for side in group {
+                    triangle_edges[side.3 as usize][side.4 as usize] = edges.len() as u32;
+                }
+                edges.push(Edge { ends, triangles: [left.3, right.3] });
+            }
+            [_, _] => twisted.push(ends),
+            _ => crowded.push(ends),
+        }
+    }
+    let refuse = |found: &[[u32; 2]], what: &str, cure: &str| match found.first() {
+        None => Ok(()),
+        Some([a, b]) => Err(Error::Mesh(format!(
+            "the object's mesh {what}: {} such edge{}, the first from vertex {a} at {} to vertex {b} at {}; {cure}",
+            found.len(),
+            if found.len() == 1 { "" } else { "s" },
+            place(mesh.vertices[*a as usize]),
+            place(mesh.vertices[*b as usize]),
+        ))),
+    };
+    refuse(&open, "is open (an edge has one triangle only)", "fill the holes, or weld vertices that are repeated")?;
+    refuse(&crowded, "has edges of more than two triangles", "separate the parts that touch along an edge")?;
+    refuse(
+        &twisted,
+        "is not wound consistently (both triangles of an edge run the same way)",
+        "make all normals point outward",
+    )?;
+    Ok((edges, triangle_edges))
+}
+
+fn place(p: DVec3) -> String {
+    format!("({:.6}, {:.6}, {:.6}) m", p.x, p.y, p.z)
+}
