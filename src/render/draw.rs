@@ -1,0 +1,83 @@
+//! Lines, boxes and arrows on a pixmap, coordinates in pixels from the top left.
+
+use tiny_skia::{Color, FillRule, LineCap, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform};
+
+/// Red, green, blue in 0..=255.
+pub type Rgb = [u8; 3];
+
+/// Text and axes.
+pub const INK: Rgb = [38, 42, 51];
+/// Secondary text.
+pub const MUTED: Rgb = [106, 114, 128];
+/// Grid lines and frames.
+pub const LINE: Rgb = [196, 201, 209];
+/// Background of the page.
+pub const PAPER: Rgb = [252, 252, 250];
+
+/// Paint of one colour; `alpha` in 0..=1.
+pub fn paint(rgb: Rgb, alpha: f32) -> Paint<'static> {
+    let mut paint = Paint { anti_alias: true, ..Paint::default() };
+    paint.set_color_rgba8(rgb[0], rgb[1], rgb[2], (alpha.clamp(0.0, 1.0) * 255.0) as u8);
+    paint
+}
+
+/// Fills the whole pixmap.
+pub fn clear(pixmap: &mut Pixmap, rgb: Rgb) {
+    pixmap.fill(Color::from_rgba8(rgb[0], rgb[1], rgb[2], 255));
+}
+
+/// A straight line through `points`.
+pub fn polyline(pixmap: &mut Pixmap, points: &[(f32, f32)], width: f32, rgb: Rgb, alpha: f32) {
+    let mut builder = PathBuilder::new();
+    for (i, &(x, y)) in points.iter().enumerate() {
+        if i == 0 { builder.move_to(x, y) } else { builder.line_to(x, y) }
+    }
+    if let Some(path) = builder.finish() {
+        let stroke = Stroke { width, line_cap: LineCap::Round, ..Stroke::default() };
+        pixmap.stroke_path(&path, &paint(rgb, alpha), &stroke, Transform::identity(), None);
+    }
+}
+
+/// An arrow from `from` to `to` with a filled head, `width` wide.
+pub fn arrow(pixmap: &mut Pixmap, from: (f32, f32), to: (f32, f32), width: f32, rgb: Rgb) {
+    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+    let length = dx.hypot(dy);
+    if !(length.is_finite() && length > 0.5) {
+        return;
+    }
+    let (ux, uy) = (dx / length, dy / length);
+    let head = (4.0 * width).min(0.6 * length);
+    let neck = (to.0 - head * ux, to.1 - head * uy);
+    polyline(pixmap, &[from, neck], width, rgb, 1.0);
+    let half = 0.45 * head;
+    let corners = [to, (neck.0 - half * uy, neck.1 + half * ux), (neck.0 + half * uy, neck.1 - half * ux)];
+    fill(pixmap, &corners, rgb);
+}
+
+/// A filled polygon.
+pub fn fill(pixmap: &mut Pixmap, points: &[(f32, f32)], rgb: Rgb) {
+    if let Some(path) = closed(points) {
+        pixmap.fill_path(&path, &paint(rgb, 1.0), FillRule::Winding, Transform::identity(), None);
+    }
+}
+
+/// The frame of a box.
+pub fn frame(pixmap: &mut Pixmap, x: f32, y: f32, w: f32, h: f32, rgb: Rgb) {
+    polyline(pixmap, &[(x, y), (x + w, y), (x + w, y + h), (x, y + h), (x, y)], 1.0, rgb, 1.0);
+}
+
+/// A filled box.
+pub fn rectangle(pixmap: &mut Pixmap, x: f32, y: f32, w: f32, h: f32, rgb: Rgb) {
+    if let Some(rect) = Rect::from_xywh(x, y, w, h) {
+        pixmap.fill_rect(rect, &paint(rgb, 1.0), Transform::identity(), None);
+    }
+}
+
+fn closed(points: &[(f32, f32)]) -> Option<Path> {
+    let mut builder = PathBuilder::new();
+    for (i, &(x, y)) in points.iter().enumerate() {
+        if i == 0 { builder.move_to(x, y) } else { builder.line_to(x, y) }
+    }
+    builder.close();
+    builder.finish()
+}
