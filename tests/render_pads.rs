@@ -7,7 +7,7 @@ use synthetic::{frame, pad, pads, sphere};
 use tactus::render::{HEIGHT, Pixmap, Scalar, Style, WIDTH, colormap, encode, render_pads, save};
 
 /// Centre of the drawing of the left pad: see the layout in `src/render/pads.rs`.
-const LEFT_CENTER: (u32, u32) = (264, 272);
+const LEFT_CENTER: (u32, u32) = (209, 272);
 
 fn rgb(picture: &Pixmap, at: (u32, u32)) -> [f32; 3] {
     let pixel = picture.pixel(at.0, at.1).expect("inside");
@@ -22,7 +22,8 @@ fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
 fn the_middle_of_the_bump_is_hot_and_the_rim_is_cold() {
     let pads = vec![pad([12, 14, 3], true); 2];
     let style = Style { markers: false, title: "sphere, grasp 000".into(), ..Style::default() };
-    let picture = render_pads(&pads, &frame(&pads, 49, 1e-3), Some(&sphere(48, synthetic::RADIUS)), &style).expect("drawn");
+    let picture =
+        render_pads(&pads, &frame(&pads, 49, 1e-3), Some(&sphere(48, synthetic::RADIUS)), &style).expect("drawn");
     assert_eq!((picture.width(), picture.height()), (WIDTH, HEIGHT));
     assert!(distance(rgb(&picture, LEFT_CENTER), colormap::color(1.0)) < 12.0, "{:?}", rgb(&picture, LEFT_CENTER));
     let rim = (LEFT_CENTER.0, LEFT_CENTER.1 - 118);
@@ -58,7 +59,10 @@ fn odd_inputs_are_drawn_or_refused_never_a_panic() {
     assert!(render_pads(&good, &frame(&good, 0, 1e-3), None, &unfit).is_err());
     let mut flat = good.clone();
     flat[0].rest.iter_mut().for_each(|p| *p = glam::DVec3::ZERO);
-    assert!(render_pads(&flat, &frame(&flat, 0, 1e-3), None, &style).is_ok(), "a collapsed pad has no face but no panic");
+    assert!(
+        render_pads(&flat, &frame(&flat, 0, 1e-3), None, &style).is_ok(),
+        "a collapsed pad has no face but no panic"
+    );
     let mut far = frame(&good, 0, 1e-3);
     far.pads[0].position[0] = glam::DVec3::splat(1e300);
     let _ = render_pads(&good, &far, None, &style);
@@ -71,6 +75,7 @@ fn example_picture() {
     let Some(path) = std::env::var_os("TACTUS_PICTURE") else { return };
     let pads = vec![pad([12, 14, 4], true); 2];
     let style = Style { title: "sphere r = 18 mm, grasp 003".into(), ..Style::default() };
-    let picture = render_pads(&pads, &frame(&pads, 49, 1e-3), Some(&sphere(64, synthetic::RADIUS)), &style).expect("drawn");
+    let picture =
+        render_pads(&pads, &frame(&pads, 49, 1e-3), Some(&sphere(64, synthetic::RADIUS)), &style).expect("drawn");
     save(&picture, std::path::Path::new(&path)).expect("saved");
 }

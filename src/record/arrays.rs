@@ -57,7 +57,10 @@ impl Arrays {
     pub fn new(path: PathBuf, topologies: &[PadTopology]) -> Result<Self> {
         let width = topologies.first().map_or(4, |t| t.elements.width());
         if topologies.iter().any(|t| t.elements.width() != width) {
-            return Err(Error::file(path, "linear and quadratic pads do not fit one `tets` array; switch off the arrays"));
+            return Err(Error::file(
+                path,
+                "linear and quadratic pads do not fit one `tets` array; switch off the arrays",
+            ));
         }
         let mut arrays = Arrays {
             path,

@@ -56,11 +56,9 @@ pub fn frame(topologies: &[PadTopology], frame: &Frame) -> Verdict {
 
 fn pad_frame(name: &str, pad: &PadFrame, topology: &PadTopology) -> Verdict {
     let (nodes, tets) = (topology.rest.len(), topology.elements.len());
-    for (field, values) in [
-        ("position", &pad.position),
-        ("displacement", &pad.displacement),
-        ("contact_force", &pad.contact_force),
-    ] {
+    for (field, values) in
+        [("position", &pad.position), ("displacement", &pad.displacement), ("contact_force", &pad.contact_force)]
+    {
         length(name, field, values.len(), nodes, "nodes")?;
         vectors(name, field, values)?;
     }

@@ -32,7 +32,9 @@ pub fn create_dir(dir: &Path) -> Result<()> {
 /// An [`Error::File`] for a failed write with the likely remedy.
 pub fn cannot_write(path: &Path, error: &io::Error) -> Error {
     let remedy = match error.kind() {
-        ErrorKind::PermissionDenied => "you may not write there; choose another output directory or change its permissions",
+        ErrorKind::PermissionDenied => {
+            "you may not write there; choose another output directory or change its permissions"
+        }
         ErrorKind::ReadOnlyFilesystem => "the file system is mounted read-only; choose another output directory",
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
             "the disk or your quota is full; free space, record fewer frames, or switch off the vtu files or arrays"

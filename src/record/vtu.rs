@@ -83,7 +83,9 @@ impl Cells {
 
 fn begin(out: &mut String, points: usize, cells: usize) {
     out.push_str("<?xml version=\"1.0\"?>\n");
-    out.push_str("<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n");
+    out.push_str(
+        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n",
+    );
     // Writing to a String cannot fail.
     let _ = writeln!(out, "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">");
 }

@@ -40,18 +40,33 @@ pub fn polyline(pixmap: &mut Pixmap, points: &[(f32, f32)], width: f32, rgb: Rgb
 
 /// An arrow from `from` to `to` with a filled head, `width` wide.
 pub fn arrow(pixmap: &mut Pixmap, from: (f32, f32), to: (f32, f32), width: f32, rgb: Rgb) {
+    if let Some((neck, head)) = arrow_shape(from, to, width) {
+        polyline(pixmap, &[from, neck], width, rgb, 1.0);
+        fill(pixmap, &head, rgb);
+    }
+}
+
+/// An arrow with a thin dark rim, readable on any colour.
+pub fn rimmed_arrow(pixmap: &mut Pixmap, from: (f32, f32), to: (f32, f32), width: f32, rgb: Rgb) {
+    if let Some((neck, [a, b, c])) = arrow_shape(from, to, width) {
+        polyline(pixmap, &[from, neck], width + 1.6, INK, 0.75);
+        polyline(pixmap, &[a, b, c, a], 1.6, INK, 0.75);
+        arrow(pixmap, from, to, width, rgb);
+    }
+}
+
+/// Where the shaft ends, and the corners of the head; `None` if there is nothing to see.
+fn arrow_shape(from: (f32, f32), to: (f32, f32), width: f32) -> Option<((f32, f32), [(f32, f32); 3])> {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let length = dx.hypot(dy);
     if !(length.is_finite() && length > 0.5) {
-        return;
+        return None;
     }
     let (ux, uy) = (dx / length, dy / length);
-    let head = (4.0 * width).min(0.6 * length);
+    let head = (5.0 * width).min(0.6 * length);
     let neck = (to.0 - head * ux, to.1 - head * uy);
-    polyline(pixmap, &[from, neck], width, rgb, 1.0);
     let half = 0.45 * head;
-    let corners = [to, (neck.0 - half * uy, neck.1 + half * ux), (neck.0 + half * uy, neck.1 - half * ux)];
-    fill(pixmap, &corners, rgb);
+    Some((neck, [to, (neck.0 - half * uy, neck.1 + half * ux), (neck.0 + half * uy, neck.1 - half * ux)]))
 }
 
 /// A filled polygon.

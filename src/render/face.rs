@@ -2,7 +2,7 @@
 
 use super::colorbar::ticks;
 use super::colormap::{color, fraction};
-use super::draw::{INK, LINE, MUTED, arrow, frame, polyline};
+use super::draw::{INK, LINE, MUTED, frame, polyline, rimmed_arrow};
 use super::raster::{Raster, Vertex};
 use super::text::{Align, Label};
 use crate::record::{PadFrame, PadTopology};
@@ -112,9 +112,11 @@ impl<'a> Face<'a> {
             }
             for (i, j) in grid(low, high) {
                 let p = DVec2::new(i, j) * MARKER_SPACING;
-                let weights = [(c - b).perp_dot(p - b), (a - c).perp_dot(p - c), (b - a).perp_dot(p - a)].map(|w| w / area);
+                let weights =
+                    [(c - b).perp_dot(p - b), (a - c).perp_dot(p - c), (b - a).perp_dot(p - a)].map(|w| w / area);
                 if weights.iter().all(|&w| w >= 0.0) {
-                    let mean = |field: &[DVec3]| (0..3).map(|k| weights[k] * field[triangle[k] as usize]).sum::<DVec3>();
+                    let mean =
+                        |field: &[DVec3]| (0..3).map(|k| weights[k] * field[triangle[k] as usize]).sum::<DVec3>();
                     markers.push((mean(&self.nodes), mean(&self.displacement).truncate()));
                 }
             }
@@ -129,8 +131,7 @@ impl<'a> Face<'a> {
             let (x, y) = panel.pixel(at);
             let tip = (x + (shift.x * length) as f32, y - (shift.y * length) as f32);
             if shift.length() > 0.08 * longest {
-                arrow(page, (x, y), tip, 2.6, [30, 20, 50]);
-                arrow(page, (x, y), tip, 1.3, [255, 255, 255]);
+                rimmed_arrow(page, (x, y), tip, 1.3, [255, 255, 255]);
             }
         }
     }

@@ -34,7 +34,8 @@ mod tests {
 
     #[test]
     fn a_right_angle_stays_sharp_and_a_gentle_bend_is_smoothed() {
-        let bent = |z: f64| vec![DVec3::ZERO, DVec3::Y, DVec3::new(-1.0, 0.0, 0.0), DVec3::new((1.0 - z * z).sqrt(), 0.0, z)];
+        let bent =
+            |z: f64| vec![DVec3::ZERO, DVec3::Y, DVec3::new(-1.0, 0.0, 0.0), DVec3::new((1.0 - z * z).sqrt(), 0.0, z)];
         let triangles = [[0, 1, 2], [1, 0, 3]];
         let sharp = corner_normals(&bent(1.0), &triangles);
         assert!(sharp[0][0].dot(sharp[1][1]).abs() < 1e-12);

@@ -15,7 +15,7 @@ use std::path::Path;
 use tiny_skia::Pixmap;
 
 /// Left and right end of the face panels, pixels.
-const FACE_X: (f32, f32) = (64.0, 464.0);
+const FACE_X: (f32, f32) = (64.0, 354.0);
 /// Top and bottom of everything below the title, pixels.
 const BODY_Y: (f32, f32) = (136.0, 744.0);
 
@@ -45,7 +45,7 @@ pub fn render_pads(
     let bar = ((FACE_X.1 + 40.0, BODY_Y.0), (20.0, BODY_Y.1 - BODY_Y.0));
     colorbar::draw(&mut page, &label, bar.0, bar.1, range, style.scalar.label());
     let view = View { topologies, frame, values: &values, range, object, cut: style.cut };
-    view.draw(&mut page, &label, (620.0, 128.0), (752.0, 640.0));
+    view.draw(&mut page, &label, (500.0, 128.0), (872.0, 640.0));
     if style.cut {
         let note = "hand frame, cut open through the middle of the pads";
         label.draw(&mut page, note, (WIDTH as f32 - 28.0, BODY_Y.0 - 14.0), 15.0, MUTED, Align::Right);
@@ -68,7 +68,8 @@ fn color_range(values: &[Vec<f64>], style: &Style) -> Result<(f64, f64)> {
         if low.is_finite() && high.is_finite() && low < high {
             return Ok((low, high));
         }
-        let message = format!("not drawn: colour range {low} to {high}; two finite numbers are needed, the smaller first");
+        let message =
+            format!("not drawn: colour range {low} to {high}; two finite numbers are needed, the smaller first");
         return Err(Error::file("picture", message));
     }
     let largest = values.iter().flatten().copied().fold(0.0, f64::max);
@@ -97,7 +98,8 @@ fn faces(
     range: (f64, f64),
     style: &Style,
 ) {
-    let drawn = |(pad, topology): (usize, &'_ PadTopology)| pad_pose(topology, &frame.pads[pad]).map(|pose| (pad, pose));
+    let drawn =
+        |(pad, topology): (usize, &'_ PadTopology)| pad_pose(topology, &frame.pads[pad]).map(|pose| (pad, pose));
     let faces: Vec<(usize, Face)> = topologies
         .iter()
         .enumerate()

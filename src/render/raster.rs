@@ -78,7 +78,9 @@ impl Raster {
         for y in 1..self.height.saturating_sub(1) {
             for x in 1..self.width.saturating_sub(1) {
                 let own = body(x, y);
-                if own != 0 && [body(x - 1, y), body(x + 1, y), body(x, y - 1), body(x, y + 1)].iter().any(|&b| b != own) {
+                if own != 0
+                    && [body(x - 1, y), body(x + 1, y), body(x, y - 1), body(x, y + 1)].iter().any(|&b| b != own)
+                {
                     edges.push(y * self.width + x);
                 }
             }
@@ -122,7 +124,8 @@ mod tests {
     #[test]
     fn the_nearer_triangle_wins_in_either_order() {
         let triangle = |z: f64| {
-            [(0.0, 0.0), (8.0, 0.0), (0.0, 8.0)].map(|(x, y)| Vertex { position: DVec3::new(x, y, z), ..Vertex::default() })
+            [(0.0, 0.0), (8.0, 0.0), (0.0, 8.0)]
+                .map(|(x, y)| Vertex { position: DVec3::new(x, y, z), ..Vertex::default() })
         };
         for order in [[1.0, 2.0], [2.0, 1.0]] {
             let mut raster = Raster::new(4, 4);

@@ -73,16 +73,8 @@ impl Plane {
 }
 
 /// The eight linear tetrahedra of a quadratic one: four corners, then the octahedron in between split along (0,1)-(2,3).
-const PARTS: [[usize; 4]; 8] = [
-    [0, 4, 6, 7],
-    [1, 4, 5, 8],
-    [2, 5, 6, 9],
-    [3, 7, 8, 9],
-    [4, 9, 5, 6],
-    [4, 9, 6, 7],
-    [4, 9, 7, 8],
-    [4, 9, 8, 5],
-];
+const PARTS: [[usize; 4]; 8] =
+    [[0, 4, 6, 7], [1, 4, 5, 8], [2, 5, 6, 9], [3, 7, 8, 9], [4, 9, 5, 6], [4, 9, 6, 7], [4, 9, 7, 8], [4, 9, 8, 5]];
 
 /// The point where the plane meets the edge from `a` to `b`, which lie at distances `da` and `db` on different sides.
 fn between(a: Vertex, b: Vertex, da: f64, db: f64) -> Vertex {

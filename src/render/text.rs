@@ -66,7 +66,8 @@ impl Label {
             if let Some(outline) = self.font.outline_glyph(id.with_scale_and_position(scale, point(pen, at.1))) {
                 let (left, top) = (outline.px_bounds().min.x as i32, outline.px_bounds().min.y as i32);
                 // The face is a light one: a little more coverage keeps small sizes readable.
-                outline.draw(|x, y, c| blend(pixmap, left + x as i32, top + y as i32, rgb, c.clamp(0.0, 1.0).powf(0.65)));
+                outline
+                    .draw(|x, y, c| blend(pixmap, left + x as i32, top + y as i32, rgb, c.clamp(0.0, 1.0).powf(0.65)));
             }
             pen += font.h_advance(id);
         }

@@ -15,7 +15,7 @@ use tiny_skia::Pixmap;
 const OBJECT: u8 = 200;
 const OBJECT_CUT: u8 = 201;
 const OBJECT_RGB: [f32; 3] = [226.0, 219.0, 206.0];
-const OBJECT_CUT_RGB: [f32; 3] = [203.0, 195.0, 181.0];
+const OBJECT_CUT_RGB: [f32; 3] = [212.0, 205.0, 192.0];
 
 /// Everything the view shows.
 pub struct View<'a> {
@@ -45,7 +45,7 @@ struct Camera {
 
 impl Camera {
     fn new() -> Self {
-        let (turn, lift) = (24f64.to_radians(), 20f64.to_radians());
+        let (turn, lift) = (19f64.to_radians(), 17f64.to_radians());
         let towards = DVec3::new(turn.sin() * lift.cos(), turn.cos() * lift.cos(), -lift.sin());
         let right = (-DVec3::Z).cross(towards).normalize_or(DVec3::X);
         Camera { right, up: towards.cross(right), towards, center: DVec3::ZERO, middle: DVec2::ZERO, scale: 1.0 }
@@ -148,8 +148,11 @@ fn draw_object(raster: &mut Raster, camera: &Camera, plane: Option<Plane>, verti
     for (triangle, normals) in triangles.iter().zip(normals) {
         let [a, b, c] = triangle.map(|n| vertices[n as usize]);
         let front = (b - a).cross(c - a).dot(camera.towards) >= 0.0;
-        let corners = [(a, normals[0]), (b, normals[1]), (c, normals[2])]
-            .map(|(position, normal)| Vertex { position, value: 0.0, normal });
+        let corners = [(a, normals[0]), (b, normals[1]), (c, normals[2])].map(|(position, normal)| Vertex {
+            position,
+            value: 0.0,
+            normal,
+        });
         each_visible(corners, plane, |part| {
             let part = project(camera, part);
             if front || plane.is_none() {
@@ -199,7 +202,7 @@ fn triad(page: &mut Pixmap, label: &Label, camera: &Camera, at: (f32, f32)) {
 
 /// A bar of a round length ending at `at`.
 fn scale_bar(page: &mut Pixmap, label: &Label, camera: &Camera, at: (f32, f32)) {
-    let wanted = 120.0 / camera.scale * 1e3;
+    let wanted = 180.0 / camera.scale * 1e3;
     let power = 10f64.powf(wanted.log10().floor());
     let Some(length) = [5.0, 2.0, 1.0].map(|f| f * power).into_iter().find(|&l| l <= wanted) else { return };
     let pixels = (length * 1e-3 * camera.scale) as f32;

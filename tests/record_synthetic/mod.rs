@@ -117,7 +117,9 @@ fn pad_state(pad: &PadTopology, side: usize, depth: f64) -> PadFrame {
         state.displacement.push(turn * shift);
         state.position.push(origin + turn * (p + shift));
         state.contact_force.push(turn * DVec3::new(0.0, 0.0, -0.05 * on_face));
-        state.von_mises_node.push(PEAK_STRESS * depth / 1e-3 * bump * (0.25 + 0.75 * height) + 10.0 * node as f64 * 1e-3);
+        state
+            .von_mises_node
+            .push(PEAK_STRESS * depth / 1e-3 * bump * (0.25 + 0.75 * height) + 10.0 * node as f64 * 1e-3);
     }
     let width = pad.elements.width();
     let mean = |tet: &[u32]| tet.iter().map(|&n| state.von_mises_node[n as usize]).sum::<f64>() / tet.len() as f64;
