@@ -95,7 +95,9 @@ impl GraspRecorder {
                 arrays.write()?;
             }
         }
-        self.last = Some(frame.clone());
+        if self.options.picture.is_some() {
+            self.last = Some(frame.clone());
+        }
         self.frames += 1;
         Ok(())
     }

@@ -116,9 +116,9 @@ fn integers(out: &mut String, name: &str, values: &[i64]) {
 }
 
 fn array(out: &mut String, kind: &str, name: &str, components: usize, bytes: &[u8]) {
-    let _ = write!(
+    let _ = writeln!(
         out,
-        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">\n"
+        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">"
     );
     // Count and data are one base64 stream: VTK decodes both in one go where nothing is compressed.
     let mut block = Vec::with_capacity(8 + bytes.len());

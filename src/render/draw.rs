@@ -5,6 +5,9 @@ use tiny_skia::{Color, FillRule, LineCap, Paint, Path, PathBuilder, Pixmap, Rect
 /// Red, green, blue in 0..=255.
 pub type Rgb = [u8; 3];
 
+/// Pixels right and down.
+type Point = (f32, f32);
+
 /// Text and axes.
 pub const INK: Rgb = [38, 42, 51];
 /// Secondary text.
@@ -27,7 +30,7 @@ pub fn clear(pixmap: &mut Pixmap, rgb: Rgb) {
 }
 
 /// A straight line through `points`.
-pub fn polyline(pixmap: &mut Pixmap, points: &[(f32, f32)], width: f32, rgb: Rgb, alpha: f32) {
+pub fn polyline(pixmap: &mut Pixmap, points: &[Point], width: f32, rgb: Rgb, alpha: f32) {
     let mut builder = PathBuilder::new();
     for (i, &(x, y)) in points.iter().enumerate() {
         if i == 0 { builder.move_to(x, y) } else { builder.line_to(x, y) }
@@ -39,7 +42,7 @@ pub fn polyline(pixmap: &mut Pixmap, points: &[(f32, f32)], width: f32, rgb: Rgb
 }
 
 /// An arrow from `from` to `to` with a filled head, `width` wide.
-pub fn arrow(pixmap: &mut Pixmap, from: (f32, f32), to: (f32, f32), width: f32, rgb: Rgb) {
+pub fn arrow(pixmap: &mut Pixmap, from: Point, to: Point, width: f32, rgb: Rgb) {
     if let Some((neck, head)) = arrow_shape(from, to, width) {
         polyline(pixmap, &[from, neck], width, rgb, 1.0);
         fill(pixmap, &head, rgb);
@@ -47,7 +50,7 @@ pub fn arrow(pixmap: &mut Pixmap, from: (f32, f32), to: (f32, f32), width: f32, 
 }
 
 /// An arrow with a thin dark rim, readable on any colour.
-pub fn rimmed_arrow(pixmap: &mut Pixmap, from: (f32, f32), to: (f32, f32), width: f32, rgb: Rgb) {
+pub fn rimmed_arrow(pixmap: &mut Pixmap, from: Point, to: Point, width: f32, rgb: Rgb) {
     if let Some((neck, [a, b, c])) = arrow_shape(from, to, width) {
         polyline(pixmap, &[from, neck], width + 1.6, INK, 0.75);
         polyline(pixmap, &[a, b, c, a], 1.6, INK, 0.75);
@@ -56,7 +59,7 @@ pub fn rimmed_arrow(pixmap: &mut Pixmap, from: (f32, f32), to: (f32, f32), width
 }
 
 /// Where the shaft ends, and the corners of the head; `None` if there is nothing to see.
-fn arrow_shape(from: (f32, f32), to: (f32, f32), width: f32) -> Option<((f32, f32), [(f32, f32); 3])> {
+fn arrow_shape(from: Point, to: Point, width: f32) -> Option<(Point, [Point; 3])> {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let length = dx.hypot(dy);
     if !(length.is_finite() && length > 0.5) {
@@ -70,7 +73,7 @@ fn arrow_shape(from: (f32, f32), to: (f32, f32), width: f32) -> Option<((f32, f3
 }
 
 /// A filled polygon.
-pub fn fill(pixmap: &mut Pixmap, points: &[(f32, f32)], rgb: Rgb) {
+pub fn fill(pixmap: &mut Pixmap, points: &[Point], rgb: Rgb) {
     if let Some(path) = closed(points) {
         pixmap.fill_path(&path, &paint(rgb, 1.0), FillRule::Winding, Transform::identity(), None);
     }
@@ -88,7 +91,7 @@ pub fn rectangle(pixmap: &mut Pixmap, x: f32, y: f32, w: f32, h: f32, rgb: Rgb) 
     }
 }
 
-fn closed(points: &[(f32, f32)]) -> Option<Path> {
+fn closed(points: &[Point]) -> Option<Path> {
     let mut builder = PathBuilder::new();
     for (i, &(x, y)) in points.iter().enumerate() {
         if i == 0 { builder.move_to(x, y) } else { builder.line_to(x, y) }

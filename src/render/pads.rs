@@ -45,7 +45,7 @@ pub fn render_pads(
     let bar = ((FACE_X.1 + 40.0, BODY_Y.0), (20.0, BODY_Y.1 - BODY_Y.0));
     colorbar::draw(&mut page, &label, bar.0, bar.1, range, style.scalar.label());
     let view = View { topologies, frame, values: &values, range, object, cut: style.cut };
-    view.draw(&mut page, &label, (500.0, 128.0), (872.0, 640.0));
+    view.draw(&mut page, &label, (500.0, 150.0), (872.0, 556.0));
     if style.cut {
         let note = "hand frame, cut open through the middle of the pads";
         label.draw(&mut page, note, (WIDTH as f32 - 28.0, BODY_Y.0 - 14.0), 15.0, MUTED, Align::Right);

@@ -83,7 +83,7 @@ impl Camera {
 }
 
 impl View<'_> {
-    /// Draws into the rectangle of the page.
+    /// Draws into the rectangle of the page; axes and scale take the 60 pixels below it.
     pub fn draw(&self, page: &mut Pixmap, label: &Label, at: (f32, f32), size: (f32, f32)) {
         let pads: Vec<DVec3> = self.frame.pads.iter().flat_map(|pad| pad.position.iter().copied()).collect();
         let pose = |v: &DVec3| self.frame.object_position + self.frame.object_rotation * *v;
@@ -102,8 +102,8 @@ impl View<'_> {
         raster.outline(0.45);
         raster.paste(page, at.0 as i32, at.1 as i32, 1.0);
         self.names(page, label, &camera, at);
-        triad(page, label, &camera, (at.0 + 48.0, at.1 + size.1 - 62.0));
-        scale_bar(page, label, &camera, (at.0 + size.0 - 20.0, at.1 + size.1 - 20.0));
+        triad(page, label, &camera, (at.0 + 48.0, at.1 + size.1 + 8.0));
+        scale_bar(page, label, &camera, (at.0 + size.0 - 20.0, at.1 + size.1 + 38.0));
     }
 
     fn pad(&self, raster: &mut Raster, camera: &Camera, plane: Option<Plane>, index: usize) {
