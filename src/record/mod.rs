@@ -1,1 +1,31 @@
-//! record
+//! The files of a run.
+//!
+//! ```text
+//! DIR/run.json                          the run: scene, grasps, expectations, timings   (report.rs)   rewritten after every grasp
+//! DIR/grasp_000/frames.csv              a row of numbers per frame, header with units   (csv.rs)      appended per frame
+//! DIR/grasp_000/run.pvd                 open this in ParaView                           (pvd.rs)      rewritten per frame
+//! DIR/grasp_000/frames/frame_0000.vtu   both pads                                       (vtu.rs)      written per frame
+//! DIR/grasp_000/frames/object_0000.vtu  the object's surface
+//! DIR/grasp_000/arrays.npz              every array of the grasp                        (arrays.rs)   rewritten every few frames
+//! DIR/grasp_000/pads.png                the last frame                                  (crate::render)
+//! ```
+//!
+//! Everything but `frames.csv` is written beside its place and renamed, so a run that is killed leaves complete files. Files hold no
+//! time stamps: the same run writes the same bytes, apart from the wall times in `run.json`. Numbers are finite or refused ([`check`]).
+
+pub mod arrays;
+mod base64;
+pub mod check;
+pub mod csv;
+pub mod files;
+pub mod frame;
+pub mod grasp;
+pub mod pvd;
+pub mod recorder;
+pub mod report;
+pub mod vtu;
+
+pub use frame::{Elements, Frame, PadFrame, PadTopology, Wrench, pad_name};
+pub use grasp::GraspRecorder;
+pub use recorder::{Options, Recorder};
+pub use report::{ExpectationReport, GraspSummary, PadReport, RunReport, Status};

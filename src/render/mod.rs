@@ -1,1 +1,20 @@
-//! render
+//! Pictures of a grasp as PNG, drawn in software: no window, no GPU, the same bytes everywhere.
+//!
+//! `pads.rs` lays the picture out; `face.rs` draws a sensing face, `view.rs` the cut-open 3-D view; `raster.rs` is the z-buffer.
+
+mod colorbar;
+pub mod colormap;
+mod draw;
+mod face;
+mod normals;
+mod pads;
+mod pose;
+mod raster;
+mod section;
+mod style;
+mod text;
+mod view;
+
+pub use pads::{encode, render_pads, save};
+pub use style::{HEIGHT, Scalar, Style, WIDTH};
+pub use tiny_skia::Pixmap;

@@ -1,0 +1,176 @@
+//! `arrays.npz`: the frames of a grasp as plain arrays, `numpy.load` reads them.
+//!
+//! Nodes and tetrahedra of the pads are concatenated, left first; `pad_of_node` tells them apart and `tets` counts nodes over both pads.
+//!
+//! | array | shape | unit |
+//! |---|---|---|
+//! | `position`, `displacement` | (frames, nodes, 3) | m, hand frame |
+//! | `contact_force` | (frames, nodes, 3) | N on the pad |
+//! | `von_mises_node` | (frames, nodes) | Pa, volume-weighted nodal average |
+//! | `von_mises_element` | (frames, tets) | Pa |
+//! | `object_pose` | (frames, 7): x y z qw qx qy qz | m |
+//! | `force` | (frames) | N, sum over the fingers |
+//! | `time` | (frames) | s |
+//! | `travel` | (frames, pads) | m |
+//! | `wrench` | (frames, pads, 6): force, torque | N, N m |
+//! | `rest` | (nodes, 3) | m, pad frame |
+//! | `tets` | (tets, 4 or 10) | node index, VTK order |
+//! | `bonded` | (nodes) | bool |
+//! | `pad_of_node`, `pad_of_tet` | (nodes), (tets) | 0 = left |
+
+use super::files::replace;
+use super::frame::{Frame, PadTopology};
+use crate::error::{Error, Result};
+use glam::DVec3;
+use ndarray::{ArrayView, Dimension, ShapeBuilder, StrideShape};
+use ndarray_npy::{NpzWriter, WritableElement};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// The arrays of one grasp, in memory until [`Arrays::write`].
+#[derive(Debug)]
+pub struct Arrays {
+    path: PathBuf,
+    pads: usize,
+    rest: Vec<f64>,
+    tets: Vec<u32>,
+    tet_width: usize,
+    bonded: Vec<bool>,
+    pad_of_node: Vec<u32>,
+    pad_of_tet: Vec<u32>,
+    frames: usize,
+    written: usize,
+    position: Vec<f64>,
+    displacement: Vec<f64>,
+    contact_force: Vec<f64>,
+    von_mises_node: Vec<f64>,
+    von_mises_element: Vec<f64>,
+    object_pose: Vec<f64>,
+    force: Vec<f64>,
+    time: Vec<f64>,
+    travel: Vec<f64>,
+    wrench: Vec<f64>,
+}
+
+impl Arrays {
+    /// Arrays of a grasp with these pads, to be written to `path`. All pads must have one kind of element.
+    pub fn new(path: PathBuf, topologies: &[PadTopology]) -> Result<Self> {
+        let width = topologies.first().map_or(4, |t| t.elements.width());
+        if topologies.iter().any(|t| t.elements.width() != width) {
+            return Err(Error::file(
+                path,
+                "linear and quadratic pads do not fit one `tets` array; switch off the arrays",
+            ));
+        }
+        let mut arrays = Arrays {
+            path,
+            pads: topologies.len(),
+            rest: Vec::new(),
+            tets: Vec::new(),
+            tet_width: width,
+            bonded: Vec::new(),
+            pad_of_node: Vec::new(),
+            pad_of_tet: Vec::new(),
+            frames: 0,
+            written: 0,
+            position: Vec::new(),
+            displacement: Vec::new(),
+            contact_force: Vec::new(),
+            von_mises_node: Vec::new(),
+            von_mises_element: Vec::new(),
+            object_pose: Vec::new(),
+            force: Vec::new(),
+            time: Vec::new(),
+            travel: Vec::new(),
+            wrench: Vec::new(),
+        };
+        for (pad, topology) in (0..).zip(topologies) {
+            let first = arrays.bonded.len() as u32;
+            extend(&mut arrays.rest, &topology.rest);
+            arrays.tets.extend(topology.elements.nodes().iter().map(|n| first + n));
+            arrays.bonded.extend(&topology.bonded);
+            arrays.pad_of_node.extend(std::iter::repeat_n(pad, topology.rest.len()));
+            arrays.pad_of_tet.extend(std::iter::repeat_n(pad, topology.elements.len()));
+        }
+        Ok(arrays)
+    }
+
+    /// Takes a frame (already checked against the topologies).
+    pub fn push(&mut self, frame: &Frame) {
+        for pad in &frame.pads {
+            extend(&mut self.position, &pad.position);
+            extend(&mut self.displacement, &pad.displacement);
+            extend(&mut self.contact_force, &pad.contact_force);
+            self.von_mises_node.extend(&pad.von_mises_node);
+            self.von_mises_element.extend(&pad.von_mises_element);
+            extend(&mut self.wrench, &[pad.wrench.force, pad.wrench.torque]);
+        }
+        let (p, q) = (frame.object_position, frame.object_rotation);
+        self.object_pose.extend([p.x, p.y, p.z, q.w, q.x, q.y, q.z]);
+        self.force.push(frame.applied_force);
+        self.time.push(frame.time);
+        self.travel.extend(&frame.travel);
+        self.frames += 1;
+    }
+
+    /// Frames taken but not on disk yet.
+    pub fn pending(&self) -> usize {
+        self.frames - self.written
+    }
+
+    /// Writes all frames so far, whole or not at all.
+    pub fn write(&mut self) -> Result<()> {
+        let path = self.path.clone();
+        replace(&path, |temporary| self.write_to(temporary))?;
+        self.written = self.frames;
+        Ok(())
+    }
+
+    fn write_to(&self, path: &Path) -> io::Result<()> {
+        let (frames, nodes, tets) = (self.frames, self.bonded.len(), self.pad_of_tet.len());
+        let mut npz = NpzWriter::new(BufWriter::new(std::fs::File::create(path)?));
+        let out = &mut npz;
+        put(out, "displacement", (frames, nodes, 3), &self.displacement)?;
+        put(out, "position", (frames, nodes, 3), &self.position)?;
+        put(out, "contact_force", (frames, nodes, 3), &self.contact_force)?;
+        put(out, "von_mises_node", (frames, nodes), &self.von_mises_node)?;
+        put(out, "von_mises_element", (frames, tets), &self.von_mises_element)?;
+        put(out, "object_pose", (frames, 7), &self.object_pose)?;
+        put(out, "force", frames, &self.force)?;
+        put(out, "time", frames, &self.time)?;
+        put(out, "travel", (frames, self.pads), &self.travel)?;
+        put(out, "wrench", (frames, self.pads, 6), &self.wrench)?;
+        put(out, "rest", (nodes, 3), &self.rest)?;
+        put(out, "tets", (tets, self.tet_width), &self.tets)?;
+        put(out, "bonded", nodes, &self.bonded)?;
+        put(out, "pad_of_node", nodes, &self.pad_of_node)?;
+        put(out, "pad_of_tet", tets, &self.pad_of_tet)?;
+        npz.finish().map_err(io_error)?.flush()
+    }
+}
+
+fn put<T, D, S>(npz: &mut NpzWriter<BufWriter<std::fs::File>>, name: &str, shape: S, data: &[T]) -> io::Result<()>
+where
+    T: WritableElement,
+    D: Dimension,
+    S: ShapeBuilder<Dim = D> + Into<StrideShape<D>>,
+{
+    let view = ArrayView::from_shape(shape, data).map_err(io::Error::other)?;
+    npz.add_array(name, &view).map_err(io_error)
+}
+
+/// The write error inside, so that "disk full" stays recognisable under two layers of wrapping.
+fn io_error(error: ndarray_npy::WriteNpzError) -> io::Error {
+    let mut source: Option<&(dyn std::error::Error + 'static)> = Some(&error);
+    while let Some(inner) = source {
+        if let Some(io) = inner.downcast_ref::<io::Error>() {
+            return io::Error::new(io.kind(), io.to_string());
+        }
+        source = inner.source();
+    }
+    io::Error::other(error)
+}
+
+fn extend(out: &mut Vec<f64>, vectors: &[DVec3]) {
+    out.extend(vectors.iter().flat_map(DVec3::to_array));
+}

@@ -1,0 +1,101 @@
+//! What may be written: sizes that match and numbers that are finite. A file with a NaN ruins a training set silently.
+
+use super::frame::{Frame, PadFrame, PadTopology, pad_name};
+use crate::mesh::TriMesh;
+use glam::DVec3;
+
+/// Why a frame or a topology cannot be written, naming the field; the caller adds the file.
+type Verdict = std::result::Result<(), String>;
+
+/// Indices in range, one flag per node, no non-finite coordinate.
+pub fn topology(pad: usize, topology: &PadTopology) -> Verdict {
+    let name = format!("topology of pad {pad} ({})", pad_name(pad));
+    let nodes = topology.rest.len();
+    length(&name, "bonded", topology.bonded.len(), nodes, "nodes")?;
+    if topology.corner_count > nodes {
+        return Err(format!("{name}: corner_count is {}, allowed are at most {nodes} (nodes)", topology.corner_count));
+    }
+    vectors(&name, "rest", &topology.rest)?;
+    indices(&name, "elements", topology.elements.nodes(), nodes)?;
+    indices(&name, "surface", topology.surface.as_flattened(), nodes)?;
+    indices(&name, "sensing", topology.sensing.as_flattened(), nodes)
+}
+
+/// Indices in range and finite vertices of the object's surface.
+pub fn object(mesh: &TriMesh) -> Verdict {
+    vectors("object surface", "vertices", &mesh.vertices)?;
+    indices("object surface", "triangles", mesh.triangles.as_flattened(), mesh.vertices.len())
+}
+
+/// Every number finite, every array as long as the topologies say.
+pub fn frame(topologies: &[PadTopology], frame: &Frame) -> Verdict {
+    let name = format!("frame {}", frame.index);
+    length(&name, "pads", frame.pads.len(), topologies.len(), "pads of the grasp")?;
+    length(&name, "travel", frame.travel.len(), topologies.len(), "pads of the grasp")?;
+    let scalars = [
+        ("applied_force", frame.applied_force),
+        ("time", frame.time),
+        ("energy", frame.energy),
+        ("min_det_f", frame.min_det_f),
+        ("min_gap", frame.min_gap),
+        ("force_balance", frame.force_balance),
+        ("torque_balance", frame.torque_balance),
+        ("residual", frame.residual),
+    ];
+    for (field, value) in scalars {
+        finite(&name, field, value)?;
+    }
+    numbers(&name, "travel", &frame.travel)?;
+    vectors(&name, "object_position", &[frame.object_position])?;
+    numbers(&name, "object_rotation", &frame.object_rotation.to_array())?;
+    for (index, (pad, topology)) in frame.pads.iter().zip(topologies).enumerate() {
+        pad_frame(&format!("{name}, pad {index} ({})", pad_name(index)), pad, topology)?;
+    }
+    Ok(())
+}
+
+fn pad_frame(name: &str, pad: &PadFrame, topology: &PadTopology) -> Verdict {
+    let (nodes, tets) = (topology.rest.len(), topology.elements.len());
+    for (field, values) in
+        [("position", &pad.position), ("displacement", &pad.displacement), ("contact_force", &pad.contact_force)]
+    {
+        length(name, field, values.len(), nodes, "nodes")?;
+        vectors(name, field, values)?;
+    }
+    length(name, "von_mises_node", pad.von_mises_node.len(), nodes, "nodes")?;
+    numbers(name, "von_mises_node", &pad.von_mises_node)?;
+    length(name, "von_mises_element", pad.von_mises_element.len(), tets, "tetrahedra")?;
+    numbers(name, "von_mises_element", &pad.von_mises_element)?;
+    vectors(name, "wrench.force", &[pad.wrench.force])?;
+    vectors(name, "wrench.torque", &[pad.wrench.torque])
+}
+
+/// One finite number.
+pub fn finite(name: &str, field: &str, value: f64) -> Verdict {
+    if value.is_finite() { Ok(()) } else { Err(format!("{name}: {field} is {value}, only finite numbers are written")) }
+}
+
+fn numbers(name: &str, field: &str, values: &[f64]) -> Verdict {
+    match values.iter().position(|v| !v.is_finite()) {
+        None => Ok(()),
+        Some(i) => finite(name, &format!("{field}[{i}]"), values[i]),
+    }
+}
+
+fn vectors(name: &str, field: &str, values: &[DVec3]) -> Verdict {
+    match values.iter().position(|v| !v.is_finite()) {
+        None => Ok(()),
+        Some(i) => Err(format!("{name}: {field}[{i}] is {}, only finite numbers are written", values[i])),
+    }
+}
+
+fn length(name: &str, field: &str, got: usize, want: usize, of: &str) -> Verdict {
+    if got == want { Ok(()) } else { Err(format!("{name}: {field} has {got} entries, needed are {want} ({of})")) }
+}
+
+fn indices(name: &str, field: &str, values: &[u32], nodes: usize) -> Verdict {
+    match values.iter().find(|&&i| i as usize >= nodes) {
+        None => Ok(()),
+        Some(i) => Err(format!("{name}: {field} names node {i}, there are {nodes} (counted from 0)")),
+    }
+}

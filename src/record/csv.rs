@@ -1,0 +1,76 @@
+//! `frames.csv`: one row of numbers per frame, on disk as soon as the frame is recorded.
+
+use super::files::cannot_write;
+use super::frame::{Frame, pad_name};
+use crate::error::Result;
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// An open `frames.csv`.
+#[derive(Debug)]
+pub struct FramesCsv {
+    path: PathBuf,
+    file: File,
+}
+
+impl FramesCsv {
+    /// Creates the file with its header for grasps with `pads` pads.
+    pub fn create(path: &Path, pads: usize) -> Result<Self> {
+        let file = File::create(path).map_err(|e| cannot_write(path, &e))?;
+        let mut csv = FramesCsv { path: path.to_path_buf(), file };
+        csv.line(&columns(pads).join(","))?;
+        Ok(csv)
+    }
+
+    /// Appends the row of `frame`.
+    pub fn push(&mut self, frame: &Frame) -> Result<()> {
+        self.line(&row(frame).join(","))
+    }
+
+    /// One write per line, straight to the file: a killed run ends with a whole row.
+    fn line(&mut self, text: &str) -> Result<()> {
+        self.file.write_all(format!("{text}\n").as_bytes()).map_err(|e| cannot_write(&self.path, &e))
+    }
+}
+
+/// Column names, units as suffix (dimensionless ones have none).
+pub fn columns(pads: usize) -> Vec<String> {
+    let mut names: Vec<String> = ["frame", "time_s", "force_n"].map(String::from).to_vec();
+    names.extend((0..pads).map(|pad| format!("travel_{}_m", pad_name(pad))));
+    names.extend(["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"].map(|part| format!("object_{part}")));
+    for pad in (0..pads).map(pad_name) {
+        names.extend(["x", "y", "z"].map(|axis| format!("contact_force_{pad}_{axis}_n")));
+        names.extend(["x", "y", "z"].map(|axis| format!("contact_torque_{pad}_{axis}_n_m")));
+        names.push(format!("max_displacement_{pad}_m"));
+        names.push(format!("max_von_mises_{pad}_pa"));
+    }
+    let solver = ["energy_j", "newton_iterations", "min_det_f", "min_gap_m", "force_balance", "torque_balance"];
+    names.extend(solver.map(String::from));
+    names.push("residual_n".into());
+    names
+}
+
+fn row(frame: &Frame) -> Vec<String> {
+    let mut numbers = vec![frame.time, frame.applied_force];
+    numbers.extend(&frame.travel);
+    let q = frame.object_rotation;
+    numbers.extend(frame.object_position.to_array());
+    numbers.extend([q.w, q.x, q.y, q.z]);
+    for pad in &frame.pads {
+        numbers.extend(pad.wrench.force.to_array());
+        numbers.extend(pad.wrench.torque.to_array());
+        numbers.push(pad.displacement.iter().map(|u| u.length()).fold(0.0, f64::max));
+        numbers.push(pad.von_mises_node.iter().copied().fold(0.0, f64::max));
+    }
+    numbers.push(frame.energy);
+    let rest = [frame.min_det_f, frame.min_gap, frame.force_balance, frame.torque_balance, frame.residual];
+    let before = std::iter::once(frame.index.to_string()).chain(numbers.into_iter().map(number));
+    before.chain([frame.newton_iterations.to_string()]).chain(rest.map(number)).collect()
+}
+
+/// The shortest text that reads back to the same number; plain where a person would write it plainly.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 || (1e-3..1e6).contains(&size) { value.to_string() } else { format!("{value:e}") }
+}

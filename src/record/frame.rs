@@ -1,0 +1,145 @@
+//! What one recorded instant of a grasp holds: the contract between the steppers and every file.
+//!
+//! Everything is in the hand frame and in SI unless a field says otherwise.
+
+use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// Force and torque of the contact on one pad, hand frame.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Wrench {
+    /// Force on the pad, N.
+    pub force: DVec3,
+    /// Torque on the pad about the origin of the pad frame, N m.
+    pub torque: DVec3,
+}
+
+/// State of one pad in one frame. Node arrays follow [`PadTopology::rest`], element arrays [`PadTopology::elements`].
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct PadFrame {
+    /// Deformed node positions, m.
+    pub position: Vec<DVec3>,
+    /// Node displacements relative to the pad carried rigidly by its finger, m.
+    pub displacement: Vec<DVec3>,
+    /// Contact force ON the pad, per node, N.
+    pub contact_force: Vec<DVec3>,
+    /// Nodal von Mises stress, the volume-weighted average over the elements at the node, Pa.
+    pub von_mises_node: Vec<f64>,
+    /// Von Mises stress per element, Pa.
+    pub von_mises_element: Vec<f64>,
+    /// Resultant of the contact on this pad.
+    pub wrench: Wrench,
+}
+
+/// One recorded frame of a grasp.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Position of the frame in its grasp, from 0.
+    pub index: usize,
+    /// Applied force, the sum over the fingers, N.
+    pub applied_force: f64,
+    /// Simulated time, s; 0 in quasi-static scenes.
+    pub time: f64,
+    /// Closing travel of each finger, left first, m.
+    pub travel: Vec<f64>,
+    /// Origin of the object frame, m.
+    pub object_position: DVec3,
+    /// Rotation from the object frame to the hand frame.
+    pub object_rotation: DQuat,
+    /// Both pads, left first.
+    pub pads: Vec<PadFrame>,
+    /// Value of the incremental potential, J.
+    pub energy: f64,
+    /// Newton iterations spent on this frame.
+    pub newton_iterations: u32,
+    /// Smallest det F over all quadrature points; positive where nothing is inverted.
+    pub min_det_f: f64,
+    /// Smallest gap between pads and object, m; positive where nothing penetrates.
+    pub min_gap: f64,
+    /// |applied force - contact force| / applied force.
+    pub force_balance: f64,
+    /// |sum of the contact torques on the object| / (applied force x object size).
+    pub torque_balance: f64,
+    /// Norm of the unbalanced nodal forces at the end of Newton, N.
+    pub residual: f64,
+}
+
+/// Tetrahedra of a pad, node indices 0-based.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Elements {
+    /// Four corners.
+    Linear(Vec<[u32; 4]>),
+    /// Four corners, then the mid-edge nodes (0,1) (1,2) (2,0) (0,3) (1,3) (2,3): the order of `VTK_QUADRATIC_TETRA`.
+    Quadratic(Vec<[u32; 10]>),
+}
+
+impl Default for Elements {
+    fn default() -> Self {
+        Elements::Linear(Vec::new())
+    }
+}
+
+impl Elements {
+    /// Number of tetrahedra.
+    pub fn len(&self) -> usize {
+        match self {
+            Elements::Linear(tets) => tets.len(),
+            Elements::Quadratic(tets) => tets.len(),
+        }
+    }
+
+    /// True without any tetrahedron.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Nodes per tetrahedron: 4 or 10.
+    pub fn width(&self) -> usize {
+        match self {
+            Elements::Linear(_) => 4,
+            Elements::Quadratic(_) => 10,
+        }
+    }
+
+    /// `"linear"` or `"quadratic"`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Elements::Linear(_) => "linear",
+            Elements::Quadratic(_) => "quadratic",
+        }
+    }
+
+    /// The nodes of all tetrahedra one after the other, [`Self::width`] each.
+    pub fn nodes(&self) -> &[u32] {
+        match self {
+            Elements::Linear(tets) => tets.as_flattened(),
+            Elements::Quadratic(tets) => tets.as_flattened(),
+        }
+    }
+}
+
+/// What never changes of a pad during a run.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct PadTopology {
+    /// Node rest positions in the pad frame (sensing face at z = 0, +z out of the gel), m; corners first.
+    pub rest: Vec<DVec3>,
+    /// The first `corner_count` nodes are element corners, the others mid-edge nodes.
+    pub corner_count: usize,
+    /// The tetrahedra.
+    pub elements: Elements,
+    /// Corner triangles of the whole outer surface, counter-clockwise seen from outside.
+    pub surface: Vec<[u32; 3]>,
+    /// Triangles of the sensing face, counter-clockwise seen from outside; may use mid-edge nodes.
+    pub sensing: Vec<[u32; 3]>,
+    /// Per node: glued to the finger.
+    pub bonded: Vec<bool>,
+}
+
+/// Name of pad (and finger) `index` in files and pictures: `left`, `right`, then `pad2` and so on.
+pub fn pad_name(index: usize) -> String {
+    match index {
+        0 => "left".into(),
+        1 => "right".into(),
+        more => format!("pad{more}"),
+    }
+}

@@ -1,0 +1,44 @@
+//! ParaView collection (`.pvd`): which `.vtu` files belong to which applied force.
+
+use super::files::write_atomic;
+use crate::error::Result;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// A collection that is complete on disk after every entry, so that an interrupted run opens in ParaView.
+#[derive(Debug)]
+pub struct Collection {
+    path: PathBuf,
+    entries: String,
+}
+
+impl Collection {
+    /// An empty collection at `path`; nothing is written yet.
+    pub fn new(path: PathBuf) -> Self {
+        Collection { path, entries: String::new() }
+    }
+
+    /// Adds `files` (relative to the collection's directory) as the parts of one step and rewrites the collection.
+    ///
+    /// The "time" ParaView shows is the applied force, N.
+    pub fn push(&mut self, applied_force: f64, files: &[&str]) -> Result<()> {
+        for (part, file) in files.iter().enumerate() {
+            // Writing to a String cannot fail; our own file names need no XML escapes.
+            let _ = writeln!(
+                self.entries,
+                "<DataSet timestep=\"{applied_force}\" group=\"\" part=\"{part}\" file=\"{file}\"/>"
+            );
+        }
+        let text = format!(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n\
+             <Collection>\n{}</Collection>\n</VTKFile>\n",
+            self.entries
+        );
+        write_atomic(&self.path, text.as_bytes())
+    }
+
+    /// Where the collection is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}

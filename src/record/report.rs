@@ -1,0 +1,180 @@
+//! `run.json`: what ran, how every grasp ended, what the scene expected. Keys end in their unit.
+
+use super::files::write_atomic;
+use super::frame::Frame;
+use crate::error::{Error, Result};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// How a grasp ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// The target force was reached.
+    Reached,
+    /// The solver gave up on the way; frames up to there are valid.
+    Fault,
+    /// The grasp could not start (too wide, misses the object, begins in contact).
+    Infeasible,
+}
+
+/// How one grasp went. Numbers that do not exist (a grasp without frames) are `null` in the file, never NaN.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GraspSummary {
+    /// How it ended.
+    pub status: Status,
+    /// Why it was not reached; `None` if it was.
+    pub reason: Option<String>,
+    /// Applied force of the last frame, sum over the fingers, N; 0 without frames.
+    pub force_n: f64,
+    /// Travel at the last frame, mean over the fingers, m; 0 without frames.
+    pub travel_m: f64,
+    /// Frames recorded.
+    pub frames: usize,
+    /// Smallest det F over all frames.
+    pub min_det_f: Option<f64>,
+    /// Smallest gap over all frames, m.
+    pub min_gap_m: Option<f64>,
+    /// Largest relative force imbalance over all frames.
+    pub force_balance: Option<f64>,
+    /// Newton iterations, all frames together.
+    pub newton_iterations: u64,
+    /// Wall time of the grasp, s.
+    pub wall_s: f64,
+}
+
+impl GraspSummary {
+    /// A grasp without frames yet.
+    pub fn new(status: Status, reason: Option<String>) -> Self {
+        GraspSummary {
+            status,
+            reason,
+            force_n: 0.0,
+            travel_m: 0.0,
+            frames: 0,
+            min_det_f: None,
+            min_gap_m: None,
+            force_balance: None,
+            newton_iterations: 0,
+            wall_s: 0.0,
+        }
+    }
+
+    /// Takes a further frame into account.
+    pub fn observe(&mut self, frame: &Frame) {
+        let fold = |old: Option<f64>, new: f64, pick: fn(f64, f64) -> f64| Some(old.map_or(new, |old| pick(old, new)));
+        self.force_n = frame.applied_force;
+        self.travel_m = frame.travel.iter().sum::<f64>() / frame.travel.len().max(1) as f64;
+        self.frames += 1;
+        self.min_det_f = fold(self.min_det_f, frame.min_det_f, f64::min);
+        self.min_gap_m = fold(self.min_gap_m, frame.min_gap, f64::min);
+        self.force_balance = fold(self.force_balance, frame.force_balance, f64::max);
+        self.newton_iterations += u64::from(frame.newton_iterations);
+    }
+
+    /// First number that is not finite, if any: JSON has no NaN, serde would write `null` in silence.
+    fn not_finite(&self) -> Option<(&'static str, f64)> {
+        let numbers = [
+            ("force_n", Some(self.force_n)),
+            ("travel_m", Some(self.travel_m)),
+            ("min_det_f", self.min_det_f),
+            ("min_gap_m", self.min_gap_m),
+            ("force_balance", self.force_balance),
+            ("wall_s", Some(self.wall_s)),
+        ];
+        numbers.into_iter().find_map(|(name, value)| value.filter(|v| !v.is_finite()).map(|v| (name, v)))
+    }
+}
+
+/// What became of one expectation of the scene.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ExpectationReport {
+    /// Name as in the scene, e.g. `ForceBalance`.
+    pub name: String,
+    /// Whether it held in every grasp.
+    pub held: bool,
+    /// The worst value seen; `None` if there was no frame to judge.
+    pub value: Option<f64>,
+    /// The bound it was compared with.
+    pub bound: Option<f64>,
+}
+
+/// Discretisation of one pad.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PadReport {
+    /// `left` or `right`.
+    pub name: String,
+    /// Nodes, mid-edge ones included.
+    pub nodes: usize,
+    /// Tetrahedra.
+    pub tets: usize,
+    /// `linear` or `quadratic`, with the treatment of volume, e.g. `quadratic, mean dilatation`.
+    pub element: String,
+    /// What to know before trusting it, e.g. that linear tetrahedra lock at this Poisson's ratio.
+    pub notice: Option<String>,
+}
+
+/// The content of `run.json`, and of `tactus run --format json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunReport {
+    /// Version of tactus.
+    pub tactus: String,
+    /// What advanced the state: `fem` or `gnn`, with settings if it has any.
+    pub backend: String,
+    /// Threads used.
+    pub threads: usize,
+    /// False until the run has finished: an interrupted run says so.
+    pub finished: bool,
+    /// The scene with every default and include resolved.
+    pub scene: serde_json::Value,
+    /// The pads, left first.
+    pub pads: Vec<PadReport>,
+    /// The grasps, in order.
+    pub grasps: Vec<GraspSummary>,
+    /// The expectations of the scene.
+    pub expectations: Vec<ExpectationReport>,
+    /// Wall time by stage, s.
+    pub profile_s: BTreeMap<String, f64>,
+}
+
+impl RunReport {
+    /// An empty report of this version of tactus.
+    pub fn new(backend: impl Into<String>, threads: usize, scene: serde_json::Value) -> Self {
+        RunReport {
+            tactus: env!("CARGO_PKG_VERSION").into(),
+            backend: backend.into(),
+            threads,
+            finished: false,
+            scene,
+            pads: Vec::new(),
+            grasps: Vec::new(),
+            expectations: Vec::new(),
+            profile_s: BTreeMap::new(),
+        }
+    }
+
+    /// Pretty JSON; an error names the first number that is not finite.
+    pub fn to_json(&self) -> std::result::Result<String, String> {
+        for (index, grasp) in self.grasps.iter().enumerate() {
+            if let Some((name, value)) = grasp.not_finite() {
+                return Err(format!("grasp {index}: {name} is {value}, only finite numbers are written"));
+            }
+        }
+        for expectation in &self.expectations {
+            if let Some(value) = [expectation.value, expectation.bound].into_iter().flatten().find(|v| !v.is_finite()) {
+                return Err(format!("expectation {}: {value}, only finite numbers are written", expectation.name));
+            }
+        }
+        if let Some((stage, value)) = self.profile_s.iter().find(|(_, v)| !v.is_finite()) {
+            return Err(format!("profile_s.{stage} is {value}, only finite numbers are written"));
+        }
+        serde_json::to_string_pretty(self).map(|text| text + "\n").map_err(|e| e.to_string())
+    }
+
+    /// Writes the report to `path`, whole or not at all.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let text = self.to_json().map_err(|message| Error::file(path, format!("not written: {message}")))?;
+        write_atomic(path, text.as_bytes())
+    }
+}

@@ -1,0 +1,129 @@
+//! VTK XML `UnstructuredGrid` files (`.vtu`) for ParaView: the pads of one frame, or the object's surface.
+//!
+//! Arrays are inline base64 (`format="binary"`), little-endian, each with a `UInt64` byte count in front. That is a third larger than
+//! raw appended data, but the file stays well-formed XML, which every reader accepts. Bytes depend on the data alone.
+
+use super::base64;
+use super::frame::{Elements, Frame, PadTopology};
+use crate::mesh::TriMesh;
+use glam::DVec3;
+use std::fmt::Write;
+
+const TRIANGLE: u8 = 5;
+const TETRA: u8 = 10;
+const QUADRATIC_TETRA: u8 = 24;
+
+/// The pads of `frame` as one grid. Point data: `displacement` (m), `contact_force` (N), `von_mises_node` (Pa), `pad` (0 = left);
+/// cell data: `von_mises_element` (Pa), `pad`. Sizes must have been checked ([`super::check::frame`]).
+pub fn pads(topologies: &[PadTopology], frame: &Frame) -> String {
+    let mut cells = Cells::default();
+    let (mut node_pad, mut tet_pad) = (Vec::<u8>::new(), Vec::<u8>::new());
+    let mut first_node = 0;
+    for (index, topology) in topologies.iter().enumerate() {
+        let kind = match topology.elements {
+            Elements::Linear(_) => TETRA,
+            Elements::Quadratic(_) => QUADRATIC_TETRA,
+        };
+        cells.add(topology.elements.nodes(), topology.elements.width(), kind, first_node);
+        first_node += topology.rest.len() as i64;
+        let id = u8::try_from(index).unwrap_or(u8::MAX);
+        node_pad.extend(std::iter::repeat_n(id, topology.rest.len()));
+        tet_pad.extend(std::iter::repeat_n(id, topology.elements.len()));
+    }
+    let gather = |field: fn(&super::frame::PadFrame) -> &[DVec3]| -> Vec<DVec3> {
+        frame.pads.iter().flat_map(|pad| field(pad).iter().copied()).collect()
+    };
+    let scalars = |field: fn(&super::frame::PadFrame) -> &[f64]| -> Vec<f64> {
+        frame.pads.iter().flat_map(|pad| field(pad).iter().copied()).collect()
+    };
+    let mut out = String::new();
+    begin(&mut out, node_pad.len(), cells.types.len());
+    out.push_str("<PointData>\n");
+    vectors(&mut out, "displacement", &gather(|pad| &pad.displacement));
+    vectors(&mut out, "contact_force", &gather(|pad| &pad.contact_force));
+    floats(&mut out, "von_mises_node", &scalars(|pad| &pad.von_mises_node), 1);
+    array(&mut out, "UInt8", "pad", 1, &node_pad);
+    out.push_str("</PointData>\n<CellData>\n");
+    floats(&mut out, "von_mises_element", &scalars(|pad| &pad.von_mises_element), 1);
+    array(&mut out, "UInt8", "pad", 1, &tet_pad);
+    out.push_str("</CellData>\n");
+    end(&mut out, &gather(|pad| &pad.position), &cells);
+    out
+}
+
+/// The object's surface (object frame, m) moved to its pose in `frame`.
+pub fn object(surface: &TriMesh, frame: &Frame) -> String {
+    let moved: Vec<DVec3> =
+        surface.vertices.iter().map(|&v| frame.object_position + frame.object_rotation * v).collect();
+    let mut cells = Cells::default();
+    cells.add(surface.triangles.as_flattened(), 3, TRIANGLE, 0);
+    let mut out = String::new();
+    begin(&mut out, moved.len(), cells.types.len());
+    end(&mut out, &moved, &cells);
+    out
+}
+
+/// The three arrays by which VTK describes cells.
+#[derive(Default)]
+struct Cells {
+    connectivity: Vec<i64>,
+    offsets: Vec<i64>,
+    types: Vec<u8>,
+}
+
+impl Cells {
+    fn add(&mut self, nodes: &[u32], width: usize, kind: u8, first_node: i64) {
+        for cell in nodes.chunks_exact(width) {
+            self.connectivity.extend(cell.iter().map(|&n| first_node + i64::from(n)));
+            self.offsets.push(self.connectivity.len() as i64);
+            self.types.push(kind);
+        }
+    }
+}
+
+fn begin(out: &mut String, points: usize, cells: usize) {
+    out.push_str("<?xml version=\"1.0\"?>\n");
+    out.push_str(
+        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n",
+    );
+    // Writing to a String cannot fail.
+    let _ = writeln!(out, "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">");
+}
+
+fn end(out: &mut String, points: &[DVec3], cells: &Cells) {
+    out.push_str("<Points>\n");
+    vectors(out, "Points", points);
+    out.push_str("</Points>\n<Cells>\n");
+    integers(out, "connectivity", &cells.connectivity);
+    integers(out, "offsets", &cells.offsets);
+    array(out, "UInt8", "types", 1, &cells.types);
+    out.push_str("</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+}
+
+fn vectors(out: &mut String, name: &str, values: &[DVec3]) {
+    let flat: Vec<f64> = values.iter().flat_map(DVec3::to_array).collect();
+    floats(out, name, &flat, 3);
+}
+
+fn floats(out: &mut String, name: &str, values: &[f64], components: usize) {
+    let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+    array(out, "Float64", name, components, &bytes);
+}
+
+fn integers(out: &mut String, name: &str, values: &[i64]) {
+    let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+    array(out, "Int64", name, 1, &bytes);
+}
+
+fn array(out: &mut String, kind: &str, name: &str, components: usize, bytes: &[u8]) {
+    let _ = writeln!(
+        out,
+        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">"
+    );
+    // Count and data are one base64 stream: VTK decodes both in one go where nothing is compressed.
+    let mut block = Vec::with_capacity(8 + bytes.len());
+    block.extend_from_slice(&(bytes.len() as u64).to_le_bytes());
+    block.extend_from_slice(bytes);
+    base64::encode_into(out, &block);
+    out.push_str("\n</DataArray>\n");
+}

@@ -1,0 +1,101 @@
+//! Lines, boxes and arrows on a pixmap, coordinates in pixels from the top left.
+
+use tiny_skia::{Color, FillRule, LineCap, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform};
+
+/// Red, green, blue in 0..=255.
+pub type Rgb = [u8; 3];
+
+/// Pixels right and down.
+type Point = (f32, f32);
+
+/// Text and axes.
+pub const INK: Rgb = [38, 42, 51];
+/// Secondary text.
+pub const MUTED: Rgb = [106, 114, 128];
+/// Grid lines and frames.
+pub const LINE: Rgb = [196, 201, 209];
+/// Background of the page.
+pub const PAPER: Rgb = [252, 252, 250];
+
+/// Paint of one colour; `alpha` in 0..=1.
+pub fn paint(rgb: Rgb, alpha: f32) -> Paint<'static> {
+    let mut paint = Paint { anti_alias: true, ..Paint::default() };
+    paint.set_color_rgba8(rgb[0], rgb[1], rgb[2], (alpha.clamp(0.0, 1.0) * 255.0) as u8);
+    paint
+}
+
+/// Fills the whole pixmap.
+pub fn clear(pixmap: &mut Pixmap, rgb: Rgb) {
+    pixmap.fill(Color::from_rgba8(rgb[0], rgb[1], rgb[2], 255));
+}
+
+/// A straight line through `points`.
+pub fn polyline(pixmap: &mut Pixmap, points: &[Point], width: f32, rgb: Rgb, alpha: f32) {
+    let mut builder = PathBuilder::new();
+    for (i, &(x, y)) in points.iter().enumerate() {
+        if i == 0 { builder.move_to(x, y) } else { builder.line_to(x, y) }
+    }
+    if let Some(path) = builder.finish() {
+        let stroke = Stroke { width, line_cap: LineCap::Round, ..Stroke::default() };
+        pixmap.stroke_path(&path, &paint(rgb, alpha), &stroke, Transform::identity(), None);
+    }
+}
+
+/// An arrow from `from` to `to` with a filled head, `width` wide.
+pub fn arrow(pixmap: &mut Pixmap, from: Point, to: Point, width: f32, rgb: Rgb) {
+    if let Some((neck, head)) = arrow_shape(from, to, width) {
+        polyline(pixmap, &[from, neck], width, rgb, 1.0);
+        fill(pixmap, &head, rgb);
+    }
+}
+
+/// An arrow with a thin dark rim, readable on any colour.
+pub fn rimmed_arrow(pixmap: &mut Pixmap, from: Point, to: Point, width: f32, rgb: Rgb) {
+    if let Some((neck, [a, b, c])) = arrow_shape(from, to, width) {
+        polyline(pixmap, &[from, neck], width + 1.6, INK, 0.75);
+        polyline(pixmap, &[a, b, c, a], 1.6, INK, 0.75);
+        arrow(pixmap, from, to, width, rgb);
+    }
+}
+
+/// Where the shaft ends, and the corners of the head; `None` if there is nothing to see.
+fn arrow_shape(from: Point, to: Point, width: f32) -> Option<(Point, [Point; 3])> {
+    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+    let length = dx.hypot(dy);
+    if !(length.is_finite() && length > 0.5) {
+        return None;
+    }
+    let (ux, uy) = (dx / length, dy / length);
+    let head = (5.0 * width).min(0.6 * length);
+    let neck = (to.0 - head * ux, to.1 - head * uy);
+    let half = 0.45 * head;
+    Some((neck, [to, (neck.0 - half * uy, neck.1 + half * ux), (neck.0 + half * uy, neck.1 - half * ux)]))
+}
+
+/// A filled polygon.
+pub fn fill(pixmap: &mut Pixmap, points: &[Point], rgb: Rgb) {
+    if let Some(path) = closed(points) {
+        pixmap.fill_path(&path, &paint(rgb, 1.0), FillRule::Winding, Transform::identity(), None);
+    }
+}
+
+/// The frame of a box.
+pub fn frame(pixmap: &mut Pixmap, x: f32, y: f32, w: f32, h: f32, rgb: Rgb) {
+    polyline(pixmap, &[(x, y), (x + w, y), (x + w, y + h), (x, y + h), (x, y)], 1.0, rgb, 1.0);
+}
+
+/// A filled box.
+pub fn rectangle(pixmap: &mut Pixmap, x: f32, y: f32, w: f32, h: f32, rgb: Rgb) {
+    if let Some(rect) = Rect::from_xywh(x, y, w, h) {
+        pixmap.fill_rect(rect, &paint(rgb, 1.0), Transform::identity(), None);
+    }
+}
+
+fn closed(points: &[Point]) -> Option<Path> {
+    let mut builder = PathBuilder::new();
+    for (i, &(x, y)) in points.iter().enumerate() {
+        if i == 0 { builder.move_to(x, y) } else { builder.line_to(x, y) }
+    }
+    builder.close();
+    builder.finish()
+}

@@ -1,0 +1,131 @@
+//! The picture of a frame: both sensing faces, the colour bar, the 3-D view.
+
+use super::colorbar;
+use super::draw::{INK, LINE, MUTED, PAPER, clear, polyline};
+use super::face::{Face, Panel};
+use super::pose::pad_pose;
+use super::style::{HEIGHT, Style, WIDTH};
+use super::text::{Align, Label};
+use super::view::View;
+use crate::error::{Error, Result};
+use crate::mesh::TriMesh;
+use crate::record::{Frame, PadTopology, check, files, pad_name};
+use glam::DVec2;
+use std::path::Path;
+use tiny_skia::Pixmap;
+
+/// Left and right end of the face panels, pixels.
+const FACE_X: (f32, f32) = (64.0, 354.0);
+/// Top and bottom of everything below the title, pixels.
+const BODY_Y: (f32, f32) = (136.0, 744.0);
+
+/// Draws a frame, [`WIDTH`] x [`HEIGHT`] pixels. `object` is the object's surface in the object frame, m.
+///
+/// Inputs that do not fit together or are not finite are refused with a message that names the field.
+pub fn render_pads(
+    topologies: &[PadTopology],
+    frame: &Frame,
+    object: Option<&TriMesh>,
+    style: &Style,
+) -> Result<Pixmap> {
+    let refuse = |message: String| Error::file("picture", format!("not drawn: {message}"));
+    for (pad, topology) in topologies.iter().enumerate() {
+        check::topology(pad, topology).map_err(refuse)?;
+    }
+    check::frame(topologies, frame).map_err(refuse)?;
+    object.map_or(Ok(()), check::object).map_err(refuse)?;
+    let values: Vec<Vec<f64>> = frame.pads.iter().map(|pad| style.scalar.values(pad)).collect();
+    let range = color_range(&values, style)?;
+
+    let label = Label::new()?;
+    let mut page = Pixmap::new(WIDTH, HEIGHT).ok_or_else(|| refuse("no memory for the picture".into()))?;
+    clear(&mut page, PAPER);
+    heading(&mut page, &label, frame, style);
+    faces(&mut page, &label, topologies, frame, &values, range, style);
+    let bar = ((FACE_X.1 + 40.0, BODY_Y.0), (20.0, BODY_Y.1 - BODY_Y.0));
+    colorbar::draw(&mut page, &label, bar.0, bar.1, range, style.scalar.label());
+    let view = View { topologies, frame, values: &values, range, object, cut: style.cut };
+    view.draw(&mut page, &label, (500.0, 150.0), (872.0, 556.0));
+    if style.cut {
+        let note = "hand frame, cut open through the middle of the pads";
+        label.draw(&mut page, note, (WIDTH as f32 - 28.0, BODY_Y.0 - 14.0), 15.0, MUTED, Align::Right);
+    }
+    Ok(page)
+}
+
+/// The picture as the bytes of a PNG file.
+pub fn encode(picture: &Pixmap) -> Result<Vec<u8>> {
+    picture.encode_png().map_err(|e| Error::file("picture", format!("cannot encode as PNG: {e}")))
+}
+
+/// Writes the picture to `path`, whole or not at all.
+pub fn save(picture: &Pixmap, path: &Path) -> Result<()> {
+    files::write_atomic(path, &encode(picture)?)
+}
+
+fn color_range(values: &[Vec<f64>], style: &Style) -> Result<(f64, f64)> {
+    if let Some((low, high)) = style.range {
+        if low.is_finite() && high.is_finite() && low < high {
+            return Ok((low, high));
+        }
+        let message =
+            format!("not drawn: colour range {low} to {high}; two finite numbers are needed, the smaller first");
+        return Err(Error::file("picture", message));
+    }
+    let largest = values.iter().flatten().copied().fold(0.0, f64::max);
+    // An unloaded pad is all zero: any scale will do, as long as it has two ends.
+    Ok((0.0, if largest > 0.0 { largest } else { 1.0 }))
+}
+
+fn heading(page: &mut Pixmap, label: &Label, frame: &Frame, style: &Style) {
+    let title = label.fit(&style.title, 32.0, WIDTH as f32 - 60.0);
+    label.draw(page, &title, (28.0, 46.0), 32.0, INK, Align::Left);
+    let travel: Vec<String> =
+        frame.travel.iter().enumerate().map(|(i, t)| format!("{} {:.2} mm", pad_name(i), t * 1e3)).collect();
+    let force = format!("applied force {:.2} N (sum over the fingers)", frame.applied_force);
+    let line = format!("{force}   ·   travel {}   ·   frame {}", travel.join(", "), frame.index);
+    let line = label.fit(&line, 19.0, WIDTH as f32 - 60.0);
+    label.draw(page, &line, (28.0, 76.0), 19.0, MUTED, Align::Left);
+    polyline(page, &[(28.0, 92.0), (WIDTH as f32 - 28.0, 92.0)], 1.0, LINE, 1.0);
+}
+
+fn faces(
+    page: &mut Pixmap,
+    label: &Label,
+    topologies: &[PadTopology],
+    frame: &Frame,
+    values: &[Vec<f64>],
+    range: (f64, f64),
+    style: &Style,
+) {
+    let drawn =
+        |(pad, topology): (usize, &'_ PadTopology)| pad_pose(topology, &frame.pads[pad]).map(|pose| (pad, pose));
+    let faces: Vec<(usize, Face)> = topologies
+        .iter()
+        .enumerate()
+        .filter_map(drawn)
+        .map(|(pad, pose)| (pad, Face::new(&topologies[pad], &frame.pads[pad], &values[pad], pose)))
+        .collect();
+    let bounds = faces.iter().filter_map(|(_, face)| face.bounds()).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let Some((low, high)) = bounds else { return };
+    // One scale and one centre for all pads, so that they can be compared.
+    let gap = 62.0;
+    let height = (BODY_Y.1 - BODY_Y.0 - gap * (faces.len() as f32 - 1.0)) / faces.len() as f32;
+    let size = (FACE_X.1 - FACE_X.0, height.max(1.0).floor());
+    let span = (high - low).max(DVec2::splat(1e-6));
+    let scale = 0.94 * (f64::from(size.0) / span.x).min(f64::from(size.1) / span.y);
+    let longest = faces.iter().flat_map(|(_, face)| face.markers()).map(|(_, u)| u.length()).fold(0.0, f64::max);
+    for (row, (pad, face)) in faces.iter().enumerate() {
+        let at = (FACE_X.0, BODY_Y.0 + row as f32 * (size.1 + gap));
+        let panel = Panel { at, size, center: (low + high) / 2.0, scale };
+        face.draw(page, label, panel, range, &format!("{} pad, sensing face (mm)", pad_name(*pad)));
+        // Below a tenth of a micrometre arrows would show rounding.
+        if style.markers && longest > 1e-7 {
+            face.draw_markers(page, panel, longest);
+        }
+    }
+    if style.markers && longest > 1e-7 {
+        let note = format!("arrows: in-plane displacement, longest {:.3} mm", longest * 1e3);
+        label.draw(page, &note, (FACE_X.0, HEIGHT as f32 - 16.0), 15.0, MUTED, Align::Left);
+    }
+}

@@ -1,0 +1,156 @@
+//! Triangles with interpolated values and a z-buffer, supersampled.
+
+use super::draw::Rgb;
+use super::text::blend;
+use glam::DVec3;
+use tiny_skia::Pixmap;
+
+/// Samples per pixel and axis.
+const SUPER: usize = 2;
+
+/// A corner of a triangle.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Vertex {
+    /// Pixels right and down, and depth (smaller is nearer, any unit).
+    pub position: DVec3,
+    /// What is coloured.
+    pub value: f64,
+    /// Surface normal in whatever frame the shader lights.
+    pub normal: DVec3,
+}
+
+/// A rectangle of the page being drawn into.
+pub struct Raster {
+    width: usize,
+    height: usize,
+    samples: Vec<Sample>,
+}
+
+/// One sample: its depth, whose it is (0 = nobody's) and its colour, 0..=255.
+#[derive(Clone, Copy)]
+struct Sample {
+    depth: f64,
+    body: u8,
+    rgb: [f32; 3],
+}
+
+impl Raster {
+    /// An empty rectangle of `width` x `height` pixels.
+    pub fn new(width: usize, height: usize) -> Self {
+        let (width, height) = (width * SUPER, height * SUPER);
+        let empty = Sample { depth: f64::INFINITY, body: 0, rgb: [0.0; 3] };
+        Raster { width, height, samples: vec![empty; width * height] }
+    }
+
+    /// Draws a triangle of body `body` (not 0) where it is nearest; `shade(value, normal)` gives its colour.
+    pub fn triangle(&mut self, corners: [Vertex; 3], body: u8, shade: impl Fn(f64, DVec3) -> [f32; 3]) {
+        let [a, b, c] = corners.map(|v| v.position * DVec3::new(SUPER as f64, SUPER as f64, 1.0));
+        let area = cross(a, b, c);
+        if !(area.is_finite() && area.abs() > 1e-12) {
+            return;
+        }
+        let clamp = |v: f64, limit: usize| v.clamp(0.0, limit as f64) as usize;
+        let columns = clamp(a.x.min(b.x).min(c.x).floor(), self.width)..clamp(a.x.max(b.x).max(c.x).ceil(), self.width);
+        let rows = clamp(a.y.min(b.y).min(c.y).floor(), self.height)..clamp(a.y.max(b.y).max(c.y).ceil(), self.height);
+        for row in rows {
+            for column in columns.clone() {
+                let p = DVec3::new(column as f64 + 0.5, row as f64 + 0.5, 0.0);
+                let weights = [cross(b, c, p) / area, cross(c, a, p) / area, cross(a, b, p) / area];
+                // A hair outside still counts: samples on a shared edge must not fall between two triangles.
+                if weights.iter().any(|&w| w < -1e-9) {
+                    continue;
+                }
+                let depth = weights[0] * a.z + weights[1] * b.z + weights[2] * c.z;
+                let sample = &mut self.samples[row * self.width + column];
+                if depth < sample.depth {
+                    let value = (0..3).map(|i| weights[i] * corners[i].value).sum();
+                    let normal: DVec3 = (0..3).map(|i| weights[i] * corners[i].normal).sum();
+                    *sample = Sample { depth, body, rgb: shade(value, normal.normalize_or_zero()) };
+                }
+            }
+        }
+    }
+
+    /// Darkens the samples where one body ends and another, or nothing, begins.
+    pub fn outline(&mut self, strength: f32) {
+        let body = |x: usize, y: usize| self.samples[y * self.width + x].body;
+        let mut edges = Vec::new();
+        for y in 1..self.height.saturating_sub(1) {
+            for x in 1..self.width.saturating_sub(1) {
+                let own = body(x, y);
+                if own != 0
+                    && [body(x - 1, y), body(x + 1, y), body(x, y - 1), body(x, y + 1)].iter().any(|&b| b != own)
+                {
+                    edges.push(y * self.width + x);
+                }
+            }
+        }
+        for index in edges {
+            self.samples[index].rgb = self.samples[index].rgb.map(|c| c * (1.0 - strength));
+        }
+    }
+
+    /// Averages the samples onto the page with the top left corner at (`x`, `y`), `opacity` in 0..=1.
+    pub fn paste(&self, page: &mut Pixmap, x: i32, y: i32, opacity: f32) {
+        for row in 0..self.height / SUPER {
+            for column in 0..self.width / SUPER {
+                let (mut sum, mut hits) = ([0.0f32; 3], 0u8);
+                for i in 0..SUPER * SUPER {
+                    let sample = &self.samples[(row * SUPER + i / SUPER) * self.width + column * SUPER + i % SUPER];
+                    if sample.body != 0 {
+                        hits += 1;
+                        (0..3).for_each(|k| sum[k] += sample.rgb[k]);
+                    }
+                }
+                if hits > 0 {
+                    let rgb: Rgb = sum.map(|s| (s / f32::from(hits)).round().clamp(0.0, 255.0) as u8);
+                    let coverage = opacity * f32::from(hits) / (SUPER * SUPER) as f32;
+                    blend(page, x + column as i32, y + row as i32, rgb, coverage);
+                }
+            }
+        }
+    }
+}
+
+/// Twice the signed area of the triangle in the page's plane.
+fn cross(a: DVec3, b: DVec3, c: DVec3) -> f64 {
+    (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearer_triangle_wins_in_either_order() {
+        let triangle = |z: f64| {
+            [(0.0, 0.0), (8.0, 0.0), (0.0, 8.0)]
+                .map(|(x, y)| Vertex { position: DVec3::new(x, y, z), ..Vertex::default() })
+        };
+        for order in [[1.0, 2.0], [2.0, 1.0]] {
+            let mut raster = Raster::new(4, 4);
+            for z in order {
+                raster.triangle(triangle(z), z as u8, |_, _| [0.0; 3]);
+            }
+            assert!(raster.samples.iter().take(3).all(|s| s.body == 1));
+        }
+    }
+
+    #[test]
+    fn neighbours_leave_no_hole() {
+        let corner = |x: f64, y: f64| Vertex { position: DVec3::new(x, y, 0.0), ..Vertex::default() };
+        let [a, b, c, d] = [corner(0.0, 0.0), corner(7.0, 0.0), corner(7.0, 7.0), corner(0.0, 7.0)];
+        let mut raster = Raster::new(7, 7);
+        raster.triangle([a, b, c], 1, |_, _| [0.0; 3]);
+        raster.triangle([a, c, d], 1, |_, _| [0.0; 3]);
+        assert!(raster.samples.iter().all(|s| s.body == 1));
+    }
+
+    #[test]
+    fn nonsense_coordinates_draw_nothing() {
+        let mut raster = Raster::new(4, 4);
+        let bad = Vertex { position: DVec3::new(f64::NAN, 1.0, 0.0), ..Vertex::default() };
+        raster.triangle([bad, Vertex::default(), bad], 1, |_, _| [0.0; 3]);
+        assert!(raster.samples.iter().all(|s| s.body == 0));
+    }
+}

@@ -1,0 +1,122 @@
+//! Cutting things open: triangles against a plane, and the face the plane makes through the tetrahedra.
+
+use super::raster::Vertex;
+use crate::record::Elements;
+use glam::DVec3;
+
+/// Keeps the points `x` with `normal . x >= offset`.
+#[derive(Debug, Clone, Copy)]
+pub struct Plane {
+    /// Unit normal, towards what is kept.
+    pub normal: DVec3,
+    /// Distance from the origin along the normal, m.
+    pub offset: f64,
+}
+
+impl Plane {
+    fn distance(&self, point: DVec3) -> f64 {
+        self.normal.dot(point) - self.offset
+    }
+
+    /// What is left of a triangle, as triangles (none, one or two).
+    pub fn clip(&self, triangle: [Vertex; 3]) -> Vec<[Vertex; 3]> {
+        let distances = triangle.map(|v| self.distance(v.position));
+        let mut polygon = Vec::with_capacity(4);
+        for i in 0..3 {
+            let j = (i + 1) % 3;
+            if distances[i] >= 0.0 {
+                polygon.push(triangle[i]);
+            }
+            if (distances[i] >= 0.0) != (distances[j] >= 0.0) {
+                polygon.push(between(triangle[i], triangle[j], distances[i], distances[j]));
+            }
+        }
+        (2..polygon.len()).map(|i| [polygon[0], polygon[i - 1], polygon[i]]).collect()
+    }
+
+    /// The cut through the tetrahedra: triangles whose normal points out of what is kept. Positions in m, one value per node.
+    pub fn cut(&self, elements: &Elements, positions: &[DVec3], values: &[f64]) -> Vec<[Vertex; 3]> {
+        let node = |n: u32| Vertex { position: positions[n as usize], value: values[n as usize], normal: -self.normal };
+        let mut triangles = Vec::new();
+        match elements {
+            Elements::Linear(tets) => {
+                for tet in tets {
+                    self.cut_tet(tet.map(node), &mut triangles);
+                }
+            }
+            Elements::Quadratic(tets) => {
+                for tet in tets {
+                    for part in PARTS {
+                        self.cut_tet(part.map(|i| node(tet[i])), &mut triangles);
+                    }
+                }
+            }
+        }
+        triangles
+    }
+
+    fn cut_tet(&self, corners: [Vertex; 4], out: &mut Vec<[Vertex; 3]>) {
+        let side = corners.map(|v| self.distance(v.position));
+        let (above, below): (Vec<usize>, Vec<usize>) = (0..4).partition(|&i| side[i] >= 0.0);
+        let edge = |i: usize, j: usize| between(corners[i], corners[j], side[i], side[j]);
+        match (above.as_slice(), below.as_slice()) {
+            (&[a], &[b, c, d]) | (&[b, c, d], &[a]) => out.push([edge(a, b), edge(a, c), edge(a, d)]),
+            (&[a, b], &[c, d]) => {
+                // Around the quadrilateral, not across it.
+                let ring = [edge(a, c), edge(a, d), edge(b, d), edge(b, c)];
+                out.push([ring[0], ring[1], ring[2]]);
+                out.push([ring[0], ring[2], ring[3]]);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The eight linear tetrahedra of a quadratic one: four corners, then the octahedron in between split along (0,1)-(2,3).
+const PARTS: [[usize; 4]; 8] =
+    [[0, 4, 6, 7], [1, 4, 5, 8], [2, 5, 6, 9], [3, 7, 8, 9], [4, 9, 5, 6], [4, 9, 6, 7], [4, 9, 7, 8], [4, 9, 8, 5]];
+
+/// The point where the plane meets the edge from `a` to `b`, which lie at distances `da` and `db` on different sides.
+fn between(a: Vertex, b: Vertex, da: f64, db: f64) -> Vertex {
+    let t = (da / (da - db)).clamp(0.0, 1.0);
+    Vertex {
+        position: a.position.lerp(b.position, t),
+        value: a.value + (b.value - a.value) * t,
+        normal: a.normal.lerp(b.normal, t),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn area(triangles: &[[Vertex; 3]]) -> f64 {
+        let one = |[a, b, c]: &[Vertex; 3]| (b.position - a.position).cross(c.position - a.position).length() / 2.0;
+        triangles.iter().map(one).sum()
+    }
+
+    #[test]
+    fn section_area_of_a_unit_tetrahedron_linear_and_quadratic() {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        let mids = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)].map(|(i, j)| (corners[i] + corners[j]) / 2.0);
+        let nodes = [&corners[..], &mids[..]].concat();
+        for z in [0.1, 0.3, 0.5, 0.8] {
+            let plane = Plane { normal: DVec3::Z, offset: z };
+            let exact = (1.0 - z) * (1.0 - z) / 2.0;
+            let linear = plane.cut(&Elements::Linear(vec![[0, 1, 2, 3]]), &nodes, &[0.0; 10]);
+            let quadratic = plane.cut(&Elements::Quadratic(vec![[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]]), &nodes, &[0.0; 10]);
+            assert!((area(&linear) - exact).abs() < 1e-12);
+            assert!((area(&quadratic) - exact).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_two_halves_of_a_clipped_triangle_make_the_whole() {
+        let corner = |p: DVec3| Vertex { position: p, ..Vertex::default() };
+        let triangle = [DVec3::ZERO, DVec3::X, DVec3::new(0.2, 0.9, 0.4)].map(corner);
+        let plane = Plane { normal: DVec3::X, offset: 0.3 };
+        let other = Plane { normal: -DVec3::X, offset: -0.3 };
+        let sum = area(&plane.clip(triangle)) + area(&other.clip(triangle));
+        assert!((sum - area(&[triangle])).abs() < 1e-12);
+    }
+}
