@@ -6,6 +6,7 @@ pub mod element;
 pub mod error;
 pub mod fem;
 pub mod grasp;
+pub mod gripper;
 pub mod material;
 pub mod mesh;
 pub mod pad;

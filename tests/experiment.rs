@@ -86,7 +86,7 @@ fn press_with(nodes: Vec<DVec3>, elements: Elements, nu: f64, depths: &[f64], ks
     let terms: Vec<Vec<Box<dyn BodyTerm>>> = vec![vec![Box::new(Elastic), Box::new(contact)]];
     let border = Border::new(vec![DVec3::Z], false, false, 6e-3);
     let mut newton = Newton::new(vec![body.clone()], terms, border);
-    let mut state = State { x: vec![nodes], travel: vec![0.0], position: DVec3::new(0.0, 0.0, 10.5e-3), rotation: DQuat::IDENTITY };
+    let mut state = State { x: vec![nodes], travel: vec![0.0], position: DVec3::new(0.0, 0.0, 10.5e-3 + offset), rotation: DQuat::IDENTITY };
     let tol = Tolerance { force: 1e-6, length: 1e-6, iterations: 100, motion: 1e-3 };
     let mut total = 0;
     for &d in depths {
@@ -117,7 +117,7 @@ fn press_sphere() {
     let e = 0.3e6;
     let ks: f64 = std::env::var("KS").map(|v| v.parse().unwrap()).unwrap_or(50.0);
     if std::env::var("PAD1K").is_ok() { press([12, 16, 4], false, 0.45, &depths, ks, 1e-6, e); return; }
-    let off: f64 = std::env::var("OFF").map(|v| v.parse().unwrap()).unwrap_or(1e-6);
+    let off: f64 = std::env::var("OFF").map(|v| v.parse().unwrap()).unwrap_or(1e-5);
     let nu: f64 = std::env::var("NU").map(|v| v.parse().unwrap()).unwrap_or(0.45);
     if let Ok(g) = std::env::var("GRID") { let g: Vec<usize> = g.split(',').map(|v| v.parse().unwrap()).collect(); press([g[0], g[1], g[2]], true, nu, &depths, ks, off, e); return; }
     press([8, 10, 2], true, 0.45, &depths, ks, 1e-6, e);

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 /// One potential contact between a pad and the object. The pool is fixed; `pressure > 0` says which edges carry force.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct ContactEdge {
     /// Gap, m; `+inf` where farther than anything that matters.
     pub gap: f64,
@@ -15,16 +15,28 @@ pub struct ContactEdge {
     pub traction: DVec3,
     /// True while the friction limit is reached.
     pub slips: bool,
-    /// Normal multiplier, Pa.
-    pub lambda: f64,
-    /// Tangential multiplier, Pa, object frame.
-    pub lambda_t: DVec3,
-    /// The same in the hand frame and in the tangent plane of the last assembly, Pa.
-    pub lambda_hand: DVec3,
-    /// Where the point sticks to the object, object frame, m.
+    /// Where the point sticks: object frame for a point of the pad, hand axes relative to the finger for a feature.
     pub anchor: Option<DVec3>,
+    /// Stiffness factor, raised where a pressure would otherwise use up the whole offset.
+    pub scale: f64,
     /// Query point of the last exact distance, object frame, m.
     pub query: DVec3,
     /// Lower bound of the distance at `query`, m.
     pub bound: f64,
+}
+
+impl Default for ContactEdge {
+    fn default() -> Self {
+        Self {
+            gap: f64::INFINITY,
+            normal: DVec3::ZERO,
+            pressure: 0.0,
+            traction: DVec3::ZERO,
+            slips: false,
+            anchor: None,
+            scale: 1.0,
+            query: DVec3::ZERO,
+            bound: f64::NEG_INFINITY,
+        }
+    }
 }

@@ -1,10 +1,10 @@
-//! The contact law at one point, per unit area: normal pressure and Coulomb friction by the augmented Lagrangian
-//! (Alart & Curnier 1991; Simo & Laursen 1992), each the gradient of a C1 potential.
+//! The contact law at one point, per unit area: normal pressure and Coulomb friction, each the gradient of a C1 potential.
 //!
-//! Against a barrier, whose Newton iterations shrink their step to the first point that would touch, the augmented
-//! Lagrangian may overshoot between accepted states and so changes the contact set everywhere at once. The multiplier
-//! carries the pressure, the stiffness only the change since the last accepted state, so that gaps stay at `offset` (a
-//! micrometre) whatever the load, and no accepted state penetrates.
+//! Surfaces meet at an `offset` (10 micrometres) outside the object: from there a stiff penalty resists, and stiffens
+//! again in the last quarter, so that no accepted state penetrates while an iterate may. Against a barrier, whose steps
+//! shrink to the first point that would touch, this lets one Newton iteration change the contact set everywhere; against
+//! an augmented Lagrangian it has no history, so that the answer does not depend on how many increments led to it.
+//! Since travel counts from where the offset surfaces touch, the offset acts as a radius larger by 10 micrometres.
 
 use glam::DVec3;
 
@@ -13,55 +13,72 @@ use glam::DVec3;
 pub struct Law {
     /// Stiffness per area in normal direction, Pa/m.
     pub stiffness: f64,
-    /// Gap at which the surfaces meet, m: all contact happens this far outside the true surface.
+    /// Gap at which the surfaces meet, m.
     pub offset: f64,
     /// Coulomb coefficient; 0 switches friction off.
     pub friction: f64,
-    /// Stiffness per area in tangential direction, Pa/m.
+    /// Stiffness per area in tangential direction while sticking, Pa/m.
     pub tangential: f64,
 }
 
+/// Fraction of the offset kept for the stiffer branch.
+const RESERVE: f64 = 0.25;
+/// How much stiffer that branch is.
+const STIFFENING: f64 = 30.0;
+
 impl Law {
-    /// Pressure at a gap with multiplier `lambda` (Pa), Pa, never negative.
-    #[inline(always)]
-    pub fn pressure(&self, gap: f64, lambda: f64) -> f64 {
-        (lambda + self.stiffness * (self.offset - gap)).max(0.0)
+    /// The law for a gel of Young's modulus `young` (Pa) sampled every `spacing` (m) with Coulomb coefficient `friction`.
+    ///
+    /// A layer as thick as the spacing has stiffness `young / spacing`; contact is fifty times stiffer.
+    pub fn new(young: f64, spacing: f64, friction: f64) -> Self {
+        let stiffness = 50.0 * young / spacing;
+        Self { stiffness, offset: 1e-5, friction, tangential: stiffness / 3.0 }
     }
 
-    /// Energy per area, J/m2; its derivative in the gap is minus [`Law::pressure`].
+    /// Pressure (Pa) and minus its derivative in the gap (Pa/m). `scale` stiffens a single edge.
     #[inline(always)]
-    pub fn normal_energy(&self, gap: f64, lambda: f64) -> f64 {
-        let p = self.pressure(gap, lambda);
-        (p * p - lambda * lambda) / (2.0 * self.stiffness)
+    pub fn pressure(&self, gap: f64, scale: f64) -> (f64, f64) {
+        let k = self.stiffness * scale;
+        let closed = self.offset - gap;
+        let hard = RESERVE * self.offset - gap;
+        if closed <= 0.0 {
+            (0.0, 0.0)
+        } else if hard <= 0.0 {
+            (k * closed, k)
+        } else {
+            (k * (closed + (STIFFENING - 1.0) * hard), STIFFENING * k)
+        }
     }
 
-    /// Gap beyond which the pressure is zero, m.
+    /// Energy per area, J/m2; its derivative in the gap is minus the pressure.
     #[inline(always)]
-    pub fn reach(&self, lambda: f64) -> f64 {
-        self.offset + lambda / self.stiffness
+    pub fn normal_energy(&self, gap: f64, scale: f64) -> f64 {
+        let closed = (self.offset - gap).max(0.0);
+        let hard = (RESERVE * self.offset - gap).max(0.0);
+        0.5 * self.stiffness * scale * (closed * closed + (STIFFENING - 1.0) * hard * hard)
     }
 
-    /// Friction traction (Pa) at tangential slip `s` (m) with multiplier `lambda` (Pa) and limit `limit = mu p` (Pa), and
-    /// whether it slips. The traction opposes the slip.
+    /// Friction traction on the pad (Pa) at tangential displacement `s` (m) from the sticking point, for the limit
+    /// `mu p` (Pa), and whether it slips. The traction opposes `s`.
     #[inline(always)]
-    pub fn traction(&self, s: DVec3, lambda: DVec3, limit: f64) -> (DVec3, bool) {
-        let trial = lambda - s * self.tangential;
+    pub fn traction(&self, s: DVec3, limit: f64) -> (DVec3, bool) {
+        let trial = s * -self.tangential;
         let size = trial.length();
         if size > limit { (trial * (limit / size), true) } else { (trial, false) }
     }
 
     /// Friction energy per area, J/m2, at frozen `limit`; its gradient in `s` is minus the traction.
     #[inline(always)]
-    pub fn friction_energy(&self, s: DVec3, lambda: DVec3, limit: f64) -> f64 {
-        let size = (lambda - s * self.tangential).length();
+    pub fn friction_energy(&self, s: DVec3, limit: f64) -> f64 {
+        let size = s.length() * self.tangential;
         let huber = if size > limit { limit * (size - 0.5 * limit) } else { 0.5 * size * size };
-        (huber - 0.5 * lambda.length_squared()) / self.tangential
+        huber / self.tangential
     }
 
     /// Coefficients `(a, b)` of the friction Hessian `a (I - n n^T) - b t t^T`, Pa/m, with `t` the unit traction.
     #[inline(always)]
-    pub fn friction_hessian(&self, s: DVec3, lambda: DVec3, limit: f64) -> (f64, f64) {
-        let size = (lambda - s * self.tangential).length();
+    pub fn friction_hessian(&self, s: DVec3, limit: f64) -> (f64, f64) {
+        let size = s.length() * self.tangential;
         if size > limit {
             let a = self.tangential * limit / size;
             (a, a)

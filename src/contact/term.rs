@@ -26,7 +26,7 @@ pub struct Contact {
 impl Contact {
     /// All edges open.
     pub fn new(law: Law, surface: Arc<ContactSurface>, object: Arc<dyn SignedDistance>) -> Self {
-        let edges = vec![ContactEdge { bound: f64::NEG_INFINITY, gap: f64::INFINITY, ..Default::default() }; surface.points.len()];
+        let edges = vec![ContactEdge::default(); surface.points.len()];
         Self { law, committed: edges.clone(), edges, surface, object }
     }
 
@@ -47,6 +47,11 @@ impl Contact {
     }
 }
 
+/// Smallest gap of an accepted state, as a fraction of the offset.
+const MIN_GAP: f64 = 0.02;
+/// Distance within which the exact gap is looked up, m; farther points are skipped until they may have come this close.
+const LOOK_AHEAD: f64 = 5e-4;
+
 /// Position of a point in the hand frame and in the object's frame.
 fn locate(stencil: &Stencil, view: &View) -> (DVec3, DVec3) {
     let world = stencil.position(view.x) + view.offset;
@@ -63,22 +68,15 @@ impl BodyTerm for Contact {
     fn energy(&self, _: &Body, view: &View) -> f64 {
         let mut energy = 0.0;
         for ((e, stencil), area) in self.edges.iter().zip(&self.surface.points).zip(&self.surface.area) {
-            let reach = self.law.reach(e.lambda);
             let (world, q) = locate(stencil, view);
-            if e.bound - q.distance(e.query) < reach {
-                let gap = self.object.closest(q, reach).map_or(f64::INFINITY, |c| c.distance);
-                if gap < reach {
-                    energy += area * self.law.normal_energy(gap, e.lambda);
-                } else {
-                    energy -= area * e.lambda * e.lambda / (2.0 * self.law.stiffness);
-                }
-            } else {
-                energy -= area * e.lambda * e.lambda / (2.0 * self.law.stiffness);
+            if e.bound - q.distance(e.query) < self.law.offset
+                && let Some(c) = self.object.closest(q, self.law.offset)
+            {
+                energy += area * self.law.normal_energy(c.distance, e.scale);
             }
             if let (Some(anchor), true) = (e.anchor, e.pressure > 0.0) {
                 let s = slip(world, anchor, e.normal, view);
-                let limit = self.law.friction * e.pressure;
-                energy += area * self.law.friction_energy(s, e.lambda_hand, limit);
+                energy += area * self.law.friction_energy(s, self.law.friction * e.pressure);
             }
         }
         energy
@@ -105,16 +103,13 @@ impl BodyTerm for Contact {
 
     fn commit(&mut self, _: &Body, view: &View) {
         for (e, stencil) in self.edges.iter_mut().zip(&self.surface.points) {
-            e.lambda = e.pressure;
             if e.pressure <= 0.0 {
                 e.anchor = None;
-                e.lambda_t = DVec3::ZERO;
-                continue;
-            }
-            e.lambda_t = view.rotation.transpose() * e.traction;
-            if e.slips {
+            } else if e.slips {
+                // The sticking point is dragged along, so that the spring carries just the limit.
                 let (_, q) = locate(stencil, view);
-                e.anchor = Some(q - view.rotation.transpose() * e.normal * e.gap);
+                let drag = e.traction * (1.0 / self.law.tangential) - e.normal * e.gap;
+                e.anchor = Some(q + view.rotation.transpose() * drag);
             }
         }
         self.committed.clone_from(&self.edges);
@@ -125,14 +120,12 @@ impl BodyTerm for Contact {
     }
 
     fn satisfied(&mut self, _: &Body, _: &View) -> bool {
-        // Strictly outside, with a quarter of the offset to spare.
-        if self.min_gap() >= 0.25 * self.law.offset {
-            return true;
+        let mut held = true;
+        for e in self.edges.iter_mut().filter(|e| e.gap < MIN_GAP * self.law.offset) {
+            e.scale *= 4.0;
+            held = false;
         }
-        for e in &mut self.edges {
-            e.lambda = e.pressure;
-        }
-        false
+        held
     }
 
     fn as_any(&self) -> &dyn Any {
@@ -145,42 +138,30 @@ impl Contact {
     fn update(&mut self, i: usize, stencil: &Stencil, view: &View) {
         let law = self.law;
         let e = &mut self.edges[i];
-        let reach = law.reach(e.lambda);
         let (world, q) = locate(stencil, view);
         // The distance changes no faster than the point moves: far points are skipped without a query.
-        if e.bound - q.distance(e.query) >= reach {
+        if e.bound - q.distance(e.query) >= law.offset {
             e.gap = f64::INFINITY;
-            e.pressure = 0.0;
         } else {
-            // Look a little farther than needed, so that the bound spares the next queries.
-            let margin = reach + 50.0 * law.offset;
-            match self.object.closest(q, margin) {
+            // Look farther than needed, so that the bound spares the next queries.
+            match self.object.closest(q, LOOK_AHEAD) {
                 Some(c) => {
                     (e.gap, e.bound, e.query) = (c.distance, c.distance, q);
                     e.normal = view.rotation * c.normal;
-                    e.pressure = law.pressure(c.distance, e.lambda);
                 }
-                None => {
-                    (e.gap, e.pressure) = (f64::INFINITY, 0.0);
-                    (e.bound, e.query) = (self.object.distance(q).max(margin), q);
-                }
+                None => (e.gap, e.bound, e.query) = (f64::INFINITY, LOOK_AHEAD, q),
             }
         }
+        e.pressure = law.pressure(e.gap, e.scale).0;
         e.traction = DVec3::ZERO;
         e.slips = false;
         if e.pressure <= 0.0 {
             // A point that touched only on the way to this iterate has not stuck anywhere yet.
-            if self.committed[i].anchor.is_none() {
-                e.anchor = None;
-            }
-            return;
-        }
-        if law.friction > 0.0 {
+            e.anchor = self.committed[i].anchor;
+        } else if law.friction > 0.0 {
             let anchor = *e.anchor.get_or_insert(q - view.rotation.transpose() * e.normal * e.gap);
             let s = slip(world, anchor, e.normal, view);
-            let lambda = view.rotation * e.lambda_t;
-            e.lambda_hand = lambda - e.normal * e.normal.dot(lambda);
-            (e.traction, e.slips) = law.traction(s, e.lambda_hand, law.friction * e.pressure);
+            (e.traction, e.slips) = law.traction(s, law.friction * e.pressure);
         }
     }
 }
@@ -202,7 +183,7 @@ fn rotation_hessian(f: DVec3, r: DVec3) -> DMat3 {
 /// Derivatives of the normal energy. With `g` the gap, `u = delta - w x r` the relative motion and `n` the normal,
 /// `g = n.u + u.H u / 2 + n.(w x (w x r) / 2 - w x delta)` to second order.
 fn normal_pair(law: &Law, e: &ContactEdge, area: f64, r: DVec3, h: &DMat3, project: bool) -> Pair {
-    let (n, p, k) = (e.normal, e.pressure * area, law.stiffness * area);
+    let (n, p, k) = (e.normal, e.pressure * area, law.pressure(e.gap, e.scale).1 * area);
     let tau = -r.cross(n);
     let mut pair =
         Pair { force: n * -p, torque: tau * -p, dd: outer(n, n) * k, dw: outer(n, tau) * k, ww: outer(tau, tau) * k };
@@ -218,7 +199,7 @@ fn normal_pair(law: &Law, e: &ContactEdge, area: f64, r: DVec3, h: &DMat3, proje
 /// Derivatives of the friction energy at frozen normal, multiplier and limit; `s = x - p - R anchor`.
 fn friction_pair(law: &Law, e: &ContactEdge, area: f64, world: DVec3, anchor: DVec3, view: &View, project: bool) -> Pair {
     let n = e.normal;
-    let (a, b) = law.friction_hessian(slip(world, anchor, n, view), e.lambda_hand, law.friction * e.pressure);
+    let (a, b) = law.friction_hessian(slip(world, anchor, n, view), law.friction * e.pressure);
     let t = e.traction.normalize_or_zero();
     let d = ((DMat3::IDENTITY - outer(n, n)) * a - outer(t, t) * b) * area;
     let r = view.rotation * anchor;

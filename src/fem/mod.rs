@@ -3,6 +3,7 @@
 pub mod arrow;
 pub mod body;
 pub mod cholesky;
+pub mod increment;
 pub mod newton;
 pub mod pattern;
 pub mod state;

@@ -1,0 +1,98 @@
+//! Finger travel to first contact, found geometrically.
+
+use crate::contact::ContactSurface;
+use crate::shape::SignedDistance;
+use glam::{DMat3, DVec3};
+
+/// What a finger meets when it closes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Approach {
+    /// First contact after this travel, m.
+    Contact(f64),
+    /// The open pad already overlaps the object, by about this depth, m.
+    Overlap(f64),
+    /// Nothing within the stroke.
+    Misses,
+}
+
+/// Travel of a rigid pad along `closing` until it is `clearance` from the object.
+///
+/// The pad's contact points march along the closing direction by the distance function (sphere tracing, Hart 1996: the
+/// distance is 1-Lipschitz, so no step can cross the surface); the object's feature points are cast against the pad's
+/// faces. `x` are pad node positions at zero travel (hand frame, m), `position` and `rotation` the object's pose,
+/// `features` the object's vertices and sharp edges (object frame).
+#[allow(clippy::too_many_arguments)]
+pub fn approach(
+    surface: &ContactSurface,
+    x: &[DVec3],
+    closing: DVec3,
+    object: &dyn SignedDistance,
+    features: &[DVec3],
+    position: DVec3,
+    rotation: DMat3,
+    stroke: f64,
+    clearance: f64,
+) -> Approach {
+    let (mut first, mut deepest) = (f64::INFINITY, 0.0_f64);
+    let inverse = rotation.transpose();
+    let direction = inverse * closing;
+    for stencil in &surface.points {
+        let start = inverse * (stencil.position(x) - position);
+        let mut t = 0.0;
+        // Grazing rays converge slowly; after the cap the point is close enough to count as touching.
+        for step in 0..200 {
+            if t >= first.min(stroke) {
+                break;
+            }
+            let d = object.distance(start + direction * t);
+            if step == 0 {
+                deepest = deepest.max(-d);
+            }
+            if d <= clearance * 1.001 || step == 199 {
+                first = t;
+                break;
+            }
+            t += d - clearance;
+        }
+    }
+    for &feature in features {
+        let point = rotation * feature + position;
+        for face in &surface.faces {
+            let [a, b, c] = face.corners.map(|n| x[n as usize]);
+            // The pad moves by t along `closing`: the point meets the face where it lies on the ray back from the point.
+            if let Some(t) = cast(point, -closing, a, b, c) {
+                if t < clearance && t > -1e-3 {
+                    let inside = (b - a).cross(c - a).normalize_or_zero().dot(point - a);
+                    deepest = deepest.max(-inside);
+                }
+                if t >= clearance {
+                    first = first.min(t - clearance);
+                }
+            }
+        }
+    }
+    if deepest > 0.0 {
+        Approach::Overlap(deepest)
+    } else if first < stroke {
+        Approach::Contact(first)
+    } else {
+        Approach::Misses
+    }
+}
+
+/// Signed parameter of the line `origin + t direction` in a triangle it faces from outside (Moeller & Trumbore 1997).
+fn cast(origin: DVec3, direction: DVec3, a: DVec3, b: DVec3, c: DVec3) -> Option<f64> {
+    let (e1, e2) = (b - a, c - a);
+    let p = direction.cross(e2);
+    let det = e1.dot(p);
+    // Only faces whose outward normal looks towards the point can be met from outside.
+    if direction.dot(e1.cross(e2)) >= -1e-9 * e1.length() * e2.length() {
+        return None;
+    }
+    let s = origin - a;
+    let u = s.dot(p) / det;
+    let q = s.cross(e1);
+    let v = direction.dot(q) / det;
+    let edge = -1e-12;
+    (u >= edge && v >= edge && u + v <= 1.0 - edge).then(|| e2.dot(q) / det)
+}
