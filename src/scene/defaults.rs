@@ -3,77 +3,77 @@
 use super::leaf::{Count, Depth, Finite, Fraction, Length, NonNegative, Positive, Ratio};
 use super::vector::{Size, Vec2, Vec3};
 
-/// Gives each constant a function of the same (lower case) name, which is what `#[serde(default = "...")]` wants.
+/// Declares the constants; the name in parentheses is a function of the same value for `#[serde(default = "...")]`.
 macro_rules! defaults {
-    ($($(#[$doc:meta])* $name:ident, $function:ident: $type:ty = $value:expr;)*) => {
+    ($($(#[$doc:meta])* $name:ident $(($function:ident))?: $type:ty = $value:expr;)*) => {
         $($(#[$doc])* pub const $name: $type = $value;
-        pub(super) const fn $function() -> $type { $name })*
+        $(pub(super) const fn $function() -> $type { $name })?)*
     };
 }
 
 defaults! {
     /// Object: factor on the shape's lengths.
-    SCALE, scale: Positive = Positive::preset(1.0);
+    SCALE (scale): Positive = Positive::preset(1.0);
     /// Object: density, kg/m3.
-    OBJECT_DENSITY, object_density: Positive = Positive::preset(1000.0);
+    OBJECT_DENSITY (object_density): Positive = Positive::preset(1000.0);
     /// Object: radius of rounded edges, m; zero is sharp.
-    EDGE_RADIUS, edge_radius: Depth = Depth::preset(0.0);
+    EDGE_RADIUS (edge_radius): Depth = Depth::preset(0.0);
     /// Shapes of revolution and sweeps: facets around.
-    SEGMENTS, segments: Count<3, 1000> = Count::preset(64);
+    SEGMENTS (segments): Count<3, 1000> = Count::preset(64);
     /// Lemon: tip to tip, m.
-    LEMON_LENGTH, lemon_length: Length = Length::preset(0.060);
+    LEMON_LENGTH (lemon_length): Length = Length::preset(0.060);
     /// Lemon: largest radius, m.
-    LEMON_RADIUS, lemon_radius: Length = Length::preset(0.022);
+    LEMON_RADIUS (lemon_radius): Length = Length::preset(0.022);
     /// Strawberry: stalk to tip, m.
-    STRAWBERRY_LENGTH, strawberry_length: Length = Length::preset(0.040);
+    STRAWBERRY_LENGTH (strawberry_length): Length = Length::preset(0.040);
     /// Strawberry: largest radius, m.
-    STRAWBERRY_RADIUS, strawberry_radius: Length = Length::preset(0.017);
+    STRAWBERRY_RADIUS (strawberry_radius): Length = Length::preset(0.017);
     /// Banana: length along its bend, m.
-    BANANA_LENGTH, banana_length: Length = Length::preset(0.120);
+    BANANA_LENGTH (banana_length): Length = Length::preset(0.120);
     /// Banana: largest radius, m.
-    BANANA_RADIUS, banana_radius: Length = Length::preset(0.015);
+    BANANA_RADIUS (banana_radius): Length = Length::preset(0.015);
     /// Banana: angle of its bend, degrees.
-    BANANA_BEND, banana_bend: NonNegative = NonNegative::preset(70.0);
+    BANANA_BEND (banana_bend): NonNegative = NonNegative::preset(70.0);
     /// Potato: half axes before it is made lumpy, m.
-    POTATO_RADII, potato_radii: Size = Size::preset_size(0.034, 0.026, 0.022);
+    POTATO_RADII (potato_radii): Size = Size::preset_size(0.034, 0.026, 0.022);
     /// Potato: height of its lumps as a fraction of its radius.
-    POTATO_ROUGHNESS, potato_roughness: Fraction = Fraction::preset(0.06);
+    POTATO_ROUGHNESS (potato_roughness): Fraction = Fraction::preset(0.06);
 
     /// Gripper: distance of the two sensing faces when open, m.
-    OPENING, opening: Length = Length::preset(0.08);
+    OPENING: Length = Length::preset(0.08);
     /// Gripper: largest travel of each finger, m.
-    STROKE, stroke: Length = Length::preset(0.04);
+    STROKE: Length = Length::preset(0.04);
     /// Gripper: Coulomb friction between pad and object.
-    FRICTION, friction: NonNegative = NonNegative::preset(0.8);
+    FRICTION: NonNegative = NonNegative::preset(0.8);
     /// Placement: centre of the pads along the approach (hand z), m.
-    PLACEMENT_Z, placement_z: Finite = Finite::preset(0.1);
+    PLACEMENT_Z: Finite = Finite::preset(0.1);
     /// Placement: centre of the pads along the finger width (hand y), m.
-    PLACEMENT_Y, placement_y: Finite = Finite::preset(0.0);
+    PLACEMENT_Y: Finite = Finite::preset(0.0);
 
     /// Pad: distance between nodes of the sensing face, m.
-    PAD_SPACING, pad_spacing: Length = Length::preset(1.5e-3);
+    PAD_SPACING: Length = Length::preset(1.5e-3);
     /// Pad: largest node distance over the smallest; 1 is uniform.
-    PAD_GRADING, pad_grading: Ratio = Ratio::preset(1.0);
+    PAD_GRADING (pad_grading): Ratio = Ratio::preset(1.0);
     /// Pad: point of the sensing face where nodes are densest, m.
-    PAD_FOCUS, pad_focus: Vec2 = Vec2::preset2(0.0, 0.0);
+    PAD_FOCUS (pad_focus): Vec2 = Vec2::preset2(0.0, 0.0);
     /// Disc pad: node distance, m.
-    DISC_SPACING, disc_spacing: Length = Length::preset(1.0e-3);
+    DISC_SPACING (disc_spacing): Length = Length::preset(1.0e-3);
     /// Pad file: factor from the file's unit to metres.
-    PAD_SCALE, pad_scale: Positive = Positive::preset(1.0);
+    PAD_SCALE (pad_scale): Positive = Positive::preset(1.0);
     /// Pad file: direction out of the gel towards the object, in the file's axes.
-    PAD_OUTWARD, pad_outward: Vec3 = Vec3::preset3(0.0, 0.0, 1.0);
+    PAD_OUTWARD (pad_outward): Vec3 = Vec3::preset3(0.0, 0.0, 1.0);
     /// Soft material: density, kg/m3.
-    GEL_DENSITY, gel_density: Positive = Positive::preset(1000.0);
+    GEL_DENSITY (gel_density): Positive = Positive::preset(1000.0);
 
     /// Loading: recorded frames.
-    FRAMES, frames: Count<1, 10000> = Count::preset(50);
+    FRAMES (frames): Count<1, 10000> = Count::preset(50);
 
     /// FEM: treat the dilatation of an element as constant (no volumetric locking).
-    MEAN_DILATATION, mean_dilatation: bool = true;
+    MEAN_DILATATION: bool = true;
     /// FEM: residual force over the loading's force at which an increment counts as solved.
-    FORCE_TOLERANCE, force_tolerance: Positive = Positive::preset(1e-4);
+    FORCE_TOLERANCE: Positive = Positive::preset(1e-4);
     /// FEM: largest Newton step of a node at which an increment counts as solved, m.
-    DISPLACEMENT_TOLERANCE, displacement_tolerance: Length = Length::preset(1e-8);
+    DISPLACEMENT_TOLERANCE: Length = Length::preset(1e-8);
     /// FEM: Newton iterations before an increment is halved.
-    MAX_ITERATIONS, max_iterations: Count<1, 10000> = Count::preset(100);
+    MAX_ITERATIONS: Count<1, 10000> = Count::preset(100);
 }

@@ -58,13 +58,14 @@ pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Di
     };
     let of = |outer: &Option<String>| outer.as_ref().map_or(String::new(), |outer| format!(" in {outer}"));
     let (message, span) = match &error.code {
-        Ron::Message(message) => (named(message, start, text, outline), signed(text, refused)),
+        Ron::Message(message) => (named(message, start, text, outline), whole(text, refused, outline)),
         Ron::InvalidValueForType { expected, found } => (
-            named(&format!("expected {expected}, found {}", plain(found)), start, text, outline),
-            signed(text, refused),
+            named(&format!("expected {}, found {}", wanted(expected), plain(found)), start, text, outline),
+            whole(text, refused, outline),
         ),
         Ron::ExpectedDifferentLength { expected, found } => {
-            (format!("expected {expected}, found only {found} of them"), here)
+            let message = format!("expected {expected}, found only {found} of them");
+            (named(&message, end, text, outline), whole(text, here, outline))
         }
         Ron::NoSuchStructField { expected, found, outer } => {
             (format!("unknown field `{found}`{}\n{}", of(outer), allowed(found, expected)), refused)
@@ -79,8 +80,8 @@ pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Di
         Ron::ExpectedStructLikeEnd => (format!("expected `,` or `)`, found {}", found()), here),
         Ron::ExpectedArrayEnd => (format!("expected `,` or `]`, found {}", found()), here),
         Ron::ExpectedComma => {
-            let unit = token(text, end).starts_with(char::is_alphabetic)
-                && text[..end].ends_with(|c: char| c.is_ascii_digit() || c == ' ');
+            let after_digit = text[..end].trim_end_matches(' ').ends_with(|c: char| c.is_ascii_digit());
+            let unit = after_digit && token(text, end).starts_with(char::is_alphabetic);
             let help = if unit { "\nnumbers carry no unit: all are in SI (m, N, Pa, kg, s)" } else { "" };
             (format!("expected `,` before {}{help}", found()), here)
         }
@@ -96,7 +97,13 @@ pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Di
         }
         Ron::ExpectedArray => (named(&format!("expected a list `[...]`, found {}", found()), end, text, outline), here),
         Ron::ExpectedIdentifier => (named(&format!("expected a name, found {}", found()), end, text, outline), here),
-        Ron::ExpectedStructLike => (named(&format!("expected `(`, found {}", found()), end, text, outline), here),
+        Ron::ExpectedStructLike => match last_name(text, end) {
+            Some(name) => (
+                named(&format!("`{}` needs its fields: {0}(...)", &text[name.clone()]), name.start, text, outline),
+                name,
+            ),
+            None => (named(&format!("expected `(`, found {}", found()), end, text, outline), here),
+        },
         Ron::ExpectedNamedStructLike(name) => {
             (named(&format!("expected the fields of {name}, `(...)`, found {}", found()), end, text, outline), here)
         }
@@ -115,13 +122,30 @@ fn named(message: &str, at: usize, text: &str, outline: &Outline) -> String {
     let at = if token(text, at).is_empty() { at.saturating_sub(1) } else { at };
     match outline.path_at(at) {
         "" => message.to_string(),
+        path if path.starts_with('[') => message.to_string(),
         path => format!("{path}: {message}"),
     }
 }
 
-/// The sign of a whole number is a step of its own for the parser.
-fn signed(text: &str, span: Range<usize>) -> Range<usize> {
-    if text[..span.start].ends_with(['-', '+']) { span.start - 1..span.end } else { span }
+/// The refused value as a human sees it: with its sign and its quote, which are steps of their own for the parser, and a
+/// group from its opening bracket on, where the parser stands at the closing one.
+fn whole(text: &str, span: Range<usize>, outline: &Outline) -> Range<usize> {
+    if text[..span.start].ends_with(['-', '+', '"']) {
+        return span.start - 1..span.end;
+    }
+    if text[span.start..].starts_with([')', ']'])
+        && let Some(value) = outline.value_at(span.start)
+    {
+        return value;
+    }
+    span
+}
+
+/// The name that ends right before this byte.
+fn last_name(text: &str, at: usize) -> Option<Range<usize>> {
+    let before = text[..at].trim_end();
+    let name = before.rsplit(|c: char| !c.is_alphanumeric() && c != '_').next().filter(|name| !name.is_empty())?;
+    Some(before.len() - name.len()..before.len())
 }
 
 /// Without the parser's type jargon.
@@ -130,6 +154,11 @@ fn plain(found: &str) -> &str {
         .iter()
         .find_map(|prefix| found.strip_prefix(prefix))
         .unwrap_or(found)
+}
+
+/// Without the parser's type names: a number with the suffix of another type (`1.0f32`) is all they tell apart here.
+fn wanted(expected: &str) -> &str {
+    if expected == "a 64-bit floating point number" { "a number without suffix" } else { expected }
 }
 
 fn lower(message: &str) -> String {

@@ -106,13 +106,13 @@ struct Loader {
 
 impl Loader {
     /// The file with all that it includes. `chain` holds the files being read, outermost first.
-    fn tree(&mut self, path: &Path, chain: &mut Vec<PathBuf>, from: Option<usize>) -> Result<(Part, Origins)> {
+    fn tree(&mut self, path: &Path, chain: &mut Vec<PathBuf>, from: Option<(usize, usize)>) -> Result<(Part, Origins)> {
         let text = match (source::read(path), from) {
             (Ok(text), _) => text,
             (Err(e), None) => return Err(e),
-            (Err(e), Some(parent)) => {
+            (Err(e), Some((parent, place))) => {
                 let message = e.to_string().trim_start_matches("error: ").to_string();
-                return Err(self.sources[parent].error_at("include", &message));
+                return Err(self.sources[parent].error_at(&format!("include[{place}]"), &message));
             }
         };
         let index = self.sources.len();
@@ -128,7 +128,7 @@ impl Loader {
             let included = dir.join(name);
             self.may_include(&included, chain)
                 .map_err(|m| self.sources[index].error_at(&format!("include[{i}]"), &m))?;
-            let (part, theirs) = self.tree(&included, chain, Some(index))?;
+            let (part, theirs) = self.tree(&included, chain, Some((index, i)))?;
             whole.take_over(part);
             origins.extend(theirs);
         }

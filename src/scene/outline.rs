@@ -67,8 +67,17 @@ impl Outline {
 
     /// Path of the innermost entry that covers this byte; "" at the top.
     pub fn path_at(&self, at: usize) -> &str {
+        self.innermost(at).map_or("", |e| &e.path)
+    }
+
+    /// Value of the innermost entry that covers this byte.
+    pub fn value_at(&self, at: usize) -> Option<Range<usize>> {
+        self.innermost(at).map(|e| e.value.clone())
+    }
+
+    fn innermost(&self, at: usize) -> Option<&Entry> {
         let covering = |e: &&Entry| e.key.start <= at && at < e.value.end.max(e.key.end);
-        self.entries.iter().filter(covering).min_by_key(|e| e.value.end - e.key.start).map_or("", |e| &e.path)
+        self.entries.iter().filter(covering).min_by_key(|e| e.value.end - e.key.start)
     }
 }
 
@@ -164,9 +173,13 @@ impl Scan<'_> {
     /// Reads what stands between brackets. The only positional value after a name (`Sphere(0.1)`, `List([...])`) is the
     /// named value itself and takes no index.
     fn group(&mut self, path: &str, named: bool, depth: usize) {
+        if depth >= DEPTH_LIMIT {
+            self.at = self.text.len();
+            return;
+        }
         self.at += 1;
         let mut index = 0;
-        while depth < DEPTH_LIMIT {
+        loop {
             self.blank();
             match self.peek() {
                 None => return,
@@ -191,10 +204,6 @@ impl Scan<'_> {
                 // nothing that RON knows: step over it
                 self.at += self.peek().map_or(0, char::len_utf8);
             }
-        }
-        if depth >= DEPTH_LIMIT {
-            self.at = self.text.len();
-            return;
         }
         self.at += 1;
     }
