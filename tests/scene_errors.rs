@@ -156,10 +156,10 @@ fn fields_that_do_not_go_together_are_named() {
     refused(&object("Cuboid(size: (0.1, 0.1, 0.02), edge_radius: 0.02)"), 1, 62, &["edge_radius", "at most 0.01"]);
     refused(&object("Cup(radius: 0.03, height: 0.1, wall: 0.03)"), 1, 55, &["leaves no hollow"]);
     refused(
-        &object("Revolve(profile: [(0, 0), (-0.1, 0.1)])"),
+        &object("Revolve(profile: [(0, 0), (0.1, 0.1)])"),
         1,
         44,
-        &["profile[1]: a profile point (r, z) needs r >= 0"],
+        &["profile[1]: a profile starts and ends on the axis"],
     );
     refused(
         &object("Sweep(path: [(0, 0, 0), (0, 0, 1), (0, 1, 1)], radii: [0.1, 0.1])"),

@@ -56,7 +56,7 @@ fn defaults_survive_being_written_out() {
 #[test]
 fn defaults_pass_their_own_checks() {
     // what is written out is read through the checks again, so every default that is printed has passed
-    for shape in ["Lemon()", "Strawberry()", "Banana()", "Potato()", "Cuboid(size: (0.1, 0.1, 0.1))"] {
+    for shape in ["Lemon()", "Strawberry()", "Banana()", "Potato()", "Pear()", "Cuboid(size: (0.1, 0.1, 0.1))"] {
         let scene = scene_of(&SMALLEST.replace("Sphere(radius: 0.02)", shape));
         assert_eq!(scene, scene_of(&to_ron(&scene).unwrap()));
     }

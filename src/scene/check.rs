@@ -4,7 +4,7 @@ use super::expect::{Bounds, Expectation};
 use super::grasps::Grasps;
 use super::gripper::Fingers;
 use super::loading::Loading;
-use super::object::{Motion, Shape};
+use super::object::{Motion, Revolve, Shape};
 use super::pad::Pads;
 use super::schema::Scene;
 
@@ -39,7 +39,6 @@ fn shape(shape: &Shape) -> Result<(), Problem> {
     };
     match shape {
         Shape::Cuboid(c) => rounding(c.edge_radius.get(), c.size.size().min_element() / 2.0),
-        Shape::Cylinder(c) => rounding(c.edge_radius.get(), c.radius.get().min(c.height.get() / 2.0)),
         Shape::Annulus(a) if a.inner.get() >= a.outer.get() => refuse(
             "object.shape.inner",
             format!("the hole ({} m) must be narrower than outer ({} m)", a.inner.get(), a.outer.get()),
@@ -48,18 +47,13 @@ fn shape(shape: &Shape) -> Result<(), Problem> {
             "object.shape.wall",
             format!("wall {} m leaves no hollow\nallowed: below radius and height", c.wall.get()),
         ),
-        Shape::Banana(b) if b.bend_deg.get() > 270.0 => {
-            refuse("object.shape.bend_deg", "a bend above 270 degrees runs into itself")
+        Shape::Banana(b) if !(1.0..=170.0).contains(&b.bend_deg.get()) => {
+            refuse("object.shape.bend_deg", format!("a banana bends by 1 to 170 degrees, found {}", b.bend_deg.get()))
         }
-        Shape::Revolve(r) => {
-            if r.profile.len() < 2 {
-                return refuse("object.shape.profile", "a profile needs at least two points (r, z)");
-            }
-            match r.profile.iter().position(|p| p.pair()[0] < 0.0) {
-                Some(i) => refuse(format!("object.shape.profile[{i}]"), "a profile point (r, z) needs r >= 0"),
-                None => Ok(()),
-            }
+        Shape::Potato(p) if p.roughness.get() > 0.3 => {
+            refuse("object.shape.roughness", format!("roughness must be at most 0.3, found {}", p.roughness.get()))
         }
+        Shape::Revolve(r) => profile(r),
         Shape::Sweep(s) => {
             if s.path.len() < 2 {
                 return refuse("object.shape.path", "a sweep needs at least two points");
@@ -76,6 +70,27 @@ fn shape(shape: &Shape) -> Result<(), Problem> {
         }
         _ => Ok(()),
     }
+}
+
+fn profile(r: &Revolve) -> Result<(), Problem> {
+    let (last, fewest) = (r.profile.len().saturating_sub(1), if r.closed { 3 } else { 2 });
+    if r.profile.len() < fewest {
+        return refuse("object.shape.profile", format!("a profile of points (r, z) needs at least {fewest} of them"));
+    }
+    for (i, p) in r.profile.iter().enumerate() {
+        let (radius, end) = (p.pair()[0], !r.closed && (i == 0 || i == last));
+        let wanted = match () {
+            () if end && radius != 0.0 => "a profile starts and ends on the axis: r = 0",
+            () if !end && radius <= 0.0 => "a profile stays off the axis between its ends: r > 0",
+            () => continue,
+        };
+        let message = format!(
+            "{wanted}, found ({radius}, {})\na ring is a loop of points off the axis with closed: true",
+            p.pair()[1]
+        );
+        return refuse(format!("object.shape.profile[{i}]"), message);
+    }
+    Ok(())
 }
 
 fn pads(pads: &Pads) -> Result<(), Problem> {

@@ -1,7 +1,7 @@
 //! Every default of a scene file, once: serde, `Default` and the documentation all take it from here.
 
-use super::leaf::{Count, Depth, Finite, Fraction, Length, NonNegative, Positive, Ratio};
-use super::vector::{Size, Vec2, Vec3};
+use super::leaf::{Count, Depth, Finite, Length, NonNegative, Positive, Ratio};
+use super::vector::{Size, Vec3};
 
 /// Declares the constants; the name in parentheses is a function of the same value for `#[serde(default = "...")]`.
 macro_rules! defaults {
@@ -18,26 +18,30 @@ defaults! {
     OBJECT_DENSITY (object_density): Positive = Positive::preset(1000.0);
     /// Object: radius of rounded edges, m; zero is sharp.
     EDGE_RADIUS (edge_radius): Depth = Depth::preset(0.0);
-    /// Shapes of revolution and sweeps: facets around.
-    SEGMENTS (segments): Count<3, 1000> = Count::preset(64);
+    /// Object: divisions of a full turn of a generated surface.
+    SEGMENTS (segments): Count<8, 512> = Count::preset(64);
     /// Lemon: tip to tip, m.
     LEMON_LENGTH (lemon_length): Length = Length::preset(0.060);
-    /// Lemon: largest radius, m.
-    LEMON_RADIUS (lemon_radius): Length = Length::preset(0.022);
+    /// Lemon: largest diameter, m.
+    LEMON_DIAMETER (lemon_diameter): Length = Length::preset(0.044);
     /// Strawberry: stalk to tip, m.
     STRAWBERRY_LENGTH (strawberry_length): Length = Length::preset(0.040);
-    /// Strawberry: largest radius, m.
-    STRAWBERRY_RADIUS (strawberry_radius): Length = Length::preset(0.017);
+    /// Strawberry: largest diameter, m.
+    STRAWBERRY_DIAMETER (strawberry_diameter): Length = Length::preset(0.034);
+    /// Pear: end to end, m.
+    PEAR_LENGTH (pear_length): Length = Length::preset(0.090);
+    /// Pear: largest diameter, m.
+    PEAR_DIAMETER (pear_diameter): Length = Length::preset(0.060);
     /// Banana: length along its bend, m.
     BANANA_LENGTH (banana_length): Length = Length::preset(0.120);
-    /// Banana: largest radius, m.
-    BANANA_RADIUS (banana_radius): Length = Length::preset(0.015);
-    /// Banana: angle of its bend, degrees.
-    BANANA_BEND (banana_bend): NonNegative = NonNegative::preset(70.0);
+    /// Banana: largest diameter, m.
+    BANANA_DIAMETER (banana_diameter): Length = Length::preset(0.030);
+    /// Banana: angle that its arc turns, degrees.
+    BANANA_BEND (banana_bend): Positive = Positive::preset(70.0);
     /// Potato: half axes before it is made lumpy, m.
     POTATO_RADII (potato_radii): Size = Size::preset_size(0.034, 0.026, 0.022);
     /// Potato: height of its lumps as a fraction of its radius.
-    POTATO_ROUGHNESS (potato_roughness): Fraction = Fraction::preset(0.06);
+    POTATO_ROUGHNESS (potato_roughness): NonNegative = NonNegative::preset(0.06);
 
     /// Gripper: distance of the two sensing faces when open, m.
     OPENING: Length = Length::preset(0.08);
@@ -52,10 +56,10 @@ defaults! {
 
     /// Pad: distance between nodes of the sensing face, m.
     PAD_SPACING: Length = Length::preset(1.5e-3);
-    /// Pad: largest node distance over the smallest; 1 is uniform.
+    /// Pad: thickness of a layer over that of the layer before it, away from the sensing face.
     PAD_GRADING (pad_grading): Ratio = Ratio::preset(1.0);
-    /// Pad: point of the sensing face where nodes are densest, m.
-    PAD_FOCUS (pad_focus): Vec2 = Vec2::preset2(0.0, 0.0);
+    /// Pad: width of the cells at the rim over those at the centre.
+    PAD_FOCUS (pad_focus): Ratio = Ratio::preset(1.0);
     /// Disc pad: node distance, m.
     DISC_SPACING (disc_spacing): Length = Length::preset(1.0e-3);
     /// Pad file: factor from the file's unit to metres.

@@ -11,6 +11,8 @@ use serde::{Serialize, Serializer};
 pub const LENGTH_LIMIT: f64 = 2.0;
 /// Smallest stiffness a scene may name, Pa: below it the number was almost surely meant in MPa.
 pub const MODULUS_FLOOR: f64 = 1.0;
+/// Largest ratio of cell sizes within a pad.
+pub const RATIO_LIMIT: f64 = 20.0;
 
 macro_rules! number {
     ($(#[$doc:meta])* $name:ident, $check:path) => {
@@ -82,8 +84,8 @@ number! {
     Fraction, fraction
 }
 number! {
-    /// One or above.
-    Ratio, at_least_one
+    /// From one to [`RATIO_LIMIT`].
+    Ratio, ratio
 }
 
 fn finite(v: f64) -> Result<(), String> {
@@ -142,8 +144,11 @@ fn poisson(v: f64) -> Result<(), String> {
 fn fraction(v: f64) -> Result<(), String> {
     if v > 0.0 && v <= 1.0 { Ok(()) } else { Err(format!("must be above 0 and at most 1, found {}", shown(v))) }
 }
-fn at_least_one(v: f64) -> Result<(), String> {
-    if v >= 1.0 { Ok(()) } else { Err(format!("must be 1 or above, found {}", shown(v))) }
+fn ratio(v: f64) -> Result<(), String> {
+    if (1.0..=RATIO_LIMIT).contains(&v) {
+        return Ok(());
+    }
+    Err(format!("must be from 1 to {RATIO_LIMIT}, found {}", shown(v)))
 }
 
 /// A number as a human would write it: no 300 digits, no trailing `.0`.

@@ -1,7 +1,7 @@
 //! The rigid object.
 
 use super::defaults;
-use super::leaf::{Count, Depth, Fraction, Length, NonNegative, Positive};
+use super::leaf::{Count, Depth, Length, NonNegative, Positive};
 use super::vector::{Size, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -18,6 +18,10 @@ pub struct Object {
     /// kg/m3.
     #[serde(default = "defaults::object_density")]
     pub density: Positive,
+    /// Divisions of a full turn of a generated round surface: what is drawn and written, and the contact geometry where the
+    /// shape has no closed form.
+    #[serde(default = "defaults::segments")]
+    pub segments: Count<8, 512>,
     /// Whether it may move.
     #[serde(default)]
     pub motion: Motion,
@@ -58,13 +62,15 @@ pub enum Shape {
     Lemon(Lemon),
     /// A rounded cone, along z, tip down.
     Strawberry(Strawberry),
+    /// A bulb at -z that narrows to +z.
+    Pear(Pear),
     /// A bent spindle in the xz plane.
     Banana(Banana),
     /// A lumpy ellipsoid.
     Potato(Potato),
     /// A profile turned about z.
     Revolve(Revolve),
-    /// A ball drawn along a path, its radius changing on the way.
+    /// A tube about a path, its radius changing on the way.
     Sweep(Sweep),
 }
 
@@ -97,15 +103,12 @@ shapes! {
         /// Half axes along x, y, z, m.
         radii: Size,
     }
-    /// A cylinder.
+    /// A cylinder with sharp rims.
     Cylinder {
         /// m.
         radius: Length,
         /// Along z, m.
         height: Length,
-        /// Radius of the two rims, m; zero is sharp.
-        #[serde(default = "defaults::edge_radius")]
-        edge_radius: Depth,
     }
     /// A capsule.
     Capsule {
@@ -146,59 +149,65 @@ shapes! {
         /// Tip to tip, m.
         #[serde(default = "defaults::lemon_length")]
         length: Length,
-        /// Largest radius, m.
-        #[serde(default = "defaults::lemon_radius")]
-        radius: Length,
+        /// Largest, m.
+        #[serde(default = "defaults::lemon_diameter")]
+        diameter: Length,
     }
     /// A strawberry.
     Strawberry {
         /// Stalk to tip, m.
         #[serde(default = "defaults::strawberry_length")]
         length: Length,
-        /// Largest radius, m.
-        #[serde(default = "defaults::strawberry_radius")]
-        radius: Length,
+        /// Largest, m.
+        #[serde(default = "defaults::strawberry_diameter")]
+        diameter: Length,
+    }
+    /// A pear.
+    Pear {
+        /// End to end, m.
+        #[serde(default = "defaults::pear_length")]
+        length: Length,
+        /// Largest, m.
+        #[serde(default = "defaults::pear_diameter")]
+        diameter: Length,
     }
     /// A banana.
     Banana {
         /// Along its bend, m.
         #[serde(default = "defaults::banana_length")]
         length: Length,
-        /// Largest radius, m.
-        #[serde(default = "defaults::banana_radius")]
-        radius: Length,
-        /// Angle between the directions of its two ends, degrees.
+        /// Largest, m.
+        #[serde(default = "defaults::banana_diameter")]
+        diameter: Length,
+        /// Angle that its arc turns, degrees; 1 to 170.
         #[serde(default = "defaults::banana_bend")]
-        bend_deg: NonNegative,
+        bend_deg: Positive,
     }
     /// A potato.
     Potato {
         /// Half axes before it is made lumpy, m.
         #[serde(default = "defaults::potato_radii")]
         radii: Size,
-        /// Height of its lumps as a fraction of its radius.
+        /// Height of its lumps as a fraction of its radius; at most 0.3.
         #[serde(default = "defaults::potato_roughness")]
-        roughness: Fraction,
+        roughness: NonNegative,
         /// Which potato: the same seed gives the same one.
         #[serde(default)]
         seed: u64,
     }
     /// A solid of revolution.
     Revolve {
-        /// Points (r, z) from bottom to top, m; r >= 0. Ends off the axis are closed by flat discs.
+        /// Points (r, z), m: a line from the axis to the axis (r = 0 at both ends, r > 0 between), or a loop off it.
         profile: Vec<Vec2>,
-        /// Facets around.
-        #[serde(default = "defaults::segments")]
-        segments: Count<3, 1000>,
+        /// The profile is a loop (its first point not repeated): the solid is a ring.
+        #[serde(default)]
+        closed: bool,
     }
-    /// A swept tube with round ends.
+    /// A swept tube.
     Sweep {
         /// Points of the centre line, m.
         path: Vec<Vec3>,
-        /// Radius at each point, or one for all, m.
-        radii: Vec<Length>,
-        /// Facets around.
-        #[serde(default = "defaults::segments")]
-        segments: Count<3, 1000>,
+        /// Radius at each point, or one for all, m. Zero at an end makes a tip, else the end is flat.
+        radii: Vec<Depth>,
     }
 }

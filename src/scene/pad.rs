@@ -2,8 +2,8 @@
 
 use super::defaults;
 use super::either::{PathOrFields, path_or_fields};
-use super::leaf::{Length, Positive, Ratio};
-use super::vector::{Cells, Size, Vec2, Vec3};
+use super::leaf::{Depth, Length, Positive, Ratio};
+use super::vector::{Cells, Size, Vec3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::path::PathBuf;
 
@@ -35,10 +35,10 @@ pub struct GelSightMini {
     pub shape: GelShape,
     /// Distance between nodes of the sensing face at its finest, m.
     pub spacing: Length,
-    /// Largest node distance over the smallest; 1 is uniform.
+    /// Thickness of each layer over that of the one before it, going away from the sensing face; 1 is uniform.
     pub grading: Ratio,
-    /// Point (x, y) of the sensing face where nodes are densest, m.
-    pub focus: Vec2,
+    /// Width of the cells at the rim over those at the centre; 1 is uniform.
+    pub focus: Ratio,
 }
 
 impl Default for GelSightMini {
@@ -74,12 +74,12 @@ pub struct BoxPad {
     /// Distance between nodes at the finest, m. If neither it nor `cells` is given: [`defaults::PAD_SPACING`].
     #[serde(default)]
     pub spacing: Option<Length>,
-    /// Largest node distance over the smallest; 1 is uniform.
+    /// Thickness of each layer over that of the one before it, going away from the sensing face; 1 is uniform.
     #[serde(default = "defaults::pad_grading")]
     pub grading: Ratio,
-    /// Point (x, y) of the sensing face where nodes are densest, m.
+    /// Width of the cells at the rim over those at the centre; 1 is uniform.
     #[serde(default = "defaults::pad_focus")]
-    pub focus: Vec2,
+    pub focus: Ratio,
 }
 
 /// A round disc of gel.
@@ -93,6 +93,12 @@ pub struct DiscPad {
     /// Distance between nodes, m.
     #[serde(default = "defaults::disc_spacing")]
     pub spacing: Length,
+    /// Thickness of each layer over that of the one before it, going away from the sensing face; 1 is uniform.
+    #[serde(default = "defaults::pad_grading")]
+    pub grading: Ratio,
+    /// Width of the cells at the rim over those at the centre; 1 is uniform.
+    #[serde(default = "defaults::pad_focus")]
+    pub focus: Ratio,
 }
 
 /// A pad from a tetrahedral mesh file; `File("pad.tet")` takes all defaults.
@@ -104,17 +110,20 @@ pub struct FilePad {
     /// Direction out of the gel towards the object, in the file's axes; any length but zero.
     #[serde(default = "defaults::pad_outward")]
     pub outward: Vec3,
+    /// Direction that becomes x of the pad, in the file's axes; None takes the file's x (its y if `outward` is along x).
+    #[serde(default)]
+    pub across: Option<Vec3>,
     /// Factor from the file's unit to metres.
     #[serde(default = "defaults::pad_scale")]
     pub scale: Positive,
     /// Nodes within this distance of the back plane are bonded to the finger, m. None: the nodes on the plane only.
     #[serde(default)]
-    pub attach_distance: Option<Length>,
+    pub attach_distance: Option<Depth>,
 }
 
 impl<'de> PathOrFields<'de> for FilePad {
     fn from_path(path: PathBuf) -> Self {
-        Self { path, outward: defaults::PAD_OUTWARD, scale: defaults::PAD_SCALE, attach_distance: None }
+        Self { path, outward: defaults::PAD_OUTWARD, across: None, scale: defaults::PAD_SCALE, attach_distance: None }
     }
     fn from_fields<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         Self::deserialize(deserializer)

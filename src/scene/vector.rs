@@ -34,9 +34,6 @@ impl Vec2 {
     pub fn pair(self) -> [f64; 2] {
         self.0.map(Finite::get)
     }
-    pub(crate) const fn preset2(x: f64, y: f64) -> Self {
-        Tuple([Finite::preset(x), Finite::preset(y)])
-    }
 }
 
 impl Size {
