@@ -1,6 +1,7 @@
 //! tactus: a parallel gripper with two soft visual-tactile pads squeezes a rigid object.
 #![warn(missing_docs)]
 
+pub mod cli;
 pub mod contact;
 pub mod element;
 pub mod error;

@@ -1,7 +1,10 @@
 //! Command line entry point.
 use mimalloc::MiMalloc;
+use std::process::ExitCode;
 
 #[global_allocator]
 static ALLOCATOR: MiMalloc = MiMalloc;
 
-fn main() {}
+fn main() -> ExitCode {
+    tactus::cli::main()
+}

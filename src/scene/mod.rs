@@ -1,1 +1,46 @@
-//! scene
+//! Scene files: the schema, one file per topic, and the loader.
+//!
+//! `load("scene.ron")` gives a complete [`Scene`]: includes merged, defaults filled in, paths resolved, every value checked.
+//!
+//! ```text
+//! text -> outline (where is what) --+
+//!      -> ron + leaf checks ---------+-> lint -> merge includes -> complete -> check across fields -> Scene
+//!                    any refusal -> diagnose: message, file:line:column, caret, what is allowed
+//! ```
+
+mod check;
+pub mod defaults;
+mod diagnose;
+mod either;
+pub mod expect;
+pub mod grasps;
+pub mod gripper;
+pub mod judge;
+pub mod leaf;
+mod lint;
+pub mod load;
+pub mod loading;
+pub mod material;
+pub mod object;
+mod outline;
+pub mod output;
+pub mod pad;
+pub mod rotation;
+mod schema;
+mod source;
+pub mod stepper;
+pub mod vector;
+
+pub use expect::Expectation;
+pub use grasps::{GraspFile, Grasps, Pose, Select};
+pub use gripper::{Fingers, Gripper, Placement};
+pub use judge::{Held, Measured, Status, evaluate, evaluate_all};
+pub use load::{Loaded, load, to_ron};
+pub use loading::{Loading, Press, Squeeze};
+pub use material::{Law, Material, MaterialSpec, Preset};
+pub use object::{Motion, Object, Shape};
+pub use output::{Arrays, Field, Record};
+pub use pad::Pads;
+pub use schema::Scene;
+pub use source::SIZE_LIMIT;
+pub use stepper::{Element, Fem, Gnn, Stepper, Tolerance};

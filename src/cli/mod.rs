@@ -1,0 +1,66 @@
+//! The command line: one file per command.
+
+mod check;
+mod run;
+
+use crate::error::Result;
+use clap::{Parser, Subcommand, ValueEnum};
+use std::process::ExitCode;
+
+pub use check::CheckArgs;
+pub use run::{Backend, RunArgs};
+
+/// Exit code: everything asked for was done and every expectation held.
+pub const OK: u8 = 0;
+/// Exit code: the scene ran, and an expectation did not hold or a grasp failed.
+pub const NOT_HELD: u8 = 1;
+/// Exit code: wrong arguments, a wrong file, nothing ran.
+pub const REFUSED: u8 = 2;
+
+/// A parallel gripper with two soft tactile pads squeezes a rigid object.
+#[derive(Debug, Parser)]
+#[command(name = "tactus", version, arg_required_else_help = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Simulate the grasps of a scene.
+    Run(RunArgs),
+    /// Load a scene, check everything in it and print it with all defaults written out.
+    Check(CheckArgs),
+}
+
+/// Form of what is printed on stdout.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Format {
+    /// For humans.
+    #[default]
+    Text,
+    /// One JSON object.
+    Json,
+}
+
+/// Runs the command; an error is printed to stderr and gives exit code 2. Wrong arguments are clap's, with the same code.
+pub fn main() -> ExitCode {
+    match dispatch(&Cli::parse()) {
+        Ok(code) => code,
+        Err(error) => {
+            let text = error.to_string();
+            let start = if text.starts_with("error:") { "" } else { "error: " };
+            eprintln!("{start}{text}");
+            ExitCode::from(REFUSED)
+        }
+    }
+}
+
+fn dispatch(cli: &Cli) -> Result<ExitCode> {
+    match &cli.command {
+        Command::Run(args) => run::run(args),
+        Command::Check(args) => check::check(args),
+    }
+}

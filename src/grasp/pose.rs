@@ -1,0 +1,33 @@
+//! One grasp pose and the two ways through it.
+
+use glam::{DQuat, DVec3};
+
+/// Pose of the hand in the object frame: `x_object = rotation * x_hand + position`.
+///
+/// Hand frame: origin at the hand base, +z the approach, fingers close along x, y the finger width; contacts lie near
+/// z = 0.1 m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GraspPose {
+    /// Origin of the hand in the object frame, m.
+    pub position: DVec3,
+    /// Rotation from the hand frame to the object frame, length 1.
+    pub rotation: DQuat,
+}
+
+impl GraspPose {
+    /// A point of the object in the hand frame, m.
+    pub fn to_hand(&self, in_object: DVec3) -> DVec3 {
+        self.rotation.conjugate() * (in_object - self.position)
+    }
+
+    /// A point of the hand in the object frame, m.
+    pub fn to_object(&self, in_hand: DVec3) -> DVec3 {
+        self.rotation * in_hand + self.position
+    }
+
+    /// Pose of the object in the hand frame: `x_hand = rotation * x_object + position`.
+    pub fn object_in_hand(&self) -> GraspPose {
+        let rotation = self.rotation.conjugate();
+        GraspPose { position: -(rotation * self.position), rotation }
+    }
+}

@@ -1,0 +1,168 @@
+//! Checks across fields: what no single value can know.
+
+use super::expect::{Bounds, Expectation};
+use super::grasps::Grasps;
+use super::gripper::Fingers;
+use super::loading::Loading;
+use super::object::{Motion, Revolve, Shape};
+use super::pad::Pads;
+use super::schema::Scene;
+
+/// A field that does not go with the rest of the scene.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Problem {
+    /// Path of the field, like `object.shape.inner`.
+    pub path: String,
+    /// What is wrong; further lines are the help.
+    pub message: String,
+}
+
+/// The first problem of the scene, if any.
+pub(super) fn check(scene: &Scene) -> Result<(), Problem> {
+    shape(&scene.object.shape)?;
+    pads(&scene.gripper.pads)?;
+    grasps(&scene.grasps)?;
+    loading(scene)?;
+    scene.expect.iter().enumerate().try_for_each(|(i, e)| expectation(i, e))
+}
+
+fn refuse<T>(path: impl Into<String>, message: impl Into<String>) -> Result<T, Problem> {
+    Err(Problem { path: path.into(), message: message.into() })
+}
+
+fn shape(shape: &Shape) -> Result<(), Problem> {
+    let rounding = |edge: f64, most: f64| {
+        if edge <= most {
+            return Ok(());
+        }
+        refuse("object.shape.edge_radius", format!("edge radius {edge} m does not fit\nallowed here: at most {most}"))
+    };
+    match shape {
+        Shape::Cuboid(c) => rounding(c.edge_radius.get(), c.size.size().min_element() / 2.0),
+        Shape::Annulus(a) if a.inner.get() >= a.outer.get() => refuse(
+            "object.shape.inner",
+            format!("the hole ({} m) must be narrower than outer ({} m)", a.inner.get(), a.outer.get()),
+        ),
+        Shape::Cup(c) if c.wall.get() >= c.radius.get().min(c.height.get()) => refuse(
+            "object.shape.wall",
+            format!("wall {} m leaves no hollow\nallowed: below radius and height", c.wall.get()),
+        ),
+        Shape::Banana(b) if !(1.0..=170.0).contains(&b.bend_deg.get()) => {
+            refuse("object.shape.bend_deg", format!("a banana bends by 1 to 170 degrees, found {}", b.bend_deg.get()))
+        }
+        Shape::Potato(p) if p.roughness.get() > 0.3 => {
+            refuse("object.shape.roughness", format!("roughness must be at most 0.3, found {}", p.roughness.get()))
+        }
+        Shape::Revolve(r) => profile(r),
+        Shape::Sweep(s) => {
+            if s.path.len() < 2 {
+                return refuse("object.shape.path", "a sweep needs at least two points");
+            }
+            if s.radii.len() != 1 && s.radii.len() != s.path.len() {
+                let message = format!(
+                    "{} radii for {} points\nallowed: one radius for all, or one per point",
+                    s.radii.len(),
+                    s.path.len()
+                );
+                return refuse("object.shape.radii", message);
+            }
+            Ok(())
+        }
+        _ => Ok(()),
+    }
+}
+
+fn profile(r: &Revolve) -> Result<(), Problem> {
+    let (last, fewest) = (r.profile.len().saturating_sub(1), if r.closed { 3 } else { 2 });
+    if r.profile.len() < fewest {
+        return refuse("object.shape.profile", format!("a profile of points (r, z) needs at least {fewest} of them"));
+    }
+    for (i, p) in r.profile.iter().enumerate() {
+        let (radius, end) = (p.pair()[0], !r.closed && (i == 0 || i == last));
+        let wanted = match () {
+            () if end && radius != 0.0 => "a profile starts and ends on the axis: r = 0",
+            () if !end && radius <= 0.0 => "a profile stays off the axis between its ends: r > 0",
+            () => continue,
+        };
+        let message = format!(
+            "{wanted}, found ({radius}, {})\na ring is a loop of points off the axis with closed: true",
+            p.pair()[1]
+        );
+        return refuse(format!("object.shape.profile[{i}]"), message);
+    }
+    Ok(())
+}
+
+fn pads(pads: &Pads) -> Result<(), Problem> {
+    match pads {
+        Pads::Box(b) if b.cells.is_some() && b.spacing.is_some() => {
+            refuse("gripper.pads.cells", "cells and spacing are both given\ngive one of them")
+        }
+        Pads::File(f) if f.outward.dvec3().length() < 1e-9 => {
+            refuse("gripper.pads.outward", "a direction of length zero\n(0, 0, 1) is along +z of the file")
+        }
+        _ => Ok(()),
+    }
+}
+
+fn grasps(grasps: &Grasps) -> Result<(), Problem> {
+    match grasps {
+        Grasps::List(poses) if poses.is_empty() => {
+            refuse("grasps", "an empty list of grasps\nleave `grasps` out for one at the identity")
+        }
+        Grasps::Antipodal(_) => refuse(
+            "grasps",
+            "Antipodal grasps are not available in this build\nuse List([...]), File(\"x_grasps.h5\") or Identity",
+        ),
+        _ => Ok(()),
+    }
+}
+
+fn loading(scene: &Scene) -> Result<(), Problem> {
+    if scene.gripper.fingers == Fingers::One && scene.object.motion == Motion::Free {
+        return refuse(
+            "gripper.fingers",
+            "one finger only pushes a free object away\nuse motion: Fixed in object, or fingers: Both",
+        );
+    }
+    let Loading::Press(press) = &scene.loading else { return Ok(()) };
+    match (&press.depth, &press.depths) {
+        (None, None) => refuse("loading", "a press needs `depth` or `depths`"),
+        (Some(_), Some(_)) => refuse("loading.depths", "depth and depths are both given\ngive one of them"),
+        (None, Some(_)) if press.frames.is_some() => {
+            refuse("loading.frames", "`depths` already says which frames there are\nuse `depth` with `frames`")
+        }
+        (None, Some(depths)) if depths.is_empty() => refuse("loading.depths", "an empty list of depths"),
+        (None, Some(depths)) => match depths.windows(2).position(|w| w[1].get() <= w[0].get()) {
+            Some(i) => refuse(format!("loading.depths[{}]", i + 1), "depths must increase"),
+            None => travel(scene, press.levels()),
+        },
+        (Some(_), None) => travel(scene, press.levels()),
+    }
+}
+
+/// No press goes further than a finger can.
+fn travel(scene: &Scene, levels: Vec<f64>) -> Result<(), Problem> {
+    let (last, stroke) = (levels.last().copied().unwrap_or(0.0), scene.gripper.stroke.get());
+    if last <= stroke {
+        return Ok(());
+    }
+    refuse("loading", format!("a press of {last} m is longer than the finger's stroke ({stroke} m)"))
+}
+
+fn expectation(i: usize, expectation: &Expectation) -> Result<(), Problem> {
+    let (Expectation::Travel(Bounds { at_least, at_most })
+    | Expectation::Force(Bounds { at_least, at_most })
+    | Expectation::MaxStress(Bounds { at_least, at_most })) = expectation
+    else {
+        return Ok(());
+    };
+    let path = format!("expect[{i}]");
+    match (at_least, at_most) {
+        (None, None) => refuse(path, format!("{} needs at_least, at_most or both", expectation.name())),
+        (Some(low), Some(high)) if low.get() > high.get() => {
+            refuse(path, "at_least is above at_most: nothing can hold that")
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,83 @@
+//! Every default of a scene file, once: serde, `Default` and the documentation all take it from here.
+
+use super::leaf::{Count, Depth, Finite, Length, NonNegative, Positive, Ratio};
+use super::vector::{Size, Vec3};
+
+/// Declares the constants; the name in parentheses is a function of the same value for `#[serde(default = "...")]`.
+macro_rules! defaults {
+    ($($(#[$doc:meta])* $name:ident $(($function:ident))?: $type:ty = $value:expr;)*) => {
+        $($(#[$doc])* pub const $name: $type = $value;
+        $(pub(super) const fn $function() -> $type { $name })?)*
+    };
+}
+
+defaults! {
+    /// Object: factor on the shape's lengths.
+    SCALE (scale): Positive = Positive::preset(1.0);
+    /// Object: density, kg/m3.
+    OBJECT_DENSITY (object_density): Positive = Positive::preset(1000.0);
+    /// Object: radius of rounded edges, m; zero is sharp.
+    EDGE_RADIUS (edge_radius): Depth = Depth::preset(0.0);
+    /// Object: divisions of a full turn of a generated surface.
+    SEGMENTS (segments): Count<8, 512> = Count::preset(64);
+    /// Lemon: tip to tip, m.
+    LEMON_LENGTH (lemon_length): Length = Length::preset(0.060);
+    /// Lemon: largest diameter, m.
+    LEMON_DIAMETER (lemon_diameter): Length = Length::preset(0.044);
+    /// Strawberry: stalk to tip, m.
+    STRAWBERRY_LENGTH (strawberry_length): Length = Length::preset(0.040);
+    /// Strawberry: largest diameter, m.
+    STRAWBERRY_DIAMETER (strawberry_diameter): Length = Length::preset(0.034);
+    /// Pear: end to end, m.
+    PEAR_LENGTH (pear_length): Length = Length::preset(0.090);
+    /// Pear: largest diameter, m.
+    PEAR_DIAMETER (pear_diameter): Length = Length::preset(0.060);
+    /// Banana: length along its bend, m.
+    BANANA_LENGTH (banana_length): Length = Length::preset(0.120);
+    /// Banana: largest diameter, m.
+    BANANA_DIAMETER (banana_diameter): Length = Length::preset(0.030);
+    /// Banana: angle that its arc turns, degrees.
+    BANANA_BEND (banana_bend): Positive = Positive::preset(70.0);
+    /// Potato: half axes before it is made lumpy, m.
+    POTATO_RADII (potato_radii): Size = Size::preset_size(0.034, 0.026, 0.022);
+    /// Potato: height of its lumps as a fraction of its radius.
+    POTATO_ROUGHNESS (potato_roughness): NonNegative = NonNegative::preset(0.06);
+
+    /// Gripper: distance of the two sensing faces when open, m.
+    OPENING: Length = Length::preset(0.08);
+    /// Gripper: largest travel of each finger, m.
+    STROKE: Length = Length::preset(0.04);
+    /// Gripper: Coulomb friction between pad and object.
+    FRICTION: NonNegative = NonNegative::preset(0.8);
+    /// Placement: centre of the pads along the approach (hand z), m.
+    PLACEMENT_Z: Finite = Finite::preset(0.1);
+    /// Placement: centre of the pads along the finger width (hand y), m.
+    PLACEMENT_Y: Finite = Finite::preset(0.0);
+
+    /// Pad: distance between nodes of the sensing face, m.
+    PAD_SPACING: Length = Length::preset(1.5e-3);
+    /// Pad: thickness of a layer over that of the layer before it, away from the sensing face.
+    PAD_GRADING (pad_grading): Ratio = Ratio::preset(1.0);
+    /// Pad: width of the cells at the rim over those at the centre.
+    PAD_FOCUS (pad_focus): Ratio = Ratio::preset(1.0);
+    /// Disc pad: node distance, m.
+    DISC_SPACING (disc_spacing): Length = Length::preset(1.0e-3);
+    /// Pad file: factor from the file's unit to metres.
+    PAD_SCALE (pad_scale): Positive = Positive::preset(1.0);
+    /// Pad file: direction out of the gel towards the object, in the file's axes.
+    PAD_OUTWARD (pad_outward): Vec3 = Vec3::preset3(0.0, 0.0, 1.0);
+    /// Soft material: density, kg/m3.
+    GEL_DENSITY (gel_density): Positive = Positive::preset(1000.0);
+
+    /// Loading: recorded frames.
+    FRAMES (frames): Count<1, 10000> = Count::preset(50);
+
+    /// FEM: treat the dilatation of an element as constant (no volumetric locking).
+    MEAN_DILATATION: bool = true;
+    /// FEM: residual force over the loading's force at which an increment counts as solved.
+    FORCE_TOLERANCE: Positive = Positive::preset(1e-4);
+    /// FEM: largest Newton step of a node at which an increment counts as solved, m.
+    DISPLACEMENT_TOLERANCE: Length = Length::preset(1e-8);
+    /// FEM: Newton iterations before an increment is halved.
+    MAX_ITERATIONS: Count<1, 10000> = Count::preset(100);
+}

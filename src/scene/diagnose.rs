@@ -1,0 +1,229 @@
+//! Turns a parser's error into a message with a place and a way out.
+
+use super::outline::Outline;
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+use ron::error::{Error as Ron, Position, SpannedError};
+use std::ops::Range;
+use std::path::Path;
+
+/// One error in a scene file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Diagnosis {
+    /// What is wrong.
+    pub message: String,
+    /// Where, as bytes of the text.
+    pub span: Range<usize>,
+    /// What is allowed or what to do.
+    pub help: Option<String>,
+}
+
+impl Diagnosis {
+    /// A message whose further lines are the help.
+    pub fn new(message: &str, span: Range<usize>) -> Self {
+        let (message, help) = match message.split_once('\n') {
+            Some((message, help)) => (message.to_string(), Some(help.to_string())),
+            None => (message.to_string(), None),
+        };
+        Self { message, span, help }
+    }
+
+    /// The printed form: `error: ...`, ` --> file:line:column`, the line with a caret, `help: ...`.
+    pub fn render(&self, path: &Path, text: &str) -> String {
+        let start = floor(text, self.span.start);
+        let end = floor(text, self.span.end.max(start));
+        // one line is enough to show: an error on a group points at its first line
+        let line_end = text[start..].find('\n').map_or(text.len(), |i| start + i);
+        let end = end.min(line_end).max(start);
+        let path = path.display().to_string();
+        let snippet = Snippet::source(text).path(path).annotation(AnnotationKind::Primary.span(start..end));
+        let mut group = Level::ERROR.primary_title(self.message.as_str()).element(snippet);
+        if let Some(help) = &self.help {
+            group = group.element(Level::HELP.message(help.as_str()));
+        }
+        Renderer::plain().render(&[group]).to_string()
+    }
+}
+
+/// Explains a RON error in the words of the scene file.
+pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Diagnosis {
+    let start = byte_of(text, error.span.start);
+    let end = byte_of(text, error.span.end);
+    // the parser's span runs from its last step to where it stands: a value that was read and refused is the span, a thing that
+    // was expected and not found is at its end
+    let refused = start..end;
+    let here = end..end + token(text, end).len();
+    let found = || match token(text, end) {
+        "" => "the end of the file".to_string(),
+        token => format!("`{token}`"),
+    };
+    let of = |outer: &Option<String>| outer.as_ref().map_or(String::new(), |outer| format!(" in {outer}"));
+    let (message, span) = match &error.code {
+        Ron::Message(message) => (named(message, start, text, outline), whole(text, refused, outline)),
+        Ron::InvalidValueForType { expected, found } => (
+            named(&format!("expected {}, found {}", wanted(expected), plain(found)), start, text, outline),
+            whole(text, refused, outline),
+        ),
+        Ron::ExpectedDifferentLength { expected, found } => {
+            let message = format!("expected {expected}, found only {found} of them");
+            (named(&message, end, text, outline), whole(text, here, outline))
+        }
+        Ron::NoSuchStructField { expected, found, outer } => {
+            (format!("unknown field `{found}`{}\n{}", of(outer), allowed(found, expected)), refused)
+        }
+        Ron::NoSuchEnumVariant { expected, found, outer } => {
+            let what = outer.as_deref().unwrap_or("name");
+            (format!("unknown {what} `{found}`\n{}", allowed(found, expected)), refused)
+        }
+        Ron::MissingStructField { field, outer } => (format!("missing field `{field}`{}", of(outer)), here),
+        Ron::DuplicateStructField { field, outer } => (format!("field `{field}` is given twice{}", of(outer)), refused),
+        Ron::Eof => ("the file ends too early\na closing `)` or `]` is missing".to_string(), here),
+        Ron::ExpectedStructLikeEnd => (format!("expected `,` or `)`, found {}", found()), here),
+        Ron::ExpectedArrayEnd => (format!("expected `,` or `]`, found {}", found()), here),
+        Ron::ExpectedComma => {
+            let after_digit = text[..end].trim_end_matches(' ').ends_with(|c: char| c.is_ascii_digit());
+            let unit = after_digit && token(text, end).starts_with(char::is_alphabetic);
+            let help = if unit { "\nnumbers carry no unit: all are in SI (m, N, Pa, kg, s)" } else { "" };
+            (format!("expected `,` before {}{help}", found()), here)
+        }
+        Ron::ExpectedFloat => (named(&format!("expected a number, found {}", found()), end, text, outline), here),
+        Ron::ExpectedInteger => {
+            (named(&format!("expected a whole number, found {}", found()), end, text, outline), here)
+        }
+        Ron::ExpectedBoolean => {
+            (named(&format!("expected `true` or `false`, found {}", found()), end, text, outline), here)
+        }
+        Ron::ExpectedString => {
+            (named(&format!("expected a text in double quotes, found {}", found()), end, text, outline), here)
+        }
+        Ron::ExpectedArray => (named(&format!("expected a list `[...]`, found {}", found()), end, text, outline), here),
+        Ron::ExpectedIdentifier => (named(&format!("expected a name, found {}", found()), end, text, outline), here),
+        Ron::ExpectedStructLike => match last_name(text, end) {
+            Some(name) => (
+                named(&format!("`{}` needs its fields: {0}(...)", &text[name.clone()]), name.start, text, outline),
+                name,
+            ),
+            None => (named(&format!("expected `(`, found {}", found()), end, text, outline), here),
+        },
+        Ron::ExpectedNamedStructLike(name) => {
+            (named(&format!("expected the fields of {name}, `(...)`, found {}", found()), end, text, outline), here)
+        }
+        Ron::ExpectedDifferentStructName { expected, found } => {
+            (format!("expected `{expected}(...)`, found `{found}`"), refused)
+        }
+        Ron::ExceededRecursionLimit => ("brackets are nested too deeply".to_string(), here),
+        Ron::TrailingCharacters => ("there is more text after the end of the scene".to_string(), here),
+        other => (named(&lower(&other.to_string()), end, text, outline), here),
+    };
+    Diagnosis::new(&message, span)
+}
+
+/// `message` behind the path of the field it is about.
+fn named(message: &str, at: usize, text: &str, outline: &Outline) -> String {
+    let at = if token(text, at).is_empty() { at.saturating_sub(1) } else { at };
+    match outline.path_at(at) {
+        "" => message.to_string(),
+        path if path.starts_with('[') => message.to_string(),
+        path => format!("{path}: {message}"),
+    }
+}
+
+/// The refused value as a human sees it: with its sign and its quote, which are steps of their own for the parser, and a
+/// group from its opening bracket on, where the parser stands at the closing one.
+fn whole(text: &str, span: Range<usize>, outline: &Outline) -> Range<usize> {
+    if text[..span.start].ends_with(['-', '+', '"']) {
+        return span.start - 1..span.end;
+    }
+    if text[span.start..].starts_with([')', ']'])
+        && let Some(value) = outline.value_at(span.start)
+    {
+        return value;
+    }
+    span
+}
+
+/// The name that ends right before this byte.
+fn last_name(text: &str, at: usize) -> Option<Range<usize>> {
+    let before = text[..at].trim_end();
+    let name = before.rsplit(|c: char| !c.is_alphanumeric() && c != '_').next().filter(|name| !name.is_empty())?;
+    Some(before.len() - name.len()..before.len())
+}
+
+/// Without the parser's type jargon.
+fn plain(found: &str) -> &str {
+    ["the unsigned integer ", "the signed integer ", "the floating point number "]
+        .iter()
+        .find_map(|prefix| found.strip_prefix(prefix))
+        .unwrap_or(found)
+}
+
+/// Without the parser's type names: a number with the suffix of another type (`1.0f32`) is all they tell apart here.
+fn wanted(expected: &str) -> &str {
+    if expected == "a 64-bit floating point number" { "a number without suffix" } else { expected }
+}
+
+fn lower(message: &str) -> String {
+    let mut chars = message.chars();
+    chars.next().map_or(String::new(), |c| c.to_lowercase().chain(chars).collect())
+}
+
+/// `did you mean ...` where one name is close, and all allowed names.
+fn allowed(found: &str, expected: &[&str]) -> String {
+    let close = expected.iter().map(|name| (distance(found, name), name)).min();
+    let hint = match close {
+        Some((steps, name)) if steps <= 2.max(name.len() / 3) => format!("did you mean `{name}`? "),
+        _ => String::new(),
+    };
+    format!("{hint}allowed: {}", expected.join(", "))
+}
+
+/// Edits (insert, delete, replace) from one name to the other, case ignored.
+fn distance(a: &str, b: &str) -> usize {
+    let (a, b) = (a.to_lowercase(), b.to_lowercase());
+    // names longer than this are no typing slips, and the table stays small
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().take(64).collect(), b.chars().collect());
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, ca) in a.iter().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, cb) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(ca != cb);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+/// The word, number or sign that starts at this byte, at most a few dozen characters of it.
+fn token(text: &str, at: usize) -> &str {
+    let rest = &text[at.min(text.len())..];
+    let word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | '-' | '+');
+    let length = match rest.chars().next() {
+        None => 0,
+        Some('"') => rest[1..].find(['"', '\n']).map_or(1, |i| i + 2),
+        Some(c) if word(c) => rest.find(|c| !word(c)).unwrap_or(rest.len()),
+        Some(c) => c.len_utf8(),
+    };
+    &rest[..floor(rest, length.min(60))]
+}
+
+/// Byte of a position that counts lines and characters from one.
+fn byte_of(text: &str, position: Position) -> usize {
+    let mut start = 0;
+    for _ in 1..position.line {
+        match text[start..].find('\n') {
+            Some(i) => start += i + 1,
+            None => return text.len(),
+        }
+    }
+    text[start..].char_indices().nth(position.col.saturating_sub(1)).map_or(text.len(), |(i, _)| start + i)
+}
+
+/// The nearest character boundary at or before a byte.
+fn floor(text: &str, at: usize) -> usize {
+    let mut at = at.min(text.len());
+    while !text.is_char_boundary(at) {
+        at -= 1;
+    }
+    at
+}

@@ -1,0 +1,34 @@
+//! A thing with one main path may be written as that path alone: `File("a.h5")` is `File(path: "a.h5")`.
+
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserializer, MapAccess, Visitor};
+use std::marker::PhantomData;
+use std::path::PathBuf;
+
+/// What can be read from one path or from its fields.
+pub(super) trait PathOrFields<'de>: Sized {
+    /// All defaults around this path.
+    fn from_path(path: PathBuf) -> Self;
+    /// The derived reading of the fields.
+    fn from_fields<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error>;
+}
+
+/// Reads either form.
+pub(super) fn path_or_fields<'de, D: Deserializer<'de>, T: PathOrFields<'de>>(deserializer: D) -> Result<T, D::Error> {
+    deserializer.deserialize_any(Either(PhantomData::<T>))
+}
+
+struct Either<T>(PhantomData<T>);
+
+impl<'de, T: PathOrFields<'de>> Visitor<'de> for Either<T> {
+    type Value = T;
+    fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str("a path in quotes, or fields with `path: \"...\"`")
+    }
+    fn visit_str<E: serde::de::Error>(self, v: &str) -> Result<T, E> {
+        Ok(T::from_path(PathBuf::from(v)))
+    }
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
+        T::from_fields(MapAccessDeserializer::new(map))
+    }
+}

@@ -1,0 +1,98 @@
+//! What a scene promises about its own outcome.
+
+use super::leaf::{Finite, Length, Positive};
+use serde::{Deserialize, Serialize};
+
+/// One promise, judged on every grasp of the scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Expectation {
+    /// The loading is reached: the final force of a squeeze, the final depth of a press.
+    ReachesForce,
+    /// Forces on the object (fingers, weight, support) cancel: residual over the force of the loading.
+    ForceBalance(Relative),
+    /// Torques on the object cancel: residual over force times object size.
+    TorqueBalance(Relative),
+    /// No soft element is turned inside out in any frame.
+    NoInversion,
+    /// No pad point is inside the object in any frame.
+    NoPenetration,
+    /// Travel of each finger after contact at the last frame, m.
+    Travel(Bounds),
+    /// Sum over the fingers of |normal force| at the last frame, N.
+    Force(Bounds),
+    /// Force at a travel after contact, interpolated between frames.
+    ForceAt(ForceAt),
+    /// Largest von Mises stress of the last frame, Pa.
+    MaxStress(Bounds),
+    /// The solver gives up, and its reason contains this text.
+    Fault(Reason),
+    /// The start is refused, and the reason contains this text.
+    Infeasible(Reason),
+}
+
+/// A relative error bound.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Relative {
+    /// Largest relative error.
+    pub relative: Positive,
+}
+
+/// A lower bound, an upper bound or both, in the unit of the measured thing.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Bounds {
+    /// Smallest allowed value.
+    pub at_least: Option<Finite>,
+    /// Largest allowed value.
+    pub at_most: Option<Finite>,
+}
+
+/// A point of the force-depth curve.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ForceAt {
+    /// Travel of a finger after contact, m.
+    pub depth: Length,
+    /// Force of that finger there, N.
+    pub force: Positive,
+    /// Allowed relative error of the force.
+    pub relative: Positive,
+}
+
+/// Part of a reason; empty is any.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Reason {
+    /// The text.
+    pub contains: String,
+}
+
+impl Expectation {
+    /// Its name, as in the scene file.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Expectation::ReachesForce => "ReachesForce",
+            Expectation::ForceBalance(_) => "ForceBalance",
+            Expectation::TorqueBalance(_) => "TorqueBalance",
+            Expectation::NoInversion => "NoInversion",
+            Expectation::NoPenetration => "NoPenetration",
+            Expectation::Travel(_) => "Travel",
+            Expectation::Force(_) => "Force",
+            Expectation::ForceAt(_) => "ForceAt",
+            Expectation::MaxStress(_) => "MaxStress",
+            Expectation::Fault(_) => "Fault",
+            Expectation::Infeasible(_) => "Infeasible",
+        }
+    }
+
+    /// Unit of its value and bound; "" for a ratio or a text.
+    pub fn unit(&self) -> &'static str {
+        match self {
+            Expectation::ReachesForce | Expectation::Force(_) | Expectation::ForceAt(_) => "N",
+            Expectation::NoPenetration | Expectation::Travel(_) => "m",
+            Expectation::MaxStress(_) => "Pa",
+            _ => "",
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! Where the hand is, relative to the object.
+
+use super::either::{PathOrFields, path_or_fields};
+use super::leaf::Count;
+use super::rotation::Rotation;
+use super::vector::Vec3;
+use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
+use std::path::PathBuf;
+
+/// The grasps of a scene. A pose is that of the hand in the object frame: `x_object = R(rotation) x_hand + position`.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub enum Grasps {
+    /// One grasp: hand axes parallel to the object's, the object's origin midway between the pads.
+    #[default]
+    Identity,
+    /// These poses.
+    List(Vec<Pose>),
+    /// Poses from a `*_grasps.h5` file: dataset `poses`, (N, 7), [px, py, pz, qw, qx, qy, qz].
+    File(GraspFile),
+    /// Sampled from the object's surface.
+    Antipodal(Antipodal),
+}
+
+/// Pose of the hand in the object frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pose {
+    /// Origin of the hand in the object frame, m.
+    pub position: Vec3,
+    /// Rotation from the hand frame to the object frame.
+    #[serde(default)]
+    pub rotation: Rotation,
+}
+
+/// Sampled grasps. Read, and refused by the loader: this build has no sampler.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Antipodal {
+    /// How many.
+    pub count: Count<1, 1000000>,
+    /// The same seed gives the same grasps.
+    #[serde(default)]
+    pub seed: u64,
+}
+
+/// Grasps from a file; `File("x_grasps.h5")` takes all of them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "File", remote = "Self", deny_unknown_fields)]
+pub struct GraspFile {
+    /// The HDF5 file.
+    pub path: PathBuf,
+    /// Which of its grasps, by row from 0; None is all.
+    #[serde(default)]
+    pub select: Option<Select>,
+}
+
+impl<'de> PathOrFields<'de> for GraspFile {
+    fn from_path(path: PathBuf) -> Self {
+        Self { path, select: None }
+    }
+    fn from_fields<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::deserialize(deserializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for GraspFile {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        path_or_fields(deserializer)
+    }
+}
+
+impl Serialize for GraspFile {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// A choice of grasps by row from 0: `[0, 3, 7]` or `0..10` (10 not included).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Select {
+    /// These rows, in this order.
+    Rows(Vec<usize>),
+    /// Rows from start up to, not including, end.
+    Range(usize, usize),
+}
+
+impl Select {
+    /// The chosen rows.
+    pub fn rows(&self) -> Vec<usize> {
+        match self {
+            Select::Rows(rows) => rows.clone(),
+            Select::Range(start, end) => (*start..*end).collect(),
+        }
+    }
+}
+
+/// Rows a selection may name: far above any file, low enough that a range cannot exhaust memory.
+type Row = Count<0, 10000000>;
+
+#[derive(Serialize)]
+struct Bounds {
+    start: usize,
+    end: usize,
+}
+
+impl Serialize for Select {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Select::Rows(rows) => rows.serialize(serializer),
+            Select::Range(start, end) => Bounds { start: *start, end: *end }.serialize(serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Select {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(SelectVisitor)
+    }
+}
+
+struct SelectVisitor;
+
+impl<'de> Visitor<'de> for SelectVisitor {
+    type Value = Select;
+    fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str("rows [0, 3, 7] or a range 0..10 (10 not included)")
+    }
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Select, A::Error> {
+        let mut rows = Vec::new();
+        while let Some(row) = seq.next_element::<Row>()? {
+            rows.push(row.get());
+        }
+        if rows.is_empty() {
+            return Err(A::Error::custom("selects no grasp\nleave `select` out to take all"));
+        }
+        Ok(Select::Rows(rows))
+    }
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Select, A::Error> {
+        let (mut start, mut end) = (None, None);
+        while let Some(key) = map.next_key::<String>()? {
+            let slot = match key.as_str() {
+                "start" => &mut start,
+                "end" => &mut end,
+                _ => return Err(A::Error::unknown_field(&key, &["start", "end"])),
+            };
+            *slot = Some(map.next_value::<Row>()?.get());
+        }
+        match (start.unwrap_or(0), end) {
+            (start, Some(end)) if start < end => Ok(Select::Range(start, end)),
+            (start, Some(end)) => Err(A::Error::custom(format!("range {start}..{end} selects no grasp"))),
+            (start, None) => {
+                Err(A::Error::custom(format!("range {start}.. has no end\nwrite {start}..{}", start + 10)))
+            }
+        }
+    }
+}

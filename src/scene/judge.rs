@@ -1,0 +1,181 @@
+//! Judges a grasp's outcome against what its scene promised.
+
+use super::expect::{Bounds, Expectation};
+use serde::Serialize;
+
+/// How a grasp ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// The loading was reached.
+    Reached,
+    /// The solver gave up.
+    Fault,
+    /// The start was refused.
+    #[default]
+    Infeasible,
+}
+
+/// What expectations are judged on: the scalars of one grasp, worst over its frames where frames matter. A quantity that
+/// was not measured is NaN, and no expectation about it holds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Measured {
+    /// How it ended.
+    pub status: Status,
+    /// Why it did not reach the loading; empty if it did.
+    pub reason: String,
+    /// Sum over the fingers of |normal force| at the last frame, N.
+    pub force_n: f64,
+    /// Travel of each finger after contact at the last frame, m; a missing finger is NaN.
+    pub travel_m: [f64; 2],
+    /// Smallest det F of any element in any frame; positive is not inverted.
+    pub min_det_f: f64,
+    /// Smallest distance of pad and object in any frame, m; negative is penetration.
+    pub min_gap_m: f64,
+    /// Largest residual of forces on the object over the loading's force.
+    pub force_balance: f64,
+    /// Largest residual of torques on the object over force times object size.
+    pub torque_balance: f64,
+    /// Largest von Mises stress of the last frame, Pa.
+    pub max_stress_pa: f64,
+    /// (travel after contact, m; force, N) of the first finger at each recorded frame.
+    pub curve: Vec<(f64, f64)>,
+}
+
+impl Default for Measured {
+    /// Nothing measured.
+    fn default() -> Self {
+        Self {
+            status: Status::default(),
+            reason: String::new(),
+            force_n: f64::NAN,
+            travel_m: [f64::NAN; 2],
+            min_det_f: f64::NAN,
+            min_gap_m: f64::NAN,
+            force_balance: f64::NAN,
+            torque_balance: f64::NAN,
+            max_stress_pa: f64::NAN,
+            curve: Vec::new(),
+        }
+    }
+}
+
+/// The verdict on one expectation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Held {
+    /// Name of the expectation.
+    pub name: &'static str,
+    /// Whether it held.
+    pub held: bool,
+    /// What was measured, in `unit`; None if nothing was, or for expectations on a text.
+    pub value: Option<f64>,
+    /// What it was held against (the violated bound if one was), in `unit`.
+    pub bound: Option<f64>,
+    /// "N", "m", "Pa" or "" for ratios.
+    pub unit: &'static str,
+    /// How the grasp ended, where that is what was judged.
+    pub detail: Option<String>,
+}
+
+/// Judges one expectation on one grasp.
+pub fn evaluate(expectation: &Expectation, m: &Measured) -> Held {
+    let verdict = |held: bool, value: f64, bound: f64| Held {
+        name: expectation.name(),
+        held,
+        value: value.is_finite().then_some(value),
+        bound: bound.is_finite().then_some(bound),
+        unit: expectation.unit(),
+        detail: None,
+    };
+    // comparisons with NaN are false, so what was not measured never holds
+    match expectation {
+        Expectation::ReachesForce => {
+            Held { detail: Some(ending(m)), ..verdict(m.status == Status::Reached, m.force_n, f64::NAN) }
+        }
+        Expectation::ForceBalance(r) => verdict(m.force_balance <= r.relative.get(), m.force_balance, r.relative.get()),
+        Expectation::TorqueBalance(r) => {
+            verdict(m.torque_balance <= r.relative.get(), m.torque_balance, r.relative.get())
+        }
+        Expectation::NoInversion => verdict(m.min_det_f > 0.0, m.min_det_f, 0.0),
+        Expectation::NoPenetration => verdict(m.min_gap_m >= 0.0, m.min_gap_m, 0.0),
+        Expectation::Travel(bounds) => {
+            let fingers: Vec<f64> = m.travel_m.into_iter().filter(|t| !t.is_nan()).collect();
+            let (held, value, bound) = fingers.iter().map(|&t| within(bounds, t)).fold(
+                (!fingers.is_empty(), f64::NAN, f64::NAN),
+                // the first violation is the one to show
+                |worst, next| if !worst.0 && !worst.1.is_nan() { worst } else { (worst.0 && next.0, next.1, next.2) },
+            );
+            verdict(held, value, bound)
+        }
+        Expectation::Force(bounds) => {
+            let (held, value, bound) = within(bounds, m.force_n);
+            verdict(held, value, bound)
+        }
+        Expectation::MaxStress(bounds) => {
+            let (held, value, bound) = within(bounds, m.max_stress_pa);
+            verdict(held, value, bound)
+        }
+        Expectation::ForceAt(point) => {
+            let force = interpolate(&m.curve, point.depth.get());
+            let error = (force - point.force.get()).abs();
+            verdict(error <= point.relative.get() * point.force.get(), force, point.force.get())
+        }
+        Expectation::Fault(reason) => {
+            let held = m.status == Status::Fault && m.reason.contains(&reason.contains);
+            Held { detail: Some(ending(m)), ..verdict(held, f64::NAN, f64::NAN) }
+        }
+        Expectation::Infeasible(reason) => {
+            let held = m.status == Status::Infeasible && m.reason.contains(&reason.contains);
+            Held { detail: Some(ending(m)), ..verdict(held, f64::NAN, f64::NAN) }
+        }
+    }
+}
+
+/// Judges an expectation on all grasps of a scene: the first grasp that breaks it speaks, else the last one. No grasp at
+/// all breaks every expectation.
+pub fn evaluate_all(expectation: &Expectation, grasps: &[Measured]) -> Held {
+    let mut last = None;
+    for measured in grasps {
+        let held = evaluate(expectation, measured);
+        if !held.held {
+            return held;
+        }
+        last = Some(held);
+    }
+    last.unwrap_or_else(|| Held { held: false, ..evaluate(expectation, &Measured::default()) })
+}
+
+fn within(bounds: &Bounds, value: f64) -> (bool, f64, f64) {
+    let (low, high) = (bounds.at_least.map(|b| b.get()), bounds.at_most.map(|b| b.get()));
+    if let Some(low) = low.filter(|low| value < *low || value.is_nan()) {
+        return (false, value, low);
+    }
+    if let Some(high) = high.filter(|high| value > *high || value.is_nan()) {
+        return (false, value, high);
+    }
+    (!value.is_nan(), value, high.or(low).unwrap_or(f64::NAN))
+}
+
+/// Force at a depth on the recorded curve, which starts at (0, 0); NaN beyond its end.
+fn interpolate(curve: &[(f64, f64)], depth: f64) -> f64 {
+    // an end point met up to rounding counts as met
+    let slack = 1e-9 * depth.abs();
+    let mut from = (0.0, 0.0);
+    for &to in curve {
+        if depth <= to.0 + slack {
+            let t = if to.0 > from.0 { ((depth - from.0) / (to.0 - from.0)).clamp(0.0, 1.0) } else { 1.0 };
+            return from.1 + t * (to.1 - from.1);
+        }
+        from = to;
+    }
+    f64::NAN
+}
+
+fn ending(m: &Measured) -> String {
+    let status = match m.status {
+        Status::Reached => "reached",
+        Status::Fault => "fault",
+        Status::Infeasible => "infeasible",
+    };
+    if m.reason.is_empty() { status.to_string() } else { format!("{status}: {}", m.reason) }
+}

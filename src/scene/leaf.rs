@@ -1,0 +1,217 @@
+//! Numbers that check themselves while they are read.
+//!
+//! RON reports the parser's position when a value is refused, so a check inside the leaf points at the very
+//! number, while a check on the whole struct could only point at its closing parenthesis. A refusal is one
+//! message; lines after the first become the `help:` of the printed error.
+
+use serde::de::{Deserialize, Deserializer, Error as _, Unexpected, Visitor};
+use serde::{Serialize, Serializer};
+
+/// Largest length a scene may name, m: a gripper scene measured in metres never needs more.
+pub const LENGTH_LIMIT: f64 = 2.0;
+/// Smallest stiffness a scene may name, Pa: below it the number was almost surely meant in MPa.
+pub const MODULUS_FLOOR: f64 = 1.0;
+/// Largest ratio of cell sizes within a pad.
+pub const RATIO_LIMIT: f64 = 20.0;
+
+macro_rules! number {
+    ($(#[$doc:meta])* $name:ident, $check:path) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+        pub struct $name(f64);
+
+        impl $name {
+            /// The value if it is allowed; else the message that a scene file would get.
+            pub fn new(value: f64) -> Result<Self, String> {
+                finite(value)?;
+                $check(value).map(|()| Self(value))
+            }
+            /// The number.
+            pub const fn get(self) -> f64 {
+                self.0
+            }
+            /// A default known to be allowed; a test checks every one of them.
+            #[allow(dead_code)]
+            pub(crate) const fn preset(value: f64) -> Self {
+                Self(value)
+            }
+        }
+
+        impl Serialize for $name {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.serialize_f64(self.0)
+            }
+        }
+
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                Self::new(f64::deserialize(deserializer)?).map_err(D::Error::custom)
+            }
+        }
+    };
+}
+
+number! {
+    /// Any number but `inf` and `NaN` (both of which RON would read).
+    Finite, anything
+}
+number! {
+    /// Above zero.
+    Positive, positive
+}
+number! {
+    /// Zero or above.
+    NonNegative, non_negative
+}
+number! {
+    /// A length above zero and at most [`LENGTH_LIMIT`], m.
+    Length, length
+}
+number! {
+    /// A length from zero to [`LENGTH_LIMIT`], m.
+    Depth, depth
+}
+number! {
+    /// A stiffness, Pa; at least [`MODULUS_FLOOR`].
+    Modulus, modulus
+}
+number! {
+    /// Poisson's ratio: above -1 and below 0.5.
+    Poisson, poisson
+}
+number! {
+    /// Above zero and at most one.
+    Fraction, fraction
+}
+number! {
+    /// From one to [`RATIO_LIMIT`].
+    Ratio, ratio
+}
+
+fn finite(v: f64) -> Result<(), String> {
+    if v.is_finite() { Ok(()) } else { Err(format!("must be a finite number, found {}", shown(v))) }
+}
+fn anything(_: f64) -> Result<(), String> {
+    Ok(())
+}
+fn positive(v: f64) -> Result<(), String> {
+    if v > 0.0 { Ok(()) } else { Err(format!("must be above zero, found {}", shown(v))) }
+}
+fn non_negative(v: f64) -> Result<(), String> {
+    if v >= 0.0 { Ok(()) } else { Err(format!("must be zero or above, found {}", shown(v))) }
+}
+fn not_millimetres(v: f64) -> Result<(), String> {
+    if v <= LENGTH_LIMIT {
+        return Ok(());
+    }
+    Err(format!(
+        "must be at most {LENGTH_LIMIT} m, found {}\nlengths are in metres: {} mm is {}",
+        shown(v),
+        shown(v),
+        shown(v * 1e-3)
+    ))
+}
+fn length(v: f64) -> Result<(), String> {
+    positive(v).and_then(|()| not_millimetres(v))
+}
+fn depth(v: f64) -> Result<(), String> {
+    non_negative(v).and_then(|()| not_millimetres(v))
+}
+fn modulus(v: f64) -> Result<(), String> {
+    positive(v)?;
+    if v >= MODULUS_FLOOR {
+        return Ok(());
+    }
+    Err(format!(
+        "must be at least {MODULUS_FLOOR} Pa, found {}\nstiffness is in pascals: {} MPa is {}",
+        shown(v),
+        shown(v),
+        shown(v * 1e6)
+    ))
+}
+fn poisson(v: f64) -> Result<(), String> {
+    if v > -1.0 && v < 0.5 {
+        return Ok(());
+    }
+    let mut message = format!("Poisson's ratio must be above -1 and below 0.5, found {}", shown(v));
+    if v >= 0.5 {
+        message.push_str(
+            "\n0.5 is exactly incompressible and has no finite stiffness; use 0.49 (mean dilatation handles up to 0.499)",
+        );
+    }
+    Err(message)
+}
+fn fraction(v: f64) -> Result<(), String> {
+    if v > 0.0 && v <= 1.0 { Ok(()) } else { Err(format!("must be above 0 and at most 1, found {}", shown(v))) }
+}
+fn ratio(v: f64) -> Result<(), String> {
+    if (1.0..=RATIO_LIMIT).contains(&v) {
+        return Ok(());
+    }
+    Err(format!("must be from 1 to {RATIO_LIMIT}, found {}", shown(v)))
+}
+
+/// A number as a human would write it: no 300 digits, no trailing `.0`.
+pub(crate) fn shown(v: f64) -> String {
+    if v != 0.0 && v.is_finite() && !(1e-4..1e7).contains(&v.abs()) {
+        return format!("{v:e}");
+    }
+    let text = format!("{v:.9}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if v.is_finite() { text.to_string() } else { format!("{v}") }
+}
+
+/// A whole number from `MIN` to `MAX`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Count<const MIN: u64, const MAX: u64>(u64);
+
+impl<const MIN: u64, const MAX: u64> Count<MIN, MAX> {
+    /// The value if it is allowed; else the message that a scene file would get.
+    pub fn new(value: u64) -> Result<Self, String> {
+        if (MIN..=MAX).contains(&value) {
+            return Ok(Self(value));
+        }
+        Err(format!("must be a whole number from {MIN} to {MAX}, found {value}"))
+    }
+    /// The number.
+    pub const fn get(self) -> usize {
+        self.0 as usize
+    }
+    /// A default known to be allowed; a test checks every one of them.
+    pub(crate) const fn preset(value: u64) -> Self {
+        Self(value)
+    }
+}
+
+impl<const MIN: u64, const MAX: u64> Serialize for Count<MIN, MAX> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_u64(self.0)
+    }
+}
+
+impl<'de, const MIN: u64, const MAX: u64> Deserialize<'de> for Count<MIN, MAX> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        // `deserialize_any` so that 2.5 and -3 come as numbers to be named, not as a comma or digit error
+        deserializer.deserialize_any(CountVisitor::<MIN, MAX>)
+    }
+}
+
+struct CountVisitor<const MIN: u64, const MAX: u64>;
+
+impl<const MIN: u64, const MAX: u64> Visitor<'_> for CountVisitor<MIN, MAX> {
+    type Value = Count<MIN, MAX>;
+    fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(f, "a whole number from {MIN} to {MAX}")
+    }
+    fn visit_u64<E: serde::de::Error>(self, v: u64) -> Result<Self::Value, E> {
+        Count::new(v).map_err(E::custom)
+    }
+    fn visit_i64<E: serde::de::Error>(self, v: i64) -> Result<Self::Value, E> {
+        u64::try_from(v)
+            .map_err(|_| E::invalid_value(Unexpected::Other(&format!("`{v}`")), &self))
+            .and_then(|v| self.visit_u64(v))
+    }
+    fn visit_f64<E: serde::de::Error>(self, v: f64) -> Result<Self::Value, E> {
+        Err(E::invalid_value(Unexpected::Other(&format!("`{}`", shown(v))), &self))
+    }
+}

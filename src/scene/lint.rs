@@ -1,0 +1,41 @@
+//! Checks on the text of a scene: what RON lets through and we do not.
+
+use super::diagnose::Diagnosis;
+use super::outline::{Entry, Outline};
+
+/// The first refusal, if any.
+pub(super) fn lint(text: &str, outline: &Outline) -> Result<(), Diagnosis> {
+    let entries = outline.entries();
+    entries.iter().enumerate().try_for_each(|(i, entry)| match entry.path.rsplit('.').next() {
+        // entries stand in order of their end, so what closes just before an entry is its last inner value
+        Some("rotation") => rotation(text, entry, entries[..i].last()),
+        Some("select") => select(text, entry),
+        _ => Ok(()),
+    })
+}
+
+/// RON drops the name in `RpyDeg((r, p, y))`, so `RpyRad((r, p, y))` would be taken for degrees.
+fn rotation(text: &str, entry: &Entry, inner: Option<&Entry>) -> Result<(), Diagnosis> {
+    let inside = |e: &&Entry| entry.value.start < e.value.start;
+    let angles = inner.filter(inside).is_some_and(|e| text[e.value.clone()].starts_with(['(', '[']));
+    let (what, at) = match &entry.name {
+        None if angles => ("a rotation by angles needs a name".to_string(), entry.value.clone()),
+        None => return Ok(()),
+        Some(name) if &text[name.clone()] != "RpyDeg" => {
+            (format!("unknown form of rotation `{}`", &text[name.clone()]), name.clone())
+        }
+        Some(name) if !angles => ("RpyDeg takes three angles in double parentheses".to_string(), name.clone()),
+        Some(_) => return Ok(()),
+    };
+    let help = "allowed: (w, x, y, z) or RpyDeg((roll, pitch, yaw))";
+    Err(Diagnosis::new(&format!("{}: {what}\n{help}", entry.path), at))
+}
+
+/// RON reads `0..=9` and `0..9` as the same two numbers.
+fn select(text: &str, entry: &Entry) -> Result<(), Diagnosis> {
+    if text[entry.value.clone()].contains("..=") {
+        let message = format!("{}: a range here has no `=`\nwrite 0..10 for rows 0 to 9", entry.path);
+        return Err(Diagnosis::new(&message, entry.value.clone()));
+    }
+    Ok(())
+}

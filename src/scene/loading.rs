@@ -1,0 +1,75 @@
+//! How the grasp is loaded after first contact.
+
+use super::defaults;
+use super::leaf::{Count, Length, Positive};
+use serde::{Deserialize, Serialize};
+
+/// The recorded phase of a grasp.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Loading {
+    /// Raise the squeezing force from contact to `force`; frames are recorded at equal steps of force.
+    Squeeze(Squeeze),
+    /// Move the pads on by given travels after contact: tests on a fixed object.
+    Press(Press),
+}
+
+/// Force-controlled squeeze.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Squeeze {
+    /// Final force, N: the SUM over the fingers of |normal force|, the convention of DefGraspSim. With two fingers each
+    /// pad carries half of it (15 N is 7.5 N per pad); with `fingers: One` the one pad carries all.
+    pub force: Positive,
+    /// Recorded frames: frame k of n is at `force * k / n`, k = 1..=n.
+    #[serde(default = "defaults::frames")]
+    pub frames: Count<1, 10000>,
+}
+
+/// Displacement-controlled press: give `depth` (and `frames`) or `depths`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Press {
+    /// Final travel of each finger after its pad's first contact, m.
+    #[serde(default)]
+    pub depth: Option<Length>,
+    /// Recorded frames up to `depth`, at equal steps; [`defaults::FRAMES`] if not given.
+    #[serde(default)]
+    pub frames: Option<Count<1, 10000>>,
+    /// Or: the travels to record at, m, increasing.
+    #[serde(default)]
+    pub depths: Option<Vec<Length>>,
+}
+
+impl Squeeze {
+    /// Total force at each recorded frame, N.
+    pub fn levels(&self) -> Vec<f64> {
+        steps(self.force.get(), self.frames.get())
+    }
+}
+
+impl Press {
+    /// Travel after contact at each recorded frame, m.
+    pub fn levels(&self) -> Vec<f64> {
+        match (&self.depths, self.depth) {
+            (Some(depths), _) => depths.iter().map(|d| d.get()).collect(),
+            (None, Some(depth)) => steps(depth.get(), self.frames.unwrap_or(defaults::FRAMES).get()),
+            // the loader refuses a press with neither
+            (None, None) => Vec::new(),
+        }
+    }
+}
+
+impl Loading {
+    /// Load at each recorded frame: total force, N, or travel after contact, m.
+    pub fn levels(&self) -> Vec<f64> {
+        match self {
+            Loading::Squeeze(squeeze) => squeeze.levels(),
+            Loading::Press(press) => press.levels(),
+        }
+    }
+}
+
+/// `n` equal steps up to `last`, which is met exactly.
+fn steps(last: f64, n: usize) -> Vec<f64> {
+    (1..=n).map(|k| if k == n { last } else { last * k as f64 / n as f64 }).collect()
+}

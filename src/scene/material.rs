@@ -1,0 +1,158 @@
+//! What the pads are made of.
+
+use super::defaults;
+use super::leaf::{Modulus, Poisson, Positive};
+use serde::de::{Deserializer, Error as _};
+use serde::{Deserialize, Serialize, Serializer};
+
+/// A soft material by law and constants, or by the name of a preset.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Material {
+    /// A named material: `"gelsight_mini"`, `"tacgrasp"` or `"biotac"`.
+    Preset(Preset),
+    /// Compressible neo-Hookean by E and nu.
+    NeoHookean(Elastic),
+    /// Compressible neo-Hookean by C10 = mu / 2 and nu.
+    NeoHookeanC10(ElasticC10),
+    /// Corotated linear elasticity by E and nu: rotations are exact, strains small.
+    Corotational(Elastic),
+    /// Linear elasticity by E and nu: rotations and strains small.
+    Linear(Elastic),
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Material::Preset(Preset::GelSightMini)
+    }
+}
+
+/// Constants of an isotropic elastic solid.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Elastic {
+    /// Young's modulus E, Pa.
+    pub young: Modulus,
+    /// Poisson's ratio nu.
+    pub poisson: Poisson,
+    /// kg/m3.
+    #[serde(default = "defaults::gel_density")]
+    pub density: Positive,
+}
+
+/// Constants of a neo-Hookean solid as indentation tests give them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ElasticC10 {
+    /// Half the shear modulus, Pa.
+    pub c10: Modulus,
+    /// Poisson's ratio nu.
+    pub poisson: Poisson,
+    /// kg/m3.
+    #[serde(default = "defaults::gel_density")]
+    pub density: Positive,
+}
+
+/// A named material.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Preset {
+    /// `"gelsight_mini"`: neo-Hookean, C10 = 0.0725 MPa (E = 0.435 MPa when incompressible), nu 0.49; identified on the
+    /// real sensor by FEATS.
+    GelSightMini,
+    /// `"tacgrasp"`: neo-Hookean, E 0.5 MPa, nu 0.4; what users of the tactile grasp data set take.
+    TacGrasp,
+    /// `"biotac"`: neo-Hookean, E 1.552231 MPa, nu 0.316454.
+    BioTac,
+}
+
+impl Preset {
+    /// All presets.
+    pub const ALL: [Preset; 3] = [Preset::GelSightMini, Preset::TacGrasp, Preset::BioTac];
+
+    /// Its name in scene files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Preset::GelSightMini => "gelsight_mini",
+            Preset::TacGrasp => "tacgrasp",
+            Preset::BioTac => "biotac",
+        }
+    }
+
+    /// Its law and constants.
+    pub fn spec(self) -> MaterialSpec {
+        let (young, poisson) = match self {
+            Preset::GelSightMini => (young_of_c10(0.0725e6, 0.49), 0.49),
+            Preset::TacGrasp => (0.5e6, 0.4),
+            Preset::BioTac => (1.552231e6, 0.316454),
+        };
+        MaterialSpec { law: Law::NeoHookean, young, poisson, density: defaults::GEL_DENSITY.get() }
+    }
+}
+
+impl Serialize for Preset {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for Preset {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        Preset::ALL.into_iter().find(|p| p.name() == name).ok_or_else(|| {
+            let names: Vec<_> = Preset::ALL.iter().map(|p| format!("{:?}", p.name())).collect();
+            D::Error::custom(format!("unknown material preset {name:?}\nallowed: {}", names.join(", ")))
+        })
+    }
+}
+
+/// A constitutive law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub enum Law {
+    /// Compressible neo-Hookean.
+    NeoHookean,
+    /// Corotated linear.
+    Corotational,
+    /// Linear.
+    Linear,
+}
+
+/// A material with nothing left to look up.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MaterialSpec {
+    /// The law.
+    pub law: Law,
+    /// Young's modulus E, Pa.
+    pub young: f64,
+    /// Poisson's ratio nu.
+    pub poisson: f64,
+    /// kg/m3.
+    pub density: f64,
+}
+
+impl Material {
+    /// Law and constants.
+    pub fn spec(self) -> MaterialSpec {
+        let of = |law, e: Elastic| MaterialSpec {
+            law,
+            young: e.young.get(),
+            poisson: e.poisson.get(),
+            density: e.density.get(),
+        };
+        match self {
+            Material::Preset(preset) => preset.spec(),
+            Material::NeoHookean(e) => of(Law::NeoHookean, e),
+            Material::Corotational(e) => of(Law::Corotational, e),
+            Material::Linear(e) => of(Law::Linear, e),
+            Material::NeoHookeanC10(e) => MaterialSpec {
+                law: Law::NeoHookean,
+                young: young_of_c10(e.c10.get(), e.poisson.get()),
+                poisson: e.poisson.get(),
+                density: e.density.get(),
+            },
+        }
+    }
+}
+
+/// E = 2 mu (1 + nu) with mu = 2 C10.
+fn young_of_c10(c10: f64, poisson: f64) -> f64 {
+    4.0 * c10 * (1.0 + poisson)
+}

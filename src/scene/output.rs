@@ -1,0 +1,51 @@
+//! What a run writes.
+
+use serde::{Deserialize, Serialize};
+
+/// What a run writes; all of it unless said otherwise.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename = "Record", default, deny_unknown_fields)]
+pub struct Record {
+    /// Fields of each frame.
+    pub fields: Vec<Field>,
+    /// PNG pictures.
+    pub pictures: bool,
+    /// Arrays of all frames in one file; None writes none.
+    pub arrays: Option<Arrays>,
+    /// ParaView files.
+    pub vtu: bool,
+}
+
+impl Default for Record {
+    fn default() -> Self {
+        Self { fields: Field::ALL.to_vec(), pictures: true, arrays: Some(Arrays::Npz), vtu: true }
+    }
+}
+
+/// A recorded field.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Field {
+    /// Displacement of every soft node, m.
+    Displacement,
+    /// Von Mises stress, Pa.
+    Stress,
+    /// Contact force on every surface node, N.
+    ContactForce,
+    /// Distance of every surface node to the object, m.
+    Gap,
+    /// Pose of the rigid object.
+    ObjectPose,
+}
+
+impl Field {
+    /// All fields.
+    pub const ALL: [Field; 5] =
+        [Field::Displacement, Field::Stress, Field::ContactForce, Field::Gap, Field::ObjectPose];
+}
+
+/// Format of the arrays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Arrays {
+    /// NumPy's zip of arrays.
+    Npz,
+}

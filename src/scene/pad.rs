@@ -1,0 +1,143 @@
+//! The soft pads: generated or read from a file.
+
+use super::defaults;
+use super::either::{PathOrFields, path_or_fields};
+use super::leaf::{Depth, Length, Positive, Ratio};
+use super::vector::{Cells, Size, Vec3};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::path::PathBuf;
+
+/// A soft pad in the pad frame: origin at the centre of the sensing face, +z out of the gel, back face bonded to the
+/// finger. On the finger, pad x lies along the hand's approach (z) and pad y along the finger width (y).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Pads {
+    /// The gel of a GelSight Mini, 25.25 x 20.75 x 4.0 mm.
+    GelSightMini(GelSightMini),
+    /// A box.
+    Box(BoxPad),
+    /// A round disc.
+    Disc(DiscPad),
+    /// A tetrahedral mesh: `.tet`, `.msh` or `.mesh`.
+    File(FilePad),
+}
+
+impl Default for Pads {
+    fn default() -> Self {
+        Pads::GelSightMini(GelSightMini::default())
+    }
+}
+
+/// The gel of a GelSight Mini.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct GelSightMini {
+    /// Flat, as simulators model it, or domed, as the real one is.
+    pub shape: GelShape,
+    /// Distance between nodes of the sensing face at its finest, m.
+    pub spacing: Length,
+    /// Thickness of each layer over that of the one before it, going away from the sensing face; 1 is uniform.
+    pub grading: Ratio,
+    /// Width of the cells at the rim over those at the centre; 1 is uniform.
+    pub focus: Ratio,
+}
+
+impl Default for GelSightMini {
+    fn default() -> Self {
+        Self {
+            shape: GelShape::default(),
+            spacing: defaults::PAD_SPACING,
+            grading: defaults::PAD_GRADING,
+            focus: defaults::PAD_FOCUS,
+        }
+    }
+}
+
+/// Sensing face of the GelSight Mini.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum GelShape {
+    /// A plane.
+    #[default]
+    Flat,
+    /// Radius about 115 mm along the short side and 188 mm along the long one.
+    Domed,
+}
+
+/// A box of gel. Give `cells` or `spacing`, not both.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "Box", deny_unknown_fields)]
+pub struct BoxPad {
+    /// Edge lengths: x, y of the face and z, the thickness, m.
+    pub size: Size,
+    /// Cells along x, y, z.
+    #[serde(default)]
+    pub cells: Option<Cells>,
+    /// Distance between nodes at the finest, m. If neither it nor `cells` is given: [`defaults::PAD_SPACING`].
+    #[serde(default)]
+    pub spacing: Option<Length>,
+    /// Thickness of each layer over that of the one before it, going away from the sensing face; 1 is uniform.
+    #[serde(default = "defaults::pad_grading")]
+    pub grading: Ratio,
+    /// Width of the cells at the rim over those at the centre; 1 is uniform.
+    #[serde(default = "defaults::pad_focus")]
+    pub focus: Ratio,
+}
+
+/// A round disc of gel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "Disc", deny_unknown_fields)]
+pub struct DiscPad {
+    /// m.
+    pub radius: Length,
+    /// m.
+    pub thickness: Length,
+    /// Distance between nodes, m.
+    #[serde(default = "defaults::disc_spacing")]
+    pub spacing: Length,
+    /// Thickness of each layer over that of the one before it, going away from the sensing face; 1 is uniform.
+    #[serde(default = "defaults::pad_grading")]
+    pub grading: Ratio,
+    /// Width of the cells at the rim over those at the centre; 1 is uniform.
+    #[serde(default = "defaults::pad_focus")]
+    pub focus: Ratio,
+}
+
+/// A pad from a tetrahedral mesh file; `File("pad.tet")` takes all defaults.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "File", remote = "Self", deny_unknown_fields)]
+pub struct FilePad {
+    /// The mesh.
+    pub path: PathBuf,
+    /// Direction out of the gel towards the object, in the file's axes; any length but zero.
+    #[serde(default = "defaults::pad_outward")]
+    pub outward: Vec3,
+    /// Direction that becomes x of the pad, in the file's axes; None takes the file's x (its y if `outward` is along x).
+    #[serde(default)]
+    pub across: Option<Vec3>,
+    /// Factor from the file's unit to metres.
+    #[serde(default = "defaults::pad_scale")]
+    pub scale: Positive,
+    /// Nodes within this distance of the back plane are bonded to the finger, m. None: the nodes on the plane only.
+    #[serde(default)]
+    pub attach_distance: Option<Depth>,
+}
+
+impl<'de> PathOrFields<'de> for FilePad {
+    fn from_path(path: PathBuf) -> Self {
+        Self { path, outward: defaults::PAD_OUTWARD, across: None, scale: defaults::PAD_SCALE, attach_distance: None }
+    }
+    fn from_fields<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::deserialize(deserializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for FilePad {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        path_or_fields(deserializer)
+    }
+}
+
+impl Serialize for FilePad {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}

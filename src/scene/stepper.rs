@@ -1,0 +1,83 @@
+//! What advances the scene from one recorded frame to the next.
+
+use super::defaults;
+use super::leaf::{Count, Length, Positive};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// The backend.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Stepper {
+    /// Finite elements: the reference.
+    Fem(Fem),
+    /// A trained network.
+    Gnn(Gnn),
+}
+
+impl Default for Stepper {
+    fn default() -> Self {
+        Stepper::Fem(Fem::default())
+    }
+}
+
+/// The finite element backend.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Fem {
+    /// Shape functions of a tetrahedron.
+    pub element: Element,
+    /// Treat the dilatation of an element as constant, which avoids volumetric locking near nu = 0.5.
+    pub mean_dilatation: bool,
+    /// When an increment counts as solved.
+    pub tolerance: Tolerance,
+    /// Newton iterations before an increment is halved.
+    pub max_iterations: Count<1, 10000>,
+    /// Threads; None is as many as the machine has.
+    pub threads: Option<Count<1, 1024>>,
+}
+
+impl Default for Fem {
+    fn default() -> Self {
+        Self {
+            element: Element::default(),
+            mean_dilatation: defaults::MEAN_DILATATION,
+            tolerance: Tolerance::default(),
+            max_iterations: defaults::MAX_ITERATIONS,
+            threads: None,
+        }
+    }
+}
+
+/// Shape functions of a tetrahedron.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Element {
+    /// 4 nodes: cheap, and locks.
+    Linear,
+    /// 10 nodes: edge midpoints are inserted.
+    #[default]
+    Quadratic,
+}
+
+/// When an increment counts as solved: both must hold.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Tolerance {
+    /// Residual force over the force of the loading.
+    pub force: Positive,
+    /// Largest Newton step of any node, m.
+    pub displacement: Length,
+}
+
+impl Default for Tolerance {
+    fn default() -> Self {
+        Self { force: defaults::FORCE_TOLERANCE, displacement: defaults::DISPLACEMENT_TOLERANCE }
+    }
+}
+
+/// The network backend. Read here; the engine says whether it has one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Gnn {
+    /// Folder of the trained model.
+    pub model: PathBuf,
+}

@@ -1,0 +1,94 @@
+//! Vectors: `(x, y, z)` and `[x, y, z]` are the same.
+
+use super::leaf::{Count, Finite, Length};
+use glam::DVec3;
+use serde::de::{Deserialize, DeserializeOwned, Deserializer, Error as _, SeqAccess, Visitor};
+use serde::{Serialize, Serializer};
+use std::marker::PhantomData;
+
+/// A fixed number of leaves, written `(a, b, c)` or `[a, b, c]`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tuple<T, const N: usize>(pub [T; N]);
+
+/// A vector of finite numbers, in the unit of its field.
+pub type Vec3 = Tuple<Finite, 3>;
+/// A pair of finite numbers, in the unit of its field.
+pub type Vec2 = Tuple<Finite, 2>;
+/// Three lengths above zero, m.
+pub type Size = Tuple<Length, 3>;
+/// Cells along x, y, z.
+pub type Cells = Tuple<Count<1, 400>, 3>;
+
+impl Vec3 {
+    /// As a glam vector.
+    pub fn dvec3(self) -> DVec3 {
+        DVec3::from_array(self.0.map(Finite::get))
+    }
+    pub(crate) const fn preset3(x: f64, y: f64, z: f64) -> Self {
+        Tuple([Finite::preset(x), Finite::preset(y), Finite::preset(z)])
+    }
+}
+
+impl Vec2 {
+    /// As two numbers.
+    pub fn pair(self) -> [f64; 2] {
+        self.0.map(Finite::get)
+    }
+}
+
+impl Size {
+    /// As a glam vector, m.
+    pub fn size(self) -> DVec3 {
+        DVec3::from_array(self.0.map(Length::get))
+    }
+    pub(crate) const fn preset_size(x: f64, y: f64, z: f64) -> Self {
+        Tuple([Length::preset(x), Length::preset(y), Length::preset(z)])
+    }
+}
+
+impl Cells {
+    /// As three counts.
+    pub fn counts(self) -> [usize; 3] {
+        self.0.map(Count::get)
+    }
+}
+
+impl<T: Serialize, const N: usize> Serialize for Tuple<T, N> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        use serde::ser::SerializeTuple;
+        let mut tuple = serializer.serialize_tuple(N)?;
+        for value in &self.0 {
+            tuple.serialize_element(value)?;
+        }
+        tuple.end()
+    }
+}
+
+impl<'de, T: DeserializeOwned + Copy, const N: usize> Deserialize<'de> for Tuple<T, N> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        // `deserialize_any` is what lets both brackets in: a tuple takes only `(`, a sequence only `[`
+        deserializer.deserialize_any(TupleVisitor(PhantomData))
+    }
+}
+
+pub(super) struct TupleVisitor<T, const N: usize>(pub(super) PhantomData<T>);
+
+impl<'de, T: DeserializeOwned + Copy, const N: usize> Visitor<'de> for TupleVisitor<T, N> {
+    type Value = Tuple<T, N>;
+    fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(f, "{N} numbers {}", if N == 2 { "(a, b)" } else { "(x, y, z)" })
+    }
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+        let mut values = Vec::with_capacity(N);
+        while values.len() < N {
+            match seq.next_element()? {
+                Some(value) => values.push(value),
+                None => return Err(A::Error::invalid_length(values.len(), &self)),
+            }
+        }
+        if seq.next_element::<f64>()?.is_some() {
+            return Err(A::Error::custom(format!("expected {N} numbers, found more")));
+        }
+        values.try_into().map(Tuple).map_err(|_| A::Error::custom(format!("expected {N} numbers")))
+    }
+}

@@ -1,0 +1,95 @@
+//! Expectations: what holds, what does not, and that nothing holds of what was not measured.
+
+use tactus::scene::*;
+
+fn expectations(text: &str) -> Vec<Expectation> {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("scene.ron");
+    let text = format!("(object: (shape: Sphere(radius: 0.02)), loading: Squeeze(force: 15), expect: [{text}])");
+    std::fs::write(&path, text).unwrap();
+    load(&path).unwrap_or_else(|e| panic!("{e}")).scene.expect
+}
+
+fn judge(text: &str, measured: &Measured) -> Held {
+    evaluate(&expectations(text)[0], measured)
+}
+
+fn good() -> Measured {
+    Measured {
+        status: Status::Reached,
+        reason: String::new(),
+        force_n: 15.0,
+        travel_m: [1.5e-3, 1.7e-3],
+        min_det_f: 0.6,
+        min_gap_m: 1e-6,
+        force_balance: 1e-5,
+        torque_balance: 2e-5,
+        max_stress_pa: 1e5,
+        curve: vec![(1e-3, 5.0), (2e-3, 15.0)],
+    }
+}
+
+const ALL: &str =
+    "ReachesForce, ForceBalance(relative: 1e-3), TorqueBalance(relative: 1e-3), NoInversion, NoPenetration,
+    Travel(at_most: 2e-3, at_least: 1e-3), Force(at_least: 14.9), ForceAt(depth: 1.5e-3, force: 10.5, relative: 0.05),
+    MaxStress(at_most: 2e5)";
+
+#[test]
+fn all_hold_of_a_good_grasp_and_none_of_an_unmeasured_one() {
+    for e in expectations(ALL) {
+        assert!(evaluate(&e, &good()).held, "{e:?}");
+        let nothing = evaluate(&e, &Measured::default());
+        assert!(!nothing.held && nothing.value.is_none(), "{e:?}");
+        assert_eq!(nothing.name, e.name());
+    }
+}
+
+#[test]
+fn the_violated_bound_is_shown() {
+    let held = judge("Travel(at_most: 1.6e-3)", &good());
+    assert_eq!((held.held, held.value, held.bound, held.unit), (false, Some(1.7e-3), Some(1.6e-3), "m"));
+    let held = judge("Force(at_least: 16, at_most: 20)", &good());
+    assert_eq!((held.held, held.value, held.bound, held.unit), (false, Some(15.0), Some(16.0), "N"));
+    // the first finger breaks it, the second does not
+    let held = judge("Travel(at_least: 1.6e-3)", &good());
+    assert_eq!((held.held, held.value), (false, Some(1.5e-3)));
+    // a press with one finger has one travel
+    assert!(judge("Travel(at_most: 2e-3)", &Measured { travel_m: [1e-3, f64::NAN], ..good() }).held);
+}
+
+#[test]
+fn inversion_and_penetration_are_noticed() {
+    assert!(!judge("NoInversion", &Measured { min_det_f: -0.1, ..good() }).held);
+    assert!(!judge("NoInversion", &Measured { min_det_f: 0.0, ..good() }).held);
+    assert!(!judge("NoPenetration", &Measured { min_gap_m: -1e-9, ..good() }).held);
+    assert!(judge("NoPenetration", &Measured { min_gap_m: 0.0, ..good() }).held);
+}
+
+#[test]
+fn force_at_a_depth_is_interpolated_and_never_extrapolated() {
+    let at = |depth: &str| judge(&format!("ForceAt(depth: {depth}, force: 1, relative: 1e-9)"), &good()).value;
+    assert_eq!(at("0.5e-3"), Some(2.5));
+    assert_eq!(at("2e-3"), Some(15.0));
+    assert_eq!(at("2.1e-3"), None);
+}
+
+#[test]
+fn failures_can_be_expected() {
+    let fault = Measured { status: Status::Fault, reason: "line search: no step below 1e-12".into(), ..good() };
+    assert!(judge("Fault(contains: \"line search\")", &fault).held);
+    assert!(judge("Fault()", &fault).held);
+    assert!(!judge("Fault(contains: \"stroke\")", &fault).held);
+    assert!(!judge("Infeasible()", &fault).held);
+    assert!(!judge("Fault()", &good()).held);
+    let reached = judge("ReachesForce", &fault);
+    assert_eq!((reached.held, reached.detail.as_deref()), (false, Some("fault: line search: no step below 1e-12")));
+}
+
+#[test]
+fn one_bad_grasp_breaks_a_scene_and_no_grasp_proves_nothing() {
+    let e = &expectations("NoInversion")[0];
+    let bad = Measured { min_det_f: -1.0, ..good() };
+    assert_eq!(evaluate_all(e, &[good(), bad, good()]).value, Some(-1.0));
+    assert!(evaluate_all(e, &[good(), good()]).held);
+    assert!(!evaluate_all(e, &[]).held);
+}
