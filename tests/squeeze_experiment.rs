@@ -24,7 +24,7 @@ fn squeeze(shape: &Shape, pose: (DVec3, DQuat), free: bool, mu: f64, verbose: bo
         let fixed: Vec<bool> = quad.nodes.iter().map(|v| v.z < -0.004 + 1e-9).collect();
         let body = Arc::new(Body::new(rest.clone(), Elements::Quadratic(quad.tets.clone()), fixed, material.clone(), true).unwrap());
         let surface = Arc::new(ContactSurface::new(&body));
-        let a = approach(&surface, &rest, p.closing, shape.distance.as_ref(), &features, position, DMat3::from_quat(rotation), 0.04, var("OFF",1e-5));
+        let a = approach(&surface, &rest, p.closing, shape.distance.as_ref(), &features, position, DMat3::from_quat(rotation), 0.04, 31.6 * var("OFF",1e-5));
         let Approach::Contact(t) = a else { return Err(format!("{a:?}")) };
         travel.push(t);
         let k = var("KS", 50.0) * e / surface.spacing;
@@ -40,6 +40,7 @@ fn squeeze(shape: &Shape, pose: (DVec3, DQuat), free: bool, mu: f64, verbose: bo
     let mut path = Path::new(newton, state, tol);
     let frames = 50; let mut total = 0;
     let clock = std::time::Instant::now();
+    match path.establish(7.5 / frames as f64, var("OFF", 1e-5)) { Ok(a) => { total += a.iterations; if verbose { println!("establish {a:?}") } }, Err(e) => return Err(format!("establish {e:?}")) }
     for f in 1..=frames {
         let target = 7.5 * f as f64 / frames as f64;
         match path.advance(Load::Force, target) {

@@ -14,8 +14,9 @@ use std::sync::Arc;
 /// Contact and friction between a pad and the object.
 #[derive(Debug)]
 pub struct Contact {
-    /// The law of every edge.
-    pub law: Law,
+    /// The law of every edge, softened while contact is being established.
+    law: Law,
+    given: Law,
     /// Current edges, one per surface point.
     pub edges: Vec<ContactEdge>,
     surface: Arc<ContactSurface>,
@@ -27,7 +28,7 @@ impl Contact {
     /// All edges open.
     pub fn new(law: Law, surface: Arc<ContactSurface>, object: Arc<dyn SignedDistance>) -> Self {
         let edges = vec![ContactEdge::default(); surface.points.len()];
-        Self { law, committed: edges.clone(), edges, surface, object }
+        Self { law, given: law, committed: edges.clone(), edges, surface, object }
     }
 
     /// The sample points of the pad.
@@ -126,6 +127,10 @@ impl BodyTerm for Contact {
             held = false;
         }
         held
+    }
+
+    fn soften(&mut self, factor: f64) {
+        self.law = self.given.softened(factor);
     }
 
     fn as_any(&self) -> &dyn Any {

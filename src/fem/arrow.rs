@@ -74,9 +74,9 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Combines solved blocks into the full Newton step. Negative or tiny curvature of the border (rigid modes of an object
-/// that nothing holds yet) is replaced by its magnitude, at least `floor` (N/m): the step then descends and stays finite,
-/// and the solution is not changed because only the matrix is.
-pub fn step(blocks: &[ArrowBlock], border_gradient: &[f64; MAX_BORDER], size: usize, floor: f64) -> Step {
+/// that nothing holds yet) is replaced by its magnitude, at least so much that the step along each eigenvector stays below
+/// `cap` (m): it then descends and stays finite, and the solution is not changed because only the matrix is.
+pub fn step(blocks: &[ArrowBlock], border_gradient: &[f64; MAX_BORDER], size: usize, cap: f64) -> Step {
     let (mut s, mut g) = ([[0.0; MAX_BORDER]; MAX_BORDER], *border_gradient);
     for b in blocks {
         let (schur, reduced) = b.schur(size);
@@ -87,7 +87,7 @@ pub fn step(blocks: &[ArrowBlock], border_gradient: &[f64; MAX_BORDER], size: us
             g[i] -= reduced[i];
         }
     }
-    let dy = solve_border(&s, &g, size, floor);
+    let dy = solve_border(&s, &g, size, cap);
     let x = blocks
         .iter()
         .map(|b| {
@@ -116,8 +116,11 @@ pub fn step(blocks: &[ArrowBlock], border_gradient: &[f64; MAX_BORDER], size: us
     Step { x, border: dy }
 }
 
+/// Smallest border curvature divided by, N/m: far below any contact, above rounding.
+const STIFFNESS_FLOOR: f64 = 1e-6;
+
 /// Solves `|S| dy = -g` through the eigenvalues of the border's Schur complement.
-fn solve_border(s: &[[f64; MAX_BORDER]; MAX_BORDER], g: &[f64; MAX_BORDER], size: usize, floor: f64) -> [f64; MAX_BORDER] {
+fn solve_border(s: &[[f64; MAX_BORDER]; MAX_BORDER], g: &[f64; MAX_BORDER], size: usize, cap: f64) -> [f64; MAX_BORDER] {
     let mut dy = [0.0; MAX_BORDER];
     if size == 0 {
         return dy;
@@ -128,7 +131,7 @@ fn solve_border(s: &[[f64; MAX_BORDER]; MAX_BORDER], g: &[f64; MAX_BORDER], size
     let (u, values) = (eigen.U(), eigen.S());
     for k in 0..size {
         let projected: f64 = (0..size).map(|i| u[(i, k)] * g[i]).sum();
-        let scaled = -projected / values[k].abs().max(floor);
+        let scaled = -projected / values[k].abs().max(projected.abs() / cap).max(STIFFNESS_FLOOR);
         for i in 0..size {
             dy[i] += u[(i, k)] * scaled;
         }

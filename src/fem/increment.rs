@@ -39,6 +39,9 @@ pub enum Load {
     Travel,
 }
 
+/// Softness of the contact when the fingers first touch.
+pub const SOFTEST: f64 = 1000.0;
+
 /// Smallest increment, as a fraction of the one asked for.
 const SMALLEST: f64 = 1.0 / 4096.0;
 
@@ -46,6 +49,54 @@ impl Path {
     /// Starts at `state`, which must be in equilibrium at level zero.
     pub fn new(newton: Newton, state: State, tolerance: Tolerance) -> Self {
         Self { newton, state, level: 0.0, tolerance, history: Vec::new(), increment: f64::INFINITY }
+    }
+
+    /// Brings the fingers from first touch to equilibrium under the small force `force` (N), by continuation from a soft,
+    /// far-reaching contact to the contact law itself. A free object touched by single points has no stiffness against
+    /// rotation; the soft contact gives it some, and the hardening keeps it.
+    ///
+    /// `state` must stand [`SOFTEST`]-softened offsets away from the object.
+    ///
+    /// # Errors
+    /// The last [`Failure`]; the state is then that of the last softness that converged.
+    pub fn establish(&mut self, force: f64, offset: f64) -> Result<Advanced, Failure> {
+        self.newton.force.fill(force);
+        let mut done = Advanced::default();
+        let mut softness = SOFTEST;
+        let mut ratio = 10.0_f64;
+        let mut reached = SOFTEST * ratio;
+        loop {
+            self.newton.soften(softness);
+            let mut state = self.state.clone();
+            if reached <= SOFTEST {
+                // The surfaces that carry the contact have moved back towards the object: follow them.
+                let closer = offset * (reached.sqrt() - softness.sqrt());
+                state.travel.iter_mut().for_each(|t| *t += closer);
+            }
+            match self.newton.solve(&mut state, &self.tolerance) {
+                Ok(converged) => {
+                    self.newton.commit(&state);
+                    self.state = state;
+                    done.iterations += converged.iterations;
+                    done.increments += 1;
+                    done.residual = converged.residual;
+                    reached = softness;
+                    if softness <= 1.0 {
+                        self.level = force;
+                        return Ok(done);
+                    }
+                }
+                Err(failure) => {
+                    self.newton.rollback();
+                    done.iterations += self.tolerance.iterations;
+                    ratio = ratio.sqrt();
+                    if ratio < 1.02 || reached > SOFTEST {
+                        return Err(failure);
+                    }
+                }
+            }
+            softness = (reached / ratio).max(1.0);
+        }
     }
 
     /// Raises the load to `target` in as few increments as converge.

@@ -221,7 +221,7 @@ impl Newton {
             let clock = Instant::now();
             self.blocks.par_iter_mut().for_each(ArrowBlock::solve);
             let gradient = self.border_gradient();
-            let step = arrow::step(&self.blocks, &gradient, self.border.size, 1e-3);
+            let step = arrow::step(&self.blocks, &gradient, self.border.size, 0.2 * tolerance.motion);
             self.profile.solve += clock.elapsed().as_secs_f64();
             let clock = Instant::now();
             let searched = self.line_search(&now, &step, &gradient, tolerance.motion);
@@ -279,6 +279,11 @@ impl Newton {
             .map(|(b, d)| b.block.gradient.iter().zip(d).map(|(g, d)| g.dot(*d)).sum::<f64>())
             .sum();
         nodes + border.iter().zip(&step.border).map(|(g, d)| g * d).sum::<f64>()
+    }
+
+    /// Scales the softness of all contacts (1 = the law as given).
+    pub fn soften(&mut self, factor: f64) {
+        self.terms.iter_mut().flatten().for_each(|t| t.soften(factor));
     }
 
     /// Takes over the history of an accepted state.

@@ -182,6 +182,8 @@ pub trait BodyTerm: Send + Sync {
     fn satisfied(&mut self, _body: &Body, _view: &View) -> bool {
         true
     }
+    /// Makes the term softer by `factor` (1 = as given), for continuation from a state without contact.
+    fn soften(&mut self, _factor: f64) {}
     /// For reading results back by type.
     fn as_any(&self) -> &dyn std::any::Any;
 }
