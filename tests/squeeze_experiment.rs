@@ -1,11 +1,11 @@
 //! scratch
 use glam::{DMat3, DQuat, DVec3};
 use std::sync::Arc;
-use tactus::contact::{Contact, ContactSurface, law::Law};
+use tactus::contact::{Feature, Contact, FeatureContact, ContactSurface, law::Law};
 use tactus::fem::{body::*, increment::*, newton::*, state::*, term::*};
-use tactus::gripper::*;
+use tactus::gripper::{approach, Approach, Placement};
 use tactus::material::*;
-use tactus::pad::*;
+use tactus::pad::{gelsight_mini, GelShape, Resolution};
 use tactus::shape::*;
 
 fn var(n: &str, d: f64) -> f64 { std::env::var(n).map(|v| v.parse().unwrap()).unwrap_or(d) }
@@ -17,7 +17,9 @@ fn squeeze(shape: &Shape, pose: (DVec3, DQuat), free: bool, mu: f64, verbose: bo
     let mut bodies = vec![]; let mut terms: Vec<Vec<Box<dyn BodyTerm>>> = vec![]; let mut x = vec![]; let mut travel = vec![];
     let mut closing = vec![];
     let e = 4.321e5; let material: Arc<dyn Material> = Arc::new(NeoHookean::new(e, 0.49));
-    let features: Vec<DVec3> = shape.surface.vertices.clone();
+    let mut features: Vec<Feature> = shape.features.sample(0.3e-3).iter().map(|f| Feature { position: f.position, sharp: f.sharp }).collect();
+    if std::env::var("NOFEAT").is_ok() { features.clear(); }
+    let features: Arc<[Feature]> = features.into();
     for side in 0..2 {
         let p = Placement::new(side, 0.08, 0.1);
         let rest: Vec<DVec3> = quad.nodes.iter().map(|v| p.place(*v)).collect();
@@ -28,15 +30,15 @@ fn squeeze(shape: &Shape, pose: (DVec3, DQuat), free: bool, mu: f64, verbose: bo
         let Approach::Contact(t) = a else { return Err(format!("{a:?}")) };
         travel.push(t);
         let k = var("KS", 50.0) * e / surface.spacing;
-        if side == 0 && verbose { println!("nodes {} el {} free {} points {} k {k:.2e} L {}", rest.len(), body.element_count(), body.pattern.free, surface.points.len(), body.symbolic.entries()); }
+        if side == 0 && verbose { println!("features {}", features.len()); println!("nodes {} el {} free {} points {} k {k:.2e} L {}", rest.len(), body.element_count(), body.pattern.free, surface.points.len(), body.symbolic.entries()); }
         let law = Law { stiffness: k, offset: var("OFF",1e-5), friction: mu, tangential: var("KT", 0.3) * k };
-        terms.push(vec![Box::new(Elastic), Box::new(Contact::new(law, surface, shape.distance.clone()))]);
+        terms.push(vec![Box::new(Elastic), Box::new(Contact::new(law, surface.clone(), shape.distance.clone())), Box::new(FeatureContact::new(law, surface, features.clone()))]);
         bodies.push(body); x.push(rest); closing.push(p.closing);
     }
     let border = Border::new(closing, true, free, shape.bounding_radius);
     let newton = Newton::new(bodies.clone(), terms, border);
     let state = State { x, travel: travel.clone(), position, rotation };
-    let tol = Tolerance { force: var("FTOL", 1e-4), length: var("LTOL", 1e-6), iterations: 60, motion: 1e-3 };
+    let tol = Tolerance { relative: var("RTOL", 2e-4), force: var("FTOL", 1e-7), length: var("LTOL", 1e-6), iterations: 60, motion: 1e-3 };
     let mut path = Path::new(newton, state, tol);
     let frames = 50; let mut total = 0;
     let clock = std::time::Instant::now();
@@ -55,6 +57,9 @@ fn squeeze(shape: &Shape, pose: (DVec3, DQuat), free: bool, mu: f64, verbose: bo
                         fs.push((0..c.edges.len()).fold(DVec3::ZERO, |s, i| s + c.force(i)));
                         gap = gap.min(c.min_gap()); active += c.edges.iter().filter(|e| e.pressure > 0.0).count();
                         slips += c.edges.iter().filter(|e| e.slips).count();
+                        let c = path.newton.terms[i][2].as_any().downcast_ref::<FeatureContact>().unwrap();
+                        for k in 0..c.edges.len() { fs[i] += c.force(k).0; }
+                        gap = gap.min(c.min_gap()); active += 10000 * c.edges.iter().filter(|e| e.pressure > 0.0).count();
                     }
                     println!("f {f} F {target:.3} inc {} it {} res {:.1e} travel {:.4} {:.4} mm pos {:.4?} rot {:.4?} sum {:.1e} gap {gap:.1e} active {active} slip {slips}", a.increments, a.iterations, a.residual,
                         (s.travel[0] - travel[0]) * 1e3, (s.travel[1] - travel[1]) * 1e3, (s.position - position) * 1e3, (s.rotation * rotation.inverse()).to_scaled_axis() * 57.3, (fs[0] + fs[1]).length());

@@ -5,10 +5,14 @@
 //! slips between samples. All edges carry the same [`law`]: an augmented Lagrangian for the gap and for Coulomb friction.
 
 pub mod edge;
+pub mod feature;
 pub mod law;
+mod pair;
+pub mod project;
 pub mod surface;
 pub mod term;
 
 pub use edge::ContactEdge;
+pub use feature::{Feature, FeatureContact};
 pub use surface::ContactSurface;
 pub use term::Contact;

@@ -5,7 +5,8 @@ use super::law::Law;
 use super::surface::ContactSurface;
 use crate::fem::body::Body;
 use crate::fem::state::View;
-use crate::fem::term::{Block, BodyTerm, Pair, Stencil};
+use super::pair::{friction_pair, normal_pair, slip};
+use crate::fem::term::{Block, BodyTerm, Stencil};
 use crate::shape::SignedDistance;
 use glam::{DMat3, DVec3};
 use std::any::Any;
@@ -49,7 +50,7 @@ impl Contact {
 }
 
 /// Smallest gap of an accepted state, as a fraction of the offset.
-const MIN_GAP: f64 = 0.02;
+pub(super) const MIN_GAP: f64 = 0.02;
 /// Distance within which the exact gap is looked up, m; farther points are skipped until they may have come this close.
 const LOOK_AHEAD: f64 = 5e-4;
 
@@ -57,12 +58,6 @@ const LOOK_AHEAD: f64 = 5e-4;
 fn locate(stencil: &Stencil, view: &View) -> (DVec3, DVec3) {
     let world = stencil.position(view.x) + view.offset;
     (world, view.rotation.transpose() * (world - view.position))
-}
-
-/// Slip of a point against its anchor, in the tangent plane, m.
-fn slip(world: DVec3, anchor: DVec3, normal: DVec3, view: &View) -> DVec3 {
-    let s = world - view.position - view.rotation * anchor;
-    s - normal * normal.dot(s)
 }
 
 impl BodyTerm for Contact {
@@ -76,7 +71,7 @@ impl BodyTerm for Contact {
                 energy += area * self.law.normal_energy(c.distance, e.scale);
             }
             if let (Some(anchor), true) = (e.anchor, e.pressure > 0.0) {
-                let s = slip(world, anchor, e.normal, view);
+                let s = slip(world - view.position - view.rotation * anchor, e.normal);
                 energy += area * self.law.friction_energy(s, self.law.friction * e.pressure);
             }
         }
@@ -95,7 +90,9 @@ impl BodyTerm for Contact {
                 let pair = normal_pair(&self.law, e, self.surface.area[i], world - view.position, &curvature, project);
                 block.add_pair(body, view, &stencil, &pair);
                 if let Some(anchor) = e.anchor {
-                    let pair = friction_pair(&self.law, e, self.surface.area[i], world, anchor, view, project);
+                    let arm = view.rotation * anchor;
+                    let s = world - view.position - arm;
+                    let pair = friction_pair(&self.law, e, self.surface.area[i], s, arm, project);
                     block.add_pair(body, view, &stencil, &pair);
                 }
             }
@@ -165,54 +162,8 @@ impl Contact {
             e.anchor = self.committed[i].anchor;
         } else if law.friction > 0.0 {
             let anchor = *e.anchor.get_or_insert(q - view.rotation.transpose() * e.normal * e.gap);
-            let s = slip(world, anchor, e.normal, view);
+            let s = slip(world - view.position - view.rotation * anchor, e.normal);
             (e.traction, e.slips) = law.traction(s, law.friction * e.pressure);
         }
     }
-}
-
-/// Matrix of `v -> c x v`.
-fn cross_matrix(c: DVec3) -> DMat3 {
-    DMat3::from_cols(DVec3::new(0.0, c.z, -c.y), DVec3::new(-c.z, 0.0, c.x), DVec3::new(c.y, -c.x, 0.0))
-}
-
-fn outer(a: DVec3, b: DVec3) -> DMat3 {
-    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
-}
-
-/// Second derivative in `w` of `f . (w x (w x r)) / 2`.
-fn rotation_hessian(f: DVec3, r: DVec3) -> DMat3 {
-    (outer(f, r) + outer(r, f)) * 0.5 - DMat3::IDENTITY * f.dot(r)
-}
-
-/// Derivatives of the normal energy. With `g` the gap, `u = delta - w x r` the relative motion and `n` the normal,
-/// `g = n.u + u.H u / 2 + n.(w x (w x r) / 2 - w x delta)` to second order.
-fn normal_pair(law: &Law, e: &ContactEdge, area: f64, r: DVec3, h: &DMat3, project: bool) -> Pair {
-    let (n, p, k) = (e.normal, e.pressure * area, law.pressure(e.gap, e.scale).1 * area);
-    let tau = -r.cross(n);
-    let mut pair =
-        Pair { force: n * -p, torque: tau * -p, dd: outer(n, n) * k, dw: outer(n, tau) * k, ww: outer(tau, tau) * k };
-    if !project {
-        let arm = cross_matrix(r);
-        pair.dd -= *h * p;
-        pair.dw -= (*h * arm - cross_matrix(n)) * p;
-        pair.ww -= (arm.transpose() * *h * arm + rotation_hessian(n, r)) * p;
-    }
-    pair
-}
-
-/// Derivatives of the friction energy at frozen normal, multiplier and limit; `s = x - p - R anchor`.
-fn friction_pair(law: &Law, e: &ContactEdge, area: f64, world: DVec3, anchor: DVec3, view: &View, project: bool) -> Pair {
-    let n = e.normal;
-    let (a, b) = law.friction_hessian(slip(world, anchor, n, view), law.friction * e.pressure);
-    let t = e.traction.normalize_or_zero();
-    let d = ((DMat3::IDENTITY - outer(n, n)) * a - outer(t, t) * b) * area;
-    let r = view.rotation * anchor;
-    let force = e.traction * -area;
-    let arm = cross_matrix(r);
-    let mut pair = Pair { force, torque: -r.cross(force), dd: d, dw: d * arm, ww: arm.transpose() * d * arm };
-    if !project {
-        pair.ww -= rotation_hessian(force, r);
-    }
-    pair
 }

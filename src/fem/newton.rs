@@ -11,7 +11,9 @@ use std::time::Instant;
 /// When to stop, and how far one iteration may go.
 #[derive(Debug, Clone, Copy)]
 pub struct Tolerance {
-    /// Largest norm of the out-of-balance forces, N.
+    /// Largest norm of the out-of-balance forces relative to the contact forces.
+    pub relative: f64,
+    /// The same absolutely, where there is no contact, N.
     pub force: f64,
     /// Largest motion of any unknown in the last iteration, m.
     pub length: f64,
@@ -23,7 +25,7 @@ pub struct Tolerance {
 
 impl Default for Tolerance {
     fn default() -> Self {
-        Self { force: 1e-5, length: 1e-6, iterations: 60, motion: 1e-3 }
+        Self { relative: 2e-4, force: 1e-7, length: 1e-6, iterations: 60, motion: 1e-3 }
     }
 }
 
@@ -63,6 +65,10 @@ pub struct Profile {
     /// Factorisations that needed a projected Hessian.
     pub projections: u64,
 }
+
+/// Iterations without motion after which a state counts as at rest, and by how much its residual may then miss the goal.
+const RESTING: u32 = 4;
+const RESTING_FACTOR: f64 = 4.0;
 
 /// Bodies with their terms, and the border that joins them.
 pub struct Newton {
@@ -161,6 +167,11 @@ impl Newton {
         (border + nodes).sqrt()
     }
 
+    /// Largest contact force on a body, N.
+    fn activity(&self) -> f64 {
+        self.blocks.iter().map(|b| b.block.activity).fold(0.0, f64::max)
+    }
+
     /// Factorises all blocks, re-assembling with projected Hessians if one is not positive definite.
     fn factorize(&mut self, state: &State) -> bool {
         let clock = Instant::now();
@@ -181,7 +192,7 @@ impl Newton {
     pub fn solve(&mut self, state: &mut State, tolerance: &Tolerance) -> Result<Converged, Failure> {
         let mut now = state.clone();
         let mut last_motion = f64::INFINITY;
-        let mut iterations = 0;
+        let (mut iterations, mut resting) = (0, 0);
         loop {
             let clock = Instant::now();
             self.assemble(&now, false);
@@ -193,7 +204,12 @@ impl Newton {
             if !residual.is_finite() {
                 return Err(Failure::Singular);
             }
-            if residual <= tolerance.force && (last_motion <= tolerance.length || residual <= 0.01 * tolerance.force) {
+            let allowed = tolerance.force + tolerance.relative * self.activity();
+            // Where a point of contact sits on a crease its normal, and so the residual, is not continuous: nothing moves any
+            // more, but the residual stays a few times above.
+            resting = if last_motion <= 0.1 * tolerance.length { resting + 1 } else { 0 };
+            let at_rest = resting >= RESTING && residual <= RESTING_FACTOR * allowed;
+            if at_rest || residual <= allowed && (last_motion <= tolerance.length || residual <= 0.01 * allowed) {
                 let border = &self.border;
                 let bodies = self.blocks.iter().zip(self.terms.iter_mut()).enumerate();
                 // Every term must be asked: each may strengthen itself.
@@ -234,7 +250,7 @@ impl Newton {
                     last_motion = motion;
                 }
                 // At rounding level no step lowers the energy any more: that is as converged as doubles get.
-                None if residual <= tolerance.force => last_motion = 0.0,
+                None if residual <= allowed => last_motion = 0.0,
                 None => return Err(Failure::LineSearch(residual)),
             }
         }

@@ -1,6 +1,6 @@
 //! Finger travel to first contact, found geometrically.
 
-use crate::contact::ContactSurface;
+use crate::contact::{ContactSurface, Feature};
 use crate::shape::SignedDistance;
 use glam::{DMat3, DVec3};
 
@@ -27,7 +27,7 @@ pub fn approach(
     x: &[DVec3],
     closing: DVec3,
     object: &dyn SignedDistance,
-    features: &[DVec3],
+    features: &[Feature],
     position: DVec3,
     rotation: DMat3,
     stroke: f64,
@@ -55,8 +55,8 @@ pub fn approach(
             t += d - clearance;
         }
     }
-    for &feature in features {
-        let point = rotation * feature + position;
+    for feature in features {
+        let point = rotation * feature.position + position;
         for face in &surface.faces {
             let [a, b, c] = face.corners.map(|n| x[n as usize]);
             // The pad moves by t along `closing`: the point meets the face where it lies on the ray back from the point.

@@ -1,0 +1,193 @@
+//! Contact of the object's features (vertices, points along sharp edges) with a pad's faces, as a term of the potential:
+//! what keeps a needle or a knife edge from slipping between the sample points of the pad.
+
+use super::edge::ContactEdge;
+use super::law::Law;
+use super::pair::{feature_pair, friction_pair, slip};
+use super::project::FaceBounds;
+use super::surface::ContactSurface;
+use super::term::MIN_GAP;
+use crate::fem::body::Body;
+use crate::fem::state::View;
+use crate::fem::term::{Block, BodyTerm, Stencil};
+use glam::DVec3;
+use std::any::Any;
+use std::sync::Arc;
+
+/// A point of the object that must not slip between the sample points of a pad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Feature {
+    /// Position in the object frame, m.
+    pub position: DVec3,
+    /// On a sharp edge or corner; else a vertex of a smooth surface.
+    pub sharp: bool,
+}
+
+/// Fraction of the contact offset from which a smooth vertex is felt.
+const SMOOTH: f64 = 0.3;
+
+/// Contact and friction between the object's features and a pad.
+#[derive(Debug)]
+pub struct FeatureContact {
+    /// Current edges, one per feature. The anchor of an edge is the drag of its sticking point, hand frame.
+    pub edges: Vec<ContactEdge>,
+    law: Law,
+    given: Law,
+    surface: Arc<ContactSurface>,
+    features: Arc<[Feature]>,
+    /// Area a feature stands for, m2: that of a sample point of the pad, which it replaces.
+    area: f64,
+    sites: Vec<Site>,
+    bounds: FaceBounds,
+    committed: (Vec<ContactEdge>, Vec<Site>),
+}
+
+/// Where a feature meets the pad now, and where it sticks.
+#[derive(Debug, Clone, Copy)]
+struct Site {
+    face: Option<usize>,
+    now: Stencil,
+    stick: Stencil,
+}
+
+impl FeatureContact {
+    /// All edges open. `features` are points of the object.
+    pub fn new(law: Law, surface: Arc<ContactSurface>, features: Arc<[Feature]>) -> Self {
+        let edges = vec![ContactEdge::default(); features.len()];
+        let nowhere = Stencil::new(std::iter::empty());
+        let sites = vec![Site { face: None, now: nowhere, stick: nowhere }; features.len()];
+        let area = surface.spacing * surface.spacing;
+        let committed = (edges.clone(), sites.clone());
+        Self { edges, law, given: law, surface, features, area, sites, bounds: FaceBounds::default(), committed }
+    }
+
+    /// Smallest gap of the last assembly, m; `+inf` if no feature is near.
+    pub fn min_gap(&self) -> f64 {
+        self.edges.iter().map(|e| e.gap).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Contact force on the pad from feature `i`, N, hand frame, and where it acts.
+    pub fn force(&self, i: usize) -> (DVec3, Stencil) {
+        let e = &self.edges[i];
+        ((e.normal * e.pressure + e.traction) * self.area, self.sites[i].now)
+    }
+
+    /// The law of feature `i`. Vertices of a smooth surface are felt late: the pad's own points carry that contact, and the
+    /// vertex only must not come through between them.
+    fn law_of(&self, i: usize) -> Law {
+        let fraction = if self.features[i].sharp { 1.0 } else { SMOOTH };
+        Law { offset: fraction * self.law.offset, ..self.law }
+    }
+
+    /// Displacement of the pad's sticking point from the feature, plus its drag.
+    fn stretch(&self, i: usize, drag: DVec3, view: &View) -> DVec3 {
+        let arm = view.rotation * self.features[i].position;
+        self.sites[i].stick.position(view.x) + view.offset - view.position - arm + drag
+    }
+}
+
+impl BodyTerm for FeatureContact {
+    fn energy(&self, _: &Body, view: &View) -> f64 {
+        let mut bounds = FaceBounds::default();
+        bounds.update(&self.surface, view.x);
+        let mut energy = 0.0;
+        for (i, e) in self.edges.iter().enumerate() {
+            let y = view.position + view.rotation * self.features[i].position - view.offset;
+            let law = self.law_of(i);
+            if let Some(foot) = bounds.closest(&self.surface, view.x, y, law.offset, self.sites[i].face) {
+                energy += self.area * law.normal_energy(foot.gap, e.scale);
+            }
+            if let (Some(drag), true) = (e.anchor, e.pressure > 0.0) {
+                let s = slip(self.stretch(i, drag, view), e.normal);
+                energy += self.area * self.law.friction_energy(s, self.law.friction * e.pressure);
+            }
+        }
+        energy
+    }
+
+    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
+        self.bounds.update(&self.surface, view.x);
+        for i in 0..self.edges.len() {
+            self.update(i, view);
+            let e = self.edges[i];
+            if e.pressure <= 0.0 {
+                continue;
+            }
+            let arm = view.rotation * self.features[i].position;
+            block.add_pair(body, view, &self.sites[i].now, &feature_pair(&self.law_of(i), &e, self.area, arm, project));
+            if let Some(drag) = e.anchor {
+                let s = self.stretch(i, drag, view);
+                let pair = friction_pair(&self.law, &e, self.area, s, arm, project);
+                block.add_pair(body, view, &self.sites[i].stick, &pair);
+            }
+        }
+    }
+
+    fn commit(&mut self, _: &Body, _: &View) {
+        for (e, site) in self.edges.iter_mut().zip(&mut self.sites) {
+            if e.pressure <= 0.0 {
+                e.anchor = None;
+            } else if e.slips {
+                site.stick = site.now;
+                e.anchor = Some(e.normal * -e.gap - e.traction * (1.0 / self.law.tangential));
+            }
+        }
+        self.committed = (self.edges.clone(), self.sites.clone());
+    }
+
+    fn rollback(&mut self) {
+        (self.edges, self.sites) = self.committed.clone();
+    }
+
+    fn satisfied(&mut self, _: &Body, _: &View) -> bool {
+        let mut held = true;
+        for i in 0..self.edges.len() {
+            if self.edges[i].gap < MIN_GAP * self.law_of(i).offset {
+                self.edges[i].scale *= 4.0;
+                held = false;
+            }
+        }
+        held
+    }
+
+    fn soften(&mut self, factor: f64) {
+        self.law = self.given.softened(factor);
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}
+
+impl FeatureContact {
+    /// Refreshes gap, pressure and friction of edge `i`.
+    fn update(&mut self, i: usize, view: &View) {
+        let y = view.position + view.rotation * self.features[i].position - view.offset;
+        let law = self.law_of(i);
+        let site = &mut self.sites[i];
+        let foot = self.bounds.closest(&self.surface, view.x, y, law.offset, site.face);
+        site.face = foot.map(|f| f.face);
+        let e = &mut self.edges[i];
+        e.gap = foot.map_or(f64::INFINITY, |f| f.gap);
+        e.pressure = law.pressure(e.gap, e.scale).0;
+        e.traction = DVec3::ZERO;
+        e.slips = false;
+        let Some(foot) = foot.filter(|_| e.pressure > 0.0) else {
+            e.anchor = self.committed.0[i].anchor;
+            return;
+        };
+        // The object's outward normal at the contact is the pad's inward one.
+        e.normal = -foot.normal;
+        site.now = self.surface.faces[foot.face].stencil(foot.l);
+        if law.friction > 0.0 {
+            if e.anchor.is_none() {
+                site.stick = site.now;
+                e.anchor = Some(e.normal * -e.gap);
+            }
+            let drag = e.anchor.unwrap_or_default();
+            let s = slip(self.stretch(i, drag, view), self.edges[i].normal);
+            let e = &mut self.edges[i];
+            (e.traction, e.slips) = law.traction(s, law.friction * e.pressure);
+        }
+    }
+}
