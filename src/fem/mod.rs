@@ -3,6 +3,7 @@
 pub mod arrow;
 pub mod body;
 pub mod cholesky;
+pub mod locking;
 pub mod newton;
 pub mod pattern;
 pub mod state;
