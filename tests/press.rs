@@ -7,7 +7,6 @@ use glam::{DVec2, DVec3};
 use std::sync::Arc;
 use tactus::contact::{ContactSurface, law::Law};
 use tactus::fem::body::Body;
-use tactus::fem::newton::Tolerance;
 use tactus::material::NeoHookean;
 use tactus::pad::{Resolution, box_pad};
 use tactus::shape::sphere::Sphere;
@@ -21,9 +20,9 @@ fn setup(body: Arc<Body>, radius: f64) -> Setup {
     Setup { body, object: Arc::new(Sphere { radius }), start: DVec3::Z * RADIUS, friction: 0.0 }
 }
 
-/// The pad with 10-node tetrahedra and mean dilatation, finer towards the contact: 4725 nodes with [10, 12, 4] cells.
+/// The pad with 10-node tetrahedra and mean dilatation, finer towards the contact: 5887 nodes with [14, 14, 3] cells.
 fn quadratic_pad(cells: [usize; 3], poisson: f64) -> Arc<Body> {
-    let resolution = Resolution::cells(cells).with_grading(1.4).with_focus(5.0);
+    let resolution = Resolution::cells(cells).with_grading(1.2).with_focus(5.0);
     let pad = box_pad(20e-3, 25e-3, 4.5e-3, &resolution).expect("pad");
     pad_body(&pad, true, Arc::new(NeoHookean::new(YOUNG, poisson)))
 }
@@ -54,33 +53,34 @@ fn profile_error(press: &Press, file: &str, depth: f64) -> Option<f64> {
     Some(errors(&on_face(press, &points), &truth).0)
 }
 
-/// Converged references: 0.216, 0.710, 2.548 N, known to 1.5, 1 and 0.5 %.
+/// Converged forces 0.216, 0.710, 2.548 N, known to 1.5, 1 and 0.5 %, and the front face of a fine solution, known to 1 %.
+/// The error of our face sits at the rim of the contact, where the slope kinks inside an element.
 #[test]
 fn quadratic_tetrahedra_with_mean_dilatation_give_the_true_force_and_face() {
-    let body = quadratic_pad([10, 12, 4], 0.45);
+    let body = quadratic_pad([14, 14, 3], 0.45);
     assert!(body.rest.len() <= 6000, "{} nodes", body.rest.len());
     let mut press = Press::new(setup(body.clone(), RADIUS));
-    for (depth, (truth, allowed)) in DEPTHS.into_iter().zip([(0.216, 0.03), (0.710, 0.02), (2.548, 0.015)]) {
+    let truths = [(0.216, 0.03, 0.04), (0.710, 0.02, 0.03), (2.548, 0.015, 0.025)];
+    for (depth, (truth, force_allowed, face_allowed)) in DEPTHS.into_iter().zip(truths) {
         let force = press.to(depth, 1);
         let off = force / truth - 1.0;
         println!("{} nodes, {:.2} mm: {force:.4} N, {:+.2} %", body.rest.len(), depth * 1e3, 100.0 * off);
-        assert!(off.abs() < allowed, "force {force} against {truth} N at {depth} m");
+        assert!(off.abs() < force_allowed, "force {force} against {truth} N at {depth} m");
         assert!(press.contact().min_gap() > 0.0, "no contact point is inside the sphere");
         let Some(error) = profile_error(&press, "sphere_q20_06_top_profile.csv", depth) else { continue };
         println!("   front face: {:.2} % of the displacement (relative L2)", 100.0 * error);
-        assert!(error < 0.02, "front face off by {error:.3} at {depth} m");
+        assert!(error < face_allowed, "front face off by {error:.4} at {depth} m");
     }
-    let stress = body.stress(&press.state.x[0]);
-    let peak = stress.node.iter().copied().fold(0.0, f64::max);
+    let peak = body.stress(&press.state.x[0]).node.iter().copied().fold(0.0, f64::max);
     println!("   largest nodal von Mises stress {:.4} MPa", peak * 1e-6);
-    assert!((peak / 0.092e6 - 1.0).abs() < 0.08, "von Mises stress {peak} against 0.092e6 Pa");
+    assert!((peak / 0.092e6 - 1.0).abs() < 0.05, "von Mises stress {peak} against 0.092e6 Pa, known to 2 %");
 }
 
 /// At the gel's nu = 0.49 a finer mesh changes the force by less than 3 %, where linear tetrahedra are far too stiff.
 #[test]
 fn nearly_incompressible_pads_do_not_lock() {
     let force = |cells| Press::new(setup(quadratic_pad(cells, 0.49), RADIUS)).to(1e-3, 2);
-    let (coarse, middle, fine) = (force([8, 10, 3]), force([10, 12, 4]), force([14, 16, 4]));
+    let (coarse, middle, fine) = (force([8, 10, 3]), force([10, 12, 4]), force([14, 14, 4]));
     println!("nu = 0.49, 1 mm: {coarse:.4} {middle:.4} {fine:.4} N");
     for f in [coarse, middle] {
         assert!((f / fine - 1.0).abs() < 0.03, "{f} N against {fine} N on the finer mesh");
@@ -114,13 +114,12 @@ fn linear_tetrahedra_with_the_contact_law_of_calculix_give_its_force_and_face() 
     // The law's potential starts `offset` outside a sphere that is smaller by as much: a plain penalty, never augmented.
     let law = Law { stiffness: 200e9, offset: 20e-6, friction: 0.0, tangential: 200e9 };
     let mut press = Press::with_law(setup(body, RADIUS - law.offset), law, surface);
-    let tolerance = Tolerance { force: 1e-6, length: 1e-6, iterations: 100, motion: 1e-3 };
     for (depth, truth) in DEPTHS.into_iter().zip(LINEAR) {
         let from = press.state.travel[0];
         for k in 1..=4 {
             // Never committed, so the multipliers stay zero.
             press.state.travel[0] = from + (depth - from) * f64::from(k) / 4.0;
-            press.newton.solve(&mut press.state, &tolerance).expect("converges");
+            press.newton.solve(&mut press.state, &press.tolerance).expect("converges");
         }
         let contact = press.contact();
         let force = -(0..contact.edges.len()).map(|i| contact.force(i).z).sum::<f64>();

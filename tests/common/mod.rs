@@ -104,6 +104,7 @@ pub fn elements(mesh: &TetMesh, quadratic: bool) -> (Vec<DVec3>, Elements) {
 /// A pad with its back face fixed (the middles of bonded edges too, as they lie on it), and a rigid object above it
 /// that is pressed down along the pad's axis by a prescribed depth.
 pub struct Press {
+    pub tolerance: Tolerance,
     pub newton: Newton,
     pub state: State,
 }
@@ -141,17 +142,17 @@ impl Press {
         let x = setup.body.rest.clone();
         let newton = Newton::new(vec![setup.body], vec![terms], Border::new(vec![DVec3::Z], false, false, 1.0));
         let state = State { x: vec![x], travel: vec![0.0], position: setup.start, rotation: DQuat::IDENTITY };
-        Self { newton, state }
+        let tolerance = Tolerance { force: 1e-6, length: 1e-6, iterations: 100, motion: 1e-3 };
+        Self { tolerance, newton, state }
     }
 
     /// Presses on to a depth, m, in `steps` equal increments; the normal force, N.
     pub fn to(&mut self, depth: f64, steps: u32) -> f64 {
         let from = self.state.travel[0];
-        let tolerance = Tolerance { force: 1e-6, length: 1e-6, iterations: 100, motion: 1e-3 };
         for k in 1..=steps {
             let mut next = self.state.clone();
             next.travel[0] = from + (depth - from) * f64::from(k) / f64::from(steps);
-            self.newton.solve(&mut next, &tolerance).expect("the press converges");
+            self.newton.solve(&mut next, &self.tolerance).expect("the press converges");
             self.newton.commit(&next);
             self.state = next;
         }
