@@ -181,6 +181,7 @@ impl Newton {
     pub fn solve(&mut self, state: &mut State, tolerance: &Tolerance) -> Result<Converged, Failure> {
         let mut now = state.clone();
         let mut last_motion = f64::INFINITY;
+        let mut history = [f64::INFINITY; 2];
         let mut iterations = 0;
         loop {
             let clock = Instant::now();
@@ -223,8 +224,13 @@ impl Newton {
             let gradient = self.border_gradient();
             let step = arrow::step(&self.blocks, &gradient, self.border.size, 1e-3);
             self.profile.solve += clock.elapsed().as_secs_f64();
+            // Lagged friction can swing between two states, a point touching in one and not in the other, each a minimum for
+            // what the other lags: half a step leads out of the cycle.
+            let cycles = (residual - history[0]).abs() < 0.05 * residual;
+            history = [history[1], residual];
+            let longest = if cycles { 0.5 } else { 1.0 };
             let clock = Instant::now();
-            let searched = self.line_search(&now, &step, &gradient, tolerance.motion);
+            let searched = self.line_search(&now, &step, &gradient, tolerance.motion, longest);
             self.profile.line_search += clock.elapsed().as_secs_f64();
             iterations += 1;
             self.profile.iterations += 1;
@@ -240,15 +246,23 @@ impl Newton {
         }
     }
 
-    /// Backtracks until the energy falls (Armijo); the new state and its largest motion, m.
-    fn line_search(&self, now: &State, step: &Step, border: &[f64; MAX_BORDER], cap: f64) -> Option<(State, f64)> {
+    /// Backtracks from the fraction `longest` of the step until the energy falls (Armijo); the new state and its largest
+    /// motion, m, which is at most `cap`.
+    fn line_search(
+        &self,
+        now: &State,
+        step: &Step,
+        border: &[f64; MAX_BORDER],
+        cap: f64,
+        longest: f64,
+    ) -> Option<(State, f64)> {
         let motion = self.motion(step);
         let slope = self.slope(step, border);
         if !motion.is_finite() || !slope.is_finite() {
             return None;
         }
         let start = self.energy(now);
-        let mut alpha = (cap / motion.max(f64::MIN_POSITIVE)).min(1.0);
+        let mut alpha = (cap / motion.max(f64::MIN_POSITIVE)).min(longest);
         for trial in 0..30 {
             let next = now.moved(&self.border, step, alpha);
             let energy = self.energy(&next);
