@@ -80,11 +80,9 @@ fn quadratic_tetrahedra_with_mean_dilatation_give_the_true_force_and_face() {
 #[test]
 fn nearly_incompressible_pads_do_not_lock() {
     let force = |cells| Press::new(setup(quadratic_pad(cells, 0.49), RADIUS)).to(1e-3, 2);
-    let (coarse, middle, fine) = (force([8, 10, 3]), force([10, 12, 4]), force([14, 14, 4]));
-    println!("nu = 0.49, 1 mm: {coarse:.4} {middle:.4} {fine:.4} N");
-    for f in [coarse, middle] {
-        assert!((f / fine - 1.0).abs() < 0.03, "{f} N against {fine} N on the finer mesh");
-    }
+    let (coarse, fine) = (force([8, 10, 3]), force([14, 14, 3]));
+    println!("nu = 0.49, 1 mm: {coarse:.4} {fine:.4} N");
+    assert!((coarse / fine - 1.0).abs() < 0.03, "{coarse} N against {fine} N on the finer mesh");
     let Some(body) = linear_pad(0.49) else { return };
     let locked = Press::new(setup(body, RADIUS)).to(1e-3, 2);
     println!("linear tetrahedra: {locked:.4} N");
