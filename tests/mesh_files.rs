@@ -56,6 +56,14 @@ fn polygons_negative_indices_and_binary_files_called_solid_are_read() {
     let (mesh, notices) = io::read_tri_mesh(&path).expect("read");
     assert_eq!((mesh.triangles, notices.len()), (vec![[0, 1, 2], [0, 2, 3]], 1));
 
+    // A weight belongs to curves, a colour to pictures; groups are one mesh; doubles keep their digits.
+    let text = "g a\nv 0.1234567890123456 0 0 2\nv 1 0 0 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//9 2//9 3//9\n\
+                g b\nusemtl m\nf 3/7 2/7 1/7\n";
+    fs::write(&path, text).expect("write");
+    let (mesh, notices) = io::read_tri_mesh(&path).expect("read");
+    assert_eq!((mesh.triangles, notices.len()), (vec![[0, 1, 2], [2, 1, 0]], 0));
+    assert_eq!(mesh.vertices[0].x, 0.123_456_789_012_345_6);
+
     let path = dir.path().join("s.stl");
     io::write_stl(&path, &surface::boundary_mesh(&corner_tet()).0).expect("written");
     let mut bytes = fs::read(&path).expect("read");

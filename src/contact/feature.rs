@@ -27,7 +27,7 @@ pub struct Feature {
 const SMOOTH: f64 = 0.3;
 
 /// Contact and friction between the object's features and a pad.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct FeatureContact {
     /// Current edges, one per feature. The anchor of an edge is the drag of its sticking point, hand frame.
     pub edges: Vec<ContactEdge>,

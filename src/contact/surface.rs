@@ -35,8 +35,13 @@ pub struct ContactSurface {
 const SUBDIVISION: [usize; 2] = [4, 4];
 
 impl ContactSurface {
-    /// Samples the boundary faces of `body` that are not entirely fixed.
+    /// Samples the boundary faces of `body` that are not entirely fixed, each face edge cut into 4 parts.
     pub fn new(body: &Body) -> Self {
+        Self::with_subdivision(body, SUBDIVISION[usize::from(matches!(body.elements, Elements::Quadratic(_)))])
+    }
+
+    /// Samples the boundary faces of `body` that are not entirely fixed, each face edge cut into `m` parts.
+    pub fn with_subdivision(body: &Body, m: usize) -> Self {
         let faces: Vec<Face> = boundary(body)
             .into_iter()
             .filter(|f| {
@@ -45,7 +50,6 @@ impl ContactSurface {
                 !nodes.iter().all(|&n| body.fixed[n as usize])
             })
             .collect();
-        let m = SUBDIVISION[usize::from(matches!(body.elements, Elements::Quadratic(_)))];
         // A lattice point shared by faces is one point: keyed by its corner weights, in node order.
         let mut index: BTreeMap<[(u32, u32); 3], usize> = BTreeMap::new();
         let mut surface = Self { faces: Vec::new(), points: Vec::new(), area: Vec::new(), spacing: 0.0, report: Vec::new() };

@@ -13,7 +13,7 @@ use std::any::Any;
 use std::sync::Arc;
 
 /// Contact and friction between a pad and the object.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Contact {
     /// The law of every edge, softened while contact is being established.
     law: Law,

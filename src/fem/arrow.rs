@@ -73,10 +73,10 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Combines solved blocks into the full Newton step. Negative or tiny curvature of the border (rigid modes of an object
+/// Combines solved blocks into the full Newton step; `extra` (N/m) is added to the border's diagonal. Negative or tiny curvature of the border (rigid modes of an object
 /// that nothing holds yet) is replaced by its magnitude, at least so much that the step along each eigenvector stays below
 /// `cap` (m): it then descends and stays finite, and the solution is not changed because only the matrix is.
-pub fn step(blocks: &[ArrowBlock], border_gradient: &[f64; MAX_BORDER], size: usize, cap: f64) -> Step {
+pub fn step(blocks: &[ArrowBlock], border_gradient: &[f64; MAX_BORDER], size: usize, extra: f64, cap: f64) -> Step {
     let (mut s, mut g) = ([[0.0; MAX_BORDER]; MAX_BORDER], *border_gradient);
     for b in blocks {
         let (schur, reduced) = b.schur(size);
@@ -87,6 +87,7 @@ pub fn step(blocks: &[ArrowBlock], border_gradient: &[f64; MAX_BORDER], size: us
             g[i] -= reduced[i];
         }
     }
+    (0..size).for_each(|i| s[i][i] += extra);
     let dy = solve_border(&s, &g, size, cap);
     let x = blocks
         .iter()

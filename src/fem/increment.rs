@@ -1,4 +1,4 @@
-//! Load increments that adapt: predict, solve, accept; or roll back, halve and try again.
+//! Load increments that adapt: predict, solve, accept; or roll back, halve and try again; or walk.
 
 use super::newton::{Converged, Failure, Newton, Tolerance};
 use super::state::State;
@@ -9,7 +9,7 @@ pub struct Path {
     pub newton: Newton,
     /// The last accepted state.
     pub state: State,
-    /// Load level of `state`: force per finger (N) or prescribed travel (m), whatever `apply` sets.
+    /// Load level of `state`: force per finger (N) or prescribed travel (m), whatever [`Load`] says.
     pub level: f64,
     /// Convergence criteria.
     pub tolerance: Tolerance,
@@ -30,20 +30,31 @@ pub struct Advanced {
     pub residual: f64,
 }
 
+impl Advanced {
+    fn accept(&mut self, converged: Converged) {
+        self.iterations += converged.iterations;
+        self.increments += 1;
+        self.residual = converged.residual;
+    }
+}
+
 /// How a load level acts on solver and state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Load {
     /// The level is the force on every finger, N.
     Force,
-    /// The level is the travel of every finger beyond `base`, m.
+    /// The level is the travel of every finger since the start, m.
     Travel,
 }
 
 /// Softness of the contact when the fingers first touch.
 pub const SOFTEST: f64 = 1000.0;
-
-/// Smallest increment, as a fraction of the one asked for.
-const SMALLEST: f64 = 1.0 / 4096.0;
+/// Smallest increment as a fraction of the one asked for: of a path with nothing but bodies, and of one that can walk.
+const SMALLEST: [f64; 2] = [1.0 / 4096.0, 1.0 / 8.0];
+/// Motion of the border that the first pseudo-time step allows under the full load, m.
+const STRIDE: f64 = 2e-4;
+/// Most pseudo-time steps of one walk.
+const STEPS: usize = 80;
 
 impl Path {
     /// Starts at `state`, which must be in equilibrium at level zero.
@@ -55,47 +66,36 @@ impl Path {
     /// far-reaching contact to the contact law itself. A free object touched by single points has no stiffness against
     /// rotation; the soft contact gives it some, and the hardening keeps it.
     ///
-    /// `state` must stand [`SOFTEST`]-softened offsets away from the object.
+    /// `state` must stand one offset of the law softened by [`SOFTEST`] away from the object; `offset` is that of the law
+    /// itself, m.
     ///
     /// # Errors
     /// The last [`Failure`]; the state is then that of the last softness that converged.
     pub fn establish(&mut self, force: f64, offset: f64) -> Result<Advanced, Failure> {
         self.newton.force.fill(force);
         let mut done = Advanced::default();
-        let mut softness = SOFTEST;
-        let mut ratio = 10.0_f64;
-        let mut reached = SOFTEST * ratio;
+        let (mut reached, mut softness, mut ratio) = (None::<f64>, SOFTEST, 10.0_f64);
         loop {
             self.newton.soften(softness);
             let mut state = self.state.clone();
-            if reached <= SOFTEST {
+            if let Some(reached) = reached {
                 // The surfaces that carry the contact have moved back towards the object: follow them.
                 let closer = offset * (reached.sqrt() - softness.sqrt());
                 state.travel.iter_mut().for_each(|t| *t += closer);
             }
-            match self.newton.solve(&mut state, &self.tolerance) {
-                Ok(converged) => {
-                    self.newton.commit(&state);
-                    self.state = state;
-                    done.iterations += converged.iterations;
-                    done.increments += 1;
-                    done.residual = converged.residual;
-                    reached = softness;
-                    if softness <= 1.0 {
-                        self.level = force;
-                        return Ok(done);
-                    }
+            // Harden more gently before walking; the first touch has nothing gentler.
+            let last_resort = reached.is_none() || ratio < 1.5;
+            match self.settle(state, last_resort, &mut done) {
+                Ok(()) if softness <= 1.0 => {
+                    self.level = force;
+                    self.history.clear();
+                    return Ok(done);
                 }
-                Err(failure) => {
-                    self.newton.rollback();
-                    done.iterations += self.tolerance.iterations;
-                    ratio = ratio.sqrt();
-                    if ratio < 1.02 || reached > SOFTEST {
-                        return Err(failure);
-                    }
-                }
+                Ok(()) => reached = Some(softness),
+                Err(failure) if last_resort => return Err(failure),
+                Err(_) => ratio = ratio.sqrt(),
             }
-            softness = (reached / ratio).max(1.0);
+            softness = (reached.unwrap_or(SOFTEST * ratio) / ratio).max(1.0);
         }
     }
 
@@ -106,71 +106,139 @@ impl Path {
     /// of the last accepted increment.
     pub fn advance(&mut self, load: Load, target: f64) -> Result<Advanced, Failure> {
         let whole = target - self.level;
-        let smallest = whole.abs() * SMALLEST;
+        let walks = self.newton.border.size > 0;
+        let smallest = whole.abs() * SMALLEST[usize::from(walks)];
         let mut step = whole.abs().min(self.increment);
         let mut done = Advanced::default();
         while (target - self.level).abs() > 1e-12 * target.abs() {
             let rest = target - self.level;
-            let (size, last) = if step >= rest.abs() { (rest.abs(), true) } else { (step, false) };
-            let next = if last { target } else { self.level + size * rest.signum() };
-            match self.attempt(load, next) {
-                Ok((state, converged)) => {
-                    self.newton.commit(&state);
-                    done.iterations += converged.iterations;
-                    done.increments += 1;
-                    done.residual = converged.residual;
-                    self.history.push((std::mem::replace(&mut self.state, state), self.level));
+            let size = step.min(rest.abs());
+            let next = if step >= rest.abs() { target } else { self.level + size * rest.signum() };
+            let last_resort = 0.5 * size < smallest;
+            if load == Load::Force {
+                self.newton.force.fill(next);
+            }
+            let before = (self.state.clone(), self.level);
+            let cost = done.iterations;
+            let start = self.start(load, next);
+            match self.settle(start, last_resort && walks, &mut done) {
+                Ok(()) => {
+                    self.history.push(before);
                     if self.history.len() > 2 {
                         self.history.remove(0);
                     }
                     self.level = next;
-                    step = size * if converged.iterations < 12 { 2.0 } else { 1.0 };
+                    step = size * if done.iterations - cost < 15 { 2.0 } else { 1.0 };
                     // Remember an increment only if the path itself forced it to be small.
                     self.increment = if step >= whole.abs() { f64::INFINITY } else { step };
                 }
-                Err((failure, iterations)) => {
-                    self.newton.rollback();
-                    done.iterations += iterations;
-                    step = 0.5 * size;
-                    if step < smallest {
-                        return Err(failure);
+                Err(failure) if last_resort => {
+                    if load == Load::Force {
+                        self.newton.force.fill(self.level);
                     }
+                    return Err(failure);
                 }
+                Err(_) => step = 0.5 * size,
             }
         }
         Ok(done)
     }
 
-    /// One increment, from the extrapolated state first, from the accepted one if that fails.
-    fn attempt(&mut self, load: Load, level: f64) -> Result<(State, Converged), (Failure, u32)> {
-        if load == Load::Force {
-            self.newton.force.fill(level);
-        }
-        let start = |base: &State| {
-            let mut state = base.clone();
-            if load == Load::Travel {
-                state.travel.iter_mut().zip(&self.state.travel).for_each(|(t, now)| *t = now + level - self.level);
-            }
-            state
-        };
-        let mut state = start(&self.predicted(level));
+    /// Solves from `start` and accepts the result; if that fails and `walk` is set, walks there from the accepted state.
+    fn settle(&mut self, start: State, walk: bool, done: &mut Advanced) -> Result<(), Failure> {
+        let mut state = start;
         // A prediction may overshoot into infeasible territory; the accepted state never does.
         if !self.newton.energy(&state).is_finite() {
-            state = start(&self.state);
+            state.x.clone_from(&self.state.x);
         }
-        match self.newton.solve(&mut state, &self.tolerance) {
-            Ok(converged) => Ok((state, converged)),
-            Err(failure) => Err((failure, self.tolerance.iterations)),
+        let failure = match self.newton.solve(&mut state, &self.tolerance) {
+            Ok(converged) => {
+                self.newton.commit(&state);
+                self.state = state;
+                done.accept(converged);
+                return Ok(());
+            }
+            Err(failure) => failure,
+        };
+        self.newton.rollback();
+        done.iterations += self.tolerance.iterations;
+        if !walk || self.newton.border.size == 0 {
+            return Err(failure);
+        }
+        let saved = self.newton.save();
+        let walked = self.walk(done);
+        self.newton.proximal = None;
+        match walked {
+            Ok(state) => {
+                self.state = state;
+                self.history.clear();
+                Ok(())
+            }
+            Err(failure) => {
+                self.newton.terms = saved;
+                Err(failure)
+            }
         }
     }
 
-    /// Extrapolation of the last accepted states to `level`: quadratic from three, linear from two.
-    fn predicted(&self, level: f64) -> State {
-        let Some((before, at)) = self.history.last() else { return self.state.clone() };
-        let factor = (level - self.level) / (self.level - at);
-        if !(factor > 0.0 && factor <= 2.0) {
-            return self.state.clone();
+    /// Pseudo-time steps at fixed load from the accepted state, each an equilibrium with a spring to the one before, until
+    /// an equilibrium without the spring is near: follows an object that rolls or slides to where it comes to rest.
+    fn walk(&mut self, done: &mut Advanced) -> Result<State, Failure> {
+        let load = self.newton.force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        let mut stiffness = load / STRIDE;
+        let mut state = self.state.clone();
+        let mut failures = 0;
+        for _ in 0..STEPS {
+            self.newton.proximal = Some((state.clone(), stiffness));
+            let mut next = state.clone();
+            match self.newton.solve(&mut next, &self.tolerance) {
+                Ok(converged) => {
+                    self.newton.commit(&next);
+                    done.iterations += converged.iterations;
+                    let moved = self.newton.border.difference(&next, &state).iter().map(|d| d * d).sum::<f64>().sqrt();
+                    state = next;
+                    if stiffness * moved < 0.2 * load {
+                        self.newton.proximal = None;
+                        let mut end = state.clone();
+                        if let Ok(converged) = self.newton.solve(&mut end, &self.tolerance) {
+                            self.newton.commit(&end);
+                            done.accept(converged);
+                            return Ok(end);
+                        }
+                        self.newton.rollback();
+                        done.iterations += self.tolerance.iterations;
+                    }
+                    if converged.iterations < 15 {
+                        stiffness *= 0.5;
+                    }
+                }
+                Err(Failure::Lost) => return Err(Failure::Lost),
+                Err(failure) => {
+                    self.newton.rollback();
+                    done.iterations += self.tolerance.iterations;
+                    failures += 1;
+                    stiffness *= 8.0;
+                    if failures > 5 {
+                        return Err(failure);
+                    }
+                }
+            }
         }
-        self.state.extrapolated(before, factor)
+        Err(Failure::Unsettled)
+    }
+
+    /// Where to start the increment to `level`: extrapolated from the last accepted states.
+    fn start(&self, load: Load, level: f64) -> State {
+        let mut state = self.state.clone();
+        if let Some((before, at)) = self.history.last() {
+            let factor = (level - self.level) / (self.level - at);
+            if factor > 0.0 && factor <= 2.0 {
+                state = self.state.extrapolated(before, factor);
+            }
+        }
+        if load == Load::Travel {
+            state.travel.iter_mut().zip(&self.state.travel).for_each(|(t, now)| *t = now + level - self.level);
+        }
+        state
     }
 }

@@ -1,6 +1,6 @@
-//! Newton's method with line search on the incremental potential.
+//! The incremental potential: bodies with their terms, the border that joins them, and the system Newton's method solves.
 
-use super::arrow::{self, ArrowBlock};
+use super::arrow::ArrowBlock;
 use super::body::Body;
 use super::state::{Border, MAX_BORDER, State, Step};
 use super::term::BodyTerm;
@@ -25,7 +25,7 @@ pub struct Tolerance {
 
 impl Default for Tolerance {
     fn default() -> Self {
-        Self { relative: 2e-4, force: 1e-7, length: 1e-6, iterations: 60, motion: 1e-3 }
+        Self { relative: 2e-4, force: 1e-7, length: 5e-6, iterations: 40, motion: 1e-3 }
     }
 }
 
@@ -47,6 +47,10 @@ pub enum Failure {
     LineSearch(f64),
     /// Not positive definite even after projection, or not finite.
     Singular,
+    /// The object kept rolling or sliding and did not come to rest.
+    Unsettled,
+    /// A finger closes on nothing: the object left the grasp.
+    Lost,
 }
 
 /// Wall time by stage, s.
@@ -66,10 +70,6 @@ pub struct Profile {
     pub projections: u64,
 }
 
-/// Iterations without motion after which a state counts as at rest, and by how much its residual may then miss the goal.
-const RESTING: u32 = 4;
-const RESTING_FACTOR: f64 = 4.0;
-
 /// Bodies with their terms, and the border that joins them.
 pub struct Newton {
     /// Terms of each body.
@@ -80,7 +80,9 @@ pub struct Newton {
     pub force: Vec<f64>,
     /// Timings.
     pub profile: Profile,
-    blocks: Vec<ArrowBlock>,
+    /// Pulls the border towards a state with this stiffness (N/m): pseudo-time steps of a path without stable equilibria.
+    pub proximal: Option<(State, f64)>,
+    pub(super) blocks: Vec<ArrowBlock>,
 }
 
 impl Newton {
@@ -88,7 +90,7 @@ impl Newton {
     pub fn new(bodies: Vec<Arc<Body>>, terms: Vec<Vec<Box<dyn BodyTerm>>>, border: Border) -> Self {
         let blocks: Vec<_> = bodies.into_iter().map(|b| ArrowBlock::new(b, border.size)).collect();
         let force = vec![0.0; blocks.len()];
-        Self { terms, border, force, profile: Profile::default(), blocks }
+        Self { terms, border, force, profile: Profile::default(), proximal: None, blocks }
     }
 
     /// The body with this index.
@@ -111,7 +113,16 @@ impl Newton {
             })
             .collect();
         // Summed in body order: the same bits on any number of threads.
-        bodies.iter().sum::<f64>() - self.work(state)
+        bodies.iter().sum::<f64>() - self.work(state) + self.proximal_energy(state)
+    }
+
+    /// Distance of the border from the proximal state, m per column.
+    fn proximal_offset(&self, state: &State) -> Option<([f64; MAX_BORDER], f64)> {
+        self.proximal.as_ref().map(|(center, stiffness)| (self.border.difference(state, center), *stiffness))
+    }
+
+    fn proximal_energy(&self, state: &State) -> f64 {
+        self.proximal_offset(state).map_or(0.0, |(d, k)| 0.5 * k * d.iter().map(|d| d * d).sum::<f64>())
     }
 
     /// Work of the finger forces, J.
@@ -137,8 +148,8 @@ impl Newton {
         &self.blocks[i].block.gradient
     }
 
-    /// Border gradient after [`Newton::assemble`], N.
-    pub fn border_gradient(&self) -> [f64; MAX_BORDER] {
+    /// Border gradient after [`Newton::assemble`] at `state`, N.
+    pub fn border_gradient(&self, state: &State) -> [f64; MAX_BORDER] {
         let mut g = [0.0; MAX_BORDER];
         for b in &self.blocks {
             for (g, v) in g.iter_mut().zip(b.block.border_gradient) {
@@ -150,12 +161,15 @@ impl Newton {
                 g[*c] -= self.force[i];
             }
         }
+        if let Some((d, k)) = self.proximal_offset(state) {
+            g.iter_mut().zip(d).for_each(|(g, d)| *g += k * d);
+        }
         g
     }
 
     /// Norm of all out-of-balance forces, N.
-    fn residual(&self) -> f64 {
-        let border: f64 = self.border_gradient()[..self.border.size].iter().map(|v| v * v).sum();
+    pub(super) fn residual(&self, state: &State) -> f64 {
+        let border: f64 = self.border_gradient(state)[..self.border.size].iter().map(|v| v * v).sum();
         let nodes: f64 = self
             .blocks
             .iter()
@@ -168,12 +182,18 @@ impl Newton {
     }
 
     /// Largest contact force on a body, N.
-    fn activity(&self) -> f64 {
+    pub(super) fn activity(&self) -> f64 {
         self.blocks.iter().map(|b| b.block.activity).fold(0.0, f64::max)
     }
 
+    /// True if some driven finger carries no contact force at all.
+    pub(super) fn untouched(&self) -> bool {
+        let driven = self.blocks.iter().zip(&self.border.travel);
+        driven.into_iter().any(|(b, column)| column.is_some() && b.block.activity == 0.0)
+    }
+
     /// Factorises all blocks, re-assembling with projected Hessians if one is not positive definite.
-    fn factorize(&mut self, state: &State) -> bool {
+    pub(super) fn factorize(&mut self, state: &State) -> bool {
         let clock = Instant::now();
         let good = factorize_all(&mut self.blocks);
         self.profile.factorization += clock.elapsed().as_secs_f64();
@@ -185,109 +205,14 @@ impl Newton {
         factorize_all(&mut self.blocks)
     }
 
-    /// Minimises the potential from `state`. On failure `state` is left as it was.
-    ///
-    /// # Errors
-    /// [`Failure`] says why; the terms' history is untouched, so a smaller increment can be tried.
-    pub fn solve(&mut self, state: &mut State, tolerance: &Tolerance) -> Result<Converged, Failure> {
-        let mut now = state.clone();
-        let mut last_motion = f64::INFINITY;
-        let (mut iterations, mut resting) = (0, 0);
-        loop {
-            let clock = Instant::now();
-            self.assemble(&now, false);
-            self.profile.assembly += clock.elapsed().as_secs_f64();
-            let residual = self.residual();
-            if std::env::var_os("TACTUS_TRACE").is_some() {
-                eprintln!("  it {iterations} residual {residual:.3e} motion {last_motion:.2e} border {:?}", &self.border_gradient()[..self.border.size]);
-            }
-            if !residual.is_finite() {
-                return Err(Failure::Singular);
-            }
-            let allowed = tolerance.force + tolerance.relative * self.activity();
-            // Where a point of contact sits on a crease its normal, and so the residual, is not continuous: nothing moves any
-            // more, but the residual stays a few times above.
-            resting = if last_motion <= 0.1 * tolerance.length { resting + 1 } else { 0 };
-            let at_rest = resting >= RESTING && residual <= RESTING_FACTOR * allowed;
-            if at_rest || residual <= allowed && (last_motion <= tolerance.length || residual <= 0.01 * allowed) {
-                let border = &self.border;
-                let bodies = self.blocks.iter().zip(self.terms.iter_mut()).enumerate();
-                // Every term must be asked: each may strengthen itself.
-                let held = bodies.fold(true, |held, (i, (b, terms))| {
-                    let view = now.view(i, border);
-                    terms.iter_mut().fold(held, |held, t| t.satisfied(&b.body, &view) && held)
-                });
-                if held {
-                    *state = now;
-                    return Ok(Converged { iterations, residual });
-                }
-                last_motion = f64::INFINITY;
-                iterations += 1;
-                if iterations >= tolerance.iterations {
-                    return Err(Failure::Iterations(residual));
-                }
-                continue;
-            }
-            if iterations >= tolerance.iterations {
-                return Err(Failure::Iterations(residual));
-            }
-            if !self.factorize(&now) {
-                return Err(Failure::Singular);
-            }
-            let clock = Instant::now();
-            self.blocks.par_iter_mut().for_each(ArrowBlock::solve);
-            let gradient = self.border_gradient();
-            let step = arrow::step(&self.blocks, &gradient, self.border.size, 0.2 * tolerance.motion);
-            self.profile.solve += clock.elapsed().as_secs_f64();
-            let clock = Instant::now();
-            let searched = self.line_search(&now, &step, &gradient, tolerance.motion);
-            self.profile.line_search += clock.elapsed().as_secs_f64();
-            iterations += 1;
-            self.profile.iterations += 1;
-            match searched {
-                Some((next, motion)) => {
-                    now = next;
-                    last_motion = motion;
-                }
-                // At rounding level no step lowers the energy any more: that is as converged as doubles get.
-                None if residual <= allowed => last_motion = 0.0,
-                None => return Err(Failure::LineSearch(residual)),
-            }
-        }
-    }
-
-    /// Backtracks until the energy falls (Armijo); the new state and its largest motion, m.
-    fn line_search(&self, now: &State, step: &Step, border: &[f64; MAX_BORDER], cap: f64) -> Option<(State, f64)> {
-        let motion = self.motion(step);
-        let slope = self.slope(step, border);
-        if !motion.is_finite() || !slope.is_finite() {
-            return None;
-        }
-        let start = self.energy(now);
-        let mut alpha = (cap / motion.max(f64::MIN_POSITIVE)).min(1.0);
-        for trial in 0..30 {
-            let next = now.moved(&self.border, step, alpha);
-            let energy = self.energy(&next);
-            if std::env::var_os("TACTUS_TRACE").is_some() {
-                eprintln!("      alpha {alpha:.3e} energy {energy:.6e} start {start:.6e} slope {slope:.3e}");
-            }
-            // Rounding of the sum over elements is about 1e-14 of the energy.
-            if energy <= start + 1e-4 * alpha * slope + 1e-14 * start.abs() {
-                return Some((next, alpha * motion));
-            }
-            alpha *= if trial < 2 { 0.5 } else { 0.25 };
-        }
-        None
-    }
-
     /// Largest motion of any node relative to the object in a step, m.
-    fn motion(&self, step: &Step) -> f64 {
+    pub(super) fn motion(&self, step: &Step) -> f64 {
         let nodes = step.x.iter().flatten().map(|d| d.length_squared()).fold(0.0, f64::max).sqrt();
         nodes + step.border[..self.border.size].iter().map(|d| d.abs()).fold(0.0, f64::max)
     }
 
     /// Directional derivative of the energy along the step, J.
-    fn slope(&self, step: &Step, border: &[f64; MAX_BORDER]) -> f64 {
+    pub(super) fn slope(&self, step: &Step, border: &[f64; MAX_BORDER]) -> f64 {
         let nodes: f64 = self
             .blocks
             .iter()
@@ -300,6 +225,11 @@ impl Newton {
     /// Scales the softness of all contacts (1 = the law as given).
     pub fn soften(&mut self, factor: f64) {
         self.terms.iter_mut().flatten().for_each(|t| t.soften(factor));
+    }
+
+    /// A copy of what all terms remember.
+    pub fn save(&self) -> Vec<Vec<Box<dyn BodyTerm>>> {
+        self.terms.iter().map(|terms| terms.iter().map(|t| t.boxed_clone()).collect()).collect()
     }
 
     /// Takes over the history of an accepted state.

@@ -49,6 +49,24 @@ impl Border {
     }
 }
 
+impl Border {
+    /// How far the border unknowns of `to` are from those of `from`, m per column.
+    pub fn difference(&self, to: &State, from: &State) -> [f64; MAX_BORDER] {
+        let mut d = [0.0; MAX_BORDER];
+        for (i, column) in self.travel.iter().enumerate() {
+            if let Some(c) = column {
+                d[*c] = to.travel[i] - from.travel[i];
+            }
+        }
+        if let Some(c) = self.pose {
+            let turn = (to.rotation * from.rotation.inverse()).to_scaled_axis() * self.length;
+            d[c..c + 3].copy_from_slice(&(to.position - from.position).to_array());
+            d[c + 3..c + 6].copy_from_slice(&turn.to_array());
+        }
+        d
+    }
+}
+
 /// A Newton step: increments of every unknown.
 #[derive(Debug, Clone)]
 pub struct Step {

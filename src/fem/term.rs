@@ -167,8 +167,20 @@ impl Stencil {
     }
 }
 
+/// Copies a term behind its trait object; every term that is `Clone` has it.
+pub trait TermClone {
+    /// A copy with the same history.
+    fn boxed_clone(&self) -> Box<dyn BodyTerm>;
+}
+
+impl<T: BodyTerm + Clone + 'static> TermClone for T {
+    fn boxed_clone(&self) -> Box<dyn BodyTerm> {
+        Box::new(self.clone())
+    }
+}
+
 /// One physical effect on one body: value, gradient, Hessian, and what it must remember between accepted states.
-pub trait BodyTerm: Send + Sync {
+pub trait BodyTerm: TermClone + Send + Sync {
     /// Energy, J; `+inf` where the state is not feasible. Quantities lagged by [`BodyTerm::assemble`] stay frozen.
     fn energy(&self, body: &Body, view: &View) -> f64;
     /// Adds gradient and Hessian to `block`; refreshes lagged quantities. `project`: positive semidefinite parts only.
@@ -189,7 +201,7 @@ pub trait BodyTerm: Send + Sync {
 }
 
 /// Elastic energy of the gel.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Elastic;
 
 impl BodyTerm for Elastic {
@@ -207,7 +219,7 @@ impl BodyTerm for Elastic {
 }
 
 /// Dead loads on nodes: potential `-sum f . x`.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct DeadLoad(pub Vec<DVec3>);
 
 impl BodyTerm for DeadLoad {

@@ -1,0 +1,123 @@
+//! Newton's method with line search on the incremental potential.
+
+use super::arrow::{self, ArrowBlock};
+use super::newton::{Converged, Failure, Newton, Tolerance};
+use super::state::{MAX_BORDER, State, Step};
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// Iterations without motion after which a state counts as at rest, and by how much its residual may then miss the goal.
+const RESTING: u32 = 4;
+const RESTING_FACTOR: f64 = 4.0;
+/// Iterations without any contact after which a driven finger counts as closing on nothing.
+const UNTOUCHED: u32 = 10;
+
+impl Newton {
+    /// Minimises the potential from `state`. On failure `state` is left as it was.
+    ///
+    /// # Errors
+    /// [`Failure`] says why; the terms' history is untouched, so a smaller increment can be tried.
+    pub fn solve(&mut self, state: &mut State, tolerance: &Tolerance) -> Result<Converged, Failure> {
+        let mut now = state.clone();
+        let mut last_motion = f64::INFINITY;
+        let (mut iterations, mut resting, mut untouched) = (0, 0, 0);
+        let mut history = [f64::INFINITY; 2];
+        loop {
+            let clock = Instant::now();
+            self.assemble(&now, false);
+            self.profile.assembly += clock.elapsed().as_secs_f64();
+            let residual = self.residual(&now);
+            if !residual.is_finite() {
+                return Err(Failure::Singular);
+            }
+            untouched = if self.untouched() { untouched + 1 } else { 0 };
+            if untouched >= UNTOUCHED {
+                return Err(Failure::Lost);
+            }
+            let allowed = tolerance.force + tolerance.relative * self.activity();
+            // Where a point of contact sits on a crease its normal, and so the residual, is not continuous: nothing moves any
+            // more, but the residual stays a few times above.
+            resting = if last_motion <= 0.1 * tolerance.length { resting + 1 } else { 0 };
+            let at_rest = resting >= RESTING && residual <= RESTING_FACTOR * allowed;
+            if at_rest || residual <= allowed && (last_motion <= tolerance.length || residual <= 0.01 * allowed) {
+                let border = &self.border;
+                let bodies = self.blocks.iter().zip(self.terms.iter_mut()).enumerate();
+                // Every term must be asked: each may strengthen itself.
+                let held = bodies.fold(true, |held, (i, (b, terms))| {
+                    let view = now.view(i, border);
+                    terms.iter_mut().fold(held, |held, t| t.satisfied(&b.body, &view) && held)
+                });
+                if held {
+                    *state = now;
+                    return Ok(Converged { iterations, residual });
+                }
+                last_motion = f64::INFINITY;
+                iterations += 1;
+                if iterations >= tolerance.iterations {
+                    return Err(Failure::Iterations(residual));
+                }
+                continue;
+            }
+            if iterations >= tolerance.iterations {
+                return Err(Failure::Iterations(residual));
+            }
+            if !self.factorize(&now) {
+                return Err(Failure::Singular);
+            }
+            let clock = Instant::now();
+            self.blocks.par_iter_mut().for_each(ArrowBlock::solve);
+            let gradient = self.border_gradient(&now);
+            let extra = self.proximal.as_ref().map_or(0.0, |(_, stiffness)| *stiffness);
+            let step = arrow::step(&self.blocks, &gradient, self.border.size, extra, 0.2 * tolerance.motion);
+            self.profile.solve += clock.elapsed().as_secs_f64();
+            // Lagged friction can swing between two states, a point touching in one and not in the other, each a minimum for
+            // what the other lags: half a step leads out of the cycle.
+            let cycles = (residual - history[0]).abs() < 0.05 * residual;
+            history = [history[1], residual];
+            let longest = if cycles { 0.5 } else { 1.0 };
+            let clock = Instant::now();
+            let searched = self.line_search(&now, &step, &gradient, tolerance.motion, longest);
+            self.profile.line_search += clock.elapsed().as_secs_f64();
+            iterations += 1;
+            self.profile.iterations += 1;
+            match searched {
+                Some((next, motion)) => {
+                    now = next;
+                    last_motion = motion;
+                }
+                // At rounding level no step lowers the energy any more: that is as converged as doubles get.
+                None if residual <= allowed => last_motion = 0.0,
+                None => return Err(Failure::LineSearch(residual)),
+            }
+        }
+    }
+
+    /// Backtracks from the fraction `longest` of the step until the energy falls (Armijo); the new state and its largest
+    /// motion, m, which is at most `cap`.
+    fn line_search(
+        &self,
+        now: &State,
+        step: &Step,
+        border: &[f64; MAX_BORDER],
+        cap: f64,
+        longest: f64,
+    ) -> Option<(State, f64)> {
+        let motion = self.motion(step);
+        let slope = self.slope(step, border);
+        if !motion.is_finite() || !slope.is_finite() {
+            return None;
+        }
+        let start = self.energy(now);
+        let mut alpha = (cap / motion.max(f64::MIN_POSITIVE)).min(longest);
+        for trial in 0..30 {
+            let next = now.moved(&self.border, step, alpha);
+            let energy = self.energy(&next);
+            // Rounding of the sum over elements is about 1e-14 of the energy.
+            if energy <= start + 1e-4 * alpha * slope + 1e-14 * start.abs() {
+                return Some((next, alpha * motion));
+            }
+            alpha *= if trial < 2 { 0.5 } else { 0.25 };
+        }
+        None
+    }
+}
