@@ -11,6 +11,10 @@ pub struct ContactEdge {
     pub normal: DVec3,
     /// Pressure, Pa.
     pub pressure: f64,
+    /// Normal of the plane that friction acts in, hand frame: lags like the limit.
+    pub plane: DVec3,
+    /// Friction limit of the current iteration, Pa: `mu pressure`, lagged while Newton swings.
+    pub limit: f64,
     /// Friction traction on the pad, Pa, hand frame.
     pub traction: DVec3,
     /// True while the friction limit is reached.
@@ -25,12 +29,27 @@ pub struct ContactEdge {
     pub bound: f64,
 }
 
+impl ContactEdge {
+    /// Moves the friction limit by the fraction `damping` towards `mu pressure`, and the plane of friction to the normal
+    /// unless frozen (`damping` zero); returns how far the limit lags, Pa.
+    pub fn relax_limit(&mut self, friction: f64, damping: f64) -> f64 {
+        if damping > 0.0 || self.plane == DVec3::ZERO {
+            self.plane = self.normal;
+        }
+        let goal = friction * self.pressure;
+        self.limit += damping * (goal - self.limit);
+        (goal - self.limit).abs()
+    }
+}
+
 impl Default for ContactEdge {
     fn default() -> Self {
         Self {
             gap: f64::INFINITY,
             normal: DVec3::ZERO,
             pressure: 0.0,
+            plane: DVec3::ZERO,
+            limit: 0.0,
             traction: DVec3::ZERO,
             slips: false,
             anchor: None,

@@ -6,7 +6,7 @@ use super::law::Law;
 use super::pair::{feature_pair, friction_pair, slip};
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
-use super::term::MIN_GAP;
+use super::term::{MIN_GAP, NO_LIMIT};
 use crate::fem::body::Body;
 use crate::fem::state::View;
 use crate::fem::term::{Block, BodyTerm, Stencil};
@@ -40,6 +40,7 @@ pub struct FeatureContact {
     sites: Vec<Site>,
     bounds: FaceBounds,
     committed: (Vec<ContactEdge>, Vec<Site>),
+    damping: f64,
 }
 
 /// Where a feature meets the pad now, and where it sticks.
@@ -58,7 +59,18 @@ impl FeatureContact {
         let sites = vec![Site { face: None, now: nowhere, stick: nowhere }; features.len()];
         let area = surface.spacing * surface.spacing;
         let committed = (edges.clone(), sites.clone());
-        Self { edges, law, given: law, surface, features, area, sites, bounds: FaceBounds::default(), committed }
+        Self {
+            edges,
+            law,
+            given: law,
+            surface,
+            features,
+            area,
+            sites,
+            bounds: FaceBounds::default(),
+            committed,
+            damping: 1.0,
+        }
     }
 
     /// Smallest gap of the last assembly, m; `+inf` if no feature is near.
@@ -97,9 +109,9 @@ impl BodyTerm for FeatureContact {
             if let Some(foot) = bounds.closest(&self.surface, view.x, y, law.offset, self.sites[i].face) {
                 energy += self.area * law.normal_energy(foot.gap, e.scale);
             }
-            if let (Some(drag), true) = (e.anchor, e.pressure > 0.0) {
-                let s = slip(self.stretch(i, drag, view), e.normal);
-                energy += self.area * self.law.friction_energy(s, self.law.friction * e.pressure);
+            if let (Some(drag), true) = (e.anchor, e.limit > 0.0) {
+                let s = slip(self.stretch(i, drag, view), e.plane);
+                energy += self.area * self.law.friction_energy(s, e.limit);
             }
         }
         energy
@@ -108,14 +120,14 @@ impl BodyTerm for FeatureContact {
     fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
         self.bounds.update(&self.surface, view.x);
         for i in 0..self.edges.len() {
-            self.update(i, view);
+            block.lag += (self.area * self.update(i, view)).powi(2);
             let e = self.edges[i];
-            if e.pressure <= 0.0 {
-                continue;
-            }
             let arm = view.rotation * self.features[i].position;
-            block.add_pair(body, view, &self.sites[i].now, &feature_pair(&self.law_of(i), &e, self.area, arm, project));
-            if let Some(drag) = e.anchor {
+            if e.pressure > 0.0 {
+                let pair = feature_pair(&self.law_of(i), &e, self.area, arm, project);
+                block.add_pair(body, view, &self.sites[i].now, &pair);
+            }
+            if let (Some(drag), true) = (e.anchor, e.limit > 0.0) {
                 let s = self.stretch(i, drag, view);
                 let pair = friction_pair(&self.law, &e, self.area, s, arm, project);
                 block.add_pair(body, view, &self.sites[i].stick, &pair);
@@ -150,6 +162,10 @@ impl BodyTerm for FeatureContact {
         held
     }
 
+    fn damp(&mut self, damping: f64) {
+        self.damping = damping;
+    }
+
     fn soften(&mut self, factor: f64) {
         self.law = self.given.softened(factor);
     }
@@ -160,34 +176,41 @@ impl BodyTerm for FeatureContact {
 }
 
 impl FeatureContact {
-    /// Refreshes gap, pressure and friction of edge `i`.
-    fn update(&mut self, i: usize, view: &View) {
+    /// Refreshes gap, pressure and friction of edge `i`; returns how far its friction limit lags, Pa.
+    fn update(&mut self, i: usize, view: &View) -> f64 {
         let y = view.position + view.rotation * self.features[i].position - view.offset;
         let law = self.law_of(i);
         let site = &mut self.sites[i];
         let foot = self.bounds.closest(&self.surface, view.x, y, law.offset, site.face);
-        site.face = foot.map(|f| f.face);
         let e = &mut self.edges[i];
+        site.face = foot.map(|f| f.face);
         e.gap = foot.map_or(f64::INFINITY, |f| f.gap);
         e.pressure = law.pressure(e.gap, e.scale).0;
         e.traction = DVec3::ZERO;
         e.slips = false;
-        let Some(foot) = foot.filter(|_| e.pressure > 0.0) else {
-            e.anchor = self.committed.0[i].anchor;
-            return;
-        };
-        // The object's outward normal at the contact is the pad's inward one.
-        e.normal = -foot.normal;
-        site.now = self.surface.faces[foot.face].stencil(foot.l);
-        if law.friction > 0.0 {
-            if e.anchor.is_none() {
-                site.stick = site.now;
-                e.anchor = Some(e.normal * -e.gap);
-            }
-            let drag = e.anchor.unwrap_or_default();
-            let s = slip(self.stretch(i, drag, view), self.edges[i].normal);
-            let e = &mut self.edges[i];
-            (e.traction, e.slips) = law.traction(s, law.friction * e.pressure);
+        if let Some(foot) = foot {
+            // The object's outward normal at the contact is the pad's inward one.
+            e.normal = -foot.normal;
+            site.now = self.surface.faces[foot.face].stencil(foot.l);
         }
+        if law.friction == 0.0 {
+            return 0.0;
+        }
+        let lag = e.relax_limit(law.friction, self.damping);
+        if e.pressure <= 0.0 && (e.limit < NO_LIMIT || e.anchor.is_none()) {
+            e.limit = 0.0;
+            e.anchor = self.committed.0[i].anchor;
+            site.stick = self.committed.1[i].stick;
+            return 0.0;
+        }
+        if e.anchor.is_none() {
+            site.stick = site.now;
+            e.anchor = Some(e.normal * -e.gap);
+        }
+        let (drag, normal, limit) = (e.anchor.unwrap_or_default(), e.plane, e.limit);
+        let s = slip(self.stretch(i, drag, view), normal);
+        let e = &mut self.edges[i];
+        (e.traction, e.slips) = law.traction(s, limit);
+        lag
     }
 }

@@ -48,8 +48,8 @@ pub(super) fn feature_pair(law: &Law, e: &ContactEdge, area: f64, r: DVec3, proj
 /// Derivatives of the friction energy at frozen normal and limit; `s` is the displacement of the pad's point from the
 /// sticking point, `r` the arm of the object's point.
 pub(super) fn friction_pair(law: &Law, e: &ContactEdge, area: f64, s: DVec3, r: DVec3, project: bool) -> Pair {
-    let n = e.normal;
-    let (a, b) = law.friction_hessian(slip(s, n), law.friction * e.pressure);
+    let n = e.plane;
+    let (a, b) = law.friction_hessian(slip(s, n), e.limit);
     let t = e.traction.normalize_or_zero();
     let d = ((DMat3::IDENTITY - outer(n, n)) * a - outer(t, t) * b) * area;
     let force = e.traction * -area;

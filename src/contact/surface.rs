@@ -1,7 +1,7 @@
 //! Contact points on the free surface of a pad: the vertices of its subdivided faces, with the area they stand for.
 
-use crate::fem::body::{Body, Elements};
 use crate::element::EDGES;
+use crate::fem::body::{Body, Elements};
 use crate::fem::term::Stencil;
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -52,13 +52,16 @@ impl ContactSurface {
             .collect();
         // A lattice point shared by faces is one point: keyed by its corner weights, in node order.
         let mut index: BTreeMap<[(u32, u32); 3], usize> = BTreeMap::new();
-        let mut surface = Self { faces: Vec::new(), points: Vec::new(), area: Vec::new(), spacing: 0.0, report: Vec::new() };
+        let mut surface =
+            Self { faces: Vec::new(), points: Vec::new(), area: Vec::new(), spacing: 0.0, report: Vec::new() };
         for face in &faces {
             let [a, b, c] = face.corners.map(|n| body.rest[n as usize]);
             let share = 0.5 * (b - a).cross(c - a).length() / (m * m) as f64 / 3.0;
             for sub in sub_triangles(m) {
                 for lattice in sub {
-                    let mut key = [0, 1, 2].map(|k| (face.corners[k], lattice[k] as u32)).map(|(n, w)| if w == 0 { (u32::MAX, 0) } else { (n, w) });
+                    let mut key = [0, 1, 2]
+                        .map(|k| (face.corners[k], lattice[k] as u32))
+                        .map(|(n, w)| if w == 0 { (u32::MAX, 0) } else { (n, w) });
                     key.sort_unstable();
                     let point = *index.entry(key).or_insert_with(|| {
                         let l = lattice.map(|i| i as f64 / m as f64);
@@ -139,7 +142,8 @@ fn boundary(body: &Body) -> Vec<Face> {
     let mut add = |corner: &[u32], nodes: &[u32]| {
         for f in FACES {
             let corners = f.map(|k| corner[k]);
-            let mids = (nodes.len() == 10).then(|| [mid(f[0], f[1]), mid(f[1], f[2]), mid(f[2], f[0])].map(|k| nodes[k]));
+            let mids =
+                (nodes.len() == 10).then(|| [mid(f[0], f[1]), mid(f[1], f[2]), mid(f[2], f[0])].map(|k| nodes[k]));
             let mut key = corners;
             key.sort_unstable();
             seen.entry(key).or_insert((0, Face { corners, mids })).0 += 1;

@@ -2,10 +2,10 @@
 
 use super::edge::ContactEdge;
 use super::law::Law;
+use super::pair::{friction_pair, normal_pair, slip};
 use super::surface::ContactSurface;
 use crate::fem::body::Body;
 use crate::fem::state::View;
-use super::pair::{friction_pair, normal_pair, slip};
 use crate::fem::term::{Block, BodyTerm, Stencil};
 use crate::shape::SignedDistance;
 use glam::{DMat3, DVec3};
@@ -23,13 +23,14 @@ pub struct Contact {
     surface: Arc<ContactSurface>,
     object: Arc<dyn SignedDistance>,
     committed: Vec<ContactEdge>,
+    damping: f64,
 }
 
 impl Contact {
     /// All edges open.
     pub fn new(law: Law, surface: Arc<ContactSurface>, object: Arc<dyn SignedDistance>) -> Self {
         let edges = vec![ContactEdge::default(); surface.points.len()];
-        Self { law, given: law, committed: edges.clone(), edges, surface, object }
+        Self { law, given: law, committed: edges.clone(), edges, surface, object, damping: 1.0 }
     }
 
     /// The sample points of the pad.
@@ -51,6 +52,8 @@ impl Contact {
 
 /// Smallest gap of an accepted state, as a fraction of the offset.
 pub(super) const MIN_GAP: f64 = 0.02;
+/// Friction limit that counts as none, Pa.
+pub(super) const NO_LIMIT: f64 = 1.0;
 /// Distance within which the exact gap is looked up, m; farther points are skipped until they may have come this close.
 const LOOK_AHEAD: f64 = 5e-4;
 
@@ -70,9 +73,9 @@ impl BodyTerm for Contact {
             {
                 energy += area * self.law.normal_energy(c.distance, e.scale);
             }
-            if let (Some(anchor), true) = (e.anchor, e.pressure > 0.0) {
-                let s = slip(world - view.position - view.rotation * anchor, e.normal);
-                energy += area * self.law.friction_energy(s, self.law.friction * e.pressure);
+            if let (Some(anchor), true) = (e.anchor, e.limit > 0.0) {
+                let s = slip(world - view.position - view.rotation * anchor, e.plane);
+                energy += area * self.law.friction_energy(s, e.limit);
             }
         }
         energy
@@ -81,20 +84,23 @@ impl BodyTerm for Contact {
     fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
         for i in 0..self.edges.len() {
             let stencil = self.surface.points[i];
-            self.update(i, &stencil, view);
+            let area = self.surface.area[i];
+            block.lag += (area * self.update(i, &stencil, view)).powi(2);
             let e = &self.edges[i];
+            let (world, q) = locate(&stencil, view);
             if e.pressure > 0.0 {
-                let (world, q) = locate(&stencil, view);
-                let curvature = if project { DMat3::ZERO } else { self.object.closest(q, f64::INFINITY).map_or(DMat3::ZERO, |c| c.curvature) };
+                let curvature = match project {
+                    true => DMat3::ZERO,
+                    false => self.object.closest(q, self.law.offset).map_or(DMat3::ZERO, |c| c.curvature),
+                };
                 let curvature = view.rotation * curvature * view.rotation.transpose();
-                let pair = normal_pair(&self.law, e, self.surface.area[i], world - view.position, &curvature, project);
+                let pair = normal_pair(&self.law, e, area, world - view.position, &curvature, project);
                 block.add_pair(body, view, &stencil, &pair);
-                if let Some(anchor) = e.anchor {
-                    let arm = view.rotation * anchor;
-                    let s = world - view.position - arm;
-                    let pair = friction_pair(&self.law, e, self.surface.area[i], s, arm, project);
-                    block.add_pair(body, view, &stencil, &pair);
-                }
+            }
+            if let (Some(anchor), true) = (e.anchor, e.limit > 0.0) {
+                let arm = view.rotation * anchor;
+                let pair = friction_pair(&self.law, e, area, world - view.position - arm, arm, project);
+                block.add_pair(body, view, &stencil, &pair);
             }
         }
     }
@@ -126,6 +132,10 @@ impl BodyTerm for Contact {
         held
     }
 
+    fn damp(&mut self, damping: f64) {
+        self.damping = damping;
+    }
+
     fn soften(&mut self, factor: f64) {
         self.law = self.given.softened(factor);
     }
@@ -136,8 +146,8 @@ impl BodyTerm for Contact {
 }
 
 impl Contact {
-    /// Refreshes gap, pressure and friction of edge `i`.
-    fn update(&mut self, i: usize, stencil: &Stencil, view: &View) {
+    /// Refreshes gap, pressure and friction of edge `i`; returns how far its friction limit lags, Pa.
+    fn update(&mut self, i: usize, stencil: &Stencil, view: &View) -> f64 {
         let law = self.law;
         let e = &mut self.edges[i];
         let (world, q) = locate(stencil, view);
@@ -157,13 +167,19 @@ impl Contact {
         e.pressure = law.pressure(e.gap, e.scale).0;
         e.traction = DVec3::ZERO;
         e.slips = false;
-        if e.pressure <= 0.0 {
-            // A point that touched only on the way to this iterate has not stuck anywhere yet.
-            e.anchor = self.committed[i].anchor;
-        } else if law.friction > 0.0 {
-            let anchor = *e.anchor.get_or_insert(q - view.rotation.transpose() * e.normal * e.gap);
-            let s = slip(world - view.position - view.rotation * anchor, e.normal);
-            (e.traction, e.slips) = law.traction(s, law.friction * e.pressure);
+        if law.friction == 0.0 {
+            return 0.0;
         }
+        let lag = e.relax_limit(law.friction, self.damping);
+        if e.pressure <= 0.0 && (e.limit < NO_LIMIT || e.anchor.is_none()) {
+            // A point that touched only on the way to this iterate has not stuck anywhere yet.
+            e.limit = 0.0;
+            e.anchor = self.committed[i].anchor;
+            return 0.0;
+        }
+        let anchor = *e.anchor.get_or_insert(q - view.rotation.transpose() * e.normal * e.gap);
+        let s = slip(world - view.position - view.rotation * anchor, e.plane);
+        (e.traction, e.slips) = law.traction(s, e.limit);
+        lag
     }
 }

@@ -209,7 +209,8 @@ fn contract(tangent: &[[f64; 9]; 9], g: &[DVec3; 4], weight: f64) -> [[DMat3; 4]
         let mut half = [[0.0; 9]; 3];
         for i in 0..3 {
             for c in 0..9 {
-                half[i][c] = weight * (g[k][0] * tangent[i][c] + g[k][1] * tangent[3 + i][c] + g[k][2] * tangent[6 + i][c]);
+                half[i][c] =
+                    weight * (g[k][0] * tangent[i][c] + g[k][1] * tangent[3 + i][c] + g[k][2] * tangent[6 + i][c]);
             }
         }
         for l in 0..4 {

@@ -71,7 +71,10 @@ mod tests {
                 m[k] -= 1e-6;
                 m[0] += 1e-6;
                 let exact = (f(p) - f(m)) / 2e-6;
-                assert!((interpolated - exact).abs() < 1e-8, "point {q}, direction {k}: {interpolated} against {exact}");
+                assert!(
+                    (interpolated - exact).abs() < 1e-8,
+                    "point {q}, direction {k}: {interpolated} against {exact}"
+                );
             }
         }
     }

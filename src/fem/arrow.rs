@@ -121,7 +121,12 @@ pub fn step(blocks: &[ArrowBlock], border_gradient: &[f64; MAX_BORDER], size: us
 const STIFFNESS_FLOOR: f64 = 1e-6;
 
 /// Solves `|S| dy = -g` through the eigenvalues of the border's Schur complement.
-fn solve_border(s: &[[f64; MAX_BORDER]; MAX_BORDER], g: &[f64; MAX_BORDER], size: usize, cap: f64) -> [f64; MAX_BORDER] {
+fn solve_border(
+    s: &[[f64; MAX_BORDER]; MAX_BORDER],
+    g: &[f64; MAX_BORDER],
+    size: usize,
+    cap: f64,
+) -> [f64; MAX_BORDER] {
     let mut dy = [0.0; MAX_BORDER];
     if size == 0 {
         return dy;

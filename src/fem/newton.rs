@@ -167,8 +167,8 @@ impl Newton {
         g
     }
 
-    /// Norm of all out-of-balance forces, N.
-    pub(super) fn residual(&self, state: &State) -> f64 {
+    /// Norm of all out-of-balance forces and of what lagged forces still miss, N.
+    pub(super) fn residual(&self, state: &State) -> (f64, f64) {
         let border: f64 = self.border_gradient(state)[..self.border.size].iter().map(|v| v * v).sum();
         let nodes: f64 = self
             .blocks
@@ -178,7 +178,8 @@ impl Newton {
                 free.map(|(g, _)| g.length_squared()).sum::<f64>()
             })
             .sum();
-        (border + nodes).sqrt()
+        let lag: f64 = self.blocks.iter().map(|b| b.block.lag).sum();
+        ((border + nodes).sqrt(), lag.sqrt())
     }
 
     /// Largest contact force on a body, N.
@@ -220,6 +221,11 @@ impl Newton {
             .map(|(b, d)| b.block.gradient.iter().zip(d).map(|(g, d)| g.dot(*d)).sum::<f64>())
             .sum();
         nodes + border.iter().zip(&step.border).map(|(g, d)| g * d).sum::<f64>()
+    }
+
+    /// Sets how far lagged quantities follow in one iteration.
+    pub(super) fn damp(&mut self, damping: f64) {
+        self.terms.iter_mut().flatten().for_each(|t| t.damp(damping));
     }
 
     /// Scales the softness of all contacts (1 = the law as given).

@@ -9,6 +9,9 @@ use std::time::Instant;
 /// Iterations without motion after which a state counts as at rest, and by how much its residual may then miss the goal.
 const RESTING: u32 = 4;
 const RESTING_FACTOR: f64 = 4.0;
+/// Iterations after which lagged quantities are damped, and after which they are frozen.
+const SWINGING: u32 = 6;
+const FROZEN: u32 = 12;
 /// Iterations without any contact after which a driven finger counts as closing on nothing.
 const UNTOUCHED: u32 = 10;
 
@@ -22,19 +25,30 @@ impl Newton {
         let mut last_motion = f64::INFINITY;
         let (mut iterations, mut resting, mut untouched) = (0, 0, 0);
         let mut history = [f64::INFINITY; 2];
+        let mut thaw = false;
         loop {
+            // Lagged friction may swing between two states, a point touching in one and not in the other: then it follows only
+            // halfway, and later not at all until the frozen problem, a plain minimisation, is solved.
+            self.damp(match iterations {
+                0..SWINGING => 1.0,
+                SWINGING..FROZEN => 0.5,
+                _ if thaw => 0.5,
+                _ => 0.0,
+            });
             let clock = Instant::now();
             self.assemble(&now, false);
             self.profile.assembly += clock.elapsed().as_secs_f64();
-            let residual = self.residual(&now);
+            let (residual, lag) = self.residual(&now);
             if !residual.is_finite() {
                 return Err(Failure::Singular);
             }
+            let allowed = tolerance.force + tolerance.relative * self.activity();
+            thaw = residual <= allowed && lag > allowed;
+            let residual = residual.hypot(lag);
             untouched = if self.untouched() { untouched + 1 } else { 0 };
             if untouched >= UNTOUCHED {
                 return Err(Failure::Lost);
             }
-            let allowed = tolerance.force + tolerance.relative * self.activity();
             // Where a point of contact sits on a crease its normal, and so the residual, is not continuous: nothing moves any
             // more, but the residual stays a few times above.
             resting = if last_motion <= 0.1 * tolerance.length { resting + 1 } else { 0 };

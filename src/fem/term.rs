@@ -19,6 +19,8 @@ pub struct Block {
     pub border_gradient: [f64; MAX_BORDER],
     /// Border Hessian, N/m.
     pub border_hessian: [[f64; MAX_BORDER]; MAX_BORDER],
+    /// Sum of squares of what lagged quantities still miss, N2.
+    pub lag: f64,
     /// Sum of the norms of the forces that meet at the border (scale of the balance), N.
     pub activity: f64,
 }
@@ -32,6 +34,7 @@ impl Block {
             coupling: vec![0.0; columns * body.pattern.unknowns()],
             border_gradient: [0.0; MAX_BORDER],
             border_hessian: [[0.0; MAX_BORDER]; MAX_BORDER],
+            lag: 0.0,
             activity: 0.0,
         }
     }
@@ -43,6 +46,7 @@ impl Block {
         self.coupling.fill(0.0);
         self.border_gradient = [0.0; MAX_BORDER];
         self.border_hessian = [[0.0; MAX_BORDER]; MAX_BORDER];
+        self.lag = 0.0;
         self.activity = 0.0;
     }
 
@@ -194,6 +198,8 @@ pub trait BodyTerm: TermClone + Send + Sync {
     fn satisfied(&mut self, _body: &Body, _view: &View) -> bool {
         true
     }
+    /// Lagged quantities move by the fraction `damping` towards their goal in each assembly (1 = all the way).
+    fn damp(&mut self, _damping: f64) {}
     /// Makes the term softer by `factor` (1 = as given), for continuation from a state without contact.
     fn soften(&mut self, _factor: f64) {}
     /// For reading results back by type.

@@ -75,7 +75,8 @@ impl Material for FixedCorotated {
             let k = r.transpose() * df;
             let axial = DVec3::new(k.y_axis.z - k.z_axis.y, k.z_axis.x - k.x_axis.z, k.x_axis.y - k.y_axis.x);
             let w = g_inv * axial;
-            let cross = DMat3::from_cols(DVec3::new(0.0, w.z, -w.y), DVec3::new(-w.z, 0.0, w.x), DVec3::new(w.y, -w.x, 0.0));
+            let cross =
+                DMat3::from_cols(DVec3::new(0.0, w.z, -w.y), DVec3::new(-w.z, 0.0, w.x), DVec3::new(w.y, -w.x, 0.0));
             let column = ((df - r * cross) * (2.0 * self.mu)).to_cols_array();
             for a in 0..9 {
                 t[a][b] = column[a];

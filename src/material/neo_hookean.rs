@@ -77,8 +77,8 @@ impl Material for NeoHookean {
             for b in 0..9 {
                 // (G dF^T G)_iJ = G_iL dF_jL G_jJ
                 let (i, jj, k, l) = (a % 3, a / 3, b % 3, b / 3);
-                t[a][b] =
-                    m * (g[a] * (c * g[b] - 2.0 / 3.0 * f[b]) - 2.0 / 3.0 * f[a] * g[b]
+                t[a][b] = m
+                    * (g[a] * (c * g[b] - 2.0 / 3.0 * f[b]) - 2.0 / 3.0 * f[a] * g[b]
                         + i1 / 3.0 * g[3 * l + i] * g[3 * jj + k]);
             }
             t[a][a] += m;
