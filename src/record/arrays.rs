@@ -132,9 +132,16 @@ impl Arrays {
         let out = &mut npz;
         put(out, "displacement", (frames, nodes, 3), &self.displacement)?;
         put(out, "position", (frames, nodes, 3), &self.position)?;
-        put(out, "contact_force", (frames, nodes, 3), &self.contact_force)?;
-        put(out, "von_mises_node", (frames, nodes), &self.von_mises_node)?;
-        put(out, "von_mises_element", (frames, tets), &self.von_mises_element)?;
+        // What is not recorded is left out.
+        if !self.contact_force.is_empty() {
+            put(out, "contact_force", (frames, nodes, 3), &self.contact_force)?;
+        }
+        if !self.von_mises_node.is_empty() {
+            put(out, "von_mises_node", (frames, nodes), &self.von_mises_node)?;
+        }
+        if !self.von_mises_element.is_empty() {
+            put(out, "von_mises_element", (frames, tets), &self.von_mises_element)?;
+        }
         put(out, "object_pose", (frames, 7), &self.object_pose)?;
         put(out, "force", frames, &self.force)?;
         put(out, "time", frames, &self.time)?;
