@@ -105,7 +105,8 @@ pub fn run(args: &RunArgs) -> Result<ExitCode> {
     let grasps = select(&poses_of(scene)?, &args.grasp)?;
     let threads = threads(scene);
     let model = Model::build(scene)?;
-    let value = serde_json::to_value(scene).map_err(|e| refused(&format!("the scene cannot be written as JSON: {e}")))?;
+    let value =
+        serde_json::to_value(scene).map_err(|e| refused(&format!("the scene cannot be written as JSON: {e}")))?;
     let mut report = RunReport::new(format!("{} ({})", stepper.name(), stepper.settings()), threads, value);
     report.pads = model.pad_reports();
     let recorder = match &args.out {
@@ -152,7 +153,11 @@ fn select(poses: &[GraspPose], wanted: &[usize]) -> Result<Vec<(usize, GraspPose
     numbers.dedup();
     let pick = |i: usize| {
         poses.get(i).map(|p| (i, *p)).ok_or_else(|| {
-            refused(&format!("--grasp {i}: the scene has {} grasps, 0 to {}", poses.len(), poses.len().saturating_sub(1)))
+            refused(&format!(
+                "--grasp {i}: the scene has {} grasps, 0 to {}",
+                poses.len(),
+                poses.len().saturating_sub(1)
+            ))
         })
     };
     numbers.into_iter().map(pick).collect()

@@ -45,7 +45,9 @@ fn plural(n: usize) -> &'static str {
 }
 
 fn rows(out: &mut String, grasps: &[(usize, GraspPose)], outcomes: &[Outcome]) {
-    out.push_str("grasp  status      frames  force N  travel mm  stress kPa   gap um  min det F  balance  iterations  time s\n");
+    out.push_str(
+        "grasp  status      frames  force N  travel mm  stress kPa   gap um  min det F  balance  iterations  time s\n",
+    );
     for ((index, _), o) in grasps.iter().zip(outcomes) {
         let s = &o.summary;
         let status = match s.status {
@@ -78,7 +80,8 @@ fn rows(out: &mut String, grasps: &[(usize, GraspPose)], outcomes: &[Outcome]) {
 
 fn expectation(out: &mut String, expectation: &Expectation, held: &Held) {
     let unit = held.unit;
-    let number = |v: f64| if v != 0.0 && !(1e-2..1e5).contains(&v.abs()) { format!("{v:.3e}") } else { format!("{v:.4}") };
+    let number =
+        |v: f64| if v != 0.0 && !(1e-2..1e5).contains(&v.abs()) { format!("{v:.3e}") } else { format!("{v:.4}") };
     let mut text = held.value.map(|v| format!("{} {unit}", number(v)).trim_end().to_string()).unwrap_or_default();
     if let Some(bound) = held.bound {
         let _ = write!(text, ", bound {} {unit}", number(bound));

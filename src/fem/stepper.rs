@@ -96,10 +96,13 @@ impl Solver {
         let load = if model.force_driven { Load::Force } else { Load::Travel };
         let mut done = Advanced::default();
         if !std::mem::replace(&mut self.started, true) && model.force_driven {
-            let first = level.min(model.levels.last().copied().unwrap_or(level) * FIRST_TOUCH);
+            // An object with weight rests on its support until the first level; less might not hold it.
+            let gentle = model.levels.last().copied().unwrap_or(level) * FIRST_TOUCH;
+            let first = if model.gravity.is_some() { level } else { level.min(gentle) };
             self.path.tolerance = self.tolerance(model, first);
             self.back_off(model)?;
-            done = self.path.establish(first, model.law.offset).map_err(|f| self.explain(model, "making contact", f))?;
+            done =
+                self.path.establish(first, model.law.offset).map_err(|f| self.explain(model, "making contact", f))?;
         }
         self.path.tolerance = self.tolerance(model, level);
         let more = self.path.advance(load, level).map_err(|f| self.explain(model, &at(load, level), f))?;
@@ -145,7 +148,10 @@ impl Solver {
             let name = pad_name(i);
             if state.travel[i] > model.stroke {
                 let stroke = model.stroke * 1e3;
-                return Some(format!("the {name} finger ran past its stroke of {stroke:.1} mm: {}", self.escaped(model)));
+                return Some(format!(
+                    "the {name} finger ran past its stroke of {stroke:.1} mm: {}",
+                    self.escaped(model)
+                ));
             }
             if !readout::edges(newton, state, i).any(|e| e.active()) {
                 return Some(format!("the {name} finger lost contact: {}", self.escaped(model)));

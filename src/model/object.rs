@@ -49,14 +49,10 @@ fn kind(shape: &o::Shape) -> ShapeKind {
         o::Shape::Prism(s) => {
             ShapeKind::Prism { sides: s.sides.get() as u32, radius: s.radius.get(), height: s.height.get() }
         }
-        o::Shape::Annulus(s) => ShapeKind::Annulus {
-            outer_radius: s.outer.get(),
-            inner_radius: s.inner.get(),
-            height: s.height.get(),
-        },
-        o::Shape::Cup(s) => {
-            ShapeKind::Cup { radius: s.radius.get(), height: s.height.get(), wall: s.wall.get() }
+        o::Shape::Annulus(s) => {
+            ShapeKind::Annulus { outer_radius: s.outer.get(), inner_radius: s.inner.get(), height: s.height.get() }
         }
+        o::Shape::Cup(s) => ShapeKind::Cup { radius: s.radius.get(), height: s.height.get(), wall: s.wall.get() },
         o::Shape::Lemon(s) => ShapeKind::Lemon { length: s.length.get(), diameter: s.diameter.get() },
         o::Shape::Strawberry(s) => ShapeKind::Strawberry { length: s.length.get(), diameter: s.diameter.get() },
         o::Shape::Pear(s) => ShapeKind::Pear { length: s.length.get(), diameter: s.diameter.get() },

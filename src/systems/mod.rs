@@ -10,12 +10,8 @@ use bevy_ecs::prelude::*;
 
 /// Puts the shared systems in their sets.
 pub fn register(schedule: &mut Schedule) {
-    schedule.add_systems(
-        (control::place_object, control::set_load.run_if(ramping)).chain().in_set(StepSet::Control),
-    );
+    schedule.add_systems((control::place_object, control::set_load.run_if(ramping)).chain().in_set(StepSet::Control));
     schedule.add_systems(sense::close_to_contact.in_set(StepSet::Sense));
     schedule.add_systems(measure::measure_balance.run_if(reached).in_set(StepSet::Measure));
-    schedule.add_systems(
-        (record::record_frame.run_if(reached), record::turn_phase).chain().in_set(StepSet::Record),
-    );
+    schedule.add_systems((record::record_frame.run_if(reached), record::turn_phase).chain().in_set(StepSet::Record));
 }

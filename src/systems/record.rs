@@ -90,12 +90,7 @@ pub fn record_frame(
 const TABLES: &str = "components are stored in tables";
 
 /// Moves the procedure on: to what a system asked for, else to the next frame.
-pub fn turn_phase(
-    mut phase: ResMut<Phase>,
-    mut next: ResMut<Next>,
-    mut advance: ResMut<Advance>,
-    shared: Res<Shared>,
-) {
+pub fn turn_phase(mut phase: ResMut<Phase>, mut next: ResMut<Next>, mut advance: ResMut<Advance>, shared: Res<Shared>) {
     let asked = next.take();
     if let (Phase::Ramp { frame }, None) = (&*phase, &asked)
         && advance.reached
