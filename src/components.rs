@@ -5,6 +5,7 @@
 //! | node | [`NodeIndex`], [`FingerIndex`], [`NodeKind`], [`RestPosition`], [`Position`] | always |
 //! | | [`NodalStress`] | stress is recorded or expected |
 //! | | [`ContactForce`] | contact forces are recorded |
+//! | | [`NodeGap`] | gaps are recorded |
 //! | tetrahedron | [`TetIndex`], [`FingerIndex`], [`TetStress`] | stress is recorded or expected |
 //! | contact edge | [`EdgeIndex`], [`FingerIndex`], [`ContactEdge`] | always, a fixed pool |
 //! | | [`ContactFriction`] | friction is above zero |
@@ -48,13 +49,16 @@ components! {
     TetStress(f64);
     /// Contact force on a node of the pad, N, hand frame. Written by the stepper; zero away from the contact.
     ContactForce(DVec3);
+    /// Signed distance of a node to the object, m; negative inside. Written by `measure_gap`.
+    NodeGap(f64);
     /// Unit vector along which a finger closes, hand frame. Written at spawn.
     ClosingDirection(DVec3);
     /// Travel of a finger at first contact, m, 0 to the stroke. Written once by `close_to_contact`.
     FirstContact(f64);
     /// Travel of a finger from the open gripper, m, 0 to the stroke. Written by `close_to_contact`, then by the stepper.
     FingerTravel(f64);
-    /// Force that closes a finger, N, >= 0; 0 where travel is prescribed. Written by `set_load`.
+    /// Force that closes a finger, N, >= 0: given by `set_load`, or, where travel is prescribed, what the finger's mount
+    /// had to give, written by the stepper.
     FingerForce(f64);
     /// Weight of a free object, N, hand frame. Written at spawn.
     ObjectWeight(DVec3);

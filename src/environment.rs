@@ -25,7 +25,7 @@ impl Environment {
     /// When the stepper refuses the scene, or systems touch the same data in no order.
     pub fn new(model: &Arc<Model>, stepper: &dyn Stepper, pose: GraspPose) -> Result<Self> {
         let mut world = spawn(model, pose);
-        let mut schedule = schedule();
+        let mut schedule = schedule(&model.needs);
         stepper.register(&mut schedule, &mut world)?;
         schedule.initialize(&mut world).map_err(|e| {
             Error::Start(format!("the schedule of a step is not sound: {}", e.to_string(schedule.graph(), &world)))

@@ -128,7 +128,8 @@ pub fn run_grasp(
     timings.stages.insert("record", recording);
     let accounted: f64 = timings.stages.values().sum();
     timings.stages.insert("other", (wall - accounted).max(0.0));
-    let outcome = tally.finish(end, timings, wall);
+    let mut outcome = tally.finish(end, timings, wall);
+    outcome.summary.grasp = index;
     observer.end(index, &outcome)?;
     Ok(outcome)
 }

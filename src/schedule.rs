@@ -10,7 +10,7 @@
 //! place the object in the hand, close to first contact, then one recorded load level per step.
 
 use crate::grasp::GraspPose;
-use crate::model::Model;
+use crate::model::{Model, Needs};
 use crate::record::Frame;
 use crate::systems;
 use bevy_ecs::prelude::*;
@@ -154,7 +154,7 @@ pub fn reached(advance: Res<Advance>) -> bool {
 }
 
 /// The schedule with everything but a stepper. Two systems that touch the same data without an order are an error.
-pub fn schedule() -> Schedule {
+pub fn schedule(needs: &Needs) -> Schedule {
     let mut schedule = Schedule::new(Step);
     schedule.set_build_settings(ScheduleBuildSettings {
         ambiguity_detection: LogLevel::Error,
@@ -165,6 +165,6 @@ pub fn schedule() -> Schedule {
     schedule.set_executor(SingleThreadedExecutor::new());
     use StepSet::*;
     schedule.configure_sets((Control, Sense, Advance, Measure, Record).chain());
-    systems::register(&mut schedule);
+    systems::register(&mut schedule, needs);
     schedule
 }

@@ -65,5 +65,8 @@ fn spawn_nodes(world: &mut World, model: &Model, finger: &FingerModel, of: Finge
         if model.needs.contact_force {
             node.insert(ContactForce(DVec3::ZERO));
         }
+        if model.needs.gap {
+            node.insert(NodeGap(0.0));
+        }
     }
 }

@@ -59,13 +59,17 @@ fn hash(frames: &[(usize, Frame)]) -> blake3::Hash {
 }
 
 const TWO: &str =
-    "grasps: List([(position: (0, 0, -0.1)), (position: (0.001, 0.002, -0.1), rotation: RpyDeg((10, 5, 90)))])";
+    "grasps: List([(position: (0, 0, -0.1)), (position: (0.001, 0.002, -0.1), rotation: RpyDeg((0, 0, 80)))])";
 
 #[test]
 fn no_two_systems_touch_the_same_data_in_no_order() {
-    for more in
-        ["", "gravity: (0, 0, 9.81)", "record: (fields: [])", "object: (shape: Sphere(radius: 0.02), motion: Fixed)"]
-    {
+    for more in [
+        "",
+        "gravity: (0, 0, 9.81)",
+        "record: (fields: [])",
+        "record: (fields: [Gap])",
+        "object: (shape: Sphere(radius: 0.02), motion: Fixed)",
+    ] {
         let scene = if more.starts_with("object") {
             let dir = tempfile::tempdir().unwrap();
             let path = dir.path().join("s.ron");
@@ -115,6 +119,8 @@ fn what_nobody_asks_for_is_not_there() {
     let (bare, bare_systems, _) = count(&scene("friction: 0.0", "record: (fields: [])"));
     assert!(["NodalStress", "TetStress", "ContactForce"].iter().all(|n| !bare.contains_key(*n)));
     assert!(bare_systems < slick_systems && bare.len() < slick.len());
+    let (gaps, _, _) = count(&scene("friction: 0.0", "record: (fields: [Gap])"));
+    assert!(gaps.contains_key("NodeGap") && !full.contains_key("NodeGap"));
     let (expected, _, _) = count(&scene("friction: 0.0", "record: (fields: []), expect: [MaxStress(at_most: 1e6)]"));
     assert!(expected.contains_key("NodalStress"), "a bound on the stress needs the stress");
     let mut fixed = scene("", "");
@@ -179,4 +185,24 @@ fn a_fault_keeps_the_last_accepted_state() {
     let world = environment.world_mut();
     let mut nodes = world.query::<&Position>();
     assert!(nodes.iter(world).all(|p| p.0.is_finite()));
+}
+
+#[test]
+fn a_press_balances_contact_against_the_reaction_of_the_mount() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("press.ron");
+    let text = "(object: (shape: Sphere(radius: 7.5e-3), motion: Fixed),
+        gripper: (pads: GelSightMini(spacing: 4e-3), fingers: One),
+        loading: Press(depth: 1e-3, frames: 2), record: (fields: [Gap]), gravity: (9.81, 0, 0))";
+    std::fs::write(&path, text).unwrap();
+    let (outcomes, frames) = run(&load(&path).unwrap_or_else(|e| panic!("{e}")).scene, 1);
+    assert_eq!(outcomes[0].summary.status, Status::Reached);
+    assert!((frames[1].1.travel[0] - 1e-3).abs() < 1e-12, "the depth is met exactly");
+    for (_, frame) in frames {
+        assert!(frame.applied_force > 0.1, "{} N", frame.applied_force);
+        assert!(frame.force_balance > 0.0 && frame.force_balance <= 1e-3, "{:e}", frame.force_balance);
+        let gap = &frame.pads[0].gap;
+        let nearest = gap.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(nearest > 0.0 && nearest < 1e-4, "the nearest node is {nearest} m away");
+    }
 }

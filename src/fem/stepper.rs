@@ -54,7 +54,7 @@ impl Stepper for Fem {
         let pose = grasp.0.object_in_hand();
         let pose = ObjectPose { position: pose.position, rotation: pose.rotation };
         world.insert_resource(Solver::new(&shared.0, pose, &self.settings));
-        systems::register(schedule, &shared.0.needs);
+        systems::register(schedule, &shared.0.needs, shared.0.force_driven);
         Ok(())
     }
 }
@@ -116,6 +116,12 @@ impl Solver {
             return Err(format!("{}: {reason}", at(load, level)));
         }
         Ok(done)
+    }
+
+    /// Weight of the gel of finger `i`, N, hand frame.
+    pub fn gel_weight(&self, model: &Model, i: usize) -> DVec3 {
+        let volume = || model.fingers[i].body.nodal_volume().iter().sum::<f64>();
+        model.gravity.map_or(DVec3::ZERO, |g| self.start.rotation * g * (volume() * model.gel_density))
     }
 
     /// Convergence criteria at `level`.

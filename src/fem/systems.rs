@@ -10,11 +10,14 @@ use bevy_ecs::prelude::*;
 use glam::DVec3;
 
 /// Puts the systems in their sets; those for what the scene does not need are left out.
-pub fn register(schedule: &mut Schedule, needs: &Needs) {
+pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
     schedule.add_systems(read_state.run_if(ramping).after(close_to_contact).in_set(StepSet::Sense));
     schedule.add_systems((advance_level, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
     schedule.add_systems(measure_contact.run_if(reached).before(measure_balance).in_set(StepSet::Measure));
     schedule.add_systems(report_timings.run_if(ramping).in_set(StepSet::Measure));
+    if !force_driven {
+        schedule.add_systems(measure_reaction.run_if(reached).before(measure_balance).in_set(StepSet::Measure));
+    }
     if needs.friction {
         schedule.add_systems(measure_friction.run_if(reached).in_set(StepSet::Measure));
     }
@@ -119,6 +122,23 @@ pub fn measure_contact(
     }
     advance.min_gap = readout::min_gap(newton);
     advance.energy = newton.energy(state);
+}
+
+/// What the mount of a finger with prescribed travel had to give: the reaction of the bonded nodes along the closing
+/// direction, without the gel's own weight.
+pub fn measure_reaction(
+    solver: Res<Solver>,
+    shared: Res<Shared>,
+    mut fingers: Query<(&FingerIndex, &ClosingDirection, &mut FingerForce)>,
+) {
+    let newton = &solver.path.newton;
+    for (finger, closing, mut force) in &mut fingers {
+        let i = finger.0 as usize;
+        let body = newton.body(i);
+        let bonded = newton.gradient(i).iter().zip(&body.fixed).filter(|(_, fixed)| **fixed);
+        let reaction: DVec3 = bonded.map(|(g, _)| *g).sum();
+        force.0 = (reaction + solver.gel_weight(&shared.0, i)).dot(closing.0);
+    }
 }
 
 /// Friction on every contact edge.

@@ -10,6 +10,8 @@ pub struct Needs {
     pub stress: bool,
     /// Contact force per node: recorded.
     pub contact_force: bool,
+    /// Distance to the object per node: recorded.
+    pub gap: bool,
     /// Friction state per contact edge: Coulomb's coefficient is above zero.
     pub friction: bool,
     /// Weight of the gel and of a free object: gravity is set.
@@ -25,6 +27,7 @@ impl Needs {
         Self {
             stress: recorded(Field::Stress) || scene.expect.iter().any(|e| matches!(e, Expectation::MaxStress(_))),
             contact_force: recorded(Field::ContactForce),
+            gap: recorded(Field::Gap),
             friction: scene.gripper.friction.get() > 0.0,
             gravity: scene.gravity.is_some_and(|g| g.dvec3() != glam::DVec3::ZERO),
             free_object: scene.object.motion == Motion::Free,

@@ -66,6 +66,8 @@ fn pad_frame(name: &str, pad: &PadFrame, topology: &PadTopology) -> Verdict {
     numbers(name, "von_mises_node", &pad.von_mises_node)?;
     optional(name, "von_mises_element", pad.von_mises_element.len(), tets, "tetrahedra")?;
     numbers(name, "von_mises_element", &pad.von_mises_element)?;
+    optional(name, "gap", pad.gap.len(), nodes, "nodes")?;
+    numbers(name, "gap", &pad.gap)?;
     vectors(name, "wrench.force", &[pad.wrench.force])?;
     vectors(name, "wrench.torque", &[pad.wrench.torque])
 }

@@ -27,6 +27,8 @@ pub struct PadFrame {
     pub von_mises_node: Vec<f64>,
     /// Von Mises stress per element, Pa; empty if not recorded.
     pub von_mises_element: Vec<f64>,
+    /// Signed distance of each node to the object, m; negative inside; empty if not recorded.
+    pub gap: Vec<f64>,
     /// Resultant of the contact on this pad.
     pub wrench: Wrench,
 }

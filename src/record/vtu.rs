@@ -47,6 +47,9 @@ pub fn pads(topologies: &[PadTopology], frame: &Frame) -> String {
     if frame.pads.iter().all(|pad| !pad.von_mises_node.is_empty()) {
         floats(&mut out, "von_mises_node", &scalars(|pad| &pad.von_mises_node), 1);
     }
+    if frame.pads.iter().all(|pad| !pad.gap.is_empty()) {
+        floats(&mut out, "gap", &scalars(|pad| &pad.gap), 1);
+    }
     array(&mut out, "UInt8", "pad", 1, &node_pad);
     out.push_str("</PointData>\n<CellData>\n");
     if frame.pads.iter().all(|pad| !pad.von_mises_element.is_empty()) {

@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec3;
 
 /// Force and torque balance. Of a free object: contact forces and weight must cancel. Of a fixed one: each finger's
-/// contact must carry the force that closes it (where a force does; prescribed travel leaves nothing to compare).
+/// contact must carry the force that closes it.
 pub fn measure_balance(
     shared: Res<Shared>,
     mut balance: ResMut<Balance>,
@@ -21,9 +21,8 @@ pub fn measure_balance(
     let (mut force, mut torque) = (weight, DVec3::ZERO);
     for (index, closing, travel, given, wrench) in &fingers {
         let normal = -wrench.force.dot(closing.0);
-        let closed_by = if model.force_driven { given.0 } else { normal.abs() };
-        applied += closed_by;
-        worst = worst.max((closed_by - normal).abs());
+        applied += given.0;
+        worst = worst.max((given.0 - normal).abs());
         force -= wrench.force;
         let origin = model.fingers[index.0 as usize].placement.origin + closing.0 * travel.0;
         torque -= wrench.torque + (origin - center).cross(wrench.force);
@@ -36,4 +35,25 @@ pub fn measure_balance(
         force: relative(unbalanced, applied),
         torque: relative(torque, applied * model.object.bounding_radius),
     };
+}
+
+/// Distance of every node to the object.
+pub fn measure_gap(
+    shared: Res<Shared>,
+    fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel)>,
+    object: Single<&ObjectPose>,
+    mut nodes: Query<(&FingerIndex, &Position, &mut NodeGap)>,
+) {
+    let mut carried = vec![DVec3::ZERO; shared.0.fingers.len()];
+    for (index, closing, travel) in &fingers {
+        carried[index.0 as usize] = closing.0 * travel.0;
+    }
+    let (inverse, distance) = (object.rotation.inverse(), &shared.0.object.distance);
+    for (finger, position, mut gap) in nodes.contiguous_iter_mut().expect("components are stored in tables") {
+        let gap = gap.bypass_change_detection();
+        for row in 0..finger.len() {
+            let x = position[row].0 + carried[finger[row].0 as usize] - object.position;
+            gap[row].0 = distance.distance(inverse * x);
+        }
+    }
 }

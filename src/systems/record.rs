@@ -7,8 +7,15 @@ use bevy_ecs::prelude::*;
 use glam::DVec3;
 
 /// Node columns of a frame; optional ones are empty where the scene does not record them.
-type Nodes<'a> =
-    (&'a NodeIndex, &'a FingerIndex, &'a RestPosition, &'a Position, Option<&'a NodalStress>, Option<&'a ContactForce>);
+type Nodes<'a> = (
+    &'a NodeIndex,
+    &'a FingerIndex,
+    &'a RestPosition,
+    &'a Position,
+    Option<&'a NodalStress>,
+    Option<&'a ContactForce>,
+    Option<&'a NodeGap>,
+);
 /// Finger columns of a frame.
 type Fingers<'a> = (&'a FingerIndex, &'a ClosingDirection, &'a FirstContact, &'a FingerTravel, &'a FingerWrench);
 
@@ -36,6 +43,7 @@ pub fn record_frame(
             contact_force: vec![DVec3::ZERO; if needs.contact_force { n } else { 0 }],
             von_mises_node: zeros(needs.stress, n),
             von_mises_element: zeros(needs.stress, f.body.element_count()),
+            gap: zeros(needs.gap, n),
             wrench: Wrench::default(),
         }
     };
@@ -49,7 +57,7 @@ pub fn record_frame(
         pads[f].wrench = Wrench { force: wrench.force, torque: wrench.torque };
     }
     // Columns of one table: slices, without a look-up per node.
-    for (index, finger, rest, position, stress, force) in nodes.contiguous_iter().expect(TABLES) {
+    for (index, finger, rest, position, stress, force, gap) in nodes.contiguous_iter().expect(TABLES) {
         for row in 0..index.len() {
             let (f, i) = (finger[row].0 as usize, index[row].0 as usize);
             let pad = &mut pads[f];
@@ -60,6 +68,9 @@ pub fn record_frame(
             }
             if let Some(force) = &force {
                 pad.contact_force[i] = force[row].0;
+            }
+            if let Some(gap) = &gap {
+                pad.gap[i] = gap[row].0;
             }
         }
     }
