@@ -101,8 +101,11 @@ impl Solver {
             let first = if model.gravity.is_some() { level } else { level.min(gentle) };
             self.path.tolerance = self.tolerance(model, first);
             self.back_off(model)?;
-            done =
-                self.path.establish(first, model.law.offset).map_err(|f| self.explain(model, "making contact", f))?;
+            let making = format!("making contact at {first:.4} N per finger");
+            done = self
+                .path
+                .establish(first, model.law.offset)
+                .map_err(|f| self.squeezed_out(model, first, f).unwrap_or_else(|| self.explain(model, &making, f)))?;
         }
         self.path.tolerance = self.tolerance(model, level);
         let more = self.path.advance(load, level).map_err(|f| self.explain(model, &at(load, level), f))?;
@@ -177,6 +180,18 @@ impl Solver {
         }
     }
 
+    /// When contact cannot be made and the fingers' whole force is out of balance, nothing pushes back on them.
+    fn squeezed_out(&self, model: &Model, force: f64, failure: Failure) -> Option<String> {
+        let (Failure::Iterations(residual) | Failure::LineSearch(residual)) = failure else { return None };
+        let all = force * (model.fingers.len() as f64).sqrt();
+        (model.free && (residual - all).abs() < NOTHING_LEFT * all).then(|| {
+            format!(
+                "the object was squeezed out from between the pads while making contact at {force:.4} N per finger: \
+                 nothing pushes back on the fingers"
+            )
+        })
+    }
+
     fn explain(&self, model: &Model, at: &str, failure: Failure) -> String {
         let what = match failure {
             Failure::Iterations(r) => format!("no equilibrium within the iteration limit (residual {r:.1e} N)"),
@@ -196,6 +211,8 @@ impl Solver {
 
 /// Part of the final force at which contact is established.
 const FIRST_TOUCH: f64 = 0.02;
+/// How close to the fingers' whole force the residual is when nothing pushes back, relative.
+const NOTHING_LEFT: f64 = 0.01;
 /// Motion of a free object, over its radius, that speaks of an object squeezed out when the solver gives up.
 const SLIPPING: f64 = 0.1;
 
