@@ -1,17 +1,35 @@
 //! tactus: a parallel gripper with two soft visual-tactile pads squeezes a rigid object.
+//!
+//! ```text
+//! scene.ron -> scene::load -> Model::build -> spawn -> World + Schedule -> run_grasps -> record
+//!                             (shared, Arc)            one per grasp: Environment
+//!
+//!              Control -> Sense -> Advance -> Measure -> Record        (schedule.rs)
+//!                                  FEM | network                       (stepper.rs)
+//! ```
+//!
+//! Start at [`components`] (what a world holds), [`schedule`] (what a step does) and [`model`] (what never changes).
 #![warn(missing_docs)]
 
 pub mod cli;
+pub mod components;
 pub mod contact;
 pub mod element;
+pub mod environment;
 pub mod error;
 pub mod fem;
 pub mod grasp;
 pub mod gripper;
 pub mod material;
 pub mod mesh;
+pub mod model;
 pub mod pad;
 pub mod record;
 pub mod render;
+pub mod runner;
 pub mod scene;
+pub mod schedule;
 pub mod shape;
+pub mod spawn;
+pub mod stepper;
+pub mod systems;

@@ -1,11 +1,20 @@
-//! `tactus check`: is the scene right, and what does it say once defaults and includes are in?
+//! `tactus check`: is the scene right, what does it say once defaults and includes are in, and what would run?
 
-use super::{Format, OK};
+use super::{Format, OK, REFUSED, print};
+use crate::environment::Environment;
 use crate::error::{Error, Result};
-use crate::scene::{load, to_ron};
-use std::io::Write;
+use crate::grasp::poses_of;
+use crate::mesh::topology::watertight;
+use crate::model::{Model, Unknowns};
+use crate::record::pad_name;
+use crate::scene::{Loaded, load, to_ron};
+use crate::schedule::Phase;
+use crate::stepper::{Stepper, choose};
+use serde_json::{Value, json};
+use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 /// Arguments of `tactus check`.
 #[derive(Debug, clap::Args)]
@@ -17,23 +26,167 @@ pub struct CheckArgs {
     pub format: Format,
 }
 
-/// Loads the scene and prints it.
+/// Loads the scene, builds everything that a run would, closes every grasp to first contact, and prints what it found.
+/// The text form is the complete scene, with the findings as comments: it loads as the same scene.
 pub fn check(args: &CheckArgs) -> Result<ExitCode> {
     let loaded = load(&args.scene)?;
-    let text = match args.format {
-        Format::Text => to_ron(&loaded.scene)?,
-        Format::Json => {
-            let object = serde_json::json!({
-                "scene": loaded.scene,
-                "sources": loaded.sources,
-                "problems": [],
-            });
-            format!("{object}\n")
+    let found = match examine(&loaded) {
+        Ok(found) => found,
+        // A reader of JSON wants the reason on stdout, too.
+        Err(error) if args.format == Format::Json => {
+            let object = json!({"scene": loaded.scene, "sources": loaded.sources, "problems": [error.to_string()]});
+            print(&format!("{object}\n"))?;
+            return Err(error);
         }
+        Err(error) => return Err(error),
     };
-    match std::io::stdout().write_all(text.as_bytes()) {
-        // a closed pipe (`tactus check x.ron | head`) is the reader's choice, not an error
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::file("<stdout>", e.to_string())),
-        _ => Ok(ExitCode::from(OK)),
+    let text = match args.format {
+        Format::Text => format!("{}{}", to_ron(&loaded.scene)?, found.text()),
+        Format::Json => format!("{}\n", found.json(&loaded)),
+    };
+    print(&text)?;
+    Ok(ExitCode::from(if found.runs { OK } else { REFUSED }))
+}
+
+/// What a scene comes to.
+struct Found {
+    model: Arc<Model>,
+    systems: Vec<(String, Vec<String>)>,
+    components: Vec<(String, usize)>,
+    unknowns: Unknowns,
+    grasps: usize,
+    problems: Vec<String>,
+    runs: bool,
+}
+
+fn examine(loaded: &Loaded) -> Result<Found> {
+    let stepper = choose(&loaded.scene)?;
+    let poses = poses_of(&loaded.scene)?;
+    let model = Model::build(&loaded.scene)?;
+    let first = poses.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
+    let environment = Environment::new(&model, stepper.as_ref(), *first)?;
+    let systems = environment.systems().into_iter().map(|(set, names)| (format!("{set:?}").to_lowercase(), names));
+    let mut found = Found {
+        systems: systems.collect(),
+        components: environment.components().into_iter().collect(),
+        unknowns: model.unknowns(),
+        grasps: poses.len(),
+        problems: Vec::new(),
+        runs: false,
+        model: model.clone(),
+    };
+    for (index, pose) in poses.iter().enumerate() {
+        match start(&model, stepper.as_ref(), *pose)? {
+            Phase::Infeasible { reason } => found.problems.push(format!("grasp {index}: {reason}")),
+            _ => found.runs = true,
+        }
+    }
+    Ok(found)
+}
+
+/// Places the object and closes the fingers, no more.
+fn start(model: &Arc<Model>, stepper: &dyn Stepper, pose: crate::grasp::GraspPose) -> Result<Phase> {
+    let mut environment = Environment::new(model, stepper, pose)?;
+    while matches!(environment.phase(), Phase::Place | Phase::Close) {
+        environment.step();
+    }
+    Ok(environment.phase())
+}
+
+impl Found {
+    fn json(&self, loaded: &Loaded) -> Value {
+        let m = &self.model;
+        let solid = watertight(&m.object.surface);
+        let worst = m.quality.worst_centroid;
+        let object = |pairs: &[(String, Value)]| Value::Object(pairs.iter().cloned().collect());
+        let systems: Vec<_> = self.systems.iter().map(|(set, names)| (set.clone(), json!(names))).collect();
+        let components: Vec<_> = self.components.iter().map(|(name, count)| (name.clone(), json!(count))).collect();
+        json!({
+            "scene": loaded.scene,
+            "sources": loaded.sources,
+            "systems": object(&systems),
+            "components": object(&components),
+            "unknowns": self.unknowns,
+            "needs": m.needs,
+            "pads": m.pad_reports(),
+            "quality": {
+                "worst_index": m.quality.worst_index,
+                "worst_mean_ratio": m.quality.worst,
+                "worst_centroid_m": worst.to_array(),
+                "mean_mean_ratio": m.quality.mean,
+                "min_edge_m": m.quality.min_edge,
+                "max_edge_m": m.quality.max_edge,
+                "volume_m3": m.quality.total_volume,
+            },
+            "object": {
+                "name": m.object.name,
+                "closed_form": m.object.exact,
+                "watertight": solid.is_solid(),
+                "volume_m3": m.object.mass.volume,
+                "mass_kg": m.mass,
+                "bounding_radius_m": m.object.bounding_radius,
+            },
+            "grasps": self.grasps,
+            "notices": m.notices.iter().chain(&m.pad_notice).collect::<Vec<_>>(),
+            "problems": self.problems,
+        })
+    }
+
+    /// Comment lines.
+    fn text(&self) -> String {
+        let mut out = String::from("\n");
+        let m = &self.model;
+        // Writing to a String cannot fail.
+        let mut line = |text: &str| {
+            let _ = writeln!(out, "{}", format!("// {text}").trim_end());
+        };
+        for (index, pad) in m.pad_reports().iter().enumerate() {
+            line(&format!("{} pad: {} nodes, {} tetrahedra, {}", pad_name(index), pad.nodes, pad.tets, pad.element));
+        }
+        let q = &m.quality;
+        let c = q.worst_centroid * 1e3;
+        line(&format!(
+            "pad mesh: mean ratio {:.3} on average, worst {:.3} in tetrahedron {} at ({:.3}, {:.3}, {:.3}) mm of the pad; edges {:.3} to {:.3} mm",
+            q.mean,
+            q.worst,
+            q.worst_index,
+            c.x,
+            c.y,
+            c.z,
+            q.min_edge * 1e3,
+            q.max_edge * 1e3
+        ));
+        let solid = watertight(&m.object.surface);
+        line(&format!(
+            "object: {}, {}, {}, volume {:.2} cm3, mass {:.2} g, {}",
+            m.object.name,
+            if m.object.exact { "distance in closed form" } else { "distance to its facets" },
+            solid.complaint().unwrap_or_else(|| "watertight".into()),
+            m.object.mass.volume * 1e6,
+            m.mass * 1e3,
+            if m.free { "free" } else { "fixed" },
+        ));
+        line("");
+        for (set, names) in &self.systems {
+            line(&format!("{set:<8} {}", names.join(", ")));
+        }
+        line("");
+        let components: Vec<_> = self.components.iter().map(|(name, count)| format!("{count} {name}")).collect();
+        line(&format!("components: {}", components.join(", ")));
+        let u = &self.unknowns;
+        let pads: Vec<_> = u.pads.iter().map(usize::to_string).collect();
+        line(&format!(
+            "unknowns: {} = {} (pads) + {} (travels) + {} (pose)",
+            u.total,
+            pads.join(" + "),
+            u.travels,
+            u.pose
+        ));
+        line("");
+        m.notices.iter().chain(&m.pad_notice).for_each(|notice| line(&format!("note: {notice}")));
+        self.problems.iter().for_each(|problem| line(&format!("problem: {problem}")));
+        let feasible = self.grasps - self.problems.len();
+        line(&format!("{feasible} of {} grasps can start", self.grasps));
+        out
     }
 }

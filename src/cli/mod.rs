@@ -2,9 +2,12 @@
 
 mod check;
 mod run;
+mod table;
+mod watch;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use clap::{Parser, Subcommand, ValueEnum};
+use std::io::Write;
 use std::process::ExitCode;
 
 pub use check::CheckArgs;
@@ -62,5 +65,13 @@ fn dispatch(cli: &Cli) -> Result<ExitCode> {
     match &cli.command {
         Command::Run(args) => run::run(args),
         Command::Check(args) => check::check(args),
+    }
+}
+
+/// Prints on stdout; a closed pipe (`tactus check x.ron | head`) is the reader's choice, not an error.
+fn print(text: &str) -> Result<()> {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::file("<stdout>", e.to_string())),
+        _ => Ok(()),
     }
 }

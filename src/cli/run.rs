@@ -1,12 +1,21 @@
 //! `tactus run`: simulate the grasps of a scene.
 
-use super::Format;
+use super::watch::Watch;
+use super::{Format, NOT_HELD, OK, print, table};
 use crate::error::{Error, Result};
+use crate::grasp::{GraspPose, poses_of};
+use crate::model::Model;
+use crate::record::{ExpectationReport, Options, Recorder, RunReport, Status};
+use crate::render::Scalar;
+use crate::runner::{Outcome, run_grasps};
 use crate::scene::leaf::Count;
-use crate::scene::{Fem, Loaded, Loading, Stepper, load};
+use crate::scene::{Fem, Held, Loaded, Loading, Measured, Scene, Stepper, evaluate_all, load};
+use crate::stepper::choose;
 use clap::ValueEnum;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Instant;
 
 /// Arguments of `tactus run`.
 #[derive(Debug, clap::Args)]
@@ -16,6 +25,9 @@ pub struct RunArgs {
     /// Folder for the results; without it nothing is written.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Replace an earlier run in the folder instead of refusing.
+    #[arg(long, requires = "out")]
+    pub overwrite: bool,
     /// Form of the report on stdout.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -85,13 +97,103 @@ fn refused(message: &str) -> Error {
     Error::Scene(format!("error: {message}"))
 }
 
-/// Simulates the grasps of the scene.
+/// Simulates the grasps of the scene, records and reports them.
 pub fn run(args: &RunArgs) -> Result<ExitCode> {
     let loaded = args.load()?;
-    // engine call: simulate `loaded.scene` on the grasps `args.grasp` (all if empty), write to `args.out`, report in
-    // `args.format`, and return OK or NOT_HELD.
-    Err(Error::Solver(format!(
-        "{}: the scene is fine, but no engine is linked to this command yet",
-        loaded.path.display()
-    )))
+    let scene = &loaded.scene;
+    let stepper = choose(scene)?;
+    let grasps = select(&poses_of(scene)?, &args.grasp)?;
+    let threads = threads(scene);
+    let model = Model::build(scene)?;
+    let value =
+        serde_json::to_value(scene).map_err(|e| refused(&format!("the scene cannot be written as JSON: {e}")))?;
+    let mut report = RunReport::new(format!("{} ({})", stepper.name(), stepper.settings()), threads, value);
+    report.pads = model.pad_reports();
+    let recorder = match &args.out {
+        Some(dir) => Some(Recorder::create(dir, options(args, scene, &model), report.clone())?),
+        None => None,
+    };
+    for notice in model.notices.iter().chain(&model.pad_notice) {
+        eprintln!("note: {notice}");
+    }
+    let watch = Watch::new(&model, recorder, grasps.len());
+    let clock = Instant::now();
+    let outcomes = run_grasps(&model, stepper.as_ref(), &grasps, threads, &watch);
+    let (recorder, outcomes) = (watch.finish(), outcomes?);
+    let wall = clock.elapsed().as_secs_f64();
+
+    let measured: Vec<Measured> = outcomes.iter().map(|o| o.measured.clone()).collect();
+    let held: Vec<Held> = scene.expect.iter().map(|e| evaluate_all(e, &measured)).collect();
+    let expectations: Vec<ExpectationReport> = held.iter().map(as_report).collect();
+    let profile = profile(&outcomes);
+    let report = match recorder {
+        Some(recorder) => recorder.finish(expectations, profile)?,
+        None => {
+            report.grasps = outcomes.iter().map(|o| o.summary.clone()).collect();
+            (report.expectations, report.profile_s, report.finished) = (expectations, profile, true);
+            report
+        }
+    };
+    let text = match args.format {
+        Format::Json => report.to_json().map_err(Error::Solver)?,
+        Format::Text => table::render(scene, &grasps, &outcomes, &held, &report, wall),
+    };
+    print(&text)?;
+    let good = match held.is_empty() {
+        true => outcomes.iter().all(|o| o.summary.status == Status::Reached),
+        false => held.iter().all(|h| h.held),
+    };
+    Ok(ExitCode::from(if good { OK } else { NOT_HELD }))
+}
+
+/// The grasps to run, with their numbers; all if none is asked for.
+fn select(poses: &[GraspPose], wanted: &[usize]) -> Result<Vec<(usize, GraspPose)>> {
+    let mut numbers: Vec<usize> = if wanted.is_empty() { (0..poses.len()).collect() } else { wanted.to_vec() };
+    numbers.sort_unstable();
+    numbers.dedup();
+    let pick = |i: usize| {
+        poses.get(i).map(|p| (i, *p)).ok_or_else(|| {
+            refused(&format!(
+                "--grasp {i}: the scene has {} grasps, 0 to {}",
+                poses.len(),
+                poses.len().saturating_sub(1)
+            ))
+        })
+    };
+    numbers.into_iter().map(pick).collect()
+}
+
+/// Threads of the scene, else all that the machine has.
+fn threads(scene: &Scene) -> usize {
+    let own = match &scene.stepper {
+        Stepper::Fem(fem) => fem.threads.map(|t| t.get()),
+        Stepper::Gnn(_) => None,
+    };
+    own.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, |n| n.get()))
+}
+
+/// What is written, as the scene asks.
+fn options(args: &RunArgs, scene: &Scene, model: &Model) -> Options {
+    let picture = if model.needs.stress { Scalar::Stress } else { Scalar::Displacement };
+    Options {
+        vtu: scene.record.vtu,
+        arrays: scene.record.arrays.is_some(),
+        picture: scene.record.pictures.then_some(picture),
+        overwrite: args.overwrite,
+        object_name: model.object.name.clone(),
+        ..Options::default()
+    }
+}
+
+fn as_report(held: &Held) -> ExpectationReport {
+    ExpectationReport { name: held.name.into(), held: held.held, value: held.value, bound: held.bound }
+}
+
+/// Wall time by stage over all grasps, s.
+fn profile(outcomes: &[Outcome]) -> BTreeMap<String, f64> {
+    let mut sum = BTreeMap::new();
+    for (stage, seconds) in outcomes.iter().flat_map(|o| &o.timings.stages) {
+        *sum.entry(stage.to_string()).or_insert(0.0) += seconds;
+    }
+    sum
 }

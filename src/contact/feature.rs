@@ -43,12 +43,26 @@ pub struct FeatureContact {
     damping: f64,
 }
 
+/// Force of a feature on a pad.
+#[derive(Debug, Clone, Copy)]
+pub struct FeatureForce {
+    /// Normal part, N, hand frame.
+    pub normal: DVec3,
+    /// Friction, N, hand frame.
+    pub friction: DVec3,
+    /// Where the pad is touched.
+    pub now: Stencil,
+    /// Nodes that share the force for reporting, with non-negative weights.
+    pub report: Stencil,
+}
+
 /// Where a feature meets the pad now, and where it sticks.
 #[derive(Debug, Clone, Copy)]
 struct Site {
     face: Option<usize>,
     now: Stencil,
     stick: Stencil,
+    report: Stencil,
 }
 
 impl FeatureContact {
@@ -56,7 +70,7 @@ impl FeatureContact {
     pub fn new(law: Law, surface: Arc<ContactSurface>, features: Arc<[Feature]>) -> Self {
         let edges = vec![ContactEdge::default(); features.len()];
         let nowhere = Stencil::new(std::iter::empty());
-        let sites = vec![Site { face: None, now: nowhere, stick: nowhere }; features.len()];
+        let sites = vec![Site { face: None, now: nowhere, stick: nowhere, report: nowhere }; features.len()];
         let area = surface.spacing * surface.spacing;
         let committed = (edges.clone(), sites.clone());
         Self {
@@ -78,10 +92,15 @@ impl FeatureContact {
         self.edges.iter().map(|e| e.gap).fold(f64::INFINITY, f64::min)
     }
 
-    /// Contact force on the pad from feature `i`, N, hand frame, and where it acts.
-    pub fn force(&self, i: usize) -> (DVec3, Stencil) {
-        let e = &self.edges[i];
-        ((e.normal * e.pressure + e.traction) * self.area, self.sites[i].now)
+    /// What feature `i` does to the pad.
+    pub fn readout(&self, i: usize) -> FeatureForce {
+        let (e, site) = (&self.edges[i], &self.sites[i]);
+        FeatureForce {
+            normal: e.normal * (e.pressure * self.area),
+            friction: e.traction * self.area,
+            now: site.now,
+            report: site.report,
+        }
     }
 
     /// The law of feature `i`. Vertices of a smooth surface are felt late: the pad's own points carry that contact, and the
@@ -191,7 +210,8 @@ impl FeatureContact {
         if let Some(foot) = foot {
             // The object's outward normal at the contact is the pad's inward one.
             e.normal = -foot.normal;
-            site.now = self.surface.faces[foot.face].stencil(foot.l);
+            let face = &self.surface.faces[foot.face];
+            (site.now, site.report) = (face.stencil(foot.l), face.report_stencil(foot.l));
         }
         if law.friction == 0.0 {
             return 0.0;

@@ -102,8 +102,12 @@ impl Face {
     }
 
     /// Linear interpolation on the sub-triangle of nodes that contains `l`.
-    fn report_stencil(&self, l: [f64; 3]) -> Stencil {
+    pub(super) fn report_stencil(&self, l: [f64; 3]) -> Stencil {
         let [a, b, c] = self.corners;
+        // A foot may lie a little beyond the rim of its face.
+        let l = l.map(|v| v.max(0.0));
+        let sum: f64 = l.iter().sum();
+        let l = l.map(|v| v / sum);
         let Some([ab, bc, ca]) = self.mids else { return self.stencil(l) };
         let (corner, k) = if l[0] >= 0.5 {
             ([a, ab, ca], [2.0 * l[0] - 1.0, 2.0 * l[1], 2.0 * l[2]])

@@ -8,6 +8,7 @@
 //! | `contact_force` | (frames, nodes, 3) | N on the pad |
 //! | `von_mises_node` | (frames, nodes) | Pa, volume-weighted nodal average |
 //! | `von_mises_element` | (frames, tets) | Pa |
+//! | `gap` | (frames, nodes) | m, signed distance to the object |
 //! | `object_pose` | (frames, 7): x y z qw qx qy qz | m |
 //! | `force` | (frames) | N, sum over the fingers |
 //! | `time` | (frames) | s |
@@ -45,6 +46,7 @@ pub struct Arrays {
     contact_force: Vec<f64>,
     von_mises_node: Vec<f64>,
     von_mises_element: Vec<f64>,
+    gap: Vec<f64>,
     object_pose: Vec<f64>,
     force: Vec<f64>,
     time: Vec<f64>,
@@ -78,6 +80,7 @@ impl Arrays {
             contact_force: Vec::new(),
             von_mises_node: Vec::new(),
             von_mises_element: Vec::new(),
+            gap: Vec::new(),
             object_pose: Vec::new(),
             force: Vec::new(),
             time: Vec::new(),
@@ -103,6 +106,7 @@ impl Arrays {
             extend(&mut self.contact_force, &pad.contact_force);
             self.von_mises_node.extend(&pad.von_mises_node);
             self.von_mises_element.extend(&pad.von_mises_element);
+            self.gap.extend(&pad.gap);
             extend(&mut self.wrench, &[pad.wrench.force, pad.wrench.torque]);
         }
         let (p, q) = (frame.object_position, frame.object_rotation);
@@ -132,9 +136,19 @@ impl Arrays {
         let out = &mut npz;
         put(out, "displacement", (frames, nodes, 3), &self.displacement)?;
         put(out, "position", (frames, nodes, 3), &self.position)?;
-        put(out, "contact_force", (frames, nodes, 3), &self.contact_force)?;
-        put(out, "von_mises_node", (frames, nodes), &self.von_mises_node)?;
-        put(out, "von_mises_element", (frames, tets), &self.von_mises_element)?;
+        // What is not recorded is left out.
+        if !self.contact_force.is_empty() {
+            put(out, "contact_force", (frames, nodes, 3), &self.contact_force)?;
+        }
+        if !self.von_mises_node.is_empty() {
+            put(out, "von_mises_node", (frames, nodes), &self.von_mises_node)?;
+        }
+        if !self.von_mises_element.is_empty() {
+            put(out, "von_mises_element", (frames, tets), &self.von_mises_element)?;
+        }
+        if !self.gap.is_empty() {
+            put(out, "gap", (frames, nodes), &self.gap)?;
+        }
         put(out, "object_pose", (frames, 7), &self.object_pose)?;
         put(out, "force", frames, &self.force)?;
         put(out, "time", frames, &self.time)?;

@@ -61,7 +61,8 @@ fn row(frame: &Frame) -> Vec<String> {
         numbers.extend(pad.wrench.force.to_array());
         numbers.extend(pad.wrench.torque.to_array());
         numbers.push(pad.displacement.iter().map(|u| u.length()).fold(0.0, f64::max));
-        numbers.push(pad.von_mises_node.iter().copied().fold(0.0, f64::max));
+        // An empty cell where stress is not recorded.
+        numbers.push(pad.von_mises_node.iter().copied().reduce(f64::max).unwrap_or(f64::NAN));
     }
     numbers.push(frame.energy);
     let rest = [frame.min_det_f, frame.min_gap, frame.force_balance, frame.torque_balance, frame.residual];
@@ -69,8 +70,12 @@ fn row(frame: &Frame) -> Vec<String> {
     before.chain([frame.newton_iterations.to_string()]).chain(rest.map(number)).collect()
 }
 
-/// The shortest text that reads back to the same number; plain where a person would write it plainly.
+/// The shortest text that reads back to the same number; plain where a person would write it plainly; empty for what was
+/// not measured.
 fn number(value: f64) -> String {
+    if value.is_nan() {
+        return String::new();
+    }
     let size = value.abs();
     if value == 0.0 || (1e-3..1e6).contains(&size) { value.to_string() } else { format!("{value:e}") }
 }

@@ -21,12 +21,14 @@ pub struct PadFrame {
     pub position: Vec<DVec3>,
     /// Node displacements relative to the pad carried rigidly by its finger, m.
     pub displacement: Vec<DVec3>,
-    /// Contact force ON the pad, per node, N.
+    /// Contact force ON the pad, per node, N; empty if not recorded.
     pub contact_force: Vec<DVec3>,
-    /// Nodal von Mises stress, the volume-weighted average over the elements at the node, Pa.
+    /// Nodal von Mises stress, the volume-weighted average over the elements at the node, Pa; empty if not recorded.
     pub von_mises_node: Vec<f64>,
-    /// Von Mises stress per element, Pa.
+    /// Von Mises stress per element, Pa; empty if not recorded.
     pub von_mises_element: Vec<f64>,
+    /// Signed distance of each node to the object, m; negative inside; empty if not recorded.
+    pub gap: Vec<f64>,
     /// Resultant of the contact on this pad.
     pub wrench: Wrench,
 }
@@ -40,7 +42,7 @@ pub struct Frame {
     pub applied_force: f64,
     /// Simulated time, s; 0 in quasi-static scenes.
     pub time: f64,
-    /// Closing travel of each finger, left first, m.
+    /// Closing travel of each finger since first contact, left first, m.
     pub travel: Vec<f64>,
     /// Origin of the object frame, m.
     pub object_position: DVec3,
@@ -56,7 +58,8 @@ pub struct Frame {
     pub min_det_f: f64,
     /// Smallest gap between pads and object, m; positive where nothing penetrates.
     pub min_gap: f64,
-    /// |applied force - contact force| / applied force.
+    /// Unbalanced force over the applied force: of a free object, what contact and weight leave over; else what a finger's
+    /// contact carries more or less than the finger.
     pub force_balance: f64,
     /// |sum of the contact torques on the object| / (applied force x object size).
     pub torque_balance: f64,

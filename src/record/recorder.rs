@@ -92,7 +92,8 @@ impl Recorder {
     }
 
     /// Enters the summary of a grasp that has no files (infeasible from the start).
-    pub fn skip_grasp(&mut self, index: usize, summary: GraspSummary) -> Result<()> {
+    pub fn skip_grasp(&mut self, index: usize, mut summary: GraspSummary) -> Result<()> {
+        summary.grasp = index;
         self.grasps.insert(index, summary);
         self.report.grasps = self.grasps.values().cloned().collect();
         self.report.write(&self.dir.join("run.json"))

@@ -22,6 +22,8 @@ pub enum Status {
 /// How one grasp went. Numbers that do not exist (a grasp without frames) are `null` in the file, never NaN.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GraspSummary {
+    /// Number of the grasp in its scene, from 0.
+    pub grasp: usize,
     /// How it ended.
     pub status: Status,
     /// Why it was not reached; `None` if it was.
@@ -48,6 +50,7 @@ impl GraspSummary {
     /// A grasp without frames yet.
     pub fn new(status: Status, reason: Option<String>) -> Self {
         GraspSummary {
+            grasp: 0,
             status,
             reason,
             force_n: 0.0,

@@ -40,11 +40,21 @@ pub fn pads(topologies: &[PadTopology], frame: &Frame) -> String {
     begin(&mut out, node_pad.len(), cells.types.len());
     out.push_str("<PointData>\n");
     vectors(&mut out, "displacement", &gather(|pad| &pad.displacement));
-    vectors(&mut out, "contact_force", &gather(|pad| &pad.contact_force));
-    floats(&mut out, "von_mises_node", &scalars(|pad| &pad.von_mises_node), 1);
+    // What is not recorded is empty, and left out.
+    if frame.pads.iter().all(|pad| !pad.contact_force.is_empty()) {
+        vectors(&mut out, "contact_force", &gather(|pad| &pad.contact_force));
+    }
+    if frame.pads.iter().all(|pad| !pad.von_mises_node.is_empty()) {
+        floats(&mut out, "von_mises_node", &scalars(|pad| &pad.von_mises_node), 1);
+    }
+    if frame.pads.iter().all(|pad| !pad.gap.is_empty()) {
+        floats(&mut out, "gap", &scalars(|pad| &pad.gap), 1);
+    }
     array(&mut out, "UInt8", "pad", 1, &node_pad);
     out.push_str("</PointData>\n<CellData>\n");
-    floats(&mut out, "von_mises_element", &scalars(|pad| &pad.von_mises_element), 1);
+    if frame.pads.iter().all(|pad| !pad.von_mises_element.is_empty()) {
+        floats(&mut out, "von_mises_element", &scalars(|pad| &pad.von_mises_element), 1);
+    }
     array(&mut out, "UInt8", "pad", 1, &tet_pad);
     out.push_str("</CellData>\n");
     end(&mut out, &gather(|pad| &pad.position), &cells);

@@ -75,9 +75,9 @@ defaults! {
     /// FEM: treat the dilatation of an element as constant (no volumetric locking).
     MEAN_DILATATION: bool = true;
     /// FEM: residual force over the loading's force at which an increment counts as solved.
-    FORCE_TOLERANCE: Positive = Positive::preset(1e-4);
+    FORCE_TOLERANCE: Positive = Positive::preset(2e-4);
     /// FEM: largest Newton step of a node at which an increment counts as solved, m.
-    DISPLACEMENT_TOLERANCE: Length = Length::preset(1e-8);
+    DISPLACEMENT_TOLERANCE: Length = Length::preset(5e-6);
     /// FEM: Newton iterations before an increment is halved.
-    MAX_ITERATIONS: Count<1, 10000> = Count::preset(100);
+    MAX_ITERATIONS: Count<1, 10000> = Count::preset(40);
 }

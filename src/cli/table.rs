@@ -1,0 +1,120 @@
+//! The report of a run for human eyes.
+
+use crate::grasp::GraspPose;
+use crate::record::{RunReport, Status};
+use crate::runner::Outcome;
+use crate::scene::{Expectation, Held, Scene};
+use std::fmt::Write;
+
+/// Heading, a row per grasp, expectations and the profile.
+pub fn render(
+    scene: &Scene,
+    grasps: &[(usize, GraspPose)],
+    outcomes: &[Outcome],
+    held: &[Held],
+    report: &RunReport,
+    wall: f64,
+) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail; the results below are dropped for that reason.
+    if !scene.about.is_empty() {
+        let _ = writeln!(out, "{}", scene.about);
+    }
+    let pad = report.pads.first();
+    let (nodes, tets) = pad.map_or((0, 0), |p| (p.nodes, p.tets));
+    let _ = writeln!(
+        out,
+        "{} on {} thread{}; {} pad{} of {nodes} nodes, {tets} tetrahedra\n",
+        report.backend,
+        report.threads,
+        plural(report.threads),
+        report.pads.len(),
+        plural(report.pads.len()),
+    );
+    rows(&mut out, grasps, outcomes);
+    if !held.is_empty() {
+        out.push('\n');
+        scene.expect.iter().zip(held).for_each(|(e, h)| expectation(&mut out, e, h));
+    }
+    profile(&mut out, outcomes, report, wall);
+    out
+}
+
+fn plural(n: usize) -> &'static str {
+    if n == 1 { "" } else { "s" }
+}
+
+fn rows(out: &mut String, grasps: &[(usize, GraspPose)], outcomes: &[Outcome]) {
+    out.push_str(
+        "grasp  status      frames  force N  travel mm  stress kPa   gap um  min det F  balance  iterations  time s\n",
+    );
+    for ((index, _), o) in grasps.iter().zip(outcomes) {
+        let s = &o.summary;
+        let status = match s.status {
+            Status::Reached => "reached",
+            Status::Fault => "fault",
+            Status::Infeasible => "infeasible",
+        };
+        let optional = |value: Option<f64>, scale: f64, digits: usize| {
+            value.filter(|v| v.is_finite()).map_or("-".into(), |v| format!("{:.digits$}", v * scale))
+        };
+        let some = (s.frames > 0).then_some(());
+        let _ = writeln!(
+            out,
+            "{index:>5}  {status:<10}  {:>6}  {:>7}  {:>9}  {:>10}  {:>7}  {:>9}  {:>7}  {:>10}  {:>6.2}",
+            s.frames,
+            optional(some.map(|()| s.force_n), 1.0, 3),
+            optional(some.map(|()| s.travel_m), 1e3, 4),
+            optional(Some(o.measured.max_stress_pa), 1e-3, 2),
+            optional(s.min_gap_m, 1e6, 2),
+            optional(s.min_det_f, 1.0, 3),
+            s.force_balance.map_or("-".into(), |b| format!("{b:.0e}")),
+            s.newton_iterations,
+            s.wall_s,
+        );
+        if let Some(reason) = &s.reason {
+            let _ = writeln!(out, "       {reason}");
+        }
+    }
+}
+
+fn expectation(out: &mut String, expectation: &Expectation, held: &Held) {
+    let unit = held.unit;
+    let number =
+        |v: f64| if v != 0.0 && !(1e-2..1e5).contains(&v.abs()) { format!("{v:.3e}") } else { format!("{v:.4}") };
+    let mut text = held.value.map(|v| format!("{} {unit}", number(v)).trim_end().to_string()).unwrap_or_default();
+    if let Some(bound) = held.bound {
+        let _ = write!(text, ", bound {} {unit}", number(bound));
+    }
+    if let Expectation::ForceAt(at) = expectation {
+        let _ = write!(text, "(+-{} %) at {} mm", 100.0 * at.relative.get(), 1e3 * at.depth.get());
+    }
+    if let Some(detail) = &held.detail {
+        let _ = write!(text, " {detail}");
+    }
+    let verdict = if held.held { "held    " } else { "VIOLATED" };
+    let _ = writeln!(out, "{verdict}  {:<14} {}", held.name, text.trim());
+}
+
+fn profile(out: &mut String, outcomes: &[Outcome], report: &RunReport, wall: f64) {
+    let total: f64 = report.profile_s.values().sum();
+    let iterations: u64 = outcomes.iter().map(|o| o.timings.iterations).sum();
+    if total <= 0.0 {
+        return;
+    }
+    let mut stages: Vec<_> = report.profile_s.iter().collect();
+    stages.sort_by(|a, b| b.1.total_cmp(a.1));
+    let shares: Vec<_> = stages.iter().map(|(name, s)| format!("{name} {:.0} %", 100.0 * **s / total)).collect();
+    let _ = writeln!(out, "\n{wall:.2} s wall, {iterations} Newton iterations: {}", shares.join(", "));
+    let stage = |name: &str| report.profile_s.get(name).copied().unwrap_or(0.0);
+    let factorization = stage("factorization");
+    if factorization > 0.0 && iterations > 0 {
+        let whole = factorization + stage("assembly") + stage("solve") + stage("line_search");
+        let _ = writeln!(
+            out,
+            "one Newton iteration takes {:.1} ms and costs {:.1} times its factorisation",
+            1e3 * whole / iterations as f64,
+            whole / factorization
+        );
+    }
+}

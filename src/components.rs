@@ -1,0 +1,126 @@
+//! The only place where the state of a world is declared: every component with its unit, its range and who writes it.
+//!
+//! | entity | components | spawned |
+//! |---|---|---|
+//! | node | [`NodeIndex`], [`FingerIndex`], [`NodeKind`], [`RestPosition`], [`Position`] | always |
+//! | | [`NodalStress`] | stress is recorded or expected |
+//! | | [`ContactForce`] | contact forces are recorded |
+//! | | [`NodeGap`] | gaps are recorded |
+//! | tetrahedron | [`TetIndex`], [`FingerIndex`], [`TetStress`] | stress is recorded or expected |
+//! | contact edge | [`EdgeIndex`], [`FingerIndex`], [`ContactEdge`] | always, a fixed pool |
+//! | | [`ContactFriction`] | friction is above zero |
+//! | finger | [`FingerIndex`], [`ClosingDirection`], [`FirstContact`], [`FingerTravel`], [`FingerForce`], [`FingerWrench`] | always |
+//! | object | [`ObjectPose`] | always |
+//! | | [`FreeObject`] | the object may move |
+//! | | [`ObjectWeight`] | gravity is set and the object may move |
+//!
+//! Nothing is despawned and no component comes or goes after the spawn, so that columns stay contiguous and in spawn
+//! order; indices, not rows, are the order that counts.
+
+use bevy_ecs::component::Component;
+use glam::{DQuat, DVec3};
+
+/// Declares components: plain data, copied freely.
+macro_rules! components {
+    ($($(#[$doc:meta])* $name:ident($(#[$inner:meta])* $type:ty);)*) => {
+        $($(#[$doc])*
+        #[derive(Component, Debug, Clone, Copy, PartialEq)]
+        pub struct $name($(#[$inner])* pub $type);)*
+    };
+}
+
+components! {
+    /// Number of a node within its pad, from 0: corners first. Written at spawn.
+    NodeIndex(u32);
+    /// Number of a tetrahedron within its pad, from 0. Written at spawn.
+    TetIndex(u32);
+    /// Number of a contact edge within its pad, from 0. Written at spawn.
+    EdgeIndex(u32);
+    /// Finger that the entity is or belongs to: 0 left, 1 right. Written at spawn.
+    FingerIndex(u32);
+    /// Rest position of a node, m, hand frame at zero travel. Written at spawn.
+    RestPosition(DVec3);
+    /// Position of a node, m, in hand axes relative to its finger: in the hand frame it is at
+    /// `Position + FingerTravel * ClosingDirection`. Written by the stepper.
+    Position(DVec3);
+    /// Von Mises stress at a node, Pa, >= 0, volume-weighted over its tetrahedra. Written by the stepper.
+    NodalStress(f64);
+    /// Von Mises stress of a tetrahedron, Pa, >= 0. Written by the stepper.
+    TetStress(f64);
+    /// Contact force on a node of the pad, N, hand frame. Written by the stepper; zero away from the contact.
+    ContactForce(DVec3);
+    /// Signed distance of a node to the object, m; negative inside. Written by `measure_gap`.
+    NodeGap(f64);
+    /// Unit vector along which a finger closes, hand frame. Written at spawn.
+    ClosingDirection(DVec3);
+    /// Travel of a finger at first contact, m, 0 to the stroke. Written once by `close_to_contact`.
+    FirstContact(f64);
+    /// Travel of a finger from the open gripper, m, 0 to the stroke. Written by `close_to_contact`, then by the stepper.
+    FingerTravel(f64);
+    /// Force that closes a finger, N, >= 0: given by `set_load`, or, where travel is prescribed, what the finger's mount
+    /// had to give, written by the stepper.
+    FingerForce(f64);
+    /// Weight of a free object, N, hand frame. Written at spawn.
+    ObjectWeight(DVec3);
+}
+
+/// Where a node of a pad lies. Written at spawn.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NodeKind {
+    /// Inside the gel.
+    Interior,
+    /// On the free surface: may touch the object.
+    Surface,
+    /// Glued to the finger: has no unknowns.
+    Bonded,
+}
+
+/// One potential contact between a pad and the object, of a fixed pool. Written by the stepper.
+#[derive(Component, Debug, Clone, Copy, PartialEq)]
+pub struct ContactEdge {
+    /// Distance of the pad's point to the object, m; `+inf` where too far to matter.
+    pub gap: f64,
+    /// Outward normal of the object at the contact, unit, hand frame; zero where too far to matter.
+    pub normal: DVec3,
+    /// Force on the pad, friction included, N, hand frame.
+    pub force: DVec3,
+    /// True while the edge carries force.
+    pub active: bool,
+}
+
+/// Friction on a contact edge. Written by the stepper.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
+pub struct ContactFriction {
+    /// Tangential part of the force on the pad, N, hand frame.
+    pub force: DVec3,
+    /// True where Coulomb's limit is reached.
+    pub slips: bool,
+}
+
+/// Resultant of the contact on the pad of a finger. Written by the stepper.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
+pub struct FingerWrench {
+    /// Force on the pad, N, hand frame.
+    pub force: DVec3,
+    /// Torque on the pad about the origin of its pad frame, which moves with the finger, N m, hand frame.
+    pub torque: DVec3,
+}
+
+/// Pose of the object: `x_hand = rotation * x_object + position`. Written by `place_object`, then by the stepper.
+#[derive(Component, Debug, Clone, Copy, PartialEq)]
+pub struct ObjectPose {
+    /// Origin of the object frame in the hand frame, m.
+    pub position: DVec3,
+    /// Rotation from the object frame to the hand frame, length 1.
+    pub rotation: DQuat,
+}
+
+/// Marks an object that may move. Written at spawn.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FreeObject;
+
+impl Default for ContactEdge {
+    fn default() -> Self {
+        Self { gap: f64::INFINITY, normal: DVec3::ZERO, force: DVec3::ZERO, active: false }
+    }
+}

@@ -1,0 +1,245 @@
+//! The finite element backend: one potential, minimised at every load level.
+
+use super::increment::{Advanced, Load, Path, SOFTEST};
+use super::newton::{Failure, Newton, Tolerance};
+use super::readout;
+use super::state::{Border, State};
+use super::systems;
+use super::term::{BodyTerm, DeadLoad, Elastic};
+use super::weight::Weight;
+use crate::components::ObjectPose;
+use crate::contact::{Contact, FeatureContact};
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::record::pad_name;
+use crate::scene;
+use crate::schedule::{Grasp, Shared};
+use crate::stepper::Stepper;
+use crate::systems::sense::first_contact;
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+
+/// Settings of the backend.
+#[derive(Debug, Clone, Copy)]
+pub struct Fem {
+    settings: scene::Fem,
+}
+
+impl Fem {
+    /// With the scene's settings.
+    pub fn new(settings: &scene::Fem) -> Self {
+        Self { settings: *settings }
+    }
+}
+
+impl Stepper for Fem {
+    fn name(&self) -> &'static str {
+        "fem"
+    }
+
+    fn settings(&self) -> String {
+        let s = &self.settings;
+        let element = match (s.element, s.mean_dilatation) {
+            (scene::Element::Linear, _) => "linear",
+            (scene::Element::Quadratic, true) => "quadratic, mean dilatation",
+            (scene::Element::Quadratic, false) => "quadratic",
+        };
+        format!("{element}, force tolerance {:e}", s.tolerance.force.get())
+    }
+
+    fn register(&self, schedule: &mut Schedule, world: &mut World) -> Result<()> {
+        let missing = || Error::Start("the world was not spawned for a grasp".into());
+        let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
+        let grasp = *world.get_resource::<Grasp>().ok_or_else(missing)?;
+        let pose = grasp.0.object_in_hand();
+        let pose = ObjectPose { position: pose.position, rotation: pose.rotation };
+        world.insert_resource(Solver::new(&shared.0, pose, &self.settings));
+        systems::register(schedule, &shared.0.needs, shared.0.force_driven);
+        Ok(())
+    }
+}
+
+/// The solver of one grasp.
+#[derive(Resource)]
+pub struct Solver {
+    /// Solver, accepted state and predictor.
+    pub path: Path,
+    settings: scene::Fem,
+    started: bool,
+    /// Pose at first contact.
+    start: ObjectPose,
+}
+
+impl Solver {
+    /// At rest, with the object at `pose`.
+    pub fn new(model: &Model, pose: ObjectPose, settings: &scene::Fem) -> Self {
+        let bodies: Vec<_> = model.fingers.iter().map(|f| f.body.clone()).collect();
+        let terms = (0..bodies.len()).map(|i| terms(model, i, pose)).collect();
+        let closing: Vec<DVec3> = model.fingers.iter().map(|f| f.placement.closing).collect();
+        let border = Border::new(closing, model.force_driven, model.free, model.object.bounding_radius);
+        let state = State {
+            x: bodies.iter().map(|b| b.rest.clone()).collect(),
+            travel: vec![0.0; bodies.len()],
+            position: pose.position,
+            rotation: pose.rotation,
+        };
+        let path = Path::new(Newton::new(bodies, terms, border), state, Tolerance::default());
+        Self { path, settings: *settings, started: false, start: pose }
+    }
+
+    /// Brings the state to `level` (N or m per finger), from first contact the first time.
+    ///
+    /// # Errors
+    /// What stopped it, for the record; the state is then the last accepted one.
+    pub fn advance(&mut self, model: &Model, level: f64) -> std::result::Result<Advanced, String> {
+        let before = self.path.state.clone();
+        let load = if model.force_driven { Load::Force } else { Load::Travel };
+        let mut done = Advanced::default();
+        if !std::mem::replace(&mut self.started, true) && model.force_driven {
+            // An object with weight rests on its support until the first level; less might not hold it.
+            let gentle = model.levels.last().copied().unwrap_or(level) * FIRST_TOUCH;
+            let first = if model.gravity.is_some() { level } else { level.min(gentle) };
+            self.path.tolerance = self.tolerance(model, first);
+            self.back_off(model)?;
+            let making = format!("making contact at {first:.4} N per finger");
+            done = self
+                .path
+                .establish(first, model.law.offset)
+                .map_err(|f| self.squeezed_out(model, first, f).unwrap_or_else(|| self.explain(model, &making, f)))?;
+        }
+        self.path.tolerance = self.tolerance(model, level);
+        let more = self.path.advance(load, level).map_err(|f| self.explain(model, &at(load, level), f))?;
+        done.iterations += more.iterations;
+        done.increments += more.increments;
+        if more.increments > 0 {
+            done.residual = more.residual;
+        }
+        if let Some(reason) = self.lost_grip(model) {
+            self.path.state = before;
+            return Err(format!("{}: {reason}", at(load, level)));
+        }
+        Ok(done)
+    }
+
+    /// Weight of the gel of finger `i`, N, hand frame.
+    pub fn gel_weight(&self, model: &Model, i: usize) -> DVec3 {
+        let volume = || model.fingers[i].body.nodal_volume().iter().sum::<f64>();
+        model.gravity.map_or(DVec3::ZERO, |g| self.start.rotation * g * (volume() * model.gel_density))
+    }
+
+    /// Convergence criteria at `level`.
+    fn tolerance(&self, model: &Model, level: f64) -> Tolerance {
+        let thickness = model.fingers[0].topology.rest.iter().map(|p| -p.z).fold(0.0, f64::max);
+        // A press does not know its force: modulus x depth x thickness is its order of magnitude.
+        let force = if model.force_driven { level } else { model.material.young() * level * thickness };
+        Tolerance {
+            relative: self.settings.tolerance.force.get(),
+            // Where nothing touches yet there is no contact force to compare with.
+            force: 1e-2 * self.settings.tolerance.force.get() * force,
+            length: self.settings.tolerance.displacement.get(),
+            iterations: self.settings.max_iterations.get() as u32,
+            ..Tolerance::default()
+        }
+    }
+
+    /// Moves the fingers to where the softened contact just touches.
+    fn back_off(&mut self, model: &Model) -> std::result::Result<(), String> {
+        let pose = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
+        let clearance = model.law.offset * SOFTEST.sqrt();
+        for i in 0..model.fingers.len() {
+            self.path.state.travel[i] = first_contact(model, i, &pose, clearance)?;
+        }
+        Ok(())
+    }
+
+    /// Why the state, though in equilibrium, is no grasp.
+    fn lost_grip(&self, model: &Model) -> Option<String> {
+        let (newton, state) = (&self.path.newton, &self.path.state);
+        for i in 0..model.fingers.len() {
+            let name = pad_name(i);
+            if state.travel[i] > model.stroke {
+                let stroke = model.stroke * 1e3;
+                return Some(format!(
+                    "the {name} finger ran past its stroke of {stroke:.1} mm: {}",
+                    self.escaped(model)
+                ));
+            }
+            if !readout::edges(newton, state, i).any(|e| e.active()) {
+                return Some(format!("the {name} finger lost contact: {}", self.escaped(model)));
+            }
+        }
+        None
+    }
+
+    /// How far a free object has gone since first contact.
+    fn escaped(&self, model: &Model) -> String {
+        let state = &self.path.state;
+        let moved = state.position.distance(self.start.position) * 1e3;
+        let turned = (state.rotation * self.start.rotation.inverse()).to_scaled_axis().length().to_degrees();
+        match model.free {
+            true => format!("the object was squeezed out (it moved {moved:.1} mm and turned {turned:.1} degrees)"),
+            false => "nothing is left to push against".into(),
+        }
+    }
+
+    /// The reason when a finger closed on nothing while contact was being made.
+    fn squeezed_out(&self, model: &Model, force: f64, failure: Failure) -> Option<String> {
+        (model.free && failure == Failure::Lost).then(|| {
+            format!(
+                "the object was squeezed out from between the pads while making contact at {force:.4} N per finger: \
+                 nothing pushes back on the fingers"
+            )
+        })
+    }
+
+    fn explain(&self, model: &Model, at: &str, failure: Failure) -> String {
+        let what = match failure {
+            Failure::Iterations(r) => format!("no equilibrium within the iteration limit (residual {r:.1e} N)"),
+            Failure::LineSearch(r) => format!("line search: no step lowers the energy (residual {r:.1e} N)"),
+            Failure::Lost => "a finger closes on nothing: the object was squeezed out".into(),
+            Failure::Unsettled => "the object keeps rolling or sliding and does not come to rest".into(),
+            Failure::Singular => "the stiffness is not positive definite or not finite".into(),
+        };
+        let state = &self.path.state;
+        let moved = state.position.distance(self.start.position);
+        let far = if model.free && moved > SLIPPING * model.object.bounding_radius {
+            format!("; {}", self.escaped(model))
+        } else {
+            String::new()
+        };
+        format!("{at}: {what}; last accepted level {:.4e}{far}", self.path.level)
+    }
+}
+
+/// Part of the final force at which contact is established.
+const FIRST_TOUCH: f64 = 0.02;
+/// Motion of a free object, over its radius, that speaks of an object squeezed out when the solver gives up.
+const SLIPPING: f64 = 0.1;
+
+fn at(load: Load, level: f64) -> String {
+    match load {
+        Load::Force => format!("at {level:.4} N per finger"),
+        Load::Travel => format!("at {:.4} mm after contact", level * 1e3),
+    }
+}
+
+/// The terms of body `i`.
+fn terms(model: &Model, i: usize, pose: ObjectPose) -> Vec<Box<dyn BodyTerm>> {
+    let finger = &model.fingers[i];
+    let contact = Contact::new(model.law, finger.surface.clone(), model.object.distance.clone());
+    let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(Elastic), Box::new(contact)];
+    if !model.features.is_empty() {
+        terms.push(Box::new(FeatureContact::new(model.law, finger.surface.clone(), model.features.clone())));
+    }
+    if let Some(gravity) = model.gravity {
+        let g = pose.rotation * gravity;
+        let loads = finger.body.nodal_volume().iter().map(|v| g * (v * model.gel_density)).collect();
+        terms.push(Box::new(DeadLoad(loads)));
+        if model.free && i == 0 {
+            let center = model.object.mass.center;
+            let start = pose.position + pose.rotation * center;
+            terms.push(Box::new(Weight { force: g * model.mass, center, start }));
+        }
+    }
+    terms
+}

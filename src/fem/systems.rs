@@ -1,0 +1,220 @@
+//! The systems of the finite element backend: columns -> solver -> one load level -> columns.
+
+use super::readout;
+use super::stepper::Solver;
+use crate::components::*;
+use crate::model::Needs;
+use crate::schedule::{Advance, Next, Phase, Shared, StepSet, Timings, ramping, reached};
+use crate::systems::{measure::measure_balance, sense::close_to_contact};
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+
+/// Puts the systems in their sets; those for what the scene does not need are left out.
+pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
+    schedule.add_systems(read_state.run_if(ramping).after(close_to_contact).in_set(StepSet::Sense));
+    schedule.add_systems((advance_level, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
+    schedule.add_systems(measure_contact.run_if(reached).before(measure_balance).in_set(StepSet::Measure));
+    schedule.add_systems(report_timings.run_if(ramping).in_set(StepSet::Measure));
+    if !force_driven {
+        schedule.add_systems(measure_reaction.run_if(reached).before(measure_balance).in_set(StepSet::Measure));
+    }
+    if needs.friction {
+        schedule.add_systems(measure_friction.run_if(reached).in_set(StepSet::Measure));
+    }
+    if needs.contact_force {
+        schedule.add_systems(measure_nodal_force.run_if(reached).in_set(StepSet::Measure));
+    }
+    // Both it and the contact add to `Advance`.
+    if needs.stress {
+        schedule.add_systems(measure_stress.run_if(reached).after(measure_contact).in_set(StepSet::Measure));
+    } else {
+        schedule.add_systems(measure_det_f.run_if(reached).after(measure_contact).in_set(StepSet::Measure));
+    }
+}
+
+/// Why columns are contiguous.
+const TABLES: &str = "components are stored in tables";
+
+/// Columns -> solver: the world is the state, the solver only works on it.
+pub fn read_state(
+    mut solver: ResMut<Solver>,
+    nodes: Query<(&NodeIndex, &FingerIndex, &Position)>,
+    fingers: Query<(&FingerIndex, &FingerTravel)>,
+    pose: Single<&ObjectPose>,
+) {
+    let state = &mut solver.path.state;
+    for (index, finger, position) in nodes.contiguous_iter().expect(TABLES) {
+        for row in 0..index.len() {
+            state.x[finger[row].0 as usize][index[row].0 as usize] = position[row].0;
+        }
+    }
+    for (finger, travel) in &fingers {
+        state.travel[finger.0 as usize] = travel.0;
+    }
+    (state.position, state.rotation) = (pose.position, pose.rotation);
+}
+
+/// One load level; on failure the state is the last accepted one and the grasp ends.
+pub fn advance_level(
+    mut solver: ResMut<Solver>,
+    shared: Res<Shared>,
+    mut advance: ResMut<Advance>,
+    mut next: ResMut<Next>,
+) {
+    match solver.advance(&shared.0, advance.level) {
+        Ok(done) => {
+            advance.reached = true;
+            advance.iterations = done.iterations;
+            advance.residual = done.residual;
+        }
+        Err(reason) => next.request(Phase::Fault { reason }),
+    }
+}
+
+/// Solver -> columns.
+pub fn write_state(
+    solver: Res<Solver>,
+    mut nodes: Query<(&NodeIndex, &FingerIndex, &mut Position)>,
+    mut fingers: Query<(&FingerIndex, &mut FingerTravel)>,
+    mut pose: Single<&mut ObjectPose>,
+) {
+    let state = &solver.path.state;
+    for (index, finger, mut position) in nodes.contiguous_iter_mut().expect(TABLES) {
+        // Nobody watches single nodes: the change tick of each would cost more than the write.
+        let position = position.bypass_change_detection();
+        for row in 0..index.len() {
+            position[row].0 = state.x[finger[row].0 as usize][index[row].0 as usize];
+        }
+    }
+    for (finger, mut travel) in &mut fingers {
+        travel.0 = state.travel[finger.0 as usize];
+    }
+    **pose = ObjectPose { position: state.position, rotation: state.rotation };
+}
+
+/// Contact edges, the wrench on every pad, smallest gap and potential.
+pub fn measure_contact(
+    solver: Res<Solver>,
+    shared: Res<Shared>,
+    mut advance: ResMut<Advance>,
+    mut pool: Query<(&EdgeIndex, &FingerIndex, &mut ContactEdge)>,
+    mut fingers: Query<(&FingerIndex, &mut FingerWrench)>,
+) {
+    let (newton, state) = (&solver.path.newton, &solver.path.state);
+    let edges: Vec<Vec<_>> = (0..newton.bodies()).map(|i| readout::edges(newton, state, i).collect()).collect();
+    for (index, finger, mut edge) in pool.contiguous_iter_mut().expect(TABLES) {
+        let edge = edge.bypass_change_detection();
+        for row in 0..index.len() {
+            let e = &edges[finger[row].0 as usize][index[row].0 as usize];
+            edge[row] = ContactEdge { gap: e.gap, normal: e.normal, force: e.force, active: e.active() };
+        }
+    }
+    for (finger, mut wrench) in &mut fingers {
+        let i = finger.0 as usize;
+        let origin = shared.0.fingers[i].placement.origin + newton.border.closing[i] * state.travel[i];
+        // Summed in edge order: the same bits every time.
+        let mut sum = FingerWrench::default();
+        for e in &edges[i] {
+            sum.force += e.force;
+            sum.torque += (e.point - origin).cross(e.force);
+        }
+        *wrench = sum;
+    }
+    advance.min_gap = readout::min_gap(newton);
+    advance.energy = newton.energy(state);
+}
+
+/// What the mount of a finger with prescribed travel had to give: the reaction of the bonded nodes along the closing
+/// direction, without the gel's own weight.
+pub fn measure_reaction(
+    solver: Res<Solver>,
+    shared: Res<Shared>,
+    mut fingers: Query<(&FingerIndex, &ClosingDirection, &mut FingerForce)>,
+) {
+    let newton = &solver.path.newton;
+    for (finger, closing, mut force) in &mut fingers {
+        let i = finger.0 as usize;
+        let body = newton.body(i);
+        let bonded = newton.gradient(i).iter().zip(&body.fixed).filter(|(_, fixed)| **fixed);
+        let reaction: DVec3 = bonded.map(|(g, _)| *g).sum();
+        force.0 = (reaction + solver.gel_weight(&shared.0, i)).dot(closing.0);
+    }
+}
+
+/// Friction on every contact edge.
+pub fn measure_friction(solver: Res<Solver>, mut pool: Query<(&EdgeIndex, &FingerIndex, &mut ContactFriction)>) {
+    let (newton, state) = (&solver.path.newton, &solver.path.state);
+    let friction: Vec<Vec<_>> = (0..newton.bodies())
+        .map(|i| {
+            readout::edges(newton, state, i).map(|e| ContactFriction { force: e.friction, slips: e.slips }).collect()
+        })
+        .collect();
+    for (index, finger, mut column) in pool.contiguous_iter_mut().expect(TABLES) {
+        let column = column.bypass_change_detection();
+        for row in 0..index.len() {
+            column[row] = friction[finger[row].0 as usize][index[row].0 as usize];
+        }
+    }
+}
+
+/// Contact forces gathered on the nodes; their sum is that of the edges.
+pub fn measure_nodal_force(solver: Res<Solver>, mut nodes: Query<(&NodeIndex, &FingerIndex, &mut ContactForce)>) {
+    let (newton, state) = (&solver.path.newton, &solver.path.state);
+    let mut force: Vec<Vec<DVec3>> = state.x.iter().map(|x| vec![DVec3::ZERO; x.len()]).collect();
+    for (i, force) in force.iter_mut().enumerate() {
+        for e in readout::edges(newton, state, i).filter(|e| e.active()) {
+            let (nodes, weights) = e.report.slices();
+            nodes.iter().zip(weights).for_each(|(&n, &w)| force[n as usize] += e.force * w);
+        }
+    }
+    for (index, finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
+        let column = column.bypass_change_detection();
+        for row in 0..index.len() {
+            column[row].0 = force[finger[row].0 as usize][index[row].0 as usize];
+        }
+    }
+}
+
+/// Von Mises stress on nodes and tetrahedra, and the smallest det F.
+pub fn measure_stress(
+    solver: Res<Solver>,
+    mut advance: ResMut<Advance>,
+    mut nodes: Query<(&NodeIndex, &FingerIndex, &mut NodalStress)>,
+    mut tets: Query<(&TetIndex, &FingerIndex, &mut TetStress)>,
+) {
+    let (newton, state) = (&solver.path.newton, &solver.path.state);
+    let stress: Vec<_> = state.x.iter().enumerate().map(|(i, x)| newton.body(i).stress(x)).collect();
+    for (index, finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
+        let column = column.bypass_change_detection();
+        for row in 0..index.len() {
+            column[row].0 = stress[finger[row].0 as usize].node[index[row].0 as usize];
+        }
+    }
+    for (index, finger, mut column) in tets.contiguous_iter_mut().expect(TABLES) {
+        let column = column.bypass_change_detection();
+        for row in 0..index.len() {
+            column[row].0 = stress[finger[row].0 as usize].element[index[row].0 as usize];
+        }
+    }
+    advance.min_det_f = stress.iter().map(|s| s.min_det_f).fold(f64::INFINITY, f64::min);
+}
+
+/// The smallest det F alone, where nobody asks for stress.
+pub fn measure_det_f(solver: Res<Solver>, mut advance: ResMut<Advance>) {
+    let (newton, state) = (&solver.path.newton, &solver.path.state);
+    let smallest = |(i, x): (usize, &Vec<DVec3>)| newton.body(i).stress(x).min_det_f;
+    advance.min_det_f = state.x.iter().enumerate().map(smallest).fold(f64::INFINITY, f64::min);
+}
+
+/// Hands on where the time went.
+pub fn report_timings(solver: Res<Solver>, mut timings: ResMut<Timings>) {
+    let p = &solver.path.newton.profile;
+    let stages = [
+        ("assembly", p.assembly),
+        ("factorization", p.factorization),
+        ("line_search", p.line_search),
+        ("solve", p.solve),
+    ];
+    timings.stages.extend(stages);
+    timings.iterations = p.iterations;
+}

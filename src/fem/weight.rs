@@ -1,0 +1,50 @@
+//! Weight of a free object, as a term of the potential.
+
+use super::body::Body;
+use super::state::View;
+use super::term::{Block, BodyTerm};
+use glam::{DMat3, DVec3};
+use std::any::Any;
+
+/// A dead load at the object's centre of mass: potential `-f . c`. Belongs to one body of the solver, whichever, because
+/// the border is assembled with the bodies.
+#[derive(Debug, Clone, Copy)]
+pub struct Weight {
+    /// Weight, N, hand frame.
+    pub force: DVec3,
+    /// Centre of mass in the object frame, m.
+    pub center: DVec3,
+    /// Where it is at the start, hand frame, m: the potential counts from there, which keeps its digits.
+    pub start: DVec3,
+}
+
+impl BodyTerm for Weight {
+    fn energy(&self, _: &Body, view: &View) -> f64 {
+        -self.force.dot(view.position + view.rotation * self.center - self.start)
+    }
+
+    fn assemble(&mut self, _: &Body, view: &View, project: bool, block: &mut Block) {
+        let Some(c) = view.pose_column else { return };
+        let (f, r) = (self.force, view.rotation * self.center);
+        let torque = r.cross(f).to_array();
+        for (k, (f, t)) in f.to_array().into_iter().zip(torque).enumerate() {
+            block.border_gradient[c + k] -= f;
+            block.border_gradient[c + 3 + k] -= t / view.length;
+        }
+        if !project {
+            // -f . (w x (w x r)) / 2 twice differentiated in w.
+            let half = DMat3::from_cols(f * r.x + r * f.x, f * r.y + r * f.y, f * r.z + r * f.z) * 0.5;
+            let h = (half - DMat3::IDENTITY * f.dot(r)) * (-1.0 / (view.length * view.length));
+            for i in 0..3 {
+                for j in 0..3 {
+                    block.border_hessian[c + 3 + i][c + 3 + j] += h.col(j)[i];
+                }
+            }
+        }
+        block.activity += f.length();
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}

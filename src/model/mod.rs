@@ -1,0 +1,174 @@
+//! What never changes between the grasps of a scene, built once and shared by all of them behind one `Arc`.
+//!
+//! ```text
+//! Scene -> object.rs (shape, mass) --+
+//!       -> pad.rs (mesh, bodies) ----+-> Model -> every Environment
+//!       -> needs.rs (what to spawn) -+
+//! ```
+
+pub mod needs;
+pub mod object;
+pub mod pad;
+
+pub use needs::Needs;
+pub use pad::FingerModel;
+
+use crate::contact::{Feature, law::Law};
+use crate::error::{Error, Result};
+use crate::material::{FixedCorotated, Linear, Material, NeoHookean};
+use crate::mesh::quality::Quality;
+use crate::record::{PadReport, pad_name};
+use crate::scene::{self, Element, Fingers, Loading, Motion, Scene, Stepper};
+use crate::shape::Shape;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Everything about a scene that no grasp changes.
+#[derive(Debug)]
+pub struct Model {
+    /// The rigid object.
+    pub object: Shape,
+    /// Its mass, kg.
+    pub mass: f64,
+    /// Whether it may move.
+    pub free: bool,
+    /// Points of the object that may meet the pads between their own points: vertices and points along sharp edges.
+    pub features: Arc<[Feature]>,
+    /// The fingers, left first.
+    pub fingers: Vec<FingerModel>,
+    /// Mesh quality of a pad before mid-edge nodes; the same on both fingers.
+    pub quality: Quality,
+    /// The law of the gel.
+    pub material: Arc<dyn Material>,
+    /// Density of the gel, kg/m3.
+    pub gel_density: f64,
+    /// The contact law.
+    pub law: Law,
+    /// Largest travel of a finger, m.
+    pub stroke: f64,
+    /// Distance of the open sensing faces, m.
+    pub opening: f64,
+    /// Gravity in the object frame at the start of a grasp, m/s2.
+    pub gravity: Option<DVec3>,
+    /// True if a force closes the fingers, false if their travel is prescribed.
+    pub force_driven: bool,
+    /// Load per finger at each recorded frame: N if force-driven, else m after first contact.
+    pub levels: Vec<f64>,
+    /// What the scene needs in its world.
+    pub needs: Needs,
+    /// What was repaired or assumed, one sentence each.
+    pub notices: Vec<String>,
+    /// What to know before trusting the pads' stiffness.
+    pub pad_notice: Option<String>,
+}
+
+/// Poisson's ratio from which plain linear or fully integrated elements lock noticeably.
+const LOCKING: f64 = 0.4;
+
+impl Model {
+    /// Builds the object, meshes the pads, and analyses their stiffness.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] or [`Error::File`] naming what cannot be simulated and what to do about it.
+    pub fn build(scene: &Scene) -> Result<Arc<Self>> {
+        let mut notices = Vec::new();
+        let object = object::build(&scene.object, &mut notices)?;
+        let spec = scene.gripper.material.spec();
+        let material: Arc<dyn Material> = match spec.law {
+            scene::Law::NeoHookean => Arc::new(NeoHookean::new(spec.young, spec.poisson)),
+            scene::Law::Corotational => Arc::new(FixedCorotated::new(spec.young, spec.poisson)),
+            scene::Law::Linear => Arc::new(Linear::new(spec.young, spec.poisson)),
+        };
+        let fem = match &scene.stepper {
+            Stepper::Fem(fem) => *fem,
+            Stepper::Gnn(_) => scene::Fem::default(),
+        };
+        let (pad, quality) = pad::build(&scene.gripper.pads, &mut notices)?;
+        let sides = match scene.gripper.fingers {
+            Fingers::Both => 2,
+            Fingers::One => 1,
+        };
+        let fingers = (0..sides)
+            .map(|side| FingerModel::build(side, &pad, &scene.gripper, &fem, material.clone()))
+            .collect::<Result<Vec<_>>>()?;
+        let force_driven = matches!(scene.loading, Loading::Squeeze(_));
+        let share = if force_driven { 1.0 / sides as f64 } else { 1.0 };
+        let levels: Vec<f64> = scene.loading.levels().into_iter().map(|l| l * share).collect();
+        if levels.is_empty() {
+            return Err(Error::Start("the loading has no recorded frame; give a press `depth` or `depths`".into()));
+        }
+        let spacing = fingers.iter().map(|f| f.surface.spacing).fold(f64::INFINITY, f64::min);
+        let free = scene.object.motion == Motion::Free;
+        let mass = object.mass.volume * scene.object.density.get();
+        Ok(Arc::new(Self {
+            mass,
+            free,
+            features: object::features(&object, spacing),
+            fingers,
+            quality,
+            law: Law::new(spec.young, spacing, scene.gripper.friction.get()),
+            material,
+            gel_density: spec.density,
+            stroke: scene.gripper.stroke.get(),
+            opening: scene.gripper.opening.get(),
+            gravity: scene.gravity.map(|g| g.dvec3()).filter(|g| *g != DVec3::ZERO),
+            force_driven,
+            levels,
+            needs: Needs::of(scene),
+            notices,
+            pad_notice: locking(&fem, spec.poisson),
+            object,
+        }))
+    }
+
+    /// The pads as `run.json` lists them.
+    pub fn pad_reports(&self) -> Vec<PadReport> {
+        self.fingers
+            .iter()
+            .enumerate()
+            .map(|(i, f)| PadReport {
+                name: pad_name(i),
+                nodes: f.body.rest.len(),
+                tets: f.body.element_count(),
+                element: f.element.clone(),
+                notice: self.pad_notice.clone(),
+            })
+            .collect()
+    }
+
+    /// Unknowns of the solver: per pad, travels, pose.
+    pub fn unknowns(&self) -> Unknowns {
+        let pads: Vec<usize> = self.fingers.iter().map(|f| f.body.pattern.unknowns()).collect();
+        let travels = if self.force_driven { self.fingers.len() } else { 0 };
+        let pose = if self.free { 6 } else { 0 };
+        Unknowns { total: pads.iter().sum::<usize>() + travels + pose, pads, travels, pose }
+    }
+}
+
+/// Number of unknowns of a scene.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Unknowns {
+    /// Three per free node of each pad, left first.
+    pub pads: Vec<usize>,
+    /// Finger travels that a force drives.
+    pub travels: usize,
+    /// Translation and rotation of a free object.
+    pub pose: usize,
+    /// All of them.
+    pub total: usize,
+}
+
+/// The notice that elements lock, if they do.
+fn locking(fem: &scene::Fem, poisson: f64) -> Option<String> {
+    let what = match fem.element {
+        Element::Linear => "linear tetrahedra lock",
+        Element::Quadratic if !fem.mean_dilatation => "quadratic tetrahedra without mean dilatation stiffen",
+        Element::Quadratic => return None,
+    };
+    (poisson >= LOCKING).then(|| {
+        format!(
+            "{what} at Poisson's ratio {poisson}: forces and stresses come out too high; \
+             use element: Quadratic with mean_dilatation: true"
+        )
+    })
+}

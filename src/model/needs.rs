@@ -1,0 +1,36 @@
+//! What a scene needs in its world: nothing is spawned, computed or solved for that nobody asked for.
+
+use crate::scene::{Expectation, Field, Motion, Scene};
+use serde::Serialize;
+
+/// Parts of the world that are there only if the scene asks for them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Needs {
+    /// Von Mises stress per node and tetrahedron: recorded, or a bound on it is expected.
+    pub stress: bool,
+    /// Contact force per node: recorded.
+    pub contact_force: bool,
+    /// Distance to the object per node: recorded.
+    pub gap: bool,
+    /// Friction state per contact edge: Coulomb's coefficient is above zero.
+    pub friction: bool,
+    /// Weight of the gel and of a free object: gravity is set.
+    pub gravity: bool,
+    /// A pose that changes: the object is free.
+    pub free_object: bool,
+}
+
+impl Needs {
+    /// What `scene` needs.
+    pub fn of(scene: &Scene) -> Self {
+        let recorded = |field: Field| scene.record.fields.contains(&field);
+        Self {
+            stress: recorded(Field::Stress) || scene.expect.iter().any(|e| matches!(e, Expectation::MaxStress(_))),
+            contact_force: recorded(Field::ContactForce),
+            gap: recorded(Field::Gap),
+            friction: scene.gripper.friction.get() > 0.0,
+            gravity: scene.gravity.is_some_and(|g| g.dvec3() != glam::DVec3::ZERO),
+            free_object: scene.object.motion == Motion::Free,
+        }
+    }
+}

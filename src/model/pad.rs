@@ -1,0 +1,167 @@
+//! The pads of a scene, meshed in the pad frame and placed on their fingers in the hand frame.
+
+use crate::contact::ContactSurface;
+use crate::error::{Error, Result};
+use crate::fem::body::{self, Body};
+use crate::gripper::Placement;
+use crate::material::Material;
+use crate::mesh::quality::{Quality, quality};
+use crate::mesh::{quadratic, surface};
+use crate::pad::{self, Bonding, Density, Pad, Resolution};
+use crate::record::{self, PadTopology};
+use crate::scene::{self, Element, Gripper, Pads};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// One finger: its pad in hand axes, and what the solver and the recorder need of it.
+#[derive(Debug)]
+pub struct FingerModel {
+    /// Rest mesh in the hand frame at zero travel, law, stiffness pattern and symbolic factor.
+    pub body: Arc<Body>,
+    /// Points of the pad's free surface that can touch the object.
+    pub surface: Arc<ContactSurface>,
+    /// The pad as it is recorded, in the pad frame.
+    pub topology: Arc<PadTopology>,
+    /// Where the pad sits in the hand frame at zero travel.
+    pub placement: Placement,
+    /// Kind of element, for reports.
+    pub element: String,
+}
+
+/// Meshes or reads the pad; repairs and assumptions go to `notices`.
+///
+/// # Errors
+/// What the generators and readers refuse, and a mesh without tetrahedra.
+pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(Pad, Quality)> {
+    let fine = |density, grading: scene::leaf::Ratio, focus: scene::leaf::Ratio| Resolution {
+        density,
+        grading: grading.get(),
+        focus: focus.get(),
+    };
+    let pad = match pads {
+        Pads::GelSightMini(g) => {
+            let shape = match g.shape {
+                scene::pad::GelShape::Flat => pad::GelShape::Flat,
+                scene::pad::GelShape::Domed => pad::GelShape::Domed,
+            };
+            pad::gelsight_mini(shape, &fine(Density::Spacing(g.spacing.get()), g.grading, g.focus))?
+        }
+        Pads::Box(b) => {
+            let spacing = b.spacing.unwrap_or(scene::defaults::PAD_SPACING).get();
+            let density = b.cells.map_or(Density::Spacing(spacing), |c| Density::Cells(c.counts()));
+            let size = b.size.size();
+            pad::box_pad(size.x, size.y, size.z, &fine(density, b.grading, b.focus))?
+        }
+        Pads::Disc(d) => {
+            let density = Density::Spacing(d.spacing.get());
+            pad::disc_pad(d.radius.get(), d.thickness.get(), &fine(density, d.grading, d.focus))?
+        }
+        Pads::File(file) => read(file, notices)?,
+    };
+    let quality = quality(&pad.mesh).ok_or_else(|| Error::Mesh("the pad has no tetrahedron".into()))?;
+    if quality.worst < POOR {
+        notices.push(format!(
+            "the pad's tetrahedron {} (0-based) is poor: mean ratio {:.3} at {:.6}",
+            quality.worst_index, quality.worst, quality.worst_centroid
+        ));
+    }
+    Ok((pad, quality))
+}
+
+/// Mean ratio below which an element is named in a notice.
+const POOR: f64 = 0.1;
+
+fn read(file: &scene::pad::FilePad, notices: &mut Vec<String>) -> Result<Pad> {
+    let scale = file.scale.get();
+    let placement = pad::Placement {
+        outward: file.outward.dvec3().normalize(),
+        across: file.across.map(|a| a.dvec3()),
+        // The reader bonds in the file's unit.
+        bonding: Bonding::AttachDistance(file.attach_distance.map_or(0.0, |d| d.get()) / scale),
+    };
+    let (mut pad, news) = pad::read_pad(&file.path, &placement, None)?;
+    // The reader takes coordinates as metres, which `scale` says they are not.
+    notices.extend(news.into_iter().filter(|n| scale == 1.0 || !n.contains("taken as metres")));
+    pad.mesh.nodes.iter_mut().for_each(|p| *p *= scale);
+    let bonded = pad.bonded.iter().filter(|b| **b).count();
+    notices.push(format!("{}: {bonded} nodes are bonded to the finger", file.path.display()));
+    Ok(pad)
+}
+
+impl FingerModel {
+    /// Places `pad` on finger `side` (0 left, 1 right) and prepares its stiffness.
+    ///
+    /// # Errors
+    /// When the stiffness cannot be analysed.
+    pub fn build(
+        side: usize,
+        pad: &Pad,
+        gripper: &Gripper,
+        fem: &scene::Fem,
+        material: Arc<dyn Material>,
+    ) -> Result<Self> {
+        let mut placement = Placement::new(side, gripper.opening.get(), gripper.placement.z.get());
+        placement.origin.y += gripper.placement.y.get();
+        let corner_count = pad.mesh.nodes.len();
+        let (nodes, elements, bonded, mean_dilatation) = match fem.element {
+            Element::Linear => {
+                (pad.mesh.nodes.clone(), body::Elements::Linear(pad.mesh.tets.clone()), pad.bonded.clone(), false)
+            }
+            Element::Quadratic => {
+                let promoted = quadratic::promote(&pad.mesh);
+                let mut bonded = pad.bonded.clone();
+                // The middle of an edge is glued where both its ends are.
+                let glued = |[a, b]: [u32; 2]| pad.bonded[a as usize] && pad.bonded[b as usize];
+                bonded.extend(quadratic::midpoint_edges(&pad.mesh).into_iter().map(glued));
+                (promoted.nodes, body::Elements::Quadratic(promoted.tets), bonded, fem.mean_dilatation)
+            }
+        };
+        let topology = topology(pad, &nodes, &elements, &bonded, corner_count);
+        let rest: Vec<DVec3> = nodes.iter().map(|x| placement.place(*x)).collect();
+        let body = Arc::new(Body::new(rest, elements, bonded, material, mean_dilatation)?);
+        let surface = Arc::new(ContactSurface::new(&body));
+        if surface.points.is_empty() {
+            return Err(Error::Mesh("the pad has no free surface: every boundary face is bonded to the finger".into()));
+        }
+        let element = match (fem.element, mean_dilatation) {
+            (Element::Linear, _) => "linear".into(),
+            (Element::Quadratic, true) => "quadratic, mean dilatation".into(),
+            (Element::Quadratic, false) => "quadratic".into(),
+        };
+        Ok(Self { body, surface, topology: Arc::new(topology), placement, element })
+    }
+}
+
+/// The pad as it is recorded.
+fn topology(
+    pad: &Pad,
+    nodes: &[DVec3],
+    elements: &body::Elements,
+    bonded: &[bool],
+    corner_count: usize,
+) -> PadTopology {
+    let sensing = pad::sensing_faces(pad).into_iter().map(|f| f.nodes);
+    let edges = quadratic::midpoint_edges(&pad.mesh);
+    let middle = |a: u32, b: u32| {
+        let k = edges.partition_point(|e| *e < [a.min(b), a.max(b)]);
+        (corner_count + k) as u32
+    };
+    let (elements, sensing) = match elements {
+        body::Elements::Linear(tets) => (record::Elements::Linear(tets.clone()), sensing.collect()),
+        body::Elements::Quadratic(tets) => {
+            let four = sensing.flat_map(|[a, b, c]| {
+                let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+            });
+            (record::Elements::Quadratic(tets.clone()), four.collect())
+        }
+    };
+    PadTopology {
+        rest: nodes.to_vec(),
+        corner_count,
+        elements,
+        surface: surface::boundary(&pad.mesh).into_iter().map(|f| f.nodes).collect(),
+        sensing,
+        bonded: bonded.to_vec(),
+    }
+}

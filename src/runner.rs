@@ -1,0 +1,189 @@
+//! Runs the grasps of a scene, several at once, with the same bits on any number of threads.
+
+use crate::environment::Environment;
+use crate::error::{Error, Result};
+use crate::grasp::GraspPose;
+use crate::model::Model;
+use crate::record::{Frame, GraspSummary, Status};
+use crate::scene::{self, Measured};
+use crate::schedule::{Phase, Timings};
+use crate::stepper::Stepper;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
+
+/// Is told what happens while grasps run, from whichever thread runs them. An error ends the run.
+pub trait Observer: Sync {
+    /// Grasp `index` starts.
+    fn begin(&self, _index: usize) -> Result<()> {
+        Ok(())
+    }
+    /// Grasp `index` has a frame.
+    fn frame(&self, _index: usize, _frame: &Frame) -> Result<()> {
+        Ok(())
+    }
+    /// Grasp `index` has ended.
+    fn end(&self, _index: usize, _outcome: &Outcome) -> Result<()> {
+        Ok(())
+    }
+}
+
+/// Nobody listens.
+impl Observer for () {}
+
+/// How a grasp went.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// For `run.json`.
+    pub summary: GraspSummary,
+    /// For the scene's expectations.
+    pub measured: Measured,
+    /// Where the stepper spent its time; `record` is what the observer took, `other` the rest, s.
+    pub timings: Timings,
+}
+
+/// Runs `grasps` (number and pose of the hand) on `threads` threads; the outcomes are in the order of `grasps`.
+///
+/// As many grasps run at once as there are threads, each on a pool of its own: a thread that waits for a pad never picks
+/// up another grasp meanwhile, which keeps the wall time of a grasp its own. Threads left over share out the pads.
+///
+/// # Errors
+/// The first error of the observer or of setting up an environment. A grasp that fails is an outcome, not an error.
+pub fn run_grasps(
+    model: &Arc<Model>,
+    stepper: &dyn Stepper,
+    grasps: &[(usize, GraspPose)],
+    threads: usize,
+    observer: &dyn Observer,
+) -> Result<Vec<Outcome>> {
+    let workers = threads.clamp(1, grasps.len().max(1));
+    let (queue, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let slots: Vec<Mutex<Option<Result<Outcome>>>> = grasps.iter().map(|_| Mutex::new(None)).collect();
+    std::thread::scope(|scope| {
+        let spawned: Vec<_> = (0..workers)
+            .map(|worker| {
+                // 5 threads for 2 grasps: 3 and 2.
+                let share = threads / workers + usize::from(worker < threads % workers);
+                let (queue, stop, slots) = (&queue, &stop, &slots);
+                scope.spawn(move || -> Result<()> {
+                    let pool = rayon::ThreadPoolBuilder::new()
+                        .num_threads(share.max(1))
+                        .build()
+                        .map_err(|e| Error::Start(format!("cannot start {share} threads: {e}")))?;
+                    loop {
+                        let k = queue.fetch_add(1, Ordering::Relaxed);
+                        let Some(&(index, pose)) = grasps.get(k).filter(|_| !stop.load(Ordering::Relaxed)) else {
+                            return Ok(());
+                        };
+                        let outcome = pool.install(|| run_grasp(model, stepper, index, pose, observer));
+                        if outcome.is_err() {
+                            stop.store(true, Ordering::Relaxed);
+                        }
+                        if let Ok(mut slot) = slots[k].lock() {
+                            *slot = Some(outcome);
+                        }
+                    }
+                })
+            })
+            .collect();
+        spawned.into_iter().try_for_each(|thread| match thread.join() {
+            Ok(result) => result,
+            Err(panic) => std::panic::resume_unwind(panic),
+        })
+    })?;
+    let done = slots.into_iter().filter_map(|slot| slot.into_inner().ok().flatten());
+    done.collect()
+}
+
+/// Runs one grasp to its end.
+///
+/// # Errors
+/// Those of the observer and of setting up the environment.
+pub fn run_grasp(
+    model: &Arc<Model>,
+    stepper: &dyn Stepper,
+    index: usize,
+    pose: GraspPose,
+    observer: &dyn Observer,
+) -> Result<Outcome> {
+    let clock = Instant::now();
+    observer.begin(index)?;
+    let mut environment = Environment::new(model, stepper, pose)?;
+    let mut tally = Tally::default();
+    let mut recording = 0.0;
+    let end = loop {
+        let phase = environment.step();
+        if let Some(frame) = environment.frame() {
+            tally.observe(model, frame);
+            let clock = Instant::now();
+            observer.frame(index, frame)?;
+            recording += clock.elapsed().as_secs_f64();
+        }
+        if phase.is_final() {
+            break phase;
+        }
+    };
+    let wall = clock.elapsed().as_secs_f64();
+    let mut timings = environment.timings().clone();
+    timings.stages.insert("record", recording);
+    let accounted: f64 = timings.stages.values().sum();
+    timings.stages.insert("other", (wall - accounted).max(0.0));
+    let mut outcome = tally.finish(end, timings, wall);
+    outcome.summary.grasp = index;
+    observer.end(index, &outcome)?;
+    Ok(outcome)
+}
+
+/// What adds up over the frames of a grasp.
+#[derive(Default)]
+struct Tally {
+    measured: Option<Measured>,
+    summary: Option<GraspSummary>,
+}
+
+impl Tally {
+    fn observe(&mut self, model: &Model, frame: &Frame) {
+        let m = self.measured.get_or_insert_with(|| Measured {
+            min_det_f: f64::INFINITY,
+            min_gap_m: f64::INFINITY,
+            force_balance: 0.0,
+            torque_balance: 0.0,
+            ..Measured::default()
+        });
+        let normal = |i: usize| frame.pads[i].wrench.force.dot(model.fingers[i].placement.closing).abs();
+        m.force_n = (0..frame.pads.len()).map(normal).sum();
+        for (slot, travel) in m.travel_m.iter_mut().zip(&frame.travel) {
+            *slot = *travel;
+        }
+        m.min_det_f = m.min_det_f.min(frame.min_det_f);
+        m.min_gap_m = m.min_gap_m.min(frame.min_gap);
+        m.force_balance = m.force_balance.max(frame.force_balance);
+        m.torque_balance = m.torque_balance.max(frame.torque_balance);
+        let stress = frame.pads.iter().flat_map(|p| &p.von_mises_node).copied().reduce(f64::max);
+        m.max_stress_pa = stress.unwrap_or(f64::NAN);
+        m.curve.push((frame.travel[0], normal(0)));
+        self.summary.get_or_insert_with(|| GraspSummary::new(Status::Reached, None)).observe(frame);
+    }
+
+    fn finish(self, end: Phase, timings: Timings, wall: f64) -> Outcome {
+        let (status, reason) = match end {
+            Phase::Done => (Status::Reached, None),
+            Phase::Infeasible { reason } => (Status::Infeasible, Some(reason)),
+            Phase::Fault { reason } => (Status::Fault, Some(reason)),
+            other => (Status::Fault, Some(format!("ended in {other:?}, which is no end"))),
+        };
+        let mut summary = self.summary.unwrap_or_else(|| GraspSummary::new(status, None));
+        summary.status = status;
+        summary.reason = reason.clone();
+        summary.wall_s = wall;
+        summary.newton_iterations = timings.iterations;
+        let mut measured = self.measured.unwrap_or_default();
+        measured.status = match status {
+            Status::Reached => scene::Status::Reached,
+            Status::Fault => scene::Status::Fault,
+            Status::Infeasible => scene::Status::Infeasible,
+        };
+        measured.reason = reason.unwrap_or_default();
+        Outcome { summary, measured, timings }
+    }
+}

@@ -1,0 +1,170 @@
+//! What happens in a step, in which order, decided once; and the resources that a step hands from set to set.
+//!
+//! ```text
+//! Control  -> Sense            -> Advance        -> Measure                 -> Record
+//! pose,       first contact,      FEM or network:   contact, stress, energy,   frame,
+//! load level  columns -> solver   state -> columns  balance, wrench            next phase
+//! ```
+//!
+//! A run of the schedule is one step of the published procedure, which is an explicit state ([`Phase`]):
+//! place the object in the hand, close to first contact, then one recorded load level per step.
+
+use crate::grasp::GraspPose;
+use crate::model::{Model, Needs};
+use crate::record::Frame;
+use crate::systems;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The sets of a step, run in this order.
+#[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum StepSet {
+    /// What the gripper wants: pose at the start, then the load of the next frame.
+    Control,
+    /// What is there: first contact; the solver takes its state from the columns.
+    Sense,
+    /// The stepper brings the state to the new load.
+    Advance,
+    /// What came of it: contact forces, stress, energy, balance.
+    Measure,
+    /// The frame, and the phase of the next step.
+    Record,
+}
+
+impl StepSet {
+    /// All sets in their order.
+    pub const ALL: [StepSet; 5] =
+        [StepSet::Control, StepSet::Sense, StepSet::Advance, StepSet::Measure, StepSet::Record];
+}
+
+/// Where a grasp is in the procedure. Constant during a step; `turn_phase` moves it on at the end.
+#[derive(Resource, Debug, Clone, PartialEq)]
+pub enum Phase {
+    /// The object goes to its pose in the open hand.
+    Place,
+    /// The fingers close until their pads touch.
+    Close,
+    /// The load rises; the step makes this frame.
+    Ramp {
+        /// Number of the frame, from 0.
+        frame: usize,
+    },
+    /// All frames are recorded.
+    Done,
+    /// The stepper gave up; the state is the last accepted one.
+    Fault {
+        /// What happened and at which load.
+        reason: String,
+    },
+    /// The grasp cannot start.
+    Infeasible {
+        /// Why, and what would help.
+        reason: String,
+    },
+}
+
+impl Phase {
+    /// True when no further step changes anything.
+    pub fn is_final(&self) -> bool {
+        matches!(self, Phase::Done | Phase::Fault { .. } | Phase::Infeasible { .. })
+    }
+}
+
+/// The phase of the next step, if a system of this step asked for one. The first to ask is heard.
+#[derive(Resource, Debug, Default)]
+pub struct Next(Option<Phase>);
+
+impl Next {
+    /// Asks for `phase`.
+    pub fn request(&mut self, phase: Phase) {
+        self.0.get_or_insert(phase);
+    }
+
+    /// What was asked for.
+    pub fn take(&mut self) -> Option<Phase> {
+        self.0.take()
+    }
+}
+
+/// What never changes, shared with all other worlds of the scene.
+#[derive(Resource, Debug, Clone)]
+pub struct Shared(pub Arc<Model>);
+
+/// Pose of the hand in the object frame.
+#[derive(Resource, Debug, Clone, Copy)]
+pub struct Grasp(pub GraspPose);
+
+/// What the stepper says about the level it has just reached.
+#[derive(Resource, Debug, Clone, Copy, Default)]
+pub struct Advance {
+    /// Load per finger of this step: N or m after first contact. Written by `set_load`.
+    pub level: f64,
+    /// The level was reached in this step.
+    pub reached: bool,
+    /// Newton iterations (network passes) of this step.
+    pub iterations: u32,
+    /// Norm of the out-of-balance forces, N.
+    pub residual: f64,
+    /// Value of the potential, J.
+    pub energy: f64,
+    /// Smallest det F over all quadrature points.
+    pub min_det_f: f64,
+    /// Smallest gap between pads and object, m.
+    pub min_gap: f64,
+}
+
+/// Whether the forces of a frame add up.
+#[derive(Resource, Debug, Clone, Copy, Default)]
+pub struct Balance {
+    /// Sum over the fingers of the closing force, N.
+    pub applied: f64,
+    /// Unbalanced force over `applied`.
+    pub force: f64,
+    /// Unbalanced torque on a free object over `applied` times the object's bounding radius; 0 for a fixed object.
+    pub torque: f64,
+}
+
+/// Where the stepper spent its time, since the start of the grasp.
+#[derive(Resource, Debug, Clone, Default)]
+pub struct Timings {
+    /// Wall time by stage, s.
+    pub stages: BTreeMap<&'static str, f64>,
+    /// Newton iterations, those of rejected increments included.
+    pub iterations: u64,
+}
+
+/// The last recorded frame.
+#[derive(Resource, Debug, Default)]
+pub struct Recorded(pub Option<Frame>);
+
+/// Label of the one schedule of a world.
+#[derive(ScheduleLabel, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Step;
+
+/// Condition: the step makes a frame.
+pub fn ramping(phase: Res<Phase>) -> bool {
+    matches!(*phase, Phase::Ramp { .. })
+}
+
+/// Condition: the stepper reached the level of this step.
+pub fn reached(advance: Res<Advance>) -> bool {
+    advance.reached
+}
+
+/// The schedule with everything but a stepper. Two systems that touch the same data without an order are an error.
+pub fn schedule(needs: &Needs) -> Schedule {
+    let mut schedule = Schedule::new(Step);
+    schedule.set_build_settings(ScheduleBuildSettings {
+        ambiguity_detection: LogLevel::Error,
+        hierarchy_detection: LogLevel::Error,
+        ..ScheduleBuildSettings::new()
+    });
+    // Worlds run side by side; within one, threads would only cost.
+    schedule.set_executor(SingleThreadedExecutor::new());
+    use StepSet::*;
+    schedule.configure_sets((Control, Sense, Advance, Measure, Record).chain());
+    systems::register(&mut schedule, needs);
+    schedule
+}

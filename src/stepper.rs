@@ -1,0 +1,40 @@
+//! The interface of the backends: systems in [`StepSet::Advance`](crate::schedule::StepSet::Advance) (and the sets
+//! around it) that bring the components of [`crate::components`] to the load of the step.
+//!
+//! A stepper must, in a step where [`Phase`](crate::schedule::Phase) is `Ramp`: read `Advance::level`, write `Position`,
+//! `FingerTravel`, `ObjectPose`, `FingerWrench`, the contact edges, the stress columns that exist, and all of
+//! [`Advance`](crate::schedule::Advance) with `reached = true`; or leave the last accepted state in place and request
+//! `Phase::Fault`.
+
+use crate::error::{Error, Result};
+use crate::fem::stepper::Fem;
+use crate::scene;
+use bevy_ecs::schedule::Schedule;
+use bevy_ecs::world::World;
+
+/// A backend.
+pub trait Stepper: std::fmt::Debug + Send + Sync {
+    /// Its name in reports: `fem`, `gnn`.
+    fn name(&self) -> &'static str;
+    /// Its settings in one line, for reports.
+    fn settings(&self) -> String;
+    /// Puts its resources into `world` (spawned for one grasp) and its systems into `schedule`.
+    ///
+    /// # Errors
+    /// When it cannot serve the world's scene.
+    fn register(&self, schedule: &mut Schedule, world: &mut World) -> Result<()>;
+}
+
+/// The backend that the scene names.
+///
+/// # Errors
+/// A network, which this build does not have.
+pub fn choose(scene: &scene::Scene) -> Result<Box<dyn Stepper>> {
+    match &scene.stepper {
+        scene::Stepper::Fem(fem) => Ok(Box::new(Fem::new(fem))),
+        scene::Stepper::Gnn(gnn) => Err(Error::Start(format!(
+            "stepper: Gnn(model: \"{}\"): no network backend in this build; use stepper: Fem()",
+            gnn.model.display()
+        ))),
+    }
+}

@@ -1,0 +1,55 @@
+//! The gripper's wishes: where the object is at the start, and how hard to squeeze next.
+
+use crate::components::{FingerForce, FingerTravel, ObjectPose};
+use crate::schedule::{Advance, Grasp, Next, Phase, Shared};
+use bevy_ecs::prelude::*;
+
+/// Puts the object at its grasp pose in the open hand; refuses a weight that this gripper cannot hold at all.
+pub fn place_object(
+    phase: Res<Phase>,
+    shared: Res<Shared>,
+    grasp: Res<Grasp>,
+    mut next: ResMut<Next>,
+    mut pose: Single<&mut ObjectPose>,
+    mut travel: Query<&mut FingerTravel>,
+) {
+    if *phase != Phase::Place {
+        return;
+    }
+    let start = grasp.0.object_in_hand();
+    **pose = ObjectPose { position: start.position, rotation: start.rotation };
+    travel.iter_mut().for_each(|mut t| t.0 = 0.0);
+    let model = &shared.0;
+    if let (Some(gravity), true) = (model.gravity, model.free && model.force_driven) {
+        let weight = (start.rotation * gravity * model.mass).dot(model.fingers[0].placement.closing).abs();
+        let last = model.levels.last().copied().unwrap_or(0.0);
+        if weight > HELD * last {
+            next.request(Phase::Infeasible {
+                reason: format!(
+                    "gravity pulls the object with {weight:.3} N along the closing direction; fingers closed by equal \
+                     forces cannot hold that: turn the hand or gravity"
+                ),
+            });
+            return;
+        }
+    }
+    next.request(Phase::Close);
+}
+
+/// Weight along the closing direction, over the force of a finger, that still passes as none.
+const HELD: f64 = 1e-6;
+
+/// Sets the load of the frame that this step makes.
+pub fn set_load(
+    phase: Res<Phase>,
+    shared: Res<Shared>,
+    mut advance: ResMut<Advance>,
+    mut forces: Query<&mut FingerForce>,
+) {
+    let Phase::Ramp { frame } = *phase else { return };
+    let model = &shared.0;
+    *advance = Advance { level: model.levels[frame], ..Advance::default() };
+    if model.force_driven {
+        forces.iter_mut().for_each(|mut f| f.0 = model.levels[frame]);
+    }
+}

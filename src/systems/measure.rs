@@ -1,0 +1,59 @@
+//! Do the forces of a frame add up? From the wrenches alone, whatever stepper wrote them.
+
+use crate::components::*;
+use crate::schedule::{Balance, Shared};
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+
+/// Force and torque balance. Of a free object: contact forces and weight must cancel. Of a fixed one: each finger's
+/// contact must carry the force that closes it.
+pub fn measure_balance(
+    shared: Res<Shared>,
+    mut balance: ResMut<Balance>,
+    fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel, &FingerForce, &FingerWrench)>,
+    object: Single<(&ObjectPose, Option<&ObjectWeight>)>,
+) {
+    let model = &shared.0;
+    let (pose, weight) = *object;
+    let weight = weight.map_or(DVec3::ZERO, |w| w.0);
+    let center = pose.position + pose.rotation * model.object.mass.center;
+    let (mut applied, mut worst) = (0.0, 0.0_f64);
+    let (mut force, mut torque) = (weight, DVec3::ZERO);
+    for (index, closing, travel, given, wrench) in &fingers {
+        let normal = -wrench.force.dot(closing.0);
+        applied += given.0;
+        worst = worst.max((given.0 - normal).abs());
+        force -= wrench.force;
+        let origin = model.fingers[index.0 as usize].placement.origin + closing.0 * travel.0;
+        torque -= wrench.torque + (origin - center).cross(wrench.force);
+    }
+    let unbalanced = if model.free { force.length() } else { worst };
+    let relative = |value: f64, scale: f64| if value == 0.0 { 0.0 } else { value / scale };
+    let torque = if model.free { torque.length() } else { 0.0 };
+    *balance = Balance {
+        applied,
+        force: relative(unbalanced, applied),
+        torque: relative(torque, applied * model.object.bounding_radius),
+    };
+}
+
+/// Distance of every node to the object.
+pub fn measure_gap(
+    shared: Res<Shared>,
+    fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel)>,
+    object: Single<&ObjectPose>,
+    mut nodes: Query<(&FingerIndex, &Position, &mut NodeGap)>,
+) {
+    let mut carried = vec![DVec3::ZERO; shared.0.fingers.len()];
+    for (index, closing, travel) in &fingers {
+        carried[index.0 as usize] = closing.0 * travel.0;
+    }
+    let (inverse, distance) = (object.rotation.inverse(), &shared.0.object.distance);
+    for (finger, position, mut gap) in nodes.contiguous_iter_mut().expect("components are stored in tables") {
+        let gap = gap.bypass_change_detection();
+        for row in 0..finger.len() {
+            let x = position[row].0 + carried[finger[row].0 as usize] - object.position;
+            gap[row].0 = distance.distance(inverse * x);
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! The systems that every stepper shares: what the gripper wants, whether the forces add up, the frame.
+
+mod control;
+pub(crate) mod measure;
+mod record;
+pub(crate) mod sense;
+
+use crate::model::Needs;
+use crate::schedule::{StepSet, ramping, reached};
+use bevy_ecs::prelude::*;
+
+/// Puts the shared systems in their sets.
+pub fn register(schedule: &mut Schedule, needs: &Needs) {
+    schedule.add_systems((control::place_object, control::set_load.run_if(ramping)).chain().in_set(StepSet::Control));
+    schedule.add_systems(sense::close_to_contact.in_set(StepSet::Sense));
+    schedule.add_systems(measure::measure_balance.run_if(reached).in_set(StepSet::Measure));
+    if needs.gap {
+        schedule.add_systems(measure::measure_gap.run_if(reached).in_set(StepSet::Measure));
+    }
+    schedule.add_systems((record::record_frame.run_if(reached), record::turn_phase).chain().in_set(StepSet::Record));
+}

@@ -1,0 +1,154 @@
+//! `tactus run` and `tactus check` as a user meets them: exit codes, JSON, files, what a killed run leaves.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+fn command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tactus"));
+    command.args(arguments).current_dir(env!("CARGO_MANIFEST_DIR"));
+    command
+}
+
+fn tactus(arguments: &[&str]) -> Output {
+    command(arguments).output().unwrap()
+}
+
+fn write(dir: &Path, frames: usize, more: &str) -> PathBuf {
+    let path = dir.join("scene.ron");
+    let text = format!(
+        "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 4e-3)),
+          loading: Squeeze(force: 6.0, frames: {frames}), record: (pictures: false), {more})"
+    );
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+#[test]
+fn exit_codes_say_whether_expectations_held() {
+    let dir = tempfile::tempdir().unwrap();
+    let code = |more: &str| {
+        let scene = write(dir.path(), 2, more);
+        tactus(&["run", scene.to_str().unwrap()]).status.code()
+    };
+    assert_eq!(code("expect: [ReachesForce, NoPenetration]"), Some(0));
+    assert_eq!(code(""), Some(0), "no expectation: all grasps reached");
+    assert_eq!(code("expect: [Travel(at_most: 1e-6)]"), Some(1));
+    assert_eq!(code("grasps: List([(position: (0, 0.2, -0.1))])"), Some(1), "no expectation, and a grasp that misses");
+    assert_eq!(
+        code("grasps: List([(position: (0, 0.2, -0.1))]), expect: [Infeasible(contains: \"meets nothing\")]"),
+        Some(0)
+    );
+    assert_eq!(code("stepper: Gnn(model: \"m\")"), Some(2));
+}
+
+#[test]
+fn json_has_the_documented_keys_and_files_are_not_overwritten_by_accident() {
+    let dir = tempfile::tempdir().unwrap();
+    let scene = write(dir.path(), 2, "expect: [ReachesForce]");
+    let (scene, out) = (scene.to_str().unwrap(), dir.path().join("out"));
+    let arguments = ["run", scene, "-o", out.to_str().unwrap(), "--format", "json"];
+    let run = tactus(&arguments);
+    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
+    let json: Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert!(json["backend"].as_str().unwrap().starts_with("fem"));
+    let grasp = &json["grasps"][0];
+    for key in
+        "status reason force_n travel_m frames min_det_f min_gap_m force_balance newton_iterations wall_s".split(' ')
+    {
+        assert!(grasp.get(key).is_some(), "{key}");
+    }
+    assert_eq!((grasp["status"].as_str(), grasp["frames"].as_u64()), (Some("reached"), Some(2)));
+    assert_eq!(json["expectations"][0]["name"], "ReachesForce");
+    assert_eq!(json["expectations"][0]["held"], true);
+    let written: Value = serde_json::from_slice(&std::fs::read(out.join("run.json")).unwrap()).unwrap();
+    assert_eq!(written, json, "run.json is what is printed");
+    for file in ["frames.csv", "run.pvd", "arrays.npz", "frames/frame_0001.vtu"] {
+        assert!(out.join("grasp_000").join(file).exists(), "{file}");
+    }
+    let again = tactus(&arguments);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&again.stderr).contains("earlier run"));
+    let mut arguments = arguments.to_vec();
+    arguments.push("--overwrite");
+    assert_eq!(tactus(&arguments).status.code(), Some(0));
+}
+
+#[test]
+fn a_killed_run_leaves_readable_files() {
+    let dir = tempfile::tempdir().unwrap();
+    let scene = write(dir.path(), 2000, "");
+    let out = dir.path().join("out");
+    let mut child = command(&["run", scene.to_str().unwrap(), "-o", out.to_str().unwrap()])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let csv = out.join("grasp_000/frames.csv");
+    let rows = || std::fs::read_to_string(&csv).map_or(0, |text| text.lines().count());
+    let clock = Instant::now();
+    while rows() < 4 && clock.elapsed() < Duration::from_secs(120) {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    // SIGKILL: no chance to tidy up.
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let run: Value = serde_json::from_slice(&std::fs::read(out.join("run.json")).unwrap()).unwrap();
+    assert_eq!(run["finished"], false);
+    let text = std::fs::read_to_string(&csv).unwrap();
+    let columns = text.lines().next().unwrap().split(',').count();
+    assert!(text.lines().count() >= 4 && text.ends_with('\n'));
+    assert!(text.lines().all(|line| line.split(',').count() == columns), "whole rows only");
+}
+
+#[test]
+fn check_says_what_will_run() {
+    let out = tactus(&["check", "scenes/quickstart.ron"]);
+    assert_eq!(out.status.code(), Some(0));
+    let text = String::from_utf8(out.stdout).unwrap();
+    for part in ["worst", "in tetrahedron", "fem::systems::advance_level", "unknowns:", "watertight", "1 of 1 grasps"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let copy = dir.path().join("copy.ron");
+    std::fs::write(&copy, &text).unwrap();
+    tactus::scene::load(&copy).unwrap_or_else(|e| panic!("what check prints is a scene: {e}"));
+
+    let out = tactus(&["check", "scenes/quickstart.ron", "--format", "json"]);
+    let json: Value = serde_json::from_slice(&out.stdout).unwrap();
+    for key in ["systems", "components", "unknowns", "problems", "quality", "object"] {
+        assert!(json.get(key).is_some(), "{key}");
+    }
+    assert_eq!(json["unknowns"]["pose"], 6);
+    assert!(json["components"]["Position"].as_u64().unwrap() > 100);
+}
+
+#[test]
+fn check_names_grasps_that_cannot_start() {
+    let dir = tempfile::tempdir().unwrap();
+    let check = |grasps: &str| {
+        let scene = write(dir.path(), 2, &format!("grasps: List([{grasps}])"));
+        let out = tactus(&["check", scene.to_str().unwrap(), "--format", "json"]);
+        let json: Value = serde_json::from_slice(&out.stdout).unwrap();
+        (out.status.code(), json["problems"].as_array().unwrap().clone())
+    };
+    let (code, problems) = check("(position: (0, 0, -0.1)), (position: (0, 0.2, -0.1))");
+    assert_eq!((code, problems.len()), (Some(0), 1));
+    assert!(problems[0].as_str().unwrap().starts_with("grasp 1: the left finger meets nothing"));
+    assert_eq!(check("(position: (0, 0.2, -0.1))").0, Some(2), "nothing could run");
+}
+
+#[test]
+fn an_open_mesh_is_refused_with_its_file() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("open.obj"), "v 0 0 0\nv 0.02 0 0\nv 0 0.02 0\nf 1 2 3\n").unwrap();
+    let scene = dir.path().join("scene.ron");
+    std::fs::write(&scene, "(object: (shape: Mesh(\"open.obj\")), loading: Squeeze(force: 5))").unwrap();
+    for verb in ["check", "run"] {
+        let out = tactus(&[verb, scene.to_str().unwrap()]);
+        let text = String::from_utf8(out.stderr).unwrap();
+        assert_eq!(out.status.code(), Some(2), "{text}");
+        assert!(text.contains("open.obj"), "{text}");
+    }
+}
