@@ -100,6 +100,7 @@ impl Solver {
             let gentle = model.levels.last().copied().unwrap_or(level) * FIRST_TOUCH;
             let first = if model.gravity.is_some() { level } else { level.min(gentle) };
             self.path.tolerance = self.tolerance(model, first);
+            self.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
             self.back_off(model)?;
             let making = format!("making contact at {first:.4} N per finger");
             done = self

@@ -15,10 +15,11 @@ pub use pad::FingerModel;
 
 use crate::contact::{Feature, law::Law};
 use crate::error::{Error, Result};
+use crate::fem::locking::locking_notice;
 use crate::material::{FixedCorotated, Linear, Material, NeoHookean};
 use crate::mesh::quality::Quality;
 use crate::record::{PadReport, pad_name};
-use crate::scene::{self, Element, Fingers, Loading, Motion, Scene, Stepper};
+use crate::scene::{self, Fingers, Loading, Motion, Scene, Stepper};
 use crate::shape::Shape;
 use glam::DVec3;
 use std::sync::Arc;
@@ -62,9 +63,6 @@ pub struct Model {
     pub pad_notice: Option<String>,
 }
 
-/// Poisson's ratio from which plain linear or fully integrated elements lock noticeably.
-const LOCKING: f64 = 0.4;
-
 impl Model {
     /// Builds the object, meshes the pads, and analyses their stiffness.
     ///
@@ -104,6 +102,7 @@ impl Model {
             mass,
             free,
             features: object::features(&object, spacing),
+            pad_notice: fingers.first().and_then(|f| locking_notice(&f.body)),
             fingers,
             quality,
             law: Law::new(spec.young, spacing, scene.gripper.friction.get()),
@@ -116,7 +115,6 @@ impl Model {
             levels,
             needs: Needs::of(scene),
             notices,
-            pad_notice: locking(&fem, spec.poisson),
             object,
         }))
     }
@@ -156,19 +154,4 @@ pub struct Unknowns {
     pub pose: usize,
     /// All of them.
     pub total: usize,
-}
-
-/// The notice that elements lock, if they do.
-fn locking(fem: &scene::Fem, poisson: f64) -> Option<String> {
-    let what = match fem.element {
-        Element::Linear => "linear tetrahedra lock",
-        Element::Quadratic if !fem.mean_dilatation => "quadratic tetrahedra without mean dilatation stiffen",
-        Element::Quadratic => return None,
-    };
-    (poisson >= LOCKING).then(|| {
-        format!(
-            "{what} at Poisson's ratio {poisson}: forces and stresses come out too high; \
-             use element: Quadratic with mean_dilatation: true"
-        )
-    })
 }

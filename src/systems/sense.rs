@@ -9,21 +9,40 @@ use bevy_ecs::prelude::*;
 use glam::DMat3;
 
 /// Closes every finger until its pad touches the object, or says why it cannot.
+///
+/// The fingers of a parallel gripper travel together: the one that touches first pushes a free object along until the other
+/// touches too. Without weight and with nothing else in the way that is a translation along the closing direction.
 pub fn close_to_contact(
     phase: Res<Phase>,
     shared: Res<Shared>,
     mut next: ResMut<Next>,
-    pose: Single<&ObjectPose>,
+    mut pose: Single<&mut ObjectPose>,
     mut fingers: Query<(&FingerIndex, &mut FingerTravel, &mut FirstContact)>,
 ) {
     if *phase != Phase::Close {
         return;
     }
-    for (index, mut travel, mut first) in &mut fingers {
-        match first_contact(&shared.0, index.0 as usize, &pose, shared.0.law.offset) {
-            Ok(t) => (travel.0, first.0) = (t, t),
+    let model = &shared.0;
+    let mut travel = Vec::new();
+    for index in 0..model.fingers.len() {
+        match first_contact(model, index, &pose, model.law.offset) {
+            Ok(t) => travel.push(t),
             Err(reason) => return next.request(Phase::Infeasible { reason }),
         }
+    }
+    if let (true, [first, second]) = (model.free, travel.as_mut_slice()) {
+        pose.position += model.fingers[0].placement.closing * (0.5 * (*second - *first));
+        let mean = 0.5 * (*first + *second);
+        (*first, *second) = (mean, mean);
+    }
+    if let Some((index, t)) = travel.iter().enumerate().find(|(_, t)| **t > model.stroke) {
+        let (t, stroke) = (t * 1e3, model.stroke * 1e3);
+        let name = pad_name(index);
+        let reason = format!("the {name} finger would touch after {t:.1} mm, past its `stroke` of {stroke:.1} mm");
+        return next.request(Phase::Infeasible { reason });
+    }
+    for (index, mut now, mut first) in &mut fingers {
+        (now.0, first.0) = (travel[index.0 as usize], travel[index.0 as usize]);
     }
     next.request(Phase::Ramp { frame: 0 });
 }
@@ -39,7 +58,8 @@ pub fn first_contact(model: &Model, index: usize, pose: &ObjectPose, clearance: 
         &model.features,
         pose.position,
         DMat3::from_quat(pose.rotation),
-        model.stroke,
+        // A free object is brought to the middle: seen from there a finger may have to reach farther than its stroke.
+        if model.free { 2.0 * model.stroke } else { model.stroke },
         clearance,
     );
     let name = pad_name(index);
