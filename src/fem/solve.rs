@@ -10,8 +10,8 @@ use std::time::Instant;
 const RESTING: u32 = 4;
 const RESTING_FACTOR: f64 = 4.0;
 /// Iterations after which lagged quantities are damped, and after which they are frozen.
-const SWINGING: u32 = 6;
-const FROZEN: u32 = 12;
+const SWINGING: u32 = 10;
+const FROZEN: u32 = 18;
 /// Iterations without any contact after which a driven finger counts as closing on nothing.
 const UNTOUCHED: u32 = 10;
 
