@@ -12,7 +12,8 @@ use tactus::fem::body::Body;
 use tactus::material::NeoHookean;
 use tactus::mesh::{TetMesh, grid};
 
-/// A slab of 3 x 3 x 1 cells with its back fixed, its nodes moved at random by up to `bend` of a cell; lengths of order one.
+/// A slab of 3 x 3 x 1 cells with its back fixed, its nodes moved at random by up to `bend` of a cell; lengths of
+/// order one.
 fn slab(quadratic: bool, bend: f64, seed: u64) -> (ContactSurface, Vec<DVec3>) {
     let mut random = Random(seed);
     let lines = [0.0, 1.0, 2.0, 3.0];
@@ -126,7 +127,8 @@ fn nothing_is_found_beyond_the_reach_and_everything_inside() {
     }
 }
 
-/// A point that moves over the rim of a face keeps it for a twentieth of the face, then changes, and comes back as late.
+/// A point that moves over the rim of a face keeps it for a twentieth of the face, then changes, and comes back as
+/// late.
 #[test]
 fn a_face_is_kept_a_little_beyond_its_rim() {
     for quadratic in [false, true] {

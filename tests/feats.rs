@@ -1,12 +1,13 @@
 //! The real sensor: a rigid sphere of radius 7.5 mm pressed on the apex of a GelSight Mini gel, measured by FEATS.
 //!
-//! Ours is the gel preset: the domed gel of the CAD, its back fixed, C10 = 0.0725 MPa, nu = 0.49, friction 0.8 as a gel on
-//! plastic has. Nothing is fitted. FEATS fitted C10 to these four forces (least squares in newtons, so that the last
-//! two decide) with a model of its own: CalculiX, nu = 0.475 (the default where none is given), surfaces tied by springs whose
-//! stiffness it does not state. The zero of the measured depth and the compliance of the rig are not known.
+//! Ours is the gel preset: the domed gel of the CAD, its back fixed, C10 = 0.0725 MPa, nu = 0.49, friction 0.8 as a
+//! gel on plastic has. Nothing is fitted. FEATS fitted C10 to these four forces (least squares in newtons, so that
+//! the last two decide) with a model of its own: CalculiX, nu = 0.475 (the default where none is given), surfaces
+//! tied by springs whose stiffness it does not state. The zero of the measured depth and the compliance of the rig
+//! are not known.
 //!
-//! Deviations in percent at 0.5 / 1.0 / 1.5 / 2.0 mm with 3213 nodes, each half millimetre in 5 to 20 increments (5 give up to 2 %
-//! less force than 20):
+//! Deviations in percent at 0.5 / 1.0 / 1.5 / 2.0 mm with 3213 nodes, each half millimetre in 5 to 20 increments (5
+//! give up to 2 % less force than 20):
 //!
 //! | friction | nu 0.49 | nu 0.475 |
 //! |---|---|---|
@@ -16,8 +17,9 @@
 //! | 0.8 | -14 / -3 / +7 / +29 | -18 / -9 / -1 / +17 |
 //! | 20 (tied) | -14 / -3 / +7 / +29 | -20 / -11 / -3 / +15 |
 //!
-//! So with friction as it is 12 % hold at 1.0 and 1.5 mm only. At 0.5 mm all are low by what 0.04 mm of depth would make. At 2 mm, half
-//! the thickness, friction adds a third to the force, and the measured one lies near that without friction.
+//! So with friction as it is 12 % hold at 1.0 and 1.5 mm only. At 0.5 mm all are low by what 0.04 mm of depth would
+//! make. At 2 mm, half the thickness, friction adds a third to the force, and the measured one lies near that without
+//! friction.
 
 mod common;
 

@@ -53,8 +53,8 @@ fn profile_error(press: &Press, file: &str, depth: f64) -> Option<f64> {
     Some(errors(&on_face(press, &points), &truth).0)
 }
 
-/// Converged forces 0.216, 0.710, 2.548 N, known to 1.5, 1 and 0.5 %, and the front face of a fine solution, known to 1 %.
-/// The error of our face sits at the rim of the contact, where the slope kinks inside an element.
+/// Converged forces 0.216, 0.710, 2.548 N, known to 1.5, 1 and 0.5 %, and the front face of a fine solution, known to
+/// 1 %. The error of our face sits at the rim of the contact, where the slope kinks inside an element.
 #[test]
 fn quadratic_tetrahedra_with_mean_dilatation_give_the_true_force_and_face() {
     let body = quadratic_pad([14, 14, 3], 0.45);
@@ -136,7 +136,8 @@ fn linear_tetrahedra_with_the_contact_law_of_calculix_give_its_force_and_face() 
     assert!(sunk < 15e-6, "the penalty gives way by {sunk} m");
 }
 
-/// The solver's own law.
+/// The solver's own law gives way by some micrometres more at the first touch: 2.5 % below the reference at 0.25 mm,
+/// within 0.6 % from 0.5 mm on.
 #[test]
 fn linear_tetrahedra_are_near_calculix() {
     let Some(body) = linear_pad(0.45) else { return };
