@@ -5,11 +5,12 @@ mod common;
 use common::{Random, elements};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
-use tactus::contact::{Contact, ContactSurface, law::Law};
+use tactus::contact::surface::{Face, face_frame};
+use tactus::contact::{Contact, ContactEdge, ContactSurface, Feature, FeatureContact, law::Law};
 use tactus::element::{Kernel, RestTet, Shape, TET4, TET10};
-use tactus::fem::body::Body;
+use tactus::fem::body::{Body, Elements};
 use tactus::fem::state::{Border, MAX_BORDER, State, Step};
-use tactus::fem::term::{Block, BodyTerm, DeadLoad, Elastic};
+use tactus::fem::term::{Block, BodyTerm, DeadLoad, Elastic, Stencil};
 use tactus::material::{Dilatation, FixedCorotated, Linear, Material, NeoHookean, Tangent};
 use tactus::mesh::TetMesh;
 use tactus::shape::{SignedDistance, ellipsoid::Ellipsoid, sphere::Sphere};
@@ -226,6 +227,15 @@ impl Scene {
         Self { body, border, state }
     }
 
+    /// Moves every coordinate at random, those of nodes less.
+    fn shake(&mut self, drag: f64, random: &mut Random) {
+        let n = 3 * self.body.rest.len();
+        for c in 0..self.size() {
+            let by = random.number() * if c < n { 0.2 * drag } else { drag };
+            self.state = self.moved(c, by, c, 0.0);
+        }
+    }
+
     /// Number of coordinates: every node, free or fixed, then the border.
     fn size(&self) -> usize {
         3 * self.body.rest.len() + self.border.size
@@ -282,34 +292,43 @@ impl Scene {
         unknowns.iter().flat_map(|a| unknowns.iter().map(move |b| entry(*a, *b))).collect()
     }
 
-    /// Gradient and Hessian of a term against differences of its energy, with what it lags frozen by one assembly. With
-    /// `project`, the projected Hessian must be positive semidefinite and the gradient the same.
+    /// Second derivatives of `energy` between the coordinates `columns`, row-major.
+    fn second_differences(&self, columns: &[usize], energy: &dyn Fn(&State) -> f64) -> Vec<f64> {
+        let h = STEP;
+        let at = |a, d, b, e| energy(&self.moved(a, d, b, e));
+        // 2 H_ab = E'' along a + b minus E'' along a and along b.
+        let along: Vec<f64> = columns.iter().map(|&a| bend(h, |d| at(a, d, a, 0.0))).collect();
+        let mut numeric = vec![0.0; columns.len() * columns.len()];
+        for (i, &a) in columns.iter().enumerate() {
+            for (j, &b) in columns.iter().enumerate().take(i + 1) {
+                let mixed = || 0.5 * (bend(h, |d| at(a, d, b, d)) - along[i] - along[j]);
+                let value = if i == j { along[i] } else { mixed() };
+                (numeric[i * columns.len() + j], numeric[j * columns.len() + i]) = (value, value);
+            }
+        }
+        numeric
+    }
+
+    /// The gradient of a term against differences of its energy, with what it lags frozen by one assembly.
+    fn check_gradient(&self, what: &str, term: &mut dyn BodyTerm) {
+        let gradient = self.gradient(&self.assemble(term, false));
+        let energy = |c, d| self.energy(term, &self.moved(c, d, c, 0.0));
+        let numeric: Vec<f64> = (0..self.size()).map(|c| slope(STEP, |d| energy(c, d))).collect();
+        let error = deviation(&numeric, &gradient, 0.0);
+        assert!(error < TOLERANCE, "{what}: gradient off by {error:.1e}");
+    }
+
+    /// Gradient and Hessian. With `project`, the Hessian must be positive semidefinite and the gradient the same.
     fn check(&self, what: &str, term: &mut dyn BodyTerm) {
         let unknowns = self.unknowns();
         let projected = self.assemble(term, true);
         assert_positive(what, unknowns.len(), &self.hessian(&projected));
+        self.check_gradient(what, term);
         let block = self.assemble(term, false);
-        let gradient = self.gradient(&block);
-        assert!(
-            deviation(&self.gradient(&projected), &gradient, 0.0) < 1e-13,
-            "{what}: projection changes the gradient"
-        );
-        let h = 2f64.powi(-9);
-        let energy = |a, d, b, e| self.energy(term, &self.moved(a, d, b, e));
-        let numeric: Vec<f64> = (0..self.size()).map(|c| slope(h, |d| energy(c, d, c, 0.0))).collect();
-        let error = deviation(&numeric, &gradient, 0.0);
-        assert!(error < TOLERANCE, "{what}: gradient off by {error:.1e}");
-        // 2 H_ab = E'' along a + b minus E'' along a and along b.
-        let along: Vec<f64> = unknowns.iter().map(|&a| bend(h, |d| energy(a, d, a, 0.0))).collect();
-        let mut numeric = Vec::new();
-        for (i, &a) in unknowns.iter().enumerate() {
-            for (j, &b) in unknowns.iter().enumerate() {
-                let mixed = || 0.5 * (bend(h, |d| energy(a, d, b, d)) - along[i] - along[j]);
-                numeric.push(if i == j { along[i] } else { mixed() });
-            }
-        }
-        let hessian = self.hessian(&block);
-        let error = deviation(&numeric, &hessian, 0.0);
+        let difference = deviation(&self.gradient(&projected), &self.gradient(&block), 0.0);
+        assert!(difference < 1e-13, "{what}: projection changes the gradient");
+        let numeric = self.second_differences(&unknowns, &|state| self.energy(term, state));
+        let error = deviation(&numeric, &self.hessian(&block), 0.0);
         assert!(error < TOLERANCE, "{what}: Hessian off by {error:.1e}");
     }
 }
@@ -329,74 +348,260 @@ fn elastic_energy_and_dead_loads_have_their_derivatives_in_the_solvers_storage()
     }
 }
 
-/// Runs the contact check on random scenes with no point within reach of a change of its state (touch, slip), where the
-/// second derivative jumps. `friction` is the coefficient, `drag` the motion after sticking, m; returns the numbers of touching
-/// and slipping points checked.
-fn check_contact(friction: f64, drag: f64) -> (usize, usize) {
+/// Step of differences of energies of scenes.
+const STEP: f64 = 1.0 / 1024.0;
+/// Three steps in each of two coordinates move a point by less than this.
+const MARGIN: f64 = 0.02;
+
+/// Pressure, its two branches (the second from a quarter of the offset on) and friction in lengths of order one.
+fn contact_law(offset: f64, friction: f64) -> Law {
+    Law { stiffness: 4.0, offset, friction, tangential: 3.0 }
+}
+
+/// Whether a gap is near one of the two kinks of the pressure.
+fn near_kink(law: &Law, gap: f64) -> bool {
+    (gap - law.offset).abs() < MARGIN || (gap - 0.25 * law.offset).abs() < MARGIN
+}
+
+/// Whether an edge that touches is near the limit of friction, at `slip` from its anchor.
+fn near_slip(law: &Law, e: &ContactEdge, slip: DVec3) -> bool {
+    let limit = law.friction * e.pressure / law.tangential;
+    law.friction > 0.0 && e.pressure > 0.0 && (slip.length() - limit).abs() < MARGIN
+}
+
+/// Numbers of edges that a check covered.
+#[derive(Debug, Default, Clone, Copy)]
+struct Covered {
+    soft: usize,
+    hard: usize,
+    stuck: usize,
+    slipping: usize,
+}
+
+impl Covered {
+    fn add(&mut self, law: &Law, edges: &[ContactEdge]) {
+        for e in edges.iter().filter(|e| e.pressure > 0.0) {
+            let branch = if e.gap > 0.25 * law.offset { &mut self.soft } else { &mut self.hard };
+            *branch += 1;
+            let friction = if e.slips { &mut self.slipping } else { &mut self.stuck };
+            *friction += usize::from(law.friction > 0.0);
+        }
+    }
+}
+
+/// Runs the contact check on random scenes with no point within reach of a change of its state (touch, branch, slip),
+/// where the second derivative jumps. `friction` is the coefficient, `drag` the motion after sticking, m.
+fn check_contact(friction: f64, drag: f64) -> Covered {
     let objects: [Arc<dyn SignedDistance>; 2] =
         [Arc::new(Sphere { radius: 0.8 }), Arc::new(Ellipsoid { semi: DVec3::new(0.9, 0.7, 0.8) })];
-    let (mut touching, mut slipping) = (0, 0);
-    for (seed, object) in (0..24).flat_map(|s| objects.iter().map(move |o| (s, o))) {
+    let mut covered = Covered::default();
+    for (seed, object) in (0..60).flat_map(|s| objects.iter().map(move |o| (s, o))) {
         let mut random = Random(seed);
         let mut scene = Scene::new(seed % 2 == 1, &mut random);
-        let surface = Arc::new(ContactSurface::new(&scene.body));
-        let law = Law { stiffness: 4.0, offset: 0.01, friction, tangential: 3.0 };
+        let surface = Arc::new(ContactSurface::with_subdivision(&scene.body, 2));
+        let law = contact_law(0.4, friction);
         let mut contact = Contact::new(law, surface, object.clone());
-        // Stick here and keep multipliers, then move on.
+        // Stick here, then move on; points that went deep are stiffened.
         scene.assemble(&mut contact, false);
+        contact.satisfied(&scene.body, &scene.state.view(0, &scene.border));
         contact.commit(&scene.body, &scene.state.view(0, &scene.border));
-        let n = 3 * scene.body.rest.len();
-        for c in 0..scene.size() {
-            let by = random.number() * if c < n { 0.2 * drag } else { drag };
-            scene.state = scene.moved(c, by, c, 0.0);
-        }
+        scene.shake(drag, &mut random);
         scene.assemble(&mut contact, false);
-        // Three steps of 2^-9 in each of two coordinates move a point by less than 0.03.
-        let margin = 0.03;
-        let kink = contact.edges.iter().any(|e| {
-            let trial = e.lambda_hand - slip_of(&scene, &contact, e) * law.tangential;
-            let to_slip = (trial.length() - friction * e.pressure).abs() / law.tangential;
-            let touches = e.pressure > 0.0;
-            (e.gap - law.reach(e.lambda)).abs() < margin || (friction > 0.0 && touches && to_slip < margin)
+        let view = scene.state.view(0, &scene.border);
+        let kink = contact.edges.iter().zip(&contact.surface().points).any(|(e, stencil)| {
+            let relative = stencil.position(view.x) + view.offset - view.position;
+            let slip = across(relative - view.rotation * e.anchor.unwrap_or_default(), e.normal);
+            // A skipped edge does not know its gap.
+            let gap = object.distance(view.rotation.transpose() * relative);
+            // Deep inside the object the closest point jumps.
+            near_kink(&law, gap) || near_slip(&law, e, slip) || gap < -law.offset
         });
         if kink || !contact.edges.iter().any(|e| e.pressure > 0.0) {
             continue;
         }
-        touching += contact.edges.iter().filter(|e| e.pressure > 0.0).count();
-        slipping += contact.edges.iter().filter(|e| e.pressure > 0.0 && e.slips).count();
+        covered.add(&law, &contact.edges);
         scene.check(&format!("contact, friction {friction}, seed {seed}, {object:?}"), &mut contact);
     }
-    (touching, slipping)
+    println!("friction {friction}: {covered:?}");
+    covered
 }
 
-/// Slip of an edge against its anchor, m.
-fn slip_of(scene: &Scene, contact: &Contact, edge: &tactus::contact::ContactEdge) -> DVec3 {
-    let Some(anchor) = edge.anchor else { return DVec3::ZERO };
-    let index = contact.edges.iter().position(|e| std::ptr::eq(e, edge)).expect("an edge of this term");
-    let view = scene.state.view(0, &scene.border);
-    let point = contact.surface().points[index].position(view.x) + view.offset;
-    let s = point - view.position - view.rotation * anchor;
-    s - edge.normal * edge.normal.dot(s)
+/// The part of `s` across `normal`.
+fn across(s: DVec3, normal: DVec3) -> DVec3 {
+    s - normal * normal.dot(s)
 }
 
 /// Exact Hessian including the curvature of the object and the second order of the rotation `exp(w) R` at `w = 0`.
 #[test]
 fn contact_pressure_has_its_derivatives_in_nodes_travel_and_pose() {
-    let (touching, _) = check_contact(0.0, 0.05);
-    assert!(touching > 50, "only {touching} touching points were checked");
+    let covered = check_contact(0.0, 0.05);
+    assert!(covered.soft > 30 && covered.hard > 30, "{covered:?}");
 }
 
-/// The limit `mu p` and the normal are lagged by design: assembly freezes them, and gradient and Hessian are those of the frozen
-/// potential, which `energy` returns until the next assembly. That the true friction force also changes with the pressure is left to
-/// the next iteration.
+/// The limit `mu p` and the normal are lagged by design: assembly freezes them, and gradient and Hessian are those of
+/// the frozen potential, which `energy` returns until the next assembly. That the true friction force also changes
+/// with the pressure is left to the next iteration.
 #[test]
 fn sticking_friction_has_its_derivatives_in_nodes_travel_and_pose() {
-    let (touching, slipping) = check_contact(5.0, 0.03);
-    assert!(touching > 50 && slipping == 0, "{touching} touching, {slipping} slipping points were checked");
+    let covered = check_contact(5.0, 0.03);
+    assert!(covered.stuck > 50 && covered.slipping == 0, "{covered:?}");
 }
 
 #[test]
 fn slipping_friction_has_its_derivatives_in_nodes_travel_and_pose() {
-    let (_, slipping) = check_contact(0.05, 0.2);
-    assert!(slipping > 50, "only {slipping} slipping points were checked");
+    let covered = check_contact(0.02, 0.2);
+    assert!(covered.slipping > 50, "{covered:?}");
+}
+
+/// Features of the object over inner points of the pad's faces, in scenes away from kinks: the scene, the law, the
+/// term after one assembly at the state it stuck at and one where it is now, and the same term without friction.
+fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, Law, FeatureContact, FeatureContact)> {
+    let mut scenes = Vec::new();
+    for seed in 0..60 {
+        let mut random = Random(1000 + seed);
+        let mut scene = Scene::new(seed % 2 == 1, &mut random);
+        let surface = Arc::new(ContactSurface::new(&scene.body));
+        let felt = contact_law(0.4, friction);
+        // A smooth vertex is felt from a fraction of the offset only.
+        let law = Law { offset: if sharp { felt.offset } else { felt.offset / 0.3 }, ..felt };
+        let view = scene.state.view(0, &scene.border);
+        let mut feature = |face: &Face| {
+            let l = [0, 1, 2].map(|_| 1.0 + 0.5 * random.number());
+            let l = l.map(|v| v / l.iter().sum::<f64>());
+            let (foot, normal) = face_frame(face, view.x, l);
+            let point = foot + normal * felt.offset * random.number() + view.offset;
+            Feature { position: view.rotation.transpose() * (point - view.position), sharp }
+        };
+        let features: Arc<[Feature]> = surface.faces.iter().map(&mut feature).collect();
+        let mut terms = [friction, 0.0]
+            .map(|friction| FeatureContact::new(Law { friction, ..law }, surface.clone(), features.clone()));
+        for term in &mut terms {
+            scene.assemble(term, false);
+            term.commit(&scene.body, &scene.state.view(0, &scene.border));
+        }
+        let [mut with, mut without] = terms;
+        let stuck: Vec<Stencil> = (0..features.len()).map(|i| with.force(i).1).collect();
+        scene.shake(drag, &mut random);
+        scene.assemble(&mut with, false);
+        scene.assemble(&mut without, false);
+        let view = scene.state.view(0, &scene.border);
+        let kink = with.edges.iter().enumerate().any(|(i, e)| {
+            let arm = view.rotation * features[i].position;
+            let relative = stuck[i].position(view.x) + view.offset - view.position - arm;
+            let slip = across(relative + e.anchor.unwrap_or_default(), e.normal);
+            near_kink(&felt, e.gap) || near_slip(&law, e, slip) || e.gap < -0.8 * felt.offset
+        });
+        if !kink && with.edges.iter().any(|e| e.pressure > 0.0) {
+            scenes.push((scene, felt, with, without));
+        }
+    }
+    scenes
+}
+
+/// The pad's surface may bend: gap and normal come from the closest point of its faces.
+#[test]
+fn pressure_at_features_is_the_gradient_of_its_energy() {
+    for sharp in [true, false] {
+        let mut covered = Covered::default();
+        for (scene, law, mut term, _) in feature_scenes(sharp, 0.0, 0.03) {
+            covered.add(&law, &term.edges);
+            scene.check_gradient("pressure at features", &mut term);
+        }
+        println!("sharp {sharp}: {covered:?}");
+        assert!(covered.soft > 20 && covered.hard > 20, "sharp {sharp}: {covered:?}");
+    }
+}
+
+/// Of `H = k dg dg - p d2g` with the gap `g`, the Hessian keeps the first part, and of the second what turning the
+/// feature does. It drops, by design, how the pad's normal turns with its nodes. So it is exact between travel and
+/// pose where the pad's faces are flat; and with `project` it is `k dg dg` in all coordinates on any face.
+#[test]
+fn hessian_of_pressure_at_features_is_exact_but_for_the_turning_normal() {
+    let mut checked = 0;
+    for (scene, _, mut term, _) in feature_scenes(true, 0.0, 0.03) {
+        let unknowns = scene.unknowns();
+        let count = unknowns.len();
+        let Elements::Linear(_) = &scene.body.elements else { continue };
+        checked += 1;
+        let block = scene.assemble(&mut term, false);
+        let hessian = scene.hessian(&block);
+        let border: Vec<usize> = (count - scene.border.size..count).collect();
+        let part = |h: &[f64]| -> Vec<f64> {
+            border.iter().flat_map(|a| border.iter().map(move |b| (a, b))).map(|(a, b)| h[a * count + b]).collect()
+        };
+        let columns: Vec<usize> = border.iter().map(|i| unknowns[*i]).collect();
+        let numeric = scene.second_differences(&columns, &|state| scene.energy(&term, state));
+        let error = deviation(&numeric, &part(&hessian), 0.0);
+        assert!(error < TOLERANCE, "travel and pose: Hessian off by {error:.1e}");
+    }
+    assert!(checked > 5, "{checked} scenes");
+}
+
+#[test]
+fn projected_hessian_of_pressure_at_features_is_that_of_gauss_and_newton() {
+    for (scene, law, mut term, _) in feature_scenes(true, 0.0, 0.03) {
+        let unknowns = scene.unknowns();
+        let block = scene.assemble(&mut term, true);
+        assert_positive("features", unknowns.len(), &scene.hessian(&block));
+        let mut expected = vec![0.0; unknowns.len() * unknowns.len()];
+        for (i, e) in term.edges.iter().enumerate().filter(|(_, e)| e.pressure > 0.0) {
+            let gap = |state: &State| {
+                let mut moved = term.clone();
+                moved.assemble(
+                    &scene.body,
+                    &state.view(0, &scene.border),
+                    false,
+                    &mut Block::new(&scene.body, scene.border.size),
+                );
+                moved.edges[i].gap
+            };
+            let slopes: Vec<f64> = unknowns.iter().map(|&c| slope(STEP, |d| gap(&scene.moved(c, d, c, 0.0)))).collect();
+            let area = term.force(i).0.dot(e.normal) / e.pressure;
+            let stiffness = law.pressure(e.gap, e.scale).1 * area;
+            for (k, value) in expected.iter_mut().enumerate() {
+                *value += stiffness * slopes[k / unknowns.len()] * slopes[k % unknowns.len()];
+            }
+        }
+        let error = deviation(&expected, &scene.hessian(&block), 0.0);
+        assert!(error < TOLERANCE, "Hessian off by {error:.1e}");
+    }
+}
+
+/// Friction at features alone: what the term with friction has more than the same term without.
+fn check_feature_friction(friction: f64, drag: f64) -> Covered {
+    let mut covered = Covered::default();
+    for (scene, law, mut with, mut without) in feature_scenes(true, friction, drag) {
+        covered.add(&law, &with.edges);
+        let projected = [&mut with, &mut without].map(|t| scene.hessian(&scene.assemble(t, true)));
+        let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>();
+        let unknowns = scene.unknowns();
+        assert_positive("friction at features", unknowns.len(), &difference(&projected[0], &projected[1]));
+        let blocks = [&mut with, &mut without].map(|t| scene.assemble(t, false));
+        let [gradient, gradient_without] = [0, 1].map(|k| scene.gradient(&blocks[k]));
+        let [hessian, hessian_without] = [0, 1].map(|k| scene.hessian(&blocks[k]));
+        let energy = |state: &State| scene.energy(&with, state) - scene.energy(&without, state);
+        let numeric: Vec<f64> =
+            (0..scene.size()).map(|c| slope(STEP, |d| energy(&scene.moved(c, d, c, 0.0)))).collect();
+        let error = deviation(&numeric, &difference(&gradient, &gradient_without), 0.0);
+        assert!(error < TOLERANCE, "gradient off by {error:.1e}");
+        let numeric = scene.second_differences(&unknowns, &energy);
+        let error = deviation(&numeric, &difference(&hessian, &hessian_without), 0.0);
+        assert!(error < TOLERANCE, "Hessian off by {error:.1e}");
+    }
+    println!("friction {friction}: {covered:?}");
+    covered
+}
+
+/// Lagged as at the pad's points; the sticking point and the normal being frozen, the Hessian is exact on bent faces
+/// too.
+#[test]
+fn sticking_friction_at_features_has_its_derivatives() {
+    let covered = check_feature_friction(5.0, 0.03);
+    assert!(covered.stuck > 20 && covered.slipping == 0, "{covered:?}");
+}
+
+#[test]
+fn slipping_friction_at_features_has_its_derivatives() {
+    let covered = check_feature_friction(0.02, 0.15);
+    assert!(covered.slipping > 20, "{covered:?}");
 }

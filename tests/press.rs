@@ -29,7 +29,7 @@ fn quadratic_pad(cells: [usize; 3], poisson: f64) -> Arc<Body> {
 
 /// Front-face displacement of the press at points of the rest face, m.
 fn on_face(press: &Press, points: &[DVec2]) -> Vec<DVec3> {
-    let (body, u) = (press.newton.body(0), press.displacement());
+    let (body, u) = (press.body(), press.displacement());
     let faces = &press.contact().surface().faces;
     let front: Vec<_> = faces.iter().filter(|f| f.corners.iter().all(|&n| body.rest[n as usize].z > -1e-9)).collect();
     let value = |p: &DVec2| {
@@ -53,8 +53,8 @@ fn profile_error(press: &Press, file: &str, depth: f64) -> Option<f64> {
     Some(errors(&on_face(press, &points), &truth).0)
 }
 
-/// Converged forces 0.216, 0.710, 2.548 N, known to 1.5, 1 and 0.5 %, and the front face of a fine solution, known to 1 %.
-/// The error of our face sits at the rim of the contact, where the slope kinks inside an element.
+/// Converged forces 0.216, 0.710, 2.548 N, known to 1.5, 1 and 0.5 %, and the front face of a fine solution, known to
+/// 1 %. The error of our face sits at the rim of the contact, where the slope kinks inside an element.
 #[test]
 fn quadratic_tetrahedra_with_mean_dilatation_give_the_true_force_and_face() {
     let body = quadratic_pad([14, 14, 3], 0.45);
@@ -71,7 +71,7 @@ fn quadratic_tetrahedra_with_mean_dilatation_give_the_true_force_and_face() {
         println!("   front face: {:.2} % of the displacement (relative L2)", 100.0 * error);
         assert!(error < face_allowed, "front face off by {error:.4} at {depth} m");
     }
-    let peak = body.stress(&press.state.x[0]).node.iter().copied().fold(0.0, f64::max);
+    let peak = body.stress(&press.path.state.x[0]).node.iter().copied().fold(0.0, f64::max);
     println!("   largest nodal von Mises stress {:.4} MPa", peak * 1e-6);
     assert!((peak / 0.092e6 - 1.0).abs() < 0.05, "von Mises stress {peak} against 0.092e6 Pa, known to 2 %");
 }
@@ -103,47 +103,43 @@ fn linear_pad(poisson: f64) -> Option<Arc<Body>> {
 /// Forces of CalculiX with linear tetrahedra on pad_1k, N.
 const LINEAR: [f64; 3] = [0.4512256, 1.347288, 3.8087396];
 
-/// The same discrete problem: the contact law of the reference is a penalty of 200 MPa/mm without multipliers, integrated
-/// finely over each face. The sphere sinks in by up to 12 um along the creases between the flat faces of linear tetrahedra.
+/// Presses linear tetrahedra to the three depths: forces and faces against CalculiX; the deepest point, m.
+fn check_linear(press: &mut Press, steps: u32, force_allowed: f64, face_allowed: f64) {
+    for (depth, truth) in DEPTHS.into_iter().zip(LINEAR) {
+        let force = press.to(depth, steps);
+        let error = profile_error(press, "sphere_c3d4_pad_1k_q_top_profile.csv", depth).expect("profile");
+        let off = force / truth - 1.0;
+        println!(
+            "{:.2} mm: {force:.4} N, {:+.2} %; face {:.2} %; gap {:.1} um",
+            depth * 1e3,
+            100.0 * off,
+            100.0 * error,
+            press.contact().min_gap() * 1e6
+        );
+        assert!(off.abs() < force_allowed, "force {force} against {truth} N at {depth} m");
+        assert!(error < face_allowed, "front face off by {error:.4} at {depth} m");
+    }
+}
+
+/// The same discrete problem: the contact law of the reference is a penalty of 200 MPa/mm, integrated finely over each
+/// face. The sphere sinks in by up to 12 um along the creases between the flat faces of linear tetrahedra.
 #[test]
 fn linear_tetrahedra_with_the_contact_law_of_calculix_give_its_force_and_face() {
     let Some(body) = linear_pad(0.45) else { return };
     let surface = Arc::new(ContactSurface::with_subdivision(&body, 16));
-    // The law's potential starts `offset` outside a sphere that is smaller by as much: a plain penalty, never augmented.
-    let law = Law { stiffness: 200e9, offset: 20e-6, friction: 0.0, tangential: 200e9 };
-    let mut press = Press::with_law(setup(body, RADIUS - law.offset), law, surface);
-    for (depth, truth) in DEPTHS.into_iter().zip(LINEAR) {
-        let from = press.state.travel[0];
-        for k in 1..=4 {
-            // Never committed, so the multipliers stay zero.
-            press.state.travel[0] = from + (depth - from) * f64::from(k) / 4.0;
-            press.newton.solve(&mut press.state, &press.tolerance).expect("converges");
-        }
-        let contact = press.contact();
-        let force = -(0..contact.edges.len()).map(|i| contact.force(i).z).sum::<f64>();
-        let error = profile_error(&press, "sphere_c3d4_pad_1k_q_top_profile.csv", depth).expect("profile");
-        let sunk = law.offset - contact.min_gap();
-        println!(
-            "{:.2} mm: {force:.4} N, {:+.2} %; face {:.2} %; sunk in {:.1} um",
-            depth * 1e3,
-            100.0 * (force / truth - 1.0),
-            100.0 * error,
-            sunk * 1e6
-        );
-        assert!((force / truth - 1.0).abs() < 0.005, "force {force} against {truth} N at {depth} m");
-        assert!(error < 0.01, "front face off by {error:.4} at {depth} m");
-        assert!(sunk < 15e-6, "the penalty gives way by {sunk} m");
-    }
+    // The law starts `offset` outside a sphere that is smaller by as much, and stays on its first branch.
+    let law = Law { stiffness: 200e9, offset: 40e-6, friction: 0.0, tangential: 200e9 };
+    let setup = Setup { start: DVec3::Z * (RADIUS - law.offset), ..setup(body, RADIUS - law.offset) };
+    let mut press = Press::with_law(setup, law, surface);
+    check_linear(&mut press, 1, 0.005, 0.01);
+    let sunk = law.offset - press.contact().min_gap();
+    assert!(sunk < 15e-6, "the penalty gives way by {sunk} m");
 }
 
-/// Contact that does not give way is a little stiffer on flat faces: within 3 % of the reference.
+/// The solver's own law gives way by some micrometres more at the first touch: 2.5 % below the reference at 0.25 mm,
+/// within 0.6 % from 0.5 mm on.
 #[test]
-fn linear_tetrahedra_with_hard_contact_are_near_calculix() {
+fn linear_tetrahedra_are_near_calculix() {
     let Some(body) = linear_pad(0.45) else { return };
-    let mut press = Press::new(setup(body, RADIUS));
-    for (depth, truth) in DEPTHS.into_iter().zip(LINEAR) {
-        let force = press.to(depth, 1);
-        println!("{:.2} mm: {force:.4} N, {:+.2} %", depth * 1e3, 100.0 * (force / truth - 1.0));
-        assert!((force / truth - 1.0).abs() < 0.03, "force {force} against {truth} N at {depth} m");
-    }
+    check_linear(&mut Press::new(setup(body, RADIUS)), 1, 0.03, 0.04);
 }

@@ -71,7 +71,7 @@ impl Solver {
     }
 
     fn solve(&mut self) {
-        let tolerance = Tolerance { force: 1e-10, length: 1e-7, iterations: 60, motion: 1e3 };
+        let tolerance = Tolerance { relative: 0.0, force: 1e-10, length: 1e-7, iterations: 60, motion: 1e3 };
         self.newton.solve(&mut self.state, &tolerance).expect("converges");
     }
 
@@ -86,7 +86,8 @@ fn patch_test(law: Arc<dyn Material>, map: impl Fn(DVec3) -> DVec3, exact: DMat3
     let outer = surface::boundary_mesh(&mesh).1;
     for (order, mean_dilatation) in [(1, false), (2, false), (2, true)] {
         let (rest, elements) = elements(&mesh, order == 2);
-        // Middles of edges are prescribed where both ends are outside; the mesh has no edge through its inside like that.
+        // Middles of edges are prescribed where both ends are outside; the mesh has no edge through its inside like
+        // that.
         let mut fixed: Vec<bool> = (0..rest.len()).map(|i| outer.contains(&(i as u32))).collect();
         if order == 2 {
             for (k, [a, b]) in quadratic::midpoint_edges(&mesh).into_iter().enumerate() {
@@ -146,7 +147,9 @@ fn patch_of_finite_strain_is_exact() {
     patch_test(neo_hookean(), |p| f * p, tensor(&case["exact_cauchy_xx_yy_zz_xy_xz_yz"]));
 }
 
-/// Single coordinates held at a value: a stiff spring whose multiplier takes over the force, so that the value is exact.
+/// Single coordinates held at a value: a stiff spring whose multiplier takes over the force, so that the value is
+/// exact.
+#[derive(Clone)]
 struct Rollers {
     held: Vec<(usize, usize, f64)>,
     force: Vec<f64>,

@@ -2,7 +2,7 @@
 //!
 //! A *contact edge* joins a point of one body to the surface of the other: points of the pad's surface to the object
 //! ([`surface`]), and points of the object's features to the pad ([`feature`]), so that neither a smooth face nor a needle
-//! slips between samples. All edges carry the same [`law`]: an augmented Lagrangian for the gap and for Coulomb friction.
+//! slips between samples. All edges carry the same [`law`]: a stiff penalty on the gap, and Coulomb friction.
 
 pub mod edge;
 pub mod feature;

@@ -111,7 +111,10 @@ fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3, beyond: f64) -> Foo
                 break;
             }
             let (s, t) = ((g22 * r1 - g12 * r2) / det, (g11 * r2 - g12 * r1) / det);
-            let next = restrict([l[0] - s - t, l[1] + s, l[2] + t], beyond);
+            let mut next = [l[0] - s - t, l[1] + s, l[2] + t];
+            if next.iter().any(|v| *v < -beyond) {
+                next = along_rim(face, x, restrict(next, beyond), y, beyond);
+            }
             let moved = (next[1] - l[1]).abs() + (next[2] - l[2]).abs();
             l = next;
             if moved < 1e-12 {
@@ -129,6 +132,19 @@ fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3, beyond: f64) -> Foo
     let normal = if interior || distance < 1e-9 { normal } else { away * (side / distance) };
     let gap = if interior { away.dot(normal) } else { side * distance };
     Foot { face: index, l, gap, normal }
+}
+
+/// One Gauss-Newton step along the rim on which `l` lies.
+fn along_rim(face: &Face, x: &[DVec3], l: [f64; 3], y: DVec3, beyond: f64) -> [f64; 3] {
+    let k = (0..3).min_by(|a, b| l[*a].total_cmp(&l[*b])).unwrap_or(0);
+    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+    let (p, d1, d2) = tangents(face, x, l);
+    let d = [DVec3::ZERO, d1, d2];
+    let tangent = d[j] - d[i];
+    let by = (tangent.dot(y - p) / tangent.length_squared()).clamp(-beyond - l[j], l[i] + beyond);
+    let mut next = l;
+    (next[i], next[j]) = (l[i] - by, l[j] + by);
+    next
 }
 
 /// Position and derivatives in `l1`, `l2` (with `l0 = 1 - l1 - l2`) of a quadratic face.

@@ -156,12 +156,13 @@ impl Contact {
             e.gap = f64::INFINITY;
         } else {
             // Look farther than needed, so that the bound spares the next queries.
-            match self.object.closest(q, LOOK_AHEAD) {
+            let reach = LOOK_AHEAD.max(law.offset);
+            match self.object.closest(q, reach) {
                 Some(c) => {
                     (e.gap, e.bound, e.query) = (c.distance, c.distance, q);
                     e.normal = view.rotation * c.normal;
                 }
-                None => (e.gap, e.bound, e.query) = (f64::INFINITY, LOOK_AHEAD, q),
+                None => (e.gap, e.bound, e.query) = (f64::INFINITY, reach, q),
             }
         }
         e.pressure = law.pressure(e.gap, e.scale).0;

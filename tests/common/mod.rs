@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use tactus::contact::{Contact, ContactSurface, law::Law};
 use tactus::fem::body::{Body, Elements};
+use tactus::fem::increment::{Load, Path};
 use tactus::fem::newton::{Newton, Tolerance};
 use tactus::fem::state::{Border, State};
 use tactus::fem::term::{BodyTerm, Elastic};
@@ -102,11 +103,9 @@ pub fn elements(mesh: &TetMesh, quadratic: bool) -> (Vec<DVec3>, Elements) {
 }
 
 /// A pad with its back face fixed (the middles of bonded edges too, as they lie on it), and a rigid object above it
-/// that is pressed down along the pad's axis by a prescribed depth.
+/// that is pressed down along the pad's axis by a prescribed depth, counted from where the contact offset touches.
 pub struct Press {
-    pub tolerance: Tolerance,
-    pub newton: Newton,
-    pub state: State,
+    pub path: Path,
 }
 
 /// How a press is set up.
@@ -114,7 +113,7 @@ pub struct Setup {
     /// Discretised pad, m, outward normal +z.
     pub body: Arc<Body>,
     pub object: Arc<dyn SignedDistance>,
-    /// Where the object's origin is when it just touches, m.
+    /// Where the object's origin is when its surface just touches the pad, m.
     pub start: DVec3,
     /// Coulomb coefficient.
     pub friction: f64,
@@ -129,10 +128,10 @@ pub fn pad_body(pad: &Pad, quadratic: bool, material: Arc<dyn tactus::material::
 }
 
 impl Press {
+    /// With the contact law of the solver.
     pub fn new(setup: Setup) -> Self {
         let surface = Arc::new(ContactSurface::new(&setup.body));
-        let stiffness = 50.0 * setup.body.material.young() / surface.spacing;
-        let law = Law { stiffness, offset: 1e-6, friction: setup.friction, tangential: stiffness };
+        let law = Law::new(setup.body.material.young(), surface.spacing, setup.friction);
         Self::with_law(setup, law, surface)
     }
 
@@ -141,31 +140,33 @@ impl Press {
         let terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(Elastic), Box::new(contact)];
         let x = setup.body.rest.clone();
         let newton = Newton::new(vec![setup.body], vec![terms], Border::new(vec![DVec3::Z], false, false, 1.0));
-        let state = State { x: vec![x], travel: vec![0.0], position: setup.start, rotation: DQuat::IDENTITY };
-        let tolerance = Tolerance { relative: 0.0, force: 1e-6, length: 1e-6, iterations: 100, motion: 1e-3 };
-        Self { tolerance, newton, state }
+        let position = setup.start + DVec3::Z * law.offset;
+        let state = State { x: vec![x], travel: vec![0.0], position, rotation: DQuat::IDENTITY };
+        let tolerance = Tolerance { relative: 1e-5, force: 1e-7, length: 1e-6, iterations: 60, motion: 1e-3 };
+        Self { path: Path::new(newton, state, tolerance) }
     }
 
-    /// Presses on to a depth, m, in `steps` equal increments; the normal force, N.
+    /// Presses on to a depth, m, in `steps` equal increments (more where one does not converge); the normal force, N.
     pub fn to(&mut self, depth: f64, steps: u32) -> f64 {
-        let from = self.state.travel[0];
+        let from = self.path.level;
         for k in 1..=steps {
-            let mut next = self.state.clone();
-            next.travel[0] = from + (depth - from) * f64::from(k) / f64::from(steps);
-            self.newton.solve(&mut next, &self.tolerance).expect("the press converges");
-            self.newton.commit(&next);
-            self.state = next;
+            let next = from + (depth - from) * f64::from(k) / f64::from(steps);
+            self.path.advance(Load::Travel, next).expect("the press converges");
         }
         let contact = self.contact();
         -(0..contact.edges.len()).map(|i| contact.force(i).z).sum::<f64>()
     }
 
     pub fn contact(&self) -> &Contact {
-        self.newton.terms[0][1].as_any().downcast_ref().expect("contact term")
+        self.path.newton.terms[0][1].as_any().downcast_ref().expect("contact term")
+    }
+
+    pub fn body(&self) -> &Body {
+        self.path.newton.body(0)
     }
 
     /// Displacements of all nodes, m.
     pub fn displacement(&self) -> Vec<DVec3> {
-        self.state.x[0].iter().zip(&self.newton.body(0).rest).map(|(x, r)| *x - *r).collect()
+        self.path.state.x[0].iter().zip(&self.body().rest).map(|(x, r)| *x - *r).collect()
     }
 }
