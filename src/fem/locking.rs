@@ -19,7 +19,9 @@ pub fn locking_notice(body: &Body) -> Option<String> {
             "linear tetrahedra: forces can be tens of percent too high (a sphere pressed 1 mm into a pad of 600 nodes per \
              quarter: 31 % at nu = 0.45, 77 % at 0.49; of 5250 nodes: 7 % and 24 %)"
         }
-        Elements::Quadratic(_) if !body.mean_dilatation => "10-node tetrahedra without mean dilatation: forces are too high",
+        Elements::Quadratic(_) if !body.mean_dilatation => {
+            "10-node tetrahedra without mean dilatation: forces are too high"
+        }
         Elements::Quadratic(_) => return None,
     };
     Some(format!("locked at nu = {nu}: {what}; use element: Quadratic with mean_dilatation: true"))
