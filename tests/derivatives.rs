@@ -480,7 +480,7 @@ fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, Law, Fea
             term.commit(&scene.body, &scene.state.view(0, &scene.border));
         }
         let [mut with, mut without] = terms;
-        let stuck: Vec<Stencil> = (0..features.len()).map(|i| with.force(i).1).collect();
+        let stuck: Vec<Stencil> = (0..features.len()).map(|i| with.readout(i).now).collect();
         scene.shake(drag, &mut random);
         scene.assemble(&mut with, false);
         scene.assemble(&mut without, false);
@@ -556,7 +556,7 @@ fn projected_hessian_of_pressure_at_features_is_that_of_gauss_and_newton() {
                 moved.edges[i].gap
             };
             let slopes: Vec<f64> = unknowns.iter().map(|&c| slope(STEP, |d| gap(&scene.moved(c, d, c, 0.0)))).collect();
-            let area = term.force(i).0.dot(e.normal) / e.pressure;
+            let area = term.readout(i).normal.dot(e.normal) / e.pressure;
             let stiffness = law.pressure(e.gap, e.scale).1 * area;
             for (k, value) in expected.iter_mut().enumerate() {
                 *value += stiffness * slopes[k / unknowns.len()] * slopes[k % unknowns.len()];
