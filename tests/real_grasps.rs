@@ -11,10 +11,10 @@ use tactus::runner::run_grasps;
 use tactus::scene::load;
 use tactus::stepper::choose;
 
-/// The grasp that stands for each object, and the share of all hundred that must reach the force (a lemon held by its tip is
-/// squeezed out).
+/// The grasp that stands for each object, and the share of all hundred that must reach the force. No share is promised for
+/// the lemon: many of its grasps hold only a tip, and either slip off or end as a named fault.
 const OBJECTS: [(&str, usize, f64); 4] =
-    [("sphere01", 0, 0.99), ("lemon01", 4, 0.0), ("cuboid02", 0, 0.99), ("6polygon01", 0, 0.99)];
+    [("sphere01", 0, 0.99), ("lemon01", 12, 0.0), ("cuboid02", 0, 0.99), ("6polygon01", 0, 0.99)];
 
 #[test]
 fn free_objects_reach_fifteen_newtons_without_inversion_or_penetration() {
