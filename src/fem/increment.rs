@@ -53,6 +53,8 @@ pub const SOFTEST: f64 = 1000.0;
 const SMALLEST: [f64; 2] = [1.0 / 4096.0, 1.0 / 8.0];
 /// Motion of the border that the first pseudo-time step allows under the full load, m.
 const STRIDE: f64 = 2e-4;
+/// How much looser intermediate states may be than results.
+const LOOSE: f64 = 20.0;
 /// Most pseudo-time steps of one walk.
 const STEPS: usize = 80;
 
@@ -72,6 +74,25 @@ impl Path {
     /// # Errors
     /// The last [`Failure`]; the state is then that of the last softness that converged.
     pub fn establish(&mut self, force: f64, offset: f64) -> Result<Advanced, Failure> {
+        // A stepping stone, not a result: nobody needs it sharp. `advance` or `polish` come next.
+        let sharp = self.tolerance;
+        self.tolerance.relative *= LOOSE;
+        let done = self.harden(force, offset);
+        self.tolerance = sharp;
+        done
+    }
+
+    /// Solves once more at the level reached, to the full tolerance.
+    ///
+    /// # Errors
+    /// The [`Failure`]; the state stays as it was.
+    pub fn polish(&mut self) -> Result<Advanced, Failure> {
+        let mut done = Advanced::default();
+        self.settle(self.state.clone(), true, &mut done).map(|()| done)
+    }
+
+    /// The continuation of [`Path::establish`].
+    fn harden(&mut self, force: f64, offset: f64) -> Result<Advanced, Failure> {
         self.newton.force.fill(force);
         let mut done = Advanced::default();
         let (mut reached, mut softness, mut ratio) = (None::<f64>, SOFTEST, 10.0_f64);
@@ -186,12 +207,13 @@ impl Path {
     fn walk(&mut self, done: &mut Advanced) -> Result<State, Failure> {
         let load = self.newton.force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let mut stiffness = load / STRIDE;
+        let loose = Tolerance { relative: LOOSE * self.tolerance.relative, ..self.tolerance };
         let mut state = self.state.clone();
         let mut failures = 0;
         for _ in 0..STEPS {
             self.newton.proximal = Some((state.clone(), stiffness));
             let mut next = state.clone();
-            match self.newton.solve(&mut next, &self.tolerance) {
+            match self.newton.solve(&mut next, &loose) {
                 Ok(converged) => {
                     self.newton.commit(&next);
                     done.iterations += converged.iterations;

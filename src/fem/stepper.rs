@@ -98,7 +98,7 @@ impl Solver {
         if !std::mem::replace(&mut self.started, true) && model.force_driven {
             // An object with weight rests on its support until the first level; less might not hold it.
             let gentle = model.levels.last().copied().unwrap_or(level) * FIRST_TOUCH;
-            let first = if model.gravity.is_some() { level } else { level.min(gentle) };
+            let first = if model.gravity.is_some() { level } else { gentle.min(0.5 * level) };
             self.path.tolerance = self.tolerance(model, first);
             self.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
             self.back_off(model)?;
@@ -107,6 +107,9 @@ impl Solver {
                 .path
                 .establish(first, model.law.offset)
                 .map_err(|f| self.squeezed_out(model, first, f).unwrap_or_else(|| self.explain(model, &making, f)))?;
+            if first == level {
+                done = self.path.polish().map_err(|f| self.explain(model, &making, f))?;
+            }
         }
         self.path.tolerance = self.tolerance(model, level);
         let more = self.path.advance(load, level).map_err(|f| self.explain(model, &at(load, level), f))?;
