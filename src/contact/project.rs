@@ -75,10 +75,9 @@ impl FaceBounds {
         }
         // Nearest sphere first by bound: a face can only win if its sphere comes closer than the best foot.
         let mut best: Option<Foot> = None;
-        let mut nearest = f64::INFINITY;
+        let mut nearest = DEEPEST.max(reach);
         for (i, (center, radius)) in self.spheres.iter().enumerate() {
-            let distance = y.distance(*center);
-            if distance - radius < nearest {
+            if y.distance_squared(*center) < (nearest + radius).powi(2) {
                 let foot = on_face(i, &surface.faces[i], x, y, 0.0);
                 if foot.gap.abs() < nearest {
                     nearest = foot.gap.abs();
@@ -90,6 +89,8 @@ impl FaceBounds {
     }
 }
 
+/// Depth inside the gel up to which a point is looked for, m: more than one iteration can move it.
+const DEEPEST: f64 = 2e-3;
 /// How far beyond its rim a face stays the closest one, in barycentric coordinates.
 const BEYOND: f64 = 0.05;
 
