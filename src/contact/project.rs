@@ -73,9 +73,15 @@ impl FaceBounds {
         if y.cmplt(self.min - reach).any() || y.cmpgt(self.max + reach).any() {
             return None;
         }
-        // Nearest sphere first by bound: a face can only win if its sphere comes closer than the best foot.
-        let mut best: Option<Foot> = None;
-        let mut nearest = DEEPEST.max(reach);
+        // A face can only win if its sphere comes closer than the best foot; nearly always that is a near one.
+        let best =
+            self.nearest(surface, x, y, DEEPEST.max(reach)).or_else(|| self.nearest(surface, x, y, f64::INFINITY));
+        best.filter(|foot| foot.gap < reach)
+    }
+
+    /// Closest point among the faces nearer than `limit`.
+    fn nearest(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, limit: f64) -> Option<Foot> {
+        let (mut best, mut nearest) = (None, limit);
         for (i, (center, radius)) in self.spheres.iter().enumerate() {
             if y.distance_squared(*center) < (nearest + radius).powi(2) {
                 let foot = on_face(i, &surface.faces[i], x, y, 0.0);
@@ -85,11 +91,11 @@ impl FaceBounds {
                 }
             }
         }
-        best.filter(|foot| foot.gap < reach)
+        best
     }
 }
 
-/// Depth inside the gel up to which a point is looked for, m: more than one iteration can move it.
+/// Depth inside the gel up to which a point is looked for first, m: more than one iteration moves it.
 const DEEPEST: f64 = 2e-3;
 /// How far beyond its rim a face stays the closest one, in barycentric coordinates.
 const BEYOND: f64 = 0.05;
