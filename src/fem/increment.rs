@@ -13,8 +13,8 @@ pub struct Path {
     pub level: f64,
     /// Convergence criteria.
     pub tolerance: Tolerance,
-    /// The accepted states before `state`, newest last, with their levels.
-    history: Vec<(State, f64)>,
+    /// The accepted state before `state`, with its level.
+    history: Option<(State, f64)>,
     /// Increment that worked last.
     increment: f64,
 }
@@ -61,7 +61,7 @@ const STEPS: usize = 80;
 impl Path {
     /// Starts at `state`, which must be in equilibrium at level zero.
     pub fn new(newton: Newton, state: State, tolerance: Tolerance) -> Self {
-        Self { newton, state, level: 0.0, tolerance, history: Vec::new(), increment: f64::INFINITY }
+        Self { newton, state, level: 0.0, tolerance, history: None, increment: f64::INFINITY }
     }
 
     /// Brings the fingers from first touch to equilibrium under the small force `force` (N), by continuation from a soft,
@@ -109,7 +109,7 @@ impl Path {
             match self.settle(state, last_resort, &mut done) {
                 Ok(()) if softness <= 1.0 => {
                     self.level = force;
-                    self.history.clear();
+                    self.history = None;
                     return Ok(done);
                 }
                 Ok(()) => reached = Some(softness),
@@ -144,10 +144,7 @@ impl Path {
             let start = self.start(load, next);
             match self.settle(start, last_resort && walks, &mut done) {
                 Ok(()) => {
-                    self.history.push(before);
-                    if self.history.len() > 2 {
-                        self.history.remove(0);
-                    }
+                    self.history = Some(before);
                     self.level = next;
                     step = size * if done.iterations - cost < 15 { 2.0 } else { 1.0 };
                     // Remember an increment only if the path itself forced it to be small.
@@ -192,7 +189,7 @@ impl Path {
         match walked {
             Ok(state) => {
                 self.state = state;
-                self.history.clear();
+                self.history = None;
                 Ok(())
             }
             Err(failure) => {
@@ -249,10 +246,10 @@ impl Path {
         Err(Failure::Unsettled)
     }
 
-    /// Where to start the increment to `level`: extrapolated from the last accepted states.
+    /// Where to start the increment to `level`: extrapolated from the last two accepted states.
     fn start(&self, load: Load, level: f64) -> State {
         let mut state = self.state.clone();
-        if let Some((before, at)) = self.history.last() {
+        if let Some((before, at)) = &self.history {
             let factor = (level - self.level) / (self.level - at);
             if factor > 0.0 && factor <= 2.0 {
                 state = self.state.extrapolated(before, factor);
