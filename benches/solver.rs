@@ -6,17 +6,30 @@ use std::hint::black_box;
 use std::path::Path;
 use tactus::environment::Environment;
 use tactus::grasp::poses_of;
+use tactus::mesh::TriMesh;
 use tactus::model::Model;
 use tactus::scene::load;
-use tactus::shape::generate;
+use tactus::shape::{Shape, generate};
 use tactus::stepper::choose;
 
+/// Closed forms and surface meshes, near the surface and far from it.
 fn signed_distance(c: &mut Criterion) {
-    let Ok(lemon) = generate::lemon(0.06, 0.044, 64) else { return };
-    let points: Vec<DVec3> = (0..1000).map(|i| DVec3::new(0.022 + 1e-6 * i as f64, 1e-5 * i as f64, 0.0)).collect();
-    c.bench_function("signed distance of a lemon, 1000 points within 1 mm", |b| {
-        b.iter(|| points.iter().filter(|q| lemon.distance.closest(**q, 1e-3).is_some()).count())
-    });
+    let shapes = [generate::sphere(0.03, 64), generate::lemon(0.06, 0.044, 64)];
+    for shape in shapes.into_iter().flatten() {
+        let meshed = Shape::from_mesh(TriMesh::clone(&shape.surface)).map(|m| m.named(&shape.name));
+        for (form, shape) in [("in closed form", Ok(shape)), ("as a mesh", meshed)] {
+            let Ok(shape) = shape else { continue };
+            let vertices = &shape.surface.vertices;
+            let near: Vec<DVec3> =
+                (0..1000).map(|i| vertices[7 * i % vertices.len()] * (1.0 + 2e-6 * i as f64)).collect();
+            let far: Vec<DVec3> = near.iter().map(|q| *q + 3.0 * shape.bounding_radius).collect();
+            for (place, points) in [("near", near), ("far", far)] {
+                c.bench_function(&format!("signed distance of a {} {form}, 1000 points {place}", shape.name), |b| {
+                    b.iter(|| points.iter().filter(|q| shape.distance.closest(**q, 1e-3).is_some()).count())
+                });
+            }
+        }
+    }
 }
 
 fn press(c: &mut Criterion) {

@@ -67,33 +67,3 @@ fn odd_inputs_are_drawn_or_refused_never_a_panic() {
     far.pads[0].position[0] = glam::DVec3::splat(1e300);
     let _ = render_pads(&good, &far, None, &style);
 }
-
-/// Writes the picture a person looks at: `TACTUS_PICTURE=/tmp/pads.png cargo test --release --test render_pads -- --ignored`.
-#[test]
-#[ignore = "writes a file for a person"]
-fn example_picture() {
-    let Some(path) = std::env::var_os("TACTUS_PICTURE") else { return };
-    let pads = vec![pad([12, 14, 4], true); 2];
-    let style = Style { title: "sphere r = 18 mm, grasp 003".into(), ..Style::default() };
-    let picture =
-        render_pads(&pads, &frame(&pads, 49, 1e-3), Some(&sphere(64, synthetic::RADIUS)), &style).expect("drawn");
-    save(&picture, std::path::Path::new(&path)).expect("saved");
-}
-
-/// As above for the uncut view, a sharp-edged object larger than the hand, and a displacement scale.
-#[test]
-#[ignore = "writes a file for a person"]
-fn example_picture_uncut() {
-    let Some(path) = std::env::var_os("TACTUS_PICTURE_UNCUT") else { return };
-    let pads = vec![pad([12, 14, 4], true); 2];
-    let corner = |i: u32| {
-        let side = |bit: u32, half: f64| if i & bit == 0 { -half } else { half };
-        glam::DVec3::new(side(1, 17e-3), side(2, 60e-3), side(4, 8e-3))
-    };
-    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let triangles = quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
-    let bar = tactus::mesh::TriMesh { vertices: (0..8).map(corner).collect(), triangles };
-    let style = Style { scalar: Scalar::Displacement, cut: false, title: "bar".into(), ..Style::default() };
-    let picture = render_pads(&pads, &frame(&pads, 49, 1e-3), Some(&bar), &style).expect("drawn");
-    save(&picture, std::path::Path::new(&path)).expect("saved");
-}

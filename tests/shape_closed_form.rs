@@ -161,25 +161,3 @@ fn points_that_are_not_finite_do_no_harm() {
         }
     }
 }
-
-/// Not a check but a measurement, for a machine that is idle: `cargo test --release -- --ignored --nocapture`.
-#[test]
-#[ignore = "prints query times"]
-fn query_times() {
-    for shape in families(64) {
-        let mut random = Random(9);
-        let near: Vec<DVec3> = (0..20_000).map(|_| random.near_surface(&shape.surface, 2e-4)).collect();
-        let far: Vec<DVec3> = near.iter().map(|q| *q + 3.0 * shape.bounding_radius).collect();
-        let time = |points: &[DVec3]| {
-            let (mut found, mut each) = (0, f64::INFINITY);
-            for _ in 0..8 {
-                let start = std::time::Instant::now();
-                found = points.iter().filter_map(|&q| shape.distance.closest(q, 2e-4)).count();
-                each = each.min(start.elapsed().as_secs_f64() / 2e4 * 1e9);
-            }
-            (each, found)
-        };
-        let ((near, found), (far, _)) = (time(&near), time(&far));
-        eprintln!("{:12} near {near:5.0} ns ({found} found), far {far:5.0} ns", shape.name);
-    }
-}

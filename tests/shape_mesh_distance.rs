@@ -3,10 +3,10 @@
 mod shape_common;
 
 use glam::{DMat3, DVec3};
-use shape_common::{Random, bounds, brute_force, families, gradient_error, real_meshes, winding};
+use shape_common::{Random, brute_force, families, gradient_error, real_meshes, winding};
 use std::sync::Arc;
 use tactus::mesh::TriMesh;
-use tactus::shape::{MeshDistance, Shape, SignedDistance, generate};
+use tactus::shape::{MeshDistance, SignedDistance, generate};
 
 fn meshes() -> Vec<(String, TriMesh)> {
     let made = families(24).into_iter().map(|s| (s.name, TriMesh::clone(&s.surface)));
@@ -123,37 +123,5 @@ fn points_that_are_not_finite_do_no_harm() {
     for q in [DVec3::NAN, DVec3::INFINITY, DVec3::new(0.0, f64::NAN, 0.0), DVec3::splat(1e200)] {
         assert!(d.closest(q, 1.0).is_none());
         let _ = (d.distance(q), d.ray(q, DVec3::X), d.ray(DVec3::ZERO, q));
-    }
-}
-
-/// Not a check but a measurement, for a machine that is idle: `cargo test --release -- --ignored --nocapture`.
-#[test]
-#[ignore = "prints query times"]
-fn query_times() {
-    for (name, mesh) in real_meshes() {
-        let start = std::time::Instant::now();
-        let shape = Shape::from_mesh(mesh.clone()).unwrap();
-        let build = start.elapsed();
-        let mut random = Random(9);
-        let mut time = |what: &str, max: f64, mut point: Box<dyn FnMut(&mut Random) -> DVec3>| {
-            let q: Vec<DVec3> = (0..20_000).map(|_| point(&mut random)).collect();
-            let (mut found, mut each) = (0, f64::INFINITY);
-            for _ in 0..8 {
-                let start = std::time::Instant::now();
-                found = q.iter().filter(|&&q| shape.distance.closest(q, max).is_some()).count();
-                each = each.min(start.elapsed().as_secs_f64() / 2e4 * 1e9);
-            }
-            eprintln!("{name:14} {:5} triangles: {what:32} {each:7.0} ns ({found} found)", mesh.triangles.len());
-        };
-        let (low, high) = bounds(&mesh);
-        let m = mesh.clone();
-        time("within 0.1 mm, limit 0.2 mm", 2e-4, Box::new(move |r| r.near_surface(&m, 1e-4)));
-        let m = mesh.clone();
-        time("within 2 mm, limit 1 mm", 1e-3, Box::new(move |r| r.near_surface(&m, 2e-3)));
-        time("in the box, limit 1 mm", 1e-3, Box::new(move |r| 0.5 * (low + high + r.vector() * (high - low))));
-        time("outside the box, limit 1 mm", 1e-3, Box::new(move |r| high + 0.01 + 0.01 * r.vector()));
-        let m = mesh.clone();
-        time("around, no limit", f64::INFINITY, Box::new(move |r| r.around(&m)));
-        eprintln!("{name:14} build {build:?}");
     }
 }
