@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use approx::assert_relative_eq;
 use glam::DVec3;
-use tactus::mesh::{TetMesh, grid, io, mass, quality, surface, topology};
+use tactus::mesh::{TetMesh, grid, io, quality, surface, topology};
+use tactus::shape::Shape;
 
 /// A file of the shared data, or None (said on stderr) if it is not here.
 fn data(name: &str) -> Option<PathBuf> {
@@ -107,7 +108,7 @@ fn real_tetrahedral_files() {
         assert_eq!((mesh.nodes.len(), mesh.tets.len()), (nodes, tets), "{name}");
         assert!(q.min_volume > 0.0, "{name}");
         let report = topology::watertight(&surface::boundary_mesh(&mesh).0);
-        assert!(report.boundary_edges == 0, "{name}: {report:?}");
+        assert!(report.open.count == 0, "{name}: {report:?}");
         assert_relative_eq!(report.signed_volume, q.total_volume, max_relative = 1e-10);
     }
 }
@@ -134,7 +135,7 @@ fn real_surface_files_are_solids() {
     }
     if let Some(path) = data("objects/dgn/sphere01/sphere01_processed.stl") {
         // 20 mm across: 1280 facets enclose a little less than the sphere.
-        let m = mass::mass_properties(&io::read_tri_mesh(path).expect("read").0).expect("solid");
+        let m = Shape::from_mesh(io::read_tri_mesh(path).expect("read").0).expect("solid").mass;
         let sphere = 4.0 / 3.0 * std::f64::consts::PI * 0.01_f64.powi(3);
         assert!((0.98..1.0).contains(&(m.volume / sphere)), "{} m^3", m.volume);
         assert_relative_eq!(m.inertia.x_axis.x, 0.4 * m.volume * 1e-4, max_relative = 0.02);

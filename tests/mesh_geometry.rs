@@ -3,7 +3,8 @@
 use approx::assert_relative_eq;
 use glam::DVec3;
 use proptest::prelude::*;
-use tactus::mesh::{TetMesh, TriMesh, clean, grid, mass, quadratic, quality, surface, topology};
+use tactus::mesh::{TetMesh, TriMesh, clean, grid, quadratic, quality, surface, topology};
+use tactus::shape::Shape;
 
 fn corner_tet() -> TetMesh {
     TetMesh { nodes: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z], tets: vec![[0, 1, 2, 3]] }
@@ -120,9 +121,9 @@ fn mass_of_a_box_far_from_the_origin() {
     let mut hull = surface::boundary_mesh(&cells(2, 1, 3)).0;
     let shift = DVec3::new(10.0, -20.0, 5.0);
     hull.vertices.iter_mut().for_each(|p| *p += shift);
-    let m = mass::mass_properties(&hull).expect("solid");
+    let m = Shape::from_mesh(hull).expect("solid").mass;
     assert_relative_eq!(m.volume, a * b * c, max_relative = 1e-13);
-    assert!((m.centroid - shift - DVec3::new(0.0, 0.0, 0.5)).length() < 1e-13, "{}", m.centroid);
+    assert!((m.center - shift - DVec3::new(0.0, 0.0, 0.5)).length() < 1e-13, "{}", m.center);
     let expected = DVec3::new(b * b + c * c, a * a + c * c, a * a + b * b) * (a * b * c / 12.0);
     for (i, col) in [m.inertia.x_axis, m.inertia.y_axis, m.inertia.z_axis].into_iter().enumerate() {
         for j in 0..3 {
@@ -138,13 +139,13 @@ fn holes_fins_and_inside_out_surfaces_are_reported() {
     let mut open = solid.clone();
     open.triangles.pop();
     let report = topology::watertight(&open);
-    assert!(!report.closed && report.boundary_edges == 3 && report.first_boundary.is_some());
-    let message = mass::mass_properties(&open).expect_err("open").to_string();
-    assert!(message.contains("the surface is open: 3 edges with one triangle, the first from ("), "{message}");
+    assert!(!report.is_solid() && report.open.count == 3 && report.open.first.is_some());
+    let message = Shape::from_mesh(open).expect_err("open").to_string();
+    assert!(message.contains("the surface is open: 3 edges with one triangle only, the first from ("), "{message}");
 
     let mut fin = solid.clone();
     fin.triangles.push(solid.triangles[0]);
-    assert_eq!(topology::watertight(&fin).non_manifold_edges, 3);
+    assert_eq!(topology::watertight(&fin).crowded.count, 3);
 
     let mut one_turned = solid.clone();
     one_turned.triangles[0].swap(0, 1);

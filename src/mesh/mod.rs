@@ -1,13 +1,12 @@
 //! Tetrahedral and triangle meshes: storage, surface, quality, reading and writing.
 //!
 //! Readers live in [`io`]; what they return has valid indices and finite coordinates. [`clean::repair`] makes a
-//! tetrahedral mesh fit for simulation; [`topology`] and [`mass`] judge a triangle surface. Everything is
-//! deterministic: the numbering never depends on the order of a hash map.
+//! tetrahedral mesh fit for simulation; [`topology`] judges a triangle surface. Everything is deterministic:
+//! the numbering never depends on the order of a hash map.
 
 pub mod clean;
 pub mod grid;
 pub mod io;
-pub mod mass;
 pub mod quadratic;
 pub mod quality;
 pub mod surface;

@@ -4,21 +4,18 @@ use glam::DVec3;
 
 use crate::mesh::{TriMesh, clean};
 
-/// What the edges of a triangle mesh say. An edge is fine if exactly two triangles share it.
+/// What the edges of a triangle mesh say. An edge is fine if exactly two triangles share it and run along it in opposite
+/// directions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Watertight {
-    /// Every edge belongs to exactly two triangles, and there is at least one.
-    pub closed: bool,
-    /// Wherever two triangles share an edge they run along it in opposite directions.
-    pub oriented: bool,
-    /// Number of edges with one triangle: the rims of holes.
-    pub boundary_edges: usize,
-    /// End points of the first of those, m.
-    pub first_boundary: Option<[DVec3; 2]>,
-    /// Number of edges with three or more triangles.
-    pub non_manifold_edges: usize,
-    /// End points of the first of those, m.
-    pub first_non_manifold: Option<[DVec3; 2]>,
+    /// Edges with one triangle: the rims of holes.
+    pub open: Faulty,
+    /// Edges with three or more triangles.
+    pub crowded: Faulty,
+    /// Edges along which both triangles run in the same direction.
+    pub twisted: Faulty,
+    /// Number of triangles.
+    pub triangles: usize,
     /// Number of pieces connected through shared vertices.
     pub components: usize,
     /// Signed volume, m^3: positive if the triangles are counter-clockwise seen from outside. Only a closed mesh has
@@ -26,31 +23,49 @@ pub struct Watertight {
     pub signed_volume: f64,
 }
 
+/// Edges with the same fault.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Faulty {
+    /// How many.
+    pub count: usize,
+    /// End points of the first, m.
+    pub first: Option<[DVec3; 2]>,
+}
+
+impl Faulty {
+    fn add(&mut self, ends: [DVec3; 2]) {
+        self.count += 1;
+        self.first.get_or_insert(ends);
+    }
+}
+
 impl Watertight {
     /// Closed and consistently oriented, facing outwards.
     pub fn is_solid(&self) -> bool {
-        self.closed && self.oriented && self.signed_volume > 0.0
+        self.complaint().is_none()
     }
 
     /// One sentence for a message, None for a solid.
     pub fn complaint(&self) -> Option<String> {
-        let at = |edge: &Option<[DVec3; 2]>| match edge {
-            Some([a, b]) => format!("the first from {} to {}", super::show(*a), super::show(*b)),
-            None => String::new(),
-        };
-        if self.boundary_edges > 0 {
-            Some(format!(
-                "the surface is open: {} edges with one triangle, {}",
-                self.boundary_edges,
-                at(&self.first_boundary)
-            ))
-        } else if self.non_manifold_edges > 0 {
-            let n = self.non_manifold_edges;
-            Some(format!("{n} edges are shared by three or more triangles, {}", at(&self.first_non_manifold)))
-        } else if !self.closed {
+        let (open, crowded, twisted) = (&self.open, &self.crowded, &self.twisted);
+        let faults = [
+            (open, "is open: {} with one triangle only", "fill the holes, or weld vertices that are repeated"),
+            (
+                crowded,
+                "is not that of a solid: {} with three or more triangles",
+                "separate parts that touch along an edge",
+            ),
+            (twisted, "is not oriented consistently: {} whose triangles disagree", "make all normals point outward"),
+        ];
+        for (edges, what, cure) in faults {
+            if let Some([a, b]) = edges.first {
+                let number = format!("{} edge{}", edges.count, if edges.count == 1 { "" } else { "s" });
+                let (what, a, b) = (what.replace("{}", &number), super::show(a), super::show(b));
+                return Some(format!("the surface {what}, the first from {a} to {b}; {cure}"));
+            }
+        }
+        if self.triangles == 0 {
             Some("the surface has no triangles".into())
-        } else if !self.oriented {
-            Some("the triangles are not oriented consistently: neighbours disagree on which side is outside".into())
         } else if self.signed_volume <= 0.0 || self.signed_volume.is_nan() {
             Some(format!("the surface encloses {:.3e} m^3: it is inside out or flat", self.signed_volume))
         } else {
@@ -59,40 +74,51 @@ impl Watertight {
     }
 }
 
-/// Examines the edges of `mesh`. Indices must be valid.
-pub fn watertight(mesh: &TriMesh) -> Watertight {
-    let mut edges: Vec<(u32, u32, bool)> = Vec::with_capacity(3 * mesh.triangles.len());
-    for [a, b, c] in &mesh.triangles {
-        for (i, j) in [(*a, *b), (*b, *c), (*c, *a)] {
-            edges.push((i.min(j), i.max(j), i < j));
+/// A side of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Side {
+    /// The edge it runs along: smaller vertex first.
+    pub ends: [u32; 2],
+    /// It runs from the larger vertex to the smaller.
+    pub reversed: bool,
+    /// Its triangle.
+    pub triangle: u32,
+    /// It starts at this corner of the triangle.
+    pub corner: u8,
+}
+
+/// The sides of all triangles, sorted: those along the same edge are neighbours.
+pub(crate) fn sides(mesh: &TriMesh) -> Vec<Side> {
+    let mut sides = Vec::with_capacity(3 * mesh.triangles.len());
+    for (c, triangle) in mesh.triangles.iter().zip(0..) {
+        for corner in 0..3_u8 {
+            let (a, b) = (c[usize::from(corner)], c[(usize::from(corner) + 1) % 3]);
+            sides.push(Side { ends: [a.min(b), a.max(b)], reversed: a > b, triangle, corner });
         }
     }
-    edges.sort_unstable();
+    sides.sort_unstable();
+    sides
+}
+
+/// Examines the edges of `mesh`. Indices must be valid.
+pub fn watertight(mesh: &TriMesh) -> Watertight {
     let mut report = Watertight {
-        closed: !mesh.triangles.is_empty(),
-        oriented: true,
-        boundary_edges: 0,
-        first_boundary: None,
-        non_manifold_edges: 0,
-        first_non_manifold: None,
+        open: Faulty::default(),
+        crowded: Faulty::default(),
+        twisted: Faulty::default(),
+        triangles: mesh.triangles.len(),
         components: components(mesh),
         signed_volume: signed_volume(mesh),
     };
-    for group in edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
-        let ends = [mesh.vertices[group[0].0 as usize], mesh.vertices[group[0].1 as usize]];
+    for group in sides(mesh).chunk_by(|x, y| x.ends == y.ends) {
+        let ends = group[0].ends.map(|v| mesh.vertices[v as usize]);
         match group {
-            [_] => {
-                report.boundary_edges += 1;
-                report.first_boundary.get_or_insert(ends);
-            }
-            [one, two] => report.oriented &= one.2 != two.2,
-            _ => {
-                report.non_manifold_edges += 1;
-                report.first_non_manifold.get_or_insert(ends);
-            }
+            [_] => report.open.add(ends),
+            [one, two] if one.reversed == two.reversed => report.twisted.add(ends),
+            [_, _] => {}
+            _ => report.crowded.add(ends),
         }
     }
-    report.closed &= report.boundary_edges == 0 && report.non_manifold_edges == 0;
     report
 }
 
@@ -160,7 +186,13 @@ pub fn weld(mesh: &mut TriMesh) -> Welded {
         *i = first[*i as usize];
     }
     mesh.triangles.retain(|[a, b, c]| a != b && b != c && c != a);
-    let mut new_index = vec![u32::MAX; vertices];
+    drop_unused(mesh);
+    Welded { vertices: vertices - mesh.vertices.len(), triangles: triangles - mesh.triangles.len() }
+}
+
+/// Removes vertices that no triangle uses; returns whether there were any. Indices must be valid.
+pub fn drop_unused(mesh: &mut TriMesh) -> bool {
+    let mut new_index = vec![u32::MAX; mesh.vertices.len()];
     for i in mesh.triangles.iter().flatten() {
         new_index[*i as usize] = 0;
     }
@@ -171,9 +203,10 @@ pub fn weld(mesh: &mut TriMesh) -> Welded {
             kept.push(*p);
         }
     }
+    let spare = kept.len() < mesh.vertices.len();
     for i in mesh.triangles.iter_mut().flatten() {
         *i = new_index[*i as usize];
     }
     mesh.vertices = kept;
-    Welded { vertices: vertices - mesh.vertices.len(), triangles: triangles - mesh.triangles.len() }
+    spare
 }

@@ -2,6 +2,7 @@
 
 use crate::error::Result;
 use crate::mesh::TriMesh;
+use crate::mesh::topology::{drop_unused, orient_outward};
 use crate::shape::mesh_distance::MeshDistance;
 use crate::shape::params::{length, require};
 use crate::shape::scaled::Scaled;
@@ -36,15 +37,10 @@ impl Shape {
     /// place that is wrong. A mesh wound inside out is turned; vertices that no triangle uses are dropped.
     pub fn from_mesh(mut mesh: TriMesh) -> Result<Self> {
         let mut topology = Topology::new(&mesh)?;
-        if drop_unused(&mut mesh) {
+        if drop_unused(&mut mesh) | orient_outward(&mut mesh) {
             topology = Topology::new(&mesh)?;
         }
-        let mut mass = MassProperties::of_mesh(&mesh);
-        if mass.volume < 0.0 {
-            mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-            topology = Topology::new(&mesh)?;
-            mass = MassProperties::of_mesh(&mesh);
-        }
+        let mass = MassProperties::of_mesh(&mesh);
         let aabb = Aabb::of(mesh.vertices.iter().copied());
         let bounding_radius = mesh.vertices.iter().fold(0.0, |r: f64, p| r.max(p.length()));
         require("the object's mesh", mass.volume > 1e-12 * aabb.size().max_element().powi(3), || {
@@ -123,25 +119,4 @@ impl Shape {
     pub fn extent(&self, direction: DVec3) -> (f64, f64) {
         (self.support(-direction).dot(direction), self.support(direction).dot(direction))
     }
-}
-
-/// Removes vertices that no triangle uses; whether there were any.
-fn drop_unused(mesh: &mut TriMesh) -> bool {
-    let mut used = vec![false; mesh.vertices.len()];
-    mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
-    if used.iter().all(|&u| u) {
-        return false;
-    }
-    let mut next = 0;
-    let place: Vec<u32> = used
-        .iter()
-        .map(|&u| {
-            next += u32::from(u);
-            next.wrapping_sub(1)
-        })
-        .collect();
-    mesh.triangles.iter_mut().flatten().for_each(|v| *v = place[*v as usize]);
-    let mut keep = used.iter();
-    mesh.vertices.retain(|_| keep.next() == Some(&true));
-    true
 }

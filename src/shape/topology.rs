@@ -1,7 +1,8 @@
-//! Edges of a triangle mesh, whether it is closed and consistently wound, and its pseudo-normals.
+//! Edges of a closed triangle mesh and its pseudo-normals.
 
 use crate::error::{Error, Result};
-use crate::mesh::TriMesh;
+use crate::mesh::topology::{sides, watertight};
+use crate::mesh::{TriMesh, show};
 use glam::DVec3;
 
 /// An edge between two triangles.
@@ -91,58 +92,25 @@ fn normal(mesh: &TriMesh, t: usize) -> Result<DVec3> {
         Some(f) => Ok(f.n),
         None => Err(Error::Mesh(format!(
             "triangle {t} of the object's mesh, near {}, has no area; remove it or weld its vertices",
-            place(p[0])
+            show(p[0])
         ))),
     }
 }
 
 fn pair_edges(mesh: &TriMesh) -> Result<(Vec<Edge>, Vec<[u32; 3]>)> {
-    // (smaller end, larger end, reversed, triangle, side): sorted, the two sides of an edge are neighbours.
-    let mut sides: Vec<(u32, u32, bool, u32, u8)> = Vec::with_capacity(3 * mesh.triangles.len());
-    for (t, c) in mesh.triangles.iter().enumerate() {
-        for i in 0..3 {
-            let (a, b) = (c[i], c[(i + 1) % 3]);
-            sides.push((a.min(b), a.max(b), a > b, t as u32, i as u8));
-        }
-    }
-    sides.sort_unstable();
+    let sides = sides(mesh);
     let mut edges = Vec::with_capacity(sides.len() / 2);
     let mut triangle_edges = vec![[0; 3]; mesh.triangles.len()];
-    let (mut open, mut twisted, mut crowded) = (Vec::new(), Vec::new(), Vec::new());
-    for group in sides.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
-        let ends = [group[0].0, group[0].1];
+    for group in sides.chunk_by(|x, y| x.ends == y.ends) {
         match group {
-            [_] => open.push(ends),
-            [left, right] if left.2 != right.2 => {
+            [left, right] if left.reversed != right.reversed => {
                 for side in group {
-                    triangle_edges[side.3 as usize][side.4 as usize] = edges.len() as u32;
+                    triangle_edges[side.triangle as usize][usize::from(side.corner)] = edges.len() as u32;
                 }
-                edges.push(Edge { ends, triangles: [left.3, right.3] });
+                edges.push(Edge { ends: left.ends, triangles: [left.triangle, right.triangle] });
             }
-            [_, _] => twisted.push(ends),
-            _ => crowded.push(ends),
+            _ => return Err(Error::Mesh(watertight(mesh).complaint().unwrap_or_default())),
         }
     }
-    let refuse = |found: &[[u32; 2]], what: &str, cure: &str| match found.first() {
-        None => Ok(()),
-        Some([a, b]) => Err(Error::Mesh(format!(
-            "the object's mesh {what}: {} such edge{}, the first from vertex {a} at {} to vertex {b} at {}; {cure}",
-            found.len(),
-            if found.len() == 1 { "" } else { "s" },
-            place(mesh.vertices[*a as usize]),
-            place(mesh.vertices[*b as usize]),
-        ))),
-    };
-    refuse(&open, "is open (an edge has one triangle only)", "fill the holes, or weld vertices that are repeated")?;
-    refuse(&crowded, "has edges of more than two triangles", "separate the parts that touch along an edge")?;
-    refuse(
-        &twisted,
-        "is not wound consistently (both triangles of an edge run the same way)",
-        "make all normals point outward",
-    )?;
     Ok((edges, triangle_edges))
-}
-
-fn place(p: DVec3) -> String {
-    format!("({:.6}, {:.6}, {:.6}) m", p.x, p.y, p.z)
 }
