@@ -115,11 +115,11 @@ fn patch_test(law: Arc<dyn Material>, map: impl Fn(DVec3) -> DVec3, exact: DMat3
         let stresses: Vec<DMat3> = match &solver.newton.body(0).elements {
             Elements::Linear(e) => {
                 let kernel = Kernel { shape: &TET4, material, mean_dilatation };
-                e.iter().flat_map(|n| kernel.stress(&rest_of(n), &n.map(|i| x[i as usize])).cauchy).collect()
+                e.iter().flat_map(|n| kernel.stress(&rest_of(n), &n.map(|i| x[i as usize]))).collect()
             }
             Elements::Quadratic(e) => {
                 let kernel = Kernel { shape: &TET10, material, mean_dilatation };
-                e.iter().flat_map(|n| kernel.stress(&rest_of(n), &n.map(|i| x[i as usize])).cauchy).collect()
+                e.iter().flat_map(|n| kernel.stress(&rest_of(n), &n.map(|i| x[i as usize]))).collect()
             }
         };
         let wrong = stresses.iter().map(|s| largest(&(*s - exact))).fold(0.0, f64::max) / largest(&exact);

@@ -18,15 +18,6 @@ pub struct Kernel<'a, const N: usize, const Q: usize> {
     pub mean_dilatation: bool,
 }
 
-/// Cauchy stress at the quadrature points of one element, Pa, and the smallest det F among them.
-#[derive(Debug, Clone, Copy)]
-pub struct QuadratureStress<const Q: usize> {
-    /// Cauchy stress per point, Pa.
-    pub cauchy: [DMat3; Q],
-    /// Smallest determinant of the deformation gradient.
-    pub min_det_f: f64,
-}
-
 impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
     /// Deformation gradients at the quadrature points from the current node positions `x`, m.
     #[inline(always)]
@@ -60,7 +51,7 @@ impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
     /// Pure mean dilatation leaves them free, and the gel under a contact is then 1 to 2 % too soft; with the full bulk
     /// modulus it locks. The shear modulus, the stiffness of everything else in the element, does neither.
     fn fluctuation_modulus(&self) -> f64 {
-        self.material.young() / (2.0 * (1.0 + self.material.poisson()))
+        self.material.moduli().mu
     }
 
     /// Volumetric energy density, pressure and modulus at a point.
@@ -178,14 +169,17 @@ impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
         }
     }
 
-    /// Cauchy stress at the quadrature points and the smallest det F.
-    pub fn stress(&self, rest: &RestTet, x: &[DVec3; N]) -> QuadratureStress<Q> {
+    /// Smallest determinant of the deformation gradient among the quadrature points.
+    pub fn min_det_f(&self, rest: &RestTet, x: &[DVec3; N]) -> f64 {
+        self.deformation(rest, x).iter().map(DMat3::determinant).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Cauchy stress at the quadrature points, Pa.
+    pub fn stress(&self, rest: &RestTet, x: &[DVec3; N]) -> [DMat3; Q] {
         let f = self.deformation(rest, x);
         let (theta, mean) = self.dilatations(&f);
         let kind = self.material.dilatation();
-        let mut min_det_f = f64::INFINITY;
-        let stress = std::array::from_fn(|q| {
-            min_det_f = min_det_f.min(f[q].determinant());
+        std::array::from_fn(|q| {
             let pressure = self.volumetric(theta[q], mean)[1];
             let distortional = self.material.distortional_stress(&f[q]);
             match kind {
@@ -194,8 +188,7 @@ impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
                 // Infinitesimal strain does not tell P from sigma.
                 Dilatation::Trace => distortional + DMat3::IDENTITY * pressure,
             }
-        });
-        QuadratureStress { cauchy: stress, min_det_f }
+        })
     }
 }
 

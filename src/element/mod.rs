@@ -6,7 +6,7 @@
 mod kernel;
 mod shape;
 
-pub use kernel::{Kernel, QuadratureStress};
+pub use kernel::Kernel;
 pub use shape::{EDGES, Shape, TET4, TET10};
 
 use glam::{DMat3, DVec3};

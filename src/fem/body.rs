@@ -45,8 +45,6 @@ pub struct Stress {
     pub element: Vec<f64>,
     /// Von Mises stress of the nodal Cauchy tensor (extrapolated from the quadrature points, volume-weighted), Pa.
     pub node: Vec<f64>,
-    /// Smallest det F over all quadrature points.
-    pub min_det_f: f64,
 }
 
 /// Runs `$body` with `$nodes`, `$shape` bound to the element tables of the mesh's order.
@@ -149,26 +147,32 @@ impl Body {
         })
     }
 
-    /// Stress and smallest det F at positions `x`.
+    /// Smallest determinant of the deformation gradient over all quadrature points at positions `x`.
+    pub fn min_det_f(&self, x: &[DVec3]) -> f64 {
+        per_order!(self, nodes, kernel, {
+            let each = nodes.iter().zip(&self.tets).map(|(n, rest)| kernel.min_det_f(rest, &gather(n, x)));
+            each.fold(f64::INFINITY, f64::min)
+        })
+    }
+
+    /// Stress at positions `x`.
     pub fn stress(&self, x: &[DVec3]) -> Stress {
         let mut node = vec![(DMat3::ZERO, 0.0); x.len()];
         let mut element = Vec::with_capacity(self.tets.len());
-        let mut min_det_f = f64::INFINITY;
         per_order!(self, nodes, kernel, {
             for (n, rest) in nodes.iter().zip(&self.tets) {
-                let point = kernel.stress(rest, &gather(n, x));
-                min_det_f = min_det_f.min(point.min_det_f);
-                let mean = point.cauchy.iter().fold(DMat3::ZERO, |s, c| s + *c) * (1.0 / point.cauchy.len() as f64);
+                let cauchy = kernel.stress(rest, &gather(n, x));
+                let mean = cauchy.iter().fold(DMat3::ZERO, |s, c| s + *c) * (1.0 / cauchy.len() as f64);
                 element.push(von_mises(&mean));
                 for (a, &i) in n.iter().enumerate() {
                     let (sum, weight) = &mut node[i as usize];
-                    *sum += extrapolate(&point.cauchy, &mean, a) * rest.volume;
+                    *sum += extrapolate(&cauchy, &mean, a) * rest.volume;
                     *weight += rest.volume;
                 }
             }
         });
         let node = node.iter().map(|(s, w)| if *w > 0.0 { von_mises(&(*s * (1.0 / w))) } else { 0.0 }).collect();
-        Stress { element, node, min_det_f }
+        Stress { element, node }
     }
 
     /// Total mass per unit density that each node carries (row sums of the mass matrix are not positive for 10-node

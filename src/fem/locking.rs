@@ -12,7 +12,7 @@ pub const LOCKS_FROM: f64 = 0.4;
 /// is 31 % too high at nu = 0.45 and 77 % at 0.49, with 5250 nodes still 7 % and 24 %; 495 nodes of 10-node tetrahedra with
 /// mean dilatation are within 2 % at both.
 pub fn locking_notice(body: &Body) -> Option<String> {
-    let nu = body.material.poisson();
+    let nu = body.material.moduli().poisson;
     let what = match body.elements {
         _ if nu < LOCKS_FROM => return None,
         Elements::Linear(_) => {

@@ -135,7 +135,7 @@ impl Solver {
     fn tolerance(&self, model: &Model, level: f64) -> Tolerance {
         let thickness = model.fingers[0].topology.rest.iter().map(|p| -p.z).fold(0.0, f64::max);
         // A press does not know its force: modulus x depth x thickness is its order of magnitude.
-        let force = if model.force_driven { level } else { model.material.young() * level * thickness };
+        let force = if model.force_driven { level } else { model.material.moduli().young * level * thickness };
         Tolerance {
             relative: self.settings.tolerance.force.get(),
             // Where nothing touches yet there is no contact force to compare with.

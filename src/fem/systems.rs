@@ -25,10 +25,9 @@ pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
         schedule.add_systems(measure_nodal_force.run_if(reached).in_set(StepSet::Measure));
     }
     // Both it and the contact add to `Advance`.
+    schedule.add_systems(measure_det_f.run_if(reached).after(measure_contact).in_set(StepSet::Measure));
     if needs.stress {
-        schedule.add_systems(measure_stress.run_if(reached).after(measure_contact).in_set(StepSet::Measure));
-    } else {
-        schedule.add_systems(measure_det_f.run_if(reached).after(measure_contact).in_set(StepSet::Measure));
+        schedule.add_systems(measure_stress.run_if(reached).in_set(StepSet::Measure));
     }
 }
 
@@ -175,10 +174,9 @@ pub fn measure_nodal_force(solver: Res<Solver>, mut nodes: Query<(&NodeIndex, &F
     }
 }
 
-/// Von Mises stress on nodes and tetrahedra, and the smallest det F.
+/// Von Mises stress on nodes and tetrahedra.
 pub fn measure_stress(
     solver: Res<Solver>,
-    mut advance: ResMut<Advance>,
     mut nodes: Query<(&NodeIndex, &FingerIndex, &mut NodalStress)>,
     mut tets: Query<(&TetIndex, &FingerIndex, &mut TetStress)>,
 ) {
@@ -196,13 +194,12 @@ pub fn measure_stress(
             column[row].0 = stress[finger[row].0 as usize].element[index[row].0 as usize];
         }
     }
-    advance.min_det_f = stress.iter().map(|s| s.min_det_f).fold(f64::INFINITY, f64::min);
 }
 
-/// The smallest det F alone, where nobody asks for stress.
+/// The smallest det F.
 pub fn measure_det_f(solver: Res<Solver>, mut advance: ResMut<Advance>) {
     let (newton, state) = (&solver.path.newton, &solver.path.state);
-    let smallest = |(i, x): (usize, &Vec<DVec3>)| newton.body(i).stress(x).min_det_f;
+    let smallest = |(i, x): (usize, &Vec<DVec3>)| newton.body(i).min_det_f(x);
     advance.min_det_f = state.x.iter().enumerate().map(smallest).fold(f64::INFINITY, f64::min);
 }
 

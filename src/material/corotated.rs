@@ -1,24 +1,18 @@
 //! Fixed corotated law: linear elasticity in the rotated frame of the material, cheap and defined when inverted.
 
-use super::{Dilatation, Material, Tangent, moduli};
+use super::{Dilatation, Material, Moduli, Tangent, quadratic};
 use glam::{DMat3, DVec3};
 use parry3d_f64::glamx::DSymmetricEigen3;
 
 /// `W = mu |F - R|^2 + lambda/2 (J - 1)^2`, `R` the rotation of the polar decomposition of `F`
 /// (Stomakhin, Howes, Schroeder & Teran 2012, equation 6).
 #[derive(Debug, Clone, Copy)]
-pub struct FixedCorotated {
-    young: f64,
-    poisson: f64,
-    mu: f64,
-    lambda: f64,
-}
+pub struct FixedCorotated(Moduli);
 
 impl FixedCorotated {
     /// From Young's modulus (Pa) and Poisson's ratio at rest.
     pub fn new(young: f64, poisson: f64) -> Self {
-        let (mu, kappa) = moduli(young, poisson);
-        Self { young, poisson, mu, lambda: kappa - 2.0 / 3.0 * mu }
+        Self(Moduli::new(young, poisson))
     }
 }
 
@@ -51,11 +45,11 @@ impl Material for FixedCorotated {
 
     fn distortional_energy(&self, f: &DMat3) -> f64 {
         let d = *f - polar(f).0;
-        self.mu * (d.x_axis.length_squared() + d.y_axis.length_squared() + d.z_axis.length_squared())
+        self.0.mu * (d.x_axis.length_squared() + d.y_axis.length_squared() + d.z_axis.length_squared())
     }
 
     fn distortional_stress(&self, f: &DMat3) -> DMat3 {
-        (*f - polar(f).0) * (2.0 * self.mu)
+        (*f - polar(f).0) * (2.0 * self.0.mu)
     }
 
     fn distortional_tangent(&self, f: &DMat3) -> Tangent {
@@ -77,7 +71,7 @@ impl Material for FixedCorotated {
             let w = g_inv * axial;
             let cross =
                 DMat3::from_cols(DVec3::new(0.0, w.z, -w.y), DVec3::new(-w.z, 0.0, w.x), DVec3::new(w.y, -w.x, 0.0));
-            let column = ((df - r * cross) * (2.0 * self.mu)).to_cols_array();
+            let column = ((df - r * cross) * (2.0 * self.0.mu)).to_cols_array();
             for a in 0..9 {
                 t[a][b] = column[a];
             }
@@ -86,14 +80,10 @@ impl Material for FixedCorotated {
     }
 
     fn volumetric(&self, theta: f64) -> [f64; 3] {
-        [0.5 * self.lambda * theta * theta, self.lambda * theta, self.lambda]
+        quadratic(self.0.lambda, theta)
     }
 
-    fn young(&self) -> f64 {
-        self.young
-    }
-
-    fn poisson(&self) -> f64 {
-        self.poisson
+    fn moduli(&self) -> &Moduli {
+        &self.0
     }
 }

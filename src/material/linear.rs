@@ -1,22 +1,16 @@
 //! Linear elasticity of infinitesimal strain: the cheapest law, valid for small strains and small rotations only.
 
-use super::{Dilatation, Material, Tangent, moduli};
+use super::{Dilatation, Material, Moduli, Tangent, quadratic};
 use glam::DMat3;
 
 /// `W = mu |e|^2 + lambda/2 (tr e)^2` with `e = sym(F - I)` (Hooke's law). Defined for every F.
 #[derive(Debug, Clone, Copy)]
-pub struct Linear {
-    young: f64,
-    poisson: f64,
-    mu: f64,
-    lambda: f64,
-}
+pub struct Linear(Moduli);
 
 impl Linear {
     /// From Young's modulus (Pa) and Poisson's ratio.
     pub fn new(young: f64, poisson: f64) -> Self {
-        let (mu, kappa) = moduli(young, poisson);
-        Self { young, poisson, mu, lambda: kappa - 2.0 / 3.0 * mu }
+        Self(Moduli::new(young, poisson))
     }
 }
 
@@ -32,34 +26,30 @@ impl Material for Linear {
     fn distortional_energy(&self, f: &DMat3) -> f64 {
         let h = *f - DMat3::IDENTITY;
         let e = (h + h.transpose()) * 0.5;
-        self.mu * (e.x_axis.length_squared() + e.y_axis.length_squared() + e.z_axis.length_squared())
+        self.0.mu * (e.x_axis.length_squared() + e.y_axis.length_squared() + e.z_axis.length_squared())
     }
 
     fn distortional_stress(&self, f: &DMat3) -> DMat3 {
         let h = *f - DMat3::IDENTITY;
-        (h + h.transpose()) * self.mu
+        (h + h.transpose()) * self.0.mu
     }
 
     fn distortional_tangent(&self, _: &DMat3) -> Tangent {
         let mut t = [[0.0; 9]; 9];
         for i in 0..3 {
             for j in 0..3 {
-                t[3 * j + i][3 * j + i] += self.mu;
-                t[3 * j + i][3 * i + j] += self.mu;
+                t[3 * j + i][3 * j + i] += self.0.mu;
+                t[3 * j + i][3 * i + j] += self.0.mu;
             }
         }
         t
     }
 
     fn volumetric(&self, theta: f64) -> [f64; 3] {
-        [0.5 * self.lambda * theta * theta, self.lambda * theta, self.lambda]
+        quadratic(self.0.lambda, theta)
     }
 
-    fn young(&self) -> f64 {
-        self.young
-    }
-
-    fn poisson(&self) -> f64 {
-        self.poisson
+    fn moduli(&self) -> &Moduli {
+        &self.0
     }
 }

@@ -84,10 +84,37 @@ pub trait Material: Send + Sync + std::fmt::Debug {
     fn distortional_tangent(&self, f: &DMat3) -> Tangent;
     /// Volumetric energy density and its first two derivatives in the dilatation `theta`: `[J/m3, Pa, Pa]`.
     fn volumetric(&self, theta: f64) -> [f64; 3];
-    /// Young's modulus at rest, Pa: scales contact stiffness and tolerances.
-    fn young(&self) -> f64;
-    /// Poisson's ratio at rest.
-    fn poisson(&self) -> f64;
+    /// Elastic constants at rest: they scale contact stiffness and tolerances.
+    fn moduli(&self) -> &Moduli;
+}
+
+/// Elastic constants of an isotropic law at rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moduli {
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Poisson's ratio.
+    pub poisson: f64,
+    /// Shear modulus, Pa.
+    pub mu: f64,
+    /// Bulk modulus, Pa.
+    pub kappa: f64,
+    /// Lame's first constant, Pa.
+    pub lambda: f64,
+}
+
+impl Moduli {
+    /// From Young's modulus (Pa) and Poisson's ratio.
+    pub fn new(young: f64, poisson: f64) -> Self {
+        let (mu, kappa) = (young / (2.0 * (1.0 + poisson)), young / (3.0 * (1.0 - 2.0 * poisson)));
+        Self { young, poisson, mu, kappa, lambda: kappa - 2.0 / 3.0 * mu }
+    }
+}
+
+/// The volumetric energy `modulus / 2 theta^2` with its derivatives, as [`Material::volumetric`] gives them.
+#[inline(always)]
+fn quadratic(modulus: f64, theta: f64) -> [f64; 3] {
+    [0.5 * modulus * theta * theta, modulus * theta, modulus]
 }
 
 /// Cofactor matrix `det(F) F^-T`, defined for singular F too.
@@ -106,9 +133,4 @@ pub fn von_mises(s: &DMat3) -> f64 {
     let (a, b, c) = (s.x_axis.x, s.y_axis.y, s.z_axis.z);
     let shear = DVec3::new(s.x_axis.y, s.y_axis.z, s.z_axis.x).length_squared();
     (0.5 * ((a - b).powi(2) + (b - c).powi(2) + (c - a).powi(2)) + 3.0 * shear).sqrt()
-}
-
-/// Shear and bulk modulus, Pa, from Young's modulus (Pa) and Poisson's ratio.
-pub fn moduli(young: f64, poisson: f64) -> (f64, f64) {
-    (young / (2.0 * (1.0 + poisson)), young / (3.0 * (1.0 - 2.0 * poisson)))
 }

@@ -1,23 +1,17 @@
 //! Compressible neo-Hookean law with decoupled volume: the gel.
 
-use super::{Dilatation, Material, Tangent, cofactor, moduli};
+use super::{Dilatation, Material, Moduli, Tangent, cofactor, quadratic};
 use glam::DMat3;
 
 /// `W = mu/2 (J^(-2/3) tr(F^T F) - 3) + kappa/2 (J - 1)^2` (Bonet & Wood 2008, section 6.5.1), with
 /// `sigma = mu/J dev(J^(-2/3) F F^T) + kappa (J - 1) I`. Infinite for `J <= 0`, so that a line search refuses inversion.
 #[derive(Debug, Clone, Copy)]
-pub struct NeoHookean {
-    young: f64,
-    poisson: f64,
-    mu: f64,
-    kappa: f64,
-}
+pub struct NeoHookean(Moduli);
 
 impl NeoHookean {
     /// From Young's modulus (Pa) and Poisson's ratio at rest.
     pub fn new(young: f64, poisson: f64) -> Self {
-        let (mu, kappa) = moduli(young, poisson);
-        Self { young, poisson, mu, kappa }
+        Self(Moduli::new(young, poisson))
     }
 
     /// From the Mooney coefficient `C10 = mu/2` (Pa) and Poisson's ratio.
@@ -53,21 +47,21 @@ impl Material for NeoHookean {
         };
         let j_minus_1 = trace + minors + h.determinant();
         let factor_minus_1 = (-2.0 / 3.0 * j_minus_1.ln_1p()).exp_m1();
-        0.5 * self.mu * (i1_minus_3 + factor_minus_1 * (i1_minus_3 + 3.0))
+        0.5 * self.0.mu * (i1_minus_3 + factor_minus_1 * (i1_minus_3 + 3.0))
     }
 
     #[inline]
     fn distortional_stress(&self, f: &DMat3) -> DMat3 {
         let j = f.determinant();
         let i1 = f.x_axis.length_squared() + f.y_axis.length_squared() + f.z_axis.length_squared();
-        (*f - cofactor(f) * (i1 / (3.0 * j))) * (self.mu * j.powf(-2.0 / 3.0))
+        (*f - cofactor(f) * (i1 / (3.0 * j))) * (self.0.mu * j.powf(-2.0 / 3.0))
     }
 
     #[inline]
     fn distortional_tangent(&self, f: &DMat3) -> Tangent {
         let j = f.determinant();
         let i1 = f.x_axis.length_squared() + f.y_axis.length_squared() + f.z_axis.length_squared();
-        let m = self.mu * j.powf(-2.0 / 3.0);
+        let m = self.0.mu * j.powf(-2.0 / 3.0);
         let g = (cofactor(f) * (1.0 / j)).to_cols_array(); // F^-T
         let f = f.to_cols_array();
         // With G = F^-T: dP = m [ dF - 2/3 (G:dF) F - 2/3 (F:dF) G + 2/9 I1 (G:dF) G + I1/3 G dF^T G ].
@@ -88,14 +82,10 @@ impl Material for NeoHookean {
 
     #[inline]
     fn volumetric(&self, theta: f64) -> [f64; 3] {
-        [0.5 * self.kappa * theta * theta, self.kappa * theta, self.kappa]
+        quadratic(self.0.kappa, theta)
     }
 
-    fn young(&self) -> f64 {
-        self.young
-    }
-
-    fn poisson(&self) -> f64 {
-        self.poisson
+    fn moduli(&self) -> &Moduli {
+        &self.0
     }
 }

@@ -131,7 +131,7 @@ impl Press {
     /// With the contact law of the solver.
     pub fn new(setup: Setup) -> Self {
         let surface = Arc::new(ContactSurface::new(&setup.body));
-        let law = Law::new(setup.body.material.young(), surface.spacing, setup.friction);
+        let law = Law::new(setup.body.material.moduli().young, surface.spacing, setup.friction);
         Self::with_law(setup, law, surface)
     }
 
