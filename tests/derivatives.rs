@@ -412,7 +412,7 @@ fn check_contact(friction: f64, drag: f64) -> Covered {
         scene.shake(drag, &mut random);
         scene.assemble(&mut contact, false);
         let view = scene.state.view(0, &scene.border);
-        let kink = contact.edges.iter().zip(&contact.surface().points).any(|(e, stencil)| {
+        let kink = contact.edges().iter().zip(&contact.surface().points).any(|(e, stencil)| {
             let relative = stencil.position(view.x) + view.offset - view.position;
             let slip = across(relative - view.rotation * e.anchor.unwrap_or_default(), e.normal);
             // A skipped edge does not know its gap.
@@ -420,10 +420,10 @@ fn check_contact(friction: f64, drag: f64) -> Covered {
             // Deep inside the object the closest point jumps.
             near_kink(&law, gap) || near_slip(&law, e, slip) || gap < -law.offset
         });
-        if kink || !contact.edges.iter().any(|e| e.pressure > 0.0) {
+        if kink || !contact.edges().iter().any(|e| e.pressure > 0.0) {
             continue;
         }
-        covered.add(&law, &contact.edges);
+        covered.add(&law, contact.edges());
         scene.check(&format!("contact, friction {friction}, seed {seed}, {object:?}"), &mut contact);
     }
     println!("friction {friction}: {covered:?}");
@@ -489,13 +489,13 @@ fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, Law, Fea
         scene.assemble(&mut with, false);
         scene.assemble(&mut without, false);
         let view = scene.state.view(0, &scene.border);
-        let kink = with.edges.iter().enumerate().any(|(i, e)| {
+        let kink = with.edges().iter().enumerate().any(|(i, e)| {
             let arm = view.rotation * features[i].position;
             let relative = stuck[i].position(view.x) + view.offset - view.position - arm;
             let slip = across(relative + e.anchor.unwrap_or_default(), e.normal);
             near_kink(&felt, e.gap) || near_slip(&law, e, slip) || e.gap < -0.8 * felt.offset
         });
-        if !kink && with.edges.iter().any(|e| e.pressure > 0.0) {
+        if !kink && with.edges().iter().any(|e| e.pressure > 0.0) {
             scenes.push((scene, felt, with, without));
         }
     }
@@ -508,7 +508,7 @@ fn pressure_at_features_is_the_gradient_of_its_energy() {
     for sharp in [true, false] {
         let mut covered = Covered::default();
         for (scene, law, mut term, _) in feature_scenes(sharp, 0.0, 0.03) {
-            covered.add(&law, &term.edges);
+            covered.add(&law, term.edges());
             scene.check_gradient("pressure at features", &mut term);
         }
         println!("sharp {sharp}: {covered:?}");
@@ -548,7 +548,7 @@ fn projected_hessian_of_pressure_at_features_is_that_of_gauss_and_newton() {
         let block = scene.assemble(&mut term, true);
         assert_positive("features", unknowns.len(), &scene.hessian(&block));
         let mut expected = vec![0.0; unknowns.len() * unknowns.len()];
-        for (i, e) in term.edges.iter().enumerate().filter(|(_, e)| e.pressure > 0.0) {
+        for (i, e) in term.edges().iter().enumerate().filter(|(_, e)| e.pressure > 0.0) {
             let gap = |state: &State| {
                 let mut moved = term.clone();
                 moved.assemble(
@@ -557,7 +557,7 @@ fn projected_hessian_of_pressure_at_features_is_that_of_gauss_and_newton() {
                     false,
                     &mut Block::new(&scene.body, scene.border.size),
                 );
-                moved.edges[i].gap
+                moved.edges()[i].gap
             };
             let slopes: Vec<f64> = unknowns.iter().map(|&c| slope(STEP, |d| gap(&scene.moved(c, d, c, 0.0)))).collect();
             let area = term.readout(i).normal.dot(e.normal) / e.pressure;
@@ -575,7 +575,7 @@ fn projected_hessian_of_pressure_at_features_is_that_of_gauss_and_newton() {
 fn check_feature_friction(friction: f64, drag: f64) -> Covered {
     let mut covered = Covered::default();
     for (scene, law, mut with, mut without) in feature_scenes(true, friction, drag) {
-        covered.add(&law, &with.edges);
+        covered.add(&law, with.edges());
         let projected = [&mut with, &mut without].map(|t| scene.hessian(&scene.assemble(t, true)));
         let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>();
         let unknowns = scene.unknowns();

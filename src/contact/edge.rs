@@ -30,6 +30,11 @@ pub struct ContactEdge {
 }
 
 impl ContactEdge {
+    /// Where the point sticks, if friction acts.
+    pub fn sticks(&self) -> Option<DVec3> {
+        self.anchor.filter(|_| self.limit > 0.0)
+    }
+
     /// Moves the friction limit by the fraction `damping` towards `mu pressure`, and the plane of friction to the normal
     /// unless frozen (`damping` zero); returns how far the limit lags, Pa.
     pub fn relax_limit(&mut self, friction: f64, damping: f64) -> f64 {

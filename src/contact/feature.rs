@@ -4,9 +4,9 @@
 use super::edge::ContactEdge;
 use super::law::Law;
 use super::pair::{feature_pair, friction_pair, slip};
+use super::pool::EdgePool;
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
-use super::term::{MIN_GAP, NO_LIMIT};
 use crate::fem::body::Body;
 use crate::fem::state::View;
 use crate::fem::term::{Block, BodyTerm, Stencil};
@@ -26,21 +26,26 @@ pub struct Feature {
 /// Fraction of the contact offset from which a smooth vertex is felt.
 const SMOOTH: f64 = 0.3;
 
+impl Feature {
+    /// Fraction of the contact offset from which it is felt. Vertices of a smooth surface are felt late: the pad's own points
+    /// carry that contact, and the vertex only must not come through between them.
+    fn reach(&self) -> f64 {
+        if self.sharp { 1.0 } else { SMOOTH }
+    }
+}
+
 /// Contact and friction between the object's features and a pad.
 #[derive(Debug, Clone)]
 pub struct FeatureContact {
-    /// Current edges, one per feature. The anchor of an edge is the drag of its sticking point, hand frame.
-    pub edges: Vec<ContactEdge>,
-    law: Law,
-    given: Law,
+    /// One edge per feature. The anchor of an edge is the drag of its sticking point, hand frame.
+    pool: EdgePool,
     surface: Arc<ContactSurface>,
     features: Arc<[Feature]>,
     /// Area a feature stands for, m2: that of a sample point of the pad, which it replaces.
     area: f64,
     sites: Vec<Site>,
     bounds: FaceBounds,
-    committed: (Vec<ContactEdge>, Vec<Site>),
-    damping: f64,
+    committed: Vec<Site>,
 }
 
 /// Force of a feature on a pad.
@@ -68,33 +73,26 @@ struct Site {
 impl FeatureContact {
     /// All edges open. `features` are points of the object.
     pub fn new(law: Law, surface: Arc<ContactSurface>, features: Arc<[Feature]>) -> Self {
-        let edges = vec![ContactEdge::default(); features.len()];
+        let pool = EdgePool::new(law, features.len());
         let nowhere = Stencil::new(std::iter::empty());
         let sites = vec![Site { face: None, now: nowhere, stick: nowhere, report: nowhere }; features.len()];
         let area = surface.spacing * surface.spacing;
-        let committed = (edges.clone(), sites.clone());
-        Self {
-            edges,
-            law,
-            given: law,
-            surface,
-            features,
-            area,
-            sites,
-            bounds: FaceBounds::default(),
-            committed,
-            damping: 1.0,
-        }
+        Self { pool, surface, features, area, committed: sites.clone(), sites, bounds: FaceBounds::default() }
+    }
+
+    /// Current edges, one per feature.
+    pub fn edges(&self) -> &[ContactEdge] {
+        &self.pool.edges
     }
 
     /// Smallest gap of the last assembly, m; `+inf` if no feature is near.
     pub fn min_gap(&self) -> f64 {
-        self.edges.iter().map(|e| e.gap).fold(f64::INFINITY, f64::min)
+        self.pool.min_gap()
     }
 
     /// What feature `i` does to the pad.
     pub fn readout(&self, i: usize) -> FeatureForce {
-        let (e, site) = (&self.edges[i], &self.sites[i]);
+        let (e, site) = (&self.pool.edges[i], &self.sites[i]);
         FeatureForce {
             normal: e.normal * (e.pressure * self.area),
             friction: e.traction * self.area,
@@ -103,11 +101,10 @@ impl FeatureContact {
         }
     }
 
-    /// The law of feature `i`. Vertices of a smooth surface are felt late: the pad's own points carry that contact, and the
-    /// vertex only must not come through between them.
+    /// The law of feature `i`.
     fn law_of(&self, i: usize) -> Law {
-        let fraction = if self.features[i].sharp { 1.0 } else { SMOOTH };
-        Law { offset: fraction * self.law.offset, ..self.law }
+        let law = self.pool.law;
+        Law { offset: self.features[i].reach() * law.offset, ..law }
     }
 
     /// Displacement of the pad's sticking point from the feature, plus its drag.
@@ -122,15 +119,15 @@ impl BodyTerm for FeatureContact {
         let mut bounds = FaceBounds::default();
         bounds.update(&self.surface, view.x);
         let mut energy = 0.0;
-        for (i, e) in self.edges.iter().enumerate() {
+        for (i, e) in self.pool.edges.iter().enumerate() {
             let y = view.position + view.rotation * self.features[i].position - view.offset;
             let law = self.law_of(i);
             if let Some(foot) = bounds.closest(&self.surface, view.x, y, law.offset, self.sites[i].face) {
                 energy += self.area * law.normal_energy(foot.gap, e.scale);
             }
-            if let (Some(drag), true) = (e.anchor, e.limit > 0.0) {
+            if let Some(drag) = e.sticks() {
                 let s = slip(self.stretch(i, drag, view), e.plane);
-                energy += self.area * self.law.friction_energy(s, e.limit);
+                energy += self.area * self.pool.law.friction_energy(s, e.limit);
             }
         }
         energy
@@ -138,55 +135,47 @@ impl BodyTerm for FeatureContact {
 
     fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
         self.bounds.update(&self.surface, view.x);
-        for i in 0..self.edges.len() {
+        for i in 0..self.features.len() {
             block.lag += (self.area * self.update(i, view)).powi(2);
-            let e = self.edges[i];
+            let e = self.pool.edges[i];
             let arm = view.rotation * self.features[i].position;
             if e.pressure > 0.0 {
                 let pair = feature_pair(&self.law_of(i), &e, self.area, arm, project);
                 block.add_pair(body, view, &self.sites[i].now, &pair);
             }
-            if let (Some(drag), true) = (e.anchor, e.limit > 0.0) {
+            if let Some(drag) = e.sticks() {
                 let s = self.stretch(i, drag, view);
-                let pair = friction_pair(&self.law, &e, self.area, s, arm, project);
+                let pair = friction_pair(&self.pool.law, &e, self.area, s, arm, project);
                 block.add_pair(body, view, &self.sites[i].stick, &pair);
             }
         }
     }
 
     fn commit(&mut self, _: &Body, _: &View) {
-        for (e, site) in self.edges.iter_mut().zip(&mut self.sites) {
-            if e.pressure <= 0.0 {
-                e.anchor = None;
-            } else if e.slips {
-                site.stick = site.now;
-                e.anchor = Some(e.normal * -e.gap - e.traction * (1.0 / self.law.tangential));
-            }
-        }
-        self.committed = (self.edges.clone(), self.sites.clone());
+        let (sites, tangential) = (&mut self.sites, self.pool.law.tangential);
+        self.pool.commit(|i, e| {
+            sites[i].stick = sites[i].now;
+            e.normal * -e.gap - e.traction * (1.0 / tangential)
+        });
+        self.committed.clone_from(&self.sites);
     }
 
     fn rollback(&mut self) {
-        (self.edges, self.sites) = self.committed.clone();
+        self.pool.rollback();
+        self.sites.clone_from(&self.committed);
     }
 
     fn satisfied(&mut self, _: &Body, _: &View) -> bool {
-        let mut held = true;
-        for i in 0..self.edges.len() {
-            if self.edges[i].gap < MIN_GAP * self.law_of(i).offset {
-                self.edges[i].scale *= 4.0;
-                held = false;
-            }
-        }
-        held
+        let (features, offset) = (&self.features, self.pool.law.offset);
+        self.pool.satisfied(|i| features[i].reach() * offset)
     }
 
     fn damp(&mut self, damping: f64) {
-        self.damping = damping;
+        self.pool.damping = damping;
     }
 
     fn soften(&mut self, factor: f64) {
-        self.law = self.given.softened(factor);
+        self.pool.soften(factor);
     }
 
     fn as_any(&self) -> &dyn Any {
@@ -201,36 +190,25 @@ impl FeatureContact {
         let law = self.law_of(i);
         let site = &mut self.sites[i];
         let foot = self.bounds.closest(&self.surface, view.x, y, law.offset, site.face);
-        let e = &mut self.edges[i];
+        let e = &mut self.pool.edges[i];
         site.face = foot.map(|f| f.face);
         e.gap = foot.map_or(f64::INFINITY, |f| f.gap);
-        e.pressure = law.pressure(e.gap, e.scale).0;
-        e.traction = DVec3::ZERO;
-        e.slips = false;
         if let Some(foot) = foot {
             // The object's outward normal at the contact is the pad's inward one.
             e.normal = -foot.normal;
             let face = &self.surface.faces[foot.face];
             (site.now, site.report) = (face.stencil(foot.l), face.report_stencil(foot.l));
         }
-        if law.friction == 0.0 {
+        let Some(lag) = self.pool.press(i, &law) else {
+            site.stick = self.committed[i].stick;
             return 0.0;
-        }
-        let lag = e.relax_limit(law.friction, self.damping);
-        if e.pressure <= 0.0 && (e.limit < NO_LIMIT || e.anchor.is_none()) {
-            e.limit = 0.0;
-            e.anchor = self.committed.0[i].anchor;
-            site.stick = self.committed.1[i].stick;
-            return 0.0;
-        }
-        if e.anchor.is_none() {
+        };
+        let e = &mut self.pool.edges[i];
+        let drag = *e.anchor.get_or_insert_with(|| {
             site.stick = site.now;
-            e.anchor = Some(e.normal * -e.gap);
-        }
-        let (drag, normal, limit) = (e.anchor.unwrap_or_default(), e.plane, e.limit);
-        let s = slip(self.stretch(i, drag, view), normal);
-        let e = &mut self.edges[i];
-        (e.traction, e.slips) = law.traction(s, limit);
+            e.normal * -e.gap
+        });
+        self.pool.rub(i, self.stretch(i, drag, view));
         lag
     }
 }

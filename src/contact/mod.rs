@@ -8,6 +8,7 @@ pub mod edge;
 pub mod feature;
 pub mod law;
 mod pair;
+mod pool;
 pub mod project;
 pub mod surface;
 pub mod term;

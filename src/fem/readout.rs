@@ -47,7 +47,7 @@ pub fn edges<'a>(newton: &'a Newton, state: &'a State, i: usize) -> impl Iterato
     let carried = newton.border.closing[i] * state.travel[i];
     let points = contact(newton, i).into_iter().flat_map(move |c| {
         let surface = c.surface();
-        c.edges.iter().enumerate().map(move |(k, e)| Edge {
+        c.edges().iter().enumerate().map(move |(k, e)| Edge {
             point: surface.points[k].position(&state.x[i]) + carried,
             gap: e.gap,
             normal: e.normal,
@@ -58,7 +58,7 @@ pub fn edges<'a>(newton: &'a Newton, state: &'a State, i: usize) -> impl Iterato
         })
     });
     let features = features(newton, i).into_iter().flat_map(move |c| {
-        c.edges.iter().enumerate().map(move |(k, e)| {
+        c.edges().iter().enumerate().map(move |(k, e)| {
             let f = c.readout(k);
             Edge {
                 point: f.now.position(&state.x[i]) + carried,

@@ -154,7 +154,7 @@ impl Press {
             self.path.advance(Load::Travel, next).expect("the press converges");
         }
         let contact = self.contact();
-        -(0..contact.edges.len()).map(|i| contact.force(i).z).sum::<f64>()
+        -(0..contact.edges().len()).map(|i| contact.force(i).z).sum::<f64>()
     }
 
     pub fn contact(&self) -> &Contact {

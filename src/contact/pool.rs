@@ -1,0 +1,98 @@
+//! What the contact edges of a pad share, whichever side is sampled: law, history, friction.
+
+use super::edge::ContactEdge;
+use super::law::Law;
+use super::pair::slip;
+use glam::DVec3;
+
+/// The edges of one contact term, as they are and as last accepted.
+#[derive(Debug, Clone)]
+pub(super) struct EdgePool {
+    /// Current edges.
+    pub edges: Vec<ContactEdge>,
+    /// The law of every edge, softened while contact is being established.
+    pub law: Law,
+    given: Law,
+    committed: Vec<ContactEdge>,
+    /// Part of the way that lagged friction goes per iteration.
+    pub damping: f64,
+}
+
+/// Smallest gap of an accepted state, as a fraction of the offset.
+const MIN_GAP: f64 = 0.02;
+/// Friction limit that counts as none, Pa.
+const NO_LIMIT: f64 = 1.0;
+
+impl EdgePool {
+    /// `count` open edges.
+    pub fn new(law: Law, count: usize) -> Self {
+        let edges = vec![ContactEdge::default(); count];
+        Self { committed: edges.clone(), edges, law, given: law, damping: 1.0 }
+    }
+
+    /// Smallest gap, m; `+inf` if nothing is near.
+    pub fn min_gap(&self) -> f64 {
+        self.edges.iter().map(|e| e.gap).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Softens the law by `factor`; 1 gives it back.
+    pub fn soften(&mut self, factor: f64) {
+        self.law = self.given.softened(factor);
+    }
+
+    /// Accepts the edges as they are. Open edges forget where they stuck; of slipping ones `dragged` says where they stick
+    /// now, so that the spring carries just the limit.
+    pub fn commit(&mut self, mut dragged: impl FnMut(usize, &ContactEdge) -> DVec3) {
+        for (i, e) in self.edges.iter_mut().enumerate() {
+            if e.pressure <= 0.0 {
+                e.anchor = None;
+            } else if e.slips {
+                e.anchor = Some(dragged(i, e));
+            }
+        }
+        self.committed.clone_from(&self.edges);
+    }
+
+    /// Back to the edges last accepted.
+    pub fn rollback(&mut self) {
+        self.edges.clone_from(&self.committed);
+    }
+
+    /// Stiffens the edges that use up their offset; true if there were none.
+    pub fn satisfied(&mut self, offset: impl Fn(usize) -> f64) -> bool {
+        let mut held = true;
+        for (i, e) in self.edges.iter_mut().enumerate() {
+            if e.gap < MIN_GAP * offset(i) {
+                e.scale *= 4.0;
+                held = false;
+            }
+        }
+        held
+    }
+
+    /// Sets the pressure of edge `i` from its gap under `law` and relaxes its friction limit. Some if friction acts: how far
+    /// the limit lags, Pa; [`EdgePool::rub`] must follow.
+    pub fn press(&mut self, i: usize, law: &Law) -> Option<f64> {
+        let e = &mut self.edges[i];
+        e.pressure = law.pressure(e.gap, e.scale).0;
+        e.traction = DVec3::ZERO;
+        e.slips = false;
+        if law.friction == 0.0 {
+            return None;
+        }
+        let lag = e.relax_limit(law.friction, self.damping);
+        if e.pressure <= 0.0 && (e.limit < NO_LIMIT || e.anchor.is_none()) {
+            // A point that touched only on the way to this iterate has not stuck anywhere yet.
+            e.limit = 0.0;
+            e.anchor = self.committed[i].anchor;
+            return None;
+        }
+        Some(lag)
+    }
+
+    /// Sets the traction of edge `i`, whose points have moved apart by `s` (m) since they stuck.
+    pub fn rub(&mut self, i: usize, s: DVec3) {
+        let e = &mut self.edges[i];
+        (e.traction, e.slips) = self.law.traction(slip(s, e.plane), e.limit);
+    }
+}
