@@ -54,6 +54,7 @@ impl Stepper for Fem {
         let pose = grasp.0.object_in_hand();
         let pose = ObjectPose { position: pose.position, rotation: pose.rotation };
         world.insert_resource(Solver::new(&shared.0, pose, &self.settings));
+        world.init_resource::<systems::Edges>();
         systems::register(schedule, &shared.0.needs, shared.0.force_driven);
         Ok(())
     }

@@ -13,16 +13,18 @@ use glam::DVec3;
 pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
     schedule.add_systems(read_state.run_if(ramping).after(close_to_contact).in_set(StepSet::Sense));
     schedule.add_systems((advance_level, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
-    schedule.add_systems(measure_contact.run_if(reached).before(measure_balance).in_set(StepSet::Measure));
+    schedule.add_systems(
+        (read_edges, measure_contact).chain().run_if(reached).before(measure_balance).in_set(StepSet::Measure),
+    );
     schedule.add_systems(report_timings.run_if(ramping).in_set(StepSet::Measure));
     if !force_driven {
         schedule.add_systems(measure_reaction.run_if(reached).before(measure_balance).in_set(StepSet::Measure));
     }
     if needs.friction {
-        schedule.add_systems(measure_friction.run_if(reached).in_set(StepSet::Measure));
+        schedule.add_systems(measure_friction.run_if(reached).after(read_edges).in_set(StepSet::Measure));
     }
     if needs.contact_force {
-        schedule.add_systems(measure_nodal_force.run_if(reached).in_set(StepSet::Measure));
+        schedule.add_systems(measure_nodal_force.run_if(reached).after(read_edges).in_set(StepSet::Measure));
     }
     // Both it and the contact add to `Advance`.
     schedule.add_systems(measure_det_f.run_if(reached).after(measure_contact).in_set(StepSet::Measure));
@@ -91,20 +93,30 @@ pub fn write_state(
     **pose = ObjectPose { position: state.position, rotation: state.rotation };
 }
 
+/// The contact edges of every finger at the level just reached.
+#[derive(Resource, Default)]
+pub struct Edges(Vec<Vec<readout::Edge>>);
+
+/// Solver -> edges, once for all that look at them.
+pub fn read_edges(solver: Res<Solver>, mut edges: ResMut<Edges>) {
+    let (newton, state) = (&solver.path.newton, &solver.path.state);
+    edges.0 = (0..newton.bodies()).map(|i| readout::edges(newton, state, i).collect()).collect();
+}
+
 /// Contact edges, the wrench on every pad, smallest gap and potential.
 pub fn measure_contact(
     solver: Res<Solver>,
+    edges: Res<Edges>,
     shared: Res<Shared>,
     mut advance: ResMut<Advance>,
     mut pool: Query<(&EdgeIndex, &FingerIndex, &mut ContactEdge)>,
     mut fingers: Query<(&FingerIndex, &mut FingerWrench)>,
 ) {
     let (newton, state) = (&solver.path.newton, &solver.path.state);
-    let edges: Vec<Vec<_>> = (0..newton.bodies()).map(|i| readout::edges(newton, state, i).collect()).collect();
     for (index, finger, mut edge) in pool.contiguous_iter_mut().expect(TABLES) {
         let edge = edge.bypass_change_detection();
         for row in 0..index.len() {
-            let e = &edges[finger[row].0 as usize][index[row].0 as usize];
+            let e = &edges.0[finger[row].0 as usize][index[row].0 as usize];
             edge[row] = ContactEdge { gap: e.gap, normal: e.normal, force: e.force, active: e.active() };
         }
     }
@@ -113,7 +125,7 @@ pub fn measure_contact(
         let origin = shared.0.fingers[i].placement.origin + newton.border.closing[i] * state.travel[i];
         // Summed in edge order: the same bits every time.
         let mut sum = FingerWrench::default();
-        for e in &edges[i] {
+        for e in &edges.0[i] {
             sum.force += e.force;
             sum.torque += (e.point - origin).cross(e.force);
         }
@@ -141,27 +153,25 @@ pub fn measure_reaction(
 }
 
 /// Friction on every contact edge.
-pub fn measure_friction(solver: Res<Solver>, mut pool: Query<(&EdgeIndex, &FingerIndex, &mut ContactFriction)>) {
-    let (newton, state) = (&solver.path.newton, &solver.path.state);
-    let friction: Vec<Vec<_>> = (0..newton.bodies())
-        .map(|i| {
-            readout::edges(newton, state, i).map(|e| ContactFriction { force: e.friction, slips: e.slips }).collect()
-        })
-        .collect();
+pub fn measure_friction(edges: Res<Edges>, mut pool: Query<(&EdgeIndex, &FingerIndex, &mut ContactFriction)>) {
     for (index, finger, mut column) in pool.contiguous_iter_mut().expect(TABLES) {
         let column = column.bypass_change_detection();
         for row in 0..index.len() {
-            column[row] = friction[finger[row].0 as usize][index[row].0 as usize];
+            let e = &edges.0[finger[row].0 as usize][index[row].0 as usize];
+            column[row] = ContactFriction { force: e.friction, slips: e.slips };
         }
     }
 }
 
 /// Contact forces gathered on the nodes; their sum is that of the edges.
-pub fn measure_nodal_force(solver: Res<Solver>, mut nodes: Query<(&NodeIndex, &FingerIndex, &mut ContactForce)>) {
-    let (newton, state) = (&solver.path.newton, &solver.path.state);
-    let mut force: Vec<Vec<DVec3>> = state.x.iter().map(|x| vec![DVec3::ZERO; x.len()]).collect();
-    for (i, force) in force.iter_mut().enumerate() {
-        for e in readout::edges(newton, state, i).filter(|e| e.active()) {
+pub fn measure_nodal_force(
+    solver: Res<Solver>,
+    edges: Res<Edges>,
+    mut nodes: Query<(&NodeIndex, &FingerIndex, &mut ContactForce)>,
+) {
+    let mut force: Vec<Vec<DVec3>> = solver.path.state.x.iter().map(|x| vec![DVec3::ZERO; x.len()]).collect();
+    for (edges, force) in edges.0.iter().zip(&mut force) {
+        for e in edges.iter().filter(|e| e.active()) {
             let (nodes, weights) = e.report.slices();
             nodes.iter().zip(weights).for_each(|(&n, &w)| force[n as usize] += e.force * w);
         }
