@@ -8,8 +8,8 @@ use super::pool::EdgePool;
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
 use crate::fem::body::Body;
-use crate::fem::state::View;
-use crate::fem::term::{Block, BodyTerm, Stencil};
+use crate::fem::state::{Motion, View};
+use crate::fem::term::{Block, BodyTerm, Pair, Stencil};
 use glam::DVec3;
 use std::any::Any;
 use std::sync::Arc;
@@ -147,6 +147,15 @@ impl BodyTerm for FeatureContact {
                 let s = self.stretch(i, drag, view);
                 let pair = friction_pair(&self.pool.law, &e, self.area, s, arm, project);
                 block.add_pair(body, view, &self.sites[i].stick, &pair);
+            }
+        }
+    }
+
+    fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
+        for (i, site) in self.sites.iter().enumerate().filter(|(i, _)| self.pool.edges[*i].slips) {
+            let r = view.rotation * self.features[i].position;
+            if let Some(drag) = self.pool.drag(i, &self.law_of(i), motion.relative(&site.now, r)) {
+                change.add_pair(body, view, &site.stick, &Pair::force(drag * -self.area, r));
             }
         }
     }

@@ -90,6 +90,15 @@ impl EdgePool {
         Some(lag)
     }
 
+    /// How the force of slipping edge `i` on the pad changes per area when its points move by `u` (m) against each other: the
+    /// limit follows the pressure, Pa.
+    pub fn drag(&self, i: usize, law: &Law, u: DVec3) -> Option<DVec3> {
+        let e = &self.edges[i];
+        let stiffness = law.pressure(e.gap, e.scale).1;
+        (e.slips && stiffness > 0.0)
+            .then(|| e.traction.normalize_or_zero() * (-law.friction * stiffness * e.normal.dot(u)))
+    }
+
     /// Sets the traction of edge `i`, whose points have moved apart by `s` (m) since they stuck.
     pub fn rub(&mut self, i: usize, s: DVec3) {
         let e = &mut self.edges[i];

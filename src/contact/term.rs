@@ -6,8 +6,8 @@ use super::pair::{friction_pair, normal_pair, slip};
 use super::pool::EdgePool;
 use super::surface::ContactSurface;
 use crate::fem::body::Body;
-use crate::fem::state::View;
-use crate::fem::term::{Block, BodyTerm, Stencil};
+use crate::fem::state::{Motion, View};
+use crate::fem::term::{Block, BodyTerm, Pair, Stencil};
 use crate::shape::SignedDistance;
 use glam::{DMat3, DVec3};
 use std::any::Any;
@@ -94,6 +94,20 @@ impl BodyTerm for Contact {
                 let arm = view.rotation * anchor;
                 let pair = friction_pair(law, e, area, world - view.position - arm, arm, project);
                 block.add_pair(body, view, &stencil, &pair);
+            }
+        }
+    }
+
+    fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
+        for (i, (stencil, area)) in self.surface.points.iter().zip(&self.surface.area).enumerate() {
+            if !self.pool.edges[i].slips {
+                continue;
+            }
+            let r = locate(stencil, view).0 - view.position;
+            if let (Some(drag), Some(anchor)) =
+                (self.pool.drag(i, &self.pool.law, motion.relative(stencil, r)), self.pool.edges[i].anchor)
+            {
+                change.add_pair(body, view, stencil, &Pair::force(drag * -area, view.rotation * anchor));
             }
         }
     }

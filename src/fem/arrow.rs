@@ -20,6 +20,8 @@ pub struct ArrowBlock {
     pub body: Arc<Body>,
     /// Its gradient and Hessian.
     pub block: Block,
+    /// Gradients to be solved for beside those of `block`.
+    pub extra: Block,
     factor: Factor,
     rhs: Vec<f64>,
 }
@@ -29,7 +31,8 @@ impl ArrowBlock {
     pub fn new(body: Arc<Body>, columns: usize) -> Self {
         let block = Block::new(&body, columns);
         let factor = Factor::new(&body.symbolic, columns + 1);
-        Self { body, block, factor, rhs: Vec::new() }
+        let extra = Block::gradients(&body);
+        Self { body, block, extra, factor, rhs: Vec::new() }
     }
 
     /// Factorises the block; false if it is not positive definite.
@@ -37,20 +40,24 @@ impl ArrowBlock {
         self.factor.factorize(&self.body.symbolic, &self.body.pattern, &self.block.values)
     }
 
-    /// Solves for all border columns and the gradient at once.
-    pub fn solve(&mut self) {
+    /// Solves for the gradient; for all border columns at once if `columns` are new.
+    pub fn solve(&mut self, columns: bool) {
         let n = self.body.pattern.unknowns();
-        self.rhs.clear();
-        self.rhs.extend_from_slice(&self.block.coupling);
-        self.rhs.resize(self.block.coupling.len() + n, 0.0);
-        let gradient = &mut self.rhs[self.block.coupling.len()..];
-        for (g, &p) in self.block.gradient.iter().zip(&self.body.pattern.position) {
+        let coupled = self.block.coupling.len();
+        self.rhs.resize(coupled + n, 0.0);
+        if columns {
+            self.rhs[..coupled].copy_from_slice(&self.block.coupling);
+        }
+        let gradient = &mut self.rhs[coupled..];
+        let nodes = self.block.gradient.iter().zip(&self.extra.gradient);
+        for ((g, e), &p) in nodes.zip(&self.body.pattern.position) {
             if p != FIXED {
-                gradient[3 * p as usize..3 * p as usize + 3].copy_from_slice(&g.to_array());
+                gradient[3 * p as usize..3 * p as usize + 3].copy_from_slice(&(*g + *e).to_array());
             }
         }
-        let columns = self.rhs.len() / n.max(1);
-        self.factor.solve(&self.body.symbolic, &mut self.rhs, columns);
+        let start = if columns { 0 } else { coupled };
+        let rhs = &mut self.rhs[start..];
+        self.factor.solve(&self.body.symbolic, rhs, rhs.len() / n.max(1));
     }
 
     /// `B^T K^-1 B` and `B^T K^-1 g` of this body.

@@ -6,6 +6,7 @@ use crate::element::{Kernel, RestTet, Shape, TET4, TET10};
 use crate::error::Result;
 use crate::material::{Material, von_mises};
 use glam::{DMat3, DVec3};
+use pulp::Arch;
 use std::sync::Arc;
 
 /// Node lists of the elements.
@@ -106,44 +107,50 @@ impl Body {
 
     /// Elastic energy at positions `x`, J; `+inf` when an element is inverted under a law that refuses it.
     pub fn energy(&self, x: &[DVec3]) -> f64 {
-        per_order!(self, nodes, kernel, {
-            nodes.iter().zip(&self.tets).map(|(n, rest)| kernel.energy(rest, &gather(n, x))).sum()
+        Arch::new().dispatch(|| {
+            per_order!(self, nodes, kernel, {
+                nodes.iter().zip(&self.tets).map(|(n, rest)| kernel.energy(rest, &gather(n, x))).sum()
+            })
         })
     }
 
     /// Adds the gradient of the elastic energy, N, per node.
     pub fn add_gradient(&self, x: &[DVec3], gradient: &mut [DVec3]) {
-        per_order!(self, nodes, kernel, {
-            for (n, rest) in nodes.iter().zip(&self.tets) {
-                let mut local = n.map(|_| DVec3::ZERO);
-                kernel.add_gradient(rest, &gather(n, x), &mut local);
-                for (&i, g) in n.iter().zip(local) {
-                    gradient[i as usize] += g;
+        Arch::new().dispatch(|| {
+            per_order!(self, nodes, kernel, {
+                for (n, rest) in nodes.iter().zip(&self.tets) {
+                    let mut local = n.map(|_| DVec3::ZERO);
+                    kernel.add_gradient(rest, &gather(n, x), &mut local);
+                    for (&i, g) in n.iter().zip(local) {
+                        gradient[i as usize] += g;
+                    }
                 }
-            }
+            })
         })
     }
 
     /// Adds gradient (N, per node) and stiffness (N/m, in [`Pattern`] storage). `project` makes every point's tangent
     /// positive semidefinite.
     pub fn add_stiffness(&self, x: &[DVec3], project: bool, gradient: &mut [DVec3], values: &mut [f64]) {
-        per_order!(self, nodes, kernel, {
-            let Some(first) = nodes.first() else { return };
-            let mut block = first.map(|_| first.map(|_| DMat3::ZERO));
-            let pairs = self.slots.len() / self.tets.len();
-            for ((n, rest), slots) in nodes.iter().zip(&self.tets).zip(self.slots.chunks_exact(pairs)) {
-                let mut local = n.map(|_| DVec3::ZERO);
-                kernel.stiffness(rest, &gather(n, x), project, &mut local, &mut block);
-                for (&i, g) in n.iter().zip(local) {
-                    gradient[i as usize] += g;
-                }
-                let mut slot = slots.iter();
-                for (i, row) in block.iter().enumerate() {
-                    for (b, &s) in row[i..].iter().zip(&mut slot) {
-                        Pattern::add(values, s, b);
+        Arch::new().dispatch(|| {
+            per_order!(self, nodes, kernel, {
+                let Some(first) = nodes.first() else { return };
+                let mut block = first.map(|_| first.map(|_| DMat3::ZERO));
+                let pairs = self.slots.len() / self.tets.len();
+                for ((n, rest), slots) in nodes.iter().zip(&self.tets).zip(self.slots.chunks_exact(pairs)) {
+                    let mut local = n.map(|_| DVec3::ZERO);
+                    kernel.stiffness(rest, &gather(n, x), project, &mut local, &mut block);
+                    for (&i, g) in n.iter().zip(local) {
+                        gradient[i as usize] += g;
+                    }
+                    let mut slot = slots.iter();
+                    for (i, row) in block.iter().enumerate() {
+                        for (b, &s) in row[i..].iter().zip(&mut slot) {
+                            Pattern::add(values, s, b);
+                        }
                     }
                 }
-            }
+            })
         })
     }
 

@@ -55,8 +55,12 @@ const SMALLEST: [f64; 2] = [1.0 / 4096.0, 1.0 / 8.0];
 const STRIDE: f64 = 2e-4;
 /// How much looser intermediate states may be than results.
 const LOOSE: f64 = 20.0;
-/// Most pseudo-time steps of one walk.
-const STEPS: usize = 80;
+/// Motion of the border in one pseudo-time step that is far enough, m.
+const REACH: f64 = 1e-3;
+/// Pseudo-time steps in a row with a finger that touches nothing after which the object counts as gone.
+const APART: u32 = 5;
+/// Most iterations of one walk.
+const PATIENCE: u32 = 500;
 
 impl Path {
     /// Starts at `state`, which must be in equilibrium at level zero.
@@ -97,6 +101,9 @@ impl Path {
         let mut done = Advanced::default();
         let (mut reached, mut softness, mut ratio) = (None::<f64>, SOFTEST, 10.0_f64);
         loop {
+            if std::env::var_os("TRACE").is_some() {
+                eprintln!("soften {softness} ratio {ratio}");
+            }
             self.newton.soften(softness);
             let mut state = self.state.clone();
             if let Some(reached) = reached {
@@ -141,6 +148,9 @@ impl Path {
             }
             let before = (self.state.clone(), self.level);
             let cost = done.iterations;
+            if std::env::var_os("TRACE").is_some() {
+                eprintln!("advance to {next} of {target}");
+            }
             let start = self.start(load, next);
             match self.settle(start, last_resort && walks, &mut done) {
                 Ok(()) => {
@@ -165,9 +175,14 @@ impl Path {
     /// Solves from `start` and accepts the result; if that fails and `walk` is set, walks there from the accepted state.
     fn settle(&mut self, start: State, walk: bool, done: &mut Advanced) -> Result<(), Failure> {
         let mut state = start;
-        // A prediction may overshoot into infeasible territory; the accepted state never does.
-        if !self.newton.energy(&state).is_finite() {
-            state.x.clone_from(&self.state.x);
+        // A prediction may overshoot, into deep contact or infeasible territory; the accepted state never does.
+        let plain = State { travel: state.travel.clone(), ..self.state.clone() };
+        let (predicted, plainly) = (self.newton.energy(&state), self.newton.energy(&plain));
+        if !(predicted <= plainly) {
+            if std::env::var_os("TRACE").is_some() {
+                eprintln!("prediction dropped {predicted:e} {plainly:e}");
+            }
+            state = plain;
         }
         let failure = match self.newton.solve(&mut state, &self.tolerance) {
             Ok(converged) => {
@@ -178,6 +193,9 @@ impl Path {
             }
             Err(failure) => failure,
         };
+        if std::env::var_os("TRACE").is_some() {
+            eprintln!("settle failed {failure:?}");
+        }
         self.newton.rollback();
         done.iterations += self.tolerance.iterations;
         if !walk || self.newton.border.size == 0 {
@@ -203,41 +221,56 @@ impl Path {
     /// an equilibrium without the spring is near: follows an object that rolls or slides to where it comes to rest.
     fn walk(&mut self, done: &mut Advanced) -> Result<State, Failure> {
         let load = self.newton.force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        let full = self.tolerance;
+        let floor = full.force.max(full.relative * load);
+        let loose = Tolerance { relative: LOOSE * full.relative, force: LOOSE * floor, iterations: 25, ..full };
         let mut stiffness = load / STRIDE;
-        let loose = Tolerance { relative: LOOSE * self.tolerance.relative, ..self.tolerance };
         let mut state = self.state.clone();
-        let mut failures = 0;
-        for _ in 0..STEPS {
+        let (mut failures, mut apart, mut near, mut spent) = (0, 0, false, 0);
+        while spent < PATIENCE {
             self.newton.proximal = Some((state.clone(), stiffness));
             let mut next = state.clone();
-            match self.newton.solve(&mut next, &loose) {
+            if std::env::var_os("TRACE").is_some() {
+                eprintln!("walk k {stiffness:.3e} near {near}");
+            }
+            match self.newton.solve(&mut next, if near { &full } else { &loose }) {
                 Ok(converged) => {
                     self.newton.commit(&next);
+                    spent += converged.iterations;
                     done.iterations += converged.iterations;
                     let moved = self.newton.border.difference(&next, &state).iter().map(|d| d * d).sum::<f64>().sqrt();
                     state = next;
-                    if stiffness * moved < 0.2 * load {
-                        self.newton.proximal = None;
-                        let mut end = state.clone();
-                        if let Ok(converged) = self.newton.solve(&mut end, &self.tolerance) {
-                            self.newton.commit(&end);
-                            done.accept(converged);
-                            return Ok(end);
-                        }
-                        self.newton.rollback();
-                        done.iterations += self.tolerance.iterations;
+                    if std::env::var_os("TRACE").is_some() {
+                        eprintln!("  moved {moved:.3e} pull {:.3e} of {load:.3e}", stiffness * moved);
                     }
-                    if converged.iterations < 15 {
-                        stiffness *= 0.5;
+                    // A spring that pulls less than the forces are out of balance anyhow changes nothing.
+                    if near && stiffness * moved <= floor {
+                        done.accept(Converged { iterations: 0, ..converged });
+                        return Ok(state);
+                    }
+                    near = stiffness * moved <= LOOSE * floor;
+                    apart = if self.newton.untouched() { apart + 1 } else { 0 };
+                    if apart >= APART {
+                        return Err(Failure::Lost);
+                    }
+                    if converged.iterations < 15 && moved < 0.5 * REACH {
+                        stiffness *= if converged.iterations < 8 { 0.25 } else { 0.5 };
+                    } else if moved > REACH {
+                        stiffness *= 2.0;
                     }
                 }
                 Err(Failure::Lost) => return Err(Failure::Lost),
                 Err(failure) => {
+                    if std::env::var_os("TRACE").is_some() {
+                        eprintln!("  walk failed {failure:?}");
+                    }
                     self.newton.rollback();
-                    done.iterations += self.tolerance.iterations;
+                    spent += loose.iterations;
+                    done.iterations += loose.iterations;
                     failures += 1;
+                    near = false;
                     stiffness *= 8.0;
-                    if failures > 5 {
+                    if failures > 8 {
                         return Err(failure);
                     }
                 }

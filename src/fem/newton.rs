@@ -133,9 +133,14 @@ impl Newton {
 
     /// Assembles every block at `state`.
     pub fn assemble(&mut self, state: &State, project: bool) {
+        self.assemble_some(state, project, true);
+    }
+
+    /// Assembles gradients at `state`, and Hessians if wanted.
+    pub(super) fn assemble_some(&mut self, state: &State, project: bool, hessian: bool) {
         let border = &self.border;
         self.blocks.par_iter_mut().zip(self.terms.par_iter_mut()).enumerate().for_each(|(i, (b, terms))| {
-            b.block.clear();
+            b.block.clear(hessian);
             let view = state.view(i, border);
             for t in terms {
                 t.assemble(&b.body, &view, project, &mut b.block);

@@ -1,5 +1,6 @@
 //! The unknowns of a grasp and the small dense border they share.
 
+use super::term::Stencil;
 use glam::{DMat3, DQuat, DVec3};
 
 /// Most border unknowns a scene can have: two travels and six of a free object.
@@ -74,6 +75,50 @@ pub struct Step {
     pub x: Vec<Vec<DVec3>>,
     /// Per border column, m.
     pub border: [f64; MAX_BORDER],
+}
+
+impl Step {
+    /// Euclidean norm over all unknowns, m.
+    pub fn norm(&self) -> f64 {
+        let nodes = self.x.iter().flatten().map(|d| d.length_squared()).sum::<f64>();
+        (nodes + self.border.iter().map(|b| b * b).sum::<f64>()).sqrt()
+    }
+
+    /// Norm of the difference to `other`, m.
+    pub fn distance(&self, other: &Step) -> f64 {
+        let pairs = self.x.iter().flatten().zip(other.x.iter().flatten());
+        let border = self.border.iter().zip(&other.border).map(|(a, b)| (a - b) * (a - b));
+        (pairs.map(|(a, b)| a.distance_squared(*b)).sum::<f64>() + border.sum::<f64>()).sqrt()
+    }
+
+    /// What the step does to body `index` and to the frames it touches.
+    pub fn motion<'a>(&'a self, index: usize, view: &View) -> Motion<'a> {
+        let three = |c: usize| DVec3::new(self.border[c], self.border[c + 1], self.border[c + 2]);
+        let pose = view.pose_column.map(|c| (three(c), three(c + 3) / view.length));
+        let (position, rotation) = pose.unwrap_or_default();
+        let offset = view.travel_column.map_or(DVec3::ZERO, |c| view.closing * self.border[c]);
+        Motion { x: &self.x[index], offset, position, rotation }
+    }
+}
+
+/// A small motion of a body, its finger and the object.
+#[derive(Debug, Clone, Copy)]
+pub struct Motion<'a> {
+    /// Of the nodes relative to the finger, m.
+    pub x: &'a [DVec3],
+    /// Of the finger, m.
+    pub offset: DVec3,
+    /// Of the object's origin, m.
+    pub position: DVec3,
+    /// Of the object about its origin, rad.
+    pub rotation: DVec3,
+}
+
+impl Motion<'_> {
+    /// Motion of the point of the body at `stencil` relative to the object's point at arm `r` (m from the origin), m.
+    pub fn relative(&self, stencil: &Stencil, r: DVec3) -> DVec3 {
+        stencil.position(self.x) + self.offset - self.position - self.rotation.cross(r)
+    }
 }
 
 impl State {

@@ -3,7 +3,7 @@
 
 use super::body::Body;
 use super::pattern::{FIXED, Pattern};
-use super::state::{MAX_BORDER, View};
+use super::state::{MAX_BORDER, Motion, View};
 use glam::{DMat3, DVec3};
 
 /// Gradient and Hessian of one body's terms, with its share of the border.
@@ -23,29 +23,46 @@ pub struct Block {
     pub lag: f64,
     /// Sum of the norms of the forces that meet at the border (scale of the balance), N.
     pub activity: f64,
+    /// Whether Hessians are wanted; else those of the last time stay as they are.
+    pub hessian: bool,
 }
 
 impl Block {
     /// Zeroed storage for `body` with `columns` border columns.
     pub fn new(body: &Body, columns: usize) -> Self {
         Self {
-            gradient: vec![DVec3::ZERO; body.rest.len()],
             values: vec![0.0; body.pattern.row_idx.len()],
             coupling: vec![0.0; columns * body.pattern.unknowns()],
+            hessian: true,
+            ..Self::gradients(body)
+        }
+    }
+
+    /// Storage for gradients alone.
+    pub fn gradients(body: &Body) -> Self {
+        let gradient = vec![DVec3::ZERO; body.rest.len()];
+        Self {
+            gradient,
+            values: Vec::new(),
+            coupling: Vec::new(),
             border_gradient: [0.0; MAX_BORDER],
             border_hessian: [[0.0; MAX_BORDER]; MAX_BORDER],
             lag: 0.0,
             activity: 0.0,
+            hessian: false,
         }
     }
 
-    /// Sets everything to zero.
-    pub fn clear(&mut self) {
+    /// Sets gradients to zero, and Hessians if they are wanted anew.
+    pub fn clear(&mut self, hessian: bool) {
+        self.hessian = hessian;
         self.gradient.fill(DVec3::ZERO);
-        self.values.fill(0.0);
-        self.coupling.fill(0.0);
         self.border_gradient = [0.0; MAX_BORDER];
-        self.border_hessian = [[0.0; MAX_BORDER]; MAX_BORDER];
+        if hessian {
+            self.values.fill(0.0);
+            self.coupling.fill(0.0);
+            self.border_hessian = [[0.0; MAX_BORDER]; MAX_BORDER];
+        }
         self.lag = 0.0;
         self.activity = 0.0;
     }
@@ -61,7 +78,7 @@ impl Block {
         for (&a, &pa) in nodes.iter().zip(phi) {
             self.gradient[a as usize] += pair.force * pa;
             let position = pattern.position[a as usize];
-            if position == FIXED {
+            if position == FIXED || !self.hessian {
                 continue;
             }
             for (&b, &pb) in nodes.iter().zip(phi) {
@@ -113,6 +130,9 @@ impl Block {
         }
         for (i, di, wi) in &columns[..count] {
             self.border_gradient[*i] += pair.force.dot(*di) + pair.torque.dot(*wi);
+            if !self.hessian {
+                continue;
+            }
             let (left_d, left_w) = (pair.dd * *di + pair.dw * *wi, pair.dw.transpose() * *di + pair.ww * *wi);
             for (j, dj, wj) in &columns[..count] {
                 self.border_hessian[*i][*j] += left_d.dot(*dj) + left_w.dot(*wj);
@@ -135,6 +155,13 @@ pub struct Pair {
     pub dw: DMat3,
     /// Rotation-rotation, N m, symmetric.
     pub ww: DMat3,
+}
+
+impl Pair {
+    /// A force alone: `force` is the gradient in the relative displacement (N), `r` the arm of the object's point (m).
+    pub fn force(force: DVec3, r: DVec3) -> Self {
+        Self { force, torque: -r.cross(force), dd: DMat3::ZERO, dw: DMat3::ZERO, ww: DMat3::ZERO }
+    }
 }
 
 /// A material point of a body's surface: nodes and their shape function values.
@@ -189,6 +216,9 @@ pub trait BodyTerm: TermClone + Send + Sync {
     fn energy(&self, body: &Body, view: &View) -> f64;
     /// Adds gradient and Hessian to `block`; refreshes lagged quantities. `project`: positive semidefinite parts only.
     fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block);
+    /// Adds to the gradients of `change` how the term's forces change along a small `motion` beyond what its (symmetric)
+    /// Hessian says.
+    fn couple(&self, _body: &Body, _view: &View, _motion: &Motion, _change: &mut Block) {}
     /// The increment was accepted: take over history.
     fn commit(&mut self, _body: &Body, _view: &View) {}
     /// The increment was rejected: forget what was learnt since the last commit.
@@ -216,7 +246,10 @@ impl BodyTerm for Elastic {
     }
 
     fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
-        body.add_stiffness(view.x, project, &mut block.gradient, &mut block.values);
+        match block.hessian {
+            true => body.add_stiffness(view.x, project, &mut block.gradient, &mut block.values),
+            false => body.add_gradient(view.x, &mut block.gradient),
+        }
     }
 
     fn as_any(&self) -> &dyn std::any::Any {
