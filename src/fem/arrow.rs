@@ -63,14 +63,13 @@ impl ArrowBlock {
     /// `B^T K^-1 B` and `B^T K^-1 g` of this body.
     fn schur(&self, size: usize) -> ([[f64; MAX_BORDER]; MAX_BORDER], [f64; MAX_BORDER]) {
         let n = self.body.pattern.unknowns();
-        let column = |data: &[f64], c: usize| -> Vec<f64> { data[c * n..(c + 1) * n].to_vec() };
         let (mut s, mut r) = ([[0.0; MAX_BORDER]; MAX_BORDER], [0.0; MAX_BORDER]);
         for i in 0..size {
-            let b = column(&self.block.coupling, i);
+            let b = &self.block.coupling[i * n..(i + 1) * n];
             for (j, target) in s[i].iter_mut().enumerate().take(size) {
-                *target = dot(&b, &self.rhs[j * n..(j + 1) * n]);
+                *target = dot(b, &self.rhs[j * n..(j + 1) * n]);
             }
-            r[i] = dot(&b, &self.rhs[size * n..(size + 1) * n]);
+            r[i] = dot(b, &self.rhs[size * n..(size + 1) * n]);
         }
         (s, r)
     }

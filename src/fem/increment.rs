@@ -101,9 +101,6 @@ impl Path {
         let mut done = Advanced::default();
         let (mut reached, mut softness, mut ratio) = (None::<f64>, SOFTEST, 10.0_f64);
         loop {
-            if std::env::var_os("TRACE").is_some() {
-                eprintln!("soften {softness} ratio {ratio}");
-            }
             self.newton.soften(softness);
             let mut state = self.state.clone();
             if let Some(reached) = reached {
@@ -148,9 +145,6 @@ impl Path {
             }
             let before = (self.state.clone(), self.level);
             let cost = done.iterations;
-            if std::env::var_os("TRACE").is_some() {
-                eprintln!("advance to {next} of {target}");
-            }
             let start = self.start(load, next);
             match self.settle(start, last_resort && walks, &mut done) {
                 Ok(()) => {
@@ -179,9 +173,6 @@ impl Path {
         let plain = State { travel: state.travel.clone(), ..self.state.clone() };
         let (predicted, plainly) = (self.newton.energy(&state), self.newton.energy(&plain));
         if !(predicted <= plainly) {
-            if std::env::var_os("TRACE").is_some() {
-                eprintln!("prediction dropped {predicted:e} {plainly:e}");
-            }
             state = plain;
         }
         let failure = match self.newton.solve(&mut state, &self.tolerance) {
@@ -193,9 +184,6 @@ impl Path {
             }
             Err(failure) => failure,
         };
-        if std::env::var_os("TRACE").is_some() {
-            eprintln!("settle failed {failure:?}");
-        }
         self.newton.rollback();
         done.iterations += self.tolerance.iterations;
         if !walk || self.newton.border.size == 0 {
@@ -230,9 +218,6 @@ impl Path {
         while spent < PATIENCE {
             self.newton.proximal = Some((state.clone(), stiffness));
             let mut next = state.clone();
-            if std::env::var_os("TRACE").is_some() {
-                eprintln!("walk k {stiffness:.3e} near {near}");
-            }
             match self.newton.solve(&mut next, if near { &full } else { &loose }) {
                 Ok(converged) => {
                     self.newton.commit(&next);
@@ -240,9 +225,6 @@ impl Path {
                     done.iterations += converged.iterations;
                     let moved = self.newton.border.difference(&next, &state).iter().map(|d| d * d).sum::<f64>().sqrt();
                     state = next;
-                    if std::env::var_os("TRACE").is_some() {
-                        eprintln!("  moved {moved:.3e} pull {:.3e} of {load:.3e}", stiffness * moved);
-                    }
                     // A spring that pulls less than the forces are out of balance anyhow changes nothing.
                     if near && stiffness * moved <= floor {
                         done.accept(Converged { iterations: 0, ..converged });
@@ -261,9 +243,6 @@ impl Path {
                 }
                 Err(Failure::Lost) => return Err(Failure::Lost),
                 Err(failure) => {
-                    if std::env::var_os("TRACE").is_some() {
-                        eprintln!("  walk failed {failure:?}");
-                    }
                     self.newton.rollback();
                     spent += loose.iterations;
                     done.iterations += loose.iterations;

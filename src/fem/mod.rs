@@ -5,6 +5,7 @@ pub mod body;
 pub mod cholesky;
 mod direction;
 pub mod increment;
+mod lagging;
 pub mod locking;
 pub mod newton;
 pub mod pattern;

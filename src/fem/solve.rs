@@ -1,28 +1,23 @@
 //! Newton's method with line search on the incremental potential.
 
+use super::lagging::Lagging;
 use super::newton::{Converged, Failure, Newton, Tolerance};
-use super::state::{Border, MAX_BORDER, State, Step};
+use super::state::{MAX_BORDER, State, Step};
 use std::time::Instant;
 
 /// Iterations without motion after which a state counts as at rest, and by how much its residual may then miss the goal.
 const RESTING: u32 = 4;
 const RESTING_FACTOR: f64 = 4.0;
-/// Iterations after which lagged quantities are damped, and after which they are frozen.
-const SWINGING: u32 = 5;
-const SOLVED: f64 = 0.1;
 /// Iterations without any contact after which a driven finger counts as closing on nothing.
 const UNTOUCHED: u32 = 10;
+/// Longest stride of the border in one iteration, as a part of the largest motion.
+const STRIDE: f64 = 0.2;
 /// Iterations with the longest stride allowed after which an object counts as rolling or sliding away.
 const CRAWLING: u32 = 8;
 /// A residual that falls below this part of the one before lets the factorisation serve another iteration.
 const QUICK: f64 = 0.2;
 /// Motion that counts as none, m.
 const STUCK: f64 = 1e-13;
-
-/// Largest motion of the border in a step, m.
-fn stride(border: &Border, step: &Step) -> f64 {
-    step.border[..border.size].iter().map(|d| d * d).sum::<f64>().sqrt()
-}
 
 impl Newton {
     /// Minimises the potential from `state`. On failure `state` is left as it was.
@@ -32,49 +27,23 @@ impl Newton {
     pub fn solve(&mut self, state: &mut State, tolerance: &Tolerance) -> Result<Converged, Failure> {
         let mut now = state.clone();
         let mut last_motion = f64::INFINITY;
-        let (mut iterations, mut resting, mut untouched) = (0, 0, 0);
+        let (mut iterations, mut resting, mut untouched, mut crawled) = (0, 0, 0, 0);
         let mut history = [f64::INFINITY; 2];
-        let mut crawled = 0;
-        let (mut best, mut stale) = (f64::INFINITY, 0);
-        let (mut thaw, mut follow, mut lagged) = (false, 1.0, f64::INFINITY);
+        let mut lagging = Lagging::default();
         loop {
-            // Lagged friction may swing between two states, a point touching in one and not in the other: then it is frozen
-            // until the frozen problem, a plain minimisation, is solved well enough to say where friction wants to go.
-            let damping = match stale < SWINGING {
-                true => 1.0,
-                false if thaw => follow,
-                false => 0.0,
-            };
+            let damping = lagging.damping();
             self.damp(damping);
-            let follows = damping == 1.0;
             let clock = Instant::now();
             // The last factorisation may do once more where it did well.
             let fresh = history[0].is_infinite() || history[1] >= QUICK * history[0];
             self.assemble_some(&now, false, fresh);
             self.profile.assembly += clock.elapsed().as_secs_f64();
             let (residual, lag) = self.residual(&now);
-            if residual.hypot(lag) < 0.5 * best {
-                best = residual.hypot(lag);
-                stale = stale.min(SWINGING) * u32::from(stale >= SWINGING);
-            } else {
-                stale += 1;
-            }
             if !residual.is_finite() {
                 return Err(Failure::Singular);
             }
             let allowed = tolerance.force + tolerance.relative * self.activity();
-            thaw = lag > allowed && residual <= allowed.max(SOLVED * lag);
-            if thaw {
-                follow = if lag > 0.5 * lagged { 0.5 } else { 1.0 };
-                lagged = lag;
-            }
-            if std::env::var_os("TRACE").is_some() {
-                eprintln!(
-                    "  it {iterations} res {residual:.3e} lag {lag:.3e} allowed {allowed:.2e} motion {last_motion:.2e} proj {} E {:.9e}",
-                    self.profile.projections,
-                    self.energy(&now)
-                );
-            }
+            lagging.note(residual, lag, allowed);
             let residual = residual.hypot(lag);
             untouched = if self.untouched() { untouched + 1 } else { 0 };
             if untouched >= UNTOUCHED {
@@ -115,10 +84,10 @@ impl Newton {
                 return Err(Failure::Singular);
             }
             let clock = Instant::now();
-            let (step, gradient) = self.direction(&now, 0.2 * tolerance.motion, factorize, follows);
+            let (step, gradient) = self.direction(&now, STRIDE * tolerance.motion, factorize, damping == 1.0);
             self.profile.solve += clock.elapsed().as_secs_f64();
-            // Lagged friction can swing between two states, a point touching in one and not in the other, each a minimum for
-            // what the other lags: half a step leads out of the cycle.
+            // A residual that stays may be a cycle between two states, each a minimum for what the other lags: half a step
+            // leads out of it.
             let cycles = (residual - history[0]).abs() < 0.05 * residual;
             history = [history[1], residual];
             let longest = if cycles { 0.5 } else { 1.0 };
@@ -127,9 +96,8 @@ impl Newton {
             self.profile.line_search += clock.elapsed().as_secs_f64();
             iterations += 1;
             self.profile.iterations += 1;
-            let crawls = self.proximal.is_none()
-                && self.border.size > 0
-                && stride(&self.border, &step) > 0.19 * tolerance.motion;
+            let stride = step.border.iter().map(|d| d * d).sum::<f64>().sqrt();
+            let crawls = self.proximal.is_none() && stride > 0.95 * STRIDE * tolerance.motion;
             crawled = if crawls { crawled + 1 } else { 0 };
             if crawled >= CRAWLING {
                 return Err(Failure::Unsettled);
