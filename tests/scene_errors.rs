@@ -176,7 +176,7 @@ fn fields_that_do_not_go_together_are_named() {
     line_three("expect: [NoInversion, Travel()],", 23, &["expect[1]: Travel needs at_least, at_most or both"]);
     line_three("expect: [Force(at_least: 2, at_most: 1)],", 10, &["nothing can hold that"]);
     line_three("grasps: List([]),", 14, &["an empty list of grasps"]);
-    line_three("grasps: Antipodal(count: 3),", 9, &["Antipodal grasps are not available in this build"]);
+    line_three("grasps: Antipodal(count: 3, tilt_deg: 95),", 37, &["grasps.tilt_deg: must be at most 90 degrees"]);
 }
 
 #[test]

@@ -3,16 +3,18 @@
 use super::{Format, OK, REFUSED, print};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
-use crate::grasp::poses_of;
+use crate::grasp::grasps_of;
+use crate::mesh::TriMesh;
+use crate::mesh::io::{write_obj, write_stl};
 use crate::mesh::topology::watertight;
 use crate::model::{Model, Unknowns};
 use crate::record::pad_name;
-use crate::scene::{Loaded, load, to_ron};
+use crate::scene::{Loaded, load_object, to_ron};
 use crate::schedule::Phase;
 use crate::stepper::{Stepper, choose};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -21,6 +23,12 @@ use std::sync::Arc;
 pub struct CheckArgs {
     /// The scene file.
     pub scene: PathBuf,
+    /// The object to take from a scene of several.
+    #[arg(long, value_name = "NAME")]
+    pub object: Option<String>,
+    /// Write the object's surface to this file: `.obj` or `.stl`, metres.
+    #[arg(long, value_name = "FILE")]
+    pub export: Option<PathBuf>,
     /// Form of the output.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -29,7 +37,7 @@ pub struct CheckArgs {
 /// Loads the scene, builds everything that a run would, closes every grasp to first contact, and prints what it found.
 /// The text form is the complete scene, with the findings as comments: it loads as the same scene.
 pub fn check(args: &CheckArgs) -> Result<ExitCode> {
-    let loaded = load(&args.scene)?;
+    let loaded = load_object(&args.scene, args.object.as_deref())?;
     let found = match examine(&loaded) {
         Ok(found) => found,
         // A reader of JSON wants the reason on stdout, too.
@@ -40,12 +48,24 @@ pub fn check(args: &CheckArgs) -> Result<ExitCode> {
         }
         Err(error) => return Err(error),
     };
+    if let Some(path) = &args.export {
+        export(path, &found.model.object.surface)?;
+    }
     let text = match args.format {
         Format::Text => format!("{}{}", to_ron(&loaded.scene)?, found.text()),
         Format::Json => format!("{}\n", found.json(&loaded)),
     };
     print(&text)?;
     Ok(ExitCode::from(if found.runs { OK } else { REFUSED }))
+}
+
+/// Writes a surface in the format that the file's name asks for.
+fn export(path: &Path, surface: &TriMesh) -> Result<()> {
+    match path.extension().and_then(|e| e.to_str()) {
+        Some("obj") => write_obj(path, surface),
+        Some("stl") => write_stl(path, surface),
+        _ => Err(Error::file(path, "cannot be exported to; allowed: a file name that ends in .obj or .stl")),
+    }
 }
 
 /// What a scene comes to.
@@ -55,13 +75,15 @@ struct Found {
     components: Vec<(String, usize)>,
     unknowns: Unknowns,
     grasps: usize,
+    notices: Vec<String>,
     problems: Vec<String>,
     runs: bool,
 }
 
 fn examine(loaded: &Loaded) -> Result<Found> {
     let stepper = choose(&loaded.scene)?;
-    let poses = poses_of(&loaded.scene)?;
+    let grasps = grasps_of(&loaded.scene)?;
+    let poses = grasps.poses;
     let model = Model::build(&loaded.scene)?;
     let first = poses.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
     let environment = Environment::new(&model, stepper.as_ref(), *first)?;
@@ -71,6 +93,7 @@ fn examine(loaded: &Loaded) -> Result<Found> {
         components: environment.components().into_iter().collect(),
         unknowns: model.unknowns(),
         grasps: poses.len(),
+        notices: grasps.notices,
         problems: Vec::new(),
         runs: false,
         model: model.clone(),
@@ -127,7 +150,7 @@ impl Found {
                 "bounding_radius_m": m.object.bounding_radius,
             },
             "grasps": self.grasps,
-            "notices": m.notices.iter().chain(&m.pad_notice).collect::<Vec<_>>(),
+            "notices": m.notices.iter().chain(&m.pad_notice).chain(&self.notices).collect::<Vec<_>>(),
             "problems": self.problems,
         })
     }
@@ -183,7 +206,7 @@ impl Found {
             u.pose
         ));
         line("");
-        m.notices.iter().chain(&m.pad_notice).for_each(|notice| line(&format!("note: {notice}")));
+        m.notices.iter().chain(&m.pad_notice).chain(&self.notices).for_each(|notice| line(&format!("note: {notice}")));
         self.problems.iter().for_each(|problem| line(&format!("problem: {problem}")));
         let feasible = self.grasps - self.problems.len();
         line(&format!("{feasible} of {} grasps can start", self.grasps));
