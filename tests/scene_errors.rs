@@ -180,6 +180,25 @@ fn fields_that_do_not_go_together_are_named() {
 }
 
 #[test]
+fn lists_of_objects_are_checked() {
+    let ball = "(name: \"ball\", object: (shape: Sphere(radius: 0.02)))";
+    let set = |objects: &str| format!("(objects: [\n{objects}],\nloading: Squeeze(force: 5))");
+    refused(&set(&format!("{ball},\n{ball}")), 3, 8, &["objects[1].name: two objects are named \"ball\""]);
+    refused(&set("(name: \"a_b\", object: (shape: Sphere(radius: 0.02)))"), 2, 8, &["cannot name an object", "no `_`"]);
+    refused(
+        &set(&format!("{ball}], object: (shape: Sphere(radius: 1)")),
+        1,
+        11,
+        &["object and objects are both given"],
+    );
+    refused(&set(&format!("{ball}")).replace("ball", "").replace("\n", "\n "), 2, 9, &["cannot name an object"]);
+    let tube = "(name: \"tube\", object: (shape: Annulus(outer: 0.01, inner: 0.02, height: 0.03)))";
+    refused(&set(&format!("{ball},\n{tube}")), 3, 61, &["objects[1].object.shape.inner: the hole"]);
+    let mesh = "(name: \"m\", object: (shape: Mesh(\"none.obj\")))";
+    refused(&set(mesh), 2, 30, &["objects[0].object.shape", "no file at"]);
+}
+
+#[test]
 fn presses_are_checked() {
     let press = |arguments: &str| format!("({OBJECT}\nloading: Press({arguments}))");
     refused(&press(""), 2, 10, &["a press needs `depth` or `depths`"]);

@@ -68,9 +68,9 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
     let threads = args.threads.map_or_else(super::run::machine_threads, |n| n as usize);
     let campaign = Campaign::plan(&set, out)?;
     let manifest = campaign.manifest();
-    let resumed = campaign.finished()?;
+    let resumed = campaign.finished();
     eprintln!(
-        "{} object{}, {} grasps of {} frames; {:.1} MB in {}{}",
+        "{} object{}, {} grasps of {} frames; at most {:.1} MB in {}{}",
         manifest.objects.len(),
         if manifest.objects.len() == 1 { "" } else { "s" },
         manifest.grasps,

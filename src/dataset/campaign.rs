@@ -1,35 +1,24 @@
 //! Makes a data set: object by object, all grasps in parallel, going on where an earlier run was stopped.
 
-use super::arrays::{FORMAT, Sizes};
+use super::arrays::{FORMAT, REASON, Sizes};
 use super::compatible::{World, sensor};
 use super::file::{Writer, lay_out};
 use super::manifest::{Manifest, ObjectEntry};
 use super::progress::{self, Finished, Progress};
-use super::rows::{Encoder, Rows};
+use super::recorder::{Recorder, Watcher};
+use super::rows::Encoder;
 use super::split::Splits;
 use crate::error::{Error, Result};
 use crate::grasp::{GraspPose, grasps_of, write_grasps_h5};
+use crate::mesh::TriMesh;
 use crate::mesh::io::{write_stl, write_tet};
-use crate::model::Model;
+use crate::model::{self, Model};
 use crate::record::files::{cannot_write, create_dir, write_atomic};
-use crate::record::{self, Frame};
-use crate::runner::{Observer, Outcome, run_grasps};
+use crate::runner::run_grasps;
 use crate::scene::{Field, LoadedSet, NamedScene, to_ron};
 use crate::stepper::choose;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
-
-/// Is told how far the data set is, from whichever thread.
-pub trait Watcher: Sync {
-    /// A grasp of this object has a frame.
-    fn frame(&self) {}
-    /// A grasp has ended.
-    fn grasp(&self, _object: &str, _finished: &Finished) {}
-}
-
-/// Nobody watches.
-impl Watcher for () {}
 
 /// All that is to be simulated: known before anything runs.
 #[derive(Debug)]
@@ -38,8 +27,6 @@ pub struct Campaign {
     objects: Vec<Planned>,
     splits: Splits,
     manifest: Manifest,
-    /// Held while this campaign writes, so that two never write the same folder.
-    _lock: std::fs::File,
 }
 
 /// One object of a campaign.
@@ -49,13 +36,15 @@ struct Planned {
     poses: Vec<GraspPose>,
     sizes: Sizes,
     file: PathBuf,
+    /// Bytes of all its files at most.
+    limit: u64,
 }
 
 impl Campaign {
     /// Plans a data set in `dir`: loads or samples all grasps, and fixes what every file holds.
     ///
     /// # Errors
-    /// A scene that cannot be built, a folder that cannot be written, is in use, or holds another data set.
+    /// A scene that cannot be built, a folder that holds another data set.
     pub fn plan(set: &LoadedSet, dir: &Path) -> Result<Self> {
         let mut objects = Vec::new();
         let mut entries = Vec::new();
@@ -84,7 +73,9 @@ impl Campaign {
                 notices: grasps.notices,
                 failures: Vec::new(),
             });
-            objects.push(Planned { named, poses: grasps.poses, sizes, file });
+            let surface = model::object::build(&named.scene.object, &mut Vec::new())?.surface;
+            let limit = sizes.bytes() + fixed_bytes(&sizes, &surface);
+            objects.push(Planned { named, poses: grasps.poses, sizes, file, limit });
         }
         let counts: Vec<_> = objects.iter().map(|o| (o.named.name.as_str().to_string(), o.poses.len())).collect();
         let splits = Splits::new(&set.split, &counts);
@@ -99,22 +90,30 @@ impl Campaign {
             bytes: 0,
             objects: entries,
         };
-        let lock = claim(dir)?;
-        let mut campaign = Self { dir: dir.to_path_buf(), objects, splits, manifest, _lock: lock };
-        if let Some(earlier) = Manifest::read(dir)? {
-            if earlier.plan != campaign.manifest.plan {
-                let message = "holds another data set (its scene, grasps or version of tactus differ); \
-                               choose another folder, or remove this one";
-                return Err(Error::file(dir, message));
-            }
-            campaign.manifest = earlier;
-        }
+        let mut campaign = Self { dir: dir.to_path_buf(), objects, splits, manifest };
+        campaign.resume()?;
         Ok(campaign)
     }
 
-    /// Bytes that the files of all objects take at most; all else is small.
+    /// Takes over what an earlier run left; refuses what is not of this plan.
+    fn resume(&mut self) -> Result<()> {
+        match Manifest::read(&self.dir)? {
+            Some(earlier) if earlier.plan != self.manifest.plan => {
+                let message = "holds another data set (its scene, grasps or version of tactus differ); \
+                               choose another folder, or remove this one";
+                Err(Error::file(&self.dir, message))
+            }
+            Some(earlier) => {
+                self.manifest = earlier;
+                Ok(())
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Bytes that all files take at most.
     pub fn bytes(&self) -> u64 {
-        self.objects.iter().map(|o| o.sizes.bytes()).sum()
+        self.objects.iter().map(|o| o.limit).sum()
     }
 
     /// The manifest: of the plan, or of what is there.
@@ -123,19 +122,21 @@ impl Campaign {
     }
 
     /// Grasps that need not run again.
-    pub fn finished(&self) -> Result<usize> {
+    pub fn finished(&self) -> usize {
         if self.manifest.finished {
-            return Ok(self.manifest.grasps);
+            return self.manifest.grasps;
         }
-        let counts = self.objects.iter().map(|o| Ok(self.progress(o)?.finished(o.poses.len()).len()));
-        counts.sum()
+        self.objects.iter().map(|o| self.progress(o).finished(o.poses.len()).len()).sum()
     }
 
     /// Runs what is not finished, on `threads` threads, and closes the data set.
     ///
     /// # Errors
-    /// What cannot be written or set up. A grasp that fails is part of the data set, not an error.
+    /// What cannot be written or set up, a folder in use. A grasp that fails is part of the data set, not an error.
     pub fn run(mut self, threads: usize, watcher: &dyn Watcher) -> Result<Manifest> {
+        // Held while this campaign writes, so that two never write the same folder.
+        let lock = claim(&self.dir)?;
+        self.resume()?;
         if !self.manifest.finished {
             self.manifest.write(&self.dir)?;
             for (index, object) in self.objects.iter().enumerate() {
@@ -146,20 +147,21 @@ impl Campaign {
             write_atomic(&self.dir.join("splits.json"), (text + "\n").as_bytes())?;
             for entry in &mut self.manifest.objects {
                 let path = self.dir.join(&entry.file);
-                (entry.bytes, entry.blake3) = (size(&path)?, super::reader::hash(&path)?);
+                (entry.bytes, entry.blake3) = (size(&path)?, super::set::hash(&path)?);
             }
             self.manifest.bytes = self.manifest.objects.iter().map(|o| o.bytes).sum();
             self.manifest.finished = true;
             self.manifest.write(&self.dir)?;
         }
         progress::remove(&self.dir.join(PROGRESS))?;
-        // The lock itself is released with the file; its name is not part of the data set.
+        // Its name is not part of the data set; that it stays is not worth an error.
         let _ = std::fs::remove_file(self.dir.join(LOCK));
+        drop(lock);
         Ok(self.manifest)
     }
 
-    fn progress(&self, object: &Planned) -> Result<Progress> {
-        Progress::open(self.dir.join(PROGRESS).join(object.named.name.as_str()))
+    fn progress(&self, object: &Planned) -> Progress {
+        Progress::of(self.dir.join(PROGRESS).join(object.named.name.as_str()))
     }
 
     /// Runs the grasps of one object that are not finished.
@@ -170,7 +172,7 @@ impl Campaign {
         threads: usize,
         watcher: &dyn Watcher,
     ) -> Result<BTreeMap<usize, Finished>> {
-        let progress = self.progress(object)?;
+        let progress = self.progress(object);
         let path = self.dir.join(&object.file);
         // Its last step is the renaming: once the file has its name, all is in it.
         if path.exists() {
@@ -200,8 +202,7 @@ impl Campaign {
         let open_grasps = (0..object.poses.len()).filter(|g| !done.contains_key(g));
         let grasps: Vec<_> = open_grasps.map(|g| (g, object.poses[g])).collect();
         let stepper = choose(scene)?;
-        let recorder =
-            Recorder { object, model: &model, encoder, writer, progress: &progress, watcher, open: Mutex::default() };
+        let recorder = Recorder::new(name, &object.poses, &model, (encoder, writer), &progress, watcher);
         run_grasps(&model, stepper.as_ref(), &grasps, threads, &recorder)?;
         let finished = progress.finished(object.poses.len());
         std::fs::rename(&open, &path).map_err(|e| cannot_write(&path, &e))?;
@@ -240,6 +241,13 @@ fn file_name(named: &NamedScene) -> String {
     format!("{name}_{density}_tactus_{}_{}_{load}.h5", spec.young, spec.poisson)
 }
 
+/// Bytes of what does not grow with frames, at most: headers and scene, pad, object (HDF5 and STL), poses and records.
+fn fixed_bytes(sizes: &Sizes, surface: &TriMesh) -> u64 {
+    let pad = 25 * sizes.nodes + 2 * 120 * sizes.tets;
+    let object = 24 * surface.vertices.len() + (12 + 50) * surface.triangles.len();
+    (pad + object + (56 + REASON + 512) * sizes.grasps + 65_536) as u64
+}
+
 /// Of everything that decides the content.
 fn plan_hash(objects: &[Planned], splits: &Splits) -> Result<String> {
     let mut hasher = blake3::Hasher::new();
@@ -264,55 +272,4 @@ fn plan_hash(objects: &[Planned], splits: &Splits) -> Result<String> {
 fn size(path: &Path) -> Result<u64> {
     let meta = std::fs::metadata(path).map_err(|e| Error::file(path, format!("cannot be read: {e}")))?;
     Ok(meta.len())
-}
-
-/// Takes the frames of the grasps of one object.
-struct Recorder<'a> {
-    object: &'a Planned,
-    model: &'a Arc<Model>,
-    encoder: Encoder,
-    writer: Writer,
-    progress: &'a Progress,
-    watcher: &'a dyn Watcher,
-    /// Rows of the grasps that run.
-    open: Mutex<BTreeMap<usize, Rows>>,
-}
-
-impl Recorder<'_> {
-    fn take(&self, grasp: usize) -> Rows {
-        let open = self.open.lock().unwrap_or_else(PoisonError::into_inner).remove(&grasp);
-        open.unwrap_or_else(|| self.encoder.rows(&self.object.poses[grasp]))
-    }
-}
-
-impl Observer for Recorder<'_> {
-    fn frame(&self, index: usize, frame: &Frame) -> Result<()> {
-        // A number that is not finite would ruin a training set silently.
-        let topologies: Vec<_> = self.model.fingers.iter().map(|f| f.topology.as_ref()).collect();
-        record::check::frame(&topologies, frame).map_err(|m| {
-            Error::Solver(format!("{}, grasp {index}: frame not recorded: {m}", self.object.named.name.as_str()))
-        })?;
-        let mut rows = self.take(index);
-        self.encoder.frame(&mut rows, frame);
-        self.open.lock().unwrap_or_else(PoisonError::into_inner).insert(index, rows);
-        self.watcher.frame();
-        Ok(())
-    }
-
-    fn end(&self, index: usize, outcome: &Outcome) -> Result<()> {
-        let mut rows = self.take(index);
-        let s = &outcome.summary;
-        let checksum = self.encoder.finish(&mut rows, s.status, s.reason.as_deref().unwrap_or(""), s.frames);
-        self.writer.write(index, &rows)?;
-        let finished = Finished {
-            grasp: index,
-            status: s.status,
-            reason: s.reason.clone(),
-            frames: s.frames,
-            checksum: checksum.to_hex().to_string(),
-        };
-        self.progress.enter(&finished)?;
-        self.watcher.grasp(self.object.named.name.as_str(), &finished);
-        Ok(())
-    }
 }

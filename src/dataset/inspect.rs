@@ -1,7 +1,8 @@
 //! What is in a data set: counts, ranges, histograms, pictures.
 
 use super::manifest::Failure;
-use super::reader::{DataSet, Grasp, ObjectFile, hash};
+use super::reader::{Grasp, ObjectFile};
+use super::set::{DataSet, hash};
 use crate::error::{Error, Result};
 use crate::record::{Frame, PadFrame, Wrench};
 use crate::render::{self, Style};

@@ -22,10 +22,14 @@ pub mod inspect;
 pub mod manifest;
 pub mod progress;
 pub mod reader;
+pub mod recorder;
 pub mod rows;
+pub mod set;
 pub mod split;
 
-pub use campaign::{Campaign, Watcher};
+pub use campaign::Campaign;
 pub use manifest::Manifest;
-pub use reader::{DataSet, Grasp, ObjectFile};
+pub use reader::{Grasp, ObjectFile};
+pub use recorder::Watcher;
+pub use set::DataSet;
 pub use split::Splits;

@@ -29,10 +29,9 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// In `dir`, which is created.
-    pub fn open(dir: PathBuf) -> Result<Self> {
-        create_dir(&dir)?;
-        Ok(Self { dir })
+    /// Kept in `dir`.
+    pub fn of(dir: PathBuf) -> Self {
+        Self { dir }
     }
 
     /// Enters a grasp.
@@ -51,7 +50,7 @@ impl Progress {
         (0..count).filter_map(read).collect()
     }
 
-    /// Forgets all.
+    /// Starts anew.
     pub fn clear(&self) -> Result<()> {
         remove(&self.dir)?;
         create_dir(&self.dir)
