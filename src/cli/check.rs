@@ -4,6 +4,8 @@ use super::{Format, OK, REFUSED, print};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::grasp::grasps_of;
+use crate::gripper::Hand;
+use crate::gripper::hand::Part;
 use crate::mesh::TriMesh;
 use crate::mesh::io::{write_obj, write_stl};
 use crate::mesh::topology::watertight;
@@ -11,6 +13,7 @@ use crate::model::{Model, Unknowns};
 use crate::record::pad_name;
 use crate::scene::{Loaded, load_object, to_ron};
 use crate::schedule::Phase;
+use crate::shape::Aabb;
 use crate::stepper::{Stepper, choose};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -98,7 +101,15 @@ fn examine(loaded: &Loaded) -> Result<Found> {
         runs: false,
         model: model.clone(),
     };
+    let hand = Hand::new(Aabb::of(model.fingers[0].topology.rest.iter().copied()), &loaded.scene.gripper);
     for (index, pose) in poses.iter().enumerate() {
+        // Only pads are simulated, so this is to be known and no problem.
+        if let Some(part @ (Part::Palm | Part::Finger)) = hand.obstacle(model.object.distance.as_ref(), pose, 0.0, 0.0)
+        {
+            found
+                .notices
+                .push(format!("grasp {index}: the {} of a real hand would collide with the object", part.name()));
+        }
         match start(&model, stepper.as_ref(), *pose)? {
             Phase::Infeasible { reason } => found.problems.push(format!("grasp {index}: {reason}")),
             _ => found.runs = true,

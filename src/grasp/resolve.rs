@@ -72,10 +72,6 @@ pub fn sample_of(scene: &Scene, wanted: &Antipodal) -> Result<Sampled> {
     let object = model::object::build(&scene.object, &mut notices)?;
     let (pad, _) = model::pad::build(&scene.gripper.pads, &mut notices)?;
     let gripper = &scene.gripper;
-    let hand = Hand {
-        pad: Aabb::of(pad.mesh.nodes),
-        opening: gripper.opening.get(),
-        center: DVec3::new(0.0, gripper.placement.y.get(), gripper.placement.z.get()),
-    };
+    let hand = Hand::new(Aabb::of(pad.mesh.nodes), gripper);
     antipodal::sample(wanted, &object, &hand, gripper.friction.get(), gripper.stroke.get())
 }

@@ -1,6 +1,7 @@
 //! What of the hand must not meet the object: palm, finger bodies and pads, as boxes in the hand frame.
 
 use crate::grasp::GraspPose;
+use crate::scene::Gripper;
 use crate::shape::{Aabb, SignedDistance};
 use glam::DVec3;
 
@@ -34,7 +35,24 @@ pub enum Part {
     Pad,
 }
 
+impl Part {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Part::Palm => "palm",
+            Part::Finger => "finger",
+            Part::Pad => "pad",
+        }
+    }
+}
+
 impl Hand {
+    /// The hand of a gripper with pads in this box (pad frame, m).
+    pub fn new(pad: Aabb, gripper: &Gripper) -> Self {
+        let center = DVec3::new(0.0, gripper.placement.y.get(), gripper.placement.z.get());
+        Self { pad, opening: gripper.opening.get(), center }
+    }
+
     /// The part that meets the object when each finger has travelled by `travel` (m) from the open hand: palm first,
     /// then fingers, then pads. `shift` moves the object along hand x, m.
     pub fn obstacle(&self, object: &dyn SignedDistance, pose: &GraspPose, travel: f64, shift: f64) -> Option<Part> {
