@@ -196,7 +196,7 @@ fn lists_of_objects_are_checked() {
     let tube = "(name: \"tube\", object: (shape: Annulus(outer: 0.01, inner: 0.02, height: 0.03)))";
     refused(&set(&format!("{ball},\n{tube}")), 3, 60, &["objects[1].object.shape.inner: the hole"]);
     let mesh = "(name: \"m\", object: (shape: Mesh(\"none.obj\")))";
-    refused(&set(mesh), 2, 30, &["objects[0].object.shape", "no file at"]);
+    refused(&set(mesh), 2, 34, &["objects[0].object.shape", "no file at"]);
 }
 
 #[test]
