@@ -93,3 +93,21 @@ fn an_object_that_does_not_fit_says_why() {
     let text = refused("Revolve(profile: [(0, -0.02), (0.02, 0.02), (0, 0.02)])", "friction: 0.1");
     assert!(text.contains("opposite normal outside the cone"), "{text}");
 }
+
+#[test]
+fn sampled_grasps_go_through_a_grasp_file_to_the_bit() {
+    let dir = tempfile::tempdir().unwrap();
+    let lemon = scene("Lemon()", "count: 8, seed: 3", "");
+    let (ron, h5) = (dir.path().join("lemon.ron"), dir.path().join("lemon_grasps.h5"));
+    std::fs::write(&ron, tactus::scene::to_ron(&lemon).unwrap()).unwrap();
+    let mut check = std::process::Command::new(env!("CARGO_BIN_EXE_tactus"));
+    let out = check.arg("check").arg(&ron).arg("--export").arg(&h5).output().unwrap();
+    assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
+    assert!(String::from_utf8_lossy(&out.stdout).contains("8 antipodal grasps from"), "the report is printed");
+    // Files hold quaternions of length 1 to rounding.
+    let (read, sampled) = (tactus::grasp::read_grasps_h5(&h5).unwrap(), poses_of(&lemon).unwrap());
+    assert_eq!(read.len(), 8);
+    for (a, b) in read.iter().zip(&sampled) {
+        assert!(a.position == b.position && a.rotation.abs_diff_eq(b.rotation, 1e-15));
+    }
+}

@@ -3,10 +3,9 @@
 use super::{Format, OK, REFUSED, print};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
-use crate::grasp::grasps_of;
+use crate::grasp::{GraspPose, grasps_of, write_grasps_h5};
 use crate::gripper::Hand;
 use crate::gripper::hand::Part;
-use crate::mesh::TriMesh;
 use crate::mesh::io::{write_obj, write_stl};
 use crate::mesh::topology::watertight;
 use crate::model::{Model, Unknowns};
@@ -29,7 +28,7 @@ pub struct CheckArgs {
     /// The object to take from a scene of several.
     #[arg(long, value_name = "NAME")]
     pub object: Option<String>,
-    /// Write the object's surface to this file: `.obj` or `.stl`, metres.
+    /// Write the object's surface (`.obj`, `.stl`, metres) or the grasps (`.h5`, as DefGraspSim's) to this file.
     #[arg(long, value_name = "FILE")]
     pub export: Option<PathBuf>,
     /// Form of the output.
@@ -52,7 +51,7 @@ pub fn check(args: &CheckArgs) -> Result<ExitCode> {
         Err(error) => return Err(error),
     };
     if let Some(path) = &args.export {
-        export(path, &found.model.object.surface)?;
+        export(path, &found)?;
     }
     let text = match args.format {
         Format::Text => format!("{}{}", to_ron(&loaded.scene)?, found.text()),
@@ -62,12 +61,13 @@ pub fn check(args: &CheckArgs) -> Result<ExitCode> {
     Ok(ExitCode::from(if found.runs { OK } else { REFUSED }))
 }
 
-/// Writes a surface in the format that the file's name asks for.
-fn export(path: &Path, surface: &TriMesh) -> Result<()> {
+/// Writes what the file's name asks for.
+fn export(path: &Path, found: &Found) -> Result<()> {
     match path.extension().and_then(|e| e.to_str()) {
-        Some("obj") => write_obj(path, surface),
-        Some("stl") => write_stl(path, surface),
-        _ => Err(Error::file(path, "cannot be exported to; allowed: a file name that ends in .obj or .stl")),
+        Some("obj") => write_obj(path, &found.model.object.surface),
+        Some("stl") => write_stl(path, &found.model.object.surface),
+        Some("h5") => write_grasps_h5(path, &found.poses),
+        _ => Err(Error::file(path, "cannot be exported to; allowed: a file name that ends in .obj, .stl or .h5")),
     }
 }
 
@@ -77,7 +77,7 @@ struct Found {
     systems: Vec<(String, Vec<String>)>,
     components: Vec<(String, usize)>,
     unknowns: Unknowns,
-    grasps: usize,
+    poses: Vec<GraspPose>,
     notices: Vec<String>,
     problems: Vec<String>,
     runs: bool,
@@ -95,7 +95,7 @@ fn examine(loaded: &Loaded) -> Result<Found> {
         systems: systems.collect(),
         components: environment.components().into_iter().collect(),
         unknowns: model.unknowns(),
-        grasps: poses.len(),
+        poses: poses.clone(),
         notices: grasps.notices,
         problems: Vec::new(),
         runs: false,
@@ -104,11 +104,10 @@ fn examine(loaded: &Loaded) -> Result<Found> {
     let hand = Hand::new(Aabb::of(model.fingers[0].topology.rest.iter().copied()), &loaded.scene.gripper);
     for (index, pose) in poses.iter().enumerate() {
         // Only pads are simulated, so this is to be known and no problem.
-        if let Some(part @ (Part::Palm | Part::Finger)) = hand.obstacle(model.object.distance.as_ref(), pose, 0.0, 0.0)
-        {
-            found
-                .notices
-                .push(format!("grasp {index}: the {} of a real hand would collide with the object", part.name()));
+        let part = hand.obstacle(model.object.distance.as_ref(), pose, 0.0, 0.0);
+        if let Some(part @ (Part::Palm | Part::Finger)) = part {
+            let part = part.name();
+            found.notices.push(format!("grasp {index}: the {part} of a real hand would collide with the object"));
         }
         match start(&model, stepper.as_ref(), *pose)? {
             Phase::Infeasible { reason } => found.problems.push(format!("grasp {index}: {reason}")),
@@ -119,7 +118,7 @@ fn examine(loaded: &Loaded) -> Result<Found> {
 }
 
 /// Places the object and closes the fingers, no more.
-fn start(model: &Arc<Model>, stepper: &dyn Stepper, pose: crate::grasp::GraspPose) -> Result<Phase> {
+fn start(model: &Arc<Model>, stepper: &dyn Stepper, pose: GraspPose) -> Result<Phase> {
     let mut environment = Environment::new(model, stepper, pose)?;
     while matches!(environment.phase(), Phase::Place | Phase::Close) {
         environment.step();
@@ -160,7 +159,7 @@ impl Found {
                 "mass_kg": m.mass,
                 "bounding_radius_m": m.object.bounding_radius,
             },
-            "grasps": self.grasps,
+            "grasps": self.poses.len(),
             "notices": m.notices.iter().chain(&m.pad_notice).chain(&self.notices).collect::<Vec<_>>(),
             "problems": self.problems,
         })
@@ -219,8 +218,8 @@ impl Found {
         line("");
         m.notices.iter().chain(&m.pad_notice).chain(&self.notices).for_each(|notice| line(&format!("note: {notice}")));
         self.problems.iter().for_each(|problem| line(&format!("problem: {problem}")));
-        let feasible = self.grasps - self.problems.len();
-        line(&format!("{feasible} of {} grasps can start", self.grasps));
+        let feasible = self.poses.len() - self.problems.len();
+        line(&format!("{feasible} of {} grasps can start", self.poses.len()));
         out
     }
 }
