@@ -1,6 +1,6 @@
 //! Reads the file of one object by the grasp: nothing but what is asked for is in memory.
 
-use super::arrays::{ARRAYS, Array, FORMAT, Sizes};
+use super::arrays::{ARRAYS, FORMAT, Row, Sizes};
 use super::file::Places;
 use super::rows::checksum;
 use crate::error::{Error, Result};
@@ -179,7 +179,7 @@ impl ObjectFile {
         }
         let rows =
             self.rows(grasp).map_err(|e| Error::file(&self.path, format!("grasp {grasp} cannot be read: {e}")))?;
-        if checksum(&rows).as_bytes() != rows[Array::index("checksum")].as_slice() {
+        if checksum(&rows).as_bytes() != rows[Row::Checksum as usize].as_slice() {
             let message = format!(
                 "grasp {grasp} is damaged: its rows do not have its checksum; leave it out, or make the file again"
             );
@@ -206,27 +206,27 @@ impl ObjectFile {
     }
 
     fn decode(&self, rows: &[Vec<u8>]) -> Grasp {
-        let row = |name| rows[Array::index(name)].as_slice();
-        let frames = row("recorded_frames").as_chunks().0.first().map_or(0, |b| u32::from_le_bytes(*b) as usize);
+        let row = |name: Row| rows[name as usize].as_slice();
+        let frames = row(Row::RecordedFrames).as_chunks().0.first().map_or(0, |b| u32::from_le_bytes(*b) as usize);
         let frames = frames.min(self.sizes.frames);
-        let cut = |name| {
+        let cut = |name: Row| {
             let row = row(name);
             &row[..row.len() / self.sizes.frames.max(1) * frames]
         };
-        let singles = |name| cut(name).as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
-        let doubles = |name| cut(name).as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
-        let reason = row("reason").split(|b| *b == 0).next().unwrap_or_default();
+        let singles = |name: Row| cut(name).as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
+        let doubles = |name: Row| cut(name).as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
+        let reason = row(Row::Reason).split(|b| *b == 0).next().unwrap_or_default();
         Grasp {
             frames,
-            displacement: singles("displacement"),
-            contact_force: singles("contact_force"),
-            von_mises: singles("von_mises"),
-            force: doubles("force"),
-            travel: doubles("travel"),
-            finger_position: doubles("finger_position"),
-            object_pose: doubles("object_pose"),
-            wrench: doubles("wrench"),
-            grasp_pose: row("grasp_pose").as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect(),
+            displacement: singles(Row::Displacement),
+            contact_force: singles(Row::ContactForce),
+            von_mises: singles(Row::VonMises),
+            force: doubles(Row::Force),
+            travel: doubles(Row::Travel),
+            finger_position: doubles(Row::FingerPosition),
+            object_pose: doubles(Row::ObjectPose),
+            wrench: doubles(Row::Wrench),
+            grasp_pose: row(Row::GraspPose).as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect(),
             reason: String::from_utf8_lossy(reason).into_owned(),
         }
     }

@@ -1,6 +1,6 @@
 //! The rows of one grasp, filled frame by frame.
 
-use super::arrays::{ARRAYS, Array, REASON, Sizes};
+use super::arrays::{ARRAYS, REASON, Row, Sizes};
 use super::compatible::{Mirror, World};
 use crate::grasp::GraspPose;
 use crate::model::Model;
@@ -38,7 +38,7 @@ impl Encoder {
     /// Empty rows of a grasp at `pose`.
     pub fn rows(&self, pose: &GraspPose) -> Rows {
         let mut rows = Rows(ARRAYS.iter().map(|a| vec![0; a.row_bytes(&self.sizes)]).collect());
-        rows.doubles("grasp_pose", 0, pose_row(pose.position, pose.rotation));
+        rows.doubles(Row::GraspPose, 0, pose_row(pose.position, pose.rotation));
         rows
     }
 
@@ -46,60 +46,60 @@ impl Encoder {
     pub fn frame(&self, rows: &mut Rows, frame: &Frame) {
         let s = &self.sizes;
         let (k, pads) = (frame.index, s.pads);
-        rows.singles("_1_stacked_forces", k, [frame.applied_force]);
+        rows.singles(Row::StackedForces, k, [frame.applied_force]);
         let object = DMat4::from_rotation_translation(frame.object_rotation, frame.object_position);
         let world = DMat4::from_mat3(World::rotation());
         let mut matrix = world * object;
         matrix.w_axis = self.world.point(frame.object_position).extend(1.0);
         // Row-major, as NumPy reads it.
-        rows.singles("_1_stacked_object_frame", k * 16, matrix.transpose().to_cols_array());
+        rows.singles(Row::StackedObjectFrame, k * 16, matrix.transpose().to_cols_array());
         for (i, (pad, finger)) in frame.pads.iter().zip(&self.model.fingers).enumerate() {
             let to_pad = finger.placement.rotation.transpose();
             let (mirror, at) = (&self.mirrors[i], k * pads + i);
             let positions = mirror.nodes.iter().flat_map(|&n| self.world.point(pad.position[n]).to_array());
-            rows.singles("_1_stacked_positions", 3 * s.corners * at, positions);
-            rows.singles("_1_stacked_stresses", s.tets * at, mirror.tets.iter().map(|&t| pad.von_mises_element[t]));
+            rows.singles(Row::StackedPositions, 3 * s.corners * at, positions);
+            rows.singles(Row::StackedStresses, s.tets * at, mirror.tets.iter().map(|&t| pad.von_mises_element[t]));
             let vectors = |v: &[DVec3]| v.iter().flat_map(|v| (to_pad * *v).to_array()).collect::<Vec<_>>();
-            rows.singles("displacement", 3 * s.nodes * at, vectors(&pad.displacement));
-            rows.singles("contact_force", 3 * s.nodes * at, vectors(&pad.contact_force));
-            rows.singles("von_mises", s.nodes * at, pad.von_mises_node.iter().copied());
+            rows.singles(Row::Displacement, 3 * s.nodes * at, vectors(&pad.displacement));
+            rows.singles(Row::ContactForce, 3 * s.nodes * at, vectors(&pad.contact_force));
+            rows.singles(Row::VonMises, s.nodes * at, pad.von_mises_node.iter().copied());
             let wrench = vectors(&[pad.wrench.force, pad.wrench.torque]);
-            rows.doubles("wrench", 6 * at, wrench);
-            rows.doubles("travel", at, [frame.travel[i]]);
+            rows.doubles(Row::Wrench, 6 * at, wrench);
+            rows.doubles(Row::Travel, at, [frame.travel[i]]);
             // Any node tells: it is where its finger carried it, and displaced.
             let carried = pad.position[0] - pad.displacement[0] - finger.body.rest[0];
-            rows.doubles("finger_position", at, [carried.dot(finger.placement.closing)]);
+            rows.doubles(Row::FingerPosition, at, [carried.dot(finger.placement.closing)]);
         }
-        rows.doubles("object_pose", 7 * k, pose_row(frame.object_position, frame.object_rotation));
+        rows.doubles(Row::ObjectPose, 7 * k, pose_row(frame.object_position, frame.object_rotation));
         for (name, value) in [
-            ("force", frame.applied_force),
-            ("energy", frame.energy),
-            ("residual", frame.residual),
-            ("force_balance", frame.force_balance),
-            ("torque_balance", frame.torque_balance),
-            ("min_det_f", frame.min_det_f),
-            ("min_gap", frame.min_gap),
+            (Row::Force, frame.applied_force),
+            (Row::Energy, frame.energy),
+            (Row::Residual, frame.residual),
+            (Row::ForceBalance, frame.force_balance),
+            (Row::TorqueBalance, frame.torque_balance),
+            (Row::MinDetF, frame.min_det_f),
+            (Row::MinGap, frame.min_gap),
         ] {
             rows.doubles(name, k, [value]);
         }
-        rows.integer("newton_iterations", k, frame.newton_iterations);
+        rows.integer(Row::NewtonIterations, k, frame.newton_iterations);
     }
 
     /// Closes the rows: how the grasp ended, and the checksum, which is returned.
     pub fn finish(&self, rows: &mut Rows, status: Status, reason: &str, frames: usize) -> blake3::Hash {
         if status != Status::Reached {
             // The loader skips a grasp without forces, and must: it takes every frame as valid.
-            for array in ARRAYS.iter().filter(|a| a.name.starts_with("_1_")) {
-                rows.0[Array::index(array.name)].fill(0);
+            for (index, _) in ARRAYS.iter().enumerate().filter(|(_, a)| a.name.starts_with("_1_")) {
+                rows.0[index].fill(0);
             }
         }
-        rows.integer("recorded_frames", 0, frames as u32);
-        rows.0[Array::index("status")][0] = code(status);
+        rows.integer(Row::RecordedFrames, 0, frames as u32);
+        rows.0[Row::Status as usize][0] = code(status);
         // Cut at a character, so that the text stays valid.
         let end = (0..=REASON.min(reason.len())).rev().find(|&i| reason.is_char_boundary(i)).unwrap_or(0);
-        rows.0[Array::index("reason")][..end].copy_from_slice(&reason.as_bytes()[..end]);
+        rows.0[Row::Reason as usize][..end].copy_from_slice(&reason.as_bytes()[..end]);
         let hash = checksum(&rows.0);
-        rows.0[Array::index("checksum")].copy_from_slice(hash.as_bytes());
+        rows.0[Row::Checksum as usize].copy_from_slice(hash.as_bytes());
         hash
     }
 }
@@ -127,17 +127,17 @@ fn pose_row(p: DVec3, q: glam::DQuat) -> [f64; 7] {
 }
 
 impl Rows {
-    fn singles(&mut self, name: &str, first: usize, values: impl IntoIterator<Item = f64>) {
-        let row = &mut self.0[Array::index(name)][4 * first..];
+    fn singles(&mut self, name: Row, first: usize, values: impl IntoIterator<Item = f64>) {
+        let row = &mut self.0[name as usize][4 * first..];
         row.chunks_exact_mut(4).zip(values).for_each(|(b, v)| b.copy_from_slice(&(v as f32).to_le_bytes()));
     }
 
-    fn doubles(&mut self, name: &str, first: usize, values: impl IntoIterator<Item = f64>) {
-        let row = &mut self.0[Array::index(name)][8 * first..];
+    fn doubles(&mut self, name: Row, first: usize, values: impl IntoIterator<Item = f64>) {
+        let row = &mut self.0[name as usize][8 * first..];
         row.chunks_exact_mut(8).zip(values).for_each(|(b, v)| b.copy_from_slice(&v.to_le_bytes()));
     }
 
-    fn integer(&mut self, name: &str, at: usize, value: u32) {
-        self.0[Array::index(name)][4 * at..4 * at + 4].copy_from_slice(&value.to_le_bytes());
+    fn integer(&mut self, name: Row, at: usize, value: u32) {
+        self.0[name as usize][4 * at..4 * at + 4].copy_from_slice(&value.to_le_bytes());
     }
 }
