@@ -14,6 +14,7 @@
 pub mod cli;
 pub mod components;
 pub mod contact;
+pub mod dataset;
 pub mod element;
 pub mod environment;
 pub mod error;
@@ -24,6 +25,7 @@ pub mod material;
 pub mod mesh;
 pub mod model;
 pub mod pad;
+pub mod random;
 pub mod record;
 pub mod render;
 pub mod runner;

@@ -35,7 +35,11 @@ fn refused(text: &str, line: usize, column: usize, says: &[&str]) {
 
 #[test]
 fn unknown_fields_list_the_allowed_ones() {
-    line_three("  colour: 3,", 3, &["unknown field `colour` in Scene", "allowed: include, about, object, gripper"]);
+    line_three(
+        "  colour: 3,",
+        3,
+        &["unknown field `colour` in Scene", "allowed: include, about, object, objects, split, gripper"],
+    );
     line_three("gripper: (openning: 0.08),", 11, &["did you mean `opening`?", "in Gripper"]);
     line_three("stepper: Fem(tolerance: (torque: 1)),", 26, &["in Tolerance", "allowed: force, displacement"]);
     line_three("record: (png: true),", 10, &["in Record", "allowed: fields, pictures, arrays, vtu"]);
@@ -176,7 +180,23 @@ fn fields_that_do_not_go_together_are_named() {
     line_three("expect: [NoInversion, Travel()],", 23, &["expect[1]: Travel needs at_least, at_most or both"]);
     line_three("expect: [Force(at_least: 2, at_most: 1)],", 10, &["nothing can hold that"]);
     line_three("grasps: List([]),", 14, &["an empty list of grasps"]);
-    line_three("grasps: Antipodal(count: 3),", 9, &["Antipodal grasps are not available in this build"]);
+    line_three("grasps: Antipodal(count: 3, tilt_deg: 95),", 39, &["grasps.tilt_deg: must be at most 90 degrees"]);
+}
+
+#[test]
+fn lists_of_objects_are_checked() {
+    let ball = "(name: \"ball\", object: (shape: Sphere(radius: 0.02)))";
+    let set = |objects: &str| format!("(objects: [\n{objects}],\nloading: Squeeze(force: 5))");
+    refused(&set(&format!("{ball},\n{ball}")), 3, 8, &["objects[1].name: two objects are named \"ball\""]);
+    refused(&set(&ball.replace("ball", "a_b")), 2, 8, &["cannot name an object", "no `_`"]);
+    refused(&set(&ball.replace("ball", "")), 2, 8, &["cannot name an object"]);
+    refused("(objects: [], loading: Squeeze(force: 5))", 1, 11, &["an empty list of objects"]);
+    let both = format!("(objects: [{ball}],\n{OBJECT}{LOADING})");
+    refused(&both, 1, 11, &["object and objects are both given"]);
+    let tube = "(name: \"tube\", object: (shape: Annulus(outer: 0.01, inner: 0.02, height: 0.03)))";
+    refused(&set(&format!("{ball},\n{tube}")), 3, 60, &["objects[1].object.shape.inner: the hole"]);
+    let mesh = "(name: \"m\", object: (shape: Mesh(\"none.obj\")))";
+    refused(&set(mesh), 2, 34, &["objects[0].object.shape", "no file at"]);
 }
 
 #[test]

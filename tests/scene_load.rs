@@ -26,11 +26,34 @@ fn every_shipped_scene_loads_says_what_it_is_and_survives_being_written_out() {
     let files = scenes(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes"));
     assert!(files.len() >= 6);
     for file in files {
-        let scene = load(&file).unwrap_or_else(|e| panic!("{e}")).scene;
-        assert!(!scene.about.is_empty() && !scene.expect.is_empty(), "{}", file.display());
-        assert_eq!(scene, scene_of(&to_ron(&scene).unwrap()), "{}", file.display());
-        serde_json::to_string(&scene).unwrap();
+        for scene in load_set(&file).unwrap_or_else(|e| panic!("{e}")).scenes.into_iter().map(|named| named.scene) {
+            assert!(!scene.about.is_empty() && !scene.expect.is_empty(), "{}", file.display());
+            assert_eq!(scene, scene_of(&to_ron(&scene).unwrap()), "{}", file.display());
+            serde_json::to_string(&scene).unwrap();
+        }
     }
+}
+
+#[test]
+fn a_file_of_several_objects_is_one_scene_for_each() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("two.ron");
+    let text = "(objects: [
+        (name: \"ball\", object: (shape: Sphere(radius: 0.02))),
+        (name: \"lemon\", object: (shape: Lemon()), grasps: Antipodal(count: 3))],
+        grasps: List([(position: (0, 0, -0.1))]), split: (test: 0.5, seed: 3), loading: Squeeze(force: 15))";
+    std::fs::write(&path, text).unwrap();
+    let set = load_set(&path).unwrap();
+    assert_eq!((set.split.test.get(), set.split.seed), (0.5, 3));
+    assert!(matches!(set.scenes[0].scene.grasps, Grasps::List(_)), "grasps of the scene");
+    assert!(matches!(set.scenes[1].scene.grasps, Grasps::Antipodal(_)), "grasps of its own");
+    assert_eq!(load_object(&path, Some("lemon")).unwrap().scene, set.scenes[1].scene);
+    let refused = |object| load_object(&path, object).unwrap_err().to_string();
+    assert!(refused(None).contains("choose one with --object: ball, lemon"));
+    assert!(refused(Some("pear")).contains("has no object \"pear\"; it has: ball, lemon"));
+    // a file of one object names it after itself
+    let set = load_set(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/press_sphere.ron")).unwrap();
+    assert_eq!(set.scenes[0].name.as_str(), "press-sphere");
 }
 
 #[test]

@@ -199,3 +199,41 @@ fn a_potato_is_decided_by_its_seed() {
     assert_eq!(potato(1), potato(1));
     assert_ne!(potato(1), potato(2));
 }
+
+/// Every family as a scene names it, at its own size.
+const IN_SCENES: [&str; 16] = [
+    "Sphere(radius: 0.02)",
+    "Ellipsoid(radii: (0.03, 0.02, 0.015))",
+    "Cuboid(size: (0.03, 0.04, 0.05), edge_radius: 0.004)",
+    "Cylinder(radius: 0.02, height: 0.05)",
+    "Capsule(radius: 0.015, height: 0.03)",
+    "Prism(sides: 6, radius: 0.02, height: 0.05)",
+    "Prism(sides: 8, radius: 0.02, height: 0.05)",
+    "Annulus(outer: 0.02, inner: 0.012, height: 0.03)",
+    "Cup(radius: 0.03, height: 0.06, wall: 0.003)",
+    "Lemon()",
+    "Strawberry()",
+    "Pear()",
+    "Banana()",
+    "Potato()",
+    "Revolve(profile: [(0, -0.02), (0.02, 0), (0, 0.02)])",
+    "Sweep(path: [(0, 0, -0.03), (0, 0.005, 0), (0, 0, 0.03)], radii: [0.01])",
+];
+
+#[test]
+fn every_family_goes_from_a_scene_to_a_watertight_obj_of_graspable_size() {
+    let dir = tempfile::tempdir().unwrap();
+    for shape in IN_SCENES {
+        let (scene, obj) = (dir.path().join("s.ron"), dir.path().join("s.obj"));
+        std::fs::write(&scene, format!("(object: (shape: {shape}), loading: Squeeze(force: 5))")).unwrap();
+        let scene = tactus::scene::load(&scene).unwrap_or_else(|e| panic!("{shape}: {e}")).scene;
+        let built = tactus::model::object::build(&scene.object, &mut Vec::new()).unwrap();
+        tactus::mesh::io::write_obj(&obj, &built.surface).unwrap();
+        let (mesh, notices) = tactus::mesh::io::read_tri_mesh(&obj).unwrap();
+        assert!(notices.is_empty(), "{shape}: {notices:?}");
+        assert!(tactus::mesh::topology::watertight(&mesh).is_solid(), "{shape}");
+        assert_eq!(mesh, *built.surface, "{shape}: the same vertices to the bit");
+        let narrowest = built.aabb.size().min_element();
+        assert!((0.005..0.08).contains(&narrowest), "{shape}: {narrowest} m between the pads");
+    }
+}

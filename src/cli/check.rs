@@ -3,16 +3,20 @@
 use super::{Format, OK, REFUSED, print};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
-use crate::grasp::poses_of;
+use crate::grasp::{GraspPose, grasps_of, write_grasps_h5};
+use crate::gripper::Hand;
+use crate::gripper::hand::Part;
+use crate::mesh::io::{write_obj, write_stl};
 use crate::mesh::topology::watertight;
 use crate::model::{Model, Unknowns};
 use crate::record::pad_name;
-use crate::scene::{Loaded, load, to_ron};
+use crate::scene::{Loaded, load_object, to_ron};
 use crate::schedule::Phase;
+use crate::shape::Aabb;
 use crate::stepper::{Stepper, choose};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -21,6 +25,12 @@ use std::sync::Arc;
 pub struct CheckArgs {
     /// The scene file.
     pub scene: PathBuf,
+    /// The object to take from a scene of several.
+    #[arg(long, value_name = "NAME")]
+    pub object: Option<String>,
+    /// Write the object's surface (`.obj`, `.stl`, metres) or the grasps (`.h5`, as DefGraspSim's) to this file.
+    #[arg(long, value_name = "FILE")]
+    pub export: Option<PathBuf>,
     /// Form of the output.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -29,7 +39,7 @@ pub struct CheckArgs {
 /// Loads the scene, builds everything that a run would, closes every grasp to first contact, and prints what it found.
 /// The text form is the complete scene, with the findings as comments: it loads as the same scene.
 pub fn check(args: &CheckArgs) -> Result<ExitCode> {
-    let loaded = load(&args.scene)?;
+    let loaded = load_object(&args.scene, args.object.as_deref())?;
     let found = match examine(&loaded) {
         Ok(found) => found,
         // A reader of JSON wants the reason on stdout, too.
@@ -40,6 +50,9 @@ pub fn check(args: &CheckArgs) -> Result<ExitCode> {
         }
         Err(error) => return Err(error),
     };
+    if let Some(path) = &args.export {
+        export(path, &found)?;
+    }
     let text = match args.format {
         Format::Text => format!("{}{}", to_ron(&loaded.scene)?, found.text()),
         Format::Json => format!("{}\n", found.json(&loaded)),
@@ -48,20 +61,32 @@ pub fn check(args: &CheckArgs) -> Result<ExitCode> {
     Ok(ExitCode::from(if found.runs { OK } else { REFUSED }))
 }
 
+/// Writes what the file's name asks for.
+fn export(path: &Path, found: &Found) -> Result<()> {
+    match path.extension().and_then(|e| e.to_str()) {
+        Some("obj") => write_obj(path, &found.model.object.surface),
+        Some("stl") => write_stl(path, &found.model.object.surface),
+        Some("h5") => write_grasps_h5(path, &found.poses),
+        _ => Err(Error::file(path, "cannot be exported to; allowed: a file name that ends in .obj, .stl or .h5")),
+    }
+}
+
 /// What a scene comes to.
 struct Found {
     model: Arc<Model>,
     systems: Vec<(String, Vec<String>)>,
     components: Vec<(String, usize)>,
     unknowns: Unknowns,
-    grasps: usize,
+    poses: Vec<GraspPose>,
+    notices: Vec<String>,
     problems: Vec<String>,
     runs: bool,
 }
 
 fn examine(loaded: &Loaded) -> Result<Found> {
     let stepper = choose(&loaded.scene)?;
-    let poses = poses_of(&loaded.scene)?;
+    let grasps = grasps_of(&loaded.scene)?;
+    let poses = grasps.poses;
     let model = Model::build(&loaded.scene)?;
     let first = poses.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
     let environment = Environment::new(&model, stepper.as_ref(), *first)?;
@@ -70,12 +95,20 @@ fn examine(loaded: &Loaded) -> Result<Found> {
         systems: systems.collect(),
         components: environment.components().into_iter().collect(),
         unknowns: model.unknowns(),
-        grasps: poses.len(),
+        poses: poses.clone(),
+        notices: grasps.notices,
         problems: Vec::new(),
         runs: false,
         model: model.clone(),
     };
+    let hand = Hand::new(Aabb::of(model.fingers[0].topology.rest.iter().copied()), &loaded.scene.gripper);
     for (index, pose) in poses.iter().enumerate() {
+        // Only pads are simulated, so this is to be known and no problem.
+        let part = hand.obstacle(model.object.distance.as_ref(), pose, 0.0, 0.0);
+        if let Some(part @ (Part::Palm | Part::Finger)) = part {
+            let part = part.name();
+            found.notices.push(format!("grasp {index}: the {part} of a real hand would collide with the object"));
+        }
         match start(&model, stepper.as_ref(), *pose)? {
             Phase::Infeasible { reason } => found.problems.push(format!("grasp {index}: {reason}")),
             _ => found.runs = true,
@@ -85,7 +118,7 @@ fn examine(loaded: &Loaded) -> Result<Found> {
 }
 
 /// Places the object and closes the fingers, no more.
-fn start(model: &Arc<Model>, stepper: &dyn Stepper, pose: crate::grasp::GraspPose) -> Result<Phase> {
+fn start(model: &Arc<Model>, stepper: &dyn Stepper, pose: GraspPose) -> Result<Phase> {
     let mut environment = Environment::new(model, stepper, pose)?;
     while matches!(environment.phase(), Phase::Place | Phase::Close) {
         environment.step();
@@ -126,8 +159,8 @@ impl Found {
                 "mass_kg": m.mass,
                 "bounding_radius_m": m.object.bounding_radius,
             },
-            "grasps": self.grasps,
-            "notices": m.notices.iter().chain(&m.pad_notice).collect::<Vec<_>>(),
+            "grasps": self.poses.len(),
+            "notices": m.notices.iter().chain(&m.pad_notice).chain(&self.notices).collect::<Vec<_>>(),
             "problems": self.problems,
         })
     }
@@ -183,10 +216,10 @@ impl Found {
             u.pose
         ));
         line("");
-        m.notices.iter().chain(&m.pad_notice).for_each(|notice| line(&format!("note: {notice}")));
+        m.notices.iter().chain(&m.pad_notice).chain(&self.notices).for_each(|notice| line(&format!("note: {notice}")));
         self.problems.iter().for_each(|problem| line(&format!("problem: {problem}")));
-        let feasible = self.grasps - self.problems.len();
-        line(&format!("{feasible} of {} grasps can start", self.grasps));
+        let feasible = self.poses.len() - self.problems.len();
+        line(&format!("{feasible} of {} grasps can start", self.poses.len()));
         out
     }
 }

@@ -1,6 +1,8 @@
 //! The command line: one file per command.
 
 mod check;
+mod dataset;
+mod inspect;
 mod run;
 mod table;
 mod watch;
@@ -11,6 +13,8 @@ use std::io::Write;
 use std::process::ExitCode;
 
 pub use check::CheckArgs;
+pub use dataset::{DatasetArgs, DatasetCommand};
+pub use inspect::InspectArgs;
 pub use run::{Backend, RunArgs};
 
 /// Exit code: everything asked for was done and every expectation held.
@@ -36,6 +40,8 @@ pub enum Command {
     Run(RunArgs),
     /// Load a scene, check everything in it and print it with all defaults written out.
     Check(CheckArgs),
+    /// Simulate all grasps of all objects of a scene into a data set, going on where an earlier run stopped.
+    Dataset(DatasetArgs),
 }
 
 /// Form of what is printed on stdout.
@@ -65,6 +71,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode> {
     match &cli.command {
         Command::Run(args) => run::run(args),
         Command::Check(args) => check::check(args),
+        Command::Dataset(args) => dataset::dataset(args),
     }
 }
 

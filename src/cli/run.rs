@@ -9,7 +9,7 @@ use crate::record::{ExpectationReport, Options, Recorder, RunReport, Status};
 use crate::render::Scalar;
 use crate::runner::{Outcome, run_grasps};
 use crate::scene::leaf::Count;
-use crate::scene::{Fem, Held, Loaded, Loading, Measured, Scene, Stepper, evaluate_all, load};
+use crate::scene::{Fem, Held, Loaded, Loading, Measured, Scene, Stepper, evaluate_all, load_object};
 use crate::stepper::choose;
 use clap::ValueEnum;
 use std::collections::BTreeMap;
@@ -22,6 +22,9 @@ use std::time::Instant;
 pub struct RunArgs {
     /// The scene file.
     pub scene: PathBuf,
+    /// The object to take from a scene of several.
+    #[arg(long, value_name = "NAME")]
+    pub object: Option<String>,
     /// Folder for the results; without it nothing is written.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -60,7 +63,7 @@ pub enum Backend {
 impl RunArgs {
     /// The scene with the arguments taken over.
     pub fn load(&self) -> Result<Loaded> {
-        let mut loaded = load(&self.scene)?;
+        let mut loaded = load_object(&self.scene, self.object.as_deref())?;
         let scene = &mut loaded.scene;
         match (self.backend, &scene.stepper) {
             (Some(Backend::Fem), Stepper::Gnn(_)) => scene.stepper = Stepper::default(),
@@ -169,7 +172,12 @@ fn threads(scene: &Scene) -> usize {
         Stepper::Fem(fem) => fem.threads.map(|t| t.get()),
         Stepper::Gnn(_) => None,
     };
-    own.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, |n| n.get()))
+    own.unwrap_or_else(machine_threads)
+}
+
+/// Threads that the machine has.
+pub(super) fn machine_threads() -> usize {
+    std::thread::available_parallelism().map_or(1, |n| n.get())
 }
 
 /// What is written, as the scene asks.

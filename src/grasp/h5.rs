@@ -2,6 +2,7 @@
 
 use super::pose::GraspPose;
 use crate::error::{Error, Result};
+use crate::record::files::replace;
 use glam::{DQuat, DVec3};
 use hdf5_pure::{File, FileBuilder};
 use std::path::Path;
@@ -68,7 +69,7 @@ fn pose(v: &[f64]) -> std::result::Result<GraspPose, String> {
     Ok(GraspPose { position: DVec3::new(v[0], v[1], v[2]), rotation })
 }
 
-/// Writes grasps in the same format.
+/// Writes grasps in the same format, whole or not at all.
 pub fn write_grasps_h5(path: impl AsRef<Path>, poses: &[GraspPose]) -> Result<()> {
     let path = path.as_ref();
     let values: Vec<f64> = poses
@@ -80,5 +81,5 @@ pub fn write_grasps_h5(path: impl AsRef<Path>, poses: &[GraspPose]) -> Result<()
         .collect();
     let mut builder = FileBuilder::new();
     builder.create_dataset(POSES).with_f64_data(&values).with_shape(&[poses.len() as u64, 7]);
-    builder.write(path).map_err(|e| Error::file(path, format!("cannot be written: {e}")))
+    replace(path, |temporary| builder.write(temporary).map_err(std::io::Error::other))
 }

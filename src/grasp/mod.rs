@@ -1,9 +1,10 @@
-//! Grasps: poses of the hand in the object frame, from scene files and from `*_grasps.h5`.
+//! Grasps: poses of the hand in the object frame, from scene files, from `*_grasps.h5`, or sampled.
 
+pub mod antipodal;
 mod h5;
 mod pose;
 mod resolve;
 
 pub use h5::{read_grasps_h5, write_grasps_h5};
 pub use pose::GraspPose;
-pub use resolve::poses_of;
+pub use resolve::{Resolved, grasps_of, poses_of, sample_of};

@@ -1,39 +1,77 @@
 //! The grasps of a scene as poses.
 
+use super::antipodal::{self, Sampled};
 use super::h5::read_grasps_h5;
 use super::pose::GraspPose;
 use crate::error::{Error, Result};
-use crate::scene::{Grasps, Scene};
+use crate::gripper::Hand;
+use crate::model;
+use crate::scene::{Antipodal, GraspFile, Grasps, Scene};
+use crate::shape::Aabb;
 use glam::{DQuat, DVec3};
 
-/// All grasps of the scene, in order; reads the grasp file if the scene names one.
+/// The grasps of a scene, and what is to be said about how they were found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Resolved {
+    /// The grasps, in order.
+    pub poses: Vec<GraspPose>,
+    /// One sentence each.
+    pub notices: Vec<String>,
+}
+
+/// All grasps of the scene, in order; reads the grasp file if the scene names one, samples if it asks for that.
 pub fn poses_of(scene: &Scene) -> Result<Vec<GraspPose>> {
-    match &scene.grasps {
+    grasps_of(scene).map(|resolved| resolved.poses)
+}
+
+/// The same with notices.
+pub fn grasps_of(scene: &Scene) -> Result<Resolved> {
+    let mut notices = Vec::new();
+    let poses = match &scene.grasps {
         Grasps::Identity => {
             let placement = scene.gripper.placement;
             let position = -DVec3::new(0.0, placement.y.get(), placement.z.get());
-            Ok(vec![GraspPose { position, rotation: DQuat::IDENTITY }])
+            vec![GraspPose { position, rotation: DQuat::IDENTITY }]
         }
         Grasps::List(poses) => {
-            Ok(poses.iter().map(|p| GraspPose { position: p.position.dvec3(), rotation: p.rotation.quat() }).collect())
+            poses.iter().map(|p| GraspPose { position: p.position.dvec3(), rotation: p.rotation.quat() }).collect()
         }
-        Grasps::File(file) => {
-            let all = read_grasps_h5(&file.path)?;
-            if all.is_empty() {
-                return Err(Error::file(&file.path, "holds no grasp"));
-            }
-            let Some(select) = &file.select else { return Ok(all) };
-            let pick = |row: usize| {
-                all.get(row).copied().ok_or_else(|| {
-                    let message = format!("has no grasp {row}; its {} grasps are 0 to {}", all.len(), all.len() - 1);
-                    Error::file(&file.path, message)
-                })
-            };
-            select.rows().into_iter().map(pick).collect()
+        Grasps::File(file) => from_file(file)?,
+        Grasps::Antipodal(wanted) => {
+            let sampled = sample_of(scene, wanted)?;
+            notices.push(sampled.report());
+            sampled.poses
         }
-        Grasps::Antipodal(_) => Err(Error::Scene(
-            "error: grasps: Antipodal grasps are not available in this build; use List([...]), File(\"x_grasps.h5\") or Identity"
-                .into(),
-        )),
+    };
+    Ok(Resolved { poses, notices })
+}
+
+/// The chosen grasps of a file, all of them unless the scene selects some.
+fn from_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
+    let all = read_grasps_h5(&file.path)?;
+    if all.is_empty() {
+        return Err(Error::file(&file.path, "holds no grasp"));
     }
+    let Some(select) = &file.select else { return Ok(all) };
+    let pick = |row: usize| {
+        all.get(row).copied().ok_or_else(|| {
+            let message = format!("has no grasp {row}; its {} grasps are 0 to {}", all.len(), all.len() - 1);
+            Error::file(&file.path, message)
+        })
+    };
+    select.rows().into_iter().map(pick).collect()
+}
+
+/// Samples the object of the scene.
+///
+/// # Errors
+/// Those of building object and pad, and too few grasps found.
+pub fn sample_of(scene: &Scene, wanted: &Antipodal) -> Result<Sampled> {
+    // Building the model says what was repaired.
+    let mut notices = Vec::new();
+    let object = model::object::build(&scene.object, &mut notices)?;
+    let (pad, _) = model::pad::build(&scene.gripper.pads, &mut notices)?;
+    let gripper = &scene.gripper;
+    let hand = Hand::new(Aabb::of(pad.mesh.nodes), gripper);
+    antipodal::sample(wanted, &object, &hand, gripper.friction.get(), gripper.stroke.get())
 }

@@ -1,7 +1,9 @@
-//! The parallel gripper: where its pads are, and how far its fingers travel before anything touches.
+//! The parallel gripper: where its pads are, how far its fingers travel before anything touches, what of it is in the way.
 
 pub mod approach;
+pub mod hand;
 pub mod placement;
 
 pub use approach::{Approach, approach};
+pub use hand::Hand;
 pub use placement::{Placement, SIDES};

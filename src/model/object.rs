@@ -71,7 +71,8 @@ fn kind(shape: &o::Shape) -> ShapeKind {
         },
         o::Shape::Sweep(s) => ShapeKind::Sweep {
             path: s.path.iter().map(|p| p.dvec3()).collect(),
-            radii: s.radii.iter().map(|r| r.get()).collect(),
+            // One radius is that of all points.
+            radii: (0..s.path.len()).filter_map(|i| s.radii.get(i).or(s.radii.first())).map(|r| r.get()).collect(),
         },
     }
 }

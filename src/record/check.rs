@@ -3,6 +3,7 @@
 use super::frame::{Frame, PadFrame, PadTopology, pad_name};
 use crate::mesh::TriMesh;
 use glam::DVec3;
+use std::borrow::Borrow;
 
 /// Why a frame or a topology cannot be written, naming the field; the caller adds the file.
 type Verdict = std::result::Result<(), String>;
@@ -28,7 +29,7 @@ pub fn object(mesh: &TriMesh) -> Verdict {
 }
 
 /// Every number finite, every array as long as the topologies say.
-pub fn frame(topologies: &[PadTopology], frame: &Frame) -> Verdict {
+pub fn frame<T: Borrow<PadTopology>>(topologies: &[T], frame: &Frame) -> Verdict {
     let name = format!("frame {}", frame.index);
     length(&name, "pads", frame.pads.len(), topologies.len(), "pads of the grasp")?;
     length(&name, "travel", frame.travel.len(), topologies.len(), "pads of the grasp")?;
@@ -49,7 +50,7 @@ pub fn frame(topologies: &[PadTopology], frame: &Frame) -> Verdict {
     vectors(&name, "object_position", &[frame.object_position])?;
     numbers(&name, "object_rotation", &frame.object_rotation.to_array())?;
     for (index, (pad, topology)) in frame.pads.iter().zip(topologies).enumerate() {
-        pad_frame(&format!("{name}, pad {index} ({})", pad_name(index)), pad, topology)?;
+        pad_frame(&format!("{name}, pad {index} ({})", pad_name(index)), pad, topology.borrow())?;
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use super::gripper::Fingers;
 use super::loading::Loading;
 use super::object::{Motion, Revolve, Shape};
 use super::pad::Pads;
-use super::schema::Scene;
+use super::schema::{Part, Scene};
 
 /// A field that does not go with the rest of the scene.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -17,11 +17,30 @@ pub(super) struct Problem {
     pub message: String,
 }
 
+/// Names of objects that stand twice, and files that give both one object and several.
+pub(super) fn objects(part: &Part) -> Result<(), Problem> {
+    let Some(objects) = &part.objects else { return Ok(()) };
+    if part.object.is_some() {
+        return refuse("objects", "object and objects are both given\ngive one of them");
+    }
+    if objects.is_empty() {
+        return refuse("objects", "an empty list of objects");
+    }
+    for (i, entry) in objects.iter().enumerate() {
+        if objects[..i].iter().any(|other| other.name == entry.name) {
+            let message = format!("two objects are named {:?}", entry.name.as_str());
+            return refuse(format!("objects[{i}].name"), message);
+        }
+    }
+    Ok(())
+}
+
 /// The first problem of the scene, if any.
 pub(super) fn check(scene: &Scene) -> Result<(), Problem> {
     shape(&scene.object.shape)?;
     pads(&scene.gripper.pads)?;
     grasps(&scene.grasps)?;
+    antipodal(scene)?;
     loading(scene)?;
     scene.expect.iter().enumerate().try_for_each(|(i, e)| expectation(i, e))
 }
@@ -110,10 +129,19 @@ fn grasps(grasps: &Grasps) -> Result<(), Problem> {
         Grasps::List(poses) if poses.is_empty() => {
             refuse("grasps", "an empty list of grasps\nleave `grasps` out for one at the identity")
         }
-        Grasps::Antipodal(_) => refuse(
-            "grasps",
-            "Antipodal grasps are not available in this build\nuse List([...]), File(\"x_grasps.h5\") or Identity",
-        ),
+        Grasps::Antipodal(a) if a.tilt_deg.get() > 90.0 => {
+            refuse("grasps.tilt_deg", format!("must be at most 90 degrees, found {}", a.tilt_deg.get()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A sampled grasp has two contacts.
+fn antipodal(scene: &Scene) -> Result<(), Problem> {
+    match (&scene.grasps, scene.gripper.fingers) {
+        (Grasps::Antipodal(_), Fingers::One) => {
+            refuse("grasps", "Antipodal grasps need two fingers\nuse fingers: Both, or List([...])")
+        }
         _ => Ok(()),
     }
 }

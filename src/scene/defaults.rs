@@ -1,6 +1,6 @@
 //! Every default of a scene file, once: serde, `Default` and the documentation all take it from here.
 
-use super::leaf::{Count, Depth, Finite, Length, NonNegative, Positive, Ratio};
+use super::leaf::{Count, Depth, Finite, Fraction, Length, NonNegative, Positive, Ratio};
 use super::vector::{Size, Vec3};
 
 /// Declares the constants; the name in parentheses is a function of the same value for `#[serde(default = "...")]`.
@@ -68,6 +68,12 @@ defaults! {
     PAD_OUTWARD (pad_outward): Vec3 = Vec3::preset3(0.0, 0.0, 1.0);
     /// Soft material: density, kg/m3.
     GEL_DENSITY (gel_density): Positive = Positive::preset(1000.0);
+
+    /// Data sets: part of the poses of each object that is kept for the test.
+    SPLIT_TEST: Fraction = Fraction::preset(0.2);
+    /// Sampled grasps: largest angle between the closing axis and the surface normals, degrees, if the friction cone is
+    /// not narrower.
+    TILT (tilt): Positive = Positive::preset(15.0);
 
     /// Loading: recorded frames.
     FRAMES (frames): Count<1, 10000> = Count::preset(50);

@@ -1,7 +1,8 @@
 //! Where the hand is, relative to the object.
 
+use super::defaults;
 use super::either::{PathOrFields, path_or_fields};
-use super::leaf::Count;
+use super::leaf::{Count, Positive};
 use super::rotation::Rotation;
 use super::vector::Vec3;
 use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
@@ -33,7 +34,7 @@ pub struct Pose {
     pub rotation: Rotation,
 }
 
-/// Sampled grasps. Read, and refused by the loader: this build has no sampler.
+/// Grasps sampled from the object's surface, see [`crate::grasp::antipodal`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Antipodal {
@@ -42,6 +43,10 @@ pub struct Antipodal {
     /// The same seed gives the same grasps.
     #[serde(default)]
     pub seed: u64,
+    /// Largest angle between the closing axis and the surface normals at its two ends, degrees; never more than that of
+    /// the friction cone.
+    #[serde(default = "defaults::tilt")]
+    pub tilt_deg: Positive,
 }
 
 /// Grasps from a file; `File("x_grasps.h5")` takes all of them.

@@ -4,7 +4,8 @@ use super::check;
 use super::diagnose::{Diagnosis, explain};
 use super::grasps::Grasps;
 use super::lint::lint;
-use super::object::Shape;
+use super::object::{Object, Shape};
+use super::objects::{Name, NamedScene, Split};
 use super::outline::Outline;
 use super::pad::Pads;
 use super::schema::{Part, Scene};
@@ -33,28 +34,76 @@ pub struct Loaded {
     pub sources: Vec<PathBuf>,
 }
 
-/// Loads a scene file. The error is an [`Error::Scene`] ready to print.
+/// All scenes of a file: one per object.
+#[derive(Debug, Clone)]
+pub struct LoadedSet {
+    /// The scenes, in the order of the file; at least one. Paths in them work from the current directory.
+    pub scenes: Vec<NamedScene>,
+    /// How the poses are shared out between training and test.
+    pub split: Split,
+    /// The scene file.
+    pub path: PathBuf,
+    /// All files read, the scene file first, then its includes.
+    pub sources: Vec<PathBuf>,
+}
+
+/// Loads a scene file of one object. The error is an [`Error::Scene`] ready to print.
 pub fn load(path: impl AsRef<Path>) -> Result<Loaded> {
+    load_object(path, None)
+}
+
+/// Loads one object's scene out of a scene file; None is the only one that there is.
+pub fn load_object(path: impl AsRef<Path>, object: Option<&str>) -> Result<Loaded> {
+    let mut set = load_set(path)?;
+    let names = || set.scenes.iter().map(|s| s.name.as_str()).collect::<Vec<_>>().join(", ");
+    let refuse = |message: String| Err(Error::Scene(format!("error: {}: {message}", set.path.display())));
+    let index = match object {
+        None if set.scenes.len() == 1 => 0,
+        None => return refuse(format!("has several objects; choose one with --object: {}", names())),
+        Some(name) => match set.scenes.iter().position(|s| s.name.as_str() == name) {
+            Some(index) => index,
+            None => return refuse(format!("has no object {name:?}; it has: {}", names())),
+        },
+    };
+    let scene = set.scenes.swap_remove(index).scene;
+    Ok(Loaded { scene, dir: folder(&set.path), path: set.path, sources: set.sources })
+}
+
+/// Loads all scenes of a file, one per object. The error is an [`Error::Scene`] ready to print.
+pub fn load_set(path: impl AsRef<Path>) -> Result<LoadedSet> {
     let path = path.as_ref();
     let mut loader = Loader::default();
     let (part, origins) = loader.tree(path, &mut Vec::new(), None)?;
+    let at = |problem: check::Problem| {
+        let field = problem.path.split(['.', '[']).next().unwrap_or("");
+        let source = &loader.sources[origins.get(field).copied().unwrap_or(0)];
+        source.error_at(&problem.path, &problem.message)
+    };
+    check::objects(&part).map_err(at)?;
+    let own_grasps: Option<Vec<bool>> =
+        part.objects.as_ref().map(|objects| objects.iter().map(|e| e.grasps.is_some()).collect());
+    let split = part.split.unwrap_or_default();
+    let name = Name::near(&path.file_stem().unwrap_or_default().to_string_lossy());
     let main = &loader.sources[0];
-    let scene = part.complete().map_err(|field| {
+    let scenes = part.complete(&name).map_err(|field| {
         let end = main.text.trim_end().len();
         let message = format!("missing field `{field}`\nevery scene has at least `object` and `loading`");
         main.error(&Diagnosis::new(&message, end.saturating_sub(1)..end))
     })?;
-    check::check(&scene).map_err(|problem| {
-        let field = problem.path.split(['.', '[']).next().unwrap_or("");
-        let source = &loader.sources[origins.get(field).copied().unwrap_or(0)];
-        source.error_at(&problem.path, &problem.message)
-    })?;
-    Ok(Loaded {
-        scene,
-        path: path.to_path_buf(),
-        dir: folder(path),
-        sources: loader.sources.into_iter().map(|s| s.path).collect(),
-    })
+    for (i, named) in scenes.iter().enumerate() {
+        check::check(&named.scene).map_err(|mut problem| {
+            // where the file says it: the object and its grasps may stand in the list of objects
+            let listed = own_grasps.as_ref().is_some_and(|own| {
+                problem.path.starts_with("object.") || (own[i] && problem.path.starts_with("grasps"))
+            });
+            if listed {
+                problem.path = format!("objects[{i}].{}", problem.path);
+            }
+            at(problem)
+        })?;
+    }
+    let sources = loader.sources.into_iter().map(|s| s.path).collect();
+    Ok(LoadedSet { scenes, split, path: path.to_path_buf(), sources })
 }
 
 /// Reads the text of one scene file.
@@ -120,7 +169,7 @@ impl Loader {
         let source = &self.sources[index];
         let mut own = read_part(source)?;
         let dir = folder(path);
-        resolve_paths(&mut own, &dir).map_err(|(field, message)| source.error_at(field, &message))?;
+        resolve_paths(&mut own, &dir).map_err(|(field, message)| source.error_at(&field, &message))?;
 
         chain.push(path.canonicalize().unwrap_or_else(|_| path.to_path_buf()));
         let (mut whole, mut origins) = (Part::default(), Origins::new());
@@ -172,8 +221,8 @@ fn read_part(source: &Source) -> Result<Part> {
 }
 
 /// Makes paths start at the file that names them, and refuses those that lead nowhere.
-fn resolve_paths(part: &mut Part, dir: &Path) -> std::result::Result<(), (&'static str, String)> {
-    let file = |path: &mut PathBuf, field: &'static str| {
+fn resolve_paths(part: &mut Part, dir: &Path) -> std::result::Result<(), (String, String)> {
+    let file = |path: &mut PathBuf, field: String| {
         *path = dir.join(&*path);
         match path.metadata() {
             Ok(meta) if meta.is_dir() => Err((field, format!("{} is a directory, not a file", path.display()))),
@@ -183,18 +232,24 @@ fn resolve_paths(part: &mut Part, dir: &Path) -> std::result::Result<(), (&'stat
             }
         }
     };
-    if let Some(object) = &mut part.object
-        && let Shape::Mesh(path) = &mut object.shape
-    {
-        file(path, "object.shape")?;
+    let object = |object: &mut Object, field: &str| match &mut object.shape {
+        Shape::Mesh(path) => file(path, format!("{field}.shape")),
+        _ => Ok(()),
+    };
+    let grasps = |grasps: &mut Grasps, field: &str| match grasps {
+        Grasps::File(grasps) => file(&mut grasps.path, format!("{field}.path")),
+        _ => Ok(()),
+    };
+    part.object.as_mut().map_or(Ok(()), |o| object(o, "object"))?;
+    part.grasps.as_mut().map_or(Ok(()), |g| grasps(g, "grasps"))?;
+    for (i, entry) in part.objects.iter_mut().flatten().enumerate() {
+        object(&mut entry.object, &format!("objects[{i}].object"))?;
+        entry.grasps.as_mut().map_or(Ok(()), |g| grasps(g, &format!("objects[{i}].grasps")))?;
     }
     if let Some(gripper) = &mut part.gripper
         && let Pads::File(pad) = &mut gripper.pads
     {
-        file(&mut pad.path, "gripper.pads.path")?;
-    }
-    if let Some(Grasps::File(grasps)) = &mut part.grasps {
-        file(&mut grasps.path, "grasps.path")?;
+        file(&mut pad.path, "gripper.pads.path".into())?;
     }
     if let Some(Stepper::Gnn(gnn)) = &mut part.stepper {
         // whether there is a model is for the engine to say

@@ -5,6 +5,7 @@ use super::grasps::Grasps;
 use super::gripper::Gripper;
 use super::loading::Loading;
 use super::object::Object;
+use super::objects::{Entry, Name, NamedScene, Split};
 use super::output::Record;
 use super::stepper::Stepper;
 use super::vector::Vec3;
@@ -67,6 +68,8 @@ macro_rules! part {
 part! {
     about: String,
     object: Object,
+    objects: Vec<Entry>,
+    split: Split,
     gripper: Gripper,
     grasps: Grasps,
     loading: Loading,
@@ -77,18 +80,25 @@ part! {
 }
 
 impl Part {
-    /// The complete scene, or the name of the field that is missing.
-    pub fn complete(self) -> Result<Scene, &'static str> {
-        Ok(Scene {
-            about: self.about.unwrap_or_default(),
-            object: self.object.ok_or("object")?,
-            gripper: self.gripper.unwrap_or_default(),
-            grasps: self.grasps.unwrap_or_default(),
-            loading: self.loading.ok_or("loading")?,
-            stepper: self.stepper.unwrap_or_default(),
+    /// One complete scene per object, or the name of the field that is missing. An object without a name gets `name`.
+    pub fn complete(self, name: &Name) -> Result<Vec<NamedScene>, &'static str> {
+        let entries = match (self.object, self.objects) {
+            (Some(object), _) => vec![Entry { name: name.clone(), object, grasps: None }],
+            (None, Some(objects)) => objects,
+            (None, None) => return Err("object"),
+        };
+        let loading = self.loading.ok_or("loading")?;
+        let scene = |entry: &Entry| Scene {
+            about: self.about.clone().unwrap_or_default(),
+            object: entry.object.clone(),
+            gripper: self.gripper.clone().unwrap_or_default(),
+            grasps: entry.grasps.clone().or_else(|| self.grasps.clone()).unwrap_or_default(),
+            loading: loading.clone(),
+            stepper: self.stepper.clone().unwrap_or_default(),
             gravity: self.gravity,
-            record: self.record.unwrap_or_default(),
-            expect: self.expect.unwrap_or_default(),
-        })
+            record: self.record.clone().unwrap_or_default(),
+            expect: self.expect.clone().unwrap_or_default(),
+        };
+        Ok(entries.iter().map(|e| NamedScene { name: e.name.clone(), scene: scene(e) }).collect())
     }
 }

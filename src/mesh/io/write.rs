@@ -1,36 +1,23 @@
 //! Writers. Every file appears whole or not at all: it is written beside its place, then renamed.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::mesh::{TetMesh, TriMesh};
+use crate::record::files::replace;
 
-/// Writes `path` through `fill`, first under a temporary name in the same folder, then renamed.
+/// Writes `path` through `fill`, whole or not at all.
 ///
 /// Errors: the folder does not exist or is not writable, the disk is full; nothing is left behind then.
 fn atomically(path: &Path, fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
-    static SERIAL: AtomicU64 = AtomicU64::new(0);
-    let failed = |e: std::io::Error| Error::file(path, format!("cannot be written: {e}"));
-    let Some(name) = path.file_name() else {
-        return Err(Error::file(path, "cannot be written: not a file name"));
-    };
-    let serial = SERIAL.fetch_add(1, Ordering::Relaxed);
-    let temporary = path.with_file_name(format!(".{}.{}-{serial}.tmp", name.to_string_lossy(), std::process::id()));
-    let written = File::create(&temporary).and_then(|file| {
-        let mut out = BufWriter::new(file);
+    replace(path, |temporary| {
+        let mut out = BufWriter::new(File::create(temporary)?);
         fill(&mut out)?;
-        out.into_inner().map_err(std::io::IntoInnerError::into_error)?.sync_all()?;
-        fs::rename(&temporary, path)
-    });
-    written.map_err(|e| {
-        // Best effort: the error that matters is the one being reported.
-        let _ = fs::remove_file(&temporary);
-        failed(e)
+        out.into_inner().map_err(std::io::IntoInnerError::into_error)?.sync_all()
     })
 }
 

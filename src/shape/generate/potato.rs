@@ -1,6 +1,7 @@
 //! Potatoes.
 
 use crate::error::Result;
+use crate::random::Random;
 use crate::shape::Shape;
 use crate::shape::generate::icosphere;
 use crate::shape::params::{length, require, segments as turn};
@@ -22,8 +23,8 @@ pub fn potato(semi: DVec3, roughness: f64, seed: u64, segments: u32) -> Result<S
         format!("roughness is {roughness}; it must be between 0 and 0.3")
     })?;
     let mut mesh = icosphere(turn("potato", segments)?);
-    let mut state = seed;
-    let mut random = || unit(&mut state);
+    let mut numbers = Random::new(seed);
+    let mut random = || 2.0 * numbers.unit() - 1.0;
     let waves: Vec<(DVec3, f64)> = (0..WAVES)
         .map(|_| {
             // Plane waves of a wave number of 1 to 4 per radius, seen on the sphere only.
@@ -38,14 +39,4 @@ pub fn potato(semi: DVec3, roughness: f64, seed: u64, segments: u32) -> Result<S
         *p *= semi * (1.0 + (scale * bump).clamp(-0.8, 0.8));
     }
     Ok(Shape::from_mesh(mesh)?.named("potato"))
-}
-
-/// A number in -1..1: SplitMix64 (Steele, Lea and Flood 2014), which needs no state but a counter.
-fn unit(state: &mut u64) -> f64 {
-    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^= z >> 31;
-    (z >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }

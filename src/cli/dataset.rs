@@ -1,0 +1,194 @@
+//! `tactus dataset`: all grasps of all objects of a scene, into a folder; and `tactus dataset inspect`.
+
+use super::{Format, NOT_HELD, OK, inspect, print};
+use crate::dataset::progress::Finished;
+use crate::dataset::{Campaign, Manifest, Watcher};
+use crate::error::{Error, Result};
+use crate::record::Status;
+use crate::scene::leaf::Count;
+use crate::scene::{Loading, NamedScene, load_set};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// Arguments of `tactus dataset`.
+#[derive(Debug, clap::Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct DatasetArgs {
+    /// Instead of making a data set.
+    #[command(subcommand)]
+    pub command: Option<DatasetCommand>,
+    /// The scene file; it may name several objects.
+    #[arg(required = true)]
+    pub scene: Option<PathBuf>,
+    /// Folder of the data set; an unfinished one is gone on with.
+    #[arg(short, long, value_name = "DIR", required = true)]
+    pub out: Option<PathBuf>,
+    /// Form of the report on stdout.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+    /// Threads; all that the machine has by default. The files do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
+    pub threads: Option<u64>,
+    /// Only this object; may be given again.
+    #[arg(long, value_name = "NAME")]
+    pub object: Vec<String>,
+    /// Recorded frames of each grasp, instead of the scene's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]
+    pub frames: Option<u64>,
+    /// Say what would be made and how large it is, and stop.
+    #[arg(long)]
+    pub dry_run: bool,
+}
+
+/// What else can be done with data sets.
+#[derive(Debug, clap::Subcommand)]
+pub enum DatasetCommand {
+    /// Print counts, ranges and histograms of a data set, check it, draw pictures.
+    Inspect(inspect::InspectArgs),
+}
+
+/// Makes a data set.
+pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
+    if let Some(DatasetCommand::Inspect(args)) = &args.command {
+        return inspect::inspect(args);
+    }
+    let (Some(scene), Some(out)) = (&args.scene, &args.out) else {
+        return Err(refused("a scene and `-o DIR` are needed"));
+    };
+    let mut set = load_set(scene)?;
+    choose(&mut set.scenes, &args.object)?;
+    if let Some(frames) = args.frames {
+        set.scenes.iter_mut().try_for_each(|s| shorten(s, frames))?;
+    }
+    let threads = args.threads.map_or_else(super::run::machine_threads, |n| n as usize);
+    let campaign = Campaign::plan(&set, out)?;
+    let manifest = campaign.manifest();
+    let resumed = campaign.finished();
+    eprintln!(
+        "{} object{}, {} grasps of {} frames; at most {:.1} MB in {}{}",
+        manifest.objects.len(),
+        if manifest.objects.len() == 1 { "" } else { "s" },
+        manifest.grasps,
+        manifest.frames,
+        campaign.bytes() as f64 / 1e6,
+        out.display(),
+        if resumed > 0 { format!("; {resumed} grasps are there already") } else { String::new() },
+    );
+    for object in &manifest.objects {
+        object.notices.iter().for_each(|notice| eprintln!("{}: {notice}", object.name));
+    }
+    if args.dry_run {
+        return Ok(ExitCode::from(OK));
+    }
+    let (bytes, grasps) = (campaign.bytes(), manifest.grasps);
+    let bar = Bar::new(grasps, resumed, manifest.frames);
+    let clock = Instant::now();
+    let manifest = campaign.run(threads, &bar);
+    bar.bar.finish_and_clear();
+    let (manifest, wall) = (manifest?, clock.elapsed().as_secs_f64());
+    let text = match args.format {
+        Format::Text => report(&manifest, resumed, wall),
+        Format::Json => {
+            let object = json!({
+                "manifest": manifest, "resumed": resumed, "computed": grasps - resumed, "announced_bytes": bytes,
+                "wall_s": wall, "dir": out,
+            });
+            format!("{object}\n")
+        }
+    };
+    print(&text)?;
+    let all = manifest.sum(|o| o.reached) == manifest.grasps;
+    Ok(ExitCode::from(if all { OK } else { NOT_HELD }))
+}
+
+fn refused(message: &str) -> Error {
+    Error::Scene(format!("error: {message}"))
+}
+
+/// Keeps the objects with these names; all if none is given.
+fn choose(scenes: &mut Vec<NamedScene>, wanted: &[String]) -> Result<()> {
+    let names: Vec<_> = scenes.iter().map(|s| s.name.as_str().to_string()).collect();
+    if let Some(unknown) = wanted.iter().find(|w| !names.contains(w)) {
+        return Err(refused(&format!("--object {unknown}: the scene has {}", names.join(", "))));
+    }
+    scenes.retain(|s| wanted.is_empty() || wanted.iter().any(|w| w == s.name.as_str()));
+    Ok(())
+}
+
+fn shorten(named: &mut NamedScene, frames: u64) -> Result<()> {
+    let frames = Count::new(frames).map_err(|m| refused(&format!("--frames {m}")))?;
+    match &mut named.scene.loading {
+        Loading::Squeeze(squeeze) => squeeze.frames = frames,
+        Loading::Press(press) if press.depths.is_some() => {
+            return Err(refused("--frames does not go with a press at given `depths`"));
+        }
+        Loading::Press(press) => press.frames = Some(frames),
+    }
+    Ok(())
+}
+
+fn report(manifest: &Manifest, resumed: usize, wall: f64) -> String {
+    let mut out = String::from("object            grasps  reached  fault  infeasible        MB\n");
+    // Writing to a String cannot fail.
+    for o in &manifest.objects {
+        let (mb, name) = (o.bytes as f64 / 1e6, &o.name);
+        let _ = writeln!(
+            out,
+            "{name:<16}  {:>6}  {:>7}  {:>5}  {:>10}  {mb:>8.2}",
+            o.grasps, o.reached, o.fault, o.infeasible
+        );
+    }
+    for o in &manifest.objects {
+        for f in &o.failures {
+            let _ = writeln!(out, "{} grasp {}: {}", o.name, f.grasp, f.reason);
+        }
+    }
+    let computed = manifest.grasps - resumed;
+    let rate = if computed > 0 { format!(", {:.2} s a grasp", wall / computed as f64) } else { String::new() };
+    let _ = writeln!(
+        out,
+        "{} of {} grasps reached; {computed} computed in {wall:.1} s{rate}; {resumed} were there",
+        manifest.sum(|o| o.reached),
+        manifest.grasps
+    );
+    out
+}
+
+/// The bar on stderr: frames, rate, time left, failures.
+struct Bar {
+    bar: ProgressBar,
+    grasps: usize,
+    frames: usize,
+    ended: AtomicUsize,
+    failed: AtomicUsize,
+}
+
+impl Bar {
+    fn new(grasps: usize, resumed: usize, frames: usize) -> Self {
+        let bar = ProgressBar::new(((grasps - resumed) * frames) as u64);
+        // The template is a constant; if it were wrong the default style would do.
+        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}  {per_sec} frames  {elapsed}, {eta} left") {
+            bar.set_style(style);
+        }
+        Self { bar, grasps, frames, ended: AtomicUsize::new(resumed), failed: AtomicUsize::new(0) }
+    }
+}
+
+impl Watcher for Bar {
+    fn frame(&self) {
+        self.bar.inc(1);
+    }
+
+    fn grasp(&self, object: &str, finished: &Finished) {
+        self.bar.inc(self.frames.saturating_sub(finished.frames) as u64);
+        let ended = self.ended.fetch_add(1, Ordering::Relaxed) + 1;
+        let failed = usize::from(finished.status != Status::Reached);
+        let failed = self.failed.fetch_add(failed, Ordering::Relaxed) + failed;
+        self.bar.set_message(format!("{object}: grasp {ended}/{}, {failed} failed", self.grasps));
+    }
+}

@@ -1,0 +1,98 @@
+//! `tactus dataset inspect`: what is in a data set, and whether it is sound.
+
+use super::{Format, NOT_HELD, OK, print};
+use crate::dataset::DataSet;
+use crate::dataset::inspect::{self, Inspection, Thinning};
+use crate::error::Result;
+use crate::record::files::create_dir;
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Arguments of `tactus dataset inspect`.
+#[derive(Debug, clap::Args)]
+pub struct InspectArgs {
+    /// Folder of the data set.
+    pub dir: PathBuf,
+    /// Folder for pictures of the grasps that are looked at; without it none is drawn.
+    #[arg(short, long, value_name = "DIR")]
+    pub pictures: Option<PathBuf>,
+    /// Look at every Nth grasp of each object only.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    pub every: u64,
+    /// Look at N frames of a grasp only, spread over it, the last one included.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub frames: Option<u64>,
+    /// Form of the report on stdout.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Prints what is there; exit code 1 if something is damaged.
+pub fn inspect(args: &InspectArgs) -> Result<ExitCode> {
+    let set = DataSet::open(&args.dir)?;
+    if let Some(dir) = &args.pictures {
+        create_dir(dir)?;
+    }
+    let thinning = Thinning { every: args.every as usize, frames: args.frames.map(|n| n as usize) };
+    let found = inspect::inspect(&set, thinning, args.pictures.as_deref())?;
+    let text = match args.format {
+        Format::Text => render(&set, &found),
+        Format::Json => format!("{}\n", serde_json::json!({"manifest": set.manifest, "inspection": found})),
+    };
+    print(&text)?;
+    Ok(ExitCode::from(if found.damaged.is_empty() { OK } else { NOT_HELD }))
+}
+
+fn render(set: &DataSet, found: &Inspection) -> String {
+    let mut out = String::new();
+    let m = &set.manifest;
+    // Writing to a String cannot fail.
+    let _ = writeln!(out, "{}", m.about);
+    let _ = writeln!(
+        out,
+        "{} objects, {} grasps ({} reached), {} frames each, {:.1} MB; tactus {}\n",
+        m.objects.len(),
+        m.grasps,
+        m.sum(|o| o.reached),
+        m.frames,
+        m.bytes as f64 / 1e6,
+        m.tactus
+    );
+    out.push_str("object            grasps  reached   read  frames   nodes    tets\n");
+    for o in &found.objects {
+        let _ = writeln!(
+            out,
+            "{:<16}  {:>6}  {:>7}  {:>5}  {:>6}  {:>6}  {:>6}",
+            o.name, o.grasps, o.reached, o.read_grasps, o.read_frames, o.nodes, o.tets
+        );
+    }
+    out.push_str("\nquantity                      min        mean         max  histogram\n");
+    for r in &found.ranges {
+        let most = r.histogram.iter().copied().max().unwrap_or(1).max(1);
+        let bar = |n: &usize| [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'][(n * 8).div_ceil(most)];
+        let bars: String = r.histogram.iter().map(bar).collect();
+        let _ = writeln!(out, "{:<20}  {:>10.3e}  {:>10.3e}  {:>10.3e}  {bars}", r.name, r.min, r.mean, r.max);
+    }
+    for o in found.objects.iter().filter(|o| !o.failures.is_empty()) {
+        o.failures.iter().for_each(|f| {
+            let _ = writeln!(out, "{} grasp {} ({} frames): {}", o.name, f.grasp, f.frames, f.reason);
+        });
+    }
+    let (s, t) = (&set.splits, |poses: &crate::dataset::split::Poses| set.select(poses).len());
+    let _ = writeln!(
+        out,
+        "\nsplits (reached grasps): poses {} train, {} test; leave one object out: {}",
+        t(&s.poses.train),
+        t(&s.poses.test),
+        s.leave_one_object_out
+            .iter()
+            .map(|(n, l)| format!("{n} {}/{}", t(&l.train), t(&l.test)))
+            .collect::<Vec<_>>()
+            .join(", ")
+    );
+    for damage in &found.damaged {
+        let _ = writeln!(out, "damaged: {damage}");
+    }
+    out
+}

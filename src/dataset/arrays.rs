@@ -1,0 +1,144 @@
+//! The arrays of an object's file that hold one row per grasp: names, shapes, types, units.
+
+use crate::model::Model;
+
+/// Version of the layout; a reader refuses others.
+pub const FORMAT: u64 = 1;
+
+/// Type of the numbers, little-endian.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Unsigned byte.
+    U8,
+    /// Unsigned 32-bit integer.
+    U32,
+    /// Single precision.
+    F32,
+    /// Double precision.
+    F64,
+}
+
+impl Kind {
+    /// Bytes of a number.
+    pub fn size(self) -> usize {
+        match self {
+            Kind::U8 => 1,
+            Kind::U32 | Kind::F32 => 4,
+            Kind::F64 => 8,
+        }
+    }
+}
+
+/// Numbers that fix all shapes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sizes {
+    /// Grasps of the object.
+    pub grasps: usize,
+    /// Frames of a grasp.
+    pub frames: usize,
+    /// Pads.
+    pub pads: usize,
+    /// Nodes of a pad, mid-edge ones included.
+    pub nodes: usize,
+    /// Corner nodes of a pad; they come first.
+    pub corners: usize,
+    /// Tetrahedra of a pad.
+    pub tets: usize,
+}
+
+impl Sizes {
+    /// The sizes of `grasps` grasps of `model`.
+    pub fn of(model: &Model, grasps: usize) -> Self {
+        let pad = &model.fingers[0].topology;
+        Self {
+            grasps,
+            frames: model.levels.len(),
+            pads: model.fingers.len(),
+            nodes: pad.rest.len(),
+            corners: pad.corner_count,
+            tets: pad.elements.len(),
+        }
+    }
+
+    /// Bytes of all rows of all grasps.
+    pub fn bytes(&self) -> u64 {
+        ARRAYS.iter().map(|a| self.grasps as u64 * a.row_bytes(self) as u64).sum()
+    }
+}
+
+/// An array with one row per grasp.
+#[derive(Debug, Clone, Copy)]
+pub struct Array {
+    /// Name of the dataset.
+    pub name: &'static str,
+    /// Type.
+    pub kind: Kind,
+    /// Shape of a row.
+    shape: fn(&Sizes) -> Vec<usize>,
+    /// Unit.
+    pub unit: &'static str,
+    /// What it holds.
+    pub about: &'static str,
+}
+
+impl Array {
+    /// Shape of a row.
+    pub fn row_shape(&self, sizes: &Sizes) -> Vec<usize> {
+        (self.shape)(sizes)
+    }
+    /// Bytes of a row.
+    pub fn row_bytes(&self, sizes: &Sizes) -> usize {
+        self.row_shape(sizes).iter().product::<usize>() * self.kind.size()
+    }
+}
+
+/// Longest reason kept, bytes.
+pub const REASON: usize = 256;
+
+macro_rules! arrays {
+    ($($row:ident $name:literal $kind:ident $sizes:ident $shape:tt $unit:literal $about:literal;)*) => {
+        /// The arrays by name; `row as usize` is the place in [`ARRAYS`].
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum Row {
+            $(#[doc = $about] $row,)*
+        }
+
+        /// All arrays with one row per grasp, in the order of the file.
+        pub const ARRAYS: &[Array] = &[$(Array {
+            name: $name,
+            kind: Kind::$kind,
+            #[allow(unused_variables)]
+            shape: |$sizes| arrays!(@shape $shape),
+            unit: $unit,
+            about: $about,
+        },)*];
+    };
+    (@shape [$($n:expr),*]) => { vec![$($n),*] };
+}
+
+arrays! {
+    StackedForces "_1_stacked_forces"       F32 s [s.frames] "N" "force of DefGraspSim: sum over the fingers of |normal force|; zero for a grasp that did not reach its load";
+    StackedPositions "_1_stacked_positions"    F32 s [s.frames, s.pads * s.corners, 3] "m" "corner nodes, left pad first, loader's world (Y up)";
+    StackedStresses "_1_stacked_stresses"     F32 s [s.frames, s.pads * s.tets] "Pa" "von Mises stress of the tetrahedra, left pad first";
+    StackedObjectFrame "_1_stacked_object_frame" F32 s [s.frames, 4, 4] "1, m" "object frame to loader's world, homogeneous";
+    Displacement "displacement"   F32 s [s.frames, s.pads, s.nodes, 3] "m" "of every node against the pad carried rigidly by its finger, pad frame";
+    ContactForce "contact_force"  F32 s [s.frames, s.pads, s.nodes, 3] "N" "on the pad, per node, friction included, pad frame";
+    VonMises "von_mises"      F32 s [s.frames, s.pads, s.nodes] "Pa" "per node: volume-weighted mean of the tetrahedra at the node";
+    Force "force"          F64 s [s.frames] "N" "applied force: sum over the fingers of |normal force|";
+    Travel "travel"         F64 s [s.frames, s.pads] "m" "closing travel of each finger since first contact";
+    FingerPosition "finger_position" F64 s [s.frames, s.pads] "m" "closing travel of each finger since the open hand";
+    ObjectPose "object_pose"    F64 s [s.frames, 7] "m, 1" "px py pz qw qx qy qz: x_hand = R(q) x_object + p";
+    Wrench "wrench"         F64 s [s.frames, s.pads, 6] "N, N m" "force and torque of the contact on each pad about the origin of its pad frame, pad axes";
+    Energy "energy"         F64 s [s.frames] "J" "value of the incremental potential";
+    Residual "residual"       F64 s [s.frames] "N" "norm of the out-of-balance nodal forces";
+    ForceBalance "force_balance"  F64 s [s.frames] "1" "unbalanced force over applied force";
+    TorqueBalance "torque_balance" F64 s [s.frames] "1" "unbalanced torque over applied force times object size";
+    MinDetF "min_det_f"      F64 s [s.frames] "1" "smallest det F over all quadrature points";
+    MinGap "min_gap"        F64 s [s.frames] "m" "smallest gap between pads and object";
+    NewtonIterations "newton_iterations" U32 s [s.frames] "1" "Newton iterations of the frame";
+    GraspPose "grasp_pose"     F64 s [7] "m, 1" "px py pz qw qx qy qz of the hand in the object frame: x_object = R(q) x_hand + p";
+    RecordedFrames "recorded_frames" U32 s [] "1" "valid frames of the grasp: the first so many";
+    Status "status"         U8  s [] "1" "0 not simulated, 1 reached, 2 fault, 3 infeasible";
+    Reason "reason"         U8  s [REASON] "text" "why the grasp was not reached, UTF-8, padded with zeros";
+    Checksum "checksum"       U8  s [32] "1" "BLAKE3 of the grasp's rows of all other arrays, in the order of the file";
+}

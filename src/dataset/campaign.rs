@@ -1,0 +1,275 @@
+//! Makes a data set: object by object, all grasps in parallel, going on where an earlier run was stopped.
+
+use super::arrays::{FORMAT, REASON, Sizes};
+use super::compatible::{World, sensor};
+use super::file::{Writer, lay_out};
+use super::manifest::{Manifest, ObjectEntry};
+use super::progress::{self, Finished, Progress};
+use super::recorder::{Recorder, Watcher};
+use super::rows::Encoder;
+use super::split::Splits;
+use crate::error::{Error, Result};
+use crate::grasp::{GraspPose, grasps_of, write_grasps_h5};
+use crate::mesh::TriMesh;
+use crate::mesh::io::{write_stl, write_tet};
+use crate::model::{self, Model};
+use crate::record::files::{cannot_write, create_dir, write_atomic};
+use crate::runner::run_grasps;
+use crate::scene::{Field, LoadedSet, NamedScene, to_ron};
+use crate::stepper::choose;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// All that is to be simulated: known before anything runs.
+#[derive(Debug)]
+pub struct Campaign {
+    dir: PathBuf,
+    objects: Vec<Planned>,
+    splits: Splits,
+    manifest: Manifest,
+}
+
+/// One object of a campaign.
+#[derive(Debug)]
+struct Planned {
+    named: NamedScene,
+    poses: Vec<GraspPose>,
+    sizes: Sizes,
+    file: PathBuf,
+    /// Bytes of all its files at most.
+    limit: u64,
+}
+
+impl Campaign {
+    /// Plans a data set in `dir`: loads or samples all grasps, and fixes what every file holds.
+    ///
+    /// # Errors
+    /// A scene that cannot be built, a folder that holds another data set.
+    pub fn plan(set: &LoadedSet, dir: &Path) -> Result<Self> {
+        let mut objects = Vec::new();
+        let mut entries = Vec::new();
+        // All objects have the same pads: their sizes are those of the first.
+        let mut sizes = None;
+        for named in &set.scenes {
+            let mut named = named.clone();
+            // The data set holds all of these, whatever the scene records in a run.
+            named.scene.record.fields = Field::USUAL.to_vec();
+            let grasps = grasps_of(&named.scene)?;
+            let base = match sizes {
+                Some(sizes) => sizes,
+                None => *sizes.insert(Sizes::of(Model::build(&named.scene)?.as_ref(), 0)),
+            };
+            let sizes = Sizes { grasps: grasps.poses.len(), ..base };
+            let file = Path::new("dgs_output").join(file_name(&named));
+            entries.push(ObjectEntry {
+                name: named.name.as_str().into(),
+                file: file.clone(),
+                grasps: sizes.grasps,
+                bytes: 0,
+                blake3: String::new(),
+                reached: 0,
+                fault: 0,
+                infeasible: 0,
+                notices: grasps.notices,
+                failures: Vec::new(),
+            });
+            let surface = model::object::build(&named.scene.object, &mut Vec::new())?.surface;
+            let limit = sizes.bytes() + fixed_bytes(&sizes, &surface);
+            objects.push(Planned { named, poses: grasps.poses, sizes, file, limit });
+        }
+        let counts: Vec<_> = objects.iter().map(|o| (o.named.name.as_str().to_string(), o.poses.len())).collect();
+        let splits = Splits::new(&set.split, &counts);
+        let manifest = Manifest {
+            format: FORMAT,
+            tactus: env!("CARGO_PKG_VERSION").into(),
+            finished: false,
+            about: set.scenes.first().map(|s| s.scene.about.clone()).unwrap_or_default(),
+            plan: plan_hash(&objects, &splits)?,
+            grasps: objects.iter().map(|o| o.poses.len()).sum(),
+            frames: sizes.map_or(0, |s| s.frames),
+            bytes: 0,
+            objects: entries,
+        };
+        let mut campaign = Self { dir: dir.to_path_buf(), objects, splits, manifest };
+        campaign.resume()?;
+        Ok(campaign)
+    }
+
+    /// Takes over what an earlier run left; refuses what is not of this plan.
+    fn resume(&mut self) -> Result<()> {
+        match Manifest::read(&self.dir)? {
+            Some(earlier) if earlier.plan != self.manifest.plan => {
+                let message = "holds another data set (its scene, grasps or version of tactus differ); \
+                               choose another folder, or remove this one";
+                Err(Error::file(&self.dir, message))
+            }
+            Some(earlier) => {
+                self.manifest = earlier;
+                Ok(())
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Bytes that all files take at most.
+    pub fn bytes(&self) -> u64 {
+        self.objects.iter().map(|o| o.limit).sum()
+    }
+
+    /// The manifest: of the plan, or of what is there.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// Grasps that need not run again.
+    pub fn finished(&self) -> usize {
+        if self.manifest.finished {
+            return self.manifest.grasps;
+        }
+        self.objects.iter().map(|o| self.progress(o).finished(o.poses.len()).len()).sum()
+    }
+
+    /// Runs what is not finished, on `threads` threads, and closes the data set.
+    ///
+    /// # Errors
+    /// What cannot be written or set up, a folder in use. A grasp that fails is part of the data set, not an error.
+    pub fn run(mut self, threads: usize, watcher: &dyn Watcher) -> Result<Manifest> {
+        // Held while this campaign writes, so that two never write the same folder.
+        let lock = claim(&self.dir)?;
+        self.resume()?;
+        if !self.manifest.finished {
+            self.manifest.write(&self.dir)?;
+            for (index, object) in self.objects.iter().enumerate() {
+                let finished = self.object(object, index == 0, threads, watcher)?;
+                self.manifest.objects[index].tally(finished.values());
+            }
+            let text = serde_json::to_string(&self.splits).map_err(|e| Error::file(&self.dir, e.to_string()))?;
+            write_atomic(&self.dir.join("splits.json"), (text + "\n").as_bytes())?;
+            for entry in &mut self.manifest.objects {
+                let path = self.dir.join(&entry.file);
+                (entry.bytes, entry.blake3) = (size(&path)?, super::set::hash(&path)?);
+            }
+            self.manifest.bytes = self.manifest.objects.iter().map(|o| o.bytes).sum();
+            self.manifest.finished = true;
+            self.manifest.write(&self.dir)?;
+        }
+        progress::remove(&self.dir.join(PROGRESS))?;
+        // Its name is not part of the data set; that it stays is not worth an error.
+        let _ = std::fs::remove_file(self.dir.join(LOCK));
+        drop(lock);
+        Ok(self.manifest)
+    }
+
+    fn progress(&self, object: &Planned) -> Progress {
+        Progress::of(self.dir.join(PROGRESS).join(object.named.name.as_str()))
+    }
+
+    /// Runs the grasps of one object that are not finished.
+    fn object(
+        &self,
+        object: &Planned,
+        first: bool,
+        threads: usize,
+        watcher: &dyn Watcher,
+    ) -> Result<BTreeMap<usize, Finished>> {
+        let progress = self.progress(object);
+        let path = self.dir.join(&object.file);
+        // Its last step is the renaming: once the file has its name, all is in it.
+        if path.exists() {
+            return Ok(progress.finished(object.poses.len()));
+        }
+        let scene = &object.named.scene;
+        let model = Model::build(scene)?;
+        let world = World::new(&scene.gripper.placement);
+        let encoder = Encoder::new(&model, object.sizes, world);
+        if first {
+            write_tet(self.dir.join("tactile_sensor.tet"), &sensor(&model.fingers[0].topology))?;
+        }
+        let name = object.named.name.as_str();
+        let about = self.dir.join("dgn_dataset").join(name);
+        create_dir(&about)?;
+        write_stl(about.join(format!("{name}_processed.stl")), &model.object.surface)?;
+        write_grasps_h5(about.join(format!("{name}_grasps.h5")), &object.poses)?;
+        create_dir(&self.dir.join("dgs_output"))?;
+        let open = path.with_extension("h5.open");
+        if !open.exists() {
+            // Records without a file are of no use.
+            progress.clear()?;
+            lay_out(&open, &object.named, &model, &object.sizes, encoder.mirrored)?;
+        }
+        let writer = Writer::open(&open, object.sizes)?;
+        let done = progress.finished(object.poses.len());
+        let open_grasps = (0..object.poses.len()).filter(|g| !done.contains_key(g));
+        let grasps: Vec<_> = open_grasps.map(|g| (g, object.poses[g])).collect();
+        let stepper = choose(scene)?;
+        let recorder = Recorder::new(name, &object.poses, &model, (encoder, writer), &progress, watcher);
+        run_grasps(&model, stepper.as_ref(), &grasps, threads, &recorder)?;
+        let finished = progress.finished(object.poses.len());
+        std::fs::rename(&open, &path).map_err(|e| cannot_write(&path, &e))?;
+        Ok(finished)
+    }
+}
+
+/// Folder of the records of finished grasps.
+const PROGRESS: &str = ".progress";
+/// File that is locked while a campaign writes.
+const LOCK: &str = ".lock";
+
+/// Creates the folder and takes it for this process.
+fn claim(dir: &Path) -> Result<std::fs::File> {
+    create_dir(dir)?;
+    let path = dir.join(LOCK);
+    let file = std::fs::File::create(&path).map_err(|e| cannot_write(&path, &e))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(std::fs::TryLockError::WouldBlock) => {
+            Err(Error::file(dir, "another `tactus dataset` is writing here; wait for it or choose another folder"))
+        }
+        Err(std::fs::TryLockError::Error(e)) => Err(cannot_write(&path, &e)),
+    }
+}
+
+/// `<object>_<density>_tactus_<E>_<nu>_<load>.h5`: the loader splits it at `_`.
+fn file_name(named: &NamedScene) -> String {
+    let scene = &named.scene;
+    let spec = scene.gripper.material.spec();
+    let load = match &scene.loading {
+        crate::scene::Loading::Squeeze(s) => format!("squeeze{}N", s.force.get()),
+        crate::scene::Loading::Press(_) => "press".into(),
+    };
+    let (name, density) = (named.name.as_str(), scene.object.density.get());
+    format!("{name}_{density}_tactus_{}_{}_{load}.h5", spec.young, spec.poisson)
+}
+
+/// Bytes of what does not grow with frames, at most: headers and scene, pad, object (HDF5 and STL), poses and records.
+fn fixed_bytes(sizes: &Sizes, surface: &TriMesh) -> u64 {
+    let pad = 25 * sizes.nodes + 2 * 120 * sizes.tets;
+    let object = 24 * surface.vertices.len() + (12 + 50) * surface.triangles.len();
+    (pad + object + (56 + REASON + 512) * sizes.grasps + 65_536) as u64
+}
+
+/// Of everything that decides the content.
+fn plan_hash(objects: &[Planned], splits: &Splits) -> Result<String> {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
+    for object in objects {
+        hasher.update(object.named.name.as_str().as_bytes());
+        hasher.update(to_ron(&object.named.scene)?.as_bytes());
+        for pose in &object.poses {
+            let (p, q) = (pose.position, pose.rotation);
+            let numbers = p.to_array().into_iter().chain(q.to_array());
+            numbers.for_each(|x| {
+                hasher.update(&x.to_le_bytes());
+            });
+        }
+    }
+    let splits =
+        serde_json::to_string(splits).map_err(|e| Error::Start(format!("the splits cannot be written: {e}")))?;
+    hasher.update(splits.as_bytes());
+    Ok(hasher.finalize().to_hex().to_string())
+}
+
+fn size(path: &Path) -> Result<u64> {
+    let meta = std::fs::metadata(path).map_err(|e| Error::file(path, format!("cannot be read: {e}")))?;
+    Ok(meta.len())
+}

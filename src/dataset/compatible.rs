@@ -1,0 +1,88 @@
+//! The world of the public loader of DefGraspSim's tactile grasps.
+//!
+//! Its hand closes along y, its world is Y-up, its pads stand in the hand at (-0.0006, +-0.0275, 0.099) m, and its right pad
+//! is the point reflection of its left one, while a real right pad is the left one after a half turn about the approach.
+//! Both are the same body if the pad is its own mirror image along the approach; then node i of the right pad here is the
+//! node at the mirrored place, and the loader's rest shapes fit.
+
+use crate::mesh::TetMesh;
+use crate::record::{Elements, PadTopology};
+use crate::scene::Placement;
+use glam::{DMat3, DVec3};
+use std::collections::HashMap;
+
+/// Centre of the loader's pads in its hand, along the finger width and the approach, m.
+const CENTER: [f64; 2] = [-0.0006, 0.099];
+
+/// From the hand frame to the loader's world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct World {
+    offset: DVec3,
+}
+
+impl World {
+    /// For a gripper whose pads are placed like this.
+    pub fn new(placement: &Placement) -> Self {
+        let offset = DVec3::new(CENTER[0] - placement.y.get(), 1.0 + CENTER[1] - placement.z.get(), 0.0);
+        Self { offset }
+    }
+
+    /// A point, m.
+    pub fn point(&self, hand: DVec3) -> DVec3 {
+        Self::rotation() * hand + self.offset
+    }
+
+    /// Hand axes to world axes: (x, y, z) becomes (y, z, x).
+    pub fn rotation() -> DMat3 {
+        DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y)
+    }
+}
+
+/// The pad as `tactile_sensor.tet`: bonded face at y = 0, outward normal +y.
+pub fn sensor(pad: &PadTopology) -> TetMesh {
+    let back = pad.rest.iter().fold(f64::INFINITY, |low, p| low.min(p.z));
+    let nodes = pad.rest[..pad.corner_count].iter().map(|p| DVec3::new(p.x, p.z - back, -p.y)).collect();
+    TetMesh { nodes, tets: corner_tets(&pad.elements) }
+}
+
+/// Corners of the tetrahedra.
+fn corner_tets(elements: &Elements) -> Vec<[u32; 4]> {
+    match elements {
+        Elements::Linear(tets) => tets.clone(),
+        Elements::Quadratic(tets) => tets.iter().map(|t| [t[0], t[1], t[2], t[3]]).collect(),
+    }
+}
+
+/// For the right pad: which of its nodes and tetrahedra stand for node i and tetrahedron t of the loader.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mirror {
+    /// Corner nodes.
+    pub nodes: Vec<usize>,
+    /// Tetrahedra.
+    pub tets: Vec<usize>,
+}
+
+impl Mirror {
+    /// The pad's mirror image along the approach (pad x); None if the mesh is not its own.
+    pub fn of(pad: &PadTopology) -> Option<Self> {
+        let key = |p: DVec3| p.to_array().map(|x| (x * 1e8).round() as i64);
+        let corners = &pad.rest[..pad.corner_count];
+        let places: HashMap<_, _> = corners.iter().enumerate().map(|(i, p)| (key(*p), i)).collect();
+        let across = |p: &DVec3| places.get(&key(DVec3::new(-p.x, p.y, p.z))).copied();
+        let nodes: Vec<usize> = corners.iter().map(across).collect::<Option<_>>()?;
+        let sorted = |t: [usize; 4]| {
+            let mut t = t;
+            t.sort_unstable();
+            t
+        };
+        let tets = corner_tets(&pad.elements);
+        let known: HashMap<_, _> = tets.iter().enumerate().map(|(i, t)| (sorted(t.map(|n| n as usize)), i)).collect();
+        let tets = tets.iter().map(|t| known.get(&sorted(t.map(|n| nodes[n as usize]))).copied());
+        Some(Self { tets: tets.collect::<Option<_>>()?, nodes })
+    }
+
+    /// Nothing moves.
+    pub fn identity(pad: &PadTopology) -> Self {
+        Self { nodes: (0..pad.corner_count).collect(), tets: (0..pad.elements.len()).collect() }
+    }
+}

@@ -1,0 +1,229 @@
+//! The HDF5 file of one object: laid out once at its full size with empty rows, then filled row by row.
+//!
+//! Its arrays are contiguous and uncompressed: a row has its place before it is known, so a grasp is written by seeking
+//! there, memory holds one grasp per thread however many there are, and reading is as fast as the disk.
+
+use super::arrays::{ARRAYS, FORMAT, Kind, Sizes};
+use super::rows::Rows;
+use crate::error::{Error, Result};
+use crate::model::{FingerModel, Model};
+use crate::record::files::{cannot_write, replace};
+use crate::scene::{NamedScene, to_ron};
+use glam::{DQuat, DVec3};
+use hdf5_pure::{AttrValue, Datatype, File, FileBuilder, GroupBuilder, Layout};
+use std::io::{Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+/// Where the rows of each array start, bytes from the start of the file, in the order of [`ARRAYS`].
+#[derive(Debug, Clone)]
+pub struct Places {
+    sizes: Sizes,
+    start: Vec<u64>,
+}
+
+/// Lays out the file of an object at `path`, whole or not at all.
+///
+/// # Errors
+/// What cannot be written.
+pub fn lay_out(path: &Path, named: &NamedScene, model: &Model, sizes: &Sizes, mirrored: bool) -> Result<()> {
+    let scene = to_ron(&named.scene)?;
+    replace(path, |temporary| {
+        let mut builder = FileBuilder::new();
+        attributes(&mut builder, named, model, &scene, mirrored);
+        fixed(&mut builder, model);
+        for array in ARRAYS {
+            let row = array.row_shape(sizes);
+            let shape: Vec<u64> = std::iter::once(sizes.grasps).chain(row).map(|n| n as u64).collect();
+            let bytes = sizes.grasps * array.row_bytes(sizes);
+            // Zeros fresh from the system take no memory until they are touched, and nobody touches them.
+            builder
+                .create_dataset(array.name)
+                .with_raw_data(datatype(array.kind), vec![0; bytes], shape.iter().product())
+                .with_shape(&shape)
+                .set_attr("unit", text(array.unit))
+                .set_attr("about", text(array.about));
+        }
+        let file = std::fs::File::create(temporary)?;
+        let mut sparse = Sparse { file, length: 0 };
+        builder.finish_to(&mut sparse).map_err(std::io::Error::other)?;
+        sparse.file.set_len(sparse.length)?;
+        sparse.file.sync_all()
+    })
+}
+
+fn datatype(kind: Kind) -> Datatype {
+    match kind {
+        Kind::U8 => hdf5_pure::make_u8_type(),
+        Kind::U32 => hdf5_pure::make_u32_type(),
+        Kind::F32 => hdf5_pure::make_f32_type(),
+        Kind::F64 => hdf5_pure::make_f64_type(),
+    }
+}
+
+fn text(text: &str) -> AttrValue {
+    AttrValue::String(text.into())
+}
+
+fn attributes(builder: &mut FileBuilder, named: &NamedScene, model: &Model, scene: &str, mirrored: bool) {
+    let spec = named.scene.gripper.material.spec();
+    builder.set_attr("format", AttrValue::U64(FORMAT));
+    for (name, value) in [
+        ("tactus", env!("CARGO_PKG_VERSION")),
+        ("object", named.name.as_str()),
+        ("scene", scene),
+        ("element", &model.fingers[0].element),
+        ("law", &format!("{:?}", spec.law)),
+        ("units", "SI: m, N, Pa, kg, s; quaternions (w, x, y, z)"),
+        ("hand_frame", "origin at the hand base, +z approach, fingers close along x, y finger width; right-handed"),
+        ("pad_frame", "origin at the centre of the sensing face, +z out of the gel, x along the approach"),
+        ("force_convention", "sum over the fingers of |normal force|: 15 N is 7.5 N per pad"),
+        ("loader_world", "hand (x, y, z) is (y, z, x) + offset, Y up; left pad first; frames are levels of the load"),
+        (
+            "loader_right_pad",
+            if mirrored {
+                "node and tetrahedron i of the right pad mirror those of the left along pad x"
+            } else {
+                "the mesh is not its own mirror image: the loader's rest shape of the right pad does not fit"
+            },
+        ),
+    ] {
+        builder.set_attr(name, text(value));
+    }
+    for (name, value) in [
+        ("young_pa", spec.young),
+        ("poisson", spec.poisson),
+        ("gel_density_kg_m3", model.gel_density),
+        ("friction", named.scene.gripper.friction.get()),
+        ("object_mass_kg", model.mass),
+        ("opening_m", model.opening),
+    ] {
+        builder.set_attr(name, AttrValue::F64(value));
+    }
+    let gravity = model.gravity.unwrap_or_default().to_array();
+    builder.set_attr("gravity_m_s2", AttrValue::F64Array(gravity.to_vec()));
+}
+
+/// What no grasp changes: pads and object.
+fn fixed(builder: &mut FileBuilder, model: &Model) {
+    let pad = &model.fingers[0].topology;
+    let flat = |v: &[DVec3]| v.iter().flat_map(|p| p.to_array()).collect::<Vec<_>>();
+    let mut group = builder.create_group("pad");
+    let about = "rest positions of the nodes of a pad, pad frame; corners first";
+    doubles(&mut group, "rest", "m", about, 3, &flat(&pad.rest));
+    let pose = |f: &FingerModel| {
+        let (p, q) = (f.placement.origin, DQuat::from_mat3(&f.placement.rotation));
+        [p.x, p.y, p.z, q.w, q.x, q.y, q.z]
+    };
+    let poses: Vec<f64> = model.fingers.iter().flat_map(pose).collect();
+    let about = "px py pz qw qx qy qz of each pad at zero travel: x_hand = R(q) x_pad + p";
+    doubles(&mut group, "pose", "m, 1", about, 7, &poses);
+    let closing: Vec<_> = model.fingers.iter().map(|f| f.placement.closing).collect();
+    doubles(&mut group, "closing", "1", "closing direction of each finger, hand frame", 3, &flat(&closing));
+    let about = "nodes of each tetrahedron: 4 corners, then the middles of (0,1) (1,2) (2,0) (0,3) (1,3) (2,3)";
+    integers(&mut group, "tets", about, pad.elements.width(), pad.elements.nodes());
+    integers(&mut group, "surface", "corner triangles of the whole surface, outward", 3, pad.surface.as_flattened());
+    integers(&mut group, "sensing", "triangles of the sensing face, outward", 3, pad.sensing.as_flattened());
+    let bonded: Vec<u8> = pad.bonded.iter().map(|b| u8::from(*b)).collect();
+    let dataset = group.create_dataset("bonded").with_u8_data(&bonded);
+    dataset.set_attr("unit", text("1")).set_attr("about", text("1 where the node is glued to the finger"));
+    builder.add_group(group.finish());
+
+    let surface = &model.object.surface;
+    let mut group = builder.create_group("object");
+    doubles(&mut group, "vertices", "m", "surface of the object, object frame", 3, &flat(&surface.vertices));
+    integers(&mut group, "triangles", "triangles of the object, outward", 3, surface.triangles.as_flattened());
+    builder.add_group(group.finish());
+}
+
+fn doubles(group: &mut GroupBuilder, name: &str, unit: &str, about: &str, width: usize, values: &[f64]) {
+    let shape = [(values.len() / width) as u64, width as u64];
+    let dataset = group.create_dataset(name).with_f64_data(values).with_shape(&shape);
+    dataset.set_attr("unit", text(unit)).set_attr("about", text(about));
+}
+
+fn integers(group: &mut GroupBuilder, name: &str, about: &str, width: usize, values: &[u32]) {
+    let shape = [(values.len() / width) as u64, width as u64];
+    let dataset = group.create_dataset(name).with_u32_data(values).with_shape(&shape);
+    dataset.set_attr("unit", text("1")).set_attr("about", text(about));
+}
+
+/// Leaves holes where zeros would be written.
+struct Sparse {
+    file: std::fs::File,
+    length: u64,
+}
+
+impl Write for Sparse {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        if bytes.len() >= 4096 && bytes.iter().all(|b| *b == 0) {
+            self.file.seek(SeekFrom::Current(bytes.len() as i64))?;
+        } else {
+            self.file.write_all(bytes)?;
+        }
+        self.length += bytes.len() as u64;
+        Ok(bytes.len())
+    }
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Places {
+    /// Where the rows of the file at `path` are.
+    ///
+    /// # Errors
+    /// A file that is not laid out for `sizes`, with the array.
+    pub fn find(path: &Path, file: &File, sizes: Sizes) -> Result<Self> {
+        let place = |array: &super::arrays::Array| {
+            let fail = |message: String| Error::file(path, format!("array `{}`: {message}", array.name));
+            let dataset = file.dataset(array.name).map_err(|e| fail(e.to_string()))?;
+            let wanted = sizes.grasps as u64 * array.row_bytes(&sizes) as u64;
+            match dataset.layout().map_err(|e| fail(e.to_string()))? {
+                Layout::Contiguous { address: Some(at), size } if size == wanted && at + size <= file.file_size() => {
+                    Ok(at)
+                }
+                Layout::Contiguous { size, .. } => Err(fail(format!("{size} bytes instead of {wanted}, or cut off"))),
+                _ => Err(fail("is not contiguous; write the file with `tactus dataset`".into())),
+            }
+        };
+        Ok(Self { sizes, start: ARRAYS.iter().map(place).collect::<Result<_>>()? })
+    }
+
+    /// First byte of the row of `grasp` in the array with this index, and its length.
+    pub fn row(&self, array: usize, grasp: usize) -> (u64, usize) {
+        let length = ARRAYS[array].row_bytes(&self.sizes);
+        (self.start[array] + (grasp * length) as u64, length)
+    }
+}
+
+/// Puts rows into a laid-out file.
+#[derive(Debug)]
+pub struct Writer {
+    path: PathBuf,
+    places: Places,
+}
+
+impl Writer {
+    /// Into the file at `path`.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is laid out differently.
+    pub fn open(path: &Path, sizes: Sizes) -> Result<Self> {
+        let file = File::open_streaming(path).map_err(|e| Error::file(path, e.to_string()))?;
+        Ok(Self { path: path.to_path_buf(), places: Places::find(path, &file, sizes)? })
+    }
+
+    /// Writes the rows of a grasp and waits until they are on disk.
+    pub fn write(&self, grasp: usize, rows: &Rows) -> Result<()> {
+        let write = || {
+            // A handle of its own: several grasps may end at once.
+            let mut file = std::fs::OpenOptions::new().write(true).open(&self.path)?;
+            for (array, row) in rows.0.iter().enumerate() {
+                file.seek(SeekFrom::Start(self.places.row(array, grasp).0))?;
+                file.write_all(row)?;
+            }
+            file.sync_data()
+        };
+        write().map_err(|e| cannot_write(&self.path, &e))
+    }
+}

@@ -1,0 +1,217 @@
+//! What is in a data set: counts, ranges, histograms, pictures.
+
+use super::manifest::Failure;
+use super::reader::{Grasp, ObjectFile};
+use super::set::{DataSet, hash};
+use crate::error::{Error, Result};
+use crate::record::{Frame, PadFrame, Wrench};
+use crate::render::{self, Style};
+use glam::{DQuat, DVec3};
+use serde::Serialize;
+use std::path::Path;
+
+/// Bars of a histogram.
+pub const BARS: usize = 20;
+
+/// Which grasps and frames are looked at.
+#[derive(Debug, Clone, Copy)]
+pub struct Thinning {
+    /// Every so many grasps of each object.
+    pub every: usize,
+    /// At most so many frames of a grasp, spread over it, the last one always.
+    pub frames: Option<usize>,
+}
+
+/// What was found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Inspection {
+    /// The objects.
+    pub objects: Vec<ObjectSummary>,
+    /// Ranges over all objects.
+    pub ranges: Vec<Range>,
+    /// Files and grasps that are damaged, with the reason.
+    pub damaged: Vec<String>,
+}
+
+/// One object.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ObjectSummary {
+    /// Its name.
+    pub name: String,
+    /// Its grasps.
+    pub grasps: usize,
+    /// Those that reached their load.
+    pub reached: usize,
+    /// The others, with reasons.
+    pub failures: Vec<Failure>,
+    /// Grasps and frames that were looked at.
+    pub read_grasps: usize,
+    /// Frames that were looked at.
+    pub read_frames: usize,
+    /// Nodes of a pad.
+    pub nodes: usize,
+    /// Tetrahedra of a pad.
+    pub tets: usize,
+}
+
+/// Range and histogram of a quantity.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Range {
+    /// The quantity, with its unit at the end.
+    pub name: &'static str,
+    /// Smallest value.
+    pub min: f64,
+    /// Mean.
+    pub mean: f64,
+    /// Largest value.
+    pub max: f64,
+    /// Counts in [`BARS`] equal intervals from min to max.
+    pub histogram: Vec<usize>,
+}
+
+/// Quantities of a frame, by name.
+const QUANTITIES: [&str; 6] =
+    ["force_n", "travel_m", "max_displacement_m", "max_von_mises_pa", "max_contact_force_n", "object_motion_m"];
+
+/// Looks at a data set; with `pictures`, draws the last frame that is looked at of each grasp there.
+///
+/// # Errors
+/// Pictures that cannot be written. Damaged data is part of what is found.
+pub fn inspect(set: &DataSet, thinning: Thinning, pictures: Option<&Path>) -> Result<Inspection> {
+    let mut values = vec![Vec::new(); QUANTITIES.len()];
+    let mut damaged: Vec<String> = set.damaged.iter().map(Error::to_string).collect();
+    let mut objects = Vec::new();
+    for file in &set.objects {
+        let Some(entry) = set.manifest.objects.iter().find(|e| e.name == file.name) else { continue };
+        let mut summary = ObjectSummary {
+            name: file.name.clone(),
+            grasps: file.sizes.grasps,
+            reached: file.reached().count(),
+            failures: entry.failures.clone(),
+            read_grasps: 0,
+            read_frames: 0,
+            nodes: file.sizes.nodes,
+            tets: file.sizes.tets,
+        };
+        // A look at part of the file must not read all of it.
+        let whole = thinning.every <= 1;
+        let mut sound = true;
+        for number in (0..file.sizes.grasps).step_by(thinning.every.max(1)) {
+            let grasp = match file.grasp(number) {
+                Ok(grasp) => grasp,
+                Err(error) => {
+                    sound = false;
+                    damaged.push(error.to_string());
+                    continue;
+                }
+            };
+            let frames = chosen(grasp.frames, thinning.frames);
+            summary.read_grasps += 1;
+            summary.read_frames += frames.len();
+            for &k in &frames {
+                let of_frame = quantities(file, &grasp, k);
+                values.iter_mut().zip(of_frame).for_each(|(all, value)| all.push(value));
+            }
+            if let (Some(dir), Some(&k)) = (pictures, frames.last()) {
+                draw(file, &grasp, number, k, dir)?;
+            }
+        }
+        if whole && sound && hash(&file.path)? != entry.blake3 {
+            damaged.push(format!("{}: differs from the manifest outside the frames", file.path.display()));
+        }
+        objects.push(summary);
+    }
+    let ranges = QUANTITIES.iter().zip(&values).filter_map(|(name, v)| range(name, v)).collect();
+    Ok(Inspection { objects, ranges, damaged })
+}
+
+/// At most `most` of `frames` frames, evenly spread, the last included.
+fn chosen(frames: usize, most: Option<usize>) -> Vec<usize> {
+    let n = most.unwrap_or(frames).min(frames);
+    (1..=n).map(|i| i * frames / n - 1).collect()
+}
+
+fn range(name: &'static str, values: &[f64]) -> Option<Range> {
+    let (min, max) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    if values.is_empty() {
+        return None;
+    }
+    let mut histogram = vec![0; BARS];
+    for v in values {
+        let at = if max > min { (v - min) / (max - min) * BARS as f64 } else { 0.0 };
+        histogram[(at as usize).min(BARS - 1)] += 1;
+    }
+    Some(Range { name, min, mean: values.iter().sum::<f64>() / values.len() as f64, max, histogram })
+}
+
+fn quantities(file: &ObjectFile, grasp: &Grasp, k: usize) -> [f64; 6] {
+    let s = &file.sizes;
+    let longest = |all: &[f32]| {
+        let frame = &all[k * s.pads * s.nodes * 3..(k + 1) * s.pads * s.nodes * 3];
+        frame
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .map(|v| v.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>())
+            .fold(0.0, f64::max)
+            .sqrt()
+    };
+    let stress = &grasp.von_mises[k * s.pads * s.nodes..(k + 1) * s.pads * s.nodes];
+    let travel = &grasp.travel[k * s.pads..(k + 1) * s.pads];
+    let place = |k: usize| DVec3::from_slice(&grasp.object_pose[7 * k..]);
+    [
+        grasp.force[k],
+        travel.iter().sum::<f64>() / s.pads as f64,
+        longest(&grasp.displacement),
+        stress.iter().copied().fold(0.0, f32::max).into(),
+        longest(&grasp.contact_force),
+        place(k).distance(place(0)),
+    ]
+}
+
+/// Draws a frame as a run would.
+fn draw(file: &ObjectFile, grasp: &Grasp, number: usize, k: usize, dir: &Path) -> Result<()> {
+    let topologies = vec![file.pad.clone(); file.sizes.pads];
+    let title = format!("{}, grasp {number:03}", file.name);
+    let style = Style { title, ..Style::default() };
+    let picture = render::render_pads(&topologies, &frame(file, grasp, k), Some(&file.object), &style)?;
+    render::save(&picture, &dir.join(format!("{}_{number:03}.png", file.name)))
+}
+
+/// Frame `k` of a grasp in the hand frame, as it was recorded.
+pub fn frame(file: &ObjectFile, grasp: &Grasp, k: usize) -> Frame {
+    let s = &file.sizes;
+    let vector = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from));
+    let pad = |i: usize| {
+        let (at, pose) = (k * s.pads + i, &file.pad_poses[i]);
+        let vectors = |all: &[f32]| {
+            let own = &all[3 * s.nodes * at..3 * s.nodes * (at + 1)];
+            own.as_chunks::<3>().0.iter().map(|v| pose.rotation * vector(v)).collect::<Vec<_>>()
+        };
+        let displacement = vectors(&grasp.displacement);
+        let carried = pose.position + file.closing[i] * grasp.finger_position[at];
+        let rest = file.pad.rest.iter().map(|x| pose.rotation * *x + carried);
+        let wrench = &grasp.wrench[6 * at..6 * at + 6];
+        PadFrame {
+            position: rest.zip(&displacement).map(|(x, u)| x + *u).collect(),
+            contact_force: vectors(&grasp.contact_force),
+            von_mises_node: grasp.von_mises[s.nodes * at..s.nodes * (at + 1)].iter().map(|v| f64::from(*v)).collect(),
+            wrench: Wrench {
+                force: pose.rotation * DVec3::from_slice(&wrench[..3]),
+                torque: pose.rotation * DVec3::from_slice(&wrench[3..]),
+            },
+            displacement,
+            ..PadFrame::default()
+        }
+    };
+    let p = &grasp.object_pose[7 * k..7 * k + 7];
+    Frame {
+        index: k,
+        applied_force: grasp.force[k],
+        travel: grasp.travel[k * s.pads..(k + 1) * s.pads].to_vec(),
+        object_position: DVec3::from_slice(p),
+        object_rotation: DQuat::from_xyzw(p[4], p[5], p[6], p[3]),
+        pads: (0..s.pads).map(pad).collect(),
+        ..Frame::default()
+    }
+}

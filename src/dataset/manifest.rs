@@ -1,0 +1,124 @@
+//! `manifest.json`: what the data set is, how far it is, what failed.
+
+use super::arrays::FORMAT;
+use super::progress::Finished;
+use crate::error::{Error, Result};
+use crate::record::Status;
+use crate::record::files::write_atomic;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// The content of `manifest.json`; it holds no times, so that equal data sets have equal manifests.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Version of the layout.
+    pub format: u64,
+    /// Version of tactus.
+    pub tactus: String,
+    /// True once every grasp has run.
+    pub finished: bool,
+    /// What the scene shows.
+    pub about: String,
+    /// BLAKE3 of everything that decides the content: scenes, grasps, versions. Another plan does not go on here.
+    pub plan: String,
+    /// Grasps of all objects.
+    pub grasps: usize,
+    /// Frames of a grasp.
+    pub frames: usize,
+    /// Bytes of all object files.
+    pub bytes: u64,
+    /// The objects.
+    pub objects: Vec<ObjectEntry>,
+}
+
+/// One object.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ObjectEntry {
+    /// Its name.
+    pub name: String,
+    /// Its file, from the folder of the data set.
+    pub file: PathBuf,
+    /// Its grasps.
+    pub grasps: usize,
+    /// Size of its file, bytes; 0 until it is finished.
+    pub bytes: u64,
+    /// BLAKE3 of its file; empty until it is finished.
+    pub blake3: String,
+    /// Grasps that reached their load.
+    pub reached: usize,
+    /// Grasps that the solver gave up.
+    pub fault: usize,
+    /// Grasps that could not start.
+    pub infeasible: usize,
+    /// How the grasps were found, and what was assumed or repaired.
+    pub notices: Vec<String>,
+    /// Every grasp that did not reach its load, with the reason.
+    pub failures: Vec<Failure>,
+}
+
+/// A grasp that did not reach its load.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Failure {
+    /// Its number, from 0.
+    pub grasp: usize,
+    /// How it ended.
+    pub status: Status,
+    /// Why.
+    pub reason: String,
+    /// Valid frames, the first so many.
+    pub frames: usize,
+}
+
+/// Name of the file.
+pub const MANIFEST: &str = "manifest.json";
+
+impl Manifest {
+    /// Reads the manifest of a data set; None where there is none.
+    ///
+    /// # Errors
+    /// A file that is no manifest, or of another version of the layout.
+    pub fn read(dir: &Path) -> Result<Option<Self>> {
+        let path = dir.join(MANIFEST);
+        let fail = |message: String| Error::file(&path, message);
+        let bytes = match std::fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(e) => return Err(fail(format!("cannot be read: {e}"))),
+        };
+        let manifest: Self =
+            serde_json::from_slice(&bytes).map_err(|e| fail(format!("is no manifest of a data set: {e}")))?;
+        if manifest.format != FORMAT {
+            return Err(fail(format!("has layout {}; this build reads {FORMAT}", manifest.format)));
+        }
+        Ok(Some(manifest))
+    }
+
+    /// Writes it, whole or not at all.
+    pub fn write(&self, dir: &Path) -> Result<()> {
+        let path = dir.join(MANIFEST);
+        let text = serde_json::to_string_pretty(self).map_err(|e| Error::file(&path, e.to_string()))?;
+        write_atomic(&path, (text + "\n").as_bytes())
+    }
+
+    /// Sum of a count over the objects.
+    pub fn sum(&self, count: impl Fn(&ObjectEntry) -> usize) -> usize {
+        self.objects.iter().map(count).sum()
+    }
+}
+
+impl ObjectEntry {
+    /// Takes over how the grasps went.
+    pub fn tally<'a>(&mut self, finished: impl IntoIterator<Item = &'a Finished>) {
+        for f in finished {
+            match f.status {
+                Status::Reached => self.reached += 1,
+                Status::Fault => self.fault += 1,
+                Status::Infeasible => self.infeasible += 1,
+            }
+            if f.status != Status::Reached {
+                let reason = f.reason.clone().unwrap_or_default();
+                self.failures.push(Failure { grasp: f.grasp, status: f.status, reason, frames: f.frames });
+            }
+        }
+    }
+}

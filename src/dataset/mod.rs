@@ -1,0 +1,35 @@
+//! Data sets: many grasps of many objects, simulated in parallel, never lost, read back by the grasp.
+//!
+//! ```text
+//! DIR/manifest.json                                   scene, versions, counts, failures, hashes     (manifest.rs)
+//! DIR/splits.json                                     training and test poses                       (split.rs)
+//! DIR/tactile_sensor.tet                              one pad                                       (compatible.rs)
+//! DIR/dgn_dataset/OBJ/OBJ_processed.stl, OBJ_grasps.h5   object and hand poses
+//! DIR/dgs_output/OBJ_<density>_tactus_<E>_<nu>_<load>.h5  all frames of all grasps of one object    (arrays.rs, file.rs)
+//! DIR/.progress/OBJ/<grasp>.json                      grasps finished so far; gone at the end       (progress.rs)
+//! ```
+//!
+//! The layout of `dgs_output` is that of DefGraspSim's tactile grasps, which public loaders read; its arrays `_1_stacked_*`
+//! are theirs, all others are ours. The file of an object is laid out once, at its full size, under a temporary name.
+//! A grasp that ends writes its rows to their place, then its record, whole or not at all: a run killed at any moment
+//! goes on where it was, and ends with the same bytes. What the disk must hold is known beforehand.
+
+pub mod arrays;
+pub mod campaign;
+pub mod compatible;
+pub mod file;
+pub mod inspect;
+pub mod manifest;
+pub mod progress;
+pub mod reader;
+pub mod recorder;
+pub mod rows;
+pub mod set;
+pub mod split;
+
+pub use campaign::Campaign;
+pub use manifest::Manifest;
+pub use reader::{Grasp, ObjectFile};
+pub use recorder::Watcher;
+pub use set::DataSet;
+pub use split::Splits;

@@ -1,0 +1,238 @@
+//! Reads the file of one object by the grasp: nothing but what is asked for is in memory.
+
+use super::arrays::{ARRAYS, FORMAT, Row, Sizes};
+use super::file::Places;
+use super::rows::checksum;
+use crate::error::{Error, Result};
+use crate::grasp::GraspPose;
+use crate::mesh::TriMesh;
+use crate::record::{Elements, PadTopology};
+use glam::{DQuat, DVec3};
+use hdf5_pure::{AttrValue, File};
+use std::collections::HashMap;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// The file of one object.
+#[derive(Debug)]
+pub struct ObjectFile {
+    /// The file.
+    pub path: PathBuf,
+    /// Name of the object.
+    pub name: String,
+    /// All shapes.
+    pub sizes: Sizes,
+    /// The scene with every default, RON: [`crate::model::Model::build`] makes the same model of it.
+    pub scene: String,
+    /// The pads: rest positions, tetrahedra, faces; pad frame.
+    pub pad: PadTopology,
+    /// Pose of each pad in the hand at zero travel: `x_hand = rotation * x_pad + position`.
+    pub pad_poses: Vec<GraspPose>,
+    /// Closing direction of each finger, hand frame.
+    pub closing: Vec<DVec3>,
+    /// Surface of the object, object frame, m.
+    pub object: TriMesh,
+    /// Per grasp: 1 reached, 2 fault, 3 infeasible.
+    pub status: Vec<u8>,
+    /// Numbers of the file's header: material, friction, gravity.
+    pub numbers: HashMap<String, Vec<f64>>,
+    places: Places,
+    handles: Mutex<Vec<std::fs::File>>,
+}
+
+/// All frames of one grasp. Arrays are row-major, pads left first; see [`ARRAYS`] for units and frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grasp {
+    /// Valid frames; all arrays are cut to them.
+    pub frames: usize,
+    /// (frames, pads, nodes, 3), m, pad frame.
+    pub displacement: Vec<f32>,
+    /// (frames, pads, nodes, 3), N, pad frame.
+    pub contact_force: Vec<f32>,
+    /// (frames, pads, nodes), Pa.
+    pub von_mises: Vec<f32>,
+    /// (frames), N.
+    pub force: Vec<f64>,
+    /// (frames, pads), m since first contact.
+    pub travel: Vec<f64>,
+    /// (frames, pads), m since the open hand.
+    pub finger_position: Vec<f64>,
+    /// (frames, 7): px py pz qw qx qy qz in the hand frame.
+    pub object_pose: Vec<f64>,
+    /// (frames, pads, 6), N and N m, pad frame.
+    pub wrench: Vec<f64>,
+    /// (7): the hand in the object frame.
+    pub grasp_pose: Vec<f64>,
+    /// Why it was not reached; empty if it was.
+    pub reason: String,
+}
+
+impl ObjectFile {
+    /// Opens the file of one object; reads pads, object and status, no frame.
+    ///
+    /// # Errors
+    /// A file that is not what `tactus dataset` writes, or is cut off.
+    pub fn open(path: &Path) -> Result<Self> {
+        let fail = |message: String| Error::file(path, message);
+        let read = |e: hdf5_pure::Error| fail(format!("is not readable as HDF5: {e}"));
+        let file = File::open_streaming(path).map_err(read)?;
+        let attributes = file.root().attrs().map_err(read)?;
+        let format = attributes.get("format").and_then(AttrValue::as_u64);
+        if format != Some(FORMAT) {
+            return Err(fail(format!("is no file of a data set of layout {FORMAT} (its `format` is {format:?})")));
+        }
+        let text = |name: &str| {
+            let value = attributes.get(name).and_then(AttrValue::as_str).map(str::to_string);
+            value.ok_or_else(|| fail(format!("has no attribute `{name}`")))
+        };
+        let shape = |name: &str| -> Result<Vec<usize>> {
+            let dataset = file.dataset(name).map_err(|e| fail(format!("array `{name}`: {e}")))?;
+            Ok(dataset.shape().map_err(read)?.into_iter().map(|n| n as usize).collect())
+        };
+        let doubles = |name: &str| {
+            file.dataset(name).and_then(|d| d.read_f64()).map_err(|e| fail(format!("array `{name}`: {e}")))
+        };
+        let integers = |name: &str| {
+            file.dataset(name).and_then(|d| d.read_u32()).map_err(|e| fail(format!("array `{name}`: {e}")))
+        };
+        let bytes =
+            |name: &str| file.dataset(name).and_then(|d| d.read_u8()).map_err(|e| fail(format!("array `{name}`: {e}")));
+
+        let (big, positions, stresses) =
+            (shape("displacement")?, shape("_1_stacked_positions")?, shape("_1_stacked_stresses")?);
+        let ([grasps, frames, pads, nodes, 3], [_, _, corners, 3], [_, _, tets]) =
+            (big.as_slice(), positions.as_slice(), stresses.as_slice())
+        else {
+            return Err(fail(format!("`displacement` has shape {big:?}; it must be (grasps, frames, pads, nodes, 3)")));
+        };
+        let per_pad = |n: usize| n / (*pads).max(1);
+        let sizes = Sizes {
+            grasps: *grasps,
+            frames: *frames,
+            pads: *pads,
+            nodes: *nodes,
+            corners: per_pad(*corners),
+            tets: per_pad(*tets),
+        };
+        let places = Places::find(path, &file, sizes)?;
+        let width = shape("pad/tets")?.get(1).copied().unwrap_or(0);
+        let nodes_of_tets = integers("pad/tets")?;
+        let elements = match width {
+            4 => Elements::Linear(nodes_of_tets.as_chunks::<4>().0.to_vec()),
+            10 => Elements::Quadratic(nodes_of_tets.as_chunks::<10>().0.to_vec()),
+            other => return Err(fail(format!("`pad/tets` has {other} nodes per tetrahedron; it must be 4 or 10"))),
+        };
+        let triangles = |name: &str| Ok::<_, Error>(integers(name)?.as_chunks::<3>().0.to_vec());
+        let points = |name: &str| {
+            Ok::<_, Error>(doubles(name)?.as_chunks::<3>().0.iter().map(|p| DVec3::from_array(*p)).collect::<Vec<_>>())
+        };
+        let pad = PadTopology {
+            rest: points("pad/rest")?,
+            corner_count: sizes.corners,
+            elements,
+            surface: triangles("pad/surface")?,
+            sensing: triangles("pad/sensing")?,
+            bonded: bytes("pad/bonded")?.into_iter().map(|b| b != 0).collect(),
+        };
+        crate::record::check::topology(0, &pad).map_err(fail)?;
+        let object = TriMesh { vertices: points("object/vertices")?, triangles: triangles("object/triangles")? };
+        crate::record::check::object(&object).map_err(fail)?;
+        let (pad_poses, closing) =
+            (doubles("pad/pose")?.as_chunks::<7>().0.iter().map(pose).collect::<Vec<_>>(), points("pad/closing")?);
+        if pad.rest.len() != sizes.nodes
+            || pad.elements.len() != sizes.tets
+            || pad_poses.len() != *pads
+            || closing.len() != *pads
+        {
+            return Err(fail("the arrays of the pad do not fit those of the frames".into()));
+        }
+        Ok(Self {
+            name: text("object")?,
+            scene: text("scene")?,
+            numbers: attributes.iter().filter_map(|(k, v)| Some((k.clone(), v.to_f64s()?))).collect(),
+            status: bytes("status")?,
+            path: path.to_path_buf(),
+            sizes,
+            pad,
+            pad_poses,
+            closing,
+            object,
+            places,
+            handles: Mutex::default(),
+        })
+    }
+
+    /// Numbers of the grasps that reached their load.
+    pub fn reached(&self) -> impl Iterator<Item = usize> + '_ {
+        self.status.iter().enumerate().filter(|(_, s)| **s == 1).map(|(g, _)| g)
+    }
+
+    /// Reads a grasp; any thread, any order.
+    ///
+    /// # Errors
+    /// A grasp that does not exist, or whose rows are not those that were written.
+    pub fn grasp(&self, grasp: usize) -> Result<Grasp> {
+        if grasp >= self.sizes.grasps {
+            let message = format!("has no grasp {grasp}; its {} grasps start at 0", self.sizes.grasps);
+            return Err(Error::file(&self.path, message));
+        }
+        let rows =
+            self.rows(grasp).map_err(|e| Error::file(&self.path, format!("grasp {grasp} cannot be read: {e}")))?;
+        if checksum(&rows).as_bytes() != rows[Row::Checksum as usize].as_slice() {
+            let message = format!(
+                "grasp {grasp} is damaged: its rows do not have its checksum; leave it out, or make the file again"
+            );
+            return Err(Error::file(&self.path, message));
+        }
+        Ok(self.decode(&rows))
+    }
+
+    /// All rows of a grasp.
+    fn rows(&self, grasp: usize) -> std::io::Result<Vec<Vec<u8>>> {
+        // A handle per reading thread: a handle has one position.
+        let kept = self.handles.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let mut file = kept.map_or_else(|| std::fs::File::open(&self.path), Ok)?;
+        let read = |array| {
+            let (start, length) = self.places.row(array, grasp);
+            let mut row = Vec::with_capacity(length);
+            file.seek(SeekFrom::Start(start))?;
+            (&mut file).take(length as u64).read_to_end(&mut row)?;
+            if row.len() == length { Ok(row) } else { Err(std::io::ErrorKind::UnexpectedEof.into()) }
+        };
+        let rows = (0..ARRAYS.len()).map(read).collect();
+        self.handles.lock().unwrap_or_else(PoisonError::into_inner).push(file);
+        rows
+    }
+
+    fn decode(&self, rows: &[Vec<u8>]) -> Grasp {
+        let row = |name: Row| rows[name as usize].as_slice();
+        let frames = row(Row::RecordedFrames).as_chunks().0.first().map_or(0, |b| u32::from_le_bytes(*b) as usize);
+        let frames = frames.min(self.sizes.frames);
+        let cut = |name: Row| {
+            let row = row(name);
+            &row[..row.len() / self.sizes.frames.max(1) * frames]
+        };
+        let singles = |name: Row| cut(name).as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
+        let doubles = |name: Row| cut(name).as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
+        let reason = row(Row::Reason).split(|b| *b == 0).next().unwrap_or_default();
+        Grasp {
+            frames,
+            displacement: singles(Row::Displacement),
+            contact_force: singles(Row::ContactForce),
+            von_mises: singles(Row::VonMises),
+            force: doubles(Row::Force),
+            travel: doubles(Row::Travel),
+            finger_position: doubles(Row::FingerPosition),
+            object_pose: doubles(Row::ObjectPose),
+            wrench: doubles(Row::Wrench),
+            grasp_pose: row(Row::GraspPose).as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect(),
+            reason: String::from_utf8_lossy(reason).into_owned(),
+        }
+    }
+}
+
+fn pose(v: &[f64; 7]) -> GraspPose {
+    let rotation = DQuat::from_xyzw(v[4], v[5], v[6], v[3]);
+    GraspPose { position: DVec3::new(v[0], v[1], v[2]), rotation }
+}

@@ -1,0 +1,86 @@
+//! What becomes of the frames of a grasp: rows in the object's file, then a record that the grasp is finished.
+
+use super::file::Writer;
+use super::progress::{Finished, Progress};
+use super::rows::{Encoder, Rows};
+use crate::error::{Error, Result};
+use crate::grasp::GraspPose;
+use crate::model::Model;
+use crate::record::{self, Frame, PadTopology};
+use crate::runner::{Observer, Outcome};
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
+
+/// Is told how far the data set is, from whichever thread.
+pub trait Watcher: Sync {
+    /// A grasp has a frame.
+    fn frame(&self) {}
+    /// A grasp of `object` has ended.
+    fn grasp(&self, _object: &str, _finished: &Finished) {}
+}
+
+/// Nobody watches.
+impl Watcher for () {}
+
+/// Takes the frames of the grasps of one object.
+pub struct Recorder<'a> {
+    name: &'a str,
+    poses: &'a [GraspPose],
+    topologies: Vec<&'a PadTopology>,
+    encoder: Encoder,
+    writer: Writer,
+    progress: &'a Progress,
+    watcher: &'a dyn Watcher,
+    /// Rows of the grasps that run.
+    open: Mutex<BTreeMap<usize, Rows>>,
+}
+
+impl<'a> Recorder<'a> {
+    /// For the grasps at `poses` of the object `name`.
+    pub fn new(
+        name: &'a str,
+        poses: &'a [GraspPose],
+        model: &'a Model,
+        (encoder, writer): (Encoder, Writer),
+        progress: &'a Progress,
+        watcher: &'a dyn Watcher,
+    ) -> Self {
+        let topologies = model.fingers.iter().map(|f| f.topology.as_ref()).collect();
+        Self { name, poses, topologies, encoder, writer, progress, watcher, open: Mutex::default() }
+    }
+
+    fn take(&self, grasp: usize) -> Rows {
+        let open = self.open.lock().unwrap_or_else(PoisonError::into_inner).remove(&grasp);
+        open.unwrap_or_else(|| self.encoder.rows(&self.poses[grasp]))
+    }
+}
+
+impl Observer for Recorder<'_> {
+    fn frame(&self, index: usize, frame: &Frame) -> Result<()> {
+        // A number that is not finite would ruin a training set silently.
+        record::check::frame(&self.topologies, frame)
+            .map_err(|m| Error::Solver(format!("{}, grasp {index}: frame not recorded: {m}", self.name)))?;
+        let mut rows = self.take(index);
+        self.encoder.frame(&mut rows, frame);
+        self.open.lock().unwrap_or_else(PoisonError::into_inner).insert(index, rows);
+        self.watcher.frame();
+        Ok(())
+    }
+
+    fn end(&self, index: usize, outcome: &Outcome) -> Result<()> {
+        let mut rows = self.take(index);
+        let s = &outcome.summary;
+        let checksum = self.encoder.finish(&mut rows, s.status, s.reason.as_deref().unwrap_or(""), s.frames);
+        self.writer.write(index, &rows)?;
+        let finished = Finished {
+            grasp: index,
+            status: s.status,
+            reason: s.reason.clone(),
+            frames: s.frames,
+            checksum: checksum.to_hex().to_string(),
+        };
+        self.progress.enter(&finished)?;
+        self.watcher.grasp(self.name, &finished);
+        Ok(())
+    }
+}

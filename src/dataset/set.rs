@@ -1,0 +1,92 @@
+//! Reads data sets by the grasp: nothing but what is asked for is in memory.
+//!
+//! ```no_run
+//! # fn main() -> tactus::error::Result<()> {
+//! let set = tactus::dataset::DataSet::open("out/paper")?;
+//! set.damaged.iter().for_each(|refused| eprintln!("{refused}"));
+//! for object in &set.objects {
+//!     for grasp in object.reached() {
+//!         let grasp = object.grasp(grasp)?;
+//!         println!("{} {:?}", object.name, grasp.travel.last());
+//!     }
+//! }
+//! # Ok(())
+//! # }
+//! ```
+
+use super::manifest::Manifest;
+use super::reader::ObjectFile;
+use super::split::{Poses, Splits};
+use crate::error::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// A data set on disk.
+#[derive(Debug)]
+pub struct DataSet {
+    /// Its folder.
+    pub dir: PathBuf,
+    /// What it says of itself.
+    pub manifest: Manifest,
+    /// Training and test sets.
+    pub splits: Splits,
+    /// The objects whose files are sound, in the order of the scene.
+    pub objects: Vec<ObjectFile>,
+    /// Files that are refused, by name and with the reason; the rest is usable.
+    pub damaged: Vec<Error>,
+}
+
+impl DataSet {
+    /// Opens a finished data set. Object files that are damaged are listed, not fatal.
+    ///
+    /// # Errors
+    /// No manifest, an unfinished data set, unreadable splits.
+    pub fn open(dir: impl AsRef<Path>) -> Result<Self> {
+        let dir = dir.as_ref();
+        let manifest = Manifest::read(dir)?.ok_or_else(|| {
+            Error::file(dir, "holds no data set (no manifest.json); make one with `tactus dataset SCENE -o DIR`")
+        })?;
+        if !manifest.finished {
+            return Err(Error::file(dir, "the data set is not finished; run the same `tactus dataset` again to go on"));
+        }
+        let path = dir.join("splits.json");
+        let bytes = std::fs::read(&path).map_err(|e| Error::file(&path, format!("cannot be read: {e}")))?;
+        let splits = serde_json::from_slice(&bytes).map_err(|e| Error::file(&path, format!("is not readable: {e}")))?;
+        let (mut objects, mut damaged) = (Vec::new(), Vec::new());
+        for entry in &manifest.objects {
+            let path = dir.join(&entry.file);
+            match std::fs::metadata(&path) {
+                Ok(meta) if meta.len() != entry.bytes => {
+                    let message = format!("has {} bytes instead of {}: cut off or changed", meta.len(), entry.bytes);
+                    damaged.push(Error::file(&path, message));
+                }
+                Ok(_) => match ObjectFile::open(&path) {
+                    Ok(object) => objects.push(object),
+                    Err(error) => damaged.push(error),
+                },
+                Err(e) => damaged.push(Error::file(&path, format!("cannot be opened: {e}"))),
+            }
+        }
+        Ok(Self { dir: dir.to_path_buf(), manifest, splits, objects, damaged })
+    }
+
+    /// Every reached grasp that a split names, as (index in [`Self::objects`], number of the grasp).
+    pub fn select(&self, poses: &Poses) -> Vec<(usize, usize)> {
+        let of = |(index, object): (usize, &ObjectFile)| {
+            let wanted = poses.get(&object.name).cloned().unwrap_or_default();
+            let reached = wanted.into_iter().filter(|g| object.status.get(*g) == Some(&1));
+            reached.map(|g| (index, g)).collect::<Vec<_>>()
+        };
+        self.objects.iter().enumerate().flat_map(of).collect()
+    }
+}
+
+/// BLAKE3 of a file, hexadecimal.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn hash(path: &Path) -> Result<String> {
+    let mut hasher = blake3::Hasher::new();
+    let read = std::fs::File::open(path).and_then(|file| hasher.update_reader(file).map(|h| h.finalize()));
+    let hash = read.map_err(|e| Error::file(path, format!("cannot be read: {e}")))?;
+    Ok(hash.to_hex().to_string())
+}

@@ -1,0 +1,216 @@
+//! Antipodal grasps: two contacts that face each other within the friction cone (Nguyen 1988), sampled as in
+//! DefGraspSim: a surface point, a closing axis about its normal, an approach about that axis.
+//!
+//! One try: a surface point, uniform by area; a closing axis, uniform in the cone about the inward normal; the axis must
+//! leave the object within the cone of the opposite normal; an approach, uniform about the axis; the pads are centred on
+//! the middle of the two contacts; the open hand, and the hand as it first touches, must be clear of the object.
+
+use super::pose::GraspPose;
+use crate::error::{Error, Result};
+use crate::gripper::Hand;
+use crate::gripper::hand::Part;
+use crate::mesh::TriMesh;
+use crate::random::Random;
+use crate::scene::Antipodal;
+use crate::shape::Shape;
+use glam::{DMat3, DQuat, DVec3};
+use std::f64::consts::TAU;
+
+/// Tries per wanted grasp before the sampler gives up.
+const TRIES: usize = 2000;
+/// Lines of rays across a pad that look for its first contact.
+const RAYS: usize = 7;
+
+/// Why a try was rejected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rejection {
+    /// The normal at the opposite contact is outside the friction cone.
+    OutsideCone,
+    /// Another part of the object lies before the surface point: no pad gets there.
+    Hidden,
+    /// The object does not fit between the open pads.
+    TooWide,
+    /// The fingers end their stroke before both pads touch.
+    TooThin,
+    /// The palm meets the object.
+    Palm,
+    /// A finger meets the object, when open or when the pads touch.
+    Finger,
+}
+
+impl Rejection {
+    /// All reasons.
+    pub const ALL: [Rejection; 6] =
+        [Self::OutsideCone, Self::Hidden, Self::TooWide, Self::TooThin, Self::Palm, Self::Finger];
+
+    /// In words.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Self::OutsideCone => "opposite normal outside the cone",
+            Self::Hidden => "behind another part of the object",
+            Self::TooWide => "too wide for the opening",
+            Self::TooThin => "out of the fingers' stroke",
+            Self::Palm => "palm collides",
+            Self::Finger => "finger collides",
+        }
+    }
+}
+
+/// The grasps found, and what was rejected on the way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sampled {
+    /// The grasps, in the order in which they were found.
+    pub poses: Vec<GraspPose>,
+    /// Tries.
+    pub tries: usize,
+    /// Rejected tries by reason, as [`Rejection::ALL`].
+    pub rejected: [usize; 6],
+}
+
+impl Sampled {
+    /// One sentence with the counts.
+    pub fn report(&self) -> String {
+        let counts = Rejection::ALL.iter().zip(self.rejected).filter(|(_, n)| *n > 0);
+        let counts: Vec<_> = counts.map(|(r, n)| format!("{n} {}", r.reason())).collect();
+        let rejected =
+            if counts.is_empty() { "none rejected".into() } else { format!("rejected: {}", counts.join(", ")) };
+        format!("{} antipodal grasps from {} tries; {rejected}", self.poses.len(), self.tries)
+    }
+}
+
+/// Samples grasps of `object` with friction coefficient `friction` for `hand`, whose fingers travel up to `stroke` (m).
+///
+/// # Errors
+/// Fewer grasps than wanted after 2,000 tries for each, with the reasons.
+pub fn sample(wanted: &Antipodal, object: &Shape, hand: &Hand, friction: f64, stroke: f64) -> Result<Sampled> {
+    let surface = Surface::new(&object.surface);
+    let cone = friction.atan().min(wanted.tilt_deg.get().to_radians());
+    let mut found = Sampled { poses: Vec::new(), tries: 0, rejected: [0; 6] };
+    let mut random = Random::new(wanted.seed);
+    while found.poses.len() < wanted.count.get() {
+        if found.tries == TRIES * wanted.count.get() {
+            return Err(Error::Start(format!(
+                "grasps: the {} has too few antipodal grasps for this hand: {}; change its size, the opening or the friction",
+                object.name,
+                found.report()
+            )));
+        }
+        found.tries += 1;
+        match attempt(object, &surface, hand, cone, stroke, &mut random) {
+            Ok(pose) => found.poses.push(pose),
+            Err(rejection) => found.rejected[rejection as usize] += 1,
+        }
+    }
+    Ok(found)
+}
+
+/// One try.
+fn attempt(
+    object: &Shape,
+    surface: &Surface,
+    hand: &Hand,
+    cone: f64,
+    stroke: f64,
+    random: &mut Random,
+) -> std::result::Result<GraspPose, Rejection> {
+    // Every try takes the same numbers, whatever becomes of it.
+    let [at, u, v, tilt, about, turn] = std::array::from_fn(|_| random.unit());
+    let point = surface.point(object, at, u, v);
+    let normal = object.distance.closest(point, f64::INFINITY).map_or(DVec3::Z, |c| c.normal);
+    // Uniform over the solid angle of the cone.
+    let cos = 1.0 - tilt * (1.0 - cone.cos());
+    let sin = (1.0 - cos * cos).max(0.0).sqrt();
+    let (e1, e2) = (-normal).any_orthonormal_pair();
+    let closing = (-normal * cos + (e1 * (TAU * about).cos() + e2 * (TAU * about).sin()) * sin).normalize();
+
+    let far = 4.0 * object.bounding_radius;
+    let left = object.ray(point - closing * far, closing).ok_or(Rejection::Hidden)?;
+    let first = point + closing * (left.t - far);
+    if (first - point).length() > 1e-3 * object.bounding_radius {
+        return Err(Rejection::Hidden);
+    }
+    let right = object.ray(point + closing * far, -closing).ok_or(Rejection::Hidden)?;
+    let last = point + closing * (far - right.t);
+    if right.normal.dot(closing) < cone.cos() - 1e-9 {
+        return Err(Rejection::OutsideCone);
+    }
+    if (last - first).dot(closing) > hand.opening {
+        return Err(Rejection::TooWide);
+    }
+
+    let (e1, e2) = closing.any_orthonormal_pair();
+    let approach = e1 * (TAU * turn).cos() + e2 * (TAU * turn).sin();
+    let rotation = DMat3::from_cols(closing, approach.cross(closing), approach);
+    let rotation = DQuat::from_mat3(&rotation).normalize();
+    let pose = GraspPose { position: 0.5 * (first + last) - rotation * hand.center, rotation };
+    clear(object, hand, &pose, stroke)?;
+    Ok(pose)
+}
+
+/// Whether the hand gets there and closes.
+fn clear(object: &Shape, hand: &Hand, pose: &GraspPose, stroke: f64) -> std::result::Result<(), Rejection> {
+    let blocked = |part| match part {
+        Part::Palm => Rejection::Palm,
+        Part::Finger => Rejection::Finger,
+        Part::Pad => Rejection::TooWide,
+    };
+    let distance = object.distance.as_ref();
+    hand.obstacle(distance, pose, 0.0, 0.0).map_or(Ok(()), |part| Err(blocked(part)))?;
+    let [left, right] = [DVec3::X, DVec3::NEG_X].map(|closing| first_contact(object, hand, pose, closing));
+    // The object is pushed to the middle, so each finger travels the mean.
+    let (travel, shift) = (0.5 * (left + right), 0.5 * (right - left));
+    if travel.is_nan() || travel > stroke {
+        return Err(Rejection::TooThin);
+    }
+    // The pads touch there; what counts is the rest of the hand.
+    match hand.obstacle(distance, pose, travel, shift) {
+        Some(part @ (Part::Palm | Part::Finger)) => Err(blocked(part)),
+        _ => Ok(()),
+    }
+}
+
+/// Travel of a pad until it touches, by rays from its face; infinite if none hits.
+fn first_contact(object: &Shape, hand: &Hand, pose: &GraspPose, closing: DVec3) -> f64 {
+    let (low, high) = (hand.pad.min, hand.pad.max);
+    let at = |k: usize, low: f64, high: f64| low + (high - low) * (k as f64 + 0.5) / RAYS as f64;
+    let mut nearest = f64::INFINITY;
+    for i in 0..RAYS {
+        for j in 0..RAYS {
+            let on_face = DVec3::new(0.0, at(j, low.y, high.y), at(i, low.x, high.x));
+            let start = hand.center + on_face - closing * 0.5 * hand.opening;
+            let hit = object.ray(pose.to_object(start), pose.rotation * closing);
+            nearest = hit.map_or(nearest, |h| nearest.min(h.t));
+        }
+    }
+    nearest
+}
+
+/// Points of a surface, uniform by area.
+struct Surface<'a> {
+    mesh: &'a TriMesh,
+    /// Sum of the areas up to and with each triangle, m2.
+    area: Vec<f64>,
+}
+
+impl<'a> Surface<'a> {
+    fn new(mesh: &'a TriMesh) -> Self {
+        let mut sum = 0.0;
+        let area = (0..mesh.triangles.len()).map(|t| {
+            let [a, b, c] = mesh.corners(t);
+            sum += 0.5 * (b - a).cross(c - a).length();
+            sum
+        });
+        Self { mesh, area: area.collect() }
+    }
+
+    /// The point for three numbers in 0..1, brought onto the true surface.
+    fn point(&self, object: &Shape, at: f64, u: f64, v: f64) -> DVec3 {
+        let whole = self.area.last().copied().unwrap_or(0.0);
+        let t = self.area.partition_point(|sum| *sum <= at * whole).min(self.area.len() - 1);
+        let [a, b, c] = self.mesh.corners(t);
+        // Folded onto the triangle (Osada et al. 2002, eq. 1).
+        let root = u.sqrt();
+        let p = (1.0 - root) * a + root * (1.0 - v) * b + root * v * c;
+        object.distance.closest(p, f64::INFINITY).map_or(p, |near| p - near.normal * near.distance)
+    }
+}

@@ -1,0 +1,119 @@
+//! What of the hand must not meet the object: palm, finger bodies and pads, as boxes in the hand frame.
+
+use crate::grasp::GraspPose;
+use crate::scene::Gripper;
+use crate::shape::{Aabb, SignedDistance};
+use glam::DVec3;
+
+/// Half sizes of the palm along x and y, and its end along the approach, m: the body of a Franka hand
+/// (204 x 63 mm, 65.9 mm tall up to the fingers; Franka Hand product manual, dimensions).
+const PALM: DVec3 = DVec3::new(0.102, 0.0315, 0.0659);
+/// Thickness of a finger behind its pad, m.
+const FINGER: f64 = 0.015;
+/// Boxes closer to the object than about this count as touching it, m.
+pub const CLEARANCE: f64 = 5e-4;
+
+/// The rigid hand with undeformed pads.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hand {
+    /// Box around a pad in the pad frame, m.
+    pub pad: Aabb,
+    /// Distance of the sensing faces when open, m.
+    pub opening: f64,
+    /// Centre of the pads along the approach (hand z) and the finger width (hand y), m.
+    pub center: DVec3,
+}
+
+/// A part of the hand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// The body that carries the fingers.
+    Palm,
+    /// A finger behind and below its pad.
+    Finger,
+    /// A pad.
+    Pad,
+}
+
+impl Part {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Part::Palm => "palm",
+            Part::Finger => "finger",
+            Part::Pad => "pad",
+        }
+    }
+}
+
+impl Hand {
+    /// The hand of a gripper with pads in this box (pad frame, m).
+    pub fn new(pad: Aabb, gripper: &Gripper) -> Self {
+        let center = DVec3::new(0.0, gripper.placement.y.get(), gripper.placement.z.get());
+        Self { pad, opening: gripper.opening.get(), center }
+    }
+
+    /// The part that meets the object when each finger has travelled by `travel` (m) from the open hand: palm first,
+    /// then fingers, then pads. `shift` moves the object along hand x, m.
+    pub fn obstacle(&self, object: &dyn SignedDistance, pose: &GraspPose, travel: f64, shift: f64) -> Option<Part> {
+        let meets =
+            |b: Aabb| overlaps(object, pose, Aabb { min: b.min - DVec3::X * shift, max: b.max - DVec3::X * shift });
+        let (fingers, pads) = (self.fingers(travel), self.pads(travel));
+        match () {
+            () if meets(palm()) => Some(Part::Palm),
+            () if fingers.into_iter().any(meets) => Some(Part::Finger),
+            () if pads.into_iter().any(meets) => Some(Part::Pad),
+            () => None,
+        }
+    }
+
+    /// Boxes of the pads, left first, hand frame, m.
+    pub fn pads(&self, travel: f64) -> [Aabb; 2] {
+        let (near, far) = (0.5 * self.opening - travel - self.pad.max.z, 0.5 * self.opening - travel - self.pad.min.z);
+        self.both(near, far, self.center.z + self.pad.min.x)
+    }
+
+    /// Boxes of the fingers, from the palm to the end of the pads, left first, hand frame, m.
+    fn fingers(&self, travel: f64) -> [Aabb; 2] {
+        let back = 0.5 * self.opening - travel - self.pad.min.z;
+        self.both(back, back + FINGER, PALM.z.min(self.center.z + self.pad.min.x))
+    }
+
+    /// Boxes on both sides between `near` and `far` from the middle, as wide as the pads, from height `low`.
+    fn both(&self, near: f64, far: f64, low: f64) -> [Aabb; 2] {
+        // Pad x lies along the approach, pad y along the finger width.
+        let half = self.pad.max.y.abs().max(self.pad.min.y.abs());
+        let (y0, y1, z1) = (self.center.y - half, self.center.y + half, self.center.z + self.pad.max.x);
+        [
+            Aabb { min: DVec3::new(-far, y0, low), max: DVec3::new(-near, y1, z1) },
+            Aabb { min: DVec3::new(near, y0, low), max: DVec3::new(far, y1, z1) },
+        ]
+    }
+}
+
+fn palm() -> Aabb {
+    Aabb { min: DVec3::new(-PALM.x, -PALM.y, 0.0), max: PALM }
+}
+
+/// Whether a box of the hand meets the object, to [`CLEARANCE`]: the distance is 1-Lipschitz, so a box whose centre is
+/// farther off than its half diagonal is clear, one whose centre is inside is not, and any other is halved.
+fn overlaps(object: &dyn SignedDistance, pose: &GraspPose, hand: Aabb) -> bool {
+    let (center, half) = (hand.center(), 0.5 * hand.size());
+    let distance = object.distance(pose.to_object(center));
+    if distance > half.length() {
+        return false;
+    }
+    if distance <= 0.0 || half.max_element() < CLEARANCE {
+        return true;
+    }
+    let axis = if half.x >= half.y.max(half.z) {
+        DVec3::X
+    } else if half.y >= half.z {
+        DVec3::Y
+    } else {
+        DVec3::Z
+    };
+    let cut = axis * half.dot(axis);
+    overlaps(object, pose, Aabb { min: hand.min, max: hand.max - cut })
+        || overlaps(object, pose, Aabb { min: hand.min + cut, max: hand.max })
+}

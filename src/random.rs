@@ -1,0 +1,32 @@
+//! Random numbers that are the same everywhere.
+
+/// SplitMix64 (Steele, Lea and Flood 2014), which needs no state but a counter.
+#[derive(Debug, Clone)]
+pub struct Random(u64);
+
+impl Random {
+    /// Equal seeds give equal numbers.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// The next 64 bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// A number in 0..1.
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// A whole number in 0..n; n is at least 1.
+    pub fn below(&mut self, n: usize) -> usize {
+        // The bias of the remainder is n / 2^64: nothing.
+        (self.bits() % n.max(1) as u64) as usize
+    }
+}

@@ -1,0 +1,80 @@
+//! Several objects in one scene file: each with its name and its grasps, everything else shared. For data sets.
+
+use super::grasps::Grasps;
+use super::leaf::Fraction;
+use super::object::Object;
+use super::schema::Scene;
+use serde::de::{Deserializer, Error as _};
+use serde::{Deserialize, Serialize};
+
+/// One of the objects of a scene file.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Entry {
+    /// Names its files.
+    pub name: Name,
+    /// The object.
+    pub object: Object,
+    /// Its grasps; None takes those of the scene.
+    #[serde(default)]
+    pub grasps: Option<Grasps>,
+}
+
+/// Letters, digits and `-`: other programs take the first field of a file name, up to `_`, for the object.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Name(String);
+
+impl Name {
+    /// The name if it is allowed; else the message that a scene file would get.
+    pub fn new(name: &str) -> Result<Self, String> {
+        let fits = |c: char| c.is_ascii_alphanumeric() || c == '-';
+        if (1..=64).contains(&name.len()) && name.chars().all(fits) && !name.starts_with('-') {
+            return Ok(Self(name.into()));
+        }
+        Err(format!("{name:?} cannot name an object\nallowed: 1 to 64 letters, digits and `-` (no `_`, no blank)"))
+    }
+
+    /// The nearest allowed name: what is not allowed becomes `-`.
+    pub fn near(text: &str) -> Self {
+        let fit = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
+        let name: String = text.chars().map(fit).take(64).collect();
+        let name = name.trim_start_matches('-');
+        Self(if name.is_empty() { "object".into() } else { name.into() })
+    }
+
+    /// The text.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl<'de> Deserialize<'de> for Name {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::new(&String::deserialize(deserializer)?).map_err(D::Error::custom)
+    }
+}
+
+/// How the poses of each object are shared out between training and test.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Split {
+    /// Part of the poses of each object that is kept for the test.
+    pub test: Fraction,
+    /// The same seed gives the same split.
+    pub seed: u64,
+}
+
+impl Default for Split {
+    fn default() -> Self {
+        Self { test: super::defaults::SPLIT_TEST, seed: 0 }
+    }
+}
+
+/// The scene of one object, with the object's name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedScene {
+    /// Name of the object.
+    pub name: Name,
+    /// The scene as if it had this object only.
+    pub scene: Scene,
+}
