@@ -13,7 +13,7 @@ use tactus::fem::state::{Border, MAX_BORDER, State, Step};
 use tactus::fem::term::{Block, BodyTerm, DeadLoad, Elastic, Stencil};
 use tactus::material::{Dilatation, FixedCorotated, Linear, Material, NeoHookean, Tangent};
 use tactus::mesh::TetMesh;
-use tactus::shape::{SignedDistance, ellipsoid::Ellipsoid, sphere::Sphere};
+use tactus::shape::{SignedDistance, cuboid::Cuboid, ellipsoid::Ellipsoid, sphere::Sphere};
 
 /// Every law is tested by every test of this file. A new law is one line here.
 fn laws() -> Vec<Arc<dyn Material>> {
@@ -247,12 +247,17 @@ impl Scene {
 
     /// Moves coordinate `a` by `d` and `b` by `e`, as the solver would.
     fn moved(&self, a: usize, d: f64, b: usize, e: f64) -> State {
+        self.state.moved(&self.border, &self.step(a, d, b, e), 1.0)
+    }
+
+    /// The step of coordinate `a` by `d` and of `b` by `e`.
+    fn step(&self, a: usize, d: f64, b: usize, e: f64) -> Step {
         let n = 3 * self.body.rest.len();
         let mut step = Step { x: vec![vec![DVec3::ZERO; n / 3]], border: [0.0; MAX_BORDER] };
         for (c, by) in [(a, d), (b, e)] {
             if c < n { step.x[0][c / 3][c % 3] += by } else { step.border[c - n] += by }
         }
-        self.state.moved(&self.border, &step, 1.0)
+        step
     }
 
     fn energy(&self, term: &dyn BodyTerm, state: &State) -> f64 {
@@ -444,7 +449,7 @@ fn contact_pressure_has_its_derivatives_in_nodes_travel_and_pose() {
 
 /// The limit `mu p` and the normal are lagged by design: assembly freezes them, and gradient and Hessian are those of
 /// the frozen potential, which `energy` returns until the next assembly. That the true friction force also changes
-/// with the pressure is left to the next iteration.
+/// with the pressure is what `couple` adds.
 #[test]
 fn sticking_friction_has_its_derivatives_in_nodes_travel_and_pose() {
     let covered = check_contact(5.0, 0.03);
@@ -455,6 +460,57 @@ fn sticking_friction_has_its_derivatives_in_nodes_travel_and_pose() {
 fn slipping_friction_has_its_derivatives_in_nodes_travel_and_pose() {
     let covered = check_contact(0.02, 0.2);
     assert!(covered.slipping > 50, "{covered:?}");
+}
+
+/// How the true gradient, friction limits following the pressure, changes along every coordinate that does not turn the
+/// object: the Hessian of the frozen potential plus what `couple` adds. The object is a slab, whose normal does not turn.
+#[test]
+fn forces_of_slipping_points_follow_the_pressure() {
+    let object: Arc<dyn SignedDistance> = Arc::new(Cuboid { core: DVec3::new(9.0, 9.0, 0.8), radius: 0.0 });
+    let mut covered = Covered::default();
+    for seed in 0..4000 {
+        let mut random = Random(seed);
+        let mut scene = Scene::new(seed % 2 == 1, &mut random);
+        let surface = Arc::new(ContactSurface::with_subdivision(&scene.body, 2));
+        let law = contact_law(0.4, 0.3);
+        let mut contact = Contact::new(law, surface, object.clone());
+        scene.assemble(&mut contact, false);
+        contact.commit(&scene.body, &scene.state.view(0, &scene.border));
+        scene.shake(0.2, &mut random);
+        let block = scene.assemble(&mut contact, false);
+        let view = scene.state.view(0, &scene.border);
+        let kink = contact.edges().iter().zip(&contact.surface().points).any(|(e, stencil)| {
+            let relative = stencil.position(view.x) + view.offset - view.position;
+            let slip = across(relative - view.rotation * e.anchor.unwrap_or_default(), e.normal);
+            let gap = object.distance(view.rotation.transpose() * relative);
+            near_kink(&law, gap) || near_slip(&law, e, slip) || gap < -law.offset
+        });
+        if kink || !contact.edges().iter().any(|e| e.slips) {
+            continue;
+        }
+        covered.add(&law, contact.edges());
+        let (unknowns, hessian) = (scene.unknowns(), scene.hessian(&block));
+        let turning = scene.size() - 3;
+        for (j, &c) in unknowns.iter().enumerate().filter(|(_, c)| **c < turning) {
+            let step = scene.step(c, 1.0, c, 0.0);
+            let mut change = Block::new(&scene.body, scene.border.size);
+            contact.couple(&scene.body, &view, &step.motion(0, &view), &mut change);
+            let coupled = scene.gradient(&change);
+            let expected: Vec<f64> =
+                unknowns.iter().enumerate().map(|(i, &r)| hessian[i * unknowns.len() + j] + coupled[r]).collect();
+            let gradient = |d: f64| {
+                let mut block = Block::new(&scene.body, scene.border.size);
+                let state = scene.moved(c, d, c, 0.0);
+                contact.clone().assemble(&scene.body, &state.view(0, &scene.border), false, &mut block);
+                scene.gradient(&block)
+            };
+            let numeric: Vec<f64> = unknowns.iter().map(|&r| slope(STEP, |d| gradient(d)[r])).collect();
+            let error = deviation(&numeric, &expected, 1e-3);
+            assert!(error < TOLERANCE, "seed {seed}, coordinate {c}: off by {error:.1e}");
+        }
+    }
+    println!("{covered:?}");
+    assert!(covered.slipping > 30, "{covered:?}");
 }
 
 /// Features of the object over inner points of the pad's faces, in scenes away from kinks: the scene, the law, the
