@@ -118,7 +118,7 @@ fn a_tip_between_the_points_of_the_pad_is_found() {
     let folder = tempfile::tempdir().unwrap();
     let text = "(object: (shape: Revolve(profile: [(0, -0.02), (0.004, -0.02), (0, 0.02)]), motion: Fixed),
         gripper: (pads: GelSightMini(spacing: 4e-3), fingers: One), expect: [NoPenetration],
-        grasps: List([(position: (0.1, 0.0003, 0.0003), rotation: RpyDeg((0, -90, 0)))]), loading: Press(depth: 1e-4, frames: 1))";
+        grasps: List([(position: (-0.1, 0.0003, 0.0003), rotation: RpyDeg((0, 90, 0)))]), loading: Press(depth: 1e-4, frames: 1))";
     let scene = scene(folder.path(), text);
     let model = Model::build(&scene).unwrap();
     let last = Last::default();

@@ -149,15 +149,17 @@ impl PadSurface {
     }
 }
 
-/// The tetrahedra of a deformed pad, to look up which of them hold a point.
+/// The tetrahedra of a deformed pad, sorted into the cells of a grid to look up which of them holds a point.
 struct Tetrahedra<'a> {
     elements: &'a Elements,
     x: &'a [DVec3],
-    /// Box around all of them, then around each.
-    all: [DVec3; 2],
-    boxes: Vec<[DVec3; 2]>,
+    low: DVec3,
+    cell: DVec3,
+    cells: Vec<Vec<u32>>,
 }
 
+/// Cells of the grid along each axis.
+const CELLS: usize = 16;
 /// Barycentric coordinate below which a point counts as outside: rounding must not call touching points inside.
 const INSIDE: f64 = 1e-9;
 
@@ -167,23 +169,38 @@ impl<'a> Tetrahedra<'a> {
         let around = |points: &mut dyn Iterator<Item = DVec3>| {
             points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)])
         };
-        let boxes = elements
-            .nodes()
-            .chunks_exact(elements.width())
-            .map(|n| {
-                let [low, high] = around(&mut n.iter().map(|&i| x[i as usize]));
-                // The edges of a bent element bulge beyond the box of its nodes by an eighth of it at most.
-                let bulge = if elements.width() == 10 { (high - low) / 8.0 } else { DVec3::ZERO };
-                [low - bulge, high + bulge]
-            })
-            .collect::<Vec<_>>();
-        let all = around(&mut boxes.iter().flatten().copied());
-        Self { elements, x, all, boxes }
+        let boxes = elements.nodes().chunks_exact(elements.width()).map(|n| {
+            let [low, high] = around(&mut n.iter().map(|&i| x[i as usize]));
+            // The edges of a bent element bulge beyond the box of its nodes by an eighth of it at most.
+            let bulge = if elements.width() == 10 { (high - low) / 8.0 } else { DVec3::ZERO };
+            [low - bulge, high + bulge]
+        });
+        let boxes: Vec<[DVec3; 2]> = boxes.collect();
+        let [low, high] = around(&mut boxes.iter().flatten().copied());
+        let cell = (high - low) / CELLS as f64;
+        let mut tetrahedra = Self { elements, x, low, cell, cells: vec![Vec::new(); CELLS.pow(3)] };
+        for (t, [low, high]) in boxes.into_iter().enumerate() {
+            let (from, to) = (tetrahedra.place(low), tetrahedra.place(high));
+            for i in from[0]..=to[0] {
+                for j in from[1]..=to[1] {
+                    for k in from[2]..=to[2] {
+                        tetrahedra.cells[(i * CELLS + j) * CELLS + k].push(t as u32);
+                    }
+                }
+            }
+        }
+        tetrahedra
+    }
+
+    /// The cell nearest to `p`.
+    fn place(&self, p: DVec3) -> [usize; 3] {
+        ((p - self.low) / self.cell).to_array().map(|v| (v.max(0.0) as usize).min(CELLS - 1))
     }
 
     fn contains(&self, p: DVec3) -> bool {
-        let within = |b: &[DVec3; 2]| p.cmpge(b[0]).all() && p.cmple(b[1]).all();
-        within(&self.all) && (0..self.boxes.len()).any(|t| within(&self.boxes[t]) && self.holds(t, p))
+        let within = p.cmpge(self.low).all() && p.cmple(self.low + self.cell * CELLS as f64).all();
+        let [i, j, k] = self.place(p);
+        within && self.cells[(i * CELLS + j) * CELLS + k].iter().any(|&t| self.holds(t as usize, p))
     }
 
     fn holds(&self, t: usize, p: DVec3) -> bool {
@@ -201,7 +218,8 @@ impl<'a> Tetrahedra<'a> {
                     let full = [1.0 - l.element_sum(), l.x, l.y, l.z];
                     let step = jacobian(&x, &full).inverse() * (p - position(&x, &full));
                     l += step;
-                    if step.length() < 1e-12 {
+                    // Far outside, or there.
+                    if step.length() < 1e-12 || l.abs().max_element() > 3.0 {
                         break;
                     }
                 }
