@@ -69,7 +69,7 @@ impl Auditor {
     pub fn new(object: &scene::Object, shape: &Shape, fingers: &[FingerModel]) -> Self {
         let pads: Vec<_> = fingers.iter().map(|f| PadSurface::new(&f.topology)).collect();
         let spacing = pads.iter().map(|p| p.spacing).fold(f64::INFINITY, f64::min);
-        Self { solid: Solid::new(object, shape), object: ObjectPoints::new(&shape.surface, spacing), pads }
+        Self { solid: Solid::new(object, shape), object: ObjectPoints::new(&shape.surface, shape.exact, spacing), pads }
     }
 
     /// Judges a frame of `model`; `gravity` in the hand frame, m/s2.

@@ -23,20 +23,31 @@ pub struct PadSurface {
     pub spacing: f64,
 }
 
-/// Points of the object's surface in its own frame: vertices, and between them where edges are long.
+/// Points of the object's surface in its own frame: vertices, and points along its edges.
 #[derive(Debug)]
 pub struct ObjectPoints(Vec<DVec3>);
 
+/// Cosine of the angle between two triangles from which on their edge counts as round: the pad's own points see it.
+const ROUND: f64 = 0.985;
+
 impl ObjectPoints {
-    /// Points along every edge of `surface`, at most `spacing` (m) apart.
-    pub fn new(surface: &TriMesh, spacing: f64) -> Self {
+    /// Vertices of `surface`, and points along its edges at most `spacing` (m) apart: along creases only if it is the `drawing`
+    /// of a round shape, whose other edges are chords inside.
+    pub fn new(surface: &TriMesh, drawing: bool, spacing: f64) -> Self {
         let mut points = surface.vertices.clone();
-        for t in &surface.triangles {
+        let mut normals = BTreeMap::new();
+        for (t, corners) in surface.triangles.iter().enumerate() {
+            let [a, b, c] = surface.corners(t);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
             for k in 0..3 {
-                let (a, b) = (t[k], t[(k + 1) % 3]);
-                // Each edge once; the other triangle runs along it the other way.
-                if a < b {
-                    let (a, b) = (surface.vertices[a as usize], surface.vertices[b as usize]);
+                let (i, j) = (corners[k], corners[(k + 1) % 3]);
+                // The other triangle runs along the edge the other way.
+                let Some(other) = normals.remove(&(j, i)) else {
+                    normals.insert((i, j), normal);
+                    continue;
+                };
+                if !drawing || normal.dot(other) < ROUND {
+                    let (a, b) = (surface.vertices[i as usize], surface.vertices[j as usize]);
                     let parts = (a.distance(b) / spacing).ceil().clamp(1.0, 1000.0) as usize;
                     points.extend((1..parts).map(|i| a.lerp(b, i as f64 / parts as f64)));
                 }
@@ -156,6 +167,7 @@ struct Tetrahedra<'a> {
     low: DVec3,
     cell: DVec3,
     cells: Vec<Vec<u32>>,
+    boxes: Vec<[DVec3; 2]>,
 }
 
 /// Cells of the grid along each axis.
@@ -178,9 +190,9 @@ impl<'a> Tetrahedra<'a> {
         let boxes: Vec<[DVec3; 2]> = boxes.collect();
         let [low, high] = around(&mut boxes.iter().flatten().copied());
         let cell = (high - low) / CELLS as f64;
-        let mut tetrahedra = Self { elements, x, low, cell, cells: vec![Vec::new(); CELLS.pow(3)] };
-        for (t, [low, high]) in boxes.into_iter().enumerate() {
-            let (from, to) = (tetrahedra.place(low), tetrahedra.place(high));
+        let mut tetrahedra = Self { elements, x, low, cell, cells: vec![Vec::new(); CELLS.pow(3)], boxes };
+        for t in 0..tetrahedra.boxes.len() {
+            let [from, to] = tetrahedra.boxes[t].map(|p| tetrahedra.place(p));
             for i in from[0]..=to[0] {
                 for j in from[1]..=to[1] {
                     for k in from[2]..=to[2] {
@@ -198,9 +210,13 @@ impl<'a> Tetrahedra<'a> {
     }
 
     fn contains(&self, p: DVec3) -> bool {
-        let within = p.cmpge(self.low).all() && p.cmple(self.low + self.cell * CELLS as f64).all();
+        let within = |low: DVec3, high: DVec3| p.cmpge(low).all() && p.cmple(high).all();
+        if !within(self.low, self.low + self.cell * CELLS as f64) {
+            return false;
+        }
         let [i, j, k] = self.place(p);
-        within && self.cells[(i * CELLS + j) * CELLS + k].iter().any(|&t| self.holds(t as usize, p))
+        let mut near = self.cells[(i * CELLS + j) * CELLS + k].iter().map(|&t| t as usize);
+        near.any(|t| within(self.boxes[t][0], self.boxes[t][1]) && self.holds(t, p))
     }
 
     fn holds(&self, t: usize, p: DVec3) -> bool {
@@ -213,19 +229,17 @@ impl<'a> Tetrahedra<'a> {
             Elements::Quadratic(tets) => {
                 let x = tets[t].map(node);
                 let mut l = DVec3::splat(0.25);
-                // Newton's method on the map of the element; where it fails the point is not in the element.
+                let full = |l: DVec3| [1.0 - l.element_sum(), l.x, l.y, l.z];
+                let off = |l: DVec3| p - position(&x, &full(l));
+                // Newton's method on the map of the element; where it leaves or fails the point is not in the element.
                 for _ in 0..8 {
-                    let full = [1.0 - l.element_sum(), l.x, l.y, l.z];
-                    let step = jacobian(&x, &full).inverse() * (p - position(&x, &full));
+                    let step = jacobian(&x, &full(l)).inverse() * off(l);
                     l += step;
-                    // Far outside, or there.
-                    if step.length() < 1e-12 || l.abs().max_element() > 3.0 {
+                    if step.length() < 1e-12 || l.abs().max_element() > 2.0 {
                         break;
                     }
                 }
-                let full = [1.0 - l.element_sum(), l.x, l.y, l.z];
-                let size = x[0].distance(x[1]);
-                if !(position(&x, &full).distance(p) < 1e-9 * size) {
+                if off(l).length() > 1e-9 * x[0].distance(x[1]) || !l.is_finite() {
                     return false;
                 }
                 l
