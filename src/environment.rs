@@ -1,6 +1,7 @@
 //! One environment: a world and its schedule. Environments share the [`Model`] and nothing else, so any number may run
 //! side by side.
 
+use crate::audit::{Audited, Findings};
 use crate::error::{Error, Result};
 use crate::grasp::GraspPose;
 use crate::model::Model;
@@ -50,6 +51,11 @@ impl Environment {
     /// The frame that the last step made, if it made one.
     pub fn frame(&self) -> Option<&Frame> {
         self.world.resource::<Recorded>().0.as_ref()
+    }
+
+    /// What the audit found in the frame that the last step made; None if the scene promises nothing that it judges.
+    pub fn findings(&self) -> Option<Findings> {
+        self.frame().and(self.world.get_resource::<Audited>()?.0)
     }
 
     /// Where the stepper spent its time so far.

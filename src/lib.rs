@@ -11,6 +11,7 @@
 //! Start at [`components`] (what a world holds), [`schedule`] (what a step does) and [`model`] (what never changes).
 #![warn(missing_docs)]
 
+pub mod audit;
 pub mod cli;
 pub mod components;
 pub mod contact;

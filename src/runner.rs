@@ -1,5 +1,6 @@
 //! Runs the grasps of a scene, several at once, with the same bits on any number of threads.
 
+use crate::audit::Findings;
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::grasp::GraspPose;
@@ -114,7 +115,7 @@ pub fn run_grasp(
     let end = loop {
         let phase = environment.step();
         if let Some(frame) = environment.frame() {
-            tally.observe(model, frame);
+            tally.observe(model, frame, environment.findings());
             let clock = Instant::now();
             observer.frame(index, frame)?;
             recording += clock.elapsed().as_secs_f64();
@@ -142,10 +143,8 @@ struct Tally {
 }
 
 impl Tally {
-    fn observe(&mut self, model: &Model, frame: &Frame) {
+    fn observe(&mut self, model: &Model, frame: &Frame, findings: Option<Findings>) {
         let m = self.measured.get_or_insert_with(|| Measured {
-            min_det_f: f64::INFINITY,
-            min_gap_m: f64::INFINITY,
             force_balance: 0.0,
             torque_balance: 0.0,
             ..Measured::default()
@@ -155,8 +154,7 @@ impl Tally {
         for (slot, travel) in m.travel_m.iter_mut().zip(&frame.travel) {
             *slot = *travel;
         }
-        m.min_det_f = m.min_det_f.min(frame.min_det_f);
-        m.min_gap_m = m.min_gap_m.min(frame.min_gap);
+        m.findings = m.findings.map_or(findings, |old| findings.map(|new| old.worst(new)));
         m.force_balance = m.force_balance.max(frame.force_balance);
         m.torque_balance = m.torque_balance.max(frame.torque_balance);
         let stress = frame.pads.iter().flat_map(|p| &p.von_mises_node).copied().reduce(f64::max);

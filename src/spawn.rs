@@ -1,5 +1,6 @@
 //! A world for one grasp: entities with the components that the scene needs, and the resources of a step.
 
+use crate::audit::Audited;
 use crate::components::*;
 use crate::grasp::GraspPose;
 use crate::model::{FingerModel, Model};
@@ -44,6 +45,9 @@ pub fn spawn(model: &Arc<Model>, pose: GraspPose) -> World {
     world.insert_resource(Balance::default());
     world.insert_resource(Recorded::default());
     world.insert_resource(Timings::default());
+    if model.needs.audit {
+        world.insert_resource(Audited::default());
+    }
     world
 }
 

@@ -1,5 +1,6 @@
 //! Expectations: what holds, what does not, and that nothing holds of what was not measured.
 
+use tactus::audit::Findings;
 use tactus::scene::*;
 
 fn expectations(text: &str) -> Vec<Expectation> {
@@ -14,14 +15,19 @@ fn judge(text: &str, measured: &Measured) -> Held {
     evaluate(&expectations(text)[0], measured)
 }
 
+const FINE: Findings = Findings { finite: true, min_det_f: 0.6, penetration: 1e-7, imbalance: 1e-4 };
+
+fn audited(findings: Findings) -> Measured {
+    Measured { findings: Some(findings), ..good() }
+}
+
 fn good() -> Measured {
     Measured {
         status: Status::Reached,
         reason: String::new(),
         force_n: 15.0,
         travel_m: [1.5e-3, 1.7e-3],
-        min_det_f: 0.6,
-        min_gap_m: 1e-6,
+        findings: Some(FINE),
         force_balance: 1e-5,
         torque_balance: 2e-5,
         max_stress_pa: 1e5,
@@ -31,6 +37,7 @@ fn good() -> Measured {
 
 const ALL: &str =
     "ReachesForce, ForceBalance(relative: 1e-3), TorqueBalance(relative: 1e-3), NoInversion, NoPenetration,
+    Finite, Penetration(at_most: 1e-6), Converged(relative: 1e-3),
     Travel(at_most: 2e-3, at_least: 1e-3), Force(at_least: 14.9), ForceAt(depth: 1.5e-3, force: 10.5, relative: 0.05),
     MaxStress(at_most: 2e5)";
 
@@ -59,10 +66,20 @@ fn the_violated_bound_is_shown() {
 
 #[test]
 fn inversion_and_penetration_are_noticed() {
-    assert!(!judge("NoInversion", &Measured { min_det_f: -0.1, ..good() }).held);
-    assert!(!judge("NoInversion", &Measured { min_det_f: 0.0, ..good() }).held);
-    assert!(!judge("NoPenetration", &Measured { min_gap_m: -1e-9, ..good() }).held);
-    assert!(judge("NoPenetration", &Measured { min_gap_m: 0.0, ..good() }).held);
+    assert!(!judge("NoInversion", &audited(Findings { min_det_f: -0.1, ..FINE })).held);
+    assert!(!judge("NoInversion", &audited(Findings { min_det_f: 0.0, ..FINE })).held);
+    assert!(!judge("NoPenetration", &audited(Findings { penetration: 1.1e-5, ..FINE })).held);
+    assert!(judge("NoPenetration", &audited(Findings { penetration: 0.0, ..FINE })).held);
+    assert!(!judge("Penetration(at_most: 2e-5)", &audited(Findings { penetration: 3e-5, ..FINE })).held);
+    assert!(!judge("Converged(relative: 1e-3)", &audited(Findings { imbalance: 2e-3, ..FINE })).held);
+    assert!(!judge("Finite", &audited(Findings { finite: false, ..FINE })).held);
+}
+
+#[test]
+fn the_worst_frame_counts_and_nan_is_worse_than_any_number() {
+    let worst = FINE.worst(Findings { min_det_f: 0.1, penetration: f64::NAN, ..FINE }).worst(FINE);
+    assert_eq!((worst.min_det_f, worst.imbalance, worst.finite), (0.1, 1e-4, true));
+    assert!(worst.penetration.is_nan() && !judge("NoPenetration", &audited(worst)).held);
 }
 
 #[test]
@@ -88,7 +105,7 @@ fn failures_can_be_expected() {
 #[test]
 fn one_bad_grasp_breaks_a_scene_and_no_grasp_proves_nothing() {
     let e = &expectations("NoInversion")[0];
-    let bad = Measured { min_det_f: -1.0, ..good() };
+    let bad = audited(Findings { min_det_f: -1.0, ..FINE });
     assert_eq!(evaluate_all(e, &[good(), bad, good()]).value, Some(-1.0));
     assert!(evaluate_all(e, &[good(), good()]).held);
     assert!(!evaluate_all(e, &[]).held);

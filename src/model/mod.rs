@@ -13,6 +13,7 @@ pub mod pad;
 pub use needs::Needs;
 pub use pad::FingerModel;
 
+use crate::audit::Auditor;
 use crate::contact::{Feature, law::Law};
 use crate::error::{Error, Result};
 use crate::fem::locking::locking_notice;
@@ -57,6 +58,8 @@ pub struct Model {
     pub levels: Vec<f64>,
     /// What the scene needs in its world.
     pub needs: Needs,
+    /// Judge of the recorded frames, if the scene needs one.
+    pub auditor: Option<Auditor>,
     /// What was repaired or assumed, one sentence each.
     pub notices: Vec<String>,
     /// What to know before trusting the pads' stiffness.
@@ -98,6 +101,8 @@ impl Model {
         let spacing = fingers.iter().map(|f| f.surface.spacing).fold(f64::INFINITY, f64::min);
         let free = scene.object.motion == Motion::Free;
         let mass = object.mass.volume * scene.object.density.get();
+        let needs = Needs::of(scene);
+        let auditor = needs.audit.then(|| Auditor::new(&scene.object, &object, &fingers));
         Ok(Arc::new(Self {
             mass,
             free,
@@ -113,7 +118,8 @@ impl Model {
             gravity: scene.gravity.map(|g| g.dvec3()).filter(|g| *g != DVec3::ZERO),
             force_driven,
             levels,
-            needs: Needs::of(scene),
+            needs,
+            auditor,
             notices,
             object,
         }))

@@ -16,6 +16,8 @@ pub struct Needs {
     pub friction: bool,
     /// Weight of the gel and of a free object: gravity is set.
     pub gravity: bool,
+    /// An independent judge of every frame: the scene promises something that it judges.
+    pub audit: bool,
     /// A pose that changes: the object is free.
     pub free_object: bool,
 }
@@ -30,6 +32,7 @@ impl Needs {
             gap: recorded(Field::Gap),
             friction: scene.gripper.friction.get() > 0.0,
             gravity: scene.gravity.is_some_and(|g| g.dvec3() != glam::DVec3::ZERO),
+            audit: scene.expect.iter().any(Expectation::audited),
             free_object: scene.object.motion == Motion::Free,
         }
     }

@@ -181,6 +181,7 @@ fn travel(scene: &Scene, levels: Vec<f64>) -> Result<(), Problem> {
 fn expectation(i: usize, expectation: &Expectation) -> Result<(), Problem> {
     let (Expectation::Travel(Bounds { at_least, at_most })
     | Expectation::Force(Bounds { at_least, at_most })
+    | Expectation::Penetration(Bounds { at_least, at_most })
     | Expectation::MaxStress(Bounds { at_least, at_most })) = expectation
     else {
         return Ok(());

@@ -3,6 +3,9 @@
 use super::leaf::{Finite, Length, Positive};
 use serde::{Deserialize, Serialize};
 
+/// Depth that does not yet count as penetration, m: that of the contact law's offset, below which nothing is resolved.
+pub const PENETRATION: f64 = 1e-5;
+
 /// One promise, judged on every grasp of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Expectation {
@@ -12,10 +15,16 @@ pub enum Expectation {
     ForceBalance(Relative),
     /// Torques on the object cancel: residual over force times object size.
     TorqueBalance(Relative),
+    /// Every recorded number is finite.
+    Finite,
     /// No soft element is turned inside out in any frame.
     NoInversion,
-    /// No pad point is inside the object in any frame.
+    /// Pads and object are nowhere inside each other in any frame, deeper than [`PENETRATION`].
     NoPenetration,
+    /// How deep they are at the worst point of any frame, m: where a coarse pad is known to sink in between its points.
+    Penetration(Bounds),
+    /// The forces on the gel balance in every frame: what is left over, over the force of a finger. Quasi-static scenes.
+    Converged(Relative),
     /// Travel of each finger after contact at the last frame, m.
     Travel(Bounds),
     /// Sum over the fingers of |normal force| at the last frame, N.
@@ -75,8 +84,11 @@ impl Expectation {
             Expectation::ReachesForce => "ReachesForce",
             Expectation::ForceBalance(_) => "ForceBalance",
             Expectation::TorqueBalance(_) => "TorqueBalance",
+            Expectation::Finite => "Finite",
             Expectation::NoInversion => "NoInversion",
             Expectation::NoPenetration => "NoPenetration",
+            Expectation::Penetration(_) => "Penetration",
+            Expectation::Converged(_) => "Converged",
             Expectation::Travel(_) => "Travel",
             Expectation::Force(_) => "Force",
             Expectation::ForceAt(_) => "ForceAt",
@@ -86,11 +98,17 @@ impl Expectation {
         }
     }
 
+    /// Whether it is judged by the [`crate::audit`].
+    pub fn audited(&self) -> bool {
+        use Expectation::*;
+        matches!(self, Finite | NoInversion | NoPenetration | Penetration(_) | Converged(_))
+    }
+
     /// Unit of its value and bound; "" for a ratio or a text.
     pub fn unit(&self) -> &'static str {
         match self {
             Expectation::ReachesForce | Expectation::Force(_) | Expectation::ForceAt(_) => "N",
-            Expectation::NoPenetration | Expectation::Travel(_) => "m",
+            Expectation::NoPenetration | Expectation::Penetration(_) | Expectation::Travel(_) => "m",
             Expectation::MaxStress(_) => "Pa",
             _ => "",
         }

@@ -1,6 +1,7 @@
 //! Judges a grasp's outcome against what its scene promised.
 
-use super::expect::{Bounds, Expectation};
+use super::expect::{Bounds, Expectation, PENETRATION};
+use crate::audit::Findings;
 use serde::Serialize;
 
 /// How a grasp ended.
@@ -28,10 +29,8 @@ pub struct Measured {
     pub force_n: f64,
     /// Travel of each finger after contact at the last frame, m; a missing finger is NaN.
     pub travel_m: [f64; 2],
-    /// Smallest det F of any element in any frame; positive is not inverted.
-    pub min_det_f: f64,
-    /// Smallest distance of pad and object in any frame, m; negative is penetration.
-    pub min_gap_m: f64,
+    /// What the audit of the frames found, the worst of each; None if nobody asked for an audit or there is no frame.
+    pub findings: Option<Findings>,
     /// Largest residual of forces on the object over the loading's force.
     pub force_balance: f64,
     /// Largest residual of torques on the object over force times object size.
@@ -50,8 +49,7 @@ impl Default for Measured {
             reason: String::new(),
             force_n: f64::NAN,
             travel_m: [f64::NAN; 2],
-            min_det_f: f64::NAN,
-            min_gap_m: f64::NAN,
+            findings: None,
             force_balance: f64::NAN,
             torque_balance: f64::NAN,
             max_stress_pa: f64::NAN,
@@ -96,8 +94,23 @@ pub fn evaluate(expectation: &Expectation, m: &Measured) -> Held {
         Expectation::TorqueBalance(r) => {
             verdict(m.torque_balance <= r.relative.get(), m.torque_balance, r.relative.get())
         }
-        Expectation::NoInversion => verdict(m.min_det_f > 0.0, m.min_det_f, 0.0),
-        Expectation::NoPenetration => verdict(m.min_gap_m >= 0.0, m.min_gap_m, 0.0),
+        Expectation::Finite => verdict(m.findings.is_some_and(|f| f.finite), f64::NAN, f64::NAN),
+        Expectation::NoInversion => {
+            let det = m.findings.map_or(f64::NAN, |f| f.min_det_f);
+            verdict(det > 0.0, det, 0.0)
+        }
+        Expectation::NoPenetration => {
+            let depth = m.findings.map_or(f64::NAN, |f| f.penetration);
+            verdict(depth <= PENETRATION, depth, PENETRATION)
+        }
+        Expectation::Penetration(bounds) => {
+            let (held, value, bound) = within(bounds, m.findings.map_or(f64::NAN, |f| f.penetration));
+            verdict(held, value, bound)
+        }
+        Expectation::Converged(r) => {
+            let imbalance = m.findings.map_or(f64::NAN, |f| f.imbalance);
+            verdict(imbalance <= r.relative.get(), imbalance, r.relative.get())
+        }
         Expectation::Travel(bounds) => {
             let fingers: Vec<f64> = m.travel_m.into_iter().filter(|t| !t.is_nan()).collect();
             let (held, value, bound) = fingers.iter().map(|&t| within(bounds, t)).fold(

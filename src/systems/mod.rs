@@ -5,6 +5,7 @@ pub(crate) mod measure;
 mod record;
 pub(crate) mod sense;
 
+use crate::audit::audit_frame;
 use crate::model::Needs;
 use crate::schedule::{StepSet, ramping, reached};
 use bevy_ecs::prelude::*;
@@ -16,6 +17,10 @@ pub fn register(schedule: &mut Schedule, needs: &Needs) {
     schedule.add_systems(measure::measure_balance.run_if(reached).in_set(StepSet::Measure));
     if needs.gap {
         schedule.add_systems(measure::measure_gap.run_if(reached).in_set(StepSet::Measure));
+    }
+    if needs.audit {
+        let judge = audit_frame.run_if(reached).after(record::record_frame).before(record::turn_phase);
+        schedule.add_systems(judge.in_set(StepSet::Record));
     }
     schedule.add_systems((record::record_frame.run_if(reached), record::turn_phase).chain().in_set(StepSet::Record));
 }

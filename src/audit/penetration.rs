@@ -1,0 +1,250 @@
+//! How deep bodies are in each other: points of a pad inside the object, of the object inside a pad, of a pad inside the other.
+
+use super::inversion::{jacobian, position};
+use super::solid::Solid;
+use super::triangle;
+use crate::mesh::TriMesh;
+use crate::record::{Elements, PadTopology};
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// Parts that an edge of a boundary face is cut into: other points than those at which the solver feels contact.
+const PARTS: usize = 6;
+
+/// The free surface of a pad: boundary faces that are not glued to the finger.
+#[derive(Debug)]
+pub struct PadSurface {
+    /// Corners and, of 10-node tetrahedra, the middles of (0,1), (1,2), (2,0); else the corners again.
+    faces: Vec<[u32; 6]>,
+    quadratic: bool,
+    /// Per node: on a free face.
+    pub free: Vec<bool>,
+    /// Mean edge of the parts that a face is cut into, m.
+    pub spacing: f64,
+}
+
+/// Points of the object's surface in its own frame: vertices, and points along its edges.
+#[derive(Debug)]
+pub struct ObjectPoints(Vec<DVec3>);
+
+/// Cosine of the angle between two triangles from which on their edge counts as round: the pad's own points see it.
+const ROUND: f64 = 0.985;
+
+impl ObjectPoints {
+    /// Vertices of `surface`, and points along its edges at most `spacing` (m) apart: along creases only if it is the `drawing`
+    /// of a round shape, whose other edges are chords inside.
+    pub fn new(surface: &TriMesh, drawing: bool, spacing: f64) -> Self {
+        let mut points = surface.vertices.clone();
+        let mut normals = BTreeMap::new();
+        for (t, corners) in surface.triangles.iter().enumerate() {
+            let [a, b, c] = surface.corners(t);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            for k in 0..3 {
+                let (i, j) = (corners[k], corners[(k + 1) % 3]);
+                // The other triangle runs along the edge the other way.
+                let Some(other) = normals.remove(&(j, i)) else {
+                    normals.insert((i, j), normal);
+                    continue;
+                };
+                if !drawing || normal.dot(other) < ROUND {
+                    let (a, b) = (surface.vertices[i as usize], surface.vertices[j as usize]);
+                    let parts = (a.distance(b) / spacing).ceil().clamp(1.0, 1000.0) as usize;
+                    points.extend((1..parts).map(|i| a.lerp(b, i as f64 / parts as f64)));
+                }
+            }
+        }
+        Self(points)
+    }
+}
+
+impl PadSurface {
+    /// Of a recorded pad.
+    pub fn new(topology: &PadTopology) -> Self {
+        let mut middle = BTreeMap::new();
+        if let Elements::Quadratic(tets) = &topology.elements {
+            for n in tets {
+                for (e, [i, j]) in [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]].into_iter().enumerate() {
+                    middle.insert((n[i].min(n[j]), n[i].max(n[j])), n[4 + e]);
+                }
+            }
+        }
+        let quadratic = !middle.is_empty();
+        let mut free = vec![false; topology.rest.len()];
+        let (mut faces, mut length) = (Vec::new(), 0.0);
+        for &[a, b, c] in &topology.surface {
+            if [a, b, c].iter().all(|&i| topology.bonded[i as usize]) {
+                continue;
+            }
+            let between = |i: u32, j: u32| middle.get(&(i.min(j), i.max(j))).copied().unwrap_or(i);
+            let face = [a, b, c, between(a, b), between(b, c), between(c, a)];
+            face.iter().for_each(|&i| free[i as usize] = true);
+            length += topology.rest[a as usize].distance(topology.rest[b as usize]);
+            faces.push(face);
+        }
+        let spacing = length / (faces.len().max(1) * PARTS) as f64;
+        Self { faces, quadratic, free, spacing }
+    }
+
+    /// Depth of the worst point of pad or object in the other, m, with the nodes at `x` in the object's frame; zero if nothing
+    /// penetrates.
+    pub fn depth(&self, topology: &PadTopology, x: &[DVec3], solid: &Solid, object: &ObjectPoints) -> f64 {
+        let inner = topology.elements.nodes().chunks_exact(topology.elements.width());
+        let inner = inner.map(|n| n[..4].iter().map(|&i| x[i as usize]).sum::<DVec3>() / 4.0);
+        let points = x.iter().copied().chain(self.points(x)).chain(inner);
+        let of_pad = points.map(|p| solid.depth(p)).fold(0.0, f64::max);
+        let tets = Tetrahedra::new(topology, x);
+        let of_object = object.0.iter().copied().filter(|p| tets.contains(*p) && self.between(*p, solid));
+        self.below_skin(of_object, x).max(of_pad)
+    }
+
+    /// Depth of the worst surface node of another pad, at `others`, in this one, m.
+    pub fn depth_of_nodes(&self, topology: &PadTopology, x: &[DVec3], others: impl Iterator<Item = DVec3>) -> f64 {
+        let tets = Tetrahedra::new(topology, x);
+        self.below_skin(others.filter(|p| tets.contains(*p)), x)
+    }
+
+    /// Largest distance to the free surface of points that are inside the pad, m.
+    fn below_skin(&self, inside: impl Iterator<Item = DVec3>, x: &[DVec3]) -> f64 {
+        let mut inside = inside.peekable();
+        if inside.peek().is_none() {
+            return 0.0;
+        }
+        let skin = self.triangles(x);
+        inside.map(|p| triangle::distance(&skin, p)).fold(0.0, f64::max)
+    }
+
+    /// Whether a point of the drawing belongs to the object: chords over a hollow do not.
+    fn between(&self, p: DVec3, solid: &Solid) -> bool {
+        match solid {
+            Solid::Surface(_) => true,
+            _ => solid.depth(p * (1.0 - 1e-9)) > 0.0 || solid.depth(p * (1.0 + 1e-9)) > 0.0,
+        }
+    }
+
+    /// The free surface as flat triangles, m.
+    fn triangles(&self, x: &[DVec3]) -> Vec<[DVec3; 3]> {
+        self.parts(|face, part| part.map(|l| self.point(face, l, x)))
+    }
+
+    /// Points of the free surface itself, one for each of its triangles, m.
+    fn points<'a>(&'a self, x: &'a [DVec3]) -> Vec<DVec3> {
+        self.parts(|face, part| self.point(face, [0, 1, 2].map(|k| (part[0][k] + part[1][k] + part[2][k]) / 3.0), x))
+    }
+
+    /// What `make` makes of every part of every face, given by the barycentric coordinates of its corners.
+    fn parts<T>(&self, make: impl Fn(&[u32; 6], [[f64; 3]; 3]) -> T) -> Vec<T> {
+        let m = PARTS;
+        let at = |i: usize, j: usize| [m - i - j, i, j].map(|k| k as f64 / m as f64);
+        let mut parts = Vec::with_capacity(self.faces.len() * m * m);
+        for face in &self.faces {
+            for i in 0..m {
+                for j in 0..m - i {
+                    parts.push(make(face, [at(i, j), at(i + 1, j), at(i, j + 1)]));
+                    if i + j + 1 < m {
+                        parts.push(make(face, [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]));
+                    }
+                }
+            }
+        }
+        parts
+    }
+
+    /// The point of a face at barycentric coordinates `l`, m.
+    fn point(&self, face: &[u32; 6], l: [f64; 3], x: &[DVec3]) -> DVec3 {
+        let n = face.map(|i| x[i as usize]);
+        if !self.quadratic {
+            return n[0] * l[0] + n[1] * l[1] + n[2] * l[2];
+        }
+        let corners: DVec3 = (0..3).map(|k| n[k] * (l[k] * (2.0 * l[k] - 1.0))).sum();
+        corners + n[3] * (4.0 * l[0] * l[1]) + n[4] * (4.0 * l[1] * l[2]) + n[5] * (4.0 * l[2] * l[0])
+    }
+}
+
+/// The tetrahedra of a deformed pad, sorted into the cells of a grid to look up which of them holds a point.
+struct Tetrahedra<'a> {
+    elements: &'a Elements,
+    x: &'a [DVec3],
+    low: DVec3,
+    cell: DVec3,
+    cells: Vec<Vec<u32>>,
+    boxes: Vec<[DVec3; 2]>,
+}
+
+/// Cells of the grid along each axis.
+const CELLS: usize = 16;
+/// Barycentric coordinate below which a point counts as outside: rounding must not call touching points inside.
+const INSIDE: f64 = 1e-9;
+
+impl<'a> Tetrahedra<'a> {
+    fn new(topology: &'a PadTopology, x: &'a [DVec3]) -> Self {
+        let elements = &topology.elements;
+        let around = |points: &mut dyn Iterator<Item = DVec3>| {
+            points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)])
+        };
+        let boxes = elements.nodes().chunks_exact(elements.width()).map(|n| {
+            let [low, high] = around(&mut n.iter().map(|&i| x[i as usize]));
+            // The edges of a bent element bulge beyond the box of its nodes by an eighth of it at most.
+            let bulge = if elements.width() == 10 { (high - low) / 8.0 } else { DVec3::ZERO };
+            [low - bulge, high + bulge]
+        });
+        let boxes: Vec<[DVec3; 2]> = boxes.collect();
+        let [low, high] = around(&mut boxes.iter().flatten().copied());
+        let cell = (high - low) / CELLS as f64;
+        let mut tetrahedra = Self { elements, x, low, cell, cells: vec![Vec::new(); CELLS.pow(3)], boxes };
+        for t in 0..tetrahedra.boxes.len() {
+            let [from, to] = tetrahedra.boxes[t].map(|p| tetrahedra.place(p));
+            for i in from[0]..=to[0] {
+                for j in from[1]..=to[1] {
+                    for k in from[2]..=to[2] {
+                        tetrahedra.cells[(i * CELLS + j) * CELLS + k].push(t as u32);
+                    }
+                }
+            }
+        }
+        tetrahedra
+    }
+
+    /// The cell nearest to `p`.
+    fn place(&self, p: DVec3) -> [usize; 3] {
+        ((p - self.low) / self.cell).to_array().map(|v| (v.max(0.0) as usize).min(CELLS - 1))
+    }
+
+    fn contains(&self, p: DVec3) -> bool {
+        let within = |low: DVec3, high: DVec3| p.cmpge(low).all() && p.cmple(high).all();
+        if !within(self.low, self.low + self.cell * CELLS as f64) {
+            return false;
+        }
+        let [i, j, k] = self.place(p);
+        let mut near = self.cells[(i * CELLS + j) * CELLS + k].iter().map(|&t| t as usize);
+        near.any(|t| within(self.boxes[t][0], self.boxes[t][1]) && self.holds(t, p))
+    }
+
+    fn holds(&self, t: usize, p: DVec3) -> bool {
+        let node = |i: u32| self.x[i as usize];
+        let l = match self.elements {
+            Elements::Linear(tets) => {
+                let [a, b, c, d] = tets[t].map(node);
+                glam::DMat3::from_cols(b - a, c - a, d - a).inverse() * (p - a)
+            }
+            Elements::Quadratic(tets) => {
+                let x = tets[t].map(node);
+                let mut l = DVec3::splat(0.25);
+                let full = |l: DVec3| [1.0 - l.element_sum(), l.x, l.y, l.z];
+                let off = |l: DVec3| p - position(&x, &full(l));
+                // Newton's method on the map of the element; where it leaves or fails the point is not in the element.
+                for _ in 0..8 {
+                    let step = jacobian(&x, &full(l)).inverse() * off(l);
+                    l += step;
+                    if step.length() < 1e-12 || l.abs().max_element() > 2.0 {
+                        break;
+                    }
+                }
+                if off(l).length() > 1e-9 * x[0].distance(x[1]) || !l.is_finite() {
+                    return false;
+                }
+                l
+            }
+        };
+        l.min_element() > INSIDE && l.element_sum() < 1.0 - INSIDE
+    }
+}

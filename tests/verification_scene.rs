@@ -1,0 +1,112 @@
+//! Whole scenes: the answer does not depend on how the object's frame is turned, nor on which finger is called left; the
+//! force grows with the travel.
+
+mod common;
+
+use common::Random;
+use glam::{DQuat, DVec3};
+use std::path::Path;
+use std::sync::Mutex;
+use tactus::error::Result;
+use tactus::grasp::poses_of;
+use tactus::mesh::TriMesh;
+use tactus::mesh::io::write_obj;
+use tactus::model::Model;
+use tactus::record::{Frame, Status};
+use tactus::runner::{Observer, run_grasps};
+use tactus::scene::load;
+use tactus::shape::ShapeKind;
+use tactus::stepper::choose;
+
+#[derive(Default)]
+struct Keep(Mutex<Vec<Frame>>);
+
+impl Observer for Keep {
+    fn frame(&self, _: usize, frame: &Frame) -> Result<()> {
+        self.0.lock().unwrap().push(frame.clone());
+        Ok(())
+    }
+}
+
+/// Frames of the one grasp of a scene, which must reach its force.
+fn frames(path: &Path, text: &str) -> Vec<Frame> {
+    std::fs::write(path, text).unwrap();
+    let scene = load(path).unwrap_or_else(|e| panic!("{e}")).scene;
+    let model = Model::build(&scene).unwrap();
+    let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
+    let keep = Keep::default();
+    let outcomes = run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 2, &keep).unwrap();
+    assert_eq!(outcomes[0].summary.status, Status::Reached, "{:?}", outcomes[0].summary.reason);
+    keep.0.into_inner().unwrap()
+}
+
+const GRIPPER: &str = "gripper: (pads: GelSightMini(spacing: 4e-3)), record: (fields: [])";
+
+/// A lumpy object, its file turned by `turn`, and a hand that is turned with it.
+fn turned(folder: &Path, turn: DQuat, hand: DQuat) -> Vec<Frame> {
+    let kind = ShapeKind::Potato { semi_axes: DVec3::new(0.02, 0.024, 0.028), roughness: 0.05, seed: 3 };
+    let surface = kind.build(32).unwrap().surface;
+    let vertices = surface.vertices.iter().map(|v| turn * *v).collect();
+    write_obj(folder.join("object.obj"), &TriMesh { vertices, triangles: surface.triangles.clone() }).unwrap();
+    let q = turn * hand;
+    let p = q * DVec3::new(0.0, 0.0, -0.1);
+    let text = format!(
+        "Scene(object: (shape: Mesh(\"object.obj\")), {GRIPPER}, loading: Squeeze(force: 8.0, frames: 3),
+         grasps: List([(position: ({:e}, {:e}, {:e}), rotation: ({:e}, {:e}, {:e}, {:e}))]))",
+        p.x, p.y, p.z, q.w, q.x, q.y, q.z
+    );
+    frames(&folder.join("scene.ron"), &text)
+}
+
+/// Largest difference of node displacements over the largest displacement; `swap` compares left with right.
+fn difference(a: &[Frame], b: &[Frame], swap: bool) -> f64 {
+    let half_turn = DQuat::from_rotation_z(std::f64::consts::PI);
+    let (mut wrong, mut largest) = (0.0_f64, 0.0_f64);
+    for (a, b) in a.iter().zip(b) {
+        for i in 0..2 {
+            let other = if swap { 1 - i } else { i };
+            for (u, v) in a.pads[i].displacement.iter().zip(&b.pads[other].displacement) {
+                let v = if swap { half_turn * *v } else { *v };
+                wrong = wrong.max((*u - v).length());
+                largest = largest.max(u.length());
+            }
+        }
+    }
+    wrong / largest
+}
+
+#[test]
+fn a_scene_turned_as_a_whole_gives_the_same_pads() {
+    let folder = tempfile::tempdir().unwrap();
+    let upright = turned(folder.path(), DQuat::IDENTITY, DQuat::IDENTITY);
+    let mut random = Random(11);
+    for _ in 0..2 {
+        let error = difference(&upright, &turned(folder.path(), random.rotation(), DQuat::IDENTITY), false);
+        println!("turned: displacements differ by {error:.1e} of the largest");
+        assert!(error < 1e-5, "displacements differ by {error:e} of the largest");
+    }
+    let swapped = turned(folder.path(), DQuat::IDENTITY, DQuat::from_rotation_z(std::f64::consts::PI));
+    let error = difference(&upright, &swapped, true);
+    println!("fingers swapped: displacements differ by {error:.1e} of the largest");
+    assert!(error < 1e-5, "with the fingers swapped displacements differ by {error:e} of the largest");
+}
+
+#[test]
+fn force_grows_with_travel() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    for shape in ["Sphere(radius: 0.015)", "Cuboid(size: (0.02, 0.03, 0.03), edge_radius: 0.002)"] {
+        let text = format!("Scene(object: (shape: {shape}), {GRIPPER}, loading: Squeeze(force: 12.0, frames: 16))");
+        let frames = frames(&path, &text);
+        let curve: Vec<(f64, f64)> = frames.iter().map(|f| (f.travel[0] + f.travel[1], f.applied_force)).collect();
+        let mut slope = 0.0;
+        for pair in curve.windows(2) {
+            let (more, stronger) = (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1);
+            assert!(more > 0.0, "{shape}: the fingers close on as the force rises: {curve:?}");
+            // The gel stiffens: contact only grows, and a layer is stiffer the thinner it is.
+            assert!(stronger / more > 0.98 * slope, "{shape}: stiffness falls from {slope} to {} N/m", stronger / more);
+            slope = stronger / more;
+        }
+        println!("{shape}: {:.3} mm at {} N, last stiffness {slope:.0} N/m", 1e3 * curve[15].0, curve[15].1);
+    }
+}
