@@ -84,6 +84,7 @@ impl RunArgs {
                     return Err(refused("--frames does not go with a press at given `depths`"));
                 }
                 Loading::Press(press) => press.frames = Some(frames),
+                Loading::Dynamic(dynamic) => dynamic.frames = frames,
             }
         }
         if self.no_pictures {

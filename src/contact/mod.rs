@@ -6,13 +6,15 @@
 
 pub mod edge;
 pub mod feature;
+pub mod ground;
 pub mod law;
-mod pair;
+pub(crate) mod pair;
 pub mod project;
 pub mod surface;
 pub mod term;
 
 pub use edge::ContactEdge;
 pub use feature::{Feature, FeatureContact};
+pub use ground::GroundContact;
 pub use surface::ContactSurface;
 pub use term::Contact;

@@ -3,6 +3,7 @@
 pub mod arrow;
 pub mod body;
 pub mod cholesky;
+pub mod dynamics;
 pub mod increment;
 pub mod locking;
 pub mod newton;

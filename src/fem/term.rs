@@ -2,6 +2,7 @@
 //! only the sum.
 
 use super::body::Body;
+use super::dynamics::TimeStep;
 use super::pattern::{FIXED, Pattern};
 use super::state::{MAX_BORDER, View};
 use glam::{DMat3, DVec3};
@@ -189,6 +190,12 @@ pub trait BodyTerm: TermClone + Send + Sync {
     fn energy(&self, body: &Body, view: &View) -> f64;
     /// Adds gradient and Hessian to `block`; refreshes lagged quantities. `project`: positive semidefinite parts only.
     fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block);
+    /// A time step begins: the next solves are for its end.
+    fn begin(&mut self, _step: &TimeStep) {}
+    /// A distance that every point may move before the term must be looked at again, m.
+    fn clearance(&self, _body: &Body, _view: &View) -> f64 {
+        f64::INFINITY
+    }
     /// The increment was accepted: take over history.
     fn commit(&mut self, _body: &Body, _view: &View) {}
     /// The increment was rejected: forget what was learnt since the last commit.

@@ -36,14 +36,23 @@ pub fn frame(topologies: &[PadTopology], frame: &Frame) -> Verdict {
         ("applied_force", frame.applied_force),
         ("time", frame.time),
         ("energy", frame.energy),
-        ("min_det_f", frame.min_det_f),
-        ("min_gap", frame.min_gap),
         ("force_balance", frame.force_balance),
         ("torque_balance", frame.torque_balance),
         ("residual", frame.residual),
     ];
     for (field, value) in scalars {
         finite(&name, field, value)?;
+    }
+    // Infinite where there is nothing to be turned inside out or to come near.
+    for (field, value) in [("min_det_f", frame.min_det_f), ("min_gap", frame.min_gap)] {
+        if value != f64::INFINITY {
+            finite(&name, field, value)?;
+        }
+    }
+    if let Some(m) = &frame.moving {
+        let vectors_of = [m.hand_position, m.velocity, m.spin, m.momentum, m.angular_momentum, m.ground_force];
+        vectors(&name, "moving", &vectors_of)?;
+        numbers(&name, "moving.hand_rotation", &m.hand_rotation.to_array())?;
     }
     numbers(&name, "travel", &frame.travel)?;
     vectors(&name, "object_position", &[frame.object_position])?;

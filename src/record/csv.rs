@@ -73,7 +73,7 @@ fn row(frame: &Frame) -> Vec<String> {
 /// The shortest text that reads back to the same number; plain where a person would write it plainly; empty for what was
 /// not measured.
 fn number(value: f64) -> String {
-    if value.is_nan() {
+    if !value.is_finite() {
         return String::new();
     }
     let size = value.abs();

@@ -3,6 +3,7 @@
 use super::expect::Expectation;
 use super::grasps::Grasps;
 use super::gripper::Gripper;
+use super::ground::Ground;
 use super::loading::Loading;
 use super::object::Object;
 use super::output::Record;
@@ -25,8 +26,10 @@ pub struct Scene {
     pub loading: Loading,
     /// What advances the scene.
     pub stepper: Stepper,
-    /// Gravity in the object frame at the start of each grasp, m/s2; None is none.
+    /// Gravity in the world, which is the object frame at the start of each grasp, m/s2; None is none.
     pub gravity: Option<Vec3>,
+    /// What the object may rest on in a dynamic scene; None is nothing.
+    pub ground: Option<Ground>,
     /// What a run writes.
     pub record: Record,
     /// What the scene promises about its own outcome.
@@ -72,6 +75,7 @@ part! {
     loading: Loading,
     stepper: Stepper,
     gravity: Vec3,
+    ground: Ground,
     record: Record,
     expect: Vec<Expectation>,
 }
@@ -87,6 +91,7 @@ impl Part {
             loading: self.loading.ok_or("loading")?,
             stepper: self.stepper.unwrap_or_default(),
             gravity: self.gravity,
+            ground: self.ground,
             record: self.record.unwrap_or_default(),
             expect: self.expect.unwrap_or_default(),
         })

@@ -1,0 +1,168 @@
+//! Contact and friction of a free object's vertices with a fixed plane, as a term of the potential.
+
+use super::edge::ContactEdge;
+use super::law::Law;
+use super::pair::{feature_pair, friction_pair, slip};
+use super::term::MIN_GAP;
+use crate::fem::body::Body;
+use crate::fem::dynamics::TimeStep;
+use crate::fem::state::View;
+use crate::fem::term::{Block, BodyTerm, Stencil};
+use crate::scene::motion::Hand;
+use glam::DVec3;
+use std::any::Any;
+use std::sync::Arc;
+
+/// Contact of the object with the half-space `normal . x <= height` of the world. Edges are per vertex, with forces in N
+/// where those of pads have pressures in Pa; the sticking point is in world axes.
+#[derive(Debug, Clone)]
+pub struct GroundContact {
+    /// Current edges, one per vertex.
+    pub edges: Vec<ContactEdge>,
+    vertices: Arc<[DVec3]>,
+    law: Law,
+    normal: DVec3,
+    height: f64,
+    hand: Hand,
+    /// World position of each vertex at the last accepted state, m: where a vertex that touches starts to stick, so that a
+    /// step in which it slides on has the friction of all its way.
+    last: Vec<DVec3>,
+    committed: Vec<ContactEdge>,
+    damping: f64,
+}
+
+impl GroundContact {
+    /// All edges open. `vertices` are points of the object (object frame, m), `law` is per vertex (stiffness in N/m).
+    pub fn new(vertices: Arc<[DVec3]>, law: Law, normal: DVec3, height: f64, hand: Hand, view: &View) -> Self {
+        let edges = vec![ContactEdge::default(); vertices.len()];
+        let last = vertices.iter().map(|v| hand.to_world(view.position + view.rotation * *v)).collect();
+        Self { committed: edges.clone(), edges, vertices, law, normal, height, hand, last, damping: 1.0 }
+    }
+
+    /// Force of the ground on the object, N, and its torque about `center` (hand frame, m), N m; both in hand axes.
+    pub fn wrench(&self, view: &View, center: DVec3) -> (DVec3, DVec3) {
+        let mut sum = (DVec3::ZERO, DVec3::ZERO);
+        for (e, v) in self.edges.iter().zip(self.vertices.iter()).filter(|(e, _)| e.pressure > 0.0) {
+            // The edge has the force on the ground.
+            let force = -(e.normal * e.pressure + e.traction);
+            sum.0 += force;
+            sum.1 += (view.position + view.rotation * *v - center).cross(force);
+        }
+        sum
+    }
+
+    /// Smallest gap of the last assembly, m.
+    pub fn min_gap(&self) -> f64 {
+        self.edges.iter().map(|e| e.gap).fold(f64::INFINITY, f64::min)
+    }
+
+    fn gap(&self, world: DVec3) -> f64 {
+        self.normal.dot(world) - self.height
+    }
+
+    /// Refreshes gap, force and friction of edge `i`; returns how far its friction limit lags, N.
+    fn update(&mut self, i: usize, view: &View) -> f64 {
+        let arm = view.rotation * self.vertices[i];
+        let gap = self.gap(self.hand.to_world(view.position + arm));
+        let (law, last) = (self.law, self.last[i]);
+        let e = &mut self.edges[i];
+        e.gap = gap;
+        // The outward normal of the object is the inward one of the ground.
+        e.normal = -(self.hand.rotation.conjugate() * self.normal);
+        e.pressure = law.pressure(gap, e.scale).0;
+        e.traction = DVec3::ZERO;
+        e.slips = false;
+        if law.friction == 0.0 {
+            return 0.0;
+        }
+        let lag = e.relax_limit(law.friction, self.damping);
+        if e.pressure <= 0.0 && (lag == 0.0 || e.anchor.is_none()) {
+            e.limit = 0.0;
+            e.anchor = self.committed[i].anchor;
+            return 0.0;
+        }
+        let anchor = *e.anchor.get_or_insert(last);
+        let s = slip(self.hand.to_hand(anchor) - view.position - arm, e.plane);
+        (e.traction, e.slips) = law.traction(s, e.limit);
+        lag
+    }
+}
+
+/// Only the object takes part, not the finger that hosts the term.
+pub(crate) fn object_only<'a>(view: &View<'a>) -> View<'a> {
+    View { travel_column: None, ..*view }
+}
+
+impl BodyTerm for GroundContact {
+    fn energy(&self, _: &Body, view: &View) -> f64 {
+        let mut energy = 0.0;
+        for (e, v) in self.edges.iter().zip(self.vertices.iter()) {
+            let point = view.position + view.rotation * *v;
+            energy += self.law.normal_energy(self.gap(self.hand.to_world(point)), e.scale);
+            if let (Some(anchor), true) = (e.anchor, e.limit > 0.0) {
+                energy += self.law.friction_energy(slip(self.hand.to_hand(anchor) - point, e.plane), e.limit);
+            }
+        }
+        energy
+    }
+
+    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
+        let (view, nowhere) = (object_only(view), Stencil::new(std::iter::empty()));
+        for i in 0..self.edges.len() {
+            block.lag += self.update(i, &view).powi(2);
+            let e = self.edges[i];
+            let arm = view.rotation * self.vertices[i];
+            if e.pressure > 0.0 {
+                block.add_pair(body, &view, &nowhere, &feature_pair(&self.law, &e, 1.0, arm, project));
+            }
+            if let (Some(anchor), true) = (e.anchor, e.limit > 0.0) {
+                let s = self.hand.to_hand(anchor) - view.position - arm;
+                block.add_pair(body, &view, &nowhere, &friction_pair(&self.law, &e, 1.0, s, arm, project));
+            }
+        }
+    }
+
+    fn begin(&mut self, step: &TimeStep) {
+        self.hand = step.hand;
+    }
+
+    fn clearance(&self, _: &Body, view: &View) -> f64 {
+        let gap = |v: &DVec3| self.gap(self.hand.to_world(view.position + view.rotation * *v));
+        self.vertices.iter().map(gap).fold(f64::INFINITY, f64::min) - 0.5 * self.law.offset
+    }
+
+    fn commit(&mut self, _: &Body, view: &View) {
+        for ((e, v), last) in self.edges.iter_mut().zip(self.vertices.iter()).zip(&mut self.last) {
+            let world = self.hand.to_world(view.position + view.rotation * *v);
+            if e.pressure <= 0.0 {
+                e.anchor = None;
+            } else if e.slips {
+                // The sticking point is dragged along, so that the spring carries just the limit.
+                e.anchor = Some(world - self.hand.rotation * e.traction * (1.0 / self.law.tangential));
+            }
+            *last = world;
+        }
+        self.committed.clone_from(&self.edges);
+    }
+
+    fn rollback(&mut self) {
+        self.edges.clone_from(&self.committed);
+    }
+
+    fn satisfied(&mut self, _: &Body, _: &View) -> bool {
+        let mut held = true;
+        for e in self.edges.iter_mut().filter(|e| e.gap < MIN_GAP * self.law.offset) {
+            e.scale *= 4.0;
+            held = false;
+        }
+        held
+    }
+
+    fn damp(&mut self, damping: f64) {
+        self.damping = damping;
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}
