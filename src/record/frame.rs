@@ -88,6 +88,18 @@ pub struct Frame {
     pub residual: f64,
 }
 
+impl Frame {
+    /// A point of the hand frame where it is shown: in the world if that is known, m.
+    pub fn shown_point(&self, x: DVec3) -> DVec3 {
+        self.moving.as_ref().map_or(x, |m| m.hand_position + m.hand_rotation * x)
+    }
+
+    /// A vector in hand axes as it is shown.
+    pub fn shown_vector(&self, v: DVec3) -> DVec3 {
+        self.moving.as_ref().map_or(v, |m| m.hand_rotation * v)
+    }
+}
+
 /// Tetrahedra of a pad, node indices 0-based.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Elements {

@@ -17,7 +17,7 @@ pub fn measure_balance(
     let (pose, weight, ground, inertia) = *object;
     let weight = weight.map_or(DVec3::ZERO, |w| w.0);
     let center = pose.position + pose.rotation * model.object.mass.center;
-    let (mut applied, mut worst) = (0.0, 0.0_f64);
+    let (mut applied, mut worst, mut pushed) = (0.0, 0.0_f64, 0.0);
     let (mut force, mut torque) = (weight, DVec3::ZERO);
     let ground = ground.copied().unwrap_or_default();
     let inertia = inertia.copied().unwrap_or_default();
@@ -26,6 +26,7 @@ pub fn measure_balance(
     for (index, closing, travel, given, wrench) in &fingers {
         let normal = -wrench.force.dot(closing.0);
         applied += given.0;
+        pushed += wrench.force.length();
         worst = worst.max((given.0 - normal).abs());
         force -= wrench.force;
         let origin = model.fingers[index.0 as usize].placement.origin + closing.0 * travel.0;
@@ -37,12 +38,14 @@ pub fn measure_balance(
         // Inertia of pads and drive lies between a finger's force and that of its contact.
         (false, Some(_)) => 0.0,
     };
-    let relative = |value: f64, scale: f64| if value == 0.0 { 0.0 } else { value / scale };
+    // Where nothing pushes, as in free flight, there is nothing to compare with.
+    let alone = |value: f64, scale: f64| value == 0.0 || scale == 0.0 && model.dynamics.is_some();
+    let relative = |value: f64, scale: f64| if alone(value, scale) { 0.0 } else { value / scale };
     let torque = if model.free { torque.length() } else { 0.0 };
     // Without motion in time the fingers' force is the scale, however heavy the object.
     let scale = match model.dynamics {
         None => applied,
-        Some(_) => applied + weight.length() + ground.force.length(),
+        Some(_) => applied + weight.length() + ground.force.length() + pushed,
     };
     *balance = Balance {
         applied,
