@@ -633,10 +633,8 @@ fn stepped<T: BodyTerm>(seed: u64, drag: f64, term: impl Fn(&Scene, Hand, &mut R
 #[test]
 fn weight_has_its_derivatives() {
     for seed in 0..6 {
-        let make = |scene: &Scene, _: Hand, random: &mut Random| Weight {
-            force: random.vector(),
-            center: random.vector(),
-            start: scene.state.position,
+        let make = |scene: &Scene, _: Hand, random: &mut Random| {
+            Weight::new(random.vector(), random.vector(), scene.state.position)
         };
         let (scene, mut term, _) = stepped(seed, 0.2, make);
         scene.check("weight", &mut term);

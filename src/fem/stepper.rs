@@ -257,7 +257,7 @@ fn terms(model: &Model, i: usize, pose: ObjectPose) -> Vec<Box<dyn BodyTerm>> {
         if model.free && i == 0 {
             let center = model.object.mass.center;
             let start = pose.position + pose.rotation * center;
-            terms.push(Box::new(Weight { force: g * model.mass, center, start }));
+            terms.push(Box::new(Weight::new(g * model.mass, center, start)));
         }
     }
     terms
