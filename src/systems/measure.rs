@@ -5,13 +5,16 @@ use crate::schedule::{Balance, Shared};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
+/// What acts on the object but the pads.
+type Loads<'a> = (&'a ObjectPose, Option<&'a ObjectWeight>, Option<&'a GroundWrench>, Option<&'a InertialWrench>);
+
 /// Force and torque balance. Of a free object: contact forces, weight, support and inertia must cancel. Of a fixed one: each finger's
 /// contact must carry the force that closes it.
 pub fn measure_balance(
     shared: Res<Shared>,
     mut balance: ResMut<Balance>,
     fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel, &FingerForce, &FingerWrench)>,
-    object: Single<(&ObjectPose, Option<&ObjectWeight>, Option<&GroundWrench>, Option<&InertialWrench>)>,
+    object: Single<Loads>,
 ) {
     let model = &shared.0;
     let (pose, weight, ground, inertia) = *object;
