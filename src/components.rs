@@ -13,6 +13,9 @@
 //! | object | [`ObjectPose`] | always |
 //! | | [`FreeObject`] | the object may move |
 //! | | [`ObjectWeight`] | gravity is set and the object may move |
+//! | | [`ObjectVelocity`], [`ObjectMomentum`], [`InertialWrench`] | the scene is dynamic and the object may move |
+//! | | [`GroundWrench`] | there is a ground and the object may move |
+//! | hand | [`HandPose`] | the scene is dynamic |
 //!
 //! Nothing is despawned and no component comes or goes after the spawn, so that columns stay contiguous and in spawn
 //! order; indices, not rows, are the order that counts.
@@ -60,7 +63,7 @@ components! {
     /// Force that closes a finger, N, >= 0: given by `set_load`, or, where travel is prescribed, what the finger's mount
     /// had to give, written by the stepper.
     FingerForce(f64);
-    /// Weight of a free object, N, hand frame. Written at spawn.
+    /// Weight of a free object, N, hand frame. Written at spawn, and by the stepper where the hand turns.
     ObjectWeight(DVec3);
 }
 
@@ -113,6 +116,51 @@ pub struct ObjectPose {
     pub position: DVec3,
     /// Rotation from the object frame to the hand frame, length 1.
     pub rotation: DQuat,
+}
+
+/// Pose of the hand: `x_world = rotation * x_hand + position`. Written by the stepper.
+#[derive(Component, Debug, Clone, Copy, PartialEq)]
+pub struct HandPose {
+    /// Origin of the hand frame in the world, m.
+    pub position: DVec3,
+    /// Rotation from the hand frame to the world, length 1.
+    pub rotation: DQuat,
+}
+
+/// Velocity of a free object. Written by the stepper.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
+pub struct ObjectVelocity {
+    /// Of the centre of mass, m/s, world axes.
+    pub linear: DVec3,
+    /// rad/s, world axes.
+    pub angular: DVec3,
+}
+
+/// Momentum of a free object. Written by the stepper.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
+pub struct ObjectMomentum {
+    /// kg m/s, world axes.
+    pub linear: DVec3,
+    /// About the centre of mass, kg m2/s, world axes.
+    pub angular: DVec3,
+}
+
+/// Forces of inertia on a free object: minus the rates of its momenta in the last time step. Written by the stepper.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
+pub struct InertialWrench {
+    /// N, hand frame.
+    pub force: DVec3,
+    /// About the centre of mass, N m, hand frame.
+    pub torque: DVec3,
+}
+
+/// What the ground does to a free object. Written by the stepper.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
+pub struct GroundWrench {
+    /// N, hand frame.
+    pub force: DVec3,
+    /// About the centre of mass, N m, hand frame.
+    pub torque: DVec3,
 }
 
 /// Marks an object that may move. Written at spawn.

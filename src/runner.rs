@@ -1,5 +1,7 @@
 //! Runs the grasps of a scene, several at once, with the same bits on any number of threads.
 
+mod motion;
+
 use crate::audit::Findings;
 use crate::environment::Environment;
 use crate::error::{Error, Result};
@@ -140,6 +142,7 @@ pub fn run_grasp(
 struct Tally {
     measured: Option<Measured>,
     summary: Option<GraspSummary>,
+    motion: motion::Motion,
 }
 
 impl Tally {
@@ -159,7 +162,12 @@ impl Tally {
         m.torque_balance = m.torque_balance.max(frame.torque_balance);
         let stress = frame.pads.iter().flat_map(|p| &p.von_mises_node).copied().reduce(f64::max);
         m.max_stress_pa = stress.unwrap_or(f64::NAN);
-        m.curve.push((frame.travel[0], normal(0)));
+        if let Some(travel) = frame.travel.first() {
+            m.curve.push((*travel, normal(0)));
+        }
+        if let Some(moving) = &frame.moving {
+            self.motion.observe(m, model, frame, moving);
+        }
         self.summary.get_or_insert_with(|| GraspSummary::new(Status::Reached, None)).observe(frame);
     }
 

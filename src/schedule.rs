@@ -99,7 +99,7 @@ pub struct Grasp(pub GraspPose);
 /// What the stepper says about the level it has just reached.
 #[derive(Resource, Debug, Clone, Copy, Default)]
 pub struct Advance {
-    /// Load per finger of this step: N or m after first contact. Written by `set_load`.
+    /// Load per finger of this step, N or m after first contact; in a dynamic scene the time, s. Written by `set_load`.
     pub level: f64,
     /// The level was reached in this step.
     pub reached: bool,

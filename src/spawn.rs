@@ -36,6 +36,15 @@ pub fn spawn(model: &Arc<Model>, pose: GraspPose) -> World {
         if let Some(gravity) = model.gravity {
             object.insert(ObjectWeight(start.rotation * gravity * model.mass));
         }
+        if model.needs.dynamic {
+            object.insert((ObjectVelocity::default(), ObjectMomentum::default(), InertialWrench::default()));
+        }
+        if model.needs.ground {
+            object.insert(GroundWrench::default());
+        }
+    }
+    if model.needs.dynamic {
+        world.spawn(HandPose { position: pose.position, rotation: pose.rotation });
     }
     world.insert_resource(Shared(model.clone()));
     world.insert_resource(Grasp(pose));

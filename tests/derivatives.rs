@@ -3,17 +3,21 @@
 mod common;
 
 use common::{Random, elements};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use std::sync::Arc;
 use tactus::contact::surface::{Face, face_frame};
-use tactus::contact::{Contact, ContactEdge, ContactSurface, Feature, FeatureContact, law::Law};
+use tactus::contact::{Contact, ContactEdge, ContactSurface, Feature, FeatureContact, GroundContact, law::Law};
 use tactus::element::{Kernel, RestTet, Shape, TET4, TET10};
 use tactus::fem::body::{Body, Elements};
+use tactus::fem::dynamics::TimeStep;
+use tactus::fem::dynamics::{drive::Drive, pad_inertia::PadInertia, rigid_inertia::RigidInertia, viscosity::Viscosity};
 use tactus::fem::state::{Border, MAX_BORDER, State, Step};
 use tactus::fem::term::{Block, BodyTerm, DeadLoad, Elastic, Stencil};
+use tactus::fem::weight::Weight;
 use tactus::material::{Dilatation, FixedCorotated, Linear, Material, NeoHookean, Tangent};
 use tactus::mesh::TetMesh;
-use tactus::shape::{SignedDistance, cuboid::Cuboid, ellipsoid::Ellipsoid, sphere::Sphere};
+use tactus::scene::motion::Hand;
+use tactus::shape::{MassProperties, SignedDistance, cuboid::Cuboid, ellipsoid::Ellipsoid, sphere::Sphere};
 
 /// Every law is tested by every test of this file. A new law is one line here.
 fn laws() -> Vec<Arc<dyn Material>> {
@@ -664,4 +668,115 @@ fn sticking_friction_at_features_has_its_derivatives() {
 fn slipping_friction_at_features_has_its_derivatives() {
     let covered = check_feature_friction(0.02, 0.15);
     assert!(covered.slipping > 20, "{covered:?}");
+}
+
+/// A hand anywhere.
+fn hand(random: &mut Random) -> Hand {
+    Hand { position: random.vector(), rotation: random.rotation(), force: 0.0 }
+}
+
+/// A scene, and a term that was made at its state with the hand somewhere, in a step that ends with the hand elsewhere
+/// and the state moved on by about `drag`.
+fn stepped<T: BodyTerm>(seed: u64, drag: f64, term: impl Fn(&Scene, Hand, &mut Random) -> T) -> (Scene, T, TimeStep) {
+    let mut random = Random(seed);
+    let mut scene = Scene::new(seed % 2 == 1, &mut random);
+    let start = hand(&mut random);
+    let mut term = term(&scene, start, &mut random);
+    let turn = DQuat::from_scaled_axis(random.vector() * drag);
+    let moved = Hand { position: start.position + random.vector() * drag, rotation: start.rotation * turn, force: 0.0 };
+    let step = TimeStep { size: 0.7, hand: moved };
+    term.begin(&step);
+    scene.shake(drag, &mut random);
+    (scene, term, step)
+}
+
+#[test]
+fn weight_has_its_derivatives() {
+    for seed in 0..6 {
+        let make = |scene: &Scene, _: Hand, random: &mut Random| {
+            Weight::new(random.vector(), random.vector(), scene.state.position)
+        };
+        let (scene, mut term, _) = stepped(seed, 0.2, make);
+        scene.check("weight", &mut term);
+    }
+}
+
+#[test]
+fn inertia_of_pads_viscosity_and_drive_have_their_derivatives() {
+    for seed in 0..6 {
+        let make = |scene: &Scene, hand: Hand, random: &mut Random| {
+            PadInertia::new(&scene.body, 0.4, random.vector(), hand, &scene.state.view(0, &scene.border))
+        };
+        let (scene, mut term, _) = stepped(seed, 0.2, make);
+        scene.check("inertia of pads", &mut term);
+        let make = |scene: &Scene, _: Hand, _: &mut Random| Viscosity::new(&scene.body, 0.3, &scene.state.x[0]);
+        let (scene, mut term, _) = stepped(seed, 0.2, make);
+        scene.check("viscosity", &mut term);
+        // Within the stroke, and past its end.
+        for end in [5.0, -5.0] {
+            let make = |scene: &Scene, _: Hand, _: &mut Random| Drive::new(1e-5, 2.0, end, scene.state.travel[0]);
+            let (scene, mut term, _) = stepped(seed, 0.2, make);
+            scene.check("drive", &mut term);
+        }
+    }
+}
+
+/// The rotation counts from the last assembly, where the check starts.
+#[test]
+fn inertia_of_a_rigid_object_has_its_derivatives() {
+    for seed in 0..12 {
+        let make = |scene: &Scene, hand: Hand, random: &mut Random| {
+            let mut mass = MassProperties::of_ellipsoid(DVec3::new(0.9, 0.7, 0.4));
+            mass.center = random.vector();
+            let moving = (random.vector(), random.vector());
+            RigidInertia::new(&mass, 0.5, random.vector(), moving, hand, &scene.state.view(0, &scene.border))
+        };
+        let (scene, mut term, _) = stepped(seed, 0.3, make);
+        scene.check("rigid inertia", &mut term);
+    }
+}
+
+/// Contact of 6 points of the object with a plane of the world among them, none within reach of a change of its state.
+fn check_ground(friction: f64, drag: f64) -> Covered {
+    let mut covered = Covered::default();
+    for seed in 0..400 {
+        let law = contact_law(0.4, friction);
+        let mut scatter = Random(9000 + seed);
+        let vertices: Arc<[DVec3]> = (0..6).map(|_| scatter.vector() * 0.5).collect();
+        let make = |scene: &Scene, hand: Hand, random: &mut Random| {
+            let view = scene.state.view(0, &scene.border);
+            let normal = random.vector().normalize();
+            let lowest = vertices.iter().map(|v| normal.dot(hand.to_world(view.position + view.rotation * *v)));
+            let height = lowest.fold(f64::INFINITY, f64::min) - 0.1;
+            let mut term = GroundContact::new(vertices.clone(), law, normal, height, hand, &view);
+            // Stick here, then move on.
+            scene.assemble(&mut term, false);
+            term.commit(&scene.body, &view);
+            term
+        };
+        let (scene, mut term, step) = stepped(seed, drag, make);
+        scene.assemble(&mut term, false);
+        let kink = term.edges.iter().zip(vertices.iter()).any(|(e, v)| {
+            let point = scene.state.position + scene.state.rotation * *v;
+            let slip = across(step.hand.to_hand(e.anchor.unwrap_or_default()) - point, e.normal);
+            near_kink(&law, e.gap) || near_slip(&law, e, slip)
+        });
+        if kink || !term.edges.iter().any(|e| e.pressure > 0.0) {
+            continue;
+        }
+        covered.add(&law, &term.edges);
+        scene.check(&format!("ground, friction {friction}, seed {seed}"), &mut term);
+    }
+    println!("ground, friction {friction}: {covered:?}");
+    covered
+}
+
+#[test]
+fn contact_with_the_ground_has_its_derivatives() {
+    let covered = check_ground(0.0, 0.1);
+    assert!(covered.soft > 20 && covered.hard > 5, "{covered:?}");
+    let covered = check_ground(8.0, 0.02);
+    assert!(covered.stuck > 20 && covered.slipping == 0, "{covered:?}");
+    let covered = check_ground(0.2, 0.2);
+    assert!(covered.slipping > 10, "{covered:?}");
 }

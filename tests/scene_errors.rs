@@ -50,7 +50,7 @@ fn unknown_fields_list_the_allowed_ones() {
 fn unknown_names_list_the_allowed_ones() {
     let text = format!("(object: (shape: Spher(radius: 1)),\n{LOADING})");
     refused(&text, 1, 18, &["unknown Shape `Spher`", "did you mean `Sphere`?", "Mesh, Sphere, Cuboid"]);
-    line_three("gripper: (fingers: Three),", 20, &["unknown Fingers `Three`", "allowed: Both, One"]);
+    line_three("gripper: (fingers: Three),", 20, &["unknown Fingers `Three`", "allowed: Both, One, None"]);
     line_three("expect: [ForceBallance(relative: 1)],", 10, &["did you mean `ForceBalance`?"]);
     line_three(
         "gripper: (material: Preset(\"jelly\")),",
@@ -251,4 +251,40 @@ fn deep_nesting_does_not_overflow_the_stack() {
         error_of(format!("(grasps: File({}", open.repeat(n)));
         error_of(format!("(grasps: List([(position: (0,0,0), rotation: {}", open.repeat(n)));
     }
+}
+
+#[test]
+fn words_of_motion_are_checked() {
+    let dynamic = |motions: &str| format!("(\n{OBJECT}\nloading: Dynamic(motions: [{motions}]),\n)");
+    refused(
+        &dynamic("Hop(duration: 1)"),
+        3,
+        28,
+        &["unknown Motion `Hop`", "Close, Lift, Move, Hold, Shake, Rotate, Repeat"],
+    );
+    refused(&dynamic("Hold(duration: 0)"), 3, 43, &["must be above zero"]);
+    refused(&dynamic("Hold(duration: 2000)"), 3, 43, &["must be at most 1000 s", "2000 ms is 2"]);
+    refused(&dynamic("Lift(height: 0.1, duration: 1)"), 3, 28, &["against gravity", "Move(by: (x, y, z), ...)"]);
+    refused(&dynamic("Close(force: -1, duration: 1)"), 3, 41, &["must be zero or above"]);
+    refused(
+        &dynamic("Rotate(angle_deg: 9, axis: (0, 0, 0), duration: 1)"),
+        3,
+        55,
+        &["a direction of length zero", "(0, 0, 1) is along +z"],
+    );
+    refused(&dynamic("Repeat(times: 3, motions: [])"), 3, 28, &["repeats no motion"]);
+    refused(&dynamic(""), 3, 27, &["no motion", "Hold(duration: 0.5)"]);
+    line_three("ground: Plane(),", 9, &["only a scene that moves in time has this", "loading: Dynamic"]);
+    line_three("expect: [ObjectHeld(slip_at_most: 1e-3)],", 10, &["ObjectHeld needs loading: Dynamic"]);
+    line_three("gripper: (fingers: None),", 20, &["nothing to load without fingers"]);
+    let text =
+        format!("({OBJECT} gripper: (fingers: None),\nloading: Dynamic(motions: [Close(force: 1, duration: 1)]))");
+    refused(&text, 2, 27, &["nothing closes without fingers"]);
+    let object = "object: (shape: Sphere(radius: 0.02), motion: Fixed, spin: (0, 0, 1)),";
+    refused(
+        &format!("({object}\nloading: Dynamic(motions: [Hold(duration: 1)]))"),
+        1,
+        48,
+        &["a fixed object has neither"],
+    );
 }

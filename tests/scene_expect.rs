@@ -32,6 +32,7 @@ fn good() -> Measured {
         torque_balance: 2e-5,
         max_stress_pa: 1e5,
         curve: vec![(1e-3, 5.0), (2e-3, 15.0)],
+        ..Measured::default()
     }
 }
 

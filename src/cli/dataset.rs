@@ -128,6 +128,7 @@ fn shorten(named: &mut NamedScene, frames: u64) -> Result<()> {
             return Err(refused("--frames does not go with a press at given `depths`"));
         }
         Loading::Press(press) => press.frames = Some(frames),
+        Loading::Dynamic(dynamic) => dynamic.frames = frames,
     }
     Ok(())
 }

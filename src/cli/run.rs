@@ -87,6 +87,7 @@ impl RunArgs {
                     return Err(refused("--frames does not go with a press at given `depths`"));
                 }
                 Loading::Press(press) => press.frames = Some(frames),
+                Loading::Dynamic(dynamic) => dynamic.frames = frames,
             }
         }
         if self.no_pictures {
@@ -186,7 +187,9 @@ fn options(args: &RunArgs, scene: &Scene, model: &Model) -> Options {
     Options {
         vtu: scene.record.vtu,
         arrays: scene.record.arrays.is_some(),
-        picture: scene.record.pictures.then_some(picture),
+        moving: model.needs.dynamic,
+        // The picture is of the pads.
+        picture: (scene.record.pictures && !model.fingers.is_empty()).then_some(picture),
         overwrite: args.overwrite,
         object_name: model.object.name.clone(),
         ..Options::default()

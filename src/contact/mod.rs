@@ -6,8 +6,9 @@
 
 pub mod edge;
 pub mod feature;
+pub mod ground;
 pub mod law;
-mod pair;
+pub(crate) mod pair;
 mod pool;
 pub mod project;
 pub mod surface;
@@ -15,5 +16,6 @@ pub mod term;
 
 pub use edge::ContactEdge;
 pub use feature::{Feature, FeatureContact};
+pub use ground::GroundContact;
 pub use surface::ContactSurface;
 pub use term::Contact;

@@ -16,18 +16,20 @@ pub(super) struct EdgePool {
     committed: Vec<ContactEdge>,
     /// Part of the way that lagged friction goes per iteration.
     pub damping: f64,
+    /// Friction limit that counts as none, in the unit of the pressure.
+    pub negligible: f64,
 }
 
 /// Smallest gap of an accepted state, as a fraction of the offset.
 const MIN_GAP: f64 = 0.02;
-/// Friction limit that counts as none, Pa.
+/// Friction limit that counts as none on a pad, Pa.
 const NO_LIMIT: f64 = 1.0;
 
 impl EdgePool {
     /// `count` open edges.
     pub fn new(law: Law, count: usize) -> Self {
         let edges = vec![ContactEdge::default(); count];
-        Self { committed: edges.clone(), edges, law, given: law, damping: 1.0 }
+        Self { committed: edges.clone(), edges, law, given: law, damping: 1.0, negligible: NO_LIMIT }
     }
 
     /// Smallest gap, m; `+inf` if nothing is near.
@@ -81,7 +83,7 @@ impl EdgePool {
             return None;
         }
         let lag = e.relax_limit(law.friction, self.damping);
-        if e.pressure <= 0.0 && (e.limit < NO_LIMIT || e.anchor.is_none()) {
+        if e.pressure <= 0.0 && (e.limit <= self.negligible || e.anchor.is_none()) {
             // A point that touched only on the way to this iterate has not stuck anywhere yet.
             e.limit = 0.0;
             e.anchor = self.committed[i].anchor;

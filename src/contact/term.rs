@@ -112,6 +112,18 @@ impl BodyTerm for Contact {
         }
     }
 
+    fn clearance(&self, _: &Body, view: &View) -> f64 {
+        let mut nearest = f64::INFINITY;
+        for (e, stencil) in self.pool.edges.iter().zip(&self.surface.points) {
+            let (_, q) = locate(stencil, view);
+            // The bound of the last query spares most of the others.
+            if e.bound - q.distance(e.query) < nearest {
+                nearest = nearest.min(self.object.distance(q));
+            }
+        }
+        nearest - 0.5 * self.pool.law.offset
+    }
+
     fn commit(&mut self, _: &Body, view: &View) {
         let (points, tangential) = (&self.surface.points, self.pool.law.tangential);
         self.pool.commit(|i, e| {

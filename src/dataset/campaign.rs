@@ -236,6 +236,7 @@ fn file_name(named: &NamedScene) -> String {
     let load = match &scene.loading {
         crate::scene::Loading::Squeeze(s) => format!("squeeze{}N", s.force.get()),
         crate::scene::Loading::Press(_) => "press".into(),
+        crate::scene::Loading::Dynamic(_) => "dynamic".into(),
     };
     let (name, density) = (named.name.as_str(), scene.object.density.get());
     format!("{name}_{density}_tactus_{}_{}_{load}.h5", spec.young, spec.poisson)

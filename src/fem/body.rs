@@ -182,6 +182,23 @@ impl Body {
         Stress { element, node }
     }
 
+    /// Volume that each node carries, positive and with the body's sum: the diagonal of the consistent mass matrix, scaled
+    /// per element (Hinton, Rock & Zienkiewicz 1976), m3.
+    pub fn lumped_volume(&self) -> Vec<f64> {
+        let mut volume = vec![0.0; self.rest.len()];
+        let mut share = |nodes: &[u32], tet: &RestTet, part: &dyn Fn(usize) -> f64| {
+            nodes.iter().enumerate().for_each(|(a, &i)| volume[i as usize] += tet.volume * part(a));
+        };
+        match &self.elements {
+            Elements::Linear(e) => e.iter().zip(&self.tets).for_each(|(n, t)| share(n, t, &|_| 0.25)),
+            Elements::Quadratic(e) => {
+                let part = |a: usize| if a < 4 { 1.0 / 36.0 } else { 4.0 / 27.0 };
+                e.iter().zip(&self.tets).for_each(|(n, t)| share(n, t, &part));
+            }
+        }
+        volume
+    }
+
     /// Total mass per unit density that each node carries (row sums of the mass matrix are not positive for 10-node
     /// tetrahedra; this is the element volume shared by diagonal scaling), m3.
     pub fn nodal_volume(&self) -> Vec<f64> {

@@ -75,6 +75,9 @@ impl Factor {
     /// Factorises the lower-triangular `values`; false if the matrix is not positive definite.
     pub fn factorize(&mut self, symbolic: &Symbolic, pattern: &Pattern, values: &[f64]) -> bool {
         let n = pattern.unknowns();
+        if n == 0 {
+            return true;
+        }
         let a = SparseColMatRef::new(
             SymbolicSparseColMatRef::new_checked(n, n, &pattern.col_ptr, None, &pattern.row_idx),
             values,

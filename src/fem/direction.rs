@@ -44,7 +44,7 @@ impl Newton {
             }
             let next = arrow::step(&self.blocks, &g, size, extra, cap);
             let change = next.distance(&step);
-            if !(change <= CONTRACTION * last) {
+            if change.total_cmp(&(CONTRACTION * last)).is_gt() {
                 return (plain, gradient);
             }
             (step, last) = (next, change);

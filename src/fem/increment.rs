@@ -172,7 +172,7 @@ impl Path {
         // A prediction may overshoot, into deep contact or infeasible territory; the accepted state never does.
         let plain = State { travel: state.travel.clone(), ..self.state.clone() };
         let (predicted, plainly) = (self.newton.energy(&state), self.newton.energy(&plain));
-        if !(predicted <= plainly) {
+        if predicted.total_cmp(&plainly).is_gt() {
             state = plain;
         }
         let failure = match self.newton.solve(&mut state, &self.tolerance) {

@@ -4,6 +4,7 @@ pub mod arrow;
 pub mod body;
 pub mod cholesky;
 mod direction;
+pub mod dynamics;
 pub mod increment;
 mod lagging;
 pub mod locking;

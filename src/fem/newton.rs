@@ -53,6 +53,18 @@ pub enum Failure {
     Lost,
 }
 
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
+            Failure::Iterations(r) => write!(f, "no equilibrium within the iteration limit (residual {r:.1e} N)"),
+            Failure::LineSearch(r) => write!(f, "line search: no step lowers the energy (residual {r:.1e} N)"),
+            Failure::Lost => f.write_str("a finger closes on nothing: the object was squeezed out"),
+            Failure::Unsettled => f.write_str("the object keeps rolling or sliding and does not come to rest"),
+            Failure::Singular => f.write_str("the stiffness is not positive definite or not finite"),
+        }
+    }
+}
+
 /// Wall time by stage, s.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Profile {
@@ -114,6 +126,15 @@ impl Newton {
             .collect();
         // Summed in body order: the same bits on any number of threads.
         bodies.iter().sum::<f64>() - self.work(state) + self.proximal_energy(state)
+    }
+
+    /// A distance that every point may move from `state` before anything is touched, m.
+    pub fn clearance(&self, state: &State) -> f64 {
+        let of = |(i, terms): (usize, &Vec<Box<dyn BodyTerm>>)| {
+            let view = state.view(i, &self.border);
+            terms.iter().map(|t| t.clearance(&self.blocks[i].body, &view)).fold(f64::INFINITY, f64::min)
+        };
+        self.terms.iter().enumerate().map(of).fold(f64::INFINITY, f64::min)
     }
 
     /// Distance of the border from the proximal state, m per column.

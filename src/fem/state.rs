@@ -51,6 +51,14 @@ impl Border {
 }
 
 impl Border {
+    /// Border for geared fingers, which travel alike.
+    pub fn geared(closing: Vec<DVec3>, driven: bool, free_object: bool, length: f64) -> Self {
+        let travels = usize::from(driven && !closing.is_empty());
+        let travel = closing.iter().map(|_| driven.then_some(0)).collect();
+        let size = travels + if free_object { 6 } else { 0 };
+        Self { closing, travel, pose: free_object.then_some(travels), length, size }
+    }
+
     /// How far the border unknowns of `to` are from those of `from`, m per column.
     pub fn difference(&self, to: &State, from: &State) -> [f64; MAX_BORDER] {
         let mut d = [0.0; MAX_BORDER];

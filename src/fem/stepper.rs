@@ -1,5 +1,7 @@
 //! The finite element backend: one potential, minimised at every load level.
 
+use super::body::{Body, Elements};
+use super::dynamics::integrator::Integrator;
 use super::increment::{Advanced, Load, Path, SOFTEST};
 use super::newton::{Failure, Newton, Tolerance};
 use super::readout;
@@ -18,6 +20,7 @@ use crate::stepper::Stepper;
 use crate::systems::sense::first_contact;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use std::sync::Arc;
 
 /// Settings of the backend.
 #[derive(Debug, Clone, Copy)]
@@ -53,8 +56,11 @@ impl Stepper for Fem {
         let grasp = *world.get_resource::<Grasp>().ok_or_else(missing)?;
         let pose = grasp.0.object_in_hand();
         let pose = ObjectPose { position: pose.position, rotation: pose.rotation };
-        world.insert_resource(Solver::new(&shared.0, pose, &self.settings));
+        world.insert_resource(Solver::new(&shared.0, pose, &self.settings)?);
         world.init_resource::<systems::Edges>();
+        if let Some(dynamics) = &shared.0.dynamics {
+            world.insert_resource(Integrator::new(dynamics, grasp.0));
+        }
         systems::register(schedule, &shared.0.needs, shared.0.force_driven);
         Ok(())
     }
@@ -73,11 +79,21 @@ pub struct Solver {
 
 impl Solver {
     /// At rest, with the object at `pose`.
-    pub fn new(model: &Model, pose: ObjectPose, settings: &scene::Fem) -> Self {
-        let bodies: Vec<_> = model.fingers.iter().map(|f| f.body.clone()).collect();
-        let terms = (0..bodies.len()).map(|i| terms(model, i, pose)).collect();
-        let closing: Vec<DVec3> = model.fingers.iter().map(|f| f.placement.closing).collect();
-        let border = Border::new(closing, model.force_driven, model.free, model.object.bounding_radius);
+    ///
+    /// # Errors
+    /// When an object alone cannot be set up.
+    pub fn new(model: &Model, pose: ObjectPose, settings: &scene::Fem) -> Result<Self> {
+        let mut bodies: Vec<_> = model.fingers.iter().map(|f| f.body.clone()).collect();
+        let mut terms: Vec<_> = (0..bodies.len()).map(|i| terms(model, i, pose)).collect();
+        let mut closing: Vec<DVec3> = model.fingers.iter().map(|f| f.placement.closing).collect();
+        if bodies.is_empty() {
+            // The terms of an object alone need a host: a body of nothing on a finger that is not there.
+            let nothing = Elements::Linear(Vec::new());
+            bodies.push(Arc::new(Body::new(Vec::new(), nothing, Vec::new(), model.material.clone(), false)?));
+            (terms, closing) = (vec![Vec::new()], vec![DVec3::ZERO]);
+        }
+        let layout = if model.dynamics.is_some() { Border::geared } else { Border::new };
+        let border = layout(closing, model.force_driven, model.free, model.object.bounding_radius);
         let state = State {
             x: bodies.iter().map(|b| b.rest.clone()).collect(),
             travel: vec![0.0; bodies.len()],
@@ -85,7 +101,12 @@ impl Solver {
             rotation: pose.rotation,
         };
         let path = Path::new(Newton::new(bodies, terms, border), state, Tolerance::default());
-        Self { path, settings: *settings, started: false, start: pose }
+        Ok(Self { path, settings: *settings, started: false, start: pose })
+    }
+
+    /// The scene's settings.
+    pub fn settings(&self) -> &scene::Fem {
+        &self.settings
     }
 
     /// Brings the state to `level` (N or m per finger), from first contact the first time.
@@ -198,13 +219,6 @@ impl Solver {
     }
 
     fn explain(&self, model: &Model, at: &str, failure: Failure) -> String {
-        let what = match failure {
-            Failure::Iterations(r) => format!("no equilibrium within the iteration limit (residual {r:.1e} N)"),
-            Failure::LineSearch(r) => format!("line search: no step lowers the energy (residual {r:.1e} N)"),
-            Failure::Lost => "a finger closes on nothing: the object was squeezed out".into(),
-            Failure::Unsettled => "the object keeps rolling or sliding and does not come to rest".into(),
-            Failure::Singular => "the stiffness is not positive definite or not finite".into(),
-        };
         let state = &self.path.state;
         let moved = state.position.distance(self.start.position);
         let far = if model.free && moved > SLIPPING * model.object.bounding_radius {
@@ -212,7 +226,7 @@ impl Solver {
         } else {
             String::new()
         };
-        format!("{at}: {what}; last accepted level {:.4e}{far}", self.path.level)
+        format!("{at}: {failure}; last accepted level {:.4e}{far}", self.path.level)
     }
 }
 
@@ -236,14 +250,15 @@ fn terms(model: &Model, i: usize, pose: ObjectPose) -> Vec<Box<dyn BodyTerm>> {
     if !model.features.is_empty() {
         terms.push(Box::new(FeatureContact::new(model.law, finger.surface.clone(), model.features.clone())));
     }
-    if let Some(gravity) = model.gravity {
+    // Of a dynamic scene, gravity stands with inertia.
+    if let (Some(gravity), None) = (model.gravity, &model.dynamics) {
         let g = pose.rotation * gravity;
         let loads = finger.body.nodal_volume().iter().map(|v| g * (v * model.gel_density)).collect();
         terms.push(Box::new(DeadLoad(loads)));
         if model.free && i == 0 {
             let center = model.object.mass.center;
             let start = pose.position + pose.rotation * center;
-            terms.push(Box::new(Weight { force: g * model.mass, center, start }));
+            terms.push(Box::new(Weight::new(g * model.mass, center, start)));
         }
     }
     terms

@@ -1,5 +1,6 @@
 //! The systems of the finite element backend: columns -> solver -> one load level -> columns.
 
+use super::dynamics::systems::{advance_time, measure_ground, measure_motion};
 use super::readout;
 use super::stepper::Solver;
 use crate::components::*;
@@ -12,12 +13,22 @@ use glam::DVec3;
 /// Puts the systems in their sets; those for what the scene does not need are left out.
 pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
     schedule.add_systems(read_state.run_if(ramping).after(close_to_contact).in_set(StepSet::Sense));
-    schedule.add_systems((advance_level, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
+    if needs.dynamic {
+        schedule.add_systems((advance_time, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
+        schedule.add_systems(measure_motion.run_if(reached).before(measure_balance).in_set(StepSet::Measure));
+    } else {
+        schedule.add_systems((advance_level, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
+    }
+    if needs.ground {
+        let ground = measure_ground.run_if(reached).after(measure_contact).before(measure_balance);
+        let ground = ground.before(measure_stress).before(measure_det_f);
+        schedule.add_systems(ground.in_set(StepSet::Measure));
+    }
     schedule.add_systems(
         (read_edges, measure_contact).chain().run_if(reached).before(measure_balance).in_set(StepSet::Measure),
     );
     schedule.add_systems(report_timings.run_if(ramping).in_set(StepSet::Measure));
-    if !force_driven {
+    if !force_driven && !needs.dynamic {
         schedule.add_systems(measure_reaction.run_if(reached).before(measure_balance).in_set(StepSet::Measure));
     }
     if needs.friction {

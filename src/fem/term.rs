@@ -2,6 +2,7 @@
 //! only the sum.
 
 use super::body::Body;
+use super::dynamics::TimeStep;
 use super::pattern::{FIXED, Pattern};
 use super::state::{MAX_BORDER, Motion, View};
 use glam::{DMat3, DVec3};
@@ -219,6 +220,12 @@ pub trait BodyTerm: TermClone + Send + Sync {
     /// Adds to the gradients of `change` how the term's forces change along a small `motion` beyond what its (symmetric)
     /// Hessian says.
     fn couple(&self, _body: &Body, _view: &View, _motion: &Motion, _change: &mut Block) {}
+    /// A time step begins: the next solves are for its end.
+    fn begin(&mut self, _step: &TimeStep) {}
+    /// A distance that every point may move before the term must be looked at again, m.
+    fn clearance(&self, _body: &Body, _view: &View) -> f64 {
+        f64::INFINITY
+    }
     /// The increment was accepted: take over history.
     fn commit(&mut self, _body: &Body, _view: &View) {}
     /// The increment was rejected: forget what was learnt since the last commit.

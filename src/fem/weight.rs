@@ -7,7 +7,8 @@ use glam::{DMat3, DVec3};
 use std::any::Any;
 
 /// A dead load at the object's centre of mass: potential `-f . c`. Belongs to one body of the solver, whichever, because
-/// the border is assembled with the bodies.
+/// the border is assembled with the bodies. While contact is being established, with nothing yet to hold the
+/// object, a support carries it.
 #[derive(Debug, Clone, Copy)]
 pub struct Weight {
     /// Weight, N, hand frame.
@@ -16,15 +17,27 @@ pub struct Weight {
     pub center: DVec3,
     /// Where it is at the start, hand frame, m: the potential counts from there, which keeps its digits.
     pub start: DVec3,
+    /// The object hangs in the pads alone.
+    hangs: bool,
+}
+
+impl Weight {
+    /// The weight of `force` N at `center` (object frame, m), which is at `start` (hand frame, m).
+    pub fn new(force: DVec3, center: DVec3, start: DVec3) -> Self {
+        Self { force, center, start, hangs: true }
+    }
 }
 
 impl BodyTerm for Weight {
     fn energy(&self, _: &Body, view: &View) -> f64 {
+        if !self.hangs {
+            return 0.0;
+        }
         -self.force.dot(view.position + view.rotation * self.center - self.start)
     }
 
     fn assemble(&mut self, _: &Body, view: &View, project: bool, block: &mut Block) {
-        let Some(c) = view.pose_column else { return };
+        let (Some(c), true) = (view.pose_column, self.hangs) else { return };
         let (f, r) = (self.force, view.rotation * self.center);
         let torque = r.cross(f).to_array();
         for (k, (f, t)) in f.to_array().into_iter().zip(torque).enumerate() {
@@ -42,6 +55,10 @@ impl BodyTerm for Weight {
             }
         }
         block.activity += f.length();
+    }
+
+    fn soften(&mut self, factor: f64) {
+        self.hangs = factor <= 1.0;
     }
 
     fn as_any(&self) -> &dyn Any {

@@ -6,10 +6,12 @@
 //!       -> needs.rs (what to spawn) -+
 //! ```
 
+pub mod dynamics;
 pub mod needs;
 pub mod object;
 pub mod pad;
 
+pub use dynamics::Dynamics;
 pub use needs::Needs;
 pub use pad::FingerModel;
 
@@ -54,8 +56,11 @@ pub struct Model {
     pub gravity: Option<DVec3>,
     /// True if a force closes the fingers, false if their travel is prescribed.
     pub force_driven: bool,
-    /// Load per finger at each recorded frame: N if force-driven, else m after first contact.
+    /// Load per finger at each recorded frame: N of a squeeze, m after first contact of a press; of a dynamic scene the
+    /// time, s.
     pub levels: Vec<f64>,
+    /// Motion in time; None is quasi-static.
+    pub dynamics: Option<Dynamics>,
     /// What the scene needs in its world.
     pub needs: Needs,
     /// Judge of the recorded frames, if the scene needs one.
@@ -88,19 +93,22 @@ impl Model {
         let sides = match scene.gripper.fingers {
             Fingers::Both => 2,
             Fingers::One => 1,
+            Fingers::None => 0,
         };
         let fingers = (0..sides)
             .map(|side| FingerModel::build(side, &pad, &scene.gripper, &fem, material.clone()))
             .collect::<Result<Vec<_>>>()?;
-        let force_driven = matches!(scene.loading, Loading::Squeeze(_));
-        let share = if force_driven { 1.0 / sides as f64 } else { 1.0 };
+        let mass = object.mass.volume * scene.object.density.get();
+        let dynamics = Dynamics::of(scene, &object, mass);
+        let squeeze = matches!(scene.loading, Loading::Squeeze(_));
+        let force_driven = squeeze || dynamics.as_ref().is_some_and(Dynamics::squeezes);
+        let share = if squeeze { 1.0 / sides as f64 } else { 1.0 };
         let levels: Vec<f64> = scene.loading.levels().into_iter().map(|l| l * share).collect();
         if levels.is_empty() {
             return Err(Error::Start("the loading has no recorded frame; give a press `depth` or `depths`".into()));
         }
         let spacing = fingers.iter().map(|f| f.surface.spacing).fold(f64::INFINITY, f64::min);
         let free = scene.object.motion == Motion::Free;
-        let mass = object.mass.volume * scene.object.density.get();
         let needs = Needs::of(scene);
         let auditor = needs.audit.then(|| Auditor::new(&scene.object, &object, &fingers));
         Ok(Arc::new(Self {
@@ -118,6 +126,7 @@ impl Model {
             gravity: scene.gravity.map(|g| g.dvec3()).filter(|g| *g != DVec3::ZERO),
             force_driven,
             levels,
+            dynamics,
             needs,
             auditor,
             notices,
@@ -143,7 +152,12 @@ impl Model {
     /// Unknowns of the solver: per pad, travels, pose.
     pub fn unknowns(&self) -> Unknowns {
         let pads: Vec<usize> = self.fingers.iter().map(|f| f.body.pattern.unknowns()).collect();
-        let travels = if self.force_driven { self.fingers.len() } else { 0 };
+        let travels = match (self.force_driven, &self.dynamics) {
+            (false, _) => 0,
+            (true, None) => self.fingers.len(),
+            // Geared fingers travel alike.
+            (true, Some(_)) => 1,
+        };
         let pose = if self.free { 6 } else { 0 };
         Unknowns { total: pads.iter().sum::<usize>() + travels + pose, pads, travels, pose }
     }
@@ -154,7 +168,7 @@ impl Model {
 pub struct Unknowns {
     /// Three per free node of each pad, left first.
     pub pads: Vec<usize>,
-    /// Finger travels that a force drives.
+    /// Finger travels that a force drives; of a dynamic scene their common travel.
     pub travels: usize,
     /// Translation and rotation of a free object.
     pub pose: usize,

@@ -1,6 +1,6 @@
 //! What a scene needs in its world: nothing is spawned, computed or solved for that nobody asked for.
 
-use crate::scene::{Expectation, Field, Motion, Scene};
+use crate::scene::{Expectation, Field, Loading, Motion, Scene};
 use serde::Serialize;
 
 /// Parts of the world that are there only if the scene asks for them.
@@ -18,6 +18,10 @@ pub struct Needs {
     pub gravity: bool,
     /// An independent judge of every frame: the scene promises something that it judges.
     pub audit: bool,
+    /// Velocities, the pose of the hand and time: the loading is dynamic.
+    pub dynamic: bool,
+    /// Contact of the object with its support: there is a ground.
+    pub ground: bool,
     /// A pose that changes: the object is free.
     pub free_object: bool,
 }
@@ -33,6 +37,8 @@ impl Needs {
             friction: scene.gripper.friction.get() > 0.0,
             gravity: scene.gravity.is_some_and(|g| g.dvec3() != glam::DVec3::ZERO),
             audit: scene.expect.iter().any(Expectation::audited),
+            dynamic: matches!(scene.loading, Loading::Dynamic(_)),
+            ground: scene.ground.is_some(),
             free_object: scene.object.motion == Motion::Free,
         }
     }

@@ -12,6 +12,9 @@
 //! | `object_pose` | (frames, 7): x y z qw qx qy qz | m |
 //! | `force` | (frames) | N, sum over the fingers |
 //! | `time` | (frames) | s |
+//! | `hand_pose` | (frames, 7): x y z qw qx qy qz, world | m; dynamic scenes |
+//! | `object_motion` | (frames, 6): velocity, spin, world axes | m/s, rad/s; dynamic scenes |
+//! | `ground_force` | (frames, 3), world axes | N; dynamic scenes |
 //! | `travel` | (frames, pads) | m |
 //! | `wrench` | (frames, pads, 6): force, torque | N, N m |
 //! | `rest` | (nodes, 3) | m, pad frame |
@@ -52,6 +55,9 @@ pub struct Arrays {
     time: Vec<f64>,
     travel: Vec<f64>,
     wrench: Vec<f64>,
+    hand_pose: Vec<f64>,
+    object_motion: Vec<f64>,
+    ground_force: Vec<f64>,
 }
 
 impl Arrays {
@@ -86,6 +92,9 @@ impl Arrays {
             time: Vec::new(),
             travel: Vec::new(),
             wrench: Vec::new(),
+            hand_pose: Vec::new(),
+            object_motion: Vec::new(),
+            ground_force: Vec::new(),
         };
         for (pad, topology) in (0..).zip(topologies) {
             let first = arrays.bonded.len() as u32;
@@ -111,6 +120,12 @@ impl Arrays {
         }
         let (p, q) = (frame.object_position, frame.object_rotation);
         self.object_pose.extend([p.x, p.y, p.z, q.w, q.x, q.y, q.z]);
+        if let Some(m) = &frame.moving {
+            let (p, q) = (m.hand_position, m.hand_rotation);
+            self.hand_pose.extend([p.x, p.y, p.z, q.w, q.x, q.y, q.z]);
+            extend(&mut self.object_motion, &[m.velocity, m.spin]);
+            extend(&mut self.ground_force, &[m.ground_force]);
+        }
         self.force.push(frame.applied_force);
         self.time.push(frame.time);
         self.travel.extend(&frame.travel);
@@ -150,6 +165,11 @@ impl Arrays {
             put(out, "gap", (frames, nodes), &self.gap)?;
         }
         put(out, "object_pose", (frames, 7), &self.object_pose)?;
+        if !self.hand_pose.is_empty() {
+            put(out, "hand_pose", (frames, 7), &self.hand_pose)?;
+            put(out, "object_motion", (frames, 6), &self.object_motion)?;
+            put(out, "ground_force", (frames, 3), &self.ground_force)?;
+        }
         put(out, "force", frames, &self.force)?;
         put(out, "time", frames, &self.time)?;
         put(out, "travel", (frames, self.pads), &self.travel)?;

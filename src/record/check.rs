@@ -37,14 +37,23 @@ pub fn frame<T: Borrow<PadTopology>>(topologies: &[T], frame: &Frame) -> Verdict
         ("applied_force", frame.applied_force),
         ("time", frame.time),
         ("energy", frame.energy),
-        ("min_det_f", frame.min_det_f),
-        ("min_gap", frame.min_gap),
         ("force_balance", frame.force_balance),
         ("torque_balance", frame.torque_balance),
         ("residual", frame.residual),
     ];
     for (field, value) in scalars {
         finite(&name, field, value)?;
+    }
+    // In a dynamic scene nothing may be near, and there may be no pad to be turned inside out.
+    for (field, value) in [("min_det_f", frame.min_det_f), ("min_gap", frame.min_gap)] {
+        if frame.moving.is_none() || value != f64::INFINITY {
+            finite(&name, field, value)?;
+        }
+    }
+    if let Some(m) = &frame.moving {
+        let vectors_of = [m.hand_position, m.velocity, m.spin, m.momentum, m.angular_momentum, m.ground_force];
+        vectors(&name, "moving", &vectors_of)?;
+        numbers(&name, "moving.hand_rotation", &m.hand_rotation.to_array())?;
     }
     numbers(&name, "travel", &frame.travel)?;
     vectors(&name, "object_position", &[frame.object_position])?;

@@ -15,11 +15,11 @@ pub struct FramesCsv {
 }
 
 impl FramesCsv {
-    /// Creates the file with its header for grasps with `pads` pads.
-    pub fn create(path: &Path, pads: usize) -> Result<Self> {
+    /// Creates the file with its header for grasps with `pads` pads, `moving` in time or not.
+    pub fn create(path: &Path, pads: usize, moving: bool) -> Result<Self> {
         let file = File::create(path).map_err(|e| cannot_write(path, &e))?;
         let mut csv = FramesCsv { path: path.to_path_buf(), file };
-        csv.line(&columns(pads).join(","))?;
+        csv.line(&columns(pads, moving).join(","))?;
         Ok(csv)
     }
 
@@ -35,7 +35,7 @@ impl FramesCsv {
 }
 
 /// Column names, units as suffix (dimensionless ones have none).
-pub fn columns(pads: usize) -> Vec<String> {
+pub fn columns(pads: usize, moving: bool) -> Vec<String> {
     let mut names: Vec<String> = ["frame", "time_s", "force_n"].map(String::from).to_vec();
     names.extend((0..pads).map(|pad| format!("travel_{}_m", pad_name(pad))));
     names.extend(["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"].map(|part| format!("object_{part}")));
@@ -48,6 +48,13 @@ pub fn columns(pads: usize) -> Vec<String> {
     let solver = ["energy_j", "newton_iterations", "min_det_f", "min_gap_m", "force_balance", "torque_balance"];
     names.extend(solver.map(String::from));
     names.push("residual_n".into());
+    if moving {
+        names.extend(["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"].map(|part| format!("hand_{part}")));
+        let vectors = [("velocity", "m_s"), ("spin", "rad_s"), ("momentum", "kg_m_s"), ("angular_momentum", "kg_m2_s")];
+        for (name, unit) in vectors.into_iter().chain([("ground_force", "n")]) {
+            names.extend(["x", "y", "z"].map(|axis| format!("{name}_{axis}_{unit}")));
+        }
+    }
     names
 }
 
@@ -67,13 +74,19 @@ fn row(frame: &Frame) -> Vec<String> {
     numbers.push(frame.energy);
     let rest = [frame.min_det_f, frame.min_gap, frame.force_balance, frame.torque_balance, frame.residual];
     let before = std::iter::once(frame.index.to_string()).chain(numbers.into_iter().map(number));
-    before.chain([frame.newton_iterations.to_string()]).chain(rest.map(number)).collect()
+    let moving = frame.moving.iter().flat_map(|m| {
+        let (q, vectors) = (m.hand_rotation, [m.velocity, m.spin, m.momentum, m.angular_momentum, m.ground_force]);
+        let pose = m.hand_position.to_array().into_iter().chain([q.w, q.x, q.y, q.z]);
+        pose.chain(vectors.into_iter().flat_map(|v| v.to_array()))
+    });
+    let solver = [frame.newton_iterations.to_string()].into_iter().chain(rest.map(number));
+    before.chain(solver).chain(moving.map(number)).collect()
 }
 
 /// The shortest text that reads back to the same number; plain where a person would write it plainly; empty for what was
 /// not measured.
 fn number(value: f64) -> String {
-    if value.is_nan() {
+    if !value.is_finite() {
         return String::new();
     }
     let size = value.abs();

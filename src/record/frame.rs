@@ -33,6 +33,25 @@ pub struct PadFrame {
     pub wrench: Wrench,
 }
 
+/// What a frame of a dynamic scene has more. The world's frame is that of the object at the start.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Moving {
+    /// Origin of the hand frame in the world, m.
+    pub hand_position: DVec3,
+    /// Rotation from the hand frame to the world.
+    pub hand_rotation: DQuat,
+    /// Velocity of the object's centre of mass, m/s, world axes.
+    pub velocity: DVec3,
+    /// Angular velocity of the object, rad/s, world axes.
+    pub spin: DVec3,
+    /// Linear momentum of the object, kg m/s, world axes.
+    pub momentum: DVec3,
+    /// Angular momentum of the object about its centre of mass, kg m2/s, world axes.
+    pub angular_momentum: DVec3,
+    /// Force of the ground on the object, N, world axes.
+    pub ground_force: DVec3,
+}
+
 /// One recorded frame of a grasp.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
@@ -50,13 +69,15 @@ pub struct Frame {
     pub object_rotation: DQuat,
     /// Both pads, left first.
     pub pads: Vec<PadFrame>,
+    /// Motion in time; None in quasi-static scenes.
+    pub moving: Option<Moving>,
     /// Value of the incremental potential, J.
     pub energy: f64,
     /// Newton iterations spent on this frame.
     pub newton_iterations: u32,
-    /// Smallest det F over all quadrature points; positive where nothing is inverted.
+    /// Smallest det F over all quadrature points; positive where nothing is inverted; `+inf` without pads.
     pub min_det_f: f64,
-    /// Smallest gap between pads and object, m; positive where nothing penetrates.
+    /// Smallest gap of the object to pads and ground, m; positive where nothing penetrates; `+inf` where nothing is near.
     pub min_gap: f64,
     /// Unbalanced force over the applied force: of a free object, what contact and weight leave over; else what a finger's
     /// contact carries more or less than the finger.
@@ -65,6 +86,18 @@ pub struct Frame {
     pub torque_balance: f64,
     /// Norm of the unbalanced nodal forces at the end of Newton, N.
     pub residual: f64,
+}
+
+impl Frame {
+    /// A point of the hand frame where it is shown: in the world if that is known, m.
+    pub fn shown_point(&self, x: DVec3) -> DVec3 {
+        self.moving.as_ref().map_or(x, |m| m.hand_position + m.hand_rotation * x)
+    }
+
+    /// A vector in hand axes as it is shown.
+    pub fn shown_vector(&self, v: DVec3) -> DVec3 {
+        self.moving.as_ref().map_or(v, |m| m.hand_rotation * v)
+    }
 }
 
 /// Tetrahedra of a pad, node indices 0-based.

@@ -43,7 +43,10 @@ impl GraspRecorder {
         }
         check::object(object).map_err(refuse)?;
         create_dir(&if options.vtu { dir.join("frames") } else { dir.clone() })?;
-        let csv = options.csv.then(|| FramesCsv::create(&dir.join("frames.csv"), topologies.len())).transpose()?;
+        let csv = options
+            .csv
+            .then(|| FramesCsv::create(&dir.join("frames.csv"), topologies.len(), options.moving))
+            .transpose()?;
         let arrays = options.arrays.then(|| Arrays::new(dir.join("arrays.npz"), topologies)).transpose()?;
         let collection = options.vtu.then(|| Collection::new(dir.join("run.pvd")));
         Ok(GraspRecorder {
@@ -83,7 +86,8 @@ impl GraspRecorder {
                 (format!("frames/frame_{:04}.vtu", frame.index), format!("frames/object_{:04}.vtu", frame.index));
             write_atomic(&self.dir.join(&pads), vtu::pads(&self.topologies, frame).as_bytes())?;
             write_atomic(&self.dir.join(&object), vtu::object(&self.object, frame).as_bytes())?;
-            collection.push(frame.applied_force, &[&pads, &object])?;
+            let at = if frame.moving.is_some() { frame.time } else { frame.applied_force };
+            collection.push(at, &[&pads, &object])?;
         }
         if let Some(csv) = &mut self.csv {
             csv.push(frame)?;

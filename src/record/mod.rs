@@ -25,7 +25,7 @@ pub mod recorder;
 pub mod report;
 pub mod vtu;
 
-pub use frame::{Elements, Frame, PadFrame, PadTopology, Wrench, pad_name};
+pub use frame::{Elements, Frame, Moving, PadFrame, PadTopology, Wrench, pad_name};
 pub use grasp::GraspRecorder;
 pub use recorder::{Options, Recorder};
 pub use report::{ExpectationReport, GraspSummary, PadReport, RunReport, Status};

@@ -1,4 +1,4 @@
-//! ParaView collection (`.pvd`): which `.vtu` files belong to which applied force.
+//! ParaView collection (`.pvd`): which `.vtu` files belong to which applied force or time.
 
 use super::files::write_atomic;
 use crate::error::Result;
@@ -20,14 +20,11 @@ impl Collection {
 
     /// Adds `files` (relative to the collection's directory) as the parts of one step and rewrites the collection.
     ///
-    /// The "time" ParaView shows is the applied force, N.
-    pub fn push(&mut self, applied_force: f64, files: &[&str]) -> Result<()> {
+    /// The "time" ParaView shows is `at`: the applied force, N, or the time of a dynamic scene, s.
+    pub fn push(&mut self, at: f64, files: &[&str]) -> Result<()> {
         for (part, file) in files.iter().enumerate() {
             // Writing to a String cannot fail; our own file names need no XML escapes.
-            let _ = writeln!(
-                self.entries,
-                "<DataSet timestep=\"{applied_force}\" group=\"\" part=\"{part}\" file=\"{file}\"/>"
-            );
+            let _ = writeln!(self.entries, "<DataSet timestep=\"{at}\" group=\"\" part=\"{part}\" file=\"{file}\"/>");
         }
         let text = format!(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n\

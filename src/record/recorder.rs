@@ -19,6 +19,8 @@ pub struct Options {
     pub csv: bool,
     /// `arrays.npz`.
     pub arrays: bool,
+    /// Frames have a motion in time.
+    pub moving: bool,
     /// `pads.png` of the last frame, coloured by this.
     pub picture: Option<Scalar>,
     /// `arrays.npz` is rewritten after this many frames: the most that a killed run can lose of it.
@@ -35,6 +37,7 @@ impl Default for Options {
             vtu: true,
             csv: true,
             arrays: true,
+            moving: false,
             picture: Some(Scalar::Stress),
             flush_every: 10,
             overwrite: false,

@@ -70,8 +70,12 @@ impl GraspSummary {
         self.force_n = frame.applied_force;
         self.travel_m = frame.travel.iter().sum::<f64>() / frame.travel.len().max(1) as f64;
         self.frames += 1;
-        self.min_det_f = fold(self.min_det_f, frame.min_det_f, f64::min);
-        self.min_gap_m = fold(self.min_gap_m, frame.min_gap, f64::min);
+        if frame.min_det_f.is_finite() {
+            self.min_det_f = fold(self.min_det_f, frame.min_det_f, f64::min);
+        }
+        if frame.min_gap.is_finite() {
+            self.min_gap_m = fold(self.min_gap_m, frame.min_gap, f64::min);
+        }
         self.force_balance = fold(self.force_balance, frame.force_balance, f64::max);
         self.newton_iterations += u64::from(frame.newton_iterations);
     }

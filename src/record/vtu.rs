@@ -13,7 +13,7 @@ const TRIANGLE: u8 = 5;
 const TETRA: u8 = 10;
 const QUADRATIC_TETRA: u8 = 24;
 
-/// The pads of `frame` as one grid. Point data: `displacement` (m), `contact_force` (N), `von_mises_node` (Pa), `pad` (0 = left);
+/// The pads of `frame` as one grid, in the hand frame, of a dynamic scene in the world. Point data: `displacement` (m), `contact_force` (N), `von_mises_node` (Pa), `pad` (0 = left);
 /// cell data: `von_mises_element` (Pa), `pad`. Sizes must have been checked ([`super::check::frame`]).
 pub fn pads(topologies: &[PadTopology], frame: &Frame) -> String {
     let mut cells = Cells::default();
@@ -39,10 +39,11 @@ pub fn pads(topologies: &[PadTopology], frame: &Frame) -> String {
     let mut out = String::new();
     begin(&mut out, node_pad.len(), cells.types.len());
     out.push_str("<PointData>\n");
-    vectors(&mut out, "displacement", &gather(|pad| &pad.displacement));
+    let turned = |v: Vec<DVec3>| -> Vec<DVec3> { v.into_iter().map(|v| frame.shown_vector(v)).collect() };
+    vectors(&mut out, "displacement", &turned(gather(|pad| &pad.displacement)));
     // What is not recorded is empty, and left out.
     if frame.pads.iter().all(|pad| !pad.contact_force.is_empty()) {
-        vectors(&mut out, "contact_force", &gather(|pad| &pad.contact_force));
+        vectors(&mut out, "contact_force", &turned(gather(|pad| &pad.contact_force)));
     }
     if frame.pads.iter().all(|pad| !pad.von_mises_node.is_empty()) {
         floats(&mut out, "von_mises_node", &scalars(|pad| &pad.von_mises_node), 1);
@@ -57,14 +58,18 @@ pub fn pads(topologies: &[PadTopology], frame: &Frame) -> String {
     }
     array(&mut out, "UInt8", "pad", 1, &tet_pad);
     out.push_str("</CellData>\n");
-    end(&mut out, &gather(|pad| &pad.position), &cells);
+    let positions: Vec<DVec3> = gather(|pad| &pad.position).into_iter().map(|x| frame.shown_point(x)).collect();
+    end(&mut out, &positions, &cells);
     out
 }
 
-/// The object's surface (object frame, m) moved to its pose in `frame`.
+/// The object's surface (object frame, m) moved to its pose in `frame`, shown as the pads are.
 pub fn object(surface: &TriMesh, frame: &Frame) -> String {
-    let moved: Vec<DVec3> =
-        surface.vertices.iter().map(|&v| frame.object_position + frame.object_rotation * v).collect();
+    let moved: Vec<DVec3> = surface
+        .vertices
+        .iter()
+        .map(|&v| frame.shown_point(frame.object_position + frame.object_rotation * v))
+        .collect();
     let mut cells = Cells::default();
     cells.add(surface.triangles.as_flattened(), 3, TRIANGLE, 0);
     let mut out = String::new();

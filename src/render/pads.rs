@@ -83,7 +83,8 @@ fn heading(page: &mut Pixmap, label: &Label, frame: &Frame, style: &Style) {
     let travel: Vec<String> =
         frame.travel.iter().enumerate().map(|(i, t)| format!("{} {:.2} mm", pad_name(i), t * 1e3)).collect();
     let force = format!("applied force {:.2} N (sum over the fingers)", frame.applied_force);
-    let line = format!("{force}   ·   travel {}   ·   frame {}", travel.join(", "), frame.index);
+    let time = frame.moving.map_or(String::new(), |_| format!("   ·   {:.3} s", frame.time));
+    let line = format!("{force}   ·   travel {}   ·   frame {}{time}", travel.join(", "), frame.index);
     let line = label.fit(&line, 19.0, WIDTH as f32 - 60.0);
     label.draw(page, &line, (28.0, 76.0), 19.0, MUTED, Align::Left);
     polyline(page, &[(28.0, 92.0), (WIDTH as f32 - 28.0, 92.0)], 1.0, LINE, 1.0);

@@ -4,6 +4,7 @@ use super::expect::{Bounds, Expectation};
 use super::grasps::Grasps;
 use super::gripper::Fingers;
 use super::loading::Loading;
+use super::motion;
 use super::object::{Motion, Revolve, Shape};
 use super::pad::Pads;
 use super::schema::{Part, Scene};
@@ -42,6 +43,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Problem> {
     grasps(&scene.grasps)?;
     antipodal(scene)?;
     loading(scene)?;
+    dynamic(scene)?;
     scene.expect.iter().enumerate().try_for_each(|(i, e)| expectation(i, e))
 }
 
@@ -147,6 +149,12 @@ fn antipodal(scene: &Scene) -> Result<(), Problem> {
 }
 
 fn loading(scene: &Scene) -> Result<(), Problem> {
+    if matches!(scene.loading, Loading::Dynamic(_)) {
+        return Ok(());
+    }
+    if scene.gripper.fingers == Fingers::None {
+        return refuse("gripper.fingers", "nothing to load without fingers\nuse Both or One, or loading: Dynamic");
+    }
     if scene.gripper.fingers == Fingers::One && scene.object.motion == Motion::Free {
         return refuse(
             "gripper.fingers",
@@ -178,11 +186,61 @@ fn travel(scene: &Scene, levels: Vec<f64>) -> Result<(), Problem> {
     refuse("loading", format!("a press of {last} m is longer than the finger's stroke ({stroke} m)"))
 }
 
+/// What goes with motion in time, and what does not go without.
+fn dynamic(scene: &Scene) -> Result<(), Problem> {
+    let Loading::Dynamic(dynamic) = &scene.loading else {
+        let moving = [
+            ("ground", scene.ground.is_some()),
+            ("object.velocity", scene.object.velocity.is_some()),
+            ("object.spin", scene.object.spin.is_some()),
+        ];
+        if let Some((path, _)) = moving.into_iter().find(|(_, given)| *given) {
+            return refuse(path, "only a scene that moves in time has this\nuse loading: Dynamic(motions: [...])");
+        }
+        return match scene.expect.iter().position(|e| e.is_dynamic()) {
+            Some(i) => refuse(
+                format!("expect[{i}]"),
+                format!("{} needs loading: Dynamic(motions: [...])", scene.expect[i].name()),
+            ),
+            None => Ok(()),
+        };
+    };
+    let moves = scene.object.velocity.is_some() || scene.object.spin.is_some();
+    if moves && scene.object.motion == Motion::Fixed {
+        return refuse("object.motion", "a fixed object has neither velocity nor spin");
+    }
+    if dynamic.motions.is_empty() {
+        return refuse(
+            "loading.motions",
+            "no motion, so no time passes\nHold(duration: 0.5) does nothing for half a second",
+        );
+    }
+    let no_gravity = scene.gravity.is_none_or(|g| g.dvec3() == glam::DVec3::ZERO);
+    for (i, motion) in dynamic.motions.iter().enumerate() {
+        if motion.play().duration() == 0.0 {
+            return refuse(format!("loading.motions[{i}]"), "repeats no motion");
+        }
+        if motion.play().needs_gravity() && no_gravity {
+            let message =
+                "a lift goes against gravity, and the scene has none\nset gravity, or use Move(by: (x, y, z), ...)";
+            return refuse(format!("loading.motions[{i}]"), message);
+        }
+    }
+    if scene.gripper.fingers == Fingers::None && !motion::squeezes(&dynamic.motions).is_empty() {
+        return refuse("loading.motions", "nothing closes without fingers\nuse fingers: Both in gripper");
+    }
+    Ok(())
+}
+
 fn expectation(i: usize, expectation: &Expectation) -> Result<(), Problem> {
     let (Expectation::Travel(Bounds { at_least, at_most })
     | Expectation::Force(Bounds { at_least, at_most })
     | Expectation::Penetration(Bounds { at_least, at_most })
-    | Expectation::MaxStress(Bounds { at_least, at_most })) = expectation
+    | Expectation::MaxStress(Bounds { at_least, at_most })
+    | Expectation::ObjectSlides(Bounds { at_least, at_most })
+    | Expectation::ObjectSpeed(Bounds { at_least, at_most })
+    | Expectation::GroundForce(Bounds { at_least, at_most })
+    | Expectation::Torque(Bounds { at_least, at_most })) = expectation
     else {
         return Ok(());
     };

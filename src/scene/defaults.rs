@@ -1,7 +1,7 @@
 //! Every default of a scene file, once: serde, `Default` and the documentation all take it from here.
 
-use super::leaf::{Count, Depth, Finite, Fraction, Length, NonNegative, Positive, Ratio};
-use super::vector::{Size, Vec3};
+use super::leaf::{Count, Depth, Finite, Fraction, Length, NonNegative, Positive, Ratio, Seconds};
+use super::vector::{Direction, Size, Vec3};
 
 /// Declares the constants; the name in parentheses is a function of the same value for `#[serde(default = "...")]`.
 macro_rules! defaults {
@@ -77,6 +77,17 @@ defaults! {
 
     /// Loading: recorded frames.
     FRAMES (frames): Count<1, 10000> = Count::preset(50);
+
+    /// Dynamic: time step, s.
+    TIME_STEP (time_step): Seconds = Seconds::preset(1e-3);
+    /// Dynamic: viscosity of the gel over its stiffness, s.
+    DAMPING (damping): NonNegative = NonNegative::preset(0.0);
+    /// Dynamic: speed of a finger that closes on nothing, m/s (twice that of a Franka hand's finger).
+    CLOSING_SPEED (closing_speed): Positive = Positive::preset(0.1);
+    /// Ground: direction out of it.
+    GROUND_NORMAL: Direction = Direction::preset3(0.0, 0.0, 1.0);
+    /// Ground: Coulomb friction between it and the object.
+    GROUND_FRICTION: NonNegative = NonNegative::preset(0.8);
 
     /// FEM: treat the dilatation of an element as constant (no volumetric locking).
     MEAN_DILATATION: bool = true;

@@ -1,6 +1,7 @@
 //! What a scene promises about its own outcome.
 
 use super::leaf::{Finite, Length, Positive};
+use super::vector::Vec3;
 use serde::{Deserialize, Serialize};
 
 /// Depth that does not yet count as penetration, m: that of the contact law's offset, below which nothing is resolved.
@@ -33,6 +34,21 @@ pub enum Expectation {
     ForceAt(ForceAt),
     /// Largest von Mises stress of the last frame, Pa.
     MaxStress(Bounds),
+    /// Dynamic: no point of the object moves far relative to what holds it: the hand from the end of the first squeeze on,
+    /// or, without fingers, the world.
+    ObjectHeld(Slip),
+    /// Dynamic: by the last frame it has moved, relative to the same.
+    ObjectSlides(Bounds),
+    /// Dynamic: where its centre of mass is in the world at the last frame.
+    ObjectAt(Place),
+    /// Dynamic: speed of its centre of mass at the last frame, m/s.
+    ObjectSpeed(Bounds),
+    /// Dynamic: normal force of the ground on it at the last frame, N.
+    GroundForce(Bounds),
+    /// Dynamic: largest torque of the pads about the closing direction in any frame, N m.
+    Torque(Bounds),
+    /// Dynamic: linear and angular momentum of the object stay those of the start: largest change over the start's.
+    MomentumKept(Relative),
     /// The solver gives up, and its reason contains this text.
     Fault(Reason),
     /// The start is refused, and the reason contains this text.
@@ -69,6 +85,24 @@ pub struct ForceAt {
     pub relative: Positive,
 }
 
+/// A bound on slip.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Slip {
+    /// Largest allowed motion of any point of the object, m.
+    pub slip_at_most: Length,
+}
+
+/// A place.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Place {
+    /// World, m.
+    pub position: Vec3,
+    /// Allowed distance from it, m.
+    pub within: Length,
+}
+
 /// Part of a reason; empty is any.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -93,6 +127,13 @@ impl Expectation {
             Expectation::Force(_) => "Force",
             Expectation::ForceAt(_) => "ForceAt",
             Expectation::MaxStress(_) => "MaxStress",
+            Expectation::ObjectHeld(_) => "ObjectHeld",
+            Expectation::ObjectSlides(_) => "ObjectSlides",
+            Expectation::ObjectAt(_) => "ObjectAt",
+            Expectation::ObjectSpeed(_) => "ObjectSpeed",
+            Expectation::GroundForce(_) => "GroundForce",
+            Expectation::Torque(_) => "Torque",
+            Expectation::MomentumKept(_) => "MomentumKept",
             Expectation::Fault(_) => "Fault",
             Expectation::Infeasible(_) => "Infeasible",
         }
@@ -110,7 +151,26 @@ impl Expectation {
             Expectation::ReachesForce | Expectation::Force(_) | Expectation::ForceAt(_) => "N",
             Expectation::NoPenetration | Expectation::Penetration(_) | Expectation::Travel(_) => "m",
             Expectation::MaxStress(_) => "Pa",
+            Expectation::ObjectHeld(_) | Expectation::ObjectSlides(_) | Expectation::ObjectAt(_) => "m",
+            Expectation::ObjectSpeed(_) => "m/s",
+            Expectation::GroundForce(_) => "N",
+            Expectation::Torque(_) => "N m",
             _ => "",
         }
+    }
+
+    /// True if only a dynamic scene can be judged by it.
+    pub fn is_dynamic(&self) -> bool {
+        use Expectation::*;
+        matches!(
+            self,
+            ObjectHeld(_)
+                | ObjectSlides(_)
+                | ObjectAt(_)
+                | ObjectSpeed(_)
+                | GroundForce(_)
+                | Torque(_)
+                | MomentumKept(_)
+        )
     }
 }

@@ -64,4 +64,6 @@ pub enum Fingers {
     Both,
     /// One pad only, at -x and moving along +x: press tests on a fixed object.
     One,
+    /// No pad at all: a dynamic scene of the object alone.
+    None,
 }

@@ -2,6 +2,7 @@
 
 use super::expect::{Bounds, Expectation, PENETRATION};
 use crate::audit::Findings;
+use glam::DVec3;
 use serde::Serialize;
 
 /// How a grasp ended.
@@ -37,6 +38,20 @@ pub struct Measured {
     pub torque_balance: f64,
     /// Largest von Mises stress of the last frame, Pa.
     pub max_stress_pa: f64,
+    /// Largest motion of any point of the object relative to what holds it, m.
+    pub slip_m: f64,
+    /// The same at the last frame.
+    pub last_slip_m: f64,
+    /// Centre of mass of the object in the world at the last frame, m.
+    pub position_m: [f64; 3],
+    /// Its speed, m/s.
+    pub speed_m_s: f64,
+    /// Normal force of the ground at the last frame, N.
+    pub ground_force_n: f64,
+    /// Largest torque of the pads about the closing direction in any frame, N m.
+    pub torque_n_m: f64,
+    /// Largest change of linear or angular momentum of the object over its value at the start.
+    pub momentum_drift: f64,
     /// (travel after contact, m; force, N) of the first finger at each recorded frame.
     pub curve: Vec<(f64, f64)>,
 }
@@ -53,6 +68,13 @@ impl Default for Measured {
             force_balance: f64::NAN,
             torque_balance: f64::NAN,
             max_stress_pa: f64::NAN,
+            slip_m: f64::NAN,
+            last_slip_m: f64::NAN,
+            position_m: [f64::NAN; 3],
+            speed_m_s: f64::NAN,
+            ground_force_n: f64::NAN,
+            torque_n_m: f64::NAN,
+            momentum_drift: f64::NAN,
             curve: Vec::new(),
         }
     }
@@ -84,6 +106,10 @@ pub fn evaluate(expectation: &Expectation, m: &Measured) -> Held {
         bound: bound.is_finite().then_some(bound),
         unit: expectation.unit(),
         detail: None,
+    };
+    let bounded = |bounds: &Bounds, value: f64| {
+        let (held, value, bound) = within(bounds, value);
+        verdict(held, value, bound)
     };
     // comparisons with NaN are false, so what was not measured never holds
     match expectation {
@@ -120,13 +146,21 @@ pub fn evaluate(expectation: &Expectation, m: &Measured) -> Held {
             );
             verdict(held, value, bound)
         }
-        Expectation::Force(bounds) => {
-            let (held, value, bound) = within(bounds, m.force_n);
-            verdict(held, value, bound)
+        Expectation::Force(bounds) => bounded(bounds, m.force_n),
+        Expectation::MaxStress(bounds) => bounded(bounds, m.max_stress_pa),
+        Expectation::ObjectHeld(slip) => {
+            verdict(m.slip_m <= slip.slip_at_most.get(), m.slip_m, slip.slip_at_most.get())
         }
-        Expectation::MaxStress(bounds) => {
-            let (held, value, bound) = within(bounds, m.max_stress_pa);
-            verdict(held, value, bound)
+        Expectation::ObjectSlides(bounds) => bounded(bounds, m.last_slip_m),
+        Expectation::ObjectAt(place) => {
+            let off = (DVec3::from_array(m.position_m) - place.position.dvec3()).length();
+            verdict(off <= place.within.get(), off, place.within.get())
+        }
+        Expectation::ObjectSpeed(bounds) => bounded(bounds, m.speed_m_s),
+        Expectation::GroundForce(bounds) => bounded(bounds, m.ground_force_n),
+        Expectation::Torque(bounds) => bounded(bounds, m.torque_n_m),
+        Expectation::MomentumKept(r) => {
+            verdict(m.momentum_drift <= r.relative.get(), m.momentum_drift, r.relative.get())
         }
         Expectation::ForceAt(point) => {
             let force = interpolate(&m.curve, point.depth.get());

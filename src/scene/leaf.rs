@@ -11,6 +11,8 @@ use serde::{Serialize, Serializer};
 pub const LENGTH_LIMIT: f64 = 2.0;
 /// Smallest stiffness a scene may name, Pa: below it the number was almost surely meant in MPa.
 pub const MODULUS_FLOOR: f64 = 1.0;
+/// Longest time a scene may name, s.
+pub const TIME_LIMIT: f64 = 1000.0;
 /// Largest ratio of cell sizes within a pad.
 pub const RATIO_LIMIT: f64 = 20.0;
 
@@ -84,6 +86,10 @@ number! {
     Fraction, fraction
 }
 number! {
+    /// A time above zero and at most [`TIME_LIMIT`], s.
+    Seconds, seconds
+}
+number! {
     /// From one to [`RATIO_LIMIT`].
     Ratio, ratio
 }
@@ -143,6 +149,18 @@ fn poisson(v: f64) -> Result<(), String> {
 }
 fn fraction(v: f64) -> Result<(), String> {
     if v > 0.0 && v <= 1.0 { Ok(()) } else { Err(format!("must be above 0 and at most 1, found {}", shown(v))) }
+}
+fn seconds(v: f64) -> Result<(), String> {
+    positive(v)?;
+    if v <= TIME_LIMIT {
+        return Ok(());
+    }
+    Err(format!(
+        "must be at most {TIME_LIMIT} s, found {}\ntimes are in seconds: {} ms is {}",
+        shown(v),
+        shown(v),
+        shown(v * 1e-3)
+    ))
 }
 fn ratio(v: f64) -> Result<(), String> {
     if (1.0..=RATIO_LIMIT).contains(&v) {

@@ -1,6 +1,7 @@
 //! How the grasp is loaded after first contact.
 
 use super::defaults;
+use super::dynamic::Dynamic;
 use super::leaf::{Count, Length, Positive};
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +12,8 @@ pub enum Loading {
     Squeeze(Squeeze),
     /// Move the pads on by given travels after contact: tests on a fixed object.
     Press(Press),
+    /// Let time run while the hand moves, with inertia.
+    Dynamic(Dynamic),
 }
 
 /// Force-controlled squeeze.
@@ -60,11 +63,12 @@ impl Press {
 }
 
 impl Loading {
-    /// Load at each recorded frame: total force, N, or travel after contact, m.
+    /// Load at each recorded frame: total force, N, travel after contact, m, or time, s.
     pub fn levels(&self) -> Vec<f64> {
         match self {
             Loading::Squeeze(squeeze) => squeeze.levels(),
             Loading::Press(press) => press.levels(),
+            Loading::Dynamic(dynamic) => dynamic.times(),
         }
     }
 }

@@ -25,6 +25,12 @@ pub struct Object {
     /// Whether it may move.
     #[serde(default)]
     pub motion: Motion,
+    /// Velocity of its centre of mass at the start of a dynamic scene, world axes, m/s.
+    #[serde(default)]
+    pub velocity: Option<Vec3>,
+    /// Angular velocity at the start of a dynamic scene, world axes, rad/s.
+    #[serde(default)]
+    pub spin: Option<Vec3>,
 }
 
 /// Whether the object may move.

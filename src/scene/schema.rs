@@ -3,6 +3,7 @@
 use super::expect::Expectation;
 use super::grasps::Grasps;
 use super::gripper::Gripper;
+use super::ground::Ground;
 use super::loading::Loading;
 use super::object::Object;
 use super::objects::{Entry, Name, NamedScene, Split};
@@ -26,8 +27,10 @@ pub struct Scene {
     pub loading: Loading,
     /// What advances the scene.
     pub stepper: Stepper,
-    /// Gravity in the object frame at the start of each grasp, m/s2; None is none.
+    /// Gravity in the world, which is the object frame at the start of each grasp, m/s2; None is none.
     pub gravity: Option<Vec3>,
+    /// What the object may rest on in a dynamic scene; None is nothing.
+    pub ground: Option<Ground>,
     /// What a run writes.
     pub record: Record,
     /// What the scene promises about its own outcome.
@@ -75,6 +78,7 @@ part! {
     loading: Loading,
     stepper: Stepper,
     gravity: Vec3,
+    ground: Ground,
     record: Record,
     expect: Vec<Expectation>,
 }
@@ -96,6 +100,7 @@ impl Part {
             loading: loading.clone(),
             stepper: self.stepper.clone().unwrap_or_default(),
             gravity: self.gravity,
+            ground: self.ground,
             record: self.record.clone().unwrap_or_default(),
             expect: self.expect.clone().unwrap_or_default(),
         };

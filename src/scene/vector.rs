@@ -14,6 +14,10 @@ pub struct Tuple<T, const N: usize>(pub [T; N]);
 pub type Vec3 = Tuple<Finite, 3>;
 /// A pair of finite numbers, in the unit of its field.
 pub type Vec2 = Tuple<Finite, 2>;
+/// A direction: three numbers, not all zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Direction(Vec3);
+
 /// Three lengths above zero, m.
 pub type Size = Tuple<Length, 3>;
 /// Cells along x, y, z.
@@ -26,6 +30,32 @@ impl Vec3 {
     }
     pub(crate) const fn preset3(x: f64, y: f64, z: f64) -> Self {
         Tuple([Finite::preset(x), Finite::preset(y), Finite::preset(z)])
+    }
+}
+
+impl Direction {
+    /// At length one.
+    pub fn unit(self) -> DVec3 {
+        self.0.dvec3().normalize()
+    }
+    pub(crate) const fn preset3(x: f64, y: f64, z: f64) -> Self {
+        Self(Vec3::preset3(x, y, z))
+    }
+}
+
+impl Serialize for Direction {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.0.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Direction {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let vector = Vec3::deserialize(deserializer)?;
+        match vector.dvec3().try_normalize() {
+            Some(_) => Ok(Self(vector)),
+            None => Err(D::Error::custom("a direction of length zero\n(0, 0, 1) is along +z")),
+        }
     }
 }
 

@@ -20,7 +20,9 @@ pub fn place_object(
     **pose = ObjectPose { position: start.position, rotation: start.rotation };
     travel.iter_mut().for_each(|mut t| t.0 = 0.0);
     let model = &shared.0;
-    if let (Some(gravity), true) = (model.gravity, model.free && model.force_driven) {
+    // Geared fingers hold such a weight.
+    let equal_forces = model.free && model.force_driven && model.dynamics.is_none();
+    if let (Some(gravity), true) = (model.gravity, equal_forces) {
         let weight = (start.rotation * gravity * model.mass).dot(model.fingers[0].placement.closing).abs();
         let last = model.levels.last().copied().unwrap_or(0.0);
         if weight > HELD * last {
@@ -43,13 +45,20 @@ const HELD: f64 = 1e-6;
 pub fn set_load(
     phase: Res<Phase>,
     shared: Res<Shared>,
+    grasp: Res<Grasp>,
     mut advance: ResMut<Advance>,
     mut forces: Query<&mut FingerForce>,
 ) {
     let Phase::Ramp { frame } = *phase else { return };
     let model = &shared.0;
     *advance = Advance { level: model.levels[frame], ..Advance::default() };
-    if model.force_driven {
-        forces.iter_mut().for_each(|mut f| f.0 = model.levels[frame]);
+    let level = model.levels[frame];
+    match &model.dynamics {
+        Some(dynamics) => {
+            let each = dynamics.hand(&grasp.0, level).force / model.fingers.len().max(1) as f64;
+            forces.iter_mut().for_each(|mut f| f.0 = each);
+        }
+        None if model.force_driven => forces.iter_mut().for_each(|mut f| f.0 = level),
+        None => {}
     }
 }

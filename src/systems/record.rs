@@ -1,7 +1,7 @@
 //! The frame of a step, read from the columns, and the phase of the next step.
 
 use crate::components::*;
-use crate::record::{Frame, PadFrame, Wrench};
+use crate::record::{Frame, Moving, PadFrame, Wrench};
 use crate::schedule::{Advance, Balance, Next, Phase, Recorded, Shared};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
@@ -19,6 +19,9 @@ type Nodes<'a> = (
 /// Finger columns of a frame.
 type Fingers<'a> = (&'a FingerIndex, &'a ClosingDirection, &'a FirstContact, &'a FingerTravel, &'a FingerWrench);
 
+/// Columns of the object; all but the pose only where it moves in time.
+type Object<'a> = (&'a ObjectPose, Option<(&'a ObjectVelocity, &'a ObjectMomentum)>, Option<&'a GroundWrench>);
+
 /// Builds the frame of this step.
 #[allow(clippy::too_many_arguments)]
 pub fn record_frame(
@@ -30,7 +33,8 @@ pub fn record_frame(
     nodes: Query<Nodes>,
     tets: Query<(&TetIndex, &FingerIndex, &TetStress)>,
     fingers: Query<Fingers>,
-    object: Single<&ObjectPose>,
+    object: Single<Object>,
+    hand: Query<&HandPose>,
 ) {
     let Phase::Ramp { frame: index } = *phase else { return };
     let needs = &shared.0.needs;
@@ -79,14 +83,28 @@ pub fn record_frame(
             pads[finger[row].0 as usize].von_mises_element[index[row].0 as usize] = stress[row].0;
         }
     }
+    let (object, motion, ground) = *object;
+    let moving = hand.iter().next().map(|hand| {
+        let (velocity, momentum) = motion.map_or_else(Default::default, |(v, m)| (*v, *m));
+        Moving {
+            hand_position: hand.position,
+            hand_rotation: hand.rotation,
+            velocity: velocity.linear,
+            spin: velocity.angular,
+            momentum: momentum.linear,
+            angular_momentum: momentum.angular,
+            ground_force: ground.map_or(DVec3::ZERO, |g| hand.rotation * g.force),
+        }
+    });
     recorded.0 = Some(Frame {
         index,
         applied_force: balance.applied,
-        time: 0.0,
+        time: if moving.is_some() { advance.level } else { 0.0 },
         travel,
         object_position: object.position,
         object_rotation: object.rotation,
         pads,
+        moving,
         energy: advance.energy,
         newton_iterations: advance.iterations,
         min_det_f: advance.min_det_f,

@@ -23,6 +23,14 @@ pub fn close_to_contact(
         return;
     }
     let model = &shared.0;
+    if let Some(dynamics) = &model.dynamics {
+        let meets = if dynamics.squeezes() { close_together(model, &pose) } else { Ok(0.0) };
+        match meets {
+            Ok(t) => fingers.iter_mut().for_each(|(_, mut now, mut first)| (now.0, first.0) = (t, t)),
+            Err(reason) => return next.request(Phase::Infeasible { reason }),
+        }
+        return next.request(Phase::Ramp { frame: 0 });
+    }
     let mut travel = Vec::new();
     for index in 0..model.fingers.len() {
         match first_contact(model, index, &pose, model.law.offset) {
@@ -45,6 +53,12 @@ pub fn close_to_contact(
         (now.0, first.0) = (travel[index.0 as usize], travel[index.0 as usize]);
     }
     next.request(Phase::Ramp { frame: 0 });
+}
+
+/// Common travel of geared fingers until the first pad touches the object.
+fn close_together(model: &Model, pose: &ObjectPose) -> Result<f64, String> {
+    let mut each = (0..model.fingers.len()).map(|i| first_contact(model, i, pose, model.law.offset));
+    each.try_fold(model.stroke, |first, travel| Ok(first.min(travel?)))
 }
 
 /// Travel of finger `index` until its undeformed pad is `clearance` (m) from the object at `pose`, m.

@@ -94,6 +94,7 @@ pub fn frame(pads: &[PadTopology], index: usize, depth: f64) -> Frame {
         object_position: DVec3::new(0.0, 0.0, 0.1),
         object_rotation: DQuat::from_rotation_y(0.1),
         pads: states,
+        moving: None,
         energy: -1e-3,
         newton_iterations: 3,
         min_det_f: 0.7,

@@ -1,0 +1,37 @@
+//! Motion in time.
+
+use super::defaults;
+use super::leaf::{Count, NonNegative, Positive, Seconds};
+use super::motion::{Motion, duration};
+use serde::{Deserialize, Serialize};
+
+/// The hand plays its motions while time runs; pads and free object have inertia.
+///
+/// The world's frame is that of the object at the start. If the hand squeezes at all, its fingers start where the first
+/// pad touches; else they stay at the gripper's `opening`. The fingers are geared: they travel alike.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Dynamic {
+    /// What the hand does, one after the other.
+    pub motions: Vec<Motion>,
+    /// Time step, s; a step that does not converge is divided.
+    #[serde(default = "defaults::time_step")]
+    pub time_step: Seconds,
+    /// Recorded frames: frame k of n is at `k / n` of the motions' duration, k = 1..=n.
+    #[serde(default = "defaults::frames")]
+    pub frames: Count<1, 10000>,
+    /// Viscosity of the gel over its stiffness (Kelvin-Voigt), s; zero is an elastic gel.
+    #[serde(default = "defaults::damping")]
+    pub damping: NonNegative,
+    /// Speed of a finger that closes on nothing with the largest force of the motions, m/s.
+    #[serde(default = "defaults::closing_speed")]
+    pub closing_speed: Positive,
+}
+
+impl Dynamic {
+    /// Time of each recorded frame, s.
+    pub fn times(&self) -> Vec<f64> {
+        let (end, n) = (duration(&self.motions), self.frames.get());
+        (1..=n).map(|k| if k == n { end } else { end * k as f64 / n as f64 }).collect()
+    }
+}

@@ -1,0 +1,30 @@
+//! Squeeze.
+
+use super::{Hand, Play, Stage};
+use crate::scene::leaf::{NonNegative, Seconds};
+use serde::{Deserialize, Serialize};
+
+/// Brings the squeezing force evenly to `force`; it stays until the next `Close`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Close {
+    /// Force at the end, N: the sum over the fingers. Zero lets go.
+    pub force: NonNegative,
+    /// s.
+    pub duration: Seconds,
+}
+
+impl Play for Close {
+    fn duration(&self) -> f64 {
+        self.duration.get()
+    }
+
+    fn hand(&self, start: &Hand, time: f64, _: &Stage) -> Hand {
+        let s = (time / self.duration()).min(1.0);
+        Hand { force: start.force + s * (self.force.get() - start.force), ..*start }
+    }
+
+    fn squeezes(&self, begin: f64, found: &mut Vec<(f64, f64)>) {
+        found.push((begin + self.duration(), self.force.get()));
+    }
+}

@@ -1,0 +1,30 @@
+//! Up.
+
+use super::{Hand, Play, Stage, smooth};
+use crate::scene::leaf::{Finite, Seconds};
+use serde::{Deserialize, Serialize};
+
+/// Moves against gravity, starting and ending at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lift {
+    /// m; negative lowers.
+    pub height: Finite,
+    /// s.
+    pub duration: Seconds,
+}
+
+impl Play for Lift {
+    fn duration(&self) -> f64 {
+        self.duration.get()
+    }
+
+    fn hand(&self, start: &Hand, time: f64, stage: &Stage) -> Hand {
+        let by = stage.up * (self.height.get() * smooth(time / self.duration()));
+        Hand { position: start.position + by, ..*start }
+    }
+
+    fn needs_gravity(&self) -> bool {
+        true
+    }
+}

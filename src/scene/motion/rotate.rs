@@ -1,0 +1,33 @@
+//! Turn.
+
+use super::{Hand, Play, Stage, smooth};
+use crate::scene::leaf::{Finite, Seconds};
+use crate::scene::vector::Direction;
+use glam::DQuat;
+use serde::{Deserialize, Serialize};
+
+/// Turns the hand about an axis through the middle between the pads, starting and ending at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rotate {
+    /// Degrees, right-handed.
+    pub angle_deg: Finite,
+    /// Hand axes, any length: (1, 0, 0) is the closing direction, (0, 0, 1) the approach.
+    pub axis: Direction,
+    /// s.
+    pub duration: Seconds,
+}
+
+impl Play for Rotate {
+    fn duration(&self) -> f64 {
+        self.duration.get()
+    }
+
+    fn hand(&self, start: &Hand, time: f64, stage: &Stage) -> Hand {
+        let angle = self.angle_deg.get().to_radians() * smooth(time / self.duration());
+        let rotation = (start.rotation * DQuat::from_axis_angle(self.axis.unit(), angle)).normalize();
+        // The middle between the pads stays where it is.
+        let position = start.to_world(stage.center) - rotation * stage.center;
+        Hand { position, rotation, ..*start }
+    }
+}

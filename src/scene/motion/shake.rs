@@ -1,0 +1,36 @@
+//! To and fro.
+
+use super::{Hand, Play, Stage, smooth};
+use crate::scene::leaf::{Length, Positive, Seconds};
+use crate::scene::vector::Direction;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Moves as `amplitude sin(2 pi frequency t)` along a direction. The amplitude fades in and out over the first and the
+/// last period (at most half of the duration each), so that it starts and ends at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shake {
+    /// m.
+    pub amplitude: Length,
+    /// Hz.
+    pub frequency: Positive,
+    /// World axes, any length.
+    pub direction: Direction,
+    /// s.
+    pub duration: Seconds,
+}
+
+impl Play for Shake {
+    fn duration(&self) -> f64 {
+        self.duration.get()
+    }
+
+    fn hand(&self, start: &Hand, time: f64, _: &Stage) -> Hand {
+        let (duration, frequency) = (self.duration(), self.frequency.get());
+        let fade = (1.0 / frequency).min(0.5 * duration);
+        let amplitude = self.amplitude.get() * smooth(time / fade) * smooth((duration - time) / fade);
+        let by = self.direction.unit() * (amplitude * (TAU * frequency * time).sin());
+        Hand { position: start.position + by, ..*start }
+    }
+}
