@@ -107,7 +107,7 @@ fn a_folded_corner_is_an_inversion() {
     let x = &mut frame.pads[0].position;
     x[n[4]] = x[n[0]] + (x[n[1]] - x[n[0]]) * 0.22;
     let body = &model.fingers[0].body;
-    let felt = body.stress(&frame.pads[0].position).min_det_f;
+    let felt = body.min_det_f(&frame.pads[0].position);
     let found = judge(&model, &frame).min_det_f;
     assert!(felt > 0.0 && found < 0.0, "quadrature points see det F {felt}, corners {found}");
 }

@@ -756,15 +756,15 @@ fn check_ground(friction: f64, drag: f64) -> Covered {
         };
         let (scene, mut term, step) = stepped(seed, drag, make);
         scene.assemble(&mut term, false);
-        let kink = term.edges.iter().zip(vertices.iter()).any(|(e, v)| {
+        let kink = term.edges().iter().zip(vertices.iter()).any(|(e, v)| {
             let point = scene.state.position + scene.state.rotation * *v;
             let slip = across(step.hand.to_hand(e.anchor.unwrap_or_default()) - point, e.normal);
             near_kink(&law, e.gap) || near_slip(&law, e, slip)
         });
-        if kink || !term.edges.iter().any(|e| e.pressure > 0.0) {
+        if kink || !term.edges().iter().any(|e| e.pressure > 0.0) {
             continue;
         }
-        covered.add(&law, &term.edges);
+        covered.add(&law, term.edges());
         scene.check(&format!("ground, friction {friction}, seed {seed}"), &mut term);
     }
     println!("ground, friction {friction}: {covered:?}");

@@ -78,7 +78,7 @@ fn shear(press: &mut Press, step: f64) -> (f64, f64) {
     press.path.newton.commit(&state);
     press.path.state = state;
     let contact = press.contact();
-    let force: DVec3 = (0..contact.edges.len()).map(|i| contact.force(i)).sum();
+    let force: DVec3 = (0..contact.edges().len()).map(|i| contact.force(i)).sum();
     (-force.z, force.x)
 }
 
@@ -117,7 +117,7 @@ fn a_ball_dragged_sideways_slides_with_mu_times_the_normal_force() {
     for k in 1..=8 {
         let (normal, tangential) = shear(&mut press, 0.2e-3);
         let contact = press.contact();
-        let points = || contact.edges.iter().zip(&contact.surface().area).filter(|(e, _)| e.pressure > 0.0);
+        let points = || contact.edges().iter().zip(&contact.surface().area).filter(|(e, _)| e.pressure > 0.0);
         let pressure: f64 = points().map(|(e, a)| e.pressure * a).sum();
         let traction: DVec3 = points().map(|(e, a)| e.traction * *a).sum();
         // The limit lags behind the pressure while Newton swings: what points carry beyond it must not add up.

@@ -59,7 +59,8 @@ const LOOSE: f64 = 20.0;
 const REACH: f64 = 1e-3;
 /// Pseudo-time steps in a row with a finger that touches nothing after which the object counts as gone.
 const APART: u32 = 5;
-/// Most iterations of one walk.
+/// Most iterations of one pseudo-time step, and of one walk.
+const WALKING: u32 = 25;
 const PATIENCE: u32 = 500;
 
 impl Path {
@@ -211,7 +212,7 @@ impl Path {
         let load = self.newton.force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let full = self.tolerance;
         let floor = full.force.max(full.relative * load);
-        let loose = Tolerance { relative: LOOSE * full.relative, force: LOOSE * floor, iterations: 25, ..full };
+        let loose = Tolerance { relative: LOOSE * full.relative, force: LOOSE * floor, iterations: full.iterations.min(WALKING), ..full };
         let mut stiffness = load / STRIDE;
         let mut state = self.state.clone();
         let (mut failures, mut apart, mut near, mut spent) = (0, 0, false, 0);

@@ -16,8 +16,8 @@ const STRIDE: f64 = 0.2;
 const CRAWLING: u32 = 8;
 /// A residual that falls below this part of the one before lets the factorisation serve another iteration.
 const QUICK: f64 = 0.2;
-/// Motion that counts as none, m.
-const STUCK: f64 = 1e-13;
+/// Part of a step below which only rounding moves.
+const STUCK: f64 = 1e-9;
 
 impl Newton {
     /// Minimises the potential from `state`. On failure `state` is left as it was.
@@ -104,8 +104,8 @@ impl Newton {
             }
             match searched {
                 // A step that rounding swallows: the state sits on a crease of the object, where no direction descends.
-                Some((_, motion)) if motion < STUCK && residual > allowed => return Err(Failure::LineSearch(residual)),
-                Some((next, motion)) => {
+                Some((_, _, alpha)) if alpha < STUCK && residual > allowed => return Err(Failure::LineSearch(residual)),
+                Some((next, motion, _)) => {
                     now = next;
                     last_motion = motion;
                 }
@@ -117,7 +117,7 @@ impl Newton {
     }
 
     /// Backtracks from the fraction `longest` of the step until the energy falls (Armijo); the new state and its largest
-    /// motion, m, which is at most `cap`.
+    /// motion, m, which is at most `cap`, and the fraction that was taken.
     fn line_search(
         &self,
         now: &State,
@@ -125,7 +125,7 @@ impl Newton {
         border: &[f64; MAX_BORDER],
         cap: f64,
         longest: f64,
-    ) -> Option<(State, f64)> {
+    ) -> Option<(State, f64, f64)> {
         let motion = self.motion(step);
         let slope = self.slope(step, border);
         if !motion.is_finite() || !slope.is_finite() {
@@ -138,7 +138,7 @@ impl Newton {
             let energy = self.energy(&next);
             // Rounding of the sum over elements is about 1e-14 of the energy.
             if energy <= start + 1e-4 * alpha * slope + 1e-14 * start.abs() {
-                return Some((next, alpha * motion));
+                return Some((next, alpha * motion, alpha));
             }
             alpha *= if trial < 2 { 0.5 } else { 0.25 };
         }

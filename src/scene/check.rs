@@ -205,6 +205,11 @@ fn dynamic(scene: &Scene) -> Result<(), Problem> {
             None => Ok(()),
         };
     };
+    if let Some(i) = scene.expect.iter().position(|e| matches!(e, Expectation::Converged(_))) {
+        let message =
+            "Converged judges forces without inertia\nuse ForceBalance(relative: ...) in a scene that moves in time";
+        return refuse(format!("expect[{i}]"), message);
+    }
     let moves = scene.object.velocity.is_some() || scene.object.spin.is_some();
     if moves && scene.object.motion == Motion::Fixed {
         return refuse("object.motion", "a fixed object has neither velocity nor spin");
