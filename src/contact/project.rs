@@ -14,6 +14,8 @@ pub struct Foot {
     pub gap: f64,
     /// Unit direction of growing distance: the pad's outward normal.
     pub normal: DVec3,
+    /// How squarely the query point lies over the face: cosine of its direction with the face's normal.
+    facing: f64,
 }
 
 /// Bounds of the faces of a deformed surface, to skip most of them.
@@ -85,8 +87,14 @@ impl FaceBounds {
         for (i, (center, radius)) in self.spheres.iter().enumerate() {
             if y.distance_squared(*center) < (nearest + radius).powi(2) {
                 let foot = on_face(i, &surface.faces[i], x, y, 0.0);
-                if foot.gap.abs() < nearest {
-                    nearest = foot.gap.abs();
+                let distance = foot.gap.abs();
+                // On the edge that two faces share only the one that the point lies over knows on which side it is.
+                let better = match best {
+                    Some(Foot { facing, .. }) if (distance - nearest).abs() <= TIE * nearest => foot.facing > facing,
+                    _ => distance < nearest,
+                };
+                if better {
+                    nearest = distance;
                     best = Some(foot);
                 }
             }
@@ -97,6 +105,8 @@ impl FaceBounds {
 
 /// Depth inside the gel up to which a point is looked for first, m: more than one iteration moves it.
 const DEEPEST: f64 = 2e-3;
+/// Relative difference of distances that is rounding.
+const TIE: f64 = 1e-9;
 /// How far beyond its rim a face stays the closest one, in barycentric coordinates.
 const BEYOND: f64 = 0.05;
 
@@ -129,16 +139,17 @@ fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3, beyond: f64) -> Foo
             }
         }
     }
-    let (p, normal) = face_frame(face, x, l);
+    let (p, face_normal) = face_frame(face, x, l);
     let away = y - p;
     let distance = away.length();
-    let side = if away.dot(normal) < 0.0 { -1.0 } else { 1.0 };
+    let side = if away.dot(face_normal) < 0.0 { -1.0 } else { 1.0 };
     let interior = l.iter().all(|v| *v > 1e-9 - beyond);
     // On the rim of a face the direction to the point is the normal; on its inside both agree, and the frame is exact
     // also at distance zero.
-    let normal = if interior || distance < 1e-9 { normal } else { away * (side / distance) };
-    let gap = if interior { away.dot(normal) } else { side * distance };
-    Foot { face: index, l, gap, normal }
+    let normal = if interior || distance < 1e-9 { face_normal } else { away * (side / distance) };
+    let gap = if interior { away.dot(face_normal) } else { side * distance };
+    let facing = if interior || distance == 0.0 { 1.0 } else { away.dot(face_normal).abs() / distance };
+    Foot { face: index, l, gap, normal, facing }
 }
 
 /// One Gauss-Newton step along the rim on which `l` lies.

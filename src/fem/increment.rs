@@ -212,7 +212,12 @@ impl Path {
         let load = self.newton.force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let full = self.tolerance;
         let floor = full.force.max(full.relative * load);
-        let loose = Tolerance { relative: LOOSE * full.relative, force: LOOSE * floor, iterations: full.iterations.min(WALKING), ..full };
+        let loose = Tolerance {
+            relative: LOOSE * full.relative,
+            force: LOOSE * floor,
+            iterations: full.iterations.min(WALKING),
+            ..full
+        };
         let mut stiffness = load / STRIDE;
         let mut state = self.state.clone();
         let (mut failures, mut apart, mut near, mut spent) = (0, 0, false, 0);

@@ -104,7 +104,9 @@ impl Newton {
             }
             match searched {
                 // A step that rounding swallows: the state sits on a crease of the object, where no direction descends.
-                Some((_, _, alpha)) if alpha < STUCK && residual > allowed => return Err(Failure::LineSearch(residual)),
+                Some((_, _, alpha)) if alpha < STUCK && residual > allowed => {
+                    return Err(Failure::LineSearch(residual));
+                }
                 Some((next, motion, _)) => {
                     now = next;
                     last_motion = motion;
