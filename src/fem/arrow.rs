@@ -79,9 +79,10 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Combines solved blocks into the full Newton step; `extra` (N/m) is added to the border's diagonal. Negative or tiny curvature of the border (rigid modes of an object
-/// that nothing holds yet) is replaced by its magnitude, at least so much that the step along each eigenvector stays below
-/// `cap` (m): it then descends and stays finite, and the solution is not changed because only the matrix is.
+/// Combines solved blocks into the full Newton step; `extra` (N/m) is added to the border's diagonal. Negative or tiny
+/// curvature of the border (rigid modes of an object that nothing holds yet) is replaced by its magnitude and shifted so that
+/// the border moves by at most `cap` (m): the step descends and stays finite, does not depend on the basis of modes of equal
+/// stiffness, and the solution is not changed because only the matrix is.
 pub fn step(blocks: &[ArrowBlock], border_gradient: &[f64; MAX_BORDER], size: usize, extra: f64, cap: f64) -> Step {
     let (mut s, mut g) = ([[0.0; MAX_BORDER]; MAX_BORDER], *border_gradient);
     for b in blocks {
@@ -125,6 +126,8 @@ pub fn step(blocks: &[ArrowBlock], border_gradient: &[f64; MAX_BORDER], size: us
 
 /// Smallest border curvature divided by, N/m: far below any contact, above rounding.
 const STIFFNESS_FLOOR: f64 = 1e-6;
+/// Bisections for the shift: it need not be sharp.
+const BISECTIONS: u32 = 30;
 
 /// Solves `|S| dy = -g` through the eigenvalues of the border's Schur complement.
 fn solve_border(
@@ -141,11 +144,25 @@ fn solve_border(
     // Fails only for non-finite input; a zero step then makes the caller stop with a fault.
     let Ok(eigen) = matrix.self_adjoint_eigen(faer::Side::Lower) else { return dy };
     let (u, values) = (eigen.U(), eigen.S());
+    let projected: Vec<f64> = (0..size).map(|k| (0..size).map(|i| u[(i, k)] * g[i]).sum()).collect();
+    let stiffness: Vec<f64> = (0..size).map(|k| values[k].abs().max(STIFFNESS_FLOOR)).collect();
+    let length = |shift: f64| {
+        let parts = projected.iter().zip(&stiffness).map(|(p, k)| p / (k + shift));
+        parts.map(|p| p * p).sum::<f64>().sqrt()
+    };
+    // With this shift every part of the step is short enough; the smallest that does is bisected for.
+    let (mut low, mut high) = (0.0, projected.iter().map(|p| p * p).sum::<f64>().sqrt() / cap);
+    if length(low) <= cap {
+        high = low;
+    }
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (low + high);
+        if length(middle) > cap { low = middle } else { high = middle }
+    }
     for k in 0..size {
-        let projected: f64 = (0..size).map(|i| u[(i, k)] * g[i]).sum();
-        let scaled = -projected / values[k].abs().max(projected.abs() / cap).max(STIFFNESS_FLOOR);
+        let along = -projected[k] / (stiffness[k] + high);
         for i in 0..size {
-            dy[i] += u[(i, k)] * scaled;
+            dy[i] += u[(i, k)] * along;
         }
     }
     dy

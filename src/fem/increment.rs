@@ -51,6 +51,8 @@ pub enum Load {
 pub const SOFTEST: f64 = 1000.0;
 /// Smallest increment as a fraction of the one asked for: of a path with nothing but bodies, and of one that can walk.
 const SMALLEST: [f64; 2] = [1.0 / 4096.0, 1.0 / 8.0];
+/// Largest increment of a force over the force reached.
+const GROWTH: f64 = 3.0;
 /// Motion of the border that the first pseudo-time step allows under the full load, m.
 const STRIDE: f64 = 2e-4;
 /// How much looser intermediate states may be than results.
@@ -138,8 +140,10 @@ impl Path {
         let mut done = Advanced::default();
         while (target - self.level).abs() > 1e-12 * target.abs() {
             let rest = target - self.level;
-            let size = step.min(rest.abs());
-            let next = if step >= rest.abs() { target } else { self.level + size * rest.signum() };
+            // From a small load on, contact spreads fast: a load many times as large is not near.
+            let near = if load == Load::Force && self.level > 0.0 { GROWTH * self.level } else { f64::INFINITY };
+            let size = step.min(rest.abs()).min(near);
+            let next = if size >= rest.abs() { target } else { self.level + size * rest.signum() };
             let last_resort = 0.5 * size < smallest;
             if load == Load::Force {
                 self.newton.force.fill(next);

@@ -96,18 +96,18 @@ impl Newton {
             self.profile.line_search += clock.elapsed().as_secs_f64();
             iterations += 1;
             self.profile.iterations += 1;
-            let stride = step.border.iter().map(|d| d * d).sum::<f64>().sqrt();
-            let crawls = self.proximal.is_none() && stride > 0.95 * STRIDE * tolerance.motion;
-            crawled = if crawls { crawled + 1 } else { 0 };
-            if crawled >= CRAWLING {
-                return Err(Failure::Unsettled);
-            }
             match searched {
                 // A step that rounding swallows: the state sits on a crease of the object, where no direction descends.
                 Some((_, _, alpha)) if alpha < STUCK && residual > allowed => {
                     return Err(Failure::LineSearch(residual));
                 }
-                Some((next, motion, _)) => {
+                Some((next, motion, alpha)) => {
+                    let stride = alpha * step.border.iter().map(|d| d * d).sum::<f64>().sqrt();
+                    let crawls = self.proximal.is_none() && stride > 0.95 * STRIDE * tolerance.motion;
+                    crawled = if crawls { crawled + 1 } else { 0 };
+                    if crawled >= CRAWLING {
+                        return Err(Failure::Unsettled);
+                    }
                     now = next;
                     last_motion = motion;
                 }
