@@ -75,14 +75,14 @@ impl Law {
     pub fn traction(&self, s: DVec3, limit: f64) -> (DVec3, bool) {
         let trial = s * -self.tangential;
         let size = trial.length();
-        if size > limit { (trial * (limit / size), true) } else { (trial, false) }
+        if slips(size, limit) { (trial * (limit / size), true) } else { (trial, false) }
     }
 
     /// Friction energy per area, J/m2, at frozen `limit`; its gradient in `s` is minus the traction.
     #[inline(always)]
     pub fn friction_energy(&self, s: DVec3, limit: f64) -> f64 {
         let size = s.length() * self.tangential;
-        let huber = if size > limit { limit * (size - 0.5 * limit) } else { 0.5 * size * size };
+        let huber = if slips(size, limit) { limit * (size - 0.5 * limit) } else { 0.5 * size * size };
         huber / self.tangential
     }
 
@@ -90,11 +90,18 @@ impl Law {
     #[inline(always)]
     pub fn friction_hessian(&self, s: DVec3, limit: f64) -> (f64, f64) {
         let size = s.length() * self.tangential;
-        if size > limit {
+        if slips(size, limit) {
             let a = self.tangential * limit / size;
             (a, a)
         } else {
             (self.tangential, 0.0)
         }
     }
+}
+
+/// Whether a trial traction of this size slips. A point that slipped in the last accepted state is left exactly at its limit:
+/// it goes on slipping, whatever the rounding.
+#[inline(always)]
+fn slips(size: f64, limit: f64) -> bool {
+    size > limit * (1.0 - 1e-9)
 }
