@@ -19,6 +19,7 @@ pub mod element;
 pub mod environment;
 pub mod error;
 pub mod fem;
+pub mod gnn;
 pub mod grasp;
 pub mod gripper;
 pub mod material;

@@ -5,6 +5,7 @@ mod dataset;
 mod inspect;
 mod run;
 mod table;
+mod train;
 mod watch;
 
 use crate::error::{Error, Result};
@@ -16,6 +17,7 @@ pub use check::CheckArgs;
 pub use dataset::{DatasetArgs, DatasetCommand};
 pub use inspect::InspectArgs;
 pub use run::{Backend, RunArgs};
+pub use train::TrainArgs;
 
 /// Exit code: everything asked for was done and every expectation held.
 pub const OK: u8 = 0;
@@ -42,6 +44,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Simulate all grasps of all objects of a scene into a data set, going on where an earlier run stopped.
     Dataset(DatasetArgs),
+    /// Train a network on a data set, going on where an earlier run stopped.
+    Train(TrainArgs),
 }
 
 /// Form of what is printed on stdout.
@@ -72,6 +76,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode> {
         Command::Run(args) => run::run(args),
         Command::Check(args) => check::check(args),
         Command::Dataset(args) => dataset::dataset(args),
+        Command::Train(args) => train::train(args),
     }
 }
 
