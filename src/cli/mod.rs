@@ -2,6 +2,7 @@
 
 mod check;
 mod dataset;
+mod eval;
 mod inspect;
 mod run;
 mod table;
@@ -15,6 +16,7 @@ use std::process::ExitCode;
 
 pub use check::CheckArgs;
 pub use dataset::{DatasetArgs, DatasetCommand};
+pub use eval::EvalArgs;
 pub use inspect::InspectArgs;
 pub use run::{Backend, RunArgs};
 pub use train::TrainArgs;
@@ -46,6 +48,8 @@ pub enum Command {
     Dataset(DatasetArgs),
     /// Train a network on a data set, going on where an earlier run stopped.
     Train(TrainArgs),
+    /// Judge a trained network on grasps that it has not seen.
+    Eval(EvalArgs),
 }
 
 /// Form of what is printed on stdout.
@@ -77,6 +81,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode> {
         Command::Check(args) => check::check(args),
         Command::Dataset(args) => dataset::dataset(args),
         Command::Train(args) => train::train(args),
+        Command::Eval(args) => eval::eval(args),
     }
 }
 

@@ -6,6 +6,7 @@
 //! ```
 
 pub mod card;
+pub mod eval;
 pub mod features;
 pub mod foundation;
 mod gemm;
@@ -17,6 +18,7 @@ pub mod parameters;
 pub mod predict;
 pub mod sample;
 pub mod spec;
+pub mod stepper;
 pub mod tape;
 pub mod touch;
 pub mod train;

@@ -65,10 +65,18 @@ impl Predictor {
     /// # Errors
     /// What of the scene lies outside the trained range.
     pub fn admit(&self, model: &Model) -> Result<Arc<PadGraph>> {
-        let graph = Arc::new(PadGraph::new(&model.fingers[0].topology, self.network.depths())?);
+        let graph = self.graph(model)?;
         let unit = model.material.moduli().young * graph.thickness.powi(2);
         self.card.range.admits(model, &graph.hash, unit, &model.levels)?;
         Ok(graph)
+    }
+
+    /// The graph of the pads of `model`, trained for or not.
+    ///
+    /// # Errors
+    /// A pad without a sensing face.
+    pub fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
+        Ok(Arc::new(PadGraph::new(&model.fingers[0].topology, self.network.depths())?))
     }
 
     /// Looks at a grasp at first contact: the one pass of message passing.
