@@ -5,7 +5,7 @@
 //!                             (shared, Arc)            one per grasp: Environment
 //!
 //!              Control -> Sense -> Advance -> Measure -> Record        (schedule.rs)
-//!                                  FEM | network                       (stepper.rs)
+//!                                  FEM | network (fem/, gnn/)          (stepper.rs)
 //! ```
 //!
 //! Start at [`components`] (what a world holds), [`schedule`] (what a step does) and [`model`] (what never changes).
@@ -20,6 +20,7 @@ pub mod element;
 pub mod environment;
 pub mod error;
 pub mod fem;
+pub mod gnn;
 pub mod grasp;
 pub mod gripper;
 pub mod material;

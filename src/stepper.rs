@@ -2,12 +2,14 @@
 //! around it) that bring the components of [`crate::components`] to the load of the step.
 //!
 //! A stepper must, in a step where [`Phase`](crate::schedule::Phase) is `Ramp`: read `Advance::level`, write `Position`,
-//! `FingerTravel`, `ObjectPose`, `FingerWrench`, the contact edges, the stress columns that exist, and all of
+//! `FingerTravel`, `ObjectPose`, `FingerWrench`, the stress and force columns that exist, the contact edges if it has any
+//! (the network knows forces on nodes, not between points), and all of
 //! [`Advance`](crate::schedule::Advance) with `reached = true`; or leave the last accepted state in place and request
 //! `Phase::Fault`.
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::fem::stepper::Fem;
+use crate::gnn::stepper::Gnn;
 use crate::scene;
 use bevy_ecs::schedule::Schedule;
 use bevy_ecs::world::World;
@@ -28,13 +30,10 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
 /// The backend that the scene names.
 ///
 /// # Errors
-/// A network, which this build does not have.
+/// A trained model that cannot be read.
 pub fn choose(scene: &scene::Scene) -> Result<Box<dyn Stepper>> {
     match &scene.stepper {
         scene::Stepper::Fem(fem) => Ok(Box::new(Fem::new(fem))),
-        scene::Stepper::Gnn(gnn) => Err(Error::Start(format!(
-            "stepper: Gnn(model: \"{}\"): no network backend in this build; use stepper: Fem()",
-            gnn.model.display()
-        ))),
+        scene::Stepper::Gnn(gnn) => Ok(Box::new(Gnn::open(&gnn.model)?)),
     }
 }

@@ -2,9 +2,11 @@
 
 mod check;
 mod dataset;
+mod eval;
 mod inspect;
 mod run;
 mod table;
+mod train;
 mod watch;
 
 use crate::error::{Error, Result};
@@ -14,8 +16,10 @@ use std::process::ExitCode;
 
 pub use check::CheckArgs;
 pub use dataset::{DatasetArgs, DatasetCommand};
+pub use eval::EvalArgs;
 pub use inspect::InspectArgs;
 pub use run::{Backend, RunArgs};
+pub use train::TrainArgs;
 
 /// Exit code: everything asked for was done and every expectation held.
 pub const OK: u8 = 0;
@@ -42,6 +46,10 @@ pub enum Command {
     Check(CheckArgs),
     /// Simulate all grasps of all objects of a scene into a data set, going on where an earlier run stopped.
     Dataset(DatasetArgs),
+    /// Train a network on a data set, going on where an earlier run stopped.
+    Train(TrainArgs),
+    /// Judge a trained network on grasps that it has not seen.
+    Eval(EvalArgs),
 }
 
 /// Form of what is printed on stdout.
@@ -72,6 +80,8 @@ fn dispatch(cli: &Cli) -> Result<ExitCode> {
         Command::Run(args) => run::run(args),
         Command::Check(args) => check::check(args),
         Command::Dataset(args) => dataset::dataset(args),
+        Command::Train(args) => train::train(args),
+        Command::Eval(args) => eval::eval(args),
     }
 }
 

@@ -9,7 +9,7 @@ use crate::record::{ExpectationReport, Options, Recorder, RunReport, Status};
 use crate::render::Scalar;
 use crate::runner::{Outcome, run_grasps};
 use crate::scene::leaf::Count;
-use crate::scene::{Fem, Held, Loaded, Loading, Measured, Scene, Stepper, evaluate_all, load_object};
+use crate::scene::{Fem, Gnn, Held, Loaded, Loading, Measured, Scene, Stepper, evaluate_all, load_object};
 use crate::stepper::choose;
 use clap::ValueEnum;
 use std::collections::BTreeMap;
@@ -49,6 +49,9 @@ pub struct RunArgs {
     /// Backend, instead of the scene's.
     #[arg(long, value_enum)]
     pub backend: Option<Backend>,
+    /// Folder of the trained model, for `--backend gnn`.
+    #[arg(long, value_name = "DIR", requires = "backend")]
+    pub model: Option<PathBuf>,
 }
 
 /// What advances the scene.
@@ -67,9 +70,14 @@ impl RunArgs {
         let scene = &mut loaded.scene;
         match (self.backend, &scene.stepper) {
             (Some(Backend::Fem), Stepper::Gnn(_)) => scene.stepper = Stepper::default(),
-            (Some(Backend::Gnn), Stepper::Fem(_)) => {
-                return Err(refused("--backend gnn needs a scene with stepper: Gnn(model: \"...\")"));
-            }
+            (Some(Backend::Gnn), Stepper::Fem(_)) => match &self.model {
+                Some(model) => scene.stepper = Stepper::Gnn(Gnn { model: model.clone() }),
+                None => {
+                    return Err(refused(
+                        "--backend gnn needs `--model DIR`, or a scene with stepper: Gnn(model: \"...\")",
+                    ));
+                }
+            },
             _ => {}
         }
         if let Some(threads) = self.threads {

@@ -4,6 +4,7 @@
 
 mod colorbar;
 pub mod colormap;
+mod curves;
 mod draw;
 mod face;
 mod normals;
@@ -15,6 +16,7 @@ mod style;
 mod text;
 mod view;
 
+pub use curves::render_curves;
 pub use pads::{encode, render_pads, save};
 pub use style::{HEIGHT, Scalar, Style, WIDTH};
 pub use tiny_skia::Pixmap;

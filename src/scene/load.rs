@@ -128,6 +128,20 @@ pub fn to_ron(scene: &Scene) -> Result<String> {
         .map_err(|e| Error::Scene(format!("error: the scene cannot be written as RON: {e}")))
 }
 
+/// The scene that [`to_ron`] wrote; paths in it are taken as they stand.
+///
+/// # Errors
+/// A text that is no complete scene.
+pub fn from_ron(text: &str) -> Result<Scene> {
+    let part = parse(text).map_err(|e| Error::Scene(format!("error: no scene: {e}")))?;
+    let mut scenes = part
+        .complete(&Name::near("scene"))
+        .map_err(|field| Error::Scene(format!("error: no complete scene: missing field `{field}`")))?;
+    let problem = |p: check::Problem| Error::Scene(format!("error: {}: {}", p.path, p.message));
+    scenes.iter().try_for_each(|named| check::check(&named.scene)).map_err(problem)?;
+    Ok(scenes.swap_remove(0).scene)
+}
+
 struct Source {
     path: PathBuf,
     text: String,

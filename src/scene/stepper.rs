@@ -74,7 +74,7 @@ impl Default for Tolerance {
     }
 }
 
-/// The network backend. Read here; the engine says whether it has one.
+/// The network backend.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gnn {

@@ -1,0 +1,114 @@
+//! `tactus eval`: how wrong a trained model is.
+
+use super::{Format, OK, print};
+use crate::dataset::DataSet;
+use crate::error::{Error, Result};
+use crate::gnn::eval::table::{Row, ranks, rows};
+use crate::gnn::eval::{Judged, judge, picture};
+use crate::gnn::predict::Predictor;
+use crate::gnn::sample::{model_of, moved};
+use crate::gnn::touch::Touch;
+use crate::grasp::GraspPose;
+use crate::record::files::create_dir;
+use crate::render::save;
+use glam::{DQuat, DVec3};
+use serde_json::json;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Arguments of `tactus eval`.
+#[derive(Debug, clap::Args)]
+pub struct EvalArgs {
+    /// Folder of a data set.
+    pub data: PathBuf,
+    /// Folder of a trained model.
+    #[arg(long, value_name = "DIR")]
+    pub model: PathBuf,
+    /// Test grasps: `poses`, `single:OBJECT` or `without:OBJECT`; the split that the model was trained on by default.
+    #[arg(long)]
+    pub split: Option<String>,
+    /// Draw the worst grasps there, truth above prediction.
+    #[arg(short, long, value_name = "DIR")]
+    pub pictures: Option<PathBuf>,
+    /// How many of them.
+    #[arg(long, default_value_t = 5)]
+    pub worst: usize,
+    /// Form of the report on stdout.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Judges a trained model on the test grasps of a split.
+pub fn eval(args: &EvalArgs) -> Result<ExitCode> {
+    let set = DataSet::open(&args.data)?;
+    let predictor = Predictor::open(&args.model)?;
+    let split = args.split.clone().unwrap_or_else(|| predictor.card.split.clone());
+    if set.manifest.plan == predictor.card.data && split != predictor.card.split {
+        eprintln!(
+            "note: trained on split {} of this data set: {split} may hold grasps it has seen",
+            predictor.card.split
+        );
+    }
+    let judged = judge(&set, &predictor, &split)?;
+    let table = rows(&split, &judged);
+    let (stress, displacement) = ranks(&judged);
+    let mean = |k: usize| judged.iter().map(|j| j.time_s[k]).sum::<f64>() / judged.len().max(1) as f64;
+    let mut worst: Vec<&Judged> = judged.iter().collect();
+    let badness = |j: &Judged| j.frames.last().map_or(0.0, |f| f.displacement);
+    worst.sort_by(|a, b| badness(b).total_cmp(&badness(a)));
+    worst.truncate(args.worst);
+    if let Some(dir) = &args.pictures {
+        create_dir(dir)?;
+        worst.iter().try_for_each(|j| draw(&set, &predictor, j, dir))?;
+    }
+    let text = match args.format {
+        Format::Text => report(&table, judged.len(), (stress, displacement), (mean(0), mean(1))),
+        Format::Json => {
+            let worst: Vec<_> = worst.iter().filter_map(|j| j.frames.last()).collect();
+            let object = json!({
+                "split": split, "model": args.model, "grasps": judged.len(), "tables": table,
+                "kendall_tau": { "peak_stress": stress, "peak_displacement": displacement },
+                "encode_s": mean(0), "decode_all_frames_s": mean(1), "worst": worst,
+            });
+            format!("{object}\n")
+        }
+    };
+    print(&text)?;
+    Ok(ExitCode::from(OK))
+}
+
+fn report(table: &[Row], grasps: usize, (stress, displacement): (f64, f64), (encode, decode): (f64, f64)) -> String {
+    let mut out = format!("{grasps} grasps; relative errors in %\n");
+    out += "group                 quantity                  median       p90     worst  frames\n";
+    // Writing to a String cannot fail.
+    for r in table {
+        let scale = if r.quantity.contains('_') && r.quantity != "contact_force" { 1.0 } else { 100.0 };
+        let [median, p90, worst] = [r.median, r.p90, r.worst].map(|v| v * scale);
+        let _ = writeln!(
+            out,
+            "{:<20}  {:<22} {median:>9.4} {p90:>9.4} {worst:>9.4}  {:>6}",
+            r.group, r.quantity, r.samples
+        );
+    }
+    let _ = writeln!(out, "Kendall's tau of the grasps: peak stress {stress:.3}, peak displacement {displacement:.3}");
+    let _ = writeln!(out, "network: {:.2} ms a grasp, {:.2} ms for all its frames", encode * 1e3, decode * 1e3);
+    out
+}
+
+/// Draws the last frame of a grasp.
+fn draw(set: &DataSet, predictor: &Predictor, judged: &Judged, dir: &Path) -> Result<()> {
+    let Some(error) = judged.frames.last() else { return Ok(()) };
+    let missing = || Error::Start(format!("object {} is not in the data set", error.object));
+    let file = set.objects.iter().find(|f| f.name == error.object).ok_or_else(missing)?;
+    let (model, grasp) = (model_of(file)?, file.grasp(error.grasp)?);
+    let p = &grasp.grasp_pose;
+    let rotation = DQuat::from_xyzw(p[4], p[5], p[6], p[3]);
+    let touch = Touch::find(&model, GraspPose { position: DVec3::from_slice(p), rotation })?;
+    let graph = predictor.graph(&model)?;
+    let states = predictor.at(&predictor.look(&model, &graph, &touch), error.force_n)?;
+    let (first, pad) = (&states[0], model.fingers[0].placement.rotation);
+    let object = moved(&model, &touch.object, pad * first.shift, pad * first.turn);
+    let page = picture::draw(file, &grasp, error.grasp, error.frame, &states, object)?;
+    save(&page, &dir.join(format!("{}_{:03}.png", error.object, error.grasp)))
+}

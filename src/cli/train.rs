@@ -1,0 +1,95 @@
+//! `tactus train`: a network from a data set.
+
+use super::{Format, OK, print};
+use crate::dataset::DataSet;
+use crate::error::{Error, Result};
+use crate::gnn::spec::Spec;
+use crate::gnn::train::{End, Trainer};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Arguments of `tactus train`.
+#[derive(Debug, clap::Args)]
+pub struct TrainArgs {
+    /// Folder of a data set that `tactus dataset` made.
+    pub data: PathBuf,
+    /// Model file: the network, and how it is trained.
+    #[arg(long, value_name = "M.ron")]
+    pub model: PathBuf,
+    /// Folder of the trained model; an unfinished one is gone on with.
+    #[arg(short, long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Training grasps: `poses`, `single:OBJECT` or `without:OBJECT`.
+    #[arg(long, default_value = "poses")]
+    pub split: String,
+    /// Form of the report on stdout.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+    /// Threads; all that the machine has by default. The weights do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
+    pub threads: Option<u64>,
+}
+
+/// Trains a network.
+pub fn train(args: &TrainArgs) -> Result<ExitCode> {
+    let threads = args.threads.map_or_else(super::run::machine_threads, |n| n as usize);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| Error::Start(format!("cannot start {threads} threads: {e}")))?;
+    pool.install(|| run(args))
+}
+
+fn run(args: &TrainArgs) -> Result<ExitCode> {
+    let spec = Spec::read(&args.model)?;
+    let set = DataSet::open(&args.data)?;
+    let mut trainer = Trainer::new(&set, &spec, &args.split, &args.out)?;
+    let (training, validation) = trainer.counts();
+    let resumed = trainer.epochs().len();
+    eprintln!(
+        "{} parameters; {training} grasps to learn from, {validation} to stop by{}",
+        trainer.card().parameters,
+        if resumed > 0 { format!("; {resumed} epochs are there already") } else { String::new() }
+    );
+    let bar = ProgressBar::new((spec.training.epochs.get() - resumed) as u64);
+    // The template is a constant; if it were wrong the default style would do.
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}  epoch {pos}/{len}  {elapsed}, {eta} left") {
+        bar.set_style(style);
+    }
+    let clock = Instant::now();
+    let end = trainer.run(|trainer| {
+        bar.inc(1);
+        if let Some(last) = trainer.epochs().last() {
+            bar.set_message(format!("loss {:.4}, validation {:.4}", last.training, last.validation));
+        }
+    });
+    bar.finish_and_clear();
+    let (end, wall) = (end?, clock.elapsed().as_secs_f64());
+    let card = trainer.card();
+    let why = match end {
+        End::Epochs => "all epochs done",
+        End::Patience => "no better for long enough",
+    };
+    let text = match args.format {
+        Format::Text => format!(
+            "{}: {why}; best epoch {} of {}, validation loss {:.5}; {wall:.1} s\n",
+            args.out.display(),
+            card.epochs,
+            trainer.epochs().len(),
+            card.validation_loss
+        ),
+        Format::Json => {
+            let object = json!({
+                "dir": args.out, "end": why, "epochs": trainer.epochs().len(), "best_epoch": card.epochs,
+                "validation_loss": card.validation_loss, "parameters": card.parameters, "resumed_epochs": resumed,
+                "wall_s": wall, "curve": trainer.epochs(),
+            });
+            format!("{object}\n")
+        }
+    };
+    print(&text)?;
+    Ok(ExitCode::from(OK))
+}

@@ -1,0 +1,236 @@
+//! What the network sees of a grasp. The one place where features are made, for training and inference alike.
+//!
+//! All numbers are dimensionless: lengths over the pad's thickness t, forces over `E t^2`, stresses over E; quasi-static
+//! elasticity knows no other scale, so modulus and thickness need not be learnt. Every pad looks at the world from its own
+//! frame. Each feature says how it changes when the scene is mirrored (x -> -x or y -> -y of the pad): see [`Parity`].
+
+use super::foundation::Foundation;
+use super::graph::PadGraph;
+use super::ops::Sparse;
+use super::touch::Touch;
+use crate::model::Model;
+use glam::{DMat3, DVec3};
+use std::sync::Arc;
+
+/// Signs under x -> -x and y -> -y.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Parity {
+    /// Neither changes it.
+    Even,
+    /// Changes sign with x.
+    X,
+    /// Changes sign with y.
+    Y,
+    /// Changes sign with either.
+    XY,
+}
+
+impl Parity {
+    /// Sign under the mirrors `x` and `y`.
+    pub fn sign(self, (x, y): (bool, bool)) -> f32 {
+        let flips = match self {
+            Parity::Even => false,
+            Parity::X => x,
+            Parity::Y => y,
+            Parity::XY => x != y,
+        };
+        if flips { -1.0 } else { 1.0 }
+    }
+}
+
+use Parity::{Even, X, XY, Y};
+
+/// Of a vector: (x, y, z).
+pub const VECTOR: [Parity; 3] = [X, Y, Even];
+/// Of a rotation vector: a mirror turns around what lies in it.
+pub const ROTATION: [Parity; 3] = [Y, X, XY];
+
+/// Features of a face node: x, y; three gap scales and the gap; object normal where the finger meets it; the object's
+/// distance and normal when the undeformed pad has closed by 0, 0.25 and 0.6 thicknesses.
+pub const NODE: [Parity; 21] =
+    [X, Y, Even, Even, Even, Even, X, Y, Even, Even, X, Y, Even, Even, X, Y, Even, Even, X, Y, Even];
+/// Features of an edge: relative position and its length.
+pub const EDGE: [Parity; 4] = [X, Y, Even, Even];
+/// Features of a pad: Poisson's ratio, friction, the object's weight on it.
+pub const PAD: [Parity; 5] = [Even, Even, X, Y, Even];
+/// Features of a node at a load: overlap over depth, the same where positive, pressed depth, share of the force.
+pub const NODE_LOAD: [Parity; 4] = [Even; 4];
+/// Features of a pad at a load: logarithm and cube root of the force, depth, touching area, centre of pressure.
+pub const PAD_LOAD: [Parity; 6] = [Even, Even, Even, Even, X, Y];
+
+/// How far the undeformed pad is closed into the object, over its thickness.
+const DEPTHS: [f64; 3] = [0.0, 0.25, 0.6];
+/// Gaps beyond this many thicknesses are all the same to the pad.
+const FAR: f64 = 2.5;
+/// Lengths over which a gap fades, over the thickness.
+const FADES: [f64; 3] = [0.05, 0.2, 0.8];
+
+/// A grasp as the network sees it; pads one after the other, left first.
+#[derive(Debug, Clone)]
+pub struct Features {
+    /// The pad's graph; both pads are alike.
+    pub graph: Arc<PadGraph>,
+    /// Number of pads.
+    pub pads: usize,
+    /// (pads * face nodes, [`NODE`]).
+    pub node: Vec<f32>,
+    /// (pads * edges, [`EDGE`]).
+    pub edge: Vec<f32>,
+    /// (pads, [`PAD`]).
+    pub pad: Vec<f32>,
+    /// Mean over the face of each pad: (pads, pads * face nodes).
+    pub mean: Arc<Sparse>,
+    /// Mean weighted by nearness to the object.
+    pub near: Arc<Sparse>,
+    /// Young's modulus, Pa.
+    pub young: f64,
+    gap: Vec<Vec<f64>>,
+    springs: Vec<Foundation>,
+}
+
+/// What the network sees of some load levels of a grasp; levels one after the other, then pads, then nodes.
+#[derive(Debug, Clone)]
+pub struct Loads {
+    /// (levels * pads * face nodes, [`NODE_LOAD`]).
+    pub node: Vec<f32>,
+    /// (levels * pads, [`PAD_LOAD`]).
+    pub pad: Vec<f32>,
+    /// Depth of the bed of springs, m: (levels * pads).
+    pub depth: Vec<f64>,
+}
+
+impl Features {
+    /// The features of a grasp of `model` at first contact.
+    pub fn new(model: &Model, graph: &Arc<PadGraph>, touch: &Touch) -> Self {
+        let (t, n, pads) = (graph.thickness, graph.face.len(), model.fingers.len());
+        let moduli = model.material.moduli();
+        let mut node = Vec::with_capacity(pads * n * NODE.len());
+        let (mut gaps, mut springs, mut pad) = (Vec::new(), Vec::new(), Vec::new());
+        let area: Vec<f64> = graph.area.iter().map(|a| a / (t * t)).collect();
+        for (finger, travel) in model.fingers.iter().zip(&touch.travel) {
+            let placement = &finger.placement;
+            let view = View::new(model, touch, placement.rotation, placement.closing);
+            let mut own = Vec::with_capacity(n);
+            for x in &graph.rest {
+                let at = view.to_object(placement.place(*x) + placement.closing * *travel);
+                let gap = view.gap(at, FAR * t) / t;
+                let normal = view.look(at + view.closing * (gap.min(FAR) * t)).1;
+                let normal = if gap < FAR { normal } else { DVec3::ZERO };
+                let mut row = vec![x.x / t, x.y / t, gap];
+                row.extend(FADES.map(|f| (-gap / f).exp()));
+                row.extend(normal.to_array());
+                for depth in DEPTHS {
+                    let (distance, normal) = view.look(at + view.closing * (depth * t));
+                    row.push((distance / t).min(FAR));
+                    row.extend(normal.to_array());
+                }
+                node.extend(row.into_iter().map(|v| v as f32));
+                own.push(gap);
+            }
+            let weight = placement.rotation.transpose() * touch.weight / (moduli.young * t * t);
+            pad.extend([moduli.poisson, model.law.friction, weight.x, weight.y, weight.z].map(|v| v as f32));
+            springs.push(Foundation::new(&own, &area));
+            gaps.push(own);
+        }
+        let edge = graph.edges.iter().flat_map(|(s, r)| {
+            let d = (graph.rest[*s as usize] - graph.rest[*r as usize]) / t;
+            [d.x, d.y, d.z, d.length()].map(|v| v as f32)
+        });
+        let edge: Vec<f32> = edge.collect::<Vec<_>>().repeat(pads);
+        let pool = |weight: &dyn Fn(usize, usize) -> f64| {
+            let row = |p: usize| {
+                let sum: f64 = (0..n).map(|i| weight(p, i)).sum();
+                (0..n).map(|i| ((p * n + i) as u32, (weight(p, i) / sum) as f32)).collect::<Vec<_>>()
+            };
+            Sparse::new(&(0..pads).map(row).collect::<Vec<_>>(), pads * n)
+        };
+        Self {
+            mean: pool(&|_, i| area[i]),
+            near: pool(&|p, i| area[i] * (-gaps[p][i] / FADES[1]).exp()),
+            graph: graph.clone(),
+            pads,
+            node,
+            edge,
+            pad,
+            young: moduli.young,
+            gap: gaps,
+            springs,
+        }
+    }
+
+    /// The force that the network measures in, N.
+    pub fn unit_force(&self) -> f64 {
+        self.young * self.graph.thickness.powi(2)
+    }
+
+    /// The features at loads given as force per finger, N.
+    pub fn loads(&self, forces: &[f64]) -> Loads {
+        let (graph, t) = (&self.graph, self.graph.thickness);
+        let mut loads = Loads { node: Vec::new(), pad: Vec::new(), depth: Vec::new() };
+        for force in forces {
+            let force = force / self.unit_force();
+            for (gap, springs) in self.gap.iter().zip(&self.springs) {
+                let depth = springs.depth(force);
+                let pressed: Vec<f64> = gap.iter().map(|g| (depth - g).max(0.0)).collect();
+                let carried: f64 = pressed.iter().zip(&graph.area).map(|(p, a)| p * a).sum();
+                let mut center = DVec3::ZERO;
+                let mut area = 0.0;
+                for (i, (gap, pressed)) in gap.iter().zip(&pressed).enumerate() {
+                    let share = pressed * graph.area[i] / carried;
+                    center += graph.rest[i] / t * share;
+                    area += if *pressed > 0.0 { graph.area[i] / (t * t) } else { 0.0 };
+                    let overlap = ((depth - gap) / depth).max(-4.0);
+                    loads.node.extend([overlap, pressed / depth, *pressed, share].map(|v| v as f32));
+                }
+                loads.pad.extend([force.ln(), force.cbrt(), depth, area, center.x, center.y].map(|v| v as f32));
+                loads.depth.push(depth * t);
+            }
+        }
+        loads
+    }
+}
+
+/// The object as a pad sees it.
+struct View<'a> {
+    model: &'a Model,
+    inverse: DMat3,
+    position: DVec3,
+    /// From the object frame to the pad frame.
+    to_pad: DMat3,
+    /// Closing direction in the object frame.
+    closing: DVec3,
+}
+
+impl<'a> View<'a> {
+    fn new(model: &'a Model, touch: &Touch, pad: DMat3, closing: DVec3) -> Self {
+        let rotation = DMat3::from_quat(touch.object.rotation);
+        let inverse = rotation.transpose();
+        let position = touch.object.position;
+        Self { model, inverse, position, to_pad: pad.transpose() * rotation, closing: inverse * closing }
+    }
+
+    fn to_object(&self, x: DVec3) -> DVec3 {
+        self.inverse * (x - self.position)
+    }
+
+    /// Signed distance, m, and normal in the pad frame.
+    fn look(&self, at: DVec3) -> (f64, DVec3) {
+        let closest = self.model.object.distance.closest(at, f64::INFINITY);
+        closest.map_or((f64::MAX, DVec3::ZERO), |c| (c.distance, self.to_pad * c.normal))
+    }
+
+    /// Way along the closing direction to the object, at most `far`, m (sphere tracing, Hart 1996).
+    fn gap(&self, from: DVec3, far: f64) -> f64 {
+        let distance = |t: f64| self.model.object.distance.distance(from + self.closing * t);
+        let mut t = 0.0;
+        // A grazing ray is close enough when the cap ends it.
+        for _ in 0..64 {
+            let d = distance(t);
+            t += d;
+            if d < 1e-4 * far || t >= far {
+                break;
+            }
+        }
+        t.min(far)
+    }
+}

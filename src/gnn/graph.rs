@@ -1,0 +1,144 @@
+//! The graph of a pad: message passing runs on the nodes of the sensing face, all other nodes hang on them.
+//!
+//! ```text
+//! face nodes o--o--o   edges of the sensing triangles, both directions
+//!            :  :  :   depth channels: values at fixed parts of the way down from a face node
+//! node deep  x         interpolated: its face triangle x its two nearest channels
+//! ```
+
+use super::ops::Sparse;
+use crate::error::{Error, Result};
+use crate::record::PadTopology;
+use glam::{DVec2, DVec3};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// What never changes of a pad, as the network sees it. Lengths in m, pad frame.
+#[derive(Debug, Clone)]
+pub struct PadGraph {
+    /// Thickness of the pad: the length that the network measures in, m.
+    pub thickness: f64,
+    /// Number of nodes of the pad.
+    pub node_count: usize,
+    /// Nodes of the sensing face, ascending.
+    pub face: Vec<u32>,
+    /// Their rest positions.
+    pub rest: Vec<DVec3>,
+    /// Area of the face that each stands for, m2.
+    pub area: Vec<f64>,
+    /// Directed edges between face nodes: (sender, receiver), sorted by receiver.
+    pub edges: Vec<(u32, u32)>,
+    /// Edge -> its sender's row.
+    pub senders: Arc<Sparse>,
+    /// Edge -> its receiver's row.
+    pub receivers: Arc<Sparse>,
+    /// Rows of edges -> rows of receivers, summed and divided by 6, a usual number of neighbours.
+    pub gather: Arc<Sparse>,
+    /// Rows (face node, depth channel) -> nodes of the pad.
+    pub interpolate: Arc<Sparse>,
+    /// The same with no entry for bonded nodes: what it makes is exactly zero there.
+    pub interpolate_free: Arc<Sparse>,
+    /// BLAKE3 of the pad's mesh.
+    pub hash: String,
+}
+
+impl PadGraph {
+    /// The graph of `pad` with `depths` channels from the face to the bonded side.
+    ///
+    /// # Errors
+    /// A pad without a sensing face.
+    pub fn new(pad: &PadTopology, depths: usize) -> Result<Self> {
+        let face: Vec<u32> = pad.sensing.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
+        let thickness = pad.rest.iter().map(|x| -x.z).fold(0.0, f64::max);
+        if face.is_empty() || thickness <= 0.0 {
+            return Err(Error::Mesh("the pad has no sensing face above its bonded side".into()));
+        }
+        let own: BTreeMap<u32, u32> = face.iter().enumerate().map(|(i, n)| (*n, i as u32)).collect();
+        let triangles: Vec<[u32; 3]> = pad.sensing.iter().map(|t| t.map(|n| own[&n])).collect();
+        let rest: Vec<DVec3> = face.iter().map(|n| pad.rest[*n as usize]).collect();
+        let mut area = vec![0.0; face.len()];
+        let mut edges = BTreeSet::new();
+        for t in &triangles {
+            let [a, b, c] = t.map(|i| rest[i as usize]);
+            let third = (b - a).cross(c - a).length() / 6.0;
+            for k in 0..3 {
+                let (i, j) = (t[k], t[(k + 1) % 3]);
+                area[i as usize] += third;
+                // Sorted by receiver.
+                edges.extend([(i, j), (j, i)]);
+            }
+        }
+        let edges: Vec<(u32, u32)> = edges.into_iter().map(|(receiver, sender)| (sender, receiver)).collect();
+        let n = face.len();
+        let receivers = Sparse::gather(edges.iter().map(|e| e.1 as usize), n);
+        let mut sum = vec![Vec::new(); n];
+        edges.iter().enumerate().for_each(|(e, (_, receiver))| sum[*receiver as usize].push((e as u32, 1.0 / 6.0)));
+        let rows = hanging(&pad.rest, &rest, &triangles, thickness, depths);
+        let free: Vec<_> =
+            rows.iter().zip(&pad.bonded).map(|(row, bonded)| if *bonded { Vec::new() } else { row.clone() }).collect();
+        let mut hash = blake3::Hasher::new();
+        pad.rest.iter().flat_map(|x| x.to_array()).for_each(|v| {
+            hash.update(&v.to_le_bytes());
+        });
+        pad.elements.nodes().iter().for_each(|v| {
+            hash.update(&v.to_le_bytes());
+        });
+        Ok(Self {
+            thickness,
+            node_count: pad.rest.len(),
+            senders: Sparse::gather(edges.iter().map(|e| e.0 as usize), n),
+            receivers,
+            gather: Sparse::new(&sum, edges.len()),
+            interpolate: Sparse::new(&rows, n * depths),
+            interpolate_free: Sparse::new(&free, n * depths),
+            face,
+            rest,
+            area,
+            edges,
+            hash: hash.finalize().to_hex().to_string(),
+        })
+    }
+}
+
+/// For every node of the pad: (face node * depths + channel, weight), non-negative and summing to one.
+fn hanging(
+    nodes: &[DVec3],
+    face: &[DVec3],
+    triangles: &[[u32; 3]],
+    thickness: f64,
+    depths: usize,
+) -> Vec<Vec<(u32, f32)>> {
+    let flat = |x: DVec3| DVec2::new(x.x, x.y);
+    let above = |x: DVec3| {
+        let weights = |t: &[u32; 3]| barycentric(flat(x), t.map(|i| flat(face[i as usize])));
+        // The triangle that the node is most inside of; beside the face, the least outside.
+        let inside = |w: &[f64; 3]| w.iter().copied().fold(f64::INFINITY, f64::min);
+        let best = triangles.iter().map(|t| (t, weights(t))).max_by(|a, b| inside(&a.1).total_cmp(&inside(&b.1)));
+        let (t, w) = best.unwrap_or((&[0, 0, 0], [1.0, 0.0, 0.0]));
+        let w = w.map(|w| w.max(0.0));
+        let sum: f64 = w.iter().sum();
+        [0, 1, 2].map(|k| (t[k], w[k] / sum))
+    };
+    let row = |x: &DVec3| {
+        let corners = above(*x);
+        let top: f64 = corners.iter().map(|(i, w)| w * face[*i as usize].z).sum();
+        let part = ((top - x.z) / (top + thickness)).clamp(0.0, 1.0) * (depths - 1) as f64;
+        let upper = (part.floor() as usize).min(depths.saturating_sub(2));
+        let lower = part - upper as f64;
+        let channels = [(upper, 1.0 - lower), ((upper + 1).min(depths - 1), lower)];
+        let mut row = Vec::new();
+        for (i, w) in corners {
+            let entries = channels.map(|(k, v)| (i * depths as u32 + k as u32, (w * v) as f32));
+            row.extend(entries.into_iter().filter(|(_, w)| *w > 1e-7));
+        }
+        row
+    };
+    nodes.iter().map(row).collect()
+}
+
+/// Barycentric coordinates of `p` in a triangle.
+fn barycentric(p: DVec2, [a, b, c]: [DVec2; 3]) -> [f64; 3] {
+    let whole = (b - a).perp_dot(c - a);
+    let [u, v] = [(b - p).perp_dot(c - p) / whole, (c - p).perp_dot(a - p) / whole];
+    [u, v, 1.0 - u - v]
+}

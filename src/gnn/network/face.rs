@@ -1,0 +1,253 @@
+//! Our network: messages pass on the sensing faces once per grasp, a small decoder gives any load level.
+//!
+//! ```text
+//! encode  h = W node                                    per face node, each pad in its own frame
+//!         rounds x: m_e = act(W e + W h_sender + W h_receiver)         per edge
+//!                   g   = act(W [mean h, near h, those of the other pad])   per pad
+//!                   h  += W act(W h + W sum m + W g)                    per node
+//! decode  z = act(W h + W node load + W pad load)  -> displacement, stress by depth; contact force
+//!         y = act(W g + W pad load)                -> travel, object motion
+//! ```
+//! The second layer of a message is linear, so it is applied after the sum: edges cost no matrix product.
+
+use super::{Inputs, Network, Output};
+use crate::gnn::features::{EDGE, Loads, NODE, NODE_LOAD, PAD, PAD_LOAD};
+use crate::gnn::ops::{Activation, Sparse, apply, layer_norm, linear, reshape, share, sum};
+use crate::gnn::parameters::{Id, Maker, Parameters};
+use crate::gnn::spec::Face;
+use crate::gnn::tape::{Matrix, Tape};
+use std::sync::Arc;
+
+/// Weights and a bias.
+#[derive(Debug, Clone, Copy)]
+struct Layer(Id, Id);
+
+/// The network.
+#[derive(Debug)]
+pub struct FaceNetwork {
+    depths: usize,
+    start: Layer,
+    start_pad: Id,
+    rounds: Vec<Round>,
+    last: Layer,
+    pools: Pools,
+    node: [Id; 3],
+    node_bias: Id,
+    displacement: Layer,
+    stress: Layer,
+    contact: Layer,
+    pad: [Id; 2],
+    pad_bias: Id,
+    middle: Layer,
+    travel: Layer,
+    motion: Layer,
+}
+
+/// One round of message passing.
+#[derive(Debug)]
+struct Round {
+    norm: Layer,
+    edge: Layer,
+    sender: Id,
+    receiver: Id,
+    pools: Pools,
+    own: Layer,
+    messages: Id,
+    global: Id,
+    out: Layer,
+}
+
+/// Pooled features of a pad and of the other one.
+#[derive(Debug)]
+struct Pools {
+    weights: [Id; 4],
+    bias: Id,
+}
+
+impl Pools {
+    fn new(maker: &mut Maker, name: &str, latent: usize) -> Self {
+        let weight = |maker: &mut Maker, part: &str| maker.weight(&format!("{name}.{part}"), latent, latent, 0.5);
+        let weights = ["mean", "near", "other_mean", "other_near"].map(|part| weight(maker, part));
+        Self { weights, bias: maker.row(&format!("{name}.bias"), latent, 0.0) }
+    }
+
+    /// (pads * nodes, latent) -> (pads, latent).
+    fn apply(&self, tape: &Tape, p: &Parameters, inputs: &Inputs, h: &Matrix) -> Matrix {
+        let f = inputs.features;
+        let pads = f.pads;
+        // With one finger there is no other pad: an empty row, which gives zero.
+        let other = (0..pads).map(|i| if pads == 2 { vec![(1 - i as u32, 1.0)] } else { Vec::new() });
+        let other = Sparse::new(&other.collect::<Vec<_>>(), pads);
+        let (mean, near) = (apply(tape, &f.mean, h), apply(tape, &f.near, h));
+        let (other_mean, other_near) = (apply(tape, &other, &mean), apply(tape, &other, &near));
+        let bias = Some(p.get(self.bias));
+        let [a, b, c, d] = self.weights.map(|w| p.get(w));
+        let terms = [
+            linear(tape, &mean, a, bias, Activation::None),
+            linear(tape, &near, b, None, Activation::None),
+            linear(tape, &other_mean, c, None, Activation::None),
+            linear(tape, &other_near, d, None, Activation::None),
+        ];
+        sum(tape, &terms.each_ref(), Activation::Gated)
+    }
+}
+
+impl FaceNetwork {
+    /// With start values from `maker`.
+    pub fn new(sizes: &Face, maker: &mut Maker) -> Self {
+        let (h, d, depths) = (sizes.latent.get(), sizes.decoder.get(), sizes.depths.get());
+        let layer = |maker: &mut Maker, name: &str, rows: usize, cols: usize, gain: f64| {
+            Layer(
+                maker.weight(&format!("{name}.weight"), rows, cols, gain),
+                maker.row(&format!("{name}.bias"), cols, 0.0),
+            )
+        };
+        let norm = |maker: &mut Maker, name: &str| {
+            Layer(maker.row(&format!("{name}.gain"), h, 1.0), maker.row(&format!("{name}.shift"), h, 0.0))
+        };
+        let start = layer(maker, "start.node", NODE.len(), h, 1.0);
+        let start_pad = maker.weight("start.pad", PAD.len(), h, 0.5);
+        let rounds = (0..sizes.rounds.get()).map(|r| Round {
+            norm: norm(maker, &format!("round{r}.norm")),
+            edge: layer(maker, &format!("round{r}.edge"), EDGE.len(), h, 0.7),
+            sender: maker.weight(&format!("round{r}.sender"), h, h, 0.7),
+            receiver: maker.weight(&format!("round{r}.receiver"), h, h, 0.7),
+            pools: Pools::new(maker, &format!("round{r}.pool"), h),
+            own: layer(maker, &format!("round{r}.own"), h, h, 0.7),
+            messages: maker.weight(&format!("round{r}.messages"), h, h, 0.7),
+            global: maker.weight(&format!("round{r}.global"), h, h, 0.7),
+            out: layer(maker, &format!("round{r}.out"), h, h, 0.5),
+        });
+        Self {
+            depths,
+            start,
+            start_pad,
+            rounds: rounds.collect(),
+            last: norm(maker, "last.norm"),
+            pools: Pools::new(maker, "last.pool", h),
+            node: [
+                maker.weight("node.latent", h, d, 1.0),
+                maker.weight("node.load", NODE_LOAD.len(), d, 1.0),
+                maker.weight("node.pad_load", PAD_LOAD.len(), d, 1.0),
+            ],
+            node_bias: maker.row("node.bias", d, 0.0),
+            displacement: layer(maker, "displacement", d, 3 * depths, 0.1),
+            stress: layer(maker, "stress", d, depths, 0.1),
+            contact: layer(maker, "contact", d, 3, 0.1),
+            pad: [maker.weight("pad.latent", h, d, 1.0), maker.weight("pad.load", PAD_LOAD.len(), d, 1.0)],
+            pad_bias: maker.row("pad.bias", d, 0.0),
+            middle: layer(maker, "pad.middle", d, d, 1.0),
+            travel: layer(maker, "travel", d, 1, 0.1),
+            motion: layer(maker, "motion", d, 6, 0.1),
+        }
+    }
+
+    fn pass(&self, tape: &Tape, p: &Parameters, inputs: &Inputs, round: &Round, h: &Matrix, edge: &Matrix) -> Matrix {
+        let graph = &inputs.features.graph;
+        let (none, gated) = (Activation::None, Activation::Gated);
+        let x = layer_norm(tape, h, p.get(round.norm.0), p.get(round.norm.1));
+        let from = apply(tape, &graph.senders, &linear(tape, &x, p.get(round.sender), None, none));
+        let to = apply(tape, &graph.receivers, &linear(tape, &x, p.get(round.receiver), None, none));
+        let own = linear(tape, edge, p.get(round.edge.0), Some(p.get(round.edge.1)), none);
+        let messages = apply(tape, &graph.gather, &sum(tape, &[&own, &from, &to], gated));
+        let global = round.pools.apply(tape, p, inputs, &x);
+        let global = spread(tape, &linear(tape, &global, p.get(round.global), None, none), graph.face.len());
+        let inner = [
+            linear(tape, &x, p.get(round.own.0), Some(p.get(round.own.1)), none),
+            linear(tape, &messages, p.get(round.messages), None, none),
+            global,
+        ];
+        let inner = sum(tape, &inner.each_ref(), gated);
+        sum(tape, &[h, &linear(tape, &inner, p.get(round.out.0), Some(p.get(round.out.1)), none)], none)
+    }
+}
+
+impl Network for FaceNetwork {
+    fn depths(&self) -> usize {
+        self.depths
+    }
+
+    fn encode(&self, tape: &Tape, p: &Parameters, inputs: &Inputs) -> Vec<Matrix> {
+        let (f, n) = (inputs.features, inputs.normalisers);
+        let node = inputs.matrix(&f.node, &n.node, &NODE);
+        let edge = inputs.matrix(&f.edge, &n.edge, &EDGE);
+        let pad = inputs.matrix(&f.pad, &n.pad, &PAD);
+        let start = linear(tape, &node, p.get(self.start.0), Some(p.get(self.start.1)), Activation::None);
+        let pad = linear(tape, &pad, p.get(self.start_pad), None, Activation::None);
+        let mut h = sum(tape, &[&start, &spread(tape, &pad, f.graph.face.len())], Activation::None);
+        for round in &self.rounds {
+            h = self.pass(tape, p, inputs, round, &h, &edge);
+        }
+        let h = layer_norm(tape, &h, p.get(self.last.0), p.get(self.last.1));
+        let pooled = self.pools.apply(tape, p, inputs, &h);
+        // The part of the first decoder layer that no load changes.
+        let node = linear(tape, &h, p.get(self.node[0]), Some(p.get(self.node_bias)), Activation::None);
+        let pad = linear(tape, &pooled, p.get(self.pad[0]), Some(p.get(self.pad_bias)), Activation::None);
+        vec![node, pad]
+    }
+
+    fn decode(&self, tape: &Tape, p: &Parameters, inputs: &Inputs, code: &[Matrix], loads: &Loads) -> Output {
+        let (f, n, graph) = (inputs.features, inputs.normalisers, &inputs.features.graph);
+        let (pads, face) = (f.pads, graph.face.len());
+        let levels = loads.depth.len() / pads;
+        let (none, gated) = (Activation::None, Activation::Gated);
+        let at_node = inputs.matrix(&loads.node, &n.node_load, &NODE_LOAD);
+        let at_pad = inputs.matrix(&loads.pad, &n.pad_load, &PAD_LOAD);
+        let repeat = |rows: usize| Sparse::gather((0..levels).flat_map(|_| 0..rows), rows);
+        let node = [
+            apply(tape, &repeat(pads * face), &code[0]),
+            linear(tape, &at_node, p.get(self.node[1]), None, none),
+            spread(tape, &linear(tape, &at_pad, p.get(self.node[2]), None, none), face),
+        ];
+        let z = sum(tape, &node.each_ref(), gated);
+        let pad = [apply(tape, &repeat(pads), &code[1]), linear(tape, &at_pad, p.get(self.pad[1]), None, none)];
+        let y = sum(tape, &pad.each_ref(), gated);
+        let y = linear(tape, &y, p.get(self.middle.0), Some(p.get(self.middle.1)), gated);
+
+        let head = |x: &Matrix, layer: Layer, act| linear(tape, x, p.get(layer.0), Some(p.get(layer.1)), act);
+        let channels = levels * pads * face * self.depths;
+        let displacement = sum(
+            tape,
+            &[&reshape(tape, &head(&z, self.displacement, none), channels), &self.pressed(inputs, loads)],
+            none,
+        );
+        let stress = reshape(tape, &head(&z, self.stress, Activation::Positive), channels);
+        let contact = sum(tape, &[&head(&z, self.contact, none), &carried(loads)], none);
+        Output {
+            displacement: apply(tape, &graph.interpolate_free, &displacement),
+            stress: apply(tape, &graph.interpolate, &stress),
+            contact: share(tape, &contact, face),
+            travel: head(&y, self.travel, none),
+            motion: head(&y, self.motion, none),
+        }
+    }
+}
+
+impl FaceNetwork {
+    /// The displacement of a bed of springs, in the network's unit: the network learns what is different.
+    fn pressed(&self, inputs: &Inputs, loads: &Loads) -> Matrix {
+        let unit = 1.0 / inputs.normalisers.displacement;
+        let mut value = Vec::new();
+        for row in loads.node.chunks_exact(NODE_LOAD.len()) {
+            let bottom = (self.depths - 1) as f32;
+            value.extend((0..self.depths).flat_map(|k| [0.0, 0.0, -row[1] * (1.0 - k as f32 / bottom) * unit]));
+        }
+        Matrix::constant(value.len() / 3, 3, value)
+    }
+}
+
+/// What the bed of springs says of the share of each node, as a logarithm.
+fn carried(loads: &Loads) -> Matrix {
+    let rows = loads.node.chunks_exact(NODE_LOAD.len());
+    let value: Vec<f32> = rows.flat_map(|row| [(row[3] + LITTLE).ln(), 0.0, 0.0]).collect();
+    Matrix::constant(value.len() / 3, 3, value)
+}
+
+/// Share of a node that the springs leave out, to start from.
+const LITTLE: f32 = 1e-4;
+
+/// Every row `times` times, one after the other.
+fn spread(tape: &Tape, x: &Matrix, times: usize) -> Matrix {
+    let map: Arc<Sparse> = Sparse::gather((0..x.rows).flat_map(|r| std::iter::repeat_n(r, times)), x.rows);
+    apply(tape, &map, x)
+}

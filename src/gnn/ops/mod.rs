@@ -1,0 +1,13 @@
+//! The operations of the network: each with its forward and its backward kernel, one per file.
+
+mod linear;
+mod norm;
+mod pointwise;
+mod share;
+mod sparse;
+
+pub use linear::linear;
+pub use norm::layer_norm;
+pub use pointwise::{Activation, reshape, squared_error, sum};
+pub use share::share;
+pub use sparse::{Sparse, apply};

@@ -1,0 +1,99 @@
+//! A fixed sparse matrix times a dense one: gathers, sums over receivers, pools and interpolations are all this.
+
+use crate::gnn::tape::{Matrix, Tape};
+use std::sync::Arc;
+
+/// A sparse matrix by rows, and its transpose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sparse {
+    forward: Rows,
+    transpose: Rows,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Rows {
+    cols: usize,
+    /// Where each row starts; one more at the end.
+    start: Vec<u32>,
+    entry: Vec<(u32, f32)>,
+}
+
+impl Rows {
+    fn new(rows: &[Vec<(u32, f32)>], cols: usize) -> Self {
+        let mut start = vec![0];
+        start.extend(rows.iter().scan(0, |n, row| {
+            *n += row.len() as u32;
+            Some(*n)
+        }));
+        Self { cols, start, entry: rows.concat() }
+    }
+
+    fn rows(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    /// Adds `self * x` to `y` for every block of rows of x.
+    fn add(&self, x: &[f32], y: &mut [f32], width: usize) {
+        let blocks = x.chunks_exact((self.cols * width).max(1)).zip(y.chunks_exact_mut((self.rows() * width).max(1)));
+        for (x, y) in blocks {
+            for (row, y) in y.chunks_exact_mut(width).enumerate() {
+                for &(col, weight) in &self.entry[self.start[row] as usize..self.start[row + 1] as usize] {
+                    let x = &x[col as usize * width..(col as usize + 1) * width];
+                    y.iter_mut().zip(x).for_each(|(y, x)| *y += weight * x);
+                }
+            }
+        }
+    }
+}
+
+impl Sparse {
+    /// From the entries (column, weight) of every row.
+    pub fn new(rows: &[Vec<(u32, f32)>], cols: usize) -> Arc<Self> {
+        let mut columns = vec![Vec::new(); cols];
+        for (r, row) in rows.iter().enumerate() {
+            row.iter().for_each(|&(c, w)| columns[c as usize].push((r as u32, w)));
+        }
+        Arc::new(Self { forward: Rows::new(rows, cols), transpose: Rows::new(&columns, rows.len()) })
+    }
+
+    /// Row r is row `index[r]` of what it is applied to.
+    pub fn gather(index: impl IntoIterator<Item = usize>, cols: usize) -> Arc<Self> {
+        Self::new(&index.into_iter().map(|i| vec![(i as u32, 1.0)]).collect::<Vec<_>>(), cols)
+    }
+
+    /// Its transpose: that of a gather adds to the receivers.
+    pub fn transposed(&self) -> Arc<Self> {
+        Arc::new(Self { forward: self.transpose.clone(), transpose: self.forward.clone() })
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.forward.rows()
+    }
+
+    /// Number of columns.
+    pub fn cols(&self) -> usize {
+        self.forward.cols
+    }
+
+    /// `self * x` for plain numbers, `width` columns.
+    pub fn times(&self, x: &[f32], width: usize) -> Vec<f32> {
+        let mut y = vec![0.0; x.len() / (self.cols() * width).max(1) * self.rows() * width];
+        self.forward.add(x, &mut y, width);
+        y
+    }
+}
+
+/// `map * x` for every block of `map.cols()` rows of x: (blocks * cols, m) -> (blocks * rows, m).
+pub fn apply(tape: &Tape, map: &Arc<Sparse>, x: &Matrix) -> Matrix {
+    assert_eq!(x.rows % map.cols().max(1), 0, "a sparse map applies to whole blocks of rows");
+    let y = map.times(x.value(), x.cols);
+    let (rows, m) = (y.len() / x.cols.max(1), x.cols);
+    let (map, x) = (map.clone(), x.clone());
+    let input = x.clone();
+    tape.result(&[&input], (rows, m), y, move |grads, out| {
+        if let Some(dx) = grads.of(&x) {
+            map.transpose.add(out, dx, m);
+        }
+    })
+}

@@ -1,0 +1,117 @@
+//! The parameters of a network: named matrices in a fixed order, their start values, and their file.
+
+use super::tape::Matrix;
+use crate::error::{Error, Result};
+use crate::random::Random;
+use crate::record::files::write_atomic;
+use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
+use std::path::Path;
+
+/// Named matrices. The order is that in which the network asked for them.
+#[derive(Debug, Clone)]
+pub struct Parameters {
+    names: Vec<String>,
+    /// The matrices.
+    pub matrices: Vec<Matrix>,
+}
+
+/// Number of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Id(usize);
+
+/// Makes the parameters of a network, with random start values.
+#[derive(Debug)]
+pub struct Maker {
+    random: Random,
+    parameters: Parameters,
+}
+
+impl Maker {
+    /// Equal seeds give equal parameters.
+    pub fn new(seed: u64) -> Self {
+        Self { random: Random::new(seed), parameters: Parameters { names: Vec::new(), matrices: Vec::new() } }
+    }
+
+    fn add(&mut self, name: String, rows: usize, cols: usize, value: Vec<f32>) -> Id {
+        self.parameters.names.push(name);
+        self.parameters.matrices.push(Matrix::parameter(rows, cols, value));
+        Id(self.parameters.matrices.len() - 1)
+    }
+
+    /// A weight (rows, cols), uniform with variance `gain / rows` (He et al. 2015 for gain 2).
+    pub fn weight(&mut self, name: &str, rows: usize, cols: usize, gain: f64) -> Id {
+        let limit = (3.0 * gain / rows as f64).sqrt();
+        let value = (0..rows * cols).map(|_| ((2.0 * self.random.unit() - 1.0) * limit) as f32).collect();
+        self.add(name.into(), rows, cols, value)
+    }
+
+    /// A row of equal numbers.
+    pub fn row(&mut self, name: &str, cols: usize, value: f32) -> Id {
+        self.add(name.into(), 1, cols, vec![value; cols])
+    }
+
+    /// All parameters made.
+    pub fn finish(self) -> Parameters {
+        self.parameters
+    }
+}
+
+impl Parameters {
+    /// The matrix `id`.
+    pub fn get(&self, id: Id) -> &Matrix {
+        &self.matrices[id.0]
+    }
+
+    /// Names, in order.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Number of numbers.
+    pub fn count(&self) -> usize {
+        self.matrices.iter().map(|m| m.value().len()).sum()
+    }
+
+    /// As a safetensors file: f32, row-major, (rows, cols).
+    pub fn to_bytes(&self) -> Result<Vec<u8>> {
+        let fail = |e: safetensors::SafeTensorError| Error::Solver(format!("the weights cannot be written: {e}"));
+        let bytes: Vec<Vec<u8>> =
+            self.matrices.iter().map(|m| m.value().iter().flat_map(|v| v.to_le_bytes()).collect()).collect();
+        let views = self.names.iter().zip(&self.matrices).zip(&bytes).map(|((name, m), bytes)| {
+            TensorView::new(Dtype::F32, vec![m.rows, m.cols], bytes).map(|view| (name.clone(), view))
+        });
+        let views = views.collect::<std::result::Result<Vec<_>, _>>().map_err(fail)?;
+        serialize(views, None).map_err(fail)
+    }
+
+    /// Writes them, whole or not at all.
+    pub fn save(&self, path: &Path) -> Result<()> {
+        write_atomic(path, &self.to_bytes()?)
+    }
+
+    /// Reads the values from a file that holds exactly these parameters.
+    ///
+    /// # Errors
+    /// A file that is not safetensors, or whose names, shapes or numbers are not those of this network.
+    pub fn load(&mut self, path: &Path) -> Result<()> {
+        let fail = |message: String| Error::file(path, message);
+        let bytes = std::fs::read(path).map_err(|e| fail(format!("cannot be read: {e}")))?;
+        let file = SafeTensors::deserialize(&bytes).map_err(|e| fail(format!("is no safetensors file: {e}")))?;
+        if file.len() != self.names.len() {
+            return Err(fail(format!("holds {} tensors, the network has {}", file.len(), self.names.len())));
+        }
+        for (name, matrix) in self.names.iter().zip(&mut self.matrices) {
+            let view = file.tensor(name).map_err(|_| fail(format!("has no tensor `{name}`")))?;
+            if view.dtype() != Dtype::F32 || view.shape() != [matrix.rows, matrix.cols] {
+                let shape = (matrix.rows, matrix.cols);
+                return Err(fail(format!("`{name}` is {:?} {:?}, not F32 {shape:?}", view.dtype(), view.shape())));
+            }
+            let value: Vec<f32> = view.data().as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
+            if let Some(bad) = value.iter().find(|v| !v.is_finite()) {
+                return Err(fail(format!("`{name}` holds {bad}; weights must be finite")));
+            }
+            *matrix.value_mut() = value;
+        }
+        Ok(())
+    }
+}

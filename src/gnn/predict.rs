@@ -1,0 +1,140 @@
+//! A trained model in use: one pass per grasp, then any load level, in SI.
+
+use super::card::{Card, WEIGHTS};
+use super::features::Features;
+use super::graph::PadGraph;
+use super::network::{Inputs, Network, build};
+use super::parameters::Parameters;
+use super::tape::{Matrix, Tape};
+use super::touch::Touch;
+use crate::error::{Error, Result};
+use crate::model::Model;
+use glam::DVec3;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A trained model.
+#[derive(Debug)]
+pub struct Predictor {
+    /// What it is.
+    pub card: Card,
+    /// The network.
+    pub network: Box<dyn Network>,
+    /// Its weights.
+    pub parameters: Parameters,
+}
+
+/// A grasp that has been looked at: all that a load level needs.
+#[derive(Debug)]
+pub struct Seen {
+    features: Features,
+    code: Vec<Matrix>,
+}
+
+/// What is predicted for one pad at one load level, pad frame, SI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PadState {
+    /// Displacement of every node, m; exactly zero where bonded.
+    pub displacement: Vec<DVec3>,
+    /// Von Mises stress of every node, Pa, >= 0.
+    pub stress: Vec<f64>,
+    /// Contact force on every node, N; along the closing direction they sum to the finger's force.
+    pub contact: Vec<DVec3>,
+    /// Travel of the finger since first contact, m.
+    pub travel: f64,
+    /// Translation of the object (its point amid the pads) since first contact, m.
+    pub shift: DVec3,
+    /// Rotation vector of the object since first contact.
+    pub turn: DVec3,
+}
+
+impl Predictor {
+    /// The model in the folder `dir`.
+    ///
+    /// # Errors
+    /// A folder that holds none, or weights that do not fit its card.
+    pub fn open(dir: &Path) -> Result<Self> {
+        let card = Card::read(dir)?;
+        let (network, mut parameters) = build(&card.spec.network, card.spec.training.seed);
+        parameters.load(&dir.join(WEIGHTS))?;
+        Ok(Self { card, network, parameters })
+    }
+
+    /// The graph of the pads of `model`, if the network was trained for it.
+    ///
+    /// # Errors
+    /// What of the scene lies outside the trained range.
+    pub fn admit(&self, model: &Model) -> Result<Arc<PadGraph>> {
+        let graph = self.graph(model)?;
+        let unit = model.material.moduli().young * graph.thickness.powi(2);
+        self.card.range.admits(model, &graph.hash, unit, &model.levels)?;
+        Ok(graph)
+    }
+
+    /// The graph of the pads of `model`, trained for or not.
+    ///
+    /// # Errors
+    /// A pad without a sensing face.
+    pub fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
+        Ok(Arc::new(PadGraph::new(&model.fingers[0].topology, self.network.depths())?))
+    }
+
+    /// Looks at a grasp at first contact: the one pass of message passing.
+    pub fn look(&self, model: &Model, graph: &Arc<PadGraph>, touch: &Touch) -> Seen {
+        self.encode(Features::new(model, graph, touch))
+    }
+
+    /// The same from features made earlier.
+    pub fn encode(&self, features: Features) -> Seen {
+        let inputs = Inputs { features: &features, normalisers: &self.card.normalisers, mirror: (false, false) };
+        let code = self.network.encode(&Tape::silent(), &self.parameters, &inputs);
+        Seen { features, code }
+    }
+
+    /// The pads when each finger closes with `force`, N.
+    ///
+    /// # Errors
+    /// Numbers that are not finite.
+    pub fn at(&self, seen: &Seen, force: f64) -> Result<Vec<PadState>> {
+        let (features, norms) = (&seen.features, &self.card.normalisers);
+        let inputs = Inputs { features, normalisers: norms, mirror: (false, false) };
+        let loads = features.loads(&[force]);
+        let out = self.network.decode(&Tape::silent(), &self.parameters, &inputs, &seen.code, &loads);
+        let graph = &features.graph;
+        let (t, nodes, face) = (graph.thickness, graph.node_count, graph.face.len());
+        let vector = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from));
+        let pad = |p: usize| {
+            let depth = loads.depth[p];
+            let own = |m: &Matrix, n: usize| m.value()[p * n * m.cols..(p + 1) * n * m.cols].to_vec();
+            let unit = depth * f64::from(norms.displacement);
+            let stress = features.young * depth / t * f64::from(norms.stress);
+            let mut contact = vec![DVec3::ZERO; nodes];
+            for (i, c) in graph.face.iter().zip(own(&out.contact, face).as_chunks::<3>().0) {
+                // Shares are of a force against the closing direction, friction in the same unit.
+                contact[*i as usize] = DVec3::new(f64::from(c[1]), f64::from(c[2]), -f64::from(c[0])) * force;
+            }
+            let motion = own(&out.motion, 1);
+            let [travel_mean, travel_scale] = norms.travel.map(f64::from);
+            PadState {
+                displacement: own(&out.displacement, nodes).as_chunks().0.iter().map(|v| vector(v) * unit).collect(),
+                stress: own(&out.stress, nodes).iter().map(|s| f64::from(*s) * stress).collect(),
+                contact,
+                travel: depth * (travel_mean + travel_scale * f64::from(out.travel.value()[p])),
+                shift: vector(&[motion[0], motion[1], motion[2]]) * (depth * f64::from(norms.motion[0])),
+                turn: vector(&[motion[3], motion[4], motion[5]]) * (depth / t * f64::from(norms.motion[1])),
+            }
+        };
+        let states: Vec<PadState> = (0..features.pads).map(pad).collect();
+        let finite = |s: &PadState| {
+            s.displacement.iter().chain(&s.contact).all(|v| v.is_finite())
+                && s.stress.iter().all(|v| v.is_finite())
+                && s.travel.is_finite()
+                && s.shift.is_finite()
+                && s.turn.is_finite()
+        };
+        if states.iter().all(finite) {
+            return Ok(states);
+        }
+        Err(Error::Solver(format!("the network gave numbers that are not finite at {force} N per finger")))
+    }
+}

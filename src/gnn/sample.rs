@@ -1,0 +1,218 @@
+//! One grasp of a data set: features from its stored scene, and what FEM found.
+
+use super::features::{Features, ROTATION, VECTOR};
+use super::graph::PadGraph;
+use super::network::{Normalisers, Output};
+use super::ops::squared_error;
+use super::tape::{Matrix, Tape};
+use super::touch::Touch;
+use crate::components::ObjectPose;
+use crate::dataset::ObjectFile;
+use crate::error::{Error, Result};
+use crate::grasp::GraspPose;
+use crate::model::Model;
+use crate::scene::from_ron;
+use glam::{DMat3, DQuat, DVec3};
+use std::sync::Arc;
+
+/// A grasp to learn from or to be judged on. Fields are SI, pad frames; levels, then pads, then nodes.
+#[derive(Debug, Clone)]
+pub struct Sample {
+    /// Name of the object.
+    pub object: String,
+    /// Number of the grasp.
+    pub grasp: usize,
+    /// Numbers of the frames kept.
+    pub frames: Vec<usize>,
+    /// What the network sees.
+    pub features: Features,
+    /// Force per finger of each level, N.
+    pub forces: Vec<f64>,
+    /// (levels, pads, nodes, 3), m.
+    pub displacement: Vec<f32>,
+    /// (levels, pads, nodes), Pa.
+    pub stress: Vec<f32>,
+    /// (levels, pads, face nodes, 3), N.
+    pub contact: Vec<f32>,
+    /// (levels, pads), m.
+    pub travel: Vec<f64>,
+    /// (levels, pads, 6): translation (m) of the point of the object amid the pads, rotation vector, from first contact.
+    pub motion: Vec<f64>,
+}
+
+/// The model that a file of a data set was made with.
+///
+/// # Errors
+/// A scene that no longer builds.
+pub fn model_of(file: &ObjectFile) -> Result<Arc<Model>> {
+    let bad = |e| Error::file(&file.path, format!("its scene cannot be read: {e}"));
+    Model::build(&from_ron(&file.scene).map_err(bad)?)
+}
+
+impl Sample {
+    /// Reads a grasp, at most `most` frames of it, evenly spread, the last included.
+    ///
+    /// # Errors
+    /// A damaged grasp; one whose first contact can no longer be found.
+    pub fn read(
+        file: &ObjectFile,
+        model: &Arc<Model>,
+        graph: &Arc<PadGraph>,
+        grasp: usize,
+        most: usize,
+    ) -> Result<Self> {
+        let data = file.grasp(grasp)?;
+        let p = &data.grasp_pose;
+        let pose =
+            GraspPose { position: DVec3::new(p[0], p[1], p[2]), rotation: DQuat::from_xyzw(p[4], p[5], p[6], p[3]) };
+        let touch = Touch::find(model, pose)?;
+        let count = data.frames.min(most);
+        let frames: Vec<usize> = (1..=count).map(|i| i * data.frames / count - 1).collect();
+        let (pads, nodes) = (file.sizes.pads, file.sizes.nodes);
+        let mut sample = Self {
+            object: file.name.clone(),
+            grasp,
+            features: Features::new(model, graph, &touch),
+            forces: frames.iter().map(|k| data.force[*k] / pads as f64).collect(),
+            displacement: Vec::new(),
+            stress: Vec::new(),
+            contact: Vec::new(),
+            travel: Vec::new(),
+            motion: Vec::new(),
+            frames: frames.clone(),
+        };
+        for k in frames {
+            let own = k * pads * nodes..(k + 1) * pads * nodes;
+            sample.displacement.extend(&data.displacement[3 * own.start..3 * own.end]);
+            sample.stress.extend(&data.von_mises[own.clone()]);
+            for pad in 0..pads {
+                let force = &data.contact_force[3 * (own.start + pad * nodes)..];
+                sample.contact.extend(graph.face.iter().flat_map(|i| &force[3 * *i as usize..3 * *i as usize + 3]));
+            }
+            sample.travel.extend(&data.travel[k * pads..(k + 1) * pads]);
+            let o = &data.object_pose[7 * k..7 * k + 7];
+            let now = ObjectPose { position: DVec3::from_slice(o), rotation: DQuat::from_xyzw(o[4], o[5], o[6], o[3]) };
+            for finger in &model.fingers {
+                let (shift, turn) = motion(model, &touch.object, &now, finger.placement.rotation);
+                sample.motion.extend(shift.to_array().into_iter().chain(turn.to_array()));
+            }
+        }
+        Ok(sample)
+    }
+
+    /// A part of it: these levels only.
+    pub fn levels(&self, levels: &[usize]) -> Self {
+        let count = self.forces.len();
+        let pick = |all: &[f32]| {
+            let width = all.len() / count;
+            levels.iter().flat_map(|l| &all[l * width..(l + 1) * width]).copied().collect::<Vec<_>>()
+        };
+        let pick_f64 = |all: &[f64]| {
+            let width = all.len() / count;
+            levels.iter().flat_map(|l| &all[l * width..(l + 1) * width]).copied().collect::<Vec<_>>()
+        };
+        Self {
+            object: self.object.clone(),
+            grasp: self.grasp,
+            frames: levels.iter().map(|l| self.frames[*l]).collect(),
+            features: self.features.clone(),
+            forces: pick_f64(&self.forces),
+            displacement: pick(&self.displacement),
+            stress: pick(&self.stress),
+            contact: pick(&self.contact),
+            travel: pick_f64(&self.travel),
+            motion: pick_f64(&self.motion),
+        }
+    }
+
+    /// How wrong `output` is: relative squared errors, averaged over the levels, weighted and added; 1 x 1.
+    ///
+    /// `depth` is that of the bed of springs (levels * pads), m. Travel and motion count in the units of [`Normalisers`].
+    pub fn loss(
+        &self,
+        tape: &Tape,
+        output: &Output,
+        depth: &[f64],
+        norms: &Normalisers,
+        mirror: (bool, bool),
+        weights: &[f32; 4],
+    ) -> Matrix {
+        let (pads, levels) = (self.features.pads, self.forces.len());
+        let t = self.features.graph.thickness;
+        // Per row of a field: target in the network's unit, and one over the square of the field's norm at that level.
+        let field = |all: &[f32], cols: usize, signs: &[f32], unit: &dyn Fn(usize) -> f64, weight: f32| {
+            let per_pad = all.len() / (levels * pads);
+            let mut target: Vec<f32> = Vec::with_capacity(all.len());
+            for (at, own) in all.chunks_exact(per_pad).enumerate() {
+                let unit = unit(at);
+                target.extend(own.iter().enumerate().map(|(i, v)| (f64::from(*v) / unit) as f32 * signs[i % cols]));
+            }
+            let mut rows = Vec::with_capacity(all.len() / cols);
+            for level in target.chunks_exact(per_pad * pads) {
+                let square: f64 = level.iter().map(|v| f64::from(*v).powi(2)).sum();
+                let one = f64::from(weight) / (levels as f64 * square.max(1e-12));
+                rows.extend(std::iter::repeat_n(one as f32, level.len() / cols));
+            }
+            (target, rows)
+        };
+        let sign = |parity: &[super::features::Parity]| parity.iter().map(|p| p.sign(mirror)).collect::<Vec<_>>();
+        let (u, u_rows) =
+            field(&self.displacement, 3, &sign(&VECTOR), &|at| depth[at] * f64::from(norms.displacement), 1.0);
+        let stress_unit = |at: usize| self.features.young * depth[at] / t * f64::from(norms.stress);
+        let (s, s_rows) = field(&self.stress, 1, &[1.0], &stress_unit, weights[0]);
+        // On the pad, the object presses against the closing direction.
+        let turned: Vec<f32> = self.contact.as_chunks::<3>().0.iter().flat_map(|f| [-f[2], f[0], f[1]]).collect();
+        let mirrored = [1.0, VECTOR[0].sign(mirror), VECTOR[1].sign(mirror)];
+        let (c, c_rows) = field(&turned, 3, &mirrored, &|at| self.forces[at / pads], weights[1]);
+        let travel = self
+            .travel
+            .iter()
+            .zip(depth)
+            .map(|(x, d)| ((x / d - f64::from(norms.travel[0])) / f64::from(norms.travel[1])) as f32);
+        let travel: Vec<f32> = travel.collect();
+        // A deviation of the travel counts as much as it matters: its unit over its mean.
+        let matter = f64::from(norms.travel[1] / norms.travel[0].abs().max(1e-6)).powi(2);
+        let each = 1.0 / (levels * pads) as f32;
+        let signs: Vec<f32> = sign(&VECTOR).into_iter().chain(sign(&ROTATION)).collect();
+        let motion: Vec<f32> = (self.motion.iter().enumerate())
+            .map(|(i, v)| {
+                let d = depth[i / 6];
+                let unit = if i % 6 < 3 { d * f64::from(norms.motion[0]) } else { d / t * f64::from(norms.motion[1]) };
+                (v / unit) as f32 * signs[i % 6]
+            })
+            .collect();
+        let pads_rows = |weight: f32| vec![weight * each; levels * pads];
+        let parts = [
+            squared_error(tape, &output.displacement, &u, &u_rows),
+            squared_error(tape, &output.stress, &s, &s_rows),
+            squared_error(tape, &output.contact, &c, &c_rows),
+            squared_error(tape, &output.travel, &travel, &pads_rows(weights[2] * matter as f32)),
+            squared_error(tape, &output.motion, &motion, &pads_rows(weights[3] / 6.0)),
+        ];
+        super::ops::sum(tape, &parts.each_ref(), super::ops::Activation::None)
+    }
+}
+
+/// Point amid the pads at zero travel, m, hand frame.
+fn amid(model: &Model) -> DVec3 {
+    model.fingers.iter().map(|f| f.placement.origin).sum::<DVec3>() / model.fingers.len() as f64
+}
+
+/// Motion of the object from `start` to `now`, in the axes of a pad: of its point amid the pads, m, and rotation vector.
+pub fn motion(model: &Model, start: &ObjectPose, now: &ObjectPose, pad: DMat3) -> (DVec3, DVec3) {
+    let turn = (now.rotation * start.rotation.inverse()).normalize();
+    let turn = if turn.w < 0.0 { -turn } else { turn };
+    let point = amid(model);
+    let shift = turn * (point - start.position) + now.position - point;
+    (pad.transpose() * shift, pad.transpose() * turn.to_scaled_axis())
+}
+
+/// The pose that [`motion`] leads to from `start`; shift (m) and rotation vector in hand axes.
+pub fn moved(model: &Model, start: &ObjectPose, shift: DVec3, turn: DVec3) -> ObjectPose {
+    let point = amid(model);
+    let turn = DQuat::from_scaled_axis(turn);
+    ObjectPose {
+        position: point + shift - turn * (point - start.position),
+        rotation: (turn * start.rotation).normalize(),
+    }
+}

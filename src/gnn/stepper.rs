@@ -1,0 +1,230 @@
+//! The network backend: the same phases and the same components as the finite element backend.
+
+use super::graph::PadGraph;
+use super::predict::{PadState, Predictor, Seen};
+use super::sample::moved;
+use super::touch::Touch;
+use crate::components::*;
+use crate::error::{Error, Result};
+use crate::model::Needs;
+use crate::schedule::{Advance, Next, Phase, Shared, StepSet, Timings, ramping, reached};
+use crate::stepper::Stepper;
+use crate::systems::sense::close_to_contact;
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// A trained model as a backend.
+#[derive(Debug)]
+pub struct Gnn {
+    predictor: Arc<Predictor>,
+    dir: PathBuf,
+}
+
+impl Gnn {
+    /// The model in `dir`.
+    ///
+    /// # Errors
+    /// Those of [`Predictor::open`].
+    pub fn open(dir: &Path) -> Result<Self> {
+        Ok(Self { predictor: Arc::new(Predictor::open(dir)?), dir: dir.to_path_buf() })
+    }
+}
+
+impl Stepper for Gnn {
+    fn name(&self) -> &'static str {
+        "gnn"
+    }
+
+    fn settings(&self) -> String {
+        format!("{}, {} parameters", self.dir.display(), self.predictor.card.parameters)
+    }
+
+    fn register(&self, schedule: &mut Schedule, world: &mut World) -> Result<()> {
+        let missing = || Error::Start("the world was not spawned for a grasp".into());
+        let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
+        let graph = self.predictor.admit(&shared.0)?;
+        world.insert_resource(Prediction { predictor: self.predictor.clone(), graph, grasp: None, pads: Vec::new() });
+        register(schedule, &shared.0.needs);
+        Ok(())
+    }
+}
+
+/// What the network says of the grasp of this world.
+#[derive(Resource)]
+pub struct Prediction {
+    predictor: Arc<Predictor>,
+    graph: Arc<PadGraph>,
+    /// First contact, and what the network made of it.
+    grasp: Option<(Touch, Seen)>,
+    /// The pads at the load of this step.
+    pads: Vec<PadState>,
+}
+
+/// Puts the systems in their sets; those for what the scene does not need are left out.
+fn register(schedule: &mut Schedule, needs: &Needs) {
+    schedule.add_systems(look.run_if(ramping).after(close_to_contact).in_set(StepSet::Sense));
+    schedule.add_systems((predict, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
+    schedule.add_systems(measure_shape.run_if(reached).in_set(StepSet::Measure));
+    if needs.stress {
+        schedule.add_systems(write_stress.run_if(reached).in_set(StepSet::Measure));
+    }
+    if needs.contact_force {
+        schedule.add_systems(write_contact.run_if(reached).in_set(StepSet::Measure));
+    }
+}
+
+/// Why columns are contiguous.
+const TABLES: &str = "components are stored in tables";
+
+/// Looks at the grasp once, at first contact: travel and pose are still those of `close_to_contact`.
+fn look(
+    phase: Res<Phase>,
+    shared: Res<Shared>,
+    mut prediction: ResMut<Prediction>,
+    mut timings: ResMut<Timings>,
+    fingers: Query<(&FingerIndex, &FingerTravel)>,
+    pose: Single<&ObjectPose>,
+) {
+    if *phase != (Phase::Ramp { frame: 0 }) {
+        return;
+    }
+    let clock = Instant::now();
+    let travel: Vec<(u32, f64)> = fingers.iter().map(|(f, t)| (f.0, t.0)).collect();
+    let touch = Touch::new(&shared.0, **pose, &travel);
+    let seen = prediction.predictor.look(&shared.0, &prediction.graph, &touch);
+    prediction.grasp = Some((touch, seen));
+    timings.stages.insert("encode", clock.elapsed().as_secs_f64());
+}
+
+/// One load level; numbers that are not finite end the grasp.
+fn predict(
+    mut prediction: ResMut<Prediction>,
+    mut advance: ResMut<Advance>,
+    mut next: ResMut<Next>,
+    mut timings: ResMut<Timings>,
+) {
+    let clock = Instant::now();
+    let asked = match &prediction.grasp {
+        Some((_, seen)) => prediction.predictor.at(seen, advance.level),
+        None => Err(Error::Start("the load rises before first contact".into())),
+    };
+    match asked {
+        Ok(pads) => {
+            prediction.pads = pads;
+            (advance.reached, advance.iterations) = (true, 1);
+            timings.iterations += 1;
+        }
+        Err(error) => next.request(Phase::Fault { reason: error.to_string() }),
+    }
+    *timings.stages.entry("decode").or_insert(0.0) += clock.elapsed().as_secs_f64();
+}
+
+/// Prediction -> columns: positions, travel, pose, wrench.
+fn write_state(
+    prediction: Res<Prediction>,
+    shared: Res<Shared>,
+    advance: Res<Advance>,
+    mut nodes: Query<(&NodeIndex, &FingerIndex, &RestPosition, &mut Position)>,
+    mut fingers: Query<(&FingerIndex, &FirstContact, &mut FingerTravel, &mut FingerWrench)>,
+    mut pose: Single<&mut ObjectPose>,
+) {
+    let (Some((touch, _)), true) = (&prediction.grasp, advance.reached) else { return };
+    let (model, pads) = (&shared.0, &prediction.pads);
+    let axes = |finger: &FingerIndex| model.fingers[finger.0 as usize].placement.rotation;
+    for (index, finger, rest, mut position) in nodes.contiguous_iter_mut().expect(TABLES) {
+        let position = position.bypass_change_detection();
+        for row in 0..index.len() {
+            let u = pads[finger[row].0 as usize].displacement[index[row].0 as usize];
+            position[row].0 = rest[row].0 + axes(&finger[row]) * u;
+        }
+    }
+    for (finger, first, mut travel, mut wrench) in &mut fingers {
+        let (pad, rest) = (&pads[finger.0 as usize], &model.fingers[finger.0 as usize].topology.rest);
+        travel.0 = first.0 + pad.travel;
+        let force: DVec3 = pad.contact.iter().sum();
+        let arms = rest.iter().zip(&pad.displacement).map(|(x, u)| *x + *u);
+        let torque: DVec3 = arms.zip(&pad.contact).map(|(x, f)| x.cross(*f)).sum();
+        *wrench = FingerWrench { force: axes(finger) * force, torque: axes(finger) * torque };
+    }
+    if model.free {
+        // Every pad has its own view of the object's motion: their mean.
+        let mean = |pick: fn(&PadState) -> DVec3| {
+            let all = model.fingers.iter().zip(pads).map(|(f, pad)| f.placement.rotation * pick(pad));
+            all.sum::<DVec3>() / pads.len() as f64
+        };
+        **pose = moved(model, &touch.object, mean(|p| p.shift), mean(|p| p.turn));
+    }
+}
+
+/// What the prediction costs in truth: the smallest det F, and the smallest gap of a face node, which may be negative.
+fn measure_shape(
+    prediction: Res<Prediction>,
+    shared: Res<Shared>,
+    mut advance: ResMut<Advance>,
+    nodes: Query<(&NodeIndex, &FingerIndex, &Position)>,
+    fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel)>,
+    object: Single<&ObjectPose>,
+) {
+    let model = &shared.0;
+    let mut x: Vec<Vec<DVec3>> = model.fingers.iter().map(|f| vec![DVec3::ZERO; f.body.rest.len()]).collect();
+    for (index, finger, position) in nodes.contiguous_iter().expect(TABLES) {
+        for row in 0..index.len() {
+            x[finger[row].0 as usize][index[row].0 as usize] = position[row].0;
+        }
+    }
+    let inverse = object.rotation.inverse();
+    (advance.min_det_f, advance.min_gap) = (f64::INFINITY, f64::INFINITY);
+    for (finger, closing, travel) in &fingers {
+        let own = &x[finger.0 as usize];
+        advance.min_det_f = advance.min_det_f.min(model.fingers[finger.0 as usize].body.min_det_f(own));
+        for node in &prediction.graph.face {
+            let at = own[*node as usize] + closing.0 * travel.0 - object.position;
+            advance.min_gap = advance.min_gap.min(model.object.distance.distance(inverse * at));
+        }
+    }
+}
+
+/// Von Mises stress on nodes; a tetrahedron has the mean of its nodes.
+fn write_stress(
+    prediction: Res<Prediction>,
+    shared: Res<Shared>,
+    mut nodes: Query<(&NodeIndex, &FingerIndex, &mut NodalStress)>,
+    mut tets: Query<(&TetIndex, &FingerIndex, &mut TetStress)>,
+) {
+    for (index, finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
+        let column = column.bypass_change_detection();
+        for row in 0..index.len() {
+            column[row].0 = prediction.pads[finger[row].0 as usize].stress[index[row].0 as usize];
+        }
+    }
+    for (index, finger, mut column) in tets.contiguous_iter_mut().expect(TABLES) {
+        let column = column.bypass_change_detection();
+        for row in 0..index.len() {
+            let f = finger[row].0 as usize;
+            let elements = &shared.0.fingers[f].topology.elements;
+            let width = elements.width();
+            let own = &elements.nodes()[width * index[row].0 as usize..][..width];
+            let sum: f64 = own.iter().map(|n| prediction.pads[f].stress[*n as usize]).sum();
+            column[row].0 = sum / width as f64;
+        }
+    }
+}
+
+/// Contact forces on nodes, hand frame.
+fn write_contact(
+    prediction: Res<Prediction>,
+    shared: Res<Shared>,
+    mut nodes: Query<(&NodeIndex, &FingerIndex, &mut ContactForce)>,
+) {
+    for (index, finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
+        let column = column.bypass_change_detection();
+        for row in 0..index.len() {
+            let f = finger[row].0 as usize;
+            let force = prediction.pads[f].contact[index[row].0 as usize];
+            column[row].0 = shared.0.fingers[f].placement.rotation * force;
+        }
+    }
+}

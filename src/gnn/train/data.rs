@@ -1,0 +1,130 @@
+//! What is trained on: grasps of a data set, their statistics and range, and the part that decides when to stop.
+
+use crate::dataset::split::Poses;
+use crate::dataset::{DataSet, Splits};
+use crate::error::{Error, Result};
+use crate::gnn::card::TrainedRange;
+use crate::gnn::features::{EDGE, NODE, NODE_LOAD, PAD, PAD_LOAD};
+use crate::gnn::graph::PadGraph;
+use crate::gnn::network::Normalisers;
+use crate::gnn::normalise::Normaliser;
+use crate::gnn::sample::{Sample, model_of};
+use crate::model::Model;
+use crate::random::Random;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Training and test poses by the name of a split: `poses`, `single:OBJECT`, `without:OBJECT`.
+///
+/// # Errors
+/// A name that the data set does not have, with those that it has.
+pub fn split(splits: &Splits, name: &str) -> Result<crate::dataset::split::Sets> {
+    let sets = match name.split_once(':') {
+        None if name == "poses" => Some(&splits.poses),
+        Some(("single", object)) => splits.single_object.get(object),
+        Some(("without", object)) => splits.leave_one_object_out.get(object),
+        _ => None,
+    };
+    sets.cloned().ok_or_else(|| {
+        let objects: Vec<&str> = splits.single_object.keys().map(String::as_str).collect();
+        let objects = objects.join(", ");
+        Error::Start(format!("--split {name}: there are poses, single:OBJECT and without:OBJECT; objects: {objects}"))
+    })
+}
+
+/// The grasps that `poses` names, with the range that they span; at most `frames` frames of each.
+///
+/// # Errors
+/// Damaged files or grasps, a mix that one model cannot serve, no grasp at all.
+pub fn read(set: &DataSet, poses: &Poses, depths: usize, frames: usize) -> Result<(Vec<Sample>, TrainedRange)> {
+    if let Some(damaged) = set.damaged.first() {
+        return Err(Error::Start(format!("the data set is damaged: {damaged}")));
+    }
+    let models = set.objects.iter().map(model_of).collect::<Result<Vec<Arc<Model>>>>()?;
+    let mut graphs: Vec<Arc<PadGraph>> = Vec::new();
+    for model in &models {
+        let graph = PadGraph::new(&model.fingers[0].topology, depths)?;
+        // Equal pads share one graph.
+        let known = graphs.iter().find(|g| g.hash == graph.hash).cloned();
+        graphs.push(known.unwrap_or_else(|| Arc::new(graph)));
+    }
+    let chosen = set.select(poses);
+    let samples = chosen
+        .par_iter()
+        .map(|&(o, grasp)| Sample::read(&set.objects[o], &models[o], &graphs[o], grasp, frames))
+        .collect::<Result<Vec<_>>>()?;
+    let mut range: Option<TrainedRange> = None;
+    for (sample, (o, _)) in samples.iter().zip(&chosen) {
+        let own = TrainedRange::of(&models[*o], &sample.features, &sample.forces);
+        match &mut range {
+            Some(range) => range.extend(&own)?,
+            None => range = Some(own),
+        }
+    }
+    let empty = || Error::Start("the split has no grasp that reached its load".into());
+    range.map(|range| (samples, range)).ok_or_else(empty)
+}
+
+/// Takes `part` of `samples` out, by a permutation of `seed`: (kept, taken out). At least one stays; one is taken out of two.
+pub fn set_aside(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Sample>, Vec<Sample>) {
+    let count = ((samples.len() as f64 * part).round() as usize).clamp(1, samples.len().max(2) - 1);
+    let mut random = Random::new(seed);
+    let mut order: Vec<usize> = (0..samples.len()).collect();
+    (1..order.len()).rev().for_each(|i| order.swap(i, random.below(i + 1)));
+    let taken: Vec<usize> = order.into_iter().take(count).collect();
+    let (mut kept, mut out) = (Vec::new(), Vec::new());
+    for (i, sample) in samples.into_iter().enumerate() {
+        if taken.contains(&i) { out.push(sample) } else { kept.push(sample) }
+    }
+    (kept, out)
+}
+
+/// Statistics of a training set.
+pub fn normalisers(samples: &[Sample]) -> Normalisers {
+    let loads: Vec<_> = samples.iter().map(|s| s.features.loads(&s.forces)).collect();
+    let rms = |values: &mut dyn Iterator<Item = f64>| {
+        let (n, square) = values.fold((0.0, 0.0), |(n, s), v| (n + 1.0, s + v * v));
+        (square / f64::max(n, 1.0)).sqrt().max(1e-12) as f32
+    };
+    let features = || samples.iter().map(|s| &s.features);
+    // Values of a field, each over the depth of the bed of springs of its level and pad.
+    let over_depth = |pick: fn(&Sample) -> &[f32]| {
+        let of = |(s, l): (&Sample, &crate::gnn::features::Loads)| {
+            let all = pick(s);
+            let width = all.len() / l.depth.len();
+            all.chunks_exact(width)
+                .zip(&l.depth)
+                .flat_map(|(own, d)| own.iter().map(|v| f64::from(*v) / d).collect::<Vec<_>>())
+                .collect::<Vec<_>>()
+        };
+        let mut values = samples.iter().zip(&loads).flat_map(of);
+        rms(&mut values)
+    };
+    let young = samples[0].features.young;
+    let thickness = samples[0].features.graph.thickness;
+    let travel: Vec<f64> =
+        samples.iter().zip(&loads).flat_map(|(s, l)| s.travel.iter().zip(&l.depth).map(|(x, d)| x / d)).collect();
+    let mean = travel.iter().sum::<f64>() / travel.len() as f64;
+    let motion = |turn: bool| {
+        let of = |(s, l): (&Sample, &crate::gnn::features::Loads)| {
+            let value = |(i, v): (usize, &f64)| {
+                let d = l.depth[i / 6] / if turn { thickness } else { 1.0 };
+                ((i % 6 >= 3) == turn).then_some(v / d)
+            };
+            s.motion.iter().enumerate().filter_map(value).collect::<Vec<_>>()
+        };
+        let mut values = samples.iter().zip(&loads).flat_map(of);
+        rms(&mut values)
+    };
+    Normalisers {
+        node: Normaliser::fit(features().map(|f| f.node.as_slice()), &NODE),
+        edge: Normaliser::fit(features().map(|f| f.edge.as_slice()), &EDGE),
+        pad: Normaliser::fit(features().map(|f| f.pad.as_slice()), &PAD),
+        node_load: Normaliser::fit(loads.iter().map(|l| l.node.as_slice()), &NODE_LOAD),
+        pad_load: Normaliser::fit(loads.iter().map(|l| l.pad.as_slice()), &PAD_LOAD),
+        displacement: over_depth(|s| &s.displacement),
+        stress: over_depth(|s| &s.stress) / (young / thickness) as f32,
+        travel: [mean as f32, rms(&mut travel.iter().map(|v| v - mean))],
+        motion: [motion(false), motion(true)],
+    }
+}

@@ -1,0 +1,144 @@
+//! The network as a stepper: the conformance of its answers, on a tiny data set and network.
+
+mod dataset_tiny;
+mod gnn_made;
+
+use glam::{DQuat, DVec3};
+use gnn_made::{Made, ball, made, set};
+use std::sync::Arc;
+use tactus::components::*;
+use tactus::environment::Environment;
+use tactus::gnn::graph::PadGraph;
+use tactus::gnn::predict::Predictor;
+use tactus::gnn::stepper::Gnn;
+use tactus::gnn::touch::Touch;
+use tactus::grasp::GraspPose;
+use tactus::model::Model;
+use tactus::random::Random;
+use tactus::record::Frame;
+use tactus::scene::from_ron;
+use tactus::schedule::Phase;
+
+/// All frames of a grasp; `spoil` changes the world before the load rises.
+fn frames(made: &Made, model: &Arc<Model>, pose: GraspPose, spoil: impl Fn(&mut Environment)) -> Vec<Frame> {
+    let gnn = Gnn::open(&made.model).unwrap();
+    let mut environment = Environment::new(model, &gnn, pose).unwrap();
+    let mut frames = Vec::new();
+    loop {
+        let phase = environment.step();
+        if phase == (Phase::Ramp { frame: 0 }) {
+            spoil(&mut environment);
+        }
+        frames.extend(environment.frame().cloned());
+        if phase.is_final() {
+            assert_eq!(phase, Phase::Done);
+            return frames;
+        }
+    }
+}
+
+#[test]
+fn what_only_fem_knows_changes_no_bit() {
+    let made = made();
+    let (model, pose) = ball(made);
+    let clean = frames(made, &model, pose, |_| {});
+    let spoilt = frames(made, &model, pose, |environment| {
+        let world = environment.world_mut();
+        let mut nodes = world.query::<(&mut Position, &mut NodalStress, &mut ContactForce)>();
+        for (mut x, mut stress, mut force) in nodes.iter_mut(world) {
+            (x.0, stress.0, force.0) = (DVec3::splat(7.0), 1e9, DVec3::splat(-3.0));
+        }
+        world.query::<&mut TetStress>().iter_mut(world).for_each(|mut s| s.0 = 1e9);
+        for mut edge in world.query::<&mut ContactEdge>().iter_mut(world) {
+            *edge = ContactEdge { gap: -1.0, normal: DVec3::X, force: DVec3::ONE, active: true };
+        }
+        for mut wrench in world.query::<&mut FingerWrench>().iter_mut(world) {
+            *wrench = FingerWrench { force: DVec3::splat(99.0), torque: DVec3::splat(99.0) };
+        }
+    });
+    assert_eq!(clean, spoilt);
+}
+
+#[test]
+fn bonded_nodes_stay_and_stress_and_force_are_what_they_must_be() {
+    let made = made();
+    let (model, pose) = ball(made);
+    for frame in frames(made, &model, pose, |_| {}) {
+        for (pad, finger) in frame.pads.iter().zip(&model.fingers) {
+            let bonded = pad.displacement.iter().zip(&finger.topology.bonded).filter(|(_, b)| **b);
+            assert!(bonded.clone().count() > 0 && bonded.clone().all(|(u, _)| *u == DVec3::ZERO), "bonded nodes, m");
+            assert!(pad.von_mises_node.iter().all(|s| *s >= 0.0 && s.is_finite()), "stress, Pa");
+            let normal = -pad.wrench.force.dot(finger.placement.closing);
+            let given = frame.applied_force / 2.0;
+            assert!((normal - given).abs() < 1e-5 * given, "a finger closed by {given} N presses with {normal} N");
+        }
+        assert!(frame.force_balance.is_finite() && frame.min_det_f.is_finite() && frame.min_gap.is_finite());
+    }
+}
+
+#[test]
+fn turning_object_and_hand_together_changes_nothing_in_the_hand() {
+    let made = made();
+    let set = set(made);
+    let text = &set.objects[1].scene;
+    let model = Model::build(&from_ron(text).unwrap()).unwrap();
+    let turn = DQuat::from_scaled_axis(DVec3::new(0.02, 0.03, 0.0));
+    let pose = GraspPose { position: turn * DVec3::new(0.0, 0.001, -0.1), rotation: turn };
+    // A half turn about the approach swaps the fingers: what the left one felt, the right one feels.
+    let half = DQuat::from_rotation_z(std::f64::consts::PI);
+    let swapped = GraspPose { position: pose.position, rotation: pose.rotation * half };
+    let (a, b) = (frames(made, &model, pose, |_| {}), frames(made, &model, swapped, |_| {}));
+    let longest = a[1].pads[0].displacement.iter().map(|u| u.length()).fold(0.0, f64::max);
+    for (left, right) in [(0, 1), (1, 0)] {
+        for (u, v) in a[1].pads[left].displacement.iter().zip(&b[1].pads[right].displacement) {
+            let off = (half.inverse() * *u).distance(*v);
+            assert!(off < 1e-3 * longest, "a turned scene turns the answer: off by {off} m of {longest} m");
+        }
+    }
+}
+
+#[test]
+fn numbering_the_nodes_otherwise_numbers_the_answer_otherwise() {
+    let made = made();
+    let predictor = Predictor::open(&made.model).unwrap();
+    let (model, pose) = ball(made);
+    let pad = &model.fingers[0].topology;
+    let n = pad.rest.len();
+    let mut random = Random::new(2);
+    let mut to: Vec<usize> = (0..n).collect();
+    (1..n).rev().for_each(|i| to.swap(i, random.below(i + 1)));
+    let mut other = (**pad).clone();
+    for i in 0..n {
+        (other.rest[to[i]], other.bonded[to[i]]) = (pad.rest[i], pad.bonded[i]);
+    }
+    other.sensing = pad.sensing.iter().map(|t| t.map(|i| to[i as usize] as u32)).collect();
+    let touch = Touch::find(&model, pose).unwrap();
+    let answer = |pad| {
+        let graph = Arc::new(PadGraph::new(pad, 3).unwrap());
+        predictor.at(&predictor.look(&model, &graph, &touch), 0.5).unwrap()
+    };
+    let (a, b) = (answer(pad), answer(&other));
+    let longest = a[0].displacement.iter().map(|u| u.length()).fold(0.0, f64::max);
+    for (p, q) in a.iter().zip(&b) {
+        for i in 0..n {
+            let off = p.displacement[i].distance(q.displacement[to[i]]);
+            assert!(off < 1e-4 * longest, "node {i}: off by {off} m of {longest} m");
+        }
+    }
+}
+
+#[test]
+fn outside_the_trained_range_it_refuses_and_says_why() {
+    let made = made();
+    let predictor = Predictor::open(&made.model).unwrap();
+    let text = set(made).objects[0].scene.clone();
+    let refusal = |from: &str, to: &str| {
+        assert!(text.contains(from), "the scene has {from}");
+        let model = Model::build(&from_ron(&text.replace(from, to)).unwrap()).unwrap();
+        predictor.admit(&model).unwrap_err().to_string()
+    };
+    assert!(predictor.admit(&ball(made).0).is_ok());
+    assert!(refusal("force: 2.0", "force: 9.0").contains("outside the trained"));
+    assert!(refusal("\"gelsight_mini\"", "\"tacgrasp\"").contains("nu"));
+    assert!(refusal("spacing: 0.008", "spacing: 0.005").contains("another mesh"));
+}

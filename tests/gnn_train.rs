@@ -1,0 +1,135 @@
+//! Training and evaluation on a tiny data set and network.
+
+mod dataset_tiny;
+mod gnn_made;
+
+use glam::{DQuat, DVec3};
+use gnn_made::{SPEC, command, made, ron, samples, set, train};
+use std::process::Command;
+use std::sync::Arc;
+use tactus::gnn::features::Features;
+use tactus::gnn::graph::PadGraph;
+use tactus::gnn::network::build;
+use tactus::gnn::sample::{Sample, model_of};
+use tactus::gnn::spec::Spec;
+use tactus::gnn::tape::Tape;
+use tactus::gnn::touch::Touch;
+use tactus::gnn::train::{data, pass};
+use tactus::grasp::GraspPose;
+use tactus::model::Model;
+use tactus::random::Random;
+use tactus::scene::from_ron;
+
+#[test]
+fn the_gradient_of_the_whole_network_is_that_of_its_loss() {
+    let spec: Spec = ron(SPEC);
+    let (network, mut parameters) = build(&spec.network, 5);
+    let samples = samples(made(), network.depths());
+    let norms = data::normalisers(&samples);
+    let weights = spec.training;
+    let loss = |tape: &Tape, p: &_| pass(tape, network.as_ref(), p, &norms, &weights, &samples[0], (true, false));
+    let tape = Tape::recording();
+    let value = loss(&tape, &parameters);
+    let gradient = tape.backward(&value, &parameters.matrices);
+    for (name, g) in parameters.names().iter().zip(&gradient) {
+        assert!(g.iter().all(|v| v.is_finite()), "{name}: the gradient is not finite");
+        // What never changes in this data set (one material, no gravity) cannot be learnt from it.
+        assert!(g.iter().any(|v| *v != 0.0) || name == "start.pad", "{name}: the gradient is all zero");
+    }
+    let mut random = Random::new(11);
+    let direction: Vec<Vec<f32>> =
+        gradient.iter().map(|g| g.iter().map(|_| (2.0 * random.unit() - 1.0) as f32).collect()).collect();
+    let along: f64 =
+        gradient.iter().flatten().zip(direction.iter().flatten()).map(|(g, d)| f64::from(*g) * f64::from(*d)).sum();
+    let start: Vec<Vec<f32>> = parameters.matrices.iter().map(|m| m.value().to_vec()).collect();
+    let mut at = |h: f32| {
+        for ((m, x), d) in parameters.matrices.iter_mut().zip(&start).zip(&direction) {
+            *m.value_mut() = x.iter().zip(d).map(|(x, d)| x + h * d).collect();
+        }
+        f64::from(loss(&Tape::silent(), &parameters).value()[0])
+    };
+    let h = 2e-3;
+    let near = (at(h) - at(-h)) / f64::from(2.0 * h);
+    let far = (at(2.0 * h) - at(-2.0 * h)) / f64::from(4.0 * h);
+    let difference = (4.0 * near - far) / 3.0;
+    let error = (difference - along).abs() / along.abs();
+    assert!(error < 1e-3, "along a random direction: difference {difference}, gradient {along}, relative {error:.1e}");
+}
+
+#[test]
+fn training_and_inference_see_the_same_bits() {
+    let made = made();
+    let set = set(made);
+    let (file, depths) = (&set.objects[0], 3);
+    let number = file.reached().next().unwrap();
+    let stored = model_of(file).unwrap();
+    let graph = Arc::new(PadGraph::new(&stored.fingers[0].topology, depths).unwrap());
+    let trained = Sample::read(file, &stored, &graph, number, 10).unwrap().features;
+    // As a run does it: the scene from text, the pose from the file, the world's own first contact.
+    let model = Model::build(&from_ron(&file.scene).unwrap()).unwrap();
+    let p = file.grasp(number).unwrap().grasp_pose;
+    let pose = GraspPose { position: DVec3::from_slice(&p), rotation: DQuat::from_xyzw(p[4], p[5], p[6], p[3]) };
+    let graph = Arc::new(PadGraph::new(&model.fingers[0].topology, depths).unwrap());
+    let run = Features::new(&model, &graph, &Touch::find(&model, pose).unwrap());
+    let bits = |v: &[f32]| v.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(&trained.node), bits(&run.node));
+    assert_eq!(bits(&trained.edge), bits(&run.edge));
+    assert_eq!(bits(&trained.pad), bits(&run.pad));
+    let (a, b) = (trained.loads(&[0.5, 1.0]), run.loads(&[0.5, 1.0]));
+    assert_eq!((bits(&a.node), bits(&a.pad), a.depth), (bits(&b.node), bits(&b.pad), b.depth));
+}
+
+#[test]
+fn killed_and_resumed_training_ends_with_the_same_bits_on_any_number_of_threads() {
+    let made = made();
+    let out = made.tiny.out("again");
+    let mut child = command(made, &out, &["--threads", "2"]).stdout(std::process::Stdio::null()).spawn().unwrap();
+    // Killed as soon as there is something to go on with; if it was faster, the comparison is still one of threads.
+    while child.try_wait().unwrap().is_none() && !out.join("checkpoint.bin").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    let _ = child.kill();
+    child.wait().unwrap();
+    if !out.join("card.ron").exists() {
+        train(made, &out, &["--threads", "1"]);
+    }
+    for name in ["weights.safetensors", "curves.csv", "card.ron"] {
+        let (a, b) = (std::fs::read(made.model.join(name)).unwrap(), std::fs::read(out.join(name)).unwrap());
+        assert!(a == b, "{name} differs after a kill");
+    }
+}
+
+#[test]
+fn a_mirrored_grasp_costs_the_same_to_a_network_that_sees_it_mirrored() {
+    let spec: Spec = ron(SPEC);
+    let (network, _) = build(&spec.network, 5);
+    let samples = samples(made(), network.depths());
+    let norms = data::normalisers(&samples);
+    let features = &samples[0].features;
+    let parity = tactus::gnn::features::NODE;
+    let twice = norms.node.apply(&features.node, &parity, (true, false));
+    let plain = norms.node.apply(&features.node, &parity, (false, false));
+    for (a, b) in twice.chunks_exact(parity.len()).zip(plain.chunks_exact(parity.len())) {
+        for (c, p) in parity.iter().enumerate() {
+            assert_eq!(a[c], b[c] * p.sign((true, false)), "column {c}: normalising and mirroring commute");
+        }
+    }
+}
+
+#[test]
+fn eval_judges_the_test_grasps() {
+    let made = made();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tactus"));
+    command.arg("eval").arg(made.tiny.out("data")).arg("--model").arg(&made.model);
+    let pictures = made.tiny.out("pictures");
+    let done = command.args(["--format", "json", "-p"]).arg(&pictures).output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
+    let grasps = report["grasps"].as_u64().unwrap();
+    assert!(grasps > 0);
+    let rows = report["tables"].as_array().unwrap();
+    let all = rows.iter().find(|r| r["group"] == "all" && r["quantity"] == "displacement").unwrap();
+    let number = |key: &str| all[key].as_f64().unwrap();
+    assert!(number("median") > 0.0 && number("median") <= number("p90") && number("p90") <= number("worst"));
+    assert_eq!(std::fs::read_dir(pictures).unwrap().count() as u64, grasps.min(5));
+}
