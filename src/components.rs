@@ -23,6 +23,9 @@
 use bevy_ecs::component::Component;
 use glam::{DQuat, DVec3};
 
+/// Why columns are contiguous.
+pub(crate) const TABLES: &str = "components are stored in tables";
+
 /// Declares components: plain data, copied freely.
 macro_rules! components {
     ($($(#[$doc:meta])* $name:ident($(#[$inner:meta])* $type:ty);)*) => {

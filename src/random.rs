@@ -29,4 +29,9 @@ impl Random {
         // The bias of the remainder is n / 2^64: nothing.
         (self.bits() % n.max(1) as u64) as usize
     }
+
+    /// Puts `items` in any order (Fisher and Yates 1938).
+    pub fn shuffle<T>(&mut self, items: &mut [T]) {
+        (1..items.len()).rev().for_each(|i| items.swap(i, self.below(i + 1)));
+    }
 }

@@ -382,6 +382,19 @@ fn near_slip(law: &Law, e: &ContactEdge, slip: DVec3) -> bool {
     law.friction > 0.0 && e.pressure > 0.0 && (slip.length() - limit).abs() < MARGIN
 }
 
+/// Whether a point of the pad is near a change of its state (touch, branch, slip), where the second derivative jumps.
+fn near_jump(scene: &Scene, contact: &Contact, law: &Law, object: &dyn SignedDistance) -> bool {
+    let view = scene.state.view(0, &scene.border);
+    contact.edges().iter().zip(&contact.surface().points).any(|(e, stencil)| {
+        let relative = stencil.position(view.x) + view.offset - view.position;
+        let slip = across(relative - view.rotation * e.anchor.unwrap_or_default(), e.normal);
+        // A skipped edge does not know its gap.
+        let gap = object.distance(view.rotation.transpose() * relative);
+        // Deep inside the object the closest point jumps.
+        near_kink(law, gap) || near_slip(law, e, slip) || gap < -law.offset
+    })
+}
+
 /// Numbers of edges that a check covered.
 #[derive(Debug, Default, Clone, Copy)]
 struct Covered {
@@ -420,15 +433,7 @@ fn check_contact(friction: f64, drag: f64) -> Covered {
         contact.commit(&scene.body, &scene.state.view(0, &scene.border));
         scene.shake(drag, &mut random);
         scene.assemble(&mut contact, false);
-        let view = scene.state.view(0, &scene.border);
-        let kink = contact.edges().iter().zip(&contact.surface().points).any(|(e, stencil)| {
-            let relative = stencil.position(view.x) + view.offset - view.position;
-            let slip = across(relative - view.rotation * e.anchor.unwrap_or_default(), e.normal);
-            // A skipped edge does not know its gap.
-            let gap = object.distance(view.rotation.transpose() * relative);
-            // Deep inside the object the closest point jumps.
-            near_kink(&law, gap) || near_slip(&law, e, slip) || gap < -law.offset
-        });
+        let kink = near_jump(&scene, &contact, &law, object.as_ref());
         if kink || !contact.edges().iter().any(|e| e.pressure > 0.0) {
             continue;
         }
@@ -483,12 +488,7 @@ fn forces_of_slipping_points_follow_the_pressure() {
         scene.shake(0.2, &mut random);
         let block = scene.assemble(&mut contact, false);
         let view = scene.state.view(0, &scene.border);
-        let kink = contact.edges().iter().zip(&contact.surface().points).any(|(e, stencil)| {
-            let relative = stencil.position(view.x) + view.offset - view.position;
-            let slip = across(relative - view.rotation * e.anchor.unwrap_or_default(), e.normal);
-            let gap = object.distance(view.rotation.transpose() * relative);
-            near_kink(&law, gap) || near_slip(&law, e, slip) || gap < -law.offset
-        });
+        let kink = near_jump(&scene, &contact, &law, object.as_ref());
         if kink || !contact.edges().iter().any(|e| e.slips) {
             continue;
         }

@@ -1,13 +1,14 @@
 //! Motion in time: what an integrator with contact must get right, and what a scene without it does not pay.
 
+mod common;
+
+use common::Keep;
 use glam::{DQuat, DVec3};
-use std::sync::Mutex;
 use tactus::environment::Environment;
-use tactus::error::Result;
 use tactus::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::{Frame, Moving, Status};
-use tactus::runner::{Observer, Outcome, run_grasps};
+use tactus::runner::{Outcome, run_grasps};
 use tactus::scene::{Scene, load};
 use tactus::stepper::choose;
 
@@ -16,17 +17,6 @@ fn scene(text: &str) -> Scene {
     let path = dir.path().join("scene.ron");
     std::fs::write(&path, text).unwrap();
     load(&path).unwrap_or_else(|e| panic!("{e}")).scene
-}
-
-/// Keeps all frames.
-#[derive(Default)]
-struct Keep(Mutex<Vec<Frame>>);
-
-impl Observer for Keep {
-    fn frame(&self, _: usize, frame: &Frame) -> Result<()> {
-        self.0.lock().unwrap().push(frame.clone());
-        Ok(())
-    }
 }
 
 fn run_on(text: &str, threads: usize) -> (Outcome, Vec<Frame>) {

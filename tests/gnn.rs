@@ -106,7 +106,7 @@ fn numbering_the_nodes_otherwise_numbers_the_answer_otherwise() {
     let n = pad.rest.len();
     let mut random = Random::new(2);
     let mut to: Vec<usize> = (0..n).collect();
-    (1..n).rev().for_each(|i| to.swap(i, random.below(i + 1)));
+    random.shuffle(&mut to);
     let mut other = (**pad).clone();
     for i in 0..n {
         (other.rest[to[i]], other.bonded[to[i]]) = (pad.rest[i], pad.bonded[i]);

@@ -3,7 +3,6 @@
 mod dataset_tiny;
 mod gnn_made;
 
-use glam::{DQuat, DVec3};
 use gnn_made::{SPEC, command, made, ron, samples, set, train};
 use std::process::Command;
 use std::sync::Arc;
@@ -67,8 +66,7 @@ fn training_and_inference_see_the_same_bits() {
     let trained = Sample::read(file, &stored, &graph, number, 10).unwrap().features;
     // As a run does it: the scene from text, the pose from the file, the world's own first contact.
     let model = Model::build(&from_ron(&file.scene).unwrap()).unwrap();
-    let p = file.grasp(number).unwrap().grasp_pose;
-    let pose = GraspPose { position: DVec3::from_slice(&p), rotation: DQuat::from_xyzw(p[4], p[5], p[6], p[3]) };
+    let pose = GraspPose::from_row(&file.grasp(number).unwrap().grasp_pose);
     let graph = Arc::new(PadGraph::new(&model.fingers[0].topology, depths).unwrap());
     let run = Features::new(&model, &graph, &Touch::find(&model, pose).unwrap());
     let bits = |v: &[f32]| v.iter().map(|v| v.to_bits()).collect::<Vec<_>>();

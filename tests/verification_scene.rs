@@ -3,30 +3,18 @@
 
 mod common;
 
-use common::Random;
+use common::{Keep, Random};
 use glam::{DQuat, DVec3};
 use std::path::Path;
-use std::sync::Mutex;
-use tactus::error::Result;
 use tactus::grasp::poses_of;
 use tactus::mesh::TriMesh;
 use tactus::mesh::io::write_obj;
 use tactus::model::Model;
 use tactus::record::{Frame, Status};
-use tactus::runner::{Observer, run_grasps};
+use tactus::runner::run_grasps;
 use tactus::scene::load;
 use tactus::shape::ShapeKind;
 use tactus::stepper::choose;
-
-#[derive(Default)]
-struct Keep(Mutex<Vec<Frame>>);
-
-impl Observer for Keep {
-    fn frame(&self, _: usize, frame: &Frame) -> Result<()> {
-        self.0.lock().unwrap().push(frame.clone());
-        Ok(())
-    }
-}
 
 /// Frames of the one grasp of a scene, which must reach its force.
 fn frames(path: &Path, text: &str) -> Vec<Frame> {

@@ -11,7 +11,6 @@ use crate::gnn::touch::Touch;
 use crate::grasp::GraspPose;
 use crate::record::files::create_dir;
 use crate::render::save;
-use glam::{DQuat, DVec3};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -102,9 +101,7 @@ fn draw(set: &DataSet, predictor: &Predictor, judged: &Judged, dir: &Path) -> Re
     let missing = || Error::Start(format!("object {} is not in the data set", error.object));
     let file = set.objects.iter().find(|f| f.name == error.object).ok_or_else(missing)?;
     let (model, grasp) = (model_of(file)?, file.grasp(error.grasp)?);
-    let p = &grasp.grasp_pose;
-    let rotation = DQuat::from_xyzw(p[4], p[5], p[6], p[3]);
-    let touch = Touch::find(&model, GraspPose { position: DVec3::from_slice(p), rotation })?;
+    let touch = Touch::find(&model, GraspPose::from_row(&grasp.grasp_pose))?;
     let graph = predictor.graph(&model)?;
     let states = predictor.at(&predictor.look(&model, &graph, &touch), error.force_n)?;
     let (first, pad) = (&states[0], model.fingers[0].placement.rotation);

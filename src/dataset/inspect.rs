@@ -4,9 +4,10 @@ use super::manifest::Failure;
 use super::reader::{Grasp, ObjectFile};
 use super::set::{DataSet, hash};
 use crate::error::{Error, Result};
+use crate::grasp::GraspPose;
 use crate::record::{Frame, PadFrame, Wrench};
 use crate::render::{self, Style};
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use serde::Serialize;
 use std::path::Path;
 
@@ -204,13 +205,13 @@ pub fn frame(file: &ObjectFile, grasp: &Grasp, k: usize) -> Frame {
             ..PadFrame::default()
         }
     };
-    let p = &grasp.object_pose[7 * k..7 * k + 7];
+    let object = GraspPose::from_row(&grasp.object_pose[7 * k..]);
     Frame {
         index: k,
         applied_force: grasp.force[k],
         travel: grasp.travel[k * s.pads..(k + 1) * s.pads].to_vec(),
-        object_position: DVec3::from_slice(p),
-        object_rotation: DQuat::from_xyzw(p[4], p[5], p[6], p[3]),
+        object_position: object.position,
+        object_rotation: object.rotation,
         pads: (0..s.pads).map(pad).collect(),
         ..Frame::default()
     }

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::grasp::GraspPose;
 use crate::mesh::TriMesh;
 use crate::record::{Elements, PadTopology};
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use hdf5_pure::{AttrValue, File};
 use std::collections::HashMap;
 use std::io::{Read, Seek, SeekFrom};
@@ -138,8 +138,10 @@ impl ObjectFile {
         crate::record::check::topology(0, &pad).map_err(fail)?;
         let object = TriMesh { vertices: points("object/vertices")?, triangles: triangles("object/triangles")? };
         crate::record::check::object(&object).map_err(fail)?;
-        let (pad_poses, closing) =
-            (doubles("pad/pose")?.as_chunks::<7>().0.iter().map(pose).collect::<Vec<_>>(), points("pad/closing")?);
+        let (pad_poses, closing) = (
+            doubles("pad/pose")?.as_chunks::<7>().0.iter().map(|v| GraspPose::from_row(v)).collect::<Vec<_>>(),
+            points("pad/closing")?,
+        );
         if pad.rest.len() != sizes.nodes
             || pad.elements.len() != sizes.tets
             || pad_poses.len() != *pads
@@ -230,9 +232,4 @@ impl ObjectFile {
             reason: String::from_utf8_lossy(reason).into_owned(),
         }
     }
-}
-
-fn pose(v: &[f64; 7]) -> GraspPose {
-    let rotation = DQuat::from_xyzw(v[4], v[5], v[6], v[3]);
-    GraspPose { position: DVec3::new(v[0], v[1], v[2]), rotation }
 }

@@ -42,8 +42,7 @@ impl Splits {
             let word = key.as_bytes()[..8].iter().fold(0_u64, |word, b| word << 8 | u64::from(*b));
             let mut random = Random::new(split.seed ^ word);
             let mut order: Vec<usize> = (0..*count).collect();
-            // Fisher and Yates.
-            (1..*count).rev().for_each(|i| order.swap(i, random.below(i + 1)));
+            random.shuffle(&mut order);
             let kept = ((*count as f64 * split.test.get()).round() as usize).min(count.saturating_sub(1));
             let mut train = order.split_off(kept);
             order.sort_unstable();

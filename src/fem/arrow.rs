@@ -150,17 +150,18 @@ fn solve_border(
         let parts = projected.iter().zip(&stiffness).map(|(p, k)| p / (k + shift));
         parts.map(|p| p * p).sum::<f64>().sqrt()
     };
-    // With this shift every part of the step is short enough; the smallest that does is bisected for.
-    let (mut low, mut high) = (0.0, projected.iter().map(|p| p * p).sum::<f64>().sqrt() / cap);
-    if length(low) <= cap {
-        high = low;
-    }
-    for _ in 0..BISECTIONS {
-        let middle = 0.5 * (low + high);
-        if length(middle) > cap { low = middle } else { high = middle }
+    let mut shift = 0.0;
+    if length(shift) > cap {
+        // With the force over the cap every step is short enough; the smallest shift that does is bisected for.
+        let mut low = shift;
+        shift = projected.iter().map(|p| p * p).sum::<f64>().sqrt() / cap;
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + shift);
+            if length(middle) > cap { low = middle } else { shift = middle }
+        }
     }
     for k in 0..size {
-        let along = -projected[k] / (stiffness[k] + high);
+        let along = -projected[k] / (stiffness[k] + shift);
         for i in 0..size {
             dy[i] += u[(i, k)] * along;
         }

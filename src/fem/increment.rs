@@ -171,15 +171,8 @@ impl Path {
         Ok(done)
     }
 
-    /// Solves from `start` and accepts the result; if that fails and `walk` is set, walks there from the accepted state.
-    fn settle(&mut self, start: State, walk: bool, done: &mut Advanced) -> Result<(), Failure> {
-        let mut state = start;
-        // A prediction may overshoot, into deep contact or infeasible territory; the accepted state never does.
-        let plain = State { travel: state.travel.clone(), ..self.state.clone() };
-        let (predicted, plainly) = (self.newton.energy(&state), self.newton.energy(&plain));
-        if predicted.total_cmp(&plainly).is_gt() {
-            state = plain;
-        }
+    /// Solves from `state` and accepts the result; if that fails and `walk` is set, walks there from the accepted state.
+    fn settle(&mut self, mut state: State, walk: bool, done: &mut Advanced) -> Result<(), Failure> {
         let failure = match self.newton.solve(&mut state, &self.tolerance) {
             Ok(converged) => {
                 self.newton.commit(&state);
@@ -268,18 +261,25 @@ impl Path {
         Err(Failure::Unsettled)
     }
 
-    /// Where to start the increment to `level`: extrapolated from the last two accepted states.
+    /// Where to start the increment to `level`, under whose load the solver is: extrapolated from the last two accepted
+    /// states. The prediction may overshoot, into deep contact or infeasible territory; then it is the accepted state.
     fn start(&self, load: Load, level: f64) -> State {
-        let mut state = self.state.clone();
-        if let Some((before, at)) = &self.history {
-            let factor = (level - self.level) / (self.level - at);
-            if factor > 0.0 && factor <= 2.0 {
-                state = self.state.extrapolated(before, factor);
-            }
-        }
+        let mut plain = self.state.clone();
         if load == Load::Travel {
-            state.travel.iter_mut().zip(&self.state.travel).for_each(|(t, now)| *t = now + level - self.level);
+            plain.travel.iter_mut().for_each(|t| *t = *t + level - self.level);
         }
-        state
+        let Some((before, at)) = &self.history else { return plain };
+        let factor = (level - self.level) / (self.level - at);
+        let near = factor > 0.0 && factor <= 2.0;
+        if !near {
+            return plain;
+        }
+        let mut predicted = self.state.extrapolated(before, factor);
+        match load {
+            Load::Travel => predicted.travel.clone_from(&plain.travel),
+            Load::Force => plain.travel.clone_from(&predicted.travel),
+        }
+        let worse = self.newton.energy(&predicted).total_cmp(&self.newton.energy(&plain)).is_gt();
+        if worse { plain } else { predicted }
     }
 }

@@ -44,9 +44,6 @@ pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
     }
 }
 
-/// Why columns are contiguous.
-const TABLES: &str = "components are stored in tables";
-
 /// Columns -> solver: the world is the state, the solver only works on it.
 pub fn read_state(
     mut solver: ResMut<Solver>,

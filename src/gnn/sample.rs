@@ -62,10 +62,7 @@ impl Sample {
         most: usize,
     ) -> Result<Self> {
         let data = file.grasp(grasp)?;
-        let p = &data.grasp_pose;
-        let pose =
-            GraspPose { position: DVec3::new(p[0], p[1], p[2]), rotation: DQuat::from_xyzw(p[4], p[5], p[6], p[3]) };
-        let touch = Touch::find(model, pose)?;
+        let touch = Touch::find(model, GraspPose::from_row(&data.grasp_pose))?;
         let count = data.frames.min(most);
         let frames: Vec<usize> = (1..=count).map(|i| i * data.frames / count - 1).collect();
         let (pads, nodes) = (file.sizes.pads, file.sizes.nodes);
@@ -90,8 +87,8 @@ impl Sample {
                 sample.contact.extend(graph.face.iter().flat_map(|i| &force[3 * *i as usize..3 * *i as usize + 3]));
             }
             sample.travel.extend(&data.travel[k * pads..(k + 1) * pads]);
-            let o = &data.object_pose[7 * k..7 * k + 7];
-            let now = ObjectPose { position: DVec3::from_slice(o), rotation: DQuat::from_xyzw(o[4], o[5], o[6], o[3]) };
+            let GraspPose { position, rotation } = GraspPose::from_row(&data.object_pose[7 * k..]);
+            let now = ObjectPose { position, rotation };
             for finger in &model.fingers {
                 let (shift, turn) = motion(model, &touch.object, &now, finger.placement.rotation);
                 sample.motion.extend(shift.to_array().into_iter().chain(turn.to_array()));
@@ -103,25 +100,17 @@ impl Sample {
     /// A part of it: these levels only.
     pub fn levels(&self, levels: &[usize]) -> Self {
         let count = self.forces.len();
-        let pick = |all: &[f32]| {
-            let width = all.len() / count;
-            levels.iter().flat_map(|l| &all[l * width..(l + 1) * width]).copied().collect::<Vec<_>>()
-        };
-        let pick_f64 = |all: &[f64]| {
-            let width = all.len() / count;
-            levels.iter().flat_map(|l| &all[l * width..(l + 1) * width]).copied().collect::<Vec<_>>()
-        };
         Self {
             object: self.object.clone(),
             grasp: self.grasp,
             frames: levels.iter().map(|l| self.frames[*l]).collect(),
             features: self.features.clone(),
-            forces: pick_f64(&self.forces),
-            displacement: pick(&self.displacement),
-            stress: pick(&self.stress),
-            contact: pick(&self.contact),
-            travel: pick_f64(&self.travel),
-            motion: pick_f64(&self.motion),
+            forces: rows(&self.forces, count, levels),
+            displacement: rows(&self.displacement, count, levels),
+            stress: rows(&self.stress, count, levels),
+            contact: rows(&self.contact, count, levels),
+            travel: rows(&self.travel, count, levels),
+            motion: rows(&self.motion, count, levels),
         }
     }
 
@@ -191,6 +180,12 @@ impl Sample {
         ];
         super::ops::sum(tape, &parts.each_ref(), super::ops::Activation::None)
     }
+}
+
+/// Those of `count` equal rows that `wanted` numbers.
+fn rows<T: Copy>(all: &[T], count: usize, wanted: &[usize]) -> Vec<T> {
+    let width = all.len() / count;
+    wanted.iter().flat_map(|l| &all[l * width..(l + 1) * width]).copied().collect()
 }
 
 /// Point amid the pads at zero travel, m, hand frame.

@@ -76,9 +76,6 @@ fn register(schedule: &mut Schedule, needs: &Needs) {
     }
 }
 
-/// Why columns are contiguous.
-const TABLES: &str = "components are stored in tables";
-
 /// Looks at the grasp once, at first contact: travel and pose are still those of `close_to_contact`.
 fn look(
     phase: Res<Phase>,

@@ -3,7 +3,6 @@
 use super::pose::GraspPose;
 use crate::error::{Error, Result};
 use crate::record::files::replace;
-use glam::{DQuat, DVec3};
 use hdf5_pure::{File, FileBuilder};
 use std::path::Path;
 
@@ -60,13 +59,13 @@ fn pose(v: &[f64]) -> std::result::Result<GraspPose, String> {
     if let Some(column) = v.iter().position(|x| !x.is_finite()) {
         return Err(format!("column {column} is {}; all numbers must be finite", v[column]));
     }
-    let rotation = DQuat::from_xyzw(v[4], v[5], v[6], v[3]);
+    let GraspPose { position, rotation } = GraspPose::from_row(v);
     let length = rotation.length();
     if (length - 1.0).abs() > UNIT_SLACK {
         return Err(format!("quaternion (columns 3..6: w x y z) has length {length}; it must be 1"));
     }
     let rotation = if (length - 1.0).abs() < 1e-15 { rotation } else { rotation.normalize() };
-    Ok(GraspPose { position: DVec3::new(v[0], v[1], v[2]), rotation })
+    Ok(GraspPose { position, rotation })
 }
 
 /// Writes grasps in the same format, whole or not at all.

@@ -15,6 +15,12 @@ pub struct GraspPose {
 }
 
 impl GraspPose {
+    /// From a row of a file: px py pz qw qx qy qz, taken as it is. `row` has at least these seven.
+    pub fn from_row(row: &[f64]) -> Self {
+        let rotation = DQuat::from_xyzw(row[4], row[5], row[6], row[3]);
+        Self { position: DVec3::from_slice(row), rotation }
+    }
+
     /// A point of the object in the hand frame, m.
     pub fn to_hand(&self, in_object: DVec3) -> DVec3 {
         self.rotation.conjugate() * (in_object - self.position)

@@ -115,9 +115,6 @@ pub fn record_frame(
     });
 }
 
-/// Why columns are contiguous.
-const TABLES: &str = "components are stored in tables";
-
 /// Moves the procedure on: to what a system asked for, else to the next frame.
 pub fn turn_phase(mut phase: ResMut<Phase>, mut next: ResMut<Next>, mut advance: ResMut<Advance>, shared: Res<Shared>) {
     let asked = next.take();

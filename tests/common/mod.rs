@@ -3,8 +3,9 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use tactus::contact::{Contact, ContactSurface, law::Law};
+use tactus::error::Result;
 use tactus::fem::body::{Body, Elements};
 use tactus::fem::increment::{Load, Path};
 use tactus::fem::newton::{Newton, Tolerance};
@@ -12,6 +13,8 @@ use tactus::fem::state::{Border, State};
 use tactus::fem::term::{BodyTerm, Elastic};
 use tactus::mesh::{TetMesh, quadratic};
 use tactus::pad::Pad;
+use tactus::record::Frame;
+use tactus::runner::Observer;
 use tactus::shape::SignedDistance;
 
 /// A reproducible stream of numbers (splitmix64).
@@ -40,6 +43,17 @@ impl Random {
     /// Uniformly scattered axis, any angle.
     pub fn rotation(&mut self) -> DQuat {
         DQuat::from_scaled_axis(self.vector() * 2.0)
+    }
+}
+
+/// Keeps all frames of a run.
+#[derive(Default)]
+pub struct Keep(pub Mutex<Vec<Frame>>);
+
+impl Observer for Keep {
+    fn frame(&self, _: usize, frame: &Frame) -> Result<()> {
+        self.0.lock().unwrap().push(frame.clone());
+        Ok(())
     }
 }
 

@@ -70,7 +70,7 @@ pub fn set_aside(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Sample>, Ve
     let count = ((samples.len() as f64 * part).round() as usize).clamp(1, samples.len().max(2) - 1);
     let mut random = Random::new(seed);
     let mut order: Vec<usize> = (0..samples.len()).collect();
-    (1..order.len()).rev().for_each(|i| order.swap(i, random.below(i + 1)));
+    random.shuffle(&mut order);
     let taken: Vec<usize> = order.into_iter().take(count).collect();
     let (mut kept, mut out) = (Vec::new(), Vec::new());
     for (i, sample) in samples.into_iter().enumerate() {

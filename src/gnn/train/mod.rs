@@ -140,7 +140,7 @@ impl Trainer {
         let training = self.card.spec.training;
         let mut order: Vec<usize> = (0..self.samples.len()).collect();
         let mut random = Random::new(key(training.seed, number, usize::MAX));
-        (1..order.len()).rev().for_each(|i| order.swap(i, random.below(i + 1)));
+        random.shuffle(&mut order);
         let batches = order.len().div_ceil(training.batch.get());
         let mut state = self.state.clone();
         let mut total = 0.0;
@@ -187,7 +187,7 @@ impl Trainer {
         let mut random = Random::new(key(training.seed, epoch, i));
         let sample = &self.samples[i];
         let mut levels: Vec<usize> = (0..sample.forces.len()).collect();
-        (1..levels.len()).rev().for_each(|i| levels.swap(i, random.below(i + 1)));
+        random.shuffle(&mut levels);
         levels.truncate(training.levels.get());
         levels.sort_unstable();
         let mut coin = || training.mirror && random.below(2) == 1;
