@@ -1,5 +1,6 @@
 //! The systems that every stepper shares: what the gripper wants, whether the forces add up, the frame.
 
+mod apart;
 mod control;
 pub(crate) mod measure;
 mod record;
@@ -14,6 +15,9 @@ use bevy_ecs::prelude::*;
 pub fn register(schedule: &mut Schedule, needs: &Needs) {
     schedule.add_systems((control::place_object, control::set_load.run_if(ramping)).chain().in_set(StepSet::Control));
     schedule.add_systems(sense::close_to_contact.in_set(StepSet::Sense));
+    if needs.pads_apart {
+        schedule.add_systems(apart::keep_pads_apart.run_if(reached).in_set(StepSet::Accept));
+    }
     schedule.add_systems(measure::measure_balance.run_if(reached).in_set(StepSet::Measure));
     if needs.gap {
         schedule.add_systems(measure::measure_gap.run_if(reached).in_set(StepSet::Measure));
