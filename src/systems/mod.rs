@@ -13,6 +13,10 @@ use bevy_ecs::prelude::*;
 /// Puts the shared systems in their sets.
 pub fn register(schedule: &mut Schedule, needs: &Needs) {
     schedule.add_systems((control::place_object, control::set_load.run_if(ramping)).chain().in_set(StepSet::Control));
+    if needs.gravity && needs.free_object {
+        // The first to ask for a phase is heard.
+        schedule.add_systems(control::refuse_weight.before(control::place_object).in_set(StepSet::Control));
+    }
     schedule.add_systems(sense::close_to_contact.in_set(StepSet::Sense));
     schedule.add_systems(measure::measure_balance.run_if(reached).in_set(StepSet::Measure));
     if needs.gap {

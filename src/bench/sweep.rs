@@ -1,0 +1,134 @@
+//! What is compared: the settings of the finite elements around those of the scene, networks, and the reference.
+
+use super::density::{coarser, describe, nodes};
+use crate::error::{Error, Result};
+use crate::scene::leaf::Positive;
+use crate::scene::{Element, Fem, Field, Fingers, Gnn, Loading, Scene, Stepper};
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+use std::path::PathBuf;
+
+/// One way to simulate the grasps of the scene.
+#[derive(Debug, Clone)]
+pub struct Configuration {
+    /// Its name in tables and charts.
+    pub label: String,
+    /// The scene with the settings of this configuration.
+    pub scene: Scene,
+    /// Claims to be faster than full finite elements at its error: a network, or a fast mode. The speed-up is about these.
+    pub contender: bool,
+    /// One of the three levels that the error of the reference is estimated from.
+    pub level: Option<Level>,
+}
+
+/// Pads of these densities, otherwise alike: cells in ratios of the square root of two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Level {
+    /// Cells as wide as the scene's.
+    Coarse,
+    /// Between the two.
+    Medium,
+    /// Cells half as wide as the scene's: the reference.
+    Fine,
+}
+
+/// Cells of 10-node tetrahedra over those of the scene.
+const QUADRATIC: [(f64, Option<Level>); 4] =
+    [(2.0, None), (SQRT_2, None), (1.0, Some(Level::Coarse)), (FRAC_1_SQRT_2, Some(Level::Medium))];
+/// Cells of linear tetrahedra over those of the scene.
+const LINEAR: [f64; 4] = [SQRT_2, 1.0, FRAC_1_SQRT_2, 0.5];
+/// Cells with the loose force tolerance over those of the scene.
+const LOOSE: [f64; 3] = [2.0, SQRT_2, 1.0];
+/// The loose tolerance over the scene's.
+const LOOSER: f64 = 10.0;
+
+/// Makes the configurations of a scene.
+#[derive(Debug)]
+pub struct Sweep {
+    scene: Scene,
+    fem: Fem,
+    made: Vec<(Configuration, Fem, usize)>,
+}
+
+impl Sweep {
+    /// Around the settings of `scene`. Fields that are compared are recorded; what the scene promises is not judged, as
+    /// that takes time of its own.
+    ///
+    /// # Errors
+    /// A scene without pads, and one that moves in time.
+    pub fn new(scene: &Scene) -> Result<Self> {
+        if scene.gripper.fingers == Fingers::None {
+            return Err(Error::Start("a bench compares pads, and the scene has none (`fingers: None`)".into()));
+        }
+        if matches!(scene.loading, Loading::Dynamic(_)) {
+            return Err(Error::Start("a bench is for `Squeeze` and `Press`; the scene's loading is `Dynamic`".into()));
+        }
+        let mut scene = scene.clone();
+        scene.expect.clear();
+        for field in [Field::Displacement, Field::Stress] {
+            if !scene.record.fields.contains(&field) {
+                scene.record.fields.push(field);
+            }
+        }
+        let fem = match scene.stepper {
+            Stepper::Fem(fem) => fem,
+            Stepper::Gnn(_) => Fem::default(),
+        };
+        Ok(Self { scene, fem, made: Vec::new() })
+    }
+
+    /// The reference: 10-node tetrahedra with mean dilatation, half as wide as the scene's cells.
+    ///
+    /// # Errors
+    /// A pad that cannot be refined.
+    pub fn reference(&self) -> Result<Configuration> {
+        let fem = Fem { element: Element::Quadratic, mean_dilatation: true, ..self.fem };
+        self.configuration("reference, quadratic", 0.5, fem, Some(Level::Fine))
+    }
+
+    /// All configurations but the reference. Those whose meshes come out alike are there once.
+    ///
+    /// # Errors
+    /// A pad that cannot be meshed.
+    pub fn configurations(mut self, models: &[PathBuf]) -> Result<Vec<Configuration>> {
+        let full = |element| Fem { element, mean_dilatation: true, ..self.fem };
+        let (quadratic, linear) = (full(Element::Quadratic), full(Element::Linear));
+        for (factor, level) in QUADRATIC {
+            self.add("quadratic", factor, quadratic, level)?;
+        }
+        for factor in LINEAR {
+            self.add("linear", factor, linear, None)?;
+        }
+        let mut loose = quadratic;
+        loose.tolerance.force =
+            Positive::new(LOOSER * self.fem.tolerance.force.get()).map_err(|m| Error::Start(format!("tolerance {m}")))?;
+        for factor in LOOSE {
+            self.add(&format!("quadratic, tolerance {:.0e}", loose.tolerance.force.get()), factor, loose, None)?;
+        }
+        let networks = models.iter().map(|model| {
+            let scene = Scene { stepper: Stepper::Gnn(Gnn { model: model.clone() }), ..self.scene.clone() };
+            let name = model.file_name().unwrap_or(model.as_os_str()).to_string_lossy();
+            Configuration { label: format!("network {name}"), scene, contender: true, level: None }
+        });
+        let networks: Vec<_> = networks.collect();
+        Ok(self.made.into_iter().map(|(c, ..)| c).chain(networks).collect())
+    }
+
+    fn add(&mut self, name: &str, factor: f64, fem: Fem, level: Option<Level>) -> Result<()> {
+        let new = self.configuration(name, factor, fem, level)?;
+        let count = nodes(&new.scene.gripper.pads, fem.element)?;
+        // Spacings are rounded to whole cells: two of them may give one mesh.
+        match self.made.iter_mut().find(|(_, f, n)| *f == fem && *n == count) {
+            Some((old, ..)) => old.level = old.level.or(level),
+            None => self.made.push((new, fem, count)),
+        }
+        Ok(())
+    }
+
+    fn configuration(&self, name: &str, factor: f64, fem: Fem, level: Option<Level>) -> Result<Configuration> {
+        let mut scene = self.scene.clone();
+        scene.gripper.pads = coarser(&scene.gripper.pads, factor)?;
+        scene.stepper = Stepper::Fem(fem);
+        let label = format!("{name} {}", describe(&scene.gripper.pads));
+        Ok(Configuration { label, scene, contender: false, level })
+    }
+}
