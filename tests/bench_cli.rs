@@ -60,8 +60,8 @@ fn a_bench_reports_time_and_error_of_every_setting() {
         of("quadratic 4x4x2")
     );
     let reference = error(&report, "reference_error");
-    let least = points.iter().map(|p| error(p, "displacement_error")).fold(f64::INFINITY, f64::min);
-    assert!(reference > 0.0 && reference < 2.0 * least, "{reference} against {least}");
+    let own = points.iter().find(|p| p["label"] == "quadratic 4x4x2").map(|p| error(p, "displacement_error"));
+    assert!(own.is_some_and(|own| reference > 0.0 && reference <= own), "{reference} against {own:?}");
     assert!(report["speedup_at_equal_error"].is_null(), "nothing claims a speed-up");
 
     let written: Value = serde_json::from_slice(&std::fs::read(out.join("bench.json")).unwrap()).unwrap();

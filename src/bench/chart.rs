@@ -15,7 +15,7 @@ const SIZE: (u32, u32) = (1200, 640);
 const LIST: u32 = 400;
 const FONT: &str = "sans-serif";
 const INK: RGBColor = RGBColor(38, 42, 51);
-const MUTED: RGBColor = RGBColor(150, 156, 166);
+const MUTED: RGBColor = RGBColor(106, 114, 128);
 const SETTING: RGBColor = RGBColor(31, 119, 180);
 const CONTENDER: RGBColor = RGBColor(214, 96, 20);
 
@@ -83,12 +83,12 @@ fn pareto<B: DrawingBackend>(area: &Area<B>, report: &Report) -> Drawn<B> {
     let number = |v: &f64| if *v < 0.01 { format!("{v:.0e}") } else { format!("{v}") };
     chart
         .configure_mesh()
-        .bold_line_style(MUTED.mix(0.5))
-        .light_line_style(MUTED.mix(0.15))
+        .bold_line_style(MUTED.mix(0.35))
+        .light_line_style(TRANSPARENT)
         .axis_style(INK)
         .label_style(text_style(15, &INK))
         .axis_desc_style(text_style(17, &INK))
-        .x_desc(format!("wall time of a grasp, s ({} threads)", report.threads))
+        .x_desc(format!("wall time of a grasp, s (threads: {})", report.threads))
         .y_desc("error of the displacement, % (median)")
         .x_label_formatter(&number)
         .y_label_formatter(&number)

@@ -11,21 +11,14 @@ pub fn processor_time() -> Option<f64> {
     None
 }
 
-/// Memory that [`Memory::growth`] counts from.
-#[derive(Debug, Clone, Copy)]
-pub struct Memory(Option<u64>);
+/// Forgets the peak of the resident memory so far (Linux: `/proc/self/clear_refs`); false where that cannot be done.
+pub fn forget_peak_memory() -> bool {
+    std::fs::write("/proc/self/clear_refs", "5").is_ok()
+}
 
-impl Memory {
-    /// Forgets the peak so far (Linux: `/proc/self/clear_refs`), and notes what is resident now.
-    pub fn mark() -> Self {
-        let reset = std::fs::write("/proc/self/clear_refs", "5");
-        Self(reset.ok().and_then(|()| status("VmRSS:")))
-    }
-
-    /// How far the resident memory rose above the mark at its peak, bytes; None where unknown.
-    pub fn growth(self) -> Option<u64> {
-        Some(status("VmHWM:")?.saturating_sub(self.0?))
-    }
+/// Largest resident memory since [`forget_peak_memory`], bytes; None where unknown.
+pub fn peak_memory() -> Option<u64> {
+    status("VmHWM:")
 }
 
 /// A line of `/proc/self/status`, bytes.

@@ -1,11 +1,12 @@
 //! All configurations over the same grasps, taking turns, so that a busy machine slows them alike.
 
-use super::clock::{Memory, processor_time};
+use super::clock::{forget_peak_memory, peak_memory, processor_time};
 use super::error::FrameError;
 use super::probe::{Fields, Points, Probe};
 use super::report::Report;
 use super::spread::median;
 use super::sweep::{Configuration, Sweep};
+use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::gnn::eval::table::FROM_LOAD;
 use crate::grasp::{GraspPose, poses_of};
@@ -49,8 +50,8 @@ pub struct Entry {
     pub iterations: u64,
     /// Frames, all turns.
     pub frames: usize,
-    /// Memory that the first turn took, bytes.
-    pub memory: Option<u64>,
+    /// Largest resident memory of the process with this configuration alone, up to its first frame, bytes.
+    pub peak_memory: Option<u64>,
     /// One per grasp and frame above a fifth of the load.
     pub errors: Vec<FrameError>,
     /// Grasps that did not get there, and why.
@@ -93,6 +94,15 @@ pub fn contest(scene: &Scene, models: &[PathBuf], rules: &Rules, mut progress: i
         .num_threads(rules.threads)
         .build()
         .map_err(|e| Error::Start(format!("cannot start {} threads: {e}", rules.threads)))?;
+    if let Some((_, pose)) = grasps.first() {
+        // From small to large: what the allocator keeps of one serves the next.
+        let mut all: Vec<&mut Entry> = entries.iter_mut().chain([&mut reference]).collect();
+        all.sort_by_key(|e| e.configuration.nodes);
+        for entry in all {
+            progress(&format!("memory: {}", entry.configuration.label));
+            entry.measure_memory(*pose)?;
+        }
+    }
     let mut notices = Vec::new();
     for turn in 0..rules.repeats {
         let mut lost = Vec::new();
@@ -108,7 +118,12 @@ pub fn contest(scene: &Scene, models: &[PathBuf], rules: &Rules, mut progress: i
                 }
             }
             for entry in &mut entries {
-                progress(&format!("turn {} of {}, grasp {index}: {}", turn + 1, rules.repeats, entry.configuration.label));
+                progress(&format!(
+                    "turn {} of {}, grasp {index}: {}",
+                    turn + 1,
+                    rules.repeats,
+                    entry.configuration.label
+                ));
                 let own = entry.run(&pool, *index, *pose, &points)?;
                 entry.judge(&points, &own, &truth);
             }
@@ -140,26 +155,35 @@ impl Entry {
             stages: BTreeMap::new(),
             iterations: 0,
             frames: 0,
-            memory: None,
+            peak_memory: None,
             errors: Vec::new(),
             failed: Vec::new(),
         }
     }
 
+    /// Simulates up to the first frame, with nothing else of the contest loaded.
+    fn measure_memory(&mut self, pose: GraspPose) -> Result<()> {
+        let known = forget_peak_memory();
+        let scene = &self.configuration.scene;
+        let (model, stepper) = (Model::build(scene)?, choose(scene)?);
+        let mut environment = Environment::new(&model, stepper.as_ref(), pose)?;
+        while environment.frame().is_none() && !environment.step().is_final() {}
+        self.peak_memory = peak_memory().filter(|_| known);
+        Ok(())
+    }
+
     /// Simulates a grasp on `pool`; the fields of its frames if this is the first time, nothing if it fails.
     fn run(&mut self, pool: &rayon::ThreadPool, index: usize, pose: GraspPose, points: &Points) -> Result<Vec<Fields>> {
         let first = !self.wall_s.contains_key(&index);
-        let memory = self.prepared.is_none().then(Memory::mark);
-        let prepared = match self.prepared.take() {
-            Some(prepared) => self.prepared.insert(prepared),
-            None => self.prepared.insert(Prepared::new(&self.configuration, points)?),
+        let (cold, prepared) = match self.prepared.take() {
+            Some(prepared) => (false, self.prepared.insert(prepared)),
+            None => (true, self.prepared.insert(Prepared::new(&self.configuration, points)?)),
         };
         let (keep, before) = (Keep::default(), processor_time());
         let outcome = pool.install(|| run_grasp(&prepared.model, prepared.stepper.as_ref(), index, pose, &keep))?;
         let processor = processor_time().zip(before).map(|(now, before)| now - before);
         let wall = outcome.summary.wall_s - outcome.timings.stages.get("record").copied().unwrap_or(0.0);
-        if let Some(memory) = memory {
-            self.memory = memory.growth();
+        if cold {
             self.cold_s = prepared.setup_s + wall;
         }
         if outcome.summary.status != Status::Reached {

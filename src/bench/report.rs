@@ -50,8 +50,9 @@ pub struct Point {
     pub equal_error_label: Option<String>,
     /// Share of each stage in the time.
     pub profile: BTreeMap<&'static str, f64>,
-    /// Memory that set-up and first grasp took; null where the system does not tell.
-    pub memory_bytes: Option<u64>,
+    /// Largest resident memory of the process with this configuration alone, up to its first frame; null where the system
+    /// does not tell.
+    pub peak_memory_bytes: Option<u64>,
 }
 
 /// A quantity and how to get it.
@@ -132,9 +133,8 @@ impl Report {
 pub fn mark_dominated(points: &mut [Point]) {
     let all: Vec<Option<(f64, f64)>> = points.iter().map(Point::place).collect();
     for (point, own) in points.iter_mut().zip(&all) {
-        let beaten = |own: &(f64, f64)| {
-            all.iter().flatten().any(|other| other.0 <= own.0 && other.1 <= own.1 && other != own)
-        };
+        let beaten =
+            |own: &(f64, f64)| all.iter().flatten().any(|other| other.0 <= own.0 && other.1 <= own.1 && other != own);
         point.dominated = own.as_ref().is_none_or(beaten);
     }
 }
@@ -153,7 +153,7 @@ impl Point {
             label: entry.configuration.label.clone(),
             backend: backend.into(),
             contender: entry.configuration.contender,
-            nodes: model.map_or(0, |m| m.fingers[0].body.rest.len()),
+            nodes: entry.configuration.nodes,
             unknowns: model.filter(|_| backend == "fem").map(|m| m.unknowns().total),
             cold_s: entry.cold_s,
             time_per_grasp_s: time,
@@ -170,7 +170,7 @@ impl Point {
             speedup_at_equal_error: None,
             equal_error_label: None,
             profile: entry.stages.iter().map(|(stage, s)| (*stage, s / whole)).collect(),
-            memory_bytes: entry.memory,
+            peak_memory_bytes: entry.peak_memory,
         }
     }
 

@@ -1,6 +1,6 @@
 //! Cost against size: one grasp with pads of more and more nodes.
 
-use super::clock::Memory;
+use super::clock::{forget_peak_memory, peak_memory};
 use super::contest::add_stages;
 use super::density::{coarser, describe, nodes};
 use super::spread::median;
@@ -29,8 +29,8 @@ pub struct Size {
     pub time_per_iteration_s: f64,
     /// Wall time of a frame.
     pub time_per_frame_s: f64,
-    /// Memory that set-up and grasp took; null where the system does not tell.
-    pub memory_bytes: Option<u64>,
+    /// Largest resident memory of the process with this size alone; null where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
 }
 
 /// Sizes and how their cost grows.
@@ -81,7 +81,7 @@ pub fn cost_by_size(
             scene.gripper.pads = pads.clone();
             let density = describe(pads);
             progress(&format!("turn {} of {repeats}: {density}", turn + 1));
-            let memory = Memory::mark();
+            let known = forget_peak_memory();
             let (model, stepper) = (Model::build(&scene)?, choose(&scene)?);
             let outcome = pool.install(|| run_grasp(&model, stepper.as_ref(), 0, pose, &()))?;
             if outcome.summary.status != Status::Reached {
@@ -90,7 +90,8 @@ pub fn cost_by_size(
             }
             let mut stages = BTreeMap::new();
             add_stages(&mut stages, &outcome);
-            let newton: f64 = ["assembly", "factorization", "solve", "line_search"].iter().filter_map(|s| stages.get(s)).sum();
+            let newton: f64 =
+                ["assembly", "factorization", "solve", "line_search"].iter().filter_map(|s| stages.get(s)).sum();
             let (frames, iterations) = (outcome.summary.frames as f64, outcome.timings.iterations as f64);
             sizes.push(Size {
                 density,
@@ -99,7 +100,7 @@ pub fn cost_by_size(
                 iterations_per_frame: iterations / frames,
                 time_per_iteration_s: newton / iterations,
                 time_per_frame_s: outcome.summary.wall_s / frames,
-                memory_bytes: memory.growth(),
+                peak_memory_bytes: peak_memory().filter(|_| known),
             });
         }
     }
@@ -110,7 +111,7 @@ pub fn cost_by_size(
     Ok(Sizes {
         iteration_exponent: fit(|s| Some(s.time_per_iteration_s)),
         frame_exponent: fit(|s| Some(s.time_per_frame_s)),
-        memory_exponent: fit(|s| s.memory_bytes.map(|b| b as f64)),
+        memory_exponent: fit(|s| s.peak_memory_bytes.map(|b| b as f64)),
         threads,
         repeats,
         sizes,
@@ -123,7 +124,7 @@ fn middle(turns: &[Size]) -> Option<Size> {
     Some(Size {
         time_per_iteration_s: of(|s| s.time_per_iteration_s),
         time_per_frame_s: of(|s| s.time_per_frame_s),
-        memory_bytes: turns.iter().filter_map(|s| s.memory_bytes).max(),
+        peak_memory_bytes: turns.iter().filter_map(|s| s.peak_memory_bytes).max(),
         ..turns.first()?.clone()
     })
 }
@@ -176,7 +177,7 @@ pub fn text(report: &Sizes) -> String {
             s.iterations_per_frame,
             1e3 * s.time_per_iteration_s,
             s.time_per_frame_s,
-            s.memory_bytes.map_or("-".into(), |b| format!("{:.0}", b as f64 / 1e6)),
+            s.peak_memory_bytes.map_or("-".into(), |b| format!("{:.0}", b as f64 / 1e6)),
         )
     };
     let power = |v: Option<f64>| v.map_or("-".into(), |v| format!("{v:.2}"));

@@ -61,7 +61,7 @@ fn profile(out: &mut String, p: &Point, width: usize) {
     let mut stages: Vec<_> = p.profile.iter().collect();
     stages.sort_by(|a, b| b.1.total_cmp(a.1));
     let shares: Vec<_> = stages.iter().map(|(name, share)| format!("{name} {:.0} %", 100.0 * **share)).collect();
-    let memory = p.memory_bytes.map_or(String::new(), |b| format!("{:.0} MB, ", b as f64 / 1e6));
+    let memory = p.peak_memory_bytes.map_or(String::new(), |b| format!("{:.0} MB, ", b as f64 / 1e6));
     let _ = writeln!(
         out,
         "  {:<width$}  {memory}{:.1} iterations a frame: {}",
@@ -93,7 +93,7 @@ pub fn csv(report: &Report) -> String {
         ["label", "backend", "nodes", "unknowns", "cold_s", "time_per_grasp_s", "time_per_frame_s"]
             .map(String::from)
             .to_vec();
-    columns.extend(["processor_time_per_grasp_s", "memory_bytes", "failed", "dominated"].map(String::from));
+    columns.extend(["processor_time_per_grasp_s", "peak_memory_bytes", "failed", "dominated"].map(String::from));
     for (name, _) in QUANTITIES {
         columns.extend(["median", "p90", "worst"].map(|part| format!("{name}_{part}")));
     }
@@ -109,7 +109,7 @@ pub fn csv(report: &Report) -> String {
             number(Some(p.time_per_grasp_s)),
             number(Some(p.time_per_frame_s)),
             number(p.processor_time_per_grasp_s),
-            p.memory_bytes.map_or(String::new(), |b| b.to_string()),
+            p.peak_memory_bytes.map_or(String::new(), |b| b.to_string()),
             p.failed.len().to_string(),
             p.dominated.to_string(),
         ];

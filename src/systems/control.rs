@@ -22,12 +22,7 @@ pub fn place_object(
 }
 
 /// Refuses a weight that this gripper cannot hold at all.
-pub fn refuse_weight(
-    phase: Res<Phase>,
-    shared: Res<Shared>,
-    mut next: ResMut<Next>,
-    weight: Single<&ObjectWeight>,
-) {
+pub fn refuse_weight(phase: Res<Phase>, shared: Res<Shared>, mut next: ResMut<Next>, weight: Single<&ObjectWeight>) {
     let model = &shared.0;
     // Geared fingers hold such a weight.
     let equal_forces = model.force_driven && model.dynamics.is_none();

@@ -63,7 +63,15 @@ pub fn rows(split: &str, judged: &[Judged]) -> Vec<Row> {
     let row = |(group, frames): (&(u8, String), &Vec<&FrameError>)| {
         let of = |(quantity, pick): &Quantity| {
             let Spread { median, p90, worst } = Spread::of(frames.iter().map(|f| pick(f)))?;
-            Some(Row { split: split.into(), group: group.1.clone(), quantity, median, p90, worst, samples: frames.len() })
+            Some(Row {
+                split: split.into(),
+                group: group.1.clone(),
+                quantity,
+                median,
+                p90,
+                worst,
+                samples: frames.len(),
+            })
         };
         QUANTITIES.iter().filter_map(of).collect::<Vec<_>>()
     };
