@@ -1,6 +1,6 @@
 //! Cost against size: one grasp with pads of more and more nodes.
 
-use super::clock::{forget_peak_memory, peak_memory};
+use super::clock::{forget_peak_memory, peak_memory, processor_time};
 use super::contest::add_stages;
 use super::density::{coarser, describe, nodes};
 use super::spread::median;
@@ -29,6 +29,8 @@ pub struct Size {
     pub time_per_iteration_s: f64,
     /// Wall time of a frame.
     pub time_per_frame_s: f64,
+    /// Processor time of a frame, all threads; null where the system does not tell.
+    pub processor_time_per_frame_s: Option<f64>,
     /// Largest resident memory of the process with this size alone; null where the system does not tell.
     pub peak_memory_bytes: Option<u64>,
 }
@@ -83,7 +85,9 @@ pub fn cost_by_size(
             progress(&format!("turn {} of {repeats}: {density}", turn + 1));
             let known = forget_peak_memory();
             let (model, stepper) = (Model::build(&scene)?, choose(&scene)?);
+            let before = processor_time();
             let outcome = pool.install(|| run_grasp(&model, stepper.as_ref(), 0, pose, &()))?;
+            let processor = processor_time().zip(before).map(|(now, before)| now - before);
             if outcome.summary.status != Status::Reached {
                 let reason = outcome.summary.reason.unwrap_or_default();
                 return Err(Error::Solver(format!("pads of {density}: {reason}")));
@@ -100,6 +104,7 @@ pub fn cost_by_size(
                 iterations_per_frame: iterations / frames,
                 time_per_iteration_s: newton / iterations,
                 time_per_frame_s: outcome.summary.wall_s / frames,
+                processor_time_per_frame_s: processor.map(|t| t / frames),
                 peak_memory_bytes: peak_memory().filter(|_| known),
             });
         }
@@ -124,6 +129,8 @@ fn middle(turns: &[Size]) -> Option<Size> {
     Some(Size {
         time_per_iteration_s: of(|s| s.time_per_iteration_s),
         time_per_frame_s: of(|s| s.time_per_frame_s),
+        processor_time_per_frame_s: Some(of(|s| s.processor_time_per_frame_s.unwrap_or(f64::NAN)))
+            .filter(|t| t.is_finite()),
         peak_memory_bytes: turns.iter().filter_map(|s| s.peak_memory_bytes).max(),
         ..turns.first()?.clone()
     })
@@ -167,22 +174,23 @@ fn exponent(points: Vec<(f64, f64)>) -> Option<f64> {
 
 /// Table for humans.
 pub fn text(report: &Sizes) -> String {
-    let head = "density    nodes  unknowns  iterations/frame  ms/iteration  s/frame  memory MB\n";
+    let head = "density    nodes  unknowns  iterations/frame  ms/iteration  s/frame  cpu s/frame  memory MB\n";
     let row = |s: &Size| {
         format!(
-            "{:<8} {:>7}  {:>8}  {:>16.1}  {:>12.2}  {:>7.3}  {:>9}\n",
+            "{:<8} {:>7}  {:>8}  {:>16.1}  {:>12.2}  {:>7.3}  {:>11}  {:>9}\n",
             s.density,
             s.nodes,
             s.unknowns,
             s.iterations_per_frame,
             1e3 * s.time_per_iteration_s,
             s.time_per_frame_s,
+            s.processor_time_per_frame_s.map_or("-".into(), |t| format!("{t:.3}")),
             s.peak_memory_bytes.map_or("-".into(), |b| format!("{:.0}", b as f64 / 1e6)),
         )
     };
     let power = |v: Option<f64>| v.map_or("-".into(), |v| format!("{v:.2}"));
     format!(
-        "{} threads, median of {} turns\n\n{head}{}\ncost ~ unknowns^p: p = {} (iteration), {} (frame), {} (memory)\n",
+        "threads: {}, turns: {}\n\n{head}{}\ncost ~ unknowns^p: p = {} (iteration), {} (frame), {} (memory)\n",
         report.threads,
         report.repeats,
         report.sizes.iter().map(row).collect::<String>(),

@@ -33,15 +33,35 @@ pub enum Level {
     Fine,
 }
 
-/// Cells of 10-node tetrahedra over those of the scene.
-const QUADRATIC: [(f64, Option<Level>); 4] =
-    [(2.0, None), (SQRT_2, None), (1.0, Some(Level::Coarse)), (FRAC_1_SQRT_2, Some(Level::Medium))];
-/// Cells of linear tetrahedra over those of the scene.
-const LINEAR: [f64; 4] = [SQRT_2, 1.0, FRAC_1_SQRT_2, 0.5];
-/// Cells with the loose force tolerance over those of the scene.
-const LOOSE: [f64; 2] = [SQRT_2, 1.0];
-/// The loose tolerance over the scene's.
-const LOOSER: f64 = 10.0;
+/// A setting of the finite elements, and the cells it is tried with, over those of the scene.
+struct Setting {
+    name: &'static str,
+    /// What it changes of 10-node tetrahedra with mean dilatation, all nodes solved for.
+    change: fn(&mut Fem),
+    cells: &'static [f64],
+    /// A fast mode, whose speed-up is reported as that of a network.
+    fast: bool,
+}
+
+/// All settings; a new one, such as a fast mode, is one more line. The first one holds the levels of the reference.
+const SETTINGS: [Setting; 3] = [
+    Setting { name: "quadratic", change: |_| (), cells: &[2.0, SQRT_2, 1.0, FRAC_1_SQRT_2], fast: false },
+    Setting {
+        name: "linear",
+        change: |fem| fem.element = Element::Linear,
+        cells: &[SQRT_2, 1.0, FRAC_1_SQRT_2, 0.5],
+        fast: false,
+    },
+    Setting { name: "quadratic, 10 x tolerance", change: loosen, cells: &[SQRT_2, 1.0], fast: false },
+];
+
+/// Ten times the force tolerance.
+fn loosen(fem: &mut Fem) {
+    // Ten times a positive number is one, short of overflow.
+    if let Ok(force) = Positive::new(10.0 * fem.tolerance.force.get()) {
+        fem.tolerance.force = force;
+    }
+}
 
 /// Makes the configurations of a scene.
 #[derive(Debug)]
@@ -72,7 +92,7 @@ impl Sweep {
             }
         }
         let fem = match scene.stepper {
-            Stepper::Fem(fem) => fem,
+            Stepper::Fem(Fem { tolerance, max_iterations, .. }) => Fem { tolerance, max_iterations, ..Fem::default() },
             Stepper::Gnn(_) => Fem::default(),
         };
         Ok(Self { scene, fem, made: Vec::new() })
@@ -83,8 +103,8 @@ impl Sweep {
     /// # Errors
     /// A pad that cannot be refined.
     pub fn reference(&self) -> Result<Configuration> {
-        let fem = Fem { element: Element::Quadratic, mean_dilatation: true, ..self.fem };
-        self.configuration("reference, quadratic", 0.5, fem, Some(Level::Fine))
+        let reference = self.configuration("reference, quadratic", 0.5, self.fem)?;
+        Ok(Configuration { level: Some(Level::Fine), ..reference })
     }
 
     /// All configurations but the reference. Those whose meshes come out alike are there once.
@@ -92,19 +112,18 @@ impl Sweep {
     /// # Errors
     /// A pad that cannot be meshed.
     pub fn configurations(mut self, models: &[PathBuf]) -> Result<Vec<Configuration>> {
-        let full = |element| Fem { element, mean_dilatation: true, ..self.fem };
-        let (quadratic, linear) = (full(Element::Quadratic), full(Element::Linear));
-        for (factor, level) in QUADRATIC {
-            self.add("quadratic", factor, quadratic, level)?;
-        }
-        for factor in LINEAR {
-            self.add("linear", factor, linear, None)?;
-        }
-        let mut loose = quadratic;
-        loose.tolerance.force = Positive::new(LOOSER * self.fem.tolerance.force.get())
-            .map_err(|m| Error::Start(format!("tolerance {m}")))?;
-        for factor in LOOSE {
-            self.add(&format!("quadratic, tolerance {:.0e}", loose.tolerance.force.get()), factor, loose, None)?;
+        for (k, setting) in SETTINGS.iter().enumerate() {
+            let mut fem = self.fem;
+            (setting.change)(&mut fem);
+            for factor in setting.cells {
+                let level = match *factor {
+                    1.0 => Some(Level::Coarse),
+                    FRAC_1_SQRT_2 => Some(Level::Medium),
+                    _ => None,
+                };
+                let new = self.configuration(setting.name, *factor, fem)?;
+                self.add(Configuration { contender: setting.fast, level: level.filter(|_| k == 0), ..new }, fem);
+            }
         }
         // A network sees the scene's own pads with the elements that scenes have by default.
         let nodes = nodes(&self.scene.gripper.pads, Element::default())?;
@@ -117,22 +136,20 @@ impl Sweep {
         Ok(self.made.into_iter().map(|(c, _)| c).chain(networks).collect())
     }
 
-    fn add(&mut self, name: &str, factor: f64, fem: Fem, level: Option<Level>) -> Result<()> {
-        let new = self.configuration(name, factor, fem, level)?;
+    fn add(&mut self, new: Configuration, fem: Fem) {
         // Spacings are rounded to whole cells: two of them may give one mesh.
         match self.made.iter_mut().find(|(c, f)| *f == fem && c.nodes == new.nodes) {
-            Some((old, _)) => old.level = old.level.or(level),
+            Some((old, _)) => old.level = old.level.or(new.level),
             None => self.made.push((new, fem)),
         }
-        Ok(())
     }
 
-    fn configuration(&self, name: &str, factor: f64, fem: Fem, level: Option<Level>) -> Result<Configuration> {
+    fn configuration(&self, name: &str, factor: f64, fem: Fem) -> Result<Configuration> {
         let mut scene = self.scene.clone();
         scene.gripper.pads = coarser(&scene.gripper.pads, factor)?;
         scene.stepper = Stepper::Fem(fem);
         let label = format!("{name} {}", describe(&scene.gripper.pads));
         let nodes = nodes(&scene.gripper.pads, fem.element)?;
-        Ok(Configuration { label, scene, nodes, contender: false, level })
+        Ok(Configuration { label, scene, nodes, contender: false, level: None })
     }
 }

@@ -7,12 +7,10 @@ use std::fmt::Write;
 pub fn text(report: &Report) -> String {
     let width = report.points.iter().chain([&report.reference]).map(|p| p.label.len()).max().unwrap_or(0);
     let mut out = format!(
-        "{} grasps, {} turn{} each, {} thread{}; errors in % against the reference, median / p90 / worst\n\n",
+        "grasps: {}, turns: {}, threads: {}; errors in % against the reference, median / p90 / worst\n\n",
         report.grasps.len(),
         report.repeats,
-        if report.repeats == 1 { "" } else { "s" },
         report.threads,
-        if report.threads == 1 { "" } else { "s" },
     );
     // Writing to a String cannot fail.
     let _ = writeln!(

@@ -6,10 +6,10 @@ use crate::bench::contest::Rules;
 use crate::bench::{chart, contest, cost_by_size, sizes, table};
 use crate::error::{Error, Result};
 use crate::record::files::{create_dir, write_atomic};
-use crate::scene::load_object;
+use crate::scene::{Scene, load_object};
 use indicatif::ProgressBar;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -54,34 +54,37 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode> {
     if let Some(frames) = args.frames {
         scene.loading.set_frames(frames).map_err(|m| Error::Scene(format!("error: {m}")))?;
     }
-    let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
-    if let Some(dir) = &args.out {
-        create_dir(dir)?;
-    }
     let bar = ProgressBar::new_spinner();
     bar.enable_steady_tick(Duration::from_millis(200));
-    let progress = |text: &str| bar.set_message(text.to_string());
-    let repeats = args.repeat as usize;
-    let (text, json) = if args.sizes.is_empty() {
-        let rules = Rules { grasps: args.grasps as usize, threads, repeats };
-        let report = contest(&scene, &args.model, &rules, progress)?;
-        let json = as_json(&report)?;
-        if let Some(dir) = &args.out {
-            write_atomic(&dir.join("bench.json"), json.as_bytes())?;
-            write_atomic(&dir.join("bench.csv"), table::csv(&report).as_bytes())?;
-            chart::save_chart(&report, dir)?;
-        }
-        (table::text(&report), json)
-    } else {
-        let wanted: Vec<usize> = args.sizes.iter().map(|n| *n as usize).collect();
-        let report = cost_by_size(&scene, &wanted, threads, repeats, progress)?;
-        let json = as_json(&report)?;
-        args.out.as_deref().map_or(Ok(()), |dir: &Path| write_atomic(&dir.join("sizes.json"), json.as_bytes()))?;
-        (sizes::text(&report), json)
-    };
+    let measured = measure(args, &scene, |text| bar.set_message(text.to_string()));
     bar.finish_and_clear();
+    let (text, json) = measured?;
     print(if args.format == Format::Json { &json } else { &text })?;
     Ok(ExitCode::from(OK))
+}
+
+/// The report as text and as JSON; files are written.
+fn measure(args: &BenchArgs, scene: &Scene, progress: impl FnMut(&str)) -> Result<(String, String)> {
+    let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
+    let repeats = args.repeat as usize;
+    let out = args.out.as_deref();
+    out.map_or(Ok(()), create_dir)?;
+    if !args.sizes.is_empty() {
+        let wanted: Vec<usize> = args.sizes.iter().map(|n| *n as usize).collect();
+        let report = cost_by_size(scene, &wanted, threads, repeats, progress)?;
+        let json = as_json(&report)?;
+        out.map_or(Ok(()), |dir| write_atomic(&dir.join("sizes.json"), json.as_bytes()))?;
+        return Ok((sizes::text(&report), json));
+    }
+    let rules = Rules { grasps: args.grasps as usize, threads, repeats };
+    let report = contest(scene, &args.model, &rules, progress)?;
+    let json = as_json(&report)?;
+    if let Some(dir) = out {
+        write_atomic(&dir.join("bench.json"), json.as_bytes())?;
+        write_atomic(&dir.join("bench.csv"), table::csv(&report).as_bytes())?;
+        chart::save_chart(&report, dir)?;
+    }
+    Ok((table::text(&report), json))
 }
 
 fn as_json(report: &impl Serialize) -> Result<String> {
