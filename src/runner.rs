@@ -41,7 +41,8 @@ pub struct Outcome {
     pub summary: GraspSummary,
     /// For the scene's expectations.
     pub measured: Measured,
-    /// Where the stepper spent its time; `record` is what the observer took, `other` the rest, s.
+    /// Where the time went, s: the stages of the stepper; `spawn`, the world; `first_contact`, placing and closing;
+    /// `record`, what the observer took; `other`, the rest.
     pub timings: Timings,
 }
 
@@ -112,10 +113,15 @@ pub fn run_grasp(
     let clock = Instant::now();
     observer.begin(index)?;
     let mut environment = Environment::new(model, stepper, pose)?;
+    let spawning = clock.elapsed().as_secs_f64();
     let mut tally = Tally::default();
-    let mut recording = 0.0;
+    let (mut closing, mut recording) = (0.0, 0.0);
     let end = loop {
+        let (before, started) = (environment.phase(), Instant::now());
         let phase = environment.step();
+        if matches!(before, Phase::Place | Phase::Close) {
+            closing += started.elapsed().as_secs_f64();
+        }
         if let Some(frame) = environment.frame() {
             tally.observe(model, frame, environment.findings());
             let clock = Instant::now();
@@ -128,7 +134,7 @@ pub fn run_grasp(
     };
     let wall = clock.elapsed().as_secs_f64();
     let mut timings = environment.timings().clone();
-    timings.stages.insert("record", recording);
+    timings.stages.extend([("spawn", spawning), ("first_contact", closing), ("record", recording)]);
     let accounted: f64 = timings.stages.values().sum();
     timings.stages.insert("other", (wall - accounted).max(0.0));
     let mut outcome = tally.finish(end, timings, wall);

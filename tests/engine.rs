@@ -129,6 +129,36 @@ fn what_nobody_asks_for_is_not_there() {
 }
 
 #[test]
+fn every_word_that_a_scene_leaves_out_makes_it_strictly_smaller() {
+    let count = |scene: &Scene| {
+        let (model, stepper, poses) = prepare(scene);
+        let environment = Environment::new(&model, stepper.as_ref(), poses[0].1).unwrap();
+        let systems: usize = environment.systems().iter().map(|(_, names)| names.len()).sum();
+        (systems, environment.components().values().sum::<usize>(), model.unknowns().total)
+    };
+    let weight = "gravity: (0, 0, 9.81)";
+    let full = count(&scene("friction: 0.8", weight));
+    let mut fixed = scene("friction: 0.8", weight);
+    fixed.object.motion = tactus::scene::Motion::Fixed;
+    let silent = scene("friction: 0.8", &format!("{weight}, record: (fields: [])"));
+    // Of these four only the object's pose has unknowns: six of them.
+    for (left_out, scene, unknowns) in [
+        ("gravity", scene("friction: 0.8", ""), 0),
+        ("friction", scene("friction: 0.0", weight), 0),
+        ("free object", fixed, 6),
+        ("recording", silent, 0),
+    ] {
+        let less = count(&scene);
+        assert!(less.0 < full.0, "without {left_out}: {} systems, {} with it", less.0, full.0);
+        assert!(less.1 < full.1, "without {left_out}: {} components, {} with it", less.1, full.1);
+        assert_eq!(less.2 + unknowns, full.2, "unknowns without {left_out}");
+    }
+    let mut least = scene("friction: 0.0", "record: (fields: [])");
+    least.object.motion = tactus::scene::Motion::Fixed;
+    assert!(count(&least).0 + 4 <= full.0, "each of them takes its own systems with it");
+}
+
+#[test]
 fn the_same_bits_on_one_and_on_two_threads() {
     let scene = scene("", TWO);
     let (first, one) = run(&scene, 1);

@@ -142,3 +142,21 @@ fn outside_the_trained_range_it_refuses_and_says_why() {
     assert!(refusal("\"gelsight_mini\"", "\"tacgrasp\"").contains("nu"));
     assert!(refusal("spacing: 0.008", "spacing: 0.005").contains("another mesh"));
 }
+
+#[test]
+fn a_bench_sets_the_network_against_finite_elements() {
+    let made = made();
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_tactus"));
+    command.arg("bench").arg(&made.tiny.scene).arg("--model").arg(&made.model);
+    let output = command.args("--object ball --grasps 2 --repeat 1 --format json".split(' ')).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["grasps"], serde_json::json!([0, 1]), "evenly spread over three");
+    let network = report["points"].as_array().unwrap().iter().find(|p| p["backend"] == "gnn").unwrap();
+    assert!(network["displacement_error"].as_f64().is_some_and(|e| e > 0.0), "{network}");
+    assert!(network["unknowns"].is_null() && network["profile"]["decode"].is_f64(), "{network}");
+    // Six epochs make a bad network, so some setting reaches its error.
+    let (ratio, label) = (network["speedup_at_equal_error"].as_f64(), network["equal_error_label"].as_str());
+    assert!(ratio.is_some_and(|r| r > 0.0) && label.is_some_and(|l| l.contains("quadratic") || l.contains("linear")));
+    assert_eq!(report["speedup_at_equal_error"].as_f64(), ratio, "the only one that claims a speed-up");
+}

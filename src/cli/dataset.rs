@@ -5,8 +5,7 @@ use crate::dataset::progress::Finished;
 use crate::dataset::{Campaign, Manifest, Watcher};
 use crate::error::{Error, Result};
 use crate::record::Status;
-use crate::scene::leaf::Count;
-use crate::scene::{Loading, NamedScene, load_set};
+use crate::scene::{NamedScene, load_set};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::fmt::Write;
@@ -63,7 +62,7 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
     let mut set = load_set(scene)?;
     choose(&mut set.scenes, &args.object)?;
     if let Some(frames) = args.frames {
-        set.scenes.iter_mut().try_for_each(|s| shorten(s, frames))?;
+        set.scenes.iter_mut().try_for_each(|s| s.scene.loading.set_frames(frames)).map_err(|m| refused(&m))?;
     }
     let threads = args.threads.map_or_else(super::run::machine_threads, |n| n as usize);
     let campaign = Campaign::plan(&set, out)?;
@@ -117,19 +116,6 @@ fn choose(scenes: &mut Vec<NamedScene>, wanted: &[String]) -> Result<()> {
         return Err(refused(&format!("--object {unknown}: the scene has {}", names.join(", "))));
     }
     scenes.retain(|s| wanted.is_empty() || wanted.iter().any(|w| w == s.name.as_str()));
-    Ok(())
-}
-
-fn shorten(named: &mut NamedScene, frames: u64) -> Result<()> {
-    let frames = Count::new(frames).map_err(|m| refused(&format!("--frames {m}")))?;
-    match &mut named.scene.loading {
-        Loading::Squeeze(squeeze) => squeeze.frames = frames,
-        Loading::Press(press) if press.depths.is_some() => {
-            return Err(refused("--frames does not go with a press at given `depths`"));
-        }
-        Loading::Press(press) => press.frames = Some(frames),
-        Loading::Dynamic(dynamic) => dynamic.frames = frames,
-    }
     Ok(())
 }
 

@@ -1,5 +1,6 @@
 //! The command line: one file per command.
 
+mod bench;
 mod check;
 mod dataset;
 mod eval;
@@ -14,6 +15,7 @@ use clap::{Parser, Subcommand, ValueEnum};
 use std::io::Write;
 use std::process::ExitCode;
 
+pub use bench::BenchArgs;
 pub use check::CheckArgs;
 pub use dataset::{DatasetArgs, DatasetCommand};
 pub use eval::EvalArgs;
@@ -50,6 +52,8 @@ pub enum Command {
     Train(TrainArgs),
     /// Judge a trained network on grasps that it has not seen.
     Eval(EvalArgs),
+    /// Measure speed against error: all settings of the finite elements and networks on the same grasps.
+    Bench(BenchArgs),
 }
 
 /// Form of what is printed on stdout.
@@ -82,6 +86,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode> {
         Command::Dataset(args) => dataset::dataset(args),
         Command::Train(args) => train::train(args),
         Command::Eval(args) => eval::eval(args),
+        Command::Bench(args) => bench::bench(args),
     }
 }
 

@@ -9,7 +9,7 @@ use crate::record::{ExpectationReport, Options, Recorder, RunReport, Status};
 use crate::render::Scalar;
 use crate::runner::{Outcome, run_grasps};
 use crate::scene::leaf::Count;
-use crate::scene::{Fem, Gnn, Held, Loaded, Loading, Measured, Scene, Stepper, evaluate_all, load_object};
+use crate::scene::{Fem, Gnn, Held, Loaded, Measured, Scene, Stepper, evaluate_all, load_object};
 use crate::stepper::choose;
 use clap::ValueEnum;
 use std::collections::BTreeMap;
@@ -88,15 +88,7 @@ impl RunArgs {
             }
         }
         if let Some(frames) = self.frames {
-            let frames = Count::new(frames).map_err(|m| refused(&format!("--frames {m}")))?;
-            match &mut scene.loading {
-                Loading::Squeeze(squeeze) => squeeze.frames = frames,
-                Loading::Press(press) if press.depths.is_some() => {
-                    return Err(refused("--frames does not go with a press at given `depths`"));
-                }
-                Loading::Press(press) => press.frames = Some(frames),
-                Loading::Dynamic(dynamic) => dynamic.frames = frames,
-            }
+            scene.loading.set_frames(frames).map_err(|m| refused(&m))?;
         }
         if self.no_pictures {
             scene.record.pictures = false;

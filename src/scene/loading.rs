@@ -71,6 +71,20 @@ impl Loading {
             Loading::Dynamic(dynamic) => dynamic.times(),
         }
     }
+
+    /// Records another number of frames up to the same load; the error is a message for the user.
+    pub fn set_frames(&mut self, frames: u64) -> Result<(), String> {
+        let frames = Count::new(frames).map_err(|m| format!("--frames {m}"))?;
+        match self {
+            Loading::Squeeze(squeeze) => squeeze.frames = frames,
+            Loading::Press(press) if press.depths.is_some() => {
+                return Err("--frames does not go with a press at given `depths`".into());
+            }
+            Loading::Press(press) => press.frames = Some(frames),
+            Loading::Dynamic(dynamic) => dynamic.frames = frames,
+        }
+        Ok(())
+    }
 }
 
 /// `n` equal steps up to `last`, which is met exactly.

@@ -1,13 +1,12 @@
 //! The gripper's wishes: where the object is at the start, and how hard to squeeze next.
 
-use crate::components::{FingerForce, FingerTravel, ObjectPose};
+use crate::components::{FingerForce, FingerTravel, ObjectPose, ObjectWeight};
 use crate::schedule::{Advance, Grasp, Next, Phase, Shared};
 use bevy_ecs::prelude::*;
 
-/// Puts the object at its grasp pose in the open hand; refuses a weight that this gripper cannot hold at all.
+/// Puts the object at its grasp pose in the open hand.
 pub fn place_object(
     phase: Res<Phase>,
-    shared: Res<Shared>,
     grasp: Res<Grasp>,
     mut next: ResMut<Next>,
     mut pose: Single<&mut ObjectPose>,
@@ -19,23 +18,27 @@ pub fn place_object(
     let start = grasp.0.object_in_hand();
     **pose = ObjectPose { position: start.position, rotation: start.rotation };
     travel.iter_mut().for_each(|mut t| t.0 = 0.0);
+    next.request(Phase::Close);
+}
+
+/// Refuses a weight that this gripper cannot hold at all.
+pub fn refuse_weight(phase: Res<Phase>, shared: Res<Shared>, mut next: ResMut<Next>, weight: Single<&ObjectWeight>) {
     let model = &shared.0;
     // Geared fingers hold such a weight.
-    let equal_forces = model.free && model.force_driven && model.dynamics.is_none();
-    if let (Some(gravity), true) = (model.gravity, equal_forces) {
-        let weight = (start.rotation * gravity * model.mass).dot(model.fingers[0].placement.closing).abs();
-        let last = model.levels.last().copied().unwrap_or(0.0);
-        if weight > HELD * last {
-            next.request(Phase::Infeasible {
-                reason: format!(
-                    "gravity pulls the object with {weight:.3} N along the closing direction; fingers closed by equal \
-                     forces cannot hold that: turn the hand or gravity"
-                ),
-            });
-            return;
-        }
+    let equal_forces = model.force_driven && model.dynamics.is_none();
+    if *phase != Phase::Place || !equal_forces {
+        return;
     }
-    next.request(Phase::Close);
+    let weight = weight.0.dot(model.fingers[0].placement.closing).abs();
+    let last = model.levels.last().copied().unwrap_or(0.0);
+    if weight > HELD * last {
+        next.request(Phase::Infeasible {
+            reason: format!(
+                "gravity pulls the object with {weight:.3} N along the closing direction; fingers closed by equal \
+                 forces cannot hold that: turn the hand or gravity"
+            ),
+        });
+    }
 }
 
 /// Weight along the closing direction, over the force of a finger, that still passes as none.

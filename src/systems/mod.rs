@@ -14,6 +14,10 @@ use bevy_ecs::prelude::*;
 /// Puts the shared systems in their sets.
 pub fn register(schedule: &mut Schedule, needs: &Needs) {
     schedule.add_systems((control::place_object, control::set_load.run_if(ramping)).chain().in_set(StepSet::Control));
+    if needs.gravity && needs.free_object {
+        // The first to ask for a phase is heard.
+        schedule.add_systems(control::refuse_weight.before(control::place_object).in_set(StepSet::Control));
+    }
     schedule.add_systems(sense::close_to_contact.in_set(StepSet::Sense));
     if needs.pads_apart {
         schedule.add_systems(apart::keep_pads_apart.run_if(reached).in_set(StepSet::Accept));

@@ -1,6 +1,7 @@
 //! Medians, 90th percentiles and worst values, over all frames and by object, load and frame.
 
 use super::{FrameError, Judged};
+use crate::bench::spread::Spread;
 use crate::gnn::eval::rank::kendall;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -61,13 +62,18 @@ pub fn rows(split: &str, judged: &[Judged]) -> Vec<Row> {
     }
     let row = |(group, frames): (&(u8, String), &Vec<&FrameError>)| {
         let of = |(quantity, pick): &Quantity| {
-            let mut values: Vec<f64> = frames.iter().map(|f| pick(f)).collect();
-            values.sort_by(f64::total_cmp);
-            let at = |part: f64| values[((values.len() - 1) as f64 * part).round() as usize];
-            let (median, p90, worst) = (at(0.5), at(0.9), at(1.0));
-            Row { split: split.into(), group: group.1.clone(), quantity, median, p90, worst, samples: values.len() }
+            let Spread { median, p90, worst } = Spread::of(frames.iter().map(|f| pick(f)))?;
+            Some(Row {
+                split: split.into(),
+                group: group.1.clone(),
+                quantity,
+                median,
+                p90,
+                worst,
+                samples: frames.len(),
+            })
         };
-        QUANTITIES.iter().map(of).collect::<Vec<_>>()
+        QUANTITIES.iter().filter_map(of).collect::<Vec<_>>()
     };
     groups.iter().flat_map(row).collect()
 }

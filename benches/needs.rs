@@ -1,0 +1,51 @@
+//! What each word of a scene costs: the same squeeze with everything, and with one thing less.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use std::hint::black_box;
+use tactus::environment::Environment;
+use tactus::error::Result;
+use tactus::grasp::poses_of;
+use tactus::model::Model;
+use tactus::scene::{Motion, Scene, from_ron};
+use tactus::stepper::choose;
+
+/// A squeeze in three frames.
+fn scene(friction: f64, more: &str, motion: Motion) -> Result<Scene> {
+    let mut scene = from_ron(&format!(
+        "(object: (shape: Ellipsoid(radii: (0.014, 0.02, 0.017)), density: 900.0),
+          gripper: (pads: GelSightMini(spacing: 4e-3), friction: {friction}),
+          loading: Squeeze(force: 6.0, frames: 3), {more})"
+    ))?;
+    scene.object.motion = motion;
+    Ok(scene)
+}
+
+fn squeeze(c: &mut Criterion) {
+    let (weight, nothing) = ("gravity: (0, 0, 9.81),", "record: (fields: []),");
+    let scenes = [
+        ("everything", scene(0.8, weight, Motion::Free)),
+        ("without gravity", scene(0.8, "", Motion::Free)),
+        ("without friction", scene(0.0, weight, Motion::Free)),
+        ("without a free object", scene(0.8, weight, Motion::Fixed)),
+        ("without recording", scene(0.8, &format!("{weight} {nothing}"), Motion::Free)),
+        ("without any of them", scene(0.0, nothing, Motion::Fixed)),
+    ];
+    let mut group = c.benchmark_group("squeeze in 3 frames");
+    for (name, scene) in scenes {
+        let prepared = scene.and_then(|s| Ok((Model::build(&s)?, choose(&s)?, poses_of(&s)?)));
+        let Ok((model, stepper, poses)) = prepared else { continue };
+        group.bench_function(name, |b| {
+            b.iter(|| {
+                let mut environment = Environment::new(&model, stepper.as_ref(), poses[0]);
+                if let Ok(environment) = &mut environment {
+                    while !environment.step().is_final() {}
+                }
+                black_box(environment.is_ok())
+            })
+        });
+    }
+    group.finish();
+}
+
+criterion_group! { name = benches; config = Criterion::default().sample_size(10); targets = squeeze }
+criterion_main!(benches);

@@ -1,0 +1,29 @@
+//! Time and memory of this process, where the system tells.
+
+/// Processor time of all threads since the start of the process, user and system, s; None where unknown.
+pub fn processor_time() -> Option<f64> {
+    #[cfg(unix)]
+    {
+        let t = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+        Some(t.tv_sec as f64 + 1e-9 * t.tv_nsec as f64)
+    }
+    #[cfg(not(unix))]
+    None
+}
+
+/// Forgets the peak of the resident memory so far (Linux: `/proc/self/clear_refs`); false where that cannot be done.
+pub fn forget_peak_memory() -> bool {
+    std::fs::write("/proc/self/clear_refs", "5").is_ok()
+}
+
+/// Largest resident memory since [`forget_peak_memory`], bytes; None where unknown.
+pub fn peak_memory() -> Option<u64> {
+    status("VmHWM:")
+}
+
+/// A line of `/proc/self/status`, bytes.
+fn status(name: &str) -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = text.lines().find_map(|l| l.strip_prefix(name))?;
+    line.trim().trim_end_matches("kB").trim().parse::<u64>().ok().map(|kb| 1024 * kb)
+}

@@ -1,0 +1,195 @@
+//! What a contest comes to: a point per configuration, the Pareto front, the speed-up at equal error.
+
+use super::contest::{Entry, Rules};
+use super::error::{FrameError, richardson};
+use super::spread::{Spread, median};
+use super::sweep::Level;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Time and error of one configuration. Times are wall times unless they say otherwise; relative errors have no unit.
+#[derive(Debug, Clone, Serialize)]
+pub struct Point {
+    /// Name of the configuration.
+    pub label: String,
+    /// `fem` or `gnn`.
+    pub backend: String,
+    /// What the speed-up is about: a network, or a fast mode.
+    pub contender: bool,
+    /// Nodes of one pad.
+    pub nodes: usize,
+    /// Unknowns of the solver; none of a network.
+    pub unknowns: Option<usize>,
+    /// Set-up and first grasp.
+    pub cold_s: f64,
+    /// A grasp with all its frames, warm: median over the turns, then over the grasps.
+    pub time_per_grasp_s: f64,
+    /// The same over the number of frames.
+    pub time_per_frame_s: f64,
+    /// Processor time of all threads for a grasp; null where the system does not tell.
+    pub processor_time_per_grasp_s: Option<f64>,
+    /// Newton iterations (decoder passes) per frame.
+    pub iterations_per_frame: f64,
+    /// Displacement, median of `errors`; null if no grasp got there.
+    pub displacement_error: Option<f64>,
+    /// Von Mises stress, median.
+    pub stress_error: Option<f64>,
+    /// Contact force, median.
+    pub force_error: Option<f64>,
+    /// Travel of the fingers, median.
+    pub travel_error: Option<f64>,
+    /// Median, 90th percentile and worst of every quantity over grasps and frames.
+    pub errors: BTreeMap<&'static str, Spread>,
+    /// Grasps that did not reach their end, with the reason.
+    pub failed: Vec<String>,
+    /// Another point is as fast and as accurate, or some grasp failed.
+    pub dominated: bool,
+    /// Time of the cheapest full finite element setting that is at least as accurate, over this one's; of contenders only.
+    pub speedup_at_equal_error: Option<f64>,
+    /// That setting.
+    pub equal_error_label: Option<String>,
+    /// Share of each stage in the time.
+    pub profile: BTreeMap<&'static str, f64>,
+    /// Largest resident memory of the process with this configuration alone, up to its first frame; null where the system
+    /// does not tell.
+    pub peak_memory_bytes: Option<u64>,
+}
+
+/// A quantity and how to get it.
+type Quantity = (&'static str, fn(&FrameError) -> f64);
+
+/// What is compared; a name without unit is relative.
+pub const QUANTITIES: [Quantity; 6] = [
+    ("displacement", |e| e.displacement),
+    ("stress", |e| e.stress),
+    ("force", |e| e.force),
+    ("travel", |e| e.travel),
+    ("displacement_max_m", |e| e.displacement_max_m),
+    ("stress_max_pa", |e| e.stress_max_pa),
+];
+
+/// A contest.
+#[derive(Debug, Clone, Serialize)]
+pub struct Report {
+    /// Numbers of the grasps.
+    pub grasps: Vec<usize>,
+    /// Threads of each grasp.
+    pub threads: usize,
+    /// Turns of each configuration on each grasp.
+    pub repeats: usize,
+    /// Time and error of each configuration.
+    pub points: Vec<Point>,
+    /// What they are compared with; its errors are estimates.
+    pub reference: Point,
+    /// Error of the reference's displacement, from two coarser levels; errors below it are not told apart.
+    pub reference_error: Option<f64>,
+    /// The same of every relative quantity.
+    pub reference_errors: BTreeMap<&'static str, f64>,
+    /// The largest of the contenders; null without any, or if nothing reaches their error.
+    pub speedup_at_equal_error: Option<f64>,
+    /// What to know before reading the numbers.
+    pub notices: Vec<String>,
+}
+
+impl Report {
+    /// Of the entries of a contest.
+    pub fn new(rules: &Rules, grasps: Vec<usize>, reference: &Entry, entries: &[Entry], notices: Vec<String>) -> Self {
+        let mut points: Vec<Point> = entries.iter().map(Point::new).collect();
+        let level = |wanted: Level, pick: fn(&FrameError) -> f64| {
+            let entry = entries.iter().find(|e| e.configuration.level == Some(wanted));
+            entry.map(|e| median(e.errors.iter().map(pick))).filter(|v| v.is_finite())
+        };
+        let relative = QUANTITIES.iter().filter(|(name, _)| !name.contains("_max_"));
+        let reference_errors: BTreeMap<_, _> = relative
+            .filter_map(|(name, pick)| {
+                let medium = level(Level::Medium, *pick);
+                level(Level::Coarse, *pick).filter(|c| *c > 0.0).map(|c| (*name, richardson(c, medium)))
+            })
+            .collect();
+        let mut reference = Point::new(reference);
+        let of = |name: &str| reference_errors.get(name).copied();
+        (reference.displacement_error, reference.stress_error) = (of("displacement"), of("stress"));
+        (reference.force_error, reference.travel_error) = (of("force"), of("travel"));
+        mark_dominated(&mut points);
+        let mut settings: Vec<Point> = points.iter().filter(|p| !p.contender).cloned().collect();
+        settings.push(reference.clone());
+        points.iter_mut().filter(|p| p.contender).for_each(|p| p.compare(&settings));
+        let speedups = points.iter().filter_map(|p| p.speedup_at_equal_error);
+        Self {
+            grasps,
+            threads: rules.threads,
+            repeats: rules.repeats,
+            speedup_at_equal_error: speedups.reduce(f64::max),
+            reference_error: of("displacement"),
+            reference_errors,
+            reference,
+            points,
+            notices,
+        }
+    }
+}
+
+/// Marks points that another one beats: as fast and as accurate in displacement, and better in one of the two.
+pub fn mark_dominated(points: &mut [Point]) {
+    let all: Vec<Option<(f64, f64)>> = points.iter().map(Point::place).collect();
+    for (point, own) in points.iter_mut().zip(&all) {
+        let beaten =
+            |own: &(f64, f64)| all.iter().flatten().any(|other| other.0 <= own.0 && other.1 <= own.1 && other != own);
+        point.dominated = own.as_ref().is_none_or(beaten);
+    }
+}
+
+impl Point {
+    fn new(entry: &Entry) -> Self {
+        let spread = |(name, pick): &Quantity| Spread::of(entry.errors.iter().map(pick)).map(|s| (*name, s));
+        let errors: BTreeMap<_, _> = QUANTITIES.iter().filter_map(spread).collect();
+        let middle = |name: &str| errors.get(name).map(|s| s.median);
+        let whole: f64 = entry.stages.values().sum();
+        let model = entry.prepared.as_ref().map(|p| &p.model);
+        let backend = entry.prepared.as_ref().map_or("", |p| p.stepper.name());
+        let runs = entry.wall_s.values().map(Vec::len).sum::<usize>().max(1);
+        let time = entry.time_per_grasp();
+        Self {
+            label: entry.configuration.label.clone(),
+            backend: backend.into(),
+            contender: entry.configuration.contender,
+            nodes: entry.configuration.nodes,
+            unknowns: model.filter(|_| backend == "fem").map(|m| m.unknowns().total),
+            cold_s: entry.cold_s,
+            time_per_grasp_s: time,
+            time_per_frame_s: time * runs as f64 / entry.frames.max(1) as f64,
+            processor_time_per_grasp_s: entry.processor_time_per_grasp(),
+            iterations_per_frame: entry.iterations as f64 / entry.frames.max(1) as f64,
+            displacement_error: middle("displacement"),
+            stress_error: middle("stress"),
+            force_error: middle("force"),
+            travel_error: middle("travel"),
+            errors,
+            failed: entry.failed.clone(),
+            dominated: false,
+            speedup_at_equal_error: None,
+            equal_error_label: None,
+            profile: entry.stages.iter().map(|(stage, s)| (*stage, s / whole)).collect(),
+            peak_memory_bytes: entry.peak_memory,
+        }
+    }
+
+    /// Time and displacement error; None where a grasp failed.
+    pub fn place(&self) -> Option<(f64, f64)> {
+        self.displacement_error.filter(|_| self.failed.is_empty()).map(|e| (self.time_per_grasp_s, e))
+    }
+
+    /// Finds the cheapest of `settings` that has at most this point's errors of displacement and stress.
+    fn compare(&mut self, settings: &[Point]) {
+        let (Some(displacement), Some(stress)) = (self.displacement_error, self.stress_error) else { return };
+        let accurate = |p: &&Point| {
+            p.failed.is_empty()
+                && p.displacement_error.is_some_and(|e| e <= displacement)
+                && p.stress_error.is_some_and(|e| e <= stress)
+        };
+        let cheapest =
+            settings.iter().filter(accurate).min_by(|a, b| a.time_per_grasp_s.total_cmp(&b.time_per_grasp_s));
+        self.speedup_at_equal_error = cheapest.map(|p| p.time_per_grasp_s / self.time_per_grasp_s);
+        self.equal_error_label = cheapest.map(|p| p.label.clone());
+    }
+}

@@ -1,0 +1,222 @@
+//! Cost against size: one grasp with pads of more and more nodes.
+
+use super::clock::{forget_peak_memory, peak_memory, processor_time};
+use super::contest::add_stages;
+use super::density::{coarser, describe, nodes};
+use super::spread::median;
+use crate::error::{Error, Result};
+use crate::grasp::poses_of;
+use crate::model::Model;
+use crate::record::Status;
+use crate::runner::run_grasp;
+use crate::scene::{Element, Pads, Scene, Stepper};
+use crate::stepper::choose;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// One size of pad.
+#[derive(Debug, Clone, Serialize)]
+pub struct Size {
+    /// Spacing or cells of the pads.
+    pub density: String,
+    /// Nodes of one pad.
+    pub nodes: usize,
+    /// Unknowns of the solver.
+    pub unknowns: usize,
+    /// Newton iterations per frame.
+    pub iterations_per_frame: f64,
+    /// Wall time of a Newton iteration: assembly, factorisation, solve and line search.
+    pub time_per_iteration_s: f64,
+    /// Wall time of a frame.
+    pub time_per_frame_s: f64,
+    /// Processor time of a frame, all threads; null where the system does not tell.
+    pub processor_time_per_frame_s: Option<f64>,
+    /// Largest resident memory of the process with this size alone; null where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
+}
+
+/// Sizes and how their cost grows.
+#[derive(Debug, Clone, Serialize)]
+pub struct Sizes {
+    /// From small to large.
+    pub sizes: Vec<Size>,
+    /// Power of the unknowns that the time of an iteration grows with, fitted; null with fewer than two sizes.
+    pub iteration_exponent: Option<f64>,
+    /// The same of the time of a frame.
+    pub frame_exponent: Option<f64>,
+    /// The same of the memory.
+    pub memory_exponent: Option<f64>,
+    /// Threads.
+    pub threads: usize,
+    /// Turns of each size; times are medians.
+    pub repeats: usize,
+}
+
+/// Runs the first grasp of `scene` with pads of about `wanted` nodes each, `repeats` times in turn.
+///
+/// # Errors
+/// A network scene; a pad that cannot be meshed so; a size at which the grasp does not reach its end.
+pub fn cost_by_size(
+    scene: &Scene,
+    wanted: &[usize],
+    threads: usize,
+    repeats: usize,
+    mut progress: impl FnMut(&str),
+) -> Result<Sizes> {
+    let Stepper::Fem(fem) = scene.stepper else {
+        return Err(Error::Start("cost against size is for finite elements; the scene's stepper is a network".into()));
+    };
+    let mut wanted = wanted.to_vec();
+    wanted.sort_unstable();
+    let mut pads = wanted.iter().map(|n| of_size(&scene.gripper.pads, fem.element, *n)).collect::<Result<Vec<_>>>()?;
+    pads.dedup();
+    let pose = *poses_of(scene)?.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| Error::Start(format!("cannot start {threads} threads: {e}")))?;
+    let mut turns: Vec<Vec<Size>> = vec![Vec::new(); pads.len()];
+    for turn in 0..repeats {
+        for (pads, sizes) in pads.iter().zip(&mut turns) {
+            let mut scene = scene.clone();
+            scene.expect.clear();
+            scene.gripper.pads = pads.clone();
+            let density = describe(pads);
+            progress(&format!("turn {} of {repeats}: {density}", turn + 1));
+            let known = forget_peak_memory();
+            let (model, stepper) = (Model::build(&scene)?, choose(&scene)?);
+            let before = processor_time();
+            let outcome = pool.install(|| run_grasp(&model, stepper.as_ref(), 0, pose, &()))?;
+            let processor = processor_time().zip(before).map(|(now, before)| now - before);
+            if outcome.summary.status != Status::Reached {
+                let reason = outcome.summary.reason.unwrap_or_default();
+                return Err(Error::Solver(format!("pads of {density}: {reason}")));
+            }
+            let mut stages = BTreeMap::new();
+            add_stages(&mut stages, &outcome);
+            let newton: f64 =
+                ["assembly", "factorization", "solve", "line_search"].iter().filter_map(|s| stages.get(s)).sum();
+            let (frames, iterations) = (outcome.summary.frames as f64, outcome.timings.iterations as f64);
+            sizes.push(Size {
+                density,
+                nodes: model.fingers[0].body.rest.len(),
+                unknowns: model.unknowns().total,
+                iterations_per_frame: iterations / frames,
+                time_per_iteration_s: newton / iterations,
+                time_per_frame_s: outcome.summary.wall_s / frames,
+                processor_time_per_frame_s: processor.map(|t| t / frames),
+                peak_memory_bytes: peak_memory().filter(|_| known),
+            });
+        }
+    }
+    let sizes: Vec<Size> = turns.iter().filter_map(|t| middle(t)).collect();
+    let fit = |pick: fn(&Size) -> Option<f64>| {
+        exponent(sizes.iter().filter_map(|s| pick(s).map(|v| (s.unknowns as f64, v))).collect())
+    };
+    Ok(Sizes {
+        iteration_exponent: fit(|s| Some(s.time_per_iteration_s)),
+        frame_exponent: fit(|s| Some(s.time_per_frame_s)),
+        memory_exponent: fit(|s| s.peak_memory_bytes.map(|b| b as f64)),
+        threads,
+        repeats,
+        sizes,
+    })
+}
+
+/// Median times of the turns of one size, and the largest memory.
+fn middle(turns: &[Size]) -> Option<Size> {
+    let of = |pick: fn(&Size) -> f64| median(turns.iter().map(pick));
+    Some(Size {
+        time_per_iteration_s: of(|s| s.time_per_iteration_s),
+        time_per_frame_s: of(|s| s.time_per_frame_s),
+        processor_time_per_frame_s: Some(of(|s| s.processor_time_per_frame_s.unwrap_or(f64::NAN)))
+            .filter(|t| t.is_finite()),
+        peak_memory_bytes: turns.iter().filter_map(|s| s.peak_memory_bytes).max(),
+        ..turns.first()?.clone()
+    })
+}
+
+/// The density of `pads` whose number of nodes is nearest to `wanted`, in ratio.
+fn of_size(pads: &Pads, element: Element, wanted: usize) -> Result<Pads> {
+    let count = |factor: f64| coarser(pads, factor).and_then(|p| nodes(&p, element));
+    let step = 1.3;
+    let (mut fine, mut coarse) = (1.0, 1.0);
+    while count(fine)? < wanted {
+        fine /= step;
+    }
+    // The coarsest pad has a least number of cells, so more nodes than wanted may be the fewest there are.
+    while count(coarse)? > wanted && coarse < 1e3 {
+        coarse *= step;
+    }
+    let mut best = (f64::INFINITY, 1.0);
+    for _ in 0..12 {
+        let factor = f64::sqrt(fine * coarse);
+        let found = count(factor)?;
+        let off = (found as f64 / wanted as f64).ln().abs();
+        if off < best.0 {
+            best = (off, factor);
+        }
+        if found > wanted { fine = factor } else { coarse = factor }
+    }
+    coarser(pads, best.1)
+}
+
+/// Slope of the logarithms, by least squares.
+fn exponent(points: Vec<(f64, f64)>) -> Option<f64> {
+    let n = points.len() as f64;
+    let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
+    let mean = |pick: fn(&(f64, f64)) -> f64| logs.iter().map(pick).sum::<f64>() / n;
+    let (mx, my) = (mean(|p| p.0), mean(|p| p.1));
+    let xx: f64 = logs.iter().map(|p| (p.0 - mx).powi(2)).sum();
+    let xy: f64 = logs.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum();
+    (xx > 0.0).then_some(xy / xx)
+}
+
+/// Table for humans.
+pub fn text(report: &Sizes) -> String {
+    let head = "density    nodes  unknowns  iterations/frame  ms/iteration  s/frame  cpu s/frame  memory MB\n";
+    let row = |s: &Size| {
+        format!(
+            "{:<8} {:>7}  {:>8}  {:>16.1}  {:>12.2}  {:>7.3}  {:>11}  {:>9}\n",
+            s.density,
+            s.nodes,
+            s.unknowns,
+            s.iterations_per_frame,
+            1e3 * s.time_per_iteration_s,
+            s.time_per_frame_s,
+            s.processor_time_per_frame_s.map_or("-".into(), |t| format!("{t:.3}")),
+            s.peak_memory_bytes.map_or("-".into(), |b| format!("{:.0}", b as f64 / 1e6)),
+        )
+    };
+    let power = |v: Option<f64>| v.map_or("-".into(), |v| format!("{v:.2}"));
+    format!(
+        "threads: {}, turns: {}\n\n{head}{}\ncost ~ unknowns^p: p = {} (iteration), {} (frame), {} (memory)\n",
+        report.threads,
+        report.repeats,
+        report.sizes.iter().map(row).collect::<String>(),
+        power(report.iteration_exponent),
+        power(report.frame_exponent),
+        power(report.memory_exponent),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_exponent_of_a_power_law_is_found() {
+        let points = [10.0, 40.0, 300.0].map(|x: f64| (x, 3.0 * x.powf(1.4))).to_vec();
+        assert!(exponent(points).is_some_and(|p| (p - 1.4).abs() < 1e-12));
+        assert_eq!(exponent(vec![(5.0, 1.0)]), None);
+    }
+
+    #[test]
+    fn pads_come_near_the_wanted_number_of_nodes() {
+        for wanted in [500, 2000, 9000] {
+            let pads = of_size(&Pads::default(), Element::Quadratic, wanted).unwrap();
+            let found = nodes(&pads, Element::Quadratic).unwrap() as f64 / wanted as f64;
+            assert!((0.7..1.4).contains(&found), "{wanted}: off by a factor of {found}");
+        }
+    }
+}

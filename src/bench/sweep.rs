@@ -1,0 +1,155 @@
+//! What is compared: the settings of the finite elements around those of the scene, networks, and the reference.
+
+use super::density::{coarser, describe, nodes};
+use crate::error::{Error, Result};
+use crate::scene::leaf::Positive;
+use crate::scene::{Element, Fem, Field, Fingers, Gnn, Loading, Scene, Stepper};
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+use std::path::PathBuf;
+
+/// One way to simulate the grasps of the scene.
+#[derive(Debug, Clone)]
+pub struct Configuration {
+    /// Its name in tables and charts.
+    pub label: String,
+    /// The scene with the settings of this configuration.
+    pub scene: Scene,
+    /// Nodes of one pad.
+    pub nodes: usize,
+    /// Claims to be faster than full finite elements at its error: a network, or a fast mode. The speed-up is about these.
+    pub contender: bool,
+    /// One of the three levels that the error of the reference is estimated from.
+    pub level: Option<Level>,
+}
+
+/// Pads of these densities, otherwise alike: cells in ratios of the square root of two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Level {
+    /// Cells as wide as the scene's.
+    Coarse,
+    /// Between the two.
+    Medium,
+    /// Cells half as wide as the scene's: the reference.
+    Fine,
+}
+
+/// A setting of the finite elements, and the cells it is tried with, over those of the scene.
+struct Setting {
+    name: &'static str,
+    /// What it changes of 10-node tetrahedra with mean dilatation, all nodes solved for.
+    change: fn(&mut Fem),
+    cells: &'static [f64],
+    /// A fast mode, whose speed-up is reported as that of a network.
+    fast: bool,
+}
+
+/// All settings; a new one, such as a fast mode, is one more line. The first one holds the levels of the reference.
+const SETTINGS: [Setting; 3] = [
+    Setting { name: "quadratic", change: |_| (), cells: &[2.0, SQRT_2, 1.0, FRAC_1_SQRT_2], fast: false },
+    Setting {
+        name: "linear",
+        change: |fem| fem.element = Element::Linear,
+        cells: &[SQRT_2, 1.0, FRAC_1_SQRT_2, 0.5],
+        fast: false,
+    },
+    Setting { name: "quadratic, 10 x tolerance", change: loosen, cells: &[SQRT_2, 1.0], fast: false },
+];
+
+/// Ten times the force tolerance.
+fn loosen(fem: &mut Fem) {
+    // Ten times a positive number is one, short of overflow.
+    if let Ok(force) = Positive::new(10.0 * fem.tolerance.force.get()) {
+        fem.tolerance.force = force;
+    }
+}
+
+/// Makes the configurations of a scene.
+#[derive(Debug)]
+pub struct Sweep {
+    scene: Scene,
+    fem: Fem,
+    made: Vec<(Configuration, Fem)>,
+}
+
+impl Sweep {
+    /// Around the settings of `scene`. Fields that are compared are recorded; what the scene promises is not judged, as
+    /// that takes time of its own.
+    ///
+    /// # Errors
+    /// A scene without pads, and one that moves in time.
+    pub fn new(scene: &Scene) -> Result<Self> {
+        if scene.gripper.fingers == Fingers::None {
+            return Err(Error::Start("a bench compares pads, and the scene has none (`fingers: None`)".into()));
+        }
+        if matches!(scene.loading, Loading::Dynamic(_)) {
+            return Err(Error::Start("a bench is for `Squeeze` and `Press`; the scene's loading is `Dynamic`".into()));
+        }
+        let mut scene = scene.clone();
+        scene.expect.clear();
+        for field in [Field::Displacement, Field::Stress] {
+            if !scene.record.fields.contains(&field) {
+                scene.record.fields.push(field);
+            }
+        }
+        let fem = match scene.stepper {
+            Stepper::Fem(Fem { tolerance, max_iterations, .. }) => Fem { tolerance, max_iterations, ..Fem::default() },
+            Stepper::Gnn(_) => Fem::default(),
+        };
+        Ok(Self { scene, fem, made: Vec::new() })
+    }
+
+    /// The reference: 10-node tetrahedra with mean dilatation, half as wide as the scene's cells.
+    ///
+    /// # Errors
+    /// A pad that cannot be refined.
+    pub fn reference(&self) -> Result<Configuration> {
+        let reference = self.configuration("reference, quadratic", 0.5, self.fem)?;
+        Ok(Configuration { level: Some(Level::Fine), ..reference })
+    }
+
+    /// All configurations but the reference. Those whose meshes come out alike are there once.
+    ///
+    /// # Errors
+    /// A pad that cannot be meshed.
+    pub fn configurations(mut self, models: &[PathBuf]) -> Result<Vec<Configuration>> {
+        for (k, setting) in SETTINGS.iter().enumerate() {
+            let mut fem = self.fem;
+            (setting.change)(&mut fem);
+            for factor in setting.cells {
+                let level = match *factor {
+                    1.0 => Some(Level::Coarse),
+                    FRAC_1_SQRT_2 => Some(Level::Medium),
+                    _ => None,
+                };
+                let new = self.configuration(setting.name, *factor, fem)?;
+                self.add(Configuration { contender: setting.fast, level: level.filter(|_| k == 0), ..new }, fem);
+            }
+        }
+        // A network sees the scene's own pads with the elements that scenes have by default.
+        let nodes = nodes(&self.scene.gripper.pads, Element::default())?;
+        let networks = models.iter().map(|model| {
+            let scene = Scene { stepper: Stepper::Gnn(Gnn { model: model.clone() }), ..self.scene.clone() };
+            let name = model.file_name().unwrap_or(model.as_os_str()).to_string_lossy();
+            Configuration { label: format!("network {name}"), scene, nodes, contender: true, level: None }
+        });
+        let networks: Vec<_> = networks.collect();
+        Ok(self.made.into_iter().map(|(c, _)| c).chain(networks).collect())
+    }
+
+    fn add(&mut self, new: Configuration, fem: Fem) {
+        // Spacings are rounded to whole cells: two of them may give one mesh.
+        match self.made.iter_mut().find(|(c, f)| *f == fem && c.nodes == new.nodes) {
+            Some((old, _)) => old.level = old.level.or(new.level),
+            None => self.made.push((new, fem)),
+        }
+    }
+
+    fn configuration(&self, name: &str, factor: f64, fem: Fem) -> Result<Configuration> {
+        let mut scene = self.scene.clone();
+        scene.gripper.pads = coarser(&scene.gripper.pads, factor)?;
+        scene.stepper = Stepper::Fem(fem);
+        let label = format!("{name} {}", describe(&scene.gripper.pads));
+        let nodes = nodes(&scene.gripper.pads, fem.element)?;
+        Ok(Configuration { label, scene, nodes, contender: false, level: None })
+    }
+}

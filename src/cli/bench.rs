@@ -1,0 +1,93 @@
+//! `tactus bench`: speed against error of all settings and networks; or cost against size.
+
+use super::run::machine_threads;
+use super::{Format, OK, print};
+use crate::bench::contest::Rules;
+use crate::bench::{chart, contest, cost_by_size, sizes, table};
+use crate::error::{Error, Result};
+use crate::record::files::{create_dir, write_atomic};
+use crate::scene::{Scene, load_object};
+use indicatif::ProgressBar;
+use serde::Serialize;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Arguments of `tactus bench`.
+#[derive(Debug, clap::Args)]
+pub struct BenchArgs {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// The object to take from a scene of several.
+    #[arg(long, value_name = "NAME")]
+    pub object: Option<String>,
+    /// Grasps, evenly spread over those of the scene.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=10000))]
+    pub grasps: u64,
+    /// Recorded frames of each grasp, instead of the scene's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]
+    pub frames: Option<u64>,
+    /// Threads of each grasp; all that the machine has by default. Grasps run one at a time.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
+    pub threads: Option<u64>,
+    /// Folder of a trained model to compare; may be given again.
+    #[arg(long, value_name = "DIR")]
+    pub model: Vec<PathBuf>,
+    /// How often each configuration simulates each grasp, in turn; times are medians.
+    #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub repeat: u64,
+    /// Instead: the cost of the first grasp with pads of about so many nodes each, separated by commas.
+    #[arg(long, value_name = "N,...", value_delimiter = ',', conflicts_with_all = ["model", "grasps"],
+          value_parser = clap::value_parser!(u64).range(8..=1_000_000))]
+    pub sizes: Vec<u64>,
+    /// Folder for `bench.json`, `bench.csv`, `bench.png` and `bench.svg` (`sizes.json` with `--sizes`); replaces those there.
+    #[arg(short, long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Form of the report on stdout.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Measures, prints, and writes what is asked for.
+pub fn bench(args: &BenchArgs) -> Result<ExitCode> {
+    let mut scene = load_object(&args.scene, args.object.as_deref())?.scene;
+    if let Some(frames) = args.frames {
+        scene.loading.set_frames(frames).map_err(|m| Error::Scene(format!("error: {m}")))?;
+    }
+    let bar = ProgressBar::new_spinner();
+    bar.enable_steady_tick(Duration::from_millis(200));
+    let measured = measure(args, &scene, |text| bar.set_message(text.to_string()));
+    bar.finish_and_clear();
+    let (text, json) = measured?;
+    print(if args.format == Format::Json { &json } else { &text })?;
+    Ok(ExitCode::from(OK))
+}
+
+/// The report as text and as JSON; files are written.
+fn measure(args: &BenchArgs, scene: &Scene, progress: impl FnMut(&str)) -> Result<(String, String)> {
+    let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
+    let repeats = args.repeat as usize;
+    let out = args.out.as_deref();
+    out.map_or(Ok(()), create_dir)?;
+    if !args.sizes.is_empty() {
+        let wanted: Vec<usize> = args.sizes.iter().map(|n| *n as usize).collect();
+        let report = cost_by_size(scene, &wanted, threads, repeats, progress)?;
+        let json = as_json(&report)?;
+        out.map_or(Ok(()), |dir| write_atomic(&dir.join("sizes.json"), json.as_bytes()))?;
+        return Ok((sizes::text(&report), json));
+    }
+    let rules = Rules { grasps: args.grasps as usize, threads, repeats };
+    let report = contest(scene, &args.model, &rules, progress)?;
+    let json = as_json(&report)?;
+    if let Some(dir) = out {
+        write_atomic(&dir.join("bench.json"), json.as_bytes())?;
+        write_atomic(&dir.join("bench.csv"), table::csv(&report).as_bytes())?;
+        chart::save_chart(&report, dir)?;
+    }
+    Ok((table::text(&report), json))
+}
+
+fn as_json(report: &impl Serialize) -> Result<String> {
+    let text = serde_json::to_string_pretty(report);
+    text.map(|t| t + "\n").map_err(|e| Error::Solver(format!("the report cannot be written as JSON: {e}")))
+}

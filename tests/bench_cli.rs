@@ -1,0 +1,106 @@
+//! `tactus bench` as a user meets it: what it writes and what it refuses. Claims are about structure, never about time.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn tactus(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tactus"));
+    command.args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap()
+}
+
+/// A press into a coarse pad.
+fn press(dir: &Path, loading: &str) -> PathBuf {
+    let path = dir.join("press.ron");
+    let text = format!(
+        "(object: (shape: Sphere(radius: 6e-3), motion: Fixed),
+          gripper: (pads: Box(size: (0.016, 0.016, 0.0045), cells: (4, 4, 2)), opening: 0.02, friction: 0.0,
+                    fingers: One, material: NeoHookean(young: 3e5, poisson: 0.45)),
+          loading: {loading})"
+    );
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn json(output: &Output) -> Value {
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn a_bench_reports_time_and_error_of_every_setting() {
+    let dir = tempfile::tempdir().unwrap();
+    let (scene, out) = (press(dir.path(), "Press(depths: [0.5e-3, 0.8e-3])"), dir.path().join("out"));
+    let arguments = ["bench", scene.to_str().unwrap(), "--repeat", "1", "--threads", "1", "--format", "json"];
+    let report = json(&tactus(&[&arguments[..], &["-o", out.to_str().unwrap()]].concat()));
+    let points = report["points"].as_array().unwrap();
+    assert!(points.len() >= 6, "{}", points.len());
+    let error = |p: &Value, name: &str| p[name].as_f64().unwrap_or_else(|| panic!("{name} of {p}"));
+    for p in points {
+        for name in ["time_per_grasp_s", "time_per_frame_s", "cold_s", "displacement_error", "stress_error"] {
+            assert!(error(p, name) > 0.0, "{name} of {p}");
+        }
+        assert!(p["force_error"].is_f64() && p["dominated"].is_boolean() && p["backend"] == "fem");
+        assert!(p["failed"].as_array().unwrap().is_empty());
+        let spread = &p["errors"]["displacement"];
+        assert!(error(spread, "median") <= error(spread, "p90") && error(spread, "p90") <= error(spread, "worst"));
+        let shares: f64 = p["profile"].as_object().unwrap().values().map(|v| v.as_f64().unwrap()).sum();
+        assert!((shares - 1.0).abs() < 1e-9, "the shares of the stages add up: {shares}");
+        let beaten = points.iter().any(|q| {
+            let better = |name: &str| error(q, name) <= error(p, name);
+            q["label"] != p["label"] && better("time_per_grasp_s") && better("displacement_error")
+        });
+        assert_eq!(p["dominated"], beaten, "{}", p["label"]);
+    }
+    let of = |label: &str| error(points.iter().find(|p| p["label"] == label).unwrap(), "force_error");
+    assert!(
+        of("linear 4x4x2") > 3.0 * of("quadratic 4x4x2"),
+        "linear tetrahedra lock at nu = 0.45: {} against {}",
+        of("linear 4x4x2"),
+        of("quadratic 4x4x2")
+    );
+    let reference = error(&report, "reference_error");
+    let own = points.iter().find(|p| p["label"] == "quadratic 4x4x2").map(|p| error(p, "displacement_error"));
+    assert!(own.is_some_and(|own| reference > 0.0 && reference <= own), "{reference} against {own:?}");
+    assert!(report["speedup_at_equal_error"].is_null(), "nothing claims a speed-up");
+
+    let written: Value = serde_json::from_slice(&std::fs::read(out.join("bench.json")).unwrap()).unwrap();
+    assert_eq!(written, report, "bench.json is what is printed");
+    let csv = std::fs::read_to_string(out.join("bench.csv")).unwrap();
+    assert_eq!(csv.lines().count(), points.len() + 2, "a heading, the points, the reference");
+    assert!(std::fs::read(out.join("bench.png")).unwrap().starts_with(b"\x89PNG"));
+    let svg = std::fs::read_to_string(out.join("bench.svg")).unwrap();
+    assert!(svg.contains("<svg") && svg.contains("quadratic 4x4x2") && svg.contains("Pareto"));
+}
+
+#[test]
+fn sizes_grow_and_cost_has_an_exponent() {
+    let dir = tempfile::tempdir().unwrap();
+    let scene = press(dir.path(), "Press(depth: 0.3e-3, frames: 2)");
+    let arguments = ["bench", scene.to_str().unwrap(), "--sizes", "800,200", "--repeat", "1", "--format", "json"];
+    let report = json(&tactus(&arguments));
+    let nodes: Vec<_> = report["sizes"].as_array().unwrap().iter().map(|s| s["nodes"].as_u64().unwrap()).collect();
+    assert!(nodes.len() == 2 && nodes[0] < nodes[1], "{nodes:?}");
+    assert!(report["sizes"][0]["unknowns"].as_u64().unwrap() < 3 * nodes[0]);
+    assert!(report["iteration_exponent"].is_f64() && report["frame_exponent"].is_f64());
+}
+
+#[test]
+fn what_cannot_be_compared_is_refused_by_name() {
+    let dir = tempfile::tempdir().unwrap();
+    let scene = press(dir.path(), "Press(depth: 0.3e-3, frames: 2)");
+    let refusal = |arguments: &[&str]| {
+        let output = tactus(arguments);
+        assert_eq!(output.status.code(), Some(2));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let scene = scene.to_str().unwrap();
+    let missing = refusal(&["bench", scene, "--model", "no/such/model"]);
+    assert!(missing.contains("no/such/model"), "{missing}");
+    let dynamic = refusal(&["bench", "scenes/dynamic/lift.ron"]);
+    assert!(dynamic.contains("`Squeeze` and `Press`"), "{dynamic}");
+    let file = refusal(&["bench", "scenes/torture/duplicates.ron"]);
+    assert!(file.contains("duplicates.tet") && file.contains("one density"), "{file}");
+    let both = refusal(&["bench", scene, "--sizes", "500", "--model", "m"]);
+    assert!(both.contains("--sizes"), "{both}");
+}
