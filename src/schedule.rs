@@ -96,6 +96,13 @@ pub struct Shared(pub Arc<Model>);
 #[derive(Resource, Debug, Clone, Copy)]
 pub struct Grasp(pub GraspPose);
 
+/// A load given from outside, step by step; without it the levels of the scene apply, one after the other.
+#[derive(Resource, Debug, Clone, Copy, PartialEq)]
+pub struct Command {
+    /// Force per finger, N.
+    pub force: f64,
+}
+
 /// What the stepper says about the level it has just reached.
 #[derive(Resource, Debug, Clone, Copy, Default)]
 pub struct Advance {

@@ -22,6 +22,8 @@ pub struct Needs {
     pub dynamic: bool,
     /// Contact of the object with its support: there is a ground.
     pub ground: bool,
+    /// A load on the object that is given from outside, step by step: an agent acts in the world.
+    pub task: bool,
     /// A pose that changes: the object is free.
     pub free_object: bool,
 }
@@ -39,6 +41,7 @@ impl Needs {
             audit: scene.expect.iter().any(Expectation::audited),
             dynamic: matches!(scene.loading, Loading::Dynamic(_)),
             ground: scene.ground.is_some(),
+            task: false,
             free_object: scene.object.motion == Motion::Free,
         }
     }
