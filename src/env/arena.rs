@@ -19,9 +19,18 @@ pub struct Kind {
     /// Its name.
     pub name: String,
     /// The scene with this object, once per gel and friction.
-    pub variants: Vec<Arc<Model>>,
+    pub variants: Vec<Variant>,
     /// Where the hand may be.
     pub poses: Vec<GraspPose>,
+}
+
+/// A gel and a friction.
+#[derive(Debug)]
+pub struct Variant {
+    /// The scene with them.
+    pub model: Arc<Model>,
+    /// Coefficient of friction that the grip is judged with: a backend that does not solve friction keeps its own.
+    pub friction: f64,
 }
 
 /// Models, grasps, sensors, backend.
@@ -59,13 +68,14 @@ impl Arena {
         let first = &set.first().ok_or_else(none)?.scene;
         let missing = || Error::Start("the scene has no `task: (...)`, which says what an agent does".into());
         let task = first.task.clone().ok_or_else(missing)?;
-        let kinds = set.iter().map(|named| Kind::new(named, &task)).collect::<Result<Vec<_>>>()?;
-        let model = &kinds[0].variants[0];
+        let stepper = choose(first)?;
+        let kinds = set.iter().map(|named| Kind::new(named, &task, stepper.as_ref())).collect::<Result<Vec<_>>>()?;
+        let model = &kinds[0].variants[0].model;
         Ok(Self {
             senses: task.observe.iter().map(|o| o.sense(model, &task)).collect(),
-            stepper: choose(first)?,
+            stepper,
             steps: max_steps.unwrap_or(task.steps.get()).max(1),
-            gravity: first.gravity.map_or(DVec3::ZERO, |g| g.dvec3()),
+            gravity: task.gravity.map_or(DVec3::ZERO, |g| g.dvec3()),
             custom: None,
             kinds,
             task,
@@ -78,21 +88,21 @@ impl Arena {
         draw(&self.task, &choices, self.center(), &mut key.random(attempt))
     }
 
-    /// The model of a draw.
-    pub fn model(&self, draw: &Draw) -> &Arc<Model> {
+    /// Gel, friction and model of a draw.
+    pub fn variant(&self, draw: &Draw) -> &Variant {
         &self.kinds[draw.object].variants[draw.variant]
     }
 
     /// Weight of the object of a draw with the hand at `pose`, N, hand frame.
     pub fn weight(&self, draw: &Draw, pose: &GraspPose) -> DVec3 {
-        let model = self.model(draw);
+        let model = &self.variant(draw).model;
         let mass = draw.density.map_or(model.mass, |d| d * model.object.mass.volume);
         pose.object_in_hand().rotation * self.gravity * mass
     }
 
     /// Point midway between the pads, hand frame, m.
     pub fn center(&self) -> DVec3 {
-        let fingers = &self.kinds[0].variants[0].fingers;
+        let fingers = &self.kinds[0].variants[0].model.fingers;
         fingers.iter().map(|f| f.placement.origin).sum::<DVec3>() / fingers.len() as f64
     }
 
@@ -111,7 +121,7 @@ impl Arena {
 }
 
 impl Kind {
-    fn new(named: &NamedScene, task: &Task) -> Result<Self> {
+    fn new(named: &NamedScene, task: &Task, stepper: &dyn Stepper) -> Result<Self> {
         let random = &task.randomise;
         let count = random.variants.get();
         // Friction goes through its strata in another order than the modulus: (i * step) mod n with step and n coprime.
@@ -122,8 +132,10 @@ impl Kind {
             if let Some(young) = random.young {
                 scene.gripper.material = scaled(&scene.gripper.material, young.at(part(k)))?;
             }
-            if let Some(friction) = random.friction {
-                scene.gripper.friction = leaf(NonNegative::new(friction.at(part(k * step % count))))?;
+            let nominal = scene.gripper.friction.get();
+            let friction = random.friction.map_or(nominal, |span| span.at(part(k * step % count)));
+            if stepper.solves_friction() {
+                scene.gripper.friction = leaf(NonNegative::new(friction))?;
             }
             let mut model = Model::build(&scene)?;
             if let Some(model) = Arc::get_mut(&mut model) {
@@ -131,7 +143,7 @@ impl Kind {
                 let share = 1.0 / model.fingers.len() as f64;
                 model.levels = vec![task.force.at(0.0) * share, task.force.at(1.0) * share];
             }
-            Ok(model)
+            Ok(Variant { model, friction })
         };
         let variants = (0..count).map(variant).collect::<Result<Vec<_>>>()?;
         Ok(Self { name: named.name.as_str().into(), variants, poses: poses_of(&named.scene)? })
@@ -141,7 +153,6 @@ impl Kind {
 /// The scene as an environment has it: loads come from the task, and nothing is recorded but what it looks at.
 fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
     let mut scene = scene.clone();
-    scene.gravity = None;
     scene.expect.clear();
     scene.loading =
         Loading::Squeeze(Squeeze { force: leaf(Positive::new(task.force.at(1.0)))?, frames: leaf(Count::new(1))? });

@@ -43,8 +43,8 @@ impl BatchEnv {
         }
         let arena = Arena::new(set, config.objects.as_deref(), config.max_steps)?;
         for kind in &arena.kinds {
-            for model in &kind.variants {
-                Environment::new(model, arena.stepper.as_ref(), kind.poses[0])?;
+            for variant in &kind.variants {
+                Environment::new(&variant.model, arena.stepper.as_ref(), kind.poses[0])?;
             }
         }
         let mut pool = rayon::ThreadPoolBuilder::new();
@@ -160,6 +160,11 @@ impl BatchEnv {
         });
         self.collect();
         Ok(StepView(&self.outputs))
+    }
+
+    /// What the last reset, step or restore gave.
+    pub fn view(&self) -> StepView<'_> {
+        StepView(&self.outputs)
     }
 
     /// The running episode of environment `env`, to be restored here or in another batch of the same scene.

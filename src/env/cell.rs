@@ -153,14 +153,14 @@ impl Run {
     /// Closes the hand on the object as drawn; the object lies on its support.
     fn new(arena: &Arena, draw: Draw) -> Result<Self, String> {
         let force = arena.task.start.get();
-        let (environment, frame) = grasp(arena, arena.model(&draw), draw.pose, force)?;
+        let (environment, frame) = grasp(arena, &arena.variant(&draw).model, draw.pose, force)?;
         let weight = arena.weight(&draw, &draw.pose);
         let loads = Loads { weight, lift: arena.task.lift.get(), pushes: draw.pushes.clone() };
         Ok(Self { environment, frame, draw, loads, force, twist: 0.0, step: 0, slipped: 0.0 })
     }
 
     fn model<'a>(&self, arena: &'a Arena) -> &'a Arc<Model> {
-        arena.model(&self.draw)
+        &arena.variant(&self.draw).model
     }
 
     /// One step; on failure the frame is that of the last accepted state.
@@ -181,7 +181,7 @@ impl Run {
         let frame = drive(&mut self.environment, &model, force, load)?;
         let slip = grip::slip(&model, &self.frame, &frame);
         self.slipped += slip;
-        let margin = grip::margin(&model, &frame, load);
+        let margin = grip::margin(&model, arena.variant(&self.draw).friction, &frame, load);
         let carried = arena.stepper.solves_friction() || margin >= 0.0;
         let stress = frame.pads.iter().flat_map(|p| &p.von_mises_node).copied().fold(0.0, f64::max);
         self.frame = frame;

@@ -10,7 +10,7 @@ use glam::DVec3;
 /// The limit surface of the two contacts taken as one ellipsoid in force and torque about the closing direction (Goyal,
 /// Ruina and Papadopoulos 1991; Howe and Cutkosky 1996), from the pressure on the pads:
 /// `(f / mu N)^2 + (m / mu sum p r)^2 = 1`.
-pub fn margin(model: &Model, frame: &Frame, load: DVec3) -> f64 {
+pub fn margin(model: &Model, friction: f64, frame: &Frame, load: DVec3) -> f64 {
     let presses = || {
         frame.pads.iter().zip(&model.fingers).flat_map(|(pad, finger)| {
             let closing = finger.placement.closing;
@@ -27,7 +27,7 @@ pub fn margin(model: &Model, frame: &Frame, load: DVec3) -> f64 {
     let arm: f64 = presses().map(|(p, x)| p * across(x - center).length()).sum();
     let mass = frame.object_position + frame.object_rotation * model.object.mass.center;
     let torque = (mass - center).cross(load).dot(closing);
-    let part = |value: f64, limit: f64| if value == 0.0 { 0.0 } else { value / (model.law.friction * limit) };
+    let part = |value: f64, limit: f64| if value == 0.0 { 0.0 } else { value / (friction * limit) };
     1.0 - part(across(load).length(), normal).hypot(part(torque, arm))
 }
 

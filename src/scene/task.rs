@@ -5,7 +5,7 @@ use super::leaf::{Count, Depth, Length, NonNegative, Positive};
 use super::loading::Loading;
 use super::object::Motion;
 use super::schema::Scene;
-use super::vector::Tuple;
+use super::vector::{Tuple, Vec3};
 use crate::env::observe::Observe;
 use crate::env::reward::Reward;
 use serde::{Deserialize, Serialize};
@@ -19,6 +19,8 @@ pub type Span = Tuple<Positive, 2>;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Task {
+    /// Gravity in the world, which is the object frame at the start of each grasp, m/s2; None is none.
+    pub gravity: Option<Vec3>,
     /// Sum of the finger forces that the agent may ask for, N.
     pub force: Span,
     /// Sum of the finger forces at the start of an episode, N.
@@ -48,6 +50,7 @@ pub struct Task {
 impl Default for Task {
     fn default() -> Self {
         Self {
+            gravity: None,
             force: defaults::TASK_FORCE,
             start: defaults::TASK_START,
             control: Control::default(),
@@ -161,6 +164,12 @@ pub(super) fn problem(scene: &Scene) -> Option<(String, String)> {
     }
     if (1..task.observe.len()).any(|i| task.observe[..i].iter().any(|o| o.name() == task.observe[i].name())) {
         return field(".observe", "two observations have the same name");
+    }
+    if scene.gravity.is_some() {
+        return field(
+            ".gravity",
+            "gravity of a task stands in the task, which withdraws the support little by little\nmove `gravity` into `task`",
+        );
     }
     let free = scene.object.motion == Motion::Free;
     match &scene.loading {

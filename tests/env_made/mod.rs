@@ -15,8 +15,8 @@ const TASK: &str = r#"Scene(
     ],
     gripper: (pads: GelSightMini(spacing: 8e-3)),
     loading: Squeeze(force: 2.0, frames: 2),
-    gravity: (0, -9.81, 0),
     task: (
+        gravity: (0, -9.81, 0),
         force: (1.0, 2.0), start: 1.5, steps: 5, lift: 2,
         pushes: (force: (0.02, 0.1), every: 3, lasts: 2),
         observe: [TaxelForce(rows: 5, cols: 4), TaxelDisplacement(rows: 5, cols: 4), Wrench, Travel, ObjectPose, Force],
