@@ -68,7 +68,8 @@ fn a_masked_reset_leaves_the_others_alone(set: &[NamedScene]) {
 
 fn truncation_keeps_the_final_observation(set: &[NamedScene]) {
     let (mut same, mut next) = (batch(set, with(Autoreset::SameStep, 1)), batch(set, with(Autoreset::NextStep, 1)));
-    (same.reset(None, None).unwrap(), next.reset(None, None).unwrap());
+    same.reset(None, None).unwrap();
+    next.reset(None, None).unwrap();
     for step in 0..STEPS {
         let action = [0.5];
         let (a, b) = (same.step(&action).unwrap(), next.step(&action).unwrap());
@@ -79,8 +80,8 @@ fn truncation_keeps_the_final_observation(set: &[NamedScene]) {
             assert_eq!(seen, b.obs(name), "step {step}: {name}");
         }
     }
-    let fresh: Vec<_> =
-        NAMES.iter().map(|name| same.restore(0, &save_of_next(set)).obs(name).unwrap().to_vec()).collect();
+    let next_episode = save_of_next(set);
+    let fresh: Vec<_> = NAMES.iter().map(|name| same.restore(0, &next_episode).obs(name).unwrap().to_vec()).collect();
     let after = next.step(&[-1.0]).unwrap();
     assert_eq!((after.reward()[0], after.truncated()[0]), (0.0, false), "the action of this step is not taken");
     for (name, fresh) in NAMES.iter().zip(fresh) {
@@ -121,7 +122,7 @@ fn a_restored_environment_replays_exactly(set: &[NamedScene]) {
         serde_json::from_str(&text).unwrap()
     };
     let rest = |env: &mut BatchEnv, at: usize| {
-        (2..STEPS).map(|s| bits(env.step(&actions(0, 2, s).repeat(1)).unwrap(), at)).collect::<Vec<_>>()
+        (2..STEPS).map(|s| bits(env.step(&actions(0, 2, s)).unwrap(), at)).collect::<Vec<_>>()
     };
     let truth = rest(&mut env, 1);
     env.restore(1, &saved);

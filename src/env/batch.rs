@@ -201,7 +201,9 @@ impl BatchEnv {
                 let own = i * size..(i + 1) * size;
                 let part = start..start + size;
                 // An environment that was never reset has nothing to show.
-                from.obs.get(part.clone()).map(|obs| array.now[own.clone()].copy_from_slice(obs));
+                if let Some(obs) = from.obs.get(part.clone()) {
+                    array.now[own.clone()].copy_from_slice(obs);
+                }
                 match from.last.get(part) {
                     Some(last) => array.last[own].copy_from_slice(last),
                     None => array.last[own].fill(0.0),

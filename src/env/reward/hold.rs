@@ -1,9 +1,8 @@
 //! Keep it.
 
 use super::{Facts, Pay};
-use serde::{Deserialize, Serialize};
-
 use crate::scene::leaf::NonNegative;
+use serde::{Deserialize, Serialize};
 
 /// Pays `weight` per step that the object is held, takes `drop` when it is lost.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
