@@ -1,7 +1,7 @@
 //! `tactus::env::BatchEnv` for Python: writes into arrays that the caller owns, with the interpreter's lock released.
 
 use crate::refused;
-use numpy::{PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1};
+use numpy::{PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
 use tactus::env::{Autoreset, BatchConfig, BatchEnv};
 use tactus::scene::{Gnn, Stepper, load_set};

@@ -67,10 +67,10 @@ pub fn run<'py>(
         grasp.set_item("reason", summary.reason.clone())?;
         grasp.set_item("wall_s", summary.wall_s)?;
         let (count, pads) = (frames.len(), frames.first().map_or(0, |f| f.pads.len()));
-        let mut put = |name: &str, numbers: Vec<f64>, shape: &[usize]| -> PyResult<()> {
+        let put = |name: &str, numbers: Vec<f64>, shape: &[usize]| -> PyResult<()> {
             let shape: Vec<usize> = std::iter::once(count).chain(shape.iter().copied()).collect();
             // What the scene does not record is left out.
-            if numbers.len() == shape.iter().product() && !numbers.is_empty() {
+            if numbers.len() == shape.iter().product::<usize>() && !numbers.is_empty() {
                 grasp.set_item(name, numbers.to_pyarray(py).reshape(shape)?)?;
             }
             Ok(())

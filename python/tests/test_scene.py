@@ -14,7 +14,7 @@ def test_a_scene_runs_and_forces_balance():
     scene = tactus.load(SCENES / "tasks" / "hold.ron")
     assert scene.objects[0] == "sphere" and "Antipodal" in scene.ron("sphere")
     grasps = tactus.run(scene, object="sphere")
-    assert [g["status"] for g in grasps] == ["reached"] * 4
+    assert [g["status"] for g in grasps] == ["reached"] * 2
     for grasp in grasps:
         pressed = np.abs(grasp["contact_force_n"].sum(axis=2)[..., 0])
         assert np.allclose(pressed, grasp["force_n"][:, None] / 2, rtol=1e-3)
