@@ -12,7 +12,7 @@
 //! | finger | [`FingerIndex`], [`ClosingDirection`], [`FirstContact`], [`FingerTravel`], [`FingerForce`], [`FingerWrench`] | always |
 //! | object | [`ObjectPose`] | always |
 //! | | [`FreeObject`] | the object may move |
-//! | | [`ObjectWeight`] | gravity is set and the object may move |
+//! | | [`ObjectWeight`] | gravity is set, or an agent acts, and the object may move |
 //! | | [`ObjectVelocity`], [`ObjectMomentum`], [`InertialWrench`] | the scene is dynamic and the object may move |
 //! | | [`GroundWrench`] | there is a ground and the object may move |
 //! | hand | [`HandPose`] | the scene is dynamic |
@@ -66,7 +66,8 @@ components! {
     /// Force that closes a finger, N, >= 0: given by `set_load`, or, where travel is prescribed, what the finger's mount
     /// had to give, written by the stepper.
     FingerForce(f64);
-    /// Weight of a free object, N, hand frame. Written at spawn, and by the stepper where the hand turns.
+    /// Weight of a free object, N, hand frame; where an agent acts, with all that pulls at it. Written at spawn, by the
+    /// stepper where the hand turns, by [`crate::env`] before a step.
     ObjectWeight(DVec3);
 }
 

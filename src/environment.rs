@@ -53,6 +53,11 @@ impl Environment {
         self.world.resource::<Recorded>().0.as_ref()
     }
 
+    /// Takes that frame out.
+    pub fn take_frame(&mut self) -> Option<Frame> {
+        self.world.resource_mut::<Recorded>().0.take()
+    }
+
     /// What the audit found in the frame that the last step made; None if the scene promises nothing that it judges.
     pub fn findings(&self) -> Option<Findings> {
         self.frame().and(self.world.get_resource::<Audited>()?.0)

@@ -18,6 +18,7 @@ pub mod components;
 pub mod contact;
 pub mod dataset;
 pub mod element;
+pub mod env;
 pub mod environment;
 pub mod error;
 pub mod fem;

@@ -37,14 +37,8 @@ pub enum StepSet {
 
 impl StepSet {
     /// All sets in their order.
-    pub const ALL: [StepSet; 6] = [
-        StepSet::Control,
-        StepSet::Sense,
-        StepSet::Advance,
-        StepSet::Accept,
-        StepSet::Measure,
-        StepSet::Record,
-    ];
+    pub const ALL: [StepSet; 6] =
+        [StepSet::Control, StepSet::Sense, StepSet::Advance, StepSet::Accept, StepSet::Measure, StepSet::Record];
 }
 
 /// Where a grasp is in the procedure. Constant during a step; `turn_phase` moves it on at the end.
@@ -103,6 +97,13 @@ pub struct Shared(pub Arc<Model>);
 /// Pose of the hand in the object frame.
 #[derive(Resource, Debug, Clone, Copy)]
 pub struct Grasp(pub GraspPose);
+
+/// A load given from outside, step by step; without it the levels of the scene apply, one after the other.
+#[derive(Resource, Debug, Clone, Copy, PartialEq)]
+pub struct Command {
+    /// Force per finger, N.
+    pub force: f64,
+}
 
 /// What the stepper says about the level it has just reached.
 #[derive(Resource, Debug, Clone, Copy, Default)]

@@ -33,7 +33,8 @@ pub fn spawn(model: &Arc<Model>, pose: GraspPose) -> World {
     let mut object = world.spawn(ObjectPose { position: start.position, rotation: start.rotation });
     if model.needs.free_object {
         object.insert(FreeObject);
-        if let Some(gravity) = model.gravity {
+        if model.needs.task || model.gravity.is_some() {
+            let gravity = model.gravity.unwrap_or_default();
             object.insert(ObjectWeight(start.rotation * gravity * model.mass));
         }
         if model.needs.dynamic {

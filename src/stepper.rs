@@ -20,6 +20,10 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
     fn name(&self) -> &'static str;
     /// Its settings in one line, for reports.
     fn settings(&self) -> String;
+    /// Whether friction may fail to hold an object in it; if not, [`crate::env::grip`] judges that.
+    fn solves_friction(&self) -> bool {
+        true
+    }
     /// Puts its resources into `world` (spawned for one grasp) and its systems into `schedule`.
     ///
     /// # Errors

@@ -134,7 +134,13 @@ impl Solver {
             }
         }
         self.path.tolerance = self.tolerance(model, level);
-        let more = self.path.advance(load, level).map_err(|f| self.explain(model, &at(load, level), f))?;
+        // The same force under another load on the object is another equilibrium.
+        let more = if model.needs.task && self.path.level == level {
+            self.path.polish()
+        } else {
+            self.path.advance(load, level)
+        };
+        let more = more.map_err(|f| self.explain(model, &at(load, level), f))?;
         done.iterations += more.iterations;
         done.increments += more.increments;
         if more.increments > 0 {
@@ -145,6 +151,16 @@ impl Solver {
             return Err(format!("{}: {reason}", at(load, level)));
         }
         Ok(done)
+    }
+
+    /// Sets what pulls at the object, N, hand frame.
+    pub fn set_weight(&mut self, force: DVec3) {
+        for term in self.path.newton.terms.iter_mut().flatten() {
+            let weight = term.as_any().downcast_ref::<Weight>().map(|w| w.with_force(force));
+            if let Some(weight) = weight {
+                *term = Box::new(weight);
+            }
+        }
     }
 
     /// Weight of the gel of finger `i`, N, hand frame.
@@ -164,6 +180,7 @@ impl Solver {
             force: 1e-2 * self.settings.tolerance.force.get() * force,
             length: self.settings.tolerance.displacement.get(),
             iterations: self.settings.max_iterations.get() as u32,
+            patience: if model.needs.task { SHORT } else { Tolerance::default().patience },
             ..Tolerance::default()
         }
     }
@@ -232,6 +249,8 @@ impl Solver {
 
 /// Part of the final force at which contact is established.
 const FIRST_TOUCH: f64 = 0.02;
+/// Iterations for which an agent's object is followed: one that slides on is lost.
+const SHORT: u32 = 60;
 /// Motion of a free object, over its radius, that speaks of an object squeezed out when the solver gives up.
 const SLIPPING: f64 = 0.1;
 
@@ -260,6 +279,10 @@ fn terms(model: &Model, i: usize, pose: ObjectPose) -> Vec<Box<dyn BodyTerm>> {
             let start = pose.position + pose.rotation * center;
             terms.push(Box::new(Weight::new(g * model.mass, center, start)));
         }
+    }
+    if model.needs.task && model.free && i == 0 {
+        let center = model.object.mass.center;
+        terms.push(Box::new(Weight::new(DVec3::ZERO, center, pose.position + pose.rotation * center)));
     }
     terms
 }

@@ -13,6 +13,9 @@ use glam::DVec3;
 /// Puts the systems in their sets; those for what the scene does not need are left out.
 pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
     schedule.add_systems(read_state.run_if(ramping).after(close_to_contact).in_set(StepSet::Sense));
+    if needs.task {
+        schedule.add_systems(read_weight.run_if(ramping).after(read_state).in_set(StepSet::Sense));
+    }
     if needs.dynamic {
         schedule.add_systems((advance_time, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
         schedule.add_systems(measure_motion.run_if(reached).before(measure_balance).in_set(StepSet::Measure));
@@ -61,6 +64,11 @@ pub fn read_state(
         state.travel[finger.0 as usize] = travel.0;
     }
     (state.position, state.rotation) = (pose.position, pose.rotation);
+}
+
+/// Columns -> solver: what pulls at the object.
+pub fn read_weight(mut solver: ResMut<Solver>, weight: Single<&ObjectWeight>) {
+    solver.set_weight(weight.0);
 }
 
 /// One load level; on failure the state is the last accepted one and the grasp ends.

@@ -26,6 +26,11 @@ impl Weight {
     pub fn new(force: DVec3, center: DVec3, start: DVec3) -> Self {
         Self { force, center, start, hangs: true }
     }
+
+    /// The same object under another load.
+    pub fn with_force(&self, force: DVec3) -> Self {
+        Self { force, ..*self }
+    }
 }
 
 impl BodyTerm for Weight {

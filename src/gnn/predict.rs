@@ -66,9 +66,17 @@ impl Predictor {
     /// What of the scene lies outside the trained range.
     pub fn admit(&self, model: &Model) -> Result<Arc<PadGraph>> {
         let graph = self.graph(model)?;
-        let unit = model.material.moduli().young * graph.thickness.powi(2);
-        self.card.range.admits(model, &graph.hash, unit, &model.levels)?;
+        self.admit_with(model, &graph)?;
         Ok(graph)
+    }
+
+    /// Whether the network was trained for `model`, whose pads have the graph `graph`.
+    ///
+    /// # Errors
+    /// What of the scene lies outside the trained range.
+    pub fn admit_with(&self, model: &Model, graph: &PadGraph) -> Result<()> {
+        let unit = model.material.moduli().young * graph.thickness.powi(2);
+        self.card.range.admits(model, &graph.hash, unit, &model.levels)
     }
 
     /// The graph of the pads of `model`, trained for or not.

@@ -6,14 +6,15 @@ use super::sample::moved;
 use super::touch::Touch;
 use crate::components::*;
 use crate::error::{Error, Result};
-use crate::model::Needs;
+use crate::model::{Model, Needs};
+use crate::record::PadTopology;
 use crate::schedule::{Advance, Next, Phase, Shared, StepSet, Timings, ramping, reached};
 use crate::stepper::Stepper;
 use crate::systems::sense::close_to_contact;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// A trained model as a backend.
@@ -21,6 +22,8 @@ use std::time::Instant;
 pub struct Gnn {
     predictor: Arc<Predictor>,
     dir: PathBuf,
+    /// Graphs of the pads met so far: worlds come and go, their pads are the same.
+    graphs: Mutex<Vec<(Arc<PadTopology>, Arc<PadGraph>)>>,
 }
 
 impl Gnn {
@@ -29,7 +32,21 @@ impl Gnn {
     /// # Errors
     /// Those of [`Predictor::open`].
     pub fn open(dir: &Path) -> Result<Self> {
-        Ok(Self { predictor: Arc::new(Predictor::open(dir)?), dir: dir.to_path_buf() })
+        Ok(Self { predictor: Arc::new(Predictor::open(dir)?), dir: dir.to_path_buf(), graphs: Mutex::default() })
+    }
+
+    /// The graph of the pads of `model`, if the network was trained for it.
+    fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
+        let pad = &model.fingers[0].topology;
+        let mut graphs = self.graphs.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, graph)) = graphs.iter().find(|(known, _)| Arc::ptr_eq(known, pad) || known == pad) {
+            self.predictor.admit_with(model, graph)?;
+            return Ok(graph.clone());
+        }
+        let graph = self.predictor.graph(model)?;
+        self.predictor.admit_with(model, &graph)?;
+        graphs.push((pad.clone(), graph.clone()));
+        Ok(graph)
     }
 }
 
@@ -42,10 +59,14 @@ impl Stepper for Gnn {
         format!("{}, {} parameters", self.dir.display(), self.predictor.card.parameters)
     }
 
+    fn solves_friction(&self) -> bool {
+        false
+    }
+
     fn register(&self, schedule: &mut Schedule, world: &mut World) -> Result<()> {
         let missing = || Error::Start("the world was not spawned for a grasp".into());
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
-        let graph = self.predictor.admit(&shared.0)?;
+        let graph = self.graph(&shared.0)?;
         world.insert_resource(Prediction { predictor: self.predictor.clone(), graph, grasp: None, pads: Vec::new() });
         register(schedule, &shared.0.needs);
         Ok(())
@@ -67,7 +88,12 @@ pub struct Prediction {
 fn register(schedule: &mut Schedule, needs: &Needs) {
     schedule.add_systems(look.run_if(ramping).after(close_to_contact).in_set(StepSet::Sense));
     schedule.add_systems((predict, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
-    schedule.add_systems(measure_shape.run_if(reached).in_set(StepSet::Measure));
+    if needs.task {
+        schedule.add_systems(carry_load.run_if(ramping).after(predict).before(write_state).in_set(StepSet::Advance));
+    } else {
+        // What the prediction costs in truth is for reports, not for agents.
+        schedule.add_systems(measure_shape.run_if(reached).in_set(StepSet::Measure));
+    }
     if needs.stress {
         schedule.add_systems(write_stress.run_if(reached).in_set(StepSet::Measure));
     }
@@ -117,6 +143,19 @@ fn predict(
         Err(error) => next.request(Phase::Fault { reason: error.to_string() }),
     }
     *timings.stages.entry("decode").or_insert(0.0) += clock.elapsed().as_secs_f64();
+}
+
+/// Shares a load on the object out among the pads and their nodes like the pressure: what an agent does with an object was
+/// not in the training.
+fn carry_load(mut prediction: ResMut<Prediction>, shared: Res<Shared>, weight: Single<&ObjectWeight>) {
+    let model = &shared.0;
+    let each = weight.0 / model.fingers.len() as f64;
+    for (pad, finger) in prediction.pads.iter_mut().zip(&model.fingers) {
+        let own = finger.placement.rotation.transpose() * each;
+        // The object presses against the pad's outward axis.
+        let whole: f64 = pad.contact.iter().map(|f| -f.z).sum();
+        pad.contact.iter_mut().for_each(|f| *f += own * (-f.z / whole));
+    }
 }
 
 /// Prediction -> columns: positions, travel, pose, wrench.

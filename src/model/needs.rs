@@ -24,6 +24,8 @@ pub struct Needs {
     pub ground: bool,
     /// Whether the pads meet beside the object: there are two.
     pub pads_apart: bool,
+    /// A load on the object that is given from outside, step by step: an agent acts in the world.
+    pub task: bool,
     /// A pose that changes: the object is free.
     pub free_object: bool,
 }
@@ -42,6 +44,7 @@ impl Needs {
             audit: scene.expect.iter().any(Expectation::audited),
             dynamic: matches!(scene.loading, Loading::Dynamic(_)),
             ground: scene.ground.is_some(),
+            task: false,
             free_object: scene.object.motion == Motion::Free,
         }
     }

@@ -44,6 +44,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Problem> {
     antipodal(scene)?;
     loading(scene)?;
     dynamic(scene)?;
+    super::task::problem(scene).map_or(Ok(()), |(path, message)| refuse(path, message))?;
     scene.expect.iter().enumerate().try_for_each(|(i, e)| expectation(i, e))
 }
 

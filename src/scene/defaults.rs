@@ -1,7 +1,8 @@
 //! Every default of a scene file, once: serde, `Default` and the documentation all take it from here.
 
 use super::leaf::{Count, Depth, Finite, Fraction, Length, NonNegative, Positive, Ratio, Seconds};
-use super::vector::{Direction, Size, Vec3};
+use super::task::Span;
+use super::vector::{Direction, Size, Tuple, Vec3};
 
 /// Declares the constants; the name in parentheses is a function of the same value for `#[serde(default = "...")]`.
 macro_rules! defaults {
@@ -88,6 +89,23 @@ defaults! {
     GROUND_NORMAL: Direction = Direction::preset3(0.0, 0.0, 1.0);
     /// Ground: Coulomb friction between it and the object.
     GROUND_FRICTION: NonNegative = NonNegative::preset(0.8);
+
+    /// Task: sum of the finger forces, N.
+    TASK_FORCE: Span = Tuple([Positive::preset(1.0), Positive::preset(15.0)]);
+    /// Task: sum of the finger forces at the start, N.
+    TASK_START: Positive = Positive::preset(4.0);
+    /// Task: steps of an episode.
+    TASK_STEPS: Count<1, 10000> = Count::preset(30);
+    /// Task: steps in which the support is withdrawn.
+    TASK_LIFT: Count<1, 10000> = Count::preset(5);
+    /// Task: way over the pads at which the object is lost, m.
+    TASK_SLIP_LIMIT: Length = Length::preset(2e-3);
+    /// Task: gels and frictions prepared per object.
+    TASK_VARIANTS: Count<1, 1000> = Count::preset(1);
+    /// Task: shift of the hand, m.
+    TASK_SHIFT: Depth = Depth::preset(0.0);
+    /// Task: turn of the hand, degrees.
+    TASK_TURN: NonNegative = NonNegative::preset(0.0);
 
     /// FEM: treat the dilatation of an element as constant (no volumetric locking).
     MEAN_DILATATION: bool = true;

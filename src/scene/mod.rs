@@ -33,6 +33,7 @@ pub mod rotation;
 mod schema;
 mod source;
 pub mod stepper;
+pub mod task;
 pub mod vector;
 
 pub use dynamic::Dynamic;
@@ -51,3 +52,4 @@ pub use pad::Pads;
 pub use schema::Scene;
 pub use source::SIZE_LIMIT;
 pub use stepper::{Element, Fem, Gnn, Stepper, Tolerance};
+pub use task::Task;

@@ -9,6 +9,7 @@ use super::object::Object;
 use super::objects::{Entry, Name, NamedScene, Split};
 use super::output::Record;
 use super::stepper::Stepper;
+use super::task::Task;
 use super::vector::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -35,6 +36,8 @@ pub struct Scene {
     pub record: Record,
     /// What the scene promises about its own outcome.
     pub expect: Vec<Expectation>,
+    /// What an agent does in it, see [`crate::env`]; a run takes no notice.
+    pub task: Option<Task>,
 }
 
 /// Declares [`Part`] and all that is done field by field, so that a new field is added in one place.
@@ -81,6 +84,7 @@ part! {
     ground: Ground,
     record: Record,
     expect: Vec<Expectation>,
+    task: Task,
 }
 
 impl Part {
@@ -103,6 +107,7 @@ impl Part {
             ground: self.ground,
             record: self.record.clone().unwrap_or_default(),
             expect: self.expect.clone().unwrap_or_default(),
+            task: self.task.clone(),
         };
         Ok(entries.iter().map(|e| NamedScene { name: e.name.clone(), scene: scene(e) }).collect())
     }

@@ -1,7 +1,7 @@
 //! The gripper's wishes: where the object is at the start, and how hard to squeeze next.
 
 use crate::components::{FingerForce, FingerTravel, ObjectPose, ObjectWeight};
-use crate::schedule::{Advance, Grasp, Next, Phase, Shared};
+use crate::schedule::{Advance, Command, Grasp, Next, Phase, Shared};
 use bevy_ecs::prelude::*;
 
 /// Puts the object at its grasp pose in the open hand.
@@ -49,13 +49,14 @@ pub fn set_load(
     phase: Res<Phase>,
     shared: Res<Shared>,
     grasp: Res<Grasp>,
+    command: Option<Res<Command>>,
     mut advance: ResMut<Advance>,
     mut forces: Query<&mut FingerForce>,
 ) {
     let Phase::Ramp { frame } = *phase else { return };
     let model = &shared.0;
-    *advance = Advance { level: model.levels[frame], ..Advance::default() };
-    let level = model.levels[frame];
+    let level = command.map_or_else(|| model.levels[frame], |command| command.force);
+    *advance = Advance { level, ..Advance::default() };
     match &model.dynamics {
         Some(dynamics) => {
             let each = dynamics.hand(&grasp.0, level).force / model.fingers.len().max(1) as f64;

@@ -2,7 +2,7 @@
 
 use crate::components::*;
 use crate::record::{Frame, Moving, PadFrame, Wrench};
-use crate::schedule::{Advance, Balance, Next, Phase, Recorded, Shared};
+use crate::schedule::{Advance, Balance, Command, Next, Phase, Recorded, Shared};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
@@ -116,13 +116,19 @@ pub fn record_frame(
 }
 
 /// Moves the procedure on: to what a system asked for, else to the next frame.
-pub fn turn_phase(mut phase: ResMut<Phase>, mut next: ResMut<Next>, mut advance: ResMut<Advance>, shared: Res<Shared>) {
+pub fn turn_phase(
+    mut phase: ResMut<Phase>,
+    mut next: ResMut<Next>,
+    mut advance: ResMut<Advance>,
+    shared: Res<Shared>,
+    command: Option<Res<Command>>,
+) {
     let asked = next.take();
     if let (Phase::Ramp { frame }, None) = (&*phase, &asked)
         && advance.reached
     {
         let frame = frame + 1;
-        *phase = if frame < shared.0.levels.len() { Phase::Ramp { frame } } else { Phase::Done };
+        *phase = if command.is_some() || frame < shared.0.levels.len() { Phase::Ramp { frame } } else { Phase::Done };
     } else if let Some(asked) = asked {
         *phase = asked;
     }

@@ -1,0 +1,43 @@
+//! Steps of many environments at once: how long a step of the whole batch takes, resets included.
+//!
+//! `TACTUS_TASK_MODEL` names the folder of a trained network; without it only finite elements are timed.
+
+use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use std::path::PathBuf;
+use tactus::env::{BatchConfig, BatchEnv};
+use tactus::random::Random;
+use tactus::scene::{Gnn, Stepper, load_set};
+
+const SCENE: &str = "scenes/tasks/hold.ron";
+
+fn batch(num_envs: usize, model: Option<PathBuf>) -> Option<BatchEnv> {
+    let mut set = load_set(SCENE).ok()?.scenes;
+    if let Some(model) = model {
+        set.iter_mut().for_each(|s| s.scene.stepper = Stepper::Gnn(Gnn { model: model.clone() }));
+    }
+    let mut env = BatchEnv::new(&set, BatchConfig { num_envs, ..BatchConfig::default() }).ok()?;
+    env.reset(None, None).ok()?;
+    Some(env)
+}
+
+fn throughput(c: &mut Criterion) {
+    let network = std::env::var_os("TACTUS_TASK_MODEL").map(PathBuf::from);
+    let cases = [("finite elements", 4, Some(None)), ("network", 64, network.map(Some))];
+    for (name, num_envs, model) in cases {
+        let Some(mut env) = model.and_then(|model| batch(num_envs, model)) else {
+            println!("{name}: skipped, no model");
+            continue;
+        };
+        let mut random = Random::new(1);
+        let mut group = c.benchmark_group("hold");
+        group.throughput(Throughput::Elements(num_envs as u64)).sample_size(20);
+        group.bench_function(format!("{num_envs} environments, {name}"), |b| {
+            let mut draw = || (0..num_envs).map(|_| 2.0 * random.unit() as f32 - 1.0).collect::<Vec<_>>();
+            b.iter_batched(&mut draw, |actions| env.step(&actions).is_ok(), BatchSize::SmallInput)
+        });
+        group.finish();
+    }
+}
+
+criterion_group!(benches, throughput);
+criterion_main!(benches);

@@ -1,0 +1,77 @@
+//! Data sets as numpy arrays, one grasp at a time.
+
+use crate::refused;
+use numpy::{Element, PyArrayMethods, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use tactus::dataset;
+
+/// A data set that `tactus dataset` wrote.
+#[pyclass(frozen)]
+pub struct DataSet(dataset::DataSet);
+
+#[pymethods]
+impl DataSet {
+    #[new]
+    fn new(py: Python<'_>, folder: &str) -> PyResult<Self> {
+        py.detach(|| dataset::DataSet::open(folder)).map(Self).map_err(refused)
+    }
+
+    /// Names of the objects.
+    fn objects(&self) -> Vec<String> {
+        self.0.objects.iter().map(|o| o.name.clone()).collect()
+    }
+
+    /// Numbers of the grasps of an object that reached their force.
+    fn reached(&self, object: &str) -> PyResult<Vec<usize>> {
+        Ok(self.object(object)?.reached().collect())
+    }
+
+    /// (object, grasp) of the training or the test set of a split.
+    fn split(&self, test: bool) -> Vec<(String, usize)> {
+        let sets = &self.0.splits.poses;
+        let chosen = self.0.select(if test { &sets.test } else { &sets.train });
+        chosen.into_iter().map(|(object, grasp)| (self.0.objects[object].name.clone(), grasp)).collect()
+    }
+
+    /// The arrays of a grasp.
+    fn grasp<'py>(&self, py: Python<'py>, object: &str, grasp: usize) -> PyResult<Bound<'py, PyDict>> {
+        let file = self.object(object)?;
+        let (pads, nodes) = (file.sizes.pads, file.sizes.nodes);
+        let data = py.detach(|| file.grasp(grasp)).map_err(refused)?;
+        let arrays = PyDict::new(py);
+        let f = data.frames;
+        put(&arrays, "displacement_m", &data.displacement, &[f, pads, nodes, 3])?;
+        put(&arrays, "contact_force_n", &data.contact_force, &[f, pads, nodes, 3])?;
+        put(&arrays, "von_mises_pa", &data.von_mises, &[f, pads, nodes])?;
+        put(&arrays, "force_n", &data.force, &[f])?;
+        put(&arrays, "travel_m", &data.travel, &[f, pads])?;
+        put(&arrays, "object_pose", &data.object_pose, &[f, 7])?;
+        put(&arrays, "wrench", &data.wrench, &[f, pads, 6])?;
+        put(&arrays, "grasp_pose", &data.grasp_pose, &[7])?;
+        Ok(arrays)
+    }
+
+    /// Rest positions of the nodes of a pad in its frame, m: (nodes, 3).
+    fn pad_rest<'py>(&self, py: Python<'py>, object: &str) -> PyResult<Bound<'py, PyAny>> {
+        let rest: Vec<f64> = self.object(object)?.pad.rest.iter().flat_map(|x| x.to_array()).collect();
+        let n = rest.len() / 3;
+        Ok(rest.to_pyarray(py).reshape([n, 3])?.into_any())
+    }
+}
+
+impl DataSet {
+    fn object(&self, name: &str) -> PyResult<&dataset::ObjectFile> {
+        let names = || self.objects().join(", ");
+        let found = self.0.objects.iter().find(|o| o.name == name);
+        found.ok_or_else(|| refused(format!("the data set has no object {name:?}; it has: {}", names())))
+    }
+}
+
+fn put<T: Element + Copy>(to: &Bound<'_, PyDict>, name: &str, numbers: &[T], shape: &[usize]) -> PyResult<()> {
+    let whole: usize = shape.iter().product();
+    if numbers.len() < whole {
+        return Err(refused(format!("{name}: {} numbers for {shape:?}", numbers.len())));
+    }
+    to.set_item(name, numbers[..whole].to_pyarray(to.py()).reshape(shape.to_vec())?)
+}

@@ -1,0 +1,98 @@
+//! Scenes for Python: what they resolve to, and what their grasps do.
+
+use crate::refused;
+use numpy::{PyArrayMethods, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::Mutex;
+use tactus::error::Result;
+use tactus::grasp::poses_of;
+use tactus::model::Model;
+use tactus::record::Frame;
+use tactus::runner::{Observer, run_grasps};
+use tactus::scene::{Gnn, Stepper, load_object, load_set, to_ron};
+use tactus::stepper::choose;
+
+/// Names of the objects of a scene file.
+#[pyfunction]
+pub fn objects(scene: &str) -> PyResult<Vec<String>> {
+    let set = load_set(scene).map_err(refused)?;
+    Ok(set.scenes.iter().map(|s| s.name.as_str().to_string()).collect())
+}
+
+/// The scene of one object as RON, all defaults written out.
+#[pyfunction]
+pub fn resolved(scene: &str, object: Option<&str>) -> PyResult<String> {
+    to_ron(&load_object(scene, object).map_err(refused)?.scene).map_err(refused)
+}
+
+/// Keeps the frames of every grasp.
+struct Keep(Vec<Mutex<Vec<Frame>>>);
+
+impl Observer for Keep {
+    fn frame(&self, index: usize, frame: &Frame) -> Result<()> {
+        if let Ok(mut frames) = self.0[index].lock() {
+            frames.push(frame.clone());
+        }
+        Ok(())
+    }
+}
+
+/// Simulates all grasps of a scene: a dictionary of arrays for each.
+#[pyfunction]
+pub fn run<'py>(
+    py: Python<'py>,
+    scene: &str,
+    object: Option<&str>,
+    model: Option<String>,
+    threads: usize,
+) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    let simulate = || -> Result<_> {
+        let mut scene = load_object(scene, object)?.scene;
+        if let Some(model) = model {
+            scene.stepper = Stepper::Gnn(Gnn { model: model.into() });
+        }
+        let (built, stepper) = (Model::build(&scene)?, choose(&scene)?);
+        let poses: Vec<_> = poses_of(&scene)?.into_iter().enumerate().collect();
+        let keep = Keep(poses.iter().map(|_| Mutex::default()).collect());
+        let outcomes = run_grasps(&built, stepper.as_ref(), &poses, threads.max(1), &keep)?;
+        let frames = keep.0.into_iter().map(|f| f.into_inner().unwrap_or_default());
+        Ok(outcomes.into_iter().zip(frames).collect::<Vec<_>>())
+    };
+    let done = py.detach(simulate).map_err(refused)?;
+    let grasp = |(outcome, frames): (tactus::runner::Outcome, Vec<Frame>)| {
+        let grasp = PyDict::new(py);
+        let summary = &outcome.summary;
+        grasp.set_item("status", format!("{:?}", summary.status).to_lowercase())?;
+        grasp.set_item("reason", summary.reason.clone())?;
+        grasp.set_item("wall_s", summary.wall_s)?;
+        let (count, pads) = (frames.len(), frames.first().map_or(0, |f| f.pads.len()));
+        let put = |name: &str, numbers: Vec<f64>, shape: &[usize]| -> PyResult<()> {
+            let shape: Vec<usize> = std::iter::once(count).chain(shape.iter().copied()).collect();
+            // What the scene does not record is left out.
+            if numbers.len() == shape.iter().product::<usize>() && !numbers.is_empty() {
+                grasp.set_item(name, numbers.to_pyarray(py).reshape(shape)?)?;
+            }
+            Ok(())
+        };
+        let nodes = frames.first().and_then(|f| f.pads.first()).map_or(0, |p| p.position.len());
+        let of_pads = |pick: &dyn Fn(&tactus::record::PadFrame) -> Vec<f64>| {
+            frames.iter().flat_map(|f| f.pads.iter().flat_map(pick)).collect::<Vec<f64>>()
+        };
+        let flat = |v: &[glam::DVec3]| v.iter().flat_map(|x| x.to_array()).collect::<Vec<f64>>();
+        put("force_n", frames.iter().map(|f| f.applied_force).collect(), &[])?;
+        put("travel_m", frames.iter().flat_map(|f| f.travel.clone()).collect(), &[pads])?;
+        let pose = |f: &Frame| {
+            let (p, q) = (f.object_position, f.object_rotation);
+            [p.x, p.y, p.z, q.w, q.x, q.y, q.z]
+        };
+        put("object_pose", frames.iter().flat_map(pose).collect(), &[7])?;
+        put("position_m", of_pads(&|p| flat(&p.position)), &[pads, nodes, 3])?;
+        put("displacement_m", of_pads(&|p| flat(&p.displacement)), &[pads, nodes, 3])?;
+        put("contact_force_n", of_pads(&|p| flat(&p.contact_force)), &[pads, nodes, 3])?;
+        put("von_mises_pa", of_pads(&|p| p.von_mises_node.clone()), &[pads, nodes])?;
+        put("wrench", of_pads(&|p| flat(&[p.wrench.force, p.wrench.torque])), &[pads, 6])?;
+        Ok(grasp)
+    };
+    done.into_iter().map(grasp).collect()
+}

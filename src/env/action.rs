@@ -1,0 +1,50 @@
+//! What an agent asks for: numbers from -1 to 1; beyond them counts as the nearest end.
+
+use super::spec::ArraySpec;
+use crate::grasp::GraspPose;
+use crate::scene::Task;
+use crate::scene::task::Control;
+use glam::{DQuat, DVec3};
+
+/// A decoded action.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Action {
+    /// Sum of the finger forces, N.
+    pub force: f64,
+    /// Angle of the wrist about the closing direction since the start, rad.
+    pub twist: f64,
+    /// Shift (hand axes, m) and turn of a new grasp against the first one.
+    pub regrasp: Option<(DVec3, DQuat)>,
+}
+
+/// Numbers of an action of `task`.
+pub fn size(task: &Task) -> usize {
+    1 + usize::from(task.twist_deg.is_some()) + if task.regrasp.is_some() { 3 } else { 0 }
+}
+
+/// The actions of one environment, all in one array.
+pub fn spec(task: &Task) -> ArraySpec {
+    ArraySpec::new("action", &[size(task)], "1", [-1.0, 1.0])
+}
+
+/// What `numbers` ask for, after a step with `force` and `twist`.
+pub fn decode(task: &Task, numbers: &[f32], force: f64, twist: f64) -> Action {
+    let mut numbers = numbers.iter().map(|v| f64::from(*v).clamp(-1.0, 1.0));
+    let mut next = || numbers.next().unwrap_or(0.0);
+    let [least, most] = [task.force.at(0.0), task.force.at(1.0)];
+    let force = match task.control {
+        Control::Force => task.force.at(0.5 * (next() + 1.0)),
+        Control::Rate(rate) => force + rate.get() * next(),
+    };
+    let twist = twist + task.twist_deg.map_or(0.0, |most| most.get().to_radians() * next());
+    let regrasp = task.regrasp.map(|reach| {
+        let shift = DVec3::new(0.0, next(), next()) * reach.shift.get();
+        (shift, DQuat::from_rotation_x(next() * reach.turn_deg.get().to_radians()))
+    });
+    Action { force: force.clamp(least, most), twist, regrasp }
+}
+
+/// The hand of a new grasp.
+pub fn regrasped(first: &GraspPose, center: DVec3, (shift, turn): (DVec3, DQuat)) -> GraspPose {
+    super::draw::moved_hand(first, center, shift, turn)
+}

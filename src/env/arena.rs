@@ -1,0 +1,191 @@
+//! What all environments of a batch share.
+
+use super::draw::{Draw, Key, draw};
+use super::observe::Sense;
+use super::reward::{Custom, Facts};
+use crate::error::{Error, Result};
+use crate::grasp::{GraspPose, poses_of};
+use crate::model::Model;
+use crate::scene::leaf::{Count, Modulus, NonNegative, Positive};
+use crate::scene::material::Elastic;
+use crate::scene::{Field, Law, Loading, Material, NamedScene, Record, Scene, Squeeze, Task};
+use crate::stepper::{Stepper, choose};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// An object of the scene.
+#[derive(Debug)]
+pub struct Kind {
+    /// Its name.
+    pub name: String,
+    /// The scene with this object, once per gel and friction.
+    pub variants: Vec<Variant>,
+    /// Where the hand may be.
+    pub poses: Vec<GraspPose>,
+}
+
+/// A gel and a friction.
+#[derive(Debug)]
+pub struct Variant {
+    /// The scene with them.
+    pub model: Arc<Model>,
+    /// Coefficient of friction that the grip is judged with: a backend that does not solve friction keeps its own.
+    pub friction: f64,
+}
+
+/// Models, grasps, sensors, backend.
+pub struct Arena {
+    /// The task.
+    pub task: Task,
+    /// The objects.
+    pub kinds: Vec<Kind>,
+    /// The backend.
+    pub stepper: Box<dyn Stepper>,
+    /// What writes the observations, one after the other.
+    pub senses: Vec<Box<dyn Sense>>,
+    /// Steps of an episode.
+    pub steps: usize,
+    /// The user's reward, if there is one.
+    pub custom: Option<Box<Custom>>,
+    /// Gravity in the object frame at the start, m/s2.
+    gravity: DVec3,
+}
+
+impl Arena {
+    /// Builds everything that `objects` (None is all) of `set` need.
+    ///
+    /// # Errors
+    /// A scene without a task, an object it does not have, models that cannot be built or that the backend refuses.
+    pub fn new(set: &[NamedScene], objects: Option<&[String]>, max_steps: Option<usize>) -> Result<Self> {
+        let names = || set.iter().map(|s| s.name.as_str()).collect::<Vec<_>>().join(", ");
+        let has = |name: &String| set.iter().any(|s| s.name.as_str() == name);
+        if let Some(name) = objects.into_iter().flatten().find(|name| !has(name)) {
+            return Err(Error::Start(format!("objects: the scene has no {name:?}; it has: {}", names())));
+        }
+        let wanted = |s: &&NamedScene| objects.is_none_or(|o| o.iter().any(|name| name == s.name.as_str()));
+        let set: Vec<&NamedScene> = set.iter().filter(wanted).collect();
+        let none = || Error::Start("objects: give at least one".into());
+        let first = &set.first().ok_or_else(none)?.scene;
+        let missing = || Error::Start("the scene has no `task: (...)`, which says what an agent does".into());
+        let task = first.task.clone().ok_or_else(missing)?;
+        let stepper = choose(first)?;
+        let kinds = set.iter().map(|named| Kind::new(named, &task, stepper.as_ref())).collect::<Result<Vec<_>>>()?;
+        let model = &kinds[0].variants[0].model;
+        Ok(Self {
+            senses: task.observe.iter().map(|o| o.sense(model, &task)).collect(),
+            stepper,
+            steps: max_steps.unwrap_or(task.steps.get()).max(1),
+            gravity: task.gravity.map_or(DVec3::ZERO, |g| g.dvec3()),
+            custom: None,
+            kinds,
+            task,
+        })
+    }
+
+    /// The `attempt`th draw of an episode.
+    pub fn draw(&self, key: &Key, attempt: u64) -> Draw {
+        let choices: Vec<&[GraspPose]> = self.kinds.iter().map(|k| k.poses.as_slice()).collect();
+        draw(&self.task, &choices, self.center(), &mut key.random(attempt))
+    }
+
+    /// Gel, friction and model of a draw.
+    pub fn variant(&self, draw: &Draw) -> &Variant {
+        &self.kinds[draw.object].variants[draw.variant]
+    }
+
+    /// Weight of the object of a draw with the hand at `pose`, N, hand frame.
+    pub fn weight(&self, draw: &Draw, pose: &GraspPose) -> DVec3 {
+        let model = &self.variant(draw).model;
+        let mass = draw.density.map_or(model.mass, |d| d * model.object.mass.volume);
+        pose.object_in_hand().rotation * self.gravity * mass
+    }
+
+    /// Point midway between the pads, hand frame, m.
+    pub fn center(&self) -> DVec3 {
+        let fingers = &self.kinds[0].variants[0].model.fingers;
+        fingers.iter().map(|f| f.placement.origin).sum::<DVec3>() / fingers.len() as f64
+    }
+
+    /// Numbers that an agent sees.
+    pub fn seen(&self) -> usize {
+        self.senses.iter().map(|s| s.spec().size()).sum()
+    }
+
+    /// What a step pays.
+    pub fn pay(&self, facts: &Facts) -> f64 {
+        match &self.custom {
+            Some(custom) => custom(facts),
+            None => self.task.reward.iter().map(|r| r.term().pay(facts)).sum(),
+        }
+    }
+}
+
+impl Kind {
+    fn new(named: &NamedScene, task: &Task, stepper: &dyn Stepper) -> Result<Self> {
+        let random = &task.randomise;
+        let count = random.variants.get();
+        // Friction goes through its strata in another order than the modulus: (i * step) mod n with step and n coprime.
+        let step = (count / 2 + 1..).find(|s| coprime(*s, count)).unwrap_or(1);
+        let part = |k: usize| (k as f64 + 0.5) / count as f64;
+        let variant = |k: usize| {
+            let mut scene = alone(&named.scene, task)?;
+            if let Some(young) = random.young {
+                scene.gripper.material = scaled(&scene.gripper.material, young.at(part(k)))?;
+            }
+            let nominal = scene.gripper.friction.get();
+            let friction = random.friction.map_or(nominal, |span| span.at(part(k * step % count)));
+            if stepper.solves_friction() {
+                scene.gripper.friction = leaf(NonNegative::new(friction))?;
+            }
+            let mut model = Model::build(&scene)?;
+            if let Some(model) = Arc::get_mut(&mut model) {
+                model.needs.task = true;
+                let share = 1.0 / model.fingers.len() as f64;
+                model.levels = vec![task.force.at(0.0) * share, task.force.at(1.0) * share];
+            }
+            Ok(Variant { model, friction })
+        };
+        let variants = (0..count).map(variant).collect::<Result<Vec<_>>>()?;
+        Ok(Self { name: named.name.as_str().into(), variants, poses: poses_of(&named.scene)? })
+    }
+}
+
+/// The scene as an environment has it: loads come from the task, and nothing is recorded but what it looks at.
+fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
+    let mut scene = scene.clone();
+    scene.expect.clear();
+    scene.loading =
+        Loading::Squeeze(Squeeze { force: leaf(Positive::new(task.force.at(1.0)))?, frames: leaf(Count::new(1))? });
+    let mut fields = vec![Field::ContactForce];
+    fields.extend(task.reward.iter().any(|r| r.term().needs_stress()).then_some(Field::Stress));
+    scene.record = Record { fields, pictures: false, arrays: None, vtu: false };
+    Ok(scene)
+}
+
+/// The gel with Young's modulus times `factor`.
+fn scaled(material: &Material, factor: f64) -> Result<Material> {
+    let spec = material.spec();
+    let elastic = Elastic {
+        young: leaf(Modulus::new(spec.young * factor))?,
+        poisson: leaf(crate::scene::leaf::Poisson::new(spec.poisson))?,
+        density: leaf(Positive::new(spec.density))?,
+    };
+    Ok(match spec.law {
+        Law::NeoHookean => Material::NeoHookean(elastic),
+        Law::Corotational => Material::Corotational(elastic),
+        Law::Linear => Material::Linear(elastic),
+    })
+}
+
+/// What a scene file would be told.
+fn leaf<T>(value: std::result::Result<T, String>) -> Result<T> {
+    value.map_err(|message| Error::Start(format!("task: {message}")))
+}
+
+fn coprime(a: usize, b: usize) -> bool {
+    let (mut a, mut b) = (a, b);
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a == 1
+}

@@ -1,0 +1,220 @@
+//! N environments, stepped together.
+
+use super::action;
+use super::arena::Arena;
+use super::cell::Cell;
+use super::config::{Autoreset, BatchConfig};
+use super::draw::{Draw, Key};
+use super::reward::Facts;
+use super::snapshot::Snapshot;
+use super::spec::ArraySpec;
+use super::view::{Array, Outputs, StepError, StepView};
+use crate::environment::Environment;
+use crate::error::{Error, Result};
+use crate::scene::{NamedScene, load_set};
+use rayon::prelude::*;
+use std::path::Path;
+
+/// Environments of one scene.
+pub struct BatchEnv {
+    arena: Arena,
+    cells: Vec<Cell>,
+    config: BatchConfig,
+    pool: rayon::ThreadPool,
+    outputs: Outputs,
+}
+
+impl BatchEnv {
+    /// Environments of the scene file at `path`.
+    ///
+    /// # Errors
+    /// Those of loading it and of [`BatchEnv::new`].
+    pub fn open(path: impl AsRef<Path>, config: BatchConfig) -> Result<Self> {
+        Self::new(&load_set(path)?.scenes, config)
+    }
+
+    /// Environments of the scenes of one file: one per object, of which every episode draws one.
+    ///
+    /// # Errors
+    /// A scene without a task; models that cannot be built or that the backend refuses.
+    pub fn new(set: &[NamedScene], config: BatchConfig) -> Result<Self> {
+        if config.num_envs == 0 {
+            return Err(Error::Start("a batch has at least one environment".into()));
+        }
+        let arena = Arena::new(set, config.objects.as_deref(), config.max_steps)?;
+        for kind in &arena.kinds {
+            for variant in &kind.variants {
+                Environment::new(&variant.model, arena.stepper.as_ref(), kind.poses[0])?;
+            }
+        }
+        let mut pool = rayon::ThreadPoolBuilder::new();
+        if let Some(threads) = config.threads {
+            pool = pool.num_threads(threads.max(1));
+        }
+        let pool = pool.build().map_err(|e| Error::Start(format!("cannot start threads: {e}")))?;
+        let n = config.num_envs;
+        let key = |i: usize| Key { seed: config.seed, env: config.first_env + i as u64, episode: 0 };
+        let array = |spec: ArraySpec| {
+            let zeros = vec![0.0; n * spec.size()];
+            Array { spec, now: zeros.clone(), last: zeros }
+        };
+        let outputs = Outputs {
+            arrays: arena.senses.iter().map(|s| array(s.spec())).collect(),
+            reward: vec![0.0; n],
+            terminated: vec![false; n],
+            truncated: vec![false; n],
+            ended: vec![false; n],
+            faults: vec![None; n],
+            facts: vec![Facts::default(); n],
+        };
+        Ok(Self { cells: (0..n).map(|i| Cell::new(key(i))).collect(), arena, config, pool, outputs })
+    }
+
+    /// The same with a reward of the user's own instead of the scene's.
+    pub fn with_reward(mut self, reward: impl Fn(&Facts) -> f64 + Send + Sync + 'static) -> Self {
+        self.arena.custom = Some(Box::new(reward));
+        self
+    }
+
+    /// Number of environments.
+    pub fn num_envs(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Its settings.
+    pub fn config(&self) -> &BatchConfig {
+        &self.config
+    }
+
+    /// The observations of one environment.
+    pub fn observation_spec(&self) -> Vec<ArraySpec> {
+        self.arena.senses.iter().map(|s| s.spec()).collect()
+    }
+
+    /// The action of one environment.
+    pub fn action_spec(&self) -> ArraySpec {
+        action::spec(&self.arena.task)
+    }
+
+    /// Starts the next episode of the environments in `mask` (None is all), or with `seed` their first one.
+    ///
+    /// # Errors
+    /// A mask of another length.
+    pub fn reset(&mut self, seed: Option<u64>, mask: Option<&[bool]>) -> std::result::Result<StepView<'_>, StepError> {
+        if let Some(mask) = mask
+            && mask.len() != self.cells.len()
+        {
+            let message = format!("the mask has {} entries for {} environments", mask.len(), self.cells.len());
+            return Err(StepError::call(message));
+        }
+        let Self { arena, cells, pool, .. } = self;
+        pool.install(|| {
+            cells.par_iter_mut().enumerate().with_max_len(1).for_each(|(i, cell)| {
+                if mask.is_none_or(|mask| mask[i]) {
+                    // Before the first reset there is no episode to go on from.
+                    let fresh = cell.output.obs.is_empty();
+                    let next = if fresh { cell.key } else { cell.key.next() };
+                    cell.begin(arena, seed.map_or(next, |seed| Key { seed, episode: 0, ..cell.key }));
+                }
+            });
+        });
+        self.collect();
+        self.outputs.ended.fill(false);
+        Ok(StepView(&self.outputs))
+    }
+
+    /// One step of every environment; `actions` is (environments, action), row-major.
+    ///
+    /// # Errors
+    /// Another length, numbers that are not finite, an environment that waits for a reset. Nothing has changed then.
+    pub fn step(&mut self, actions: &[f32]) -> std::result::Result<StepView<'_>, StepError> {
+        let size = action::size(&self.arena.task);
+        if actions.len() != size * self.cells.len() {
+            let (found, n) = (actions.len(), self.cells.len());
+            return Err(StepError::call(format!("{found} numbers for {n} environments with {size} each")));
+        }
+        let mode = self.config.autoreset;
+        for (i, (cell, numbers)) in self.cells.iter().zip(actions.chunks_exact(size)).enumerate() {
+            if let Some(bad) = numbers.iter().find(|v| !v.is_finite()) {
+                return Err(StepError::of(i, format!("its action holds {bad}; allowed: -1 to 1")));
+            }
+            if cell.output.obs.is_empty() {
+                return Err(StepError::of(i, "steps before its first reset; call `reset`"));
+            }
+            if cell.ended && mode == Autoreset::Disabled {
+                return Err(StepError::of(i, "its episode has ended; reset it, or choose another autoreset"));
+            }
+        }
+        let Self { arena, cells, pool, .. } = self;
+        pool.install(|| {
+            cells.par_iter_mut().zip(actions.par_chunks_exact(size)).with_max_len(1).for_each(|(cell, numbers)| {
+                match mode {
+                    Autoreset::NextStep if cell.ended => cell.begin(arena, cell.key.next()),
+                    Autoreset::SameStep => {
+                        cell.advance(arena, numbers);
+                        cell.follow_on(arena);
+                    }
+                    _ => cell.advance(arena, numbers),
+                }
+            });
+        });
+        self.collect();
+        Ok(StepView(&self.outputs))
+    }
+
+    /// What the last reset, step or restore gave.
+    pub fn view(&self) -> StepView<'_> {
+        StepView(&self.outputs)
+    }
+
+    /// The running episode of environment `env`, to be restored here or in another batch of the same scene.
+    pub fn save(&self, env: usize) -> Snapshot {
+        self.cells[env].save()
+    }
+
+    /// Brings environment `env` to where `snapshot` was saved, bit for bit.
+    pub fn restore(&mut self, env: usize, snapshot: &Snapshot) -> StepView<'_> {
+        let Self { arena, cells, pool, .. } = self;
+        pool.install(|| cells[env].restore(arena, snapshot));
+        self.collect();
+        StepView(&self.outputs)
+    }
+
+    /// The world of environment `env`, to look at or to change; None without a running episode.
+    pub fn environment(&mut self, env: usize) -> Option<&mut Environment> {
+        self.cells[env].environment()
+    }
+
+    /// What the running episode of environment `env` was drawn as, with the object's name.
+    pub fn episode(&self, env: usize) -> Option<(&str, &Draw)> {
+        self.cells[env].draw().map(|draw| (self.arena.kinds[draw.object].name.as_str(), draw))
+    }
+
+    /// Results of all cells -> arrays.
+    fn collect(&mut self) {
+        let out = &mut self.outputs;
+        for (i, cell) in self.cells.iter().enumerate() {
+            let from = &cell.output;
+            let mut start = 0;
+            for array in &mut out.arrays {
+                let size = array.spec.size();
+                let own = i * size..(i + 1) * size;
+                let part = start..start + size;
+                // An environment that was never reset has nothing to show.
+                if let Some(obs) = from.obs.get(part.clone()) {
+                    array.now[own.clone()].copy_from_slice(obs);
+                }
+                match from.last.get(part) {
+                    Some(last) => array.last[own].copy_from_slice(last),
+                    None => array.last[own].fill(0.0),
+                }
+                start += size;
+            }
+            out.reward[i] = from.reward;
+            (out.terminated[i], out.truncated[i]) = (from.terminated, from.truncated);
+            out.ended[i] = from.terminated || from.truncated;
+            out.faults[i].clone_from(&from.fault);
+            out.facts[i] = from.facts;
+        }
+    }
+}

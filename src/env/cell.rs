@@ -1,0 +1,246 @@
+//! One environment: a world, its episode, and what it gave last.
+
+use super::action::{self, Action};
+use super::arena::Arena;
+use super::draw::{Draw, Key};
+use super::grip;
+use super::load::Loads;
+use super::observe::Now;
+use super::reward::Facts;
+use super::snapshot::Snapshot;
+use crate::components::ObjectWeight;
+use crate::environment::Environment;
+use crate::grasp::GraspPose;
+use crate::model::Model;
+use crate::record::Frame;
+use crate::schedule::{Command, Phase};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Starts of an episode that are tried before it counts as having none.
+const TRIES: u64 = 8;
+
+/// What an environment gave last.
+#[derive(Debug, Clone, Default)]
+pub struct Output {
+    /// All observations, one after the other.
+    pub obs: Vec<f32>,
+    /// Those of an episode that the same step ended and followed by the next one; empty if there is none.
+    pub last: Vec<f32>,
+    pub reward: f32,
+    pub terminated: bool,
+    pub truncated: bool,
+    pub fault: Option<String>,
+    pub facts: Facts,
+}
+
+/// An environment.
+pub struct Cell {
+    pub key: Key,
+    pub output: Output,
+    /// Waits for a reset.
+    pub ended: bool,
+    run: Option<Run>,
+    actions: Vec<f32>,
+}
+
+/// An object in the hand.
+struct Run {
+    environment: Environment,
+    frame: Frame,
+    draw: Draw,
+    loads: Loads,
+    force: f64,
+    twist: f64,
+    step: usize,
+    slipped: f64,
+}
+
+impl Cell {
+    /// Before its first episode.
+    pub fn new(key: Key) -> Self {
+        Self { key, output: Output::default(), ended: true, run: None, actions: Vec::new() }
+    }
+
+    /// The world of the running episode.
+    pub fn environment(&mut self) -> Option<&mut Environment> {
+        self.run.as_mut().map(|run| &mut run.environment)
+    }
+
+    /// The draw of the running episode.
+    pub fn draw(&self) -> Option<&Draw> {
+        self.run.as_ref().map(|run| &run.draw)
+    }
+
+    /// The episode and what was done in it.
+    pub fn save(&self) -> Snapshot {
+        Snapshot { key: self.key, actions: self.actions.clone() }
+    }
+
+    /// Does again what was done.
+    pub fn restore(&mut self, arena: &Arena, snapshot: &Snapshot) {
+        self.begin(arena, snapshot.key);
+        snapshot.actions.chunks_exact(action::size(&arena.task)).for_each(|numbers| self.advance(arena, numbers));
+    }
+
+    /// Starts the episode `key`.
+    pub fn begin(&mut self, arena: &Arena, key: Key) {
+        (self.key, self.ended) = (key, false);
+        self.actions.clear();
+        self.run = None;
+        self.output = Output { obs: vec![0.0; arena.seen()], ..Output::default() };
+        for attempt in 0..TRIES {
+            match Run::new(arena, arena.draw(&key, attempt)) {
+                Ok(run) => {
+                    self.output.fault = None;
+                    see(arena, run.model(arena), &run.frame, &mut self.output.obs);
+                    self.run = Some(run);
+                    return;
+                }
+                Err(reason) => self.output.fault = Some(format!("no feasible start: {reason}")),
+            }
+        }
+    }
+
+    /// Ends the step: starts the next episode if this one has ended, and keeps its last observation.
+    pub fn follow_on(&mut self, arena: &Arena) {
+        if !self.ended {
+            return;
+        }
+        let done = std::mem::take(&mut self.output);
+        self.begin(arena, self.key.next());
+        let fault = done.fault.clone().or_else(|| self.output.fault.take());
+        self.output = Output { obs: std::mem::take(&mut self.output.obs), last: done.obs.clone(), fault, ..done };
+    }
+
+    /// One step of the episode.
+    pub fn advance(&mut self, arena: &Arena, numbers: &[f32]) {
+        self.actions.extend_from_slice(numbers);
+        let Some(run) = &mut self.run else {
+            // The reset said why.
+            let facts = Facts { most: arena.task.force.at(1.0), ..Facts::default() };
+            (self.ended, self.output.terminated, self.output.facts) = (true, true, facts);
+            self.output.reward = arena.pay(&facts) as f32;
+            return;
+        };
+        let output = &mut self.output;
+        output.last.clear();
+        output.fault = None;
+        let done = run.advance(arena, numbers);
+        let mut facts = done.unwrap_or_else(|reason| {
+            output.fault = Some(reason);
+            Facts::default()
+        });
+        let mut seen = vec![0.0; output.obs.len()];
+        see(arena, run.model(arena), &run.frame, &mut seen);
+        if seen.iter().all(|v| v.is_finite()) {
+            output.obs = seen;
+        } else {
+            output.fault = Some("the state is not finite".into());
+            facts = Facts::default();
+        }
+        (facts.force, facts.most) = (run.force, arena.task.force.at(1.0));
+        output.reward = arena.pay(&facts) as f32;
+        // A grasp that fails is followed by another one where the task has it so.
+        output.terminated = !facts.held && arena.task.regrasp.is_none();
+        output.truncated = !output.terminated && run.step >= arena.steps;
+        output.facts = facts;
+        self.ended = output.terminated || output.truncated;
+    }
+}
+
+impl Run {
+    /// Closes the hand on the object as drawn; the object lies on its support.
+    fn new(arena: &Arena, draw: Draw) -> Result<Self, String> {
+        let force = arena.task.start.get();
+        let (environment, frame) = grasp(arena, &arena.variant(&draw).model, draw.pose, force)?;
+        let weight = arena.weight(&draw, &draw.pose);
+        let loads = Loads { weight, lift: arena.task.lift.get(), pushes: draw.pushes.clone() };
+        Ok(Self { environment, frame, draw, loads, force, twist: 0.0, step: 0, slipped: 0.0 })
+    }
+
+    fn model<'a>(&self, arena: &'a Arena) -> &'a Arc<Model> {
+        &arena.variant(&self.draw).model
+    }
+
+    /// One step; on failure the frame is that of the last accepted state.
+    fn advance(&mut self, arena: &Arena, numbers: &[f32]) -> Result<Facts, String> {
+        self.step += 1;
+        let Action { force, twist, regrasp } = action::decode(&arena.task, numbers, self.force, self.twist);
+        (self.force, self.twist) = (force, twist);
+        let model = self.model(arena).clone();
+        if let Some(other) = regrasp {
+            let pose = action::regrasped(&self.draw.pose, arena.center(), other);
+            self.loads.weight = arena.weight(&self.draw, &pose);
+            (self.environment, self.frame) = grasp(arena, &model, pose, force)?;
+            self.slipped = 0.0;
+        }
+        // A new grasp lifts the object at once.
+        let step = if regrasp.is_some() { self.step.max(self.loads.lift) } else { self.step };
+        let load = self.loads.at(step, twist);
+        let frame = drive(&mut self.environment, &model, force, load)?;
+        let slip = grip::slip(&model, &self.frame, &frame);
+        self.slipped += slip;
+        let margin = grip::margin(&model, arena.variant(&self.draw).friction, &frame, load);
+        let carried = arena.stepper.solves_friction() || margin >= 0.0;
+        let stress = frame.pads.iter().flat_map(|p| &p.von_mises_node).copied().fold(0.0, f64::max);
+        self.frame = frame;
+        Ok(Facts {
+            held: carried && self.slipped <= arena.task.slip_limit.get(),
+            slip,
+            slipped: self.slipped,
+            margin,
+            stress,
+            force,
+            load: load.length(),
+            ..Facts::default()
+        })
+    }
+}
+
+impl Key {
+    /// The next episode of the same environment.
+    pub fn next(self) -> Self {
+        Self { episode: self.episode + 1, ..self }
+    }
+}
+
+/// A world whose hand has closed at `pose` with `force` (N, all fingers).
+fn grasp(arena: &Arena, model: &Arc<Model>, pose: GraspPose, force: f64) -> Result<(Environment, Frame), String> {
+    let mut environment = Environment::new(model, arena.stepper.as_ref(), pose).map_err(|e| e.to_string())?;
+    environment.world_mut().insert_resource(Command { force: 0.0 });
+    loop {
+        match environment.phase() {
+            Phase::Ramp { .. } => {
+                let frame = drive(&mut environment, model, force, DVec3::ZERO)?;
+                return Ok((environment, frame));
+            }
+            Phase::Infeasible { reason } | Phase::Fault { reason } => return Err(reason),
+            Phase::Done => return Err("the grasp ended before it began".into()),
+            Phase::Place | Phase::Close => environment.step(),
+        };
+    }
+}
+
+/// One step of the world under `force` (N, all fingers) and the load `load` on the object (N, hand frame).
+fn drive(environment: &mut Environment, model: &Model, force: f64, load: DVec3) -> Result<Frame, String> {
+    let world = environment.world_mut();
+    world.insert_resource(Command { force: force / model.fingers.len() as f64 });
+    world.query::<&mut ObjectWeight>().iter_mut(world).for_each(|mut weight| weight.0 = load);
+    let phase = environment.step();
+    match (environment.take_frame(), phase) {
+        (Some(frame), _) => Ok(frame),
+        (None, Phase::Fault { reason } | Phase::Infeasible { reason }) => Err(reason),
+        (None, other) => Err(format!("the step ended in {other:?} without a state")),
+    }
+}
+
+/// Writes all observations.
+fn see(arena: &Arena, model: &Model, frame: &Frame, out: &mut [f32]) {
+    let (now, mut rest) = (Now { model, frame }, out);
+    for sense in &arena.senses {
+        let (own, others) = rest.split_at_mut(sense.spec().size());
+        sense.write(&now, own);
+        rest = others;
+    }
+}

@@ -1,0 +1,78 @@
+//! What differs between episodes: numbers drawn by (seed, environment, episode) and nothing else.
+
+use super::load::{Push, pushes};
+use crate::grasp::GraspPose;
+use crate::random::Random;
+use crate::scene::Task;
+use glam::{DQuat, DVec3};
+use std::f64::consts::TAU;
+
+/// Names an episode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Key {
+    /// Seed of the batch.
+    pub seed: u64,
+    /// Number of the environment.
+    pub env: u64,
+    /// Number of the episode in it, from 0.
+    pub episode: u64,
+}
+
+impl Key {
+    /// The numbers of this episode; `attempt` counts starts that were not feasible.
+    pub fn random(&self, attempt: u64) -> Random {
+        let words = [self.seed, self.env, self.episode, attempt];
+        Random::new(words.into_iter().fold(0, |state, word| Random::new(state ^ word).bits()))
+    }
+}
+
+/// What an episode is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Draw {
+    /// Which object.
+    pub object: usize,
+    /// Which of its variants.
+    pub variant: usize,
+    /// Pose of the hand in the object frame.
+    pub pose: GraspPose,
+    /// Density of the object, kg/m3; None is the scene's.
+    pub density: Option<f64>,
+    /// Pushes, in their order.
+    pub pushes: Vec<Push>,
+}
+
+/// What there is to draw from: per object, its grasps.
+pub type Choices<'a> = &'a [&'a [GraspPose]];
+
+/// Draws an episode. `center` is the point midway between the pads, hand frame, m.
+pub fn draw(task: &Task, choices: Choices, center: DVec3, random: &mut Random) -> Draw {
+    let scatter = &task.randomise;
+    let object = random.below(choices.len());
+    let variant = random.below(scatter.variants.get());
+    let pose = choices[object][random.below(choices[object].len())];
+    let shift = DVec3::new(0.0, 2.0 * random.unit() - 1.0, 2.0 * random.unit() - 1.0) * scatter.shift.get();
+    let turn = direction(random) * (random.unit() * scatter.turn_deg.get().to_radians());
+    let part = random.unit();
+    Draw {
+        object,
+        variant,
+        pose: moved_hand(&pose, center, shift, DQuat::from_scaled_axis(turn)),
+        density: scatter.density.map(|span| span.at(part)),
+        pushes: pushes(task, random),
+    }
+}
+
+/// The hand at `pose` shifted in its own axes (m) and turned about `center` (hand frame, m).
+pub fn moved_hand(pose: &GraspPose, center: DVec3, shift: DVec3, turn: DQuat) -> GraspPose {
+    GraspPose {
+        position: pose.position + pose.rotation * (center + shift - turn * center),
+        rotation: (pose.rotation * turn).normalize(),
+    }
+}
+
+/// A unit vector, uniform on the sphere.
+fn direction(random: &mut Random) -> DVec3 {
+    let (z, angle) = (2.0 * random.unit() - 1.0, TAU * random.unit());
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    DVec3::new(r * angle.cos(), r * angle.sin(), z)
+}

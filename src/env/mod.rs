@@ -1,0 +1,40 @@
+//! Many environments at once, for reinforcement learning: one scene with a [`task`](crate::scene::Task), N worlds.
+//!
+//! ```text
+//! scene.ron -> Arena (models, grasps, sensors: shared) -> N x Cell (world, episode) -> BatchEnv::step -> StepView
+//!              arena.rs                                   cell.rs, in parallel         batch.rs         view.rs
+//!
+//! a step of a cell:  action -> force, wrist, new grasp   (action.rs)
+//!                    weight and pushes -> load           (load.rs)
+//!                    one step of the world's schedule    (crate::environment)
+//!                    frame -> slip, margin -> reward     (grip.rs, reward/)
+//!                          -> arrays                     (observe/)
+//! ```
+//!
+//! What differs between episodes is drawn by (seed, environment, episode) alone (draw.rs): neither the number of threads
+//! nor that of environments changes a bit of any of them.
+//!
+//! The load on the object is weight and pushes. The FEM backend feels it: friction holds the object or does not. The network
+//! knows friction only as it was in training, so there the load is shared out like the pressure, and the object is lost
+//! where the limit surface of the grip is passed (grip.rs).
+
+pub mod action;
+pub mod arena;
+pub mod batch;
+mod cell;
+pub mod config;
+pub mod draw;
+pub mod grip;
+pub mod load;
+pub mod observe;
+pub mod reward;
+pub mod snapshot;
+pub mod spec;
+pub mod view;
+
+pub use batch::BatchEnv;
+pub use config::{Autoreset, BatchConfig};
+pub use reward::Facts;
+pub use snapshot::Snapshot;
+pub use spec::ArraySpec;
+pub use view::{StepError, StepView};

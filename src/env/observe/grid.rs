@@ -1,0 +1,80 @@
+//! A regular grid of taxels on the sensing face.
+
+use crate::gnn::graph::barycentric;
+use crate::record::PadTopology;
+use crate::scene::leaf::Count;
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// Taxels along the pad's x (rows) and y (columns).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Grid {
+    /// Along x of the pad, which is the hand's approach.
+    pub rows: Count<1, 512>,
+    /// Along y.
+    pub cols: Count<1, 512>,
+}
+
+impl Grid {
+    /// Unless said otherwise.
+    pub const USUAL: Grid = Grid { rows: Count::preset(8), cols: Count::preset(8) };
+
+    /// Number of taxels.
+    pub fn len(&self) -> usize {
+        self.rows.get() * self.cols.get()
+    }
+
+    /// Of every node, the taxels among which its force is shared out: weights are non-negative and sum to one, so the
+    /// image sums to the resultant. Bilinear between the taxels' centres; beyond the outermost centres all goes to them.
+    pub fn shares(&self, pad: &PadTopology) -> Vec<[(u32, f64); 4]> {
+        let (low, size) = extent(pad);
+        let along = |x: f64, low: f64, size: f64, n: usize| {
+            let at = ((x - low) / size * n as f64 - 0.5).clamp(0.0, (n - 1) as f64);
+            let cell = (at.floor() as usize).min(n.saturating_sub(2));
+            [(cell, 1.0 - (at - cell as f64)), ((cell + 1).min(n - 1), at - cell as f64)]
+        };
+        let (rows, cols) = (self.rows.get(), self.cols.get());
+        let share = |x: &DVec3| {
+            let [a, b] = along(x.x, low.x, size.x, rows);
+            let [c, d] = along(x.y, low.y, size.y, cols);
+            [(a, c), (a, d), (b, c), (b, d)].map(|((r, u), (c, v))| ((r * cols + c) as u32, u * v))
+        };
+        pad.rest.iter().map(share).collect()
+    }
+
+    /// Of every taxel, the nodes of the sensing triangle at its centre with their weights; where the face does not reach,
+    /// of the nearest one.
+    pub fn samples(&self, pad: &PadTopology) -> Vec<[(u32, f64); 3]> {
+        let (low, size) = extent(pad);
+        let flat = |n: u32| pad.rest[n as usize].truncate();
+        let (rows, cols) = (self.rows.get(), self.cols.get());
+        let at = |k: usize| {
+            let part = DVec2::new((k / cols) as f64 + 0.5, (k % cols) as f64 + 0.5);
+            low + size * part / DVec2::new(rows as f64, cols as f64)
+        };
+        let sample = |p: DVec2| {
+            let weights = |t: &[u32; 3]| barycentric(p, t.map(flat));
+            let inside = |w: &[f64; 3]| w.iter().copied().fold(f64::INFINITY, f64::min);
+            let best = pad.sensing.iter().map(|t| (t, weights(t))).max_by(|a, b| inside(&a.1).total_cmp(&inside(&b.1)));
+            let (t, w) = best.unwrap_or((&[0; 3], [1.0, 0.0, 0.0]));
+            let w = w.map(|w| w.max(0.0));
+            let sum: f64 = w.iter().sum();
+            [0, 1, 2].map(|k| (t[k], w[k] / sum))
+        };
+        (0..rows * cols).map(|k| sample(at(k))).collect()
+    }
+}
+
+impl Default for Grid {
+    fn default() -> Self {
+        Self::USUAL
+    }
+}
+
+/// Lower corner and size of the sensing face, m, pad frame.
+fn extent(pad: &PadTopology) -> (DVec2, DVec2) {
+    let face = pad.sensing.iter().flatten().map(|n| pad.rest[*n as usize].truncate());
+    let (low, high) = face.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    (low, high - low)
+}

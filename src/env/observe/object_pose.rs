@@ -1,0 +1,29 @@
+//! Where the object is in the hand: what no tactile sensor says, for teachers and for comparison.
+
+use super::{Now, Sense};
+use crate::env::spec::ArraySpec;
+use crate::model::Model;
+use crate::scene::Task;
+use crate::scene::leaf::LENGTH_LIMIT;
+
+/// Position (m) and quaternion (w, x, y, z) of the object frame in the hand frame.
+#[derive(Debug)]
+pub struct PoseInHand;
+
+impl PoseInHand {
+    pub fn new(_: &Model, _: &Task) -> Self {
+        Self
+    }
+}
+
+impl Sense for PoseInHand {
+    fn spec(&self) -> ArraySpec {
+        ArraySpec::new("object_pose", &[7], "m, 1", [-LENGTH_LIMIT, LENGTH_LIMIT])
+    }
+
+    fn write(&self, now: &Now, out: &mut [f32]) {
+        let (p, q) = (now.frame.object_position, now.frame.object_rotation);
+        let q = if q.w < 0.0 { -q } else { q };
+        out.iter_mut().zip([p.x, p.y, p.z, q.w, q.x, q.y, q.z]).for_each(|(o, v)| *o = v as f32);
+    }
+}

@@ -1,0 +1,33 @@
+//! What a force-torque sensor behind each pad would read of the contact.
+
+use super::{Now, Sense, force_bounds};
+use crate::env::spec::ArraySpec;
+use crate::model::Model;
+use crate::scene::Task;
+
+/// Per pad, in its frame: force (N), then torque about the middle of its sensing face (N m).
+#[derive(Debug)]
+pub struct PadWrench {
+    pads: usize,
+    bounds: [f64; 2],
+}
+
+impl PadWrench {
+    pub fn new(model: &Model, task: &Task) -> Self {
+        Self { pads: model.fingers.len(), bounds: force_bounds(task) }
+    }
+}
+
+impl Sense for PadWrench {
+    fn spec(&self) -> ArraySpec {
+        ArraySpec::new("wrench", &[self.pads, 6], "N, N m", self.bounds)
+    }
+
+    fn write(&self, now: &Now, out: &mut [f32]) {
+        for ((pad, finger), out) in now.frame.pads.iter().zip(&now.model.fingers).zip(out.chunks_exact_mut(6)) {
+            let axes = finger.placement.rotation.transpose();
+            let (force, torque) = (axes * pad.wrench.force, axes * pad.wrench.torque);
+            out.iter_mut().zip(force.to_array().into_iter().chain(torque.to_array())).for_each(|(o, v)| *o = v as f32);
+        }
+    }
+}

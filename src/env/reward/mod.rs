@@ -1,0 +1,85 @@
+//! What an agent is paid for: one file per term; a reward is their sum.
+//!
+//! To add one: a file with a struct that implements [`Pay`], a line in `rewards!`.
+
+mod economy;
+mod hold;
+mod slip;
+mod stress;
+
+pub use economy::Economy;
+pub use hold::Hold;
+pub use slip::Slip;
+pub use stress::Stress;
+
+use serde::{Deserialize, Serialize};
+
+/// What came of a step.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Facts {
+    /// The object is still in the hand.
+    pub held: bool,
+    /// Way of the object over the pads in this step, m.
+    pub slip: f64,
+    /// The same since the start of the episode, m.
+    pub slipped: f64,
+    /// Part of the grip's limit that the load leaves: 0 is about to slip, 1 is without load, see [`super::grip`].
+    pub margin: f64,
+    /// Largest von Mises stress of a node, Pa; 0 if no term asks for it.
+    pub stress: f64,
+    /// Sum of the finger forces, N.
+    pub force: f64,
+    /// Largest that the agent may ask for, N.
+    pub most: f64,
+    /// Load on the object across the closing direction, N.
+    pub load: f64,
+}
+
+/// A reward of the user's own.
+pub type Custom = dyn Fn(&Facts) -> f64 + Send + Sync;
+
+/// A term of the reward.
+pub trait Pay {
+    /// What it pays for a step.
+    fn pay(&self, facts: &Facts) -> f64;
+    /// Whether it looks at the stress.
+    fn needs_stress(&self) -> bool {
+        false
+    }
+}
+
+macro_rules! rewards {
+    ($($(#[$doc:meta])* $name:ident,)*) => {
+        /// One term.
+        #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+        pub enum Reward {
+            $($(#[$doc])* $name($name),)*
+        }
+
+        impl Reward {
+            /// As the trait object that pays.
+            pub fn term(&self) -> &dyn Pay {
+                match self {
+                    $(Reward::$name(term) => term,)*
+                }
+            }
+        }
+    };
+}
+
+rewards! {
+    /// For holding the object.
+    Hold,
+    /// Against slip.
+    Slip,
+    /// Against stress above a limit.
+    Stress,
+    /// Against force.
+    Economy,
+}
+
+impl Default for Reward {
+    fn default() -> Self {
+        Reward::Hold(Hold::default())
+    }
+}
