@@ -1,9 +1,9 @@
 //! What happens in a step, in which order, decided once; and the resources that a step hands from set to set.
 //!
 //! ```text
-//! Control  -> Sense            -> Advance        -> Measure                 -> Record
-//! pose,       first contact,      FEM or network:   contact, stress, energy,   frame,
-//! load level  columns -> solver   state -> columns  balance, wrench            next phase
+//! Control  -> Sense            -> Advance        -> Accept   -> Measure                 -> Record
+//! pose,       first contact,      FEM or network:   do the      contact, stress, energy,   frame,
+//! load level  columns -> solver   state -> columns  pads meet   balance, wrench            next phase
 //! ```
 //!
 //! A run of the schedule is one step of the published procedure, which is an explicit state ([`Phase`]):
@@ -27,6 +27,8 @@ pub enum StepSet {
     Sense,
     /// The stepper brings the state to the new load.
     Advance,
+    /// Whether the model covers the state just reached.
+    Accept,
     /// What came of it: contact forces, stress, energy, balance.
     Measure,
     /// The frame, and the phase of the next step.
@@ -35,8 +37,14 @@ pub enum StepSet {
 
 impl StepSet {
     /// All sets in their order.
-    pub const ALL: [StepSet; 5] =
-        [StepSet::Control, StepSet::Sense, StepSet::Advance, StepSet::Measure, StepSet::Record];
+    pub const ALL: [StepSet; 6] = [
+        StepSet::Control,
+        StepSet::Sense,
+        StepSet::Advance,
+        StepSet::Accept,
+        StepSet::Measure,
+        StepSet::Record,
+    ];
 }
 
 /// Where a grasp is in the procedure. Constant during a step; `turn_phase` moves it on at the end.
@@ -164,7 +172,7 @@ pub fn schedule(needs: &Needs) -> Schedule {
     // Worlds run side by side; within one, threads would only cost.
     schedule.set_executor(SingleThreadedExecutor::new());
     use StepSet::*;
-    schedule.configure_sets((Control, Sense, Advance, Measure, Record).chain());
+    schedule.configure_sets((Control, Sense, Advance, Accept, Measure, Record).chain());
     systems::register(&mut schedule, needs);
     schedule
 }

@@ -29,9 +29,9 @@ const STIFFENING: f64 = 30.0;
 impl Law {
     /// The law for a gel of Young's modulus `young` (Pa) sampled every `spacing` (m) with Coulomb coefficient `friction`.
     ///
-    /// A layer as thick as the spacing has stiffness `young / spacing`; contact is fifty times stiffer.
+    /// A layer as thick as the spacing has stiffness `young / spacing`; contact is eighty times stiffer.
     pub fn new(young: f64, spacing: f64, friction: f64) -> Self {
-        let stiffness = 50.0 * young / spacing;
+        let stiffness = 80.0 * young / spacing;
         Self { stiffness, offset: 1e-5, friction, tangential: stiffness / 3.0 }
     }
 

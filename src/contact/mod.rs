@@ -17,5 +17,5 @@ pub mod term;
 pub use edge::ContactEdge;
 pub use feature::{Feature, FeatureContact};
 pub use ground::GroundContact;
-pub use surface::ContactSurface;
+pub use surface::{ContactSurface, Face};
 pub use term::Contact;

@@ -1,6 +1,6 @@
 //! What a scene needs in its world: nothing is spawned, computed or solved for that nobody asked for.
 
-use crate::scene::{Expectation, Field, Loading, Motion, Scene};
+use crate::scene::{Expectation, Field, Fingers, Loading, Motion, Scene};
 use serde::Serialize;
 
 /// Parts of the world that are there only if the scene asks for them.
@@ -22,6 +22,8 @@ pub struct Needs {
     pub dynamic: bool,
     /// Contact of the object with its support: there is a ground.
     pub ground: bool,
+    /// Whether the pads meet beside the object: there are two.
+    pub pads_apart: bool,
     /// A pose that changes: the object is free.
     pub free_object: bool,
 }
@@ -36,6 +38,7 @@ impl Needs {
             gap: recorded(Field::Gap),
             friction: scene.gripper.friction.get() > 0.0,
             gravity: scene.gravity.is_some_and(|g| g.dvec3() != glam::DVec3::ZERO),
+            pads_apart: scene.gripper.fingers == Fingers::Both,
             audit: scene.expect.iter().any(Expectation::audited),
             dynamic: matches!(scene.loading, Loading::Dynamic(_)),
             ground: scene.ground.is_some(),

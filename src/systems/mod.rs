@@ -1,5 +1,6 @@
 //! The systems that every stepper shares: what the gripper wants, whether the forces add up, the frame.
 
+mod apart;
 mod control;
 pub(crate) mod measure;
 mod record;
@@ -18,6 +19,9 @@ pub fn register(schedule: &mut Schedule, needs: &Needs) {
         schedule.add_systems(control::refuse_weight.before(control::place_object).in_set(StepSet::Control));
     }
     schedule.add_systems(sense::close_to_contact.in_set(StepSet::Sense));
+    if needs.pads_apart {
+        schedule.add_systems(apart::keep_pads_apart.run_if(reached).in_set(StepSet::Accept));
+    }
     schedule.add_systems(measure::measure_balance.run_if(reached).in_set(StepSet::Measure));
     if needs.gap {
         schedule.add_systems(measure::measure_gap.run_if(reached).in_set(StepSet::Measure));
