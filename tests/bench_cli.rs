@@ -61,7 +61,7 @@ fn a_bench_reports_time_and_error_of_every_setting() {
     );
     let reference = error(&report, "reference_error");
     let own = points.iter().find(|p| p["label"] == "quadratic 4x4x2").map(|p| error(p, "displacement_error"));
-    assert!(own.is_some_and(|own| reference > 0.0 && reference <= own), "{reference} against {own:?}");
+    assert!(own.is_some_and(|own| reference > 0.0 && reference <= (1.0 + 1e-12) * own), "{reference} against {own:?}");
     assert!(report["speedup_at_equal_error"].is_null(), "nothing claims a speed-up");
 
     let written: Value = serde_json::from_slice(&std::fs::read(out.join("bench.json")).unwrap()).unwrap();
