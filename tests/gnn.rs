@@ -8,7 +8,7 @@ use gnn_made::{Made, ball, made, set};
 use std::sync::Arc;
 use tactus::components::*;
 use tactus::environment::Environment;
-use tactus::gnn::graph::PadGraph;
+use tactus::gnn::graph::{Layout, PadGraph};
 use tactus::gnn::predict::Predictor;
 use tactus::gnn::stepper::Gnn;
 use tactus::gnn::touch::Touch;
@@ -114,7 +114,7 @@ fn numbering_the_nodes_otherwise_numbers_the_answer_otherwise() {
     other.sensing = pad.sensing.iter().map(|t| t.map(|i| to[i as usize] as u32)).collect();
     let touch = Touch::find(&model, pose).unwrap();
     let answer = |pad| {
-        let graph = Arc::new(PadGraph::new(pad, 3).unwrap());
+        let graph = Arc::new(PadGraph::new(pad, Layout::Face { depths: 3 }).unwrap());
         predictor.at(&predictor.look(&model, &graph, &touch), 0.5).unwrap()
     };
     let (a, b) = (answer(pad), answer(&other));

@@ -5,9 +5,10 @@
 //! frame. Each feature says how it changes when the scene is mirrored (x -> -x or y -> -y of the pad): see [`Parity`].
 
 use super::foundation::Foundation;
-use super::graph::PadGraph;
+use super::graph::{Layout, PadGraph};
 use super::ops::Sparse;
 use super::touch::Touch;
+use super::volume::Volume;
 use crate::model::Model;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
@@ -82,6 +83,8 @@ pub struct Features {
     pub mean: Arc<Sparse>,
     /// Mean weighted by nearness to the object.
     pub near: Arc<Sparse>,
+    /// The whole pads and the object, for a network that passes messages there.
+    pub volume: Option<Arc<Volume>>,
     /// Young's modulus, Pa.
     pub young: f64,
     gap: Vec<Vec<f64>>,
@@ -95,6 +98,8 @@ pub struct Loads {
     pub node: Vec<f32>,
     /// (levels * pads, [`PAD_LOAD`]).
     pub pad: Vec<f32>,
+    /// Force per finger over `E t^2`: (levels).
+    pub force: Vec<f64>,
     /// Depth of the bed of springs, m: (levels * pads).
     pub depth: Vec<f64>,
 }
@@ -132,7 +137,7 @@ impl Features {
             springs.push(Foundation::new(&own, &area));
             gaps.push(own);
         }
-        let edge = graph.edges.iter().flat_map(|(s, r)| {
+        let edge = graph.edges.list.iter().flat_map(|(s, r)| {
             let d = (graph.rest[*s as usize] - graph.rest[*r as usize]) / t;
             [d.x, d.y, d.z, d.length()].map(|v| v as f32)
         });
@@ -147,6 +152,7 @@ impl Features {
         Self {
             mean: pool(&|_, i| area[i]),
             near: pool(&|p, i| area[i] * (-gaps[p][i] / FADES[1]).exp()),
+            volume: (graph.layout == Layout::Volume).then(|| Arc::new(Volume::new(model, graph, touch))),
             graph: graph.clone(),
             pads,
             node,
@@ -166,9 +172,10 @@ impl Features {
     /// The features at loads given as force per finger, N.
     pub fn loads(&self, forces: &[f64]) -> Loads {
         let (graph, t) = (&self.graph, self.graph.thickness);
-        let mut loads = Loads { node: Vec::new(), pad: Vec::new(), depth: Vec::new() };
+        let mut loads = Loads { node: Vec::new(), pad: Vec::new(), force: Vec::new(), depth: Vec::new() };
         for force in forces {
             let force = force / self.unit_force();
+            loads.force.push(force);
             for (gap, springs) in self.gap.iter().zip(&self.springs) {
                 let depth = springs.depth(force);
                 let pressed: Vec<f64> = gap.iter().map(|g| (depth - g).max(0.0)).collect();

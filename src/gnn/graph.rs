@@ -6,6 +6,7 @@
 //! node deep  x         interpolated: its face triangle x its two nearest channels
 //! ```
 
+use super::edges::Edges;
 use super::ops::Sparse;
 use crate::error::{Error, Result};
 use crate::record::PadTopology;
@@ -13,9 +14,23 @@ use glam::{DVec2, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+/// Where a network passes messages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layout {
+    /// On the sensing faces, with this many depth channels below them.
+    Face {
+        /// From the face to the bonded side.
+        depths: usize,
+    },
+    /// Through whole pads and on the object: [`super::volume`].
+    Volume,
+}
+
 /// What never changes of a pad, as the network sees it. Lengths in m, pad frame.
 #[derive(Debug, Clone)]
 pub struct PadGraph {
+    /// What it was made for.
+    pub layout: Layout,
     /// Thickness of the pad: the length that the network measures in, m.
     pub thickness: f64,
     /// Number of nodes of the pad.
@@ -26,14 +41,8 @@ pub struct PadGraph {
     pub rest: Vec<DVec3>,
     /// Area of the face that each stands for, m2.
     pub area: Vec<f64>,
-    /// Directed edges between face nodes: (sender, receiver), sorted by receiver.
-    pub edges: Vec<(u32, u32)>,
-    /// Edge -> its sender's row.
-    pub senders: Arc<Sparse>,
-    /// Edge -> its receiver's row.
-    pub receivers: Arc<Sparse>,
-    /// Rows of edges -> rows of receivers, summed and divided by 6, a usual number of neighbours.
-    pub gather: Arc<Sparse>,
+    /// Edges between face nodes.
+    pub edges: Edges,
     /// Rows (face node, depth channel) -> nodes of the pad.
     pub interpolate: Arc<Sparse>,
     /// The same with no entry for bonded nodes: what it makes is exactly zero there.
@@ -43,11 +52,11 @@ pub struct PadGraph {
 }
 
 impl PadGraph {
-    /// The graph of `pad` with `depths` channels from the face to the bonded side.
+    /// The graph of `pad` for a network of this layout.
     ///
     /// # Errors
     /// A pad without a sensing face.
-    pub fn new(pad: &PadTopology, depths: usize) -> Result<Self> {
+    pub fn new(pad: &PadTopology, layout: Layout) -> Result<Self> {
         let face: Vec<u32> = pad.sensing.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
         let thickness = pad.rest.iter().map(|x| -x.z).fold(0.0, f64::max);
         if face.is_empty() || thickness <= 0.0 {
@@ -57,22 +66,21 @@ impl PadGraph {
         let triangles: Vec<[u32; 3]> = pad.sensing.iter().map(|t| t.map(|n| own[&n])).collect();
         let rest: Vec<DVec3> = face.iter().map(|n| pad.rest[*n as usize]).collect();
         let mut area = vec![0.0; face.len()];
-        let mut edges = BTreeSet::new();
+        let mut edges = Vec::new();
         for t in &triangles {
             let [a, b, c] = t.map(|i| rest[i as usize]);
             let third = (b - a).cross(c - a).length() / 6.0;
             for k in 0..3 {
                 let (i, j) = (t[k], t[(k + 1) % 3]);
                 area[i as usize] += third;
-                // Sorted by receiver.
-                edges.extend([(i, j), (j, i)]);
+                edges.push((i, j));
             }
         }
-        let edges: Vec<(u32, u32)> = edges.into_iter().map(|(receiver, sender)| (sender, receiver)).collect();
         let n = face.len();
-        let receivers = Sparse::gather(edges.iter().map(|e| e.1 as usize), n);
-        let mut sum = vec![Vec::new(); n];
-        edges.iter().enumerate().for_each(|(e, (_, receiver))| sum[*receiver as usize].push((e as u32, 1.0 / 6.0)));
+        let depths = match layout {
+            Layout::Face { depths } => depths,
+            Layout::Volume => 1,
+        };
         let rows = hanging(&pad.rest, &rest, &triangles, thickness, depths);
         let free: Vec<_> =
             rows.iter().zip(&pad.bonded).map(|(row, bonded)| if *bonded { Vec::new() } else { row.clone() }).collect();
@@ -84,17 +92,15 @@ impl PadGraph {
             hash.update(&v.to_le_bytes());
         });
         Ok(Self {
+            layout,
             thickness,
             node_count: pad.rest.len(),
-            senders: Sparse::gather(edges.iter().map(|e| e.0 as usize), n),
-            receivers,
-            gather: Sparse::new(&sum, edges.len()),
             interpolate: Sparse::new(&rows, n * depths),
             interpolate_free: Sparse::new(&free, n * depths),
             face,
             rest,
             area,
-            edges,
+            edges: Edges::new(edges, n, 6.0),
             hash: hash.finalize().to_hex().to_string(),
         })
     }

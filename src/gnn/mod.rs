@@ -1,11 +1,13 @@
 //! The graph network: trained on data sets, then a stepper like any other.
 //!
 //! ```text
-//! Model + grasp -> touch.rs (first contact) -> features.rs (on graph.rs) -> network/ -> predict.rs -> stepper.rs
+//! Model + grasp -> touch.rs (first contact) -> features.rs (on graph.rs, volume.rs) -> network/ -> predict.rs -> stepper.rs
 //! data set      -> sample.rs: the same, and what FEM found             -> train/   -> card.rs (models/NAME)
 //! ```
 
 pub mod card;
+pub mod dump;
+pub mod edges;
 pub mod eval;
 pub mod features;
 pub mod foundation;
@@ -16,9 +18,11 @@ pub mod normalise;
 pub mod ops;
 pub mod parameters;
 pub mod predict;
+pub mod real;
 pub mod sample;
 pub mod spec;
 pub mod stepper;
 pub mod tape;
 pub mod touch;
 pub mod train;
+pub mod volume;

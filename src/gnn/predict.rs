@@ -76,7 +76,7 @@ impl Predictor {
     /// # Errors
     /// A pad without a sensing face.
     pub fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
-        Ok(Arc::new(PadGraph::new(&model.fingers[0].topology, self.network.depths())?))
+        Ok(Arc::new(PadGraph::new(&model.fingers[0].topology, self.network.layout())?))
     }
 
     /// Looks at a grasp at first contact: the one pass of message passing.

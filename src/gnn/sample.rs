@@ -4,6 +4,7 @@ use super::features::{Features, ROTATION, VECTOR};
 use super::graph::PadGraph;
 use super::network::{Normalisers, Output};
 use super::ops::squared_error;
+use super::real::Real;
 use super::tape::{Matrix, Tape};
 use super::touch::Touch;
 use crate::components::ObjectPose;
@@ -117,15 +118,15 @@ impl Sample {
     /// How wrong `output` is: relative squared errors, averaged over the levels, weighted and added; 1 x 1.
     ///
     /// `depth` is that of the bed of springs (levels * pads), m. Travel and motion count in the units of [`Normalisers`].
-    pub fn loss(
+    pub fn loss<T: Real>(
         &self,
-        tape: &Tape,
-        output: &Output,
+        tape: &Tape<T>,
+        output: &Output<T>,
         depth: &[f64],
         norms: &Normalisers,
         mirror: (bool, bool),
         weights: &[f32; 4],
-    ) -> Matrix {
+    ) -> Matrix<T> {
         let (pads, levels) = (self.features.pads, self.forces.len());
         let t = self.features.graph.thickness;
         // Per row of a field: target in the network's unit, and one over the square of the field's norm at that level.

@@ -10,10 +10,12 @@
 //! ```
 //! The second layer of a message is linear, so it is applied after the sum: edges cost no matrix product.
 
-use super::{Inputs, Network, Output};
+use super::{Inputs, Network, Output, constant, repeat};
 use crate::gnn::features::{EDGE, Loads, NODE, NODE_LOAD, PAD, PAD_LOAD};
+use crate::gnn::graph::Layout;
 use crate::gnn::ops::{Activation, Sparse, apply, layer_norm, linear, reshape, share, sum};
 use crate::gnn::parameters::{Id, Maker, Parameters};
+use crate::gnn::real::Real;
 use crate::gnn::spec::Face;
 use crate::gnn::tape::{Matrix, Tape};
 use std::sync::Arc;
@@ -65,14 +67,14 @@ struct Pools {
 }
 
 impl Pools {
-    fn new(maker: &mut Maker, name: &str, latent: usize) -> Self {
-        let weight = |maker: &mut Maker, part: &str| maker.weight(&format!("{name}.{part}"), latent, latent, 0.5);
+    fn new<T: Real>(maker: &mut Maker<T>, name: &str, latent: usize) -> Self {
+        let weight = |maker: &mut Maker<T>, part: &str| maker.weight(&format!("{name}.{part}"), latent, latent, 0.5);
         let weights = ["mean", "near", "other_mean", "other_near"].map(|part| weight(maker, part));
         Self { weights, bias: maker.row(&format!("{name}.bias"), latent, 0.0) }
     }
 
     /// (pads * nodes, latent) -> (pads, latent).
-    fn apply(&self, tape: &Tape, p: &Parameters, inputs: &Inputs, h: &Matrix) -> Matrix {
+    fn apply<T: Real>(&self, tape: &Tape<T>, p: &Parameters<T>, inputs: &Inputs, h: &Matrix<T>) -> Matrix<T> {
         let f = inputs.features;
         let pads = f.pads;
         // With one finger there is no other pad: an empty row, which gives zero.
@@ -94,15 +96,15 @@ impl Pools {
 
 impl FaceNetwork {
     /// With start values from `maker`.
-    pub fn new(sizes: &Face, maker: &mut Maker) -> Self {
+    pub fn new<T: Real>(sizes: &Face, maker: &mut Maker<T>) -> Self {
         let (h, d, depths) = (sizes.latent.get(), sizes.decoder.get(), sizes.depths.get());
-        let layer = |maker: &mut Maker, name: &str, rows: usize, cols: usize, gain: f64| {
+        let layer = |maker: &mut Maker<T>, name: &str, rows: usize, cols: usize, gain: f64| {
             Layer(
                 maker.weight(&format!("{name}.weight"), rows, cols, gain),
                 maker.row(&format!("{name}.bias"), cols, 0.0),
             )
         };
-        let norm = |maker: &mut Maker, name: &str| {
+        let norm = |maker: &mut Maker<T>, name: &str| {
             Layer(maker.row(&format!("{name}.gain"), h, 1.0), maker.row(&format!("{name}.shift"), h, 0.0))
         };
         let start = layer(maker, "start.node", NODE.len(), h, 1.0);
@@ -142,14 +144,22 @@ impl FaceNetwork {
         }
     }
 
-    fn pass(&self, tape: &Tape, p: &Parameters, inputs: &Inputs, round: &Round, h: &Matrix, edge: &Matrix) -> Matrix {
+    fn pass<T: Real>(
+        &self,
+        tape: &Tape<T>,
+        p: &Parameters<T>,
+        inputs: &Inputs,
+        round: &Round,
+        h: &Matrix<T>,
+        edge: &Matrix<T>,
+    ) -> Matrix<T> {
         let graph = &inputs.features.graph;
         let (none, gated) = (Activation::None, Activation::Gated);
         let x = layer_norm(tape, h, p.get(round.norm.0), p.get(round.norm.1));
-        let from = apply(tape, &graph.senders, &linear(tape, &x, p.get(round.sender), None, none));
-        let to = apply(tape, &graph.receivers, &linear(tape, &x, p.get(round.receiver), None, none));
+        let from = apply(tape, &graph.edges.senders, &linear(tape, &x, p.get(round.sender), None, none));
+        let to = apply(tape, &graph.edges.receivers, &linear(tape, &x, p.get(round.receiver), None, none));
         let own = linear(tape, edge, p.get(round.edge.0), Some(p.get(round.edge.1)), none);
-        let messages = apply(tape, &graph.gather, &sum(tape, &[&own, &from, &to], gated));
+        let messages = apply(tape, &graph.edges.gather, &sum(tape, &[&own, &from, &to], gated));
         let global = round.pools.apply(tape, p, inputs, &x);
         let global = spread(tape, &linear(tape, &global, p.get(round.global), None, none), graph.face.len());
         let inner = [
@@ -162,12 +172,12 @@ impl FaceNetwork {
     }
 }
 
-impl Network for FaceNetwork {
-    fn depths(&self) -> usize {
-        self.depths
+impl<T: Real> Network<T> for FaceNetwork {
+    fn layout(&self) -> Layout {
+        Layout::Face { depths: self.depths }
     }
 
-    fn encode(&self, tape: &Tape, p: &Parameters, inputs: &Inputs) -> Vec<Matrix> {
+    fn encode(&self, tape: &Tape<T>, p: &Parameters<T>, inputs: &Inputs) -> Vec<Matrix<T>> {
         let (f, n) = (inputs.features, inputs.normalisers);
         let node = inputs.matrix(&f.node, &n.node, &NODE);
         let edge = inputs.matrix(&f.edge, &n.edge, &EDGE);
@@ -186,25 +196,31 @@ impl Network for FaceNetwork {
         vec![node, pad]
     }
 
-    fn decode(&self, tape: &Tape, p: &Parameters, inputs: &Inputs, code: &[Matrix], loads: &Loads) -> Output {
+    fn decode(
+        &self,
+        tape: &Tape<T>,
+        p: &Parameters<T>,
+        inputs: &Inputs,
+        code: &[Matrix<T>],
+        loads: &Loads,
+    ) -> Output<T> {
         let (f, n, graph) = (inputs.features, inputs.normalisers, &inputs.features.graph);
         let (pads, face) = (f.pads, graph.face.len());
-        let levels = loads.depth.len() / pads;
+        let levels = loads.force.len();
         let (none, gated) = (Activation::None, Activation::Gated);
         let at_node = inputs.matrix(&loads.node, &n.node_load, &NODE_LOAD);
         let at_pad = inputs.matrix(&loads.pad, &n.pad_load, &PAD_LOAD);
-        let repeat = |rows: usize| Sparse::gather((0..levels).flat_map(|_| 0..rows), rows);
         let node = [
-            apply(tape, &repeat(pads * face), &code[0]),
+            apply(tape, &repeat(levels, pads * face), &code[0]),
             linear(tape, &at_node, p.get(self.node[1]), None, none),
             spread(tape, &linear(tape, &at_pad, p.get(self.node[2]), None, none), face),
         ];
         let z = sum(tape, &node.each_ref(), gated);
-        let pad = [apply(tape, &repeat(pads), &code[1]), linear(tape, &at_pad, p.get(self.pad[1]), None, none)];
+        let pad = [apply(tape, &repeat(levels, pads), &code[1]), linear(tape, &at_pad, p.get(self.pad[1]), None, none)];
         let y = sum(tape, &pad.each_ref(), gated);
         let y = linear(tape, &y, p.get(self.middle.0), Some(p.get(self.middle.1)), gated);
 
-        let head = |x: &Matrix, layer: Layer, act| linear(tape, x, p.get(layer.0), Some(p.get(layer.1)), act);
+        let head = |x: &Matrix<T>, layer: Layer, act| linear(tape, x, p.get(layer.0), Some(p.get(layer.1)), act);
         let channels = levels * pads * face * self.depths;
         let displacement = sum(
             tape,
@@ -225,29 +241,29 @@ impl Network for FaceNetwork {
 
 impl FaceNetwork {
     /// The displacement of a bed of springs, in the network's unit: the network learns what is different.
-    fn pressed(&self, inputs: &Inputs, loads: &Loads) -> Matrix {
+    fn pressed<T: Real>(&self, inputs: &Inputs, loads: &Loads) -> Matrix<T> {
         let unit = 1.0 / inputs.normalisers.displacement;
         let mut value = Vec::new();
         for row in loads.node.chunks_exact(NODE_LOAD.len()) {
             let bottom = (self.depths - 1) as f32;
             value.extend((0..self.depths).flat_map(|k| [0.0, 0.0, -row[1] * (1.0 - k as f32 / bottom) * unit]));
         }
-        Matrix::constant(value.len() / 3, 3, value)
+        constant(3, value)
     }
 }
 
 /// What the bed of springs says of the share of each node, as a logarithm.
-fn carried(loads: &Loads) -> Matrix {
+fn carried<T: Real>(loads: &Loads) -> Matrix<T> {
     let rows = loads.node.chunks_exact(NODE_LOAD.len());
     let value: Vec<f32> = rows.flat_map(|row| [(row[3] + LITTLE).ln(), 0.0, 0.0]).collect();
-    Matrix::constant(value.len() / 3, 3, value)
+    constant(3, value)
 }
 
 /// Share of a node that the springs leave out, to start from.
 const LITTLE: f32 = 1e-4;
 
 /// Every row `times` times, one after the other.
-fn spread(tape: &Tape, x: &Matrix, times: usize) -> Matrix {
+fn spread<T: Real>(tape: &Tape<T>, x: &Matrix<T>, times: usize) -> Matrix<T> {
     let map: Arc<Sparse> = Sparse::gather((0..x.rows).flat_map(|r| std::iter::repeat_n(r, times)), x.rows);
     apply(tape, &map, x)
 }

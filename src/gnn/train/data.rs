@@ -4,11 +4,12 @@ use crate::dataset::split::Poses;
 use crate::dataset::{DataSet, Splits};
 use crate::error::{Error, Result};
 use crate::gnn::card::TrainedRange;
-use crate::gnn::features::{EDGE, NODE, NODE_LOAD, PAD, PAD_LOAD};
-use crate::gnn::graph::PadGraph;
-use crate::gnn::network::Normalisers;
+use crate::gnn::features::{EDGE, Loads, NODE, NODE_LOAD, PAD, PAD_LOAD};
+use crate::gnn::graph::{Layout, PadGraph};
+use crate::gnn::network::{Normalisers, VolumeNormalisers};
 use crate::gnn::normalise::Normaliser;
 use crate::gnn::sample::{Sample, model_of};
+use crate::gnn::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE};
 use crate::model::Model;
 use crate::random::Random;
 use rayon::prelude::*;
@@ -36,14 +37,14 @@ pub fn split(splits: &Splits, name: &str) -> Result<crate::dataset::split::Sets>
 ///
 /// # Errors
 /// Damaged files or grasps, a mix that one model cannot serve, no grasp at all.
-pub fn read(set: &DataSet, poses: &Poses, depths: usize, frames: usize) -> Result<(Vec<Sample>, TrainedRange)> {
+pub fn read(set: &DataSet, poses: &Poses, layout: Layout, frames: usize) -> Result<(Vec<Sample>, TrainedRange)> {
     if let Some(damaged) = set.damaged.first() {
         return Err(Error::Start(format!("the data set is damaged: {damaged}")));
     }
     let models = set.objects.iter().map(model_of).collect::<Result<Vec<Arc<Model>>>>()?;
     let mut graphs: Vec<Arc<PadGraph>> = Vec::new();
     for model in &models {
-        let graph = PadGraph::new(&model.fingers[0].topology, depths)?;
+        let graph = PadGraph::new(&model.fingers[0].topology, layout)?;
         // Equal pads share one graph.
         let known = graphs.iter().find(|g| g.hash == graph.hash).cloned();
         graphs.push(known.unwrap_or_else(|| Arc::new(graph)));
@@ -89,7 +90,7 @@ pub fn normalisers(samples: &[Sample]) -> Normalisers {
     let features = || samples.iter().map(|s| &s.features);
     // Values of a field, each over the depth of the bed of springs of its level and pad.
     let over_depth = |pick: fn(&Sample) -> &[f32]| {
-        let of = |(s, l): (&Sample, &crate::gnn::features::Loads)| {
+        let of = |(s, l): (&Sample, &Loads)| {
             let all = pick(s);
             let width = all.len() / l.depth.len();
             all.chunks_exact(width)
@@ -106,7 +107,7 @@ pub fn normalisers(samples: &[Sample]) -> Normalisers {
         samples.iter().zip(&loads).flat_map(|(s, l)| s.travel.iter().zip(&l.depth).map(|(x, d)| x / d)).collect();
     let mean = travel.iter().sum::<f64>() / travel.len() as f64;
     let motion = |turn: bool| {
-        let of = |(s, l): (&Sample, &crate::gnn::features::Loads)| {
+        let of = |(s, l): (&Sample, &Loads)| {
             let value = |(i, v): (usize, &f64)| {
                 let d = l.depth[i / 6] / if turn { thickness } else { 1.0 };
                 ((i % 6 >= 3) == turn).then_some(v / d)
@@ -122,9 +123,22 @@ pub fn normalisers(samples: &[Sample]) -> Normalisers {
         pad: Normaliser::fit(features().map(|f| f.pad.as_slice()), &PAD),
         node_load: Normaliser::fit(loads.iter().map(|l| l.node.as_slice()), &NODE_LOAD),
         pad_load: Normaliser::fit(loads.iter().map(|l| l.pad.as_slice()), &PAD_LOAD),
+        volume: volume(samples, &loads),
         displacement: over_depth(|s| &s.displacement),
         stress: over_depth(|s| &s.stress) / (young / thickness) as f32,
         travel: [mean as f32, rms(&mut travel.iter().map(|v| v - mean))],
         motion: [motion(false), motion(true)],
     }
+}
+
+/// Those of the whole pads, if the samples have them.
+fn volume(samples: &[Sample], loads: &[Loads]) -> Option<VolumeNormalisers> {
+    let volumes: Vec<_> = samples.iter().map(|s| s.features.volume.as_deref()).collect::<Option<_>>()?;
+    let at = volumes.iter().zip(loads).flat_map(|(v, l)| l.force.iter().map(|f| v.contact_edge(*f)));
+    let contact: Vec<Vec<f32>> = at.collect();
+    Some(VolumeNormalisers {
+        node: Normaliser::fit(volumes.iter().map(|v| v.node.as_slice()), &VOLUME_NODE),
+        mesh: Normaliser::fit(volumes.iter().map(|v| v.mesh_edge.as_slice()), &MESH_EDGE),
+        contact: Normaliser::fit(contact.iter().map(Vec::as_slice), &CONTACT_EDGE),
+    })
 }
