@@ -70,12 +70,12 @@ fn training_and_inference_see_the_same_bits() {
     let (file, layout) = (&set.objects[0], Layout::Face { depths: 3 });
     let number = file.reached().next().unwrap();
     let stored = model_of(file).unwrap();
-    let graph = Arc::new(PadGraph::new(&stored.fingers[0].topology, layout).unwrap());
+    let graph = Arc::new(PadGraph::new(&stored.fingers[0], layout).unwrap());
     let trained = Sample::read(file, &stored, &graph, number, 10).unwrap().features;
     // As a run does it: the scene from text, the pose from the file, the world's own first contact.
     let model = Model::build(&from_ron(&file.scene).unwrap()).unwrap();
     let pose = GraspPose::from_row(&file.grasp(number).unwrap().grasp_pose);
-    let graph = Arc::new(PadGraph::new(&model.fingers[0].topology, layout).unwrap());
+    let graph = Arc::new(PadGraph::new(&model.fingers[0], layout).unwrap());
     let run = Features::new(&model, &graph, &Touch::find(&model, pose).unwrap());
     let bits = |v: &[f32]| v.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(&trained.node), bits(&run.node));

@@ -10,12 +10,11 @@ import torch
 from safetensors.torch import load_file
 
 w = load_file(f"{sys.argv[1]}/weights.safetensors")
-d = {k: torch.from_numpy(v) for k, v in np.load(sys.argv[2]).items()}
+d = {k: torch.from_numpy(v.astype(np.int64) if v.dtype == np.uint32 else v) for k, v in np.load(sys.argv[2]).items()}
 
 
 def sparse(name, rows, cols):
-    at = d[f"{name}_at"].long().T
-    return torch.sparse_coo_tensor(at, d[f"{name}_weight"][0], (rows, cols)).to_dense()
+    return torch.sparse_coo_tensor(d[f"{name}_at"].T, d[f"{name}_weight"][0], (rows, cols)).to_dense()
 
 
 def blocks(m, x):
@@ -52,8 +51,7 @@ def receive(x, edges, nodes, usual):
 def face():
     pads, levels = d["pad"].shape[0], d["pad_load"].shape[0] // d["pad"].shape[0]
     n = d["node"].shape[0] // pads
-    edges = d["edges"].long()
-    edges = torch.cat([edges + p * n for p in range(pads)])
+    edges = torch.cat([d["edges"] + p * n for p in range(pads)])
     mean, near = sparse("mean", pads, pads * n), sparse("near", pads, pads * n)
     other = torch.eye(2).flip(0) if pads == 2 else torch.zeros(1, 1)
 
@@ -80,19 +78,17 @@ def face():
     y = gated((g @ w["pad.latent"] + w["pad.bias"]).repeat(levels, 1) + at_pad @ w["pad.load"])
     y = gated(layer(y, "pad.middle"))
     depths = w["stress.weight"].shape[1]
-    plain = d["node_load_plain"]
-    pressed = torch.zeros(z.shape[0], depths, 3)
-    down = 1 - torch.arange(depths) / (depths - 1)
-    pressed[:, :, 2] = -plain[:, 1:2] * down / d["displacement_unit"][0, 0]
-    u = layer(z, "displacement").reshape(-1, 3) + pressed.reshape(-1, 3)
+    u = layer(z, "displacement").reshape(-1, 3)
     s = positive(layer(z, "stress")).reshape(-1, 1)
     nodes = d["out_stress"].shape[0] // (levels * pads)
-    contact = layer(z, "contact")
-    contact = contact + torch.stack([torch.log(plain[:, 3] + 1e-4)] + [torch.zeros(z.shape[0])] * 2, 1)
+    contact = layer(z, "contact") + torch.cat([torch.log(d["carried"][:, :1] + 1e-4), d["carried"][:, 1:]], 1)
+    contact = share(contact, n)
+    force = torch.stack([contact[:, 1], contact[:, 2], -contact[:, 0]], 1).reshape(levels * pads, -1)
+    given = (d["scale"] * force @ d["response"]).reshape(-1, 3)
     return {
-        "displacement": blocks(sparse("interpolate_free", nodes, n * depths), u),
+        "displacement": blocks(sparse("interpolate_free", nodes, n * depths), u) + given,
         "stress": blocks(sparse("interpolate", nodes, n * depths), s),
-        "contact": share(contact, n),
+        "contact": contact,
         "travel": layer(y, "travel"),
         "motion": layer(y, "motion"),
     }
@@ -100,7 +96,7 @@ def face():
 
 def paper():
     pads, size = d["near_at"][:, 0].max().item() + 1, d["near_at"][:, 1].max().item() + 1
-    mesh, touching = d["mesh"].long(), d["contact"].long()
+    mesh, touching = d["mesh"], d["contact"]
     nodes, n, faces = d["node"].shape[0], d["pads_at"].shape[0], d["face_at"].shape[0]
 
     def mlp(name, *xs):

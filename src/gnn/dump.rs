@@ -3,7 +3,8 @@
 //! Inputs are normalised, answers in the network's units; rows as in [`super::features`] and [`super::network::Output`].
 //! A sparse map NAME is `NAME_at` (entries, 2: row, column) and `NAME_weight`; edges are (edges, 2: sender, receiver).
 
-use super::features::{EDGE, NODE, NODE_LOAD, PAD, PAD_LOAD};
+use super::features::{EDGE, NODE, PAD};
+use super::loads::{NODE_LOAD, PAD_LOAD};
 use super::network::Inputs;
 use super::ops::Sparse;
 use super::predict::Predictor;
@@ -72,9 +73,15 @@ pub fn write(path: &Path, predictor: &Predictor, sample: &Sample) -> Result<()> 
         arrays.matrix("pad", &inputs.matrix(&f.pad, &n.pad, &PAD));
         arrays.matrix("node_load", &inputs.matrix(&loads.node, &n.node_load, &NODE_LOAD));
         arrays.matrix("pad_load", &inputs.matrix(&loads.pad, &n.pad_load, &PAD_LOAD));
-        let plain = Matrix::constant(loads.node.len() / NODE_LOAD.len(), NODE_LOAD.len(), loads.node.clone());
-        arrays.matrix("node_load_plain", &plain);
-        arrays.matrix("displacement_unit", &Matrix::constant(1, 1, vec![n.displacement]));
+        let carried = loads.node.chunks_exact(NODE_LOAD.len()).flat_map(|row| [row[6], row[7], row[8]]);
+        let carried: Vec<f32> = carried.collect();
+        arrays.matrix("carried", &Matrix::constant(carried.len() / 3, 3, carried));
+        if let Some(compliance) = &f.graph.compliance {
+            arrays.matrix("response", &compliance.response);
+        }
+        let scale = |(i, depth): (usize, &f64)| loads.force[i / f.pads] * f.graph.thickness / depth;
+        let scale: Vec<f32> = loads.depth.iter().enumerate().map(|at| scale(at) as f32 / n.displacement).collect();
+        arrays.matrix("scale", &Matrix::constant(scale.len(), 1, scale));
         arrays.pairs("edges", &f.graph.edges.list);
         arrays.sparse("mean", &f.mean);
         arrays.sparse("interpolate", &f.graph.interpolate);

@@ -6,9 +6,11 @@
 //! node deep  x         interpolated: its face triangle x its two nearest channels
 //! ```
 
+use super::compliance::Compliance;
 use super::edges::Edges;
 use super::ops::Sparse;
 use crate::error::{Error, Result};
+use crate::model::FingerModel;
 use crate::record::PadTopology;
 use glam::{DVec2, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -47,16 +49,21 @@ pub struct PadGraph {
     pub interpolate: Arc<Sparse>,
     /// The same with no entry for bonded nodes: what it makes is exactly zero there.
     pub interpolate_free: Arc<Sparse>,
+    /// Its linear response, for a network that starts from it.
+    pub compliance: Option<Compliance>,
     /// BLAKE3 of the pad's mesh.
     pub hash: String,
+    /// Poisson's ratio of its gel.
+    poisson: f64,
 }
 
 impl PadGraph {
-    /// The graph of `pad` for a network of this layout.
+    /// The graph of the pad of `finger` for a network of this layout.
     ///
     /// # Errors
     /// A pad without a sensing face.
-    pub fn new(pad: &PadTopology, layout: Layout) -> Result<Self> {
+    pub fn new(finger: &FingerModel, layout: Layout) -> Result<Self> {
+        let pad = &finger.topology;
         let face: Vec<u32> = pad.sensing.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
         let thickness = pad.rest.iter().map(|x| -x.z).fold(0.0, f64::max);
         if face.is_empty() || thickness <= 0.0 {
@@ -84,14 +91,12 @@ impl PadGraph {
         let rows = hanging(&pad.rest, &rest, &triangles, thickness, depths);
         let free: Vec<_> =
             rows.iter().zip(&pad.bonded).map(|(row, bonded)| if *bonded { Vec::new() } else { row.clone() }).collect();
-        let mut hash = blake3::Hasher::new();
-        pad.rest.iter().flat_map(|x| x.to_array()).for_each(|v| {
-            hash.update(&v.to_le_bytes());
-        });
-        pad.elements.nodes().iter().for_each(|v| {
-            hash.update(&v.to_le_bytes());
-        });
+        let compliance = match layout {
+            Layout::Face { .. } => Some(Compliance::new(finger, &face, thickness)?),
+            Layout::Volume => None,
+        };
         Ok(Self {
+            compliance,
             layout,
             thickness,
             node_count: pad.rest.len(),
@@ -101,9 +106,26 @@ impl PadGraph {
             rest,
             area,
             edges: Edges::new(edges, n, 6.0),
-            hash: hash.finalize().to_hex().to_string(),
+            hash: hash(pad),
+            poisson: finger.body.material.moduli().poisson,
         })
     }
+
+    /// Whether the pad of `finger` has this graph.
+    pub fn fits(&self, finger: &FingerModel) -> bool {
+        self.poisson == finger.body.material.moduli().poisson && self.hash == hash(&finger.topology)
+    }
+}
+
+fn hash(pad: &PadTopology) -> String {
+    let mut hash = blake3::Hasher::new();
+    pad.rest.iter().flat_map(|x| x.to_array()).for_each(|v| {
+        hash.update(&v.to_le_bytes());
+    });
+    pad.elements.nodes().iter().for_each(|v| {
+        hash.update(&v.to_le_bytes());
+    });
+    hash.finalize().to_hex().to_string()
 }
 
 /// For every node of the pad: (face node * depths + channel, weight), non-negative and summing to one.

@@ -6,6 +6,7 @@
 //! ```
 
 pub mod card;
+pub mod compliance;
 pub mod dump;
 pub mod edges;
 pub mod eval;
@@ -13,6 +14,7 @@ pub mod features;
 pub mod foundation;
 mod gemm;
 pub mod graph;
+pub mod loads;
 pub mod network;
 pub mod normalise;
 pub mod ops;
@@ -20,7 +22,9 @@ pub mod parameters;
 pub mod predict;
 pub mod real;
 pub mod sample;
+pub mod settle;
 pub mod spec;
+pub mod springs;
 pub mod stepper;
 pub mod tape;
 pub mod touch;

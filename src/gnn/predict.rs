@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 use glam::DVec3;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A trained model.
 #[derive(Debug)]
@@ -22,6 +22,8 @@ pub struct Predictor {
     pub network: Box<dyn Network>,
     /// Its weights.
     pub parameters: Parameters,
+    /// Graphs of the pads asked about so far.
+    graphs: Mutex<Vec<Arc<PadGraph>>>,
 }
 
 /// A grasp that has been looked at: all that a load level needs.
@@ -57,7 +59,7 @@ impl Predictor {
         let card = Card::read(dir)?;
         let (network, mut parameters) = build(&card.spec.network, card.spec.training.seed);
         parameters.load(&dir.join(WEIGHTS))?;
-        Ok(Self { card, network, parameters })
+        Ok(Self { card, network, parameters, graphs: Mutex::default() })
     }
 
     /// The graph of the pads of `model`, if the network was trained for it.
@@ -76,7 +78,13 @@ impl Predictor {
     /// # Errors
     /// A pad without a sensing face.
     pub fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
-        Ok(Arc::new(PadGraph::new(&model.fingers[0].topology, self.network.layout())?))
+        let mut known = self.graphs.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(graph) = known.iter().find(|g| g.fits(&model.fingers[0])) {
+            return Ok(graph.clone());
+        }
+        let graph = Arc::new(PadGraph::new(&model.fingers[0], self.network.layout())?);
+        known.push(graph.clone());
+        Ok(graph)
     }
 
     /// Looks at a grasp at first contact: the one pass of message passing.
@@ -114,14 +122,15 @@ impl Predictor {
                 contact[*i as usize] = DVec3::new(f64::from(c[1]), f64::from(c[2]), -f64::from(c[0])) * force;
             }
             let motion = own(&out.motion, 1);
+            let given = |k: usize| DVec3::from_slice(&loads.motion[6 * p + k..]);
             let [travel_mean, travel_scale] = norms.travel.map(f64::from);
             PadState {
                 displacement: own(&out.displacement, nodes).as_chunks().0.iter().map(|v| vector(v) * unit).collect(),
                 stress: own(&out.stress, nodes).iter().map(|s| f64::from(*s) * stress).collect(),
                 contact,
-                travel: depth * (travel_mean + travel_scale * f64::from(out.travel.value()[p])),
-                shift: vector(&[motion[0], motion[1], motion[2]]) * (depth * f64::from(norms.motion[0])),
-                turn: vector(&[motion[3], motion[4], motion[5]]) * (depth / t * f64::from(norms.motion[1])),
+                travel: loads.travel[p] + depth * (travel_mean + travel_scale * f64::from(out.travel.value()[p])),
+                shift: given(0) + vector(&[motion[0], motion[1], motion[2]]) * (depth * f64::from(norms.motion[0])),
+                turn: given(3) + vector(&[motion[3], motion[4], motion[5]]) * (depth / t * f64::from(norms.motion[1])),
             }
         };
         let states: Vec<PadState> = (0..features.pads).map(pad).collect();

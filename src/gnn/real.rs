@@ -1,5 +1,6 @@
 //! The numbers that a network computes with: f32 in use, f64 where gradients are checked.
 
+use super::tape::Matrix;
 use dfdx::prelude::Dtype;
 
 /// A floating-point number.
@@ -10,6 +11,8 @@ pub trait Real: Dtype + std::ops::Neg<Output = Self> + std::iter::Sum {
     fn f64(self) -> f64;
     /// The nearest number to `x`.
     fn nearest(x: f64) -> Self;
+    /// A matrix of f32 as one of these.
+    fn matrix(x: &Matrix) -> Matrix<Self>;
     /// Square root.
     fn sqrt(self) -> Self;
     /// Exponential.
@@ -17,7 +20,7 @@ pub trait Real: Dtype + std::ops::Neg<Output = Self> + std::iter::Sum {
 }
 
 macro_rules! real {
-    ($float:ty) => {
+    ($float:ty, $matrix:expr) => {
         impl Real for $float {
             #[inline(always)]
             fn of(x: f32) -> Self {
@@ -31,6 +34,9 @@ macro_rules! real {
             fn nearest(x: f64) -> Self {
                 x as $float
             }
+            fn matrix(x: &Matrix) -> Matrix<Self> {
+                $matrix(x)
+            }
             #[inline(always)]
             fn sqrt(self) -> Self {
                 <$float>::sqrt(self)
@@ -43,5 +49,6 @@ macro_rules! real {
     };
 }
 
-real!(f32);
-real!(f64);
+// The same numbers are shared, not copied.
+real!(f32, Matrix::clone);
+real!(f64, |x: &Matrix| Matrix::constant(x.rows, x.cols, x.value().iter().map(|v| f64::from(*v)).collect()));

@@ -11,8 +11,9 @@
 //! The second layer of a message is linear, so it is applied after the sum: edges cost no matrix product.
 
 use super::{Inputs, Network, Output, constant, repeat};
-use crate::gnn::features::{EDGE, Loads, NODE, NODE_LOAD, PAD, PAD_LOAD};
+use crate::gnn::features::{EDGE, NODE, PAD, VECTOR};
 use crate::gnn::graph::Layout;
+use crate::gnn::loads::{Loads, NODE_LOAD, PAD_LOAD};
 use crate::gnn::ops::{Activation, Sparse, apply, layer_norm, linear, reshape, share, sum};
 use crate::gnn::parameters::{Id, Maker, Parameters};
 use crate::gnn::real::Real;
@@ -222,44 +223,48 @@ impl<T: Real> Network<T> for FaceNetwork {
 
         let head = |x: &Matrix<T>, layer: Layer, act| linear(tape, x, p.get(layer.0), Some(p.get(layer.1)), act);
         let channels = levels * pads * face * self.depths;
-        let displacement = sum(
-            tape,
-            &[&reshape(tape, &head(&z, self.displacement, none), channels), &self.pressed(inputs, loads)],
-            none,
-        );
         let stress = reshape(tape, &head(&z, self.stress, Activation::Positive), channels);
-        let contact = sum(tape, &[&head(&z, self.contact, none), &carried(loads)], none);
+        let contact = sum(tape, &[&head(&z, self.contact, none), &carried(inputs, loads)], none);
+        let contact = share(tape, &contact, face);
+        let beyond = reshape(tape, &head(&z, self.displacement, none), channels);
+        let beyond = apply(tape, &graph.interpolate_free, &beyond);
         Output {
-            displacement: apply(tape, &graph.interpolate_free, &displacement),
+            displacement: sum(tape, &[&beyond, &response(tape, inputs, loads, &contact)], none),
             stress: apply(tape, &graph.interpolate, &stress),
-            contact: share(tape, &contact, face),
+            contact,
             travel: head(&y, self.travel, none),
             motion: head(&y, self.motion, none),
         }
     }
 }
 
-impl FaceNetwork {
-    /// The displacement of a bed of springs, in the network's unit: the network learns what is different.
-    fn pressed<T: Real>(&self, inputs: &Inputs, loads: &Loads) -> Matrix<T> {
-        let unit = 1.0 / inputs.normalisers.displacement;
-        let mut value = Vec::new();
-        for row in loads.node.chunks_exact(NODE_LOAD.len()) {
-            let bottom = (self.depths - 1) as f32;
-            value.extend((0..self.depths).flat_map(|k| [0.0, 0.0, -row[1] * (1.0 - k as f32 / bottom) * unit]));
-        }
-        constant(3, value)
-    }
+/// The linear response of the pads to contact forces, in the network's unit of displacement.
+fn response<T: Real>(tape: &Tape<T>, inputs: &Inputs, loads: &Loads, contact: &Matrix<T>) -> Matrix<T> {
+    let (f, norms) = (inputs.features, inputs.normalisers);
+    let Some(compliance) = &f.graph.compliance else { return contact.clone() };
+    let [x, y, _] = VECTOR.map(|parity| parity.sign(inputs.mirror));
+    let diagonal = |v: &[f32]| Sparse::new(&(0..).zip(v).map(|(i, v)| vec![(i, *v)]).collect::<Vec<_>>(), v.len());
+    // From (against the closing direction, x, y) to (x, y, z) of the pad that is not mirrored.
+    let turn = Sparse::new(&[vec![(1, x)], vec![(2, y)], vec![(0, -1.0)]], 3);
+    let force = apply(tape, &turn, &reshape(tape, contact, 3 * contact.rows));
+    let force = reshape(tape, &force, loads.depth.len());
+    let scale = |(i, depth): (usize, &f64)| loads.force[i / f.pads] * f.graph.thickness / depth;
+    let scale: Vec<f32> = loads.depth.iter().enumerate().map(|at| scale(at) as f32 / norms.displacement).collect();
+    let force = apply(tape, &diagonal(&scale), &force);
+    let given = linear(tape, &force, &T::matrix(&compliance.response), None, Activation::None);
+    let components = reshape(tape, &given, given.rows * given.cols);
+    let mirrored = apply(tape, &diagonal(&[x, y, 1.0]), &components);
+    reshape(tape, &mirrored, mirrored.rows / 3)
 }
 
-/// What the bed of springs says of the share of each node, as a logarithm.
-fn carried<T: Real>(loads: &Loads) -> Matrix<T> {
+/// What the settled gel says of the force on each node: its share as a logarithm, and the part along the face.
+fn carried<T: Real>(inputs: &Inputs, loads: &Loads) -> Matrix<T> {
+    let [x, y, _] = VECTOR.map(|parity| parity.sign(inputs.mirror));
     let rows = loads.node.chunks_exact(NODE_LOAD.len());
-    let value: Vec<f32> = rows.flat_map(|row| [(row[3] + LITTLE).ln(), 0.0, 0.0]).collect();
-    constant(3, value)
+    constant(3, rows.flat_map(|row| [(row[6] + LITTLE).ln(), x * row[7], y * row[8]]).collect())
 }
 
-/// Share of a node that the springs leave out, to start from.
+/// Share of a node that it leaves out, to start from.
 const LITTLE: f32 = 1e-4;
 
 /// Every row `times` times, one after the other.

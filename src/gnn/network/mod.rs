@@ -5,8 +5,9 @@
 pub mod face;
 pub mod paper;
 
-use super::features::{self, Features, Loads};
+use super::features::{self, Features};
 use super::graph::Layout;
+use super::loads::Loads;
 use super::normalise::Normaliser;
 use super::ops::Sparse;
 use super::parameters::{Maker, Parameters};
@@ -25,20 +26,21 @@ pub struct Normalisers {
     pub edge: Normaliser,
     /// Of [`features::PAD`].
     pub pad: Normaliser,
-    /// Of [`features::NODE_LOAD`].
+    /// Of [`super::loads::NODE_LOAD`].
     pub node_load: Normaliser,
-    /// Of [`features::PAD_LOAD`].
+    /// Of [`super::loads::PAD_LOAD`].
     pub pad_load: Normaliser,
     /// Of a network that sees whole pads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub volume: Option<VolumeNormalisers>,
-    /// Root mean square displacement over the depth of the bed of springs.
+    /// Root mean square of what the displacement is beyond the linear response to the contact, over the depth of the springs.
     pub displacement: f32,
     /// Root mean square stress over Young's modulus times depth over thickness.
     pub stress: f32,
-    /// Mean and deviation of the travel over that depth.
+    /// Mean and deviation of what the travel is beyond that of the springs, over that depth.
     pub travel: [f32; 2],
-    /// Root mean square of the object's translation over the depth, and of its rotation over depth over thickness.
+    /// Root mean square of what the object's translation is beyond that on the springs, over the depth, and of its rotation,
+    /// over depth over thickness.
     pub motion: [f32; 2],
 }
 

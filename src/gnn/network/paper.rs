@@ -11,8 +11,8 @@
 
 use super::{Inputs, Network, Output, VolumeNormalisers, repeat};
 use crate::gnn::edges::Edges;
-use crate::gnn::features::Loads;
 use crate::gnn::graph::Layout;
+use crate::gnn::loads::Loads;
 use crate::gnn::ops::{Activation, apply, layer_norm, linear, reshape, share, sum};
 use crate::gnn::parameters::{Id, Maker, Parameters};
 use crate::gnn::real::Real;

@@ -231,7 +231,7 @@ pub fn pass<T: Real>(
     let code = network.encode(tape, parameters, &inputs);
     let loads = sample.features.loads(&sample.forces);
     let out = network.decode(tape, parameters, &inputs, &code, &loads);
-    sample.loss(tape, &out, &loads.depth, normalisers, mirror, &training.weights)
+    sample.loss(tape, &out, &loads, normalisers, mirror, &training.weights)
 }
 
 /// Mean loss over all levels of `samples`, not mirrored.
