@@ -20,17 +20,17 @@ use tactus::record::Frame;
 use tactus::scene::from_ron;
 use tactus::schedule::Phase;
 
-/// All frames of a grasp; `spoil` changes the world before the load rises.
+/// All frames of a grasp; `spoil` changes the world before every step under load.
 fn frames(made: &Made, model: &Arc<Model>, pose: GraspPose, spoil: impl Fn(&mut Environment)) -> Vec<Frame> {
     let gnn = Gnn::open(&made.model).unwrap();
     let mut environment = Environment::new(model, &gnn, pose).unwrap();
     let mut frames = Vec::new();
     loop {
         let phase = environment.step();
-        if phase == (Phase::Ramp { frame: 0 }) {
+        frames.extend(environment.frame().cloned());
+        if matches!(phase, Phase::Ramp { .. }) {
             spoil(&mut environment);
         }
-        frames.extend(environment.frame().cloned());
         if phase.is_final() {
             assert_eq!(phase, Phase::Done);
             return frames;

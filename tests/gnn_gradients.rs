@@ -1,6 +1,8 @@
 //! Every layer of the networks: gradients against central differences, relative 1e-6 in f64 and 1e-3 in f32.
 
-use tactus::gnn::ops::{Activation, Sparse, apply, layer_norm, linear, reshape, share, squared_error, sum};
+use tactus::gnn::ops::{
+    Activation, Sparse, apply, layer_norm, linear, product, reshape, share, squared_error, sum, von_mises,
+};
 use tactus::gnn::real::Real;
 use tactus::gnn::tape::{Matrix, Tape};
 use tactus::random::Random;
@@ -74,6 +76,8 @@ fn linear_layers() {
 fn sums_norms_and_shapes() {
     check!("sum", &[(4, 3), (4, 3)], |t, p| sum(t, &[&p[0], &p[1], &p[0]], Activation::Gated));
     check!("layer norm", &[(4, 6), (1, 6), (1, 6)], |t, p| layer_norm(t, &p[0], &p[1], &p[2]));
+    check!("product", &[(4, 3), (4, 3)], |t, p| product(t, &p[0], &p[1]));
+    check!("von Mises", &[(4, 5)], |t, p| von_mises(t, &p[0]));
     check!("reshape", &[(4, 6)], |t, p| sum(t, &[&reshape(t, &p[0], 8)], Activation::Gated));
 }
 

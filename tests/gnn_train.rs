@@ -8,7 +8,7 @@ use std::process::Command;
 use std::sync::Arc;
 use tactus::gnn::features::Features;
 use tactus::gnn::graph::{Layout, PadGraph};
-use tactus::gnn::network::build;
+use tactus::gnn::network::{Inputs, build};
 use tactus::gnn::real::Real;
 use tactus::gnn::sample::{Sample, model_of};
 use tactus::gnn::spec::Spec;
@@ -83,6 +83,38 @@ fn training_and_inference_see_the_same_bits() {
     assert_eq!(bits(&trained.pad), bits(&run.pad));
     let (a, b) = (trained.loads(&[0.5, 1.0]), run.loads(&[0.5, 1.0]));
     assert_eq!((bits(&a.node), bits(&a.pad), a.depth), (bits(&b.node), bits(&b.pad), b.depth));
+}
+
+#[test]
+fn garbage_in_what_fem_found_changes_no_bit_of_what_a_network_sees_or_says() {
+    let made = made();
+    let set = set(made);
+    let file = &set.objects[0];
+    let model = model_of(file).unwrap();
+    let number = file.reached().next().unwrap();
+    let clean = file.grasp(number).unwrap();
+    let mut spoilt = clean.clone();
+    for field in [&mut spoilt.displacement, &mut spoilt.contact_force, &mut spoilt.von_mises] {
+        field.fill(f32::NAN);
+    }
+    for field in [&mut spoilt.travel, &mut spoilt.finger_position, &mut spoilt.object_pose, &mut spoilt.wrench] {
+        field.fill(7.0e9);
+    }
+    for spec in [SPEC, PAPER] {
+        let (network, parameters) = build::<f32>(&ron(spec).network, 5);
+        let norms = data::normalisers(&samples(made, network.layout()));
+        let graph = Arc::new(PadGraph::new(&model.fingers[0], network.layout()).unwrap());
+        let answer = |data| {
+            let sample = Sample::of(file, &model, &graph, number, data, 10).unwrap();
+            let inputs = Inputs { features: &sample.features, normalisers: &norms, mirror: (false, false) };
+            let code = network.encode(&Tape::silent(), &parameters, &inputs);
+            let loads = &sample.loads;
+            let out = network.decode(&Tape::silent(), &parameters, &inputs, &code, loads);
+            let all = [out.displacement, out.stress, out.contact, out.travel, out.motion];
+            all.iter().flat_map(|m| m.value()).map(|v| v.to_bits()).collect::<Vec<_>>()
+        };
+        assert!(answer(&clean) == answer(&spoilt), "the answer depends on what FEM found");
+    }
 }
 
 #[test]

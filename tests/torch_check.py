@@ -79,15 +79,19 @@ def face():
     y = gated(layer(y, "pad.middle"))
     depths = w["stress.weight"].shape[1]
     u = layer(z, "displacement").reshape(-1, 3)
-    s = positive(layer(z, "stress")).reshape(-1, 1)
+    factor, more = (positive(layer(z, k)).reshape(-1, 1) for k in ("factor", "stress"))
     nodes = d["out_stress"].shape[0] // (levels * pads)
+    hang = sparse("interpolate", nodes, n * depths)
     contact = layer(z, "contact") + torch.cat([torch.log(d["carried"][:, :1] + 1e-4), d["carried"][:, 1:]], 1)
     contact = share(contact, n)
     force = torch.stack([contact[:, 1], contact[:, 2], -contact[:, 0]], 1).reshape(levels * pads, -1)
-    given = (d["scale"] * force @ d["response"]).reshape(-1, 3)
+    force, (u_unit, s_unit) = d["scale"] * force, d["units"][0]
+    given = (force @ d["response"] / u_unit).reshape(-1, 3)
+    a, b, *shear = (force @ d["stress_response"] / s_unit).reshape(-1, 5).T
+    bare = torch.sqrt(3 * (a * a + b * b + a * b + sum(c * c for c in shear)) + 1e-12)[:, None]
     return {
         "displacement": blocks(sparse("interpolate_free", nodes, n * depths), u) + given,
-        "stress": blocks(sparse("interpolate", nodes, n * depths), s),
+        "stress": bare * blocks(hang, factor) + blocks(hang, more),
         "contact": contact,
         "travel": layer(y, "travel"),
         "motion": layer(y, "motion"),

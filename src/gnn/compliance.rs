@@ -5,12 +5,15 @@
 
 use super::tape::Matrix;
 use crate::error::{Error, Result};
+use crate::fem::body::Body;
 use crate::fem::cholesky::Factor;
 use crate::model::FingerModel;
 use crate::record::PadTopology;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
+/// Displacement over the thickness that is small enough for a linear response.
+const SMALL: f64 = 1e-6;
 /// Right-hand sides that are solved for at once.
 const COLUMNS: usize = 96;
 
@@ -19,6 +22,8 @@ const COLUMNS: usize = 96;
 pub struct Compliance {
     /// (face nodes * 3, nodes * 3): how every component gives to each force component, spread on the face around its node.
     pub response: Matrix,
+    /// (face nodes * 3, nodes * 5): deviatoric stress (xx, yy, xy, yz, zx; hand axes) over `E`.
+    pub stress: Matrix,
 }
 
 impl Compliance {
@@ -40,6 +45,7 @@ impl Compliance {
         let held = |node: usize| place(node) >= free / 3;
         let unit = body.material.moduli().young * thickness;
         let mut rows = Vec::with_capacity(9 * face.len() * n);
+        let mut stress = Vec::with_capacity(15 * face.len() * n);
         let forces: Vec<(usize, DVec3)> =
             face.iter().flat_map(|i| [turn.x_axis, turn.y_axis, turn.z_axis].map(|axis| (*i as usize, axis))).collect();
         for some in forces.chunks(COLUMNS) {
@@ -49,15 +55,46 @@ impl Compliance {
             }
             factor.solve(symbolic, &mut solved, some.len());
             for column in solved.chunks_exact(free) {
-                rows.extend((0..n).flat_map(|node| {
-                    let u = if held(node) { DVec3::ZERO } else { DVec3::from_slice(&column[3 * place(node)..]) };
-                    (turn.transpose() * u * unit).to_array().map(|v| v as f32)
-                }));
+                let moved = |node: usize| {
+                    if held(node) { DVec3::ZERO } else { DVec3::from_slice(&column[3 * place(node)..]) }
+                };
+                let u: Vec<DVec3> = (0..n).map(moved).collect();
+                rows.extend(u.iter().flat_map(|u| (turn.transpose() * *u * unit).to_array().map(|v| v as f32)));
+                stress.extend(deviators(body, &u, thickness).flat_map(|s| s.map(|v| v as f32)));
             }
         }
-        let rows = spread(&finger.topology, face, &rows, 3 * n);
-        Ok(Self { response: Matrix::constant(3 * face.len(), 3 * n, rows) })
+        let [response, stress] = [(rows, 3 * n), (stress, 5 * n)]
+            .map(|(rows, width)| Matrix::constant(3 * face.len(), width, spread(&finger.topology, face, &rows, width)));
+        Ok(Self { response, stress })
     }
+
+    /// Displacement of the nodes `face` under forces on them.
+    pub fn on_face(&self, face: &[u32], forces: &[DVec3]) -> Vec<DVec3> {
+        let mut u = vec![0.0_f32; 3 * face.len()];
+        let components = forces.iter().flat_map(|f| f.to_array()).enumerate();
+        for (component, force) in components.filter(|(_, f)| *f != 0.0) {
+            let row = &self.response.value()[component * self.response.cols..][..self.response.cols];
+            for (u, node) in u.as_chunks_mut::<3>().0.iter_mut().zip(face) {
+                u.iter_mut().zip(&row[3 * *node as usize..]).for_each(|(u, r)| *u += r * force as f32);
+            }
+        }
+        u.as_chunks::<3>().0.iter().map(|u| DVec3::from_array(u.map(f64::from))).collect()
+    }
+}
+
+/// Deviatoric stress on every node under a displacement per force `u`, m/N, in the limit of small ones; over `E` per `E t^2`.
+fn deviators(body: &Body, u: &[DVec3], thickness: f64) -> impl Iterator<Item = [f64; 5]> {
+    let most = u.iter().map(|u| u.length()).fold(1e-300, f64::max);
+    let small = SMALL * thickness / most;
+    let x: Vec<DVec3> = body.rest.iter().zip(u).map(|(x, u)| *x + *u * small).collect();
+    let [_, node] = body.cauchy(&x);
+    // Per newton, then per E t^2, over E.
+    let scale = thickness * thickness / small;
+    node.into_iter().map(move |s| {
+        let s = s * scale;
+        let mean = (s.x_axis.x + s.y_axis.y + s.z_axis.z) / 3.0;
+        [s.x_axis.x - mean, s.y_axis.y - mean, s.x_axis.y, s.y_axis.z, s.z_axis.x]
+    })
 }
 
 /// Responses to forces that are spread on the face around their node, instead of acting on the node alone: on a face of

@@ -51,7 +51,7 @@ impl Arrays {
 pub fn write(path: &Path, predictor: &Predictor, sample: &Sample) -> Result<()> {
     let (f, n) = (&sample.features, &predictor.card.normalisers);
     let inputs = Inputs { features: f, normalisers: n, mirror: (false, false) };
-    let loads = f.loads(&sample.forces);
+    let loads = &sample.loads;
     let mut arrays = Arrays::default();
     arrays.sparse("near", &f.near);
     if let (Some(volume), Some(norms), NetworkSpec::Paper(sizes)) = (&f.volume, &n.volume, predictor.card.spec.network)
@@ -78,10 +78,11 @@ pub fn write(path: &Path, predictor: &Predictor, sample: &Sample) -> Result<()> 
         arrays.matrix("carried", &Matrix::constant(carried.len() / 3, 3, carried));
         if let Some(compliance) = &f.graph.compliance {
             arrays.matrix("response", &compliance.response);
+            arrays.matrix("stress_response", &compliance.stress);
         }
-        let scale = |(i, depth): (usize, &f64)| loads.force[i / f.pads] * f.graph.thickness / depth;
-        let scale: Vec<f32> = loads.depth.iter().enumerate().map(|at| scale(at) as f32 / n.displacement).collect();
+        let scale = loads.scale(f);
         arrays.matrix("scale", &Matrix::constant(scale.len(), 1, scale));
+        arrays.matrix("units", &Matrix::constant(1, 2, vec![n.displacement, n.stress]));
         arrays.pairs("edges", &f.graph.edges.list);
         arrays.sparse("mean", &f.mean);
         arrays.sparse("interpolate", &f.graph.interpolate);
@@ -89,7 +90,7 @@ pub fn write(path: &Path, predictor: &Predictor, sample: &Sample) -> Result<()> 
     }
     let tape = Tape::silent();
     let code = predictor.network.encode(&tape, &predictor.parameters, &inputs);
-    let out = predictor.network.decode(&tape, &predictor.parameters, &inputs, &code, &loads);
+    let out = predictor.network.decode(&tape, &predictor.parameters, &inputs, &code, loads);
     arrays.matrix("out_displacement", &out.displacement);
     arrays.matrix("out_stress", &out.stress);
     arrays.matrix("out_contact", &out.contact);

@@ -2,13 +2,15 @@
 
 use super::features::Features;
 use super::features::Parity::{self, Even, X, XY, Y};
+use super::sample::rows;
 use super::settle::{Touching, settle};
 use super::springs::{Rest, Spring};
 use glam::DVec3;
 
 /// Features of a node at a load. From its spring: pressed over depth (negative is a gap), pressed, share of the force, the
-/// spring's displacement over depth. From the settled gel: share of the force, and how much of that acts along the face.
-pub const NODE_LOAD: [Parity; 9] = [Even, Even, Even, X, Y, Even, Even, X, Y];
+/// spring's displacement over depth. From the settled gel: share of the force, how much of that acts along the
+/// face, and the linear response over depth.
+pub const NODE_LOAD: [Parity; 12] = [Even, Even, Even, X, Y, Even, Even, X, Y, X, Y, Even];
 /// Features of a pad at a load: logarithm and cube root of the force, depth, touching area, centre of pressure, pull along
 /// the face and twist over the force, travel over depth, what settling adds to it, motion of the object over depth.
 pub const PAD_LOAD: [Parity; 17] = [Even, Even, Even, Even, X, Y, X, Y, XY, Even, Even, X, Y, Even, Y, X, XY];
@@ -28,6 +30,28 @@ pub struct Loads {
     pub travel: Vec<f64>,
     /// Motion of the object on the springs, m and rad, axes of each pad: (levels * pads, 6).
     pub motion: Vec<f64>,
+}
+
+impl Loads {
+    /// Those of the levels that `wanted` numbers.
+    pub fn levels(&self, wanted: &[usize]) -> Self {
+        let count = self.force.len();
+        Self {
+            node: rows(&self.node, count, wanted),
+            pad: rows(&self.pad, count, wanted),
+            force: rows(&self.force, count, wanted),
+            depth: rows(&self.depth, count, wanted),
+            travel: rows(&self.travel, count, wanted),
+            motion: rows(&self.motion, count, wanted),
+        }
+    }
+
+    /// Force over `E t^2` over depth over thickness: (levels * pads).
+    pub fn scale(&self, features: &Features) -> Vec<f32> {
+        let t = features.graph.thickness;
+        let of = |(i, depth): (usize, &f64)| (self.force[i / features.pads] * t / depth) as f32;
+        self.depth.iter().enumerate().map(of).collect()
+    }
 }
 
 impl Features {
@@ -68,6 +92,10 @@ impl Features {
             Some(compliance) => settle(compliance, &touching),
             None => (touching.iter().map(|t| t.force).collect(), 0.0),
         };
+        let given = match &self.graph.compliance {
+            Some(compliance) => compliance.on_face(&self.graph.face, &settled),
+            None => vec![DVec3::ZERO; n],
+        };
         let (mut center, mut area, mut pull, mut twist) = (DVec3::ZERO, 0.0, DVec3::ZERO, 0.0);
         for (i, s) in springs.iter().enumerate() {
             let at = self.graph.rest[i] / self.graph.thickness;
@@ -82,7 +110,8 @@ impl Features {
             let into = pressed[i].max(0.0);
             let row = [(pressed[i] / depth).max(-4.0), into, carried[i] / whole, x, y, z];
             let share = [-push.z.min(0.0) / force, sideways.x, sideways.y];
-            loads.node.extend(row.into_iter().chain(share).map(|v| v as f32));
+            let given = given[i].to_array().map(|u| u / depth);
+            loads.node.extend(row.into_iter().chain(share).chain(given).map(|v| v as f32));
         }
         let travel = rest.travel[p];
         let (shift, turn) = (to_pad * rest.shift, to_pad * rest.turn);

@@ -9,7 +9,7 @@ use super::real::Real;
 use super::tape::{Matrix, Tape};
 use super::touch::Touch;
 use crate::components::ObjectPose;
-use crate::dataset::ObjectFile;
+use crate::dataset::{Grasp, ObjectFile};
 use crate::error::{Error, Result};
 use crate::grasp::GraspPose;
 use crate::model::Model;
@@ -28,6 +28,8 @@ pub struct Sample {
     pub frames: Vec<usize>,
     /// What the network sees.
     pub features: Features,
+    /// What it sees of each level.
+    pub loads: Loads,
     /// Force per finger of each level, N.
     pub forces: Vec<f64>,
     /// (levels, pads, nodes, 3), m.
@@ -63,16 +65,33 @@ impl Sample {
         grasp: usize,
         most: usize,
     ) -> Result<Self> {
-        let data = file.grasp(grasp)?;
+        Self::of(file, model, graph, grasp, &file.grasp(grasp)?, most)
+    }
+
+    /// The same of a grasp that has been read. Of what FEM found, nothing gets into the features.
+    ///
+    /// # Errors
+    /// First contact that can no longer be found.
+    pub fn of(
+        file: &ObjectFile,
+        model: &Arc<Model>,
+        graph: &Arc<PadGraph>,
+        grasp: usize,
+        data: &Grasp,
+        most: usize,
+    ) -> Result<Self> {
         let touch = Touch::find(model, GraspPose::from_row(&data.grasp_pose))?;
         let count = data.frames.min(most);
         let frames: Vec<usize> = (1..=count).map(|i| i * data.frames / count - 1).collect();
         let (pads, nodes) = (file.sizes.pads, file.sizes.nodes);
+        let features = Features::new(model, graph, &touch);
+        let forces: Vec<f64> = frames.iter().map(|k| data.force[*k] / pads as f64).collect();
         let mut sample = Self {
             object: file.name.clone(),
             grasp,
-            features: Features::new(model, graph, &touch),
-            forces: frames.iter().map(|k| data.force[*k] / pads as f64).collect(),
+            loads: features.loads(&forces),
+            features,
+            forces,
             displacement: Vec::new(),
             stress: Vec::new(),
             contact: Vec::new(),
@@ -107,6 +126,7 @@ impl Sample {
             grasp: self.grasp,
             frames: levels.iter().map(|l| self.frames[*l]).collect(),
             features: self.features.clone(),
+            loads: self.loads.levels(levels),
             forces: rows(&self.forces, count, levels),
             displacement: rows(&self.displacement, count, levels),
             stress: rows(&self.stress, count, levels),
@@ -123,12 +143,12 @@ impl Sample {
         &self,
         tape: &Tape<T>,
         output: &Output<T>,
-        loads: &Loads,
         norms: &Normalisers,
         mirror: (bool, bool),
         weights: &[f32; 4],
     ) -> Matrix<T> {
-        let (pads, levels, depth) = (self.features.pads, self.forces.len(), &loads.depth);
+        let (pads, levels, loads) = (self.features.pads, self.forces.len(), &self.loads);
+        let depth = &loads.depth;
         let t = self.features.graph.thickness;
         // Per row of a field: target in the network's unit, and one over the square of the field's norm at that level.
         let field = |all: &[f32], cols: usize, signs: &[f32], unit: &dyn Fn(usize) -> f64, weight: f32| {
@@ -189,7 +209,7 @@ impl Sample {
 }
 
 /// Those of `count` equal rows that `wanted` numbers.
-fn rows<T: Copy>(all: &[T], count: usize, wanted: &[usize]) -> Vec<T> {
+pub(super) fn rows<T: Copy>(all: &[T], count: usize, wanted: &[usize]) -> Vec<T> {
     let width = all.len() / count;
     wanted.iter().flat_map(|l| &all[l * width..(l + 1) * width]).copied().collect()
 }

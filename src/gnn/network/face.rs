@@ -14,7 +14,7 @@ use super::{Inputs, Network, Output, constant, repeat};
 use crate::gnn::features::{EDGE, NODE, PAD, VECTOR};
 use crate::gnn::graph::Layout;
 use crate::gnn::loads::{Loads, NODE_LOAD, PAD_LOAD};
-use crate::gnn::ops::{Activation, Sparse, apply, layer_norm, linear, reshape, share, sum};
+use crate::gnn::ops::{Activation, Sparse, apply, layer_norm, linear, product, reshape, share, sum, von_mises};
 use crate::gnn::parameters::{Id, Maker, Parameters};
 use crate::gnn::real::Real;
 use crate::gnn::spec::Face;
@@ -38,6 +38,7 @@ pub struct FaceNetwork {
     node_bias: Id,
     displacement: Layer,
     stress: Layer,
+    factor: Layer,
     contact: Layer,
     pad: [Id; 2],
     pad_bias: Id,
@@ -134,14 +135,16 @@ impl FaceNetwork {
                 maker.weight("node.pad_load", PAD_LOAD.len(), d, 1.0),
             ],
             node_bias: maker.row("node.bias", d, 0.0),
-            displacement: layer(maker, "displacement", d, 3 * depths, 0.1),
-            stress: layer(maker, "stress", d, depths, 0.1),
-            contact: layer(maker, "contact", d, 3, 0.1),
+            displacement: layer(maker, "displacement", d, 3 * depths, 0.01),
+            // Started next to nothing, and at one: the linear response as it is.
+            stress: Layer(maker.weight("stress.weight", d, depths, 0.01), maker.row("stress.bias", depths, -2.0)),
+            factor: Layer(maker.weight("factor.weight", d, depths, 0.01), maker.row("factor.bias", depths, 0.75)),
+            contact: layer(maker, "contact", d, 3, 0.01),
             pad: [maker.weight("pad.latent", h, d, 1.0), maker.weight("pad.load", PAD_LOAD.len(), d, 1.0)],
             pad_bias: maker.row("pad.bias", d, 0.0),
             middle: layer(maker, "pad.middle", d, d, 1.0),
-            travel: layer(maker, "travel", d, 1, 0.1),
-            motion: layer(maker, "motion", d, 6, 0.1),
+            travel: layer(maker, "travel", d, 1, 0.01),
+            motion: layer(maker, "motion", d, 6, 0.01),
         }
     }
 
@@ -223,14 +226,17 @@ impl<T: Real> Network<T> for FaceNetwork {
 
         let head = |x: &Matrix<T>, layer: Layer, act| linear(tape, x, p.get(layer.0), Some(p.get(layer.1)), act);
         let channels = levels * pads * face * self.depths;
-        let stress = reshape(tape, &head(&z, self.stress, Activation::Positive), channels);
         let contact = sum(tape, &[&head(&z, self.contact, none), &carried(inputs, loads)], none);
         let contact = share(tape, &contact, face);
-        let beyond = reshape(tape, &head(&z, self.displacement, none), channels);
-        let beyond = apply(tape, &graph.interpolate_free, &beyond);
+        let (given, bare) = linear_response(tape, inputs, loads, &contact);
+        let channel = |layer: Layer, act| reshape(tape, &head(&z, layer, act), channels);
+        let beyond = apply(tape, &graph.interpolate_free, &channel(self.displacement, none));
+        // What the linear response is wrong by, as a factor, and what it leaves out; neither is negative.
+        let factor = apply(tape, &graph.interpolate, &channel(self.factor, Activation::Positive));
+        let more = apply(tape, &graph.interpolate, &channel(self.stress, Activation::Positive));
         Output {
-            displacement: sum(tape, &[&beyond, &response(tape, inputs, loads, &contact)], none),
-            stress: apply(tape, &graph.interpolate, &stress),
+            displacement: sum(tape, &[&beyond, &given], none),
+            stress: sum(tape, &[&product(tape, &bare, &factor), &more], none),
             contact,
             travel: head(&y, self.travel, none),
             motion: head(&y, self.motion, none),
@@ -238,23 +244,31 @@ impl<T: Real> Network<T> for FaceNetwork {
     }
 }
 
-/// The linear response of the pads to contact forces, in the network's unit of displacement.
-fn response<T: Real>(tape: &Tape<T>, inputs: &Inputs, loads: &Loads, contact: &Matrix<T>) -> Matrix<T> {
+/// The linear response of the pads to contact forces, in the network's units: displacement, and von Mises stress.
+fn linear_response<T: Real>(
+    tape: &Tape<T>,
+    inputs: &Inputs,
+    loads: &Loads,
+    contact: &Matrix<T>,
+) -> (Matrix<T>, Matrix<T>) {
     let (f, norms) = (inputs.features, inputs.normalisers);
-    let Some(compliance) = &f.graph.compliance else { return contact.clone() };
+    let compliance = f.graph.compliance.as_ref().expect("graphs of faces have a compliance");
     let [x, y, _] = VECTOR.map(|parity| parity.sign(inputs.mirror));
     let diagonal = |v: &[f32]| Sparse::new(&(0..).zip(v).map(|(i, v)| vec![(i, *v)]).collect::<Vec<_>>(), v.len());
     // From (against the closing direction, x, y) to (x, y, z) of the pad that is not mirrored.
     let turn = Sparse::new(&[vec![(1, x)], vec![(2, y)], vec![(0, -1.0)]], 3);
     let force = apply(tape, &turn, &reshape(tape, contact, 3 * contact.rows));
     let force = reshape(tape, &force, loads.depth.len());
-    let scale = |(i, depth): (usize, &f64)| loads.force[i / f.pads] * f.graph.thickness / depth;
-    let scale: Vec<f32> = loads.depth.iter().enumerate().map(|at| scale(at) as f32 / norms.displacement).collect();
-    let force = apply(tape, &diagonal(&scale), &force);
-    let given = linear(tape, &force, &T::matrix(&compliance.response), None, Activation::None);
-    let components = reshape(tape, &given, given.rows * given.cols);
-    let mirrored = apply(tape, &diagonal(&[x, y, 1.0]), &components);
-    reshape(tape, &mirrored, mirrored.rows / 3)
+    let to = |response: &Matrix, unit: f32, cols: usize| {
+        let scale: Vec<f32> = loads.scale(f).iter().map(|s| s / unit).collect();
+        let force = apply(tape, &diagonal(&scale), &force);
+        let given = linear(tape, &force, &T::matrix(response), None, Activation::None);
+        reshape(tape, &given, given.rows * given.cols / cols)
+    };
+    let mirrored = apply(tape, &diagonal(&[x, y, 1.0]), &to(&compliance.response, norms.displacement, 1));
+    let displacement = reshape(tape, &mirrored, mirrored.rows / 3);
+    // Von Mises' norm does not know of mirrors.
+    (displacement, von_mises(tape, &to(&compliance.stress, norms.stress, 5)))
 }
 
 /// What the settled gel says of the force on each node: its share as a logarithm, and the part along the face.

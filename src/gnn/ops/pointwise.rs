@@ -1,4 +1,4 @@
-//! Operations entry by entry: sums with an activation, reshaping, the squared error.
+//! Operations entry by entry: sums with an activation, products, reshaping, the squared error.
 
 use crate::gnn::real::Real;
 use crate::gnn::tape::{Matrix, Tape};
@@ -69,6 +69,21 @@ pub fn sum<T: Real>(tape: &Tape<T>, terms: &[&Matrix<T>], act: Activation) -> Ma
         for term in &kept {
             if let Some(d) = grads.of(term) {
                 d.iter_mut().zip(&dz).for_each(|(d, g)| *d += *g);
+            }
+        }
+    })
+}
+
+/// `a b`, entry by entry.
+pub fn product<T: Real>(tape: &Tape<T>, a: &Matrix<T>, b: &Matrix<T>) -> Matrix<T> {
+    assert_eq!((a.rows, a.cols), (b.rows, b.cols), "factors have one shape");
+    let y = a.value().iter().zip(b.value()).map(|(a, b)| *a * *b).collect();
+    let (a, b) = (a.clone(), b.clone());
+    let inputs = [a.clone(), b.clone()];
+    tape.result(&inputs.each_ref(), (a.rows, a.cols), y, move |grads, out| {
+        for (own, other) in [(&a, &b), (&b, &a)] {
+            if let Some(d) = grads.of(own) {
+                d.iter_mut().zip(out.iter().zip(other.value())).for_each(|(d, (g, v))| *d += *g * *v);
             }
         }
     })

@@ -84,7 +84,7 @@ pub fn set_aside(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Sample>, Ve
 
 /// Statistics of a training set.
 pub fn normalisers(samples: &[Sample]) -> Normalisers {
-    let loads: Vec<_> = samples.iter().map(|s| s.features.loads(&s.forces)).collect();
+    let loads: Vec<&Loads> = samples.iter().map(|s| &s.loads).collect();
     let rms = |values: &mut dyn Iterator<Item = f64>| {
         let (n, square) = values.fold((0.0, 0.0), |(n, s), v| (n + 1.0, s + v * v));
         (square / f64::max(n, 1.0)).sqrt().max(1e-12) as f32
@@ -92,7 +92,7 @@ pub fn normalisers(samples: &[Sample]) -> Normalisers {
     let features = || samples.iter().map(|s| &s.features);
     // Values of a field, each over the depth of the bed of springs of its level and pad.
     let over_depth = |pick: fn(&Sample) -> &[f32]| {
-        let of = |(s, l): (&Sample, &Loads)| {
+        let of = |(s, l): (&Sample, &&Loads)| {
             let all = pick(s);
             let width = all.len() / l.depth.len();
             all.chunks_exact(width)
@@ -112,7 +112,7 @@ pub fn normalisers(samples: &[Sample]) -> Normalisers {
         .collect();
     let mean = travel.iter().sum::<f64>() / travel.len() as f64;
     let motion = |turn: bool| {
-        let of = |(s, l): (&Sample, &Loads)| {
+        let of = |(s, l): (&Sample, &&Loads)| {
             let value = |(i, v): (usize, &f64)| {
                 let d = l.depth[i / 6] / if turn { thickness } else { 1.0 };
                 ((i % 6 >= 3) == turn).then_some((v - l.motion[i]) / d)
@@ -137,7 +137,7 @@ pub fn normalisers(samples: &[Sample]) -> Normalisers {
 }
 
 /// Those of the whole pads, if the samples have them.
-fn volume(samples: &[Sample], loads: &[Loads]) -> Option<VolumeNormalisers> {
+fn volume(samples: &[Sample], loads: &[&Loads]) -> Option<VolumeNormalisers> {
     let volumes: Vec<_> = samples.iter().map(|s| s.features.volume.as_deref()).collect::<Option<_>>()?;
     let at = volumes.iter().zip(loads).flat_map(|(v, l)| l.force.iter().map(|f| v.contact_edge(*f)));
     let contact: Vec<Vec<f32>> = at.collect();
@@ -149,7 +149,7 @@ fn volume(samples: &[Sample], loads: &[Loads]) -> Option<VolumeNormalisers> {
 }
 
 /// Root mean square of what the displacement is beyond the linear response to the true contact forces, over the depth.
-fn beyond_response(samples: &[Sample], loads: &[Loads]) -> f32 {
+fn beyond_response(samples: &[Sample], loads: &[&Loads]) -> f32 {
     let (mut count, mut square) = (0.0, 0.0);
     for (s, l) in samples.iter().zip(loads) {
         let (graph, width) = (&s.features.graph, s.displacement.len() / l.depth.len());

@@ -229,9 +229,8 @@ pub fn pass<T: Real>(
 ) -> super::tape::Matrix<T> {
     let inputs = Inputs { features: &sample.features, normalisers, mirror };
     let code = network.encode(tape, parameters, &inputs);
-    let loads = sample.features.loads(&sample.forces);
-    let out = network.decode(tape, parameters, &inputs, &code, &loads);
-    sample.loss(tape, &out, &loads, normalisers, mirror, &training.weights)
+    let out = network.decode(tape, parameters, &inputs, &code, &sample.loads);
+    sample.loss(tape, &out, normalisers, mirror, &training.weights)
 }
 
 /// Mean loss over all levels of `samples`, not mirrored.
