@@ -90,7 +90,7 @@ def face():
     a, b, *shear = (force @ d["stress_response"] / s_unit).reshape(-1, 5).T
     bare = torch.sqrt(3 * (a * a + b * b + a * b + sum(c * c for c in shear)) + 1e-12)[:, None]
     return {
-        "displacement": blocks(sparse("interpolate_free", nodes, n * depths), u) + given,
+        "displacement": blocks(sparse("interpolate_free", nodes, n * depths), u) + given * blocks(hang, layer(z, "scale").reshape(-1, 3)),
         "stress": bare * blocks(hang, factor) + blocks(hang, more),
         "contact": contact,
         "travel": layer(y, "travel"),

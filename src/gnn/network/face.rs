@@ -37,6 +37,7 @@ pub struct FaceNetwork {
     node: [Id; 3],
     node_bias: Id,
     displacement: Layer,
+    scale: Layer,
     stress: Layer,
     factor: Layer,
     contact: Layer,
@@ -136,6 +137,7 @@ impl FaceNetwork {
             ],
             node_bias: maker.row("node.bias", d, 0.0),
             displacement: layer(maker, "displacement", d, 3 * depths, 0.01),
+            scale: Layer(maker.weight("scale.weight", d, 3 * depths, 0.01), maker.row("scale.bias", 3 * depths, 1.0)),
             // Started next to nothing, and at one: the linear response as it is.
             stress: Layer(maker.weight("stress.weight", d, depths, 0.01), maker.row("stress.bias", depths, -2.0)),
             factor: Layer(maker.weight("factor.weight", d, depths, 0.01), maker.row("factor.bias", depths, 0.75)),
@@ -230,12 +232,14 @@ impl<T: Real> Network<T> for FaceNetwork {
         let contact = share(tape, &contact, face);
         let (given, bare) = linear_response(tape, inputs, loads, &contact);
         let channel = |layer: Layer, act| reshape(tape, &head(&z, layer, act), channels);
+        // What the linear response is wrong by, as a factor, and what it leaves out.
         let beyond = apply(tape, &graph.interpolate_free, &channel(self.displacement, none));
-        // What the linear response is wrong by, as a factor, and what it leaves out; neither is negative.
+        let scale = apply(tape, &graph.interpolate, &channel(self.scale, none));
+        // Neither factor nor what is left out is negative.
         let factor = apply(tape, &graph.interpolate, &channel(self.factor, Activation::Positive));
         let more = apply(tape, &graph.interpolate, &channel(self.stress, Activation::Positive));
         Output {
-            displacement: sum(tape, &[&beyond, &given], none),
+            displacement: sum(tape, &[&beyond, &product(tape, &given, &scale)], none),
             stress: sum(tape, &[&product(tape, &bare, &factor), &more], none),
             contact,
             travel: head(&y, self.travel, none),
