@@ -8,28 +8,29 @@ use gnn_made::{Made, ball, made, set};
 use std::sync::Arc;
 use tactus::components::*;
 use tactus::environment::Environment;
-use tactus::gnn::graph::PadGraph;
+use tactus::fem::body::{Body, Elements};
+use tactus::gnn::graph::{Layout, PadGraph};
 use tactus::gnn::predict::Predictor;
 use tactus::gnn::stepper::Gnn;
 use tactus::gnn::touch::Touch;
 use tactus::grasp::GraspPose;
-use tactus::model::Model;
+use tactus::model::{FingerModel, Model};
 use tactus::random::Random;
 use tactus::record::Frame;
 use tactus::scene::from_ron;
 use tactus::schedule::Phase;
 
-/// All frames of a grasp; `spoil` changes the world before the load rises.
+/// All frames of a grasp; `spoil` changes the world before every step under load.
 fn frames(made: &Made, model: &Arc<Model>, pose: GraspPose, spoil: impl Fn(&mut Environment)) -> Vec<Frame> {
     let gnn = Gnn::open(&made.model).unwrap();
     let mut environment = Environment::new(model, &gnn, pose).unwrap();
     let mut frames = Vec::new();
     loop {
         let phase = environment.step();
-        if phase == (Phase::Ramp { frame: 0 }) {
+        frames.extend(environment.frame().cloned());
+        if matches!(phase, Phase::Ramp { .. }) {
             spoil(&mut environment);
         }
-        frames.extend(environment.frame().cloned());
         if phase.is_final() {
             assert_eq!(phase, Phase::Done);
             return frames;
@@ -102,22 +103,37 @@ fn numbering_the_nodes_otherwise_numbers_the_answer_otherwise() {
     let made = made();
     let predictor = Predictor::open(&made.model).unwrap();
     let (model, pose) = ball(made);
-    let pad = &model.fingers[0].topology;
+    let finger = &model.fingers[0];
+    let pad = &finger.topology;
     let n = pad.rest.len();
     let mut random = Random::new(2);
     let mut to: Vec<usize> = (0..n).collect();
     random.shuffle(&mut to);
-    let mut other = (**pad).clone();
+    let mut renumbered = (**pad).clone();
+    let mut rest = finger.body.rest.clone();
     for i in 0..n {
-        (other.rest[to[i]], other.bonded[to[i]]) = (pad.rest[i], pad.bonded[i]);
+        (renumbered.rest[to[i]], renumbered.bonded[to[i]]) = (pad.rest[i], pad.bonded[i]);
+        rest[to[i]] = finger.body.rest[i];
     }
-    other.sensing = pad.sensing.iter().map(|t| t.map(|i| to[i as usize] as u32)).collect();
+    renumbered.sensing = pad.sensing.iter().map(|t| t.map(|i| to[i as usize] as u32)).collect();
+    let Elements::Quadratic(tets) = &finger.body.elements else { panic!("the pads are quadratic") };
+    let tets: Vec<[u32; 10]> = tets.iter().map(|t| t.map(|i| to[i as usize] as u32)).collect();
+    renumbered.elements = tactus::record::Elements::Quadratic(tets.clone());
+    let (fixed, law) = (renumbered.bonded.clone(), finger.body.material.clone());
+    let body = Body::new(rest, Elements::Quadratic(tets), fixed, law, finger.body.mean_dilatation).unwrap();
+    let other = FingerModel {
+        body: Arc::new(body),
+        surface: finger.surface.clone(),
+        topology: Arc::new(renumbered),
+        placement: finger.placement,
+        element: finger.element.clone(),
+    };
     let touch = Touch::find(&model, pose).unwrap();
-    let answer = |pad| {
-        let graph = Arc::new(PadGraph::new(pad, 3).unwrap());
+    let answer = |finger: &FingerModel| {
+        let graph = Arc::new(PadGraph::new(finger, Layout::Face { depths: 3 }).unwrap());
         predictor.at(&predictor.look(&model, &graph, &touch), 0.5).unwrap()
     };
-    let (a, b) = (answer(pad), answer(&other));
+    let (a, b) = (answer(finger), answer(&other));
     let longest = a[0].displacement.iter().map(|u| u.length()).fold(0.0, f64::max);
     for (p, q) in a.iter().zip(&b) {
         for i in 0..n {

@@ -3,8 +3,9 @@
 use super::{Format, OK, print};
 use crate::dataset::DataSet;
 use crate::error::{Error, Result};
+use crate::gnn::dump;
 use crate::gnn::eval::table::{Row, ranks, rows};
-use crate::gnn::eval::{Judged, judge, picture};
+use crate::gnn::eval::{Judged, judge, picture, test_grasps};
 use crate::gnn::predict::Predictor;
 use crate::gnn::sample::{model_of, moved};
 use crate::gnn::touch::Touch;
@@ -33,6 +34,10 @@ pub struct EvalArgs {
     /// How many of them.
     #[arg(long, default_value_t = 5)]
     pub worst: usize,
+    /// Write what the network reads and answers for the first test grasp, as `.npz`, for another implementation to check
+    /// itself on: see tests/torch_check.py.
+    #[arg(long, value_name = "FILE")]
+    pub dump: Option<PathBuf>,
     /// Form of the report on stdout.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -48,6 +53,10 @@ pub fn eval(args: &EvalArgs) -> Result<ExitCode> {
             "note: trained on split {} of this data set: {split} may hold grasps it has seen",
             predictor.card.split
         );
+    }
+    if let Some(path) = &args.dump {
+        let samples = test_grasps(&set, &predictor, &split)?;
+        samples.first().map_or(Ok(()), |sample| dump::write(path, &predictor, sample))?;
     }
     let judged = judge(&set, &predictor, &split)?;
     let table = rows(&split, &judged);

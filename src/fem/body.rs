@@ -164,13 +164,20 @@ impl Body {
 
     /// Stress at positions `x`.
     pub fn stress(&self, x: &[DVec3]) -> Stress {
+        let [element, node] = self.cauchy(x).map(|all| all.iter().map(von_mises).collect());
+        Stress { element, node }
+    }
+
+    /// Cauchy stress at positions `x`, Pa: mean of every element, and of every node, extrapolated from the quadrature points
+    /// and weighted with the volume.
+    pub fn cauchy(&self, x: &[DVec3]) -> [Vec<DMat3>; 2] {
         let mut node = vec![(DMat3::ZERO, 0.0); x.len()];
         let mut element = Vec::with_capacity(self.tets.len());
         per_order!(self, nodes, kernel, {
             for (n, rest) in nodes.iter().zip(&self.tets) {
                 let cauchy = kernel.stress(rest, &gather(n, x));
                 let mean = cauchy.iter().fold(DMat3::ZERO, |s, c| s + *c) * (1.0 / cauchy.len() as f64);
-                element.push(von_mises(&mean));
+                element.push(mean);
                 for (a, &i) in n.iter().enumerate() {
                     let (sum, weight) = &mut node[i as usize];
                     *sum += extrapolate(&cauchy, &mean, a) * rest.volume;
@@ -178,8 +185,8 @@ impl Body {
                 }
             }
         });
-        let node = node.iter().map(|(s, w)| if *w > 0.0 { von_mises(&(*s * (1.0 / w))) } else { 0.0 }).collect();
-        Stress { element, node }
+        let mean = |(s, w): &(DMat3, f64)| if *w > 0.0 { *s * (1.0 / w) } else { DMat3::ZERO };
+        [element, node.iter().map(mean).collect()]
     }
 
     /// Volume that each node carries, positive and with the body's sum: the diagonal of the consistent mass matrix, scaled

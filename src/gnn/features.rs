@@ -4,10 +4,11 @@
 //! elasticity knows no other scale, so modulus and thickness need not be learnt. Every pad looks at the world from its own
 //! frame. Each feature says how it changes when the scene is mirrored (x -> -x or y -> -y of the pad): see [`Parity`].
 
-use super::foundation::Foundation;
-use super::graph::PadGraph;
+use super::graph::{Layout, PadGraph};
 use super::ops::Sparse;
+use super::springs::{Bed, Spring};
 use super::touch::Touch;
+use super::volume::Volume;
 use crate::model::Model;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
@@ -53,11 +54,6 @@ pub const NODE: [Parity; 21] =
 pub const EDGE: [Parity; 4] = [X, Y, Even, Even];
 /// Features of a pad: Poisson's ratio, friction, the object's weight on it.
 pub const PAD: [Parity; 5] = [Even, Even, X, Y, Even];
-/// Features of a node at a load: overlap over depth, the same where positive, pressed depth, share of the force.
-pub const NODE_LOAD: [Parity; 4] = [Even; 4];
-/// Features of a pad at a load: logarithm and cube root of the force, depth, touching area, centre of pressure.
-pub const PAD_LOAD: [Parity; 6] = [Even, Even, Even, Even, X, Y];
-
 /// How far the undeformed pad is closed into the object, over its thickness.
 const DEPTHS: [f64; 3] = [0.0, 0.25, 0.6];
 /// Gaps beyond this many thicknesses are all the same to the pad.
@@ -82,21 +78,14 @@ pub struct Features {
     pub mean: Arc<Sparse>,
     /// Mean weighted by nearness to the object.
     pub near: Arc<Sparse>,
+    /// The whole pads and the object, for a network that passes messages there.
+    pub volume: Option<Arc<Volume>>,
     /// Young's modulus, Pa.
     pub young: f64,
-    gap: Vec<Vec<f64>>,
-    springs: Vec<Foundation>,
-}
-
-/// What the network sees of some load levels of a grasp; levels one after the other, then pads, then nodes.
-#[derive(Debug, Clone)]
-pub struct Loads {
-    /// (levels * pads * face nodes, [`NODE_LOAD`]).
-    pub node: Vec<f32>,
-    /// (levels * pads, [`PAD_LOAD`]).
-    pub pad: Vec<f32>,
-    /// Depth of the bed of springs, m: (levels * pads).
-    pub depth: Vec<f64>,
+    /// The pads as beds of springs.
+    pub bed: Arc<Bed>,
+    /// From hand axes to those of each pad.
+    pub to_pad: Vec<DMat3>,
 }
 
 impl Features {
@@ -106,13 +95,15 @@ impl Features {
         let moduli = model.material.moduli();
         let mut node = Vec::with_capacity(pads * n * NODE.len());
         let (mut gaps, mut springs, mut pad) = (Vec::new(), Vec::new(), Vec::new());
+        let amid = amid(model);
         let area: Vec<f64> = graph.area.iter().map(|a| a / (t * t)).collect();
-        for (finger, travel) in model.fingers.iter().zip(&touch.travel) {
+        for (number, (finger, travel)) in model.fingers.iter().zip(&touch.travel).enumerate() {
             let placement = &finger.placement;
             let view = View::new(model, touch, placement.rotation, placement.closing);
             let mut own = Vec::with_capacity(n);
-            for x in &graph.rest {
-                let at = view.to_object(placement.place(*x) + placement.closing * *travel);
+            for (x, area) in graph.rest.iter().zip(&area) {
+                let place = placement.place(*x) + placement.closing * *travel;
+                let at = view.to_object(place);
                 let gap = view.gap(at, FAR * t) / t;
                 let normal = view.look(at + view.closing * (gap.min(FAR) * t)).1;
                 let normal = if gap < FAR { normal } else { DVec3::ZERO };
@@ -125,14 +116,20 @@ impl Features {
                     row.extend(normal.to_array());
                 }
                 node.extend(row.into_iter().map(|v| v as f32));
+                springs.push(Spring {
+                    finger: number,
+                    at: (place - amid) / t,
+                    area: *area,
+                    gap,
+                    normal: placement.rotation * normal,
+                });
                 own.push(gap);
             }
             let weight = placement.rotation.transpose() * touch.weight / (moduli.young * t * t);
             pad.extend([moduli.poisson, model.law.friction, weight.x, weight.y, weight.z].map(|v| v as f32));
-            springs.push(Foundation::new(&own, &area));
             gaps.push(own);
         }
-        let edge = graph.edges.iter().flat_map(|(s, r)| {
+        let edge = graph.edges.list.iter().flat_map(|(s, r)| {
             let d = (graph.rest[*s as usize] - graph.rest[*r as usize]) / t;
             [d.x, d.y, d.z, d.length()].map(|v| v as f32)
         });
@@ -144,17 +141,22 @@ impl Features {
             };
             Sparse::new(&(0..pads).map(row).collect::<Vec<_>>(), pads * n)
         };
+        let unit = moduli.young * t * t;
+        let most = model.levels.iter().copied().fold(0.0, f64::max) / unit;
+        let closing = model.fingers.iter().map(|f| f.placement.closing).collect();
+        let bed = Bed::new(springs, closing, model.law.friction, touch.weight / unit, model.free, most);
         Self {
             mean: pool(&|_, i| area[i]),
             near: pool(&|p, i| area[i] * (-gaps[p][i] / FADES[1]).exp()),
+            volume: (graph.layout == Layout::Volume).then(|| Arc::new(Volume::new(model, graph, touch))),
             graph: graph.clone(),
             pads,
             node,
             edge,
             pad,
             young: moduli.young,
-            gap: gaps,
-            springs,
+            bed: Arc::new(bed),
+            to_pad: model.fingers.iter().map(|f| f.placement.rotation.transpose()).collect(),
         }
     }
 
@@ -162,32 +164,11 @@ impl Features {
     pub fn unit_force(&self) -> f64 {
         self.young * self.graph.thickness.powi(2)
     }
+}
 
-    /// The features at loads given as force per finger, N.
-    pub fn loads(&self, forces: &[f64]) -> Loads {
-        let (graph, t) = (&self.graph, self.graph.thickness);
-        let mut loads = Loads { node: Vec::new(), pad: Vec::new(), depth: Vec::new() };
-        for force in forces {
-            let force = force / self.unit_force();
-            for (gap, springs) in self.gap.iter().zip(&self.springs) {
-                let depth = springs.depth(force);
-                let pressed: Vec<f64> = gap.iter().map(|g| (depth - g).max(0.0)).collect();
-                let carried: f64 = pressed.iter().zip(&graph.area).map(|(p, a)| p * a).sum();
-                let mut center = DVec3::ZERO;
-                let mut area = 0.0;
-                for (i, (gap, pressed)) in gap.iter().zip(&pressed).enumerate() {
-                    let share = pressed * graph.area[i] / carried;
-                    center += graph.rest[i] / t * share;
-                    area += if *pressed > 0.0 { graph.area[i] / (t * t) } else { 0.0 };
-                    let overlap = ((depth - gap) / depth).max(-4.0);
-                    loads.node.extend([overlap, pressed / depth, *pressed, share].map(|v| v as f32));
-                }
-                loads.pad.extend([force.ln(), force.cbrt(), depth, area, center.x, center.y].map(|v| v as f32));
-                loads.depth.push(depth * t);
-            }
-        }
-        loads
-    }
+/// Point amid the pads at zero travel, m, hand frame.
+pub fn amid(model: &Model) -> DVec3 {
+    model.fingers.iter().map(|f| f.placement.origin).sum::<DVec3>() / model.fingers.len() as f64
 }
 
 /// The object as a pad sees it.

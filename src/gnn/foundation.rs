@@ -4,7 +4,7 @@
 //! depth that carries a force is the network's unit of travel and displacement: it learns what the gel does differently.
 
 /// Stiffness of the springs over Young's modulus: a layer bonded on one side is stiffer than a bar, softer than confined.
-const MODULUS: f64 = 2.0;
+pub const MODULUS: f64 = 2.0;
 
 /// A bed of springs.
 #[derive(Debug, Clone, PartialEq)]

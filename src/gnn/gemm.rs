@@ -1,15 +1,16 @@
-//! Products of row-major f32 matrices, on one thread.
+//! Products of row-major matrices, on one thread.
 #![allow(unsafe_code, reason = "the `gemm` crate takes pointers and strides; every one is checked here")]
 
+use super::real::Real;
 use gemm::{Parallelism, gemm};
 
 /// `out (m x n) = keep * out + a (m x k) * b (k x n)`; `transposed` says which of `a` and `b` are stored transposed.
-pub fn product(
+pub fn product<T: Real>(
     (m, k, n): (usize, usize, usize),
     keep: bool,
-    out: &mut [f32],
-    a: &[f32],
-    b: &[f32],
+    out: &mut [T],
+    a: &[T],
+    b: &[T],
     transposed: (bool, bool),
 ) {
     assert!(out.len() == m * n && a.len() == m * k && b.len() == k * n, "matrix sizes must fit");
@@ -18,7 +19,7 @@ pub fn product(
     // SAFETY: the lengths are checked above, and the strides stay within them.
     unsafe {
         let (a, b) = (a.as_ptr(), b.as_ptr());
-        let alpha = if keep { 1.0 } else { 0.0 };
+        let alpha = T::of(if keep { 1.0 } else { 0.0 });
         gemm(
             m,
             n,
@@ -34,7 +35,7 @@ pub fn product(
             b_cs,
             b_rs,
             alpha,
-            1.0_f32,
+            T::of(1.0),
             false,
             false,
             false,

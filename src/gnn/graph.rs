@@ -6,16 +6,33 @@
 //! node deep  x         interpolated: its face triangle x its two nearest channels
 //! ```
 
+use super::compliance::Compliance;
+use super::edges::Edges;
 use super::ops::Sparse;
 use crate::error::{Error, Result};
+use crate::model::FingerModel;
 use crate::record::PadTopology;
 use glam::{DVec2, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+/// Where a network passes messages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layout {
+    /// On the sensing faces, with this many depth channels below them.
+    Face {
+        /// From the face to the bonded side.
+        depths: usize,
+    },
+    /// Through whole pads and on the object: [`super::volume`].
+    Volume,
+}
+
 /// What never changes of a pad, as the network sees it. Lengths in m, pad frame.
 #[derive(Debug, Clone)]
 pub struct PadGraph {
+    /// What it was made for.
+    pub layout: Layout,
     /// Thickness of the pad: the length that the network measures in, m.
     pub thickness: f64,
     /// Number of nodes of the pad.
@@ -26,28 +43,27 @@ pub struct PadGraph {
     pub rest: Vec<DVec3>,
     /// Area of the face that each stands for, m2.
     pub area: Vec<f64>,
-    /// Directed edges between face nodes: (sender, receiver), sorted by receiver.
-    pub edges: Vec<(u32, u32)>,
-    /// Edge -> its sender's row.
-    pub senders: Arc<Sparse>,
-    /// Edge -> its receiver's row.
-    pub receivers: Arc<Sparse>,
-    /// Rows of edges -> rows of receivers, summed and divided by 6, a usual number of neighbours.
-    pub gather: Arc<Sparse>,
+    /// Edges between face nodes.
+    pub edges: Edges,
     /// Rows (face node, depth channel) -> nodes of the pad.
     pub interpolate: Arc<Sparse>,
     /// The same with no entry for bonded nodes: what it makes is exactly zero there.
     pub interpolate_free: Arc<Sparse>,
+    /// Its linear response, for a network that starts from it.
+    pub compliance: Option<Compliance>,
     /// BLAKE3 of the pad's mesh.
     pub hash: String,
+    /// Poisson's ratio of its gel.
+    poisson: f64,
 }
 
 impl PadGraph {
-    /// The graph of `pad` with `depths` channels from the face to the bonded side.
+    /// The graph of the pad of `finger` for a network of this layout.
     ///
     /// # Errors
     /// A pad without a sensing face.
-    pub fn new(pad: &PadTopology, depths: usize) -> Result<Self> {
+    pub fn new(finger: &FingerModel, layout: Layout) -> Result<Self> {
+        let pad = &finger.topology;
         let face: Vec<u32> = pad.sensing.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
         let thickness = pad.rest.iter().map(|x| -x.z).fold(0.0, f64::max);
         if face.is_empty() || thickness <= 0.0 {
@@ -57,47 +73,59 @@ impl PadGraph {
         let triangles: Vec<[u32; 3]> = pad.sensing.iter().map(|t| t.map(|n| own[&n])).collect();
         let rest: Vec<DVec3> = face.iter().map(|n| pad.rest[*n as usize]).collect();
         let mut area = vec![0.0; face.len()];
-        let mut edges = BTreeSet::new();
+        let mut edges = Vec::new();
         for t in &triangles {
             let [a, b, c] = t.map(|i| rest[i as usize]);
             let third = (b - a).cross(c - a).length() / 6.0;
             for k in 0..3 {
                 let (i, j) = (t[k], t[(k + 1) % 3]);
                 area[i as usize] += third;
-                // Sorted by receiver.
-                edges.extend([(i, j), (j, i)]);
+                edges.push((i, j));
             }
         }
-        let edges: Vec<(u32, u32)> = edges.into_iter().map(|(receiver, sender)| (sender, receiver)).collect();
         let n = face.len();
-        let receivers = Sparse::gather(edges.iter().map(|e| e.1 as usize), n);
-        let mut sum = vec![Vec::new(); n];
-        edges.iter().enumerate().for_each(|(e, (_, receiver))| sum[*receiver as usize].push((e as u32, 1.0 / 6.0)));
+        let depths = match layout {
+            Layout::Face { depths } => depths,
+            Layout::Volume => 1,
+        };
         let rows = hanging(&pad.rest, &rest, &triangles, thickness, depths);
         let free: Vec<_> =
             rows.iter().zip(&pad.bonded).map(|(row, bonded)| if *bonded { Vec::new() } else { row.clone() }).collect();
-        let mut hash = blake3::Hasher::new();
-        pad.rest.iter().flat_map(|x| x.to_array()).for_each(|v| {
-            hash.update(&v.to_le_bytes());
-        });
-        pad.elements.nodes().iter().for_each(|v| {
-            hash.update(&v.to_le_bytes());
-        });
+        let compliance = match layout {
+            Layout::Face { .. } => Some(Compliance::new(finger, &face, thickness)?),
+            Layout::Volume => None,
+        };
         Ok(Self {
+            compliance,
+            layout,
             thickness,
             node_count: pad.rest.len(),
-            senders: Sparse::gather(edges.iter().map(|e| e.0 as usize), n),
-            receivers,
-            gather: Sparse::new(&sum, edges.len()),
             interpolate: Sparse::new(&rows, n * depths),
             interpolate_free: Sparse::new(&free, n * depths),
             face,
             rest,
             area,
-            edges,
-            hash: hash.finalize().to_hex().to_string(),
+            edges: Edges::new(edges, n, 6.0),
+            hash: hash(pad),
+            poisson: finger.body.material.moduli().poisson,
         })
     }
+
+    /// Whether the pad of `finger` has this graph.
+    pub fn fits(&self, finger: &FingerModel) -> bool {
+        self.poisson == finger.body.material.moduli().poisson && self.hash == hash(&finger.topology)
+    }
+}
+
+fn hash(pad: &PadTopology) -> String {
+    let mut hash = blake3::Hasher::new();
+    pad.rest.iter().flat_map(|x| x.to_array()).for_each(|v| {
+        hash.update(&v.to_le_bytes());
+    });
+    pad.elements.nodes().iter().for_each(|v| {
+        hash.update(&v.to_le_bytes());
+    });
+    hash.finalize().to_hex().to_string()
 }
 
 /// For every node of the pad: (face node * depths + channel, weight), non-negative and summing to one.

@@ -1,24 +1,32 @@
 //! The graph network: trained on data sets, then a stepper like any other.
 //!
 //! ```text
-//! Model + grasp -> touch.rs (first contact) -> features.rs (on graph.rs) -> network/ -> predict.rs -> stepper.rs
+//! Model + grasp -> touch.rs (first contact) -> features.rs (on graph.rs, volume.rs) -> network/ -> predict.rs -> stepper.rs
 //! data set      -> sample.rs: the same, and what FEM found             -> train/   -> card.rs (models/NAME)
 //! ```
 
 pub mod card;
+pub mod compliance;
+pub mod dump;
+pub mod edges;
 pub mod eval;
 pub mod features;
 pub mod foundation;
 mod gemm;
 pub mod graph;
+pub mod loads;
 pub mod network;
 pub mod normalise;
 pub mod ops;
 pub mod parameters;
 pub mod predict;
+pub mod real;
 pub mod sample;
+pub mod settle;
 pub mod spec;
+pub mod springs;
 pub mod stepper;
 pub mod tape;
 pub mod touch;
 pub mod train;
+pub mod volume;

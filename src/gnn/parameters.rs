@@ -1,5 +1,6 @@
 //! The parameters of a network: named matrices in a fixed order, their start values, and their file.
 
+use super::real::Real;
 use super::tape::Matrix;
 use crate::error::{Error, Result};
 use crate::random::Random;
@@ -9,10 +10,10 @@ use std::path::Path;
 
 /// Named matrices. The order is that in which the network asked for them.
 #[derive(Debug, Clone)]
-pub struct Parameters {
+pub struct Parameters<T: Real = f32> {
     names: Vec<String>,
     /// The matrices.
-    pub matrices: Vec<Matrix>,
+    pub matrices: Vec<Matrix<T>>,
 }
 
 /// Number of a parameter.
@@ -21,18 +22,18 @@ pub struct Id(usize);
 
 /// Makes the parameters of a network, with random start values.
 #[derive(Debug)]
-pub struct Maker {
+pub struct Maker<T: Real = f32> {
     random: Random,
-    parameters: Parameters,
+    parameters: Parameters<T>,
 }
 
-impl Maker {
+impl<T: Real> Maker<T> {
     /// Equal seeds give equal parameters.
     pub fn new(seed: u64) -> Self {
         Self { random: Random::new(seed), parameters: Parameters { names: Vec::new(), matrices: Vec::new() } }
     }
 
-    fn add(&mut self, name: String, rows: usize, cols: usize, value: Vec<f32>) -> Id {
+    fn add(&mut self, name: String, rows: usize, cols: usize, value: Vec<T>) -> Id {
         self.parameters.names.push(name);
         self.parameters.matrices.push(Matrix::parameter(rows, cols, value));
         Id(self.parameters.matrices.len() - 1)
@@ -41,24 +42,24 @@ impl Maker {
     /// A weight (rows, cols), uniform with variance `gain / rows` (He et al. 2015 for gain 2).
     pub fn weight(&mut self, name: &str, rows: usize, cols: usize, gain: f64) -> Id {
         let limit = (3.0 * gain / rows as f64).sqrt();
-        let value = (0..rows * cols).map(|_| ((2.0 * self.random.unit() - 1.0) * limit) as f32).collect();
+        let value = (0..rows * cols).map(|_| T::nearest((2.0 * self.random.unit() - 1.0) * limit)).collect();
         self.add(name.into(), rows, cols, value)
     }
 
     /// A row of equal numbers.
     pub fn row(&mut self, name: &str, cols: usize, value: f32) -> Id {
-        self.add(name.into(), 1, cols, vec![value; cols])
+        self.add(name.into(), 1, cols, vec![T::of(value); cols])
     }
 
     /// All parameters made.
-    pub fn finish(self) -> Parameters {
+    pub fn finish(self) -> Parameters<T> {
         self.parameters
     }
 }
 
-impl Parameters {
+impl<T: Real> Parameters<T> {
     /// The matrix `id`.
-    pub fn get(&self, id: Id) -> &Matrix {
+    pub fn get(&self, id: Id) -> &Matrix<T> {
         &self.matrices[id.0]
     }
 
@@ -71,7 +72,9 @@ impl Parameters {
     pub fn count(&self) -> usize {
         self.matrices.iter().map(|m| m.value().len()).sum()
     }
+}
 
+impl Parameters {
     /// As a safetensors file: f32, row-major, (rows, cols).
     pub fn to_bytes(&self) -> Result<Vec<u8>> {
         let fail = |e: safetensors::SafeTensorError| Error::Solver(format!("the weights cannot be written: {e}"));

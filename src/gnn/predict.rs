@@ -11,7 +11,10 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 use glam::DVec3;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Load levels that are decoded together.
+const LEVELS: usize = 10;
 
 /// A trained model.
 #[derive(Debug)]
@@ -22,6 +25,8 @@ pub struct Predictor {
     pub network: Box<dyn Network>,
     /// Its weights.
     pub parameters: Parameters,
+    /// Graphs of the pads asked about so far.
+    graphs: Mutex<Vec<Arc<PadGraph>>>,
 }
 
 /// A grasp that has been looked at: all that a load level needs.
@@ -57,7 +62,7 @@ impl Predictor {
         let card = Card::read(dir)?;
         let (network, mut parameters) = build(&card.spec.network, card.spec.training.seed);
         parameters.load(&dir.join(WEIGHTS))?;
-        Ok(Self { card, network, parameters })
+        Ok(Self { card, network, parameters, graphs: Mutex::default() })
     }
 
     /// The graph of the pads of `model`, if the network was trained for it.
@@ -84,7 +89,13 @@ impl Predictor {
     /// # Errors
     /// A pad without a sensing face.
     pub fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
-        Ok(Arc::new(PadGraph::new(&model.fingers[0].topology, self.network.depths())?))
+        let mut known = self.graphs.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(graph) = known.iter().find(|g| g.fits(&model.fingers[0])) {
+            return Ok(graph.clone());
+        }
+        let graph = Arc::new(PadGraph::new(&model.fingers[0], self.network.layout())?);
+        known.push(graph.clone());
+        Ok(graph)
     }
 
     /// Looks at a grasp at first contact: the one pass of message passing.
@@ -104,45 +115,68 @@ impl Predictor {
     /// # Errors
     /// Numbers that are not finite.
     pub fn at(&self, seen: &Seen, force: f64) -> Result<Vec<PadState>> {
+        Ok(self.ramp(seen, &[force])?.swap_remove(0))
+    }
+
+    /// The pads at each of `forces`, N per finger: (forces, pads).
+    ///
+    /// # Errors
+    /// Numbers that are not finite.
+    pub fn ramp(&self, seen: &Seen, forces: &[f64]) -> Result<Vec<Vec<PadState>>> {
+        // Some at once share the reading of the weights; all would not fit into the caches.
+        let some = forces.chunks(LEVELS).map(|some| self.decode(seen, some));
+        Ok(some.collect::<Result<Vec<_>>>()?.concat())
+    }
+
+    fn decode(&self, seen: &Seen, forces: &[f64]) -> Result<Vec<Vec<PadState>>> {
         let (features, norms) = (&seen.features, &self.card.normalisers);
         let inputs = Inputs { features, normalisers: norms, mirror: (false, false) };
-        let loads = features.loads(&[force]);
+        let loads = features.loads(forces);
         let out = self.network.decode(&Tape::silent(), &self.parameters, &inputs, &seen.code, &loads);
-        let graph = &features.graph;
+        let (graph, pads) = (&features.graph, features.pads);
         let (t, nodes, face) = (graph.thickness, graph.node_count, graph.face.len());
-        let vector = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from));
-        let pad = |p: usize| {
-            let depth = loads.depth[p];
-            let own = |m: &Matrix, n: usize| m.value()[p * n * m.cols..(p + 1) * n * m.cols].to_vec();
+        let vector = |v: &[f32]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
+        let [travel_mean, travel_scale] = norms.travel.map(f64::from);
+        // Rows are levels, then pads.
+        let pad = |at: usize| {
+            let depth = loads.depth[at];
+            let own = |m: &Matrix, n: usize| m.value()[at * n * m.cols..(at + 1) * n * m.cols].to_vec();
             let unit = depth * f64::from(norms.displacement);
             let stress = features.young * depth / t * f64::from(norms.stress);
             let mut contact = vec![DVec3::ZERO; nodes];
             for (i, c) in graph.face.iter().zip(own(&out.contact, face).as_chunks::<3>().0) {
                 // Shares are of a force against the closing direction, friction in the same unit.
-                contact[*i as usize] = DVec3::new(f64::from(c[1]), f64::from(c[2]), -f64::from(c[0])) * force;
+                contact[*i as usize] = vector(&[c[1], c[2], -c[0]]) * forces[at / pads];
             }
             let motion = own(&out.motion, 1);
-            let [travel_mean, travel_scale] = norms.travel.map(f64::from);
+            let given = |k: usize| DVec3::from_slice(&loads.motion[6 * at + k..]);
             PadState {
-                displacement: own(&out.displacement, nodes).as_chunks().0.iter().map(|v| vector(v) * unit).collect(),
+                displacement: own(&out.displacement, nodes).chunks_exact(3).map(|v| vector(v) * unit).collect(),
                 stress: own(&out.stress, nodes).iter().map(|s| f64::from(*s) * stress).collect(),
                 contact,
-                travel: depth * (travel_mean + travel_scale * f64::from(out.travel.value()[p])),
-                shift: vector(&[motion[0], motion[1], motion[2]]) * (depth * f64::from(norms.motion[0])),
-                turn: vector(&[motion[3], motion[4], motion[5]]) * (depth / t * f64::from(norms.motion[1])),
+                travel: loads.travel[at] + depth * (travel_mean + travel_scale * f64::from(out.travel.value()[at])),
+                shift: given(0) + vector(&motion) * (depth * f64::from(norms.motion[0])),
+                turn: given(3) + vector(&motion[3..]) * (depth / t * f64::from(norms.motion[1])),
             }
         };
-        let states: Vec<PadState> = (0..features.pads).map(pad).collect();
-        let finite = |s: &PadState| {
-            s.displacement.iter().chain(&s.contact).all(|v| v.is_finite())
-                && s.stress.iter().all(|v| v.is_finite())
-                && s.travel.is_finite()
-                && s.shift.is_finite()
-                && s.turn.is_finite()
-        };
-        if states.iter().all(finite) {
-            return Ok(states);
+        let states: Vec<Vec<PadState>> =
+            (0..forces.len()).map(|level| (0..pads).map(|p| pad(level * pads + p)).collect()).collect();
+        match states.iter().position(|level| !level.iter().all(PadState::is_finite)) {
+            None => Ok(states),
+            Some(bad) => {
+                let force = forces[bad];
+                Err(Error::Solver(format!("the network gave numbers that are not finite at {force} N per finger")))
+            }
         }
-        Err(Error::Solver(format!("the network gave numbers that are not finite at {force} N per finger")))
+    }
+}
+
+impl PadState {
+    fn is_finite(&self) -> bool {
+        self.displacement.iter().chain(&self.contact).all(|v| v.is_finite())
+            && self.stress.iter().all(|v| v.is_finite())
+            && self.travel.is_finite()
+            && self.shift.is_finite()
+            && self.turn.is_finite()
     }
 }

@@ -1,13 +1,15 @@
 //! One grasp of a data set: features from its stored scene, and what FEM found.
 
-use super::features::{Features, ROTATION, VECTOR};
+use super::features::{Features, ROTATION, VECTOR, amid};
 use super::graph::PadGraph;
+use super::loads::Loads;
 use super::network::{Normalisers, Output};
 use super::ops::squared_error;
+use super::real::Real;
 use super::tape::{Matrix, Tape};
 use super::touch::Touch;
 use crate::components::ObjectPose;
-use crate::dataset::ObjectFile;
+use crate::dataset::{Grasp, ObjectFile};
 use crate::error::{Error, Result};
 use crate::grasp::GraspPose;
 use crate::model::Model;
@@ -26,6 +28,8 @@ pub struct Sample {
     pub frames: Vec<usize>,
     /// What the network sees.
     pub features: Features,
+    /// What it sees of each level.
+    pub loads: Loads,
     /// Force per finger of each level, N.
     pub forces: Vec<f64>,
     /// (levels, pads, nodes, 3), m.
@@ -61,16 +65,33 @@ impl Sample {
         grasp: usize,
         most: usize,
     ) -> Result<Self> {
-        let data = file.grasp(grasp)?;
+        Self::of(file, model, graph, grasp, &file.grasp(grasp)?, most)
+    }
+
+    /// The same of a grasp that has been read. Of what FEM found, nothing gets into the features.
+    ///
+    /// # Errors
+    /// First contact that can no longer be found.
+    pub fn of(
+        file: &ObjectFile,
+        model: &Arc<Model>,
+        graph: &Arc<PadGraph>,
+        grasp: usize,
+        data: &Grasp,
+        most: usize,
+    ) -> Result<Self> {
         let touch = Touch::find(model, GraspPose::from_row(&data.grasp_pose))?;
         let count = data.frames.min(most);
         let frames: Vec<usize> = (1..=count).map(|i| i * data.frames / count - 1).collect();
         let (pads, nodes) = (file.sizes.pads, file.sizes.nodes);
+        let features = Features::new(model, graph, &touch);
+        let forces: Vec<f64> = frames.iter().map(|k| data.force[*k] / pads as f64).collect();
         let mut sample = Self {
             object: file.name.clone(),
             grasp,
-            features: Features::new(model, graph, &touch),
-            forces: frames.iter().map(|k| data.force[*k] / pads as f64).collect(),
+            loads: features.loads(&forces),
+            features,
+            forces,
             displacement: Vec::new(),
             stress: Vec::new(),
             contact: Vec::new(),
@@ -105,6 +126,7 @@ impl Sample {
             grasp: self.grasp,
             frames: levels.iter().map(|l| self.frames[*l]).collect(),
             features: self.features.clone(),
+            loads: self.loads.levels(levels),
             forces: rows(&self.forces, count, levels),
             displacement: rows(&self.displacement, count, levels),
             stress: rows(&self.stress, count, levels),
@@ -116,17 +138,17 @@ impl Sample {
 
     /// How wrong `output` is: relative squared errors, averaged over the levels, weighted and added; 1 x 1.
     ///
-    /// `depth` is that of the bed of springs (levels * pads), m. Travel and motion count in the units of [`Normalisers`].
-    pub fn loss(
+    /// Travel and motion count in the units of [`Normalisers`].
+    pub fn loss<T: Real>(
         &self,
-        tape: &Tape,
-        output: &Output,
-        depth: &[f64],
+        tape: &Tape<T>,
+        output: &Output<T>,
         norms: &Normalisers,
         mirror: (bool, bool),
         weights: &[f32; 4],
-    ) -> Matrix {
-        let (pads, levels) = (self.features.pads, self.forces.len());
+    ) -> Matrix<T> {
+        let (pads, levels, loads) = (self.features.pads, self.forces.len(), &self.loads);
+        let depth = &loads.depth;
         let t = self.features.graph.thickness;
         // Per row of a field: target in the network's unit, and one over the square of the field's norm at that level.
         let field = |all: &[f32], cols: usize, signs: &[f32], unit: &dyn Fn(usize) -> f64, weight: f32| {
@@ -153,21 +175,25 @@ impl Sample {
         let turned: Vec<f32> = self.contact.as_chunks::<3>().0.iter().flat_map(|f| [-f[2], f[0], f[1]]).collect();
         let mirrored = [1.0, VECTOR[0].sign(mirror), VECTOR[1].sign(mirror)];
         let (c, c_rows) = field(&turned, 3, &mirrored, &|at| self.forces[at / pads], weights[1]);
-        let travel = self
-            .travel
-            .iter()
-            .zip(depth)
-            .map(|(x, d)| ((x / d - f64::from(norms.travel[0])) / f64::from(norms.travel[1])) as f32);
+        let travel = self.travel.iter().zip(&loads.travel).zip(depth).map(|((x, prior), d)| {
+            (((x - prior) / d - f64::from(norms.travel[0])) / f64::from(norms.travel[1])) as f32
+        });
         let travel: Vec<f32> = travel.collect();
-        // A deviation of the travel counts as much as it matters: its unit over its mean.
-        let matter = f64::from(norms.travel[1] / norms.travel[0].abs().max(1e-6)).powi(2);
         let each = 1.0 / (levels * pads) as f32;
         let signs: Vec<f32> = sign(&VECTOR).into_iter().chain(sign(&ROTATION)).collect();
         let motion: Vec<f32> = (self.motion.iter().enumerate())
             .map(|(i, v)| {
                 let d = depth[i / 6];
                 let unit = if i % 6 < 3 { d * f64::from(norms.motion[0]) } else { d / t * f64::from(norms.motion[1]) };
-                (v / unit) as f32 * signs[i % 6]
+                ((v - loads.motion[i]) / unit) as f32 * signs[i % 6]
+            })
+            .collect();
+        // A deviation of the travel counts as much as it matters: over the mean travel.
+        let travel_rows: Vec<f32> = (0..levels * pads)
+            .map(|i| {
+                let own = &self.travel[i / pads * pads..][..pads];
+                let mean = (own.iter().sum::<f64>() / pads as f64).abs().max(1e-9);
+                weights[2] * each * (f64::from(norms.travel[1]) * depth[i] / mean).powi(2) as f32
             })
             .collect();
         let pads_rows = |weight: f32| vec![weight * each; levels * pads];
@@ -175,7 +201,7 @@ impl Sample {
             squared_error(tape, &output.displacement, &u, &u_rows),
             squared_error(tape, &output.stress, &s, &s_rows),
             squared_error(tape, &output.contact, &c, &c_rows),
-            squared_error(tape, &output.travel, &travel, &pads_rows(weights[2] * matter as f32)),
+            squared_error(tape, &output.travel, &travel, &travel_rows),
             squared_error(tape, &output.motion, &motion, &pads_rows(weights[3] / 6.0)),
         ];
         super::ops::sum(tape, &parts.each_ref(), super::ops::Activation::None)
@@ -183,14 +209,9 @@ impl Sample {
 }
 
 /// Those of `count` equal rows that `wanted` numbers.
-fn rows<T: Copy>(all: &[T], count: usize, wanted: &[usize]) -> Vec<T> {
+pub(super) fn rows<T: Copy>(all: &[T], count: usize, wanted: &[usize]) -> Vec<T> {
     let width = all.len() / count;
     wanted.iter().flat_map(|l| &all[l * width..(l + 1) * width]).copied().collect()
-}
-
-/// Point amid the pads at zero travel, m, hand frame.
-fn amid(model: &Model) -> DVec3 {
-    model.fingers.iter().map(|f| f.placement.origin).sum::<DVec3>() / model.fingers.len() as f64
 }
 
 /// Motion of the object from `start` to `now`, in the axes of a pad: of its point amid the pads, m, and rotation vector.

@@ -21,6 +21,8 @@ pub struct Spec {
 pub enum NetworkSpec {
     /// Message passing on the sensing face, the whole force ramp from one pass: [`super::network::face`].
     Face(Face),
+    /// The tactile paper's, through whole pads, once per load: [`super::network::paper`].
+    Paper(Paper),
 }
 
 /// Sizes of the face network.
@@ -45,6 +47,22 @@ impl Default for Face {
             decoder: Count::preset(64),
             depths: Count::preset(5),
         }
+    }
+}
+
+/// Sizes of the tactile paper's network.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Paper {
+    /// Numbers per node and edge.
+    pub latent: Count<1, 1024>,
+    /// Rounds of message passing, all with the same weights.
+    pub rounds: Count<1, 64>,
+}
+
+impl Default for Paper {
+    fn default() -> Self {
+        Self { latent: Count::preset(128), rounds: Count::preset(15) }
     }
 }
 

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Arc, OnceLock};
 use tactus::dataset::DataSet;
+use tactus::gnn::graph::Layout;
 use tactus::gnn::sample::{Sample, model_of};
 use tactus::gnn::spec::Spec;
 use tactus::gnn::train::data;
@@ -15,6 +16,10 @@ use tactus::model::Model;
 
 pub const SPEC: &str = "Model(network: Face(latent: 8, rounds: 2, decoder: 8, depths: 3), \
                     training: (epochs: 6, batch: 2, levels: 2, frames: 2, validation: 0.3, seed: 3))";
+
+/// The paper's network, as small.
+pub const PAPER: &str = "Model(network: Paper(latent: 8, rounds: 2), \
+                    training: (epochs: 2, batch: 2, levels: 2, frames: 2, validation: 0.3, mirror: false, seed: 3))";
 
 /// One data set and one trained model for all tests.
 pub struct Made {
@@ -53,9 +58,9 @@ pub fn set(made: &Made) -> DataSet {
     DataSet::open(made.tiny.out("data")).unwrap()
 }
 
-pub fn samples(made: &Made, depths: usize) -> Vec<Sample> {
+pub fn samples(made: &Made, layout: Layout) -> Vec<Sample> {
     let set = set(made);
-    data::read(&set, &set.splits.poses.train, depths, 10).unwrap().0
+    data::read(&set, &set.splits.poses.train, layout, 10).unwrap().0
 }
 
 /// The object "ball" of the data set: its model, and a grasp that was not simulated.

@@ -74,12 +74,21 @@ pub struct Judged {
 /// # Errors
 /// Data that cannot be read, or lies outside what the model was trained on.
 pub fn judge(set: &DataSet, predictor: &Predictor, split: &str) -> Result<Vec<Judged>> {
-    let sets = data::split(&set.splits, split)?;
-    let (samples, range) = data::read(set, &sets.test, predictor.network.depths(), usize::MAX)?;
-    let mut trained = predictor.card.range.clone();
-    // Another pad, law or kind of object is refused; the errors below are for the numbers as they are.
-    trained.extend(&range)?;
+    let samples = test_grasps(set, predictor, split)?;
     samples.par_iter().map(|sample| judge_grasp(predictor, sample)).collect()
+}
+
+/// The test grasps of `split`.
+///
+/// # Errors
+/// Those of [`judge`].
+pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str) -> Result<Vec<Sample>> {
+    let sets = data::split(&set.splits, split)?;
+    let (samples, range) = data::read(set, &sets.test, predictor.network.layout(), usize::MAX)?;
+    let mut trained = predictor.card.range.clone();
+    // Another pad, law or kind of object is refused; the errors are for the numbers as they are.
+    trained.extend(&range)?;
+    Ok(samples)
 }
 
 fn judge_grasp(predictor: &Predictor, sample: &Sample) -> Result<Judged> {
@@ -87,7 +96,7 @@ fn judge_grasp(predictor: &Predictor, sample: &Sample) -> Result<Judged> {
     let seen = predictor.encode(sample.features.clone());
     let encode = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
-    let states = sample.forces.iter().map(|f| predictor.at(&seen, *f)).collect::<Result<Vec<_>>>()?;
+    let states = predictor.ramp(&seen, &sample.forces)?;
     let time_s = [encode, clock.elapsed().as_secs_f64()];
     let frames: Vec<FrameError> = states.iter().enumerate().map(|(k, s)| frame_error(sample, k, s)).collect();
     let truth = |k: usize| {

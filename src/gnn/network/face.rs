@@ -10,10 +10,13 @@
 //! ```
 //! The second layer of a message is linear, so it is applied after the sum: edges cost no matrix product.
 
-use super::{Inputs, Network, Output};
-use crate::gnn::features::{EDGE, Loads, NODE, NODE_LOAD, PAD, PAD_LOAD};
-use crate::gnn::ops::{Activation, Sparse, apply, layer_norm, linear, reshape, share, sum};
+use super::{Inputs, Network, Output, constant, repeat};
+use crate::gnn::features::{EDGE, NODE, PAD, VECTOR};
+use crate::gnn::graph::Layout;
+use crate::gnn::loads::{Loads, NODE_LOAD, PAD_LOAD};
+use crate::gnn::ops::{Activation, Sparse, apply, layer_norm, linear, product, reshape, share, sum, von_mises};
 use crate::gnn::parameters::{Id, Maker, Parameters};
+use crate::gnn::real::Real;
 use crate::gnn::spec::Face;
 use crate::gnn::tape::{Matrix, Tape};
 use std::sync::Arc;
@@ -34,7 +37,9 @@ pub struct FaceNetwork {
     node: [Id; 3],
     node_bias: Id,
     displacement: Layer,
+    scale: Layer,
     stress: Layer,
+    factor: Layer,
     contact: Layer,
     pad: [Id; 2],
     pad_bias: Id,
@@ -65,14 +70,14 @@ struct Pools {
 }
 
 impl Pools {
-    fn new(maker: &mut Maker, name: &str, latent: usize) -> Self {
-        let weight = |maker: &mut Maker, part: &str| maker.weight(&format!("{name}.{part}"), latent, latent, 0.5);
+    fn new<T: Real>(maker: &mut Maker<T>, name: &str, latent: usize) -> Self {
+        let weight = |maker: &mut Maker<T>, part: &str| maker.weight(&format!("{name}.{part}"), latent, latent, 0.5);
         let weights = ["mean", "near", "other_mean", "other_near"].map(|part| weight(maker, part));
         Self { weights, bias: maker.row(&format!("{name}.bias"), latent, 0.0) }
     }
 
     /// (pads * nodes, latent) -> (pads, latent).
-    fn apply(&self, tape: &Tape, p: &Parameters, inputs: &Inputs, h: &Matrix) -> Matrix {
+    fn apply<T: Real>(&self, tape: &Tape<T>, p: &Parameters<T>, inputs: &Inputs, h: &Matrix<T>) -> Matrix<T> {
         let f = inputs.features;
         let pads = f.pads;
         // With one finger there is no other pad: an empty row, which gives zero.
@@ -94,15 +99,15 @@ impl Pools {
 
 impl FaceNetwork {
     /// With start values from `maker`.
-    pub fn new(sizes: &Face, maker: &mut Maker) -> Self {
+    pub fn new<T: Real>(sizes: &Face, maker: &mut Maker<T>) -> Self {
         let (h, d, depths) = (sizes.latent.get(), sizes.decoder.get(), sizes.depths.get());
-        let layer = |maker: &mut Maker, name: &str, rows: usize, cols: usize, gain: f64| {
+        let layer = |maker: &mut Maker<T>, name: &str, rows: usize, cols: usize, gain: f64| {
             Layer(
                 maker.weight(&format!("{name}.weight"), rows, cols, gain),
                 maker.row(&format!("{name}.bias"), cols, 0.0),
             )
         };
-        let norm = |maker: &mut Maker, name: &str| {
+        let norm = |maker: &mut Maker<T>, name: &str| {
             Layer(maker.row(&format!("{name}.gain"), h, 1.0), maker.row(&format!("{name}.shift"), h, 0.0))
         };
         let start = layer(maker, "start.node", NODE.len(), h, 1.0);
@@ -131,25 +136,36 @@ impl FaceNetwork {
                 maker.weight("node.pad_load", PAD_LOAD.len(), d, 1.0),
             ],
             node_bias: maker.row("node.bias", d, 0.0),
-            displacement: layer(maker, "displacement", d, 3 * depths, 0.1),
-            stress: layer(maker, "stress", d, depths, 0.1),
-            contact: layer(maker, "contact", d, 3, 0.1),
+            displacement: layer(maker, "displacement", d, 3 * depths, 0.01),
+            scale: Layer(maker.weight("scale.weight", d, 3 * depths, 0.01), maker.row("scale.bias", 3 * depths, 1.0)),
+            // Started next to nothing, and at one: the linear response as it is.
+            stress: Layer(maker.weight("stress.weight", d, depths, 0.01), maker.row("stress.bias", depths, -2.0)),
+            factor: Layer(maker.weight("factor.weight", d, depths, 0.01), maker.row("factor.bias", depths, 0.75)),
+            contact: layer(maker, "contact", d, 3, 0.01),
             pad: [maker.weight("pad.latent", h, d, 1.0), maker.weight("pad.load", PAD_LOAD.len(), d, 1.0)],
             pad_bias: maker.row("pad.bias", d, 0.0),
             middle: layer(maker, "pad.middle", d, d, 1.0),
-            travel: layer(maker, "travel", d, 1, 0.1),
-            motion: layer(maker, "motion", d, 6, 0.1),
+            travel: layer(maker, "travel", d, 1, 0.01),
+            motion: layer(maker, "motion", d, 6, 0.01),
         }
     }
 
-    fn pass(&self, tape: &Tape, p: &Parameters, inputs: &Inputs, round: &Round, h: &Matrix, edge: &Matrix) -> Matrix {
+    fn pass<T: Real>(
+        &self,
+        tape: &Tape<T>,
+        p: &Parameters<T>,
+        inputs: &Inputs,
+        round: &Round,
+        h: &Matrix<T>,
+        edge: &Matrix<T>,
+    ) -> Matrix<T> {
         let graph = &inputs.features.graph;
         let (none, gated) = (Activation::None, Activation::Gated);
         let x = layer_norm(tape, h, p.get(round.norm.0), p.get(round.norm.1));
-        let from = apply(tape, &graph.senders, &linear(tape, &x, p.get(round.sender), None, none));
-        let to = apply(tape, &graph.receivers, &linear(tape, &x, p.get(round.receiver), None, none));
+        let from = apply(tape, &graph.edges.senders, &linear(tape, &x, p.get(round.sender), None, none));
+        let to = apply(tape, &graph.edges.receivers, &linear(tape, &x, p.get(round.receiver), None, none));
         let own = linear(tape, edge, p.get(round.edge.0), Some(p.get(round.edge.1)), none);
-        let messages = apply(tape, &graph.gather, &sum(tape, &[&own, &from, &to], gated));
+        let messages = apply(tape, &graph.edges.gather, &sum(tape, &[&own, &from, &to], gated));
         let global = round.pools.apply(tape, p, inputs, &x);
         let global = spread(tape, &linear(tape, &global, p.get(round.global), None, none), graph.face.len());
         let inner = [
@@ -162,12 +178,12 @@ impl FaceNetwork {
     }
 }
 
-impl Network for FaceNetwork {
-    fn depths(&self) -> usize {
-        self.depths
+impl<T: Real> Network<T> for FaceNetwork {
+    fn layout(&self) -> Layout {
+        Layout::Face { depths: self.depths }
     }
 
-    fn encode(&self, tape: &Tape, p: &Parameters, inputs: &Inputs) -> Vec<Matrix> {
+    fn encode(&self, tape: &Tape<T>, p: &Parameters<T>, inputs: &Inputs) -> Vec<Matrix<T>> {
         let (f, n) = (inputs.features, inputs.normalisers);
         let node = inputs.matrix(&f.node, &n.node, &NODE);
         let edge = inputs.matrix(&f.edge, &n.edge, &EDGE);
@@ -186,68 +202,91 @@ impl Network for FaceNetwork {
         vec![node, pad]
     }
 
-    fn decode(&self, tape: &Tape, p: &Parameters, inputs: &Inputs, code: &[Matrix], loads: &Loads) -> Output {
+    fn decode(
+        &self,
+        tape: &Tape<T>,
+        p: &Parameters<T>,
+        inputs: &Inputs,
+        code: &[Matrix<T>],
+        loads: &Loads,
+    ) -> Output<T> {
         let (f, n, graph) = (inputs.features, inputs.normalisers, &inputs.features.graph);
         let (pads, face) = (f.pads, graph.face.len());
-        let levels = loads.depth.len() / pads;
+        let levels = loads.force.len();
         let (none, gated) = (Activation::None, Activation::Gated);
         let at_node = inputs.matrix(&loads.node, &n.node_load, &NODE_LOAD);
         let at_pad = inputs.matrix(&loads.pad, &n.pad_load, &PAD_LOAD);
-        let repeat = |rows: usize| Sparse::gather((0..levels).flat_map(|_| 0..rows), rows);
         let node = [
-            apply(tape, &repeat(pads * face), &code[0]),
+            apply(tape, &repeat(levels, pads * face), &code[0]),
             linear(tape, &at_node, p.get(self.node[1]), None, none),
             spread(tape, &linear(tape, &at_pad, p.get(self.node[2]), None, none), face),
         ];
         let z = sum(tape, &node.each_ref(), gated);
-        let pad = [apply(tape, &repeat(pads), &code[1]), linear(tape, &at_pad, p.get(self.pad[1]), None, none)];
+        let pad = [apply(tape, &repeat(levels, pads), &code[1]), linear(tape, &at_pad, p.get(self.pad[1]), None, none)];
         let y = sum(tape, &pad.each_ref(), gated);
         let y = linear(tape, &y, p.get(self.middle.0), Some(p.get(self.middle.1)), gated);
 
-        let head = |x: &Matrix, layer: Layer, act| linear(tape, x, p.get(layer.0), Some(p.get(layer.1)), act);
+        let head = |x: &Matrix<T>, layer: Layer, act| linear(tape, x, p.get(layer.0), Some(p.get(layer.1)), act);
         let channels = levels * pads * face * self.depths;
-        let displacement = sum(
-            tape,
-            &[&reshape(tape, &head(&z, self.displacement, none), channels), &self.pressed(inputs, loads)],
-            none,
-        );
-        let stress = reshape(tape, &head(&z, self.stress, Activation::Positive), channels);
-        let contact = sum(tape, &[&head(&z, self.contact, none), &carried(loads)], none);
+        let contact = sum(tape, &[&head(&z, self.contact, none), &carried(inputs, loads)], none);
+        let contact = share(tape, &contact, face);
+        let (given, bare) = linear_response(tape, inputs, loads, &contact);
+        let channel = |layer: Layer, act| reshape(tape, &head(&z, layer, act), channels);
+        // What the linear response is wrong by, as a factor, and what it leaves out.
+        let beyond = apply(tape, &graph.interpolate_free, &channel(self.displacement, none));
+        let scale = apply(tape, &graph.interpolate, &channel(self.scale, none));
+        // Neither factor nor what is left out is negative.
+        let factor = apply(tape, &graph.interpolate, &channel(self.factor, Activation::Positive));
+        let more = apply(tape, &graph.interpolate, &channel(self.stress, Activation::Positive));
         Output {
-            displacement: apply(tape, &graph.interpolate_free, &displacement),
-            stress: apply(tape, &graph.interpolate, &stress),
-            contact: share(tape, &contact, face),
+            displacement: sum(tape, &[&beyond, &product(tape, &given, &scale)], none),
+            stress: sum(tape, &[&product(tape, &bare, &factor), &more], none),
+            contact,
             travel: head(&y, self.travel, none),
             motion: head(&y, self.motion, none),
         }
     }
 }
 
-impl FaceNetwork {
-    /// The displacement of a bed of springs, in the network's unit: the network learns what is different.
-    fn pressed(&self, inputs: &Inputs, loads: &Loads) -> Matrix {
-        let unit = 1.0 / inputs.normalisers.displacement;
-        let mut value = Vec::new();
-        for row in loads.node.chunks_exact(NODE_LOAD.len()) {
-            let bottom = (self.depths - 1) as f32;
-            value.extend((0..self.depths).flat_map(|k| [0.0, 0.0, -row[1] * (1.0 - k as f32 / bottom) * unit]));
-        }
-        Matrix::constant(value.len() / 3, 3, value)
-    }
+/// The linear response of the pads to contact forces, in the network's units: displacement, and von Mises stress.
+fn linear_response<T: Real>(
+    tape: &Tape<T>,
+    inputs: &Inputs,
+    loads: &Loads,
+    contact: &Matrix<T>,
+) -> (Matrix<T>, Matrix<T>) {
+    let (f, norms) = (inputs.features, inputs.normalisers);
+    let compliance = f.graph.compliance.as_ref().expect("graphs of faces have a compliance");
+    let [x, y, _] = VECTOR.map(|parity| parity.sign(inputs.mirror));
+    let diagonal = |v: &[f32]| Sparse::new(&(0..).zip(v).map(|(i, v)| vec![(i, *v)]).collect::<Vec<_>>(), v.len());
+    // From (against the closing direction, x, y) to (x, y, z) of the pad that is not mirrored.
+    let turn = Sparse::new(&[vec![(1, x)], vec![(2, y)], vec![(0, -1.0)]], 3);
+    let force = apply(tape, &turn, &reshape(tape, contact, 3 * contact.rows));
+    let force = reshape(tape, &force, loads.depth.len());
+    let to = |response: &Matrix, unit: f32, cols: usize| {
+        let scale: Vec<f32> = loads.scale(f).iter().map(|s| s / unit).collect();
+        let force = apply(tape, &diagonal(&scale), &force);
+        let given = linear(tape, &force, &T::matrix(response), None, Activation::None);
+        reshape(tape, &given, given.rows * given.cols / cols)
+    };
+    let mirrored = apply(tape, &diagonal(&[x, y, 1.0]), &to(&compliance.response, norms.displacement, 1));
+    let displacement = reshape(tape, &mirrored, mirrored.rows / 3);
+    // Von Mises' norm does not know of mirrors.
+    (displacement, von_mises(tape, &to(&compliance.stress, norms.stress, 5)))
 }
 
-/// What the bed of springs says of the share of each node, as a logarithm.
-fn carried(loads: &Loads) -> Matrix {
+/// What the settled gel says of the force on each node: its share as a logarithm, and the part along the face.
+fn carried<T: Real>(inputs: &Inputs, loads: &Loads) -> Matrix<T> {
+    let [x, y, _] = VECTOR.map(|parity| parity.sign(inputs.mirror));
     let rows = loads.node.chunks_exact(NODE_LOAD.len());
-    let value: Vec<f32> = rows.flat_map(|row| [(row[3] + LITTLE).ln(), 0.0, 0.0]).collect();
-    Matrix::constant(value.len() / 3, 3, value)
+    constant(3, rows.flat_map(|row| [(row[6] + LITTLE).ln(), x * row[7], y * row[8]]).collect())
 }
 
-/// Share of a node that the springs leave out, to start from.
+/// Share of a node that it leaves out, to start from.
 const LITTLE: f32 = 1e-4;
 
 /// Every row `times` times, one after the other.
-fn spread(tape: &Tape, x: &Matrix, times: usize) -> Matrix {
+fn spread<T: Real>(tape: &Tape<T>, x: &Matrix<T>, times: usize) -> Matrix<T> {
     let map: Arc<Sparse> = Sparse::gather((0..x.rows).flat_map(|r| std::iter::repeat_n(r, times)), x.rows);
     apply(tape, &map, x)
 }

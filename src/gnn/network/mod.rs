@@ -3,13 +3,19 @@
 //! To add one: a file that implements [`Network`], its sizes in [`NetworkSpec`], a line in [`build`].
 
 pub mod face;
+pub mod paper;
 
-use super::features::{self, Features, Loads};
+use super::features::{self, Features};
+use super::graph::Layout;
+use super::loads::Loads;
 use super::normalise::Normaliser;
+use super::ops::Sparse;
 use super::parameters::{Maker, Parameters};
+use super::real::Real;
 use super::spec::NetworkSpec;
 use super::tape::{Matrix, Tape};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Statistics of the training set.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -20,18 +26,33 @@ pub struct Normalisers {
     pub edge: Normaliser,
     /// Of [`features::PAD`].
     pub pad: Normaliser,
-    /// Of [`features::NODE_LOAD`].
+    /// Of [`super::loads::NODE_LOAD`].
     pub node_load: Normaliser,
-    /// Of [`features::PAD_LOAD`].
+    /// Of [`super::loads::PAD_LOAD`].
     pub pad_load: Normaliser,
-    /// Root mean square displacement over the depth of the bed of springs.
+    /// Of a network that sees whole pads.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub volume: Option<VolumeNormalisers>,
+    /// Root mean square of what the displacement is beyond the linear response to the contact, over the depth of the springs.
     pub displacement: f32,
     /// Root mean square stress over Young's modulus times depth over thickness.
     pub stress: f32,
-    /// Mean and deviation of the travel over that depth.
+    /// Mean and deviation of what the travel is beyond that of the springs, over that depth.
     pub travel: [f32; 2],
-    /// Root mean square of the object's translation over the depth, and of its rotation over depth over thickness.
+    /// Root mean square of what the object's translation is beyond that on the springs, over the depth, and of its rotation,
+    /// over depth over thickness.
     pub motion: [f32; 2],
+}
+
+/// Statistics of [`super::volume`].
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct VolumeNormalisers {
+    /// Of [`super::volume::VOLUME_NODE`].
+    pub node: Normaliser,
+    /// Of [`super::volume::MESH_EDGE`].
+    pub mesh: Normaliser,
+    /// Of [`super::volume::CONTACT_EDGE`].
+    pub contact: Normaliser,
 }
 
 /// The inputs of a pass: features, normalised the same way everywhere.
@@ -45,41 +66,64 @@ pub struct Inputs<'a> {
 }
 
 impl Inputs<'_> {
-    fn matrix(&self, rows: &[f32], normaliser: &Normaliser, parity: &[features::Parity]) -> Matrix {
-        Matrix::constant(rows.len() / parity.len(), parity.len(), normaliser.apply(rows, parity, self.mirror))
+    pub(super) fn matrix<T: Real>(
+        &self,
+        rows: &[f32],
+        normaliser: &Normaliser,
+        parity: &[features::Parity],
+    ) -> Matrix<T> {
+        constant(parity.len(), normaliser.apply(rows, parity, self.mirror))
     }
+}
+
+/// Numbers that no gradient is wanted of, `cols` to a row.
+fn constant<T: Real>(cols: usize, rows: Vec<f32>) -> Matrix<T> {
+    Matrix::constant(rows.len() / cols, cols, rows.into_iter().map(T::of).collect())
+}
+
+/// `times` copies of `rows` rows, one after the other.
+fn repeat(times: usize, rows: usize) -> Arc<Sparse> {
+    Sparse::gather((0..times).flat_map(|_| 0..rows), rows)
 }
 
 /// What a network predicts at some load levels, in units of [`Normalisers`]; rows are levels, then pads, then nodes.
 #[derive(Debug, Clone)]
-pub struct Output {
+pub struct Output<T: Real = f32> {
     /// (levels * pads * nodes, 3).
-    pub displacement: Matrix,
+    pub displacement: Matrix<T>,
     /// (levels * pads * nodes, 1), non-negative.
-    pub stress: Matrix,
+    pub stress: Matrix<T>,
     /// (levels * pads * face nodes, 3): share of the finger's force, and friction along x and y in that unit.
-    pub contact: Matrix,
+    pub contact: Matrix<T>,
     /// (levels * pads, 1).
-    pub travel: Matrix,
+    pub travel: Matrix<T>,
     /// (levels * pads, 6): translation and rotation vector of the object in the frame of each pad.
-    pub motion: Matrix,
+    pub motion: Matrix<T>,
 }
 
 /// A network.
-pub trait Network: Send + Sync + std::fmt::Debug {
-    /// Depth channels that its graph of a pad has.
-    fn depths(&self) -> usize;
+pub trait Network<T: Real = f32>: Send + Sync + std::fmt::Debug {
+    /// Where it passes messages.
+    fn layout(&self) -> Layout;
     /// The pass that happens once per grasp. What it returns is for [`Network::decode`] alone.
-    fn encode(&self, tape: &Tape, parameters: &Parameters, inputs: &Inputs) -> Vec<Matrix>;
+    fn encode(&self, tape: &Tape<T>, parameters: &Parameters<T>, inputs: &Inputs) -> Vec<Matrix<T>>;
     /// The pass for some load levels.
-    fn decode(&self, tape: &Tape, parameters: &Parameters, inputs: &Inputs, code: &[Matrix], loads: &Loads) -> Output;
+    fn decode(
+        &self,
+        tape: &Tape<T>,
+        parameters: &Parameters<T>,
+        inputs: &Inputs,
+        code: &[Matrix<T>],
+        loads: &Loads,
+    ) -> Output<T>;
 }
 
 /// The network of a description and its start values.
-pub fn build(spec: &NetworkSpec, seed: u64) -> (Box<dyn Network>, Parameters) {
+pub fn build<T: Real>(spec: &NetworkSpec, seed: u64) -> (Box<dyn Network<T>>, Parameters<T>) {
     let mut maker = Maker::new(seed);
-    let network: Box<dyn Network> = match spec {
+    let network: Box<dyn Network<T>> = match spec {
         NetworkSpec::Face(sizes) => Box::new(face::FaceNetwork::new(sizes, &mut maker)),
+        NetworkSpec::Paper(sizes) => Box::new(paper::PaperNetwork::new(sizes, &mut maker)),
     };
     (network, maker.finish())
 }

@@ -2,30 +2,37 @@
 
 use super::Activation;
 use crate::gnn::gemm::product;
+use crate::gnn::real::Real;
 use crate::gnn::tape::{Matrix, Tape};
 
 /// `act(x W + b)`: x (n, k), W (k, m), b (1, m) or None -> (n, m).
-pub fn linear(tape: &Tape, x: &Matrix, w: &Matrix, b: Option<&Matrix>, act: Activation) -> Matrix {
+pub fn linear<T: Real>(
+    tape: &Tape<T>,
+    x: &Matrix<T>,
+    w: &Matrix<T>,
+    b: Option<&Matrix<T>>,
+    act: Activation,
+) -> Matrix<T> {
     let (n, k, m) = (x.rows, x.cols, w.cols);
     let mut z = match b {
         Some(b) => b.value().repeat(n),
-        None => vec![0.0; n * m],
+        None => vec![T::of(0.0); n * m],
     };
     product((n, k, m), b.is_some(), &mut z, x.value(), w.value(), (false, false));
-    let inputs: Vec<&Matrix> = [x, w].into_iter().chain(b).collect();
+    let inputs: Vec<&Matrix<T>> = [x, w].into_iter().chain(b).collect();
     let y = if act == Activation::None { z.clone() } else { z.iter().map(|z| act.value(*z)).collect() };
     let (x, w, b) = (x.clone(), w.clone(), b.cloned());
     let list = inputs;
     tape.result(&list, (n, m), y, move |grads, out| {
-        let dz: Vec<f32> = match act {
+        let dz: Vec<T> = match act {
             Activation::None => out.to_vec(),
-            _ => out.iter().zip(&z).map(|(g, z)| g * act.slope(*z)).collect(),
+            _ => out.iter().zip(&z).map(|(g, z)| *g * act.slope(*z)).collect(),
         };
         if let Some(dw) = grads.of(&w) {
             product((k, n, m), true, dw, x.value(), &dz, (true, false));
         }
         if let Some(db) = b.as_ref().and_then(|b| grads.of(b)) {
-            dz.chunks_exact(m).for_each(|row| db.iter_mut().zip(row).for_each(|(d, g)| *d += g));
+            dz.chunks_exact(m).for_each(|row| db.iter_mut().zip(row).for_each(|(d, g)| *d += *g));
         }
         if let Some(dx) = grads.of(&x) {
             product((n, m, k), true, dx, &dz, w.value(), (false, true));

@@ -5,9 +5,11 @@ mod norm;
 mod pointwise;
 mod share;
 mod sparse;
+mod von_mises;
 
 pub use linear::linear;
 pub use norm::layer_norm;
-pub use pointwise::{Activation, reshape, squared_error, sum};
+pub use pointwise::{Activation, product, reshape, squared_error, sum};
 pub use share::share;
 pub use sparse::{Sparse, apply};
+pub use von_mises::von_mises;

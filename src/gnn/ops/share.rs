@@ -1,19 +1,20 @@
 //! Shares out one force among the nodes of a pad.
 
+use crate::gnn::real::Real;
 use crate::gnn::tape::{Matrix, Tape};
 
 /// For every group of `size` rows of x (n, 3): the share of each row, a softmax of column 0, times (1, column 1, column 2).
 ///
 /// The shares of a group are above zero and sum to one: contact forces made of them carry exactly the force of the finger.
-pub fn share(tape: &Tape, x: &Matrix, size: usize) -> Matrix {
+pub fn share<T: Real>(tape: &Tape<T>, x: &Matrix<T>, size: usize) -> Matrix<T> {
     assert!(x.cols == 3 && x.rows.is_multiple_of(size), "shares are made of whole groups of three columns");
     let mut y = Vec::with_capacity(x.value().len());
     for group in x.value().chunks_exact(3 * size) {
-        let top = group.chunks_exact(3).map(|r| r[0]).fold(f32::NEG_INFINITY, f32::max);
-        let weight: Vec<f32> = group.chunks_exact(3).map(|r| (r[0] - top).exp()).collect();
-        let total: f32 = weight.iter().sum();
+        let top = group.chunks_exact(3).map(|r| r[0]).fold(T::of(f32::NEG_INFINITY), |a, b| if b > a { b } else { a });
+        let weight: Vec<T> = group.chunks_exact(3).map(|r| (r[0] - top).exp()).collect();
+        let total: T = weight.iter().copied().sum();
         for (row, w) in group.chunks_exact(3).zip(&weight) {
-            let s = w / total;
+            let s = *w / total;
             y.extend([s, s * row[1], s * row[2]]);
         }
     }
@@ -25,7 +26,7 @@ pub fn share(tape: &Tape, x: &Matrix, size: usize) -> Matrix {
             let own = start..start + 3 * size;
             let (x, y, out, dx) = (&x.value()[own.clone()], &kept[own.clone()], &out[own.clone()], &mut dx[own]);
             let to_share = |i: usize| out[i] + out[i + 1] * x[i + 1] + out[i + 2] * x[i + 2];
-            let mean: f32 = (0..3 * size).step_by(3).map(|i| y[i] * to_share(i)).sum();
+            let mean: T = (0..3 * size).step_by(3).map(|i| y[i] * to_share(i)).sum();
             for i in (0..3 * size).step_by(3) {
                 dx[i] += y[i] * (to_share(i) - mean);
                 dx[i + 1] += out[i + 1] * y[i];

@@ -1,5 +1,6 @@
 //! A fixed sparse matrix times a dense one: gathers, sums over receivers, pools and interpolations are all this.
 
+use crate::gnn::real::Real;
 use crate::gnn::tape::{Matrix, Tape};
 use std::sync::Arc;
 
@@ -33,13 +34,14 @@ impl Rows {
     }
 
     /// Adds `self * x` to `y` for every block of rows of x.
-    fn add(&self, x: &[f32], y: &mut [f32], width: usize) {
+    fn add<T: Real>(&self, x: &[T], y: &mut [T], width: usize) {
         let blocks = x.chunks_exact((self.cols * width).max(1)).zip(y.chunks_exact_mut((self.rows() * width).max(1)));
         for (x, y) in blocks {
             for (row, y) in y.chunks_exact_mut(width).enumerate() {
                 for &(col, weight) in &self.entry[self.start[row] as usize..self.start[row + 1] as usize] {
                     let x = &x[col as usize * width..(col as usize + 1) * width];
-                    y.iter_mut().zip(x).for_each(|(y, x)| *y += weight * x);
+                    let weight = T::of(weight);
+                    y.iter_mut().zip(x).for_each(|(y, x)| *y += weight * *x);
                 }
             }
         }
@@ -66,6 +68,14 @@ impl Sparse {
         Arc::new(Self { forward: self.transpose.clone(), transpose: self.forward.clone() })
     }
 
+    /// All entries: ((row, column), weight).
+    pub fn entries(&self) -> impl Iterator<Item = ((u32, u32), f32)> + '_ {
+        let Rows { start, entry, .. } = &self.forward;
+        let row =
+            move |r: usize| entry[start[r] as usize..start[r + 1] as usize].iter().map(move |e| ((r as u32, e.0), e.1));
+        (0..self.rows()).flat_map(row)
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.forward.rows()
@@ -77,15 +87,15 @@ impl Sparse {
     }
 
     /// `self * x` for plain numbers, `width` columns.
-    pub fn times(&self, x: &[f32], width: usize) -> Vec<f32> {
-        let mut y = vec![0.0; x.len() / (self.cols() * width).max(1) * self.rows() * width];
+    pub fn times<T: Real>(&self, x: &[T], width: usize) -> Vec<T> {
+        let mut y = vec![T::of(0.0); x.len() / (self.cols() * width).max(1) * self.rows() * width];
         self.forward.add(x, &mut y, width);
         y
     }
 }
 
 /// `map * x` for every block of `map.cols()` rows of x: (blocks * cols, m) -> (blocks * rows, m).
-pub fn apply(tape: &Tape, map: &Arc<Sparse>, x: &Matrix) -> Matrix {
+pub fn apply<T: Real>(tape: &Tape<T>, map: &Arc<Sparse>, x: &Matrix<T>) -> Matrix<T> {
     assert_eq!(x.rows % map.cols().max(1), 0, "a sparse map applies to whole blocks of rows");
     let y = map.times(x.value(), x.cols);
     let (rows, m) = (y.len() / x.cols.max(1), x.cols);

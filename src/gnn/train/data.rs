@@ -4,11 +4,15 @@ use crate::dataset::split::Poses;
 use crate::dataset::{DataSet, Splits};
 use crate::error::{Error, Result};
 use crate::gnn::card::TrainedRange;
-use crate::gnn::features::{EDGE, NODE, NODE_LOAD, PAD, PAD_LOAD};
-use crate::gnn::graph::PadGraph;
-use crate::gnn::network::Normalisers;
+use crate::gnn::features::{EDGE, NODE, PAD};
+use crate::gnn::graph::{Layout, PadGraph};
+use crate::gnn::loads::{Loads, NODE_LOAD, PAD_LOAD};
+use crate::gnn::network::{Normalisers, VolumeNormalisers};
 use crate::gnn::normalise::Normaliser;
+use crate::gnn::ops::{Activation, linear};
 use crate::gnn::sample::{Sample, model_of};
+use crate::gnn::tape::{Matrix, Tape};
+use crate::gnn::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE};
 use crate::model::Model;
 use crate::random::Random;
 use rayon::prelude::*;
@@ -36,17 +40,16 @@ pub fn split(splits: &Splits, name: &str) -> Result<crate::dataset::split::Sets>
 ///
 /// # Errors
 /// Damaged files or grasps, a mix that one model cannot serve, no grasp at all.
-pub fn read(set: &DataSet, poses: &Poses, depths: usize, frames: usize) -> Result<(Vec<Sample>, TrainedRange)> {
+pub fn read(set: &DataSet, poses: &Poses, layout: Layout, frames: usize) -> Result<(Vec<Sample>, TrainedRange)> {
     if let Some(damaged) = set.damaged.first() {
         return Err(Error::Start(format!("the data set is damaged: {damaged}")));
     }
     let models = set.objects.iter().map(model_of).collect::<Result<Vec<Arc<Model>>>>()?;
     let mut graphs: Vec<Arc<PadGraph>> = Vec::new();
     for model in &models {
-        let graph = PadGraph::new(&model.fingers[0].topology, depths)?;
         // Equal pads share one graph.
-        let known = graphs.iter().find(|g| g.hash == graph.hash).cloned();
-        graphs.push(known.unwrap_or_else(|| Arc::new(graph)));
+        let known = graphs.iter().find(|g| g.fits(&model.fingers[0])).cloned();
+        graphs.push(known.map_or_else(|| PadGraph::new(&model.fingers[0], layout).map(Arc::new), Ok)?);
     }
     let chosen = set.select(poses);
     let samples = chosen
@@ -81,7 +84,7 @@ pub fn set_aside(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Sample>, Ve
 
 /// Statistics of a training set.
 pub fn normalisers(samples: &[Sample]) -> Normalisers {
-    let loads: Vec<_> = samples.iter().map(|s| s.features.loads(&s.forces)).collect();
+    let loads: Vec<&Loads> = samples.iter().map(|s| &s.loads).collect();
     let rms = |values: &mut dyn Iterator<Item = f64>| {
         let (n, square) = values.fold((0.0, 0.0), |(n, s), v| (n + 1.0, s + v * v));
         (square / f64::max(n, 1.0)).sqrt().max(1e-12) as f32
@@ -89,7 +92,7 @@ pub fn normalisers(samples: &[Sample]) -> Normalisers {
     let features = || samples.iter().map(|s| &s.features);
     // Values of a field, each over the depth of the bed of springs of its level and pad.
     let over_depth = |pick: fn(&Sample) -> &[f32]| {
-        let of = |(s, l): (&Sample, &crate::gnn::features::Loads)| {
+        let of = |(s, l): (&Sample, &&Loads)| {
             let all = pick(s);
             let width = all.len() / l.depth.len();
             all.chunks_exact(width)
@@ -102,14 +105,17 @@ pub fn normalisers(samples: &[Sample]) -> Normalisers {
     };
     let young = samples[0].features.young;
     let thickness = samples[0].features.graph.thickness;
-    let travel: Vec<f64> =
-        samples.iter().zip(&loads).flat_map(|(s, l)| s.travel.iter().zip(&l.depth).map(|(x, d)| x / d)).collect();
+    let travel: Vec<f64> = samples
+        .iter()
+        .zip(&loads)
+        .flat_map(|(s, l)| s.travel.iter().zip(&l.travel).zip(&l.depth).map(|((x, prior), d)| (x - prior) / d))
+        .collect();
     let mean = travel.iter().sum::<f64>() / travel.len() as f64;
     let motion = |turn: bool| {
-        let of = |(s, l): (&Sample, &crate::gnn::features::Loads)| {
+        let of = |(s, l): (&Sample, &&Loads)| {
             let value = |(i, v): (usize, &f64)| {
                 let d = l.depth[i / 6] / if turn { thickness } else { 1.0 };
-                ((i % 6 >= 3) == turn).then_some(v / d)
+                ((i % 6 >= 3) == turn).then_some((v - l.motion[i]) / d)
             };
             s.motion.iter().enumerate().filter_map(value).collect::<Vec<_>>()
         };
@@ -122,9 +128,40 @@ pub fn normalisers(samples: &[Sample]) -> Normalisers {
         pad: Normaliser::fit(features().map(|f| f.pad.as_slice()), &PAD),
         node_load: Normaliser::fit(loads.iter().map(|l| l.node.as_slice()), &NODE_LOAD),
         pad_load: Normaliser::fit(loads.iter().map(|l| l.pad.as_slice()), &PAD_LOAD),
-        displacement: over_depth(|s| &s.displacement),
+        volume: volume(samples, &loads),
+        displacement: beyond_response(samples, &loads),
         stress: over_depth(|s| &s.stress) / (young / thickness) as f32,
         travel: [mean as f32, rms(&mut travel.iter().map(|v| v - mean))],
         motion: [motion(false), motion(true)],
     }
+}
+
+/// Those of the whole pads, if the samples have them.
+fn volume(samples: &[Sample], loads: &[&Loads]) -> Option<VolumeNormalisers> {
+    let volumes: Vec<_> = samples.iter().map(|s| s.features.volume.as_deref()).collect::<Option<_>>()?;
+    let at = volumes.iter().zip(loads).flat_map(|(v, l)| l.force.iter().map(|f| v.contact_edge(*f)));
+    let contact: Vec<Vec<f32>> = at.collect();
+    Some(VolumeNormalisers {
+        node: Normaliser::fit(volumes.iter().map(|v| v.node.as_slice()), &VOLUME_NODE),
+        mesh: Normaliser::fit(volumes.iter().map(|v| v.mesh_edge.as_slice()), &MESH_EDGE),
+        contact: Normaliser::fit(contact.iter().map(Vec::as_slice), &CONTACT_EDGE),
+    })
+}
+
+/// Root mean square of what the displacement is beyond the linear response to the true contact forces, over the depth.
+fn beyond_response(samples: &[Sample], loads: &[&Loads]) -> f32 {
+    let (mut count, mut square) = (0.0, 0.0);
+    for (s, l) in samples.iter().zip(loads) {
+        let (graph, width) = (&s.features.graph, s.displacement.len() / l.depth.len());
+        let force = s.contact.iter().map(|f| f / s.features.unit_force() as f32).collect();
+        let force = Matrix::constant(l.depth.len(), 3 * graph.face.len(), force);
+        let given =
+            graph.compliance.as_ref().map(|c| linear(&Tape::silent(), &force, &c.response, None, Activation::None));
+        for (i, u) in s.displacement.iter().enumerate() {
+            let given = given.as_ref().map_or(0.0, |g| f64::from(g.value()[i]) * graph.thickness);
+            square += ((f64::from(*u) - given) / l.depth[i / width]).powi(2);
+            count += 1.0;
+        }
+    }
+    f64::sqrt(square / f64::max(count, 1.0)).max(1e-12) as f32
 }

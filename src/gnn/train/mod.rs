@@ -11,6 +11,7 @@ pub mod data;
 use super::card::{CARD, Card, TrainedRange, WEIGHTS};
 use super::network::{Inputs, Network, Normalisers, build};
 use super::parameters::Parameters;
+use super::real::Real;
 use super::sample::Sample;
 use super::spec::{Spec, Training};
 use super::tape::Tape;
@@ -73,7 +74,7 @@ impl Trainer {
     pub fn new(set: &DataSet, spec: &Spec, split: &str, dir: &Path) -> Result<Self> {
         let (network, parameters) = build(&spec.network, spec.training.seed);
         let sets = data::split(&set.splits, split)?;
-        let (samples, range) = data::read(set, &sets.train, network.depths(), spec.training.frames.get())?;
+        let (samples, range) = data::read(set, &sets.train, network.layout(), spec.training.frames.get())?;
         if samples.len() < 2 {
             return Err(Error::Start("training needs two grasps at least: one to learn from, one to stop by".into()));
         }
@@ -217,20 +218,19 @@ impl Trainer {
 }
 
 /// The loss of a sample as training sees it.
-pub fn pass(
-    tape: &Tape,
-    network: &dyn Network,
-    parameters: &Parameters,
+pub fn pass<T: Real>(
+    tape: &Tape<T>,
+    network: &dyn Network<T>,
+    parameters: &Parameters<T>,
     normalisers: &Normalisers,
     training: &Training,
     sample: &Sample,
     mirror: (bool, bool),
-) -> super::tape::Matrix {
+) -> super::tape::Matrix<T> {
     let inputs = Inputs { features: &sample.features, normalisers, mirror };
     let code = network.encode(tape, parameters, &inputs);
-    let loads = sample.features.loads(&sample.forces);
-    let out = network.decode(tape, parameters, &inputs, &code, &loads);
-    sample.loss(tape, &out, &loads.depth, normalisers, mirror, &training.weights)
+    let out = network.decode(tape, parameters, &inputs, &code, &sample.loads);
+    sample.loss(tape, &out, normalisers, mirror, &training.weights)
 }
 
 /// Mean loss over all levels of `samples`, not mirrored.

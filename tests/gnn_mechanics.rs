@@ -1,0 +1,116 @@
+//! The mechanics that the network starts from: springs in equilibrium, the linear response, settled forces.
+
+use glam::{DQuat, DVec3};
+use std::sync::Arc;
+use tactus::gnn::compliance::Compliance;
+use tactus::gnn::features::Features;
+use tactus::gnn::graph::{Layout, PadGraph};
+use tactus::gnn::settle::{Touching, settle};
+use tactus::gnn::touch::Touch;
+use tactus::grasp::GraspPose;
+use tactus::model::Model;
+use tactus::scene::from_ron;
+
+const SCENE: &str = r#"Scene(
+    object: (shape: Ellipsoid(radii: (0.02, 0.025, 0.03))),
+    gripper: (pads: GelSightMini(spacing: 6e-3)),
+    grasps: List([(position: (0, 0, -0.1))]),
+    loading: Squeeze(force: 8.0, frames: 2),
+)"#;
+
+fn model() -> Arc<Model> {
+    Model::build(&from_ron(SCENE).unwrap()).unwrap()
+}
+
+/// A grasp beside the middle of the object, turned: nothing about it is symmetric.
+fn features(model: &Arc<Model>) -> Features {
+    let turn = DQuat::from_scaled_axis(DVec3::new(0.1, 0.2, 0.15));
+    let pose = GraspPose { position: turn * DVec3::new(0.0, 0.003, -0.102), rotation: turn };
+    let graph = Arc::new(PadGraph::new(&model.fingers[0], Layout::Face { depths: 3 }).unwrap());
+    Features::new(model, &graph, &Touch::find(model, pose).unwrap())
+}
+
+#[test]
+fn springs_carry_the_force_of_each_finger_and_hold_the_object_still() {
+    let model = model();
+    let bed = &features(&model).bed;
+    for force in [0.01, 0.1, 0.5] {
+        let rest = bed.rest(force);
+        let (mut sum, mut torque, mut carried) = (DVec3::ZERO, DVec3::ZERO, [0.0; 2]);
+        for (i, s) in bed.springs().iter().enumerate() {
+            let push = s.normal * bed.pressure(s, rest.pressed[i]) + bed.drag(s, rest.dragged[i]);
+            carried[s.finger] -= push.dot(model.fingers[s.finger].placement.closing);
+            (sum, torque) = (sum + push, torque + s.at.cross(push));
+        }
+        for carried in carried {
+            assert!((carried - force).abs() < 1e-4 * force, "a finger closed by {force} E t2 is held by {carried}");
+        }
+        assert!(sum.length() < 1e-4 * force, "the object feels {sum} E t2 in all, closed by {force}");
+        assert!(torque.length() < 1e-4 * force, "the object is turned by {torque} E t3, closed by {force}");
+        assert!(rest.turn.length() > 0.0, "an oblique grasp turns the object");
+    }
+}
+
+#[test]
+fn the_linear_response_is_in_equilibrium_with_its_force() {
+    let model = model();
+    let finger = &model.fingers[0];
+    let graph = PadGraph::new(finger, Layout::Face { depths: 3 }).unwrap();
+    let (body, thickness) = (&finger.body, graph.thickness);
+    let compliance = Compliance::new(finger, &graph.face, thickness).unwrap();
+    let unit = body.material.moduli().young * thickness * thickness;
+    let small = 1e-5;
+    for component in [0, 1, 2] {
+        let row = 3 * (graph.face.len() / 2) + component;
+        let cols = compliance.response.cols;
+        let u = &compliance.response.value()[row * cols..(row + 1) * cols];
+        let turn = finger.placement.rotation;
+        let moved = body
+            .rest
+            .iter()
+            .zip(u.as_chunks::<3>().0)
+            .map(|(x, u)| *x + turn * DVec3::from_array(u.map(f64::from)) * (small * thickness));
+        let mut gradient = vec![DVec3::ZERO; body.rest.len()];
+        body.add_gradient(&moved.collect::<Vec<_>>(), &mut gradient);
+        let on_face = |i: usize| graph.face.binary_search(&(i as u32)).is_ok();
+        let (mut sum, mut elsewhere) = (DVec3::ZERO, 0.0_f64);
+        for (i, g) in gradient.iter().enumerate().filter(|(i, _)| !body.fixed[*i]) {
+            if on_face(i) { sum += *g } else { elsewhere = elsewhere.max(g.length()) }
+        }
+        let force = turn.col(component) * (small * unit);
+        assert!(sum.distance(force) < 1e-3 * force.length(), "{sum} N against {force} N");
+        assert!(elsewhere < 1e-3 * force.length(), "{elsewhere} N where nothing pushes");
+    }
+}
+
+#[test]
+fn settled_forces_push_only_and_keep_their_sum() {
+    let model = model();
+    let graph = PadGraph::new(&model.fingers[0], Layout::Face { depths: 3 }).unwrap();
+    let compliance = graph.compliance.as_ref().unwrap();
+    // A ball pressed into the middle of the pad, and dragged along it.
+    let touching = |(x, node, area): (DVec3, u32, f64)| {
+        let pressed = 0.2 - x.truncate().length_squared() / (2.0 * 5.0);
+        let dragged = if pressed > 0.0 { DVec3::X * 0.02 } else { DVec3::ZERO };
+        let force = (DVec3::NEG_Z * 2.0 * pressed.max(0.0) + dragged * 0.6) * area;
+        Touching { node: node as usize, normal: DVec3::NEG_Z, pressed, dragged, force }
+    };
+    let t = graph.thickness;
+    let nodes = graph.rest.iter().zip(&graph.face).zip(&graph.area);
+    let face: Vec<Touching> = nodes.map(|((x, node), area)| touching((*x / t, *node, area / (t * t)))).collect();
+    let (forces, _) = settle(compliance, &face);
+    let before: DVec3 = face.iter().map(|n| n.force).sum();
+    let after: DVec3 = forces.iter().sum();
+    assert!(before.distance(after) < 1e-6 * before.length(), "{before} became {after}, E t2");
+    assert!(forces.iter().all(|f| f.z <= 0.0), "a pad never pulls");
+    // Along the normal, touching nodes follow the object better than their springs made them.
+    let lacks = |forces: &[DVec3]| {
+        let u = compliance.on_face(&graph.face, forces);
+        let touching: Vec<f64> =
+            (0..face.len()).filter(|i| forces[*i].z < 0.0).map(|i| face[i].pressed + u[i].z).collect();
+        let mean = touching.iter().sum::<f64>() / touching.len() as f64;
+        (touching.iter().map(|l| (l - mean).powi(2)).sum::<f64>() / touching.len() as f64).sqrt()
+    };
+    let springs: Vec<DVec3> = face.iter().map(|n| n.force).collect();
+    assert!(lacks(&forces) < 0.5 * lacks(&springs), "{} of {} thicknesses", lacks(&forces), lacks(&springs));
+}
