@@ -58,7 +58,7 @@ fn friction_holds_what_coulomb_says_and_no_more() {
             let tail = text.find("gripper:").unwrap();
             let text = format!("{}{ball}\n{}", &text[..head], &text[tail..]);
             let text = text.replace("pushes: (force: (0.02, 0.1), every: 3, lasts: 2),", "");
-            text.replace("randomise: (density: (300, 600), shift: 1e-3, turn_deg: 2)", "")
+            text.replace("randomise: (density: (300, 600), shift: 1e-3, turn_deg: 2),", "")
                 .replace("(shape: Sphere(radius: 0.02))", &format!("(shape: Sphere(radius: 0.02), density: {density})"))
         });
         let friction = set[0].scene.gripper.friction.get();
