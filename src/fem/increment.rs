@@ -2,6 +2,7 @@
 
 use super::newton::{Converged, Failure, Newton, Tolerance};
 use super::state::State;
+use super::term::BodyTerm;
 
 /// A quasi-static loading path: solver, accepted state, and the history its predictor needs.
 pub struct Path {
@@ -19,6 +20,15 @@ pub struct Path {
     increment: f64,
 }
 
+/// An accepted state with all that the path remembers.
+pub struct Checkpoint {
+    state: State,
+    level: f64,
+    history: Option<(State, f64)>,
+    terms: Vec<Vec<Box<dyn BodyTerm>>>,
+    force: Vec<f64>,
+}
+
 /// Cost of one advance.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Advanced {
@@ -31,6 +41,15 @@ pub struct Advanced {
 }
 
 impl Advanced {
+    /// Adds what followed.
+    pub fn add(&mut self, more: Advanced) {
+        self.iterations += more.iterations;
+        self.increments += more.increments;
+        if more.increments > 0 {
+            self.residual = more.residual;
+        }
+    }
+
     fn accept(&mut self, converged: Converged) {
         self.iterations += converged.iterations;
         self.increments += 1;
@@ -125,6 +144,23 @@ impl Path {
             }
             softness = (reached.unwrap_or(SOFTEST * ratio) / ratio).max(1.0);
         }
+    }
+
+    /// What [`Path::restore`] goes back to.
+    pub fn checkpoint(&self) -> Checkpoint {
+        Checkpoint {
+            state: self.state.clone(),
+            level: self.level,
+            history: self.history.clone(),
+            terms: self.newton.save(),
+            force: self.newton.force.clone(),
+        }
+    }
+
+    /// Forgets what happened since `checkpoint`.
+    pub fn restore(&mut self, checkpoint: Checkpoint) {
+        (self.state, self.level, self.history) = (checkpoint.state, checkpoint.level, checkpoint.history);
+        (self.newton.terms, self.newton.force) = (checkpoint.terms, checkpoint.force);
     }
 
     /// Raises the load to `target` in as few increments as converge.

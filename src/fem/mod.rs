@@ -3,6 +3,7 @@
 pub mod arrow;
 pub mod body;
 pub mod cholesky;
+pub mod condensed;
 mod direction;
 pub mod dynamics;
 pub mod increment;
