@@ -215,11 +215,18 @@ impl Solver {
         let thickness = model.fingers[0].topology.rest.iter().map(|p| -p.z).fold(0.0, f64::max);
         // A press does not know its force: modulus x depth x thickness is its order of magnitude.
         let force = if model.force_driven { level } else { model.material.moduli().young * level * thickness };
+        let given = self.settings.tolerance;
+        // No sharper than the pads are.
+        let blunt = match self.settings.solver {
+            scene::Solver::Full => 1.0,
+            scene::Solver::Condensed(c) => (BLUNT * c.error.get() / given.force.get()).max(1.0),
+        };
+        let relative = blunt * given.force.get();
         Tolerance {
-            relative: self.settings.tolerance.force.get(),
+            relative,
             // Where nothing touches yet there is no contact force to compare with.
-            force: 1e-2 * self.settings.tolerance.force.get() * force,
-            length: self.settings.tolerance.displacement.get(),
+            force: 1e-2 * relative * force,
+            length: blunt * given.displacement.get(),
             iterations: self.settings.max_iterations.get() as u32,
             ..Tolerance::default()
         }
@@ -289,6 +296,8 @@ impl Solver {
 
 /// Part of the final force at which contact is established.
 const FIRST_TOUCH: f64 = 0.02;
+/// Forces out of balance over the contact forces that condensed pads may leave, over their error.
+const BLUNT: f64 = 0.05;
 /// Motion of a free object, over its radius, that speaks of an object squeezed out when the solver gives up.
 const SLIPPING: f64 = 0.1;
 

@@ -19,13 +19,15 @@ mod patch;
 mod term;
 
 pub use pad::Pad;
-pub use patch::{MARGIN, choose};
+pub use patch::choose;
 pub use term::Condensed;
 
 use super::increment::{Advanced, Load, Path, SOFTEST};
 use super::newton::Failure;
 use super::readout;
-use super::state::State;
+use super::state::{Border, State};
+use super::term::Stencil;
+use crate::components::ObjectPose;
 use crate::model::Model;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -78,8 +80,8 @@ impl Condensation {
     /// # Errors
     /// [`Failure::Singular`].
     pub fn begin(&mut self, path: &mut Path, model: &Model) -> Result<(), Failure> {
-        let patches = patches(model, path, &path.state, SOFTEST.sqrt());
-        self.condense(path, Some(patches))
+        let patches = self.patches(path, model, SOFTEST.sqrt());
+        self.condense(path, patches)
     }
 
     /// Raises the load to `level` and corrects the pads there.
@@ -100,20 +102,21 @@ impl Condensation {
                 Err(refusal) => refusal,
             };
             attempts += 1;
-            let touched = path.state.clone();
+            let patches = match refusal {
+                Refusal::Outside => self.outside(path, model),
+                Refusal::Failed(_) => Vec::new(),
+            };
             path.restore(checkpoint);
             let patches = match refusal {
-                Refusal::Outside => patches(model, path, &touched, 1.0),
+                Refusal::Outside if attempts <= ATTEMPTS => patches,
+                Refusal::Outside => return Err(Failure::Iterations(done.residual)),
                 Refusal::Failed(failure) if attempts > ATTEMPTS => return Err(failure),
                 Refusal::Failed(_) => {
                     goal = 0.5 * (from + goal);
-                    patches(model, path, &path.state, 1.0)
+                    self.patches(path, model, 1.0)
                 }
             };
-            if attempts > 2 * ATTEMPTS {
-                return Err(Failure::Singular);
-            }
-            self.condense(path, Some(patches))?;
+            self.condense(path, patches)?;
         }
     }
 
@@ -124,7 +127,7 @@ impl Condensation {
         for _ in 0..CORRECTIONS {
             let (error, residual) = self.correct(path)?;
             done.residual = residual;
-            if self.outside(path) {
+            if (0..self.pads.len()).any(|i| self.is_outside(path, i)) {
                 return Err(Refusal::Outside);
             }
             if error <= self.error {
@@ -133,7 +136,8 @@ impl Condensation {
                 return Ok(());
             }
             if error > CONTRACTION * last {
-                self.condense(path, None)?;
+                let same = self.pads.iter().map(|pad| Some(pad.patch().to_vec())).collect();
+                self.condense(path, same)?;
             }
             last = error;
             done.add(path.polish()?);
@@ -141,21 +145,19 @@ impl Condensation {
         Err(Failure::Iterations(done.residual).into())
     }
 
-    /// Condenses the pads as they are in the state of `path`, onto new patches if given.
-    fn condense(&mut self, path: &mut Path, patches: Option<Vec<Vec<u32>>>) -> Result<(), Failure> {
+    /// Condenses the pads that `patches` has nodes for onto them, as stiff as they are in the state of `path`.
+    fn condense(&mut self, path: &mut Path, patches: Vec<Option<Vec<u32>>>) -> Result<(), Failure> {
         let clock = Instant::now();
-        let patches: Vec<_> = match patches {
-            Some(patches) => patches.into_iter().map(Some).collect(),
-            None => self.pads.iter().map(|_| None).collect(),
-        };
         let work = self.pads.par_iter_mut().zip(patches).zip(&path.state.x);
-        let bodies: Vec<_> = work.map(|((pad, patch), x)| pad.condense(x, patch)).collect();
+        let condense = |((pad, patch), x): ((&mut Pad, Option<Vec<u32>>), &Vec<DVec3>)| {
+            patch.map_or(Ok(None), |patch| pad.condense(x, patch))
+        };
+        let bodies: Vec<_> = work.map(condense).collect();
         for (i, body) in bodies.into_iter().enumerate() {
             if let Some(body) = body? {
                 path.newton.exchange(i, body);
             }
         }
-        self.levels = [None; 2];
         self.install(path);
         path.newton.profile.factorization += clock.elapsed().as_secs_f64();
         Ok(())
@@ -195,26 +197,53 @@ impl Condensation {
         }
     }
 
-    /// True if contact has reached nodes that are not in a patch.
-    fn outside(&self, path: &Path) -> bool {
-        let newton = &path.newton;
-        self.pads.iter().enumerate().any(|(i, pad)| {
-            let points = readout::contact(newton, i).into_iter().flat_map(|c| {
-                let edges = c.edges().iter().zip(&c.surface().points);
-                edges.filter(|(e, _)| e.pressure > 0.0).map(|(_, stencil)| *stencil)
-            });
-            let features = readout::features(newton, i).into_iter().flat_map(|c| {
-                let edges = c.edges().iter().enumerate();
-                edges.filter(|(_, e)| e.pressure > 0.0).map(|(k, _)| c.readout(k).now)
-            });
-            points.chain(features).any(|stencil| !pad.carries(&stencil))
-        })
+    /// True if contact has reached nodes of pad `i` that are not in its patch.
+    fn is_outside(&self, path: &Path, i: usize) -> bool {
+        touched(path, i).any(|stencil| !self.pads[i].carries(&stencil))
+    }
+
+    /// New patches for the pads whose contact has outgrown theirs.
+    fn outside(&self, path: &Path, model: &Model) -> Vec<Option<Vec<u32>>> {
+        let patches = self.patches(path, model, 1.0).into_iter().enumerate();
+        patches.map(|(i, patch)| patch.filter(|_| self.is_outside(path, i))).collect()
+    }
+
+    /// The nodes of every pad that may touch the object at the state of `path`, for a contact felt `widened` times as far as the
+    /// law says.
+    fn patches(&self, path: &Path, model: &Model, widened: f64) -> Vec<Option<Vec<u32>>> {
+        let pads = model.fingers.par_iter().enumerate();
+        let of = |(i, finger)| {
+            let view = path.state.view(i, &path.newton.border);
+            Some(choose(finger, &view, &model.object, widened * model.law.offset, touched(path, i)))
+        };
+        pads.map(of).collect()
     }
 }
 
-/// The patches of all pads at `state`, for a contact felt `widened` times as far as the law says.
-fn patches(model: &Model, path: &Path, state: &State, widened: f64) -> Vec<Vec<u32>> {
-    let reach = widened * model.law.offset + MARGIN;
-    let pads = model.fingers.par_iter().enumerate();
-    pads.map(|(i, finger)| choose(finger, &state.view(i, &path.newton.border), &model.object, reach)).collect()
+/// Number of nodes that every pad would be condensed onto at first contact: the object at `pose`, the fingers at `travel` (m).
+pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec<usize> {
+    let closing: Vec<DVec3> = model.fingers.iter().map(|f| f.placement.closing).collect();
+    let border = Border::new(closing, model.force_driven, model.free, model.object.bounding_radius);
+    let state = State {
+        x: model.fingers.iter().map(|f| f.body.rest.clone()).collect(),
+        travel: travel.to_vec(),
+        position: pose.position,
+        rotation: pose.rotation,
+    };
+    let pads = model.fingers.iter().enumerate();
+    let patch = |(i, f)| choose(f, &state.view(i, &border), &model.object, model.law.offset, std::iter::empty());
+    pads.map(|pad| patch(pad).len()).collect()
+}
+
+/// Where pad `i` carries contact.
+fn touched(path: &Path, i: usize) -> impl Iterator<Item = Stencil> + '_ {
+    let points = readout::contact(&path.newton, i).into_iter().flat_map(|c| {
+        let edges = c.edges().iter().zip(&c.surface().points);
+        edges.filter(|(e, _)| e.pressure > 0.0).map(|(_, stencil)| *stencil)
+    });
+    let features = readout::features(&path.newton, i).into_iter().flat_map(|c| {
+        let edges = c.edges().iter().enumerate();
+        edges.filter(|(_, e)| e.pressure > 0.0).map(|(k, _)| c.readout(k).now)
+    });
+    points.chain(features)
 }

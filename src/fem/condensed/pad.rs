@@ -77,15 +77,19 @@ impl Pad {
         Condensed { center, patch: self.patch.clone(), stiffness: self.stiffness.clone() }
     }
 
-    /// Condenses the pad as stiff as it is at positions `x`, onto the ascending nodes of `patch` if it is a new one; the
-    /// body of what is left then.
+    /// The nodes that are left, ascending.
+    pub fn patch(&self) -> &[u32] {
+        &self.patch
+    }
+
+    /// Condenses the pad as stiff as it is at positions `x` onto the ascending nodes of `patch`; if they are new ones, the
+    /// body of what is left.
     ///
     /// # Errors
     /// [`Failure::Singular`] when the stiffness cannot be factorised.
-    pub fn condense(&mut self, x: &[DVec3], patch: Option<Vec<u32>>) -> Result<Option<Arc<Body>>, Failure> {
-        let patch = patch.filter(|patch| self.eliminated.is_none() || **patch != *self.patch);
+    pub fn condense(&mut self, x: &[DVec3], patch: Vec<u32>) -> Result<Option<Arc<Body>>, Failure> {
         let mut left = None;
-        if let Some(patch) = patch {
+        if self.eliminated.is_none() || *patch != *self.patch {
             let body = self.body.eliminating_last(&patch).map_err(|_| Failure::Singular)?;
             let factor = Factor::new(&body.symbolic, 1);
             left = Some(Arc::new(self.body.condensed(&patch).map_err(|_| Failure::Singular)?));
