@@ -126,7 +126,8 @@ impl Factor {
             for c in (0..values.ncols()).filter(|c| start + c >= first) {
                 let own = start + c..start + values.ncols();
                 let rows = own.chain(node.pattern().iter().copied());
-                rows.zip(c..values.nrows()).for_each(|(row, r)| last[(row - first, start + c - first)] = values[(r, c)]);
+                rows.zip(c..values.nrows())
+                    .for_each(|(row, r)| last[(row - first, start + c - first)] = values[(r, c)]);
             }
         }
         faer::linalg::matmul::matmul(&mut stiffness, Accum::Replace, &last, last.transpose(), 1.0, Par::Seq);

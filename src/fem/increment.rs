@@ -2,7 +2,6 @@
 
 use super::newton::{Converged, Failure, Newton, Tolerance};
 use super::state::State;
-use super::term::BodyTerm;
 
 /// A quasi-static loading path: solver, accepted state, and the history its predictor needs.
 pub struct Path {
@@ -15,18 +14,9 @@ pub struct Path {
     /// Convergence criteria.
     pub tolerance: Tolerance,
     /// The accepted state before `state`, with its level.
-    history: Option<(State, f64)>,
+    pub(super) history: Option<(State, f64)>,
     /// Increment that worked last.
     increment: f64,
-}
-
-/// An accepted state with all that the path remembers.
-pub struct Checkpoint {
-    state: State,
-    level: f64,
-    history: Option<(State, f64)>,
-    terms: Vec<Vec<Box<dyn BodyTerm>>>,
-    force: Vec<f64>,
 }
 
 /// Cost of one advance.
@@ -144,23 +134,6 @@ impl Path {
             }
             softness = (reached.unwrap_or(SOFTEST * ratio) / ratio).max(1.0);
         }
-    }
-
-    /// What [`Path::restore`] goes back to.
-    pub fn checkpoint(&self) -> Checkpoint {
-        Checkpoint {
-            state: self.state.clone(),
-            level: self.level,
-            history: self.history.clone(),
-            terms: self.newton.save(),
-            force: self.newton.force.clone(),
-        }
-    }
-
-    /// Forgets what happened since `checkpoint`.
-    pub fn restore(&mut self, checkpoint: Checkpoint) {
-        (self.state, self.level, self.history) = (checkpoint.state, checkpoint.level, checkpoint.history);
-        (self.newton.terms, self.newton.force) = (checkpoint.terms, checkpoint.force);
     }
 
     /// Raises the load to `target` in as few increments as converge.

@@ -2,6 +2,7 @@
 
 pub mod arrow;
 pub mod body;
+pub mod checkpoint;
 pub mod cholesky;
 pub mod condensed;
 mod direction;
@@ -18,3 +19,4 @@ pub mod stepper;
 pub mod systems;
 pub mod term;
 pub mod weight;
+mod whole;

@@ -21,7 +21,6 @@ use crate::stepper::Stepper;
 use crate::systems::sense::first_contact;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Settings of the backend.
@@ -77,11 +76,11 @@ impl Stepper for Fem {
 pub struct Solver {
     /// Solver, accepted state and predictor.
     pub path: Path,
-    condensed: Option<Condensation>,
+    pub(super) condensed: Option<Condensation>,
     settings: scene::Fem,
     started: bool,
     /// Pose at first contact.
-    start: ObjectPose,
+    pub(super) start: ObjectPose,
 }
 
 impl Solver {
@@ -176,38 +175,6 @@ impl Solver {
 
     fn condense(&mut self, model: &Model) -> std::result::Result<(), Failure> {
         self.condensed.as_mut().map_or(Ok(()), |pads| pads.begin(&mut self.path, model))
-    }
-
-    /// The whole pad of finger `i`.
-    pub fn body(&self, i: usize) -> &Arc<Body> {
-        self.condensed.as_ref().map_or_else(|| self.path.newton.body(i), |pads| pads.pad(i).body())
-    }
-
-    /// Value of the potential, J.
-    pub fn energy(&self) -> f64 {
-        let (newton, state) = (&self.path.newton, &self.path.state);
-        let Some(pads) = &self.condensed else { return newton.energy(state) };
-        let whole: Vec<f64> = state.x.par_iter().enumerate().map(|(i, x)| pads.pad(i).energy(x)).collect();
-        let condensed = state.x.iter().enumerate().map(|(i, _)| {
-            pads.pad(i).term().energy(newton.body(i), &state.view(i, &newton.border))
-        });
-        newton.energy(state) + whole.iter().sum::<f64>() - condensed.sum::<f64>()
-    }
-
-    /// Force of the mount of finger `i` on the pad, N, hand frame: reaction of the bonded nodes.
-    pub fn mount(&self, i: usize) -> DVec3 {
-        let bonded = |forces: &[DVec3]| -> DVec3 {
-            forces.iter().zip(&self.body(i).fixed).filter(|(_, fixed)| **fixed).map(|(g, _)| *g).sum()
-        };
-        // Condensed, the solver knows only what contact does to bonded nodes.
-        let elastic = self.condensed.as_ref().map_or(DVec3::ZERO, |pads| bonded(pads.pad(i).gradient()));
-        bonded(self.path.newton.gradient(i)) + elastic
-    }
-
-    /// Weight of the gel of finger `i`, N, hand frame.
-    pub fn gel_weight(&self, model: &Model, i: usize) -> DVec3 {
-        let volume = || model.fingers[i].body.nodal_volume().iter().sum::<f64>();
-        model.gravity.map_or(DVec3::ZERO, |g| self.start.rotation * g * (volume() * model.gel_density))
     }
 
     /// Convergence criteria at `level`.

@@ -207,7 +207,10 @@ fn dynamic(scene: &Scene) -> Result<(), Problem> {
         };
     };
     if let Stepper::Fem(Fem { solver: Solver::Condensed(_), .. }) = scene.stepper {
-        return refuse("stepper.solver", "condensed pads have no inertia\nuse solver: Full in a scene that moves in time");
+        return refuse(
+            "stepper.solver",
+            "condensed pads have no inertia\nuse solver: Full in a scene that moves in time",
+        );
     }
     if let Some(i) = scene.expect.iter().position(|e| matches!(e, Expectation::Converged(_))) {
         let message =
