@@ -9,6 +9,7 @@ use tactus::contact::surface::{Face, face_frame};
 use tactus::contact::{Contact, ContactEdge, ContactSurface, Feature, FeatureContact, GroundContact, law::Law};
 use tactus::element::{Kernel, RestTet, Shape, TET4, TET10};
 use tactus::fem::body::{Body, Elements};
+use tactus::fem::condensed::Condensed;
 use tactus::fem::dynamics::TimeStep;
 use tactus::fem::dynamics::{drive::Drive, pad_inertia::PadInertia, rigid_inertia::RigidInertia, viscosity::Viscosity};
 use tactus::fem::state::{Border, MAX_BORDER, State, Step};
@@ -359,6 +360,19 @@ fn elastic_energy_and_dead_loads_have_their_derivatives_in_the_solvers_storage()
         let numeric: Vec<f64> = (0..scene.size()).map(slope_at).collect();
         assert!(deviation(&numeric, &gradient, 0.0) < 1e-12, "dead load");
     }
+}
+
+#[test]
+fn the_energy_of_a_condensed_pad_has_its_derivatives() {
+    let mut random = Random(6);
+    let mut scene = Scene::new(true, &mut random);
+    let patch: Vec<u32> = (0..scene.body.rest.len() as u32).filter(|n| n % 2 == 1 && *n != 3).collect();
+    scene.body = scene.body.condensed(&patch).expect("body");
+    let size = 3 * patch.len();
+    let root = faer::Mat::<f64>::from_fn(size, size, |_, _| random.number());
+    let center = patch.iter().map(|&n| scene.body.rest[n as usize] + random.vector() * 0.1).collect();
+    let mut term = Condensed { center, patch: patch.into(), stiffness: Arc::new(&root * root.transpose()) };
+    scene.check("condensed", &mut term);
 }
 
 /// Step of differences of energies of scenes.

@@ -1,8 +1,10 @@
 //! `tactus check`: is the scene right, what does it say once defaults and includes are in, and what would run?
 
 use super::{Format, OK, REFUSED, print};
+use crate::components::{FingerIndex, FingerTravel, ObjectPose};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
+use crate::fem::condensed::nodes_at_contact;
 use crate::grasp::{GraspPose, grasps_of, write_grasps_h5};
 use crate::gripper::Hand;
 use crate::gripper::hand::Part;
@@ -10,7 +12,7 @@ use crate::mesh::io::{write_obj, write_stl};
 use crate::mesh::topology::watertight;
 use crate::model::{Model, Unknowns};
 use crate::record::pad_name;
-use crate::scene::{Loaded, load_object, to_ron};
+use crate::scene::{self, Loaded, load_object, to_ron};
 use crate::schedule::Phase;
 use crate::shape::Aabb;
 use crate::stepper::{Stepper, choose};
@@ -109,24 +111,46 @@ fn examine(loaded: &Loaded) -> Result<Found> {
             let part = part.name();
             found.notices.push(format!("grasp {index}: the {part} of a real hand would collide with the object"));
         }
-        match start(&model, stepper.as_ref(), *pose)? {
+        let environment = start(&model, stepper.as_ref(), *pose)?;
+        match environment.phase() {
             Phase::Infeasible { reason } => found.problems.push(format!("grasp {index}: {reason}")),
-            _ => found.runs = true,
+            _ if !std::mem::replace(&mut found.runs, true) => found.condense(loaded, index, environment),
+            _ => {}
         }
     }
     Ok(found)
 }
 
 /// Places the object and closes the fingers, no more.
-fn start(model: &Arc<Model>, stepper: &dyn Stepper, pose: GraspPose) -> Result<Phase> {
+fn start(model: &Arc<Model>, stepper: &dyn Stepper, pose: GraspPose) -> Result<Environment> {
     let mut environment = Environment::new(model, stepper, pose)?;
     while matches!(environment.phase(), Phase::Place | Phase::Close) {
         environment.step();
     }
-    Ok(environment.phase())
+    Ok(environment)
 }
 
 impl Found {
+    /// Takes over the unknowns of condensed pads, which only a grasp at first contact has.
+    fn condense(&mut self, loaded: &Loaded, grasp: usize, mut environment: Environment) {
+        let scene::Stepper::Fem(scene::Fem { solver: scene::Solver::Condensed(_), .. }) = loaded.scene.stepper else {
+            return;
+        };
+        let world = environment.world_mut();
+        let mut travel = vec![0.0; self.model.fingers.len()];
+        let mut fingers = world.query::<(&FingerIndex, &FingerTravel)>();
+        fingers.iter(world).for_each(|(i, t)| travel[i.0 as usize] = t.0);
+        let mut poses = world.query::<&ObjectPose>();
+        let Some(pose) = poses.iter(world).next() else { return };
+        let full = std::mem::take(&mut self.unknowns.pads);
+        self.unknowns.pads = nodes_at_contact(&self.model, pose, &travel).into_iter().map(|n| 3 * n).collect();
+        self.unknowns.total -= full.iter().sum::<usize>() - self.unknowns.pads.iter().sum::<usize>();
+        self.notices.push(format!(
+            "unknowns are those of grasp {grasp} at first contact and grow with it; {} of the pads are condensed",
+            full.iter().sum::<usize>()
+        ));
+    }
+
     fn json(&self, loaded: &Loaded) -> Value {
         let m = &self.model;
         let solid = watertight(&m.object.surface);

@@ -9,7 +9,7 @@ use crate::record::{ExpectationReport, Options, Recorder, RunReport, Status};
 use crate::render::Scalar;
 use crate::runner::{Outcome, run_grasps};
 use crate::scene::leaf::Count;
-use crate::scene::{Fem, Gnn, Held, Loaded, Measured, Scene, Stepper, evaluate_all, load_object};
+use crate::scene::{Condensed, Fem, Gnn, Held, Loaded, Measured, Scene, Solver, Stepper, evaluate_all, load_object};
 use crate::stepper::choose;
 use clap::ValueEnum;
 use std::collections::BTreeMap;
@@ -59,6 +59,8 @@ pub struct RunArgs {
 pub enum Backend {
     /// Finite elements.
     Fem,
+    /// Finite elements with pads condensed onto where they touch: fast, with an error.
+    Condensed,
     /// A trained network.
     Gnn,
 }
@@ -69,7 +71,15 @@ impl RunArgs {
         let mut loaded = load_object(&self.scene, self.object.as_deref())?;
         let scene = &mut loaded.scene;
         match (self.backend, &scene.stepper) {
-            (Some(Backend::Fem), Stepper::Gnn(_)) => scene.stepper = Stepper::default(),
+            (Some(Backend::Fem | Backend::Condensed), stepper) => {
+                let mut fem = if let Stepper::Fem(fem) = stepper { *fem } else { Fem::default() };
+                fem.solver = match (self.backend, fem.solver) {
+                    (Some(Backend::Fem), _) => Solver::Full,
+                    (_, Solver::Full) => Solver::Condensed(Condensed::default()),
+                    (_, given) => given,
+                };
+                scene.stepper = Stepper::Fem(fem);
+            }
             (Some(Backend::Gnn), Stepper::Fem(_)) => match &self.model {
                 Some(model) => scene.stepper = Stepper::Gnn(Gnn { model: model.clone() }),
                 None => {

@@ -1,7 +1,7 @@
 //! One soft body: mesh, law and stiffness pattern. Immutable and shared; the state lives with the caller.
 
 use super::cholesky::Symbolic;
-use super::pattern::{Pattern, Slot};
+use super::pattern::{FIXED, Pattern, Slot};
 use crate::element::{Kernel, RestTet, Shape, TET4, TET10};
 use crate::error::Result;
 use crate::material::{Material, von_mises};
@@ -16,6 +16,16 @@ pub enum Elements {
     Linear(Vec<[u32; 4]>),
     /// 10-node tetrahedra: corners, then mid-edges (0,1) (1,2) (2,0) (0,3) (1,3) (2,3).
     Quadratic(Vec<[u32; 10]>),
+}
+
+impl Elements {
+    /// The nodes of each element.
+    fn lists(&self) -> Vec<&[u32]> {
+        match self {
+            Elements::Linear(e) => e.iter().map(|n| n.as_slice()).collect(),
+            Elements::Quadratic(e) => e.iter().map(|n| n.as_slice()).collect(),
+        }
+    }
 }
 
 /// A discretised soft body at rest.
@@ -80,11 +90,43 @@ impl Body {
         material: Arc<dyn Material>,
         mean_dilatation: bool,
     ) -> Result<Self> {
-        let lists: Vec<&[u32]> = match &elements {
-            Elements::Linear(e) => e.iter().map(|n| n.as_slice()).collect(),
-            Elements::Quadratic(e) => e.iter().map(|n| n.as_slice()).collect(),
-        };
-        let pattern = Pattern::new(lists.iter().copied(), &fixed);
+        let pattern = Pattern::new(elements.lists().into_iter(), &fixed);
+        Self::with_pattern(rest, elements, fixed, material, mean_dilatation, pattern)
+    }
+
+    /// This body with the unknowns of the nodes `last` eliminated last, in their order.
+    ///
+    /// # Errors
+    /// When the factorisation cannot be analysed (too large for memory).
+    pub fn eliminating_last(&self, last: &[u32]) -> Result<Self> {
+        let pattern = Pattern::ordered(self.elements.lists().into_iter(), self.pattern.position_with_last(last));
+        let (rest, elements, fixed) = (self.rest.clone(), self.elements.clone(), self.fixed.clone());
+        Self::with_pattern(rest, elements, fixed, self.material.clone(), self.mean_dilatation, pattern)
+    }
+
+    /// The nodes of this body without its elements, all but `kept` fixed and those coupled with each other: the host of what
+    /// is left when the others are eliminated. Unknowns are in the order of `kept`.
+    ///
+    /// # Errors
+    /// When the factorisation cannot be analysed (too large for memory).
+    pub fn condensed(&self, kept: &[u32]) -> Result<Self> {
+        let mut position = vec![FIXED; self.rest.len()];
+        kept.iter().enumerate().for_each(|(k, &i)| position[i as usize] = k as u32);
+        let fixed = position.iter().map(|p| *p == FIXED).collect();
+        let pattern = Pattern::ordered(std::iter::once(kept), position);
+        let nothing = Elements::Linear(Vec::new());
+        Self::with_pattern(self.rest.clone(), nothing, fixed, self.material.clone(), false, pattern)
+    }
+
+    fn with_pattern(
+        rest: Vec<DVec3>,
+        elements: Elements,
+        fixed: Vec<bool>,
+        material: Arc<dyn Material>,
+        mean_dilatation: bool,
+        pattern: Pattern,
+    ) -> Result<Self> {
+        let lists = elements.lists();
         let symbolic = Symbolic::new(&pattern)?;
         let tets = lists.iter().map(|n| RestTet::new(std::array::from_fn(|k| rest[n[k] as usize]))).collect();
         let mut slots = Vec::new();

@@ -5,10 +5,11 @@ use crate::error::{Error, Result};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky, supernodal::SupernodalLltRef,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
+use faer::{Accum, Conj, Mat, MatMut, Par, Side};
 
 /// Symbolic analysis, shared by every environment that uses the mesh.
 #[derive(Debug)]
@@ -108,5 +109,28 @@ impl Factor {
             Par::Seq,
             MemStack::new(&mut self.memory),
         );
+    }
+
+    /// What is left of the last matrix for its last `size` unknowns when the others are eliminated (the Schur complement), by
+    /// columns: the product of the factor's last block with its transpose.
+    pub fn condensed(&self, symbolic: &Symbolic, size: usize) -> Mat<f64> {
+        let mut last = Mat::<f64>::zeros(size, size);
+        let mut stiffness = Mat::<f64>::zeros(size, size);
+        // Analyses are supernodal always.
+        let SymbolicCholeskyRaw::Supernodal(s) = symbolic.0.raw() else { return stiffness };
+        let factor = SupernodalLltRef::<usize, f64>::new(s, &self.values);
+        let first = s.nrows() - size;
+        for k in 0..s.n_supernodes() {
+            let node = factor.supernode(k);
+            let (start, values) = (node.start(), node.val());
+            for c in (0..values.ncols()).filter(|c| start + c >= first) {
+                let own = start + c..start + values.ncols();
+                let rows = own.chain(node.pattern().iter().copied());
+                rows.zip(c..values.nrows())
+                    .for_each(|(row, r)| last[(row - first, start + c - first)] = values[(r, c)]);
+            }
+        }
+        faer::linalg::matmul::matmul(&mut stiffness, Accum::Replace, &last, last.transpose(), 1.0, Par::Seq);
+        stiffness
     }
 }

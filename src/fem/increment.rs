@@ -14,7 +14,7 @@ pub struct Path {
     /// Convergence criteria.
     pub tolerance: Tolerance,
     /// The accepted state before `state`, with its level.
-    history: Option<(State, f64)>,
+    pub(super) history: Option<(State, f64)>,
     /// Increment that worked last.
     increment: f64,
 }
@@ -31,6 +31,15 @@ pub struct Advanced {
 }
 
 impl Advanced {
+    /// Adds what followed.
+    pub fn add(&mut self, more: Advanced) {
+        self.iterations += more.iterations;
+        self.increments += more.increments;
+        if more.increments > 0 {
+            self.residual = more.residual;
+        }
+    }
+
     fn accept(&mut self, converged: Converged) {
         self.iterations += converged.iterations;
         self.increments += 1;

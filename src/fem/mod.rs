@@ -2,7 +2,9 @@
 
 pub mod arrow;
 pub mod body;
+pub mod checkpoint;
 pub mod cholesky;
+pub mod condensed;
 mod direction;
 pub mod dynamics;
 pub mod increment;
@@ -17,3 +19,4 @@ pub mod stepper;
 pub mod systems;
 pub mod term;
 pub mod weight;
+mod whole;

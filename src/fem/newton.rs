@@ -112,6 +112,11 @@ impl Newton {
         &self.blocks[index].body
     }
 
+    /// Puts `body` in the place of body `index`, of as many nodes; the terms stay.
+    pub fn exchange(&mut self, index: usize, body: Arc<Body>) {
+        self.blocks[index] = ArrowBlock::new(body, self.border.size);
+    }
+
     /// Number of bodies.
     pub fn bodies(&self) -> usize {
         self.blocks.len()

@@ -40,24 +40,32 @@ const DIAGONAL: u32 = 1 << 30;
 
 impl Pattern {
     /// From the nodes of each element (slices of any length) and which nodes are fixed.
-    pub fn new<'a>(elements: impl Iterator<Item = &'a [u32]> + Clone, fixed: &[bool]) -> Self {
-        let n = fixed.len();
-        let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); n];
-        for nodes in elements {
-            for &a in nodes {
-                for &b in nodes {
-                    if a != b && !fixed[a as usize] && !fixed[b as usize] {
-                        neighbours[a as usize].push(b);
-                    }
-                }
-            }
-        }
-        for list in &mut neighbours {
-            list.sort_unstable();
-            list.dedup();
-        }
+    pub fn new<'a>(elements: impl Iterator<Item = &'a [u32]>, fixed: &[bool]) -> Self {
+        let neighbours = neighbours(elements, fixed);
         let position = order(&neighbours, fixed);
-        let free = fixed.iter().filter(|f| !**f).count();
+        Self::store(&neighbours, position)
+    }
+
+    /// The same in a given order: `position` of each node, or [`FIXED`].
+    pub fn ordered<'a>(elements: impl Iterator<Item = &'a [u32]>, position: Vec<u32>) -> Self {
+        let fixed: Vec<bool> = position.iter().map(|p| *p == FIXED).collect();
+        Self::store(&neighbours(elements, &fixed), position)
+    }
+
+    /// The positions of this order with the nodes `last` moved to its end, in their order.
+    pub fn position_with_last(&self, last: &[u32]) -> Vec<u32> {
+        let mut position = self.position.clone();
+        last.iter().for_each(|&i| position[i as usize] = FIXED);
+        let mut others: Vec<usize> = (0..position.len()).filter(|&i| position[i] != FIXED).collect();
+        others.sort_unstable_by_key(|&i| position[i]);
+        others.extend(last.iter().map(|&i| i as usize));
+        others.iter().enumerate().for_each(|(k, &i)| position[i] = k as u32);
+        position
+    }
+
+    fn store(neighbours: &[Vec<u32>], position: Vec<u32>) -> Self {
+        let n = position.len();
+        let free = position.iter().filter(|p| **p != FIXED).count();
         let mut below = vec![Vec::new(); free];
         for a in 0..n {
             for &b in &neighbours[a] {
@@ -96,7 +104,11 @@ impl Pattern {
         if row == col {
             return Slot { base: start as u32, stride: stride | DIAGONAL };
         }
-        match self.below[col as usize].binary_search(&row) {
+        let below = &self.below[col as usize];
+        // Where every node meets every other, the search is over before it begins.
+        let full = (row - col - 1) as usize;
+        let found = if below.get(full) == Some(&row) { Ok(full) } else { below.binary_search(&row) };
+        match found {
             Ok(k) => Slot { base: (start + 3 + 3 * k) as u32, stride: stride | flag },
             // Not coupled by any element: nothing to store (callers only ask for pairs of one element).
             Err(_) => Slot { base: FIXED, stride: 0 },
@@ -128,6 +140,25 @@ impl Pattern {
             target[2] += column.z;
         }
     }
+}
+
+/// Free nodes that share an element with each free node, sorted.
+fn neighbours<'a>(elements: impl Iterator<Item = &'a [u32]>, fixed: &[bool]) -> Vec<Vec<u32>> {
+    let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); fixed.len()];
+    for nodes in elements {
+        for &a in nodes {
+            for &b in nodes {
+                if a != b && !fixed[a as usize] && !fixed[b as usize] {
+                    neighbours[a as usize].push(b);
+                }
+            }
+        }
+    }
+    for list in &mut neighbours {
+        list.sort_unstable();
+        list.dedup();
+    }
+    neighbours
 }
 
 /// Approximate minimum degree order (Amestoy, Davis & Duff 1996) of the free nodes.

@@ -1,6 +1,7 @@
 //! The finite element backend: one potential, minimised at every load level.
 
 use super::body::{Body, Elements};
+use super::condensed::{Condensation, Condensed};
 use super::dynamics::integrator::Integrator;
 use super::increment::{Advanced, Load, Path, SOFTEST};
 use super::newton::{Failure, Newton, Tolerance};
@@ -47,7 +48,11 @@ impl Stepper for Fem {
             (scene::Element::Quadratic, true) => "quadratic, mean dilatation",
             (scene::Element::Quadratic, false) => "quadratic",
         };
-        format!("{element}, force tolerance {:e}", s.tolerance.force.get())
+        let pads = match s.solver {
+            scene::Solver::Full => String::new(),
+            scene::Solver::Condensed(c) => format!(", condensed to an error of {:e}", c.error.get()),
+        };
+        format!("{element}, force tolerance {:e}{pads}", s.tolerance.force.get())
     }
 
     fn register(&self, schedule: &mut Schedule, world: &mut World) -> Result<()> {
@@ -71,10 +76,11 @@ impl Stepper for Fem {
 pub struct Solver {
     /// Solver, accepted state and predictor.
     pub path: Path,
+    pub(super) condensed: Option<Condensation>,
     settings: scene::Fem,
     started: bool,
     /// Pose at first contact.
-    start: ObjectPose,
+    pub(super) start: ObjectPose,
 }
 
 impl Solver {
@@ -84,7 +90,22 @@ impl Solver {
     /// When an object alone cannot be set up.
     pub fn new(model: &Model, pose: ObjectPose, settings: &scene::Fem) -> Result<Self> {
         let mut bodies: Vec<_> = model.fingers.iter().map(|f| f.body.clone()).collect();
+        let loads: Vec<_> = (0..bodies.len()).map(|i| gel_loads(model, i, pose)).collect();
         let mut terms: Vec<_> = (0..bodies.len()).map(|i| terms(model, i, pose)).collect();
+        let mut condensed = None;
+        match settings.solver {
+            scene::Solver::Full => {
+                for (terms, loads) in terms.iter_mut().zip(loads) {
+                    terms.insert(0, Box::new(Elastic));
+                    terms.extend((!loads.is_empty()).then(|| Box::new(DeadLoad(loads)) as Box<dyn BodyTerm>));
+                }
+            }
+            scene::Solver::Condensed(c) => {
+                terms.iter_mut().for_each(|terms| terms.insert(0, Box::new(Condensed::nothing())));
+                bodies = bodies.iter().map(|b| b.condensed(&[]).map(Arc::new)).collect::<Result<_>>()?;
+                condensed = Some(Condensation::new(model, loads, c.error.get()));
+            }
+        }
         let mut closing: Vec<DVec3> = model.fingers.iter().map(|f| f.placement.closing).collect();
         if bodies.is_empty() {
             // The terms of an object alone need a host: a body of nothing on a finger that is not there.
@@ -94,6 +115,7 @@ impl Solver {
         }
         let layout = if model.dynamics.is_some() { Border::geared } else { Border::new };
         let border = layout(closing, model.force_driven, model.free, model.object.bounding_radius);
+        // A condensed body has the nodes of the whole one.
         let state = State {
             x: bodies.iter().map(|b| b.rest.clone()).collect(),
             travel: vec![0.0; bodies.len()],
@@ -101,7 +123,7 @@ impl Solver {
             rotation: pose.rotation,
         };
         let path = Path::new(Newton::new(bodies, terms, border), state, Tolerance::default());
-        Ok(Self { path, settings: *settings, started: false, start: pose })
+        Ok(Self { path, condensed, settings: *settings, started: false, start: pose })
     }
 
     /// The scene's settings.
@@ -117,13 +139,18 @@ impl Solver {
         let before = self.path.state.clone();
         let load = if model.force_driven { Load::Force } else { Load::Travel };
         let mut done = Advanced::default();
-        if !std::mem::replace(&mut self.started, true) && model.force_driven {
+        let begins = !std::mem::replace(&mut self.started, true);
+        if begins && !model.force_driven {
+            self.condense(model).map_err(|f| self.explain(model, "condensing the pads", f))?;
+        }
+        if begins && model.force_driven {
             // An object with weight rests on its support until the first level; less might not hold it.
             let gentle = model.levels.last().copied().unwrap_or(level) * FIRST_TOUCH;
             let first = if model.gravity.is_some() { level } else { gentle.min(0.5 * level) };
             self.path.tolerance = self.tolerance(model, first);
             self.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
             self.back_off(model)?;
+            self.condense(model).map_err(|f| self.explain(model, "condensing the pads", f))?;
             let making = format!("making contact at {first:.4} N per finger");
             done = self
                 .path
@@ -134,18 +161,13 @@ impl Solver {
             }
         }
         self.path.tolerance = self.tolerance(model, level);
-        // The same force under another load on the object is another equilibrium.
-        let more = if model.needs.task && self.path.level == level {
-            self.path.polish()
-        } else {
-            self.path.advance(load, level)
+        let more = match &mut self.condensed {
+            // The same force under another load on the object is another equilibrium.
+            None if model.needs.task && self.path.level == level => self.path.polish(),
+            None => self.path.advance(load, level),
+            Some(pads) => pads.advance(&mut self.path, model, load, level),
         };
-        let more = more.map_err(|f| self.explain(model, &at(load, level), f))?;
-        done.iterations += more.iterations;
-        done.increments += more.increments;
-        if more.increments > 0 {
-            done.residual = more.residual;
-        }
+        done.add(more.map_err(|f| self.explain(model, &at(load, level), f))?);
         if let Some(reason) = self.lost_grip(model) {
             self.path.state = before;
             return Err(format!("{}: {reason}", at(load, level)));
@@ -163,10 +185,8 @@ impl Solver {
         }
     }
 
-    /// Weight of the gel of finger `i`, N, hand frame.
-    pub fn gel_weight(&self, model: &Model, i: usize) -> DVec3 {
-        let volume = || model.fingers[i].body.nodal_volume().iter().sum::<f64>();
-        model.gravity.map_or(DVec3::ZERO, |g| self.start.rotation * g * (volume() * model.gel_density))
+    fn condense(&mut self, model: &Model) -> std::result::Result<(), Failure> {
+        self.condensed.as_mut().map_or(Ok(()), |pads| pads.begin(&mut self.path, model))
     }
 
     /// Convergence criteria at `level`.
@@ -174,11 +194,18 @@ impl Solver {
         let thickness = model.fingers[0].topology.rest.iter().map(|p| -p.z).fold(0.0, f64::max);
         // A press does not know its force: modulus x depth x thickness is its order of magnitude.
         let force = if model.force_driven { level } else { model.material.moduli().young * level * thickness };
+        let given = self.settings.tolerance;
+        // No sharper than the pads are.
+        let blunt = match self.settings.solver {
+            scene::Solver::Full => 1.0,
+            scene::Solver::Condensed(c) => (BLUNT * c.error.get() / given.force.get()).max(1.0),
+        };
+        let relative = blunt * given.force.get();
         Tolerance {
-            relative: self.settings.tolerance.force.get(),
+            relative,
             // Where nothing touches yet there is no contact force to compare with.
-            force: 1e-2 * self.settings.tolerance.force.get() * force,
-            length: self.settings.tolerance.displacement.get(),
+            force: 1e-2 * relative * force,
+            length: blunt * given.displacement.get(),
             iterations: self.settings.max_iterations.get() as u32,
             patience: if model.needs.task { SHORT } else { Tolerance::default().patience },
             ..Tolerance::default()
@@ -251,6 +278,8 @@ impl Solver {
 const FIRST_TOUCH: f64 = 0.02;
 /// Iterations for which an agent's object is followed: one that slides on is lost.
 const SHORT: u32 = 60;
+/// Forces out of balance over the contact forces that condensed pads may leave, over their error.
+const BLUNT: f64 = 0.05;
 /// Motion of a free object, over its radius, that speaks of an object squeezed out when the solver gives up.
 const SLIPPING: f64 = 0.1;
 
@@ -261,24 +290,26 @@ fn at(load: Load, level: f64) -> String {
     }
 }
 
-/// The terms of body `i`.
+/// Weight of the gel of finger `i` on its nodes, N; empty without. Of a dynamic scene, gravity stands with inertia.
+fn gel_loads(model: &Model, i: usize, pose: ObjectPose) -> Vec<DVec3> {
+    let (Some(gravity), None) = (model.gravity, &model.dynamics) else { return Vec::new() };
+    let g = pose.rotation * gravity;
+    model.fingers[i].body.nodal_volume().iter().map(|v| g * (v * model.gel_density)).collect()
+}
+
+/// The terms of body `i` but those of the gel.
 fn terms(model: &Model, i: usize, pose: ObjectPose) -> Vec<Box<dyn BodyTerm>> {
     let finger = &model.fingers[i];
     let contact = Contact::new(model.law, finger.surface.clone(), model.object.distance.clone());
-    let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(Elastic), Box::new(contact)];
+    let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(contact)];
     if !model.features.is_empty() {
         terms.push(Box::new(FeatureContact::new(model.law, finger.surface.clone(), model.features.clone())));
     }
     // Of a dynamic scene, gravity stands with inertia.
-    if let (Some(gravity), None) = (model.gravity, &model.dynamics) {
-        let g = pose.rotation * gravity;
-        let loads = finger.body.nodal_volume().iter().map(|v| g * (v * model.gel_density)).collect();
-        terms.push(Box::new(DeadLoad(loads)));
-        if model.free && i == 0 {
-            let center = model.object.mass.center;
-            let start = pose.position + pose.rotation * center;
-            terms.push(Box::new(Weight::new(g * model.mass, center, start)));
-        }
+    if let (Some(gravity), None, true) = (model.gravity, &model.dynamics, model.free && i == 0) {
+        let center = model.object.mass.center;
+        let start = pose.position + pose.rotation * center;
+        terms.push(Box::new(Weight::new(pose.rotation * gravity * model.mass, center, start)));
     }
     if model.needs.task && model.free && i == 0 {
         let center = model.object.mass.center;

@@ -9,6 +9,7 @@ use crate::schedule::{Advance, Next, Phase, Shared, StepSet, Timings, ramping, r
 use crate::systems::{measure::measure_balance, sense::close_to_contact};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Puts the systems in their sets; those for what the scene does not need are left out.
 pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
@@ -148,7 +149,7 @@ pub fn measure_contact(
         *wrench = sum;
     }
     advance.min_gap = readout::min_gap(newton);
-    advance.energy = newton.energy(state);
+    advance.energy = solver.energy();
 }
 
 /// What the mount of a finger with prescribed travel had to give: the reaction of the bonded nodes along the closing
@@ -158,13 +159,9 @@ pub fn measure_reaction(
     shared: Res<Shared>,
     mut fingers: Query<(&FingerIndex, &ClosingDirection, &mut FingerForce)>,
 ) {
-    let newton = &solver.path.newton;
     for (finger, closing, mut force) in &mut fingers {
         let i = finger.0 as usize;
-        let body = newton.body(i);
-        let bonded = newton.gradient(i).iter().zip(&body.fixed).filter(|(_, fixed)| **fixed);
-        let reaction: DVec3 = bonded.map(|(g, _)| *g).sum();
-        force.0 = (reaction + solver.gel_weight(&shared.0, i)).dot(closing.0);
+        force.0 = (solver.mount(i) + solver.gel_weight(&shared.0, i)).dot(closing.0);
     }
 }
 
@@ -206,8 +203,8 @@ pub fn measure_stress(
     mut nodes: Query<(&NodeIndex, &FingerIndex, &mut NodalStress)>,
     mut tets: Query<(&TetIndex, &FingerIndex, &mut TetStress)>,
 ) {
-    let (newton, state) = (&solver.path.newton, &solver.path.state);
-    let stress: Vec<_> = state.x.iter().enumerate().map(|(i, x)| newton.body(i).stress(x)).collect();
+    let pads = solver.path.state.x.par_iter().enumerate();
+    let stress: Vec<_> = pads.map(|(i, x)| solver.body(i).stress(x)).collect();
     for (index, finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
         let column = column.bypass_change_detection();
         for row in 0..index.len() {
@@ -224,9 +221,9 @@ pub fn measure_stress(
 
 /// The smallest det F.
 pub fn measure_det_f(solver: Res<Solver>, mut advance: ResMut<Advance>) {
-    let (newton, state) = (&solver.path.newton, &solver.path.state);
-    let smallest = |(i, x): (usize, &Vec<DVec3>)| newton.body(i).min_det_f(x);
-    advance.min_det_f = state.x.iter().enumerate().map(smallest).fold(f64::INFINITY, f64::min);
+    let pads = solver.path.state.x.par_iter().enumerate();
+    let smallest: Vec<f64> = pads.map(|(i, x)| solver.body(i).min_det_f(x)).collect();
+    advance.min_det_f = smallest.into_iter().fold(f64::INFINITY, f64::min);
 }
 
 /// Hands on where the time went.

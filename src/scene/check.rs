@@ -8,6 +8,7 @@ use super::motion;
 use super::object::{Motion, Revolve, Shape};
 use super::pad::Pads;
 use super::schema::{Part, Scene};
+use super::stepper::{Fem, Solver, Stepper};
 
 /// A field that does not go with the rest of the scene.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -206,6 +207,12 @@ fn dynamic(scene: &Scene) -> Result<(), Problem> {
             None => Ok(()),
         };
     };
+    if let Stepper::Fem(Fem { solver: Solver::Condensed(_), .. }) = scene.stepper {
+        return refuse(
+            "stepper.solver",
+            "condensed pads have no inertia\nuse solver: Full in a scene that moves in time",
+        );
+    }
     if let Some(i) = scene.expect.iter().position(|e| matches!(e, Expectation::Converged(_))) {
         let message =
             "Converged judges forces without inertia\nuse ForceBalance(relative: ...) in a scene that moves in time";

@@ -113,6 +113,8 @@ defaults! {
     FORCE_TOLERANCE: Positive = Positive::preset(2e-4);
     /// FEM: largest Newton step of a node at which an increment counts as solved, m.
     DISPLACEMENT_TOLERANCE: Length = Length::preset(5e-6);
+    /// Condensed FEM: part of the displacement that one more correction may change.
+    CONDENSED_ERROR: Positive = Positive::preset(0.01);
     /// FEM: Newton iterations before an increment is halved.
     MAX_ITERATIONS: Count<1, 10000> = Count::preset(40);
 }

@@ -51,5 +51,5 @@ pub use output::{Arrays, Field, Record};
 pub use pad::Pads;
 pub use schema::Scene;
 pub use source::SIZE_LIMIT;
-pub use stepper::{Element, Fem, Gnn, Stepper, Tolerance};
+pub use stepper::{Condensed, Element, Fem, Gnn, Solver, Stepper, Tolerance};
 pub use task::Task;

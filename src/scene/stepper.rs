@@ -28,6 +28,8 @@ pub struct Fem {
     pub element: Element,
     /// Treat the dilatation of an element as constant, which avoids volumetric locking near nu = 0.5.
     pub mean_dilatation: bool,
+    /// What is solved for: all nodes, or those that can touch.
+    pub solver: Solver,
     /// When an increment counts as solved.
     pub tolerance: Tolerance,
     /// Newton iterations before an increment is halved.
@@ -41,6 +43,7 @@ impl Default for Fem {
         Self {
             element: Element::default(),
             mean_dilatation: defaults::MEAN_DILATATION,
+            solver: Solver::default(),
             tolerance: Tolerance::default(),
             max_iterations: defaults::MAX_ITERATIONS,
             threads: None,
@@ -56,6 +59,30 @@ pub enum Element {
     /// 10 nodes: edge midpoints are inserted.
     #[default]
     Quadratic,
+}
+
+/// What is solved for.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub enum Solver {
+    /// All nodes at once: the reference.
+    #[default]
+    Full,
+    /// The nodes that can touch, the others eliminated: fast, with an error. Not in time.
+    Condensed(Condensed),
+}
+
+/// Pads condensed onto where they can touch.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Condensed {
+    /// Error accepted: by how much one more correction of the whole pad would change its displacement, over the displacement.
+    pub error: Positive,
+}
+
+impl Default for Condensed {
+    fn default() -> Self {
+        Self { error: defaults::CONDENSED_ERROR }
+    }
 }
 
 /// When an increment counts as solved: both must hold.

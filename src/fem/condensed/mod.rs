@@ -1,0 +1,250 @@
+//! The fast mode: pads condensed onto the part of their surface that can touch the object.
+//!
+//! ```text
+//! full pad at x:   stiffness K, forces g(x)        every node, rarely
+//!                  | eliminate all but the patch
+//! patch:           1/2 (x_p - c_p)' S (x_p - c_p)  Newton, contact and friction as ever, on few unknowns
+//!                  | K^-1
+//! full pad:        x = c + K^-1 S (x_p - c_p)      once per load level
+//!                  | c -= K^-1 (g(x) - contact)    what the real law says of x
+//! ```
+//!
+//! `S` is the Schur complement of `K` (static condensation: Guyan 1965), `c` where the unloaded pad would come to rest if
+//! it stayed as stiff as it is. The law of the gel is not linear, so `c` wanders; correcting it once per level with the old
+//! factor is a step of the modified Newton method for the whole pad, and its size, over the displacement, is the error that the
+//! user accepts. Where correcting is not enough, the pad is condensed anew as it then is.
+
+mod pad;
+mod patch;
+mod term;
+
+pub use pad::Pad;
+pub use patch::choose;
+pub use term::Condensed;
+
+use super::increment::{Advanced, Load, Path, SOFTEST};
+use super::newton::Failure;
+use super::readout;
+use super::state::{Border, State};
+use super::term::Stencil;
+use crate::components::ObjectPose;
+use crate::model::Model;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// The condensed pads of one grasp.
+pub struct Condensation {
+    pads: Vec<Pad>,
+    /// Change of the displacement by a correction, over the displacement, that is small enough.
+    error: f64,
+    /// Levels of the last two accepted states: between them the centres wandered as the pads remember.
+    levels: [Option<f64>; 2],
+}
+
+/// Corrections at one level before it counts as failed.
+const CORRECTIONS: u32 = 8;
+/// A correction must fall to this part of the one before, or the stiffness is out of date.
+const CONTRACTION: f64 = 0.3;
+/// New patches and smaller increments on the way to one level.
+const ATTEMPTS: u32 = 10;
+
+/// Why a level was not reached.
+enum Refusal {
+    /// A point outside the patch touches the object.
+    Outside,
+    /// The solver gave up.
+    Failed(Failure),
+}
+
+impl From<Failure> for Refusal {
+    fn from(failure: Failure) -> Self {
+        Refusal::Failed(failure)
+    }
+}
+
+impl Condensation {
+    /// Of the pads of `model` under the dead loads `dead` (N per node; empty lists for none), with nothing condensed yet.
+    pub fn new(model: &Model, dead: Vec<Vec<DVec3>>, error: f64) -> Self {
+        let pads = model.fingers.iter().zip(dead).map(|(f, dead)| Pad::new(f, dead)).collect();
+        Self { pads, error, levels: [None; 2] }
+    }
+
+    /// The condensed pad of finger `i`.
+    pub fn pad(&self, i: usize) -> &Pad {
+        &self.pads[i]
+    }
+
+    /// Condenses the pads at the state of `path`, at first contact: onto what the softened contact may touch.
+    ///
+    /// # Errors
+    /// [`Failure::Singular`].
+    pub fn begin(&mut self, path: &mut Path, model: &Model) -> Result<(), Failure> {
+        let patches = self.patches(path, model, SOFTEST.sqrt());
+        self.condense(path, patches)
+    }
+
+    /// Raises the load to `level` and corrects the pads there.
+    ///
+    /// # Errors
+    /// The last [`Failure`]; the path is then as it was at the last accepted level.
+    pub fn advance(&mut self, path: &mut Path, model: &Model, load: Load, level: f64) -> Result<Advanced, Failure> {
+        let (mut done, mut goal, mut attempts) = (Advanced::default(), level, 0);
+        loop {
+            let checkpoint = path.checkpoint();
+            let from = path.level;
+            let refusal = match self.step(path, load, goal, &mut done) {
+                Ok(()) if goal == level => return Ok(done),
+                Ok(()) => {
+                    goal = level;
+                    continue;
+                }
+                Err(refusal) => refusal,
+            };
+            attempts += 1;
+            let patches = match refusal {
+                Refusal::Outside => self.outside(path, model),
+                Refusal::Failed(_) => Vec::new(),
+            };
+            path.restore(checkpoint);
+            let patches = match refusal {
+                Refusal::Outside if attempts <= ATTEMPTS => patches,
+                Refusal::Outside => return Err(Failure::Iterations(done.residual)),
+                Refusal::Failed(failure) if attempts > ATTEMPTS => return Err(failure),
+                Refusal::Failed(_) => {
+                    goal = 0.5 * (from + goal);
+                    self.patches(path, model, 1.0)
+                }
+            };
+            self.condense(path, patches)?;
+        }
+    }
+
+    fn step(&mut self, path: &mut Path, load: Load, level: f64, done: &mut Advanced) -> Result<(), Refusal> {
+        self.predict(path, level);
+        // The same force under another load on the object is another equilibrium.
+        done.add(if path.level == level { path.polish()? } else { path.advance(load, level)? });
+        let mut last = f64::INFINITY;
+        for _ in 0..CORRECTIONS {
+            let (error, residual) = self.correct(path)?;
+            done.residual = residual;
+            if (0..self.pads.len()).any(|i| self.is_outside(path, i)) {
+                return Err(Refusal::Outside);
+            }
+            if error <= self.error {
+                self.levels = [self.levels[1], Some(level)];
+                self.pads.iter_mut().for_each(Pad::settle);
+                return Ok(());
+            }
+            if error > CONTRACTION * last {
+                let same = self.pads.iter().map(|pad| Some(pad.patch().to_vec())).collect();
+                self.condense(path, same)?;
+            }
+            last = error;
+            done.add(path.polish()?);
+        }
+        Err(Failure::Iterations(done.residual).into())
+    }
+
+    /// Condenses the pads that `patches` has nodes for onto them, as stiff as they are in the state of `path`.
+    fn condense(&mut self, path: &mut Path, patches: Vec<Option<Vec<u32>>>) -> Result<(), Failure> {
+        let clock = Instant::now();
+        let work = self.pads.par_iter_mut().zip(patches).zip(&path.state.x);
+        let condense = |((pad, patch), x): ((&mut Pad, Option<Vec<u32>>), &Vec<DVec3>)| {
+            patch.map_or(Ok(None), |patch| pad.condense(x, patch))
+        };
+        let bodies: Vec<_> = work.map(condense).collect();
+        for (i, body) in bodies.into_iter().enumerate() {
+            if let Some(body) = body? {
+                path.newton.exchange(i, body);
+            }
+        }
+        self.install(path);
+        path.newton.profile.factorization += clock.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Whole pads from patches, and what the real law makes of them: the size of the correction over the displacement, and the
+    /// out-of-balance forces, N.
+    fn correct(&mut self, path: &mut Path) -> Result<(f64, f64), Failure> {
+        let clock = Instant::now();
+        let pads = self.pads.par_iter_mut().zip(path.state.x.par_iter_mut());
+        let corrections: Vec<_> = pads.map(|(pad, x)| pad.correct(x)).collect();
+        let sum = |pick: fn(&pad::Correction) -> f64| corrections.iter().map(pick).sum::<f64>();
+        let error = (sum(|c| c.change) / sum(|c| c.displacement).max(f64::MIN_POSITIVE)).sqrt();
+        let residual = sum(|c| c.residual).sqrt();
+        path.newton.profile.solve += clock.elapsed().as_secs_f64();
+        if !error.is_finite() {
+            return Err(Failure::Singular);
+        }
+        self.install(path);
+        Ok((error, residual))
+    }
+
+    /// Lets the centres wander on to `level` as they did before.
+    fn predict(&mut self, path: &mut Path, level: f64) {
+        let [Some(before), Some(last)] = self.levels else { return };
+        let factor = (level - last) / (last - before);
+        if factor.is_finite() {
+            self.pads.iter_mut().for_each(|pad| pad.predict(factor.clamp(0.0, 2.0)));
+            self.install(path);
+        }
+    }
+
+    /// Hands the pads to the solver.
+    fn install(&self, path: &mut Path) {
+        for (pad, terms) in self.pads.iter().zip(&mut path.newton.terms) {
+            terms[0] = Box::new(pad.term());
+        }
+    }
+
+    /// True if contact has reached nodes of pad `i` that are not in its patch.
+    fn is_outside(&self, path: &Path, i: usize) -> bool {
+        touched(path, i).any(|stencil| !self.pads[i].carries(&stencil))
+    }
+
+    /// New patches for the pads whose contact has outgrown theirs.
+    fn outside(&self, path: &Path, model: &Model) -> Vec<Option<Vec<u32>>> {
+        let patches = self.patches(path, model, 1.0).into_iter().enumerate();
+        patches.map(|(i, patch)| patch.filter(|_| self.is_outside(path, i))).collect()
+    }
+
+    /// The nodes of every pad that may touch the object at the state of `path`, for a contact felt `widened` times as far as the
+    /// law says.
+    fn patches(&self, path: &Path, model: &Model, widened: f64) -> Vec<Option<Vec<u32>>> {
+        let pads = model.fingers.par_iter().enumerate();
+        let of = |(i, finger)| {
+            let view = path.state.view(i, &path.newton.border);
+            Some(choose(finger, &view, &model.object, widened * model.law.offset, touched(path, i)))
+        };
+        pads.map(of).collect()
+    }
+}
+
+/// Number of nodes that every pad would be condensed onto at first contact: the object at `pose`, the fingers at `travel` (m).
+pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec<usize> {
+    let closing: Vec<DVec3> = model.fingers.iter().map(|f| f.placement.closing).collect();
+    let border = Border::new(closing, model.force_driven, model.free, model.object.bounding_radius);
+    let state = State {
+        x: model.fingers.iter().map(|f| f.body.rest.clone()).collect(),
+        travel: travel.to_vec(),
+        position: pose.position,
+        rotation: pose.rotation,
+    };
+    let pads = model.fingers.iter().enumerate();
+    let patch = |(i, f)| choose(f, &state.view(i, &border), &model.object, model.law.offset, std::iter::empty());
+    pads.map(|pad| patch(pad).len()).collect()
+}
+
+/// Where pad `i` carries contact.
+fn touched(path: &Path, i: usize) -> impl Iterator<Item = Stencil> + '_ {
+    let points = readout::contact(&path.newton, i).into_iter().flat_map(|c| {
+        let edges = c.edges().iter().zip(&c.surface().points);
+        edges.filter(|(e, _)| e.pressure > 0.0).map(|(_, stencil)| *stencil)
+    });
+    let features = readout::features(&path.newton, i).into_iter().flat_map(|c| {
+        let edges = c.edges().iter().enumerate();
+        edges.filter(|(_, e)| e.pressure > 0.0).map(|(k, _)| c.readout(k).now)
+    });
+    points.chain(features)
+}
