@@ -140,9 +140,6 @@ impl Solver {
         let load = if model.force_driven { Load::Force } else { Load::Travel };
         let mut done = Advanced::default();
         let begins = !std::mem::replace(&mut self.started, true);
-        if begins && !model.force_driven {
-            self.condense(model).map_err(|f| self.explain(model, "condensing the pads", f))?;
-        }
         if begins && model.force_driven {
             // An object with weight rests on its support until the first level; less might not hold it.
             let gentle = model.levels.last().copied().unwrap_or(level) * FIRST_TOUCH;
@@ -150,7 +147,7 @@ impl Solver {
             self.path.tolerance = self.tolerance(model, first);
             self.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
             self.back_off(model)?;
-            self.condense(model).map_err(|f| self.explain(model, "condensing the pads", f))?;
+            self.condense(model)?;
             let making = format!("making contact at {first:.4} N per finger");
             done = self
                 .path
@@ -159,6 +156,9 @@ impl Solver {
             if first == level {
                 done = self.path.polish().map_err(|f| self.explain(model, &making, f))?;
             }
+        }
+        if begins && !model.force_driven {
+            self.condense(model)?;
         }
         self.path.tolerance = self.tolerance(model, level);
         let more = match &mut self.condensed {
@@ -171,10 +171,6 @@ impl Solver {
             return Err(format!("{}: {reason}", at(load, level)));
         }
         Ok(done)
-    }
-
-    fn condense(&mut self, model: &Model) -> std::result::Result<(), Failure> {
-        self.condensed.as_mut().map_or(Ok(()), |pads| pads.begin(&mut self.path, model))
     }
 
     /// Convergence criteria at `level`.
@@ -249,7 +245,7 @@ impl Solver {
         })
     }
 
-    fn explain(&self, model: &Model, at: &str, failure: Failure) -> String {
+    pub(super) fn explain(&self, model: &Model, at: &str, failure: Failure) -> String {
         let state = &self.path.state;
         let moved = state.position.distance(self.start.position);
         let far = if model.free && moved > SLIPPING * model.object.bounding_radius {
