@@ -97,13 +97,14 @@ fn the_condensed_stiffness_answers_forces_on_the_patch_like_the_whole_pad() {
 
 #[test]
 fn errors_stay_small_from_a_tenth_of_a_newton_to_fifteen() {
-    // Frame by frame: at first touch friction remembers how contact was made.
-    for (force, frames, most) in [(0.2, 4, 0.02), (15.0, 10, 0.01)] {
+    // Friction remembers how contact was made, which fades as it spreads: the first of ten frames is the worst.
+    for (force, frames, first, last) in [(0.2, 4, 0.01, 0.005), (15.0, 10, 0.05, 0.02)] {
         let (full, fast) = (run(&squeeze(force, frames, FULL), 2), run(&squeeze(force, frames, FAST), 2));
         assert_eq!(fast.0.summary.status, Status::Reached, "{:?}", fast.0.summary);
         for (full, fast) in full.1.iter().zip(&fast.1) {
             let found = errors(full, fast);
             println!("{:5.2} N: {found:.4?}", full.applied_force);
+            let most = if fast.index + 1 < frames { first } else { last };
             assert!(found.iter().all(|e| *e < most), "{} N: {found:?}", full.applied_force);
         }
     }

@@ -85,7 +85,7 @@ impl FaceBounds {
     fn nearest(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, limit: f64) -> Option<Foot> {
         // Few faces are nearer than the one whose middle is nearest.
         let middles = self.spheres.iter().map(|(center, _)| y.distance_squared(*center)).enumerate();
-        let Some((i, _)) = middles.min_by(|a, b| a.1.total_cmp(&b.1)) else { return None };
+        let (i, _) = middles.min_by(|a, b| a.1.total_cmp(&b.1))?;
         let bound = on_face(i, &surface.faces[i], x, y, 0.0).gap.abs() * (1.0 + 2.0 * TIE);
         let (mut best, mut nearest) = (None, limit.min(bound));
         for (i, (center, radius)) in self.spheres.iter().enumerate() {

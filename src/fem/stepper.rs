@@ -18,7 +18,7 @@ use crate::record::pad_name;
 use crate::scene;
 use crate::schedule::{Grasp, Shared};
 use crate::stepper::Stepper;
-use crate::systems::sense::first_contact;
+use crate::systems::sense::{center, first_contact};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use std::sync::Arc;
@@ -113,7 +113,7 @@ impl Solver {
             bodies.push(Arc::new(Body::new(Vec::new(), nothing, Vec::new(), model.material.clone(), false)?));
             (terms, closing) = (vec![Vec::new()], vec![DVec3::ZERO]);
         }
-        let layout = if model.dynamics.is_some() { Border::geared } else { Border::new };
+        let layout = if model.geared() { Border::geared } else { Border::new };
         let border = layout(closing, model.force_driven, model.free, model.object.bounding_radius);
         // A condensed body has the nodes of the whole one.
         let state = State {
@@ -140,9 +140,6 @@ impl Solver {
         let load = if model.force_driven { Load::Force } else { Load::Travel };
         let mut done = Advanced::default();
         let begins = !std::mem::replace(&mut self.started, true);
-        if begins && !model.force_driven {
-            self.condense(model).map_err(|f| self.explain(model, "condensing the pads", f))?;
-        }
         if begins && model.force_driven {
             // An object with weight rests on its support until the first level; less might not hold it.
             let gentle = model.levels.last().copied().unwrap_or(level) * FIRST_TOUCH;
@@ -150,7 +147,7 @@ impl Solver {
             self.path.tolerance = self.tolerance(model, first);
             self.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
             self.back_off(model)?;
-            self.condense(model).map_err(|f| self.explain(model, "condensing the pads", f))?;
+            self.condense(model)?;
             let making = format!("making contact at {first:.4} N per finger");
             done = self
                 .path
@@ -159,6 +156,9 @@ impl Solver {
             if first == level {
                 done = self.path.polish().map_err(|f| self.explain(model, &making, f))?;
             }
+        }
+        if begins && !model.force_driven {
+            self.condense(model)?;
         }
         self.path.tolerance = self.tolerance(model, level);
         let more = match &mut self.condensed {
@@ -183,10 +183,6 @@ impl Solver {
                 *term = Box::new(weight);
             }
         }
-    }
-
-    fn condense(&mut self, model: &Model) -> std::result::Result<(), Failure> {
-        self.condensed.as_mut().map_or(Ok(()), |pads| pads.begin(&mut self.path, model))
     }
 
     /// Convergence criteria at `level`.
@@ -216,9 +212,11 @@ impl Solver {
     fn back_off(&mut self, model: &Model) -> std::result::Result<(), String> {
         let pose = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
         let clearance = model.law.offset * SOFTEST.sqrt();
+        let state = &mut self.path.state;
         for i in 0..model.fingers.len() {
-            self.path.state.travel[i] = first_contact(model, i, &pose, clearance)?;
+            state.travel[i] = first_contact(model, i, &pose, clearance)?;
         }
+        state.position += center(model, &mut state.travel);
         Ok(())
     }
 
@@ -262,7 +260,7 @@ impl Solver {
         })
     }
 
-    fn explain(&self, model: &Model, at: &str, failure: Failure) -> String {
+    pub(super) fn explain(&self, model: &Model, at: &str, failure: Failure) -> String {
         let state = &self.path.state;
         let moved = state.position.distance(self.start.position);
         let far = if model.free && moved > SLIPPING * model.object.bounding_radius {

@@ -9,6 +9,12 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 impl Solver {
+    /// Condenses the pads at first contact, if they are to be.
+    pub(super) fn condense(&mut self, model: &Model) -> std::result::Result<(), String> {
+        let begun = self.condensed.as_mut().map_or(Ok(()), |pads| pads.begin(&mut self.path, model));
+        begun.map_err(|f| self.explain(model, "condensing the pads", f))
+    }
+
     /// The whole pad of finger `i`.
     pub fn body(&self, i: usize) -> &Arc<Body> {
         self.condensed.as_ref().map_or_else(|| self.path.newton.body(i), |pads| pads.pad(i).body())

@@ -149,14 +149,19 @@ impl Model {
             .collect()
     }
 
+    /// Whether the fingers travel alike, as those of a parallel gripper do. Apart, they and a free object could move on together
+    /// along the closing direction without any force; around a fixed object each finds its own place.
+    pub fn geared(&self) -> bool {
+        self.free || self.dynamics.is_some()
+    }
+
     /// Unknowns of the solver: per pad, travels, pose.
     pub fn unknowns(&self) -> Unknowns {
         let pads: Vec<usize> = self.fingers.iter().map(|f| f.body.pattern.unknowns()).collect();
-        let travels = match (self.force_driven, &self.dynamics) {
+        let travels = match (self.force_driven, self.geared()) {
             (false, _) => 0,
-            (true, None) => self.fingers.len(),
-            // Geared fingers travel alike.
-            (true, Some(_)) => 1,
+            (true, false) => self.fingers.len(),
+            (true, true) => self.fingers.len().min(1),
         };
         let pose = if self.free { 6 } else { 0 };
         Unknowns { total: pads.iter().sum::<usize>() + travels + pose, pads, travels, pose }

@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::record::pad_name;
 use crate::schedule::{Next, Phase, Shared};
 use bevy_ecs::prelude::*;
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 
 /// Closes every finger until its pad touches the object, or says why it cannot.
 ///
@@ -38,11 +38,7 @@ pub fn close_to_contact(
             Err(reason) => return next.request(Phase::Infeasible { reason }),
         }
     }
-    if let (true, [first, second]) = (model.free, travel.as_mut_slice()) {
-        pose.position += model.fingers[0].placement.closing * (0.5 * (*second - *first));
-        let mean = 0.5 * (*first + *second);
-        (*first, *second) = (mean, mean);
-    }
+    pose.position += center(model, &mut travel);
     if let Some((index, t)) = travel.iter().enumerate().find(|(_, t)| **t > model.stroke) {
         let (t, stroke) = (t * 1e3, model.stroke * 1e3);
         let name = pad_name(index);
@@ -53,6 +49,15 @@ pub fn close_to_contact(
         (now.0, first.0) = (travel[index.0 as usize], travel[index.0 as usize]);
     }
     next.request(Phase::Ramp { frame: 0 });
+}
+
+/// Makes the travels at which two fingers touch a free object alike: how far they push it to the middle, m.
+pub fn center(model: &Model, travel: &mut [f64]) -> DVec3 {
+    let (true, [first, second]) = (model.free, travel) else { return DVec3::ZERO };
+    let pushed = model.fingers[0].placement.closing * (0.5 * (*second - *first));
+    let mean = 0.5 * (*first + *second);
+    (*first, *second) = (mean, mean);
+    pushed
 }
 
 /// Common travel of geared fingers until the first pad touches the object.
