@@ -70,8 +70,9 @@ const LOOSE: f64 = 20.0;
 const REACH: f64 = 1e-3;
 /// Pseudo-time steps in a row with a finger that touches nothing after which the object counts as gone.
 const APART: u32 = 5;
-/// Most iterations of one pseudo-time step.
+/// Most iterations of one pseudo-time step, and of one walk.
 const WALKING: u32 = 25;
+const PATIENCE: u32 = 500;
 
 impl Path {
     /// Starts at `state`, which must be in equilibrium at level zero.
@@ -226,7 +227,7 @@ impl Path {
         let mut stiffness = load / STRIDE;
         let mut state = self.state.clone();
         let (mut failures, mut apart, mut near, mut spent) = (0, 0, false, 0);
-        while spent < full.patience {
+        while spent < PATIENCE {
             self.newton.proximal = Some((state.clone(), stiffness));
             let mut next = state.clone();
             match self.newton.solve(&mut next, if near { &full } else { &loose }) {

@@ -21,13 +21,11 @@ pub struct Tolerance {
     pub iterations: u32,
     /// Largest motion of any point in one iteration, m: keeps the closest point on the right side of thin objects.
     pub motion: f64,
-    /// Iterations for which an object that rolls or slides is followed.
-    pub patience: u32,
 }
 
 impl Default for Tolerance {
     fn default() -> Self {
-        Self { relative: 2e-4, force: 1e-7, length: 5e-6, iterations: 40, motion: 1e-3, patience: 500 }
+        Self { relative: 2e-4, force: 1e-7, length: 5e-6, iterations: 40, motion: 1e-3 }
     }
 }
 

@@ -203,7 +203,6 @@ impl Solver {
             force: 1e-2 * relative * force,
             length: blunt * given.displacement.get(),
             iterations: self.settings.max_iterations.get() as u32,
-            patience: if model.needs.task { SHORT } else { Tolerance::default().patience },
             ..Tolerance::default()
         }
     }
@@ -274,8 +273,6 @@ impl Solver {
 
 /// Part of the final force at which contact is established.
 const FIRST_TOUCH: f64 = 0.02;
-/// Iterations for which an agent's object is followed: one that slides on is lost.
-const SHORT: u32 = 60;
 /// Forces out of balance over the contact forces that condensed pads may leave, over their error.
 const BLUNT: f64 = 0.05;
 /// Motion of a free object, over its radius, that speaks of an object squeezed out when the solver gives up.

@@ -21,7 +21,7 @@ impl Grid {
     pub const USUAL: Grid = Grid { rows: Count::preset(8), cols: Count::preset(8) };
 
     /// Number of taxels.
-    pub fn len(&self) -> usize {
+    pub fn taxels(&self) -> usize {
         self.rows.get() * self.cols.get()
     }
 

@@ -28,7 +28,7 @@ impl Sense for ForceImage {
     }
 
     fn write(&self, now: &Now, out: &mut [f32]) {
-        let taxels = self.grid.len();
+        let taxels = self.grid.taxels();
         let mut image = vec![DVec3::ZERO; taxels];
         for ((pad, finger), out) in now.frame.pads.iter().zip(&now.model.fingers).zip(out.chunks_exact_mut(3 * taxels))
         {
@@ -69,7 +69,7 @@ impl Sense for DisplacementImage {
     }
 
     fn write(&self, now: &Now, out: &mut [f32]) {
-        let taxels = self.grid.len();
+        let taxels = self.grid.taxels();
         for ((pad, finger), out) in now.frame.pads.iter().zip(&now.model.fingers).zip(out.chunks_exact_mut(3 * taxels))
         {
             let axes = finger.placement.rotation.transpose();
