@@ -13,6 +13,9 @@ w = load_file(f"{sys.argv[1]}/weights.safetensors")
 d = {k: torch.from_numpy(v.astype(np.int64) if v.dtype == np.uint32 else v) for k, v in np.load(sys.argv[2]).items()}
 
 
+torch.sparse.check_sparse_tensor_invariants.enable()
+
+
 def sparse(name, rows, cols):
     return torch.sparse_coo_tensor(d[f"{name}_at"].T, d[f"{name}_weight"][0], (rows, cols)).to_dense()
 

@@ -15,6 +15,9 @@ pub const NODE_LOAD: [Parity; 12] = [Even, Even, Even, X, Y, Even, Even, X, Y, X
 /// the face and twist over the force, travel over depth, what settling adds to it, motion of the object over depth.
 pub const PAD_LOAD: [Parity; 17] = [Even, Even, Even, Even, X, Y, X, Y, XY, Even, Even, X, Y, Even, Y, X, XY];
 
+/// Share of the force below which a node hardly touches.
+const FAINT: f64 = 1e-3;
+
 /// What the network sees of some load levels of a grasp; levels one after the other, then pads, then nodes.
 #[derive(Debug, Clone, Default)]
 pub struct Loads {
@@ -101,7 +104,8 @@ impl Features {
             let at = self.graph.rest[i] / self.graph.thickness;
             let drag = to_pad * self.bed.drag(s, dragged[i]);
             let push = settled[i];
-            let sideways = if push.z < 0.0 { (push / -push.z).clamp_length_max(2.0) } else { DVec3::ZERO };
+            // Next to nothing where next to nothing presses: the edge of the contact is not sharp.
+            let sideways = push / (-push.z.min(0.0) + FAINT * force);
             let [x, y, z] = (to_pad * give(i) / depth).to_array();
             center += at * (carried[i] / whole);
             area += if pressed[i] > 0.0 { s.area } else { 0.0 };

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! Model + grasp -> touch.rs (first contact) -> features.rs (on graph.rs, volume.rs) -> network/ -> predict.rs -> stepper.rs
+//! a load         -> springs.rs (rigid equilibrium) -> settle.rs (on compliance.rs) -> loads.rs -> network/
 //! data set      -> sample.rs: the same, and what FEM found             -> train/   -> card.rs (models/NAME)
 //! ```
 

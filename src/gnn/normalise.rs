@@ -3,6 +3,10 @@
 use super::features::Parity;
 use serde::{Deserialize, Serialize};
 
+/// Deviation of a feature below which its changes are not magnified: features are dimensionless, and what hardly varies in a
+/// training set would else make a network wild where it does.
+const SMALL: f64 = 1e-3;
+
 /// Mean and scale of each column.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Normaliser {
@@ -26,7 +30,7 @@ impl Normaliser {
         let scale = |c: usize| {
             let deviation = (square[c] / f64::max(count, 1.0) - mean(c).powi(2)).max(0.0).sqrt();
             // A column that never changes says nothing: it becomes zero.
-            if deviation > 1e-6 * mean(c).abs().max(1e-6) { deviation } else { f64::INFINITY }
+            if deviation > 1e-6 * mean(c).abs().max(1e-6) { deviation.max(SMALL) } else { f64::INFINITY }
         };
         let inverse = |c: usize| (1.0 / scale(c)) as f32;
         Self { mean: (0..cols).map(|c| mean(c) as f32).collect(), scale: (0..cols).map(inverse).collect() }

@@ -5,7 +5,8 @@
 //!         rounds x: m_e = act(W e + W h_sender + W h_receiver)         per edge
 //!                   g   = act(W [mean h, near h, those of the other pad])   per pad
 //!                   h  += W act(W h + W sum m + W g)                    per node
-//! decode  z = act(W h + W node load + W pad load)  -> displacement, stress by depth; contact force
+//! decode  z = act(W h + W node load + W pad load)  -> contact force, on top of the settled one
+//!         displacement = linear response to it x W z + W z, stress = that of the response x act(W z) + act(W z), by depth
 //!         y = act(W g + W pad load)                -> travel, object motion
 //! ```
 //! The second layer of a message is linear, so it is applied after the sum: edges cost no matrix product.
