@@ -37,14 +37,8 @@ pub enum StepSet {
 
 impl StepSet {
     /// All sets in their order.
-    pub const ALL: [StepSet; 6] = [
-        StepSet::Control,
-        StepSet::Sense,
-        StepSet::Advance,
-        StepSet::Accept,
-        StepSet::Measure,
-        StepSet::Record,
-    ];
+    pub const ALL: [StepSet; 6] =
+        [StepSet::Control, StepSet::Sense, StepSet::Advance, StepSet::Accept, StepSet::Measure, StepSet::Record];
 }
 
 /// Where a grasp is in the procedure. Constant during a step; `turn_phase` moves it on at the end.
