@@ -184,9 +184,9 @@ matplotlib.use("Agg")
 from matplotlib import pyplot as plt  # noqa: E402
 
 figure, axes = plt.subplots(figsize=(5, 3.2))
-axes.plot(*zip(*curve), label="PPO, last 200 episodes")
+axes.plot(*zip(*((n / 1000, value) for n, value in curve)), label="PPO, last 200 episodes")
 axes.axhline(results["random"][0], color="grey", ls="--", label="random policy")
-axes.set(xlabel="environment steps", ylabel="return")
+axes.set(xlabel="environment steps, thousands", ylabel="return")
 axes.legend()
 figure.tight_layout()
 figure.savefig(args.curve, dpi=120)
