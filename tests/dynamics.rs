@@ -241,7 +241,7 @@ fn a_scene_without_motion_in_time_pays_nothing_for_it() {
     assert!(
         moved_systems.iter().any(|s| s.contains("dynamics")) && !still_systems.iter().any(|s| s.contains("dynamics"))
     );
-    assert_eq!((unknowns.travels, geared.travels), (2, 1), "geared fingers have one travel");
+    assert_eq!((unknowns.travels, geared.travels), (1, 1), "fingers around a free object are geared: one travel");
     let (airborne, systems, _) = parts(&held(loading, ""));
     assert!(!airborne.contains_key("GroundWrench") && !systems.iter().any(|s| s.contains("ground")), "no ground");
     let (_, _, open) = parts(&held("Dynamic(motions: [Hold(duration: 0.1)])", ""));

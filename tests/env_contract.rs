@@ -151,7 +151,6 @@ fn a_fault_stays_in_its_environment(set: &[NamedScene]) {
     let run = |poison: bool| {
         let mut env = batch(set, config(3));
         env.reset(None, None).unwrap();
-        env.step(&actions(0, 3, 0)).unwrap();
         if poison {
             let world = env.environment(1).unwrap().world_mut();
             world.resource_mut::<Next>().request(Phase::Fault { reason: "poisoned".into() });

@@ -83,11 +83,7 @@ impl FaceBounds {
 
     /// Closest point among the faces nearer than `limit`.
     fn nearest(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, limit: f64) -> Option<Foot> {
-        // Few faces are nearer than the one whose middle is nearest.
-        let middles = self.spheres.iter().map(|(center, _)| y.distance_squared(*center)).enumerate();
-        let (i, _) = middles.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let bound = on_face(i, &surface.faces[i], x, y, 0.0).gap.abs() * (1.0 + 2.0 * TIE);
-        let (mut best, mut nearest) = (None, limit.min(bound));
+        let (mut best, mut nearest) = (None, limit);
         for (i, (center, radius)) in self.spheres.iter().enumerate() {
             if y.distance_squared(*center) < (nearest + radius).powi(2) {
                 let foot = on_face(i, &surface.faces[i], x, y, 0.0);

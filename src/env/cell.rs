@@ -228,10 +228,10 @@ fn drive(environment: &mut Environment, model: &Model, force: f64, load: DVec3) 
     world.insert_resource(Command { force: force / model.fingers.len() as f64 });
     world.query::<&mut ObjectWeight>().iter_mut(world).for_each(|mut weight| weight.0 = load);
     let phase = environment.step();
-    match (environment.take_frame(), phase) {
-        (Some(frame), _) => Ok(frame),
-        (None, Phase::Fault { reason } | Phase::Infeasible { reason }) => Err(reason),
-        (None, other) => Err(format!("the step ended in {other:?} without a state")),
+    match (phase, environment.take_frame()) {
+        (Phase::Fault { reason } | Phase::Infeasible { reason }, _) => Err(reason),
+        (_, Some(frame)) => Ok(frame),
+        (other, None) => Err(format!("the step ended in {other:?} without a state")),
     }
 }
 
