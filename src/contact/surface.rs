@@ -82,6 +82,15 @@ impl ContactSurface {
 }
 
 impl Face {
+    /// The flat triangles between its nodes, turned as it is: itself, or those at the corners and then the middle.
+    pub fn flat_parts(&self) -> Vec<[u32; 3]> {
+        let [a, b, c] = self.corners;
+        match self.mids {
+            None => vec![[a, b, c]],
+            Some([ab, bc, ca]) => vec![[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]],
+        }
+    }
+
     /// Shape functions of the face at barycentric coordinates `l`.
     pub fn stencil(&self, l: [f64; 3]) -> Stencil {
         let [a, b, c] = self.corners;

@@ -300,15 +300,12 @@ fn terms(model: &Model, i: usize, pose: ObjectPose) -> Vec<Box<dyn BodyTerm>> {
     if !model.features.is_empty() {
         terms.push(Box::new(FeatureContact::new(model.law, finger.surface.clone(), model.features.clone())));
     }
-    // Of a dynamic scene, gravity stands with inertia.
-    if let (Some(gravity), None, true) = (model.gravity, &model.dynamics, model.free && i == 0) {
+    // Of a dynamic scene, gravity stands with inertia; an agent's world sets its load step by step.
+    if model.free && i == 0 && model.dynamics.is_none() && (model.needs.task || model.gravity.is_some()) {
         let center = model.object.mass.center;
         let start = pose.position + pose.rotation * center;
-        terms.push(Box::new(Weight::new(pose.rotation * gravity * model.mass, center, start)));
-    }
-    if model.needs.task && model.free && i == 0 {
-        let center = model.object.mass.center;
-        terms.push(Box::new(Weight::new(DVec3::ZERO, center, pose.position + pose.rotation * center)));
+        let force = pose.rotation * model.gravity.unwrap_or_default() * model.mass;
+        terms.push(Box::new(Weight::new(force, center, start)));
     }
     terms
 }

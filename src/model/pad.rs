@@ -1,6 +1,6 @@
 //! The pads of a scene, meshed in the pad frame and placed on their fingers in the hand frame.
 
-use crate::contact::ContactSurface;
+use crate::contact::{ContactSurface, Face};
 use crate::error::{Error, Result};
 use crate::fem::body::{self, Body};
 use crate::gripper::Placement;
@@ -140,28 +140,26 @@ fn topology(
     bonded: &[bool],
     corner_count: usize,
 ) -> PadTopology {
-    let sensing = pad::sensing_faces(pad).into_iter().map(|f| f.nodes);
     let edges = quadratic::midpoint_edges(&pad.mesh);
     let middle = |a: u32, b: u32| {
         let k = edges.partition_point(|e| *e < [a.min(b), a.max(b)]);
         (corner_count + k) as u32
     };
-    let (elements, sensing) = match elements {
-        body::Elements::Linear(tets) => (record::Elements::Linear(tets.clone()), sensing.collect()),
-        body::Elements::Quadratic(tets) => {
-            let four = sensing.flat_map(|[a, b, c]| {
-                let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
-                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-            });
-            (record::Elements::Quadratic(tets.clone()), four.collect())
-        }
+    let quadratic = matches!(elements, body::Elements::Quadratic(_));
+    let face = |[a, b, c]: [u32; 3]| {
+        let mids = quadratic.then(|| [middle(a, b), middle(b, c), middle(c, a)]);
+        Face { corners: [a, b, c], mids }
+    };
+    let elements = match elements {
+        body::Elements::Linear(tets) => record::Elements::Linear(tets.clone()),
+        body::Elements::Quadratic(tets) => record::Elements::Quadratic(tets.clone()),
     };
     PadTopology {
         rest: nodes.to_vec(),
         corner_count,
         elements,
         surface: surface::boundary(&pad.mesh).into_iter().map(|f| f.nodes).collect(),
-        sensing,
+        sensing: pad::sensing_faces(pad).into_iter().flat_map(|f| face(f.nodes).flat_parts()).collect(),
         bonded: bonded.to_vec(),
     }
 }

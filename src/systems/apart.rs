@@ -54,7 +54,7 @@ pub fn overlap(first: &ContactSurface, x: &[DVec3], second: &ContactSurface, y: 
     let behind: Vec<_> = second.points.iter().map(|s| plane(s.position(y))).filter(|(_, h)| *h < tip).collect();
     let lowest = behind.iter().map(|(_, h)| *h).fold(f64::INFINITY, f64::min);
     let mut worst = 0.0_f64;
-    for triangle in first.faces.iter().flat_map(flat_parts) {
+    for triangle in first.faces.iter().flat_map(Face::flat_parts) {
         let [a, b, c] = triangle.map(|n| plane(x[n as usize]));
         // Seen from the other pad, front sides turn counter-clockwise.
         let area = (b.0 - a.0).perp_dot(c.0 - a.0);
@@ -70,13 +70,4 @@ pub fn overlap(first: &ContactSurface, x: &[DVec3], second: &ContactSurface, y: 
         }
     }
     worst
-}
-
-/// The triangles between the nodes of a face.
-fn flat_parts(face: &Face) -> Vec<[u32; 3]> {
-    let [a, b, c] = face.corners;
-    match face.mids {
-        None => vec![[a, b, c]],
-        Some([ab, bc, ca]) => vec![[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]],
-    }
 }
