@@ -1,7 +1,7 @@
 //! Every layer of the networks: gradients against central differences, relative 1e-6 in f64 and 1e-3 in f32.
 
 use tactus::gnn::ops::{
-    Activation, Sparse, apply, layer_norm, linear, product, reshape, share, squared_error, sum, von_mises,
+    Activation, Sparse, apply, layer_norm, linear, product, reshape, root_error, share, sum, von_mises,
 };
 use tactus::gnn::real::Real;
 use tactus::gnn::tape::{Matrix, Tape};
@@ -29,7 +29,7 @@ fn compare<T: Real>(
     let out = f(&Tape::silent(), &parameters);
     let target = numbers(&mut random, out.rows * out.cols);
     let weight: Vec<f32> = (0..out.rows).map(|_| 0.5 + random.unit() as f32).collect();
-    let loss = |tape: &Tape<T>, p: &[Matrix<T>]| squared_error(tape, &f(tape, p), &target, &weight);
+    let loss = |tape: &Tape<T>, p: &[Matrix<T>]| root_error(tape, &f(tape, p), &target, &weight, out.rows);
     let tape = Tape::recording();
     let value = loss(&tape, &parameters);
     let gradients = tape.backward(&value, &parameters);

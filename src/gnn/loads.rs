@@ -27,6 +27,8 @@ pub struct Loads {
     pub pad: Vec<f32>,
     /// Force per finger over `E t^2`: (levels).
     pub force: Vec<f64>,
+    /// What each pad presses with over `E t^2`: (levels * pads).
+    pub pressing: Vec<f64>,
     /// Displacement of the springs that carry the force, m: (levels * pads).
     pub depth: Vec<f64>,
     /// Travel that the springs allow, m: (levels * pads).
@@ -43,17 +45,17 @@ impl Loads {
             node: rows(&self.node, count, wanted),
             pad: rows(&self.pad, count, wanted),
             force: rows(&self.force, count, wanted),
+            pressing: rows(&self.pressing, count, wanted),
             depth: rows(&self.depth, count, wanted),
             travel: rows(&self.travel, count, wanted),
             motion: rows(&self.motion, count, wanted),
         }
     }
 
-    /// Force over `E t^2` over depth over thickness: (levels * pads).
+    /// What presses over `E t^2` over depth over thickness: (levels * pads).
     pub fn scale(&self, features: &Features) -> Vec<f32> {
         let t = features.graph.thickness;
-        let of = |(i, depth): (usize, &f64)| (self.force[i / features.pads] * t / depth) as f32;
-        self.depth.iter().enumerate().map(of).collect()
+        self.pressing.iter().zip(&self.depth).map(|(force, depth)| (force * t / depth) as f32).collect()
     }
 }
 
@@ -74,7 +76,8 @@ impl Features {
 
     /// Adds pad `p` under the last force, all over the thickness and `E t^2`.
     fn load_pad(&self, p: usize, rest: &Rest, loads: &mut Loads) {
-        let (n, to_pad, force) = (self.graph.face.len(), self.to_pad[p], loads.force[loads.force.len() - 1]);
+        let (n, to_pad) = (self.graph.face.len(), self.to_pad[p]);
+        let force = self.bed.carried_by(p, loads.force[loads.force.len() - 1]);
         let own = p * n..(p + 1) * n;
         let springs = &self.bed.springs()[own.clone()];
         let (pressed, dragged) = (&rest.pressed[own.clone()], &rest.dragged[own]);
@@ -134,6 +137,7 @@ impl Features {
         ];
         let motion = shift.to_array().into_iter().chain(turn.to_array());
         loads.pad.extend(row.into_iter().chain(motion.map(|v| v / depth)).map(|v| v as f32));
+        loads.pressing.push(force);
         loads.depth.push(depth);
         loads.travel.push(travel);
         loads.motion.extend((shift * self.graph.thickness).to_array().into_iter().chain(turn.to_array()));

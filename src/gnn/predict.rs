@@ -43,7 +43,7 @@ pub struct PadState {
     pub displacement: Vec<DVec3>,
     /// Von Mises stress of every node, Pa, >= 0.
     pub stress: Vec<f64>,
-    /// Contact force on every node, N; along the closing direction they sum to the finger's force.
+    /// Contact force on every node, N; along the closing direction they sum to what the finger presses with.
     pub contact: Vec<DVec3>,
     /// Travel of the finger since first contact, m.
     pub travel: f64,
@@ -146,7 +146,7 @@ impl Predictor {
             let mut contact = vec![DVec3::ZERO; nodes];
             for (i, c) in graph.face.iter().zip(own(&out.contact, face).as_chunks::<3>().0) {
                 // Shares are of a force against the closing direction, friction in the same unit.
-                contact[*i as usize] = vector(&[c[1], c[2], -c[0]]) * forces[at / pads];
+                contact[*i as usize] = vector(&[c[1], c[2], -c[0]]) * (loads.pressing[at] * features.unit_force());
             }
             let motion = own(&out.motion, 1);
             let given = |k: usize| DVec3::from_slice(&loads.motion[6 * at + k..]);

@@ -4,7 +4,7 @@ use super::features::{Features, ROTATION, VECTOR, amid};
 use super::graph::PadGraph;
 use super::loads::Loads;
 use super::network::{Normalisers, Output};
-use super::ops::squared_error;
+use super::ops::{product, root_error};
 use super::real::Real;
 use super::tape::{Matrix, Tape};
 use super::touch::Touch;
@@ -136,7 +136,7 @@ impl Sample {
         }
     }
 
-    /// How wrong `output` is: relative squared errors, averaged over the levels, weighted and added; 1 x 1.
+    /// How wrong `output` is: relative errors (L2) of each level, averaged over the levels, weighted and added; 1 x 1.
     ///
     /// Travel and motion count in the units of [`Normalisers`].
     pub fn loss<T: Real>(
@@ -151,7 +151,7 @@ impl Sample {
         let depth = &loads.depth;
         let t = self.features.graph.thickness;
         // Per row of a field: target in the network's unit, and one over the square of the field's norm at that level.
-        let field = |all: &[f32], cols: usize, signs: &[f32], unit: &dyn Fn(usize) -> f64, weight: f32| {
+        let field = |all: &[f32], cols: usize, signs: &[f32], unit: &dyn Fn(usize) -> f64| {
             let per_pad = all.len() / (levels * pads);
             let mut target: Vec<f32> = Vec::with_capacity(all.len());
             for (at, own) in all.chunks_exact(per_pad).enumerate() {
@@ -161,25 +161,23 @@ impl Sample {
             let mut rows = Vec::with_capacity(all.len() / cols);
             for level in target.chunks_exact(per_pad * pads) {
                 let square: f64 = level.iter().map(|v| f64::from(*v).powi(2)).sum();
-                let one = f64::from(weight) / (levels as f64 * square.max(1e-12));
-                rows.extend(std::iter::repeat_n(one as f32, level.len() / cols));
+                rows.extend(std::iter::repeat_n((1.0 / square.max(1e-12)) as f32, level.len() / cols));
             }
             (target, rows)
         };
         let sign = |parity: &[super::features::Parity]| parity.iter().map(|p| p.sign(mirror)).collect::<Vec<_>>();
-        let (u, u_rows) =
-            field(&self.displacement, 3, &sign(&VECTOR), &|at| depth[at] * f64::from(norms.displacement), 1.0);
+        let (u, u_rows) = field(&self.displacement, 3, &sign(&VECTOR), &|at| depth[at] * f64::from(norms.displacement));
         let stress_unit = |at: usize| self.features.young * depth[at] / t * f64::from(norms.stress);
-        let (s, s_rows) = field(&self.stress, 1, &[1.0], &stress_unit, weights[0]);
+        let (s, s_rows) = field(&self.stress, 1, &[1.0], &stress_unit);
         // On the pad, the object presses against the closing direction.
         let turned: Vec<f32> = self.contact.as_chunks::<3>().0.iter().flat_map(|f| [-f[2], f[0], f[1]]).collect();
         let mirrored = [1.0, VECTOR[0].sign(mirror), VECTOR[1].sign(mirror)];
-        let (c, c_rows) = field(&turned, 3, &mirrored, &|at| self.forces[at / pads], weights[1]);
+        let (c, c_rows) = field(&turned, 3, &mirrored, &|at| loads.pressing[at] * self.features.unit_force());
         let travel = self.travel.iter().zip(&loads.travel).zip(depth).map(|((x, prior), d)| {
             (((x - prior) / d - f64::from(norms.travel[0])) / f64::from(norms.travel[1])) as f32
         });
         let travel: Vec<f32> = travel.collect();
-        let each = 1.0 / (levels * pads) as f32;
+        let each = 1.0 / pads as f32;
         let signs: Vec<f32> = sign(&VECTOR).into_iter().chain(sign(&ROTATION)).collect();
         let motion: Vec<f32> = (self.motion.iter().enumerate())
             .map(|(i, v)| {
@@ -193,16 +191,19 @@ impl Sample {
             .map(|i| {
                 let own = &self.travel[i / pads * pads..][..pads];
                 let mean = (own.iter().sum::<f64>() / pads as f64).abs().max(1e-9);
-                weights[2] * each * (f64::from(norms.travel[1]) * depth[i] / mean).powi(2) as f32
+                each * (f64::from(norms.travel[1]) * depth[i] / mean).powi(2) as f32
             })
             .collect();
-        let pads_rows = |weight: f32| vec![weight * each; levels * pads];
+        let motion_rows = vec![each / 6.0; levels * pads];
+        let part = |x: &Matrix<T>, target: &[f32], rows: &[f32], weight: f32| {
+            product(tape, &root_error(tape, x, target, rows, levels), &Matrix::constant(1, 1, vec![T::of(weight)]))
+        };
         let parts = [
-            squared_error(tape, &output.displacement, &u, &u_rows),
-            squared_error(tape, &output.stress, &s, &s_rows),
-            squared_error(tape, &output.contact, &c, &c_rows),
-            squared_error(tape, &output.travel, &travel, &travel_rows),
-            squared_error(tape, &output.motion, &motion, &pads_rows(weights[3] / 6.0)),
+            part(&output.displacement, &u, &u_rows, 1.0),
+            part(&output.stress, &s, &s_rows, weights[0]),
+            part(&output.contact, &c, &c_rows, weights[1]),
+            part(&output.travel, &travel, &travel_rows, weights[2]),
+            part(&output.motion, &motion, &motion_rows, weights[3]),
         ];
         super::ops::sum(tape, &parts.each_ref(), super::ops::Activation::None)
     }

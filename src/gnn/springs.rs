@@ -18,7 +18,9 @@ const TANGENTIAL: f64 = 0.6;
 const STEP: f64 = 1.4;
 /// The first of them.
 const FIRST: f64 = 1e-3;
-/// Unknowns: the travel of two fingers, translation and rotation of the object.
+/// Part of its force that a finger presses with at least, however heavy the object.
+const LEAST: f64 = 0.05;
+/// Unknowns: the travel of two fingers (of both, if they are geared, in the first), translation and rotation of the object.
 const UNKNOWNS: usize = 8;
 
 type Vector = [f64; UNKNOWNS];
@@ -104,6 +106,17 @@ impl Bed {
         dragged * (TANGENTIAL * spring.area)
     }
 
+    /// Which unknown is the travel of `finger`: fingers around a free object are geared, as in the finite elements.
+    fn travel(&self, finger: usize) -> usize {
+        if self.free { 0 } else { finger }
+    }
+
+    /// What `finger` presses with at `force` per finger: one carries more of a free object's weight than the other.
+    pub fn carried_by(&self, finger: usize, force: f64) -> f64 {
+        let share = self.weight.dot(self.closing[finger]) / self.closing.len() as f64;
+        if self.free { (force - share).max(LEAST * force) } else { force }
+    }
+
     /// At `force` per finger.
     pub fn rest(&self, force: f64) -> Rest {
         let known = ((force / FIRST).ln() / STEP.ln()).ceil().max(0.0) as usize;
@@ -135,14 +148,14 @@ impl Bed {
         if before.pressed.iter().all(|p| *p <= 0.0) {
             // Something to start from: each finger alone.
             for (finger, bed) in self.alone.iter().enumerate() {
-                step[finger] = bed.depth(force);
+                step[self.travel(finger)] = bed.depth(force);
             }
         }
         let mut now = self.moved(before, &step);
         for _ in 0..12 {
             let (mut gradient, mut stiffness) = ([0.0; UNKNOWNS], [[0.0; UNKNOWNS]; UNKNOWNS]);
             for finger in 0..self.closing.len() {
-                gradient[finger] = -force;
+                gradient[self.travel(finger)] -= force;
             }
             for k in 0..3 {
                 gradient[2 + k] = -self.weight[k];
@@ -181,7 +194,7 @@ impl Bed {
     /// How fast the face at a spring moves relative to the object, per unknown.
     fn rows(&self, s: &Spring) -> [DVec3; UNKNOWNS] {
         let mut rows = [DVec3::ZERO; UNKNOWNS];
-        rows[s.finger] = self.closing[s.finger];
+        rows[self.travel(s.finger)] = self.closing[s.finger];
         for (k, axis) in DVec3::AXES.into_iter().enumerate() {
             rows[2 + k] = -axis;
             rows[5 + k] = -axis.cross(s.at);
@@ -193,12 +206,11 @@ impl Bed {
     fn moved(&self, before: &Rest, step: &Vector) -> Rest {
         let (shift, turn) = (DVec3::from_slice(&step[2..5]), DVec3::from_slice(&step[5..8]));
         let mut now = before.clone();
-        now.travel[0] += step[0];
-        now.travel[1] += step[1];
+        (0..self.closing.len()).for_each(|finger| now.travel[finger] += step[self.travel(finger)]);
         now.shift += shift;
         now.turn += turn;
         for (i, s) in self.springs.iter().enumerate() {
-            let slid = self.closing[s.finger] * step[s.finger] - shift - turn.cross(s.at);
+            let slid = self.closing[s.finger] * step[self.travel(s.finger)] - shift - turn.cross(s.at);
             let into = -s.normal.dot(slid);
             now.pressed[i] += into;
             let part = touching(before.pressed[i], now.pressed[i]);
@@ -210,7 +222,7 @@ impl Bed {
 
     /// Solves for the unknowns that there are; a touch of stiffness holds what no spring holds.
     fn solve(&self, stiffness: [[f64; UNKNOWNS]; UNKNOWNS], gradient: Vector) -> Vector {
-        let used = |a: usize| if a < 2 { a < self.closing.len() } else { self.free };
+        let used = |a: usize| if a < 2 { (0..self.closing.len()).any(|f| self.travel(f) == a) } else { self.free };
         let scale = (0..UNKNOWNS).map(|a| stiffness[a][a]).fold(1e-6, f64::max);
         let matrix = faer::Mat::<f64>::from_fn(UNKNOWNS, UNKNOWNS, |a, b| match (used(a) && used(b), a == b) {
             (true, same) => stiffness[a][b] + if same { 1e-6 * scale } else { 0.0 },

@@ -21,28 +21,25 @@ pub fn place_object(
     next.request(Phase::Close);
 }
 
-/// Refuses a weight that this gripper cannot hold at all.
+/// Refuses a weight that the squeeze cannot carry along the closing direction: geared fingers share its force, and the one
+/// under the object gets what it weighs from the other.
 pub fn refuse_weight(phase: Res<Phase>, shared: Res<Shared>, mut next: ResMut<Next>, weight: Single<&ObjectWeight>) {
     let model = &shared.0;
-    // Geared fingers hold such a weight.
-    let equal_forces = model.force_driven && model.dynamics.is_none();
-    if *phase != Phase::Place || !equal_forces {
+    let squeezed = model.force_driven && model.dynamics.is_none();
+    if *phase != Phase::Place || !squeezed {
         return;
     }
-    let weight = weight.0.dot(model.fingers[0].placement.closing).abs();
-    let last = model.levels.last().copied().unwrap_or(0.0);
-    if weight > HELD * last {
+    let along = weight.0.dot(model.fingers[0].placement.closing).abs();
+    let total = model.levels.last().copied().unwrap_or(0.0) * model.fingers.len() as f64;
+    if along > total {
         next.request(Phase::Infeasible {
             reason: format!(
-                "gravity pulls the object with {weight:.3} N along the closing direction; fingers closed by equal \
-                 forces cannot hold that: turn the hand or gravity"
+                "gravity pulls the object with {along:.3} N along the closing direction; fingers that squeeze it with \
+                 {total:.3} N together cannot hold that: raise the force, or turn the hand or gravity"
             ),
         });
     }
 }
-
-/// Weight along the closing direction, over the force of a finger, that still passes as none.
-const HELD: f64 = 1e-6;
 
 /// Sets the load of the frame that this step makes.
 pub fn set_load(

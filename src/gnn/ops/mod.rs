@@ -9,7 +9,7 @@ mod von_mises;
 
 pub use linear::linear;
 pub use norm::layer_norm;
-pub use pointwise::{Activation, product, reshape, squared_error, sum};
+pub use pointwise::{Activation, product, reshape, root_error, sum};
 pub use share::share;
 pub use sparse::{Sparse, apply};
 pub use von_mises::von_mises;

@@ -101,23 +101,31 @@ pub fn reshape<T: Real>(tape: &Tape<T>, x: &Matrix<T>, rows: usize) -> Matrix<T>
     out
 }
 
-/// `sum_r w_r |x_r - t_r|2` over the rows, 1 x 1; `target` like x, one weight per row.
-pub fn squared_error<T: Real>(tape: &Tape<T>, x: &Matrix<T>, target: &[f32], weight: &[f32]) -> Matrix<T> {
+/// How far `x` is from `target`: for each of `groups` equal groups of rows the root of sum(weight * squared difference),
+/// averaged; 1 x 1. A root, so that the few hard groups do not drown the others.
+pub fn root_error<T: Real>(tape: &Tape<T>, x: &Matrix<T>, target: &[f32], weight: &[f32], groups: usize) -> Matrix<T> {
     assert!(target.len() == x.value().len() && weight.len() == x.rows, "a target has the shape of what it judges");
+    assert!(x.rows.is_multiple_of(groups), "groups are alike");
+    let (cols, each) = (x.cols, x.rows / groups);
     let difference: Vec<T> = x.value().iter().zip(target).map(|(x, t)| *x - T::of(*t)).collect();
-    let rows = difference.chunks_exact(x.cols).zip(weight);
+    let rows: Vec<(&[T], &f32)> = difference.chunks_exact(cols).zip(weight).collect();
     // In f64: a sum of many squares of f32 would lose digits.
-    let error: f64 = rows.map(|(d, w)| f64::from(*w) * d.iter().map(|d| d.f64().powi(2)).sum::<f64>()).sum();
+    let square = |(d, w): &(&[T], &f32)| f64::from(**w) * d.iter().map(|d| d.f64().powi(2)).sum::<f64>();
+    let roots: Vec<f64> =
+        rows.chunks_exact(each).map(|g| (g.iter().map(square).sum::<f64>() + SMOOTH * SMOOTH).sqrt()).collect();
+    let mean = roots.iter().sum::<f64>() / groups as f64;
     let (x, weight) = (x.clone(), weight.to_vec());
     let input = x.clone();
-    tape.result(&[&input], (1, 1), vec![T::nearest(error)], move |grads, out| {
-        let cols = x.cols;
+    tape.result(&[&input], (1, 1), vec![T::nearest(mean)], move |grads, out| {
         if let Some(dx) = grads.of(&x) {
             for (r, w) in weight.iter().enumerate() {
-                let scale = T::of(2.0 * w) * out[0];
+                let scale = T::nearest(f64::from(*w) / (roots[r / each] * groups as f64)) * out[0];
                 let own = r * cols..(r + 1) * cols;
                 dx[own.clone()].iter_mut().zip(&difference[own]).for_each(|(g, d)| *g += scale * *d);
             }
         }
     })
 }
+
+/// Error below which a root counts as a square.
+const SMOOTH: f64 = 1e-3;
