@@ -171,6 +171,15 @@ pub struct PadTopology {
     pub bonded: Vec<bool>,
 }
 
+impl PadTopology {
+    /// Corner triangles of the outer surface without the sensing face, which has its own, finer ones.
+    pub fn outside(&self) -> Vec<[u32; 3]> {
+        let mut sensing = vec![false; self.rest.len()];
+        self.sensing.as_flattened().iter().for_each(|&n| sensing[n as usize] = true);
+        self.surface.iter().copied().filter(|t| !t.iter().all(|&n| sensing[n as usize])).collect()
+    }
+}
+
 /// Name of pad (and finger) `index` in files and pictures: `left`, `right`, then `pad2` and so on.
 pub fn pad_name(index: usize) -> String {
     match index {
