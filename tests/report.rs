@@ -5,6 +5,7 @@ mod gnn_made;
 
 use gnn_made::{Made, made, set};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -37,7 +38,8 @@ fn data_of(html: &str) -> Value {
 }
 
 fn base64(text: &str) -> Vec<u8> {
-    let digit = |c: u8| b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/".iter().position(|d| *d == c);
+    let digit =
+        |c: u8| b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/".iter().position(|d| *d == c);
     let decode = |four: &[u8]| {
         let bits = four.iter().fold(0, |bits, c| bits << 6 | digit(*c).unwrap_or(0));
         let kept = four.iter().filter(|c| **c != b'=').count() - 1;
@@ -90,7 +92,8 @@ fn the_page_holds_the_truth_to_the_last_step_of_its_scale() {
         let (name, number) = shown["name"].as_str().unwrap().split_once(", grasp ").unwrap();
         let file = set.objects.iter().find(|f| f.name == name).unwrap();
         let grasp = file.grasp(number.parse().unwrap()).unwrap();
-        let (mesh, object) = (&data["meshes"][shown["pad"].as_u64().unwrap() as usize], shown["object"].as_u64().unwrap());
+        let (mesh, object) =
+            (&data["meshes"][shown["pad"].as_u64().unwrap() as usize], shown["object"].as_u64().unwrap());
         let (rest, step) = numbers(&mesh["rest"]);
         // Which node of the pad each node of the page is.
         let of: Vec<usize> = rest
@@ -98,7 +101,8 @@ fn the_page_holds_the_truth_to_the_last_step_of_its_scale() {
             .0
             .iter()
             .map(|x| {
-                let near = |n: &usize| x.iter().zip(file.pad.rest[*n].to_array()).all(|(a, b)| (a - b).abs() <= 1.01 * step);
+                let near =
+                    |n: &usize| x.iter().zip(file.pad.rest[*n].to_array()).all(|(a, b)| (a - b).abs() <= 1.01 * step);
                 (0..file.pad.rest.len()).find(near).unwrap()
             })
             .collect();
@@ -143,6 +147,20 @@ fn the_page_holds_the_truth_to_the_last_step_of_its_scale() {
     let charts = data["charts"].as_array().unwrap();
     assert_eq!(charts.len(), 2, "by object and by force");
     assert_eq!(charts[1]["over"]["axis"]["at"], serde_json::json!([1.0, 2.0]), "force, N");
+}
+
+#[test]
+fn the_surface_of_a_pad_that_is_shown_has_no_gap() {
+    let set = set(made());
+    let pad = &set.objects[0].pad;
+    let mut edges: BTreeMap<[u32; 2], usize> = BTreeMap::new();
+    for t in pad.sensing.iter().chain(&pad.outside()) {
+        for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+            *edges.entry([a.min(b), a.max(b)]).or_default() += 1;
+        }
+    }
+    let open = edges.iter().filter(|(_, count)| **count != 2).count();
+    assert_eq!(open, 0, "of {} edges so many have not two triangles", edges.len());
 }
 
 #[test]

@@ -153,7 +153,8 @@ pub fn mark_dominated(points: &mut [Point]) {
 
 impl Point {
     fn new(entry: &Entry) -> Self {
-        let spread = |(name, pick): &Quantity| Spread::of(entry.errors.iter().map(pick)).map(|s| (Name::from(*name), s));
+        let spread =
+            |(name, pick): &Quantity| Spread::of(entry.errors.iter().map(pick)).map(|s| (Name::from(*name), s));
         let errors: BTreeMap<_, _> = QUANTITIES.iter().filter_map(spread).collect();
         let middle = |name: &str| errors.get(name).map(|s| s.median);
         let whole: f64 = entry.stages.values().sum();

@@ -20,12 +20,15 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
         // An XML declaration has no place inside a page.
         let svg = svg.find("<svg").map(|at| svg[at..].to_string());
         let svg = svg.ok_or_else(|| Error::file(&chart, "is no SVG picture"))?;
-        blocks.push(Block::Picture(svg, "Time against error, both logarithmic; what lies lower left is better.".into()));
+        blocks
+            .push(Block::Picture(svg, "Time against error, both logarithmic; what lies lower left is better.".into()));
     }
     blocks.push(Block::Table(points(&report)));
     for point in report.points.iter().filter(|p| p.contender) {
         let text = match (point.speedup_at_equal_error, &point.equal_error_label) {
-            (Some(ratio), Some(label)) => format!("{}: {ratio:.1} times faster at equal error, against {label}.", point.label),
+            (Some(ratio), Some(label)) => {
+                format!("{}: {ratio:.1} times faster at equal error, against {label}.", point.label)
+            }
             _ => format!("{}: no setting here is as accurate.", point.label),
         };
         blocks.push(Block::Note(text));
@@ -49,7 +52,8 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
 /// Those of [`contest`].
 pub fn sizes(dir: &Path, page: &mut Page) -> Result<()> {
     let report: Sizes = read(&dir.join("sizes.json"))?;
-    let columns = ["pad", "nodes", "unknowns", "ms an iteration", "iterations a frame", "s a frame", "processor s", "MB"];
+    let columns =
+        ["pad", "nodes", "unknowns", "ms an iteration", "iterations a frame", "s a frame", "processor s", "MB"];
     let mut table = Table::new("Cost of a frame", &columns);
     for s in &report.sizes {
         table.rows.push(vec![

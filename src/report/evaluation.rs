@@ -113,7 +113,9 @@ fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Resu
     ))];
     if set.manifest.plan == predictor.card.data && split != predictor.card.split {
         let own = &predictor.card.split;
-        notes.push(Block::Note(format!("It was trained on split {own} of this data set: {split} may hold grasps it has seen.")));
+        notes.push(Block::Note(format!(
+            "It was trained on split {own} of this data set: {split} may hold grasps it has seen."
+        )));
     }
     let note = "Median / 90th percentile / worst over grasps and frames above a fifth of the load.";
     let by = |title: &str, prefix: &'static str| {
@@ -122,10 +124,10 @@ fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Resu
         Block::Table(own)
     };
     notes.extend([
-        by("Error by object", "object "),
         Block::Chart(by_object(&table)),
-        Block::Table(errors("Error by force", &table, "load ")),
+        by("Error by object, in numbers", "object "),
         Block::Chart(by_force(set, &table, &judged)),
+        Block::Table(errors("Error by force, in numbers", &table, "load ")),
         Block::Table(worst(&ranked)),
     ]);
     Ok(notes)
@@ -263,7 +265,9 @@ mod tests {
 
     #[test]
     fn few_grasps_stand_for_many() {
-        let of = |count, wanted| roles(count, wanted).into_iter().map(|(at, role)| format!("{at} {role}")).collect::<Vec<_>>();
+        let of = |count, wanted| {
+            roles(count, wanted).into_iter().map(|(at, role)| format!("{at} {role}")).collect::<Vec<_>>()
+        };
         assert_eq!(of(9, 1), ["4 median"]);
         assert_eq!(of(9, 2), ["4 median", "8 worst"]);
         assert_eq!(of(9, 3), ["0 best", "4 median", "8 worst"]);

@@ -64,7 +64,11 @@ impl Page {
     pub fn html(&self) -> Result<String> {
         let (mut charts, mut body) = (Vec::new(), String::new());
         for section in &self.sections {
-            body += &format!("<section>\n<h2>{}</h2>\n<p class=\"lead\">{}</p>\n", escape(&section.title), escape(&section.lead));
+            body += &format!(
+                "<section>\n<h2>{}</h2>\n<p class=\"lead\">{}</p>\n",
+                escape(&section.title),
+                escape(&section.lead)
+            );
             for block in &section.blocks {
                 body += &match block {
                     Block::Table(table) => table.html(),
@@ -84,7 +88,8 @@ impl Page {
         let grasps = self.recordings.iter().map(|r| r.json(&mut meshes)).collect::<Result<Vec<_>>>()?;
         let colors: Vec<u8> = (0..256).flat_map(|i| color(f64::from(i) / 255.0).map(|c| c.round() as u8)).collect();
         let data = json!({ "charts": charts, "meshes": meshes, "grasps": grasps, "colors": base64(&colors) });
-        let data = serde_json::to_string(&data).map_err(|e| Error::Start(format!("the page cannot be written: {e}")))?;
+        let data =
+            serde_json::to_string(&data).map_err(|e| Error::Start(format!("the page cannot be written: {e}")))?;
         let parts = [
             ("style", STYLE.to_string()),
             ("version", env!("CARGO_PKG_VERSION").to_string()),

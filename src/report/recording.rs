@@ -118,7 +118,8 @@ impl Surface {
         let nodes: Vec<usize> = (0..seen.len()).filter(|n| seen[*n]).collect();
         let mut number = vec![0; seen.len()];
         (0..).zip(&nodes).for_each(|(k, n)| number[*n] = k);
-        let renumbered = |all: &[[u32; 3]]| all.as_flattened().iter().map(|n| number[*n as usize]).collect::<Vec<u32>>();
+        let renumbered =
+            |all: &[[u32; 3]]| all.as_flattened().iter().map(|n| number[*n as usize]).collect::<Vec<u32>>();
         Self { sensing: renumbered(&pad.sensing), outside: renumbered(&outside), nodes }
     }
 

@@ -70,8 +70,17 @@ fn recordings(dir: &Path, report: &RunReport, wishes: &Wishes) -> Result<Vec<Rec
 }
 
 fn grasps(report: &RunReport) -> Table {
-    let columns =
-        ["grasp", "frames", "force, N", "travel, mm", "smallest det F", "smallest gap, µm", "balance", "iterations", "s"];
+    let columns = [
+        "grasp",
+        "frames",
+        "force, N",
+        "travel, mm",
+        "smallest det F",
+        "smallest gap, µm",
+        "balance",
+        "iterations",
+        "s",
+    ];
     let mut table = Table::new("Grasps", &columns);
     table.note = "Force and travel at the last frame; force is the sum over the fingers.".into();
     for g in &report.grasps {

@@ -87,6 +87,17 @@ function drawLines(figure, { label, at }, series, unit, now, pick) {
   }
 }
 
+// Calls `draw` now, and whenever the width of `element` is another; not within the observer, whose turn it would upset.
+function atWidth(element, draw) {
+  let width = element.clientWidth;
+  draw();
+  new ResizeObserver(() => requestAnimationFrame(() => {
+    if (element.clientWidth === width) return;
+    width = element.clientWidth;
+    draw();
+  })).observe(element);
+}
+
 function head(figure, title, keys) {
   figure.dataset.title = title;
   const line = document.createElement("div");
@@ -125,7 +136,7 @@ function chart(figure, { title, over, quantities }) {
     drawLines(figure, over.axis, series, q.unit);
   };
   choice.addEventListener("change", draw);
-  new ResizeObserver(draw).observe(figure);
+  atWidth(figure, draw);
 }
 
 document.querySelectorAll("[data-chart]").forEach((figure) => chart(figure, data.charts[figure.dataset.chart]));

@@ -19,8 +19,8 @@ class Controls {
     on("layout", "change", () => this.glide(+chosen("layout")));
     on("play", "click", () => this.play());
     this.pointers();
-    new ResizeObserver(() => this.draw()).observe(byId("canvas"));
     this.choose(0);
+    atWidth(byId("canvas"), () => this.draw());
   }
 
   choose(i) {
@@ -54,7 +54,7 @@ class Controls {
 
   who(show) {
     const [truth, other] = this.grasp.states;
-    return { truth: truth.label, prediction: other?.label, difference: `difference of the two, on the shape of ${truth.label}` }[show];
+    return { truth: truth.label, prediction: other?.label, difference: "difference" }[show];
   }
 
   write(options, panes) {
@@ -88,22 +88,28 @@ class Controls {
     this.facts(options);
   }
 
-  legend(options, name, units) {
-    const show = options.shows[options.shows.length - 1];
-    const scales = options.shows.length > 1 ? ["truth", "difference"] : [show];
-    const stops = (colors) => [...Array(17).keys()].map((i) => `rgb(${[...colors.slice(3 * i * 15, 3 * i * 15 + 3)]})`).join(",");
-    byId("legend-name").textContent = show === "difference" && scales.length < 2 ? `error of the ${name}, ${units}` : `${name}, ${units}`;
-    byId("ramp").style.background = `linear-gradient(90deg, ${stops(COLORS[scales[0] === "difference" ? "error" : "field"])})`;
-    const most = options.ranges[scales[0]];
-    const marks = ticks(most, 4).filter((v) => v < most * 0.93);
-    const written = [...marks.map((v) => [v, short(v)]), [most, short(most)]];
-    byId("ticks").replaceChildren(...written.map(([v, text], i) => {
-      const span = document.createElement("span");
-      span.textContent = text;
-      span.style.left = `${most > 0 ? (100 * v) / most : i * 100}%`;
-      if (i === written.length - 1) span.className = "end";
-      return span;
-    }));
+  // A scale for the fields, one for their difference.
+  legend({ shows, ranges }, name, units) {
+    const stops = (colors) => [...Array(17).keys()].map((i) => `rgb(${[...colors.slice(45 * i, 45 * i + 3)]})`).join(",");
+    const scale = (show) => {
+      const [legend, title, ramp, row] = [0, 0, 0, 0].map(() => document.createElement("div"));
+      [legend.className, ramp.className, row.className] = ["legend", "ramp", "ticks"];
+      title.textContent = `${show === "difference" ? "difference of the " : ""}${name}, ${units}`;
+      ramp.style.background = `linear-gradient(90deg, ${stops(COLORS[show === "difference" ? "error" : "field"])})`;
+      const most = ranges[show];
+      const marks = ticks(most, 4).filter((v) => v < most * 0.8);
+      row.append(...[...marks, most].map((v, i) => {
+        const mark = document.createElement("span");
+        mark.textContent = short(v);
+        mark.style.left = `${most > 0 ? (100 * v) / most : 100 * i}%`;
+        if (i === marks.length) mark.className = "end";
+        return mark;
+      }));
+      legend.append(title, ramp, row);
+      return legend;
+    };
+    byId("legends").replaceChildren(...(shows.length > 1 ? ["truth", "difference"] : shows).map(scale));
+    byId("hint").hidden = shows.length > 1;
   }
 
   facts({ frame, quantity, shows, ranges }) {

@@ -42,7 +42,7 @@ out vec4 color;
 void main() {
   vec3 n = normalize(bent);
   float face = abs(dot(n, towards));
-  float alpha = ink.a * mix(0.75, 0.16, smoothstep(0.0, 1.0, face));
+  float alpha = ink.a * mix(0.7, 0.09, smoothstep(0.0, 0.9, face));
   float shade = 0.7 + 0.4 * pow(0.5 + 0.5 * dot(n, light), 2.0);
   color = vec4(min(ink.rgb * shade, 1.0) * alpha, alpha);
 }`;

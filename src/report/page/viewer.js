@@ -1,5 +1,5 @@
 // Draws the pads, one pane for each state that is shown.
-const LENS = Math.tan((13 * Math.PI) / 180);
+const LENS = Math.tan((11 * Math.PI) / 180);
 const VIEWS = { closed: { yaw: 0.33, pitch: 0.3, zoom: 1 }, open: { yaw: 0, pitch: 0.12, zoom: 1 } };
 
 // Errors go from pale to dark red, so that they are not taken for the fields themselves; brightness falls all the way.
@@ -75,8 +75,8 @@ class Viewer {
     const towards = [Math.sin(yaw) * Math.cos(pitch), Math.cos(yaw) * Math.cos(pitch), -Math.sin(pitch)];
     const right = unit(cross([0, 0, -1], towards));
     const up = cross(towards, right);
-    const [w, h] = [1.12 * radius, 1.02 * radius].map((r, i) => r + ((i ? openFit.h * 1.25 : openFit.w * 1.1) - r) * open);
-    const far = Math.max(w / aspect, h) / LENS + radius * 0.4 * (1 - open);
+    const [w, h] = [radius, 0.86 * radius].map((r, i) => r + ((i ? openFit.h * 1.25 : openFit.w * 1.1) - r) * open);
+    const far = Math.max(w / aspect, h) / LENS + radius * 0.3 * (1 - open);
     const distance = far / zoom;
     const eye = add(middle, towards, distance);
     const look = [right[0], up[0], towards[0], 0, right[1], up[1], towards[1], 0, right[2], up[2], towards[2], 0, -dot(right, eye), -dot(up, eye), -dot(towards, eye), 1];
@@ -158,7 +158,7 @@ class Viewer {
 
   drawObject(model, camera, strength) {
     const { gl } = this;
-    const places = this.use(this.glass, camera, [0.80, 0.73, 0.62, strength]);
+    const places = this.use(this.glass, camera, [0.78, 0.72, 0.63, strength]);
     gl.uniformMatrix4fv(places.model, false, model);
     gl.uniform1f(places.lift, 0);
     gl.bindVertexArray(this.object.array);
