@@ -52,7 +52,7 @@ pub fn report_page(args: &ReportArgs) -> Result<ExitCode> {
     let text = match args.format {
         Format::Text => {
             let megabytes = html.len() as f64 / 1e6;
-            format!("{}{}: {megabytes:.1} MB, {} grasps in 3-D\n", page.markdown(), args.out.display(), grasps.len())
+            format!("{}{}: {megabytes:.1} MB, grasps in 3-D: {}\n", page.markdown(), args.out.display(), grasps.len())
         }
         Format::Json => format!("{}\n", json!({ "page": args.out, "bytes": html.len(), "grasps": grasps })),
     };

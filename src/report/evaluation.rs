@@ -100,16 +100,12 @@ fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Resu
         page.recordings.push(compared(set, &predictor, ranked[at], &role, wishes.frames)?);
     }
     let (stress, displacement) = ranks(&judged);
-    let mean = |k: usize| 1e3 * judged.iter().map(|j| j.time_s[k]).sum::<f64>() / judged.len().max(1) as f64;
     let mut notes = vec![Block::Note(format!(
         "Network {}, {} parameters, split {split}: {}. Kendall's tau of the order of the grasps: {stress:.3} by peak stress, \
-         {displacement:.3} by peak displacement. It takes {:.2} ms a grasp and {:.2} ms for all its frames, on one thread of \
-         all at work.",
+         {displacement:.3} by peak displacement.",
         name(model),
         predictor.card.parameters,
-        counted(judged.len(), "test grasp"),
-        mean(0),
-        mean(1)
+        counted(judged.len(), "test grasp")
     ))];
     if set.manifest.plan == predictor.card.data && split != predictor.card.split {
         let own = &predictor.card.split;
@@ -117,7 +113,8 @@ fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Resu
             "It was trained on split {own} of this data set: {split} may hold grasps it has seen."
         )));
     }
-    let note = "Median / 90th percentile / worst over grasps and frames above a fifth of the load.";
+    let note =
+        "Median / 90th percentile / worst over grasps and frames above a fifth of the load; with a unit: median.";
     let by = |title: &str, prefix: &'static str| {
         let mut own = errors(title, &table, prefix);
         own.note = note.into();
@@ -127,7 +124,7 @@ fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Resu
         Block::Chart(by_object(&table)),
         by("Error by object, in numbers", "object "),
         Block::Chart(by_force(set, &table, &judged)),
-        Block::Table(errors("Error by force, in numbers", &table, "load ")),
+        Block::Table(errors("Error by part of the load", &table, "load ")),
         Block::Table(worst(&ranked)),
     ]);
     Ok(notes)

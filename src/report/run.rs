@@ -105,9 +105,18 @@ fn grasps(report: &RunReport) -> Table {
     table
 }
 
+/// Four digits, with an exponent only where it is shorter.
+fn significant(v: f64) -> String {
+    match v.abs() {
+        0.0 => "0".into(),
+        size if !(1e-3..1e5).contains(&size) => format!("{v:.3e}"),
+        size => format!("{v:.*}", (3 - size.log10().floor() as i32).max(0) as usize),
+    }
+}
+
 fn expectations(report: &RunReport) -> Table {
     let mut table = Table::new("Expectations of the scene", &["expectation", "", "value", "bound"]);
-    let number = |v: Option<f64>| v.map_or("-".into(), |v| format!("{v:.4e}"));
+    let number = |v: Option<f64>| v.map_or("-".into(), significant);
     for e in &report.expectations {
         let held = if e.held { "held" } else { "not held" };
         table.rows.push(vec![e.name.clone(), held.into(), number(e.value), number(e.bound)]);

@@ -19,7 +19,9 @@ class Controls {
     on("layout", "change", () => this.glide(+chosen("layout")));
     on("play", "click", () => this.play());
     this.pointers();
-    this.choose(0);
+    const typical = data.grasps.findIndex((g) => g.about.startsWith("median"));
+    byId("grasp").value = Math.max(0, typical);
+    this.choose(+byId("grasp").value);
     atWidth(byId("canvas"), () => this.draw());
   }
 

@@ -1,5 +1,5 @@
 // Draws the pads, one pane for each state that is shown.
-const LENS = Math.tan((11 * Math.PI) / 180);
+const LENS = Math.tan((9 * Math.PI) / 180);
 const VIEWS = { closed: { yaw: 0.33, pitch: 0.3, zoom: 1 }, open: { yaw: 0, pitch: 0.12, zoom: 1 } };
 
 // Errors go from pale to dark red, so that they are not taken for the fields themselves; brightness falls all the way.
@@ -75,7 +75,7 @@ class Viewer {
     const towards = [Math.sin(yaw) * Math.cos(pitch), Math.cos(yaw) * Math.cos(pitch), -Math.sin(pitch)];
     const right = unit(cross([0, 0, -1], towards));
     const up = cross(towards, right);
-    const [w, h] = [radius, 0.86 * radius].map((r, i) => r + ((i ? openFit.h * 1.25 : openFit.w * 1.1) - r) * open);
+    const [w, h] = [radius, 0.95 * radius].map((r, i) => r + ((i ? openFit.h * 1.25 : openFit.w * 1.1) - r) * open);
     const far = Math.max(w / aspect, h) / LENS + radius * 0.3 * (1 - open);
     const distance = far / zoom;
     const eye = add(middle, towards, distance);
@@ -160,7 +160,8 @@ class Viewer {
     const { gl } = this;
     const places = this.use(this.glass, camera, [0.78, 0.72, 0.63, strength]);
     gl.uniformMatrix4fv(places.model, false, model);
-    gl.uniform1f(places.lift, 0);
+    // Where it touches a pad, the pad is seen.
+    gl.uniform1f(places.lift, -1.5e-3);
     gl.bindVertexArray(this.object.array);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.object.lists[0].buffer);
     gl.depthMask(false);
