@@ -32,6 +32,7 @@ pub mod pad;
 pub mod random;
 pub mod record;
 pub mod render;
+pub mod report;
 pub mod runner;
 pub mod scene;
 pub mod schedule;

@@ -4,11 +4,15 @@ use super::contest::{Entry, Rules};
 use super::error::{FrameError, richardson};
 use super::spread::{Spread, median};
 use super::sweep::Level;
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+/// Name of a quantity or a stage; owned if it was read from `bench.json`.
+pub type Name = Cow<'static, str>;
+
 /// Time and error of one configuration. Times are wall times unless they say otherwise; relative errors have no unit.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Point {
     /// Name of the configuration.
     pub label: String,
@@ -21,10 +25,13 @@ pub struct Point {
     /// Unknowns of the solver; none of a network.
     pub unknowns: Option<usize>,
     /// Set-up and first grasp.
+    #[serde(deserialize_with = "number")]
     pub cold_s: f64,
     /// A grasp with all its frames, warm: median over the turns, then over the grasps.
+    #[serde(deserialize_with = "number")]
     pub time_per_grasp_s: f64,
     /// The same over the number of frames.
+    #[serde(deserialize_with = "number")]
     pub time_per_frame_s: f64,
     /// Processor time of all threads for a grasp; null where the system does not tell.
     pub processor_time_per_grasp_s: Option<f64>,
@@ -39,7 +46,7 @@ pub struct Point {
     /// Travel of the fingers, median.
     pub travel_error: Option<f64>,
     /// Median, 90th percentile and worst of every quantity over grasps and frames.
-    pub errors: BTreeMap<&'static str, Spread>,
+    pub errors: BTreeMap<Name, Spread>,
     /// Grasps that did not reach their end, with the reason.
     pub failed: Vec<String>,
     /// Another point is as fast and as accurate, or some grasp failed.
@@ -49,10 +56,15 @@ pub struct Point {
     /// That setting.
     pub equal_error_label: Option<String>,
     /// Share of each stage in the time.
-    pub profile: BTreeMap<&'static str, f64>,
+    pub profile: BTreeMap<Name, f64>,
     /// Largest resident memory of the process with this configuration alone, up to its first frame; null where the system
     /// does not tell.
     pub peak_memory_bytes: Option<u64>,
+}
+
+/// JSON has no NaN: what was written as null is read as one.
+fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
 
 /// A quantity and how to get it.
@@ -69,7 +81,7 @@ pub const QUANTITIES: [Quantity; 6] = [
 ];
 
 /// A contest.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Report {
     /// Numbers of the grasps.
     pub grasps: Vec<usize>,
@@ -84,7 +96,7 @@ pub struct Report {
     /// Error of the reference's displacement, from two coarser levels; errors below it are not told apart.
     pub reference_error: Option<f64>,
     /// The same of every relative quantity.
-    pub reference_errors: BTreeMap<&'static str, f64>,
+    pub reference_errors: BTreeMap<Name, f64>,
     /// The largest of the contenders; null without any, or if nothing reaches their error.
     pub speedup_at_equal_error: Option<f64>,
     /// What to know before reading the numbers.
@@ -103,7 +115,7 @@ impl Report {
         let reference_errors: BTreeMap<_, _> = relative
             .filter_map(|(name, pick)| {
                 let medium = level(Level::Medium, *pick);
-                level(Level::Coarse, *pick).filter(|c| *c > 0.0).map(|c| (*name, richardson(c, medium)))
+                level(Level::Coarse, *pick).filter(|c| *c > 0.0).map(|c| (Name::from(*name), richardson(c, medium)))
             })
             .collect();
         let mut reference = Point::new(reference);
@@ -141,7 +153,8 @@ pub fn mark_dominated(points: &mut [Point]) {
 
 impl Point {
     fn new(entry: &Entry) -> Self {
-        let spread = |(name, pick): &Quantity| Spread::of(entry.errors.iter().map(pick)).map(|s| (*name, s));
+        let spread =
+            |(name, pick): &Quantity| Spread::of(entry.errors.iter().map(pick)).map(|s| (Name::from(*name), s));
         let errors: BTreeMap<_, _> = QUANTITIES.iter().filter_map(spread).collect();
         let middle = |name: &str| errors.get(name).map(|s| s.median);
         let whole: f64 = entry.stages.values().sum();
@@ -169,7 +182,7 @@ impl Point {
             dominated: false,
             speedup_at_equal_error: None,
             equal_error_label: None,
-            profile: entry.stages.iter().map(|(stage, s)| (*stage, s / whole)).collect(),
+            profile: entry.stages.iter().map(|(stage, s)| (Name::from(*stage), s / whole)).collect(),
             peak_memory_bytes: entry.peak_memory,
         }
     }

@@ -11,11 +11,11 @@ use crate::record::Status;
 use crate::runner::run_grasp;
 use crate::scene::{Element, Pads, Scene, Stepper};
 use crate::stepper::choose;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// One size of pad.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Size {
     /// Spacing or cells of the pads.
     pub density: String,
@@ -36,7 +36,7 @@ pub struct Size {
 }
 
 /// Sizes and how their cost grows.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Sizes {
     /// From small to large.
     pub sizes: Vec<Size>,

@@ -1,9 +1,9 @@
 //! How values are spread: never the mean alone.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Median, 90th percentile and largest of some values (nearest rank).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// Half of the values are at most this.
     pub median: f64,

@@ -5,11 +5,9 @@ use crate::dataset::DataSet;
 use crate::error::{Error, Result};
 use crate::gnn::dump;
 use crate::gnn::eval::table::{Row, ranks, rows};
-use crate::gnn::eval::{Judged, judge, picture, test_grasps};
+use crate::gnn::eval::{Judged, frames, judge, picture, test_grasps};
 use crate::gnn::predict::Predictor;
-use crate::gnn::sample::{model_of, moved};
-use crate::gnn::touch::Touch;
-use crate::grasp::GraspPose;
+use crate::gnn::sample::model_of;
 use crate::record::files::create_dir;
 use crate::render::save;
 use serde_json::json;
@@ -110,11 +108,7 @@ fn draw(set: &DataSet, predictor: &Predictor, judged: &Judged, dir: &Path) -> Re
     let missing = || Error::Start(format!("object {} is not in the data set", error.object));
     let file = set.objects.iter().find(|f| f.name == error.object).ok_or_else(missing)?;
     let (model, grasp) = (model_of(file)?, file.grasp(error.grasp)?);
-    let touch = Touch::find(&model, GraspPose::from_row(&grasp.grasp_pose))?;
-    let graph = predictor.graph(&model)?;
-    let states = predictor.at(&predictor.look(&model, &graph, &touch), error.force_n)?;
-    let (first, pad) = (&states[0], model.fingers[0].placement.rotation);
-    let object = moved(&model, &touch.object, pad * first.shift, pad * first.turn);
-    let page = picture::draw(file, &grasp, error.grasp, error.frame, &states, object)?;
+    let [truth, predicted] = frames::both(file, &model, predictor, &grasp, &[error.frame])?;
+    let page = picture::draw(file, error.grasp, &truth[0], &predicted[0])?;
     save(&page, &dir.join(format!("{}_{:03}.png", error.object, error.grasp)))
 }

@@ -5,6 +5,7 @@ mod check;
 mod dataset;
 mod eval;
 mod inspect;
+mod report;
 mod run;
 mod table;
 mod train;
@@ -20,6 +21,7 @@ pub use check::CheckArgs;
 pub use dataset::{DatasetArgs, DatasetCommand};
 pub use eval::EvalArgs;
 pub use inspect::InspectArgs;
+pub use report::ReportArgs;
 pub use run::{Backend, RunArgs};
 pub use train::TrainArgs;
 
@@ -54,6 +56,8 @@ pub enum Command {
     Eval(EvalArgs),
     /// Measure speed against error: all settings of the finite elements and networks on the same grasps.
     Bench(BenchArgs),
+    /// Put results into one page: tables, charts, both pads in 3-D.
+    Report(ReportArgs),
 }
 
 /// Form of what is printed on stdout.
@@ -87,6 +91,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode> {
         Command::Train(args) => train::train(args),
         Command::Eval(args) => eval::eval(args),
         Command::Bench(args) => bench::bench(args),
+        Command::Report(args) => report::report_page(args),
     }
 }
 

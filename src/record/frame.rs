@@ -2,8 +2,10 @@
 //!
 //! Everything is in the hand frame and in SI unless a field says otherwise.
 
+use crate::mesh::quality::EDGES;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 
 /// Force and torque of the contact on one pad, hand frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -169,6 +171,29 @@ pub struct PadTopology {
     pub sensing: Vec<[u32; 3]>,
     /// Per node: glued to the finger.
     pub bonded: Vec<bool>,
+}
+
+impl PadTopology {
+    /// Triangles of the outer surface without the sensing face, which has its own, finer ones. Beside it they have its
+    /// mid-edge nodes, so that no gap opens between the two.
+    pub fn outside(&self) -> Vec<[u32; 3]> {
+        let mut sensing = vec![false; self.rest.len()];
+        self.sensing.as_flattened().iter().for_each(|&n| sensing[n as usize] = true);
+        let edge = |a: u32, b: u32| [a.min(b), a.max(b)];
+        let mut middle = HashMap::new();
+        if let Elements::Quadratic(tets) = &self.elements {
+            let edges = tets.iter().flat_map(|t| EDGES.iter().zip(&t[4..]).map(|((a, b), m)| (edge(t[*a], t[*b]), *m)));
+            middle.extend(edges.filter(|(_, m)| sensing[*m as usize]));
+        }
+        let split = |t: &[u32; 3]| {
+            let corners = [0, 1, 2].map(|k| [Some(t[k]), middle.get(&edge(t[k], t[(k + 1) % 3])).copied()]);
+            let mut rim: Vec<u32> = corners.into_iter().flatten().flatten().collect();
+            // A fan from a mid-edge node has no triangle along its edge.
+            rim.rotate_left(corners.iter().position(|c| c[1].is_some()).map_or(0, |k| k + 1));
+            (1..rim.len() - 1).map(|k| [rim[0], rim[k], rim[k + 1]]).collect::<Vec<_>>()
+        };
+        self.surface.iter().filter(|t| !t.iter().all(|&n| sensing[n as usize])).flat_map(split).collect()
+    }
 }
 
 /// Name of pad (and finger) `index` in files and pictures: `left`, `right`, then `pad2` and so on.

@@ -6,7 +6,7 @@
 //! DIR/grasp_000/run.pvd                 open this in ParaView                           (pvd.rs)      rewritten per frame
 //! DIR/grasp_000/frames/frame_0000.vtu   both pads                                       (vtu.rs)      written per frame
 //! DIR/grasp_000/frames/object_0000.vtu  the object's surface
-//! DIR/grasp_000/arrays.npz              every array of the grasp                        (arrays.rs)   rewritten every few frames
+//! DIR/grasp_000/arrays.npz              every array of the grasp                        (arrays.rs)   rewritten every few frames, read back by read.rs
 //! DIR/grasp_000/pads.png                the last frame                                  (crate::render)
 //! ```
 //!
@@ -14,13 +14,14 @@
 //! time stamps: the same run writes the same bytes, apart from the wall times in `run.json`. Numbers are finite or refused ([`check`]).
 
 pub mod arrays;
-mod base64;
+pub(crate) mod base64;
 pub mod check;
 pub mod csv;
 pub mod files;
 pub mod frame;
 pub mod grasp;
 pub mod pvd;
+pub mod read;
 pub mod recorder;
 pub mod report;
 pub mod vtu;

@@ -20,7 +20,7 @@ pub enum Status {
 }
 
 /// How one grasp went. Numbers that do not exist (a grasp without frames) are `null` in the file, never NaN.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GraspSummary {
     /// Number of the grasp in its scene, from 0.
     pub grasp: usize,
@@ -95,7 +95,7 @@ impl GraspSummary {
 }
 
 /// What became of one expectation of the scene.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ExpectationReport {
     /// Name as in the scene, e.g. `ForceBalance`.
     pub name: String,
@@ -108,7 +108,7 @@ pub struct ExpectationReport {
 }
 
 /// Discretisation of one pad.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PadReport {
     /// `left` or `right`.
     pub name: String,
@@ -123,7 +123,7 @@ pub struct PadReport {
 }
 
 /// The content of `run.json`, and of `tactus run --format json`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunReport {
     /// Version of tactus.
     pub tactus: String,

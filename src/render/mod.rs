@@ -18,5 +18,6 @@ mod view;
 
 pub use curves::render_curves;
 pub use pads::{encode, render_pads, save};
+pub use pose::pad_pose;
 pub use style::{HEIGHT, Scalar, Style, WIDTH};
 pub use tiny_skia::Pixmap;

@@ -111,7 +111,7 @@ impl View<'_> {
         let body = u8::try_from(2 * index + 1).unwrap_or(199).min(199);
         let tint = |value: f64| color(fraction(value, self.range));
         let lit = |value: f64, normal: DVec3| tint(value).map(|c| c * light(normal, camera) as f32);
-        for triangles in [outside(topology), topology.sensing.clone()] {
+        for triangles in [topology.outside(), topology.sensing.clone()] {
             let normals = corner_normals(&pad.position, &triangles);
             for (triangle, normals) in triangles.iter().zip(normals) {
                 let corners = [0, 1, 2].map(|k| {
@@ -174,13 +174,6 @@ fn each_visible(corners: [Vertex; 3], plane: Option<Plane>, mut draw: impl FnMut
 
 fn project(camera: &Camera, corners: [Vertex; 3]) -> [Vertex; 3] {
     corners.map(|v| Vertex { position: camera.project(v.position), ..v })
-}
-
-/// Outer triangles without the sensing face, which has its own, finer ones.
-fn outside(topology: &PadTopology) -> Vec<[u32; 3]> {
-    let mut sensing = vec![false; topology.rest.len()];
-    topology.sensing.as_flattened().iter().for_each(|&n| sensing[n as usize] = true);
-    topology.surface.iter().copied().filter(|t| !t.iter().all(|&n| sensing[n as usize])).collect()
 }
 
 /// Soft light from the upper left behind the camera: 0.62 in the shade, 1.05 where it falls straight.

@@ -13,6 +13,7 @@ use super::source;
 use super::stepper::Stepper;
 use crate::error::{Error, Result};
 use ron::extensions::Extensions;
+use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -133,7 +134,18 @@ pub fn to_ron(scene: &Scene) -> Result<String> {
 /// # Errors
 /// A text that is no complete scene.
 pub fn from_ron(text: &str) -> Result<Scene> {
-    let part = parse(text).map_err(|e| Error::Scene(format!("error: no scene: {e}")))?;
+    complete(parse(text).map_err(|e| Error::Scene(format!("error: no scene: {e}")))?)
+}
+
+/// The scene of a `run.json`; paths in it are taken as they stand.
+///
+/// # Errors
+/// A value that is no complete scene.
+pub fn from_json(value: &serde_json::Value) -> Result<Scene> {
+    complete(Part::deserialize(value).map_err(|e| Error::Scene(format!("error: no scene: {e}")))?)
+}
+
+fn complete(part: Part) -> Result<Scene> {
     let mut scenes = part
         .complete(&Name::near("scene"))
         .map_err(|field| Error::Scene(format!("error: no complete scene: missing field `{field}`")))?;

@@ -1,5 +1,6 @@
 //! How wrong a trained model is on grasps that it has not seen.
 
+pub mod frames;
 pub mod picture;
 pub mod rank;
 pub mod table;

@@ -1,0 +1,61 @@
+//! `tactus report`: results as one page that needs nothing but a browser.
+
+use super::{Format, OK, print};
+use crate::error::Result;
+use crate::record::files::{create_dir, write_atomic};
+use crate::report::{Wishes, report};
+use serde_json::json;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Arguments of `tactus report`.
+#[derive(Debug, clap::Args)]
+pub struct ReportArgs {
+    /// Folders of runs, benches and data sets; they share a page.
+    #[arg(required = true)]
+    pub dirs: Vec<PathBuf>,
+    /// Folder of a trained model, to be judged on the data sets.
+    #[arg(long, value_name = "DIR")]
+    pub model: Option<PathBuf>,
+    /// Test grasps: `poses`, `single:OBJECT` or `without:OBJECT`; the split that the model was trained on by default.
+    #[arg(long)]
+    pub split: Option<String>,
+    /// Grasps of each folder in 3-D; with a model one is the median, two are median and worst, more go from best to worst.
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    pub grasps: usize,
+    /// At most so many frames of each, spread over it.
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u64).range(1..=10000))]
+    pub frames: u64,
+    /// The page.
+    #[arg(short, long, value_name = "FILE", default_value = "report.html")]
+    pub out: PathBuf,
+    /// Form of what is printed on stdout: the tables as Markdown, or where the page is.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Writes the page, prints its tables.
+pub fn report_page(args: &ReportArgs) -> Result<ExitCode> {
+    let wishes = Wishes {
+        model: args.model.clone(),
+        split: args.split.clone(),
+        grasps: args.grasps,
+        frames: args.frames as usize,
+    };
+    let page = report(&args.dirs, &wishes)?;
+    let html = page.html()?;
+    if let Some(dir) = args.out.parent().filter(|dir| !dir.as_os_str().is_empty()) {
+        create_dir(dir)?;
+    }
+    write_atomic(&args.out, html.as_bytes())?;
+    let grasps: Vec<&str> = page.recordings.iter().map(|r| r.name.as_str()).collect();
+    let text = match args.format {
+        Format::Text => {
+            let megabytes = html.len() as f64 / 1e6;
+            format!("{}{}: {megabytes:.1} MB, grasps in 3-D: {}\n", page.markdown(), args.out.display(), grasps.len())
+        }
+        Format::Json => format!("{}\n", json!({ "page": args.out, "bytes": html.len(), "grasps": grasps })),
+    };
+    print(&text)?;
+    Ok(ExitCode::from(OK))
+}

@@ -1,0 +1,107 @@
+//! Reads a run back: `run.json`, and the frames in `arrays.npz`.
+
+use super::frame::{Frame, Moving, PadFrame, Wrench};
+use super::report::RunReport;
+use crate::error::{Error, Result};
+use crate::grasp::GraspPose;
+use glam::DVec3;
+use ndarray::{Array, Dimension, Ix1, Ix2, Ix3};
+use ndarray_npy::{NpzReader, ReadNpzError};
+use std::fs::File;
+use std::path::Path;
+
+/// The report of the run in `dir`.
+///
+/// # Errors
+/// A file that cannot be read, or is no `run.json`.
+pub fn run_report(dir: &Path) -> Result<RunReport> {
+    let path = dir.join("run.json");
+    let bytes = std::fs::read(&path).map_err(|e| Error::file(&path, format!("cannot be read: {e}")))?;
+    serde_json::from_slice(&bytes).map_err(|e| Error::file(&path, format!("is no report of a run: {e}")))
+}
+
+/// The frames of a grasp of `pads` pads with `own` nodes each as they were recorded; of each frame what `arrays.npz` holds, wrenches and
+/// motion included, without the numbers of `frames.csv`.
+///
+/// # Errors
+/// A file that is not there, damaged, or of other pads.
+pub fn frames(path: &Path, own: usize, pads: usize) -> Result<Vec<Frame>> {
+    let fail = |message: String| Error::file(path, message);
+    let file = File::open(path).map_err(|e| fail(format!("cannot be read: {e}")))?;
+    let mut npz = NpzReader::new(file).map_err(|e| fail(format!("is no archive of arrays: {e}")))?;
+    let position = needed::<Ix3>(path, &mut npz, "position")?;
+    let displacement = needed::<Ix3>(path, &mut npz, "displacement")?;
+    let (force, time) = (needed::<Ix1>(path, &mut npz, "force")?, needed::<Ix1>(path, &mut npz, "time")?);
+    let travel = needed::<Ix2>(path, &mut npz, "travel")?;
+    let pose = needed::<Ix2>(path, &mut npz, "object_pose")?;
+    let wrench = needed::<Ix3>(path, &mut npz, "wrench")?;
+    let contact = optional::<Ix3>(path, &mut npz, "contact_force")?;
+    let stress = optional::<Ix2>(path, &mut npz, "von_mises_node")?;
+    let gap = optional::<Ix2>(path, &mut npz, "gap")?;
+    let hand = optional::<Ix2>(path, &mut npz, "hand_pose")?;
+    let (count, nodes) = (force.len(), displacement.shape()[1]);
+    let vectors = [Some(&position), Some(&displacement), contact.as_ref()];
+    let numbers = [stress.as_ref(), gap.as_ref()];
+    let fits = vectors.into_iter().flatten().all(|a| a.shape() == [count, nodes, 3])
+        && numbers.into_iter().flatten().all(|a| a.shape() == [count, nodes])
+        && [Some(&pose), hand.as_ref()].into_iter().flatten().all(|a| a.shape() == [count, 7])
+        && travel.shape() == [count, pads]
+        && wrench.shape() == [count, pads, 6]
+        && time.len() == count
+        && nodes == pads * own;
+    if !fits {
+        return Err(fail(format!("its arrays do not fit each other, or are not of {pads} pads with {own} nodes each")));
+    }
+    let vectors = |all: &Array<f64, Ix3>, k: usize, pad: usize| -> Vec<DVec3> {
+        (pad * own..(pad + 1) * own).map(|i| DVec3::new(all[[k, i, 0]], all[[k, i, 1]], all[[k, i, 2]])).collect()
+    };
+    let numbers = |all: &Array<f64, Ix2>, k: usize, pad: usize| -> Vec<f64> {
+        (pad * own..(pad + 1) * own).map(|i| all[[k, i]]).collect()
+    };
+    let placed = |all: &Array<f64, Ix2>, k: usize| GraspPose::from_row(&all.row(k).to_vec());
+    let frame = |k: usize| {
+        let pad = |pad: usize| {
+            let part = |at: usize| DVec3::from_array([0, 1, 2].map(|i| wrench[[k, pad, at + i]]));
+            PadFrame {
+                position: vectors(&position, k, pad),
+                displacement: vectors(&displacement, k, pad),
+                contact_force: contact.as_ref().map_or(Vec::new(), |a| vectors(a, k, pad)),
+                von_mises_node: stress.as_ref().map_or(Vec::new(), |a| numbers(a, k, pad)),
+                gap: gap.as_ref().map_or(Vec::new(), |a| numbers(a, k, pad)),
+                wrench: Wrench { force: part(0), torque: part(3) },
+                ..PadFrame::default()
+            }
+        };
+        let object = placed(&pose, k);
+        let moving = hand.as_ref().map(|hand| {
+            let hand = placed(hand, k);
+            Moving { hand_position: hand.position, hand_rotation: hand.rotation, ..Moving::default() }
+        });
+        Frame {
+            index: k,
+            applied_force: force[k],
+            time: time[k],
+            travel: travel.row(k).to_vec(),
+            object_position: object.position,
+            object_rotation: object.rotation,
+            pads: (0..pads).map(pad).collect(),
+            moving,
+            ..Frame::default()
+        }
+    };
+    Ok((0..count).map(frame).collect())
+}
+
+fn needed<D: Dimension>(path: &Path, npz: &mut NpzReader<File>, name: &str) -> Result<Array<f64, D>> {
+    optional(path, npz, name)?.ok_or_else(|| Error::file(path, format!("has no array `{name}`")))
+}
+
+/// The array `name`; None if it was not recorded.
+fn optional<D: Dimension>(path: &Path, npz: &mut NpzReader<File>, name: &str) -> Result<Option<Array<f64, D>>> {
+    let fail = |e: ReadNpzError| Error::file(path, format!("array `{name}` cannot be read: {e}"));
+    let names = npz.names().map_err(fail)?;
+    match names.iter().find(|n| n.trim_end_matches(".npy") == name) {
+        Some(name) => npz.by_name(name).map(Some).map_err(fail),
+        None => Ok(None),
+    }
+}

@@ -1,0 +1,148 @@
+//! A bench: time against error of every setting, or cost against size.
+
+use super::page::{Block, Page, Section};
+use super::table::Table;
+use crate::bench::report::{Point, Report};
+use crate::bench::sizes::Sizes;
+use crate::error::{Error, Result};
+use serde::de::DeserializeOwned;
+use std::path::Path;
+
+/// Adds the contest in `dir`.
+///
+/// # Errors
+/// Files that cannot be read or are not those of `tactus bench`.
+pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
+    let report: Report = read(&dir.join("bench.json"))?;
+    let mut blocks = Vec::new();
+    let chart = dir.join("bench.svg");
+    if let Ok(svg) = std::fs::read_to_string(&chart) {
+        // An XML declaration has no place inside a page.
+        let svg = svg.find("<svg").map(|at| svg[at..].to_string());
+        let svg = svg.ok_or_else(|| Error::file(&chart, "is no SVG picture"))?;
+        blocks
+            .push(Block::Picture(svg, "Time against error, both logarithmic; what lies lower left is better.".into()));
+    }
+    blocks.push(Block::Table(points(&report)));
+    for point in report.points.iter().filter(|p| p.contender) {
+        let text = match (point.speedup_at_equal_error, &point.equal_error_label) {
+            (Some(ratio), Some(label)) => {
+                format!("{}: {ratio:.1} times faster at equal error, against {label}.", point.label)
+            }
+            _ => format!("{}: no setting here is as accurate.", point.label),
+        };
+        blocks.push(Block::Note(text));
+    }
+    blocks.extend(report.notices.iter().map(|notice| Block::Note(notice.clone())));
+    blocks.push(Block::Table(stages(&report)));
+    let lead = format!(
+        "{}, {} of each setting on each grasp in turn, {} a grasp. Errors are against {}, and relative to the field's norm.",
+        counted(report.grasps.len(), "grasp"),
+        counted(report.repeats, "turn"),
+        counted(report.threads, "thread"),
+        report.reference.label
+    );
+    page.sections.push(Section { title: "Speed against error".into(), lead, blocks });
+    Ok(())
+}
+
+/// Adds the cost by size in `dir`.
+///
+/// # Errors
+/// Those of [`contest`].
+pub fn sizes(dir: &Path, page: &mut Page) -> Result<()> {
+    let report: Sizes = read(&dir.join("sizes.json"))?;
+    let columns =
+        ["pad", "nodes", "unknowns", "ms an iteration", "iterations a frame", "s a frame", "processor s", "MB"];
+    let mut table = Table::new("Cost of a frame", &columns);
+    for s in &report.sizes {
+        table.rows.push(vec![
+            s.density.clone(),
+            s.nodes.to_string(),
+            s.unknowns.to_string(),
+            format!("{:.1}", 1e3 * s.time_per_iteration_s),
+            format!("{:.1}", s.iterations_per_frame),
+            format!("{:.2}", s.time_per_frame_s),
+            s.processor_time_per_frame_s.map_or("-".into(), |t| format!("{t:.2}")),
+            megabytes(s.peak_memory_bytes),
+        ]);
+    }
+    let power = |v: Option<f64>| v.map_or("-".into(), |v| format!("{v:.2}"));
+    let lead = format!(
+        "Fitted power of the unknowns: {} for an iteration, {} for a frame, {} for the memory ({}).",
+        power(report.iteration_exponent),
+        power(report.frame_exponent),
+        power(report.memory_exponent),
+        counted(report.threads, "thread")
+    );
+    page.sections.push(Section { title: "Cost against size".into(), lead, blocks: vec![Block::Table(table)] });
+    Ok(())
+}
+
+fn points(report: &Report) -> Table {
+    let columns =
+        ["setting", "nodes", "s a grasp", "processor s", "displacement %", "stress %", "force %", "travel %", "MB", ""];
+    let mut table = Table::new("Every setting", &columns);
+    table.note = "Displacement and stress: median / 90th percentile / worst over grasps and frames; force and travel: \
+                  median. The reference's own errors are estimates."
+        .into();
+    for p in report.points.iter().chain([&report.reference]) {
+        let estimate = |e: Option<f64>| e.map_or("-".into(), |e| format!("about {:.1}", 100.0 * e));
+        let spread = |name: &str, e: Option<f64>| match p.errors.get(name) {
+            Some(s) => [s.median, s.p90, s.worst].map(|v| format!("{:5.1}", 100.0 * v)).join(" / "),
+            None => estimate(e),
+        };
+        let middle = |name: &str, e: Option<f64>| match p.errors.get(name) {
+            Some(s) => format!("{:.1}", 100.0 * s.median),
+            None => estimate(e),
+        };
+        table.rows.push(vec![
+            p.label.clone(),
+            p.nodes.to_string(),
+            format!("{:.3}", p.time_per_grasp_s),
+            p.processor_time_per_grasp_s.map_or("-".into(), |t| format!("{t:.3}")),
+            spread("displacement", p.displacement_error),
+            spread("stress", p.stress_error),
+            middle("force", p.force_error),
+            middle("travel", p.travel_error),
+            megabytes(p.peak_memory_bytes),
+            remark(p),
+        ]);
+    }
+    table
+}
+
+fn remark(p: &Point) -> String {
+    match (p.failed.is_empty(), p.dominated) {
+        (false, _) => format!("{} failed", p.failed.len()),
+        (true, true) => "dominated".into(),
+        (true, false) => String::new(),
+    }
+}
+
+/// Where the time goes.
+fn stages(report: &Report) -> Table {
+    let mut table = Table::new("Where the time goes", &["setting", "iterations a frame", "share of the stages"]);
+    table.folded = true;
+    for p in report.points.iter().chain([&report.reference]) {
+        let mut stages: Vec<_> = p.profile.iter().collect();
+        stages.sort_by(|a, b| b.1.total_cmp(a.1));
+        let shares: Vec<_> = stages.iter().map(|(name, share)| format!("{name} {:.0} %", 100.0 * **share)).collect();
+        table.rows.push(vec![p.label.clone(), format!("{:.1}", p.iterations_per_frame), shares.join(", ")]);
+    }
+    table
+}
+
+fn megabytes(bytes: Option<u64>) -> String {
+    bytes.map_or("-".into(), |b| format!("{:.0}", b as f64 / 1e6))
+}
+
+/// `1 grasp`, `3 grasps`.
+pub fn counted(count: usize, name: &str) -> String {
+    format!("{count} {name}{}", if count == 1 { "" } else { "s" })
+}
+
+fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
+    let bytes = std::fs::read(path).map_err(|e| Error::file(path, format!("cannot be read: {e}")))?;
+    serde_json::from_slice(&bytes).map_err(|e| Error::file(path, format!("is not what `tactus bench` writes: {e}")))
+}

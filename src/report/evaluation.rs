@@ -1,0 +1,275 @@
+//! A data set, and a network judged on it.
+
+use super::bench::counted;
+use super::chart::{Chart, Over, Quantity};
+use super::page::{Block, Page, Section};
+use super::recording::{Errors, Recording, State};
+use super::run::name;
+use super::source::Wishes;
+use super::table::Table;
+use crate::dataset::inspect::{chosen, frame};
+use crate::dataset::{DataSet, ObjectFile};
+use crate::error::{Error, Result};
+use crate::gnn::eval::table::{Row, ranks, rows};
+use crate::gnn::eval::{Judged, frames, judge};
+use crate::gnn::predict::Predictor;
+use crate::gnn::sample::model_of;
+use crate::gnn::train::data::split;
+use std::path::Path;
+
+/// What tables and charts show of the relative errors: name in the rows, name for people.
+const RELATIVE: [(&str, &str); 4] =
+    [("displacement", "displacement"), ("stress", "stress"), ("contact_force", "contact force"), ("travel", "travel")];
+/// And of those with a unit.
+const ABSOLUTE: [(&str, &str); 5] = [
+    ("displacement_mm", "displacement, mm"),
+    ("displacement_worst_mm", "largest, mm"),
+    ("stress_kpa", "stress, kPa"),
+    ("travel_mm", "travel, mm"),
+    ("object_deg", "turn of object, deg"),
+];
+
+/// Adds the data set in `dir`, and the network of `wishes` judged on it.
+///
+/// # Errors
+/// A data set or a model that cannot be read, data outside of what the model was trained on.
+pub fn data_set(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
+    let set = DataSet::open(dir)?;
+    let mut blocks = match &wishes.model {
+        Some(model) => judged(&set, model, wishes, page)?,
+        None => {
+            let poses = split(&set.splits, wishes.split.as_deref().unwrap_or("poses"))?.test;
+            let all = set.select(&poses);
+            for at in chosen(all.len(), Some(wishes.grasps)) {
+                let (object, grasp) = all[at];
+                page.recordings.push(truth(&set.objects[object], grasp, wishes.frames)?);
+            }
+            Vec::new()
+        }
+    };
+    blocks.push(Block::Table(objects(&set)));
+    blocks.extend(set.damaged.iter().map(|damaged| Block::Note(damaged.to_string())));
+    let m = &set.manifest;
+    let lead = format!(
+        "{} {}, {}, {} each.",
+        m.about,
+        counted(m.objects.len(), "object"),
+        counted(m.grasps, "grasp"),
+        counted(m.frames, "frame")
+    );
+    page.sections.push(Section { title: format!("Data set {}", name(dir)), lead: lead.trim().into(), blocks });
+    Ok(())
+}
+
+fn objects(set: &DataSet) -> Table {
+    let mut table =
+        Table::new("Objects", &["object", "grasps", "reached", "fault", "infeasible", "nodes of a pad", "tetrahedra"]);
+    table.folded = true;
+    for o in &set.manifest.objects {
+        let file = set.objects.iter().find(|f| f.name == o.name);
+        let size = |pick: fn(&ObjectFile) -> usize| file.map_or("-".into(), |f| pick(f).to_string());
+        let counts = [o.grasps, o.reached, o.fault, o.infeasible].map(|n| n.to_string());
+        let sizes = [size(|f| f.sizes.nodes), size(|f| f.sizes.tets)];
+        table.rows.push([o.name.clone()].into_iter().chain(counts).chain(sizes).collect());
+    }
+    table
+}
+
+fn truth(file: &ObjectFile, number: usize, most: usize) -> Result<Recording> {
+    let grasp = file.grasp(number)?;
+    let frames = chosen(grasp.frames, Some(most)).into_iter().map(|k| frame(file, &grasp, k)).collect();
+    Ok(Recording {
+        name: format!("{}, grasp {number}", file.name),
+        about: String::new(),
+        pad: file.pad.clone(),
+        object: file.object.clone(),
+        states: vec![State { label: "finite elements".into(), frames }],
+        errors: None,
+    })
+}
+
+/// Tables and charts of the network; grasps from the best to the worst go to the page.
+fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Result<Vec<Block>> {
+    let predictor = Predictor::open(model)?;
+    let split = wishes.split.clone().unwrap_or_else(|| predictor.card.split.clone());
+    let judged = judge(set, &predictor, &split)?;
+    let table = rows(&split, &judged);
+    let mut ranked: Vec<&Judged> = judged.iter().filter(|j| !j.frames.is_empty()).collect();
+    ranked.sort_by(|a, b| last(a).total_cmp(&last(b)));
+    for (at, role) in roles(ranked.len(), wishes.grasps) {
+        page.recordings.push(compared(set, &predictor, ranked[at], &role, wishes.frames)?);
+    }
+    let (stress, displacement) = ranks(&judged);
+    let mut notes = vec![Block::Note(format!(
+        "Network {}, {} parameters, split {split}: {}. Kendall's tau of the order of the grasps: {stress:.3} by peak stress, \
+         {displacement:.3} by peak displacement.",
+        name(model),
+        predictor.card.parameters,
+        counted(judged.len(), "test grasp")
+    ))];
+    if set.manifest.plan == predictor.card.data && split != predictor.card.split {
+        let own = &predictor.card.split;
+        notes.push(Block::Note(format!(
+            "It was trained on split {own} of this data set: {split} may hold grasps it has seen."
+        )));
+    }
+    let note =
+        "Median / 90th percentile / worst over grasps and frames above a fifth of the load; with a unit: median.";
+    let by = |title: &str, prefix: &'static str| {
+        let mut own = errors(title, &table, prefix);
+        own.note = note.into();
+        Block::Table(own)
+    };
+    notes.extend([
+        Block::Chart(by_object(&table)),
+        by("Error by object, in numbers", "object "),
+        Block::Chart(by_force(set, &table, &judged)),
+        Block::Table(errors("Error by part of the load", &table, "load ")),
+        Block::Table(worst(&ranked)),
+    ]);
+    Ok(notes)
+}
+
+/// Error of the displacement under the full load: what grasps are ranked by.
+fn last(judged: &Judged) -> f64 {
+    judged.frames.last().map_or(0.0, |f| f.displacement)
+}
+
+/// Places among `count` ranked grasps with what they stand for: one is the median, two are median and worst, more are spread
+/// from the best to the worst.
+fn roles(count: usize, wanted: usize) -> Vec<(usize, String)> {
+    let Some(end) = count.checked_sub(1) else { return Vec::new() };
+    let places: Vec<usize> = match wanted.min(count) {
+        0 => Vec::new(),
+        1 => vec![end / 2],
+        2 => vec![end / 2, end],
+        n => (0..n).map(|i| (2 * i * end + n - 1) / (2 * (n - 1))).collect(),
+    };
+    let role = |at: usize| match at {
+        _ if at == end => "worst".into(),
+        0 => "best".into(),
+        _ if at == end / 2 || at == count / 2 => "median".into(),
+        _ => format!("rank {} of {count}", at + 1),
+    };
+    places.into_iter().map(|at| (at, role(at))).collect()
+}
+
+fn compared(set: &DataSet, predictor: &Predictor, judged: &Judged, role: &str, most: usize) -> Result<Recording> {
+    let missing = || Error::Start("a judged grasp is not in the data set".into());
+    let error = judged.frames.last().ok_or_else(missing)?;
+    let file = set.objects.iter().find(|f| f.name == error.object).ok_or_else(missing)?;
+    let grasp = file.grasp(error.grasp)?;
+    let wanted = chosen(grasp.frames, Some(most));
+    let [truth, predicted] = frames::both(file, &model_of(file)?, predictor, &grasp, &wanted)?;
+    let at = |pick: fn(&crate::gnn::eval::FrameError) -> f64| {
+        let of = |k: &usize| judged.frames.iter().find(|f| f.frame == *k).map_or(f64::NAN, pick);
+        wanted.iter().map(of).collect()
+    };
+    Ok(Recording {
+        name: format!("{}, grasp {}", file.name, error.grasp),
+        about: format!("{role}: {:.1} % of the displacement", 100.0 * error.displacement),
+        pad: file.pad.clone(),
+        object: file.object.clone(),
+        states: vec![
+            State { label: "finite elements".into(), frames: truth },
+            State { label: "network".into(), frames: predicted },
+        ],
+        errors: Some(Errors {
+            displacement: at(|f| f.displacement),
+            stress: at(|f| f.stress),
+            contact_force: at(|f| f.contact_force),
+        }),
+    })
+}
+
+/// The groups whose names start with `prefix`, and all together.
+fn errors(title: &str, table: &[Row], prefix: &str) -> Table {
+    let relative = RELATIVE.map(|(_, name)| format!("{name}, %"));
+    let columns: Vec<&str> = ["group", "frames"]
+        .into_iter()
+        .chain(relative.iter().map(String::as_str))
+        .chain(ABSOLUTE.iter().map(|(_, name)| *name))
+        .collect();
+    let mut out = Table::new(title, &columns);
+    let mut groups: Vec<&str> = table.iter().map(|r| r.group.as_str()).collect();
+    groups.dedup();
+    for group in groups.into_iter().filter(|g| g.starts_with(prefix) || (*g == "all" && prefix == "object ")) {
+        let of = |quantity: &str| table.iter().find(|r| r.group == group && r.quantity == quantity);
+        let spread = |(quantity, _): &(&str, &str), scale: f64, digits: usize| {
+            let row = of(quantity);
+            row.map_or("-".into(), |r| {
+                [r.median, r.p90, r.worst].map(|v| format!("{:5.digits$}", scale * v)).join(" / ")
+            })
+        };
+        let mut row = vec![group.trim_start_matches(prefix).to_string()];
+        row.push(of("displacement").map_or(0, |r| r.samples).to_string());
+        row.extend(RELATIVE.iter().map(|q| spread(q, 100.0, 1)));
+        row.extend(ABSOLUTE.iter().map(|q| of(q.0).map_or("-".into(), |r| format!("{:.3}", r.median))));
+        out.rows.push(row);
+    }
+    out
+}
+
+/// Relative errors of `groups` in percent, for a chart.
+fn quantities(table: &[Row], groups: &[String]) -> Vec<Quantity> {
+    let of = |(quantity, name): &(&str, &str)| {
+        let pick = |value: fn(&Row) -> f64| {
+            let of = |group: &String| table.iter().find(|r| r.group == *group && r.quantity == *quantity);
+            groups.iter().map(|g| of(g).map_or(f64::NAN, |r| 100.0 * value(r))).collect()
+        };
+        Quantity {
+            name: name.to_string(),
+            unit: "%".into(),
+            median: pick(|r| r.median),
+            p90: pick(|r| r.p90),
+            worst: pick(|r| r.worst),
+        }
+    };
+    RELATIVE.iter().map(of).collect()
+}
+
+fn by_object(table: &[Row]) -> Chart {
+    let names = table.iter().filter(|r| r.quantity == "displacement").filter_map(|r| r.group.strip_prefix("object "));
+    let names: Vec<String> = names.map(String::from).collect();
+    let groups: Vec<String> = names.iter().map(|n| format!("object {n}")).collect();
+    Chart { title: "Error by object".into(), quantities: quantities(table, &groups), over: Over::Names(names) }
+}
+
+fn by_force(set: &DataSet, table: &[Row], judged: &[Judged]) -> Chart {
+    let pads = set.objects.first().map_or(1, |o| o.sizes.pads) as f64;
+    // Every grasp is loaded alike: the frame tells the force.
+    let frames = judged.first().map_or(&[][..], |j| &j.frames);
+    let groups: Vec<String> = frames.iter().map(|f| format!("frame {:03}", f.frame)).collect();
+    let over = Over::Axis { label: "force, N".into(), at: frames.iter().map(|f| pads * f.force_n).collect() };
+    Chart { title: "Error by force".into(), quantities: quantities(table, &groups), over }
+}
+
+fn worst(ranked: &[&Judged]) -> Table {
+    let columns = ["object", "grasp", "displacement, %", "stress, %", "contact force, %", "travel, %", "largest, mm"];
+    let mut table = Table::new("Every test grasp under its full load, the worst first", &columns);
+    table.folded = true;
+    for f in ranked.iter().rev().filter_map(|j| j.frames.last()) {
+        let percent = [f.displacement, f.stress, f.contact_force, f.travel].map(|v| format!("{:.1}", 100.0 * v));
+        let row = [f.object.clone(), f.grasp.to_string()].into_iter().chain(percent);
+        table.rows.push(row.chain([format!("{:.3}", f.displacement_worst_mm)]).collect());
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::roles;
+
+    #[test]
+    fn few_grasps_stand_for_many() {
+        let of = |count, wanted| {
+            roles(count, wanted).into_iter().map(|(at, role)| format!("{at} {role}")).collect::<Vec<_>>()
+        };
+        assert_eq!(of(9, 1), ["4 median"]);
+        assert_eq!(of(9, 2), ["4 median", "8 worst"]);
+        assert_eq!(of(9, 3), ["0 best", "4 median", "8 worst"]);
+        assert_eq!(of(2, 5), ["0 best", "1 worst"]);
+        assert_eq!(of(1, 3), ["0 worst"]);
+        assert!(of(0, 3).is_empty());
+    }
+}

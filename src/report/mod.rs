@@ -1,0 +1,52 @@
+//! Results as one page that needs nothing but a browser: tables, charts, and both pads in 3-D.
+//!
+//! ```text
+//! folder -> source.rs: bench | sizes | run | data set
+//!        -> bench.rs, run.rs, evaluation.rs: Section (tables, charts) + Recording (frames of a grasp)
+//!        -> page.rs: one HTML file; table.rs also as Markdown
+//!           page/: style, viewer and charts of the page, written for it and put inside it
+//! ```
+
+mod bench;
+mod chart;
+mod evaluation;
+mod packed;
+mod page;
+mod recording;
+mod run;
+mod source;
+mod table;
+
+pub use chart::Chart;
+pub use page::{Block, Page, Section};
+pub use recording::{Errors, Recording, State};
+pub use source::Wishes;
+pub use table::Table;
+
+use crate::error::{Error, Result};
+use source::{Source, sources};
+use std::path::PathBuf;
+
+/// The page about what `dirs` hold, in their order.
+///
+/// # Errors
+/// A folder without results; results that cannot be read; a model without a data set to judge it on.
+pub fn report(dirs: &[PathBuf], wishes: &Wishes) -> Result<Page> {
+    let found = dirs.iter().map(|dir| sources(dir)).collect::<Result<Vec<_>>>()?.concat();
+    if let Some(model) = &wishes.model
+        && !found.iter().any(|source| matches!(source, Source::Data(_)))
+    {
+        let message = "is to be judged on a data set, and none of the folders holds one";
+        return Err(Error::file(model, message));
+    }
+    let mut page = Page::default();
+    for source in &found {
+        match source {
+            Source::Bench(dir) => bench::contest(dir, &mut page)?,
+            Source::Sizes(dir) => bench::sizes(dir, &mut page)?,
+            Source::Run(dir) => run::run(dir, wishes, &mut page)?,
+            Source::Data(dir) => evaluation::data_set(dir, wishes, &mut page)?,
+        }
+    }
+    Ok(page)
+}

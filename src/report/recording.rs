@@ -1,0 +1,181 @@
+//! A grasp in 3-D: what the page holds of its frames.
+//!
+//! Of a pad only the surface is seen, so only its nodes are kept, in the frame of the pad: the page places the pads itself,
+//! closed or laid open.
+
+use super::packed::{indices, numbers};
+use crate::error::{Error, Result};
+use crate::mesh::TriMesh;
+use crate::record::{Frame, PadFrame, PadTopology};
+use crate::render::pad_pose;
+use glam::{DMat3, DVec3};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+/// Frames of a grasp.
+#[derive(Debug, Clone)]
+pub struct Recording {
+    /// Which grasp.
+    pub name: String,
+    /// What it is an example of; may be empty.
+    pub about: String,
+    /// Its pads, all alike.
+    pub pad: PadTopology,
+    /// Surface of the object, object frame, m.
+    pub object: TriMesh,
+    /// The truth, then a prediction if there is one: equal frames.
+    pub states: Vec<State>,
+    /// How wrong the prediction is, frame by frame.
+    pub errors: Option<Errors>,
+}
+
+/// The frames as one backend sees them.
+#[derive(Debug, Clone)]
+pub struct State {
+    /// Who says so: `finite elements`, `network`.
+    pub label: String,
+    /// The frames.
+    pub frames: Vec<Frame>,
+}
+
+/// Errors of each frame, relative to the field's norm.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Errors {
+    /// Displacement.
+    pub displacement: Vec<f64>,
+    /// Von Mises stress.
+    pub stress: Vec<f64>,
+    /// Nodal contact force.
+    pub contact_force: Vec<f64>,
+}
+
+impl Recording {
+    /// The grasp for the page. `meshes` holds what several grasps have in common; theirs is named by its place there.
+    ///
+    /// # Errors
+    /// A grasp without frames, or without a pad that has an extent.
+    pub fn json(&self, meshes: &mut Vec<Value>) -> Result<Value> {
+        let fail = |message: &str| Error::Start(format!("{}: {message}", self.name));
+        let first = self.states.first().and_then(|s| s.frames.first()).ok_or_else(|| fail("has no frame to show"))?;
+        let pads = first.pads.len();
+        let surface = Surface::of(&self.pad);
+        let poses = |k: usize| pad_pose(&self.pad, &first.pads[k]);
+        let rotations: Vec<DMat3> = (0..pads).filter_map(|k| poses(k).map(|p| p.0)).collect();
+        if rotations.len() != pads || pads == 0 {
+            return Err(fail("has no pad with an extent"));
+        }
+        let states = self.states.iter().map(|s| surface.state(&self.pad, &rotations, s)).collect::<Vec<_>>();
+        let time = first.moving.is_some();
+        let at = self.states[0].frames.iter().map(|f| if time { f.time } else { f.applied_force });
+        let axis = if time { json!({ "name": "time", "unit": "s" }) } else { json!({ "name": "force", "unit": "N" }) };
+        Ok(json!({
+            "name": self.name,
+            "about": self.about,
+            "axis": axis,
+            "at": at.collect::<Vec<_>>(),
+            "force": self.states[0].frames.iter().map(|f| f.applied_force).collect::<Vec<_>>(),
+            "pads": pads,
+            "pad": place(meshes, surface.json(&self.pad)),
+            "object": place(meshes, object(&self.object)),
+            "rotations": rotations.iter().map(DMat3::to_cols_array).collect::<Vec<_>>(),
+            "states": states,
+            "errors": self.errors,
+        }))
+    }
+}
+
+/// The place of `mesh` among `meshes`, where it is kept once.
+fn place(meshes: &mut Vec<Value>, mesh: Value) -> usize {
+    meshes.iter().position(|m| *m == mesh).unwrap_or_else(|| {
+        meshes.push(mesh);
+        meshes.len() - 1
+    })
+}
+
+fn object(mesh: &TriMesh) -> Value {
+    json!({
+        "vertices": numbers(&[mesh.vertices.len(), 3], &flat(&mesh.vertices)),
+        "triangles": indices(&[mesh.triangles.len(), 3], mesh.triangles.as_flattened()),
+    })
+}
+
+fn flat(vectors: &[DVec3]) -> Vec<f64> {
+    vectors.iter().flat_map(DVec3::to_array).collect()
+}
+
+/// The nodes of a pad that can be seen.
+struct Surface {
+    nodes: Vec<usize>,
+    sensing: Vec<u32>,
+    outside: Vec<u32>,
+}
+
+impl Surface {
+    fn of(pad: &PadTopology) -> Self {
+        let outside = pad.outside();
+        let mut seen = vec![false; pad.rest.len()];
+        pad.sensing.iter().chain(&outside).flatten().for_each(|n| seen[*n as usize] = true);
+        let nodes: Vec<usize> = (0..seen.len()).filter(|n| seen[*n]).collect();
+        let mut number = vec![0; seen.len()];
+        (0..).zip(&nodes).for_each(|(k, n)| number[*n] = k);
+        let renumbered =
+            |all: &[[u32; 3]]| all.as_flattened().iter().map(|n| number[*n as usize]).collect::<Vec<u32>>();
+        Self { sensing: renumbered(&pad.sensing), outside: renumbered(&outside), nodes }
+    }
+
+    fn json(&self, pad: &PadTopology) -> Value {
+        let rest: Vec<DVec3> = self.nodes.iter().map(|n| pad.rest[*n]).collect();
+        json!({
+            "rest": numbers(&[rest.len(), 3], &flat(&rest)),
+            "sensing": indices(&[self.sensing.len() / 3, 3], &self.sensing),
+            "outside": indices(&[self.outside.len() / 3, 3], &self.outside),
+        })
+    }
+
+    /// A state: fields of the seen nodes, frames then pads then nodes; places of pads and object in the hand frame.
+    fn state(&self, pad: &PadTopology, rotations: &[DMat3], state: &State) -> Value {
+        let (frames, pads, nodes) = (state.frames.len(), rotations.len(), self.nodes.len());
+        let all = || state.frames.iter().flat_map(|f| f.pads.iter().zip(rotations));
+        let vectors = |pick: fn(&PadFrame) -> &Vec<DVec3>| -> Option<Vec<DVec3>> {
+            let of = |(pad, rotation): (&PadFrame, &DMat3)| {
+                self.nodes.iter().map(|n| pick(pad).get(*n).map(|v| rotation.transpose() * *v)).collect::<Vec<_>>()
+            };
+            all().flat_map(of).collect()
+        };
+        let displacement = vectors(|p| &p.displacement).unwrap_or_default();
+        let stress: Option<Vec<f64>> =
+            all().flat_map(|(p, _)| self.nodes.iter().map(|n| p.von_mises_node.get(*n).copied())).collect();
+        let force = vectors(|p| &p.contact_force).map(|force| {
+            // Few nodes ever touch: the others are left out.
+            let touched = |i: &usize| (0..frames).any(|k| force[k * pads * nodes + i] != DVec3::ZERO);
+            let touched: Vec<usize> = (0..pads * nodes).filter(touched).collect();
+            let kept = (0..frames).flat_map(|k| touched.iter().map(move |i| (k, *i)));
+            let kept: Vec<DVec3> = kept.map(|(k, i)| force[k * pads * nodes + i]).collect();
+            let places: Vec<u32> = touched.iter().map(|i| *i as u32).collect();
+            json!({
+                "nodes": indices(&[touched.len()], &places),
+                "values": numbers(&[frames, touched.len(), 3], &flat(&kept)),
+            })
+        });
+        let origins = state.frames.iter().map(|f| {
+            let own = f.pads.iter().zip(rotations).map(|(p, r)| {
+                // Any node: `position - displacement` is the rest shape carried rigidly.
+                (p.position[0] - p.displacement[0] - *r * pad.rest[0]).to_array()
+            });
+            own.collect::<Vec<_>>()
+        });
+        let object = state.frames.iter().map(|f| {
+            let (p, q) = (f.object_position, f.object_rotation);
+            [p.x, p.y, p.z, q.w, q.x, q.y, q.z]
+        });
+        json!({
+            "label": state.label,
+            "displacement": numbers(&[frames, pads, nodes, 3], &flat(&displacement)),
+            "stress": stress.map(|s| numbers(&[frames, pads, nodes], &s)),
+            "contact_force": force,
+            "origins": origins.collect::<Vec<_>>(),
+            "object": object.collect::<Vec<_>>(),
+            "travel": state.frames.iter().map(|f| &f.travel).collect::<Vec<_>>(),
+        })
+    }
+}

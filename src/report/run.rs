@@ -1,0 +1,125 @@
+//! A run: how its grasps went, what it promised, its frames.
+
+use super::bench::counted;
+use super::page::{Block, Page, Section};
+use super::recording::{Recording, State};
+use super::source::Wishes;
+use super::table::Table;
+use crate::dataset::inspect::chosen;
+use crate::error::Result;
+use crate::model::Model;
+use crate::record::grasp::directory;
+use crate::record::{RunReport, Status, read};
+use crate::scene::from_json;
+use std::path::Path;
+
+/// Adds the run in `dir`.
+///
+/// # Errors
+/// A folder without a readable `run.json`. Frames that cannot be shown are a remark in the page.
+pub fn run(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
+    let report = read::run_report(dir)?;
+    let mut blocks = vec![Block::Table(grasps(&report))];
+    if !report.expectations.is_empty() {
+        blocks.push(Block::Table(expectations(&report)));
+    }
+    blocks.extend(report.pads.first().and_then(|p| p.notice.clone()).map(Block::Note));
+    if !report.finished {
+        blocks.push(Block::Note("The run did not finish: this is what it left.".into()));
+    }
+    match recordings(dir, &report, wishes) {
+        Ok(found) => page.recordings.extend(found),
+        Err(error) => blocks.push(Block::Note(format!("No grasp in 3-D: {error}"))),
+    }
+    let about = report.scene.get("about").and_then(|v| v.as_str()).unwrap_or_default();
+    let pad = report.pads.first().map_or("no pads".into(), |p| format!("pads of {} nodes ({})", p.nodes, p.element));
+    let lead = format!("{about} {}, {pad}, backend {}.", counted(report.grasps.len(), "grasp"), report.backend);
+    page.sections.push(Section { title: format!("Run {}", name(dir)), lead: lead.trim().into(), blocks });
+    Ok(())
+}
+
+/// Last part of a path, for headings.
+pub fn name(dir: &Path) -> String {
+    let whole = dir.canonicalize().unwrap_or_else(|_| dir.to_path_buf());
+    whole.file_name().unwrap_or(whole.as_os_str()).to_string_lossy().into_owned()
+}
+
+fn recordings(dir: &Path, report: &RunReport, wishes: &Wishes) -> Result<Vec<Recording>> {
+    let shown: Vec<usize> = report.grasps.iter().filter(|g| g.frames > 0).map(|g| g.grasp).collect();
+    let shown: Vec<usize> = chosen(shown.len(), Some(wishes.grasps)).into_iter().map(|i| shown[i]).collect();
+    if shown.is_empty() || report.pads.is_empty() {
+        return Ok(Vec::new());
+    }
+    let model = Model::build(&from_json(&report.scene)?)?;
+    let pad = &model.fingers[0].topology;
+    let label = if report.backend.starts_with("gnn") { "network" } else { "finite elements" };
+    let recording = |grasp: usize| {
+        let path = dir.join(directory(grasp)).join("arrays.npz");
+        let frames = read::frames(&path, pad.rest.len(), model.fingers.len())?;
+        let frames = chosen(frames.len(), Some(wishes.frames)).into_iter().map(|k| frames[k].clone()).collect();
+        Ok(Recording {
+            name: format!("{}, {}, grasp {grasp}", name(dir), model.object.name),
+            about: String::new(),
+            pad: pad.as_ref().clone(),
+            object: model.object.surface.as_ref().clone(),
+            states: vec![State { label: label.into(), frames }],
+            errors: None,
+        })
+    };
+    shown.into_iter().map(recording).collect()
+}
+
+fn grasps(report: &RunReport) -> Table {
+    let columns = [
+        "grasp",
+        "frames",
+        "force, N",
+        "travel, mm",
+        "smallest det F",
+        "smallest gap, µm",
+        "balance",
+        "iterations",
+        "s",
+    ];
+    let mut table = Table::new("Grasps", &columns);
+    table.note = "Force and travel at the last frame; force is the sum over the fingers.".into();
+    for g in &report.grasps {
+        let status = match g.status {
+            Status::Reached => "reached",
+            Status::Fault => "fault",
+            Status::Infeasible => "infeasible",
+        };
+        let reason = g.reason.as_ref().map_or(String::new(), |r| format!(": {r}"));
+        table.rows.push(vec![
+            format!("{} {status}{reason}", g.grasp),
+            g.frames.to_string(),
+            format!("{:.2}", g.force_n),
+            format!("{:.3}", 1e3 * g.travel_m),
+            g.min_det_f.map_or("-".into(), |v| format!("{v:.3}")),
+            g.min_gap_m.map_or("-".into(), |v| format!("{:.2}", 1e6 * v)),
+            g.force_balance.map_or("-".into(), |v| format!("{v:.1e}")),
+            g.newton_iterations.to_string(),
+            format!("{:.2}", g.wall_s),
+        ]);
+    }
+    table
+}
+
+/// Four digits, with an exponent only where it is shorter.
+fn significant(v: f64) -> String {
+    match v.abs() {
+        0.0 => "0".into(),
+        size if !(1e-3..1e5).contains(&size) => format!("{v:.3e}"),
+        size => format!("{v:.*}", (3 - size.log10().floor() as i32).max(0) as usize),
+    }
+}
+
+fn expectations(report: &RunReport) -> Table {
+    let mut table = Table::new("Expectations of the scene", &["expectation", "", "value", "bound"]);
+    let number = |v: Option<f64>| v.map_or("-".into(), significant);
+    for e in &report.expectations {
+        let held = if e.held { "held" } else { "not held" };
+        table.rows.push(vec![e.name.clone(), held.into(), number(e.value), number(e.bound)]);
+    }
+    table
+}

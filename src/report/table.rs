@@ -1,0 +1,78 @@
+//! Tables, as HTML and as Markdown.
+
+/// A table. The first column is text, the others are numbers, aligned at the right.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Table {
+    /// What it shows.
+    pub title: String,
+    /// What to know before reading the numbers; may be empty.
+    pub note: String,
+    /// Names of the columns, with units.
+    pub columns: Vec<String>,
+    /// Cells, as many as columns.
+    pub rows: Vec<Vec<String>>,
+    /// Folded away until asked for.
+    pub folded: bool,
+}
+
+impl Table {
+    /// A table with these columns and no rows yet.
+    pub fn new(title: impl Into<String>, columns: &[&str]) -> Self {
+        let columns = columns.iter().map(|c| c.to_string()).collect();
+        Self { title: title.into(), columns, ..Self::default() }
+    }
+
+    /// The table for the page.
+    pub fn html(&self) -> String {
+        let cells = |tag: &str, row: &[String]| -> String {
+            let cell = |(k, text): (usize, &String)| match k {
+                0 => format!("<th scope=\"{}\">{}</th>", if tag == "th" { "col" } else { "row" }, escape(text)),
+                _ if tag == "th" => format!("<th scope=\"col\">{}</th>", escape(text)),
+                // Numbers beside each other in a cell line up only with spaces as wide as digits.
+                _ => format!("<td>{}</td>", escape(text).replace("  ", " \u{2007}")),
+            };
+            row.iter().enumerate().map(cell).collect()
+        };
+        let rows: String = self.rows.iter().map(|row| format!("<tr>{}</tr>\n", cells("td", row))).collect();
+        let note =
+            if self.note.is_empty() { String::new() } else { format!("<p class=\"note\">{}</p>", escape(&self.note)) };
+        let table = format!(
+            "{note}<div class=\"wide\"><table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{rows}</tbody></table></div>\n",
+            cells("th", &self.columns)
+        );
+        let title = escape(&self.title);
+        match self.folded {
+            true => format!("<details><summary>{title}</summary>\n{table}</details>\n"),
+            false => format!("<h3>{title}</h3>\n{table}"),
+        }
+    }
+
+    /// The table for a README.
+    pub fn markdown(&self) -> String {
+        let line = |cells: &[String]| {
+            let cells: Vec<String> = cells.iter().map(|c| c.trim().replace("  ", " ").replace('|', "\\|")).collect();
+            format!("| {} |\n", cells.join(" | "))
+        };
+        let rows: String = self.rows.iter().map(|row| line(row)).collect();
+        format!("{}|{}\n{rows}", line(&self.columns), "---|".repeat(self.columns.len()))
+    }
+}
+
+/// `text` where HTML is expected, in elements and in quoted attributes.
+pub fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_cannot_leave_their_cell() {
+        let mut table = Table::new("a & b", &["name", "N"]);
+        table.rows.push(vec!["<script>|".into(), "1.0".into()]);
+        let html = table.html();
+        assert!(html.contains("a &amp; b") && html.contains("&lt;script&gt;") && !html.contains("<script>"));
+        assert_eq!(table.markdown(), "| name | N |\n|---|---|\n| <script>\\| | 1.0 |\n");
+    }
+}
