@@ -83,7 +83,12 @@ impl Compliance {
             row.iter().enumerate().for_each(|(c, v)| response[c * forces.len() + f] = *v);
         }
         let deviator = deviators(finger, &slot, thickness);
-        Ok(Self { nodes: n, forces: forces.len(), slot, response, deviator, full: OnceLock::new() })
+        Ok(Self::from_parts(slot, response, forces.len(), deviator))
+    }
+
+    /// One that was found earlier.
+    pub fn from_parts(slot: Vec<Option<u32>>, response: Vec<f32>, forces: usize, deviator: Deviator) -> Self {
+        Self { nodes: slot.len(), forces, slot, response, deviator, full: OnceLock::new() }
     }
 
     /// As full matrices: displacement (forces, nodes * 3), and deviatoric stress (xx, yy, xy, yz, zx) (forces, nodes * 5).

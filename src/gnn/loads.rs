@@ -91,13 +91,13 @@ impl Features {
         let (n, to_pad) = (self.graph.face.len(), self.to_pad[p]);
         let springs = &self.bed.springs()[p * n..(p + 1) * n];
         let touching = |rest: &Rest| -> Vec<Touching> {
-            let (pressed, dragged) = (&rest.pressed[p * n..], &rest.dragged[p * n..]);
+            let (pressed, dragged) = (&rest.pressed[p * n..], |i: usize| rest.dragged(p * n + i));
             let of = |(i, s): (usize, &Spring)| Touching {
                 node: self.graph.face[i] as usize,
                 normal: to_pad * s.normal,
                 pressed: pressed[i],
-                dragged: to_pad * dragged[i],
-                force: to_pad * (s.normal * self.bed.pressure(s, pressed[i]) + self.bed.drag(s, dragged[i])),
+                dragged: to_pad * dragged(i),
+                force: to_pad * (s.normal * self.bed.pressure(s, pressed[i]) + self.bed.drag(s, dragged(i))),
             };
             springs.iter().enumerate().map(of).collect()
         };
@@ -120,7 +120,8 @@ impl Features {
         let (n, to_pad, force) = (self.graph.face.len(), self.to_pad[p], loads.force[loads.force.len() - 1]);
         let own = p * n..(p + 1) * n;
         let springs = &self.bed.springs()[own.clone()];
-        let (pressed, dragged) = (&rest.pressed[own.clone()], &rest.dragged[own]);
+        let pressed = &rest.pressed[own.clone()];
+        let dragged: Vec<DVec3> = own.map(|i| rest.dragged(i)).collect();
         let carried: Vec<f64> = springs.iter().zip(pressed).map(|(s, d)| self.bed.pressure(s, *d)).collect();
         let whole = carried.iter().sum::<f64>().max(1e-12);
         // How each spring gives: along the normal where it is pressed, along the face where it is dragged.

@@ -17,6 +17,7 @@ pub mod foundation;
 mod gemm;
 pub mod graph;
 pub mod infer;
+pub mod kept;
 pub mod loads;
 pub mod network;
 pub mod normalise;

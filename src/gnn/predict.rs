@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Load levels that are decoded together.
@@ -31,6 +31,8 @@ pub struct Predictor {
     pub parameters: Parameters,
     /// The same network without a tape, where there is one.
     engine: Option<FaceEngine>,
+    /// Its folder.
+    dir: PathBuf,
     /// Graphs of the pads asked about so far.
     graphs: Mutex<Vec<Arc<PadGraph>>>,
 }
@@ -78,7 +80,7 @@ impl Predictor {
             NetworkSpec::Face(sizes) => Some(FaceEngine::new(sizes, &parameters, &card.normalisers)),
             NetworkSpec::Paper(_) => None,
         };
-        Ok(Self { card, network, parameters, engine, graphs: Mutex::default() })
+        Ok(Self { card, network, parameters, engine, dir: dir.to_path_buf(), graphs: Mutex::default() })
     }
 
     /// The same, computed operation by operation as in training: the reference.
@@ -114,7 +116,7 @@ impl Predictor {
         if let Some(graph) = known.iter().find(|g| g.fits(&model.fingers[0])) {
             return Ok(graph.clone());
         }
-        let graph = Arc::new(PadGraph::new(&model.fingers[0], self.network.layout())?);
+        let graph = Arc::new(PadGraph::keeping(&model.fingers[0], self.network.layout(), Some(&self.dir))?);
         known.push(graph.clone());
         Ok(graph)
     }

@@ -147,6 +147,16 @@ impl FaceEngine {
         code
     }
 
+    /// Multiplications and additions of [`Self::encode`]'s message passing; activations and norms are not counted.
+    pub fn operations(&self, f: &Features) -> f64 {
+        let (h, pads) = (self.latent as f64, f.pads as f64);
+        let (nodes, edges) = (pads * f.graph.face.len() as f64, pads * f.graph.edges.list.len() as f64);
+        // Five square layers to a node; four features, two sums and the sum of the messages to an edge; two pools.
+        let round = nodes * (5.0 * 2.0 * h * h + 2.0 * 2.0 * h) + edges * (2.0 * 4.0 + 3.0) * h + pads * 5.0 * 2.0 * h * h;
+        let ends = nodes * (2.0 * NODE.len() as f64 * h + 2.0 * h * self.last.weights.cols as f64);
+        self.rounds.len() as f64 * round + ends
+    }
+
     fn take(&self) -> Workspace {
         self.workspaces.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default()
     }
