@@ -105,7 +105,8 @@ impl Case {
         let (tape, inputs) = (Tape::silent(), self.inputs());
         let code = self.network.encode(&tape, &self.parameters, &inputs);
         let encode = best(|| drop(black_box(self.network.encode(&tape, &self.parameters, &inputs))));
-        let decode = |loads: &Loads| drop(black_box(self.network.decode(&tape, &self.parameters, &inputs, &code, loads)));
+        let decode =
+            |loads: &Loads| drop(black_box(self.network.decode(&tape, &self.parameters, &inputs, &code, loads)));
         [encode, best(|| decode(&self.loads))]
     }
 }

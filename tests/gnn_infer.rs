@@ -15,7 +15,8 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
 
 /// Every kind of answer as a plain list.
 fn lists(pads: &[PadState]) -> [(&'static str, Vec<f64>); 5] {
-    let vectors = |of: fn(&PadState) -> &Vec<glam::DVec3>| pads.iter().flat_map(of).flat_map(|v| v.to_array()).collect();
+    let vectors =
+        |of: fn(&PadState) -> &Vec<glam::DVec3>| pads.iter().flat_map(of).flat_map(|v| v.to_array()).collect();
     [
         ("displacement", vectors(|p| &p.displacement)),
         ("contact force", vectors(|p| &p.contact)),

@@ -198,9 +198,8 @@ impl Body {
 
     /// Smallest determinant of the deformation gradient over all quadrature points at positions `x`.
     pub fn min_det_f(&self, x: &[DVec3]) -> f64 {
-        Arch::new().dispatch(|| {
-            per_order!(self, nodes, kernel, kernel.min_det_f(&self.tets, |e, a| x[nodes[e][a] as usize]))
-        })
+        Arch::new()
+            .dispatch(|| per_order!(self, nodes, kernel, kernel.min_det_f(&self.tets, |e, a| x[nodes[e][a] as usize])))
     }
 
     /// Stress at positions `x`.

@@ -105,13 +105,8 @@ impl Compliance {
                     for (slot, part) in self.deviator.of(node) {
                         let [x, y, z] = [0, 1, 2].map(|c| row[3 * *slot as usize + c]);
                         let [a, b, c, d, e, f, g, h, i, j, k, l]: &[f32; PARTS] = part;
-                        let add = [
-                            a * x + b * y + c * z,
-                            d * x + e * y + f * z,
-                            g * x + h * y,
-                            i * y + j * z,
-                            k * z + l * x,
-                        ];
+                        let add =
+                            [a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y, i * y + j * z, k * z + l * x];
                         s.iter_mut().zip(add).for_each(|(s, v)| *s += v);
                     }
                 }
@@ -137,7 +132,9 @@ impl Compliance {
         let a = Rows { data: &self.response, stride: self.forces, count: rows };
         respond(a, &forces, loads.len(), &mut moved);
         let given = |node: &u32, load: usize| match self.slot[*node as usize] {
-            Some(slot) => DVec3::from_array([0, 1, 2].map(|c| f64::from(moved[(3 * slot as usize + c) * LANES + load]))),
+            Some(slot) => {
+                DVec3::from_array([0, 1, 2].map(|c| f64::from(moved[(3 * slot as usize + c) * LANES + load])))
+            }
             None => DVec3::ZERO,
         };
         (0..loads.len()).map(|load| face.iter().map(|node| given(node, load)).collect()).collect()

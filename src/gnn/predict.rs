@@ -6,8 +6,8 @@ use super::graph::PadGraph;
 use super::infer::{Code, FaceEngine};
 use super::loads::Loads;
 use super::network::{Inputs, Network, Output, build};
-use super::spec::NetworkSpec;
 use super::parameters::Parameters;
+use super::spec::NetworkSpec;
 use super::tape::{Matrix, Tape};
 use super::touch::Touch;
 use crate::error::{Error, Result};
@@ -130,9 +130,7 @@ impl Predictor {
     pub fn encode(&self, features: Features) -> Seen {
         let code = match &self.engine {
             Some(engine) => Encoded::Engine(engine.encode(&features)),
-            None => {
-                Encoded::Tape(self.network.encode(&Tape::silent(), &self.parameters, &self.inputs(&features)))
-            }
+            None => Encoded::Tape(self.network.encode(&Tape::silent(), &self.parameters, &self.inputs(&features))),
         };
         Seen { features, code }
     }

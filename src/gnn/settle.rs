@@ -40,8 +40,7 @@ pub struct Touching {
 /// For each of at most [`LANES`] loads: forces on all of `face`, and how much farther than the springs the pad must be closed
 /// for them.
 pub fn settle(compliance: &Compliance, face: &[Vec<Touching>]) -> Vec<(Vec<DVec3>, f64)> {
-    let deepest: Vec<f64> =
-        face.iter().map(|load| load.iter().map(|n| n.pressed).fold(0.0, f64::max)).collect();
+    let deepest: Vec<f64> = face.iter().map(|load| load.iter().map(|n| n.pressed).fold(0.0, f64::max)).collect();
     let takes_part =
         |load: usize, i: usize| face[load][i].pressed > -REACH * deepest[load] && face[load][i].normal != DVec3::ZERO;
     let count = face.first().map_or(0, Vec::len);
@@ -221,8 +220,7 @@ impl Settling {
                 let p = node.pressure[l] + gain * self.closer[l];
                 let pushes = p > 0.0;
                 node.pressure[l] = if pushes { p } else { 0.0 };
-                let wanted =
-                    [0, 1, 2].map(|a| node.ahead[a][l] + (node.dragged[a][l] - f64::from(u[a][l])) * gain);
+                let wanted = [0, 1, 2].map(|a| node.ahead[a][l] + (node.dragged[a][l] - f64::from(u[a][l])) * gain);
                 let out = n[0] * wanted[0] + n[1] * wanted[1] + n[2] * wanted[2];
                 held[l] += if pushes { node.stiff[l] } else { 0.0 };
                 for a in 0..3 {

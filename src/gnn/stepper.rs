@@ -69,7 +69,13 @@ impl Stepper for Gnn {
         let missing = || Error::Start("the world was not spawned for a grasp".into());
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
         let graph = self.graph(&shared.0)?;
-        world.insert_resource(Prediction { predictor: self.predictor.clone(), graph, grasp: None, pads: Vec::new(), ahead: VecDeque::new() });
+        world.insert_resource(Prediction {
+            predictor: self.predictor.clone(),
+            graph,
+            grasp: None,
+            pads: Vec::new(),
+            ahead: VecDeque::new(),
+        });
         register(schedule, &shared.0.needs);
         Ok(())
     }

@@ -38,18 +38,18 @@ pub fn positive<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
     simd.select_f32s(negative, simd.div_f32s(simd.splat_f32s(0.25), sum), sum)
 }
 
-/// `1 / sqrt(x)` for normal x > 0: an estimate from the exponent (Lomont 2003), then twice Halley's method, of third order.
-/// Division and root would keep the one unit that does them busy for longer than a whole message takes.
+/// `1 / sqrt(x)` for normal x > 0: an estimate from the exponent (Lomont 2003), then a step of Halley's method, which is of
+/// third order, and one of Newton's. Division and root would keep the one unit that does them busy for longer than a whole
+/// message takes.
 #[inline(always)]
 fn inverse_root<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
     let bits = simd.wrapping_dyn_shr_u32s(simd.transmute_u32s_f32s(x), simd.splat_u32s(1));
-    let mut y = simd.transmute_f32s_u32s(simd.sub_u32s(simd.splat_u32s(0x5f37_5a86), bits));
-    for _ in 0..2 {
-        let t = simd.mul_f32s(simd.mul_f32s(x, y), y);
-        let inner = simd.mul_add_e_f32s(t, simd.splat_f32s(0.375), simd.splat_f32s(-1.25));
-        y = simd.mul_f32s(y, simd.mul_add_e_f32s(inner, t, simd.splat_f32s(1.875)));
-    }
-    y
+    let y = simd.transmute_f32s_u32s(simd.sub_u32s(simd.splat_u32s(0x5f37_5a86), bits));
+    let t = simd.mul_f32s(simd.mul_f32s(x, y), y);
+    let inner = simd.mul_add_e_f32s(t, simd.splat_f32s(0.375), simd.splat_f32s(-1.25));
+    let y = simd.mul_f32s(y, simd.mul_add_e_f32s(inner, t, simd.splat_f32s(1.875)));
+    let t = simd.mul_f32s(simd.mul_f32s(x, y), y);
+    simd.mul_f32s(y, simd.mul_add_e_f32s(t, simd.splat_f32s(-0.5), simd.splat_f32s(1.5)))
 }
 
 #[cfg(test)]

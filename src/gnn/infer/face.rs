@@ -125,11 +125,7 @@ impl FaceEngine {
             start_bias: row(get("start.node.bias")),
             start_pad: packed("start.pad"),
             rounds: (0..sizes.rounds.get()).map(round).collect(),
-            last: Project {
-                norm: norm("last.norm"),
-                weights: packed("node.latent"),
-                bias: row(get("node.bias")),
-            },
+            last: Project { norm: norm("last.norm"), weights: packed("node.latent"), bias: row(get("node.bias")) },
             pools: pools("last.pool"),
             pad: packed("pad.latent"),
             pad_bias: row(get("pad.bias")),
@@ -152,7 +148,8 @@ impl FaceEngine {
         let (h, pads) = (self.latent as f64, f.pads as f64);
         let (nodes, edges) = (pads * f.graph.face.len() as f64, pads * f.graph.edges.list.len() as f64);
         // Five square layers to a node; four features, two sums and the sum of the messages to an edge; two pools.
-        let round = nodes * (5.0 * 2.0 * h * h + 2.0 * 2.0 * h) + edges * (2.0 * 4.0 + 3.0) * h + pads * 5.0 * 2.0 * h * h;
+        let round =
+            nodes * (5.0 * 2.0 * h * h + 2.0 * 2.0 * h) + edges * (2.0 * 4.0 + 3.0) * h + pads * 5.0 * 2.0 * h * h;
         let ends = nodes * (2.0 * NODE.len() as f64 * h + 2.0 * h * self.last.weights.cols as f64);
         self.rounds.len() as f64 * round + ends
     }

@@ -97,9 +97,8 @@ impl Heads {
             for r in 0..rows {
                 let first = [cut(w(&contact), r, 0, 3), cut(w(&factor), r, 0, depths), cut(w(&stress), r, 0, depths)];
                 all.extend(row(&first.concat()));
-                let deep = (0..depths).flat_map(|k| {
-                    [cut(w(&displacement), r, 3 * k, 3), cut(w(&scale), r, 3 * k, 3)].concat()
-                });
+                let deep = (0..depths)
+                    .flat_map(|k| [cut(w(&displacement), r, 3 * k, 3), cut(w(&scale), r, 3 * k, 3)].concat());
                 all.extend(row(&deep.collect::<Vec<_>>()));
             }
             let cols = all.len() / rows;

@@ -9,7 +9,7 @@
 //! do not depend on threads, and the pools are added up in the order of the blocks.
 
 use super::activation::{Act, gated};
-use super::product::{LANES, Packed, Product, Rows, padded, panels, product};
+use super::product::{LANES, Packed, Product, Rows, padded, product};
 use crate::gnn::edges::Edges;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
@@ -225,20 +225,15 @@ impl WithSimd for ReceiveBlock<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { layer, edges, first, stride: s, parts, global, messages, inner, h } = self;
         let count = h.len() / s;
-        for (start, width) in panels(s) {
-            let mut gather = Gather { layer, edges, first, s, parts, messages: &mut *messages, start };
-            match (S::F32_LANES, width / LANES) {
-                (16, 3) => gather.run::<S, 3>(simd, count),
-                (16, 2) => gather.run::<S, 2>(simd, count),
+        let mut gather = Gather { layer, edges, first, s, parts, messages: &mut *messages, start: 0 };
+        // As many columns at once as leave registers for the weights of the features.
+        while gather.start < s {
+            let left = (s - gather.start) / LANES;
+            match (S::F32_LANES, left) {
+                (16, 3..) => gather.run::<S, 3>(simd, count),
                 (16, _) => gather.run::<S, 1>(simd, count),
-                (8, 3) => gather.run::<S, 6>(simd, count),
-                (8, 2) => gather.run::<S, 4>(simd, count),
                 (8, _) => gather.run::<S, 2>(simd, count),
-                (4, 3) => gather.run::<S, 12>(simd, count),
-                (4, 2) => gather.run::<S, 8>(simd, count),
                 (4, _) => gather.run::<S, 4>(simd, count),
-                (_, 3) => gather.run::<S, 48>(simd, count),
-                (_, 2) => gather.run::<S, 32>(simd, count),
                 _ => gather.run::<S, 16>(simd, count),
             }
         }
@@ -253,7 +248,7 @@ impl WithSimd for ReceiveBlock<'_> {
     }
 }
 
-/// The sums of the messages of a block, some columns of them.
+/// The sums of the messages of a block, some columns of them from `start` on.
 struct Gather<'a, 'b> {
     layer: &'a Receive,
     edges: &'a Incoming,
@@ -269,7 +264,8 @@ impl Gather<'_, '_> {
     fn run<S: Simd, const N: usize>(&mut self, simd: S, count: usize) {
         let Self { layer, edges, first, s, parts, start, .. } = *self;
         let width = N * S::F32_LANES;
-        let load = |from: &[f32]| -> [S::f32s; N] { *S::as_simd_f32s(&from[..width]).0.first_chunk().expect("N registers") };
+        let load =
+            |from: &[f32]| -> [S::f32s; N] { *S::as_simd_f32s(&from[..width]).0.first_chunk().expect("N registers") };
         // Four features of an edge.
         let weights: [[S::f32s; N]; 4] = std::array::from_fn(|c| load(&layer.edge[c * s + start..]));
         let usual = simd.splat_f32s(edges.usual);
@@ -296,5 +292,6 @@ impl Gather<'_, '_> {
                 *out = simd.mul_f32s(sum, usual);
             }
         }
+        self.start += width;
     }
 }

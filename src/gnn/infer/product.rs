@@ -4,6 +4,10 @@
 //! the result in registers. Every number of a result is one chain of fused multiply-adds in the order of the rows of the
 //! weights: tiles, threads and the width of the registers change no bit (but processors without such an instruction round
 //! twice). What the processor has, AVX-512, AVX2 or neither, is found out at run time.
+#![allow(
+    unsafe_code,
+    reason = "the compiler does not see that all rows of a tile are as long; checks would fill its registers"
+)]
 
 use super::activation::{Act, activate};
 use pulp::{Arch, Simd, WithSimd};
@@ -47,7 +51,7 @@ impl Packed {
 }
 
 /// First column and width of each panel: 48 where they fit, two of 32 rather than 48 and 16.
-pub fn panels(cols: usize) -> impl Iterator<Item = (usize, usize)> {
+fn panels(cols: usize) -> impl Iterator<Item = (usize, usize)> {
     let mut start = 0;
     std::iter::from_fn(move || {
         let width = match (cols - start) / LANES {
@@ -110,20 +114,21 @@ pub fn product<S: Simd>(simd: S, p: Product) {
         at += width * w.rows;
         let bias = bias.map(|b| &b[col..col + width]);
         let mut part = Panel { a, k: w.rows, panel, keep, bias, act, out: &mut *out, stride, col };
-        // Register tiles (vectors, rows): as many accumulators as there are registers, less a few.
+        // Register tiles (registers to a row of the panel, registers, rows): as many accumulators as there are registers, less
+        // a few.
         match (S::F32_LANES, width / LANES) {
-            (16, 3) => part.run::<S, 3, 8>(simd),
-            (16, 2) => part.run::<S, 2, 12>(simd),
-            (16, _) => part.run::<S, 1, 16>(simd),
-            (8, 3) => part.run::<S, 6, 2>(simd),
-            (8, 2) => part.run::<S, 4, 3>(simd),
-            (8, _) => part.run::<S, 2, 6>(simd),
-            (4, 3) => part.run::<S, 12, 2>(simd),
-            (4, 2) => part.run::<S, 8, 3>(simd),
-            (4, _) => part.run::<S, 4, 6>(simd),
-            (_, 3) => part.run::<S, 48, 1>(simd),
-            (_, 2) => part.run::<S, 32, 1>(simd),
-            _ => part.run::<S, 16, 1>(simd),
+            (16, 3) => part.run::<S, 3, 3, 8>(simd),
+            (16, 2) => part.run::<S, 2, 2, 12>(simd),
+            (16, _) => part.run::<S, 1, 1, 16>(simd),
+            (8, 3) => part.run::<S, 6, 2, 6>(simd),
+            (8, 2) => part.run::<S, 4, 2, 6>(simd),
+            (8, _) => part.run::<S, 2, 2, 6>(simd),
+            (4, 3) => part.run::<S, 12, 4, 4>(simd),
+            (4, 2) => part.run::<S, 8, 4, 4>(simd),
+            (4, _) => part.run::<S, 4, 4, 4>(simd),
+            (_, 3) => part.run::<S, 48, 16, 1>(simd),
+            (_, 2) => part.run::<S, 32, 16, 1>(simd),
+            _ => part.run::<S, 16, 16, 1>(simd),
         }
     }
 }
@@ -143,31 +148,31 @@ struct Panel<'a, 'b> {
 
 impl Panel<'_, '_> {
     #[inline(always)]
-    fn run<S: Simd, const N: usize, const M: usize>(&mut self, simd: S) {
-        let mut row = 0;
-        while row + M <= self.a.count {
-            self.tile::<S, N, M>(simd, row);
-            row += M;
-        }
-        while row + 4 <= self.a.count {
-            self.tile::<S, N, 4>(simd, row);
-            row += 4;
-        }
-        while row < self.a.count {
-            self.tile::<S, N, 1>(simd, row);
-            row += 1;
+    fn run<S: Simd, const P: usize, const N: usize, const M: usize>(&mut self, simd: S) {
+        for first in (0..P).step_by(N) {
+            let mut row = 0;
+            while row + M <= self.a.count {
+                self.tile::<S, P, N, M>(simd, row, first);
+                row += M;
+            }
+            while row < self.a.count {
+                self.tile::<S, P, N, 1>(simd, row, first);
+                row += 1;
+            }
         }
     }
 
     #[inline(always)]
-    fn tile<S: Simd, const N: usize, const M: usize>(&mut self, simd: S, row: usize) {
+    fn tile<S: Simd, const P: usize, const N: usize, const M: usize>(&mut self, simd: S, row: usize, first: usize) {
         let k = self.k;
         let a: [&[f32]; M] = std::array::from_fn(|i| &self.a.data[(row + i) * self.a.stride..][..k]);
-        let b = &S::as_simd_f32s(self.panel).0.as_chunks::<N>().0[..k];
+        let b = &S::as_simd_f32s(self.panel).0.as_chunks::<P>().0[..k];
         let mut sum = [[simd.splat_f32s(0.0); N]; M];
         for (p, b) in b.iter().enumerate() {
+            let b = &b[first..first + N];
             for i in 0..M {
-                let x = simd.splat_f32s(a[i][p]);
+                // SAFETY: every row has been cut to k numbers, and so has b.
+                let x = simd.splat_f32s(unsafe { *a[i].get_unchecked(p) });
                 for j in 0..N {
                     sum[i][j] = simd.mul_add_e_f32s(x, b[j], sum[i][j]);
                 }
@@ -175,7 +180,7 @@ impl Panel<'_, '_> {
         }
         let width = N * S::F32_LANES;
         for (i, sum) in sum.iter().enumerate() {
-            let out = &mut self.out[(row + i) * self.stride + self.col..][..width];
+            let out = &mut self.out[(row + i) * self.stride + self.col + first * S::F32_LANES..][..width];
             let out = S::as_mut_simd_f32s(out).0;
             for j in 0..N {
                 let mut z = sum[j];
@@ -183,7 +188,7 @@ impl Panel<'_, '_> {
                     z = simd.add_f32s(z, out[j]);
                 }
                 if let Some(bias) = self.bias {
-                    z = simd.add_f32s(z, S::as_simd_f32s(bias).0[j]);
+                    z = simd.add_f32s(z, S::as_simd_f32s(bias).0[first + j]);
                 }
                 out[j] = activate(simd, self.act, z);
             }
@@ -255,7 +260,15 @@ mod tests {
             let mut out = vec![1.0; m * packed.cols];
             let stride = packed.cols;
             let rows = Rows { data: &a, stride: k, count: m };
-            Arch::new().dispatch(Product { a: rows, w: &packed, keep: true, bias: None, act: Act::None, out: &mut out, stride });
+            Arch::new().dispatch(Product {
+                a: rows,
+                w: &packed,
+                keep: true,
+                bias: None,
+                act: Act::None,
+                out: &mut out,
+                stride,
+            });
             for i in 0..m {
                 for j in 0..n {
                     let exact: f32 = 1.0 + (0..k).map(|p| a[i * k + p] * w[p * n + j]).sum::<f32>();

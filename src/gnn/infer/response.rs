@@ -84,9 +84,8 @@ impl WithSimd for NodeBlock<'_> {
                 // a2 + b2 + a b + c2 + d2 + e2
                 let square = simd.mul_f32s(s[0], simd.add_f32s(s[0], s[1]));
                 let square = s[1..].iter().fold(square, |sum, v| simd.mul_add_e_f32s(*v, *v, sum));
-                let u = pad.slot[node].map_or([simd.splat_f32s(0.0); 3], |slot| {
-                    [0, 1, 2].map(|k| load(3 * slot as usize + k, at))
-                });
+                let u = pad.slot[node]
+                    .map_or([simd.splat_f32s(0.0); 3], |slot| [0, 1, 2].map(|k| load(3 * slot as usize + k, at)));
                 let rows = [u[0], u[1], u[2], simd.mul_f32s(square, simd.splat_f32s(3.0))];
                 for (own, row) in buffer.chunks_exact_mut(16).zip(rows) {
                     S::as_mut_simd_f32s(&mut own[..lanes]).0[0] = row;
@@ -140,4 +139,3 @@ impl Given<'_> {
         (displacement, stress)
     }
 }
-
