@@ -198,10 +198,8 @@ impl Body {
 
     /// Smallest determinant of the deformation gradient over all quadrature points at positions `x`.
     pub fn min_det_f(&self, x: &[DVec3]) -> f64 {
-        per_order!(self, nodes, kernel, {
-            let each = nodes.iter().zip(&self.tets).map(|(n, rest)| kernel.min_det_f(rest, &gather(n, x)));
-            each.fold(f64::INFINITY, f64::min)
-        })
+        Arch::new()
+            .dispatch(|| per_order!(self, nodes, kernel, kernel.min_det_f(&self.tets, |e, a| x[nodes[e][a] as usize])))
     }
 
     /// Stress at positions `x`.

@@ -1,29 +1,39 @@
 //! The linear response of a pad: how all its nodes give to small forces on its sensing face.
 //!
 //! One factorisation of the stiffness at rest and a solve per force component, once per pad: the network learns what large
-//! strains and the true pressure change. Over the thickness per `E t^2`, pad frame.
+//! strains and the true pressure change. Over the thickness per `E t^2`, pad frame. Bonded nodes do not move, and stress is
+//! local: it follows from how the neighbours of a node move.
 
+use super::deviator::{Deviator, PARTS, deviators};
+use super::infer::product::{LANES, Packed, Rows, respond};
 use super::tape::Matrix;
 use crate::error::{Error, Result};
-use crate::fem::body::Body;
 use crate::fem::cholesky::Factor;
 use crate::model::FingerModel;
 use crate::record::PadTopology;
 use glam::DVec3;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
-/// Displacement over the thickness that is small enough for a linear response.
-const SMALL: f64 = 1e-6;
 /// Right-hand sides that are solved for at once.
 const COLUMNS: usize = 96;
 
-/// Responses to unit forces.
+/// Responses to unit forces, spread on the face around the node they are meant for.
 #[derive(Debug, Clone)]
 pub struct Compliance {
-    /// (face nodes * 3, nodes * 3): how every component gives to each force component, spread on the face around its node.
-    pub response: Matrix,
-    /// (face nodes * 3, nodes * 5): deviatoric stress (xx, yy, xy, yz, zx; hand axes) over `E`.
-    pub stress: Matrix,
+    /// Number of nodes of the pad.
+    pub nodes: usize,
+    /// Number of force components: three per face node.
+    pub forces: usize,
+    /// Of each node that can move, where its three rows begin in `response`, over three; those of the face are first.
+    pub slot: Vec<Option<u32>>,
+    /// (moving nodes * 3, forces): how every component gives to each force component.
+    pub response: Vec<f32>,
+    /// Deviatoric stress of every node over `E`.
+    pub deviator: Deviator,
+    /// The same as full matrices, for those who ask.
+    full: OnceLock<[Matrix; 2]>,
 }
 
 impl Compliance {
@@ -43,9 +53,17 @@ impl Compliance {
         }
         let place = |node: usize| pattern.position[node] as usize;
         let held = |node: usize| place(node) >= free / 3;
+        let order: Vec<usize> = face.iter().map(|i| *i as usize).chain(0..n).collect();
+        let (mut slot, mut moving) = (vec![None; n], Vec::new());
+        for node in order {
+            if !held(node) && slot[node].is_none() {
+                slot[node] = Some(moving.len() as u32);
+                moving.push(node);
+            }
+        }
         let unit = body.material.moduli().young * thickness;
-        let mut rows = Vec::with_capacity(9 * face.len() * n);
-        let mut stress = Vec::with_capacity(15 * face.len() * n);
+        let width = 3 * moving.len();
+        let mut rows = Vec::with_capacity(3 * face.len() * width);
         let forces: Vec<(usize, DVec3)> =
             face.iter().flat_map(|i| [turn.x_axis, turn.y_axis, turn.z_axis].map(|axis| (*i as usize, axis))).collect();
         for some in forces.chunks(COLUMNS) {
@@ -55,46 +73,72 @@ impl Compliance {
             }
             factor.solve(symbolic, &mut solved, some.len());
             for column in solved.chunks_exact(free) {
-                let moved = |node: usize| {
-                    if held(node) { DVec3::ZERO } else { DVec3::from_slice(&column[3 * place(node)..]) }
-                };
-                let u: Vec<DVec3> = (0..n).map(moved).collect();
-                rows.extend(u.iter().flat_map(|u| (turn.transpose() * *u * unit).to_array().map(|v| v as f32)));
-                stress.extend(deviators(body, &u, thickness).flat_map(|s| s.map(|v| v as f32)));
+                let moved = moving.iter().map(|node| DVec3::from_slice(&column[3 * place(*node)..]));
+                rows.extend(moved.flat_map(|u| (turn.transpose() * u * unit).to_array().map(|v| v as f32)));
             }
         }
-        let [response, stress] = [(rows, 3 * n), (stress, 5 * n)]
-            .map(|(rows, width)| Matrix::constant(3 * face.len(), width, spread(&finger.topology, face, &rows, width)));
-        Ok(Self { response, stress })
-    }
-
-    /// Displacement of the nodes `face` under forces on them.
-    pub fn on_face(&self, face: &[u32], forces: &[DVec3]) -> Vec<DVec3> {
-        let mut u = vec![0.0_f32; 3 * face.len()];
-        let components = forces.iter().flat_map(|f| f.to_array()).enumerate();
-        for (component, force) in components.filter(|(_, f)| *f != 0.0) {
-            let row = &self.response.value()[component * self.response.cols..][..self.response.cols];
-            for (u, node) in u.as_chunks_mut::<3>().0.iter_mut().zip(face) {
-                u.iter_mut().zip(&row[3 * *node as usize..]).for_each(|(u, r)| *u += r * force as f32);
-            }
+        let rows = spread(&finger.topology, face, &rows, width);
+        let mut response = vec![0.0; rows.len()];
+        for (f, row) in rows.chunks_exact(width.max(1)).enumerate() {
+            row.iter().enumerate().for_each(|(c, v)| response[c * forces.len() + f] = *v);
         }
-        u.as_chunks::<3>().0.iter().map(|u| DVec3::from_array(u.map(f64::from))).collect()
+        let deviator = deviators(finger, &slot, thickness);
+        Ok(Self::from_parts(slot, response, forces.len(), deviator))
     }
-}
 
-/// Deviatoric stress on every node under a displacement per force `u`, m/N, in the limit of small ones; over `E` per `E t^2`.
-fn deviators(body: &Body, u: &[DVec3], thickness: f64) -> impl Iterator<Item = [f64; 5]> {
-    let most = u.iter().map(|u| u.length()).fold(1e-300, f64::max);
-    let small = SMALL * thickness / most;
-    let x: Vec<DVec3> = body.rest.iter().zip(u).map(|(x, u)| *x + *u * small).collect();
-    let [_, node] = body.cauchy(&x);
-    // Per newton, then per E t^2, over E.
-    let scale = thickness * thickness / small;
-    node.into_iter().map(move |s| {
-        let s = s * scale;
-        let mean = (s.x_axis.x + s.y_axis.y + s.z_axis.z) / 3.0;
-        [s.x_axis.x - mean, s.y_axis.y - mean, s.x_axis.y, s.y_axis.z, s.z_axis.x]
-    })
+    /// One that was found earlier.
+    pub fn from_parts(slot: Vec<Option<u32>>, response: Vec<f32>, forces: usize, deviator: Deviator) -> Self {
+        Self { nodes: slot.len(), forces, slot, response, deviator, full: OnceLock::new() }
+    }
+
+    /// As full matrices: displacement (forces, nodes * 3), and deviatoric stress (xx, yy, xy, yz, zx) (forces, nodes * 5).
+    pub fn full(&self) -> &[Matrix; 2] {
+        self.full.get_or_init(|| {
+            let (n, k) = (self.nodes, self.forces);
+            let (mut u, mut s) = (vec![0.0; 3 * n * k], vec![0.0; 5 * n * k]);
+            u.par_chunks_exact_mut(3 * n).zip(s.par_chunks_exact_mut(5 * n)).enumerate().for_each(|(f, (u, s))| {
+                let row: Vec<f32> = self.response.chunks_exact(k).map(|row| row[f]).collect();
+                for (u, slot) in u.as_chunks_mut::<3>().0.iter_mut().zip(&self.slot) {
+                    *u = slot.map_or([0.0; 3], |slot| [0, 1, 2].map(|c| row[3 * slot as usize + c]));
+                }
+                for (node, s) in s.as_chunks_mut::<5>().0.iter_mut().enumerate() {
+                    for (slot, part) in self.deviator.of(node) {
+                        let [x, y, z] = [0, 1, 2].map(|c| row[3 * *slot as usize + c]);
+                        let [a, b, c, d, e, f, g, h, i, j, k, l]: &[f32; PARTS] = part;
+                        let add =
+                            [a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y, i * y + j * z, k * z + l * x];
+                        s.iter_mut().zip(add).for_each(|(s, v)| *s += v);
+                    }
+                }
+            });
+            [Matrix::constant(k, 3 * n, u), Matrix::constant(k, 5 * n, s)]
+        })
+    }
+
+    /// How component `a` of a node gives to the force components: (forces); None if it is bonded.
+    pub fn row(&self, node: u32, a: usize) -> Option<&[f32]> {
+        let row = 3 * self.slot[node as usize]? as usize + a;
+        Some(&self.response[row * self.forces..(row + 1) * self.forces])
+    }
+
+    /// Displacement of the nodes `face` under forces on them, for each of at most [`LANES`] loads.
+    pub fn on_face(&self, face: &[u32], loads: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> {
+        let mut forces = Packed::default();
+        let of = |r: usize, load: usize| loads.get(load).map_or(0.0, |forces| forces[r / 3][r % 3] as f32);
+        forces.fill(self.forces, LANES, of);
+        // The nodes of the face come first.
+        let rows = 3 * face.iter().filter(|node| self.slot[**node as usize].is_some()).count();
+        let mut moved = vec![0.0; rows * LANES];
+        let a = Rows { data: &self.response, stride: self.forces, count: rows };
+        respond(a, &forces, loads.len(), &mut moved);
+        let given = |node: &u32, load: usize| match self.slot[*node as usize] {
+            Some(slot) => {
+                DVec3::from_array([0, 1, 2].map(|c| f64::from(moved[(3 * slot as usize + c) * LANES + load])))
+            }
+            None => DVec3::ZERO,
+        };
+        (0..loads.len()).map(|load| face.iter().map(|node| given(node, load)).collect()).collect()
+    }
 }
 
 /// Responses to forces that are spread on the face around their node, instead of acting on the node alone: on a face of

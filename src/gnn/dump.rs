@@ -77,8 +77,9 @@ pub fn write(path: &Path, predictor: &Predictor, sample: &Sample) -> Result<()> 
         let carried: Vec<f32> = carried.collect();
         arrays.matrix("carried", &Matrix::constant(carried.len() / 3, 3, carried));
         if let Some(compliance) = &f.graph.compliance {
-            arrays.matrix("response", &compliance.response);
-            arrays.matrix("stress_response", &compliance.stress);
+            let [response, stress] = compliance.full();
+            arrays.matrix("response", response);
+            arrays.matrix("stress_response", stress);
         }
         let scale = loads.scale(f);
         arrays.matrix("scale", &Matrix::constant(scale.len(), 1, scale));

@@ -8,12 +8,14 @@
 
 use super::compliance::Compliance;
 use super::edges::Edges;
+use super::kept;
 use super::ops::Sparse;
 use crate::error::{Error, Result};
 use crate::model::FingerModel;
 use crate::record::PadTopology;
 use glam::{DVec2, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Where a network passes messages.
@@ -63,6 +65,14 @@ impl PadGraph {
     /// # Errors
     /// A pad without a sensing face.
     pub fn new(finger: &FingerModel, layout: Layout) -> Result<Self> {
+        Self::keeping(finger, layout, None)
+    }
+
+    /// The same with the linear response kept in the folder `dir`: taken from there, or put there.
+    ///
+    /// # Errors
+    /// A pad without a sensing face.
+    pub fn keeping(finger: &FingerModel, layout: Layout, dir: Option<&Path>) -> Result<Self> {
         let pad = &finger.topology;
         let face: Vec<u32> = pad.sensing.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
         let thickness = pad.rest.iter().map(|x| -x.z).fold(0.0, f64::max);
@@ -83,7 +93,7 @@ impl PadGraph {
                 edges.push((i, j));
             }
         }
-        let n = face.len();
+        let (n, hash) = (face.len(), hash(pad));
         let depths = match layout {
             Layout::Face { depths } => depths,
             Layout::Volume => 1,
@@ -92,7 +102,7 @@ impl PadGraph {
         let free: Vec<_> =
             rows.iter().zip(&pad.bonded).map(|(row, bonded)| if *bonded { Vec::new() } else { row.clone() }).collect();
         let compliance = match layout {
-            Layout::Face { .. } => Some(Compliance::new(finger, &face, thickness)?),
+            Layout::Face { .. } => Some(response(finger, &face, thickness, &hash, dir)?),
             Layout::Volume => None,
         };
         Ok(Self {
@@ -106,7 +116,7 @@ impl PadGraph {
             rest,
             area,
             edges: Edges::new(edges, n, 6.0),
-            hash: hash(pad),
+            hash,
             poisson: finger.body.material.moduli().poisson,
         })
     }
@@ -115,6 +125,22 @@ impl PadGraph {
     pub fn fits(&self, finger: &FingerModel) -> bool {
         self.poisson == finger.body.material.moduli().poisson && self.hash == hash(&finger.topology)
     }
+}
+
+/// The linear response of a pad whose mesh has this hash, kept in `dir`.
+fn response(finger: &FingerModel, face: &[u32], thickness: f64, hash: &str, dir: Option<&Path>) -> Result<Compliance> {
+    let path = dir.map(|dir| kept::path(dir, finger, hash));
+    if let Some(known) = path.as_deref().and_then(kept::read)
+        && known.forces == 3 * face.len()
+        && known.nodes == finger.topology.rest.len()
+    {
+        return Ok(known);
+    }
+    let found = Compliance::new(finger, face, thickness)?;
+    if let Some(path) = path {
+        kept::write(&path, &found);
+    }
+    Ok(found)
 }
 
 fn hash(pad: &PadTopology) -> String {

@@ -3,9 +3,10 @@
 use super::features::Features;
 use super::features::Parity::{self, Even, X, XY, Y};
 use super::sample::rows;
-use super::settle::{Touching, settle};
+use super::settle::{LANES, Touching, settle};
 use super::springs::{Rest, Spring};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Features of a node at a load. From its spring: pressed over depth (negative is a gap), pressed, share of the force, the
 /// spring's displacement over depth. From the settled gel: share of the force, how much of that acts along the
@@ -59,49 +60,77 @@ impl Loads {
     }
 }
 
+/// A pad whose gel has settled under a load.
+struct Settled {
+    /// Force on each face node.
+    force: Vec<DVec3>,
+    /// How much farther than the springs the pad must be closed.
+    closer: f64,
+    /// Linear response of each face node.
+    given: Vec<DVec3>,
+}
+
 impl Features {
     /// The features at loads given as force per finger, N.
     pub fn loads(&self, forces: &[f64]) -> Loads {
         let t = self.graph.thickness;
         let mut loads = Loads::default();
-        for force in forces {
-            let force = force / self.unit_force();
-            let rest = self.bed.rest(force);
-            loads.force.push(force);
-            (0..self.pads).for_each(|p| self.load_pad(p, &rest, &mut loads));
+        for some in forces.chunks(LANES) {
+            let some: Vec<f64> = some.iter().map(|force| force / self.unit_force()).collect();
+            let rests: Vec<Rest> = some.par_iter().map(|force| self.bed.rest(*force)).collect();
+            let settled: Vec<Vec<Settled>> = (0..self.pads).into_par_iter().map(|p| self.settled(p, &rests)).collect();
+            for (k, (force, rest)) in some.iter().zip(&rests).enumerate() {
+                loads.force.push(*force);
+                (0..self.pads).for_each(|p| self.load_pad(p, rest, &settled[p][k], &mut loads));
+            }
         }
         loads.depth.iter_mut().chain(&mut loads.travel).for_each(|d| *d *= t);
         loads
     }
 
+    /// What the gel of pad `p` makes of the springs, over the thickness and `E t^2`.
+    fn settled(&self, p: usize, rests: &[Rest]) -> Vec<Settled> {
+        let (n, to_pad) = (self.graph.face.len(), self.to_pad[p]);
+        let springs = &self.bed.springs()[p * n..(p + 1) * n];
+        let touching = |rest: &Rest| -> Vec<Touching> {
+            let (pressed, dragged) = (&rest.pressed[p * n..], |i: usize| rest.dragged(p * n + i));
+            let of = |(i, s): (usize, &Spring)| Touching {
+                node: self.graph.face[i] as usize,
+                normal: to_pad * s.normal,
+                pressed: pressed[i],
+                dragged: to_pad * dragged(i),
+                force: to_pad * (s.normal * self.bed.pressure(s, pressed[i]) + self.bed.drag(s, dragged(i))),
+            };
+            springs.iter().enumerate().map(of).collect()
+        };
+        let touching: Vec<Vec<Touching>> = rests.iter().map(touching).collect();
+        let Some(compliance) = &self.graph.compliance else {
+            let plain = |load: &Vec<Touching>| load.iter().map(|t| t.force).collect();
+            return touching
+                .iter()
+                .map(|load| Settled { force: plain(load), closer: 0.0, given: vec![DVec3::ZERO; n] })
+                .collect();
+        };
+        let (force, closer): (Vec<Vec<DVec3>>, Vec<f64>) = settle(compliance, &touching).into_iter().unzip();
+        let given = compliance.on_face(&self.graph.face, &force);
+        let parts = force.into_iter().zip(closer).zip(given);
+        parts.map(|((force, closer), given)| Settled { force, closer, given }).collect()
+    }
+
     /// Adds pad `p` under the last force, all over the thickness and `E t^2`.
-    fn load_pad(&self, p: usize, rest: &Rest, loads: &mut Loads) {
+    fn load_pad(&self, p: usize, rest: &Rest, gel: &Settled, loads: &mut Loads) {
         let (n, to_pad) = (self.graph.face.len(), self.to_pad[p]);
         let force = self.bed.carried_by(p, loads.force[loads.force.len() - 1]);
         let own = p * n..(p + 1) * n;
         let springs = &self.bed.springs()[own.clone()];
-        let (pressed, dragged) = (&rest.pressed[own.clone()], &rest.dragged[own]);
+        let pressed = &rest.pressed[own.clone()];
+        let dragged: Vec<DVec3> = own.map(|i| rest.dragged(i)).collect();
         let carried: Vec<f64> = springs.iter().zip(pressed).map(|(s, d)| self.bed.pressure(s, *d)).collect();
         let whole = carried.iter().sum::<f64>().max(1e-12);
         // How each spring gives: along the normal where it is pressed, along the face where it is dragged.
         let give = |i: usize| springs[i].normal * pressed[i].max(0.0) + dragged[i];
         let depth = (0..n).map(|i| carried[i] / whole * give(i).length()).sum::<f64>().max(1e-9);
-        let touching = |(i, s): (usize, &Spring)| Touching {
-            node: self.graph.face[i] as usize,
-            normal: to_pad * s.normal,
-            pressed: pressed[i],
-            dragged: to_pad * dragged[i],
-            force: to_pad * (s.normal * carried[i] + self.bed.drag(s, dragged[i])),
-        };
-        let touching: Vec<Touching> = springs.iter().enumerate().map(touching).collect();
-        let (settled, closer) = match &self.graph.compliance {
-            Some(compliance) => settle(compliance, &touching),
-            None => (touching.iter().map(|t| t.force).collect(), 0.0),
-        };
-        let given = match &self.graph.compliance {
-            Some(compliance) => compliance.on_face(&self.graph.face, &settled),
-            None => vec![DVec3::ZERO; n],
-        };
+        let Settled { force: settled, closer, given } = gel;
         let (mut center, mut area, mut pull, mut twist) = (DVec3::ZERO, 0.0, DVec3::ZERO, 0.0);
         for (i, s) in springs.iter().enumerate() {
             let at = self.graph.rest[i] / self.graph.thickness;
@@ -133,7 +162,7 @@ impl Features {
             pull.y,
             twist,
             travel / depth,
-            closer / depth,
+            *closer / depth,
         ];
         let motion = shift.to_array().into_iter().chain(turn.to_array());
         loads.pad.extend(row.into_iter().chain(motion.map(|v| v / depth)).map(|v| v as f32));

@@ -8,6 +8,7 @@
 
 pub mod card;
 pub mod compliance;
+pub mod deviator;
 pub mod dump;
 pub mod edges;
 pub mod eval;
@@ -15,6 +16,8 @@ pub mod features;
 pub mod foundation;
 mod gemm;
 pub mod graph;
+pub mod infer;
+pub mod kept;
 pub mod loads;
 pub mod network;
 pub mod normalise;

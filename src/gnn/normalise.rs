@@ -43,4 +43,14 @@ impl Normaliser {
         let row = |row: &[f32]| row.iter().zip(&columns).map(|(v, (s, m, k))| (v * s - m) * k).collect::<Vec<_>>();
         rows.chunks_exact(parity.len().max(1)).flat_map(row).collect()
     }
+
+    /// Normalised rows into rows of `stride` numbers.
+    pub fn apply_to(&self, rows: &[f32], out: &mut [f32], stride: usize) {
+        let cols = self.mean.len();
+        for (row, out) in rows.chunks_exact(cols).zip(out.chunks_exact_mut(stride)) {
+            for c in 0..cols {
+                out[c] = (row[c] - self.mean[c]) * self.scale[c];
+            }
+        }
+    }
 }

@@ -63,6 +63,15 @@ impl<T: Real> Parameters<T> {
         &self.matrices[id.0]
     }
 
+    /// The matrix of a name that the network asked for.
+    ///
+    /// # Panics
+    /// Without such a parameter.
+    pub fn named(&self, name: &str) -> &Matrix<T> {
+        let at = self.names.iter().position(|n| n == name);
+        &self.matrices[at.unwrap_or_else(|| panic!("the network has no parameter `{name}`"))]
+    }
+
     /// Names, in order.
     pub fn names(&self) -> &[String] {
         &self.names

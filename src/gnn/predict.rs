@@ -3,14 +3,18 @@
 use super::card::{Card, WEIGHTS};
 use super::features::Features;
 use super::graph::PadGraph;
-use super::network::{Inputs, Network, build};
+use super::infer::{Code, FaceEngine};
+use super::loads::Loads;
+use super::network::{Inputs, Network, Output, build};
 use super::parameters::Parameters;
+use super::spec::NetworkSpec;
 use super::tape::{Matrix, Tape};
 use super::touch::Touch;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use glam::DVec3;
-use std::path::Path;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Load levels that are decoded together.
@@ -25,6 +29,10 @@ pub struct Predictor {
     pub network: Box<dyn Network>,
     /// Its weights.
     pub parameters: Parameters,
+    /// The same network without a tape, where there is one.
+    engine: Option<FaceEngine>,
+    /// Its folder.
+    dir: PathBuf,
     /// Graphs of the pads asked about so far.
     graphs: Mutex<Vec<Arc<PadGraph>>>,
 }
@@ -33,7 +41,13 @@ pub struct Predictor {
 #[derive(Debug)]
 pub struct Seen {
     features: Features,
-    code: Vec<Matrix>,
+    code: Encoded,
+}
+
+#[derive(Debug)]
+enum Encoded {
+    Tape(Vec<Matrix>),
+    Engine(Code),
 }
 
 /// What is predicted for one pad at one load level, pad frame, SI.
@@ -62,7 +76,16 @@ impl Predictor {
         let card = Card::read(dir)?;
         let (network, mut parameters) = build(&card.spec.network, card.spec.training.seed);
         parameters.load(&dir.join(WEIGHTS))?;
-        Ok(Self { card, network, parameters, graphs: Mutex::default() })
+        let engine = match &card.spec.network {
+            NetworkSpec::Face(sizes) => Some(FaceEngine::new(sizes, &parameters, &card.normalisers)),
+            NetworkSpec::Paper(_) => None,
+        };
+        Ok(Self { card, network, parameters, engine, dir: dir.to_path_buf(), graphs: Mutex::default() })
+    }
+
+    /// The same, computed operation by operation as in training: the reference.
+    pub fn on_tape(self) -> Self {
+        Self { engine: None, ..self }
     }
 
     /// The graph of the pads of `model`, if the network was trained for it.
@@ -93,7 +116,7 @@ impl Predictor {
         if let Some(graph) = known.iter().find(|g| g.fits(&model.fingers[0])) {
             return Ok(graph.clone());
         }
-        let graph = Arc::new(PadGraph::new(&model.fingers[0], self.network.layout())?);
+        let graph = Arc::new(PadGraph::keeping(&model.fingers[0], self.network.layout(), Some(&self.dir))?);
         known.push(graph.clone());
         Ok(graph)
     }
@@ -105,9 +128,15 @@ impl Predictor {
 
     /// The same from features made earlier.
     pub fn encode(&self, features: Features) -> Seen {
-        let inputs = Inputs { features: &features, normalisers: &self.card.normalisers, mirror: (false, false) };
-        let code = self.network.encode(&Tape::silent(), &self.parameters, &inputs);
+        let code = match &self.engine {
+            Some(engine) => Encoded::Engine(engine.encode(&features)),
+            None => Encoded::Tape(self.network.encode(&Tape::silent(), &self.parameters, &self.inputs(&features))),
+        };
         Seen { features, code }
+    }
+
+    fn inputs<'a>(&'a self, features: &'a Features) -> Inputs<'a> {
+        Inputs { features, normalisers: &self.card.normalisers, mirror: (false, false) }
     }
 
     /// The pads when each finger closes with `force`, N.
@@ -123,16 +152,29 @@ impl Predictor {
     /// # Errors
     /// Numbers that are not finite.
     pub fn ramp(&self, seen: &Seen, forces: &[f64]) -> Result<Vec<Vec<PadState>>> {
-        // Some at once share the reading of the weights; all would not fit into the caches.
-        let some = forces.chunks(LEVELS).map(|some| self.decode(seen, some));
+        // Some at once share the reading of the weights; all would not fit into the caches of a tape.
+        let most = if self.engine.is_some() { forces.len() } else { LEVELS };
+        let some = forces.chunks(most.max(1)).map(|some| self.decode(seen, some));
         Ok(some.collect::<Result<Vec<_>>>()?.concat())
+    }
+
+    /// The network's answer to some loads.
+    fn answer(&self, seen: &Seen, loads: &Loads) -> Output {
+        match (&seen.code, &self.engine) {
+            (Encoded::Engine(code), Some(engine)) => engine.decode(&seen.features, code, loads),
+            (Encoded::Tape(code), _) => {
+                let inputs = self.inputs(&seen.features);
+                self.network.decode(&Tape::silent(), &self.parameters, &inputs, code, loads)
+            }
+            // What one predictor has seen, another one sees anew.
+            (Encoded::Engine(_), None) => self.answer(&self.encode(seen.features.clone()), loads),
+        }
     }
 
     fn decode(&self, seen: &Seen, forces: &[f64]) -> Result<Vec<Vec<PadState>>> {
         let (features, norms) = (&seen.features, &self.card.normalisers);
-        let inputs = Inputs { features, normalisers: norms, mirror: (false, false) };
         let loads = features.loads(forces);
-        let out = self.network.decode(&Tape::silent(), &self.parameters, &inputs, &seen.code, &loads);
+        let out = self.answer(seen, &loads);
         let (graph, pads) = (&features.graph, features.pads);
         let (t, nodes, face) = (graph.thickness, graph.node_count, graph.face.len());
         let vector = |v: &[f32]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
@@ -140,27 +182,29 @@ impl Predictor {
         // Rows are levels, then pads.
         let pad = |at: usize| {
             let depth = loads.depth[at];
-            let own = |m: &Matrix, n: usize| m.value()[at * n * m.cols..(at + 1) * n * m.cols].to_vec();
+            fn own(m: &Matrix, at: usize, n: usize) -> &[f32] {
+                &m.value()[at * n * m.cols..(at + 1) * n * m.cols]
+            }
             let unit = depth * f64::from(norms.displacement);
             let stress = features.young * depth / t * f64::from(norms.stress);
             let mut contact = vec![DVec3::ZERO; nodes];
-            for (i, c) in graph.face.iter().zip(own(&out.contact, face).as_chunks::<3>().0) {
+            for (i, c) in graph.face.iter().zip(own(&out.contact, at, face).as_chunks::<3>().0) {
                 // Shares are of a force against the closing direction, friction in the same unit.
                 contact[*i as usize] = vector(&[c[1], c[2], -c[0]]) * (loads.pressing[at] * features.unit_force());
             }
-            let motion = own(&out.motion, 1);
+            let motion = own(&out.motion, at, 1);
             let given = |k: usize| DVec3::from_slice(&loads.motion[6 * at + k..]);
             PadState {
-                displacement: own(&out.displacement, nodes).chunks_exact(3).map(|v| vector(v) * unit).collect(),
-                stress: own(&out.stress, nodes).iter().map(|s| f64::from(*s) * stress).collect(),
+                displacement: own(&out.displacement, at, nodes).chunks_exact(3).map(|v| vector(v) * unit).collect(),
+                stress: own(&out.stress, at, nodes).iter().map(|s| f64::from(*s) * stress).collect(),
                 contact,
                 travel: loads.travel[at] + depth * (travel_mean + travel_scale * f64::from(out.travel.value()[at])),
-                shift: given(0) + vector(&motion) * (depth * f64::from(norms.motion[0])),
+                shift: given(0) + vector(motion) * (depth * f64::from(norms.motion[0])),
                 turn: given(3) + vector(&motion[3..]) * (depth / t * f64::from(norms.motion[1])),
             }
         };
         let states: Vec<Vec<PadState>> =
-            (0..forces.len()).map(|level| (0..pads).map(|p| pad(level * pads + p)).collect()).collect();
+            (0..forces.len()).into_par_iter().map(|level| (0..pads).map(|p| pad(level * pads + p)).collect()).collect();
         match states.iter().position(|level| !level.iter().all(PadState::is_finite)) {
             None => Ok(states),
             Some(bad) => {

@@ -8,11 +8,13 @@ use crate::components::*;
 use crate::error::{Error, Result};
 use crate::model::{Model, Needs};
 use crate::record::PadTopology;
-use crate::schedule::{Advance, Next, Phase, Shared, StepSet, Timings, ramping, reached};
+use crate::schedule::{Advance, Command, Next, Phase, Shared, StepSet, Timings, ramping, reached};
 use crate::stepper::Stepper;
 use crate::systems::sense::close_to_contact;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -67,7 +69,13 @@ impl Stepper for Gnn {
         let missing = || Error::Start("the world was not spawned for a grasp".into());
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
         let graph = self.graph(&shared.0)?;
-        world.insert_resource(Prediction { predictor: self.predictor.clone(), graph, grasp: None, pads: Vec::new() });
+        world.insert_resource(Prediction {
+            predictor: self.predictor.clone(),
+            graph,
+            grasp: None,
+            pads: Vec::new(),
+            ahead: VecDeque::new(),
+        });
         register(schedule, &shared.0.needs);
         Ok(())
     }
@@ -82,6 +90,8 @@ pub struct Prediction {
     grasp: Option<(Touch, Seen)>,
     /// The pads at the load of this step.
     pads: Vec<PadState>,
+    /// Those of the next steps: loads that are known beforehand are decoded all at once.
+    ahead: VecDeque<Vec<PadState>>,
 }
 
 /// Puts the systems in their sets; those for what the scene does not need are left out.
@@ -124,14 +134,25 @@ fn look(
 
 /// One load level; numbers that are not finite end the grasp.
 fn predict(
+    phase: Res<Phase>,
+    shared: Res<Shared>,
+    command: Option<Res<Command>>,
     mut prediction: ResMut<Prediction>,
     mut advance: ResMut<Advance>,
     mut next: ResMut<Next>,
     mut timings: ResMut<Timings>,
 ) {
     let clock = Instant::now();
-    let asked = match &prediction.grasp {
-        Some((_, seen)) => prediction.predictor.at(seen, advance.level),
+    let Prediction { predictor, grasp, ahead, .. } = &mut *prediction;
+    let asked = match grasp {
+        Some((_, seen)) if command.is_none() => {
+            if *phase == (Phase::Ramp { frame: 0 }) {
+                // Where one of the loads has no answer, each is asked for by itself, as far as they go.
+                *ahead = predictor.ramp(seen, &shared.0.levels).map(VecDeque::from).unwrap_or_default();
+            }
+            ahead.pop_front().map_or_else(|| predictor.at(seen, advance.level), Ok)
+        }
+        Some((_, seen)) => predictor.at(seen, advance.level),
         None => Err(Error::Start("the load rises before first contact".into())),
     };
     match asked {
@@ -195,6 +216,9 @@ fn write_state(
     }
 }
 
+/// Once a node is in the object, only nodes within this of it, m, can be the worst.
+const NEAR: f64 = 1e-9;
+
 /// What the prediction costs in truth: the smallest det F, and the smallest gap of a face node, which may be negative.
 fn measure_shape(
     prediction: Res<Prediction>,
@@ -212,15 +236,20 @@ fn measure_shape(
         }
     }
     let inverse = object.rotation.inverse();
-    (advance.min_det_f, advance.min_gap) = (f64::INFINITY, f64::INFINITY);
-    for (finger, closing, travel) in &fingers {
-        let own = &x[finger.0 as usize];
-        advance.min_det_f = advance.min_det_f.min(model.fingers[finger.0 as usize].body.min_det_f(own));
-        for node in &prediction.graph.face {
-            let at = own[*node as usize] + closing.0 * travel.0 - object.position;
-            advance.min_gap = advance.min_gap.min(model.object.distance.distance(inverse * at));
-        }
-    }
+    let carried: Vec<(usize, DVec3)> = fingers.iter().map(|(f, c, t)| (f.0 as usize, c.0 * t.0)).collect();
+    let worst = |(finger, carried): &(usize, DVec3)| {
+        let own = &x[*finger];
+        let gap = prediction.graph.face.iter().fold(f64::INFINITY, |least, node| {
+            let at = inverse * (own[*node as usize] + *carried - object.position);
+            // Whoever is farther away than the nearest so far need not say how far.
+            let closer = model.object.distance.closest(at, least.max(NEAR));
+            closer.map_or(least, |c| least.min(c.distance))
+        });
+        (model.fingers[*finger].body.min_det_f(own), gap)
+    };
+    let least = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.min(b.1));
+    let least = carried.par_iter().map(worst).reduce(|| (f64::INFINITY, f64::INFINITY), least);
+    (advance.min_det_f, advance.min_gap) = least;
 }
 
 /// Von Mises stress on nodes; a tetrahedron has the mean of its nodes.

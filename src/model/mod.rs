@@ -25,6 +25,7 @@ use crate::record::{PadReport, pad_name};
 use crate::scene::{self, Fingers, Loading, Motion, Scene, Stepper};
 use crate::shape::Shape;
 use glam::DVec3;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Everything about a scene that no grasp changes.
@@ -96,6 +97,7 @@ impl Model {
             Fingers::None => 0,
         };
         let fingers = (0..sides)
+            .into_par_iter()
             .map(|side| FingerModel::build(side, &pad, &scene.gripper, &fem, material.clone()))
             .collect::<Result<Vec<_>>>()?;
         let mass = object.mass.volume * scene.object.density.get();

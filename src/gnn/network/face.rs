@@ -257,7 +257,7 @@ fn linear_response<T: Real>(
     contact: &Matrix<T>,
 ) -> (Matrix<T>, Matrix<T>) {
     let (f, norms) = (inputs.features, inputs.normalisers);
-    let compliance = f.graph.compliance.as_ref().expect("graphs of faces have a compliance");
+    let [response, stress] = f.graph.compliance.as_ref().expect("graphs of faces have a compliance").full();
     let [x, y, _] = VECTOR.map(|parity| parity.sign(inputs.mirror));
     let diagonal = |v: &[f32]| Sparse::new(&(0..).zip(v).map(|(i, v)| vec![(i, *v)]).collect::<Vec<_>>(), v.len());
     // From (against the closing direction, x, y) to (x, y, z) of the pad that is not mirrored.
@@ -270,10 +270,10 @@ fn linear_response<T: Real>(
         let given = linear(tape, &force, &T::matrix(response), None, Activation::None);
         reshape(tape, &given, given.rows * given.cols / cols)
     };
-    let mirrored = apply(tape, &diagonal(&[x, y, 1.0]), &to(&compliance.response, norms.displacement, 1));
+    let mirrored = apply(tape, &diagonal(&[x, y, 1.0]), &to(response, norms.displacement, 1));
     let displacement = reshape(tape, &mirrored, mirrored.rows / 3);
     // Von Mises' norm does not know of mirrors.
-    (displacement, von_mises(tape, &to(&compliance.stress, norms.stress, 5)))
+    (displacement, von_mises(tape, &to(stress, norms.stress, 5)))
 }
 
 /// What the settled gel says of the force on each node: its share as a logarithm, and the part along the face.
@@ -284,7 +284,7 @@ fn carried<T: Real>(inputs: &Inputs, loads: &Loads) -> Matrix<T> {
 }
 
 /// Share of a node that it leaves out, to start from.
-const LITTLE: f32 = 1e-4;
+pub const LITTLE: f32 = 1e-4;
 
 /// Every row `times` times, one after the other.
 fn spread<T: Real>(tape: &Tape<T>, x: &Matrix<T>, times: usize) -> Matrix<T> {

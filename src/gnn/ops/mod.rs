@@ -12,4 +12,4 @@ pub use norm::layer_norm;
 pub use pointwise::{Activation, product, reshape, root_error, sum};
 pub use share::share;
 pub use sparse::{Sparse, apply};
-pub use von_mises::von_mises;
+pub use von_mises::{LITTLE, von_mises};

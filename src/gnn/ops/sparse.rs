@@ -70,10 +70,13 @@ impl Sparse {
 
     /// All entries: ((row, column), weight).
     pub fn entries(&self) -> impl Iterator<Item = ((u32, u32), f32)> + '_ {
+        (0..self.rows()).flat_map(|r| self.row(r).iter().map(move |e| ((r as u32, e.0), e.1)))
+    }
+
+    /// Entries (column, weight) of a row.
+    pub fn row(&self, row: usize) -> &[(u32, f32)] {
         let Rows { start, entry, .. } = &self.forward;
-        let row =
-            move |r: usize| entry[start[r] as usize..start[r + 1] as usize].iter().map(move |e| ((r as u32, e.0), e.1));
-        (0..self.rows()).flat_map(row)
+        &entry[start[row] as usize..start[row + 1] as usize]
     }
 
     /// Number of rows.

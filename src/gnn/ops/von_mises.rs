@@ -4,7 +4,7 @@ use crate::gnn::real::Real;
 use crate::gnn::tape::{Matrix, Tape};
 
 /// Keeps the norm smooth where there is no stress.
-const LITTLE: f32 = 1e-6;
+pub const LITTLE: f32 = 1e-6;
 
 /// `sqrt(3 (a2 + b2 + a b + c2 + d2 + e2))` of every row (xx, yy, xy, yz, zx) of x (n, 5): (n, 1).
 pub fn von_mises<T: Real>(tape: &Tape<T>, x: &Matrix<T>) -> Matrix<T> {

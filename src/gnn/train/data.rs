@@ -156,7 +156,7 @@ fn beyond_response(samples: &[Sample], loads: &[&Loads]) -> f32 {
         let force = s.contact.iter().map(|f| f / s.features.unit_force() as f32).collect();
         let force = Matrix::constant(l.depth.len(), 3 * graph.face.len(), force);
         let given =
-            graph.compliance.as_ref().map(|c| linear(&Tape::silent(), &force, &c.response, None, Activation::None));
+            graph.compliance.as_ref().map(|c| linear(&Tape::silent(), &force, &c.full()[0], None, Activation::None));
         for (i, u) in s.displacement.iter().enumerate() {
             let given = given.as_ref().map_or(0.0, |g| f64::from(g.value()[i]) * graph.thickness);
             square += ((f64::from(*u) - given) / l.depth[i / width]).powi(2);
