@@ -3,6 +3,7 @@
 use super::watch::Watch;
 use super::{Format, NOT_HELD, OK, print, table};
 use crate::error::{Error, Result};
+use crate::gnn::SHIPPED;
 use crate::grasp::{GraspPose, poses_of};
 use crate::model::Model;
 use crate::record::{ExpectationReport, Options, Recorder, RunReport, Status};
@@ -49,7 +50,7 @@ pub struct RunArgs {
     /// Backend, instead of the scene's.
     #[arg(long, value_enum)]
     pub backend: Option<Backend>,
-    /// Folder of the trained model, for `--backend gnn`.
+    /// Folder of the trained model, for `--backend gnn`; the one that ships with tactus by default, from its root folder.
     #[arg(long, value_name = "DIR", requires = "backend")]
     pub model: Option<PathBuf>,
 }
@@ -80,14 +81,10 @@ impl RunArgs {
                 };
                 scene.stepper = Stepper::Fem(fem);
             }
-            (Some(Backend::Gnn), Stepper::Fem(_)) => match &self.model {
-                Some(model) => scene.stepper = Stepper::Gnn(Gnn { model: model.clone() }),
-                None => {
-                    return Err(refused(
-                        "--backend gnn needs `--model DIR`, or a scene with stepper: Gnn(model: \"...\")",
-                    ));
-                }
-            },
+            (Some(Backend::Gnn), Stepper::Fem(_)) => {
+                let model = self.model.clone().unwrap_or_else(|| SHIPPED.into());
+                scene.stepper = Stepper::Gnn(Gnn { model });
+            }
             _ => {}
         }
         if let Some(threads) = self.threads {

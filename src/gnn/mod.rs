@@ -34,3 +34,6 @@ pub mod tape;
 pub mod touch;
 pub mod train;
 pub mod volume;
+
+/// Folder of the model that ships with tactus, from the root of the project: flat GelSight Mini pads, ten objects.
+pub const SHIPPED: &str = "models/gelsight_mini";
