@@ -3,7 +3,7 @@
 use super::density::{coarser, describe, nodes};
 use crate::error::{Error, Result};
 use crate::scene::leaf::Positive;
-use crate::scene::{Element, Fem, Field, Fingers, Gnn, Loading, Scene, Stepper};
+use crate::scene::{Condensed, Element, Fem, Field, Fingers, Gnn, Loading, Scene, Solver, Stepper};
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use std::path::PathBuf;
 
@@ -43,8 +43,8 @@ struct Setting {
     fast: bool,
 }
 
-/// All settings; a new one, such as a fast mode, is one more line. The first one holds the levels of the reference.
-const SETTINGS: [Setting; 3] = [
+/// All settings; a new one is one more line. The first one holds the levels of the reference.
+const SETTINGS: [Setting; 4] = [
     Setting { name: "quadratic", change: |_| (), cells: &[2.0, SQRT_2, 1.0, FRAC_1_SQRT_2], fast: false },
     Setting {
         name: "linear",
@@ -53,6 +53,12 @@ const SETTINGS: [Setting; 3] = [
         fast: false,
     },
     Setting { name: "quadratic, 10 x tolerance", change: loosen, cells: &[SQRT_2, 1.0], fast: false },
+    Setting {
+        name: "condensed",
+        change: |fem| fem.solver = Solver::Condensed(Condensed::default()),
+        cells: &[SQRT_2, 1.0],
+        fast: true,
+    },
 ];
 
 /// Ten times the force tolerance.

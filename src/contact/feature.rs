@@ -2,6 +2,7 @@
 //! what keeps a needle or a knife edge from slipping between the sample points of the pad.
 
 use super::edge::ContactEdge;
+use super::far::Far;
 use super::law::Law;
 use super::pair::{feature_pair, friction_pair, slip};
 use super::pool::EdgePool;
@@ -45,6 +46,7 @@ pub struct FeatureContact {
     area: f64,
     sites: Vec<Site>,
     bounds: FaceBounds,
+    far: Far,
     committed: Vec<Site>,
 }
 
@@ -77,7 +79,8 @@ impl FeatureContact {
         let nowhere = Stencil::new(std::iter::empty());
         let sites = vec![Site { face: None, now: nowhere, stick: nowhere, report: nowhere }; features.len()];
         let area = surface.spacing * surface.spacing;
-        Self { pool, surface, features, area, committed: sites.clone(), sites, bounds: FaceBounds::default() }
+        let (bounds, far) = (FaceBounds::default(), Far::default());
+        Self { pool, surface, features, area, committed: sites.clone(), sites, bounds, far }
     }
 
     /// Current edges, one per feature.
@@ -118,11 +121,14 @@ impl BodyTerm for FeatureContact {
     fn energy(&self, _: &Body, view: &View) -> f64 {
         let mut bounds = FaceBounds::default();
         bounds.update(&self.surface, view.x);
+        let moved = self.far.moved(view.x);
         let mut energy = 0.0;
         for (i, e) in self.pool.edges.iter().enumerate() {
             let y = view.position + view.rotation * self.features[i].position - view.offset;
             let law = self.law_of(i);
-            if let Some(foot) = bounds.closest(&self.surface, view.x, y, law.offset, self.sites[i].face) {
+            if self.far.within(i, y, moved, law.offset)
+                && let Some(foot) = bounds.closest(&self.surface, view.x, y, law.offset, self.sites[i].face)
+            {
                 energy += self.area * law.normal_energy(foot.gap, e.scale);
             }
             if let Some(drag) = e.sticks() {
@@ -135,8 +141,12 @@ impl BodyTerm for FeatureContact {
 
     fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
         self.bounds.update(&self.surface, view.x);
+        let features = &self.features;
+        let place = |i: usize| view.position + view.rotation * features[i].position - view.offset;
+        self.far.update(&self.surface, view.x, &self.bounds, features.len(), place);
+        let moved = self.far.moved(view.x);
         for i in 0..self.features.len() {
-            block.lag += (self.area * self.update(i, view)).powi(2);
+            block.lag += (self.area * self.update(i, view, moved)).powi(2);
             let e = self.pool.edges[i];
             let arm = view.rotation * self.features[i].position;
             if e.pressure > 0.0 {
@@ -193,12 +203,14 @@ impl BodyTerm for FeatureContact {
 }
 
 impl FeatureContact {
-    /// Refreshes gap, pressure and friction of edge `i`; returns how far its friction limit lags, Pa.
-    fn update(&mut self, i: usize, view: &View) -> f64 {
+    /// Refreshes gap, pressure and friction of edge `i` on a surface that has `moved` (m) since the far features were looked for;
+    /// returns how far its friction limit lags, Pa.
+    fn update(&mut self, i: usize, view: &View, moved: f64) -> f64 {
         let y = view.position + view.rotation * self.features[i].position - view.offset;
         let law = self.law_of(i);
         let site = &mut self.sites[i];
-        let foot = self.bounds.closest(&self.surface, view.x, y, law.offset, site.face);
+        let near = self.far.within(i, y, moved, law.offset);
+        let foot = near.then(|| self.bounds.closest(&self.surface, view.x, y, law.offset, site.face)).flatten();
         let e = &mut self.pool.edges[i];
         site.face = foot.map(|f| f.face);
         e.gap = foot.map_or(f64::INFINITY, |f| f.gap);

@@ -5,6 +5,7 @@
 //! slips between samples. All edges carry the same [`law`]: a stiff penalty on the gap, and Coulomb friction.
 
 pub mod edge;
+mod far;
 pub mod feature;
 pub mod ground;
 pub mod law;

@@ -81,11 +81,20 @@ impl FaceBounds {
         best.filter(|foot| foot.gap < reach)
     }
 
+    /// How far `y` is outside the surface, m; not positive inside.
+    pub fn outside(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3) -> f64 {
+        self.nearest(surface, x, y, f64::INFINITY).map_or(f64::INFINITY, |foot| foot.gap)
+    }
+
     /// Closest point among the faces nearer than `limit`.
     fn nearest(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, limit: f64) -> Option<Foot> {
         let (mut best, mut nearest) = (None, limit);
-        for (i, (center, radius)) in self.spheres.iter().enumerate() {
-            if y.distance_squared(*center) < (nearest + radius).powi(2) {
+        let squared = |i: usize| y.distance_squared(self.spheres[i].0);
+        // The face whose centre is nearest first: it leaves few others that could win.
+        let all = 0..self.spheres.len();
+        let first = all.clone().map(|i| (squared(i), i)).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i);
+        for i in first.into_iter().chain(all.filter(|i| Some(*i) != first)) {
+            if squared(i) < (nearest + self.spheres[i].1).powi(2) {
                 let foot = on_face(i, &surface.faces[i], x, y, 0.0);
                 let distance = foot.gap.abs();
                 // On the edge that two faces share only the one that the point lies over knows on which side it is.
@@ -169,10 +178,12 @@ fn along_rim(face: &Face, x: &[DVec3], l: [f64; 3], y: DVec3, beyond: f64) -> [f
 fn tangents(face: &Face, x: &[DVec3], l: [f64; 3]) -> (DVec3, DVec3, DVec3) {
     let at = |n: u32| x[n as usize];
     let [a, b, c] = face.corners.map(at);
-    let p = face.stencil(l).position(x);
     match face.mids.map(|m| m.map(at)) {
-        None => (p, b - a, c - a),
+        None => (face.stencil(l).position(x), b - a, c - a),
         Some([ab, bc, ca]) => {
+            let corners =
+                a * (l[0] * (2.0 * l[0] - 1.0)) + b * (l[1] * (2.0 * l[1] - 1.0)) + c * (l[2] * (2.0 * l[2] - 1.0));
+            let p = corners + ab * (4.0 * l[0] * l[1]) + bc * (4.0 * l[1] * l[2]) + ca * (4.0 * l[2] * l[0]);
             let d0 = a * (4.0 * l[0] - 1.0) + (ab * l[1] + ca * l[2]) * 4.0;
             let d1 = b * (4.0 * l[1] - 1.0) + (ab * l[0] + bc * l[2]) * 4.0;
             let d2 = c * (4.0 * l[2] - 1.0) + (bc * l[1] + ca * l[0]) * 4.0;

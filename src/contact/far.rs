@@ -1,0 +1,52 @@
+//! Which features of the object are too far from a pad to be looked for: neither they nor the pad move faster than they move.
+
+use super::project::FaceBounds;
+use super::surface::ContactSurface;
+use glam::DVec3;
+
+/// Motion of the pad after which the distances are taken anew, m: a fraction of what most features are away.
+const STALE: f64 = 2e-4;
+
+/// Distances of all features to the pad, at an earlier state.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Far {
+    /// Node positions then, m.
+    x: Vec<DVec3>,
+    /// Where each feature was, relative to the finger, and how far outside the pad, m.
+    features: Vec<(DVec3, f64)>,
+}
+
+impl Far {
+    /// Takes the distances of `count` features anew if the pad at `x` has moved too far since the last time; `place` says where
+    /// each of them is.
+    pub fn update(
+        &mut self,
+        surface: &ContactSurface,
+        x: &[DVec3],
+        bounds: &FaceBounds,
+        count: usize,
+        place: impl Fn(usize) -> DVec3,
+    ) {
+        if self.moved(x) > STALE {
+            let away = |y: DVec3| (y, bounds.outside(surface, x, y));
+            self.features = (0..count).map(|i| away(place(i))).collect();
+            self.x = x.to_vec();
+        }
+    }
+
+    /// Largest motion of a node since the distances were taken, m; `+inf` if they never were.
+    pub fn moved(&self, x: &[DVec3]) -> f64 {
+        if self.x.len() != x.len() {
+            return f64::INFINITY;
+        }
+        self.x.iter().zip(x).map(|(a, b)| a.distance_squared(*b)).fold(0.0, f64::max).sqrt()
+    }
+
+    /// Whether feature `i`, now at `y`, may be nearer than `reach` (m) to the pad, which has `moved` by up to that (m).
+    pub fn within(&self, i: usize, y: DVec3, moved: f64, reach: f64) -> bool {
+        self.features.get(i).is_none_or(|(then, away)| *away <= BULGE * moved + then.distance(y) + reach)
+    }
+}
+
+/// A point of a quadratic face moves at most this many times as far as its nodes: the sum of the magnitudes of its shape functions.
+const BULGE: f64 = 5.0 / 3.0;
