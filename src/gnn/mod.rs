@@ -27,6 +27,7 @@ pub mod predict;
 pub mod real;
 pub mod sample;
 pub mod settle;
+mod side;
 pub mod spec;
 pub mod springs;
 pub mod stepper;
