@@ -33,7 +33,9 @@ function drawBars(figure, names, quantity) {
   const [row, left, top] = [30, 130, 6];
   const height = top + row * names.length + 40;
   const [svg, width] = canvasOf(figure, height);
-  const marks = ticks(Math.max(...numbers(quantity.worst), 0), 6);
+  // One grasp far off must not flatten all others: what lies beyond the axis stands at its end, with its number.
+  const [usual, extreme] = [Math.max(...numbers(quantity.p90), 0), Math.max(...numbers(quantity.worst), 0)];
+  const marks = ticks(extreme > 4 * usual && usual > 0 ? 2 * usual : extreme, 6);
   const most = marks[marks.length - 1];
   const x = (v) => left + ((width - left - 20) * v) / most;
   const bottom = top + row * names.length;
@@ -51,7 +53,8 @@ function drawBars(figure, names, quantity) {
     put(group, "rect", { class: "value", x: left, y: y - 8, width: Math.max(1, x(median) - left), height: 16, rx: 2 });
     put(group, "line", { class: "whisker", x1: x(median), x2: x(p90), y1: y, y2: y });
     put(group, "line", { class: "whisker", x1: x(p90), x2: x(p90), y1: y - 5, y2: y + 5 });
-    put(group, "circle", { class: "extreme", cx: x(worst), cy: y, r: 3.5 });
+    put(group, "circle", { class: "extreme", cx: x(Math.min(worst, most)), cy: y, r: 3.5 });
+    if (worst > most) put(group, "text", { class: "muted", x: x(most) - 9, y: y + 4, "text-anchor": "end" }, `${short(worst)} →`);
   });
 }
 
@@ -59,16 +62,22 @@ function drawBars(figure, names, quantity) {
 function drawLines(figure, { label, at }, series, unit, now, pick) {
   const [height, left, bottom, right] = [240, 52, 40, 16];
   const [svg, width] = canvasOf(figure, height);
-  const marks = ticks(Math.max(...series.flatMap((s) => numbers(s.values)), 0));
+  // Where values differ by more than a factor of 30, their axis is logarithmic.
+  const all = series.flatMap((s) => numbers(s.values)).filter((v) => v > 0);
+  const [least, largest] = [Math.min(...all), Math.max(...all, 0)];
+  const decades = largest > 30 * least;
+  const bounds = decades ? [Math.floor(Math.log10(least)), Math.ceil(Math.log10(largest))] : [];
+  const marks = decades ? [...Array(bounds[1] - bounds[0] + 1).keys()].map((k) => +(10 ** (bounds[0] + k)).toPrecision(6)) : ticks(largest);
+  const part = (v) => decades ? (Math.log10(Math.max(v, 10 ** bounds[0])) - bounds[0]) / (bounds[1] - bounds[0]) : v / marks[marks.length - 1];
   const stops = ticks(Math.max(...at), 6).filter((v) => v <= Math.max(...at) * 1.001);
-  const y = (v) => height - bottom - ((height - bottom - 22) * v) / marks[marks.length - 1];
+  const y = (v) => height - bottom - (height - bottom - 22) * part(v);
   const x = (v) => left + ((width - left - right) * v) / Math.max(...at);
   for (const v of marks) {
     put(svg, "line", { class: "grid", x1: left, x2: width - right, y1: y(v), y2: y(v) });
     put(svg, "text", { class: "muted", x: left - 8, y: y(v) + 4, "text-anchor": "end" }, short(v));
   }
   for (const v of stops) put(svg, "text", { class: "muted", x: x(v), y: height - bottom + 18, "text-anchor": "middle" }, short(v));
-  put(svg, "line", { class: "axis", x1: left, x2: width - right, y1: y(0), y2: y(0) });
+  put(svg, "line", { class: "axis", x1: left, x2: width - right, y1: height - bottom, y2: height - bottom });
   put(svg, "text", { class: "muted", x: width - right, y: height - 4, "text-anchor": "end" }, label);
   put(svg, "text", { class: "muted", x: 4, y: 12 }, unit);
   series.forEach((s, i) => {
