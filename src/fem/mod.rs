@@ -18,5 +18,6 @@ pub mod state;
 pub mod stepper;
 pub mod systems;
 pub mod term;
+pub mod upright;
 pub mod weight;
 mod whole;
