@@ -19,5 +19,6 @@ pub mod stepper;
 pub mod systems;
 pub mod term;
 pub mod upright;
+mod walk;
 pub mod weight;
 mod whole;

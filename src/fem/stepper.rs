@@ -174,6 +174,7 @@ impl Solver {
             self.path.state = before;
             return Err(format!("{}: {reason}", at(load, level)));
         }
+        self.path.recover();
         Ok(done)
     }
 

@@ -169,7 +169,10 @@ impl Features {
         let mut scaled = self.clone();
         scaled.vertices.iter_mut().for_each(|v| v.position *= factor);
         scaled.sharp_edges.iter_mut().for_each(|e| (e.a, e.b) = (factor * e.a, factor * e.b));
-        scaled.rounded_edges.iter_mut().for_each(|e| (e.axis, e.radius) = (e.axis.map(|p| p * factor), e.radius * factor));
+        scaled
+            .rounded_edges
+            .iter_mut()
+            .for_each(|e| (e.axis, e.radius) = (e.axis.map(|p| p * factor), e.radius * factor));
         scaled
     }
 }

@@ -43,7 +43,7 @@ pub struct Condensation {
 }
 
 /// Corrections at one level before it counts as failed.
-const CORRECTIONS: u32 = 8;
+const CORRECTIONS: u32 = 24;
 /// A correction must fall to this part of the one before, or the stiffness is out of date.
 const CONTRACTION: f64 = 0.3;
 /// New patches and smaller increments on the way to one level.
@@ -93,6 +93,8 @@ impl Condensation {
         loop {
             let checkpoint = path.checkpoint();
             let from = path.level;
+            // While contact was made only the patches moved.
+            let whole = self.levels[1].is_none().then(|| self.expand(path));
             let refusal = match self.step(path, load, goal, &mut done) {
                 Ok(()) if goal == level => return Ok(done),
                 Ok(()) => {
@@ -107,10 +109,13 @@ impl Condensation {
                 Refusal::Failed(_) => Vec::new(),
             };
             path.restore(checkpoint);
+            if let Some(x) = whole {
+                path.state.x = x;
+            }
             let patches = match refusal {
                 Refusal::Outside if attempts <= ATTEMPTS => patches,
                 Refusal::Outside => return Err(Failure::Iterations(done.residual)),
-                Refusal::Failed(failure) if attempts > ATTEMPTS => return Err(failure),
+                Refusal::Failed(failure) if attempts > ATTEMPTS || path.exhausted() => return Err(failure),
                 Refusal::Failed(_) => {
                     goal = 0.5 * (from + goal);
                     self.patches(path, model, 1.0)
@@ -179,6 +184,13 @@ impl Condensation {
         }
         self.install(path);
         Ok((error, residual))
+    }
+
+    /// Whole pads from patches, m.
+    fn expand(&mut self, path: &Path) -> Vec<Vec<DVec3>> {
+        let mut x = path.state.x.clone();
+        self.pads.iter_mut().zip(&mut x).for_each(|(pad, x)| drop(pad.expand(x)));
+        x
     }
 
     /// Lets the centres wander on to `level` as they did before.
