@@ -43,7 +43,7 @@ pub struct Condensation {
 }
 
 /// Corrections at one level before it counts as failed.
-const CORRECTIONS: u32 = 24;
+const CORRECTIONS: u32 = 8;
 /// A correction must fall to this part of the one before, or the stiffness is out of date.
 const CONTRACTION: f64 = 0.3;
 /// New patches and smaller increments on the way to one level.
@@ -93,8 +93,6 @@ impl Condensation {
         loop {
             let checkpoint = path.checkpoint();
             let from = path.level;
-            // While contact was made only the patches moved.
-            let whole = self.levels[1].is_none().then(|| self.expand(path));
             let refusal = match self.step(path, load, goal, &mut done) {
                 Ok(()) if goal == level => return Ok(done),
                 Ok(()) => {
@@ -109,9 +107,6 @@ impl Condensation {
                 Refusal::Failed(_) => Vec::new(),
             };
             path.restore(checkpoint);
-            if let Some(x) = whole {
-                path.state.x = x;
-            }
             let patches = match refusal {
                 Refusal::Outside if attempts <= ATTEMPTS => patches,
                 Refusal::Outside => return Err(Failure::Iterations(done.residual)),
@@ -184,13 +179,6 @@ impl Condensation {
         }
         self.install(path);
         Ok((error, residual))
-    }
-
-    /// Whole pads from patches, m.
-    fn expand(&mut self, path: &Path) -> Vec<Vec<DVec3>> {
-        let mut x = path.state.x.clone();
-        self.pads.iter_mut().zip(&mut x).for_each(|(pad, x)| drop(pad.expand(x)));
-        x
     }
 
     /// Lets the centres wander on to `level` as they did before.

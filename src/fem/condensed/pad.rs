@@ -116,25 +116,17 @@ impl Pad {
         Ok(left)
     }
 
-    /// Brings the whole pad to where the patch of `x` takes it; the contact forces there, N per node.
-    pub(super) fn expand(&mut self, x: &mut [DVec3]) -> Vec<DVec3> {
+    /// Brings the whole pad to where the patch of `x` takes it, and the centre to where the real law has it.
+    pub(super) fn correct(&mut self, x: &mut [DVec3]) -> Correction {
         let (_, force) = self.term().force(x);
         let mut contact = vec![DVec3::ZERO; x.len()];
         for (&n, f) in self.patch.iter().zip(force.chunks_exact(3)) {
             contact[n as usize] = DVec3::from_slice(f);
         }
-        if let Some((body, factor)) = &mut self.eliminated {
-            let from_center = solve(body, factor, &contact);
-            x.iter_mut().zip(&self.center).zip(from_center).for_each(|((x, c), u)| *x = *c + u);
-        }
-        contact
-    }
-
-    /// Brings the whole pad to where the patch of `x` takes it, and the centre to where the real law has it.
-    pub(super) fn correct(&mut self, x: &mut [DVec3]) -> Correction {
-        let mut contact = self.expand(x);
         let nothing = Correction { change: 0.0, displacement: 0.0, residual: 0.0 };
         let Some((body, factor)) = &mut self.eliminated else { return nothing };
+        let from_center = solve(body, factor, &contact);
+        x.iter_mut().zip(&self.center).zip(from_center).for_each(|((x, c), u)| *x = *c + u);
         self.gradient = loads(&self.dead, x.len());
         body.add_gradient(x, &mut self.gradient);
         contact.iter_mut().zip(&self.gradient).for_each(|(f, g)| *f = *g - *f);
