@@ -88,9 +88,7 @@ impl PadSurface {
     /// Depth of the worst point of pad or object in the other, m, with the nodes at `x` in the object's frame; zero if nothing
     /// penetrates.
     pub fn depth(&self, topology: &PadTopology, x: &[DVec3], solid: &Solid, object: &ObjectPoints) -> f64 {
-        let inner = topology.elements.nodes().chunks_exact(topology.elements.width());
-        let inner = inner.map(|n| n[..4].iter().map(|&i| x[i as usize]).sum::<DVec3>() / 4.0);
-        let points = x.iter().copied().chain(self.points(x)).chain(inner);
+        let points = x.iter().copied().chain(self.points(x)).chain(centers(&topology.elements, x));
         let of_pad = points.map(|p| solid.depth(p)).fold(0.0, f64::max);
         let tets = Tetrahedra::new(topology, x);
         let of_object = object.0.iter().copied().filter(|p| tets.contains(*p) && self.between(*p, solid));
@@ -157,6 +155,15 @@ impl PadSurface {
         }
         let corners: DVec3 = (0..3).map(|k| n[k] * (l[k] * (2.0 * l[k] - 1.0))).sum();
         corners + n[3] * (4.0 * l[0] * l[1]) + n[4] * (4.0 * l[1] * l[2]) + n[5] * (4.0 * l[2] * l[0])
+    }
+}
+
+/// The material centre of every tetrahedron, m. Of a bent one it is not the mean of its corners, which may lie outside.
+fn centers(elements: &Elements, x: &[DVec3]) -> Vec<DVec3> {
+    let node = |i: u32| x[i as usize];
+    match elements {
+        Elements::Linear(tets) => tets.iter().map(|n| n.map(node).iter().sum::<DVec3>() / 4.0).collect(),
+        Elements::Quadratic(tets) => tets.iter().map(|n| position(&n.map(node), &[0.25; 4])).collect(),
     }
 }
 

@@ -7,7 +7,7 @@ mod kernel;
 mod shape;
 
 pub use kernel::Kernel;
-pub use shape::{EDGES, Shape, TET4, TET10};
+pub use shape::{EDGES, Shape, TET4, TET10, TET10_NODES};
 
 use glam::{DMat3, DVec3};
 

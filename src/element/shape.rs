@@ -19,16 +19,37 @@ pub const TET4: Shape<4, 1> = Shape {
 pub const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
 /// The 10-node tetrahedron with the 4-point rule of degree 2 (Keast 1986).
-pub const TET10: Shape<10, 4> = tet10();
+pub const TET10: Shape<10, 4> = tet10(keast());
 
-const fn tet10() -> Shape<10, 4> {
+/// The 10-node tetrahedron seen at its nodes, where quadrature does not look.
+pub const TET10_NODES: Shape<10, 10> = tet10(nodes());
+
+const fn keast() -> [[f64; 4]; 4] {
     // a = (5 + 3 sqrt 5) / 20, b = (5 - sqrt 5) / 20
     let (a, b) = (0.585_410_196_624_968_5, 0.138_196_601_125_010_5);
-    let mut points = [[b; 4]; 4];
-    let mut d = [[[0.0; 4]; 10]; 4];
+    [[a, b, b, b], [b, a, b, b], [b, b, a, b], [b, b, b, a]]
+}
+
+const fn nodes() -> [[f64; 4]; 10] {
+    let mut points = [[0.0; 4]; 10];
+    let mut k = 0;
+    while k < 4 {
+        points[k][k] = 1.0;
+        k += 1;
+    }
+    let mut e = 0;
+    while e < 6 {
+        let [i, j] = EDGES[e];
+        (points[4 + e][i], points[4 + e][j]) = (0.5, 0.5);
+        e += 1;
+    }
+    points
+}
+
+const fn tet10<const Q: usize>(points: [[f64; 4]; Q]) -> Shape<10, Q> {
+    let mut d = [[[0.0; 4]; 10]; Q];
     let mut q = 0;
-    while q < 4 {
-        points[q][q] = a;
+    while q < Q {
         let mut k = 0;
         while k < 4 {
             d[q][k][k] = 4.0 * points[q][k] - 1.0;

@@ -147,6 +147,14 @@ impl Body {
         self.tets.len()
     }
 
+    /// Element `e`, if it has 10 nodes: its rest geometry, where its nodes are among the positions `x`, and the nodes.
+    pub fn quadratic(&self, e: usize, x: &[DVec3]) -> Option<(&RestTet, [DVec3; 10], &[u32; 10])> {
+        match &self.elements {
+            Elements::Quadratic(nodes) => Some((&self.tets[e], gather(&nodes[e], x), &nodes[e])),
+            Elements::Linear(_) => None,
+        }
+    }
+
     /// Elastic energy at positions `x`, J; `+inf` when an element is inverted under a law that refuses it.
     pub fn energy(&self, x: &[DVec3]) -> f64 {
         Arch::new().dispatch(|| {

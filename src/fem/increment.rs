@@ -2,6 +2,7 @@
 
 use super::newton::{Converged, Failure, Newton, Tolerance};
 use super::state::State;
+use super::walk::Resort;
 
 /// A quasi-static loading path: solver, accepted state, and the history its predictor needs.
 pub struct Path {
@@ -17,6 +18,8 @@ pub struct Path {
     pub(super) history: Option<(State, f64)>,
     /// Increment that worked last.
     increment: f64,
+    /// Iterations of walks and of increments that failed.
+    spent: u32,
 }
 
 /// Cost of one advance.
@@ -40,7 +43,7 @@ impl Advanced {
         }
     }
 
-    fn accept(&mut self, converged: Converged) {
+    pub(super) fn accept(&mut self, converged: Converged) {
         self.iterations += converged.iterations;
         self.increments += 1;
         self.residual = converged.residual;
@@ -62,22 +65,25 @@ pub const SOFTEST: f64 = 1000.0;
 const SMALLEST: [f64; 2] = [1.0 / 4096.0, 1.0 / 8.0];
 /// Largest increment of a force over the force reached.
 const GROWTH: f64 = 3.0;
-/// Motion of the border that the first pseudo-time step allows under the full load, m.
-const STRIDE: f64 = 2e-4;
 /// How much looser intermediate states may be than results.
-const LOOSE: f64 = 20.0;
-/// Motion of the border in one pseudo-time step that is far enough, m.
-const REACH: f64 = 1e-3;
-/// Pseudo-time steps in a row with a finger that touches nothing after which the object counts as gone.
-const APART: u32 = 5;
-/// Most iterations of one pseudo-time step, and of one walk.
-const WALKING: u32 = 25;
-const PATIENCE: u32 = 500;
+pub(super) const LOOSE: f64 = 20.0;
+/// Iterations that walks and failed increments may take before the path is given up.
+const ENDURANCE: u32 = 4000;
 
 impl Path {
     /// Starts at `state`, which must be in equilibrium at level zero.
     pub fn new(newton: Newton, state: State, tolerance: Tolerance) -> Self {
-        Self { newton, state, level: 0.0, tolerance, history: None, increment: f64::INFINITY }
+        Self { newton, state, level: 0.0, tolerance, history: None, increment: f64::INFINITY, spent: 0 }
+    }
+
+    /// True once so much was spent on walks and on increments that failed that the next failure ends the path.
+    pub fn exhausted(&self) -> bool {
+        self.spent >= ENDURANCE
+    }
+
+    /// A level was reached: half of what was spent is forgiven.
+    pub fn recover(&mut self) {
+        self.spent /= 2;
     }
 
     /// Brings the fingers from first touch to equilibrium under the small force `force` (N), by continuation from a soft,
@@ -104,7 +110,7 @@ impl Path {
     /// The [`Failure`]; the state stays as it was.
     pub fn polish(&mut self) -> Result<Advanced, Failure> {
         let mut done = Advanced::default();
-        self.settle(self.state.clone(), true, &mut done).map(|()| done)
+        self.settle(self.state.clone(), Resort::WalkToRest, &mut done).map(|()| done)
     }
 
     /// The continuation of [`Path::establish`].
@@ -121,8 +127,13 @@ impl Path {
                 state.travel.iter_mut().for_each(|t| *t += closer);
             }
             // Harden more gently before walking; the first touch has nothing gentler.
-            let last_resort = reached.is_none() || ratio < 1.5;
-            match self.settle(state, last_resort, &mut done) {
+            let last_resort = reached.is_none() || ratio < 1.5 || self.exhausted();
+            let resort = match (last_resort, softness > 1.0) {
+                (false, _) => Resort::GiveUp,
+                (true, true) => Resort::WalkOn,
+                (true, false) => Resort::WalkToRest,
+            };
+            match self.settle(state, resort, &mut done) {
                 Ok(()) if softness <= 1.0 => {
                     self.level = force;
                     self.history = None;
@@ -153,14 +164,15 @@ impl Path {
             let near = if load == Load::Force && self.level > 0.0 { GROWTH * self.level } else { f64::INFINITY };
             let size = step.min(rest.abs()).min(near);
             let next = if size >= rest.abs() { target } else { self.level + size * rest.signum() };
-            let last_resort = 0.5 * size < smallest;
+            let last_resort = 0.5 * size < smallest || self.exhausted();
             if load == Load::Force {
                 self.newton.force.fill(next);
             }
             let before = (self.state.clone(), self.level);
             let cost = done.iterations;
             let start = self.start(load, next);
-            match self.settle(start, last_resort && walks, &mut done) {
+            let resort = if last_resort { Resort::WalkToRest } else { Resort::GiveUp };
+            match self.settle(start, resort, &mut done) {
                 Ok(()) => {
                     self.history = Some(before);
                     self.level = next;
@@ -180,8 +192,8 @@ impl Path {
         Ok(done)
     }
 
-    /// Solves from `state` and accepts the result; if that fails and `walk` is set, walks there from the accepted state.
-    fn settle(&mut self, mut state: State, walk: bool, done: &mut Advanced) -> Result<(), Failure> {
+    /// Solves from `state` and accepts the result; if that fails and `resort` says so, walks there from the accepted state.
+    fn settle(&mut self, mut state: State, resort: Resort, done: &mut Advanced) -> Result<(), Failure> {
         let failure = match self.newton.solve(&mut state, &self.tolerance) {
             Ok(converged) => {
                 self.newton.commit(&state);
@@ -193,11 +205,14 @@ impl Path {
         };
         self.newton.rollback();
         done.iterations += self.tolerance.iterations;
-        if !walk || self.newton.border.size == 0 {
+        self.spent += self.tolerance.iterations;
+        if resort == Resort::GiveUp || self.newton.border.size == 0 || self.exhausted() {
             return Err(failure);
         }
         let saved = self.newton.save();
-        let walked = self.walk(done);
+        let before = done.iterations;
+        let walked = self.walk(resort, done);
+        self.spent += done.iterations - before;
         self.newton.proximal = None;
         match walked {
             Ok(state) => {
@@ -210,64 +225,6 @@ impl Path {
                 Err(failure)
             }
         }
-    }
-
-    /// Pseudo-time steps at fixed load from the accepted state, each an equilibrium with a spring to the one before, until
-    /// an equilibrium without the spring is near: follows an object that rolls or slides to where it comes to rest.
-    fn walk(&mut self, done: &mut Advanced) -> Result<State, Failure> {
-        let load = self.newton.force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
-        let full = self.tolerance;
-        let floor = full.force.max(full.relative * load);
-        let loose = Tolerance {
-            relative: LOOSE * full.relative,
-            force: LOOSE * floor,
-            iterations: full.iterations.min(WALKING),
-            ..full
-        };
-        let mut stiffness = load / STRIDE;
-        let mut state = self.state.clone();
-        let (mut failures, mut apart, mut near, mut spent) = (0, 0, false, 0);
-        while spent < PATIENCE {
-            self.newton.proximal = Some((state.clone(), stiffness));
-            let mut next = state.clone();
-            match self.newton.solve(&mut next, if near { &full } else { &loose }) {
-                Ok(converged) => {
-                    self.newton.commit(&next);
-                    spent += converged.iterations;
-                    done.iterations += converged.iterations;
-                    let moved = self.newton.border.difference(&next, &state).iter().map(|d| d * d).sum::<f64>().sqrt();
-                    state = next;
-                    // A spring that pulls less than the forces are out of balance anyhow changes nothing.
-                    if near && stiffness * moved <= floor {
-                        done.accept(Converged { iterations: 0, ..converged });
-                        return Ok(state);
-                    }
-                    near = stiffness * moved <= LOOSE * floor;
-                    apart = if self.newton.untouched() { apart + 1 } else { 0 };
-                    if apart >= APART {
-                        return Err(Failure::Lost);
-                    }
-                    if converged.iterations < 15 && moved < 0.5 * REACH {
-                        stiffness *= if converged.iterations < 8 { 0.25 } else { 0.5 };
-                    } else if moved > REACH {
-                        stiffness *= 2.0;
-                    }
-                }
-                Err(Failure::Lost) => return Err(Failure::Lost),
-                Err(failure) => {
-                    self.newton.rollback();
-                    spent += loose.iterations;
-                    done.iterations += loose.iterations;
-                    failures += 1;
-                    near = false;
-                    stiffness *= 8.0;
-                    if failures > 8 {
-                        return Err(failure);
-                    }
-                }
-            }
-        }
-        Err(Failure::Unsettled)
     }
 
     /// Where to start the increment to `level`, under whose load the solver is: extrapolated from the last two accepted

@@ -18,5 +18,7 @@ pub mod state;
 pub mod stepper;
 pub mod systems;
 pub mod term;
+pub mod upright;
+mod walk;
 pub mod weight;
 mod whole;

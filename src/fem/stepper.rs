@@ -9,6 +9,7 @@ use super::readout;
 use super::state::{Border, State};
 use super::systems;
 use super::term::{BodyTerm, DeadLoad, Elastic};
+use super::upright::Upright;
 use super::weight::Weight;
 use crate::components::ObjectPose;
 use crate::contact::{Contact, FeatureContact};
@@ -97,6 +98,7 @@ impl Solver {
             scene::Solver::Full => {
                 for (terms, loads) in terms.iter_mut().zip(loads) {
                     terms.insert(0, Box::new(Elastic));
+                    terms.push(Box::new(Upright::default()));
                     terms.extend((!loads.is_empty()).then(|| Box::new(DeadLoad(loads)) as Box<dyn BodyTerm>));
                 }
             }
@@ -172,6 +174,7 @@ impl Solver {
             self.path.state = before;
             return Err(format!("{}: {reason}", at(load, level)));
         }
+        self.path.recover();
         Ok(done)
     }
 

@@ -63,17 +63,54 @@ pub struct Features {
     pub vertices: Vec<FeaturePoint>,
     /// Sharp convex edges; a rim is a closed chain of arcs.
     pub sharp_edges: Vec<SharpEdge>,
+    /// Straight convex edges with a radius.
+    pub rounded_edges: Vec<RoundedEdge>,
+}
+
+/// A straight convex edge that is rounded: a strip of a cylinder, which a pad coarser than its radius would cut into between two
+/// of its own points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoundedEdge {
+    /// Ends of the axis, m.
+    pub axis: [DVec3; 2],
+    /// m.
+    pub radius: f64,
+    /// Unit normals of the two faces that it joins.
+    pub normals: [DVec3; 2],
+}
+
+/// Radius, over the distance of the points on it, from which on the points of a pad see a rounded edge: between them the pad is then
+/// a fiftieth of their distance in it.
+const ROUND: f64 = 12.0;
+
+impl RoundedEdge {
+    /// Points at most `spacing` m apart along the edge and around it.
+    fn sample(&self, spacing: f64) -> impl Iterator<Item = FeaturePoint> {
+        let [a, b] = self.axis;
+        let angle = self.normals[0].angle_between(self.normals[1]);
+        let parts = |length: f64| (length / spacing).ceil().clamp(1.0, 1e4) as u32;
+        let (along, around) = (parts(a.distance(b)), parts(angle * self.radius));
+        let edge = *self;
+        (0..=around).flat_map(move |j| {
+            let normal = edge.normals[0].slerp(edge.normals[1], f64::from(j) / f64::from(around));
+            let at = move |i| a.lerp(b, f64::from(i) / f64::from(along)) + normal * edge.radius;
+            (0..=along).map(move |i| FeaturePoint { position: at(i), normal, sharp: false })
+        })
+    }
 }
 
 impl Features {
     /// The vertices, then points on the sharp edges between their ends such that neighbours are at most `spacing` m apart
-    /// (no points on edges if it is not positive; at most 10,000 points an edge). No point occurs twice.
+    /// (no points on edges if it is not positive; at most 10,000 points an edge), then as many on the rounded edges whose radius is
+    /// not large to it. No point occurs twice.
     pub fn sample(&self, spacing: f64) -> Vec<FeaturePoint> {
         let mut points = self.vertices.clone();
         for edge in &self.sharp_edges {
             let parts = if spacing > 0.0 { (edge.length() / spacing).ceil().min(1e4) as u32 } else { 1 };
             points.extend((1..parts).map(|i| edge.point(f64::from(i) / f64::from(parts))));
         }
+        let tight = self.rounded_edges.iter().filter(|e| e.radius < ROUND * spacing);
+        points.extend(tight.flat_map(|e| e.sample(spacing)));
         points
     }
 
@@ -97,7 +134,7 @@ impl Features {
             .filter(used)
             .map(|v| FeaturePoint { position: mesh.vertices[v], normal: topology.vertex_normals[v], sharp: sharp[v] })
             .collect();
-        Self { vertices, sharp_edges }
+        Self { vertices, sharp_edges, ..Self::default() }
     }
 
     /// The rims of a round solid, each in `segments` arcs, and its tips on the axis.
@@ -132,6 +169,10 @@ impl Features {
         let mut scaled = self.clone();
         scaled.vertices.iter_mut().for_each(|v| v.position *= factor);
         scaled.sharp_edges.iter_mut().for_each(|e| (e.a, e.b) = (factor * e.a, factor * e.b));
+        scaled
+            .rounded_edges
+            .iter_mut()
+            .for_each(|e| (e.axis, e.radius) = (e.axis.map(|p| p * factor), e.radius * factor));
         scaled
     }
 }

@@ -32,7 +32,7 @@ mod topology;
 
 pub use aabb::Aabb;
 pub use family::ShapeKind;
-pub use features::{FeaturePoint, Features, SharpEdge};
+pub use features::{FeaturePoint, Features, RoundedEdge, SharpEdge};
 pub use mass::MassProperties;
 pub use mesh_distance::MeshDistance;
 pub use params::{DEFAULT_SEGMENTS, MAX_SEGMENTS, MIN_SEGMENTS};

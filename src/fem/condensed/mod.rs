@@ -110,7 +110,7 @@ impl Condensation {
             let patches = match refusal {
                 Refusal::Outside if attempts <= ATTEMPTS => patches,
                 Refusal::Outside => return Err(Failure::Iterations(done.residual)),
-                Refusal::Failed(failure) if attempts > ATTEMPTS => return Err(failure),
+                Refusal::Failed(failure) if attempts > ATTEMPTS || path.exhausted() => return Err(failure),
                 Refusal::Failed(_) => {
                     goal = 0.5 * (from + goal);
                     self.patches(path, model, 1.0)

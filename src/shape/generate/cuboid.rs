@@ -5,7 +5,7 @@ use crate::mesh::TriMesh;
 use crate::shape::cuboid::Cuboid;
 use crate::shape::params::{length, require, segments as turn};
 use crate::shape::topology::Topology;
-use crate::shape::{Features, MassProperties, Shape};
+use crate::shape::{Features, MassProperties, RoundedEdge, Shape};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_4;
@@ -25,11 +25,26 @@ pub fn cuboid(size: DVec3, edge_radius: f64, segments: u32) -> Result<Shape> {
     })?;
     let shape = Cuboid { core: half - edge_radius, radius: edge_radius };
     let mesh = lattice(&shape, if edge_radius > 0.0 { segments.div_ceil(8) } else { 0 });
-    let features =
-        if edge_radius > 0.0 { Features::default() } else { Features::of_mesh(&mesh, &Topology::new(&mesh)?) };
+    let features = match edge_radius > 0.0 {
+        true => Features { rounded_edges: rounded_edges(&shape), ..Features::default() },
+        false => Features::of_mesh(&mesh, &Topology::new(&mesh)?),
+    };
     let mass = MassProperties::of_cuboid(shape.core, edge_radius);
     let reach = shape.core.length() + edge_radius;
     Ok(Shape::closed_form("cuboid", shape, mesh, features, mass, reach))
+}
+
+/// The twelve edges.
+fn rounded_edges(shape: &Cuboid) -> Vec<RoundedEdge> {
+    let mut edges = Vec::new();
+    for axis in 0..3 {
+        for (u, v) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+            let normals = [DVec3::AXES[(axis + 1) % 3] * u, DVec3::AXES[(axis + 2) % 3] * v];
+            let ends = [-1.0, 1.0].map(|end| shape.core * (normals[0] + normals[1] + DVec3::AXES[axis] * end));
+            edges.push(RoundedEdge { axis: ends, radius: shape.radius, normals });
+        }
+    }
+    edges
 }
 
 /// The surface points of an integer lattice on a cube, of which the outer `k` layers form the rounding: along each axis `k` steps
