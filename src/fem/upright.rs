@@ -13,6 +13,7 @@ use crate::material::{Dilatation, Material, Moduli, Tangent};
 use glam::{DMat3, DVec3};
 use std::any::Any;
 use std::collections::BTreeSet;
+use std::slice::from_ref;
 
 /// The elements that have a barrier.
 #[derive(Debug, Clone, Default)]
@@ -83,8 +84,10 @@ impl Upright {
     /// Gives a barrier to the elements that need one at positions `x`; true if none is new.
     fn extend(&mut self, body: &Body, x: &[DVec3]) -> bool {
         let (barrier, before) = (barrier(body), self.elements.len());
-        let small =
-            |e: &usize| body.quadratic(*e, x).is_some_and(|(rest, x, _)| kernel(&barrier).min_det_f(rest, &x) < FELT);
+        let small = |e: &usize| {
+            let corners = |(rest, x, _): (_, [DVec3; 10], _)| kernel(&barrier).min_det_f(from_ref(rest), |_, a| x[a]);
+            body.quadratic(*e, x).is_some_and(|element| corners(element) < FELT)
+        };
         self.elements.extend((0..body.element_count()).filter(small));
         self.elements.len() == before
     }
