@@ -369,7 +369,8 @@ fn barriers_of_crushed_elements_have_their_derivatives() {
     let mut scene = Scene::new(true, &mut random);
     let mut term = Upright::default();
     assert!(term.satisfied(&scene.body, &scene.state.view(0, &scene.border)), "nothing is crushed");
-    scene.state.x[0].iter_mut().for_each(|x| x.z *= 0.005);
+    // Inside out, so that no difference crosses the kink where the barrier ends.
+    scene.state.x[0].iter_mut().for_each(|x| x.z *= -0.2);
     assert!(!term.satisfied(&scene.body, &scene.state.view(0, &scene.border)), "both elements are crushed");
     assert!(term.satisfied(&scene.body, &scene.state.view(0, &scene.border)), "both have their barrier");
     assert!(scene.energy(&term, &scene.state) > 0.0);

@@ -48,8 +48,8 @@ fn rounded_edges_are_sampled_where_they_are_tight_for_the_spacing() {
     let shape = generate::cuboid(DVec3::splat(0.04), 0.002, 16).unwrap();
     assert!(shape.features.sample(1e-4).is_empty());
     let points = shape.features.sample(1e-3);
-    // Edges of 36 mm are cut into 36 parts, their arcs of 3.1 mm into 4.
-    assert_eq!(points.len(), 12 * 37 * 5);
+    // Edges of 36 mm are cut into 36 parts, their arcs of 3.1 mm into 4 by 3 lines.
+    assert_eq!(points.len(), 12 * 37 * 3);
     for p in points {
         let surface = shape.distance.closest(p.position, 1.0).unwrap();
         assert!(!p.sharp && surface.distance.abs() < 1e-12 && surface.normal.distance(p.normal) < 1e-9);

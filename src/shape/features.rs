@@ -84,14 +84,14 @@ pub struct RoundedEdge {
 const ROUND: f64 = 12.0;
 
 impl RoundedEdge {
-    /// Points at most `spacing` m apart along the edge and around it.
+    /// Points at most `spacing` m apart along the edge and around it, without those where it meets the two faces.
     fn sample(&self, spacing: f64) -> impl Iterator<Item = FeaturePoint> {
         let [a, b] = self.axis;
         let angle = self.normals[0].angle_between(self.normals[1]);
         let parts = |length: f64| (length / spacing).ceil().clamp(1.0, 1e4) as u32;
-        let (along, around) = (parts(a.distance(b)), parts(angle * self.radius));
+        let (along, around) = (parts(a.distance(b)), parts(angle * self.radius).max(2));
         let edge = *self;
-        (0..=around).flat_map(move |j| {
+        (1..around).flat_map(move |j| {
             let normal = edge.normals[0].slerp(edge.normals[1], f64::from(j) / f64::from(around));
             let at = move |i| a.lerp(b, f64::from(i) / f64::from(along)) + normal * edge.radius;
             (0..=along).map(move |i| FeaturePoint { position: at(i), normal, sharp: false })
