@@ -2,7 +2,6 @@
 
 use super::newton::{Converged, Failure, Newton, Tolerance};
 use super::state::State;
-use super::walk::Resort;
 
 /// A quasi-static loading path: solver, accepted state, and the history its predictor needs.
 pub struct Path {
@@ -110,7 +109,7 @@ impl Path {
     /// The [`Failure`]; the state stays as it was.
     pub fn polish(&mut self) -> Result<Advanced, Failure> {
         let mut done = Advanced::default();
-        self.settle(self.state.clone(), Resort::WalkToRest, &mut done).map(|()| done)
+        self.settle(self.state.clone(), true, &mut done).map(|()| done)
     }
 
     /// The continuation of [`Path::establish`].
@@ -128,12 +127,7 @@ impl Path {
             }
             // Harden more gently before walking; the first touch has nothing gentler.
             let last_resort = reached.is_none() || ratio < 1.5 || self.exhausted();
-            let resort = match (last_resort, softness > 1.0) {
-                (false, _) => Resort::GiveUp,
-                (true, true) => Resort::WalkOn,
-                (true, false) => Resort::WalkToRest,
-            };
-            match self.settle(state, resort, &mut done) {
+            match self.settle(state, last_resort, &mut done) {
                 Ok(()) if softness <= 1.0 => {
                     self.level = force;
                     self.history = None;
@@ -171,8 +165,7 @@ impl Path {
             let before = (self.state.clone(), self.level);
             let cost = done.iterations;
             let start = self.start(load, next);
-            let resort = if last_resort { Resort::WalkToRest } else { Resort::GiveUp };
-            match self.settle(start, resort, &mut done) {
+            match self.settle(start, last_resort && walks, &mut done) {
                 Ok(()) => {
                     self.history = Some(before);
                     self.level = next;
@@ -192,8 +185,8 @@ impl Path {
         Ok(done)
     }
 
-    /// Solves from `state` and accepts the result; if that fails and `resort` says so, walks there from the accepted state.
-    fn settle(&mut self, mut state: State, resort: Resort, done: &mut Advanced) -> Result<(), Failure> {
+    /// Solves from `state` and accepts the result; if that fails and `walk` is set, walks there from the accepted state.
+    fn settle(&mut self, mut state: State, walk: bool, done: &mut Advanced) -> Result<(), Failure> {
         let failure = match self.newton.solve(&mut state, &self.tolerance) {
             Ok(converged) => {
                 self.newton.commit(&state);
@@ -206,12 +199,12 @@ impl Path {
         self.newton.rollback();
         done.iterations += self.tolerance.iterations;
         self.spent += self.tolerance.iterations;
-        if resort == Resort::GiveUp || self.newton.border.size == 0 || self.exhausted() {
+        if !walk || self.newton.border.size == 0 || self.exhausted() {
             return Err(failure);
         }
         let saved = self.newton.save();
         let before = done.iterations;
-        let walked = self.walk(resort, done);
+        let walked = self.walk(done);
         self.spent += done.iterations - before;
         self.newton.proximal = None;
         match walked {

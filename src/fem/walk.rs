@@ -14,21 +14,10 @@ const APART: u32 = 5;
 const WALKING: u32 = 25;
 const PATIENCE: u32 = 500;
 
-/// What to do when a solve fails.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Resort {
-    /// Give up: there is something gentler to try.
-    GiveUp,
-    /// Walk until the object hardly moves any more: the state is one on the way.
-    WalkOn,
-    /// Walk until the object rests.
-    WalkToRest,
-}
-
 impl Path {
     /// Pseudo-time steps at fixed load from the accepted state, each an equilibrium with a spring to the one before, until
     /// an equilibrium without the spring is near: follows an object that rolls or slides to where it comes to rest.
-    pub(super) fn walk(&mut self, resort: Resort, done: &mut Advanced) -> Result<State, Failure> {
+    pub(super) fn walk(&mut self, done: &mut Advanced) -> Result<State, Failure> {
         let load = self.newton.force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let full = self.tolerance;
         let floor = full.force.max(full.relative * load);
@@ -52,8 +41,7 @@ impl Path {
                     let moved = self.newton.border.difference(&next, &state).iter().map(|d| d * d).sum::<f64>().sqrt();
                     state = next;
                     // A spring that pulls less than the forces are out of balance anyhow changes nothing.
-                    let rests = near && stiffness * moved <= floor;
-                    if rests || resort == Resort::WalkOn && stiffness * moved <= LOOSE * floor {
+                    if near && stiffness * moved <= floor {
                         done.accept(Converged { iterations: 0, ..converged });
                         return Ok(state);
                     }
