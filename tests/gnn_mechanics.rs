@@ -98,7 +98,7 @@ fn settled_forces_push_only_and_keep_their_sum() {
     let t = graph.thickness;
     let nodes = graph.rest.iter().zip(&graph.face).zip(&graph.area);
     let face: Vec<Touching> = nodes.map(|((x, node), area)| touching((*x / t, *node, area / (t * t)))).collect();
-    let (forces, _) = settle(compliance, &[face.clone()]).remove(0);
+    let (forces, _) = settle(compliance, std::slice::from_ref(&face)).remove(0);
     let before: DVec3 = face.iter().map(|n| n.force).sum();
     let after: DVec3 = forces.iter().sum();
     assert!(before.distance(after) < 1e-6 * before.length(), "{before} became {after}, E t2");
