@@ -2,7 +2,7 @@
 //!
 //! The elastic energy is summed over points inside an element. Pressed hard by an edge, a 10-node tetrahedron may be sound at all of
 //! them and yet inverted at a corner. One with a small det F at a node gets a barrier at its nodes, a part of the law of the gel that is
-//! zero from [`FELT`] on; the others pay nothing.
+//! zero from `FELT` on; the others pay nothing.
 
 use super::body::Body;
 use super::pattern::Pattern;
