@@ -22,7 +22,7 @@ fn refusals_go_to_stderr_with_code_two() {
     for arguments in [
         &["check", "nowhere.ron"][..],
         &["check", "scenes"],
-        &["run", "scenes/quickstart.ron", "--backend", "gnn"],
+        &["run", "scenes/quickstart.ron", "--backend", "gnn", "--model", "nowhere"],
         &["run", "scenes/press_sphere.ron", "--frames", "3"],
         &["run", "scenes/quickstart.ron", "--frames", "0"],
         &["run", "scenes/quickstart.ron", "--threads", "many"],
@@ -34,4 +34,16 @@ fn refusals_go_to_stderr_with_code_two() {
         assert!(out.stdout.is_empty(), "{arguments:?}");
         assert!(String::from_utf8(out.stderr).unwrap().starts_with("error: "), "{arguments:?}");
     }
+}
+
+/// The finite elements close by 0.657 mm on the ball of the quickstart; the network that ships by that to within 5 %.
+#[test]
+fn the_network_that_ships_presses_the_ball_of_the_quickstart() {
+    let arguments = ["run", "scenes/quickstart.ron", "--backend", "gnn", "--no-pictures", "--format", "json"];
+    let out = tactus(&arguments);
+    let report: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    let grasp = &report["grasps"][0];
+    assert_eq!(grasp["status"], "reached", "{grasp}");
+    let travel = grasp["travel_m"].as_f64().unwrap();
+    assert!((travel / 0.657e-3 - 1.0).abs() < 0.05, "the fingers travel by {travel} m");
 }
