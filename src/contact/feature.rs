@@ -28,6 +28,11 @@ pub struct Feature {
 const SMOOTH: f64 = 0.3;
 
 impl Feature {
+    /// Where it is under `view`, m, relative to the finger.
+    fn place(&self, view: &View) -> DVec3 {
+        view.position + view.rotation * self.position - view.offset
+    }
+
     /// Fraction of the contact offset from which it is felt. Vertices of a smooth surface are felt late: the pad's own points
     /// carry that contact, and the vertex only must not come through between them.
     fn reach(&self) -> f64 {
@@ -124,7 +129,7 @@ impl BodyTerm for FeatureContact {
         let moved = self.far.moved(view.x);
         let mut energy = 0.0;
         for (i, e) in self.pool.edges.iter().enumerate() {
-            let y = view.position + view.rotation * self.features[i].position - view.offset;
+            let y = self.features[i].place(view);
             let law = self.law_of(i);
             if self.far.within(i, y, moved, law.offset)
                 && let Some(foot) = bounds.closest(&self.surface, view.x, y, law.offset, self.sites[i].face)
@@ -142,8 +147,7 @@ impl BodyTerm for FeatureContact {
     fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
         self.bounds.update(&self.surface, view.x);
         let features = &self.features;
-        let place = |i: usize| view.position + view.rotation * features[i].position - view.offset;
-        self.far.update(&self.surface, view.x, &self.bounds, features.len(), place);
+        self.far.update(&self.surface, view.x, &self.bounds, features.len(), |i| features[i].place(view));
         let moved = self.far.moved(view.x);
         for i in 0..self.features.len() {
             block.lag += (self.area * self.update(i, view, moved)).powi(2);
@@ -206,7 +210,7 @@ impl FeatureContact {
     /// Refreshes gap, pressure and friction of edge `i` on a surface that has `moved` (m) since the far features were looked for;
     /// returns how far its friction limit lags, Pa.
     fn update(&mut self, i: usize, view: &View, moved: f64) -> f64 {
-        let y = view.position + view.rotation * self.features[i].position - view.offset;
+        let y = self.features[i].place(view);
         let law = self.law_of(i);
         let site = &mut self.sites[i];
         let near = self.far.within(i, y, moved, law.offset);

@@ -13,7 +13,6 @@ use crate::material::{Dilatation, Material, Moduli, Tangent};
 use glam::{DMat3, DVec3};
 use std::any::Any;
 use std::collections::BTreeSet;
-use std::slice::from_ref;
 
 /// The elements that have a barrier.
 #[derive(Debug, Clone, Default)]
@@ -85,8 +84,8 @@ impl Upright {
     fn extend(&mut self, body: &Body, x: &[DVec3]) -> bool {
         let (barrier, before) = (barrier(body), self.elements.len());
         let small = |e: &usize| {
-            let corners = |(rest, x, _): (_, [DVec3; 10], _)| kernel(&barrier).min_det_f(from_ref(rest), |_, a| x[a]);
-            body.quadratic(*e, x).is_some_and(|element| corners(element) < FELT)
+            let nodes = body.quadratic(*e, x).map(|(rest, x, _)| kernel(&barrier).deformation(rest, &x));
+            nodes.is_some_and(|f| f.iter().any(|f| f.determinant() < FELT))
         };
         self.elements.extend((0..body.element_count()).filter(small));
         self.elements.len() == before

@@ -83,13 +83,17 @@ pub struct RoundedEdge {
 /// a fiftieth of their distance in it.
 const ROUND: f64 = 12.0;
 
+/// Into how many parts of at most `spacing` m a length is cut; one if the spacing is not positive.
+fn parts(length: f64, spacing: f64) -> u32 {
+    if spacing > 0.0 { (length / spacing).ceil().clamp(1.0, 1e4) as u32 } else { 1 }
+}
+
 impl RoundedEdge {
     /// Points at most `spacing` m apart along the edge and around it, without those where it meets the two faces.
     fn sample(&self, spacing: f64) -> impl Iterator<Item = FeaturePoint> {
         let [a, b] = self.axis;
         let angle = self.normals[0].angle_between(self.normals[1]);
-        let parts = |length: f64| (length / spacing).ceil().clamp(1.0, 1e4) as u32;
-        let (along, around) = (parts(a.distance(b)), parts(angle * self.radius).max(2));
+        let (along, around) = (parts(a.distance(b), spacing), parts(angle * self.radius, spacing).max(2));
         let edge = *self;
         (1..around).flat_map(move |j| {
             let normal = edge.normals[0].slerp(edge.normals[1], f64::from(j) / f64::from(around));
@@ -106,8 +110,8 @@ impl Features {
     pub fn sample(&self, spacing: f64) -> Vec<FeaturePoint> {
         let mut points = self.vertices.clone();
         for edge in &self.sharp_edges {
-            let parts = if spacing > 0.0 { (edge.length() / spacing).ceil().min(1e4) as u32 } else { 1 };
-            points.extend((1..parts).map(|i| edge.point(f64::from(i) / f64::from(parts))));
+            let count = parts(edge.length(), spacing);
+            points.extend((1..count).map(|i| edge.point(f64::from(i) / f64::from(count))));
         }
         let tight = self.rounded_edges.iter().filter(|e| e.radius < ROUND * spacing);
         points.extend(tight.flat_map(|e| e.sample(spacing)));

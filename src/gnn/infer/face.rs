@@ -91,10 +91,7 @@ impl FaceEngine {
     pub fn new(sizes: &Face, parameters: &Parameters, normalisers: &Normalisers) -> Self {
         let h = sizes.latent.get();
         let get = |name: &str| parameters.named(name).value();
-        let packed = |name: &str| {
-            let m = parameters.named(name);
-            Packed::new(m.value(), m.cols)
-        };
+        let packed = |name: &str| Packed::of(parameters.named(name));
         let norm = |name: &str| [row(get(&format!("{name}.gain"))), row(get(&format!("{name}.shift")))];
         let pools = |name: &str| {
             let parts = ["mean", "near", "other_mean", "other_near"];

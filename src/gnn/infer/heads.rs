@@ -77,10 +77,7 @@ impl Heads {
     /// From the parameters of the network.
     pub fn new(sizes: &Face, parameters: &Parameters) -> Self {
         let (d, depths) = (sizes.decoder.get(), sizes.depths.get());
-        let packed = |name: &str| {
-            let m = parameters.named(name);
-            Packed::new(m.value(), m.cols)
-        };
+        let packed = |name: &str| Packed::of(parameters.named(name));
         let both = |name: &str| {
             [("weight", d), ("bias", 1)].map(|(k, rows)| (parameters.named(&format!("{name}.{k}")).value(), rows))
         };

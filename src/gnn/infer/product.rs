@@ -10,6 +10,7 @@
 )]
 
 use super::activation::{Act, activate};
+use crate::gnn::tape::Matrix;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Columns come in multiples of this: a register of AVX-512.
@@ -36,6 +37,11 @@ impl Packed {
         let mut packed = Self::default();
         packed.fill(weights.len() / cols.max(1), cols, |r, c| weights[r * cols + c]);
         packed
+    }
+
+    /// The matrix `m`.
+    pub fn of(m: &Matrix) -> Self {
+        Self::new(m.value(), m.cols)
     }
 
     /// The same in place: entry (r, c) is `entry(r, c)`.
