@@ -174,7 +174,7 @@ fn growth(case: &Case) -> Result<()> {
         let [pass, ramp] = case.times();
         println!("{n} face nodes: pass {:.3} ms, 16 loads {:.3} ms", pass * 1e3, ramp * 1e3);
         nodes.push((n, pass));
-        loads.push((case.features.graph.compliance.as_ref().map_or(1.0, |c| c.response.len() as f64), ramp));
+        loads.push((case.features.graph.compliance.response.len() as f64, ramp));
     }
     println!("pass ~ nodes^{:.2}; loads ~ entries of the linear response^{:.2}", exponent(&nodes), exponent(&loads));
     let mut edges = Vec::new();

@@ -23,7 +23,7 @@ pub struct EvalArgs {
     /// Folder of a trained model.
     #[arg(long, value_name = "DIR")]
     pub model: PathBuf,
-    /// Test grasps: `poses`, `single:OBJECT` or `without:OBJECT`; the split that the model was trained on by default.
+    /// Test grasps: `poses`, `all`, `single:OBJECT` or `without:OBJECT`; the split that the model was trained on by default.
     #[arg(long)]
     pub split: Option<String>,
     /// Draw the worst grasps there, truth above prediction.

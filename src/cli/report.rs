@@ -17,7 +17,7 @@ pub struct ReportArgs {
     /// Folder of a trained model, to be judged on the data sets.
     #[arg(long, value_name = "DIR")]
     pub model: Option<PathBuf>,
-    /// Test grasps: `poses`, `single:OBJECT` or `without:OBJECT`; the split that the model was trained on by default.
+    /// Test grasps: `poses`, `all`, `single:OBJECT` or `without:OBJECT`; the split that the model was trained on by default.
     #[arg(long)]
     pub split: Option<String>,
     /// Grasps of each folder in 3-D; with a model one is the median, two are median and worst, more go from best to worst.

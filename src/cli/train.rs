@@ -22,7 +22,7 @@ pub struct TrainArgs {
     /// Folder of the trained model; an unfinished one is gone on with.
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Training grasps: `poses`, `single:OBJECT` or `without:OBJECT`.
+    /// Training grasps: `poses`, `all`, `single:OBJECT` or `without:OBJECT`.
     #[arg(long, default_value = "poses")]
     pub split: String,
     /// Form of the report on stdout.

@@ -66,4 +66,15 @@ impl Splits {
             poses,
         }
     }
+
+    /// All poses of all objects, to train on or to judge by: for a data set that another one's model has never seen.
+    pub fn all(&self) -> Sets {
+        let mut poses = self.poses.test.clone();
+        for (name, train) in &self.poses.train {
+            let all = poses.entry(name.clone()).or_default();
+            all.extend(train);
+            all.sort_unstable();
+        }
+        Sets { train: poses.clone(), test: poses }
+    }
 }

@@ -1,7 +1,7 @@
 //! The folder of a trained model: `weights.safetensors`, and `card.ron`, which says what the weights are and what they
 //! were trained on.
 
-use super::features::Features;
+use super::features::{Features, VERSION};
 use super::network::Normalisers;
 use super::spec::Spec;
 use crate::error::{Error, Result};
@@ -20,6 +20,9 @@ pub const WEIGHTS: &str = "weights.safetensors";
 pub struct Card {
     /// Version of tactus that trained it.
     pub tactus: String,
+    /// [`VERSION`] of the features that it reads.
+    #[serde(default)]
+    pub features: u32,
     /// Network and training.
     pub spec: Spec,
     /// Hash of the plan of the data set.
@@ -162,7 +165,7 @@ impl Card {
     /// Reads the card of a model's folder.
     ///
     /// # Errors
-    /// No model there, or one of another make.
+    /// No model there, one of another make, or one that reads other features.
     pub fn read(dir: &Path) -> Result<Self> {
         let path = dir.join(CARD);
         let text = std::fs::read_to_string(&path).map_err(|e| {
@@ -174,7 +177,15 @@ impl Card {
                 ),
             )
         })?;
-        ron::from_str(&text).map_err(|e| Error::file(&path, format!("is no card of a model: {e}")))
+        let card: Self = ron::from_str(&text).map_err(|e| Error::file(&path, format!("is no card of a model: {e}")))?;
+        if card.features != VERSION {
+            let message = format!(
+                "its network reads features of version {}, this tactus makes version {VERSION}; train it again",
+                card.features
+            );
+            return Err(Error::file(&path, message));
+        }
+        Ok(card)
     }
 
     /// Writes it, whole or not at all.

@@ -76,11 +76,9 @@ pub fn write(path: &Path, predictor: &Predictor, sample: &Sample) -> Result<()> 
         let carried = loads.node.chunks_exact(NODE_LOAD.len()).flat_map(|row| [row[6], row[7], row[8]]);
         let carried: Vec<f32> = carried.collect();
         arrays.matrix("carried", &Matrix::constant(carried.len() / 3, 3, carried));
-        if let Some(compliance) = &f.graph.compliance {
-            let [response, stress] = compliance.full();
-            arrays.matrix("response", response);
-            arrays.matrix("stress_response", stress);
-        }
+        let [response, stress] = f.graph.compliance.full();
+        arrays.matrix("response", response);
+        arrays.matrix("stress_response", stress);
         let scale = loads.scale(f);
         arrays.matrix("scale", &Matrix::constant(scale.len(), 1, scale));
         arrays.matrix("units", &Matrix::constant(1, 2, vec![n.displacement, n.stress]));

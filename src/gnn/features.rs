@@ -5,8 +5,8 @@
 //! frame. Each feature says how it changes when the scene is mirrored (x -> -x or y -> -y of the pad): see [`Parity`].
 
 use super::graph::{Layout, PadGraph};
+use super::grip::Grip;
 use super::ops::Sparse;
-use super::springs::{Bed, Spring};
 use super::touch::Touch;
 use super::volume::Volume;
 use crate::model::Model;
@@ -46,6 +46,9 @@ pub const VECTOR: [Parity; 3] = [X, Y, Even];
 /// Of a rotation vector: a mirror turns around what lies in it.
 pub const ROTATION: [Parity; 3] = [Y, X, XY];
 
+/// Raised whenever a feature changes its meaning: a network reads only those that it was trained on.
+pub const VERSION: u32 = 2;
+
 /// Features of a face node: x, y; three gap scales and the gap; object normal where the finger meets it; the object's
 /// distance and normal when the undeformed pad has closed by 0, 0.25 and 0.6 thicknesses.
 pub const NODE: [Parity; 21] =
@@ -82,8 +85,8 @@ pub struct Features {
     pub volume: Option<Arc<Volume>>,
     /// Young's modulus, Pa.
     pub young: f64,
-    /// The pads as beds of springs.
-    pub bed: Arc<Bed>,
+    /// The grasp on pads that give linearly.
+    pub grip: Arc<Grip>,
     /// From hand axes to those of each pad.
     pub to_pad: Vec<DMat3>,
 }
@@ -94,14 +97,13 @@ impl Features {
         let (t, n, pads) = (graph.thickness, graph.face.len(), model.fingers.len());
         let moduli = model.material.moduli();
         let mut node = Vec::with_capacity(pads * n * NODE.len());
-        let (mut gaps, mut springs, mut pad) = (Vec::new(), Vec::new(), Vec::new());
-        let amid = amid(model);
+        let (mut gaps, mut pad) = (Vec::new(), Vec::new());
         let area: Vec<f64> = graph.area.iter().map(|a| a / (t * t)).collect();
-        for (number, (finger, travel)) in model.fingers.iter().zip(&touch.travel).enumerate() {
+        for (finger, travel) in model.fingers.iter().zip(&touch.travel) {
             let placement = &finger.placement;
             let view = View::new(model, touch, placement.rotation, placement.closing);
             let mut own = Vec::with_capacity(n);
-            for (x, area) in graph.rest.iter().zip(&area) {
+            for x in &graph.rest {
                 let place = placement.place(*x) + placement.closing * *travel;
                 let at = view.to_object(place);
                 let gap = view.gap(at, FAR * t) / t;
@@ -116,13 +118,6 @@ impl Features {
                     row.extend(normal.to_array());
                 }
                 node.extend(row.into_iter().map(|v| v as f32));
-                springs.push(Spring {
-                    finger: number,
-                    at: (place - amid) / t,
-                    area: *area,
-                    gap,
-                    normal: placement.rotation * normal,
-                });
                 own.push(gap);
             }
             let weight = placement.rotation.transpose() * touch.weight / (moduli.young * t * t);
@@ -141,10 +136,6 @@ impl Features {
             };
             Sparse::new(&(0..pads).map(row).collect::<Vec<_>>(), pads * n)
         };
-        let unit = moduli.young * t * t;
-        let most = model.levels.iter().copied().fold(0.0, f64::max) / unit;
-        let closing = model.fingers.iter().map(|f| f.placement.closing).collect();
-        let bed = Bed::new(springs, closing, model.law.friction, touch.weight / unit, model.free, most);
         Self {
             mean: pool(&|_, i| area[i]),
             near: pool(&|p, i| area[i] * (-gaps[p][i] / FADES[1]).exp()),
@@ -155,7 +146,7 @@ impl Features {
             edge,
             pad,
             young: moduli.young,
-            bed: Arc::new(bed),
+            grip: Arc::new(Grip::new(model, graph, touch)),
             to_pad: model.fingers.iter().map(|f| f.placement.rotation.transpose()).collect(),
         }
     }

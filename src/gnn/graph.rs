@@ -8,6 +8,7 @@
 
 use super::compliance::Compliance;
 use super::edges::Edges;
+use super::grip::hats::Hats;
 use super::kept;
 use super::ops::Sparse;
 use crate::error::{Error, Result};
@@ -51,8 +52,10 @@ pub struct PadGraph {
     pub interpolate: Arc<Sparse>,
     /// The same with no entry for bonded nodes: what it makes is exactly zero there.
     pub interpolate_free: Arc<Sparse>,
-    /// Its linear response, for a network that starts from it.
-    pub compliance: Option<Compliance>,
+    /// Its linear response.
+    pub compliance: Compliance,
+    /// How its face is pressed.
+    pub hats: Hats,
     /// BLAKE3 of the pad's mesh.
     pub hash: String,
     /// Poisson's ratio of its gel.
@@ -101,11 +104,9 @@ impl PadGraph {
         let rows = hanging(&pad.rest, &rest, &triangles, thickness, depths);
         let free: Vec<_> =
             rows.iter().zip(&pad.bonded).map(|(row, bonded)| if *bonded { Vec::new() } else { row.clone() }).collect();
-        let compliance = match layout {
-            Layout::Face { .. } => Some(response(finger, &face, thickness, &hash, dir)?),
-            Layout::Volume => None,
-        };
+        let compliance = response(finger, &face, thickness, &hash, dir)?;
         Ok(Self {
+            hats: Hats::new(pad, &face, &rest, &area, &compliance),
             compliance,
             layout,
             thickness,

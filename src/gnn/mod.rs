@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Model + grasp -> touch.rs (first contact) -> features.rs (on graph.rs, volume.rs) -> network/ -> predict.rs -> stepper.rs
-//! a load         -> springs.rs (rigid equilibrium) -> settle.rs (on compliance.rs) -> loads.rs -> network/
+//! a load         -> grip/ (rigid equilibrium on compliance.rs) -> settle.rs -> loads.rs -> network/
 //! data set      -> sample.rs: the same, and what FEM found             -> train/   -> card.rs (models/NAME)
 //! ```
 
@@ -13,9 +13,9 @@ pub mod dump;
 pub mod edges;
 pub mod eval;
 pub mod features;
-pub mod foundation;
 mod gemm;
 pub mod graph;
+pub mod grip;
 pub mod infer;
 pub mod kept;
 pub mod loads;
@@ -27,9 +27,7 @@ pub mod predict;
 pub mod real;
 pub mod sample;
 pub mod settle;
-mod side;
 pub mod spec;
-pub mod springs;
 pub mod stepper;
 pub mod tape;
 pub mod touch;

@@ -1,6 +1,6 @@
-//! From springs to gel: contact forces for which the pad's linear response, not each spring by itself, follows the object.
+//! Contact forces node by node, for which the pad's linear response follows the object.
 //!
-//! Springs know nothing of their neighbours. The forces are relaxed towards those under which every touching node gives as
+//! The forces of a grip are smooth between corners. They are relaxed towards those under which every touching node gives as
 //! the object asks, none pulls, and their sums stay: projected gradient steps with momentum (Beck and Teboulle 2009). A few
 //! are enough, the network learns the rest.
 //!
@@ -33,11 +33,11 @@ pub struct Touching {
     pub pressed: f64,
     /// How far the object asks it along the face.
     pub dragged: DVec3,
-    /// Force of its spring.
+    /// Force to start from.
     pub force: DVec3,
 }
 
-/// For each of at most [`LANES`] loads: forces on all of `face`, and how much farther than the springs the pad must be closed
+/// For each of at most [`LANES`] loads: forces on all of `face`, and how much farther the pad must be closed
 /// for them.
 pub fn settle(compliance: &Compliance, face: &[Vec<Touching>]) -> Vec<(Vec<DVec3>, f64)> {
     let deepest: Vec<f64> = face.iter().map(|load| load.iter().map(|n| n.pressed).fold(0.0, f64::max)).collect();

@@ -24,7 +24,7 @@ pub struct Memory {
 /// The response of a pad of this graph to `contact` (items, face nodes, 3: share, friction along x and y) times `scale`
 /// (items).
 pub fn respond<'a>(graph: &'a PadGraph, contact: &[f32], scale: &[f32], memory: &mut Memory) -> Given<'a> {
-    let pad = graph.compliance.as_ref().expect("graphs of faces have a compliance");
+    let pad = &graph.compliance;
     let (items, k) = (scale.len(), pad.forces);
     let wide = padded(items);
     let Memory { forces, moved } = memory;

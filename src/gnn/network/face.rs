@@ -257,7 +257,7 @@ fn linear_response<T: Real>(
     contact: &Matrix<T>,
 ) -> (Matrix<T>, Matrix<T>) {
     let (f, norms) = (inputs.features, inputs.normalisers);
-    let [response, stress] = f.graph.compliance.as_ref().expect("graphs of faces have a compliance").full();
+    let [response, stress] = f.graph.compliance.full();
     let [x, y, _] = VECTOR.map(|parity| parity.sign(inputs.mirror));
     let diagonal = |v: &[f32]| Sparse::new(&(0..).zip(v).map(|(i, v)| vec![(i, *v)]).collect::<Vec<_>>(), v.len());
     // From (against the closing direction, x, y) to (x, y, z) of the pad that is not mirrored.

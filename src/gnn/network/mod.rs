@@ -33,13 +33,13 @@ pub struct Normalisers {
     /// Of a network that sees whole pads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub volume: Option<VolumeNormalisers>,
-    /// Root mean square of what the displacement is beyond the linear response to the contact, over the depth of the springs.
+    /// Root mean square of what the displacement is beyond the linear response to the contact, over the depth.
     pub displacement: f32,
     /// Root mean square stress over Young's modulus times depth over thickness.
     pub stress: f32,
-    /// Mean and deviation of what the travel is beyond that of the springs, over that depth.
+    /// Mean and deviation of what the travel is beyond that of the grip, over that depth.
     pub travel: [f32; 2],
-    /// Root mean square of what the object's translation is beyond that on the springs, over the depth, and of its rotation,
+    /// Root mean square of what the object's translation is beyond that in the grip, over the depth, and of its rotation,
     /// over depth over thickness.
     pub motion: [f32; 2],
 }

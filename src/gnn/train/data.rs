@@ -18,21 +18,24 @@ use crate::random::Random;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Training and test poses by the name of a split: `poses`, `single:OBJECT`, `without:OBJECT`.
+/// Training and test poses by the name of a split: `poses`, `all`, `single:OBJECT`, `without:OBJECT`.
 ///
 /// # Errors
 /// A name that the data set does not have, with those that it has.
 pub fn split(splits: &Splits, name: &str) -> Result<crate::dataset::split::Sets> {
     let sets = match name.split_once(':') {
-        None if name == "poses" => Some(&splits.poses),
-        Some(("single", object)) => splits.single_object.get(object),
-        Some(("without", object)) => splits.leave_one_object_out.get(object),
+        None if name == "poses" => Some(splits.poses.clone()),
+        None if name == "all" => Some(splits.all()),
+        Some(("single", object)) => splits.single_object.get(object).cloned(),
+        Some(("without", object)) => splits.leave_one_object_out.get(object).cloned(),
         _ => None,
     };
-    sets.cloned().ok_or_else(|| {
+    sets.ok_or_else(|| {
         let objects: Vec<&str> = splits.single_object.keys().map(String::as_str).collect();
         let objects = objects.join(", ");
-        Error::Start(format!("--split {name}: there are poses, single:OBJECT and without:OBJECT; objects: {objects}"))
+        Error::Start(format!(
+            "--split {name}: there are poses, all, single:OBJECT and without:OBJECT; objects: {objects}"
+        ))
     })
 }
 
@@ -90,7 +93,7 @@ pub fn normalisers(samples: &[Sample]) -> Normalisers {
         (square / f64::max(n, 1.0)).sqrt().max(1e-12) as f32
     };
     let features = || samples.iter().map(|s| &s.features);
-    // Values of a field, each over the depth of the bed of springs of its level and pad.
+    // Values of a field, each over the depth of its level and pad.
     let over_depth = |pick: fn(&Sample) -> &[f32]| {
         let of = |(s, l): (&Sample, &&Loads)| {
             let all = pick(s);
@@ -155,8 +158,9 @@ fn beyond_response(samples: &[Sample], loads: &[&Loads]) -> f32 {
         let (graph, width) = (&s.features.graph, s.displacement.len() / l.depth.len());
         let force = s.contact.iter().map(|f| f / s.features.unit_force() as f32).collect();
         let force = Matrix::constant(l.depth.len(), 3 * graph.face.len(), force);
-        let given =
-            graph.compliance.as_ref().map(|c| linear(&Tape::silent(), &force, &c.full()[0], None, Activation::None));
+        // A network of whole pads gives the displacement by itself.
+        let given = matches!(graph.layout, Layout::Face { .. })
+            .then(|| linear(&Tape::silent(), &force, &graph.compliance.full()[0], None, Activation::None));
         for (i, u) in s.displacement.iter().enumerate() {
             let given = given.as_ref().map_or(0.0, |g| f64::from(g.value()[i]) * graph.thickness);
             square += ((f64::from(*u) - given) / l.depth[i / width]).powi(2);

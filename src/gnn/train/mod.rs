@@ -9,6 +9,7 @@ pub mod curves;
 pub mod data;
 
 use super::card::{CARD, Card, TrainedRange, WEIGHTS};
+use super::features::VERSION;
 use super::network::{Inputs, Network, Normalisers, build};
 use super::parameters::Parameters;
 use super::real::Real;
@@ -95,7 +96,8 @@ impl Trainer {
     /// What decides every bit of the result.
     fn plan(&self) -> Result<String> {
         let spec = ron::to_string(&self.card.spec).map_err(|e| Error::Solver(e.to_string()))?;
-        Ok(format!("{} {} {} {spec}", env!("CARGO_PKG_VERSION"), self.card.data, self.card.split))
+        let Card { tactus, features, data, split, .. } = &self.card;
+        Ok(format!("{tactus} features {features} {data} {split} {spec}"))
     }
 
     /// What is trained.
@@ -278,6 +280,7 @@ fn card(
 ) -> Card {
     Card {
         tactus: env!("CARGO_PKG_VERSION").into(),
+        features: VERSION,
         spec: spec.clone(),
         data: set.manifest.plan.clone(),
         split: split.into(),
