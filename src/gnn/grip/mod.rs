@@ -2,7 +2,7 @@
 //! motion of the object.
 //!
 //! The object is rigid and free, or held; the pads answer to contact forces by their linear response at rest. Force rises
-//! step by step: at each, the object's distance and normal are looked up where the pads are, and [`step`] solves for
+//! step by step: at each, the object's distance and normal are looked up where the pads are, and `step.rs` solves for
 //! contact forces, travel and pose together. The network learns what large strains do differently.
 //!
 //! Dimensionless: lengths over the thickness t, forces over `E t^2`; hand axes, origin amid the pads; of a pad in its frame.
