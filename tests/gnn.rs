@@ -10,6 +10,7 @@ use tactus::components::*;
 use tactus::environment::Environment;
 use tactus::fem::body::{Body, Elements};
 use tactus::gnn::graph::{Layout, PadGraph};
+use tactus::gnn::ladder::Ladder;
 use tactus::gnn::predict::Predictor;
 use tactus::gnn::stepper::Gnn;
 use tactus::gnn::touch::Touch;
@@ -180,4 +181,28 @@ fn a_bench_sets_the_network_against_finite_elements() {
         report["speedup_at_equal_error"].as_f64() >= ratio,
         "the headline is the best of those that claim a speed-up"
     );
+}
+
+#[test]
+fn a_ladder_of_forces_answers_an_agent_as_the_network_does() {
+    let made = made();
+    let predictor = Predictor::open(&made.model).unwrap();
+    let (model, pose) = ball(made);
+    let seen = predictor.look(&model, &predictor.graph(&model).unwrap(), &Touch::find(&model, pose).unwrap());
+    let ladder = Ladder::new(&predictor, &seen).unwrap();
+    let [low, high] = predictor.card.range.force.map(|f| f * seen.unit_force());
+    for part in [0.03, 0.21, 0.5, 0.77, 0.99] {
+        let force = low + part * (high - low);
+        let (own, known) = (predictor.at(&seen, force).unwrap(), ladder.at(force).unwrap());
+        for ((a, b), finger) in own.iter().zip(&known).zip(&model.fingers) {
+            let size = a.displacement.iter().map(|u| u.length_squared()).sum::<f64>().sqrt();
+            let off =
+                a.displacement.iter().zip(&b.displacement).map(|(a, b)| a.distance_squared(*b)).sum::<f64>().sqrt();
+            assert!(off < 1e-2 * size, "at {force} N displacements differ by {off} of {size} m");
+            let pressed =
+                -b.contact.iter().sum::<DVec3>().dot(finger.placement.rotation.transpose() * finger.placement.closing);
+            assert!((pressed - force).abs() < 1e-5 * force, "a finger closed by {force} N presses with {pressed} N");
+        }
+    }
+    assert!(ladder.at(1.01 * high).is_none(), "a ladder ends where the training did");
 }

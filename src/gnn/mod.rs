@@ -18,6 +18,7 @@ pub mod graph;
 pub mod grip;
 pub mod infer;
 pub mod kept;
+pub mod ladder;
 pub mod loads;
 pub mod network;
 pub mod normalise;

@@ -44,6 +44,13 @@ pub struct Seen {
     code: Encoded,
 }
 
+impl Seen {
+    /// The force that the network measures in, N.
+    pub fn unit_force(&self) -> f64 {
+        self.features.unit_force()
+    }
+}
+
 #[derive(Debug)]
 enum Encoded {
     Tape(Vec<Matrix>),

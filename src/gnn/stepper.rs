@@ -1,6 +1,7 @@
 //! The network backend: the same phases and the same components as the finite element backend.
 
 use super::graph::PadGraph;
+use super::ladder::Ladder;
 use super::predict::{PadState, Predictor, Seen};
 use super::sample::moved;
 use super::touch::Touch;
@@ -75,6 +76,7 @@ impl Stepper for Gnn {
             grasp: None,
             pads: Vec::new(),
             ahead: VecDeque::new(),
+            ladder: None,
         });
         register(schedule, &shared.0.needs);
         Ok(())
@@ -92,6 +94,8 @@ pub struct Prediction {
     pads: Vec<PadState>,
     /// Those of the next steps: loads that are known beforehand are decoded all at once.
     ahead: VecDeque<Vec<PadState>>,
+    /// Those at any load, for an agent.
+    ladder: Option<Ladder>,
 }
 
 /// Puts the systems in their sets; those for what the scene does not need are left out.
@@ -129,6 +133,7 @@ fn look(
     let touch = Touch::new(&shared.0, **pose, &travel);
     let seen = prediction.predictor.look(&shared.0, &prediction.graph, &touch);
     prediction.grasp = Some((touch, seen));
+    prediction.ladder = None;
     timings.stages.insert("encode", clock.elapsed().as_secs_f64());
 }
 
@@ -143,7 +148,7 @@ fn predict(
     mut timings: ResMut<Timings>,
 ) {
     let clock = Instant::now();
-    let Prediction { predictor, grasp, ahead, .. } = &mut *prediction;
+    let Prediction { predictor, grasp, ahead, ladder, .. } = &mut *prediction;
     let asked = match grasp {
         Some((_, seen)) if command.is_none() => {
             if *phase == (Phase::Ramp { frame: 0 }) {
@@ -152,7 +157,13 @@ fn predict(
             }
             ahead.pop_front().map_or_else(|| predictor.at(seen, advance.level), Ok)
         }
-        Some((_, seen)) => predictor.at(seen, advance.level),
+        Some((_, seen)) => {
+            if ladder.is_none() {
+                *ladder = Ladder::new(predictor, seen).ok();
+            }
+            let known = ladder.as_ref().and_then(|ladder| ladder.at(advance.level));
+            known.map_or_else(|| predictor.at(seen, advance.level), Ok)
+        }
         None => Err(Error::Start("the load rises before first contact".into())),
     };
     match asked {

@@ -1,0 +1,51 @@
+//! Answers at forces that nobody knows beforehand: an agent asks for one after the other.
+//!
+//! Several loads side by side cost the network little more than one. So a grasp is answered once at a ladder of forces, and
+//! what lies between two rungs is taken linearly: contact forces still sum to what the finger presses with.
+
+use super::predict::{PadState, Predictor, Seen};
+use crate::error::Result;
+use glam::DVec3;
+
+/// Rungs; neighbours differ by a fifth of their force in the range of an ordinary network.
+const RUNGS: i32 = 16;
+
+/// The pads of a grasp at rising forces per finger, N.
+#[derive(Debug)]
+pub struct Ladder(Vec<(f64, Vec<PadState>)>);
+
+impl Ladder {
+    /// Over the forces that the network was trained on.
+    ///
+    /// # Errors
+    /// Numbers that are not finite.
+    pub fn new(predictor: &Predictor, seen: &Seen) -> Result<Self> {
+        let [low, high] = predictor.card.range.force.map(|f| f * seen.unit_force());
+        let step = (high / low).powf(1.0 / f64::from(RUNGS - 1));
+        let forces: Vec<f64> = (0..RUNGS).map(|k| low * step.powi(k)).collect();
+        let states = predictor.ramp(seen, &forces)?;
+        Ok(Self(forces.into_iter().zip(states).collect()))
+    }
+
+    /// The pads at `force` per finger, N; None beyond the ladder.
+    pub fn at(&self, force: f64) -> Option<Vec<PadState>> {
+        let above = self.0.partition_point(|(rung, _)| *rung < force);
+        let (high, after) = self.0.get(above)?;
+        let (low, before) = self.0.get(above.checked_sub(1)?)?;
+        let part = (force - low) / (high - low);
+        Some(before.iter().zip(after).map(|(a, b)| between(a, b, part)).collect())
+    }
+}
+
+/// A part of the way from one state of a pad to another.
+fn between(from: &PadState, to: &PadState, part: f64) -> PadState {
+    let field = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| a.lerp(*b, part)).collect();
+    PadState {
+        displacement: field(&from.displacement, &to.displacement),
+        stress: from.stress.iter().zip(&to.stress).map(|(a, b)| a + part * (b - a)).collect(),
+        contact: field(&from.contact, &to.contact),
+        travel: from.travel + part * (to.travel - from.travel),
+        shift: from.shift.lerp(to.shift, part),
+        turn: from.turn.lerp(to.turn, part),
+    }
+}
