@@ -29,12 +29,17 @@ impl Ladder {
 
     /// The pads at `force` per finger, N; None beyond the ladder.
     pub fn at(&self, force: f64) -> Option<Vec<PadState>> {
-        let above = self.0.partition_point(|(rung, _)| *rung < force);
-        let (high, after) = self.0.get(above)?;
-        let (low, before) = self.0.get(above.checked_sub(1)?)?;
-        let part = (force - low) / (high - low);
+        let (before, after, part) = around(&self.0, force)?;
         Some(before.iter().zip(after).map(|(a, b)| between(a, b, part)).collect())
     }
+}
+
+/// The two of `rungs` (ascending) that `force` lies between, and how far it is from the lower one to the higher; None beyond.
+pub(super) fn around<T>(rungs: &[(f64, T)], force: f64) -> Option<(&T, &T, f64)> {
+    let above = rungs.partition_point(|(rung, _)| *rung < force);
+    let (high, after) = rungs.get(above)?;
+    let (low, before) = rungs.get(above.checked_sub(1)?)?;
+    Some((before, after, (force - low) / (high - low)))
 }
 
 /// A part of the way from one state of a pad to another.

@@ -50,17 +50,17 @@ pub fn settle(compliance: &Compliance, face: &[Vec<Touching>]) -> Vec<(Vec<DVec3
     if near.is_empty() {
         return done;
     }
-    let mut bed = Settling::new(compliance, face, &near, &deepest, takes_part);
+    let mut settling = Settling::new(compliance, face, &near, &deepest, takes_part);
     for step in 0..STEPS {
-        bed.respond();
+        settling.respond();
         let momentum = (step + 1) as f64 / (step + 4) as f64;
-        Arch::new().dispatch(|| bed.step(momentum));
+        Arch::new().dispatch(|| settling.step(momentum));
     }
     for (load, (forces, closer)) in done.iter_mut().enumerate() {
         for (k, i) in near.iter().enumerate().filter(|(_, i)| takes_part(load, **i)) {
-            forces[*i] = DVec3::from_array([0, 1, 2].map(|a| bed.nodes[k].force[a][load]));
+            forces[*i] = DVec3::from_array([0, 1, 2].map(|a| settling.nodes[k].force[a][load]));
         }
-        *closer = bed.closer[load];
+        *closer = settling.closer[load];
     }
     done
 }

@@ -6,7 +6,7 @@
 use crate::element::EDGES;
 use crate::gnn::compliance::Compliance;
 use crate::record::{Elements, PadTopology};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// What a hat gives to its own force beyond the linear response: within it, too, the pressure is not even.
@@ -92,9 +92,10 @@ impl Hats {
         &self.compliance[(3 * hat + k) * n..][..n]
     }
 
-    /// How a hat gives to its own force.
-    pub fn own(&self, hat: usize) -> DMat3 {
-        DMat3::from_cols_array_2d(&[0, 1, 2].map(|k| [0, 1, 2].map(|c| self.row(hat, k)[3 * hat + c])))
+    /// How a hat gives to its own force, the mean over all directions.
+    pub fn own(&self, hat: usize) -> f64 {
+        let [x, y, z] = [0, 1, 2].map(|k| self.row(hat, k)[3 * hat + k]);
+        (x + y + z) / 3.0
     }
 
     /// Mean displacement under every hat when they press with `forces`.

@@ -13,6 +13,7 @@ mod step;
 use crate::components::ObjectPose;
 use crate::gnn::features::amid;
 use crate::gnn::graph::PadGraph;
+use crate::gnn::ladder::around;
 use crate::gnn::touch::Touch;
 use crate::model::Model;
 use glam::{DMat3, DQuat, DVec3};
@@ -149,11 +150,10 @@ impl Grip {
 
     /// At `force` per finger: between two states of the path.
     pub fn rest(&self, force: f64) -> Rest {
-        let above = self.path.partition_point(|(known, _)| *known < force);
-        match (self.path.get(above.wrapping_sub(1)), self.path.get(above)) {
-            (Some((low, before)), Some((high, after))) => before.towards(after, (force - low) / (high - low)),
-            (Some((_, last)), None) => self.follow(last, force),
-            (None, _) => self.path[0].1.clone(),
+        match (around(&self.path, force), self.path.last()) {
+            (Some((before, after, part)), _) => before.towards(after, part),
+            (None, Some((most, last))) if *most < force => self.follow(last, force),
+            _ => self.path[0].1.clone(),
         }
     }
 

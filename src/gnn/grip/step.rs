@@ -209,7 +209,6 @@ impl Grip {
                 continue;
             }
             let own = self.graph.hats.own(hat);
-            let own = (own.x_axis.x + own.y_axis.y + own.z_axis.z) / 3.0;
             let beyond = (force - normal * push).length() / (self.friction * push).max(1e-12);
             let softer = ((own + give) * beyond - own).clamp(0.0, 1e6);
             same &= (softer - give).abs() <= SETTLED * (own + softer);
