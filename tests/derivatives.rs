@@ -546,8 +546,9 @@ fn forces_of_slipping_points_follow_the_pressure() {
     assert!(covered.slipping > 30, "{covered:?}");
 }
 
-/// Features of the object over inner points of the pad's faces, in scenes away from kinks: the scene, the law, the
-/// term after one assembly at the state it stuck at and one where it is now, and the same term without friction.
+/// Features of the object over inner points of the pad's faces, so that each presses on one of them alone, in scenes away
+/// from kinks: the scene, the law, the term after one assembly at the state it stuck at and one where it is now,
+/// and the same term without friction.
 fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, Law, FeatureContact, FeatureContact)> {
     let mut scenes = Vec::new();
     for seed in 0..60 {
@@ -559,11 +560,11 @@ fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, Law, Fea
         let law = Law { offset: if sharp { felt.offset } else { felt.offset / 0.3 }, ..felt };
         let view = scene.state.view(0, &scene.border);
         let mut feature = |face: &Face| {
-            let l = [0, 1, 2].map(|_| 1.0 + 0.5 * random.number());
+            let l = [0, 1, 2].map(|_| 1.0 + 0.25 * random.number());
             let l = l.map(|v| v / l.iter().sum::<f64>());
             let (foot, normal) = face_frame(face, view.x, l);
             let point = foot + normal * felt.offset * random.number() + view.offset;
-            Feature { position: view.rotation.transpose() * (point - view.position), sharp }
+            Feature { position: view.rotation.transpose() * (point - view.position), sharp, along: None }
         };
         let features: Arc<[Feature]> = surface.faces.iter().map(&mut feature).collect();
         let mut terms = [friction, 0.0]

@@ -74,7 +74,7 @@ fn only_convex_creases_count() {
     // The foot, the rim's outside and the rim's inside; not the corner between wall and floor.
     assert_eq!(cup.features.sharp_edges.len(), 3 * 16);
     let mesh = Shape::from_mesh((*cup.surface).clone()).unwrap();
-    let floor = |e: &&tactus::shape::SharpEdge| (e.a.z + 0.027).abs() < 1e-9 && (e.b.z + 0.027).abs() < 1e-9;
+    let floor = |e: &&tactus::shape::Ridge| (e.a.z + 0.027).abs() < 1e-9 && (e.b.z + 0.027).abs() < 1e-9;
     assert_eq!(mesh.features.sharp_edges.iter().filter(floor).count(), 0);
 }
 

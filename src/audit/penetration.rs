@@ -107,8 +107,28 @@ impl PadSurface {
         if inside.peek().is_none() {
             return 0.0;
         }
-        let skin = self.triangles(x);
-        inside.map(|p| triangle::distance(&skin, p)).fold(0.0, f64::max)
+        let skin = self.parts(|face, part| Piece::new(self, *face, part, x));
+        inside.map(|p| self.distance(p, &skin, x)).fold(0.0, f64::max)
+    }
+
+    /// Distance of `p` to the free surface, of which `skin` are the pieces, m. Where a curved face is folded its flat pieces miss it by
+    /// more than matters: those that are near are cut into four until they do not.
+    fn distance(&self, p: DVec3, skin: &[Piece], x: &[DVec3]) -> f64 {
+        let away = |pieces: &[Piece]| -> Vec<f64> {
+            pieces.iter().map(|piece| triangle::distance(&[piece.flat], p)).collect()
+        };
+        let least = |distances: &[f64]| distances.iter().copied().fold(f64::INFINITY, f64::min);
+        let mut distances = away(skin);
+        let (mut near, mut slack) = (Vec::new(), 0.5 * self.spacing);
+        for cut in 0..if self.quadratic { CUTS } else { 0 } {
+            let close = least(&distances) + slack;
+            let pieces = if cut == 0 { skin } else { &near };
+            let pieces = pieces.iter().zip(&distances).filter(|(_, d)| **d <= close);
+            near = pieces.flat_map(|(piece, _)| piece.quarters(self, x)).collect();
+            distances = away(&near);
+            slack *= 0.25;
+        }
+        least(&distances)
     }
 
     /// Whether a point of the drawing belongs to the object: chords over a hollow do not.
@@ -117,11 +137,6 @@ impl PadSurface {
             Solid::Surface(_) => true,
             _ => solid.depth(p * (1.0 - 1e-9)) > 0.0 || solid.depth(p * (1.0 + 1e-9)) > 0.0,
         }
-    }
-
-    /// The free surface as flat triangles, m.
-    fn triangles(&self, x: &[DVec3]) -> Vec<[DVec3; 3]> {
-        self.parts(|face, part| part.map(|l| self.point(face, l, x)))
     }
 
     /// Points of the free surface itself, one for each of its triangles, m.
@@ -155,6 +170,32 @@ impl PadSurface {
         }
         let corners: DVec3 = (0..3).map(|k| n[k] * (l[k] * (2.0 * l[k] - 1.0))).sum();
         corners + n[3] * (4.0 * l[0] * l[1]) + n[4] * (4.0 * l[1] * l[2]) + n[5] * (4.0 * l[2] * l[0])
+    }
+}
+
+/// How often pieces are cut to find the distance to them: until they bulge by a thousandth of what they did.
+const CUTS: usize = 5;
+
+/// A piece of a face: the barycentric coordinates of its corners and, between them, a flat triangle.
+#[derive(Clone, Copy)]
+struct Piece {
+    face: [u32; 6],
+    part: [[f64; 3]; 3],
+    /// m.
+    flat: [DVec3; 3],
+}
+
+impl Piece {
+    fn new(surface: &PadSurface, face: [u32; 6], part: [[f64; 3]; 3], x: &[DVec3]) -> Self {
+        Self { face, part, flat: part.map(|l| surface.point(&face, l, x)) }
+    }
+
+    /// The four pieces between its corners and the middles of its sides.
+    fn quarters(&self, surface: &PadSurface, x: &[DVec3]) -> [Self; 4] {
+        let [a, b, c] = self.part;
+        let middle = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
+        let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]].map(|part| Self::new(surface, self.face, part, x))
     }
 }
 

@@ -1,5 +1,6 @@
 //! The pooled state of one contact edge.
 
+use super::law::Law;
 use glam::DVec3;
 
 /// One potential contact between a pad and the object. The pool is fixed; `pressure > 0` says which edges carry force.
@@ -33,6 +34,26 @@ impl ContactEdge {
     /// Where the point sticks, if friction acts.
     pub fn sticks(&self) -> Option<DVec3> {
         self.anchor.filter(|_| self.limit > 0.0)
+    }
+
+    /// The same edge as it is pressed by one of the places that it touches, at `gap` (m) along `normal`.
+    pub fn on(&self, law: &Law, gap: f64, normal: DVec3) -> Self {
+        Self { gap, normal, pressure: law.pressure(gap, self.scale).0, ..*self }
+    }
+
+    /// Sets pressure and normal from the places that it touches: gap (m), normal and weight of each, the nearest first.
+    pub fn press(&mut self, law: &Law, mut places: impl Iterator<Item = (f64, DVec3, f64)>) {
+        let Some((gap, normal, _)) = places.next() else {
+            (self.gap, self.pressure) = (f64::INFINITY, 0.0);
+            return;
+        };
+        (self.gap, self.normal, self.pressure) = (gap, normal, law.pressure(gap, self.scale).0);
+        let others: DVec3 = places.map(|(gap, n, weight)| n * (weight * law.pressure(gap, self.scale).0)).sum();
+        if others != DVec3::ZERO {
+            let force = normal * self.pressure + others;
+            self.pressure = force.length();
+            self.normal = force.try_normalize().unwrap_or(normal);
+        }
     }
 
     /// Moves the friction limit by the fraction `damping` towards `mu pressure`, and the plane of friction to the normal

@@ -1,16 +1,19 @@
 //! Contact of the object's features (vertices, points along sharp edges) with a pad's faces, as a term of the potential:
 //! what keeps a needle or a knife edge from slipping between the sample points of the pad.
 
+use super::crossing::deepest;
 use super::edge::ContactEdge;
 use super::far::Far;
+use super::flanks::Flank;
 use super::law::Law;
-use super::pair::{feature_pair, friction_pair, slip};
+use super::pair::{feature_pair, friction_pair, slip, weighed};
 use super::pool::EdgePool;
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
 use crate::fem::body::Body;
 use crate::fem::state::{Motion, View};
 use crate::fem::term::{Block, BodyTerm, Pair, Stencil};
+use crate::shape::Stretch;
 use glam::DVec3;
 use std::any::Any;
 use std::sync::Arc;
@@ -22,15 +25,18 @@ pub struct Feature {
     pub position: DVec3,
     /// On a sharp edge or corner; else a vertex of a smooth surface.
     pub sharp: bool,
+    /// The stretch of an edge that it may move along.
+    pub along: Option<Stretch>,
 }
 
 /// Fraction of the contact offset from which a smooth vertex is felt.
 const SMOOTH: f64 = 0.3;
 
 impl Feature {
-    /// Where it is under `view`, m, relative to the finger.
-    fn place(&self, view: &View) -> DVec3 {
-        view.position + view.rotation * self.position - view.offset
+    /// One that moves to where a pad is deepest on a stretch of an edge, so that it does not come through between fixed points. It begins at
+    /// a third, where no fixed one is.
+    pub fn along(stretch: Stretch) -> Self {
+        Self { position: stretch.point(1.0 / 3.0), sharp: false, along: Some(stretch) }
     }
 
     /// Fraction of the contact offset from which it is felt. Vertices of a smooth surface are felt late: the pad's own points
@@ -69,9 +75,14 @@ pub struct FeatureForce {
 }
 
 /// Where a feature meets the pad now, and where it sticks.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Site {
-    face: Option<usize>,
+    /// Position of the feature in the object frame, m.
+    position: DVec3,
+    /// How often it has moved along its edge since the last accepted state.
+    moves: u32,
+    /// The faces it presses on, the nearest first.
+    flanks: Vec<Flank>,
     now: Stencil,
     stick: Stencil,
     report: Stencil,
@@ -82,7 +93,15 @@ impl FeatureContact {
     pub fn new(law: Law, surface: Arc<ContactSurface>, features: Arc<[Feature]>) -> Self {
         let pool = EdgePool::new(law, features.len());
         let nowhere = Stencil::new(std::iter::empty());
-        let sites = vec![Site { face: None, now: nowhere, stick: nowhere, report: nowhere }; features.len()];
+        let site = |f: &Feature| Site {
+            position: f.position,
+            moves: 0,
+            flanks: Vec::new(),
+            now: nowhere,
+            stick: nowhere,
+            report: nowhere,
+        };
+        let sites: Vec<Site> = features.iter().map(site).collect();
         let area = surface.spacing * surface.spacing;
         let (bounds, far) = (FaceBounds::default(), Far::default());
         Self { pool, surface, features, area, committed: sites.clone(), sites, bounds, far }
@@ -117,7 +136,7 @@ impl FeatureContact {
 
     /// Displacement of the pad's sticking point from the feature, plus its drag.
     fn stretch(&self, i: usize, drag: DVec3, view: &View) -> DVec3 {
-        let arm = view.rotation * self.features[i].position;
+        let arm = view.rotation * self.sites[i].position;
         self.sites[i].stick.position(view.x) + view.offset - view.position - arm + drag
     }
 }
@@ -129,12 +148,12 @@ impl BodyTerm for FeatureContact {
         let moved = self.far.moved(view.x);
         let mut energy = 0.0;
         for (i, e) in self.pool.edges.iter().enumerate() {
-            let y = self.features[i].place(view);
+            let y = self.sites[i].place(view);
             let law = self.law_of(i);
-            if self.far.within(i, y, moved, law.offset)
-                && let Some(foot) = bounds.closest(&self.surface, view.x, y, law.offset, self.sites[i].face)
-            {
-                energy += self.area * law.normal_energy(foot.gap, e.scale);
+            if self.far.within(i, y, moved, law.offset) {
+                let flanks = bounds.flanks(&self.surface, view.x, y, law.offset);
+                let energies = flanks.iter().map(|(foot, weight, _)| weight * law.normal_energy(foot.gap, e.scale));
+                energy += self.area * energies.sum::<f64>();
             }
             if let Some(drag) = e.sticks() {
                 let s = slip(self.stretch(i, drag, view), e.plane);
@@ -146,16 +165,20 @@ impl BodyTerm for FeatureContact {
 
     fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
         self.bounds.update(&self.surface, view.x);
-        let features = &self.features;
-        self.far.update(&self.surface, view.x, &self.bounds, features.len(), |i| features[i].place(view));
+        let sites = &self.sites;
+        self.far.update(&self.surface, view.x, &self.bounds, sites.len(), |i| sites[i].place(view));
         let moved = self.far.moved(view.x);
         for i in 0..self.features.len() {
             block.lag += (self.area * self.update(i, view, moved)).powi(2);
-            let e = self.pool.edges[i];
-            let arm = view.rotation * self.features[i].position;
-            if e.pressure > 0.0 {
-                let pair = feature_pair(&self.law_of(i), &e, self.area, arm, project);
-                block.add_pair(body, view, &self.sites[i].now, &pair);
+            let (e, law) = (self.pool.edges[i], self.law_of(i));
+            let arm = view.rotation * self.sites[i].position;
+            for (foot, weight, curvature) in &self.sites[i].flanks {
+                let e = e.on(&law, foot.gap, -foot.normal);
+                if e.pressure > 0.0 {
+                    let pair = feature_pair(&law, &e, weight * self.area, arm, curvature, project);
+                    let place = self.surface.faces[foot.face].stencil(foot.l);
+                    block.add_pair(body, view, &place, &weighed(pair, *weight, project));
+                }
             }
             if let Some(drag) = e.sticks() {
                 let s = self.stretch(i, drag, view);
@@ -167,19 +190,20 @@ impl BodyTerm for FeatureContact {
 
     fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
         for (i, site) in self.sites.iter().enumerate().filter(|(i, _)| self.pool.edges[*i].slips) {
-            let r = view.rotation * self.features[i].position;
+            let r = view.rotation * site.position;
             if let Some(drag) = self.pool.drag(i, &self.law_of(i), motion.relative(&site.now, r)) {
                 change.add_pair(body, view, &site.stick, &Pair::force(drag * -self.area, r));
             }
         }
     }
 
-    fn commit(&mut self, _: &Body, _: &View) {
+    fn commit(&mut self, _: &Body, view: &View) {
         let (sites, tangential) = (&mut self.sites, self.pool.law.tangential);
         self.pool.commit(|i, e| {
             sites[i].stick = sites[i].now;
-            e.normal * -e.gap - e.traction * (1.0 / tangential)
+            sites[i].place(view) - sites[i].now.position(view.x) - e.traction * (1.0 / tangential)
         });
+        self.sites.iter_mut().for_each(|site| site.moves = 0);
         self.committed.clone_from(&self.sites);
     }
 
@@ -188,9 +212,10 @@ impl BodyTerm for FeatureContact {
         self.sites.clone_from(&self.committed);
     }
 
-    fn satisfied(&mut self, _: &Body, _: &View) -> bool {
+    fn satisfied(&mut self, _: &Body, view: &View) -> bool {
         let (features, offset) = (&self.features, self.pool.law.offset);
-        self.pool.satisfied(|i| features[i].reach() * offset)
+        let stiff = self.pool.satisfied(|i| features[i].reach() * offset);
+        self.follow(view) && stiff
     }
 
     fn damp(&mut self, damping: f64) {
@@ -206,32 +231,57 @@ impl BodyTerm for FeatureContact {
     }
 }
 
+/// Moves of a feature along its edge in one increment, at most.
+const MOVES: u32 = 3;
+
+impl Site {
+    /// Where the feature is under `view`, m, relative to the finger.
+    fn place(&self, view: &View) -> DVec3 {
+        view.position + view.rotation * self.position - view.offset
+    }
+}
+
 impl FeatureContact {
+    /// Moves features along their edges to where the pad is deepest; true if none had to.
+    fn follow(&mut self, view: &View) -> bool {
+        let moved = self.far.moved(view.x);
+        let mut stay = true;
+        for (i, (feature, site)) in self.features.iter().zip(&mut self.sites).enumerate() {
+            let Some(stretch) = &feature.along else { continue };
+            let near = site.moves < MOVES && self.far.within(i, site.place(view), moved, stretch.length());
+            let Some(deepest) = near.then(|| deepest(&self.bounds, &self.surface, view, stretch)).flatten() else {
+                continue;
+            };
+            site.position = deepest;
+            site.moves += 1;
+            self.pool.renew(i);
+            stay = false;
+        }
+        stay
+    }
+
     /// Refreshes gap, pressure and friction of edge `i` on a surface that has `moved` (m) since the far features were looked for;
     /// returns how far its friction limit lags, Pa.
     fn update(&mut self, i: usize, view: &View, moved: f64) -> f64 {
-        let y = self.features[i].place(view);
+        let y = self.sites[i].place(view);
         let law = self.law_of(i);
         let site = &mut self.sites[i];
         let near = self.far.within(i, y, moved, law.offset);
-        let foot = near.then(|| self.bounds.closest(&self.surface, view.x, y, law.offset, site.face)).flatten();
-        let e = &mut self.pool.edges[i];
-        site.face = foot.map(|f| f.face);
-        e.gap = foot.map_or(f64::INFINITY, |f| f.gap);
-        if let Some(foot) = foot {
-            // The object's outward normal at the contact is the pad's inward one.
-            e.normal = -foot.normal;
+        site.flanks = if near { self.bounds.flanks(&self.surface, view.x, y, law.offset) } else { Vec::new() };
+        if let Some((foot, ..)) = site.flanks.first() {
             let face = &self.surface.faces[foot.face];
             (site.now, site.report) = (face.stencil(foot.l), face.report_stencil(foot.l));
         }
-        let Some(lag) = self.pool.press(i, &law) else {
+        // The object's outward normal at the contact is the pad's inward one.
+        let places = site.flanks.iter().map(|(foot, weight, _)| (foot.gap, -foot.normal, *weight));
+        let Some(lag) = self.pool.press(i, &law, places) else {
             site.stick = self.committed[i].stick;
             return 0.0;
         };
         let e = &mut self.pool.edges[i];
         let drag = *e.anchor.get_or_insert_with(|| {
             site.stick = site.now;
-            e.normal * -e.gap
+            y - site.now.position(view.x)
         });
         self.pool.rub(i, self.stretch(i, drag, view));
         lag

@@ -9,8 +9,9 @@ use crate::fem::dynamics::TimeStep;
 use crate::fem::state::{Motion, View};
 use crate::fem::term::{Block, BodyTerm, Pair, Stencil};
 use crate::scene::motion::Hand;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use std::any::Any;
+use std::iter;
 use std::sync::Arc;
 
 /// Contact of the object with the half-space `normal . x <= height` of the world. Edges are per vertex, with forces in N
@@ -69,11 +70,9 @@ impl GroundContact {
         let arm = view.rotation * self.vertices[i];
         let gap = self.gap(self.hand.to_world(view.position + arm));
         let (law, last) = (self.pool.law, self.last[i]);
-        let e = &mut self.pool.edges[i];
-        e.gap = gap;
         // The outward normal of the object is the inward one of the ground.
-        e.normal = -(self.hand.rotation.conjugate() * self.normal);
-        let Some(lag) = self.pool.press(i, &law) else { return 0.0 };
+        let normal = -(self.hand.rotation.conjugate() * self.normal);
+        let Some(lag) = self.pool.press(i, &law, iter::once((gap, normal, 1.0))) else { return 0.0 };
         let anchor = *self.pool.edges[i].anchor.get_or_insert(last);
         self.pool.rub(i, self.hand.to_hand(anchor) - view.position - arm);
         lag
@@ -105,7 +104,12 @@ impl BodyTerm for GroundContact {
             let e = self.pool.edges[i];
             let arm = view.rotation * self.vertices[i];
             if e.pressure > 0.0 {
-                block.add_pair(body, &view, &nowhere, &feature_pair(&self.pool.law, &e, 1.0, arm, project));
+                block.add_pair(
+                    body,
+                    &view,
+                    &nowhere,
+                    &feature_pair(&self.pool.law, &e, 1.0, arm, &DMat3::ZERO, project),
+                );
             }
             if let Some(anchor) = e.sticks() {
                 let s = self.hand.to_hand(anchor) - view.position - arm;

@@ -4,14 +4,18 @@
 //! ([`surface`]), and points of the object's features to the pad ([`feature`]), so that neither a smooth face nor a needle
 //! slips between samples. All edges carry the same [`law`]: a stiff penalty on the gap, and Coulomb friction.
 
+mod cells;
+mod crossing;
 pub mod edge;
 mod far;
 pub mod feature;
+mod flanks;
 pub mod ground;
 pub mod law;
 pub(crate) mod pair;
 mod pool;
 pub mod project;
+mod side;
 pub mod surface;
 pub mod term;
 

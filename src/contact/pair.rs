@@ -36,11 +36,22 @@ pub(super) fn normal_pair(law: &Law, e: &ContactEdge, area: f64, r: DVec3, h: &D
 }
 
 /// The same for a feature of the object against a pad, whose normal does not turn with the object: with `r` the arm of the
-/// feature, `g = n.(delta - w x r - w x (w x r) / 2)`.
-pub(super) fn feature_pair(law: &Law, e: &ContactEdge, area: f64, r: DVec3, project: bool) -> Pair {
+/// feature, `g = n.(delta - w x r - w x (w x r) / 2) + u.H u / 2`.
+pub(super) fn feature_pair(law: &Law, e: &ContactEdge, area: f64, r: DVec3, h: &DMat3, project: bool) -> Pair {
     let mut pair = normal_pair(law, e, area, r, &DMat3::ZERO, true);
     if !project {
-        pair.ww += rotation_hessian(e.normal, r) * (e.pressure * area);
+        let (p, arm) = (e.pressure * area, cross_matrix(r));
+        pair.dd -= *h * p;
+        pair.dw -= *h * arm * p;
+        pair.ww += (rotation_hessian(e.normal, r) - arm.transpose() * *h * arm) * p;
+    }
+    pair
+}
+
+/// A contact whose energy is taken off where flanks of a valley meet. Its stiffness is negative: projected, it has none.
+pub(super) fn weighed(pair: Pair, weight: f64, project: bool) -> Pair {
+    if weight < 0.0 && project {
+        return Pair { dd: DMat3::ZERO, dw: DMat3::ZERO, ww: DMat3::ZERO, ..pair };
     }
     pair
 }

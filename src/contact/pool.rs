@@ -55,6 +55,12 @@ impl EdgePool {
         self.committed.clone_from(&self.edges);
     }
 
+    /// Opens edge `i`, whose point is another from now on.
+    pub fn renew(&mut self, i: usize) {
+        self.edges[i] = ContactEdge::default();
+        self.committed[i] = ContactEdge::default();
+    }
+
     /// Back to the edges last accepted.
     pub fn rollback(&mut self) {
         self.edges.clone_from(&self.committed);
@@ -72,11 +78,11 @@ impl EdgePool {
         held
     }
 
-    /// Sets the pressure of edge `i` from its gap under `law` and relaxes its friction limit. Some if friction acts: how far
-    /// the limit lags, Pa; [`EdgePool::rub`] must follow.
-    pub fn press(&mut self, i: usize, law: &Law) -> Option<f64> {
+    /// Sets gap, normal and pressure of edge `i` under `law` from the places that it touches (gap, m, normal and weight of each, the
+    /// nearest first) and relaxes its friction limit. Some if friction acts: how far the limit lags, Pa; [`EdgePool::rub`] must follow.
+    pub fn press(&mut self, i: usize, law: &Law, places: impl Iterator<Item = (f64, DVec3, f64)>) -> Option<f64> {
         let e = &mut self.edges[i];
-        e.pressure = law.pressure(e.gap, e.scale).0;
+        e.press(law, places);
         e.traction = DVec3::ZERO;
         e.slips = false;
         if law.friction == 0.0 {

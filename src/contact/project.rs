@@ -1,5 +1,6 @@
 //! Closest point of a deformed pad surface.
 
+use super::cells::{Cells, NEAR};
 use super::surface::{ContactSurface, Face, face_frame};
 use glam::DVec3;
 
@@ -15,13 +16,22 @@ pub struct Foot {
     /// Unit direction of growing distance: the pad's outward normal.
     pub normal: DVec3,
     /// How squarely the query point lies over the face: cosine of its direction with the face's normal.
-    facing: f64,
+    pub(super) facing: f64,
+}
+
+impl Foot {
+    /// A foot that is known.
+    pub(super) fn at(face: usize, l: [f64; 3], gap: f64, normal: DVec3) -> Self {
+        Self { face, l, gap, normal, facing: 1.0 }
+    }
 }
 
 /// Bounds of the faces of a deformed surface, to skip most of them.
 #[derive(Debug, Clone, Default)]
 pub struct FaceBounds {
     spheres: Vec<(DVec3, f64)>,
+    boxes: Vec<[DVec3; 2]>,
+    cells: Cells,
     min: DVec3,
     max: DVec3,
 }
@@ -30,6 +40,7 @@ impl FaceBounds {
     /// Bounds of every face at node positions `x`.
     pub fn update(&mut self, surface: &ContactSurface, x: &[DVec3]) {
         self.spheres.clear();
+        self.boxes.clear();
         (self.min, self.max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for face in &surface.faces {
             let mut nodes = [DVec3::ZERO; 6];
@@ -48,54 +59,61 @@ impl FaceBounds {
             let center = nodes.iter().sum::<DVec3>() / count as f64;
             let radius = nodes.iter().map(|p| p.distance(center)).fold(0.0, f64::max);
             self.spheres.push((center, radius));
-            for p in nodes {
-                (self.min, self.max) = (self.min.min(*p), self.max.max(*p));
-            }
+            let around = nodes.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |b, p| [b[0].min(*p), b[1].max(*p)]);
+            (self.min, self.max) = (self.min.min(around[0]), self.max.max(around[1]));
+            self.boxes.push(around);
         }
+        self.cells.update(&self.boxes);
     }
 
     /// Closest point of the surface to `y` if nearer than `reach` outside, or anywhere inside the gel near the surface.
-    ///
-    /// The face `last` is kept while the foot lies on it or just beyond its rim: where two faces meet, the normal jumps, and
-    /// an equilibrium right there would make Newton hop between them for ever.
-    pub fn closest(
-        &self,
-        surface: &ContactSurface,
-        x: &[DVec3],
-        y: DVec3,
-        reach: f64,
-        last: Option<usize>,
-    ) -> Option<Foot> {
-        if let Some(i) = last {
-            let foot = on_face(i, &surface.faces[i], x, y, BEYOND);
-            if foot.l.iter().all(|v| *v > -BEYOND) && foot.gap.abs() < reach {
-                return Some(foot);
-            }
-        }
+    pub fn closest(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, reach: f64) -> Option<Foot> {
         if y.cmplt(self.min - reach).any() || y.cmpgt(self.max + reach).any() {
             return None;
         }
-        // A face can only win if its sphere comes closer than the best foot; nearly always that is a near one.
-        let best =
-            self.nearest(surface, x, y, DEEPEST.max(reach)).or_else(|| self.nearest(surface, x, y, f64::INFINITY));
+        let best = self.near(surface, x, y, NEAR).or_else(|| self.nearest_of_all(surface, x, y));
         best.filter(|foot| foot.gap < reach)
     }
 
-    /// How far `y` is outside the surface, m; not positive inside.
-    pub fn outside(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3) -> f64 {
-        self.nearest(surface, x, y, f64::INFINITY).map_or(f64::INFINITY, |foot| foot.gap)
+    /// Closest point of the surface to `y` if nearer than `limit`, up to [`NEAR`], inside or outside.
+    pub(super) fn near(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, limit: f64) -> Option<Foot> {
+        let faces = self.cells.at(y).iter().map(|i| *i as usize);
+        self.nearest(surface, x, y, faces, limit)
     }
 
-    /// Closest point among the faces nearer than `limit`.
-    fn nearest(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, limit: f64) -> Option<Foot> {
-        let (mut best, mut nearest) = (None, limit);
+    /// How far `y` is outside the surface at least, m; exact where that is near, not positive inside.
+    pub fn outside(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3) -> f64 {
+        let beyond = y.clamp(self.min, self.max).distance(y);
+        if beyond > NEAR {
+            return beyond;
+        }
+        self.closest(surface, x, y, f64::INFINITY).map_or(f64::INFINITY, |foot| foot.gap)
+    }
+
+    fn nearest_of_all(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3) -> Option<Foot> {
         let squared = |i: usize| y.distance_squared(self.spheres[i].0);
         // The face whose centre is nearest first: it leaves few others that could win.
         let all = 0..self.spheres.len();
         let first = all.clone().map(|i| (squared(i), i)).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i);
-        for i in first.into_iter().chain(all.filter(|i| Some(*i) != first)) {
-            if squared(i) < (nearest + self.spheres[i].1).powi(2) {
-                let foot = on_face(i, &surface.faces[i], x, y, 0.0);
+        let order = first.into_iter().chain(all.filter(|i| Some(*i) != first));
+        self.nearest(surface, x, y, order, f64::INFINITY)
+    }
+
+    /// Closest point on those of `faces` that are nearer than `limit`.
+    fn nearest(
+        &self,
+        surface: &ContactSurface,
+        x: &[DVec3],
+        y: DVec3,
+        faces: impl Iterator<Item = usize>,
+        limit: f64,
+    ) -> Option<Foot> {
+        let (mut best, mut nearest) = (None, limit);
+        for i in faces {
+            // A face can only win if its sphere comes closer than the best foot; nearly always that is a near one.
+            let (center, radius) = self.spheres[i];
+            if y.distance_squared(center) < (nearest + radius).powi(2) {
+                let foot = on_face(i, &surface.faces[i], x, y);
                 let distance = foot.gap.abs();
                 // On the edge that two faces share only the one that the point lies over knows on which side it is.
                 let better = match best {
@@ -108,25 +126,19 @@ impl FaceBounds {
                 }
             }
         }
-        best
+        best.map(|foot| foot.signed(surface, x, y))
     }
 }
 
-/// Depth inside the gel up to which a point is looked for first, m: more than one iteration moves it.
-const DEEPEST: f64 = 2e-3;
 /// Relative difference of distances that is rounding.
 const TIE: f64 = 1e-9;
-/// How far beyond its rim a face stays the closest one, in barycentric coordinates.
-const BEYOND: f64 = 0.05;
+/// Barycentric coordinate below which a point lies on the rim of its face.
+pub(super) const ON_RIM: f64 = 1e-9;
 
-/// Closest point of one face: Gauss-Newton on the barycentric coordinates, kept inside the triangle or at most `beyond`
-/// outside it.
-fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3, beyond: f64) -> Foot {
+/// Closest point of one face: Gauss-Newton on the barycentric coordinates, kept inside the triangle.
+pub(super) fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3) -> Foot {
     let [a, b, c] = face.corners.map(|n| x[n as usize]);
-    let mut l = project_flat(a, b, c, y);
-    if beyond == 0.0 || face.mids.is_some() {
-        l = clamp_to_triangle(l, a, b, c, y);
-    }
+    let mut l = clamp_to_triangle(project_flat(a, b, c, y), a, b, c, y);
     if face.mids.is_some() {
         for _ in 0..6 {
             let (p, d1, d2) = tangents(face, x, l);
@@ -138,8 +150,10 @@ fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3, beyond: f64) -> Foo
             }
             let (s, t) = ((g22 * r1 - g12 * r2) / det, (g11 * r2 - g12 * r1) / det);
             let mut next = [l[0] - s - t, l[1] + s, l[2] + t];
-            if next.iter().any(|v| *v < -beyond) {
-                next = along_rim(face, x, restrict(next, beyond), y, beyond);
+            if next.iter().any(|v| *v < 0.0) {
+                let at = restrict(next);
+                let k = (0..3).min_by(|a, b| at[*a].total_cmp(&at[*b])).unwrap_or(0);
+                next = along_rim(face, x, at, k, y);
             }
             let moved = (next[1] - l[1]).abs() + (next[2] - l[2]).abs();
             l = next;
@@ -152,7 +166,7 @@ fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3, beyond: f64) -> Foo
     let away = y - p;
     let distance = away.length();
     let side = if away.dot(face_normal) < 0.0 { -1.0 } else { 1.0 };
-    let interior = l.iter().all(|v| *v > 1e-9 - beyond);
+    let interior = l.iter().all(|v| *v > ON_RIM);
     // On the rim of a face the direction to the point is the normal; on its inside both agree, and the frame is exact
     // also at distance zero.
     let normal = if interior || distance < 1e-9 { face_normal } else { away * (side / distance) };
@@ -161,21 +175,35 @@ fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3, beyond: f64) -> Foo
     Foot { face: index, l, gap, normal, facing }
 }
 
-/// One Gauss-Newton step along the rim on which `l` lies.
-fn along_rim(face: &Face, x: &[DVec3], l: [f64; 3], y: DVec3, beyond: f64) -> [f64; 3] {
-    let k = (0..3).min_by(|a, b| l[*a].total_cmp(&l[*b])).unwrap_or(0);
+/// One Gauss-Newton step along the edge opposite to corner `k`, on which `l` lies.
+fn along_rim(face: &Face, x: &[DVec3], l: [f64; 3], k: usize, y: DVec3) -> [f64; 3] {
     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
     let (p, d1, d2) = tangents(face, x, l);
     let d = [DVec3::ZERO, d1, d2];
     let tangent = d[j] - d[i];
-    let by = (tangent.dot(y - p) / tangent.length_squared()).clamp(-beyond - l[j], l[i] + beyond);
+    let by = (tangent.dot(y - p) / tangent.length_squared()).clamp(-l[j], l[i]);
     let mut next = l;
     (next[i], next[j]) = (l[i] - by, l[j] + by);
     next
 }
 
+/// Coordinates of the point of the edge opposite to corner `k` that is closest to `y`.
+pub(super) fn on_edge(face: &Face, x: &[DVec3], k: usize, y: DVec3) -> [f64; 3] {
+    let mut l = [0.5; 3];
+    l[k] = 0.0;
+    for _ in 0..8 {
+        let next = along_rim(face, x, l, k, y);
+        let moved = (0..3).map(|i| (next[i] - l[i]).abs()).fold(0.0, f64::max);
+        l = next;
+        if moved < 1e-12 {
+            break;
+        }
+    }
+    l
+}
+
 /// Position and derivatives in `l1`, `l2` (with `l0 = 1 - l1 - l2`) of a quadratic face.
-fn tangents(face: &Face, x: &[DVec3], l: [f64; 3]) -> (DVec3, DVec3, DVec3) {
+pub(super) fn tangents(face: &Face, x: &[DVec3], l: [f64; 3]) -> (DVec3, DVec3, DVec3) {
     let at = |n: u32| x[n as usize];
     let [a, b, c] = face.corners.map(at);
     match face.mids.map(|m| m.map(at)) {
@@ -222,10 +250,9 @@ fn clamp_to_triangle(l: [f64; 3], a: DVec3, b: DVec3, c: DVec3, y: DVec3) -> [f6
     best.0
 }
 
-/// Cuts coordinates below `-beyond` and restores their sum.
-fn restrict(l: [f64; 3], beyond: f64) -> [f64; 3] {
-    let l = l.map(|v| v.max(-beyond) + beyond);
+/// Cuts negative coordinates and restores their sum.
+fn restrict(l: [f64; 3]) -> [f64; 3] {
+    let l = l.map(|v| v.max(0.0));
     let sum: f64 = l.iter().sum();
-    let whole = 1.0 + 3.0 * beyond;
-    if sum > 0.0 { l.map(|v| v / sum * whole - beyond) } else { [1.0, 0.0, 0.0] }
+    if sum > 0.0 { l.map(|v| v / sum) } else { [1.0, 0.0, 0.0] }
 }

@@ -3,6 +3,7 @@
 use crate::element::EDGES;
 use crate::fem::body::{Body, Elements};
 use crate::fem::term::Stencil;
+use crate::mesh::rings::Rings;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -20,6 +21,8 @@ pub struct Face {
 pub struct ContactSurface {
     /// Faces not entirely fixed.
     pub faces: Vec<Face>,
+    /// Which faces meet.
+    pub rings: Rings,
     /// Where each point sits: nodes and shape function values.
     pub points: Vec<Stencil>,
     /// Rest area each point stands for, m2.
@@ -52,9 +55,10 @@ impl ContactSurface {
             .collect();
         // A lattice point shared by faces is one point: keyed by its corner weights, in node order.
         let mut index: BTreeMap<[(u32, u32); 3], usize> = BTreeMap::new();
-        let mut surface =
-            Self { faces: Vec::new(), points: Vec::new(), area: Vec::new(), spacing: 0.0, report: Vec::new() };
-        for face in &faces {
+        let rings = Rings::new(faces.iter().map(|f| f.corners).collect());
+        let mut surface = Self { faces, points: Vec::new(), area: Vec::new(), spacing: 0.0, report: Vec::new(), rings };
+        for k in 0..surface.faces.len() {
+            let face = surface.faces[k];
             let [a, b, c] = face.corners.map(|n| body.rest[n as usize]);
             let share = 0.5 * (b - a).cross(c - a).length() / (m * m) as f64 / 3.0;
             for sub in sub_triangles(m) {
@@ -76,7 +80,6 @@ impl ContactSurface {
         }
         let total: f64 = surface.area.iter().sum();
         surface.spacing = (total / surface.points.len().max(1) as f64).sqrt();
-        surface.faces = faces;
         surface
     }
 }

@@ -2,14 +2,14 @@
 
 use super::edge::ContactEdge;
 use super::law::Law;
-use super::pair::{friction_pair, normal_pair, slip};
+use super::pair::{friction_pair, normal_pair, slip, weighed};
 use super::pool::EdgePool;
 use super::surface::ContactSurface;
 use crate::fem::body::Body;
 use crate::fem::state::{Motion, View};
 use crate::fem::term::{Block, BodyTerm, Pair, Stencil};
-use crate::shape::SignedDistance;
-use glam::{DMat3, DVec3};
+use crate::shape::{SignedDistance, Touch};
+use glam::DVec3;
 use std::any::Any;
 use std::sync::Arc;
 
@@ -65,9 +65,9 @@ impl BodyTerm for Contact {
         for ((e, stencil), area) in self.pool.edges.iter().zip(&self.surface.points).zip(&self.surface.area) {
             let (world, q) = locate(stencil, view);
             if e.bound - q.distance(e.query) < law.offset
-                && let Some(c) = self.object.closest(q, law.offset)
+                && let Some(touch) = self.object.touch(q, law.offset, law.offset)
             {
-                energy += area * law.normal_energy(c.distance, e.scale);
+                energy += area * touch.sum(|c| law.normal_energy(c.distance, e.scale));
             }
             if let Some(anchor) = e.sticks() {
                 let s = slip(world - view.position - view.rotation * anchor, e.plane);
@@ -81,14 +81,17 @@ impl BodyTerm for Contact {
         for i in 0..self.surface.points.len() {
             let stencil = self.surface.points[i];
             let area = self.surface.area[i];
-            let (lag, curvature) = self.update(i, &stencil, view);
+            let (lag, touch) = self.update(i, &stencil, view);
             block.lag += (area * lag).powi(2);
             let (law, e) = (&self.pool.law, &self.pool.edges[i]);
             let (world, _) = locate(&stencil, view);
-            if e.pressure > 0.0 {
-                let curvature = view.rotation * curvature * view.rotation.transpose();
-                let pair = normal_pair(law, e, area, world - view.position, &curvature, project);
-                block.add_pair(body, view, &stencil, &pair);
+            for (c, weight) in touch.iter().flat_map(Touch::places) {
+                let e = e.on(law, c.distance, view.rotation * c.normal);
+                if e.pressure > 0.0 {
+                    let curvature = view.rotation * c.curvature * view.rotation.transpose();
+                    let pair = normal_pair(law, &e, area * weight, world - view.position, &curvature, project);
+                    block.add_pair(body, view, &stencil, &weighed(pair, weight, project));
+                }
             }
             if let Some(anchor) = e.sticks() {
                 let arm = view.rotation * anchor;
@@ -156,32 +159,26 @@ impl BodyTerm for Contact {
 }
 
 impl Contact {
-    /// Refreshes gap, pressure and friction of edge `i`; returns how far its friction limit lags, Pa, and the curvature of the
-    /// object at its closest point, 1/m, object axes.
-    fn update(&mut self, i: usize, stencil: &Stencil, view: &View) -> (f64, DMat3) {
+    /// Refreshes gap, pressure and friction of edge `i`; returns how far its friction limit lags, Pa, and where it touches the object,
+    /// object axes.
+    fn update(&mut self, i: usize, stencil: &Stencil, view: &View) -> (f64, Option<Touch>) {
         let law = self.pool.law;
         let e = &mut self.pool.edges[i];
         let (world, q) = locate(stencil, view);
-        let mut curvature = DMat3::ZERO;
+        let mut touch = None;
         // The distance changes no faster than the point moves: far points are skipped without a query.
-        if e.bound - q.distance(e.query) >= law.offset {
-            e.gap = f64::INFINITY;
-        } else {
+        if e.bound - q.distance(e.query) < law.offset {
             // Look farther than needed, so that the bound spares the next queries.
             let reach = LOOK_AHEAD.max(law.offset);
-            match self.object.closest(q, reach) {
-                Some(c) => {
-                    (e.gap, e.bound, e.query) = (c.distance, c.distance, q);
-                    e.normal = view.rotation * c.normal;
-                    curvature = c.curvature;
-                }
-                None => (e.gap, e.bound, e.query) = (f64::INFINITY, reach, q),
-            }
+            touch = self.object.touch(q, reach, law.offset);
+            (e.bound, e.query) = (touch.as_ref().map_or(reach, |t| t.nearest.distance), q);
         }
-        let Some(lag) = self.pool.press(i, &law) else { return (0.0, curvature) };
+        let places = touch.iter().flat_map(Touch::places);
+        let places = places.map(|(c, weight)| (c.distance, view.rotation * c.normal, weight));
+        let Some(lag) = self.pool.press(i, &law, places) else { return (0.0, touch) };
         let e = &mut self.pool.edges[i];
         let anchor = *e.anchor.get_or_insert(q - view.rotation.transpose() * e.normal * e.gap);
         self.pool.rub(i, world - view.position - view.rotation * anchor);
-        (lag, curvature)
+        (lag, touch)
     }
 }

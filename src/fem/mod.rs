@@ -9,6 +9,7 @@ mod direction;
 pub mod dynamics;
 pub mod increment;
 mod lagging;
+mod level;
 pub mod locking;
 pub mod newton;
 pub mod pattern;

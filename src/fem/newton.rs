@@ -47,6 +47,8 @@ pub enum Failure {
     LineSearch(f64),
     /// Not positive definite even after projection, or not finite.
     Singular,
+    /// The corrections of condensed pads do not settle; size of the last one over the displacement.
+    Corrections(f64),
     /// The object kept rolling or sliding and did not come to rest.
     Unsettled,
     /// A finger closes on nothing: the object left the grasp.
@@ -58,6 +60,7 @@ impl std::fmt::Display for Failure {
         match self {
             Failure::Iterations(r) => write!(f, "no equilibrium within the iteration limit (residual {r:.1e} N)"),
             Failure::LineSearch(r) => write!(f, "line search: no step lowers the energy (residual {r:.1e} N)"),
+            Failure::Corrections(e) => write!(f, "the corrections of the condensed pads do not settle (error {e:.1e})"),
             Failure::Lost => f.write_str("a finger closes on nothing: the object was squeezed out"),
             Failure::Unsettled => f.write_str("the object keeps rolling or sliding and does not come to rest"),
             Failure::Singular => f.write_str("the stiffness is not positive definite or not finite"),

@@ -3,7 +3,7 @@
 use super::body::{Body, Elements};
 use super::condensed::{Condensation, Condensed};
 use super::dynamics::integrator::Integrator;
-use super::increment::{Advanced, Load, Path, SOFTEST};
+use super::increment::{Path, SOFTEST};
 use super::newton::{Failure, Newton, Tolerance};
 use super::readout;
 use super::state::{Border, State};
@@ -79,7 +79,7 @@ pub struct Solver {
     pub path: Path,
     pub(super) condensed: Option<Condensation>,
     settings: scene::Fem,
-    started: bool,
+    pub(super) started: bool,
     /// Pose at first contact.
     pub(super) start: ObjectPose,
 }
@@ -97,9 +97,7 @@ impl Solver {
         match settings.solver {
             scene::Solver::Full => {
                 for (terms, loads) in terms.iter_mut().zip(loads) {
-                    terms.insert(0, Box::new(Elastic));
-                    terms.push(Box::new(Upright::default()));
-                    terms.extend((!loads.is_empty()).then(|| Box::new(DeadLoad(loads)) as Box<dyn BodyTerm>));
+                    terms.splice(0..0, gel(loads));
                 }
             }
             scene::Solver::Condensed(c) => {
@@ -133,51 +131,6 @@ impl Solver {
         &self.settings
     }
 
-    /// Brings the state to `level` (N or m per finger), from first contact the first time.
-    ///
-    /// # Errors
-    /// What stopped it, for the record; the state is then the last accepted one.
-    pub fn advance(&mut self, model: &Model, level: f64) -> std::result::Result<Advanced, String> {
-        let before = self.path.state.clone();
-        let load = if model.force_driven { Load::Force } else { Load::Travel };
-        let mut done = Advanced::default();
-        let begins = !std::mem::replace(&mut self.started, true);
-        if begins && model.force_driven {
-            // An object with weight rests on its support until the first level; less might not hold it.
-            let gentle = model.levels.last().copied().unwrap_or(level) * FIRST_TOUCH;
-            let first = if model.gravity.is_some() { level } else { gentle.min(0.5 * level) };
-            self.path.tolerance = self.tolerance(model, first);
-            self.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
-            self.back_off(model)?;
-            self.condense(model)?;
-            let making = format!("making contact at {first:.4} N per finger");
-            done = self
-                .path
-                .establish(first, model.law.offset)
-                .map_err(|f| self.squeezed_out(model, first, f).unwrap_or_else(|| self.explain(model, &making, f)))?;
-            if first == level {
-                done = self.path.polish().map_err(|f| self.explain(model, &making, f))?;
-            }
-        }
-        if begins && !model.force_driven {
-            self.condense(model)?;
-        }
-        self.path.tolerance = self.tolerance(model, level);
-        let more = match &mut self.condensed {
-            // The same force under another load on the object is another equilibrium.
-            None if model.needs.task && self.path.level == level => self.path.polish(),
-            None => self.path.advance(load, level),
-            Some(pads) => pads.advance(&mut self.path, model, load, level),
-        };
-        done.add(more.map_err(|f| self.explain(model, &at(load, level), f))?);
-        if let Some(reason) = self.lost_grip(model) {
-            self.path.state = before;
-            return Err(format!("{}: {reason}", at(load, level)));
-        }
-        self.path.recover();
-        Ok(done)
-    }
-
     /// Sets what pulls at the object, N, hand frame.
     pub fn set_weight(&mut self, force: DVec3) {
         for term in self.path.newton.terms.iter_mut().flatten() {
@@ -189,15 +142,17 @@ impl Solver {
     }
 
     /// Convergence criteria at `level`.
-    fn tolerance(&self, model: &Model, level: f64) -> Tolerance {
+    pub(super) fn tolerance(&self, model: &Model, level: f64) -> Tolerance {
         let thickness = model.fingers[0].topology.rest.iter().map(|p| -p.z).fold(0.0, f64::max);
         // A press does not know its force: modulus x depth x thickness is its order of magnitude.
         let force = if model.force_driven { level } else { model.material.moduli().young * level * thickness };
         let given = self.settings.tolerance;
         // No sharper than the pads are.
         let blunt = match self.settings.solver {
-            scene::Solver::Full => 1.0,
-            scene::Solver::Condensed(c) => (BLUNT * c.error.get() / given.force.get()).max(1.0),
+            scene::Solver::Condensed(c) if self.condensed.is_some() => {
+                (BLUNT * c.error.get() / given.force.get()).max(1.0)
+            }
+            _ => 1.0,
         };
         let relative = blunt * given.force.get();
         Tolerance {
@@ -211,7 +166,7 @@ impl Solver {
     }
 
     /// Moves the fingers to where the softened contact just touches.
-    fn back_off(&mut self, model: &Model) -> std::result::Result<(), String> {
+    pub(super) fn back_off(&mut self, model: &Model) -> std::result::Result<(), String> {
         let pose = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
         let clearance = model.law.offset * SOFTEST.sqrt();
         let state = &mut self.path.state;
@@ -223,7 +178,7 @@ impl Solver {
     }
 
     /// Why the state, though in equilibrium, is no grasp.
-    fn lost_grip(&self, model: &Model) -> Option<String> {
+    pub(super) fn lost_grip(&self, model: &Model) -> Option<String> {
         let (newton, state) = (&self.path.newton, &self.path.state);
         for i in 0..model.fingers.len() {
             let name = pad_name(i);
@@ -253,7 +208,7 @@ impl Solver {
     }
 
     /// The reason when a finger closed on nothing while contact was being made.
-    fn squeezed_out(&self, model: &Model, force: f64, failure: Failure) -> Option<String> {
+    pub(super) fn squeezed_out(&self, model: &Model, force: f64, failure: Failure) -> Option<String> {
         (model.free && failure == Failure::Lost).then(|| {
             format!(
                 "the object was squeezed out from between the pads while making contact at {force:.4} N per finger: \
@@ -274,22 +229,20 @@ impl Solver {
     }
 }
 
-/// Part of the final force at which contact is established.
-const FIRST_TOUCH: f64 = 0.02;
 /// Forces out of balance over the contact forces that condensed pads may leave, over their error.
 const BLUNT: f64 = 0.05;
 /// Motion of a free object, over its radius, that speaks of an object squeezed out when the solver gives up.
 const SLIPPING: f64 = 0.1;
 
-fn at(load: Load, level: f64) -> String {
-    match load {
-        Load::Force => format!("at {level:.4} N per finger"),
-        Load::Travel => format!("at {:.4} mm after contact", level * 1e3),
-    }
+/// The terms of a whole gel under dead `loads` (N per node; empty for none).
+pub(super) fn gel(loads: Vec<DVec3>) -> Vec<Box<dyn BodyTerm>> {
+    let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(Elastic), Box::new(Upright::default())];
+    terms.extend((!loads.is_empty()).then(|| Box::new(DeadLoad(loads)) as Box<dyn BodyTerm>));
+    terms
 }
 
 /// Weight of the gel of finger `i` on its nodes, N; empty without. Of a dynamic scene, gravity stands with inertia.
-fn gel_loads(model: &Model, i: usize, pose: ObjectPose) -> Vec<DVec3> {
+pub(super) fn gel_loads(model: &Model, i: usize, pose: ObjectPose) -> Vec<DVec3> {
     let (Some(gravity), None) = (model.gravity, &model.dynamics) else { return Vec::new() };
     let g = pose.rotation * gravity;
     model.fingers[i].body.nodal_volume().iter().map(|v| g * (v * model.gel_density)).collect()

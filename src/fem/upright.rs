@@ -70,6 +70,11 @@ impl Upright {
         barriers
     }
 
+    /// Whether no element has one.
+    pub fn is_empty(&self) -> bool {
+        self.elements.is_empty()
+    }
+
     /// Adds the gradient of the barriers' energy at positions `x` (m), N per node.
     pub fn add_gradient(&self, body: &Body, x: &[DVec3], gradient: &mut [DVec3]) {
         let barrier = barrier(body);

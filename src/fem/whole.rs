@@ -1,8 +1,9 @@
 //! What the solver of a grasp says of whole pads, condensed or not.
 
 use super::body::Body;
-use super::stepper::Solver;
+use super::stepper::{Solver, gel, gel_loads};
 use super::term::BodyTerm;
+use super::upright::Upright;
 use crate::model::Model;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -13,6 +14,24 @@ impl Solver {
     pub(super) fn condense(&mut self, model: &Model) -> std::result::Result<(), String> {
         let begun = self.condensed.as_mut().map_or(Ok(()), |pads| pads.begin(&mut self.path, model));
         begun.map_err(|f| self.explain(model, "condensing the pads", f))
+    }
+
+    /// Whether no element of condensed pads, which have no barrier against it, is about to turn inside out.
+    pub(super) fn is_upright(&self) -> bool {
+        let pads = self.condensed.as_ref();
+        pads.is_none_or(|pads| {
+            self.path.state.x.iter().enumerate().all(|(i, x)| Upright::new(pads.pad(i).body(), x).is_empty())
+        })
+    }
+
+    /// Goes on with whole pads where condensed ones do not get further.
+    pub(super) fn release(&mut self, model: &Model) {
+        self.condensed = None;
+        self.path.recover();
+        for (i, finger) in model.fingers.iter().enumerate() {
+            self.path.newton.exchange(i, finger.body.clone());
+            self.path.newton.terms[i].splice(0..1, gel(gel_loads(model, i, self.start)));
+        }
     }
 
     /// The whole pad of finger `i`.

@@ -9,6 +9,7 @@ pub mod grid;
 pub mod io;
 pub mod quadratic;
 pub mod quality;
+pub mod rings;
 pub mod surface;
 pub mod topology;
 

@@ -77,8 +77,10 @@ fn kind(shape: &o::Shape) -> ShapeKind {
     }
 }
 
-/// Features of the object for a pad whose points lie `spacing` (m) apart: half of it along sharp edges.
+/// Features of the object for a pad whose points lie `spacing` (m) apart: half of it along sharp edges, and one on every stretch of
+/// an edge between facets that is twice as long.
 pub fn features(shape: &Shape, spacing: f64) -> Arc<[Feature]> {
-    let points = shape.features.sample(0.5 * spacing);
-    points.iter().map(|f| Feature { position: f.position, sharp: f.sharp }).collect()
+    let points = shape.features.sample(0.5 * spacing).into_iter();
+    let fixed = points.map(|f| Feature { position: f.position, sharp: f.sharp, along: None });
+    fixed.chain(shape.features.stretches(2.0 * spacing).map(Feature::along)).collect()
 }

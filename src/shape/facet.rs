@@ -4,17 +4,9 @@
 //! products. The closest point of a convex polygon to an outside point lies on an edge that sees the point, so only
 //! those edges are measured.
 
+use crate::mesh::rings::Part;
 use crate::shape::Aabb;
 use glam::DVec3;
-
-/// The part of a triangle on which a closest point lies.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Part {
-    Face,
-    /// Edge `i`, from corner `i` to corner `i + 1`.
-    Edge(usize),
-    Corner(usize),
-}
 
 /// A triangle: corners a = (0, 0), b = (bx, 0), c = (cx, cy > 0) in the frame (u, v) at `origin`.
 #[derive(Debug, Clone, Copy)]
@@ -97,6 +89,25 @@ impl Facet {
             edge(2, x - cx, y - cy, -cx, -cy);
         }
         (best.0 + hh, best.1)
+    }
+
+    /// A part as the mesh counts corners and edges.
+    pub fn in_mesh(&self, part: Part) -> Part {
+        let turned = |i: usize| (i + self.turn as usize) % 3;
+        match part {
+            Part::Face => Part::Face,
+            Part::Edge(i) => Part::Edge(turned(i)),
+            Part::Corner(i) => Part::Corner(turned(i)),
+        }
+    }
+
+    /// How far inside its edges the triangle is met straight below `q`, m; negative outside.
+    pub fn margin(&self, q: DVec3) -> f64 {
+        let w = q - self.origin;
+        let (x, y) = (self.u.dot(w), self.v.dot(w));
+        let bc = (self.cy * (self.bx - x) + (self.cx - self.bx) * y) / self.cy.hypot(self.cx - self.bx);
+        let ca = (self.cy * x - self.cx * y) / self.cy.hypot(self.cx);
+        y.min(bc).min(ca)
     }
 
     /// Where the ray `o + t d` crosses from the outside in, with a rounding-sized margin so that none slips between

@@ -20,9 +20,13 @@ pub struct FeaturePoint {
     pub sharp: bool,
 }
 
-/// A convex edge whose faces' normals differ by more than [`SHARP`].
+/// An edge of a smooth surface is felt if the length that a pad may miss times the angle between its two faces' normals is more than
+/// this, m: an eighth of that is how deep the pad would come.
+const SHALLOW: f64 = 1.6e-5;
+
+/// A convex edge; sharp if its faces' normals differ by more than [`SHARP`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SharpEdge {
+pub struct Ridge {
     /// One end, m.
     pub a: DVec3,
     /// The other end, m.
@@ -35,7 +39,7 @@ pub struct SharpEdge {
     pub round: bool,
 }
 
-impl SharpEdge {
+impl Ridge {
     /// Length, m; of the chord, for an arc.
     pub fn length(&self) -> f64 {
         self.a.distance(self.b)
@@ -52,7 +56,43 @@ impl SharpEdge {
             position = (chord * flat.length()).extend(position.z);
             normal = (chord * tilt).extend(normal.z).normalize_or(normal);
         }
-        FeaturePoint { position, normal, sharp: true }
+        FeaturePoint { position, normal, sharp: self.angle > SHARP }
+    }
+
+    /// Points between the ends, at most `spacing` m apart.
+    fn sample(&self, spacing: f64) -> impl Iterator<Item = FeaturePoint> {
+        let (edge, count) = (*self, parts(self.length(), spacing));
+        (1..count).map(move |i| edge.point(f64::from(i) / f64::from(count)))
+    }
+
+    /// Its stretches, at most `length` m long.
+    fn stretches(&self, length: f64) -> impl Iterator<Item = Stretch> {
+        let (ridge, count) = (*self, parts(self.length(), length));
+        let at = move |i: u32| f64::from(i) / f64::from(count);
+        (0..count).map(move |i| Stretch { ridge, from: at(i), to: at(i + 1) })
+    }
+}
+
+/// A stretch of a ridge, on which a point may be where a pad comes nearest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stretch {
+    /// All of it.
+    pub ridge: Ridge,
+    /// Where the stretch begins, in 0..1.
+    pub from: f64,
+    /// Where it ends, in 0..=1.
+    pub to: f64,
+}
+
+impl Stretch {
+    /// The point at `t` in 0..=1 of the stretch, m.
+    pub fn point(&self, t: f64) -> DVec3 {
+        self.ridge.point(self.from + t * (self.to - self.from)).position
+    }
+
+    /// Length, m; of the chord, for an arc.
+    pub fn length(&self) -> f64 {
+        self.ridge.length() * (self.to - self.from)
     }
 }
 
@@ -62,7 +102,9 @@ pub struct Features {
     /// All vertices of an object that is a mesh, the sharp corners of one that is not.
     pub vertices: Vec<FeaturePoint>,
     /// Sharp convex edges; a rim is a closed chain of arcs.
-    pub sharp_edges: Vec<SharpEdge>,
+    pub sharp_edges: Vec<Ridge>,
+    /// Convex edges between facets of a mesh that are not sharp but steep enough to be felt.
+    pub blunt_edges: Vec<Ridge>,
     /// Straight convex edges with a radius.
     pub rounded_edges: Vec<RoundedEdge>,
 }
@@ -105,31 +147,38 @@ impl RoundedEdge {
 
 impl Features {
     /// The vertices, then points on the sharp edges between their ends such that neighbours are at most `spacing` m apart
-    /// (no points on edges if it is not positive; at most 10,000 points an edge), then as many on the rounded edges whose radius is
-    /// not large to it. No point occurs twice.
+    /// (no points on edges if it is not positive; at most 10,000 points an edge), as many on the rounded edges whose
+    /// radius is not large to it. No point occurs twice.
     pub fn sample(&self, spacing: f64) -> Vec<FeaturePoint> {
         let mut points = self.vertices.clone();
-        for edge in &self.sharp_edges {
-            let count = parts(edge.length(), spacing);
-            points.extend((1..count).map(|i| edge.point(f64::from(i) / f64::from(count))));
-        }
+        points.extend(self.sharp_edges.iter().flat_map(|e| e.sample(spacing)));
         let tight = self.rounded_edges.iter().filter(|e| e.radius < ROUND * spacing);
         points.extend(tight.flat_map(|e| e.sample(spacing)));
         points
     }
 
+    /// All edges between facets in stretches of at most `length` m: where a pad whose points are half as far apart could come through
+    /// by more than micrometres, because it meets them crosswise with an edge of its own.
+    pub fn stretches(&self, length: f64) -> impl Iterator<Item = Stretch> {
+        let cuts = move |e: &&Ridge| e.angle * e.length().min(length) > SHALLOW;
+        self.sharp_edges.iter().chain(self.blunt_edges.iter().filter(cuts)).flat_map(move |e| e.stretches(length))
+    }
+
     pub(crate) fn of_mesh(mesh: &TriMesh, topology: &Topology) -> Self {
         let mut sharp = vec![false; mesh.vertices.len()];
-        let mut sharp_edges = Vec::new();
+        let (mut sharp_edges, mut blunt_edges) = (Vec::new(), Vec::new());
         for (edge, &normal) in topology.edges.iter().zip(&topology.edge_normals) {
             let [l, r] = edge.triangles.map(|t| topology.normals[t as usize]);
             let [a, b] = edge.ends.map(|v| mesh.vertices[v as usize]);
             // Seen along the edge, with the left face on the left: over a ridge the normal turns from left to right.
             let angle = l.cross(r).length().atan2(l.dot(r));
             let convex = l.cross(r).dot(b - a) > 0.0;
+            let ridge = Ridge { a, b, normal, angle, round: false };
             if convex && angle > SHARP {
                 edge.ends.iter().for_each(|&v| sharp[v as usize] = true);
-                sharp_edges.push(SharpEdge { a, b, normal, angle, round: false });
+                sharp_edges.push(ridge);
+            } else if convex && angle * ridge.length() > SHALLOW {
+                blunt_edges.push(ridge);
             }
         }
         mark_tips(mesh, topology, &mut sharp);
@@ -138,7 +187,7 @@ impl Features {
             .filter(used)
             .map(|v| FeaturePoint { position: mesh.vertices[v], normal: topology.vertex_normals[v], sharp: sharp[v] })
             .collect();
-        Self { vertices, sharp_edges, ..Self::default() }
+        Self { vertices, sharp_edges, blunt_edges, ..Self::default() }
     }
 
     /// The rims of a round solid, each in `segments` arcs, and its tips on the axis.
@@ -163,7 +212,7 @@ impl Features {
             for k in 0..segments {
                 let ((a, n), (b, _)) = (ring(k), ring(k + 1));
                 features.vertices.push(FeaturePoint { position: a, normal: n, sharp: true });
-                features.sharp_edges.push(SharpEdge { a, b, normal: n, angle: turn, round: true });
+                features.sharp_edges.push(Ridge { a, b, normal: n, angle: turn, round: true });
             }
         }
         features
@@ -172,7 +221,8 @@ impl Features {
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         let mut scaled = self.clone();
         scaled.vertices.iter_mut().for_each(|v| v.position *= factor);
-        scaled.sharp_edges.iter_mut().for_each(|e| (e.a, e.b) = (factor * e.a, factor * e.b));
+        let ridges = scaled.sharp_edges.iter_mut().chain(&mut scaled.blunt_edges);
+        ridges.for_each(|e| (e.a, e.b) = (factor * e.a, factor * e.b));
         scaled
             .rounded_edges
             .iter_mut()

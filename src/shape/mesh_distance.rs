@@ -6,11 +6,12 @@
 
 use crate::error::Result;
 use crate::mesh::TriMesh;
+use crate::mesh::rings::{Part, Place, Rings};
 use crate::shape::bvh::Bvh;
-use crate::shape::facet::{Facet, Part};
+use crate::shape::facet::Facet;
 use crate::shape::lattice::Lattice;
 use crate::shape::topology::Topology;
-use crate::shape::{Closest, Hit, SignedDistance};
+use crate::shape::{Closest, Hit, SignedDistance, Touch, outer};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
@@ -22,7 +23,10 @@ const TOUCHING: f64 = 1e-12;
 pub struct MeshDistance {
     mesh: Arc<TriMesh>,
     topology: Topology,
+    rings: Rings,
     bvh: Bvh,
+    /// The facet of each triangle.
+    facet: Vec<u32>,
     lattice: Lattice,
 }
 
@@ -39,8 +43,11 @@ impl MeshDistance {
         // `Topology` has refused every triangle for which there is no facet.
         let facets = mesh.triangles.iter().zip(0..).filter_map(|(&t, i)| Facet::new(corners(t), i)).collect();
         let bvh = Bvh::new(facets);
+        let mut facet = vec![0; mesh.triangles.len()];
+        bvh.facets.iter().zip(0..).for_each(|(f, i)| facet[f.triangle as usize] = i);
+        let rings = Rings::new(mesh.triangles.clone());
         let mut lattice = Lattice::over(bvh.bounds());
-        let this = Self { mesh, topology, bvh, lattice: Lattice::over(Default::default()) };
+        let this = Self { mesh, topology, rings, bvh, facet, lattice: Lattice::over(Default::default()) };
         lattice.fill(|q, seed| {
             let (_, i) = this.bvh.nearest(q, (this.bvh.facets[seed as usize].nearest(q).0, seed));
             (this.signed(q, i).distance, i)
@@ -79,14 +86,10 @@ impl MeshDistance {
         let normal = if length < TOUCHING { pseudo } else { away / distance };
         Closest { distance, normal, curvature: DMat3::ZERO }
     }
-}
 
-impl SignedDistance for MeshDistance {
-    fn distance(&self, q: DVec3) -> f64 {
-        self.closest(q, f64::INFINITY).map_or(f64::NAN, |c| c.distance)
-    }
-
-    fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
+    /// The closest point of the surface if its signed distance is below `max`, and its facet.
+    #[inline]
+    fn signed_within(&self, q: DVec3, max: f64) -> Option<(Closest, u32)> {
         let (seed, limit) = match self.lattice.look(q) {
             Some(cell) if cell.at_least >= max => return None,
             // Surely outside: nothing beyond `max` matters. Elsewhere `q` may be deep inside, below any `max`.
@@ -107,7 +110,87 @@ impl SignedDistance for MeshDistance {
             return None;
         }
         let closest = self.signed(q, best.1);
-        (closest.distance < max).then_some(closest)
+        (closest.distance < max).then_some((closest, best.1))
+    }
+
+    /// What else than the nearest point, which is on `facet`, presses on `q` from within `felt` (m): beside a valley its other flank.
+    fn beside(&self, q: DVec3, facet: u32, felt: f64) -> Vec<(Closest, f64)> {
+        let f = &self.bvh.facets[facet as usize];
+        let (_, nearest) = f.nearest(q);
+        if nearest == Part::Face && f.margin(q) > 2.0 * felt {
+            return Vec::new();
+        }
+        let mut found = Vec::new();
+        for t in self.rings.ring(f.triangle) {
+            let other = &self.bvh.facets[self.facet[t as usize] as usize];
+            let (squared, part) = other.nearest_within(q, felt * felt);
+            if t != f.triangle && squared >= felt * felt {
+                continue;
+            }
+            if t != f.triangle && part == Part::Face && other.n.dot(q - other.origin) < 0.0 {
+                // Behind the other side of a thin ridge: nothing but the nearest point counts.
+                return Vec::new();
+            }
+            found.push((t, other.in_mesh(if t == f.triangle { nearest } else { part })));
+        }
+        if found.len() < 2 {
+            return Vec::new();
+        }
+        let first = self.rings.place(f.triangle, f.in_mesh(nearest));
+        let mut weights = self.rings.weights(&found, |t, i| self.along(q, t, i).1);
+        weights.iter_mut().filter(|(place, _)| *place == first).for_each(|(_, weight)| *weight -= 1.0);
+        let more = weights.into_iter().filter(|(_, weight)| *weight != 0.0);
+        more.filter_map(|(place, weight)| Some((self.outside(q, place)?, weight))).collect()
+    }
+
+    /// The point of edge `i` of triangle `t` that is closest to `q`, and the part of the triangle it is.
+    fn along(&self, q: DVec3, t: u32, i: usize) -> (DVec3, Part) {
+        let [a, b] = [i, (i + 1) % 3].map(|k| self.mesh.corners(t as usize)[k]);
+        let s = (q - a).dot(b - a) / (b - a).length_squared();
+        let part = if s <= 0.0 {
+            Part::Corner(i)
+        } else if s >= 1.0 {
+            Part::Corner((i + 1) % 3)
+        } else {
+            Part::Edge(i)
+        };
+        (a.lerp(b, s.clamp(0.0, 1.0)), part)
+    }
+
+    /// Distance to a place of the surface that faces `q`.
+    fn outside(&self, q: DVec3, place: Place) -> Option<Closest> {
+        let (point, turning) = match place {
+            Place::Face(t) => {
+                let f = &self.bvh.facets[self.facet[t as usize] as usize];
+                let distance = f.n.dot(q - f.origin);
+                return Some(Closest { distance, normal: f.n, curvature: DMat3::ZERO });
+            }
+            Place::Edge(e) => {
+                let (t, i) = self.rings.owner(e);
+                let [a, b] = [i, (i + 1) % 3].map(|k| self.mesh.corners(t as usize)[k]);
+                (self.along(q, t, i).0, DMat3::IDENTITY - outer((b - a).normalize()))
+            }
+            Place::Corner(v) => (self.mesh.vertices[v as usize], DMat3::IDENTITY),
+        };
+        let distance = q.distance(point);
+        let normal = (q - point).try_normalize()?;
+        Some(Closest { distance, normal, curvature: (turning - outer(normal)) * distance.recip() })
+    }
+}
+
+impl SignedDistance for MeshDistance {
+    fn distance(&self, q: DVec3) -> f64 {
+        self.closest(q, f64::INFINITY).map_or(f64::NAN, |c| c.distance)
+    }
+
+    fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
+        Some(self.signed_within(q, max)?.0)
+    }
+
+    fn touch(&self, q: DVec3, max: f64, felt: f64) -> Option<Touch> {
+        let (nearest, facet) = self.signed_within(q, max)?;
+        let beside = if nearest.distance < felt { self.beside(q, facet, felt) } else { Vec::new() };
+        Some(Touch { nearest, beside })
     }
 
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {

@@ -1,6 +1,6 @@
 //! A shape, uniformly scaled.
 
-use crate::shape::{Closest, Hit, SignedDistance};
+use crate::shape::{Closest, Hit, SignedDistance, Touch};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -11,18 +11,25 @@ pub(crate) struct Scaled {
     pub factor: f64,
 }
 
+impl Scaled {
+    fn magnified(&self, c: Closest) -> Closest {
+        Closest { distance: self.factor * c.distance, normal: c.normal, curvature: c.curvature * self.factor.recip() }
+    }
+}
+
 impl SignedDistance for Scaled {
     fn distance(&self, q: DVec3) -> f64 {
         self.factor * self.inner.distance(q / self.factor)
     }
 
     fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
-        let c = self.inner.closest(q / self.factor, max / self.factor)?;
-        Some(Closest {
-            distance: self.factor * c.distance,
-            normal: c.normal,
-            curvature: c.curvature * self.factor.recip(),
-        })
+        self.inner.closest(q / self.factor, max / self.factor).map(|c| self.magnified(c))
+    }
+
+    fn touch(&self, q: DVec3, max: f64, felt: f64) -> Option<Touch> {
+        let touch = self.inner.touch(q / self.factor, max / self.factor, felt / self.factor)?;
+        let beside = touch.beside.into_iter().map(|(c, weight)| (self.magnified(c), weight)).collect();
+        Some(Touch { nearest: self.magnified(touch.nearest), beside })
     }
 
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {

@@ -12,7 +12,8 @@
 //! `S` is the Schur complement of `K` (static condensation: Guyan 1965), `c` where the unloaded pad would come to rest if
 //! it stayed as stiff as it is. The law of the gel is not linear, so `c` wanders; correcting it once per level with the old
 //! factor is a step of the modified Newton method for the whole pad, and its size, over the displacement, is the error that the
-//! user accepts. Where correcting is not enough, the pad is condensed anew as it then is.
+//! user accepts. Where correcting is not enough, the pad is condensed anew as it then is; where that is not enough either (elements on
+//! the verge of turning inside out), the grasp goes on with whole pads.
 
 mod pad;
 mod patch;
@@ -109,7 +110,7 @@ impl Condensation {
             path.restore(checkpoint);
             let patches = match refusal {
                 Refusal::Outside if attempts <= ATTEMPTS => patches,
-                Refusal::Outside => return Err(Failure::Iterations(done.residual)),
+                Refusal::Outside => return Err(Failure::Corrections(self.error)),
                 Refusal::Failed(failure) if attempts > ATTEMPTS || path.exhausted() => return Err(failure),
                 Refusal::Failed(_) => {
                     goal = 0.5 * (from + goal);
@@ -143,7 +144,7 @@ impl Condensation {
             last = error;
             done.add(path.polish()?);
         }
-        Err(Failure::Iterations(done.residual).into())
+        Err(Failure::Corrections(last).into())
     }
 
     /// Condenses the pads that `patches` has nodes for onto them, as stiff as they are in the state of `path`.

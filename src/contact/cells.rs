@@ -1,0 +1,79 @@
+//! Which faces of a deformed surface may be near a point: the box around them cut into cells, each with the faces close to it.
+
+use glam::{DVec3, UVec3};
+
+/// Faces by cell.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Cells {
+    low: DVec3,
+    size: f64,
+    count: UVec3,
+    /// Where the faces of each cell begin in `faces`; one more entry than cells.
+    first: Vec<u32>,
+    faces: Vec<u32>,
+}
+
+/// A cell lists all faces that come nearer than this to any of its points, m: farther than most features that are looked up.
+pub const NEAR: f64 = 5e-4;
+/// Most cells along an axis.
+const MOST: f64 = 64.0;
+
+impl Cells {
+    /// Sorts faces, given by the ends of boxes around them (m), into cells half as wide as a face.
+    pub fn update(&mut self, boxes: &[[DVec3; 2]]) {
+        let mut span = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let mut width = 0.0;
+        for [low, high] in boxes {
+            span = [span[0].min(*low), span[1].max(*high)];
+            width += (*high - *low).max_element();
+        }
+        let extent = (span[1] - span[0]).max(DVec3::ZERO) + 2.0 * NEAR;
+        self.low = span[0] - NEAR;
+        self.size = (0.5 * width / boxes.len().max(1) as f64).max(extent.max_element() / MOST);
+        self.count = (extent / self.size).as_uvec3() + 1;
+        let mut next = vec![0; (self.count.x * self.count.y * self.count.z) as usize + 1];
+        for face in boxes {
+            self.covered(face, |cell| next[cell + 1] += 1);
+        }
+        (1..next.len()).for_each(|c| next[c] += next[c - 1]);
+        self.first.clone_from(&next);
+        let mut faces = std::mem::take(&mut self.faces);
+        faces.resize(next[next.len() - 1] as usize, 0);
+        for (face, i) in boxes.iter().zip(0..) {
+            self.covered(face, |cell| {
+                faces[next[cell] as usize] = i;
+                next[cell] += 1;
+            });
+        }
+        self.faces = faces;
+    }
+
+    /// The faces that may be nearer than [`NEAR`] to `y`, ascending; perhaps others.
+    pub fn at(&self, y: DVec3) -> &[u32] {
+        let place = (y - self.low) / self.size;
+        let outside = self.first.is_empty() || place.cmplt(DVec3::ZERO).any();
+        let at = place.as_uvec3();
+        if outside || at.cmpge(self.count).any() {
+            return &[];
+        }
+        let cell = self.index(at);
+        &self.faces[self.first[cell] as usize..self.first[cell + 1] as usize]
+    }
+
+    fn index(&self, at: UVec3) -> usize {
+        ((at.x * self.count.y + at.y) * self.count.z + at.z) as usize
+    }
+
+    /// The cells that a face with this box comes near to.
+    fn covered(&self, [low, high]: &[DVec3; 2], mut visit: impl FnMut(usize)) {
+        let place = |p: DVec3| ((p - self.low) / self.size).max(DVec3::ZERO).as_uvec3().min(self.count - 1);
+        let (from, to) = (place(*low - NEAR), place(*high + NEAR));
+        for x in from.x..=to.x {
+            for y in from.y..=to.y {
+                for z in from.z..=to.z {
+                    visit(self.index(UVec3::new(x, y, z)));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! Where an edge of the object runs deepest into a pad: mostly where an edge in which faces of the pad meet crosses it, which points
+//! at fixed places of both miss by the more the steeper the two are.
+
+use super::cells::NEAR;
+use super::project::FaceBounds;
+use super::surface::ContactSurface;
+use crate::fem::state::View;
+use crate::shape::Stretch;
+use glam::DVec3;
+
+/// Depth that does not matter, m.
+const SHALLOW: f64 = 4e-6;
+/// Depth that no state has which is nearly in equilibrium, m.
+const DEEP: f64 = 1e-4;
+/// Length to which the deepest place is found, m.
+const FINE: f64 = 2e-5;
+
+/// The point of a stretch that is deepest in the pad, object axes, m; None if none is deeper than four micrometres.
+pub(super) fn deepest(bounds: &FaceBounds, surface: &ContactSurface, view: &View, stretch: &Stretch) -> Option<DVec3> {
+    // The distance changes no faster than the point moves, along an arc a little more than along its chord: parts that cannot go
+    // deeper than what is found are skipped.
+    let length = ARC * stretch.length();
+    let mut best = (-SHALLOW, None);
+    let mut parts = vec![(0.0, 1.0)];
+    while let Some((from, to)) = parts.pop() {
+        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from) * length);
+        let halves = [(middle, to), (from, middle)];
+        if half > NEAR {
+            parts.extend(halves);
+            continue;
+        }
+        let point = stretch.point(middle);
+        let y = view.position + view.rotation * point - view.offset;
+        let Some(foot) = bounds.near(surface, view.x, y, (half + DEEP).min(NEAR)) else { continue };
+        if foot.gap < best.0 {
+            best = (foot.gap, Some(point));
+        }
+        if half > FINE && foot.gap - half < best.0 {
+            parts.extend(halves);
+        }
+    }
+    best.1
+}
+
+/// Length of the flattest arc of a rim, over its chord, at most.
+const ARC: f64 = 1.05;

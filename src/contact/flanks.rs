@@ -1,0 +1,115 @@
+//! What a feature of the object presses on: the nearest face of the pad and, in a fold, its other flanks.
+//!
+//! An edge of the object folds the pad around it, and comes to rest in the fold: in truth it touches both flanks. The least of their
+//! distances has a kink there, about which Newton's method would jump for ever; the sum over both has none (see
+//! [`Rings::weights`](crate::mesh::rings::Rings::weights)).
+
+use super::project::{FaceBounds, Foot, ON_RIM, on_edge, on_face};
+use super::surface::ContactSurface;
+use crate::mesh::rings::{Part, Place};
+use glam::{DMat3, DVec3};
+
+/// A foot, its weight in the sum over all of them, and how the direction to it turns as the feature moves, 1/m.
+pub(super) type Flank = (Foot, f64, DMat3);
+
+impl Foot {
+    /// The part of its face that it lies on.
+    pub(super) fn part(&self) -> Part {
+        let on = |k: usize| self.l[k] <= ON_RIM;
+        match [on(0), on(1), on(2)] {
+            [false, false, false] => Part::Face,
+            // Opposite to corner `k` lies edge `k + 1`.
+            [true, false, false] => Part::Edge(1),
+            [false, true, false] => Part::Edge(2),
+            [false, false, true] => Part::Edge(0),
+            [_, true, true] => Part::Corner(0),
+            [true, _, true] => Part::Corner(1),
+            [true, true, _] => Part::Corner(2),
+        }
+    }
+}
+
+impl FaceBounds {
+    /// The feet of a feature at `y` (relative to the finger, m), the nearest first; none if it is farther than `reach` (m) from the surface.
+    pub(super) fn flanks(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, reach: f64) -> Vec<Flank> {
+        let Some(nearest) = self.closest(surface, x, y, reach) else { return Vec::new() };
+        let mut flanks = vec![(nearest, 1.0, DMat3::ZERO)];
+        if !inside(surface, x, &nearest, 2.0 * reach) {
+            flanks.extend(beside(surface, x, y, reach, &nearest));
+        }
+        flanks
+    }
+}
+
+/// Whether a foot lies farther than `margin` (m) from the rim of its face.
+fn inside(surface: &ContactSurface, x: &[DVec3], foot: &Foot, margin: f64) -> bool {
+    let [a, b, c] = surface.faces[foot.face].corners.map(|n| x[n as usize]);
+    let twice = (b - a).cross(c - a).length();
+    let edges = [(c - b).length(), (a - c).length(), (b - a).length()];
+    (0..3).all(|k| foot.l[k] * twice > margin * edges[k])
+}
+
+/// All feet within `reach` but the nearest.
+fn beside(surface: &ContactSurface, x: &[DVec3], y: DVec3, reach: f64, nearest: &Foot) -> Vec<Flank> {
+    let rings = &surface.rings;
+    let own = nearest.face as u32;
+    let mut found = Vec::new();
+    for i in rings.ring(own) {
+        let foot = if i == own { *nearest } else { on_face(i as usize, &surface.faces[i as usize], x, y) };
+        if i != own && foot.gap.abs() >= reach {
+            continue;
+        }
+        if i != own && foot.part() == Part::Face && foot.gap < 0.0 {
+            // Behind the other side of a thin ridge: nothing but the nearest point counts.
+            return Vec::new();
+        }
+        found.push((i, foot.part()));
+    }
+    if found.len() < 2 {
+        return Vec::new();
+    }
+    let along = |t: u32, i: usize| {
+        let l = on_edge(&surface.faces[t as usize], x, (i + 2) % 3, y);
+        if l[i] <= ON_RIM {
+            Part::Corner((i + 1) % 3)
+        } else if l[(i + 1) % 3] <= ON_RIM {
+            Part::Corner(i)
+        } else {
+            Part::Edge(i)
+        }
+    };
+    let mut weights = rings.weights(&found, along);
+    let first = rings.place(own, nearest.part());
+    weights.iter_mut().filter(|(place, _)| *place == first).for_each(|(_, weight)| *weight -= 1.0);
+    let more = weights.into_iter().filter(|(_, weight)| *weight != 0.0);
+    more.filter_map(|(place, weight)| {
+        let (foot, curvature) = outside(surface, x, y, place)?;
+        Some((foot, weight, curvature))
+    })
+    .collect()
+}
+
+/// The foot on a place of the surface that faces `y`, and how the direction to it turns.
+fn outside(surface: &ContactSurface, x: &[DVec3], y: DVec3, place: Place) -> Option<(Foot, DMat3)> {
+    let (face, l, along) = match place {
+        Place::Face(i) => return Some((on_face(i as usize, &surface.faces[i as usize], x, y), DMat3::ZERO)),
+        Place::Edge(e) => {
+            let (t, i) = surface.rings.owner(e);
+            let face = &surface.faces[t as usize];
+            let [a, b] = [i, (i + 1) % 3].map(|k| x[face.corners[k] as usize]);
+            (t, on_edge(face, x, (i + 2) % 3, y), (b - a).normalize_or_zero())
+        }
+        Place::Corner(v) => {
+            let (t, i) = surface.rings.owner_of_corner(v)?;
+            (t, std::array::from_fn(|k| f64::from(u8::from(k == i))), DVec3::ZERO)
+        }
+    };
+    let away = y - surface.faces[face as usize].stencil(l).position(x);
+    let normal = away.try_normalize()?;
+    let across = DMat3::IDENTITY - outer(along) - outer(normal);
+    Some((Foot::at(face as usize, l, away.length(), normal), across * away.length().recip()))
+}
+
+fn outer(n: DVec3) -> DMat3 {
+    DMat3::from_cols(n * n.x, n * n.y, n * n.z)
+}

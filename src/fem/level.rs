@@ -1,0 +1,103 @@
+//! One load level of a grasp: first contact if need be, the load, and whole pads where condensed ones get no further.
+
+use super::increment::{Advanced, Load};
+use super::newton::Failure;
+use super::stepper::Solver;
+use crate::components::ObjectPose;
+use crate::model::Model;
+
+/// Part of the final force at which contact is established.
+const FIRST_TOUCH: f64 = 0.02;
+
+/// Why a level was not reached.
+enum Refusal {
+    /// There is no equilibrium, or none was found.
+    Final(String),
+    /// Condensed pads do not get there.
+    Condensed(String),
+}
+
+impl Refusal {
+    fn reason(self) -> String {
+        let (Refusal::Final(reason) | Refusal::Condensed(reason)) = self;
+        reason
+    }
+}
+
+impl Solver {
+    /// Brings the state to `level` (N or m per finger), from first contact the first time.
+    ///
+    /// # Errors
+    /// What stopped it, for the record; the state is then the last accepted one.
+    pub fn advance(&mut self, model: &Model, level: f64) -> std::result::Result<Advanced, String> {
+        let begins = !self.started;
+        let checkpoint = self.condensed.is_some().then(|| self.path.checkpoint());
+        let stuck = match (self.raise(model, level), checkpoint) {
+            (Err(Refusal::Condensed(_)), Some(checkpoint)) => checkpoint,
+            (done, _) => return done.map_err(Refusal::reason),
+        };
+        self.path.restore(stuck);
+        self.started = !begins;
+        self.release(model);
+        self.raise(model, level).map_err(Refusal::reason)
+    }
+
+    /// One attempt at [`Solver::advance`].
+    fn raise(&mut self, model: &Model, level: f64) -> std::result::Result<Advanced, Refusal> {
+        let before = self.path.state.clone();
+        let load = if model.force_driven { Load::Force } else { Load::Travel };
+        let mut done = Advanced::default();
+        let begins = !std::mem::replace(&mut self.started, true);
+        if begins && model.force_driven {
+            // An object with weight rests on its support until the first level; less might not hold it.
+            let gentle = model.levels.last().copied().unwrap_or(level) * FIRST_TOUCH;
+            let first = if model.gravity.is_some() { level } else { gentle.min(0.5 * level) };
+            self.path.tolerance = self.tolerance(model, first);
+            self.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
+            self.back_off(model).map_err(Refusal::Final)?;
+            self.condense(model).map_err(Refusal::Condensed)?;
+            let making = format!("making contact at {first:.4} N per finger");
+            let made = self.path.establish(first, model.law.offset);
+            let refuse = |f| self.refuse(model, &making, f);
+            done = made.map_err(|f| self.squeezed_out(model, first, f).map_or_else(|| refuse(f), Refusal::Final))?;
+            if first == level {
+                done = self.path.polish().map_err(|f| self.refuse(model, &making, f))?;
+            }
+        }
+        if begins && !model.force_driven {
+            self.condense(model).map_err(Refusal::Condensed)?;
+        }
+        self.path.tolerance = self.tolerance(model, level);
+        let more = match &mut self.condensed {
+            // The same force under another load on the object is another equilibrium.
+            None if model.needs.task && self.path.level == level => self.path.polish(),
+            None => self.path.advance(load, level),
+            Some(pads) => pads.advance(&mut self.path, model, load, level),
+        };
+        done.add(more.map_err(|f| self.refuse(model, &at(load, level), f))?);
+        if !self.is_upright() {
+            return Err(Refusal::Condensed(format!(
+                "{}: an element of a condensed pad turns inside out",
+                at(load, level)
+            )));
+        }
+        if let Some(reason) = self.lost_grip(model) {
+            self.path.state = before;
+            return Err(Refusal::Final(format!("{}: {reason}", at(load, level))));
+        }
+        self.path.recover();
+        Ok(done)
+    }
+
+    fn refuse(&self, model: &Model, at: &str, failure: Failure) -> Refusal {
+        let reason = self.explain(model, at, failure);
+        if matches!(failure, Failure::Corrections(_)) { Refusal::Condensed(reason) } else { Refusal::Final(reason) }
+    }
+}
+
+fn at(load: Load, level: f64) -> String {
+    match load {
+        Load::Force => format!("at {level:.4} N per finger"),
+        Load::Travel => format!("at {:.4} mm after contact", level * 1e3),
+    }
+}

@@ -1,0 +1,154 @@
+//! Which triangles of a surface meet at an edge or a corner, and which parts of it a point is held against.
+
+/// A part of one triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Part {
+    /// Its inside.
+    Face,
+    /// Edge `i`, from corner `i` to corner `i + 1`.
+    Edge(usize),
+    /// Corner `i`.
+    Corner(usize),
+}
+
+/// A part of a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Place {
+    /// Inside of a triangle.
+    Face(u32),
+    /// An edge.
+    Edge(u32),
+    /// A vertex.
+    Corner(u32),
+}
+
+/// What the triangles of a surface share.
+#[derive(Debug, Clone, Default)]
+pub struct Rings {
+    corners: Vec<[u32; 3]>,
+    /// Edge `i` of a triangle runs from its corner `i` to its corner `i + 1`, or back.
+    edges: Vec<[u32; 3]>,
+    /// The triangle of each edge that names it, and which of its edges it is.
+    owner: Vec<(u32, usize)>,
+    /// The two triangles at each edge; None on the rim of the surface.
+    sides: Vec<Option<[u32; 2]>>,
+    /// Where the triangles of each vertex begin in `triangles`; one more entry than vertices.
+    first: Vec<usize>,
+    /// The triangles around each vertex, ascending.
+    triangles: Vec<u32>,
+    /// Whether they close around it.
+    closed: Vec<bool>,
+}
+
+impl Rings {
+    /// Of triangles given by their vertices.
+    pub fn new(corners: Vec<[u32; 3]>) -> Self {
+        let count = corners.iter().flatten().max().map_or(0, |v| *v as usize + 1);
+        let mut first = vec![0; count + 1];
+        corners.iter().flatten().for_each(|v| first[*v as usize + 1] += 1);
+        (1..=count).for_each(|v| first[v] += first[v - 1]);
+        let mut next = first.clone();
+        let mut triangles = vec![0; 3 * corners.len()];
+        let mut met: Vec<([u32; 2], u32, usize)> = Vec::with_capacity(3 * corners.len());
+        for (t, c) in (0..).zip(&corners) {
+            for i in 0..3 {
+                let (a, b) = (c[i], c[(i + 1) % 3]);
+                met.push(([a.min(b), a.max(b)], t, i));
+                triangles[next[a as usize]] = t;
+                next[a as usize] += 1;
+            }
+        }
+        met.sort_unstable();
+        let (mut edges, mut closed) = (vec![[0; 3]; corners.len()], vec![true; count]);
+        let (mut owner, mut sides) = (Vec::new(), Vec::new());
+        for meeting in met.chunk_by(|a, b| a.0 == b.0) {
+            meeting.iter().for_each(|&(_, t, i)| edges[t as usize][i] = sides.len() as u32);
+            let (ends, t, i) = meeting[0];
+            owner.push((t, i));
+            sides.push(if let [(_, s, _), (_, t, _)] = *meeting { Some([s, t]) } else { None });
+            if meeting.len() != 2 {
+                ends.iter().for_each(|v| closed[*v as usize] = false);
+            }
+        }
+        Self { corners, edges, owner, sides, first, triangles, closed }
+    }
+
+    /// The triangles around a vertex, ascending.
+    pub fn around(&self, vertex: u32) -> &[u32] {
+        let v = vertex as usize;
+        if v < self.closed.len() { &self.triangles[self.first[v]..self.first[v + 1]] } else { &[] }
+    }
+
+    /// The two triangles at edge `i` of a triangle; None on the rim of the surface.
+    pub fn sides(&self, triangle: u32, i: usize) -> Option<[u32; 2]> {
+        self.sides[self.edges[triangle as usize][i] as usize]
+    }
+
+    /// A triangle at an edge, and which of its edges that is.
+    pub fn owner(&self, edge: u32) -> (u32, usize) {
+        self.owner[edge as usize]
+    }
+
+    /// A triangle at a vertex, and which of its corners that is.
+    pub fn owner_of_corner(&self, vertex: u32) -> Option<(u32, usize)> {
+        let &t = self.around(vertex).first()?;
+        Some((t, self.corners[t as usize].iter().position(|c| *c == vertex)?))
+    }
+
+    /// The triangles that share a vertex with `triangle`, itself included, ascending.
+    pub fn ring(&self, triangle: u32) -> Vec<u32> {
+        let mut ring: Vec<u32> =
+            self.corners[triangle as usize].iter().flat_map(|v| self.around(*v)).copied().collect();
+        ring.sort_unstable();
+        ring.dedup();
+        ring
+    }
+
+    /// The place of a part of a triangle.
+    pub fn place(&self, triangle: u32, part: Part) -> Place {
+        let t = triangle as usize;
+        match part {
+            Part::Face => Place::Face(triangle),
+            Part::Edge(i) => Place::Edge(self.edges[t][i]),
+            Part::Corner(i) => Place::Corner(self.corners[t][i]),
+        }
+    }
+
+    /// The places that a point presses against, with weights, when energies of its distances add up.
+    ///
+    /// In a valley a point touches both flanks, and the sum over triangles is smooth where the least of their distances has a
+    /// kink. On flat ground and over ridges the triangles at an edge are equally near, and would count twice there: so edges
+    /// within reach are taken off and vertices added again, and the sum is that of one touch (inclusion and exclusion; Li,
+    /// Ferguson, Schneider et al. 2023, "Convergent incremental potential contact", section 4).
+    ///
+    /// `found` are the triangles within reach and the part of each that is closest; `along` says where on an edge, the given one of
+    /// the given triangle, the closest point is.
+    pub fn weights(&self, found: &[(u32, Part)], along: impl Fn(u32, usize) -> Part) -> Vec<(Place, f64)> {
+        let mut weights: Vec<(Place, f64)> = Vec::new();
+        let mut add = |place: Place, weight: f64| match weights.iter_mut().find(|(p, _)| *p == place) {
+            Some(known) => known.1 += weight,
+            None => weights.push((place, weight)),
+        };
+        let within = |triangle: &u32| found.iter().any(|(t, _)| t == triangle);
+        for &(t, part) in found {
+            add(self.place(t, part), 1.0);
+            for i in 0..3 {
+                let edge = self.edges[t as usize][i];
+                // Once per edge, by the first of its triangles.
+                if let Some(sides) = self.sides[edge as usize]
+                    && self.owner[edge as usize].0 == t
+                    && sides.iter().all(within)
+                {
+                    add(self.place(t, along(t, i)), -1.0);
+                }
+                let vertex = self.corners[t as usize][i];
+                let ring = self.around(vertex);
+                if self.closed[vertex as usize] && ring[0] == t && ring.iter().all(within) {
+                    add(Place::Corner(vertex), 1.0);
+                }
+            }
+        }
+        weights.retain(|(_, weight)| *weight != 0.0);
+        weights
+    }
+}
