@@ -54,11 +54,19 @@ impl ContactSurface {
         let mut index: BTreeMap<[(u32, u32); 3], usize> = BTreeMap::new();
         let mut surface =
             Self { faces: Vec::new(), points: Vec::new(), area: Vec::new(), spacing: 0.0, report: Vec::new() };
+        let parts = sub_triangles(m);
         for face in &faces {
             let [a, b, c] = face.corners.map(|n| body.rest[n as usize]);
             let share = 0.5 * (b - a).cross(c - a).length() / (m * m) as f64 / 3.0;
-            for sub in sub_triangles(m) {
+            let mut known = vec![None; (m + 1) * (m + 1)];
+            for sub in &parts {
                 for lattice in sub {
+                    // Met before on this face.
+                    let known = &mut known[lattice[1] * (m + 1) + lattice[2]];
+                    if let Some(point) = *known {
+                        surface.area[point] += share;
+                        continue;
+                    }
                     let mut key = [0, 1, 2]
                         .map(|k| (face.corners[k], lattice[k] as u32))
                         .map(|(n, w)| if w == 0 { (u32::MAX, 0) } else { (n, w) });
@@ -71,6 +79,7 @@ impl ContactSurface {
                         surface.points.len() - 1
                     });
                     surface.area[point] += share;
+                    *known = Some(point);
                 }
             }
         }

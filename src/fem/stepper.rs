@@ -104,7 +104,7 @@ impl Solver {
             }
             scene::Solver::Condensed(c) => {
                 terms.iter_mut().for_each(|terms| terms.insert(0, Box::new(Condensed::nothing())));
-                bodies = bodies.iter().map(|b| b.condensed(&[]).map(Arc::new)).collect::<Result<_>>()?;
+                bodies = bodies.iter().map(|b| Arc::new(b.condensed(&[]))).collect();
                 condensed = Some(Condensation::new(model, loads, c.error.get()));
             }
         }
@@ -112,7 +112,7 @@ impl Solver {
         if bodies.is_empty() {
             // The terms of an object alone need a host: a body of nothing on a finger that is not there.
             let nothing = Elements::Linear(Vec::new());
-            bodies.push(Arc::new(Body::new(Vec::new(), nothing, Vec::new(), model.material.clone(), false)?));
+            bodies.push(Arc::new(Body::new(Vec::new(), nothing, Vec::new(), model.material.clone(), false)));
             (terms, closing) = (vec![Vec::new()], vec![DVec3::ZERO]);
         }
         let layout = if model.geared() { Border::geared } else { Border::new };
@@ -124,7 +124,7 @@ impl Solver {
             position: pose.position,
             rotation: pose.rotation,
         };
-        let path = Path::new(Newton::new(bodies, terms, border), state, Tolerance::default());
+        let path = Path::new(Newton::new(bodies, terms, border)?, state, Tolerance::default());
         Ok(Self { path, condensed, settings: *settings, started: false, start: pose })
     }
 

@@ -159,7 +159,7 @@ impl Model {
 
     /// Unknowns of the solver: per pad, travels, pose.
     pub fn unknowns(&self) -> Unknowns {
-        let pads: Vec<usize> = self.fingers.iter().map(|f| f.body.pattern.unknowns()).collect();
+        let pads: Vec<usize> = self.fingers.iter().map(|f| f.body.unknowns()).collect();
         let travels = match (self.force_driven, self.geared()) {
             (false, _) => 0,
             (true, false) => self.fingers.len(),

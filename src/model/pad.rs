@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// One finger: its pad in hand axes, and what the solver and the recorder need of it.
 #[derive(Debug)]
 pub struct FingerModel {
-    /// Rest mesh in the hand frame at zero travel, law, stiffness pattern and symbolic factor.
+    /// Rest mesh in the hand frame at zero travel, and law.
     pub body: Arc<Body>,
     /// Points of the pad's free surface that can touch the object.
     pub surface: Arc<ContactSurface>,
@@ -89,10 +89,10 @@ fn read(file: &scene::pad::FilePad, notices: &mut Vec<String>) -> Result<Pad> {
 }
 
 impl FingerModel {
-    /// Places `pad` on finger `side` (0 left, 1 right) and prepares its stiffness.
+    /// Places `pad` on finger `side` (0 left, 1 right).
     ///
     /// # Errors
-    /// When the stiffness cannot be analysed.
+    /// A pad without a free surface.
     pub fn build(
         side: usize,
         pad: &Pad,
@@ -118,7 +118,7 @@ impl FingerModel {
         };
         let topology = topology(pad, &nodes, &elements, &bonded, corner_count);
         let rest: Vec<DVec3> = nodes.iter().map(|x| placement.place(*x)).collect();
-        let body = Arc::new(Body::new(rest, elements, bonded, material, mean_dilatation)?);
+        let body = Arc::new(Body::new(rest, elements, bonded, material, mean_dilatation));
         let surface = Arc::new(ContactSurface::new(&body));
         if surface.points.is_empty() {
             return Err(Error::Mesh("the pad has no free surface: every boundary face is bonded to the finger".into()));

@@ -156,7 +156,7 @@ impl Condensation {
         let bodies: Vec<_> = work.map(condense).collect();
         for (i, body) in bodies.into_iter().enumerate() {
             if let Some(body) = body? {
-                path.newton.exchange(i, body);
+                path.newton.exchange(i, body).map_err(|_| Failure::Singular)?;
             }
         }
         self.install(path);

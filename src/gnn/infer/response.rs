@@ -68,10 +68,10 @@ impl WithSimd for NodeBlock<'_> {
         let load = |row: usize, at: usize| S::as_simd_f32s(&moved[row * wide + at..][..lanes]).0[0];
         let mut buffer = [0.0_f32; 4 * 16];
         for node in first..(first + BLOCK).min(pad.nodes) {
-            let near = pad.deviator.of(node);
+            let (slots, parts) = pad.deviator.of(node);
             for at in (0..items).step_by(lanes) {
                 let mut s = [simd.splat_f32s(0.0); 5];
-                for (slot, parts) in near {
+                for (slot, parts) in slots.iter().zip(parts) {
                     let row = 3 * *slot as usize;
                     let [x, y, z] = [load(row, at), load(row + 1, at), load(row + 2, at)];
                     let add = |sum, part: f32, u| simd.mul_add_e_f32s(simd.splat_f32s(part), u, sum);
