@@ -25,7 +25,7 @@ use crate::record::Frame;
 use crate::scene;
 use crate::shape::Shape;
 use glam::DVec3;
-use penetration::{ObjectPoints, PadSurface};
+use penetration::{ObjectPoints, PadSurface, Tetrahedra};
 use serde::Serialize;
 use solid::Solid;
 
@@ -84,10 +84,11 @@ impl Auditor {
         let x: Vec<Vec<DVec3>> = frame.pads.iter().map(|pad| pad.position.iter().map(placed).collect()).collect();
         let mut depth = 0.0_f64;
         for (i, (finger, pad)) in model.fingers.iter().zip(&self.pads).enumerate() {
-            depth = depth.max(pad.depth(&finger.topology, &x[i], &self.solid, &self.object));
+            let tets = Tetrahedra::new(&finger.topology, &x[i]);
+            depth = depth.max(pad.depth(&tets, &self.solid, &self.object));
             for j in (0..x.len()).filter(|j| *j != i) {
                 let surface = x[j].iter().zip(&self.pads[j].free).filter(|(_, free)| **free).map(|(p, _)| *p);
-                depth = depth.max(pad.depth_of_nodes(&finger.topology, &x[i], surface));
+                depth = depth.max(pad.depth_of_nodes(&tets, surface));
             }
         }
         Findings {

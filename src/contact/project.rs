@@ -31,7 +31,7 @@ impl FaceBounds {
     pub fn update(&mut self, surface: &ContactSurface, x: &[DVec3]) {
         self.spheres.clear();
         (self.min, self.max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for face in &surface.faces {
+        for face in surface.faces.iter() {
             let mut nodes = [DVec3::ZERO; 6];
             let mut count = 3;
             for (k, n) in face.corners.iter().enumerate() {

@@ -4,9 +4,10 @@ use super::body::{Body, Elements};
 use super::cholesky::Symbolic;
 use super::pattern::{FIXED, Pattern, Slot};
 use crate::error::{Error, Result};
+use glam::DVec3;
 use std::sync::{Arc, OnceLock};
 
-/// Of one body.
+/// Of one body, and of all that are alike but for where they lie.
 #[derive(Debug, Default)]
 pub(super) struct Analysis {
     pattern: OnceLock<Pattern>,
@@ -17,8 +18,8 @@ pub(super) struct Analysis {
 
 impl Analysis {
     /// With an order of elimination of its own.
-    pub(super) fn of(pattern: Pattern) -> Self {
-        Self { pattern: pattern.into(), ..Self::default() }
+    pub(super) fn of(pattern: Pattern) -> Arc<Self> {
+        Arc::new(Self { pattern: pattern.into(), ..Self::default() })
     }
 }
 
@@ -54,12 +55,19 @@ impl Body {
         })
     }
 
+    /// This body with its nodes at `rest`, and one analysis with it.
+    pub fn placed(&self, rest: Vec<DVec3>) -> Self {
+        let (elements, fixed) = (self.elements.clone(), self.fixed.clone());
+        let mut body = Self::new(rest, elements, fixed, self.material.clone(), self.mean_dilatation);
+        body.analysis = self.analysis.clone();
+        body
+    }
+
     /// This body with the unknowns of the nodes `last` eliminated last, in their order.
     pub fn eliminating_last(&self, last: &[u32]) -> Self {
         let position = self.pattern().position_with_last(last);
         let pattern = Pattern::ordered(self.elements.lists().into_iter(), position);
-        let (rest, elements, fixed) = (self.rest.clone(), self.elements.clone(), self.fixed.clone());
-        let mut body = Self::new(rest, elements, fixed, self.material.clone(), self.mean_dilatation);
+        let mut body = self.placed(self.rest.clone());
         body.analysis = Analysis::of(pattern);
         body
     }

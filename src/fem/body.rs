@@ -40,7 +40,7 @@ pub struct Body {
     pub material: Arc<dyn Material>,
     /// One pressure per element.
     pub mean_dilatation: bool,
-    pub(super) analysis: Analysis,
+    pub(super) analysis: Arc<Analysis>,
     tets: Vec<RestTet>,
 }
 
@@ -84,7 +84,7 @@ impl Body {
     ) -> Self {
         let tet = |n: &[u32]| RestTet::new(std::array::from_fn(|k| rest[n[k] as usize]));
         let tets = elements.lists().into_iter().map(tet).collect();
-        Self { rest, elements, fixed, material, mean_dilatation, analysis: Analysis::default(), tets }
+        Self { rest, elements, fixed, material, mean_dilatation, analysis: Arc::default(), tets }
     }
 
     fn kernel<'a, const N: usize, const Q: usize>(&'a self, shape: &'a Shape<N, Q>) -> Kernel<'a, N, Q> {

@@ -18,6 +18,7 @@ use crate::model::Model;
 use crate::record::pad_name;
 use crate::scene;
 use crate::schedule::{Grasp, Shared};
+use crate::spawn::spawn_edges;
 use crate::stepper::Stepper;
 use crate::systems::sense::{center, first_contact};
 use bevy_ecs::prelude::*;
@@ -56,19 +57,23 @@ impl Stepper for Fem {
         format!("{element}, force tolerance {:e}{pads}", s.tolerance.force.get())
     }
 
-    fn register(&self, schedule: &mut Schedule, world: &mut World) -> Result<()> {
+    fn prepare(&self, world: &mut World) -> Result<()> {
         let missing = || Error::Start("the world was not spawned for a grasp".into());
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
         let grasp = *world.get_resource::<Grasp>().ok_or_else(missing)?;
         let pose = grasp.0.object_in_hand();
         let pose = ObjectPose { position: pose.position, rotation: pose.rotation };
         world.insert_resource(Solver::new(&shared.0, pose, &self.settings)?);
-        world.init_resource::<systems::Edges>();
+        world.insert_resource(systems::Edges::default());
         if let Some(dynamics) = &shared.0.dynamics {
             world.insert_resource(Integrator::new(dynamics, grasp.0));
         }
-        systems::register(schedule, &shared.0.needs, shared.0.force_driven);
         Ok(())
+    }
+
+    fn register(&self, schedule: &mut Schedule, world: &mut World, model: &Model) {
+        spawn_edges(world, model);
+        systems::register(schedule, &model.needs, model.force_driven);
     }
 }
 

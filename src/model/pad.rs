@@ -89,19 +89,12 @@ fn read(file: &scene::pad::FilePad, notices: &mut Vec<String>) -> Result<Pad> {
 }
 
 impl FingerModel {
-    /// Places `pad` on finger `side` (0 left, 1 right).
+    /// Places `pad` on the left finger.
     ///
     /// # Errors
     /// A pad without a free surface.
-    pub fn build(
-        side: usize,
-        pad: &Pad,
-        gripper: &Gripper,
-        fem: &scene::Fem,
-        material: Arc<dyn Material>,
-    ) -> Result<Self> {
-        let mut placement = Placement::new(side, gripper.opening.get(), gripper.placement.z.get());
-        placement.origin.y += gripper.placement.y.get();
+    pub fn build(pad: &Pad, gripper: &Gripper, fem: &scene::Fem, material: Arc<dyn Material>) -> Result<Self> {
+        let placement = placement(0, gripper);
         let corner_count = pad.mesh.nodes.len();
         let (nodes, elements, bonded, mean_dilatation) = match fem.element {
             Element::Linear => {
@@ -130,6 +123,22 @@ impl FingerModel {
         };
         Ok(Self { body, surface, topology: Arc::new(topology), placement, element })
     }
+
+    /// The same pad on finger `side` (0 left, 1 right): all but where it lies is shared.
+    pub fn on(&self, side: usize, gripper: &Gripper) -> Self {
+        let placement = placement(side, gripper);
+        let rest: Vec<DVec3> = self.topology.rest.iter().map(|x| placement.place(*x)).collect();
+        let surface = Arc::new(self.surface.placed(&rest));
+        let (topology, element) = (self.topology.clone(), self.element.clone());
+        Self { body: Arc::new(self.body.placed(rest)), surface, topology, placement, element }
+    }
+}
+
+/// Where a pad sits on finger `side`.
+fn placement(side: usize, gripper: &Gripper) -> Placement {
+    let mut placement = Placement::new(side, gripper.opening.get(), gripper.placement.z.get());
+    placement.origin.y += gripper.placement.y.get();
+    placement
 }
 
 /// The pad as it is recorded.
