@@ -5,6 +5,7 @@ use crate::components::*;
 use crate::grasp::GraspPose;
 use crate::model::{FingerModel, Model};
 use crate::schedule::{Advance, Balance, Command, Grasp, Next, Phase, Recorded, Shared, Timings};
+use bevy_ecs::bundle::{Bundle, NoBundleEffect};
 use bevy_ecs::component::{Component, Mutable};
 use bevy_ecs::world::World;
 use glam::{DQuat, DVec3};
@@ -102,21 +103,32 @@ fn spawn_nodes(world: &mut World, model: &Model, finger: &FingerModel, of: Finge
     for face in finger.surface.faces.iter() {
         face.corners.iter().chain(face.mids.iter().flatten()).for_each(|&n| on_surface[n as usize] = true);
     }
-    for (i, &rest) in finger.body.rest.iter().enumerate() {
-        let kind = match (finger.body.fixed[i], on_surface[i]) {
-            (true, _) => NodeKind::Bonded,
-            (false, true) => NodeKind::Surface,
-            (false, false) => NodeKind::Interior,
-        };
-        let mut node = world.spawn((NodeIndex(i as u32), of, kind, RestPosition(rest), Position(rest)));
-        if model.needs.stress {
-            node.insert(NodalStress(0.0));
-        }
-        if model.needs.contact_force {
-            node.insert(ContactForce(DVec3::ZERO));
-        }
-        if model.needs.gap {
-            node.insert(NodeGap(0.0));
-        }
+    let kind = |i: usize| match (finger.body.fixed[i], on_surface[i]) {
+        (true, _) => NodeKind::Bonded,
+        (false, true) => NodeKind::Surface,
+        (false, false) => NodeKind::Interior,
+    };
+    let rest = finger.body.rest.iter().enumerate();
+    let nodes = rest.map(|(i, &x)| (NodeIndex(i as u32), of, kind(i), RestPosition(x), Position(x)));
+    // All columns at once: one that comes later moves every node to another table.
+    let (stress, force, gap) = (NodalStress(0.0), ContactForce(DVec3::ZERO), NodeGap(0.0));
+    match (model.needs.stress, model.needs.contact_force, model.needs.gap) {
+        (false, false, false) => with(world, nodes, ()),
+        (false, false, true) => with(world, nodes, gap),
+        (false, true, false) => with(world, nodes, force),
+        (false, true, true) => with(world, nodes, (force, gap)),
+        (true, false, false) => with(world, nodes, stress),
+        (true, false, true) => with(world, nodes, (stress, gap)),
+        (true, true, false) => with(world, nodes, (stress, force)),
+        (true, true, true) => with(world, nodes, (stress, force, gap)),
     }
+}
+
+/// Spawns `nodes`, each with `more`.
+fn with<N, M>(world: &mut World, nodes: impl Iterator<Item = N>, more: M)
+where
+    N: Bundle<Effect: NoBundleEffect>,
+    M: Bundle<Effect: NoBundleEffect> + Clone,
+{
+    world.spawn_batch(nodes.map(|node| (node, more.clone())));
 }

@@ -88,7 +88,7 @@ impl Predictor {
     /// A folder that holds none, or weights that do not fit its card.
     pub fn open(dir: &Path) -> Result<Self> {
         let card = Card::read(dir)?;
-        let (network, mut parameters) = build(&card.spec.network, card.spec.training.seed);
+        let (network, mut parameters) = build(&card.spec.network, None);
         parameters.load(&dir.join(WEIGHTS))?;
         let engine = match &card.spec.network {
             NetworkSpec::Face(sizes) => Some(FaceEngine::new(sizes, &parameters, &card.normalisers)),
@@ -169,7 +169,7 @@ impl Predictor {
         // Some at once share the reading of the weights; all would not fit into the caches of a tape.
         let most = if self.engine.is_some() { forces.len() } else { LEVELS };
         let some = forces.chunks(most.max(1)).map(|some| self.decode(seen, some));
-        Ok(some.collect::<Result<Vec<_>>>()?.concat())
+        Ok(some.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect())
     }
 
     /// The network's answer to some loads.
