@@ -414,7 +414,7 @@ fn near_slip(law: &Law, e: &ContactEdge, slip: DVec3) -> bool {
 /// Whether a point of the pad is near a change of its state (touch, branch, slip), where the second derivative jumps.
 fn near_jump(scene: &Scene, contact: &Contact, law: &Law, object: &dyn SignedDistance) -> bool {
     let view = scene.state.view(0, &scene.border);
-    contact.edges().iter().zip(&contact.surface().points).any(|(e, stencil)| {
+    contact.edges().iter().zip(contact.surface().points.iter()).any(|(e, stencil)| {
         let relative = stencil.position(view.x) + view.offset - view.position;
         let slip = across(relative - view.rotation * e.anchor.unwrap_or_default(), e.normal);
         // A skipped edge does not know its gap.
