@@ -30,9 +30,9 @@ impl Symbolic {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
         };
-        factorize_symbolic_cholesky(a, Side::Upper, SymmetricOrdering::Identity, params).map(Symbolic).map_err(|e| {
-            format!("symbolic factorisation of {n} unknowns failed: {e:?}; use a coarser mesh")
-        })
+        factorize_symbolic_cholesky(a, Side::Upper, SymmetricOrdering::Identity, params)
+            .map(Symbolic)
+            .map_err(|e| format!("symbolic factorisation of {n} unknowns failed: {e:?}; use a coarser mesh"))
     }
 
     /// Number of stored entries of the factor.

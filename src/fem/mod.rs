@@ -1,7 +1,7 @@
 //! Finite elements: bodies, the terms of the incremental potential, and the Newton solver that minimises their sum.
 
-pub mod arrow;
 mod analysis;
+pub mod arrow;
 pub mod body;
 pub mod checkpoint;
 pub mod cholesky;

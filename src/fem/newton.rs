@@ -105,8 +105,7 @@ impl Newton {
     /// When the factorisation of a body cannot be analysed.
     pub fn new(bodies: Vec<Arc<Body>>, terms: Vec<Vec<Box<dyn BodyTerm>>>, border: Border) -> Result<Self> {
         // Analyses take long the first time.
-        let blocks: Vec<_> =
-            bodies.into_par_iter().map(|b| ArrowBlock::new(b, border.size)).collect::<Result<_>>()?;
+        let blocks: Vec<_> = bodies.into_par_iter().map(|b| ArrowBlock::new(b, border.size)).collect::<Result<_>>()?;
         let force = vec![0.0; blocks.len()];
         Ok(Self { terms, border, force, profile: Profile::default(), proximal: None, blocks })
     }

@@ -8,7 +8,9 @@ use super::deviator::{Deviator, PARTS};
 use super::numbers::{Map, Numbers};
 use crate::model::FingerModel;
 use crate::record::files::write_atomic;
+use pulp::bytemuck::{AnyBitPattern, NoUninit, cast_slice, cast_slice_mut};
 use safetensors::tensor::{Dtype, Metadata, TensorView, serialize};
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -48,7 +50,8 @@ pub fn read(path: &Path) -> Option<Compliance> {
     };
     let (response, forces) = numbers("response", Dtype::F32)?;
     let (parts, _) = numbers("deviator", Dtype::F32)?;
-    let mut integers = |name: &str| Some(numbers(name, Dtype::U32)?.0.iter().map(|v| v.to_bits()).collect::<Vec<u32>>());
+    let mut integers =
+        |name: &str| Some(numbers(name, Dtype::U32)?.0.iter().map(|v| v.to_bits()).collect::<Vec<u32>>());
     let [slot, start, neighbour] = [integers("slot")?, integers("start")?, integers("neighbour")?];
     let moving = (response.len() / forces.max(1) / 3) as u32;
     let slot: Vec<Option<u32>> = slot.into_iter().map(|s| (s != NONE).then_some(s)).collect();
@@ -66,7 +69,7 @@ fn floats(file: &mut File, from: u64, count: usize) -> Option<Vec<f32>> {
     (count as u64 <= file.metadata().ok()?.len() / 4).then_some(())?;
     file.seek(SeekFrom::Start(from)).ok()?;
     let mut numbers = vec![0.0_f32; count];
-    file.read_exact(pulp::bytemuck::cast_slice_mut(&mut numbers)).ok()?;
+    file.read_exact(cast_slice_mut(&mut numbers)).ok()?;
     if cfg!(target_endian = "big") {
         numbers.iter_mut().for_each(|v| *v = f32::from_bits(v.to_bits().swap_bytes()));
     }
@@ -75,25 +78,28 @@ fn floats(file: &mut File, from: u64, count: usize) -> Option<Vec<f32>> {
 
 /// Keeps a response, whole or not at all.
 pub fn write(path: &Path, compliance: &Compliance) {
-    let bytes = |v: &mut dyn Iterator<Item = [u8; 4]>| v.flatten().collect::<Vec<u8>>();
     let Deviator { start, slot, parts } = &compliance.deviator;
     let (forces, rows) = (compliance.forces, compliance.response.len() / compliance.forces.max(1));
-    let slots = compliance.slot.iter().map(|s| s.unwrap_or(NONE).to_le_bytes());
+    let slots: Vec<u32> = compliance.slot.iter().map(|s| s.unwrap_or(NONE)).collect();
     let all = [
-        ("response", Dtype::F32, vec![rows, forces], bytes(&mut compliance.response.iter().map(|v| v.to_le_bytes()))),
-        ("slot", Dtype::U32, vec![compliance.slot.len()], bytes(&mut slots.into_iter())),
-        ("start", Dtype::U32, vec![start.len()], bytes(&mut start.iter().map(|v| v.to_le_bytes()))),
-        ("neighbour", Dtype::U32, vec![slot.len()], bytes(&mut slot.iter().map(|v| v.to_le_bytes()))),
-        (
-            "deviator",
-            Dtype::F32,
-            vec![slot.len(), PARTS],
-            bytes(&mut parts.iter().map(|v| v.to_le_bytes())),
-        ),
+        ("response", Dtype::F32, vec![rows, forces], bytes(&compliance.response)),
+        ("slot", Dtype::U32, vec![slots.len()], bytes(&slots)),
+        ("start", Dtype::U32, vec![start.len()], bytes(start)),
+        ("neighbour", Dtype::U32, vec![slot.len()], bytes(slot)),
+        ("deviator", Dtype::F32, vec![slot.len(), PARTS], bytes(parts)),
     ];
     let views =
         all.iter().map(|(name, kind, shape, data)| Some((*name, TensorView::new(*kind, shape.clone(), data).ok()?)));
     let done = views.collect::<Option<Vec<_>>>().and_then(|views| serialize(views, None).ok());
     // Who cannot keep it solves again next time.
     let _ = done.map(|bytes| write_atomic(path, &bytes));
+}
+
+/// Numbers of four bytes each as they lie in a file, little endian.
+fn bytes<T: NoUninit + AnyBitPattern>(numbers: &[T]) -> Cow<'_, [u8]> {
+    let native: &[u8] = cast_slice(numbers);
+    if cfg!(target_endian = "little") {
+        return native.into();
+    }
+    native.as_chunks::<4>().0.iter().flat_map(|[a, b, c, d]| [*d, *c, *b, *a]).collect()
 }

@@ -162,7 +162,10 @@ fn predict(
             ahead.pop_front().map_or_else(|| predictor.at(seen, advance.level), Ok)
         }
         Some((_, seen)) => {
-            let known = ladder.get_or_init(|| Ladder::new(predictor, seen).ok()).as_ref().and_then(|ladder| ladder.at(advance.level));
+            let known = ladder
+                .get_or_init(|| Ladder::new(predictor, seen).ok())
+                .as_ref()
+                .and_then(|ladder| ladder.at(advance.level));
             known.map_or_else(|| predictor.at(seen, advance.level), Ok)
         }
         None => Err(Error::Start("the load rises before first contact".into())),

@@ -153,7 +153,8 @@ impl Press {
         let contact = Contact::new(law, surface, setup.object);
         let terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(Elastic), Box::new(contact)];
         let x = setup.body.rest.clone();
-        let newton = Newton::new(vec![setup.body], vec![terms], Border::new(vec![DVec3::Z], false, false, 1.0)).expect("solver");
+        let newton =
+            Newton::new(vec![setup.body], vec![terms], Border::new(vec![DVec3::Z], false, false, 1.0)).expect("solver");
         let position = setup.start + DVec3::Z * law.offset;
         let state = State { x: vec![x], travel: vec![0.0], position, rotation: DQuat::IDENTITY };
         let tolerance = Tolerance { relative: 1e-5, force: 1e-7, length: 1e-6, iterations: 60, motion: 1e-3 };
