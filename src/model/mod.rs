@@ -72,7 +72,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// Builds the object, meshes the pads, and analyses their stiffness.
+    /// Builds the object and meshes the pads.
     ///
     /// # Errors
     /// [`Error::Mesh`] or [`Error::File`] naming what cannot be simulated and what to do about it.
