@@ -81,7 +81,7 @@ impl Case {
         let (network, parameters, norms) = match trained {
             Some(trained) => (trained.network, trained.parameters, trained.card.normalisers),
             None => {
-                let (network, parameters) = build(&NetworkSpec::Face(sizes), 1);
+                let (network, parameters) = build(&NetworkSpec::Face(sizes), Some(1));
                 (network, parameters, norms)
             }
         };
@@ -97,7 +97,7 @@ impl Case {
     fn times(&self) -> [f64; 2] {
         let code = self.engine.encode(&self.features);
         let encode = best(|| drop(black_box(self.engine.encode(&self.features))));
-        [encode, best(|| drop(black_box(self.engine.decode(&self.features, &code, &self.loads))))]
+        [encode, best(|| drop(black_box(self.engine.decode(&self.features, &code, &self.loads, true))))]
     }
 
     /// The same on a tape, s.

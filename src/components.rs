@@ -7,7 +7,7 @@
 //! | | [`ContactForce`] | contact forces are recorded |
 //! | | [`NodeGap`] | gaps are recorded |
 //! | tetrahedron | [`TetIndex`], [`FingerIndex`], [`TetStress`] | stress is recorded or expected |
-//! | contact edge | [`EdgeIndex`], [`FingerIndex`], [`ContactEdge`] | always, a fixed pool |
+//! | contact edge | [`EdgeIndex`], [`FingerIndex`], [`ContactEdge`] | with finite elements, a fixed pool |
 //! | | [`ContactFriction`] | friction is above zero |
 //! | finger | [`FingerIndex`], [`ClosingDirection`], [`FirstContact`], [`FingerTravel`], [`FingerForce`], [`FingerWrench`] | always |
 //! | object | [`ObjectPose`] | always |

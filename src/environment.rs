@@ -6,8 +6,8 @@ use crate::error::{Error, Result};
 use crate::grasp::GraspPose;
 use crate::model::Model;
 use crate::record::Frame;
-use crate::schedule::{Phase, Recorded, StepSet, Timings, schedule};
-use crate::spawn::spawn;
+use crate::schedule::{Phase, Recorded, Shared, StepSet, Timings, schedule};
+use crate::spawn::{begin, spawn};
 use crate::stepper::Stepper;
 use bevy_ecs::prelude::*;
 use std::collections::BTreeMap;
@@ -27,11 +27,27 @@ impl Environment {
     pub fn new(model: &Arc<Model>, stepper: &dyn Stepper, pose: GraspPose) -> Result<Self> {
         let mut world = spawn(model, pose);
         let mut schedule = schedule(&model.needs);
-        stepper.register(&mut schedule, &mut world)?;
+        stepper.prepare(&mut world)?;
+        stepper.register(&mut schedule, &mut world, model);
         schedule.initialize(&mut world).map_err(|e| {
             Error::Start(format!("the schedule of a step is not sound: {}", e.to_string(schedule.graph(), &world)))
         })?;
         Ok(Self { world, schedule })
+    }
+
+    /// Begins anew with another grasp of the same model and the same stepper, as if just made.
+    ///
+    /// # Errors
+    /// When the stepper refuses the scene.
+    pub fn restart(&mut self, stepper: &dyn Stepper, pose: GraspPose) -> Result<()> {
+        let model = self.model().clone();
+        begin(&mut self.world, &model, pose);
+        stepper.prepare(&mut self.world)
+    }
+
+    /// What it is a grasp of.
+    pub fn model(&self) -> &Arc<Model> {
+        &self.world.resource::<Shared>().0
     }
 
     /// One step of the procedure; does nothing once [`Phase::is_final`]. Returns the phase of the next step.

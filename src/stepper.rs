@@ -10,6 +10,7 @@
 use crate::error::Result;
 use crate::fem::stepper::Fem;
 use crate::gnn::stepper::Gnn;
+use crate::model::Model;
 use crate::scene;
 use bevy_ecs::schedule::Schedule;
 use bevy_ecs::world::World;
@@ -24,11 +25,13 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
     fn solves_friction(&self) -> bool {
         true
     }
-    /// Puts its resources into `world` (spawned for one grasp) and its systems into `schedule`.
+    /// Puts its resources into `world`, at the begin of a grasp.
     ///
     /// # Errors
     /// When it cannot serve the world's scene.
-    fn register(&self, schedule: &mut Schedule, world: &mut World) -> Result<()>;
+    fn prepare(&self, world: &mut World) -> Result<()>;
+    /// Puts its systems into `schedule`, and the entities that it alone needs into `world`, of `model`.
+    fn register(&self, schedule: &mut Schedule, world: &mut World, model: &Model);
 }
 
 /// The backend that the scene names.

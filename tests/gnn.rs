@@ -122,7 +122,7 @@ fn numbering_the_nodes_otherwise_numbers_the_answer_otherwise() {
     let tets: Vec<[u32; 10]> = tets.iter().map(|t| t.map(|i| to[i as usize] as u32)).collect();
     renumbered.elements = tactus::record::Elements::Quadratic(tets.clone());
     let (fixed, law) = (renumbered.bonded.clone(), finger.body.material.clone());
-    let body = Body::new(rest, Elements::Quadratic(tets), fixed, law, finger.body.mean_dilatation).unwrap();
+    let body = Body::new(rest, Elements::Quadratic(tets), fixed, law, finger.body.mean_dilatation);
     let other = FingerModel {
         body: Arc::new(body),
         surface: finger.surface.clone(),

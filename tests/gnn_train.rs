@@ -31,7 +31,7 @@ struct Case {
 impl Case {
     fn new(spec: &str) -> Self {
         let spec: Spec = ron(spec);
-        let layout = build::<f32>(&spec.network, 5).0.layout();
+        let layout = build::<f32>(&spec.network, Some(5)).0.layout();
         let samples = samples(made(), layout);
         Self { spec, norms: data::normalisers(&samples), sample: samples[0].clone() }
     }
@@ -42,7 +42,7 @@ impl Case {
 
     /// The network away from its start values: there, biases of zero put some ReLUs right on their kink.
     fn network<T: Real>(&self) -> (Box<dyn Network<T>>, Parameters<T>) {
-        let (network, mut parameters) = build::<T>(&self.spec.network, 5);
+        let (network, mut parameters) = build::<T>(&self.spec.network, Some(5));
         let mut random = Random::new(12);
         for m in &mut parameters.matrices {
             m.value_mut().iter_mut().for_each(|x| *x += T::of((0.1 * (random.unit() - 0.5)) as f32));
@@ -133,7 +133,7 @@ fn garbage_in_what_fem_found_changes_no_bit_of_what_a_network_sees_or_says() {
         field.fill(7.0e9);
     }
     for spec in [SPEC, PAPER] {
-        let (network, parameters) = build::<f32>(&ron(spec).network, 5);
+        let (network, parameters) = build::<f32>(&ron(spec).network, Some(5));
         let norms = data::normalisers(&samples(made, network.layout()));
         let graph = Arc::new(PadGraph::new(&model.fingers[0], network.layout()).unwrap());
         let answer = |data| {
@@ -172,7 +172,7 @@ fn killed_and_resumed_training_ends_with_the_same_bits_on_any_number_of_threads(
 #[test]
 fn a_mirrored_grasp_costs_the_same_to_a_network_that_sees_it_mirrored() {
     let spec: Spec = ron(SPEC);
-    let (network, _) = build::<f32>(&spec.network, 5);
+    let (network, _) = build::<f32>(&spec.network, Some(5));
     let samples = samples(made(), network.layout());
     let norms = data::normalisers(&samples);
     let features = &samples[0].features;

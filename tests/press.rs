@@ -97,7 +97,7 @@ fn linear_pad(poisson: f64) -> Option<Arc<Body>> {
     }
     let (nodes, elements) = elements(&mesh, false);
     let fixed = nodes.iter().map(|p| p.z < -4.4999e-3).collect();
-    Some(Arc::new(Body::new(nodes, elements, fixed, Arc::new(NeoHookean::new(YOUNG, poisson)), true).expect("body")))
+    Some(Arc::new(Body::new(nodes, elements, fixed, Arc::new(NeoHookean::new(YOUNG, poisson)), true)))
 }
 
 /// Forces of CalculiX with linear tetrahedra on pad_1k, N.

@@ -109,9 +109,9 @@ fn error(field: Field, n: usize, quadratic: bool, mean_dilatation: bool, poisson
     }
     let outside = |p: &DVec3| p.min_element() < 1e-9 || p.max_element() > 1.0 - 1e-9;
     let fixed = rest.iter().map(outside).collect();
-    let body = Body::new(rest.clone(), elements, fixed, law.clone(), mean_dilatation).expect("body");
+    let body = Body::new(rest.clone(), elements, fixed, law.clone(), mean_dilatation);
     let terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(Elastic), Box::new(DeadLoad(load))];
-    let mut newton = Newton::new(vec![Arc::new(body)], vec![terms], Border::none(1));
+    let mut newton = Newton::new(vec![Arc::new(body)], vec![terms], Border::none(1)).expect("solver");
     let x = rest.iter().map(|p| *p + field(*p)).collect();
     let mut state = State { x: vec![x], travel: vec![0.0], position: DVec3::ZERO, rotation: DQuat::IDENTITY };
     let tolerance = Tolerance { relative: 0.0, force: 1e-9, length: 1e-8, iterations: 40, motion: 1e3 };

@@ -27,7 +27,7 @@ fn block(poisson: f64) -> Arc<Body> {
     let (rest, elements) = elements(&mesh, true);
     let fixed = rest.iter().map(|p| p.z < -THICKNESS + 1e-9).collect();
     let law: Arc<dyn Material> = Arc::new(Linear::new(YOUNG, poisson));
-    Arc::new(Body::new(rest, elements, fixed, law, true).expect("body"))
+    Arc::new(Body::new(rest, elements, fixed, law, true))
 }
 
 fn ball_on(body: Arc<Body>, radius: f64, friction: f64) -> Press {

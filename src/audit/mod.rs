@@ -25,7 +25,8 @@ use crate::record::Frame;
 use crate::scene;
 use crate::shape::Shape;
 use glam::DVec3;
-use penetration::{ObjectPoints, PadSurface};
+use penetration::{ObjectPoints, PadSurface, Tetrahedra};
+use rayon::prelude::*;
 use serde::Serialize;
 use solid::Solid;
 
@@ -77,25 +78,32 @@ impl Auditor {
         if !finite(frame) {
             return Findings { finite: false, min_det_f: f64::NAN, penetration: f64::NAN, imbalance: f64::NAN };
         }
-        let pads = || model.fingers.iter().zip(&frame.pads);
-        let det = pads().map(|(f, pad)| inversion::min_det_f(&f.topology, &pad.position)).fold(f64::INFINITY, f64::min);
+        let (penetration, (min_det_f, imbalance)) = rayon::join(
+            || self.penetration(model, frame),
+            || {
+                let pads = model.fingers.iter().zip(&frame.pads);
+                let det = pads.map(|(f, pad)| inversion::min_det_f(&f.topology, &pad.position));
+                (det.fold(f64::INFINITY, f64::min), equilibrium::imbalance(model, &self.pads, frame, gravity))
+            },
+        );
+        Findings { finite: true, min_det_f, penetration, imbalance }
+    }
+
+    /// How deep pads and object are in each other at the worst point, m.
+    fn penetration(&self, model: &Model, frame: &Frame) -> f64 {
         let inverse = frame.object_rotation.inverse();
         let placed = |p: &DVec3| inverse * (*p - frame.object_position);
         let x: Vec<Vec<DVec3>> = frame.pads.iter().map(|pad| pad.position.iter().map(placed).collect()).collect();
-        let mut depth = 0.0_f64;
-        for (i, (finger, pad)) in model.fingers.iter().zip(&self.pads).enumerate() {
-            depth = depth.max(pad.depth(&finger.topology, &x[i], &self.solid, &self.object));
+        let depth = |(i, (finger, pad)): (usize, (&FingerModel, &PadSurface))| {
+            let tets = Tetrahedra::new(&finger.topology, &x[i]);
+            let mut depth = pad.depth(&tets, &self.solid, &self.object);
             for j in (0..x.len()).filter(|j| *j != i) {
                 let surface = x[j].iter().zip(&self.pads[j].free).filter(|(_, free)| **free).map(|(p, _)| *p);
-                depth = depth.max(pad.depth_of_nodes(&finger.topology, &x[i], surface));
+                depth = depth.max(pad.depth_of_nodes(&tets, surface));
             }
-        }
-        Findings {
-            finite: true,
-            min_det_f: det,
-            penetration: depth,
-            imbalance: equilibrium::imbalance(model, &self.pads, frame, gravity),
-        }
+            depth
+        };
+        model.fingers.par_iter().zip(&self.pads).enumerate().map(depth).reduce(|| 0.0, f64::max)
     }
 }
 

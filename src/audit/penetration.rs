@@ -85,20 +85,19 @@ impl PadSurface {
         Self { faces, quadratic, free, spacing }
     }
 
-    /// Depth of the worst point of pad or object in the other, m, with the nodes at `x` in the object's frame; zero if nothing
-    /// penetrates.
-    pub fn depth(&self, topology: &PadTopology, x: &[DVec3], solid: &Solid, object: &ObjectPoints) -> f64 {
-        let points = x.iter().copied().chain(self.points(x)).chain(centers(&topology.elements, x));
+    /// Depth of the worst point of pad or object in the other, m; zero if nothing penetrates. `tets` are those of the pad in
+    /// the object's frame.
+    pub fn depth(&self, tets: &Tetrahedra, solid: &Solid, object: &ObjectPoints) -> f64 {
+        let x = tets.x;
+        let points = x.iter().copied().chain(self.points(x)).chain(centers(tets.elements, x));
         let of_pad = points.map(|p| solid.depth(p)).fold(0.0, f64::max);
-        let tets = Tetrahedra::new(topology, x);
         let of_object = object.0.iter().copied().filter(|p| tets.contains(*p) && self.between(*p, solid));
         self.below_skin(of_object, x).max(of_pad)
     }
 
     /// Depth of the worst surface node of another pad, at `others`, in this one, m.
-    pub fn depth_of_nodes(&self, topology: &PadTopology, x: &[DVec3], others: impl Iterator<Item = DVec3>) -> f64 {
-        let tets = Tetrahedra::new(topology, x);
-        self.below_skin(others.filter(|p| tets.contains(*p)), x)
+    pub fn depth_of_nodes(&self, tets: &Tetrahedra, others: impl Iterator<Item = DVec3>) -> f64 {
+        self.below_skin(others.filter(|p| tets.contains(*p)), tets.x)
     }
 
     /// Largest distance to the free surface of points that are inside the pad, m.
@@ -107,7 +106,7 @@ impl PadSurface {
         if inside.peek().is_none() {
             return 0.0;
         }
-        let skin = self.parts(|face, part| Piece::new(self, *face, part, x));
+        let skin = self.parts().map(|(face, part)| Piece::new(self, *face, part, x)).collect::<Vec<_>>();
         inside.map(|p| self.distance(p, &skin, x)).fold(0.0, f64::max)
     }
 
@@ -140,26 +139,29 @@ impl PadSurface {
     }
 
     /// Points of the free surface itself, one for each of its triangles, m.
-    fn points<'a>(&'a self, x: &'a [DVec3]) -> Vec<DVec3> {
-        self.parts(|face, part| self.point(face, [0, 1, 2].map(|k| (part[0][k] + part[1][k] + part[2][k]) / 3.0), x))
+    fn points<'a>(&'a self, x: &'a [DVec3]) -> impl Iterator<Item = DVec3> + 'a {
+        let center = |part: [[f64; 3]; 3]| [0, 1, 2].map(|k| (part[0][k] + part[1][k] + part[2][k]) / 3.0);
+        self.parts().map(move |(face, part)| self.point(face, center(part), x))
     }
 
-    /// What `make` makes of every part of every face, given by the barycentric coordinates of its corners.
-    fn parts<T>(&self, make: impl Fn(&[u32; 6], [[f64; 3]; 3]) -> T) -> Vec<T> {
+    /// Every part of every face, given by the barycentric coordinates of its corners.
+    fn parts(&self) -> impl Iterator<Item = (&[u32; 6], [[f64; 3]; 3])> {
         let m = PARTS;
         let at = |i: usize, j: usize| [m - i - j, i, j].map(|k| k as f64 / m as f64);
-        let mut parts = Vec::with_capacity(self.faces.len() * m * m);
-        for face in &self.faces {
-            for i in 0..m {
-                for j in 0..m - i {
-                    parts.push(make(face, [at(i, j), at(i + 1, j), at(i, j + 1)]));
-                    if i + j + 1 < m {
-                        parts.push(make(face, [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]));
-                    }
+        let (mut parts, mut n) = ([[[0.0; 3]; 3]; PARTS * PARTS], 0);
+        let mut push = |part| {
+            parts[n] = part;
+            n += 1;
+        };
+        for i in 0..m {
+            for j in 0..m - i {
+                push([at(i, j), at(i + 1, j), at(i, j + 1)]);
+                if i + j + 1 < m {
+                    push([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
                 }
             }
         }
-        parts
+        self.faces.iter().flat_map(move |face| parts.into_iter().map(move |part| (face, part)))
     }
 
     /// The point of a face at barycentric coordinates `l`, m.
@@ -209,12 +211,14 @@ fn centers(elements: &Elements, x: &[DVec3]) -> Vec<DVec3> {
 }
 
 /// The tetrahedra of a deformed pad, sorted into the cells of a grid to look up which of them holds a point.
-struct Tetrahedra<'a> {
+pub struct Tetrahedra<'a> {
     elements: &'a Elements,
     x: &'a [DVec3],
     low: DVec3,
     cell: DVec3,
-    cells: Vec<Vec<u32>>,
+    /// Where each cell begins in `cells`, one more at the end.
+    start: Vec<u32>,
+    cells: Vec<u32>,
     boxes: Vec<[DVec3; 2]>,
 }
 
@@ -224,7 +228,8 @@ const CELLS: usize = 16;
 const INSIDE: f64 = 1e-9;
 
 impl<'a> Tetrahedra<'a> {
-    fn new(topology: &'a PadTopology, x: &'a [DVec3]) -> Self {
+    /// Of a pad with its nodes at `x`, m.
+    pub fn new(topology: &'a PadTopology, x: &'a [DVec3]) -> Self {
         let elements = &topology.elements;
         let around = |points: &mut dyn Iterator<Item = DVec3>| {
             points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)])
@@ -238,18 +243,32 @@ impl<'a> Tetrahedra<'a> {
         let boxes: Vec<[DVec3; 2]> = boxes.collect();
         let [low, high] = around(&mut boxes.iter().flatten().copied());
         let cell = (high - low) / CELLS as f64;
-        let mut tetrahedra = Self { elements, x, low, cell, cells: vec![Vec::new(); CELLS.pow(3)], boxes };
-        for t in 0..tetrahedra.boxes.len() {
-            let [from, to] = tetrahedra.boxes[t].map(|p| tetrahedra.place(p));
+        let (start, cells) = (vec![0; CELLS.pow(3) + 1], Vec::new());
+        let mut tetrahedra = Self { elements, x, low, cell, start, cells, boxes };
+        // Counted first, so that every cell has its own part of one list.
+        let mut next = vec![0; CELLS.pow(3) + 1];
+        tetrahedra.each_cell(|cell, _| next[cell + 1] += 1);
+        (0..CELLS.pow(3)).for_each(|cell| next[cell + 1] += next[cell]);
+        let mut cells = vec![0; next[CELLS.pow(3)] as usize];
+        tetrahedra.start.clone_from(&next);
+        tetrahedra.each_cell(|cell, t| {
+            cells[next[cell] as usize] = t;
+            next[cell] += 1;
+        });
+        tetrahedra.cells = cells;
+        tetrahedra
+    }
+
+    /// Calls `visit` with every cell that the box of a tetrahedron meets.
+    fn each_cell(&self, mut visit: impl FnMut(usize, u32)) {
+        for (t, ends) in self.boxes.iter().enumerate() {
+            let [from, to] = ends.map(|p| self.place(p));
             for i in from[0]..=to[0] {
                 for j in from[1]..=to[1] {
-                    for k in from[2]..=to[2] {
-                        tetrahedra.cells[(i * CELLS + j) * CELLS + k].push(t as u32);
-                    }
+                    (from[2]..=to[2]).for_each(|k| visit((i * CELLS + j) * CELLS + k, t as u32));
                 }
             }
         }
-        tetrahedra
     }
 
     /// The cell nearest to `p`.
@@ -263,7 +282,9 @@ impl<'a> Tetrahedra<'a> {
             return false;
         }
         let [i, j, k] = self.place(p);
-        let mut near = self.cells[(i * CELLS + j) * CELLS + k].iter().map(|&t| t as usize);
+        let cell = (i * CELLS + j) * CELLS + k;
+        let own = self.start[cell] as usize..self.start[cell + 1] as usize;
+        let mut near = self.cells[own].iter().map(|&t| t as usize);
         near.any(|t| within(self.boxes[t][0], self.boxes[t][1]) && self.holds(t, p))
     }
 

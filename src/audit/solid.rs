@@ -19,8 +19,13 @@ pub enum Solid {
         /// Rounding.
         radius: f64,
     },
-    /// What a section in the half-plane (rho, z) sweeps about z: its outline, m.
-    Revolved(Vec<[DVec2; 2]>),
+    /// What a section in the half-plane (rho, z) sweeps about z.
+    Revolved {
+        /// Of the section, m.
+        outline: Vec<[DVec2; 2]>,
+        /// Nothing is farther from the axis, m.
+        reach: f64,
+    },
     /// A closed triangle surface.
     Surface(Columns),
 }
@@ -45,7 +50,11 @@ impl Solid {
             | o::Shape::Lemon(_)
             | o::Shape::Strawberry(_)
             | o::Shape::Pear(_)
-            | o::Shape::Revolve(_) => Self::Revolved(section(&shape.surface)),
+            | o::Shape::Revolve(_) => {
+                let outline = section(&shape.surface);
+                let reach = outline.iter().flatten().fold(0.0, |reach, p| f64::max(reach, p.x)) * (1.0 + 1e-9);
+                Self::Revolved { outline, reach }
+            }
             o::Shape::Mesh(_) | o::Shape::Prism(_) | o::Shape::Banana(_) | o::Shape::Potato(_) | o::Shape::Sweep(_) => {
                 Self::Surface(Columns::new(&shape.surface))
             }
@@ -64,9 +73,10 @@ impl Solid {
                 let d = q.abs() - *core;
                 (radius - d.max(DVec3::ZERO).length() - d.max_element().min(0.0)).max(0.0)
             }
-            Self::Revolved(outline) => {
+            Self::Revolved { outline, reach } => {
                 let p = DVec2::new(q.x.hypot(q.y), q.z);
-                if crossings(outline, p) {
+                // Most points of a pad are out of reach.
+                if p.x <= *reach && crossings(outline, p) {
                     outline.iter().map(|s| apart(*s, p)).fold(f64::INFINITY, f64::min)
                 } else {
                     0.0

@@ -31,7 +31,8 @@ impl Watch {
             bar.set_style(style);
         }
         Self {
-            topologies: model.fingers.iter().map(|f| PadTopology::clone(&f.topology)).collect(),
+            // For the recorder alone.
+            topologies: recorder.iter().flat_map(|_| &model.fingers).map(|f| PadTopology::clone(&f.topology)).collect(),
             model: model.clone(),
             recorder: recorder.map(Mutex::new),
             open: Mutex::default(),

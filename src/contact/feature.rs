@@ -151,7 +151,7 @@ impl BodyTerm for FeatureContact {
             let y = self.sites[i].place(view);
             let law = self.law_of(i);
             if self.far.within(i, y, moved, law.offset) {
-                let flanks = bounds.flanks(&self.surface, view.x, y, law.offset);
+                let flanks = bounds.flanks(&self.surface, view.x, y, law.offset, self.sites[i].face());
                 let energies = flanks.iter().map(|(foot, weight, _)| weight * law.normal_energy(foot.gap, e.scale));
                 energy += self.area * energies.sum::<f64>();
             }
@@ -235,6 +235,11 @@ impl BodyTerm for FeatureContact {
 const MOVES: u32 = 3;
 
 impl Site {
+    /// The face that it was nearest to.
+    fn face(&self) -> Option<usize> {
+        self.flanks.first().map(|(foot, ..)| foot.face)
+    }
+
     /// Where the feature is under `view`, m, relative to the finger.
     fn place(&self, view: &View) -> DVec3 {
         view.position + view.rotation * self.position - view.offset
@@ -253,6 +258,7 @@ impl FeatureContact {
                 continue;
             };
             site.position = deepest;
+            site.flanks.clear();
             site.moves += 1;
             self.pool.renew(i);
             stay = false;
@@ -267,7 +273,8 @@ impl FeatureContact {
         let law = self.law_of(i);
         let site = &mut self.sites[i];
         let near = self.far.within(i, y, moved, law.offset);
-        site.flanks = if near { self.bounds.flanks(&self.surface, view.x, y, law.offset) } else { Vec::new() };
+        site.flanks =
+            if near { self.bounds.flanks(&self.surface, view.x, y, law.offset, site.face()) } else { Vec::new() };
         if let Some((foot, ..)) = site.flanks.first() {
             let face = &self.surface.faces[foot.face];
             (site.now, site.report) = (face.stencil(foot.l), face.report_stencil(foot.l));

@@ -4,7 +4,7 @@
 //! distances has a kink there, about which Newton's method would jump for ever; the sum over both has none (see
 //! [`Rings::weights`](crate::mesh::rings::Rings::weights)).
 
-use super::project::{FaceBounds, Foot, ON_RIM, on_edge, on_face};
+use super::project::{FaceBounds, Foot, ON_RIM, carried_on, on_edge, on_face};
 use super::surface::ContactSurface;
 use crate::mesh::rings::{Part, Place};
 use glam::{DMat3, DVec3};
@@ -29,14 +29,38 @@ impl Foot {
     }
 }
 
+/// Cosine of the angle between faces from which on a fold is shallow (15 degrees).
+const SHALLOW: f64 = 0.966;
+/// Difference of distance, m, up to which the last face is kept at a shallow fold.
+const KEPT: f64 = 2e-6;
+
 impl FaceBounds {
-    /// The feet of a feature at `y` (relative to the finger, m), the nearest first; none if it is farther than `reach` (m) from the surface.
-    pub(super) fn flanks(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, reach: f64) -> Vec<Flank> {
+    /// The feet of a feature at `y` (relative to the finger, m), the nearest first; none if it is farther than `reach` (m) from the
+    /// surface.
+    ///
+    /// At a shallow fold, like that between faces of a pad that is smoothly bent, the normal hardly changes, but within a fraction of
+    /// the reach; there just one face counts, and `last` is kept as long as it is nearly as near.
+    pub(super) fn flanks(
+        &self,
+        surface: &ContactSurface,
+        x: &[DVec3],
+        y: DVec3,
+        reach: f64,
+        last: Option<usize>,
+    ) -> Vec<Flank> {
         let Some(nearest) = self.closest(surface, x, y, reach) else { return Vec::new() };
-        let mut flanks = vec![(nearest, 1.0, DMat3::ZERO)];
-        if !inside(surface, x, &nearest, 2.0 * reach) {
-            flanks.extend(beside(surface, x, y, reach, &nearest));
+        if inside(surface, x, &nearest, 2.0 * reach) && last.is_none_or(|face| face == nearest.face) {
+            return vec![(nearest, 1.0, DMat3::ZERO)];
         }
+        let others = beside(surface, x, y, reach, &nearest);
+        let shallow = |foot: &Foot| foot.normal.dot(nearest.normal) > SHALLOW;
+        if others.iter().all(|(foot, ..)| shallow(foot)) {
+            let kept = last.and_then(|face| carried_on(face, &surface.faces[face], x, y));
+            let kept = kept.filter(|foot| shallow(foot) && (foot.gap - nearest.gap).abs() < KEPT);
+            return vec![(kept.unwrap_or(nearest), 1.0, DMat3::ZERO)];
+        }
+        let mut flanks = vec![(nearest, 1.0, DMat3::ZERO)];
+        flanks.extend(others);
         flanks
     }
 }

@@ -42,7 +42,7 @@ impl FaceBounds {
         self.spheres.clear();
         self.boxes.clear();
         (self.min, self.max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for face in &surface.faces {
+        for face in surface.faces.iter() {
             let mut nodes = [DVec3::ZERO; 6];
             let mut count = 3;
             for (k, n) in face.corners.iter().enumerate() {
@@ -141,14 +141,7 @@ pub(super) fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3) -> Foot 
     let mut l = clamp_to_triangle(project_flat(a, b, c, y), a, b, c, y);
     if face.mids.is_some() {
         for _ in 0..6 {
-            let (p, d1, d2) = tangents(face, x, l);
-            let (g11, g12, g22) = (d1.dot(d1), d1.dot(d2), d2.dot(d2));
-            let (r1, r2) = (d1.dot(y - p), d2.dot(y - p));
-            let det = g11 * g22 - g12 * g12;
-            if det <= 0.0 {
-                break;
-            }
-            let (s, t) = ((g22 * r1 - g12 * r2) / det, (g11 * r2 - g12 * r1) / det);
+            let Some((s, t)) = gauss_newton(face, x, l, y) else { break };
             let mut next = [l[0] - s - t, l[1] + s, l[2] + t];
             if next.iter().any(|v| *v < 0.0) {
                 let at = restrict(next);
@@ -160,6 +153,10 @@ pub(super) fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3) -> Foot 
             if moved < 1e-12 {
                 break;
             }
+        }
+        // On a bent rim the steps over the face keep disturbing each other: the last ones go along it.
+        if let Some(k) = (0..3).find(|k| l[*k] <= 0.0) {
+            l = along_edge(face, x, k, y, l);
         }
     }
     let (p, face_normal) = face_frame(face, x, l);
@@ -173,6 +170,37 @@ pub(super) fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3) -> Foot 
     let gap = if interior { away.dot(face_normal) } else { side * distance };
     let facing = if interior || distance == 0.0 { 1.0 } else { away.dot(face_normal).abs() / distance };
     Foot { face: index, l, gap, normal, facing }
+}
+
+/// How far a face is carried on beyond its rim, in barycentric coordinates.
+const BEYOND: f64 = 0.05;
+
+/// The foot of `y` on a face carried on a little beyond its rim; None where that is not enough.
+pub(super) fn carried_on(index: usize, face: &Face, x: &[DVec3], y: DVec3) -> Option<Foot> {
+    let [a, b, c] = face.corners.map(|n| x[n as usize]);
+    let mut l = project_flat(a, b, c, y);
+    let near = |l: &[f64; 3]| l.iter().all(|v| *v > -BEYOND);
+    if face.mids.is_some() {
+        l = clamp_to_triangle(l, a, b, c, y);
+        for _ in 0..6 {
+            let Some((s, t)) = gauss_newton(face, x, l, y).filter(|_| near(&l)) else { break };
+            l = [l[0] - s - t, l[1] + s, l[2] + t];
+            if s.abs() + t.abs() < 1e-12 {
+                break;
+            }
+        }
+    }
+    let (p, normal) = face_frame(face, x, l);
+    near(&l).then(|| Foot::at(index, l, (y - p).dot(normal), normal))
+}
+
+/// Change of `l1` and `l2` towards the foot of `y`; None where the face is degenerate.
+fn gauss_newton(face: &Face, x: &[DVec3], l: [f64; 3], y: DVec3) -> Option<(f64, f64)> {
+    let (p, d1, d2) = tangents(face, x, l);
+    let (g11, g12, g22) = (d1.dot(d1), d1.dot(d2), d2.dot(d2));
+    let (r1, r2) = (d1.dot(y - p), d2.dot(y - p));
+    let det = g11 * g22 - g12 * g12;
+    (det > 0.0).then(|| ((g22 * r1 - g12 * r2) / det, (g11 * r2 - g12 * r1) / det))
 }
 
 /// One Gauss-Newton step along the edge opposite to corner `k`, on which `l` lies.
@@ -189,8 +217,13 @@ fn along_rim(face: &Face, x: &[DVec3], l: [f64; 3], k: usize, y: DVec3) -> [f64;
 
 /// Coordinates of the point of the edge opposite to corner `k` that is closest to `y`.
 pub(super) fn on_edge(face: &Face, x: &[DVec3], k: usize, y: DVec3) -> [f64; 3] {
-    let mut l = [0.5; 3];
-    l[k] = 0.0;
+    let mut middle = [0.5; 3];
+    middle[k] = 0.0;
+    along_edge(face, x, k, y, middle)
+}
+
+/// The same from a point `l` on the edge.
+fn along_edge(face: &Face, x: &[DVec3], k: usize, y: DVec3, mut l: [f64; 3]) -> [f64; 3] {
     for _ in 0..8 {
         let next = along_rim(face, x, l, k, y);
         let moved = (0..3).map(|i| (next[i] - l[i]).abs()).fold(0.0, f64::max);

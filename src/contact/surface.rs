@@ -6,6 +6,7 @@ use crate::fem::term::Stencil;
 use crate::mesh::rings::Rings;
 use glam::DVec3;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A boundary face: three corners, and three mid-edge nodes ((0,1), (1,2), (2,0)) of a quadratic mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,18 +21,20 @@ pub struct Face {
 #[derive(Debug, Clone)]
 pub struct ContactSurface {
     /// Faces not entirely fixed.
-    pub faces: Vec<Face>,
+    pub faces: Arc<Vec<Face>>,
     /// Which faces meet.
-    pub rings: Rings,
+    pub rings: Arc<Rings>,
     /// Where each point sits: nodes and shape function values.
-    pub points: Vec<Stencil>,
+    pub points: Arc<Vec<Stencil>>,
     /// Rest area each point stands for, m2.
     pub area: Vec<f64>,
     /// Mean spacing of the points, m.
     pub spacing: f64,
     /// Per point: nearest node with an unknown of its own for reporting forces (weights of the linear interpolation on the
     /// nodal sub-triangles: non-negative, so that reported nodal forces have the sign of the pressure).
-    pub report: Vec<Stencil>,
+    pub report: Arc<Vec<Stencil>>,
+    /// Per face, the points at the corners of its parts.
+    parts: Arc<Vec<u32>>,
 }
 
 /// Sub-edges per face edge of a linear and of a quadratic mesh: contact is felt between the nodes too.
@@ -54,33 +57,50 @@ impl ContactSurface {
             })
             .collect();
         // A lattice point shared by faces is one point: keyed by its corner weights, in node order.
-        let mut index: BTreeMap<[(u32, u32); 3], usize> = BTreeMap::new();
-        let rings = Rings::new(faces.iter().map(|f| f.corners).collect());
-        let mut surface = Self { faces, points: Vec::new(), area: Vec::new(), spacing: 0.0, report: Vec::new(), rings };
-        for k in 0..surface.faces.len() {
-            let face = surface.faces[k];
-            let [a, b, c] = face.corners.map(|n| body.rest[n as usize]);
-            let share = 0.5 * (b - a).cross(c - a).length() / (m * m) as f64 / 3.0;
-            for sub in sub_triangles(m) {
-                for lattice in sub {
+        let mut index: BTreeMap<[(u32, u32); 3], u32> = BTreeMap::new();
+        let cuts = sub_triangles(m);
+        // About half as many points as parts of faces.
+        let (mut points, mut report) = (Vec::with_capacity(faces.len() * m * m * 5 / 8), Vec::new());
+        report.reserve(points.capacity());
+        let mut parts = Vec::with_capacity(faces.len() * cuts.len() * 3);
+        let mut known = vec![None; (m + 1) * (m + 1)];
+        for face in &faces {
+            known.fill(None);
+            for lattice in cuts.iter().flatten() {
+                // Most corners have been met before on this face.
+                let known = &mut known[lattice[1] * (m + 1) + lattice[2]];
+                let point = known.get_or_insert_with(|| {
                     let mut key = [0, 1, 2]
                         .map(|k| (face.corners[k], lattice[k] as u32))
                         .map(|(n, w)| if w == 0 { (u32::MAX, 0) } else { (n, w) });
                     key.sort_unstable();
-                    let point = *index.entry(key).or_insert_with(|| {
+                    *index.entry(key).or_insert_with(|| {
                         let l = lattice.map(|i| i as f64 / m as f64);
-                        surface.points.push(face.stencil(l));
-                        surface.report.push(face.report_stencil(l));
-                        surface.area.push(0.0);
-                        surface.points.len() - 1
-                    });
-                    surface.area[point] += share;
-                }
+                        points.push(face.stencil(l));
+                        report.push(face.report_stencil(l));
+                        points.len() as u32 - 1
+                    })
+                });
+                parts.push(*point);
             }
         }
-        let total: f64 = surface.area.iter().sum();
-        surface.spacing = (total / surface.points.len().max(1) as f64).sqrt();
-        surface
+        let rings = Arc::new(Rings::new(faces.iter().map(|f| f.corners).collect()));
+        let (faces, points, report, parts) = (Arc::new(faces), Arc::new(points), Arc::new(report), Arc::new(parts));
+        Self { faces, rings, points, report, parts, area: Vec::new(), spacing: 0.0 }.placed(&body.rest)
+    }
+
+    /// The surface of the same body with its nodes at `rest`, m.
+    pub fn placed(&self, rest: &[DVec3]) -> Self {
+        let mut area = vec![0.0; self.points.len()];
+        let own = self.parts.len() / self.faces.len().max(1);
+        for (face, parts) in self.faces.iter().zip(self.parts.chunks_exact(own.max(1))) {
+            let [a, b, c] = face.corners.map(|n| rest[n as usize]);
+            let share = 0.5 * (b - a).cross(c - a).length() / (own / 3) as f64 / 3.0;
+            parts.iter().for_each(|point| area[*point as usize] += share);
+        }
+        let total: f64 = area.iter().sum();
+        let spacing = (total / self.points.len().max(1) as f64).sqrt();
+        Self { area, spacing, ..self.clone() }
     }
 }
 

@@ -62,7 +62,7 @@ fn locate(stencil: &Stencil, view: &View) -> (DVec3, DVec3) {
 impl BodyTerm for Contact {
     fn energy(&self, _: &Body, view: &View) -> f64 {
         let (law, mut energy) = (&self.pool.law, 0.0);
-        for ((e, stencil), area) in self.pool.edges.iter().zip(&self.surface.points).zip(&self.surface.area) {
+        for ((e, stencil), area) in self.pool.edges.iter().zip(self.surface.points.iter()).zip(&self.surface.area) {
             let (world, q) = locate(stencil, view);
             if e.bound - q.distance(e.query) < law.offset
                 && let Some(touch) = self.object.touch(q, law.offset, law.offset)
@@ -117,7 +117,7 @@ impl BodyTerm for Contact {
 
     fn clearance(&self, _: &Body, view: &View) -> f64 {
         let mut nearest = f64::INFINITY;
-        for (e, stencil) in self.pool.edges.iter().zip(&self.surface.points) {
+        for (e, stencil) in self.pool.edges.iter().zip(self.surface.points.iter()) {
             let (_, q) = locate(stencil, view);
             // The bound of the last query spares most of the others.
             if e.bound - q.distance(e.query) < nearest {

@@ -3,6 +3,7 @@
 use super::draw::{Draw, Key, draw};
 use super::observe::Sense;
 use super::reward::{Custom, Facts};
+use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::grasp::{GraspPose, poses_of};
 use crate::model::Model;
@@ -11,7 +12,7 @@ use crate::scene::material::Elastic;
 use crate::scene::{Field, Law, Loading, Material, NamedScene, Record, Scene, Squeeze, Task};
 use crate::stepper::{Stepper, choose};
 use glam::DVec3;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// An object of the scene.
 #[derive(Debug)]
@@ -49,7 +50,12 @@ pub struct Arena {
     pub custom: Option<Box<Custom>>,
     /// Gravity in the object frame at the start, m/s2.
     gravity: DVec3,
+    /// Worlds whose episode is over.
+    idle: Mutex<Vec<Environment>>,
 }
+
+/// Idle worlds that are kept: a world of the same model spares its making.
+const IDLE: usize = 16;
 
 impl Arena {
     /// Builds everything that `objects` (None is all) of `set` need.
@@ -77,6 +83,7 @@ impl Arena {
             steps: max_steps.unwrap_or(task.steps.get()).max(1),
             gravity: task.gravity.map_or(DVec3::ZERO, |g| g.dvec3()),
             custom: None,
+            idle: Mutex::default(),
             kinds,
             task,
         })
@@ -91,6 +98,31 @@ impl Arena {
     /// Gel, friction and model of a draw.
     pub fn variant(&self, draw: &Draw) -> &Variant {
         &self.kinds[draw.object].variants[draw.variant]
+    }
+
+    /// A world for a grasp of `model`.
+    ///
+    /// # Errors
+    /// Those of [`Environment::new`].
+    pub fn environment(&self, model: &Arc<Model>, pose: GraspPose) -> Result<Environment> {
+        let stepper = self.stepper.as_ref();
+        let known = {
+            let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
+            let known = idle.iter().position(|e| Arc::ptr_eq(e.model(), model));
+            known.map(|at| idle.swap_remove(at))
+        };
+        let Some(mut environment) = known else { return Environment::new(model, stepper, pose) };
+        environment.restart(stepper, pose)?;
+        Ok(environment)
+    }
+
+    /// Takes back a world that is no longer needed.
+    pub fn retire(&self, environment: Environment) {
+        let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
+        idle.push(environment);
+        let first = (idle.len() > IDLE).then(|| idle.remove(0));
+        drop(idle);
+        drop(first);
     }
 
     /// Weight of the object of a draw with the hand at `pose`, N, hand frame.

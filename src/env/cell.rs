@@ -87,7 +87,9 @@ impl Cell {
     pub fn begin(&mut self, arena: &Arena, key: Key) {
         (self.key, self.ended) = (key, false);
         self.actions.clear();
-        self.run = None;
+        if let Some(run) = self.run.take() {
+            arena.retire(run.environment);
+        }
         self.output = Output { obs: vec![0.0; arena.seen()], ..Output::default() };
         for attempt in 0..TRIES {
             match Run::new(arena, arena.draw(&key, attempt)) {
@@ -172,7 +174,9 @@ impl Run {
         if let Some(other) = regrasp {
             let pose = action::regrasped(&self.draw.pose, arena.center(), other);
             self.loads.weight = arena.weight(&self.draw, &pose);
-            (self.environment, self.frame) = grasp(arena, &model, pose, force)?;
+            let (environment, frame) = grasp(arena, &model, pose, force)?;
+            arena.retire(std::mem::replace(&mut self.environment, environment));
+            self.frame = frame;
             self.slipped = 0.0;
         }
         // A new grasp lifts the object at once.
@@ -207,14 +211,22 @@ impl Key {
 
 /// A world whose hand has closed at `pose` with `force` (N, all fingers).
 fn grasp(arena: &Arena, model: &Arc<Model>, pose: GraspPose, force: f64) -> Result<(Environment, Frame), String> {
-    let mut environment = Environment::new(model, arena.stepper.as_ref(), pose).map_err(|e| e.to_string())?;
+    let mut environment = arena.environment(model, pose).map_err(|e| e.to_string())?;
+    match close(&mut environment, model, force) {
+        Ok(frame) => Ok((environment, frame)),
+        Err(reason) => {
+            arena.retire(environment);
+            Err(reason)
+        }
+    }
+}
+
+/// Closes a fresh hand with `force` (N, all fingers).
+fn close(environment: &mut Environment, model: &Model, force: f64) -> Result<Frame, String> {
     environment.world_mut().insert_resource(Command { force: 0.0 });
     loop {
         match environment.phase() {
-            Phase::Ramp { .. } => {
-                let frame = drive(&mut environment, model, force, DVec3::ZERO)?;
-                return Ok((environment, frame));
-            }
+            Phase::Ramp { .. } => return drive(environment, model, force, DVec3::ZERO),
             Phase::Infeasible { reason } | Phase::Fault { reason } => return Err(reason),
             Phase::Done => return Err("the grasp ended before it began".into()),
             Phase::Place | Phase::Close => environment.step(),

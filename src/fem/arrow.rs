@@ -11,6 +11,7 @@ use super::cholesky::Factor;
 use super::pattern::FIXED;
 use super::state::{MAX_BORDER, Step};
 use super::term::Block;
+use crate::error::Result;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -28,21 +29,24 @@ pub struct ArrowBlock {
 
 impl ArrowBlock {
     /// Storage for `body` with `columns` border columns.
-    pub fn new(body: Arc<Body>, columns: usize) -> Self {
+    ///
+    /// # Errors
+    /// When the factorisation cannot be analysed.
+    pub fn new(body: Arc<Body>, columns: usize) -> Result<Self> {
         let block = Block::new(&body, columns);
-        let factor = Factor::new(&body.symbolic, columns + 1);
+        let factor = Factor::new(body.symbolic()?, columns + 1);
         let extra = Block::gradients(&body);
-        Self { body, block, extra, factor, rhs: Vec::new() }
+        Ok(Self { body, block, extra, factor, rhs: Vec::new() })
     }
 
     /// Factorises the block; false if it is not positive definite.
     pub fn factorize(&mut self) -> bool {
-        self.factor.factorize(&self.body.symbolic, &self.body.pattern, &self.block.values)
+        self.factor.factorize(self.body.pattern(), &self.block.values)
     }
 
     /// Solves for the gradient; for all border columns at once if `columns` are new.
     pub fn solve(&mut self, columns: bool) {
-        let n = self.body.pattern.unknowns();
+        let n = self.body.unknowns();
         let coupled = self.block.coupling.len();
         self.rhs.resize(coupled + n, 0.0);
         if columns {
@@ -50,19 +54,19 @@ impl ArrowBlock {
         }
         let gradient = &mut self.rhs[coupled..];
         let nodes = self.block.gradient.iter().zip(&self.extra.gradient);
-        for ((g, e), &p) in nodes.zip(&self.body.pattern.position) {
+        for ((g, e), &p) in nodes.zip(&self.body.pattern().position) {
             if p != FIXED {
                 gradient[3 * p as usize..3 * p as usize + 3].copy_from_slice(&(*g + *e).to_array());
             }
         }
         let start = if columns { 0 } else { coupled };
         let rhs = &mut self.rhs[start..];
-        self.factor.solve(&self.body.symbolic, rhs, rhs.len() / n.max(1));
+        self.factor.solve(rhs, rhs.len() / n.max(1));
     }
 
     /// `B^T K^-1 B` and `B^T K^-1 g` of this body.
     fn schur(&self, size: usize) -> ([[f64; MAX_BORDER]; MAX_BORDER], [f64; MAX_BORDER]) {
-        let n = self.body.pattern.unknowns();
+        let n = self.body.unknowns();
         let (mut s, mut r) = ([[0.0; MAX_BORDER]; MAX_BORDER], [0.0; MAX_BORDER]);
         for i in 0..size {
             let b = &self.block.coupling[i * n..(i + 1) * n];
@@ -99,7 +103,7 @@ pub fn step(blocks: &[ArrowBlock], border_gradient: &[f64; MAX_BORDER], size: us
     let x = blocks
         .iter()
         .map(|b| {
-            let n = b.body.pattern.unknowns();
+            let n = b.body.unknowns();
             let solution = &b.rhs;
             let entry = |row: usize| {
                 let mut v = solution[size * n + row];
@@ -108,7 +112,7 @@ pub fn step(blocks: &[ArrowBlock], border_gradient: &[f64; MAX_BORDER], size: us
                 }
                 -v
             };
-            let position = &b.body.pattern.position;
+            let position = &b.body.pattern().position;
             position
                 .iter()
                 .map(|&p| {

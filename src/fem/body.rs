@@ -1,9 +1,8 @@
-//! One soft body: mesh, law and stiffness pattern. Immutable and shared; the state lives with the caller.
+//! One soft body: mesh and law. Immutable and shared; the state lives with the caller.
 
-use super::cholesky::Symbolic;
-use super::pattern::{FIXED, Pattern, Slot};
+use super::analysis::Analysis;
+use super::pattern::Pattern;
 use crate::element::{Kernel, RestTet, Shape, TET4, TET10};
-use crate::error::Result;
 use crate::material::{Material, von_mises};
 use glam::{DMat3, DVec3};
 use pulp::Arch;
@@ -20,7 +19,7 @@ pub enum Elements {
 
 impl Elements {
     /// The nodes of each element.
-    fn lists(&self) -> Vec<&[u32]> {
+    pub(super) fn lists(&self) -> Vec<&[u32]> {
         match self {
             Elements::Linear(e) => e.iter().map(|n| n.as_slice()).collect(),
             Elements::Quadratic(e) => e.iter().map(|n| n.as_slice()).collect(),
@@ -41,12 +40,8 @@ pub struct Body {
     pub material: Arc<dyn Material>,
     /// One pressure per element.
     pub mean_dilatation: bool,
-    /// Stiffness pattern and elimination order.
-    pub pattern: Pattern,
-    /// Symbolic Cholesky analysis.
-    pub symbolic: Symbolic,
+    pub(super) analysis: Arc<Analysis>,
     tets: Vec<RestTet>,
-    slots: Vec<Slot>,
 }
 
 /// Stress recovered from a configuration.
@@ -79,63 +74,17 @@ fn gather<const N: usize>(nodes: &[u32; N], x: &[DVec3]) -> [DVec3; N] {
 }
 
 impl Body {
-    /// Prepares pattern and symbolic factor.
-    ///
-    /// # Errors
-    /// When the factorisation cannot be analysed (too large for memory).
+    /// The body whose nodes lie at `rest`.
     pub fn new(
         rest: Vec<DVec3>,
         elements: Elements,
         fixed: Vec<bool>,
         material: Arc<dyn Material>,
         mean_dilatation: bool,
-    ) -> Result<Self> {
-        let pattern = Pattern::new(elements.lists().into_iter(), &fixed);
-        Self::with_pattern(rest, elements, fixed, material, mean_dilatation, pattern)
-    }
-
-    /// This body with the unknowns of the nodes `last` eliminated last, in their order.
-    ///
-    /// # Errors
-    /// When the factorisation cannot be analysed (too large for memory).
-    pub fn eliminating_last(&self, last: &[u32]) -> Result<Self> {
-        let pattern = Pattern::ordered(self.elements.lists().into_iter(), self.pattern.position_with_last(last));
-        let (rest, elements, fixed) = (self.rest.clone(), self.elements.clone(), self.fixed.clone());
-        Self::with_pattern(rest, elements, fixed, self.material.clone(), self.mean_dilatation, pattern)
-    }
-
-    /// The nodes of this body without its elements, all but `kept` fixed and those coupled with each other: the host of what
-    /// is left when the others are eliminated. Unknowns are in the order of `kept`.
-    ///
-    /// # Errors
-    /// When the factorisation cannot be analysed (too large for memory).
-    pub fn condensed(&self, kept: &[u32]) -> Result<Self> {
-        let mut position = vec![FIXED; self.rest.len()];
-        kept.iter().enumerate().for_each(|(k, &i)| position[i as usize] = k as u32);
-        let fixed = position.iter().map(|p| *p == FIXED).collect();
-        let pattern = Pattern::ordered(std::iter::once(kept), position);
-        let nothing = Elements::Linear(Vec::new());
-        Self::with_pattern(self.rest.clone(), nothing, fixed, self.material.clone(), false, pattern)
-    }
-
-    fn with_pattern(
-        rest: Vec<DVec3>,
-        elements: Elements,
-        fixed: Vec<bool>,
-        material: Arc<dyn Material>,
-        mean_dilatation: bool,
-        pattern: Pattern,
-    ) -> Result<Self> {
-        let lists = elements.lists();
-        let symbolic = Symbolic::new(&pattern)?;
-        let tets = lists.iter().map(|n| RestTet::new(std::array::from_fn(|k| rest[n[k] as usize]))).collect();
-        let mut slots = Vec::new();
-        for nodes in &lists {
-            for (i, &a) in nodes.iter().enumerate() {
-                slots.extend(nodes[i..].iter().map(|&b| pattern.slot(a, b)));
-            }
-        }
-        Ok(Self { rest, elements, fixed, material, mean_dilatation, pattern, symbolic, tets, slots })
+    ) -> Self {
+        let tet = |n: &[u32]| RestTet::new(std::array::from_fn(|k| rest[n[k] as usize]));
+        let tets = elements.lists().into_iter().map(tet).collect();
+        Self { rest, elements, fixed, material, mean_dilatation, analysis: Arc::default(), tets }
     }
 
     fn kernel<'a, const N: usize, const Q: usize>(&'a self, shape: &'a Shape<N, Q>) -> Kernel<'a, N, Q> {
@@ -186,8 +135,8 @@ impl Body {
             per_order!(self, nodes, kernel, {
                 let Some(first) = nodes.first() else { return };
                 let mut block = first.map(|_| first.map(|_| DMat3::ZERO));
-                let pairs = self.slots.len() / self.tets.len();
-                for ((n, rest), slots) in nodes.iter().zip(&self.tets).zip(self.slots.chunks_exact(pairs)) {
+                let pairs = self.slots().len() / self.tets.len();
+                for ((n, rest), slots) in nodes.iter().zip(&self.tets).zip(self.slots().chunks_exact(pairs)) {
                     let mut local = n.map(|_| DVec3::ZERO);
                     kernel.stiffness(rest, &gather(n, x), project, &mut local, &mut block);
                     for (&i, g) in n.iter().zip(local) {

@@ -1,7 +1,6 @@
 //! Sparse Cholesky factor of one body's stiffness: symbolic analysis once per mesh, numbers once per iteration.
 
 use super::pattern::Pattern;
-use crate::error::{Error, Result};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
@@ -10,6 +9,7 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Accum, Conj, Mat, MatMut, Par, Side};
+use std::sync::Arc;
 
 /// Symbolic analysis, shared by every environment that uses the mesh.
 #[derive(Debug)]
@@ -17,7 +17,10 @@ pub struct Symbolic(SymbolicCholesky<usize>);
 
 impl Symbolic {
     /// Analyses the pattern; it is already in elimination order.
-    pub fn new(pattern: &Pattern) -> Result<Self> {
+    ///
+    /// # Errors
+    /// Why it could not.
+    pub fn new(pattern: &Pattern) -> Result<Self, String> {
         let n = pattern.unknowns();
         // The analysis reads the upper triangle: the transpose of the stored lower one.
         let (col_ptr, row_idx) = transpose(&pattern.col_ptr, &pattern.row_idx);
@@ -27,9 +30,9 @@ impl Symbolic {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
         };
-        factorize_symbolic_cholesky(a, Side::Upper, SymmetricOrdering::Identity, params).map(Symbolic).map_err(|e| {
-            Error::Solver(format!("symbolic factorisation of {n} unknowns failed: {e:?}; use a coarser mesh"))
-        })
+        factorize_symbolic_cholesky(a, Side::Upper, SymmetricOrdering::Identity, params)
+            .map(Symbolic)
+            .map_err(|e| format!("symbolic factorisation of {n} unknowns failed: {e:?}; use a coarser mesh"))
     }
 
     /// Number of stored entries of the factor.
@@ -59,22 +62,23 @@ fn transpose(col_ptr: &[usize], row_idx: &[usize]) -> (Vec<usize>, Vec<usize>) {
 
 /// Numeric factor with its workspace, owned by one environment.
 pub struct Factor {
+    symbolic: Arc<Symbolic>,
     values: Vec<f64>,
     memory: MemBuffer,
 }
 
 impl Factor {
     /// Workspace for `symbolic`, for solves with up to `columns` right-hand sides.
-    pub fn new(symbolic: &Symbolic, columns: usize) -> Self {
+    pub fn new(symbolic: &Arc<Symbolic>, columns: usize) -> Self {
         let request = symbolic
             .0
             .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default())
             .or(symbolic.0.solve_in_place_scratch::<f64>(columns, Par::Seq));
-        Self { values: vec![0.0; symbolic.0.len_val()], memory: MemBuffer::new(request) }
+        Self { symbolic: symbolic.clone(), values: vec![0.0; symbolic.0.len_val()], memory: MemBuffer::new(request) }
     }
 
     /// Factorises the lower-triangular `values`; false if the matrix is not positive definite.
-    pub fn factorize(&mut self, symbolic: &Symbolic, pattern: &Pattern, values: &[f64]) -> bool {
+    pub fn factorize(&mut self, pattern: &Pattern, values: &[f64]) -> bool {
         let n = pattern.unknowns();
         if n == 0 {
             return true;
@@ -83,7 +87,7 @@ impl Factor {
             SymbolicSparseColMatRef::new_checked(n, n, &pattern.col_ptr, None, &pattern.row_idx),
             values,
         );
-        symbolic
+        self.symbolic
             .0
             .factorize_numeric_llt(
                 &mut self.values,
@@ -98,12 +102,12 @@ impl Factor {
     }
 
     /// Solves in place for `columns` right-hand sides stored one after the other.
-    pub fn solve(&mut self, symbolic: &Symbolic, rhs: &mut [f64], columns: usize) {
+    pub fn solve(&mut self, rhs: &mut [f64], columns: usize) {
         if rhs.is_empty() {
             return;
         }
         let rows = rhs.len() / columns;
-        LltRef::new(&symbolic.0, &self.values).solve_in_place_with_conj(
+        LltRef::new(&self.symbolic.0, &self.values).solve_in_place_with_conj(
             Conj::No,
             MatMut::from_column_major_slice_mut(rhs, rows, columns),
             Par::Seq,
@@ -113,11 +117,11 @@ impl Factor {
 
     /// What is left of the last matrix for its last `size` unknowns when the others are eliminated (the Schur complement), by
     /// columns: the product of the factor's last block with its transpose.
-    pub fn condensed(&self, symbolic: &Symbolic, size: usize) -> Mat<f64> {
+    pub fn condensed(&self, size: usize) -> Mat<f64> {
         let mut last = Mat::<f64>::zeros(size, size);
         let mut stiffness = Mat::<f64>::zeros(size, size);
         // Analyses are supernodal always.
-        let SymbolicCholeskyRaw::Supernodal(s) = symbolic.0.raw() else { return stiffness };
+        let SymbolicCholeskyRaw::Supernodal(s) = self.symbolic.0.raw() else { return stiffness };
         let factor = SupernodalLltRef::<usize, f64>::new(s, &self.values);
         let first = s.nrows() - size;
         for k in 0..s.n_supernodes() {

@@ -38,7 +38,7 @@ impl Solver {
         };
         self.path.restore(stuck);
         self.started = !begins;
-        self.release(model);
+        self.release(model)?;
         self.raise(model, level).map_err(Refusal::reason)
     }
 

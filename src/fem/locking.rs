@@ -44,7 +44,7 @@ mod tests {
                 true => (ten.nodes.clone(), Elements::Quadratic(ten.tets.clone())),
             };
             let fixed = nodes.iter().map(|p| p.z == 0.0).collect();
-            locking_notice(&Body::new(nodes, elements, fixed, Arc::new(NeoHookean::new(1.0, nu)), true).expect("body"))
+            locking_notice(&Body::new(nodes, elements, fixed, Arc::new(NeoHookean::new(1.0, nu)), true))
         };
         let text = notice(false, 0.49).expect("a notice");
         assert!(text.starts_with("locked at nu = 0.49: linear tetrahedra: forces can be tens"), "{text}");

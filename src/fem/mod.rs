@@ -1,5 +1,6 @@
 //! Finite elements: bodies, the terms of the incremental potential, and the Newton solver that minimises their sum.
 
+mod analysis;
 pub mod arrow;
 pub mod body;
 pub mod checkpoint;

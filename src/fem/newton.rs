@@ -4,6 +4,7 @@ use super::arrow::ArrowBlock;
 use super::body::Body;
 use super::state::{Border, MAX_BORDER, State, Step};
 use super::term::BodyTerm;
+use crate::error::Result;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
@@ -102,10 +103,14 @@ pub struct Newton {
 
 impl Newton {
     /// A solver for `bodies` with `terms` per body.
-    pub fn new(bodies: Vec<Arc<Body>>, terms: Vec<Vec<Box<dyn BodyTerm>>>, border: Border) -> Self {
-        let blocks: Vec<_> = bodies.into_iter().map(|b| ArrowBlock::new(b, border.size)).collect();
+    ///
+    /// # Errors
+    /// When the factorisation of a body cannot be analysed.
+    pub fn new(bodies: Vec<Arc<Body>>, terms: Vec<Vec<Box<dyn BodyTerm>>>, border: Border) -> Result<Self> {
+        // Analyses take long the first time.
+        let blocks: Vec<_> = bodies.into_par_iter().map(|b| ArrowBlock::new(b, border.size)).collect::<Result<_>>()?;
         let force = vec![0.0; blocks.len()];
-        Self { terms, border, force, profile: Profile::default(), proximal: None, blocks }
+        Ok(Self { terms, border, force, profile: Profile::default(), proximal: None, blocks })
     }
 
     /// The body with this index.
@@ -114,8 +119,12 @@ impl Newton {
     }
 
     /// Puts `body` in the place of body `index`, of as many nodes; the terms stay.
-    pub fn exchange(&mut self, index: usize, body: Arc<Body>) {
-        self.blocks[index] = ArrowBlock::new(body, self.border.size);
+    ///
+    /// # Errors
+    /// When its factorisation cannot be analysed.
+    pub fn exchange(&mut self, index: usize, body: Arc<Body>) -> Result<()> {
+        self.blocks[index] = ArrowBlock::new(body, self.border.size)?;
+        Ok(())
     }
 
     /// Number of bodies.

@@ -16,6 +16,8 @@ const STRIDE: f64 = 0.2;
 const CRAWLING: u32 = 8;
 /// A residual that falls below this part of the one before lets the factorisation serve another iteration.
 const QUICK: f64 = 0.2;
+/// How many times as many iterations a solution has at most whose terms strengthen themselves.
+const RENEWALS: u32 = 4;
 /// Part of a step below which only rounding moves.
 const STUCK: f64 = 1e-9;
 
@@ -26,6 +28,7 @@ impl Newton {
     /// [`Failure`] says why; the terms' history is untouched, so a smaller increment can be tried.
     pub fn solve(&mut self, state: &mut State, tolerance: &Tolerance) -> Result<Converged, Failure> {
         let mut now = state.clone();
+        let mut limit = tolerance.iterations;
         let mut last_motion = f64::INFINITY;
         let (mut iterations, mut resting, mut untouched, mut crawled) = (0, 0, 0, 0);
         let mut history = [f64::INFINITY; 2];
@@ -67,12 +70,14 @@ impl Newton {
                 }
                 last_motion = f64::INFINITY;
                 iterations += 1;
-                if iterations >= tolerance.iterations {
+                // What has changed is small: it gets as many again, as long as it does not go on for ever.
+                limit = (iterations + tolerance.iterations).min(RENEWALS * tolerance.iterations);
+                if iterations >= limit {
                     return Err(Failure::Iterations(residual));
                 }
                 continue;
             }
-            if iterations >= tolerance.iterations {
+            if iterations >= limit {
                 return Err(Failure::Iterations(residual));
             }
             let factorize = fresh || residual >= QUICK * history[1];

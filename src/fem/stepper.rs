@@ -18,6 +18,7 @@ use crate::model::Model;
 use crate::record::pad_name;
 use crate::scene;
 use crate::schedule::{Grasp, Shared};
+use crate::spawn::spawn_edges;
 use crate::stepper::Stepper;
 use crate::systems::sense::{center, first_contact};
 use bevy_ecs::prelude::*;
@@ -56,19 +57,23 @@ impl Stepper for Fem {
         format!("{element}, force tolerance {:e}{pads}", s.tolerance.force.get())
     }
 
-    fn register(&self, schedule: &mut Schedule, world: &mut World) -> Result<()> {
+    fn prepare(&self, world: &mut World) -> Result<()> {
         let missing = || Error::Start("the world was not spawned for a grasp".into());
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
         let grasp = *world.get_resource::<Grasp>().ok_or_else(missing)?;
         let pose = grasp.0.object_in_hand();
         let pose = ObjectPose { position: pose.position, rotation: pose.rotation };
         world.insert_resource(Solver::new(&shared.0, pose, &self.settings)?);
-        world.init_resource::<systems::Edges>();
+        world.insert_resource(systems::Edges::default());
         if let Some(dynamics) = &shared.0.dynamics {
             world.insert_resource(Integrator::new(dynamics, grasp.0));
         }
-        systems::register(schedule, &shared.0.needs, shared.0.force_driven);
         Ok(())
+    }
+
+    fn register(&self, schedule: &mut Schedule, world: &mut World, model: &Model) {
+        spawn_edges(world, model);
+        systems::register(schedule, &model.needs, model.force_driven);
     }
 }
 
@@ -102,7 +107,7 @@ impl Solver {
             }
             scene::Solver::Condensed(c) => {
                 terms.iter_mut().for_each(|terms| terms.insert(0, Box::new(Condensed::nothing())));
-                bodies = bodies.iter().map(|b| b.condensed(&[]).map(Arc::new)).collect::<Result<_>>()?;
+                bodies = bodies.iter().map(|b| Arc::new(b.condensed(&[]))).collect();
                 condensed = Some(Condensation::new(model, loads, c.error.get()));
             }
         }
@@ -110,7 +115,7 @@ impl Solver {
         if bodies.is_empty() {
             // The terms of an object alone need a host: a body of nothing on a finger that is not there.
             let nothing = Elements::Linear(Vec::new());
-            bodies.push(Arc::new(Body::new(Vec::new(), nothing, Vec::new(), model.material.clone(), false)?));
+            bodies.push(Arc::new(Body::new(Vec::new(), nothing, Vec::new(), model.material.clone(), false)));
             (terms, closing) = (vec![Vec::new()], vec![DVec3::ZERO]);
         }
         let layout = if model.geared() { Border::geared } else { Border::new };
@@ -122,7 +127,7 @@ impl Solver {
             position: pose.position,
             rotation: pose.rotation,
         };
-        let path = Path::new(Newton::new(bodies, terms, border), state, Tolerance::default());
+        let path = Path::new(Newton::new(bodies, terms, border)?, state, Tolerance::default());
         Ok(Self { path, condensed, settings: *settings, started: false, start: pose })
     }
 

@@ -32,8 +32,8 @@ impl Block {
     /// Zeroed storage for `body` with `columns` border columns.
     pub fn new(body: &Body, columns: usize) -> Self {
         Self {
-            values: vec![0.0; body.pattern.row_idx.len()],
-            coupling: vec![0.0; columns * body.pattern.unknowns()],
+            values: vec![0.0; body.pattern().row_idx.len()],
+            coupling: vec![0.0; columns * body.unknowns()],
             hessian: true,
             ..Self::gradients(body)
         }
@@ -73,7 +73,7 @@ impl Block {
     /// `force` is the gradient in the relative displacement `delta` of the point to the object, `torque` the gradient in
     /// the object's rotation; `dd`, `dw`, `ww` are the second derivatives (delta-delta, delta-rotation, rotation-rotation).
     pub fn add_pair(&mut self, body: &Body, view: &View, stencil: &Stencil, pair: &Pair) {
-        let pattern = &body.pattern;
+        let pattern = body.pattern();
         let unknowns = pattern.unknowns();
         let (nodes, phi) = stencil.slices();
         for (&a, &pa) in nodes.iter().zip(phi) {

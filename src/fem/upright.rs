@@ -123,7 +123,7 @@ impl BodyTerm for Upright {
             kernel(&barrier).stiffness(rest, &x, project, &mut gradient, &mut stiffness);
             for (a, row) in stiffness.iter().enumerate() {
                 for (b, entry) in row.iter().enumerate().skip(a) {
-                    Pattern::add(&mut block.values, body.pattern.slot(nodes[a], nodes[b]), entry);
+                    Pattern::add(&mut block.values, body.pattern().slot(nodes[a], nodes[b]), entry);
                 }
             }
         }

@@ -25,13 +25,17 @@ impl Solver {
     }
 
     /// Goes on with whole pads where condensed ones do not get further.
-    pub(super) fn release(&mut self, model: &Model) {
+    ///
+    /// # Errors
+    /// When the stiffness of a whole pad cannot be analysed.
+    pub(super) fn release(&mut self, model: &Model) -> std::result::Result<(), String> {
         self.condensed = None;
         self.path.recover();
         for (i, finger) in model.fingers.iter().enumerate() {
-            self.path.newton.exchange(i, finger.body.clone());
+            self.path.newton.exchange(i, finger.body.clone()).map_err(|e| e.to_string())?;
             self.path.newton.terms[i].splice(0..1, gel(gel_loads(model, i, self.start)));
         }
+        Ok(())
     }
 
     /// The whole pad of finger `i`.

@@ -6,6 +6,7 @@
 
 use super::deviator::{Deviator, PARTS, deviators};
 use super::infer::product::{LANES, Packed, Rows, respond};
+use super::numbers::Numbers;
 use super::tape::Matrix;
 use crate::error::{Error, Result};
 use crate::fem::cholesky::Factor;
@@ -29,7 +30,7 @@ pub struct Compliance {
     /// Of each node that can move, where its three rows begin in `response`, over three; those of the face are first.
     pub slot: Vec<Option<u32>>,
     /// (moving nodes * 3, forces): how every component gives to each force component.
-    pub response: Vec<f32>,
+    pub response: Numbers,
     /// Deviatoric stress of every node over `E`.
     pub deviator: Deviator,
     /// The same as full matrices, for those who ask.
@@ -43,12 +44,12 @@ impl Compliance {
     /// A stiffness that is not positive definite.
     pub fn new(finger: &FingerModel, face: &[u32], thickness: f64) -> Result<Self> {
         let (body, turn) = (&finger.body, finger.placement.rotation);
-        let (pattern, symbolic) = (&body.pattern, &body.symbolic);
+        let pattern = body.pattern();
         let (free, n) = (pattern.unknowns(), body.rest.len());
         let mut values = vec![0.0; pattern.row_idx.len()];
         body.add_stiffness(&body.rest, true, &mut vec![DVec3::ZERO; n], &mut values);
-        let mut factor = Factor::new(symbolic, COLUMNS);
-        if !factor.factorize(symbolic, pattern, &values) {
+        let mut factor = Factor::new(body.symbolic()?, COLUMNS);
+        if !factor.factorize(pattern, &values) {
             return Err(Error::Mesh("the pad has no stiffness at rest: is any of its nodes bonded?".into()));
         }
         let place = |node: usize| pattern.position[node] as usize;
@@ -71,7 +72,7 @@ impl Compliance {
             for (column, (node, axis)) in solved.chunks_exact_mut(free).zip(some).filter(|(_, f)| !held(f.0)) {
                 column[3 * place(*node)..][..3].copy_from_slice(&axis.to_array());
             }
-            factor.solve(symbolic, &mut solved, some.len());
+            factor.solve(&mut solved, some.len());
             for column in solved.chunks_exact(free) {
                 let moved = moving.iter().map(|node| DVec3::from_slice(&column[3 * place(*node)..]));
                 rows.extend(moved.flat_map(|u| (turn.transpose() * u * unit).to_array().map(|v| v as f32)));
@@ -83,11 +84,11 @@ impl Compliance {
             row.iter().enumerate().for_each(|(c, v)| response[c * forces.len() + f] = *v);
         }
         let deviator = deviators(finger, &slot, thickness);
-        Ok(Self::from_parts(slot, response, forces.len(), deviator))
+        Ok(Self::from_parts(slot, response.into(), forces.len(), deviator))
     }
 
     /// One that was found earlier.
-    pub fn from_parts(slot: Vec<Option<u32>>, response: Vec<f32>, forces: usize, deviator: Deviator) -> Self {
+    pub fn from_parts(slot: Vec<Option<u32>>, response: Numbers, forces: usize, deviator: Deviator) -> Self {
         Self { nodes: slot.len(), forces, slot, response, deviator, full: OnceLock::new() }
     }
 
@@ -102,7 +103,8 @@ impl Compliance {
                     *u = slot.map_or([0.0; 3], |slot| [0, 1, 2].map(|c| row[3 * slot as usize + c]));
                 }
                 for (node, s) in s.as_chunks_mut::<5>().0.iter_mut().enumerate() {
-                    for (slot, part) in self.deviator.of(node) {
+                    let (slots, parts) = self.deviator.of(node);
+                    for (slot, part) in slots.iter().zip(parts) {
                         let [x, y, z] = [0, 1, 2].map(|c| row[3 * *slot as usize + c]);
                         let [a, b, c, d, e, f, g, h, i, j, k, l]: &[f32; PARTS] = part;
                         let add =

@@ -1,5 +1,6 @@
 //! Deviatoric stress of the nodes of a pad from small displacements, as [`crate::fem::body::Body::cauchy`] recovers it.
 
+use super::numbers::Numbers;
 use crate::element::{EDGES, RestTet, Shape, TET4, TET10};
 use crate::model::FingerModel;
 use crate::record::Elements;
@@ -10,18 +11,22 @@ use std::collections::BTreeMap;
 pub const PARTS: usize = 12;
 
 /// What every node makes of how its neighbours move.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Deviator {
     /// Where the neighbours of each node start, one more at the end.
     pub start: Vec<u32>,
-    /// Slots of the neighbours, with [`PARTS`].
-    pub neighbour: Vec<(u32, [f32; PARTS])>,
+    /// Slots of the neighbours.
+    pub slot: Vec<u32>,
+    /// (neighbours, [`PARTS`]).
+    pub parts: Numbers,
 }
 
 impl Deviator {
-    /// The neighbours of a node.
-    pub fn of(&self, node: usize) -> &[(u32, [f32; PARTS])] {
-        &self.neighbour[self.start[node] as usize..self.start[node + 1] as usize]
+    /// Slots and parts of the neighbours of a node.
+    #[inline(always)]
+    pub fn of(&self, node: usize) -> (&[u32], &[[f32; PARTS]]) {
+        let own = self.start[node] as usize..self.start[node + 1] as usize;
+        (&self.slot[own.clone()], &self.parts.as_chunks().0[own])
     }
 }
 
@@ -36,13 +41,17 @@ pub fn deviators(finger: &FingerModel, slot: &[Option<u32>], thickness: f64) -> 
         Elements::Linear(tets) => tets.iter().for_each(|t| add(&TET4, t, &pad.rest, &mut sums)),
         Elements::Quadratic(tets) => tets.iter().for_each(|t| add(&TET10, t, &pad.rest, &mut sums)),
     }
-    let mut all = Deviator { start: vec![0], neighbour: Vec::new() };
-    for (near, volume) in &sums {
-        let moving = near.iter().filter_map(|(j, g)| Some((slot[*j as usize]?, *g * (scale / volume))));
-        all.neighbour.extend(moving.map(|(j, g)| (j, parts(g))));
-        all.start.push(all.neighbour.len() as u32);
+    let (mut start, mut near, mut all) = (vec![0], Vec::new(), Vec::new());
+    for (neighbours, volume) in &sums {
+        for (j, g) in neighbours {
+            if let Some(j) = slot[*j as usize] {
+                near.push(j);
+                all.extend(parts(*g * (scale / volume)));
+            }
+        }
+        start.push(near.len() as u32);
     }
-    all
+    Deviator { start, slot: near, parts: all.into() }
 }
 
 /// Adds, for every node of a tetrahedron, the gradients of the shape functions there times the volume.

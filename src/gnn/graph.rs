@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::model::FingerModel;
 use crate::record::PadTopology;
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
@@ -164,11 +165,23 @@ fn hanging(
     depths: usize,
 ) -> Vec<Vec<(u32, f32)>> {
     let flat = |x: DVec3| DVec2::new(x.x, x.y);
+    let bounds = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|i| flat(face[i as usize]));
+        [a.min(b).min(c), a.max(b).max(c)]
+    };
+    let bounds: Vec<[DVec2; 2]> = triangles.iter().map(bounds).collect();
     let above = |x: DVec3| {
         let weights = |t: &[u32; 3]| barycentric(flat(x), t.map(|i| flat(face[i as usize])));
         // The triangle that the node is most inside of; beside the face, the least outside.
         let inside = |w: &[f64; 3]| w.iter().copied().fold(f64::INFINITY, f64::min);
-        let best = triangles.iter().map(|t| (t, weights(t))).max_by(|a, b| inside(&a.1).total_cmp(&inside(&b.1)));
+        let among = |near: &dyn Fn(&[DVec2; 2]) -> bool| {
+            let some = triangles.iter().zip(&bounds).filter(|(_, bounds)| near(bounds)).map(|(t, _)| (t, weights(t)));
+            some.max_by(|a, b| inside(&a.1).total_cmp(&inside(&b.1)))
+        };
+        let (p, margin) = (flat(x), DVec2::splat(1e-6 * thickness));
+        // Whoever is in a triangle is within its bounds.
+        let best = among(&|[low, high]| p.cmpge(*low - margin).all() && p.cmple(*high + margin).all());
+        let best = best.filter(|(_, w)| inside(w) > -1e-9).or_else(|| among(&|_| true));
         let (t, w) = best.unwrap_or((&[0, 0, 0], [1.0, 0.0, 0.0]));
         let w = w.map(|w| w.max(0.0));
         let sum: f64 = w.iter().sum();
@@ -188,7 +201,7 @@ fn hanging(
         }
         row
     };
-    nodes.iter().map(row).collect()
+    nodes.par_iter().map(row).collect()
 }
 
 /// Barycentric coordinates of `p` in a triangle.

@@ -5,9 +5,12 @@
 
 use super::compliance::Compliance;
 use super::deviator::{Deviator, PARTS};
+use super::numbers::{Map, Numbers};
 use crate::model::FingerModel;
 use crate::record::files::write_atomic;
+use pulp::bytemuck::{AnyBitPattern, NoUninit, cast_slice, cast_slice_mut};
 use safetensors::tensor::{Dtype, Metadata, TensorView, serialize};
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -34,38 +37,39 @@ pub fn read(path: &Path) -> Option<Compliance> {
     file.read_exact(&mut head).ok()?;
     let names: Metadata = serde_json::from_slice(&head).ok()?;
     let start = 8 + size as u64;
-    // Straight to where the numbers stay: the response is all but the whole file.
-    let at = |file: &mut File, name: &str, kind: Dtype| {
+    // Floats are nearly the whole file: they stay there, where the system can map it.
+    let map = Map::of(&file);
+    let mut numbers = |name: &str, kind: Dtype| {
         let info = names.info(name).filter(|i| i.dtype == kind)?;
-        file.seek(SeekFrom::Start(start + info.data_offsets.0 as u64)).ok()?;
-        Some(info.shape.clone())
+        let count = info.shape.iter().try_fold(1, |n: usize, k| n.checked_mul(*k))?;
+        let from = start + info.data_offsets.0 as u64;
+        let mapped = map.as_ref().filter(|_| kind == Dtype::F32);
+        let mapped = mapped.and_then(|map| map.numbers(usize::try_from(from).ok()?, count));
+        let numbers = mapped.or_else(|| floats(&mut file, from, count).map(Numbers::from))?;
+        Some((numbers, info.shape.last().copied().unwrap_or(1)))
     };
-    let shape = at(&mut file, "response", Dtype::F32).filter(|shape| shape.len() == 2)?;
-    let response = floats(&mut file, shape[0] * shape[1])?;
-    let count = at(&mut file, "deviator", Dtype::F32)?;
-    let parts = floats(&mut file, count.iter().product())?;
-    let mut numbers = |name: &str| {
-        let count = at(&mut file, name, Dtype::U32)?;
-        Some(floats(&mut file, count.iter().product())?.into_iter().map(f32::to_bits).collect::<Vec<u32>>())
-    };
-    let [slot, start, neighbour] = [numbers("slot")?, numbers("start")?, numbers("neighbour")?];
-    let moving = (shape[0] / 3) as u32;
+    let (response, forces) = numbers("response", Dtype::F32)?;
+    let (parts, _) = numbers("deviator", Dtype::F32)?;
+    let mut integers =
+        |name: &str| Some(numbers(name, Dtype::U32)?.0.iter().map(|v| v.to_bits()).collect::<Vec<u32>>());
+    let [slot, start, neighbour] = [integers("slot")?, integers("start")?, integers("neighbour")?];
+    let moving = (response.len() / forces.max(1) / 3) as u32;
     let slot: Vec<Option<u32>> = slot.into_iter().map(|s| (s != NONE).then_some(s)).collect();
     let whole = parts.len() == PARTS * neighbour.len()
         && start.len() == slot.len() + 1
         && start.is_sorted()
         && start.last().is_some_and(|n| *n as usize == neighbour.len())
         && slot.iter().flatten().chain(&neighbour).all(|s| *s < moving);
-    let neighbour = neighbour.into_iter().zip(parts.as_chunks::<PARTS>().0.iter().copied()).collect();
-    whole.then(|| Compliance::from_parts(slot, response, shape[1], Deviator { start, neighbour }))
+    whole.then(|| Compliance::from_parts(slot, response, forces, Deviator { start, slot: neighbour, parts }))
 }
 
-/// The next `count` numbers of a file.
-fn floats(file: &mut File, count: usize) -> Option<Vec<f32>> {
+/// The `count` numbers from byte `from` of a file on.
+fn floats(file: &mut File, from: u64, count: usize) -> Option<Vec<f32>> {
     // A file that says it holds more than it does is not believed.
-    (4 * count as u64 <= file.metadata().ok()?.len()).then_some(())?;
+    (count as u64 <= file.metadata().ok()?.len() / 4).then_some(())?;
+    file.seek(SeekFrom::Start(from)).ok()?;
     let mut numbers = vec![0.0_f32; count];
-    file.read_exact(pulp::bytemuck::cast_slice_mut(&mut numbers)).ok()?;
+    file.read_exact(cast_slice_mut(&mut numbers)).ok()?;
     if cfg!(target_endian = "big") {
         numbers.iter_mut().for_each(|v| *v = f32::from_bits(v.to_bits().swap_bytes()));
     }
@@ -74,25 +78,28 @@ fn floats(file: &mut File, count: usize) -> Option<Vec<f32>> {
 
 /// Keeps a response, whole or not at all.
 pub fn write(path: &Path, compliance: &Compliance) {
-    let bytes = |v: &mut dyn Iterator<Item = [u8; 4]>| v.flatten().collect::<Vec<u8>>();
-    let Deviator { start, neighbour } = &compliance.deviator;
+    let Deviator { start, slot, parts } = &compliance.deviator;
     let (forces, rows) = (compliance.forces, compliance.response.len() / compliance.forces.max(1));
-    let slots = compliance.slot.iter().map(|s| s.unwrap_or(NONE).to_le_bytes());
+    let slots: Vec<u32> = compliance.slot.iter().map(|s| s.unwrap_or(NONE)).collect();
     let all = [
-        ("response", Dtype::F32, vec![rows, forces], bytes(&mut compliance.response.iter().map(|v| v.to_le_bytes()))),
-        ("slot", Dtype::U32, vec![compliance.slot.len()], bytes(&mut slots.into_iter())),
-        ("start", Dtype::U32, vec![start.len()], bytes(&mut start.iter().map(|v| v.to_le_bytes()))),
-        ("neighbour", Dtype::U32, vec![neighbour.len()], bytes(&mut neighbour.iter().map(|n| n.0.to_le_bytes()))),
-        (
-            "deviator",
-            Dtype::F32,
-            vec![neighbour.len(), PARTS],
-            bytes(&mut neighbour.iter().flat_map(|n| n.1).map(f32::to_le_bytes)),
-        ),
+        ("response", Dtype::F32, vec![rows, forces], bytes(&compliance.response)),
+        ("slot", Dtype::U32, vec![slots.len()], bytes(&slots)),
+        ("start", Dtype::U32, vec![start.len()], bytes(start)),
+        ("neighbour", Dtype::U32, vec![slot.len()], bytes(slot)),
+        ("deviator", Dtype::F32, vec![slot.len(), PARTS], bytes(parts)),
     ];
     let views =
         all.iter().map(|(name, kind, shape, data)| Some((*name, TensorView::new(*kind, shape.clone(), data).ok()?)));
     let done = views.collect::<Option<Vec<_>>>().and_then(|views| serialize(views, None).ok());
     // Who cannot keep it solves again next time.
     let _ = done.map(|bytes| write_atomic(path, &bytes));
+}
+
+/// Numbers of four bytes each as they lie in a file, little endian.
+fn bytes<T: NoUninit + AnyBitPattern>(numbers: &[T]) -> Cow<'_, [u8]> {
+    let native: &[u8] = cast_slice(numbers);
+    if cfg!(target_endian = "little") {
+        return native.into();
+    }
+    native.as_chunks::<4>().0.iter().flat_map(|[a, b, c, d]| [*d, *c, *b, *a]).collect()
 }

@@ -22,6 +22,7 @@ pub mod ladder;
 pub mod loads;
 pub mod network;
 pub mod normalise;
+pub mod numbers;
 pub mod ops;
 pub mod parameters;
 pub mod predict;

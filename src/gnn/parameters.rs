@@ -23,14 +23,14 @@ pub struct Id(usize);
 /// Makes the parameters of a network, with random start values.
 #[derive(Debug)]
 pub struct Maker<T: Real = f32> {
-    random: Random,
+    random: Option<Random>,
     parameters: Parameters<T>,
 }
 
 impl<T: Real> Maker<T> {
-    /// Equal seeds give equal parameters.
-    pub fn new(seed: u64) -> Self {
-        Self { random: Random::new(seed), parameters: Parameters { names: Vec::new(), matrices: Vec::new() } }
+    /// Equal seeds give equal parameters; none is for those whose values come from a file.
+    pub fn new(seed: Option<u64>) -> Self {
+        Self { random: seed.map(Random::new), parameters: Parameters { names: Vec::new(), matrices: Vec::new() } }
     }
 
     fn add(&mut self, name: String, rows: usize, cols: usize, value: Vec<T>) -> Id {
@@ -42,7 +42,8 @@ impl<T: Real> Maker<T> {
     /// A weight (rows, cols), uniform with variance `gain / rows` (He et al. 2015 for gain 2).
     pub fn weight(&mut self, name: &str, rows: usize, cols: usize, gain: f64) -> Id {
         let limit = (3.0 * gain / rows as f64).sqrt();
-        let value = (0..rows * cols).map(|_| T::nearest((2.0 * self.random.unit() - 1.0) * limit)).collect();
+        let mut one = || self.random.as_mut().map_or(0.0, |random| 2.0 * random.unit() - 1.0);
+        let value = (0..rows * cols).map(|_| T::nearest(one() * limit)).collect();
         self.add(name.into(), rows, cols, value)
     }
 

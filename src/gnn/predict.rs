@@ -42,9 +42,16 @@ pub struct Predictor {
 pub struct Seen {
     features: Features,
     code: Encoded,
+    /// Whether stress is wanted.
+    stress: bool,
 }
 
 impl Seen {
+    /// The same for those who do not ask for stress: theirs is empty.
+    pub fn without_stress(self) -> Self {
+        Self { stress: false, ..self }
+    }
+
     /// The force that the network measures in, N.
     pub fn unit_force(&self) -> f64 {
         self.features.unit_force()
@@ -81,7 +88,7 @@ impl Predictor {
     /// A folder that holds none, or weights that do not fit its card.
     pub fn open(dir: &Path) -> Result<Self> {
         let card = Card::read(dir)?;
-        let (network, mut parameters) = build(&card.spec.network, card.spec.training.seed);
+        let (network, mut parameters) = build(&card.spec.network, None);
         parameters.load(&dir.join(WEIGHTS))?;
         let engine = match &card.spec.network {
             NetworkSpec::Face(sizes) => Some(FaceEngine::new(sizes, &parameters, &card.normalisers)),
@@ -139,7 +146,7 @@ impl Predictor {
             Some(engine) => Encoded::Engine(engine.encode(&features)),
             None => Encoded::Tape(self.network.encode(&Tape::silent(), &self.parameters, &self.inputs(&features))),
         };
-        Seen { features, code }
+        Seen { features, code, stress: true }
     }
 
     fn inputs<'a>(&'a self, features: &'a Features) -> Inputs<'a> {
@@ -162,13 +169,13 @@ impl Predictor {
         // Some at once share the reading of the weights; all would not fit into the caches of a tape.
         let most = if self.engine.is_some() { forces.len() } else { LEVELS };
         let some = forces.chunks(most.max(1)).map(|some| self.decode(seen, some));
-        Ok(some.collect::<Result<Vec<_>>>()?.concat())
+        Ok(some.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect())
     }
 
     /// The network's answer to some loads.
     fn answer(&self, seen: &Seen, loads: &Loads) -> Output {
         match (&seen.code, &self.engine) {
-            (Encoded::Engine(code), Some(engine)) => engine.decode(&seen.features, code, loads),
+            (Encoded::Engine(code), Some(engine)) => engine.decode(&seen.features, code, loads, seen.stress),
             (Encoded::Tape(code), _) => {
                 let inputs = self.inputs(&seen.features);
                 self.network.decode(&Tape::silent(), &self.parameters, &inputs, code, loads)
@@ -203,7 +210,10 @@ impl Predictor {
             let given = |k: usize| DVec3::from_slice(&loads.motion[6 * at + k..]);
             PadState {
                 displacement: own(&out.displacement, at, nodes).chunks_exact(3).map(|v| vector(v) * unit).collect(),
-                stress: own(&out.stress, at, nodes).iter().map(|s| f64::from(*s) * stress).collect(),
+                stress: if seen.stress { own(&out.stress, at, nodes) } else { &[] }
+                    .iter()
+                    .map(|s| f64::from(*s) * stress)
+                    .collect(),
                 contact,
                 travel: loads.travel[at] + depth * (travel_mean + travel_scale * f64::from(out.travel.value()[at])),
                 shift: given(0) + vector(motion) * (depth * f64::from(norms.motion[0])),

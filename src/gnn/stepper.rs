@@ -17,7 +17,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
 /// A trained model as a backend.
@@ -66,7 +66,7 @@ impl Stepper for Gnn {
         false
     }
 
-    fn register(&self, schedule: &mut Schedule, world: &mut World) -> Result<()> {
+    fn prepare(&self, world: &mut World) -> Result<()> {
         let missing = || Error::Start("the world was not spawned for a grasp".into());
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
         let graph = self.graph(&shared.0)?;
@@ -76,10 +76,13 @@ impl Stepper for Gnn {
             grasp: None,
             pads: Vec::new(),
             ahead: VecDeque::new(),
-            ladder: None,
+            ladder: OnceLock::new(),
         });
-        register(schedule, &shared.0.needs);
         Ok(())
+    }
+
+    fn register(&self, schedule: &mut Schedule, _: &mut World, model: &Model) {
+        register(schedule, &model.needs);
     }
 }
 
@@ -94,8 +97,8 @@ pub struct Prediction {
     pads: Vec<PadState>,
     /// Those of the next steps: loads that are known beforehand are decoded all at once.
     ahead: VecDeque<Vec<PadState>>,
-    /// Those at any load, for an agent.
-    ladder: Option<Ladder>,
+    /// Those at any load, for an agent; None where there is no answer to one of its loads.
+    ladder: OnceLock<Option<Ladder>>,
 }
 
 /// Puts the systems in their sets; those for what the scene does not need are left out.
@@ -132,8 +135,9 @@ fn look(
     let travel: Vec<(u32, f64)> = fingers.iter().map(|(f, t)| (f.0, t.0)).collect();
     let touch = Touch::new(&shared.0, **pose, &travel);
     let seen = prediction.predictor.look(&shared.0, &prediction.graph, &touch);
+    let seen = if shared.0.needs.stress { seen } else { seen.without_stress() };
     prediction.grasp = Some((touch, seen));
-    prediction.ladder = None;
+    prediction.ladder = OnceLock::new();
     timings.stages.insert("encode", clock.elapsed().as_secs_f64());
 }
 
@@ -158,10 +162,10 @@ fn predict(
             ahead.pop_front().map_or_else(|| predictor.at(seen, advance.level), Ok)
         }
         Some((_, seen)) => {
-            if ladder.is_none() {
-                *ladder = Ladder::new(predictor, seen).ok();
-            }
-            let known = ladder.as_ref().and_then(|ladder| ladder.at(advance.level));
+            let known = ladder
+                .get_or_init(|| Ladder::new(predictor, seen).ok())
+                .as_ref()
+                .and_then(|ladder| ladder.at(advance.level));
             known.map_or_else(|| predictor.at(seen, advance.level), Ok)
         }
         None => Err(Error::Start("the load rises before first contact".into())),

@@ -37,9 +37,10 @@ impl Stepper for Still {
     fn settings(&self) -> String {
         String::new()
     }
-    fn register(&self, _: &mut Schedule, _: &mut World) -> Result<()> {
+    fn prepare(&self, _: &mut World) -> Result<()> {
         Ok(())
     }
+    fn register(&self, _: &mut Schedule, _: &mut World, _: &Model) {}
 }
 
 impl Touch {

@@ -36,7 +36,7 @@ pub fn approach(
     let (mut first, mut deepest) = (f64::INFINITY, 0.0_f64);
     let inverse = rotation.transpose();
     let direction = inverse * closing;
-    for stencil in &surface.points {
+    for stencil in surface.points.iter() {
         let start = inverse * (stencil.position(x) - position);
         let mut t = 0.0;
         // Grazing rays converge slowly; after the cap the point is close enough to count as touching.
@@ -57,7 +57,7 @@ pub fn approach(
     }
     for feature in features {
         let point = rotation * feature.position + position;
-        for face in &surface.faces {
+        for face in surface.faces.iter() {
             let [a, b, c] = face.corners.map(|n| x[n as usize]);
             // The pad moves by t along `closing`: the point meets the face where it lies on the ray back from the point.
             if let Some(t) = cast(point, -closing, a, b, c) {

@@ -25,7 +25,6 @@ use crate::record::{PadReport, pad_name};
 use crate::scene::{self, Fingers, Loading, Motion, Scene, Stepper};
 use crate::shape::Shape;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Everything about a scene that no grasp changes.
@@ -73,7 +72,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// Builds the object, meshes the pads, and analyses their stiffness.
+    /// Builds the object and meshes the pads.
     ///
     /// # Errors
     /// [`Error::Mesh`] or [`Error::File`] naming what cannot be simulated and what to do about it.
@@ -96,10 +95,11 @@ impl Model {
             Fingers::One => 1,
             Fingers::None => 0,
         };
-        let fingers = (0..sides)
-            .into_par_iter()
-            .map(|side| FingerModel::build(side, &pad, &scene.gripper, &fem, material.clone()))
-            .collect::<Result<Vec<_>>>()?;
+        let mut fingers = Vec::new();
+        if sides > 0 {
+            fingers.push(FingerModel::build(&pad, &scene.gripper, &fem, material.clone())?);
+        }
+        fingers.extend((1..sides).map(|side| fingers[0].on(side, &scene.gripper)).collect::<Vec<_>>());
         let mass = object.mass.volume * scene.object.density.get();
         let dynamics = Dynamics::of(scene, &object, mass);
         let squeeze = matches!(scene.loading, Loading::Squeeze(_));
@@ -159,7 +159,7 @@ impl Model {
 
     /// Unknowns of the solver: per pad, travels, pose.
     pub fn unknowns(&self) -> Unknowns {
-        let pads: Vec<usize> = self.fingers.iter().map(|f| f.body.pattern.unknowns()).collect();
+        let pads: Vec<usize> = self.fingers.iter().map(|f| f.body.unknowns()).collect();
         let travels = match (self.force_driven, self.geared()) {
             (false, _) => 0,
             (true, false) => self.fingers.len(),

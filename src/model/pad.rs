@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// One finger: its pad in hand axes, and what the solver and the recorder need of it.
 #[derive(Debug)]
 pub struct FingerModel {
-    /// Rest mesh in the hand frame at zero travel, law, stiffness pattern and symbolic factor.
+    /// Rest mesh in the hand frame at zero travel, and law.
     pub body: Arc<Body>,
     /// Points of the pad's free surface that can touch the object.
     pub surface: Arc<ContactSurface>,
@@ -89,19 +89,12 @@ fn read(file: &scene::pad::FilePad, notices: &mut Vec<String>) -> Result<Pad> {
 }
 
 impl FingerModel {
-    /// Places `pad` on finger `side` (0 left, 1 right) and prepares its stiffness.
+    /// Places `pad` on the left finger.
     ///
     /// # Errors
-    /// When the stiffness cannot be analysed.
-    pub fn build(
-        side: usize,
-        pad: &Pad,
-        gripper: &Gripper,
-        fem: &scene::Fem,
-        material: Arc<dyn Material>,
-    ) -> Result<Self> {
-        let mut placement = Placement::new(side, gripper.opening.get(), gripper.placement.z.get());
-        placement.origin.y += gripper.placement.y.get();
+    /// A pad without a free surface.
+    pub fn build(pad: &Pad, gripper: &Gripper, fem: &scene::Fem, material: Arc<dyn Material>) -> Result<Self> {
+        let placement = placement(0, gripper);
         let corner_count = pad.mesh.nodes.len();
         let (nodes, elements, bonded, mean_dilatation) = match fem.element {
             Element::Linear => {
@@ -118,7 +111,7 @@ impl FingerModel {
         };
         let topology = topology(pad, &nodes, &elements, &bonded, corner_count);
         let rest: Vec<DVec3> = nodes.iter().map(|x| placement.place(*x)).collect();
-        let body = Arc::new(Body::new(rest, elements, bonded, material, mean_dilatation)?);
+        let body = Arc::new(Body::new(rest, elements, bonded, material, mean_dilatation));
         let surface = Arc::new(ContactSurface::new(&body));
         if surface.points.is_empty() {
             return Err(Error::Mesh("the pad has no free surface: every boundary face is bonded to the finger".into()));
@@ -130,6 +123,22 @@ impl FingerModel {
         };
         Ok(Self { body, surface, topology: Arc::new(topology), placement, element })
     }
+
+    /// The same pad on finger `side` (0 left, 1 right): all but where it lies is shared.
+    pub fn on(&self, side: usize, gripper: &Gripper) -> Self {
+        let placement = placement(side, gripper);
+        let rest: Vec<DVec3> = self.topology.rest.iter().map(|x| placement.place(*x)).collect();
+        let surface = Arc::new(self.surface.placed(&rest));
+        let (topology, element) = (self.topology.clone(), self.element.clone());
+        Self { body: Arc::new(self.body.placed(rest)), surface, topology, placement, element }
+    }
+}
+
+/// Where a pad sits on finger `side`.
+fn placement(side: usize, gripper: &Gripper) -> Placement {
+    let mut placement = Placement::new(side, gripper.opening.get(), gripper.placement.z.get());
+    placement.origin.y += gripper.placement.y.get();
+    placement
 }
 
 /// The pad as it is recorded.

@@ -138,7 +138,7 @@ pub fn pad_body(pad: &Pad, quadratic: bool, material: Arc<dyn tactus::material::
     let (nodes, elements) = elements(&pad.mesh, quadratic);
     let back = pad.mesh.nodes.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
     let fixed = nodes.iter().map(|p| p.z < back + 1e-9).collect();
-    Arc::new(Body::new(nodes, elements, fixed, material, true).expect("body"))
+    Arc::new(Body::new(nodes, elements, fixed, material, true))
 }
 
 impl Press {
@@ -153,7 +153,8 @@ impl Press {
         let contact = Contact::new(law, surface, setup.object);
         let terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(Elastic), Box::new(contact)];
         let x = setup.body.rest.clone();
-        let newton = Newton::new(vec![setup.body], vec![terms], Border::new(vec![DVec3::Z], false, false, 1.0));
+        let newton =
+            Newton::new(vec![setup.body], vec![terms], Border::new(vec![DVec3::Z], false, false, 1.0)).expect("solver");
         let position = setup.start + DVec3::Z * law.offset;
         let state = State { x: vec![x], travel: vec![0.0], position, rotation: DQuat::IDENTITY };
         let tolerance = Tolerance { relative: 1e-5, force: 1e-7, length: 1e-6, iterations: 60, motion: 1e-3 };

@@ -157,7 +157,7 @@ impl Condensation {
         let bodies: Vec<_> = work.map(condense).collect();
         for (i, body) in bodies.into_iter().enumerate() {
             if let Some(body) = body? {
-                path.newton.exchange(i, body);
+                path.newton.exchange(i, body).map_err(|_| Failure::Singular)?;
             }
         }
         self.install(path);
@@ -224,8 +224,9 @@ impl Condensation {
 
 /// Number of nodes that every pad would be condensed onto at first contact: the object at `pose`, the fingers at `travel` (m).
 pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec<usize> {
-    let closing: Vec<DVec3> = model.fingers.iter().map(|f| f.placement.closing).collect();
-    let border = Border::new(closing, model.force_driven, model.free, model.object.bounding_radius);
+    // Only where the pads are matters.
+    let closing = model.fingers.iter().map(|f| f.placement.closing).collect();
+    let border = Border { closing, ..Border::none(model.fingers.len()) };
     let state = State {
         x: model.fingers.iter().map(|f| f.body.rest.clone()).collect(),
         travel: travel.to_vec(),
@@ -240,7 +241,7 @@ pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec
 /// Where pad `i` carries contact.
 fn touched(path: &Path, i: usize) -> impl Iterator<Item = Stencil> + '_ {
     let points = readout::contact(&path.newton, i).into_iter().flat_map(|c| {
-        let edges = c.edges().iter().zip(&c.surface().points);
+        let edges = c.edges().iter().zip(c.surface().points.iter());
         edges.filter(|(e, _)| e.pressure > 0.0).map(|(_, stencil)| *stencil)
     });
     let features = readout::features(&path.newton, i).into_iter().flat_map(|c| {

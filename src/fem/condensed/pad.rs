@@ -90,18 +90,18 @@ impl Pad {
     pub fn condense(&mut self, x: &[DVec3], patch: Vec<u32>) -> Result<Option<Arc<Body>>, Failure> {
         let mut left = None;
         if self.eliminated.is_none() || *patch != *self.patch {
-            let body = self.body.eliminating_last(&patch).map_err(|_| Failure::Singular)?;
-            let factor = Factor::new(&body.symbolic, 1);
-            left = Some(Arc::new(self.body.condensed(&patch).map_err(|_| Failure::Singular)?));
+            let body = self.body.eliminating_last(&patch);
+            let factor = Factor::new(body.symbolic().map_err(|_| Failure::Singular)?, 1);
+            left = Some(Arc::new(self.body.condensed(&patch)));
             (self.eliminated, self.patch) = (Some((body, factor)), patch.into());
         }
         let Some((body, factor)) = &mut self.eliminated else { return Err(Failure::Singular) };
         let mut factorized = false;
         for project in [false, true] {
-            let mut values = vec![0.0; body.pattern.row_idx.len()];
+            let mut values = vec![0.0; body.pattern().row_idx.len()];
             self.gradient = loads(&self.dead, x.len());
             body.add_stiffness(x, project, &mut self.gradient, &mut values);
-            factorized = factor.factorize(&body.symbolic, &body.pattern, &values);
+            factorized = factor.factorize(body.pattern(), &values);
             if factorized {
                 break;
             }
@@ -109,7 +109,7 @@ impl Pad {
         if !factorized {
             return Err(Failure::Singular);
         }
-        self.stiffness = Arc::new(factor.condensed(&body.symbolic, 3 * self.patch.len()));
+        self.stiffness = Arc::new(factor.condensed(3 * self.patch.len()));
         let back = solve(body, factor, &self.gradient);
         self.center = x.iter().zip(back).map(|(x, w)| *x - w).collect();
         self.settled = [self.center.clone(), self.center.clone()];
@@ -164,12 +164,12 @@ fn loads(dead: &[DVec3], nodes: usize) -> Vec<DVec3> {
 
 /// Displacements under `force` (N per node), m; zero at fixed nodes.
 fn solve(body: &Body, factor: &mut Factor, force: &[DVec3]) -> Vec<DVec3> {
-    let position = &body.pattern.position;
-    let mut rhs = vec![0.0; body.pattern.unknowns()];
+    let position = &body.pattern().position;
+    let mut rhs = vec![0.0; body.unknowns()];
     for (f, &p) in force.iter().zip(position).filter(|(_, p)| **p != FIXED) {
         rhs[3 * p as usize..3 * p as usize + 3].copy_from_slice(&f.to_array());
     }
-    factor.solve(&body.symbolic, &mut rhs, 1);
+    factor.solve(&mut rhs, 1);
     let entry = |p: u32| if p == FIXED { DVec3::ZERO } else { DVec3::from_slice(&rhs[3 * p as usize..]) };
     position.iter().map(|&p| entry(p)).collect()
 }

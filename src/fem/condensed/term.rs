@@ -55,9 +55,10 @@ impl BodyTerm for Condensed {
             block.gradient[n as usize] += DVec3::from_slice(f);
         }
         if block.hessian {
-            debug_assert!(self.patch.iter().all(|&n| body.pattern.position[n as usize] != FIXED));
+            debug_assert!(self.patch.iter().all(|&n| body.pattern().position[n as usize] != FIXED));
+            let columns = &body.pattern().col_ptr;
             for (j, column) in self.stiffness.col_iter().enumerate() {
-                let values = &mut block.values[body.pattern.col_ptr[j]..body.pattern.col_ptr[j + 1]];
+                let values = &mut block.values[columns[j]..columns[j + 1]];
                 values.iter_mut().zip(column.iter().skip(j)).for_each(|(v, s)| *v += s);
             }
         }

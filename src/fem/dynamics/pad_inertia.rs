@@ -45,7 +45,7 @@ impl BodyTerm for PadInertia {
     }
 
     fn assemble(&mut self, body: &Body, view: &View, _: bool, block: &mut Block) {
-        let pattern = &body.pattern;
+        let pattern = body.pattern();
         let unknowns = pattern.unknowns();
         let scale = 1.0 / (self.step.size * self.step.size);
         for (i, (mass, x)) in self.mass.iter().zip(view.x).enumerate() {

@@ -25,14 +25,14 @@ pub struct Viscosity {
 impl Viscosity {
     /// Of a gel with retardation time `tau`, s, at rest at positions `x` (m).
     pub fn new(body: &Body, tau: f64, x: &[DVec3]) -> Self {
-        let mut values = vec![0.0; body.pattern.row_idx.len()];
+        let mut values = vec![0.0; body.pattern().row_idx.len()];
         body.add_stiffness(&body.rest, true, &mut vec![DVec3::ZERO; body.rest.len()], &mut values);
         Self { tau, stiffness: values.into(), last: x.to_vec(), size: 1.0 }
     }
 
     /// `K (x - x0)` and `x - x0` by unknown.
     fn product(&self, body: &Body, x: &[DVec3]) -> (Vec<f64>, Vec<f64>) {
-        let pattern = &body.pattern;
+        let pattern = body.pattern();
         let mut moved = vec![0.0; pattern.unknowns()];
         for ((now, before), &p) in x.iter().zip(&self.last).zip(&pattern.position) {
             if p != FIXED {
@@ -62,7 +62,7 @@ impl BodyTerm for Viscosity {
     fn assemble(&mut self, body: &Body, view: &View, _: bool, block: &mut Block) {
         let scale = self.tau / self.size;
         let (force, _) = self.product(body, view.x);
-        for (g, &p) in block.gradient.iter_mut().zip(&body.pattern.position) {
+        for (g, &p) in block.gradient.iter_mut().zip(&body.pattern().position) {
             if p != FIXED {
                 *g += DVec3::from_slice(&force[3 * p as usize..]) * scale;
             }

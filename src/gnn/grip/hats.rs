@@ -7,6 +7,7 @@ use crate::element::EDGES;
 use crate::gnn::compliance::Compliance;
 use crate::record::{Elements, PadTopology};
 use glam::DVec3;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// What a hat gives to its own force beyond the linear response: within it, too, the pressure is not even.
@@ -48,24 +49,21 @@ impl Hats {
         }
         let n = parts.len();
         let mut compliance = vec![0.0; 9 * n * n];
-        for (a, to) in parts.iter().enumerate() {
-            // How the mean displacement under the hat depends on the forces on the nodes.
-            let mut rows = vec![[0.0; 3]; 3 * face.len()];
-            for (i, part) in to {
-                for k in 0..3 {
-                    let row = response.row(face[*i as usize], k).unwrap_or_default();
-                    rows.iter_mut().zip(row).for_each(|(r, v)| r[k] += part * f64::from(*v));
+        compliance.par_chunks_exact_mut(9 * n.max(1)).zip(&parts).for_each(|(own, to)| {
+            for (k, own) in own.chunks_exact_mut(3 * n).enumerate() {
+                // How the mean displacement under the hat depends on the forces on the nodes.
+                let mut row = vec![0.0; 3 * face.len()];
+                for (i, part) in to {
+                    let given = response.row(face[*i as usize], k).unwrap_or_default();
+                    row.iter_mut().zip(given).for_each(|(r, v)| *r += part * f64::from(*v));
                 }
-            }
-            for (b, from) in parts.iter().enumerate() {
-                for (j, part) in from {
-                    for c in 0..3 {
-                        let row = rows[3 * *j as usize + c];
-                        (0..3).for_each(|k| compliance[(3 * a + k) * 3 * n + 3 * b + c] += part * row[k]);
+                for (own, from) in own.as_chunks_mut::<3>().0.iter_mut().zip(&parts) {
+                    for (j, part) in from {
+                        (0..3).for_each(|c| own[c] += part * row[3 * *j as usize + c]);
                     }
                 }
             }
-        }
+        });
         for r in 0..3 * n {
             for c in 0..r {
                 let mean = 0.5 * (compliance[r * 3 * n + c] + compliance[c * 3 * n + r]);

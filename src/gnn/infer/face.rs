@@ -224,18 +224,18 @@ impl FaceEngine {
         multiply(rows, &pools.weights, false, Some(&pools.bias), Act::Gated, out);
     }
 
-    /// The answers at some loads, in the units of the network.
-    pub fn decode(&self, f: &Features, code: &Code, loads: &Loads) -> Output {
+    /// The answers at some loads, in the units of the network; stress is empty where it is not wanted.
+    pub fn decode(&self, f: &Features, code: &Code, loads: &Loads, stress: bool) -> Output {
         let (n, nodes) = (f.graph.face.len(), f.graph.node_count);
         let heads = self.heads.run(n, f.pads, &self.normalisers, code, loads);
         let mut own = self.take();
-        let given = respond(&f.graph, &heads.contact, &loads.scale(f), &mut own.response);
+        let given = respond(&f.graph, &heads.contact, &loads.scale(f), stress, &mut own.response);
         let (displacement, stress) = given.correct(&heads, &self.normalisers);
         self.put(own);
         let items = loads.depth.len();
         Output {
             displacement: Matrix::constant(items * nodes, 3, displacement),
-            stress: Matrix::constant(items * nodes, 1, stress),
+            stress: Matrix::constant(stress.len(), 1, stress),
             contact: Matrix::constant(items * n, 3, heads.contact),
             travel: Matrix::constant(items, 1, heads.travel),
             motion: Matrix::constant(items, 6, heads.motion),

@@ -48,6 +48,7 @@ impl Packed {
     pub fn fill(&mut self, rows: usize, cols: usize, entry: impl Fn(usize, usize) -> f32) {
         (self.rows, self.cols) = (rows, padded(cols));
         self.data.clear();
+        self.data.reserve(rows * self.cols);
         for (start, width) in panels(self.cols) {
             for r in 0..rows {
                 self.data.extend((start..start + width).map(|c| if c < cols { entry(r, c) } else { 0.0 }));

@@ -22,8 +22,14 @@ pub struct Memory {
 }
 
 /// The response of a pad of this graph to `contact` (items, face nodes, 3: share, friction along x and y) times `scale`
-/// (items).
-pub fn respond<'a>(graph: &'a PadGraph, contact: &[f32], scale: &[f32], memory: &mut Memory) -> Given<'a> {
+/// (items), with its `stress` if that is wanted.
+pub fn respond<'a>(
+    graph: &'a PadGraph,
+    contact: &[f32],
+    scale: &[f32],
+    stress: bool,
+    memory: &mut Memory,
+) -> Given<'a> {
     let pad = &graph.compliance;
     let (items, k) = (scale.len(), pad.forces);
     let wide = padded(items);
@@ -42,9 +48,9 @@ pub fn respond<'a>(graph: &'a PadGraph, contact: &[f32], scale: &[f32], memory: 
     });
     let mut at_nodes = vec![0.0; pad.nodes.div_ceil(BLOCK) * BLOCK * items * 4];
     at_nodes.par_chunks_exact_mut(BLOCK * items * 4).enumerate().for_each(|(block, out)| {
-        Arch::new().dispatch(NodeBlock { pad, first: block * BLOCK, items, moved, out });
+        Arch::new().dispatch(NodeBlock { pad, first: block * BLOCK, items, moved, stress, out });
     });
-    Given { graph, pad, items, at_nodes }
+    Given { graph, pad, items, stress, at_nodes }
 }
 
 /// Displacement and von Mises' norm of the stress of some nodes, from how all have moved.
@@ -53,6 +59,7 @@ struct NodeBlock<'a> {
     first: usize,
     items: usize,
     moved: &'a [f32],
+    stress: bool,
     /// (items, [`BLOCK`], 4).
     out: &'a mut [f32],
 }
@@ -62,16 +69,16 @@ impl WithSimd for NodeBlock<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { pad, first, items, moved, out } = self;
+        let Self { pad, first, items, moved, stress, out } = self;
         let wide = padded(items);
         let lanes = S::F32_LANES;
         let load = |row: usize, at: usize| S::as_simd_f32s(&moved[row * wide + at..][..lanes]).0[0];
         let mut buffer = [0.0_f32; 4 * 16];
         for node in first..(first + BLOCK).min(pad.nodes) {
-            let near = pad.deviator.of(node);
+            let (slots, parts) = if stress { pad.deviator.of(node) } else { (&[][..], &[][..]) };
             for at in (0..items).step_by(lanes) {
                 let mut s = [simd.splat_f32s(0.0); 5];
-                for (slot, parts) in near {
+                for (slot, parts) in slots.iter().zip(parts) {
                     let row = 3 * *slot as usize;
                     let [x, y, z] = [load(row, at), load(row + 1, at), load(row + 2, at)];
                     let add = |sum, part: f32, u| simd.mul_add_e_f32s(simd.splat_f32s(part), u, sum);
@@ -107,20 +114,25 @@ pub struct Given<'a> {
     graph: &'a PadGraph,
     pad: &'a Compliance,
     items: usize,
+    stress: bool,
     /// (blocks of nodes, items, [`BLOCK`], 4): displacement and the square of the stress.
     at_nodes: Vec<f32>,
 }
 
 impl Given<'_> {
-    /// Corrected by the network, in its units: displacement (items, nodes, 3) and stress (items, nodes).
+    /// Corrected by the network, in its units: displacement (items, nodes, 3) and stress (items, nodes), empty where
+    /// it is not wanted.
     pub fn correct(&self, heads: &Channels, norms: &Normalisers) -> (Vec<f32>, Vec<f32>) {
         let (n, items, face) = (self.pad.nodes, self.items, self.graph.face.len());
-        let (mut displacement, mut stress) = (vec![0.0; items * n * 3], vec![0.0; items * n]);
+        let stresses = if self.stress { n } else { 0 };
+        let (mut displacement, mut stress) = (vec![0.0; items * n * 3], vec![0.0; items * stresses]);
         let [length, force] = [1.0 / norms.displacement, 1.0 / (norms.stress * norms.stress)];
-        let each = displacement.par_chunks_exact_mut(3 * n).zip(stress.par_chunks_exact_mut(n));
+        let mut stress_of: Vec<&mut [f32]> = stress.chunks_mut(stresses.max(1)).collect();
+        stress_of.resize_with(items, Default::default);
+        let each = displacement.par_chunks_exact_mut(3 * n).zip(stress_of);
         each.enumerate().for_each(|(item, (displacement, stress))| {
             let own = heads.item(item, face);
-            for (node, (u, s)) in displacement.as_chunks_mut::<3>().0.iter_mut().zip(stress).enumerate() {
+            for (node, u) in displacement.as_chunks_mut::<3>().0.iter_mut().enumerate() {
                 let at = ((node / BLOCK * items + item) * BLOCK + node % BLOCK) * 4;
                 let given = &self.at_nodes[at..at + 4];
                 let (mut factor, mut more, mut beyond) = (0.0, 0.0, [0.0; 6]);
@@ -130,7 +142,9 @@ impl Given<'_> {
                     more += weight * channel.stress[1];
                     beyond.iter_mut().zip(channel.displacement).for_each(|(b, v)| *b += weight * v);
                 }
-                *s = (given[3] * force + LITTLE * LITTLE).sqrt() * factor + more;
+                if let Some(s) = stress.get_mut(node) {
+                    *s = (given[3] * force + LITTLE * LITTLE).sqrt() * factor + more;
+                }
                 if self.pad.slot[node].is_some() {
                     *u = [0, 1, 2].map(|k| given[k] * length * beyond[3 + k] + beyond[k]);
                 }

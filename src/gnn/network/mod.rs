@@ -118,8 +118,8 @@ pub trait Network<T: Real = f32>: Send + Sync + std::fmt::Debug {
     ) -> Output<T>;
 }
 
-/// The network of a description and its start values.
-pub fn build<T: Real>(spec: &NetworkSpec, seed: u64) -> (Box<dyn Network<T>>, Parameters<T>) {
+/// The network of a description and its start values; without a seed for them, all weights are zero.
+pub fn build<T: Real>(spec: &NetworkSpec, seed: Option<u64>) -> (Box<dyn Network<T>>, Parameters<T>) {
     let mut maker = Maker::new(seed);
     let network: Box<dyn Network<T>> = match spec {
         NetworkSpec::Face(sizes) => Box::new(face::FaceNetwork::new(sizes, &mut maker)),

@@ -2,13 +2,14 @@
 
 use crate::gnn::real::Real;
 use crate::gnn::tape::{Matrix, Tape};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A sparse matrix by rows, and its transpose.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Sparse {
     forward: Rows,
-    transpose: Rows,
+    /// For gradients alone.
+    transpose: OnceLock<Rows>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -51,11 +52,15 @@ impl Rows {
 impl Sparse {
     /// From the entries (column, weight) of every row.
     pub fn new(rows: &[Vec<(u32, f32)>], cols: usize) -> Arc<Self> {
-        let mut columns = vec![Vec::new(); cols];
-        for (r, row) in rows.iter().enumerate() {
-            row.iter().for_each(|&(c, w)| columns[c as usize].push((r as u32, w)));
-        }
-        Arc::new(Self { forward: Rows::new(rows, cols), transpose: Rows::new(&columns, rows.len()) })
+        Arc::new(Self { forward: Rows::new(rows, cols), transpose: OnceLock::new() })
+    }
+
+    fn transpose(&self) -> &Rows {
+        self.transpose.get_or_init(|| {
+            let mut columns = vec![Vec::new(); self.cols()];
+            self.entries().for_each(|((r, c), w)| columns[c as usize].push((r, w)));
+            Rows::new(&columns, self.rows())
+        })
     }
 
     /// Row r is row `index[r]` of what it is applied to.
@@ -65,7 +70,7 @@ impl Sparse {
 
     /// Its transpose: that of a gather adds to the receivers.
     pub fn transposed(&self) -> Arc<Self> {
-        Arc::new(Self { forward: self.transpose.clone(), transpose: self.forward.clone() })
+        Arc::new(Self { forward: self.transpose().clone(), transpose: self.forward.clone().into() })
     }
 
     /// All entries: ((row, column), weight).
@@ -106,7 +111,7 @@ pub fn apply<T: Real>(tape: &Tape<T>, map: &Arc<Sparse>, x: &Matrix<T>) -> Matri
     let input = x.clone();
     tape.result(&[&input], (rows, m), y, move |grads, out| {
         if let Some(dx) = grads.of(&x) {
-            map.transpose.add(out, dx, m);
+            map.transpose().add(out, dx, m);
         }
     })
 }

@@ -73,7 +73,7 @@ impl Trainer {
     /// # Errors
     /// Data that cannot be used; a folder that holds another model.
     pub fn new(set: &DataSet, spec: &Spec, split: &str, dir: &Path) -> Result<Self> {
-        let (network, parameters) = build(&spec.network, spec.training.seed);
+        let (network, parameters) = build(&spec.network, Some(spec.training.seed));
         let sets = data::split(&set.splits, split)?;
         let (samples, range) = data::read(set, &sets.train, network.layout(), spec.training.frames.get())?;
         if samples.len() < 2 {

@@ -1,0 +1,59 @@
+//! Many numbers that never change: of this process, or a part of a file that is mapped instead of read.
+#![allow(unsafe_code, reason = "a file is mapped by a call that trusts nobody to write to it meanwhile")]
+
+use memmap2::Mmap;
+use pulp::bytemuck::try_cast_slice;
+use std::fs::File;
+use std::ops::{Deref, Range};
+use std::sync::Arc;
+
+/// A file in memory; its pages are read when they are looked at.
+#[derive(Debug, Clone)]
+pub struct Map(Arc<Mmap>);
+
+impl Map {
+    /// Of a file that is replaced as a whole, never changed in place: that is how this crate writes. None where the system
+    /// cannot map it.
+    pub fn of(file: &File) -> Option<Self> {
+        // SAFETY: see above; whoever cuts a file short that is in use ends the process, as with any mapped library.
+        let map = unsafe { Mmap::map(file) }.ok()?;
+        Some(Self(Arc::new(map)))
+    }
+
+    /// The `count` numbers (little endian) from byte `start` on; None if it does not hold as many, or not as this processor
+    /// reads them.
+    pub fn numbers(&self, start: usize, count: usize) -> Option<Numbers> {
+        let range = start..start.checked_add(count.checked_mul(4)?)?;
+        let bytes = self.0.get(range.clone())?;
+        let fits = cfg!(target_endian = "little") && try_cast_slice::<u8, f32>(bytes).is_ok();
+        fits.then(|| Numbers(Source::File(self.clone(), range)))
+    }
+}
+
+/// A slice of f32, cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Numbers(Source);
+
+#[derive(Debug, Clone)]
+enum Source {
+    Own(Arc<Vec<f32>>),
+    File(Map, Range<usize>),
+}
+
+impl From<Vec<f32>> for Numbers {
+    fn from(numbers: Vec<f32>) -> Self {
+        Self(Source::Own(Arc::new(numbers)))
+    }
+}
+
+impl Deref for Numbers {
+    type Target = [f32];
+
+    fn deref(&self) -> &[f32] {
+        match &self.0 {
+            Source::Own(numbers) => numbers,
+            // Checked when it was made.
+            Source::File(map, range) => try_cast_slice(&map.0[range.clone()]).unwrap_or_default(),
+        }
+    }
+}
