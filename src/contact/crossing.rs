@@ -8,19 +8,23 @@ use crate::fem::state::View;
 use crate::shape::Stretch;
 use glam::DVec3;
 
-/// Depth that does not matter, m.
-const SHALLOW: f64 = 4e-6;
 /// Depth that no state has which is nearly in equilibrium, m.
 const DEEP: f64 = 1e-4;
 /// Length to which the deepest place is found, m.
 const FINE: f64 = 2e-5;
 
-/// The point of a stretch that is deepest in the pad, object axes, m; None if none is deeper than four micrometres.
-pub(super) fn deepest(bounds: &FaceBounds, surface: &ContactSurface, view: &View, stretch: &Stretch) -> Option<DVec3> {
+/// The point of a stretch that is deepest in the pad, object axes, m; None if none is deeper than `least` (m).
+pub(super) fn deepest(
+    bounds: &FaceBounds,
+    surface: &ContactSurface,
+    view: &View,
+    stretch: &Stretch,
+    least: f64,
+) -> Option<DVec3> {
     // The distance changes no faster than the point moves, along an arc a little more than along its chord: parts that cannot go
     // deeper than what is found are skipped.
     let length = ARC * stretch.length();
-    let mut best = (-SHALLOW, None);
+    let mut best = (-least, None);
     let mut parts = vec![(0.0, 1.0)];
     while let Some((from, to)) = parts.pop() {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from) * length);

@@ -231,8 +231,11 @@ impl BodyTerm for FeatureContact {
     }
 }
 
+/// Depth of another place of its edge from which a feature goes there, m: nothing presses on it, or something does.
+const FREE: f64 = 4e-6;
+const PRESSED: f64 = 7e-6;
 /// Moves of a feature along its edge in one increment, at most.
-const MOVES: u32 = 3;
+const MOVES: u32 = 2;
 
 impl Site {
     /// The face that it was nearest to.
@@ -253,8 +256,11 @@ impl FeatureContact {
         let mut stay = true;
         for (i, (feature, site)) in self.features.iter().zip(&mut self.sites).enumerate() {
             let Some(stretch) = &feature.along else { continue };
+            // If one that is pressed leaves its place, the pad comes through there: for little it stays.
+            let most = if self.pool.edges[i].pressure > 0.0 { PRESSED } else { FREE };
             let near = site.moves < MOVES && self.far.within(i, site.place(view), moved, stretch.length());
-            let Some(deepest) = near.then(|| deepest(&self.bounds, &self.surface, view, stretch)).flatten() else {
+            let Some(deepest) = near.then(|| deepest(&self.bounds, &self.surface, view, stretch, most)).flatten()
+            else {
                 continue;
             };
             site.position = deepest;

@@ -78,9 +78,9 @@ fn kind(shape: &o::Shape) -> ShapeKind {
 }
 
 /// Features of the object for a pad whose points lie `spacing` (m) apart: half of it along sharp edges, and one on every stretch of
-/// an edge between facets that is twice as long.
+/// an edge between facets that is as long as that.
 pub fn features(shape: &Shape, spacing: f64) -> Arc<[Feature]> {
     let points = shape.features.sample(0.5 * spacing).into_iter();
     let fixed = points.map(|f| Feature { position: f.position, sharp: f.sharp, along: None });
-    fixed.chain(shape.features.stretches(2.0 * spacing).map(Feature::along)).collect()
+    fixed.chain(shape.features.stretches(spacing).map(Feature::along)).collect()
 }
