@@ -16,6 +16,7 @@ pub mod inversion;
 pub mod penetration;
 pub mod solid;
 pub mod system;
+pub mod tetrahedra;
 pub mod triangle;
 
 pub use system::{Audited, audit_frame};
@@ -25,10 +26,11 @@ use crate::record::Frame;
 use crate::scene;
 use crate::shape::Shape;
 use glam::DVec3;
-use penetration::{ObjectPoints, PadSurface, Tetrahedra};
+use penetration::{ObjectPoints, PadSurface};
 use rayon::prelude::*;
 use serde::Serialize;
 use solid::Solid;
+use tetrahedra::Tetrahedra;
 
 /// What the audit of a frame, or of all frames of a grasp, found.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
