@@ -19,16 +19,12 @@ pub const NEAR: f64 = 5e-4;
 const MOST: f64 = 64.0;
 
 impl Cells {
-    /// Sorts faces, given by the ends of boxes around them (m), into cells half as wide as a face.
-    pub fn update(&mut self, boxes: &[[DVec3; 2]]) {
-        let mut span = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        let mut width = 0.0;
-        for [low, high] in boxes {
-            span = [span[0].min(*low), span[1].max(*high)];
-            width += (*high - *low).max_element();
-        }
-        let extent = (span[1] - span[0]).max(DVec3::ZERO) + 2.0 * NEAR;
-        self.low = span[0] - NEAR;
+    /// Sorts faces, given by the ends of boxes around them (m), into cells half as wide as a face; the box from `low` to `high` is
+    /// around them all.
+    pub fn update(&mut self, boxes: &[[DVec3; 2]], low: DVec3, high: DVec3) {
+        let width: f64 = boxes.iter().map(|[low, high]| (*high - *low).max_element()).sum();
+        let extent = (high - low).max(DVec3::ZERO) + 2.0 * NEAR;
+        self.low = low - NEAR;
         self.size = (0.5 * width / boxes.len().max(1) as f64).max(extent.max_element() / MOST);
         self.count = (extent / self.size).as_uvec3() + 1;
         let mut next = vec![0; (self.count.x * self.count.y * self.count.z) as usize + 1];

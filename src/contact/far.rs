@@ -12,7 +12,7 @@ const STALE: f64 = 2e-4;
 pub(super) struct Far {
     /// Node positions then, m.
     x: Vec<DVec3>,
-    /// Where each feature was, relative to the finger, and how far outside the pad, m.
+    /// Where each feature was, relative to the finger, and how far outside the pad at least, m.
     features: Vec<(DVec3, f64)>,
 }
 

@@ -2,11 +2,12 @@
 //!
 //! An edge of the object folds the pad around it, and comes to rest in the fold: in truth it touches both flanks. The least of their
 //! distances has a kink there, about which Newton's method would jump for ever; the sum over both has none (see
-//! [`Rings::weights`](crate::mesh::rings::Rings::weights)).
+//! [`Rings::beside`](crate::mesh::rings::Rings::beside)).
 
 use super::project::{FaceBounds, Foot, ON_RIM, carried_on, on_edge, on_face};
 use super::surface::ContactSurface;
-use crate::mesh::rings::{Part, Place};
+use crate::mesh::rings::{Part, Place, View};
+use crate::shape::outer;
 use glam::{DMat3, DVec3};
 
 /// A foot, its weight in the sum over all of them, and how the direction to it turns as the feature moves, 1/m.
@@ -52,7 +53,7 @@ impl FaceBounds {
         if inside(surface, x, &nearest, 2.0 * reach) && last.is_none_or(|face| face == nearest.face) {
             return vec![(nearest, 1.0, DMat3::ZERO)];
         }
-        let others = beside(surface, x, y, reach, &nearest);
+        let others = self.beside(surface, x, y, reach, &nearest);
         let shallow = |foot: &Foot| foot.normal.dot(nearest.normal) > SHALLOW;
         if others.iter().all(|(foot, ..)| shallow(foot)) {
             let kept = last.and_then(|face| carried_on(face, &surface.faces[face], x, y));
@@ -63,6 +64,37 @@ impl FaceBounds {
         flanks.extend(others);
         flanks
     }
+
+    /// All feet within `reach` but the nearest.
+    fn beside(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, reach: f64, nearest: &Foot) -> Vec<Flank> {
+        let view = |t: u32| {
+            let (i, face) = (t as usize, &surface.faces[t as usize]);
+            if self.away(i, face, x, y, reach) >= reach {
+                return View::Beyond;
+            }
+            match on_face(i, face, x, y) {
+                foot if foot.gap.abs() >= reach => View::Beyond,
+                foot if foot.part() == Part::Face && foot.gap < 0.0 => View::Behind,
+                foot => View::At(foot.part()),
+            }
+        };
+        let along = |t: u32, i: usize| {
+            let l = on_edge(&surface.faces[t as usize], x, (i + 2) % 3, y);
+            if l[i] <= ON_RIM {
+                Part::Corner((i + 1) % 3)
+            } else if l[(i + 1) % 3] <= ON_RIM {
+                Part::Corner(i)
+            } else {
+                Part::Edge(i)
+            }
+        };
+        let others = surface.rings.beside(nearest.face as u32, nearest.part(), view, along).into_iter();
+        others
+            .filter_map(|(place, weight)| {
+                outside(surface, x, y, place).map(|(foot, curvature)| (foot, weight, curvature))
+            })
+            .collect()
+    }
 }
 
 /// Whether a foot lies farther than `margin` (m) from the rim of its face.
@@ -71,46 +103,6 @@ fn inside(surface: &ContactSurface, x: &[DVec3], foot: &Foot, margin: f64) -> bo
     let twice = (b - a).cross(c - a).length();
     let edges = [(c - b).length(), (a - c).length(), (b - a).length()];
     (0..3).all(|k| foot.l[k] * twice > margin * edges[k])
-}
-
-/// All feet within `reach` but the nearest.
-fn beside(surface: &ContactSurface, x: &[DVec3], y: DVec3, reach: f64, nearest: &Foot) -> Vec<Flank> {
-    let rings = &surface.rings;
-    let own = nearest.face as u32;
-    let mut found = Vec::new();
-    for i in rings.ring(own) {
-        let foot = if i == own { *nearest } else { on_face(i as usize, &surface.faces[i as usize], x, y) };
-        if i != own && foot.gap.abs() >= reach {
-            continue;
-        }
-        if i != own && foot.part() == Part::Face && foot.gap < 0.0 {
-            // Behind the other side of a thin ridge: nothing but the nearest point counts.
-            return Vec::new();
-        }
-        found.push((i, foot.part()));
-    }
-    if found.len() < 2 {
-        return Vec::new();
-    }
-    let along = |t: u32, i: usize| {
-        let l = on_edge(&surface.faces[t as usize], x, (i + 2) % 3, y);
-        if l[i] <= ON_RIM {
-            Part::Corner((i + 1) % 3)
-        } else if l[(i + 1) % 3] <= ON_RIM {
-            Part::Corner(i)
-        } else {
-            Part::Edge(i)
-        }
-    };
-    let mut weights = rings.weights(&found, along);
-    let first = rings.place(own, nearest.part());
-    weights.iter_mut().filter(|(place, _)| *place == first).for_each(|(_, weight)| *weight -= 1.0);
-    let more = weights.into_iter().filter(|(_, weight)| *weight != 0.0);
-    more.filter_map(|(place, weight)| {
-        let (foot, curvature) = outside(surface, x, y, place)?;
-        Some((foot, weight, curvature))
-    })
-    .collect()
 }
 
 /// The foot on a place of the surface that faces `y`, and how the direction to it turns.
@@ -132,8 +124,4 @@ fn outside(surface: &ContactSurface, x: &[DVec3], y: DVec3, place: Place) -> Opt
     let normal = away.try_normalize()?;
     let across = DMat3::IDENTITY - outer(along) - outer(normal);
     Some((Foot::at(face as usize, l, away.length(), normal), across * away.length().recip()))
-}
-
-fn outer(n: DVec3) -> DMat3 {
-    DMat3::from_cols(n * n.x, n * n.y, n * n.z)
 }

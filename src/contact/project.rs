@@ -29,8 +29,9 @@ impl Foot {
 /// Bounds of the faces of a deformed surface, to skip most of them.
 #[derive(Debug, Clone, Default)]
 pub struct FaceBounds {
-    spheres: Vec<(DVec3, f64)>,
     boxes: Vec<[DVec3; 2]>,
+    /// How far each face bulges from its flat triangle, m.
+    bulges: Vec<f64>,
     cells: Cells,
     min: DVec3,
     max: DVec3,
@@ -39,31 +40,31 @@ pub struct FaceBounds {
 impl FaceBounds {
     /// Bounds of every face at node positions `x`.
     pub fn update(&mut self, surface: &ContactSurface, x: &[DVec3]) {
-        self.spheres.clear();
         self.boxes.clear();
+        self.bulges.clear();
         (self.min, self.max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for face in surface.faces.iter() {
             let mut nodes = [DVec3::ZERO; 6];
-            let mut count = 3;
+            let (mut count, mut sagitta) = (3, 0.0_f64);
             for (k, n) in face.corners.iter().enumerate() {
                 nodes[k] = x[*n as usize];
             }
             if let Some(mids) = face.mids {
                 for (k, n) in mids.iter().enumerate() {
                     // The Bezier control point of the edge bounds the curve: 2 m - (a + b) / 2.
-                    nodes[3 + k] = x[*n as usize] * 2.0 - (nodes[k] + nodes[(k + 1) % 3]) * 0.5;
+                    let middle = (nodes[k] + nodes[(k + 1) % 3]) * 0.5;
+                    nodes[3 + k] = x[*n as usize] * 2.0 - middle;
+                    sagitta = sagitta.max(x[*n as usize].distance(middle));
                 }
                 count = 6;
             }
-            let nodes = &nodes[..count];
-            let center = nodes.iter().sum::<DVec3>() / count as f64;
-            let radius = nodes.iter().map(|p| p.distance(center)).fold(0.0, f64::max);
-            self.spheres.push((center, radius));
-            let around = nodes.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |b, p| [b[0].min(*p), b[1].max(*p)]);
+            self.bulges.push(BULGE * sagitta);
+            let around =
+                nodes[..count].iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |b, p| [b[0].min(*p), b[1].max(*p)]);
             (self.min, self.max) = (self.min.min(around[0]), self.max.max(around[1]));
             self.boxes.push(around);
         }
-        self.cells.update(&self.boxes);
+        self.cells.update(&self.boxes, self.min, self.max);
     }
 
     /// Closest point of the surface to `y` if nearer than `reach` outside, or anywhere inside the gel near the surface.
@@ -91,12 +92,7 @@ impl FaceBounds {
     }
 
     fn nearest_of_all(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3) -> Option<Foot> {
-        let squared = |i: usize| y.distance_squared(self.spheres[i].0);
-        // The face whose centre is nearest first: it leaves few others that could win.
-        let all = 0..self.spheres.len();
-        let first = all.clone().map(|i| (squared(i), i)).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i);
-        let order = first.into_iter().chain(all.filter(|i| Some(*i) != first));
-        self.nearest(surface, x, y, order, f64::INFINITY)
+        self.nearest(surface, x, y, 0..self.boxes.len(), f64::INFINITY)
     }
 
     /// Closest point on those of `faces` that are nearer than `limit`.
@@ -105,31 +101,55 @@ impl FaceBounds {
         surface: &ContactSurface,
         x: &[DVec3],
         y: DVec3,
-        faces: impl Iterator<Item = usize>,
+        faces: impl Iterator<Item = usize> + Clone,
         limit: f64,
     ) -> Option<Foot> {
-        let (mut best, mut nearest) = (None, limit);
-        for i in faces {
-            // A face can only win if its sphere comes closer than the best foot; nearly always that is a near one.
-            let (center, radius) = self.spheres[i];
-            if y.distance_squared(center) < (nearest + radius).powi(2) {
-                let foot = on_face(i, &surface.faces[i], x, y);
-                let distance = foot.gap.abs();
-                // On the edge that two faces share only the one that the point lies over knows on which side it is.
-                let better = match best {
-                    Some(Foot { facing, .. }) if (distance - nearest).abs() <= TIE * nearest => foot.facing > facing,
-                    _ => distance < nearest,
-                };
-                if better {
-                    nearest = distance;
-                    best = Some(foot);
-                }
+        // The face that promises to be nearest goes first: it leaves few others that could win.
+        let (mut first, mut least) = (None, limit);
+        for i in faces.clone() {
+            let away = self.away(i, &surface.faces[i], x, y, least);
+            if away < least {
+                (first, least) = (Some(i), away);
+            }
+        }
+        let (mut best, mut nearest): (Option<Foot>, f64) = (None, limit);
+        for i in first.into_iter().chain(faces.filter(|i| Some(*i) != first)) {
+            let most = nearest * (1.0 + TIE);
+            if self.away(i, &surface.faces[i], x, y, most) > most {
+                continue;
+            }
+            let foot = on_face(i, &surface.faces[i], x, y);
+            let distance = foot.gap.abs();
+            // On the edge that two faces share only the one that the point lies over knows on which side it is.
+            let better = match best {
+                Some(Foot { facing, .. }) if (distance - nearest).abs() <= TIE * nearest => foot.facing > facing,
+                _ => distance < nearest,
+            };
+            if better {
+                nearest = distance;
+                best = Some(foot);
             }
         }
         best.map(|foot| foot.signed(surface, x, y))
     }
+
+    /// How far face `i` is from `y` at least, m: its flat triangle, less how far it bulges from it. No more is found out than that it is
+    /// beyond `limit` (m), where its box is.
+    pub(super) fn away(&self, i: usize, face: &Face, x: &[DVec3], y: DVec3, limit: f64) -> f64 {
+        let [low, high] = self.boxes[i];
+        let beyond = y.clamp(low, high).distance(y);
+        if beyond > limit {
+            return beyond;
+        }
+        let [a, b, c] = face.corners.map(|n| x[n as usize]);
+        let l = clamp_to_triangle(project_flat(a, b, c, y), a, b, c, y);
+        ((a * l[0] + b * l[1] + c * l[2]).distance(y) - self.bulges[i]).max(beyond)
+    }
 }
 
+/// How far a quadratic face may be from its flat triangle over how far the middles of its edges are: the most that the sum of their
+/// shape functions can be.
+const BULGE: f64 = 4.0 / 3.0;
 /// Relative difference of distances that is rounding.
 const TIE: f64 = 1e-9;
 /// Barycentric coordinate below which a point lies on the rim of its face.

@@ -22,6 +22,17 @@ pub enum Place {
     Corner(u32),
 }
 
+/// How a point sees a triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum View {
+    /// It is out of reach.
+    Beyond,
+    /// It is nearest from its back: the other side of a thin ridge.
+    Behind,
+    /// This part of it is nearest.
+    At(Part),
+}
+
 /// What the triangles of a surface share.
 #[derive(Debug, Clone, Default)]
 pub struct Rings {
@@ -96,7 +107,7 @@ impl Rings {
     }
 
     /// The triangles that share a vertex with `triangle`, itself included, ascending.
-    pub fn ring(&self, triangle: u32) -> Vec<u32> {
+    fn ring(&self, triangle: u32) -> Vec<u32> {
         let mut ring: Vec<u32> =
             self.corners[triangle as usize].iter().flat_map(|v| self.around(*v)).copied().collect();
         ring.sort_unstable();
@@ -114,6 +125,35 @@ impl Rings {
         }
     }
 
+    /// What presses on a point beside its closest place, the part `nearest` of triangle `own`: other places, with weights in a sum in
+    /// which that of the closest is 1 (inclusion and exclusion). `view` says how the point sees the triangles around; `along`, where on an
+    /// edge, the given one of the given triangle, the closest point is.
+    pub fn beside(
+        &self,
+        own: u32,
+        nearest: Part,
+        view: impl Fn(u32) -> View,
+        along: impl Fn(u32, usize) -> Part,
+    ) -> Vec<(Place, f64)> {
+        let mut found = Vec::new();
+        for t in self.ring(own) {
+            match if t == own { View::At(nearest) } else { view(t) } {
+                View::Beyond => {}
+                View::At(part) => found.push((t, part)),
+                // There nothing but the closest place counts.
+                View::Behind => return Vec::new(),
+            }
+        }
+        if found.len() < 2 {
+            return Vec::new();
+        }
+        let closest = self.place(own, nearest);
+        let mut weights = self.weights(&found, along);
+        weights.iter_mut().filter(|(place, _)| *place == closest).for_each(|(_, weight)| *weight -= 1.0);
+        weights.retain(|(_, weight)| *weight != 0.0);
+        weights
+    }
+
     /// The places that a point presses against, with weights, when energies of its distances add up.
     ///
     /// In a valley a point touches both flanks, and the sum over triangles is smooth where the least of their distances has a
@@ -121,9 +161,8 @@ impl Rings {
     /// within reach are taken off and vertices added again, and the sum is that of one touch (inclusion and exclusion; Li,
     /// Ferguson, Schneider et al. 2023, "Convergent incremental potential contact", section 4).
     ///
-    /// `found` are the triangles within reach and the part of each that is closest; `along` says where on an edge, the given one of
-    /// the given triangle, the closest point is.
-    pub fn weights(&self, found: &[(u32, Part)], along: impl Fn(u32, usize) -> Part) -> Vec<(Place, f64)> {
+    /// `found` are the triangles within reach and the part of each that is closest.
+    fn weights(&self, found: &[(u32, Part)], along: impl Fn(u32, usize) -> Part) -> Vec<(Place, f64)> {
         let mut weights: Vec<(Place, f64)> = Vec::new();
         let mut add = |place: Place, weight: f64| match weights.iter_mut().find(|(p, _)| *p == place) {
             Some(known) => known.1 += weight,

@@ -6,7 +6,7 @@
 
 use crate::error::Result;
 use crate::mesh::TriMesh;
-use crate::mesh::rings::{Part, Place, Rings};
+use crate::mesh::rings::{Part, Place, Rings, View};
 use crate::shape::bvh::Bvh;
 use crate::shape::facet::Facet;
 use crate::shape::lattice::Lattice;
@@ -120,27 +120,17 @@ impl MeshDistance {
         if nearest == Part::Face && f.margin(q) > 2.0 * felt {
             return Vec::new();
         }
-        let mut found = Vec::new();
-        for t in self.rings.ring(f.triangle) {
+        let view = |t: u32| {
             let other = &self.bvh.facets[self.facet[t as usize] as usize];
-            let (squared, part) = other.nearest_within(q, felt * felt);
-            if t != f.triangle && squared >= felt * felt {
-                continue;
+            match other.nearest_within(q, felt * felt) {
+                (squared, _) if squared >= felt * felt => View::Beyond,
+                (_, Part::Face) if other.n.dot(q - other.origin) < 0.0 => View::Behind,
+                (_, part) => View::At(other.in_mesh(part)),
             }
-            if t != f.triangle && part == Part::Face && other.n.dot(q - other.origin) < 0.0 {
-                // Behind the other side of a thin ridge: nothing but the nearest point counts.
-                return Vec::new();
-            }
-            found.push((t, other.in_mesh(if t == f.triangle { nearest } else { part })));
-        }
-        if found.len() < 2 {
-            return Vec::new();
-        }
-        let first = self.rings.place(f.triangle, f.in_mesh(nearest));
-        let mut weights = self.rings.weights(&found, |t, i| self.along(q, t, i).1);
-        weights.iter_mut().filter(|(place, _)| *place == first).for_each(|(_, weight)| *weight -= 1.0);
-        let more = weights.into_iter().filter(|(_, weight)| *weight != 0.0);
-        more.filter_map(|(place, weight)| Some((self.outside(q, place)?, weight))).collect()
+        };
+        let along = |t, i| self.along(q, t, i).1;
+        let others = self.rings.beside(f.triangle, f.in_mesh(nearest), view, along).into_iter();
+        others.filter_map(|(place, weight)| Some((self.outside(q, place)?, weight))).collect()
     }
 
     /// The point of edge `i` of triangle `t` that is closest to `q`, and the part of the triangle it is.
