@@ -107,28 +107,43 @@ impl PadSurface {
         if inside.peek().is_none() {
             return 0.0;
         }
-        let skin = self.parts().map(|(face, part)| Piece::new(self, *face, part, x)).collect::<Vec<_>>();
-        inside.map(|p| self.distance(p, &skin, x)).fold(0.0, f64::max)
+        let spheres: Vec<(DVec3, f64)> = self.faces.iter().map(|face| self.sphere(face, x)).collect();
+        inside.map(|p| self.distance(p, &spheres, x)).fold(0.0, f64::max)
     }
 
-    /// Distance of `p` to the free surface, of which `skin` are the pieces, m. Where a curved face is folded its flat pieces miss it by
+    /// Distance of `p` to the free surface, whose faces are in `spheres`, m. Where a curved face is folded its flat pieces miss it by
     /// more than matters: those that are near are cut into four until they do not.
-    fn distance(&self, p: DVec3, skin: &[Piece], x: &[DVec3]) -> f64 {
+    fn distance(&self, p: DVec3, spheres: &[(DVec3, f64)], x: &[DVec3]) -> f64 {
         let away = |pieces: &[Piece]| -> Vec<f64> {
             pieces.iter().map(|piece| triangle::distance(&[piece.flat], p)).collect()
         };
         let least = |distances: &[f64]| distances.iter().copied().fold(f64::INFINITY, f64::min);
-        let mut distances = away(skin);
-        let (mut near, mut slack) = (Vec::new(), 0.5 * self.spacing);
-        for cut in 0..if self.quadratic { CUTS } else { 0 } {
+        let mut slack = 0.5 * self.spacing;
+        let farthest = spheres.iter().map(|(center, radius)| center.distance(p) + radius).fold(f64::INFINITY, f64::min);
+        let reached = |i: usize| spheres[i].0.distance(p) - spheres[i].1 <= farthest + slack;
+        let faces = (0..self.faces.len()).filter(|i| reached(*i)).map(|i| &self.faces[i]);
+        let mut near: Vec<Piece> =
+            faces.flat_map(|face| parts().map(|part| Piece::new(self, *face, part, x))).collect();
+        let mut distances = away(&near);
+        for _ in 0..if self.quadratic { CUTS } else { 0 } {
             let close = least(&distances) + slack;
-            let pieces = if cut == 0 { skin } else { &near };
-            let pieces = pieces.iter().zip(&distances).filter(|(_, d)| **d <= close);
+            let pieces = near.iter().zip(&distances).filter(|(_, d)| **d <= close);
             near = pieces.flat_map(|(piece, _)| piece.quarters(self, x)).collect();
             distances = away(&near);
             slack *= 0.25;
         }
         least(&distances)
+    }
+
+    /// A sphere around a face.
+    fn sphere(&self, face: &[u32; 6], x: &[DVec3]) -> (DVec3, f64) {
+        let n = face.map(|i| x[i as usize]);
+        let center = n.iter().sum::<DVec3>() / 6.0;
+        // The control points of a quadratic face are around it.
+        let middle =
+            |m: usize, i: usize, j: usize| if self.quadratic { n[m] * 2.0 - (n[i] + n[j]) * 0.5 } else { n[m] };
+        let around = [n[0], n[1], n[2], middle(3, 0, 1), middle(4, 1, 2), middle(5, 2, 0)];
+        (center, around.iter().map(|p| p.distance(center)).fold(0.0, f64::max))
     }
 
     /// Whether a point of the drawing belongs to the object: chords over a hollow do not.
@@ -142,27 +157,7 @@ impl PadSurface {
     /// Points of the free surface itself, one for each of its triangles, m.
     fn points<'a>(&'a self, x: &'a [DVec3]) -> impl Iterator<Item = DVec3> + 'a {
         let center = |part: [[f64; 3]; 3]| [0, 1, 2].map(|k| (part[0][k] + part[1][k] + part[2][k]) / 3.0);
-        self.parts().map(move |(face, part)| self.point(face, center(part), x))
-    }
-
-    /// Every part of every face, given by the barycentric coordinates of its corners.
-    fn parts(&self) -> impl Iterator<Item = (&[u32; 6], [[f64; 3]; 3])> {
-        let m = PARTS;
-        let at = |i: usize, j: usize| [m - i - j, i, j].map(|k| k as f64 / m as f64);
-        let (mut parts, mut n) = ([[[0.0; 3]; 3]; PARTS * PARTS], 0);
-        let mut push = |part| {
-            parts[n] = part;
-            n += 1;
-        };
-        for i in 0..m {
-            for j in 0..m - i {
-                push([at(i, j), at(i + 1, j), at(i, j + 1)]);
-                if i + j + 1 < m {
-                    push([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
-                }
-            }
-        }
-        self.faces.iter().flat_map(move |face| parts.into_iter().map(move |part| (face, part)))
+        self.faces.iter().flat_map(move |face| parts().map(move |part| self.point(face, center(part), x)))
     }
 
     /// The point of a face at barycentric coordinates `l`, m.
@@ -174,6 +169,18 @@ impl PadSurface {
         let corners: DVec3 = (0..3).map(|k| n[k] * (l[k] * (2.0 * l[k] - 1.0))).sum();
         corners + n[3] * (4.0 * l[0] * l[1]) + n[4] * (4.0 * l[1] * l[2]) + n[5] * (4.0 * l[2] * l[0])
     }
+}
+
+/// Every part of a face, given by the barycentric coordinates of its corners.
+fn parts() -> impl Iterator<Item = [[f64; 3]; 3]> {
+    let at = |i: usize, j: usize| [PARTS - i - j, i, j].map(|k| k as f64 / PARTS as f64);
+    let row = move |i: usize| {
+        (0..PARTS - i).flat_map(move |j| {
+            let under = (i + j + 1 < PARTS).then(|| [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+            std::iter::once([at(i, j), at(i + 1, j), at(i, j + 1)]).chain(under)
+        })
+    };
+    (0..PARTS).flat_map(row)
 }
 
 /// How often pieces are cut to find the distance to them: until they bulge by a thousandth of what they did.

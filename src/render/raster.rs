@@ -26,19 +26,19 @@ pub struct Raster {
     samples: Vec<Sample>,
 }
 
-/// One sample: its depth, whose it is (0 = nobody's) and its colour, 0..=255.
+/// One sample: its depth, whose it is (0 = nobody's) and its colour. Small, for there are millions.
 #[derive(Clone, Copy)]
 struct Sample {
-    depth: f64,
+    depth: f32,
     body: u8,
-    rgb: [f32; 3],
+    rgb: Rgb,
 }
 
 impl Raster {
     /// An empty rectangle of `width` x `height` pixels.
     pub fn new(width: usize, height: usize) -> Self {
         let (width, height) = (width * SUPER, height * SUPER);
-        let empty = Sample { depth: f64::INFINITY, body: 0, rgb: [0.0; 3] };
+        let empty = Sample { depth: f32::INFINITY, body: 0, rgb: [0; 3] };
         Raster { width, height, samples: vec![empty; width * height] }
     }
 
@@ -60,12 +60,13 @@ impl Raster {
                 if weights.iter().any(|&w| w < -1e-9) {
                     continue;
                 }
-                let depth = weights[0] * a.z + weights[1] * b.z + weights[2] * c.z;
+                let depth = (weights[0] * a.z + weights[1] * b.z + weights[2] * c.z) as f32;
                 let sample = &mut self.samples[row * self.width + column];
                 if depth < sample.depth {
                     let value = (0..3).map(|i| weights[i] * corners[i].value).sum();
                     let normal: DVec3 = (0..3).map(|i| weights[i] * corners[i].normal).sum();
-                    *sample = Sample { depth, body, rgb: shade(value, normal.normalize_or_zero()) };
+                    let rgb = shade(value, normal.normalize_or_zero()).map(byte);
+                    *sample = Sample { depth, body, rgb };
                 }
             }
         }
@@ -86,7 +87,7 @@ impl Raster {
             }
         }
         for index in edges {
-            self.samples[index].rgb = self.samples[index].rgb.map(|c| c * (1.0 - strength));
+            self.samples[index].rgb = self.samples[index].rgb.map(|c| byte(f32::from(c) * (1.0 - strength)));
         }
     }
 
@@ -94,22 +95,26 @@ impl Raster {
     pub fn paste(&self, page: &mut Pixmap, x: i32, y: i32, opacity: f32) {
         for row in 0..self.height / SUPER {
             for column in 0..self.width / SUPER {
-                let (mut sum, mut hits) = ([0.0f32; 3], 0u8);
+                let (mut sum, mut hits) = ([0u16; 3], 0u16);
                 for i in 0..SUPER * SUPER {
                     let sample = &self.samples[(row * SUPER + i / SUPER) * self.width + column * SUPER + i % SUPER];
                     if sample.body != 0 {
                         hits += 1;
-                        (0..3).for_each(|k| sum[k] += sample.rgb[k]);
+                        (0..3).for_each(|k| sum[k] += u16::from(sample.rgb[k]));
                     }
                 }
                 if hits > 0 {
-                    let rgb: Rgb = sum.map(|s| (s / f32::from(hits)).round().clamp(0.0, 255.0) as u8);
+                    let rgb: Rgb = sum.map(|s| ((s + hits / 2) / hits) as u8);
                     let coverage = opacity * f32::from(hits) / (SUPER * SUPER) as f32;
                     blend(page, x + column as i32, y + row as i32, rgb, coverage);
                 }
             }
         }
     }
+}
+
+fn byte(c: f32) -> u8 {
+    c.round().clamp(0.0, 255.0) as u8
 }
 
 /// Twice the signed area of the triangle in the page's plane.

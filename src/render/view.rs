@@ -41,6 +41,8 @@ struct Camera {
     center: DVec3,
     middle: DVec2,
     scale: f64,
+    /// Where the light comes from: the upper left behind it.
+    light: DVec3,
 }
 
 impl Camera {
@@ -48,7 +50,9 @@ impl Camera {
         let (turn, lift) = (19f64.to_radians(), 17f64.to_radians());
         let towards = DVec3::new(turn.sin() * lift.cos(), turn.cos() * lift.cos(), -lift.sin());
         let right = (-DVec3::Z).cross(towards).normalize_or(DVec3::X);
-        Camera { right, up: towards.cross(right), towards, center: DVec3::ZERO, middle: DVec2::ZERO, scale: 1.0 }
+        let up = towards.cross(right);
+        let light = (towards * 0.75 + up * 0.6 - right * 0.35).normalize_or_zero();
+        Camera { right, up, towards, center: DVec3::ZERO, middle: DVec2::ZERO, scale: 1.0, light }
     }
 
     /// Position on the raster and depth.
@@ -176,11 +180,10 @@ fn project(camera: &Camera, corners: [Vertex; 3]) -> [Vertex; 3] {
     corners.map(|v| Vertex { position: camera.project(v.position), ..v })
 }
 
-/// Soft light from the upper left behind the camera: 0.62 in the shade, 1.05 where it falls straight.
+/// Soft light: 0.62 in the shade, 1.05 where it falls straight.
 fn light(normal: DVec3, camera: &Camera) -> f64 {
-    let from = (camera.towards * 0.75 + camera.up * 0.6 - camera.right * 0.35).normalize_or_zero();
     // Half-Lambert: shades turn gradually and nothing goes black.
-    0.62 + 0.43 * (0.5 + 0.5 * normal.dot(from)).powi(2)
+    0.62 + 0.43 * (0.5 + 0.5 * normal.dot(camera.light)).powi(2)
 }
 
 fn triad(page: &mut Pixmap, label: &Label, camera: &Camera, at: (f32, f32)) {
