@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::process::{Command, Output};
 use tactus::dataset::arrays::{ARRAYS, Kind};
 use tactus::dataset::inspect::frame;
-use tactus::dataset::{DataSet, ObjectFile};
+use tactus::dataset::{DataSet, Manifest, ObjectFile};
 use tactus::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::Frame;
@@ -104,6 +104,26 @@ fn loader_world(object: &ObjectFile) {
             let along = *carried.get_or_insert(shift[2]);
             assert!((shift[2] - along).abs() < 2e-7, "node {i} is carried by {} instead of {along} m", shift[2]);
         }
+    }
+}
+
+#[test]
+fn promises_of_the_scene_are_judged_on_every_grasp_and_the_worst_is_kept() {
+    let tiny = Tiny::new("Linear");
+    let out = tiny.out("out");
+    tiny.make(&out);
+    let manifest = Manifest::read(&out).unwrap().unwrap();
+    for (object, grasps) in manifest.objects.iter().zip([vec![0, 1, 2], vec![0, 2]]) {
+        let [inversion, travel] = object.promises.as_slice() else { panic!("{:?}", object.promises) };
+        assert!(inversion.worst.held && inversion.broken_by.is_empty(), "{inversion:?}");
+        // The grasp that misses has no frames: it is a failure, and breaks nothing else.
+        assert_eq!(travel.broken_by, grasps);
+        assert_eq!((travel.worst.held, &*travel.worst.unit), (false, "m"));
+        let set = DataSet::open(&out).unwrap();
+        let file = set.objects.iter().find(|f| f.name == object.name).unwrap();
+        // Of both fingers at the last frame.
+        let most = grasps.iter().flat_map(|g| file.grasp(*g).unwrap().travel[2..4].to_vec()).fold(0.0, f64::max);
+        assert!((travel.worst.value.unwrap() / most - 1.0).abs() < 1e-12, "{:?} m, {most} m", travel.worst.value);
     }
 }
 

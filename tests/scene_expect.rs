@@ -55,9 +55,9 @@ fn all_hold_of_a_good_grasp_and_none_of_an_unmeasured_one() {
 #[test]
 fn the_violated_bound_is_shown() {
     let held = judge("Travel(at_most: 1.6e-3)", &good());
-    assert_eq!((held.held, held.value, held.bound, held.unit), (false, Some(1.7e-3), Some(1.6e-3), "m"));
+    assert_eq!((held.held, held.value, held.bound, &*held.unit), (false, Some(1.7e-3), Some(1.6e-3), "m"));
     let held = judge("Force(at_least: 16, at_most: 20)", &good());
-    assert_eq!((held.held, held.value, held.bound, held.unit), (false, Some(15.0), Some(16.0), "N"));
+    assert_eq!((held.held, held.value, held.bound, &*held.unit), (false, Some(15.0), Some(16.0), "N"));
     // the first finger breaks it, the second does not
     let held = judge("Travel(at_least: 1.6e-3)", &good());
     assert_eq!((held.held, held.value), (false, Some(1.5e-3)));
@@ -110,4 +110,12 @@ fn one_bad_grasp_breaks_a_scene_and_no_grasp_proves_nothing() {
     assert_eq!(evaluate_all(e, &[good(), bad, good()]).value, Some(-1.0));
     assert!(evaluate_all(e, &[good(), good()]).held);
     assert!(!evaluate_all(e, &[]).held);
+}
+
+#[test]
+fn of_several_grasps_the_worst_speaks() {
+    let e = &expectations("NoPenetration")[0];
+    let deep = |penetration: f64| audited(Findings { penetration, ..FINE });
+    assert_eq!(evaluate_all(e, &[deep(1e-6), deep(8e-6), deep(2e-6)]).value, Some(8e-6));
+    assert_eq!(evaluate_all(e, &[deep(2e-5), deep(5e-5), deep(1e-6)]).value, Some(5e-5));
 }

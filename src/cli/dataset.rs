@@ -102,7 +102,8 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
     };
     print(&text)?;
     let all = manifest.sum(|o| o.reached) == manifest.grasps;
-    Ok(ExitCode::from(if all { OK } else { NOT_HELD }))
+    let kept = manifest.objects.iter().flat_map(|o| &o.promises).all(|p| p.worst.held);
+    Ok(ExitCode::from(if all && kept { OK } else { NOT_HELD }))
 }
 
 fn refused(message: &str) -> Error {
@@ -133,6 +134,14 @@ fn report(manifest: &Manifest, resumed: usize, wall: f64) -> String {
     for o in &manifest.objects {
         for f in &o.failures {
             let _ = writeln!(out, "{} grasp {}: {}", o.name, f.grasp, f.reason);
+        }
+    }
+    for o in &manifest.objects {
+        for p in &o.promises {
+            let (verdict, worst) = (if p.worst.held { "held    " } else { "VIOLATED" }, &p.worst);
+            let by: Vec<String> = p.broken_by.iter().map(usize::to_string).collect();
+            let by = if by.is_empty() { String::new() } else { format!(" (grasps {})", by.join(", ")) };
+            let _ = writeln!(out, "{verdict}  {:<16} {:<14} at worst {worst}{by}", o.name, worst.name);
         }
     }
     let computed = manifest.grasps - resumed;

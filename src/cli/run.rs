@@ -210,7 +210,7 @@ fn options(args: &RunArgs, scene: &Scene, model: &Model) -> Options {
 }
 
 fn as_report(held: &Held) -> ExpectationReport {
-    ExpectationReport { name: held.name.into(), held: held.held, value: held.value, bound: held.bound }
+    ExpectationReport { name: held.name.to_string(), held: held.held, value: held.value, bound: held.bound }
 }
 
 /// Wall time by stage over all grasps, s.

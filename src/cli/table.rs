@@ -79,21 +79,12 @@ fn rows(out: &mut String, grasps: &[(usize, GraspPose)], outcomes: &[Outcome]) {
 }
 
 fn expectation(out: &mut String, expectation: &Expectation, held: &Held) {
-    let unit = held.unit;
-    let number =
-        |v: f64| if v != 0.0 && !(1e-2..1e5).contains(&v.abs()) { format!("{v:.3e}") } else { format!("{v:.4}") };
-    let mut text = held.value.map(|v| format!("{} {unit}", number(v)).trim_end().to_string()).unwrap_or_default();
-    if let Some(bound) = held.bound {
-        let _ = write!(text, ", bound {} {unit}", number(bound));
-    }
+    let mut text = held.to_string();
     if let Expectation::ForceAt(at) = expectation {
-        let _ = write!(text, "(+-{} %) at {} mm", 100.0 * at.relative.get(), 1e3 * at.depth.get());
-    }
-    if let Some(detail) = &held.detail {
-        let _ = write!(text, " {detail}");
+        let _ = write!(text, " (+-{} %) at {} mm", 100.0 * at.relative.get(), 1e3 * at.depth.get());
     }
     let verdict = if held.held { "held    " } else { "VIOLATED" };
-    let _ = writeln!(out, "{verdict}  {:<14} {}", held.name, text.trim());
+    let _ = writeln!(out, "{verdict}  {:<14} {}", held.name, text);
 }
 
 fn profile(out: &mut String, outcomes: &[Outcome], report: &RunReport, wall: f64) {

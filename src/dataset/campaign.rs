@@ -72,6 +72,7 @@ impl Campaign {
                 infeasible: 0,
                 notices: grasps.notices,
                 failures: Vec::new(),
+                promises: Vec::new(),
             });
             let surface = model::object::build(&named.scene.object, &mut Vec::new())?.surface;
             let limit = sizes.bytes() + fixed_bytes(&sizes, &surface);
@@ -202,7 +203,7 @@ impl Campaign {
         let open_grasps = (0..object.poses.len()).filter(|g| !done.contains_key(g));
         let grasps: Vec<_> = open_grasps.map(|g| (g, object.poses[g])).collect();
         let stepper = choose(scene)?;
-        let recorder = Recorder::new(name, &object.poses, &model, (encoder, writer), &progress, watcher);
+        let recorder = Recorder::new(&object.named, &object.poses, &model, (encoder, writer), &progress, watcher);
         run_grasps(&model, stepper.as_ref(), &grasps, threads, &recorder)?;
         let finished = progress.finished(object.poses.len());
         std::fs::rename(&open, &path).map_err(|e| cannot_write(&path, &e))?;

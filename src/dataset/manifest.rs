@@ -5,6 +5,7 @@ use super::progress::Finished;
 use crate::error::{Error, Result};
 use crate::record::Status;
 use crate::record::files::write_atomic;
+use crate::scene::Held;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -54,6 +55,18 @@ pub struct ObjectEntry {
     pub notices: Vec<String>,
     /// Every grasp that did not reach its load, with the reason.
     pub failures: Vec<Failure>,
+    /// What the scene promises of every recorded frame.
+    #[serde(default)]
+    pub promises: Vec<Promise>,
+}
+
+/// What became of an expectation of the scene in the frames of all grasps.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Promise {
+    /// The worst grasp.
+    pub worst: Held,
+    /// Grasps that break it.
+    pub broken_by: Vec<usize>,
 }
 
 /// A grasp that did not reach its load.
@@ -119,6 +132,18 @@ impl ObjectEntry {
                 let reason = f.reason.clone().unwrap_or_default();
                 self.failures.push(Failure { grasp: f.grasp, status: f.status, reason, frames: f.frames });
             }
+            f.promises.iter().for_each(|held| self.judge(f.grasp, held));
+        }
+    }
+    /// Adds what a grasp makes of a promise.
+    fn judge(&mut self, grasp: usize, held: &Held) {
+        let broken = (!held.held).then_some(grasp);
+        match self.promises.iter_mut().find(|p| p.worst.name == held.name) {
+            Some(known) => {
+                known.worst = known.worst.clone().worse(held.clone());
+                known.broken_by.extend(broken);
+            }
+            None => self.promises.push(Promise { worst: held.clone(), broken_by: Vec::from_iter(broken) }),
         }
     }
 }

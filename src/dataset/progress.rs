@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use crate::record::Status;
 use crate::record::files::{create_dir, write_atomic};
+use crate::scene::Held;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -20,6 +21,9 @@ pub struct Finished {
     pub frames: usize,
     /// BLAKE3 of its rows, hexadecimal.
     pub checksum: String,
+    /// What the scene promises of its frames; nothing if it has none.
+    #[serde(default)]
+    pub promises: Vec<Held>,
 }
 
 /// The records of one object.

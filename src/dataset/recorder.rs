@@ -8,6 +8,7 @@ use crate::grasp::GraspPose;
 use crate::model::Model;
 use crate::record::{self, Frame, PadTopology};
 use crate::runner::{Observer, Outcome};
+use crate::scene::{Expectation, NamedScene, evaluate};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
@@ -25,6 +26,7 @@ impl Watcher for () {}
 /// Takes the frames of the grasps of one object.
 pub struct Recorder<'a> {
     name: &'a str,
+    expect: Vec<Expectation>,
     poses: &'a [GraspPose],
     topologies: Vec<&'a PadTopology>,
     encoder: Encoder,
@@ -36,9 +38,9 @@ pub struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// For the grasps at `poses` of the object `name`.
+    /// For the grasps at `poses` of an object.
     pub fn new(
-        name: &'a str,
+        object: &'a NamedScene,
         poses: &'a [GraspPose],
         model: &'a Model,
         (encoder, writer): (Encoder, Writer),
@@ -46,7 +48,10 @@ impl<'a> Recorder<'a> {
         watcher: &'a dyn Watcher,
     ) -> Self {
         let topologies = model.fingers.iter().map(|f| f.topology.as_ref()).collect();
-        Self { name, poses, topologies, encoder, writer, progress, watcher, open: Mutex::default() }
+        // Which grasps are reached is counted anyhow.
+        let of_frames = object.scene.expect.iter().filter(|e| !matches!(e, Expectation::ReachesForce));
+        let (name, expect) = (object.name.as_str(), of_frames.cloned().collect());
+        Self { name, expect, poses, topologies, encoder, writer, progress, watcher, open: Mutex::default() }
     }
 
     fn take(&self, grasp: usize) -> Rows {
@@ -72,12 +77,14 @@ impl Observer for Recorder<'_> {
         let s = &outcome.summary;
         let checksum = self.encoder.finish(&mut rows, s.status, s.reason.as_deref().unwrap_or(""), s.frames);
         self.writer.write(index, &rows)?;
+        let judged = self.expect.iter().filter(|_| s.frames > 0);
         let finished = Finished {
             grasp: index,
             status: s.status,
             reason: s.reason.clone(),
             frames: s.frames,
             checksum: checksum.to_hex().to_string(),
+            promises: judged.map(|e| evaluate(e, &outcome.measured)).collect(),
         };
         self.progress.enter(&finished)?;
         self.watcher.grasp(self.name, &finished);

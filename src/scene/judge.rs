@@ -3,7 +3,9 @@
 use super::expect::{Bounds, Expectation, PENETRATION};
 use crate::audit::Findings;
 use glam::DVec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::fmt;
 
 /// How a grasp ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
@@ -81,10 +83,10 @@ impl Default for Measured {
 }
 
 /// The verdict on one expectation.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Held {
     /// Name of the expectation.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Whether it held.
     pub held: bool,
     /// What was measured, in `unit`; None if nothing was, or for expectations on a text.
@@ -92,7 +94,7 @@ pub struct Held {
     /// What it was held against (the violated bound if one was), in `unit`.
     pub bound: Option<f64>,
     /// "N", "m", "Pa" or "" for ratios.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// How the grasp ended, where that is what was judged.
     pub detail: Option<String>,
 }
@@ -100,11 +102,11 @@ pub struct Held {
 /// Judges one expectation on one grasp.
 pub fn evaluate(expectation: &Expectation, m: &Measured) -> Held {
     let verdict = |held: bool, value: f64, bound: f64| Held {
-        name: expectation.name(),
+        name: expectation.name().into(),
         held,
         value: value.is_finite().then_some(value),
         bound: bound.is_finite().then_some(bound),
-        unit: expectation.unit(),
+        unit: expectation.unit().into(),
         detail: None,
     };
     let bounded = |bounds: &Bounds, value: f64| {
@@ -178,18 +180,38 @@ pub fn evaluate(expectation: &Expectation, m: &Measured) -> Held {
     }
 }
 
-/// Judges an expectation on all grasps of a scene: the first grasp that breaks it speaks, else the last one. No grasp at
-/// all breaks every expectation.
-pub fn evaluate_all(expectation: &Expectation, grasps: &[Measured]) -> Held {
-    let mut last = None;
-    for measured in grasps {
-        let held = evaluate(expectation, measured);
-        if !held.held {
-            return held;
-        }
-        last = Some(held);
+impl fmt::Display for Held {
+    /// What was measured, its bound and what else is known.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
+        let number =
+            |v: f64| if v != 0.0 && !(1e-2..1e5).contains(&v.abs()) { format!("{v:.3e}") } else { format!("{v:.4}") };
+        let value = self.value.map(|v| format!("{}{unit}", number(v)));
+        let bound = self.bound.map(|b| format!("bound {}{unit}", number(b)));
+        let numbers: Vec<String> = value.into_iter().chain(bound).collect();
+        let parts = [Some(numbers.join(", ")).filter(|n| !n.is_empty()), self.detail.clone()];
+        f.write_str(&parts.into_iter().flatten().collect::<Vec<_>>().join(" "))
     }
-    last.unwrap_or_else(|| Held { held: false, ..evaluate(expectation, &Measured::default()) })
+}
+
+impl Held {
+    /// How far inside its bound, or outside, the value is; +inf if there is none.
+    fn margin(&self) -> f64 {
+        let far = self.value.zip(self.bound).map_or(f64::INFINITY, |(value, bound)| (value - bound).abs());
+        if self.held { far } else { -far }
+    }
+
+    /// The worse of two, the first if they are as bad: one that does not hold, else the one nearer to its bound.
+    pub fn worse(self, other: Self) -> Self {
+        let order = self.held.cmp(&other.held).then(self.margin().total_cmp(&other.margin()));
+        if order.is_gt() { other } else { self }
+    }
+}
+
+/// Judges an expectation on all grasps of a scene: the worst of them speaks. No grasp at all breaks every expectation.
+pub fn evaluate_all(expectation: &Expectation, grasps: &[Measured]) -> Held {
+    let worst = grasps.iter().map(|measured| evaluate(expectation, measured)).reduce(Held::worse);
+    worst.unwrap_or_else(|| Held { held: false, ..evaluate(expectation, &Measured::default()) })
 }
 
 fn within(bounds: &Bounds, value: f64) -> (bool, f64, f64) {

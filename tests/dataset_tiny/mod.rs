@@ -17,6 +17,7 @@ pub const TINY: &str = r#"Scene(
     gripper: (pads: GelSightMini(spacing: 8e-3)),
     stepper: Fem(element: ELEMENT),
     loading: Squeeze(force: 2.0, frames: 2),
+    expect: [ReachesForce, NoInversion, Travel(at_most: 1e-6)],
 )"#;
 
 pub struct Tiny {
