@@ -3,10 +3,15 @@
 //! `TACTUS_TASK_MODEL` names the folder of a trained network; without it only finite elements are timed.
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use mimalloc::MiMalloc;
 use std::path::PathBuf;
 use tactus::env::{BatchConfig, BatchEnv};
 use tactus::random::Random;
 use tactus::scene::{Gnn, Stepper, load_set};
+
+/// As in the program and the Python package.
+#[global_allocator]
+static ALLOCATOR: MiMalloc = MiMalloc;
 
 const SCENE: &str = "scenes/tasks/hold.ron";
 

@@ -7,20 +7,19 @@ use super::predict::{PadState, Predictor, Seen};
 use crate::error::Result;
 use glam::DVec3;
 
-/// Rungs; neighbours differ by a fifth of their force in the range of an ordinary network.
-const RUNGS: i32 = 16;
+/// Rungs; neighbours differ by a third of their force where an agent may press seven times as hard as it must.
+const RUNGS: i32 = 8;
 
 /// The pads of a grasp at rising forces per finger, N.
 #[derive(Debug)]
 pub struct Ladder(Vec<(f64, Vec<PadState>)>);
 
 impl Ladder {
-    /// Over the forces that the network was trained on.
+    /// From the force `low` to `high`, N per finger.
     ///
     /// # Errors
     /// Numbers that are not finite.
-    pub fn new(predictor: &Predictor, seen: &Seen) -> Result<Self> {
-        let [low, high] = predictor.card.range.force.map(|f| f * seen.unit_force());
+    pub fn new(predictor: &Predictor, seen: &Seen, low: f64, high: f64) -> Result<Self> {
         let step = (high / low).powf(1.0 / f64::from(RUNGS - 1));
         let forces: Vec<f64> = (0..RUNGS).map(|k| low * step.powi(k)).collect();
         let states = predictor.ramp(seen, &forces)?;

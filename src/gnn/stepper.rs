@@ -163,7 +163,7 @@ fn predict(
         }
         Some((_, seen)) => {
             let known = ladder
-                .get_or_init(|| Ladder::new(predictor, seen).ok())
+                .get_or_init(|| Ladder::new(predictor, seen, shared.0.levels[0], *shared.0.levels.last()?).ok())
                 .as_ref()
                 .and_then(|ladder| ladder.at(advance.level));
             known.map_or_else(|| predictor.at(seen, advance.level), Ok)

@@ -9,6 +9,9 @@ use glam::{DVec2, DVec3};
 /// How far the pads may seem to overlap, m: the offset of the contact law, below which an object would feel nothing either.
 const TOUCH: f64 = 1e-5;
 
+/// Curved faces come no farther than this beyond their nodes, m.
+const NEAR: f64 = 1e-4;
+
 /// Ends the grasp with a fault, without recording the frame, if the pads overlap at the state just reached.
 pub fn keep_pads_apart(
     shared: Res<Shared>,
@@ -18,18 +21,30 @@ pub fn keep_pads_apart(
     fingers: Query<(&FingerIndex, &FingerTravel, &ClosingDirection)>,
 ) {
     let [first, second] = shared.0.fingers.as_slice() else { return };
-    let mut x = [first, second].map(|f| vec![DVec3::ZERO; f.body.rest.len()]);
     let mut carried = [DVec3::ZERO; 2];
     for (finger, travel, closing) in &fingers {
         carried[finger.0 as usize] = closing.0 * travel.0;
     }
+    let axis = first.placement.closing;
+    // How far the first pad comes along the axis, and from where on the second is: mostly they do not meet there.
+    let (mut tip, mut lowest) = (f64::NEG_INFINITY, f64::INFINITY);
+    for (_, finger, position) in nodes.contiguous_iter().expect(TABLES) {
+        for (finger, position) in finger.iter().zip(position) {
+            let height = (position.0 + carried[finger.0 as usize]).dot(axis);
+            if finger.0 == 0 { tip = tip.max(height) } else { lowest = lowest.min(height) }
+        }
+    }
+    if tip + NEAR <= lowest {
+        return;
+    }
+    let mut x = [first, second].map(|f| vec![DVec3::ZERO; f.body.rest.len()]);
     for (index, finger, position) in nodes.contiguous_iter().expect(TABLES) {
         for row in 0..index.len() {
             let f = finger[row].0 as usize;
             x[f][index[row].0 as usize] = position[row].0 + carried[f];
         }
     }
-    let depth = overlap(&first.surface, &x[0], &second.surface, &x[1], first.placement.closing);
+    let depth = overlap(&first.surface, &x[0], &second.surface, &x[1], axis);
     if depth > TOUCH {
         advance.reached = false;
         next.request(Phase::Fault {
