@@ -233,7 +233,7 @@ impl BodyTerm for FeatureContact {
 
 /// Depth of another place of its edge from which a feature goes there, m: nothing presses on it, or something does.
 const FREE: f64 = 4e-6;
-const PRESSED: f64 = 7e-6;
+const PRESSED: f64 = 5e-6;
 /// Moves of a feature along its edge in one increment, at most.
 const MOVES: u32 = 2;
 

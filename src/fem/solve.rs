@@ -7,7 +7,7 @@ use std::time::Instant;
 
 /// Iterations without motion after which a state counts as at rest, and by how much its residual may then miss the goal.
 const RESTING: u32 = 4;
-const RESTING_FACTOR: f64 = 4.0;
+const RESTING_FACTOR: f64 = 2.0;
 /// Iterations without any contact after which a driven finger counts as closing on nothing.
 const UNTOUCHED: u32 = 10;
 /// Longest stride of the border in one iteration, as a part of the largest motion.
