@@ -3,6 +3,8 @@
 use super::lagging::Lagging;
 use super::newton::{Converged, Failure, Newton, Tolerance};
 use super::state::{MAX_BORDER, State, Step};
+use super::term::BodyTerm;
+use rayon::prelude::*;
 use std::time::Instant;
 
 /// Iterations without motion after which a state counts as at rest, and by how much its residual may then miss the goal.
@@ -57,14 +59,14 @@ impl Newton {
             resting = if last_motion <= 0.1 * tolerance.length { resting + 1 } else { 0 };
             let at_rest = resting >= RESTING && residual <= RESTING_FACTOR * allowed;
             if at_rest || residual <= allowed && (last_motion <= tolerance.length || residual <= 0.01 * allowed) {
-                let border = &self.border;
-                let bodies = self.blocks.iter().zip(self.terms.iter_mut()).enumerate();
+                let (border, blocks) = (&self.border, &self.blocks);
                 // Every term must be asked: each may strengthen itself.
-                let held = bodies.fold(true, |held, (i, (b, terms))| {
+                let ask = |(i, terms): (usize, &mut Vec<Box<dyn BodyTerm>>)| {
                     let view = now.view(i, border);
-                    terms.iter_mut().fold(held, |held, t| t.satisfied(&b.body, &view) && held)
-                });
-                if held {
+                    terms.iter_mut().fold(true, |held, t| t.satisfied(&blocks[i].body, &view) && held)
+                };
+                let held: Vec<bool> = self.terms.par_iter_mut().enumerate().map(ask).collect();
+                if held.into_iter().all(|held| held) {
                     *state = now;
                     return Ok(Converged { iterations, residual });
                 }
