@@ -63,7 +63,7 @@ impl Newton {
                 // Every term must be asked: each may strengthen itself.
                 let ask = |(i, terms): (usize, &mut Vec<Box<dyn BodyTerm>>)| {
                     let view = now.view(i, border);
-                    terms.iter_mut().fold(true, |held, t| t.satisfied(&blocks[i].body, &view) && held)
+                    terms.iter_mut().map(|t| t.satisfied(&blocks[i].body, &view)).filter(|held| !held).count() == 0
                 };
                 let held: Vec<bool> = self.terms.par_iter_mut().enumerate().map(ask).collect();
                 if held.into_iter().all(|held| held) {
