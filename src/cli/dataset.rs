@@ -138,7 +138,7 @@ fn report(manifest: &Manifest, resumed: usize, wall: f64) -> String {
     }
     for o in &manifest.objects {
         for p in &o.promises {
-            let (verdict, worst) = (if p.worst.held { "held    " } else { "VIOLATED" }, &p.worst);
+            let (verdict, worst) = (p.worst.verdict(), &p.worst);
             let by: Vec<String> = p.broken_by.iter().map(usize::to_string).collect();
             let by = if by.is_empty() { String::new() } else { format!(" (grasps {})", by.join(", ")) };
             let _ = writeln!(out, "{verdict}  {:<16} {:<14} at worst {worst}{by}", o.name, worst.name);

@@ -83,8 +83,7 @@ fn expectation(out: &mut String, expectation: &Expectation, held: &Held) {
     if let Expectation::ForceAt(at) = expectation {
         let _ = write!(text, " (+-{} %) at {} mm", 100.0 * at.relative.get(), 1e3 * at.depth.get());
     }
-    let verdict = if held.held { "held    " } else { "VIOLATED" };
-    let _ = writeln!(out, "{verdict}  {:<14} {}", held.name, text);
+    let _ = writeln!(out, "{}  {:<14} {text}", held.verdict(), held.name);
 }
 
 fn profile(out: &mut String, outcomes: &[Outcome], report: &RunReport, wall: f64) {

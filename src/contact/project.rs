@@ -72,7 +72,8 @@ impl FaceBounds {
         if y.cmplt(self.min - reach).any() || y.cmpgt(self.max + reach).any() {
             return None;
         }
-        let best = self.near(surface, x, y, NEAR).or_else(|| self.nearest_of_all(surface, x, y));
+        let best = self.near(surface, x, y, NEAR);
+        let best = best.or_else(|| self.nearest(surface, x, y, 0..self.boxes.len(), f64::INFINITY));
         best.filter(|foot| foot.gap < reach)
     }
 
@@ -89,10 +90,6 @@ impl FaceBounds {
             return beyond;
         }
         self.closest(surface, x, y, f64::INFINITY).map_or(f64::INFINITY, |foot| foot.gap)
-    }
-
-    fn nearest_of_all(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3) -> Option<Foot> {
-        self.nearest(surface, x, y, 0..self.boxes.len(), f64::INFINITY)
     }
 
     /// Closest point on those of `faces` that are nearer than `limit`.

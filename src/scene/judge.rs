@@ -195,6 +195,11 @@ impl fmt::Display for Held {
 }
 
 impl Held {
+    /// Whether it held, as a word of a report; all are as wide.
+    pub fn verdict(&self) -> &'static str {
+        if self.held { "held    " } else { "VIOLATED" }
+    }
+
     /// How far inside its bound, or outside, the value is; +inf if there is none.
     fn margin(&self) -> f64 {
         let far = self.value.zip(self.bound).map_or(f64::INFINITY, |(value, bound)| (value - bound).abs());
