@@ -114,6 +114,25 @@ fn closest_points_of_bent_faces_are_those_of_a_search() {
     check(true, 0.05, 0.1, 1e-5);
 }
 
+/// Faces bent through more than a right angle: no point of the surface is nearer than the foot, which is where it says.
+#[test]
+fn nothing_is_nearer_than_the_foot_on_a_crumpled_surface() {
+    let mut random = Random(4);
+    for seed in 0..3 {
+        let (surface, x) = slab(true, 0.45, seed);
+        let mut bounds = FaceBounds::default();
+        bounds.update(&surface, &x);
+        for _ in 0..200 {
+            let y = DVec3::new(1.5, 1.5, 1.2) + random.vector() * DVec3::new(1.8, 1.8, 0.8);
+            let foot = bounds.closest(&surface, &x, y, 10.0).expect("within reach");
+            let distance = surface.faces[foot.face].stencil(foot.l).position(&x).distance(y);
+            assert!((foot.gap.abs() - distance).abs() < 1e-5, "{} m, but the foot is {distance} m away", foot.gap);
+            let truth = search(&surface, &x, y);
+            assert!(distance < truth + 1e-5, "the foot is {distance} m away, the surface {truth} m");
+        }
+    }
+}
+
 #[test]
 fn nothing_is_found_beyond_the_reach_and_everything_inside() {
     let (surface, x) = slab(true, 0.0, 0);

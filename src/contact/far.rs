@@ -28,8 +28,12 @@ impl Far {
         place: impl Fn(usize) -> DVec3,
     ) {
         if self.moved(x) > STALE {
-            let away = |y: DVec3| (y, bounds.outside(surface, x, y));
-            self.features = (0..count).map(|i| away(place(i))).collect();
+            let moved = self.moved(x);
+            let away = |i: usize| {
+                let (y, gap) = (place(i), bounds.outside(surface, x, place(i)));
+                (y, if self.has_flipped(i, y, moved, gap) { -gap } else { gap })
+            };
+            self.features = (0..count).map(away).collect();
             self.x = x.to_vec();
         }
     }
@@ -45,6 +49,12 @@ impl Far {
     /// Whether feature `i`, now at `y`, may be nearer than `reach` (m) to the pad, which has `moved` by up to that (m).
     pub fn within(&self, i: usize, y: DVec3, moved: f64, reach: f64) -> bool {
         self.features.get(i).is_none_or(|(then, away)| *away <= BULGE * moved + then.distance(y) + reach)
+    }
+
+    /// Whether feature `i` cannot have got as deep as `gap` (m) says: where a face at the rim of a pad is folded over, what is
+    /// outside looks as if it were inside.
+    pub fn has_flipped(&self, i: usize, y: DVec3, moved: f64, gap: f64) -> bool {
+        gap < 0.0 && self.features.get(i).is_some_and(|(then, away)| gap < away - BULGE * moved - then.distance(y))
     }
 }
 

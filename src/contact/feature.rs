@@ -134,6 +134,18 @@ impl FeatureContact {
         Law { offset: self.features[i].reach() * law.offset, ..law }
     }
 
+    /// What feature `i` at `y` (relative to the finger, m) presses on, on a surface with nodes at `x` that has `moved` (m) since the
+    /// far features were looked for.
+    fn flanks(&self, bounds: &FaceBounds, i: usize, x: &[DVec3], y: DVec3, moved: f64) -> Vec<Flank> {
+        let reach = self.law_of(i).offset;
+        if !self.far.within(i, y, moved, reach) {
+            return Vec::new();
+        }
+        let flanks = bounds.flanks(&self.surface, x, y, reach, self.sites[i].face());
+        let flipped = flanks.first().is_some_and(|(foot, ..)| self.far.has_flipped(i, y, moved, foot.gap));
+        if flipped { Vec::new() } else { flanks }
+    }
+
     /// Displacement of the pad's sticking point from the feature, plus its drag.
     fn stretch(&self, i: usize, drag: DVec3, view: &View) -> DVec3 {
         let arm = view.rotation * self.sites[i].position;
@@ -150,11 +162,9 @@ impl BodyTerm for FeatureContact {
         for (i, e) in self.pool.edges.iter().enumerate() {
             let y = self.sites[i].place(view);
             let law = self.law_of(i);
-            if self.far.within(i, y, moved, law.offset) {
-                let flanks = bounds.flanks(&self.surface, view.x, y, law.offset, self.sites[i].face());
-                let energies = flanks.iter().map(|(foot, weight, _)| weight * law.normal_energy(foot.gap, e.scale));
-                energy += self.area * energies.sum::<f64>();
-            }
+            let flanks = self.flanks(&bounds, i, view.x, y, moved);
+            let energies = flanks.iter().map(|(foot, weight, _)| weight * law.normal_energy(foot.gap, e.scale));
+            energy += self.area * energies.sum::<f64>();
             if let Some(drag) = e.sticks() {
                 let s = slip(self.stretch(i, drag, view), e.plane);
                 energy += self.area * self.pool.law.friction_energy(s, e.limit);
@@ -277,10 +287,9 @@ impl FeatureContact {
     fn update(&mut self, i: usize, view: &View, moved: f64) -> f64 {
         let y = self.sites[i].place(view);
         let law = self.law_of(i);
+        let flanks = self.flanks(&self.bounds, i, view.x, y, moved);
         let site = &mut self.sites[i];
-        let near = self.far.within(i, y, moved, law.offset);
-        site.flanks =
-            if near { self.bounds.flanks(&self.surface, view.x, y, law.offset, site.face()) } else { Vec::new() };
+        site.flanks = flanks;
         if let Some((foot, ..)) = site.flanks.first() {
             let face = &self.surface.faces[foot.face];
             (site.now, site.report) = (face.stencil(foot.l), face.report_stencil(foot.l));

@@ -4,7 +4,8 @@
 //! distances has a kink there, about which Newton's method would jump for ever; the sum over both has none (see
 //! [`Rings::beside`](crate::mesh::rings::Rings::beside)).
 
-use super::project::{FaceBounds, Foot, ON_RIM, carried_on, on_edge, on_face};
+use super::foot::{Foot, ON_RIM, carried_on, on_edge, on_face};
+use super::project::FaceBounds;
 use super::surface::ContactSurface;
 use crate::mesh::rings::{Part, Place, View};
 use crate::shape::outer;

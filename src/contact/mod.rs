@@ -10,6 +10,8 @@ pub mod edge;
 mod far;
 pub mod feature;
 mod flanks;
+mod folds;
+mod foot;
 pub mod ground;
 pub mod law;
 pub(crate) mod pair;

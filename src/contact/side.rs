@@ -3,7 +3,7 @@
 //! The normal of one of the faces does not tell: at a fold as sharp as that over the edge of an object the point may be behind
 //! one face and yet outside. The angle-weighted pseudo-normal of all faces that meet there tells it (Baerentzen and Aanaes 2005).
 
-use super::project::{Foot, ON_RIM, tangents};
+use super::foot::{Foot, ON_RIM, tangents};
 use super::surface::{ContactSurface, Face, face_frame};
 use crate::mesh::rings::Part;
 use glam::DVec3;

@@ -52,7 +52,8 @@ impl Newton {
                 break;
             }
         }
-        (step, gradient)
+        // What has no potential may lead uphill in the one that the line search goes by.
+        if self.slope(&step, &gradient) < 0.0 { (step, gradient) } else { (plain, gradient) }
     }
 
     /// Collects how the forces change along `step` beyond what the Hessian says; false if they do not.
