@@ -172,6 +172,7 @@ impl Kind {
             let mut model = Model::build(&scene)?;
             if let Some(model) = Arc::get_mut(&mut model) {
                 model.needs.task = true;
+                model.leash = Some(LEASH * task.slip_limit.get());
                 let share = 1.0 / model.fingers.len() as f64;
                 model.levels = vec![task.force.at(0.0) * share, task.force.at(1.0) * share];
             }
@@ -181,6 +182,9 @@ impl Kind {
         Ok(Self { name: named.name.as_str().into(), variants, poses: poses_of(&named.scene)? })
     }
 }
+
+/// Motion of the object in one step at which it counts as lost, over the way over the pads that ends an episode: it may roll, too.
+const LEASH: f64 = 2.0;
 
 /// The scene as an environment has it: loads come from the task, and nothing is recorded but what it looks at.
 fn alone(scene: &Scene, task: &Task) -> Result<Scene> {

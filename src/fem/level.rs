@@ -64,6 +64,8 @@ impl Solver {
                 done = self.path.polish().map_err(|f| self.refuse(model, &making, f))?;
             }
         }
+        // Before it is held it may roll to where it rests.
+        self.path.leash = model.leash.filter(|_| !begins).unwrap_or(f64::INFINITY);
         if begins && !model.force_driven {
             self.condense(model).map_err(Refusal::Condensed)?;
         }

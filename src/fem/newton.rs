@@ -54,6 +54,8 @@ pub enum Failure {
     Unsettled,
     /// A finger closes on nothing: the object left the grasp.
     Lost,
+    /// The object moved farther at one load level than counts as held.
+    Astray,
 }
 
 impl std::fmt::Display for Failure {
@@ -63,6 +65,7 @@ impl std::fmt::Display for Failure {
             Failure::LineSearch(r) => write!(f, "line search: no step lowers the energy (residual {r:.1e} N)"),
             Failure::Corrections(e) => write!(f, "the corrections of the condensed pads do not settle (error {e:.1e})"),
             Failure::Lost => f.write_str("a finger closes on nothing: the object was squeezed out"),
+            Failure::Astray => f.write_str("the object moves too far to count as held"),
             Failure::Unsettled => f.write_str("the object keeps rolling or sliding and does not come to rest"),
             Failure::Singular => f.write_str("the stiffness is not positive definite or not finite"),
         }

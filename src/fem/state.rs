@@ -74,6 +74,11 @@ impl Border {
         }
         d
     }
+
+    /// Norm of that, m.
+    pub fn distance(&self, to: &State, from: &State) -> f64 {
+        self.difference(to, from).iter().map(|d| d * d).sum::<f64>().sqrt()
+    }
 }
 
 /// A Newton step: increments of every unknown.

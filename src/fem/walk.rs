@@ -38,7 +38,8 @@ impl Path {
                     self.newton.commit(&next);
                     spent += converged.iterations;
                     done.iterations += converged.iterations;
-                    let moved = self.newton.border.difference(&next, &state).iter().map(|d| d * d).sum::<f64>().sqrt();
+                    let way = |from: &State| self.newton.border.distance(&next, from);
+                    let (moved, gone) = (way(&state), way(&self.state) > self.leash);
                     state = next;
                     // A spring that pulls less than the forces are out of balance anyhow changes nothing.
                     if near && stiffness * moved <= floor {
@@ -46,6 +47,9 @@ impl Path {
                         return Ok(state);
                     }
                     near = stiffness * moved <= LOOSE * floor;
+                    if gone {
+                        return Err(Failure::Astray);
+                    }
                     apart = if self.newton.untouched() { apart + 1 } else { 0 };
                     if apart >= APART {
                         return Err(Failure::Lost);

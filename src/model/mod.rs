@@ -61,6 +61,8 @@ pub struct Model {
     pub levels: Vec<f64>,
     /// Motion in time; None is quasi-static.
     pub dynamics: Option<Dynamics>,
+    /// Motion of a free object at one load level, once held, at which it counts as lost, m; None follows it however far it goes.
+    pub leash: Option<f64>,
     /// What the scene needs in its world.
     pub needs: Needs,
     /// Judge of the recorded frames, if the scene needs one.
@@ -129,6 +131,7 @@ impl Model {
             force_driven,
             levels,
             dynamics,
+            leash: None,
             needs,
             auditor,
             notices,
