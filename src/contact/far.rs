@@ -1,4 +1,5 @@
-//! Which features of the object are too far from a pad to be looked for: neither they nor the pad move faster than they move.
+//! Which features of the object are too far from a pad to be looked for, and which cannot be inside it: neither they nor the pad move
+//! faster than they move.
 
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
@@ -27,10 +28,11 @@ impl Far {
         count: usize,
         place: impl Fn(usize) -> DVec3,
     ) {
-        if self.moved(x) > STALE {
-            let moved = self.moved(x);
+        let moved = self.moved(x);
+        if moved > STALE {
             let away = |i: usize| {
-                let (y, gap) = (place(i), bounds.outside(surface, x, place(i)));
+                let y = place(i);
+                let gap = bounds.outside(surface, x, y);
                 (y, if self.has_flipped(i, y, moved, gap) { -gap } else { gap })
             };
             self.features = (0..count).map(away).collect();
@@ -48,13 +50,18 @@ impl Far {
 
     /// Whether feature `i`, now at `y`, may be nearer than `reach` (m) to the pad, which has `moved` by up to that (m).
     pub fn within(&self, i: usize, y: DVec3, moved: f64, reach: f64) -> bool {
-        self.features.get(i).is_none_or(|(then, away)| *away <= BULGE * moved + then.distance(y) + reach)
+        self.least(i, y, moved).is_none_or(|least| least <= reach)
     }
 
     /// Whether feature `i` cannot have got as deep as `gap` (m) says: where a face at the rim of a pad is folded over, what is
     /// outside looks as if it were inside.
     pub fn has_flipped(&self, i: usize, y: DVec3, moved: f64, gap: f64) -> bool {
-        gap < 0.0 && self.features.get(i).is_some_and(|(then, away)| gap < away - BULGE * moved - then.distance(y))
+        gap < 0.0 && self.least(i, y, moved).is_some_and(|least| gap < least)
+    }
+
+    /// Signed distance of feature `i` at least, m; None if it was never looked for.
+    fn least(&self, i: usize, y: DVec3, moved: f64) -> Option<f64> {
+        self.features.get(i).map(|(then, away)| away - BULGE * moved - then.distance(y))
     }
 }
 

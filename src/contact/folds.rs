@@ -21,17 +21,19 @@ const ALONG: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
 pub(super) fn closest(face: &Face, x: &[DVec3], y: DVec3) -> [f64; 3] {
     let over = OVER.into_iter().map(|l| inside(face, x, y, l));
     let along = (0..3).flat_map(|k| ALONG.map(|t| along(face, x, y, k, t)));
-    let corners = (0..3).map(|k| std::array::from_fn(|i| f64::from(u8::from(i == k))));
-    let far = |l: &[f64; 3]| distance_squared(face, x, y, *l);
-    over.chain(along).chain(corners).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(OVER[3])
+    let corners = (0..3).map(|k| {
+        let l = std::array::from_fn(|i| f64::from(u8::from(i == k)));
+        (l, distance_squared(face, x, y, l))
+    });
+    over.chain(along).chain(corners).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(OVER[3], |(l, _)| l)
 }
 
 fn distance_squared(face: &Face, x: &[DVec3], y: DVec3, l: [f64; 3]) -> f64 {
     face.stencil(l).position(x).distance_squared(y)
 }
 
-/// Minimum of the squared distance over the face from `l`; stops at the rim.
-fn inside(face: &Face, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> [f64; 3] {
+/// Where the squared distance is least over the face from `l`, and that; stops at the rim.
+fn inside(face: &Face, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> ([f64; 3], f64) {
     let [d11, d12, d22] = bends(face, x);
     let mut far = distance_squared(face, x, y, l);
     for _ in 0..ITERATIONS {
@@ -62,11 +64,11 @@ fn inside(face: &Face, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> [f64; 3] {
             break;
         }
     }
-    l
+    (l, far)
 }
 
 /// The same along the edge opposite to corner `k`, from the part `t` of it on.
-fn along(face: &Face, x: &[DVec3], y: DVec3, k: usize, mut t: f64) -> [f64; 3] {
+fn along(face: &Face, x: &[DVec3], y: DVec3, k: usize, mut t: f64) -> ([f64; 3], f64) {
     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
     let at = |t: f64| {
         let mut l = [0.0; 3];
@@ -91,7 +93,7 @@ fn along(face: &Face, x: &[DVec3], y: DVec3, k: usize, mut t: f64) -> [f64; 3] {
             break;
         }
     }
-    at(t)
+    (at(t), far)
 }
 
 /// The longest of ever shorter steps that leads nearer than `far`, with the squared distance there.

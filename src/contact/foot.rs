@@ -34,7 +34,9 @@ pub(super) const ON_RIM: f64 = 1e-9;
 pub(super) fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3) -> Foot {
     let [a, b, c] = face.corners.map(|n| x[n as usize]);
     let mut l = clamp_to_triangle(project_flat(a, b, c, y), a, b, c, y);
-    if face.mids.is_some() {
+    if folded(face, x) {
+        l = folds::closest(face, x, y);
+    } else if face.mids.is_some() {
         for _ in 0..6 {
             let Some((s, t)) = gauss_newton(face, x, l, y) else { break };
             let mut next = [l[0] - s - t, l[1] + s, l[2] + t];
@@ -53,7 +55,7 @@ pub(super) fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3) -> Foot 
         if let Some(k) = (0..3).find(|k| l[*k] <= 0.0) {
             l = along_edge(face, x, k, y, l);
         }
-        if folded(face, x) || !settled(face, x, l, y) {
+        if !settled(face, x, l, y) {
             l = folds::closest(face, x, y);
         }
     }

@@ -13,8 +13,8 @@ pub struct Path {
     pub level: f64,
     /// Convergence criteria.
     pub tolerance: Tolerance,
-    /// Motion of the object in one walk at which it counts as lost, m.
-    pub leash: f64,
+    /// Motion of the object in one walk at which it counts as lost, m; None follows it however far it goes.
+    pub leash: Option<f64>,
     /// The accepted state before `state`, with its level.
     pub(super) history: Option<(State, f64)>,
     /// Increment that worked last.
@@ -74,16 +74,7 @@ const ENDURANCE: u32 = 4000;
 impl Path {
     /// Starts at `state`, which must be in equilibrium at level zero.
     pub fn new(newton: Newton, state: State, tolerance: Tolerance) -> Self {
-        Self {
-            newton,
-            state,
-            level: 0.0,
-            tolerance,
-            leash: f64::INFINITY,
-            history: None,
-            increment: f64::INFINITY,
-            spent: 0,
-        }
+        Self { newton, state, level: 0.0, tolerance, leash: None, history: None, increment: f64::INFINITY, spent: 0 }
     }
 
     /// True once so much was spent on walks and on increments that failed that the next failure ends the path.

@@ -65,7 +65,7 @@ impl Solver {
             }
         }
         // Before it is held it may roll to where it rests.
-        self.path.leash = model.leash.filter(|_| !begins).unwrap_or(f64::INFINITY);
+        self.path.leash = model.leash.filter(|_| !begins);
         if begins && !model.force_driven {
             self.condense(model).map_err(Refusal::Condensed)?;
         }

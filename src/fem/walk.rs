@@ -39,7 +39,7 @@ impl Path {
                     spent += converged.iterations;
                     done.iterations += converged.iterations;
                     let way = |from: &State| self.newton.border.distance(&next, from);
-                    let (moved, gone) = (way(&state), way(&self.state) > self.leash);
+                    let (moved, gone) = (way(&state), self.leash.is_some_and(|most| way(&self.state) > most));
                     state = next;
                     // A spring that pulls less than the forces are out of balance anyhow changes nothing.
                     if near && stiffness * moved <= floor {
