@@ -133,6 +133,28 @@ fn nothing_is_nearer_than_the_foot_on_a_crumpled_surface() {
     }
 }
 
+/// A point right on a folded face is found there, also a thousandth of the face away from its rim.
+#[test]
+fn a_point_on_a_crumpled_surface_is_found_on_it() {
+    let mut random = Random(5);
+    for seed in 0..3 {
+        let (surface, x) = slab(true, 0.45, seed);
+        let mut bounds = FaceBounds::default();
+        bounds.update(&surface, &x);
+        for k in 0..300 {
+            let face = &surface.faces[k % surface.faces.len()];
+            let from_rim = [1.0, 1e-2, 1e-3][k % 3];
+            let l = [from_rim, 1.0, 1.0 + random.number()];
+            let sum: f64 = l.iter().sum();
+            let (p, normal) = face_frame(face, &x, l.map(|v| v / sum));
+            let height = 1e-4 * random.number();
+            let foot = bounds.closest(&surface, &x, p + normal * height, 10.0).expect("within reach");
+            let (gap, height) = (foot.gap.abs(), height.abs());
+            assert!(gap < height + 1e-7, "{height} m above face {}, but the foot is {gap} m away", k % 12);
+        }
+    }
+}
+
 #[test]
 fn nothing_is_found_beyond_the_reach_and_everything_inside() {
     let (surface, x) = slab(true, 0.0, 0);

@@ -1,20 +1,83 @@
-//! Which features of the object are too far from a pad to be looked for, and which cannot be inside it: neither they nor the pad move
-//! faster than they move.
+//! Which features of the object are too far from a pad to be looked for, and on which side of it the others are: neither they nor
+//! the pad move faster than they move.
 
+use super::flanks::{Flank, KEPT};
+use super::foot::Foot;
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
 use glam::DVec3;
+use std::sync::Arc;
 
 /// Motion of the pad after which the distances are taken anew, m: a fraction of what most features are away.
 const STALE: f64 = 2e-4;
 
-/// Distances of all features to the pad, at an earlier state.
+/// What is known of the distances of all features to the pad.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Far {
+    /// From the last time that all were taken.
+    looked: Arc<Seen>,
+    /// From the last assembly, of those that were near.
+    last: Arc<Seen>,
+}
+
+/// Distances of all features to the pad at an earlier state.
+#[derive(Debug, Clone, Default)]
+struct Seen {
     /// Node positions then, m.
     x: Vec<DVec3>,
-    /// Where each feature was, relative to the finger, and how far outside the pad at least, m.
-    features: Vec<(DVec3, f64)>,
+    features: Vec<Bounds>,
+}
+
+/// Where a feature was, relative to the finger, and how far outside the pad at least and at most, m.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bounds {
+    at: DVec3,
+    least: f64,
+    most: f64,
+}
+
+/// Largest motion of a node of the pad since its features were looked for, and since the last assembly, m; `+inf` if that never was.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Moved {
+    looked: f64,
+    last: f64,
+}
+
+impl Seen {
+    fn moved(&self, x: &[DVec3]) -> f64 {
+        if self.x.len() != x.len() {
+            return f64::INFINITY;
+        }
+        self.x.iter().zip(x).map(|(a, b)| a.distance_squared(*b)).fold(0.0, f64::max).sqrt()
+    }
+
+    /// Bounds of the signed distance of feature `i`, now at `y`, to the pad, which has `moved` by up to that (m).
+    fn bounds(&self, i: usize, y: DVec3, moved: f64) -> Bounds {
+        match self.features.get(i) {
+            Some(then) => {
+                let change = BULGE * moved + then.at.distance(y);
+                Bounds { at: y, least: then.least - change, most: then.most + change }
+            }
+            None => Bounds { at: y, least: f64::NEG_INFINITY, most: f64::INFINITY },
+        }
+    }
+}
+
+impl Bounds {
+    /// With what `flanks` say, those within `reach` (m).
+    pub fn narrowed(self, flanks: &[Flank], reach: f64) -> Self {
+        match flanks.first() {
+            Some((foot, ..)) => Self { least: foot.gap, most: foot.gap, ..self },
+            None => Self { least: self.least.max(reach), most: f64::INFINITY, ..self },
+        }
+    }
+
+    /// `foot` on the side that is possible: where a face is folded over or a crease is closed, the surface passes through
+    /// itself, and what is outside looks as if it were inside, or the other way round.
+    fn sided(&self, foot: Foot) -> Foot {
+        let possible = |gap: f64| self.least - KEPT <= gap && gap <= self.most + KEPT;
+        if possible(foot.gap) || !possible(-foot.gap) { foot } else { foot.flipped() }
+    }
 }
 
 impl Far {
@@ -29,39 +92,40 @@ impl Far {
         place: impl Fn(usize) -> DVec3,
     ) {
         let moved = self.moved(x);
-        if moved > STALE {
+        if moved.looked > STALE {
             let away = |i: usize| {
                 let y = place(i);
-                let gap = bounds.outside(surface, x, y);
-                (y, if self.has_flipped(i, y, moved, gap) { -gap } else { gap })
+                let least = bounds.outside(surface, x, y, |foot| self.sided(i, y, moved, foot));
+                Bounds { at: y, least, most: f64::INFINITY }
             };
-            self.features = (0..count).map(away).collect();
-            self.x = x.to_vec();
+            self.looked = Arc::new(Seen { features: (0..count).map(away).collect(), x: x.to_vec() });
         }
     }
 
-    /// Largest motion of a node since the distances were taken, m; `+inf` if they never were.
-    pub fn moved(&self, x: &[DVec3]) -> f64 {
-        if self.x.len() != x.len() {
-            return f64::INFINITY;
-        }
-        self.x.iter().zip(x).map(|(a, b)| a.distance_squared(*b)).fold(0.0, f64::max).sqrt()
+    /// Takes over what an assembly at node positions `x` found out of each feature.
+    pub fn remember(&mut self, x: &[DVec3], features: Vec<Bounds>) {
+        self.last = Arc::new(Seen { x: x.to_vec(), features });
     }
 
-    /// Whether feature `i`, now at `y`, may be nearer than `reach` (m) to the pad, which has `moved` by up to that (m).
-    pub fn within(&self, i: usize, y: DVec3, moved: f64, reach: f64) -> bool {
-        self.least(i, y, moved).is_none_or(|least| least <= reach)
+    /// How far the nodes of the pad at `x` have moved.
+    pub fn moved(&self, x: &[DVec3]) -> Moved {
+        Moved { looked: self.looked.moved(x), last: self.last.moved(x) }
     }
 
-    /// Whether feature `i` cannot have got as deep as `gap` (m) says: where a face at the rim of a pad is folded over, what is
-    /// outside looks as if it were inside.
-    pub fn has_flipped(&self, i: usize, y: DVec3, moved: f64, gap: f64) -> bool {
-        gap < 0.0 && self.least(i, y, moved).is_some_and(|least| gap < least)
+    /// Bounds of the signed distance of feature `i`, now at `y`.
+    pub fn bounds(&self, i: usize, y: DVec3, moved: Moved) -> Bounds {
+        let (looked, last) = (self.looked.bounds(i, y, moved.looked), self.last.bounds(i, y, moved.last));
+        Bounds { at: y, least: looked.least.max(last.least), most: looked.most.min(last.most) }
     }
 
-    /// Signed distance of feature `i` at least, m; None if it was never looked for.
-    fn least(&self, i: usize, y: DVec3, moved: f64) -> Option<f64> {
-        self.features.get(i).map(|(then, away)| away - BULGE * moved - then.distance(y))
+    /// Whether feature `i`, now at `y`, may be nearer than `reach` (m) to the pad.
+    pub fn within(&self, i: usize, y: DVec3, moved: Moved, reach: f64) -> bool {
+        self.bounds(i, y, moved).least <= reach
+    }
+
+    /// The `foot` of feature `i`, now at `y`, on the side of the pad where it can be.
+    pub fn sided(&self, i: usize, y: DVec3, moved: Moved, foot: Foot) -> Foot {
+        self.bounds(i, y, moved).sided(foot)
     }
 }
 

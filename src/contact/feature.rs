@@ -1,10 +1,11 @@
 //! Contact of the object's features (vertices, points along sharp edges) with a pad's faces, as a term of the potential:
 //! what keeps a needle or a knife edge from slipping between the sample points of the pad.
 
+use super::bend::bend;
 use super::crossing::deepest;
 use super::edge::ContactEdge;
-use super::far::Far;
-use super::flanks::Flank;
+use super::far::{Far, Moved};
+use super::flanks::{Flank, Last};
 use super::law::Law;
 use super::pair::{feature_pair, friction_pair, slip, weighed};
 use super::pool::EdgePool;
@@ -58,7 +59,9 @@ pub struct FeatureContact {
     sites: Vec<Site>,
     bounds: FaceBounds,
     far: Far,
-    committed: Vec<Site>,
+    committed: (Vec<Site>, Far),
+    /// Whether the Hessian says how faces bend and turn.
+    sharp: bool,
 }
 
 /// Force of a feature on a pad.
@@ -104,7 +107,7 @@ impl FeatureContact {
         let sites: Vec<Site> = features.iter().map(site).collect();
         let area = surface.spacing * surface.spacing;
         let (bounds, far) = (FaceBounds::default(), Far::default());
-        Self { pool, surface, features, area, committed: sites.clone(), sites, bounds, far }
+        Self { pool, surface, features, area, committed: (sites.clone(), far.clone()), sites, bounds, far, sharp: true }
     }
 
     /// Current edges, one per feature.
@@ -134,16 +137,14 @@ impl FeatureContact {
         Law { offset: self.features[i].reach() * law.offset, ..law }
     }
 
-    /// What feature `i` at `y` (relative to the finger, m) presses on, on a surface with nodes at `x` that has `moved` (m) since the
-    /// far features were looked for.
-    fn flanks(&self, bounds: &FaceBounds, i: usize, x: &[DVec3], y: DVec3, moved: f64) -> Vec<Flank> {
+    /// What feature `i` at `y` (relative to the finger, m) presses on, on a surface with nodes at `x` that has `moved`. Whether
+    /// one face or a whole fold counts `stays` as it was, or may change.
+    fn flanks(&self, bounds: &FaceBounds, i: usize, x: &[DVec3], y: DVec3, moved: Moved, stays: bool) -> Vec<Flank> {
         let reach = self.law_of(i).offset;
         if !self.far.within(i, y, moved, reach) {
             return Vec::new();
         }
-        let flanks = bounds.flanks(&self.surface, x, y, reach, self.sites[i].face());
-        let flipped = flanks.first().is_some_and(|(foot, ..)| self.far.has_flipped(i, y, moved, foot.gap));
-        if flipped { Vec::new() } else { flanks }
+        bounds.flanks(&self.surface, x, y, reach, self.sites[i].last(stays), |foot| self.far.sided(i, y, moved, foot))
     }
 
     /// Displacement of the pad's sticking point from the feature, plus its drag.
@@ -162,7 +163,7 @@ impl BodyTerm for FeatureContact {
         for (i, e) in self.pool.edges.iter().enumerate() {
             let y = self.sites[i].place(view);
             let law = self.law_of(i);
-            let flanks = self.flanks(&bounds, i, view.x, y, moved);
+            let flanks = self.flanks(&bounds, i, view.x, y, moved, true);
             let energies = flanks.iter().map(|(foot, weight, _)| weight * law.normal_energy(foot.gap, e.scale));
             energy += self.area * energies.sum::<f64>();
             if let Some(drag) = e.sticks() {
@@ -178,9 +179,12 @@ impl BodyTerm for FeatureContact {
         let sites = &self.sites;
         self.far.update(&self.surface, view.x, &self.bounds, sites.len(), |i| sites[i].place(view));
         let moved = self.far.moved(view.x);
+        let mut seen = Vec::with_capacity(self.features.len());
         for i in 0..self.features.len() {
             block.lag += (self.area * self.update(i, view, moved)).powi(2);
             let (e, law) = (self.pool.edges[i], self.law_of(i));
+            let near = self.far.bounds(i, self.sites[i].place(view), moved);
+            seen.push(near.narrowed(&self.sites[i].flanks, law.offset));
             let arm = view.rotation * self.sites[i].position;
             for (foot, weight, curvature) in &self.sites[i].flanks {
                 let e = e.on(&law, foot.gap, -foot.normal);
@@ -188,6 +192,13 @@ impl BodyTerm for FeatureContact {
                     let pair = feature_pair(&law, &e, weight * self.area, arm, curvature, project);
                     let place = self.surface.faces[foot.face].stencil(foot.l);
                     block.add_pair(body, view, &place, &weighed(pair, *weight, project));
+                    let force = e.pressure * weight * self.area;
+                    let bent = (self.sharp && block.hessian && !project)
+                        .then(|| bend(&self.surface.faces[foot.face], view.x, foot, force))
+                        .flatten();
+                    if let Some(form) = bent {
+                        block.add_form(body, view, &form, arm);
+                    }
                 }
             }
             if let Some(drag) = e.sticks() {
@@ -196,6 +207,7 @@ impl BodyTerm for FeatureContact {
                 block.add_pair(body, view, &self.sites[i].stick, &pair);
             }
         }
+        self.far.remember(view.x, seen);
     }
 
     fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
@@ -214,12 +226,14 @@ impl BodyTerm for FeatureContact {
             sites[i].place(view) - sites[i].now.position(view.x) - e.traction * (1.0 / tangential)
         });
         self.sites.iter_mut().for_each(|site| site.moves = 0);
-        self.committed.clone_from(&self.sites);
+        self.committed.0.clone_from(&self.sites);
+        self.committed.1.clone_from(&self.far);
     }
 
     fn rollback(&mut self) {
         self.pool.rollback();
-        self.sites.clone_from(&self.committed);
+        self.sites.clone_from(&self.committed.0);
+        self.far.clone_from(&self.committed.1);
     }
 
     fn satisfied(&mut self, _: &Body, view: &View) -> bool {
@@ -230,6 +244,10 @@ impl BodyTerm for FeatureContact {
 
     fn damp(&mut self, damping: f64) {
         self.pool.damping = damping;
+    }
+
+    fn sharpen(&mut self, sharp: bool) {
+        self.sharp = sharp;
     }
 
     fn soften(&mut self, factor: f64) {
@@ -248,9 +266,9 @@ const PRESSED: f64 = 5e-6;
 const MOVES: u32 = 2;
 
 impl Site {
-    /// The face that it was nearest to.
-    fn face(&self) -> Option<usize> {
-        self.flanks.first().map(|(foot, ..)| foot.face)
+    /// What it presses on.
+    fn last(&self, stays: bool) -> Option<Last> {
+        self.flanks.first().map(|(foot, ..)| Last { face: foot.face, folded: self.flanks.len() > 1, stays })
     }
 
     /// Where the feature is under `view`, m, relative to the finger.
@@ -282,12 +300,11 @@ impl FeatureContact {
         stay
     }
 
-    /// Refreshes gap, pressure and friction of edge `i` on a surface that has `moved` (m) since the far features were looked for;
-    /// returns how far its friction limit lags, Pa.
-    fn update(&mut self, i: usize, view: &View, moved: f64) -> f64 {
+    /// Refreshes gap, pressure and friction of edge `i` on a surface that has `moved`; returns how far its friction limit lags, Pa.
+    fn update(&mut self, i: usize, view: &View, moved: Moved) -> f64 {
         let y = self.sites[i].place(view);
         let law = self.law_of(i);
-        let flanks = self.flanks(&self.bounds, i, view.x, y, moved);
+        let flanks = self.flanks(&self.bounds, i, view.x, y, moved, false);
         let site = &mut self.sites[i];
         site.flanks = flanks;
         if let Some((foot, ..)) = site.flanks.first() {
@@ -297,7 +314,7 @@ impl FeatureContact {
         // The object's outward normal at the contact is the pad's inward one.
         let places = site.flanks.iter().map(|(foot, weight, _)| (foot.gap, -foot.normal, *weight));
         let Some(lag) = self.pool.press(i, &law, places) else {
-            site.stick = self.committed[i].stick;
+            site.stick = self.committed.0[i].stick;
             return 0.0;
         };
         let e = &mut self.pool.edges[i];

@@ -33,32 +33,70 @@ impl Foot {
 
 /// Cosine of the angle between faces from which on a fold is shallow (15 degrees).
 const SHALLOW: f64 = 0.966;
+/// The same where one face counted last (18 degrees), and where the whole fold did (12): the choice does not swing.
+const SHALLOW_STILL: f64 = 0.951;
+const SHALLOW_AGAIN: f64 = 0.978;
+/// The same while the choice of one face stays (30 degrees).
+const NOT_SHALLOW: f64 = 0.866;
 /// Difference of distance, m, up to which the last face is kept at a shallow fold.
-const KEPT: f64 = 2e-6;
+pub(super) const KEPT: f64 = 2e-6;
+
+/// What a feature pressed on at the last assembly.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Last {
+    /// The nearest face.
+    pub face: usize,
+    /// Whether others counted beside it.
+    pub folded: bool,
+    /// Whether that choice stays as it is, so that the energy along a line has no jumps; else it is made anew, though not for little.
+    pub stays: bool,
+}
+
+impl Last {
+    /// Cosine of the angle between faces from which on a fold is shallow.
+    fn shallow(self) -> f64 {
+        match (self.stays, self.folded) {
+            (false, false) => SHALLOW_STILL,
+            (false, true) => SHALLOW_AGAIN,
+            (true, false) => NOT_SHALLOW,
+            (true, true) => f64::INFINITY,
+        }
+    }
+
+    /// Difference of distance up to which its face is kept, m.
+    fn kept(self) -> f64 {
+        if self.stays { f64::INFINITY } else { KEPT }
+    }
+}
 
 impl FaceBounds {
     /// The feet of a feature at `y` (relative to the finger, m), the nearest first; none if it is farther than `reach` (m) from the
     /// surface.
     ///
     /// At a shallow fold, like that between faces of a pad that is smoothly bent, the normal hardly changes, but within a fraction of
-    /// the reach; there just one face counts, and `last` is kept as long as it is nearly as near.
+    /// the reach; there just one face counts, and that of `last` is kept as long as it is nearly as near. `side` knows better on which
+    /// side of the surface the feature is.
     pub(super) fn flanks(
         &self,
         surface: &ContactSurface,
         x: &[DVec3],
         y: DVec3,
         reach: f64,
-        last: Option<usize>,
+        last: Option<Last>,
+        side: impl Fn(Foot) -> Foot,
     ) -> Vec<Flank> {
-        let Some(nearest) = self.closest(surface, x, y, reach) else { return Vec::new() };
-        if inside(surface, x, &nearest, 2.0 * reach) && last.is_none_or(|face| face == nearest.face) {
+        let Some(nearest) = self.closest_as(surface, x, y, reach, side) else { return Vec::new() };
+        if inside(surface, x, &nearest, 2.0 * reach) && last.is_none_or(|last| last.face == nearest.face) {
             return vec![(nearest, 1.0, DMat3::ZERO)];
         }
         let others = self.beside(surface, x, y, reach, &nearest);
-        let shallow = |foot: &Foot| foot.normal.dot(nearest.normal) > SHALLOW;
+        let least = last.map_or(SHALLOW, Last::shallow);
+        let shallow = |foot: &Foot| foot.normal.dot(nearest.normal) > least;
         if others.iter().all(|(foot, ..)| shallow(foot)) {
-            let kept = last.and_then(|face| carried_on(face, &surface.faces[face], x, y));
-            let kept = kept.filter(|foot| shallow(foot) && (foot.gap - nearest.gap).abs() < KEPT);
+            let kept = last.and_then(|last| {
+                let foot = carried_on(last.face, &surface.faces[last.face], x, y)?;
+                (shallow(&foot) && (foot.gap - nearest.gap).abs() < last.kept()).then_some(foot)
+            });
             return vec![(kept.unwrap_or(nearest), 1.0, DMat3::ZERO)];
         }
         let mut flanks = vec![(nearest, 1.0, DMat3::ZERO)];

@@ -1,6 +1,6 @@
 //! Closest point of a quadratic face that is folded, where the search from its flat triangle ends anywhere.
 
-use super::foot::tangents;
+use super::foot::{ON_RIM, tangents};
 use super::surface::Face;
 use glam::DVec3;
 
@@ -32,7 +32,7 @@ fn distance_squared(face: &Face, x: &[DVec3], y: DVec3, l: [f64; 3]) -> f64 {
     face.stencil(l).position(x).distance_squared(y)
 }
 
-/// Where the squared distance is least over the face from `l`, and that; stops at the rim.
+/// Where the squared distance is least over the face from `l`, and that; slides along the rim where it is led out.
 fn inside(face: &Face, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> ([f64; 3], f64) {
     let [d11, d12, d22] = bends(face, x);
     let mut far = distance_squared(face, x, y, l);
@@ -49,11 +49,21 @@ fn inside(face: &Face, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> ([f64; 3], f64
             break;
         }
         let (s, t) = ((c * r1 - b * r2) / det, (a * r2 - b * r1) / det);
-        let step = [-s - t, s, t];
+        let mut step = [-s - t, s, t];
+        if let Some(k) = (0..3).find(|k| l[*k] <= 0.0 && step[*k] < 0.0) {
+            let mut along = [0.0, 0.0, 0.0];
+            (along[(k + 1) % 3], along[(k + 2) % 3]) = (-1.0, 1.0);
+            let [_, u, v] = along;
+            let by = (r1 * u + r2 * v) / (a * u * u + 2.0 * b * u * v + c * v * v);
+            step = along.map(|part| by * part);
+        }
         // As far as the rim at most.
         let most = (0..3).filter(|k| step[*k] < 0.0).map(|k| l[k] / -step[k]).fold(1.0, f64::min);
         let Some((next, nearer)) = shorten(most, far, |alpha| {
-            let next: [f64; 3] = std::array::from_fn(|k| (l[k] + alpha * step[k]).max(0.0));
+            let next: [f64; 3] = std::array::from_fn(|k| {
+                let v = l[k] + alpha * step[k];
+                if v > ON_RIM { v } else { 0.0 }
+            });
             (next, distance_squared(face, x, y, next))
         }) else {
             break;
@@ -109,7 +119,7 @@ fn shorten<T>(mut alpha: f64, far: f64, step: impl Fn(f64) -> (T, f64)) -> Optio
 }
 
 /// Second derivatives of the position in `l1 l1`, `l1 l2` and `l2 l2`: the same everywhere on a face.
-fn bends(face: &Face, x: &[DVec3]) -> [DVec3; 3] {
+pub(super) fn bends(face: &Face, x: &[DVec3]) -> [DVec3; 3] {
     let at = |n: u32| x[n as usize];
     let [a, b, c] = face.corners.map(at);
     let Some([ab, bc, ca]) = face.mids.map(|m| m.map(at)) else { return [DVec3::ZERO; 3] };

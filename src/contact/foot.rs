@@ -24,6 +24,11 @@ impl Foot {
     pub(super) fn at(face: usize, l: [f64; 3], gap: f64, normal: DVec3) -> Self {
         Self { face, l, gap, normal, facing: 1.0 }
     }
+
+    /// The same foot of a point that is on the other side.
+    pub(super) fn flipped(self) -> Self {
+        Self { gap: -self.gap, normal: -self.normal, ..self }
+    }
 }
 
 /// Barycentric coordinate below which a point lies on the rim of its face.

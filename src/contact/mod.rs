@@ -4,6 +4,7 @@
 //! ([`surface`]), and points of the object's features to the pad ([`feature`]), so that neither a smooth face nor a needle
 //! slips between samples. All edges carry the same [`law`]: a stiff penalty on the gap, and Coulomb friction.
 
+mod bend;
 mod cells;
 mod crossing;
 pub mod edge;

@@ -10,7 +10,8 @@ pub(crate) fn cross_matrix(c: DVec3) -> DMat3 {
     DMat3::from_cols(DVec3::new(0.0, c.z, -c.y), DVec3::new(-c.z, 0.0, c.x), DVec3::new(c.y, -c.x, 0.0))
 }
 
-fn outer(a: DVec3, b: DVec3) -> DMat3 {
+/// `a b'`.
+pub(crate) fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 

@@ -49,12 +49,24 @@ impl FaceBounds {
 
     /// Closest point of the surface to `y` if nearer than `reach` outside, or anywhere inside the gel near the surface.
     pub fn closest(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, reach: f64) -> Option<Foot> {
+        self.closest_as(surface, x, y, reach, |foot| foot)
+    }
+
+    /// The same, where `side` knows better on which side of the surface `y` is.
+    pub(super) fn closest_as(
+        &self,
+        surface: &ContactSurface,
+        x: &[DVec3],
+        y: DVec3,
+        reach: f64,
+        side: impl Fn(Foot) -> Foot,
+    ) -> Option<Foot> {
         if y.cmplt(self.min - reach).any() || y.cmpgt(self.max + reach).any() {
             return None;
         }
         let best = self.near(surface, x, y, NEAR);
         let best = best.or_else(|| self.nearest(surface, x, y, 0..self.boxes.len(), f64::INFINITY));
-        best.filter(|foot| foot.gap < reach)
+        best.map(side).filter(|foot| foot.gap < reach)
     }
 
     /// Closest point of the surface to `y` if nearer than `limit`, up to [`NEAR`], inside or outside.
@@ -63,13 +75,14 @@ impl FaceBounds {
         self.nearest(surface, x, y, faces, limit)
     }
 
-    /// How far `y` is outside the surface at least, m; exact where that is near, not positive inside.
-    pub fn outside(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3) -> f64 {
+    /// How far `y` is outside the surface at least, m; exact where that is near, not positive inside. `side` knows better on which
+    /// side it is.
+    pub(super) fn outside(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, side: impl Fn(Foot) -> Foot) -> f64 {
         let beyond = y.clamp(self.min, self.max).distance(y);
         if beyond > NEAR {
             return beyond;
         }
-        self.closest(surface, x, y, f64::INFINITY).map_or(f64::INFINITY, |foot| foot.gap)
+        self.closest_as(surface, x, y, f64::INFINITY, side).map_or(f64::INFINITY, |foot| foot.gap)
     }
 
     /// Closest point on those of `faces` that are nearer than `limit`.

@@ -4,7 +4,7 @@ use crate::element::EDGES;
 use crate::fem::body::{Body, Elements};
 use crate::fem::term::Stencil;
 use crate::mesh::rings::Rings;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -131,6 +131,25 @@ impl Face {
                 .into_iter(),
             ),
         }
+    }
+
+    /// The nodes with their shape functions at `l` and the derivatives of these in `l1`, `l2` (with `l0 = 1 - l1 - l2`).
+    pub(super) fn shape(&self, l: [f64; 3]) -> impl Iterator<Item = (u32, f64, DVec2)> {
+        let [l0, l1, l2] = l;
+        let corner = |l: f64| if self.mids.is_some() { (l * (2.0 * l - 1.0), 4.0 * l - 1.0) } else { (l, 1.0) };
+        let along = [DVec2::NEG_ONE, DVec2::X, DVec2::Y];
+        let corners = std::array::from_fn::<_, 3, _>(|k| {
+            let (value, slope) = corner(l[k]);
+            (self.corners[k], value, along[k] * slope)
+        });
+        let mids = self.mids.map(|[ab, bc, ca]| {
+            [
+                (ab, 4.0 * l0 * l1, DVec2::new(l0 - l1, -l1) * 4.0),
+                (bc, 4.0 * l1 * l2, DVec2::new(l2, l1) * 4.0),
+                (ca, 4.0 * l2 * l0, DVec2::new(-l2, l0 - l2) * 4.0),
+            ]
+        });
+        corners.into_iter().chain(mids.into_iter().flatten())
     }
 
     /// Linear interpolation on the sub-triangle of nodes that contains `l`.

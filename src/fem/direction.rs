@@ -26,7 +26,7 @@ impl Newton {
             b.solve(anew);
         });
         let gradient = self.border_gradient(now);
-        let extra = self.proximal.as_ref().map_or(0.0, |(_, stiffness)| *stiffness);
+        let extra = self.proximal.as_ref().map_or(0.0, |springs| springs.border);
         let size = self.border.size;
         let plain = arrow::step(&self.blocks, &gradient, size, extra, cap);
         if !follow {

@@ -10,6 +10,10 @@ const SWINGING: u32 = 5;
 const PROGRESS: f64 = 0.5;
 /// The frozen problem counts as solved at this part of what friction lags.
 const SOLVED: f64 = 0.1;
+/// What friction lags must fall to this part from one of its moves to the next, or it moves by another part of the way.
+const CONTRACTION: f64 = 0.5;
+/// Smallest part of the way.
+const SLOWEST: f64 = 1.0 / 32.0;
 
 /// The state of one Newton solve.
 #[derive(Debug)]
@@ -18,13 +22,15 @@ pub(super) struct Lagging {
     stale: u32,
     /// The frozen problem is solved, friction moves on by this part of the way.
     thaw: Option<f64>,
-    /// What friction lagged when it moved on last, N.
+    /// What friction lagged when it moved on last, N, by which part of the way it moved, and how much of its lag was left then.
     lagged: f64,
+    pace: f64,
+    left: f64,
 }
 
 impl Default for Lagging {
     fn default() -> Self {
-        Self { best: f64::INFINITY, stale: 0, thaw: None, lagged: f64::INFINITY }
+        Self { best: f64::INFINITY, stale: 0, thaw: None, lagged: f64::INFINITY, pace: 1.0, left: f64::INFINITY }
     }
 }
 
@@ -41,10 +47,19 @@ impl Lagging {
             self.stale = if progress { 0 } else { self.stale + 1 };
             self.best = if progress { residual.hypot(lag) } else { self.best };
         }
-        self.thaw = (lag > allowed && residual <= allowed.max(SOLVED * lag)).then(|| {
-            let whole = lag <= 0.5 * self.lagged;
-            self.lagged = lag;
-            if whole { 1.0 } else { 0.5 }
-        });
+        let solved = lag > allowed && residual <= allowed.max(SOLVED * lag);
+        self.thaw = solved.then(|| self.pace(lag));
+    }
+
+    /// The part of the way that friction moves next, which lags by `lag` (N) now. It overshoots where its move makes the pressure
+    /// answer the other way: then smaller parts lead to the goal sooner; elsewhere they do not, and it goes all the way again.
+    fn pace(&mut self, lag: f64) -> f64 {
+        let left = lag / self.lagged;
+        if left > CONTRACTION && self.lagged.is_finite() {
+            let worse = self.pace < 1.0 && left > self.left;
+            self.pace = if worse { 1.0 } else { (0.5 * self.pace).max(SLOWEST) };
+        }
+        (self.lagged, self.left) = (lag, left);
+        self.pace
     }
 }

@@ -14,6 +14,7 @@ mod level;
 pub mod locking;
 pub mod newton;
 pub mod pattern;
+pub mod proximal;
 pub mod readout;
 mod solve;
 pub mod state;

@@ -2,6 +2,7 @@
 
 use super::arrow::ArrowBlock;
 use super::body::Body;
+use super::proximal::Proximal;
 use super::state::{Border, MAX_BORDER, State, Step};
 use super::term::BodyTerm;
 use crate::error::Result;
@@ -99,8 +100,8 @@ pub struct Newton {
     pub force: Vec<f64>,
     /// Timings.
     pub profile: Profile,
-    /// Pulls the border towards a state with this stiffness (N/m): pseudo-time steps of a path without stable equilibria.
-    pub proximal: Option<(State, f64)>,
+    /// The springs of a pseudo-time step, on paths without stable equilibria.
+    pub proximal: Option<Proximal>,
     pub(super) blocks: Vec<ArrowBlock>,
 }
 
@@ -145,7 +146,7 @@ impl Newton {
             })
             .collect();
         // Summed in body order: the same bits on any number of threads.
-        bodies.iter().sum::<f64>() - self.work(state) + self.proximal_energy(state)
+        bodies.iter().sum::<f64>() - self.work(state) + self.proximal.as_ref().map_or(0.0, |p| p.energy(self, state))
     }
 
     /// A distance that every point may move from `state` before anything is touched, m.
@@ -155,15 +156,6 @@ impl Newton {
             terms.iter().map(|t| t.clearance(&self.blocks[i].body, &view)).fold(f64::INFINITY, f64::min)
         };
         self.terms.iter().enumerate().map(of).fold(f64::INFINITY, f64::min)
-    }
-
-    /// Distance of the border from the proximal state, m per column.
-    fn proximal_offset(&self, state: &State) -> Option<([f64; MAX_BORDER], f64)> {
-        self.proximal.as_ref().map(|(center, stiffness)| (self.border.difference(state, center), *stiffness))
-    }
-
-    fn proximal_energy(&self, state: &State) -> f64 {
-        self.proximal_offset(state).map_or(0.0, |(d, k)| 0.5 * k * d.iter().map(|d| d * d).sum::<f64>())
     }
 
     /// Work of the finger forces, J.
@@ -179,12 +171,15 @@ impl Newton {
 
     /// Assembles gradients at `state`, and Hessians if wanted.
     pub(super) fn assemble_some(&mut self, state: &State, project: bool, hessian: bool) {
-        let border = &self.border;
+        let (border, proximal) = (&self.border, &self.proximal);
         self.blocks.par_iter_mut().zip(self.terms.par_iter_mut()).enumerate().for_each(|(i, (b, terms))| {
             b.block.clear(hessian);
             let view = state.view(i, border);
             for t in terms {
                 t.assemble(&b.body, &view, project, &mut b.block);
+            }
+            if let Some(springs) = proximal {
+                springs.assemble(i, &b.body, view.x, &mut b.block);
             }
         });
     }
@@ -207,8 +202,8 @@ impl Newton {
                 g[*c] -= self.force[i];
             }
         }
-        if let Some((d, k)) = self.proximal_offset(state) {
-            g.iter_mut().zip(d).for_each(|(g, d)| *g += k * d);
+        if let Some(springs) = &self.proximal {
+            g.iter_mut().zip(springs.border_gradient(self, state)).for_each(|(g, pull)| *g += pull);
         }
         g
     }
@@ -272,6 +267,11 @@ impl Newton {
     /// Sets how far lagged quantities follow in one iteration.
     pub(super) fn damp(&mut self, damping: f64) {
         self.terms.iter_mut().flatten().for_each(|t| t.damp(damping));
+    }
+
+    /// Says whether Hessians have all second derivatives.
+    pub(super) fn sharpen(&mut self, sharp: bool) {
+        self.terms.iter_mut().flatten().for_each(|t| t.sharpen(sharp));
     }
 
     /// Scales the softness of all contacts (1 = the law as given).

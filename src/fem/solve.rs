@@ -20,6 +20,8 @@ const CRAWLING: u32 = 8;
 const QUICK: f64 = 0.2;
 /// How many times as many iterations a solution has at most whose terms strengthen themselves.
 const RENEWALS: u32 = 4;
+/// Motion in an iteration, m, up to which the solution is near: less than the reach of a contact.
+const NEAR: f64 = 5e-6;
 /// Part of a step below which only rounding moves.
 const STUCK: f64 = 1e-9;
 
@@ -38,6 +40,7 @@ impl Newton {
         loop {
             let damping = lagging.damping();
             self.damp(damping);
+            self.sharpen(last_motion <= NEAR);
             let clock = Instant::now();
             // The last factorisation may do once more where it did well.
             let fresh = history[0].is_infinite() || history[1] >= QUICK * history[0];
@@ -95,7 +98,7 @@ impl Newton {
             self.profile.solve += clock.elapsed().as_secs_f64();
             // A residual that stays may be a cycle between two states, each a minimum for what the other lags: half a step
             // leads out of it.
-            let cycles = (residual - history[0]).abs() < 0.05 * residual;
+            let cycles = damping == 1.0 && (residual - history[0]).abs() < 0.05 * residual;
             history = [history[1], residual];
             let longest = if cycles { 0.5 } else { 1.0 };
             let clock = Instant::now();

@@ -68,7 +68,7 @@ impl Border {
             }
         }
         if let Some(c) = self.pose {
-            let turn = (to.rotation * from.rotation.inverse()).to_scaled_axis() * self.length;
+            let turn = turn(to.rotation * from.rotation.inverse()) * self.length;
             d[c..c + 3].copy_from_slice(&(to.position - from.position).to_array());
             d[c + 3..c + 6].copy_from_slice(&turn.to_array());
         }
@@ -79,6 +79,13 @@ impl Border {
     pub fn distance(&self, to: &State, from: &State) -> f64 {
         self.difference(to, from).iter().map(|d| d * d).sum::<f64>().sqrt()
     }
+}
+
+/// The rotation as a vector along its axis, rad; sharp also where it is tiny, which glam takes for none.
+fn turn(q: DQuat) -> DVec3 {
+    let (half, cosine) = (q.xyz(), q.w);
+    let sine = half.length();
+    if sine < 1e-8 { half * (2.0 * cosine.signum()) } else { q.to_scaled_axis() }
 }
 
 /// A Newton step: increments of every unknown.

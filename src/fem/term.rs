@@ -5,6 +5,7 @@ use super::body::Body;
 use super::dynamics::TimeStep;
 use super::pattern::{FIXED, Pattern};
 use super::state::{MAX_BORDER, Motion, View};
+use crate::contact::pair::outer;
 use glam::{DMat3, DVec3};
 
 /// Gradient and Hessian of one body's terms, with its share of the border.
@@ -109,26 +110,37 @@ impl Block {
         self.add_border(view, pair);
     }
 
+    /// Adds the second derivatives `form` of an interaction with the object's point at arm `r` (m from the origin).
+    pub fn add_form<const K: usize>(&mut self, body: &Body, view: &View, form: &Form<K>, r: DVec3) {
+        let pattern = body.pattern();
+        let unknowns = pattern.unknowns();
+        let (columns, count) = border_columns(view);
+        let border = columns.map(|(c, d, w)| (c, form.delta.map(|f| f.dot(d - w.cross(r)))));
+        let free = form.nodes.iter().filter(|(node, _)| pattern.position[*node as usize] != FIXED);
+        for (a, forms_a) in free.clone() {
+            let position = pattern.position[*a as usize];
+            let rows: [DVec3; K] = std::array::from_fn(|j| (0..K).map(|i| forms_a[i] * form.matrix[i][j]).sum());
+            for (b, forms_b) in free.clone().filter(|(b, _)| pattern.position[*b as usize] <= position) {
+                let block = rows.iter().zip(forms_b).map(|(row, f)| outer(*row, *f)).sum();
+                Pattern::add(&mut self.values, pattern.slot(*a, *b), &block);
+            }
+            for (c, forms) in &border[..count] {
+                let start = c * unknowns + 3 * position as usize;
+                let v: DVec3 = rows.iter().zip(forms).map(|(row, f)| *row * *f).sum();
+                self.coupling[start..start + 3].iter_mut().zip(v.to_array()).for_each(|(target, v)| *target += v);
+            }
+        }
+        for (i, forms_i) in &border[..count] {
+            for (j, forms_j) in &border[..count] {
+                let along = |k: usize| (0..K).map(|l| form.matrix[k][l] * forms_j[l]).sum::<f64>();
+                self.border_hessian[*i][*j] += (0..K).map(|k| forms_i[k] * along(k)).sum::<f64>();
+            }
+        }
+    }
+
     /// The border-border part of [`Block::add_pair`].
     fn add_border(&mut self, view: &View, pair: &Pair) {
-        // Columns of d(delta)/d(border) and d(rotation)/d(border).
-        let mut columns: [(usize, DVec3, DVec3); 7] = [(usize::MAX, DVec3::ZERO, DVec3::ZERO); 7];
-        let mut count = 0;
-        let mut push = |entry| {
-            columns[count] = entry;
-            count += 1;
-        };
-        if let Some(c) = view.travel_column {
-            push((c, view.closing, DVec3::ZERO));
-        }
-        if let Some(c) = view.pose_column {
-            for k in 0..3 {
-                push((c + k, -DVec3::AXES[k], DVec3::ZERO));
-            }
-            for k in 0..3 {
-                push((c + 3 + k, DVec3::ZERO, DVec3::AXES[k] / view.length));
-            }
-        }
+        let (columns, count) = border_columns(view);
         for (i, di, wi) in &columns[..count] {
             self.border_gradient[*i] += pair.force.dot(*di) + pair.torque.dot(*wi);
             if !self.hessian {
@@ -141,6 +153,40 @@ impl Block {
         }
         self.activity += pair.force.length();
     }
+}
+
+/// Columns of the border that a point of a body and the object feel: its index, how the point moves relative to the object's along
+/// it, and how the object turns; and their number.
+fn border_columns(view: &View) -> ([(usize, DVec3, DVec3); 7], usize) {
+    let mut columns = [(usize::MAX, DVec3::ZERO, DVec3::ZERO); 7];
+    let mut count = 0;
+    let mut push = |entry| {
+        columns[count] = entry;
+        count += 1;
+    };
+    if let Some(c) = view.travel_column {
+        push((c, view.closing, DVec3::ZERO));
+    }
+    if let Some(c) = view.pose_column {
+        for k in 0..3 {
+            push((c + k, -DVec3::AXES[k], DVec3::ZERO));
+        }
+        for k in 0..3 {
+            push((c + 3 + k, DVec3::ZERO, DVec3::AXES[k] / view.length));
+        }
+    }
+    (columns, count)
+}
+
+/// Second derivatives `sum matrix_ij f_i f_j` in linear forms `f` of the motion of nodes and of a point of a body relative to the object.
+#[derive(Debug, Clone)]
+pub struct Form<const K: usize> {
+    /// What the motion of each node adds to each form.
+    pub nodes: Vec<(u32, [DVec3; K])>,
+    /// What a motion of finger and object adds, by the relative displacement (m) that it makes.
+    pub delta: [DVec3; K],
+    /// Symmetric.
+    pub matrix: [[f64; K]; K],
 }
 
 /// First and second derivatives of an interaction between a point of a pad and the object.
@@ -237,6 +283,8 @@ pub trait BodyTerm: TermClone + Send + Sync {
     }
     /// Lagged quantities move by the fraction `damping` towards their goal in each assembly (1 = all the way).
     fn damp(&mut self, _damping: f64) {}
+    /// Whether Hessians have all second derivatives, or leave out those that lead far from a solution astray.
+    fn sharpen(&mut self, _sharp: bool) {}
     /// Makes the term softer by `factor` (1 = as given), for continuation from a state without contact.
     fn soften(&mut self, _factor: f64) {}
     /// For reading results back by type.

@@ -2,17 +2,26 @@
 
 use super::increment::{Advanced, LOOSE, Path};
 use super::newton::{Converged, Failure, Tolerance};
+use super::proximal::Proximal;
 use super::state::State;
 
 /// Motion of the border that the first pseudo-time step allows under the full load, m.
 const STRIDE: f64 = 2e-4;
 /// Motion of the border in one pseudo-time step that is far enough, m.
 const REACH: f64 = 1e-3;
-/// Pseudo-time steps in a row with a finger that touches nothing after which the object counts as gone.
-const APART: u32 = 5;
-/// Most iterations of one pseudo-time step, and of one walk.
+/// Way that a finger goes without touching anything after which the object counts as gone, m.
+const APART: f64 = 1e-3;
+/// Most iterations of one pseudo-time step, and of one walk; most steps of a walk that fail.
 const WALKING: u32 = 25;
-const PATIENCE: u32 = 500;
+const PATIENCE: u32 = 1000;
+const FAILURES: u32 = 20;
+/// Stiffness of the springs of the nodes over those of the border.
+const NODES: f64 = 0.3;
+/// Forces out of balance that a step may leave, over those that drive it.
+const FOLLOWED: f64 = 0.3;
+/// After a step that failed the springs stay this many times as stiff as its own; with every step after it by that much less.
+const WARY: f64 = 3.0;
+const FORGETTING: f64 = 0.7;
 
 impl Path {
     /// Pseudo-time steps at fixed load from the accepted state, each an equilibrium with a spring to the one before, until
@@ -21,41 +30,49 @@ impl Path {
         let load = self.newton.force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let full = self.tolerance;
         let floor = full.force.max(full.relative * load);
-        let loose = Tolerance {
-            relative: LOOSE * full.relative,
-            force: LOOSE * floor,
-            iterations: full.iterations.min(WALKING),
-            ..full
-        };
         let mut stiffness = load / STRIDE;
         let mut state = self.state.clone();
-        let (mut failures, mut apart, mut near, mut spent) = (0, 0, false, 0);
+        // A step that failed is not tried again soon with a spring as soft.
+        let mut softest = 0.0_f64;
+        // How many times as far out of balance a step may be as the result.
+        let mut slack = LOOSE;
+        let (mut failures, mut apart, mut spent) = (0, 0.0, 0);
         while spent < PATIENCE {
-            self.newton.proximal = Some((state.clone(), stiffness));
+            let springs = Proximal { center: state.clone(), border: stiffness, nodes: NODES * stiffness };
+            self.newton.proximal = Some(springs.clone());
             let mut next = state.clone();
-            match self.newton.solve(&mut next, if near { &full } else { &loose }) {
+            let tolerance = Tolerance {
+                relative: slack * full.relative,
+                force: slack * full.force,
+                iterations: full.iterations.min(WALKING),
+                ..full
+            };
+            match self.newton.solve(&mut next, &tolerance) {
                 Ok(converged) => {
                     self.newton.commit(&next);
                     spent += converged.iterations;
                     done.iterations += converged.iterations;
                     let way = |from: &State| self.newton.border.distance(&next, from);
                     let (moved, gone) = (way(&state), self.leash.is_some_and(|most| way(&self.state) > most));
+                    let pull = springs.pull(&self.newton, &next);
                     state = next;
                     // A spring that pulls less than the forces are out of balance anyhow changes nothing.
-                    if near && stiffness * moved <= floor {
+                    if slack == 1.0 && pull <= floor {
                         done.accept(Converged { iterations: 0, ..converged });
                         return Ok(state);
                     }
-                    near = stiffness * moved <= LOOSE * floor;
+                    slack = (FOLLOWED * pull / floor).clamp(1.0, LOOSE);
                     if gone {
                         return Err(Failure::Astray);
                     }
-                    apart = if self.newton.untouched() { apart + 1 } else { 0 };
+                    apart = if self.newton.untouched() { apart + moved } else { 0.0 };
                     if apart >= APART {
                         return Err(Failure::Lost);
                     }
+                    softest *= FORGETTING;
                     if converged.iterations < 15 && moved < 0.5 * REACH {
-                        stiffness *= if converged.iterations < 8 { 0.25 } else { 0.5 };
+                        stiffness =
+                            (stiffness * if converged.iterations < 8 { 0.25 } else { 0.5 }).max(softest.min(stiffness));
                     } else if moved > REACH {
                         stiffness *= 2.0;
                     }
@@ -63,12 +80,13 @@ impl Path {
                 Err(Failure::Lost) => return Err(Failure::Lost),
                 Err(failure) => {
                     self.newton.rollback();
-                    spent += loose.iterations;
-                    done.iterations += loose.iterations;
+                    spent += tolerance.iterations;
+                    done.iterations += tolerance.iterations;
                     failures += 1;
-                    near = false;
+                    softest = WARY * stiffness;
+                    slack = (2.0 * slack).min(LOOSE);
                     stiffness *= 8.0;
-                    if failures > 8 {
+                    if failures > FAILURES {
                         return Err(failure);
                     }
                 }
