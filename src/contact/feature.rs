@@ -268,7 +268,8 @@ const MOVES: u32 = 2;
 impl Site {
     /// What it presses on.
     fn last(&self, stays: bool) -> Option<Last> {
-        self.flanks.first().map(|(foot, ..)| Last { face: foot.face, folded: self.flanks.len() > 1, stays })
+        let folded = self.flanks.len() > 1;
+        self.flanks.first().map(|(foot, ..)| Last { face: foot.face, carried: foot.carried, folded, stays })
     }
 
     /// Where the feature is under `view`, m, relative to the finger.

@@ -46,6 +46,8 @@ pub(super) const KEPT: f64 = 2e-6;
 pub(super) struct Last {
     /// The nearest face.
     pub face: usize,
+    /// Whether it was carried on beyond its rim.
+    pub carried: bool,
     /// Whether others counted beside it.
     pub folded: bool,
     /// Whether that choice stays as it is, so that the energy along a line has no jumps; else it is made anew, though not for little.
@@ -65,7 +67,11 @@ impl Last {
 
     /// Difference of distance up to which its face is kept, m.
     fn kept(self) -> f64 {
-        if self.stays { f64::INFINITY } else { KEPT }
+        match (self.stays, self.carried) {
+            (false, _) => KEPT,
+            (true, true) => f64::INFINITY,
+            (true, false) => 0.0,
+        }
     }
 }
 

@@ -17,12 +17,14 @@ pub struct Foot {
     pub normal: DVec3,
     /// How squarely the query point lies over the face: cosine of its direction with the face's normal.
     pub(super) facing: f64,
+    /// On the face carried on beyond its rim, not the nearest of all points.
+    pub(super) carried: bool,
 }
 
 impl Foot {
     /// A foot that is known.
     pub(super) fn at(face: usize, l: [f64; 3], gap: f64, normal: DVec3) -> Self {
-        Self { face, l, gap, normal, facing: 1.0 }
+        Self { face, l, gap, normal, facing: 1.0, carried: false }
     }
 
     /// The same foot of a point that is on the other side.
@@ -74,7 +76,7 @@ pub(super) fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3) -> Foot 
     let normal = if interior || distance < 1e-9 { face_normal } else { away * (side / distance) };
     let gap = if interior { away.dot(face_normal) } else { side * distance };
     let facing = if interior || distance == 0.0 { 1.0 } else { away.dot(face_normal).abs() / distance };
-    Foot { face: index, l, gap, normal, facing }
+    Foot { face: index, l, gap, normal, facing, carried: false }
 }
 
 /// Sagitta of an edge over its chord from which a face is folded: its ends are at about 70 degrees.
@@ -124,7 +126,7 @@ pub(super) fn carried_on(index: usize, face: &Face, x: &[DVec3], y: DVec3) -> Op
         }
     }
     let (p, normal) = face_frame(face, x, l);
-    near(&l).then(|| Foot::at(index, l, (y - p).dot(normal), normal))
+    near(&l).then(|| Foot { carried: true, ..Foot::at(index, l, (y - p).dot(normal), normal) })
 }
 
 /// Change of `l1` and `l2` towards the foot of `y`; None where the face is degenerate.
