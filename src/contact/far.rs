@@ -131,3 +131,20 @@ impl Far {
 
 /// A point of a quadratic face moves at most this many times as far as its nodes: the sum of the magnitudes of its shape functions.
 const BULGE: f64 = 5.0 / 3.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A feature 10 um outside that moved by 1 um, and the pad not at all, is where it can be: 9 to 11 um outside.
+    #[test]
+    fn a_feature_stays_on_the_side_where_it_can_be() {
+        let then = Bounds { at: DVec3::ZERO, least: 1e-5, most: 1e-5 };
+        let seen = Seen { x: vec![DVec3::ZERO], features: vec![then] };
+        let now = seen.bounds(0, DVec3::X * 1e-6, 0.0);
+        let gap = |gap: f64| now.sided(Foot::at(0, [1.0, 0.0, 0.0], gap, DVec3::Z)).gap;
+        assert_eq!([gap(9.5e-6), gap(-9.5e-6)], [9.5e-6; 2], "m");
+        // Neither side is possible: what the surface says stands.
+        assert_eq!(gap(-5e-5), -5e-5, "m");
+    }
+}

@@ -63,3 +63,24 @@ impl Lagging {
         self.pace
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What friction lags after `moves` of it, 1 N at first, where all the way leads to `answer` times the lag on the other side.
+    fn lag_after(moves: u32, answer: f64) -> f64 {
+        let (mut lagging, mut lag) = (Lagging::default(), 1.0_f64);
+        for _ in 0..moves {
+            lag *= (1.0 - lagging.pace(lag) * (1.0 + answer)).abs();
+        }
+        lag
+    }
+
+    #[test]
+    fn friction_that_overshoots_settles_within_ten_moves() {
+        for answer in [0.0, 0.4, 1.0, 3.0, 8.0] {
+            assert!(lag_after(10, answer) < 2e-2, "answer {answer}: {} N left", lag_after(10, answer));
+        }
+    }
+}

@@ -216,3 +216,17 @@ pub struct View<'a> {
     /// Length scale of rotations, m.
     pub length: f64,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiny_rotations_are_felt() {
+        for angle in [1e-14, 1e-9, 1e-3, 2.0] {
+            let vector = DVec3::new(0.6, 0.0, -0.8) * angle;
+            let felt = turn(DQuat::from_scaled_axis(vector));
+            assert!(felt.distance(vector) <= 1e-12 * angle, "{felt} rad, not {vector} rad");
+        }
+    }
+}
