@@ -33,7 +33,8 @@ pub(super) fn bend(face: &Face, x: &[DVec3], foot: &Foot, p: f64) -> Option<Form
     }
     let inverse = metric.inverse();
     let q = inverse * bent * slid.inverse();
-    let (cross, turned) = (inverse + q * gap, (inverse + q * gap) * gap);
+    let cross = inverse + q * gap;
+    let turned = cross * gap;
     let part = |m: &DMat2, i: usize, j: usize| 0.5 * (m.col(i)[j] + m.col(j)[i]);
     // The force along the gap is -p.
     let matrix = std::array::from_fn(|i| {

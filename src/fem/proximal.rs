@@ -8,7 +8,7 @@ use super::term::Block;
 use glam::{DMat3, DVec3};
 
 /// Pulls border and nodes towards `center`.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Proximal {
     /// The state before.
     pub center: State,

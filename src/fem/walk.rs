@@ -39,7 +39,7 @@ impl Path {
         let (mut failures, mut apart, mut spent) = (0, 0.0, 0);
         while spent < PATIENCE {
             let springs = Proximal { center: state.clone(), border: stiffness, nodes: NODES * stiffness };
-            self.newton.proximal = Some(springs.clone());
+            self.newton.proximal = Some(springs);
             let mut next = state.clone();
             let tolerance = Tolerance {
                 relative: slack * full.relative,
@@ -54,7 +54,7 @@ impl Path {
                     done.iterations += converged.iterations;
                     let way = |from: &State| self.newton.border.distance(&next, from);
                     let (moved, gone) = (way(&state), self.leash.is_some_and(|most| way(&self.state) > most));
-                    let pull = springs.pull(&self.newton, &next);
+                    let pull = self.newton.proximal.as_ref().map_or(0.0, |springs| springs.pull(&self.newton, &next));
                     state = next;
                     // A spring that pulls less than the forces are out of balance anyhow changes nothing.
                     if slack == 1.0 && pull <= floor {
