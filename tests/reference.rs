@@ -71,7 +71,8 @@ impl Solver {
     }
 
     fn solve(&mut self) {
-        let tolerance = Tolerance { relative: 0.0, force: 1e-10, length: 1e-7, iterations: 60, motion: 1e3 };
+        let tolerance =
+            Tolerance { relative: 0.0, force: 1e-10, length: 1e-7, iterations: 60, motion: 1e3, passing: false };
         self.newton.solve(&mut self.state, &tolerance).expect("converges");
     }
 

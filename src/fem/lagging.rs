@@ -20,6 +20,8 @@ const SLOWEST: f64 = 1.0 / 32.0;
 pub(super) struct Lagging {
     best: f64,
     stale: u32,
+    /// Friction stays frozen, and what it lags does not count.
+    passing: bool,
     /// The frozen problem is solved, friction moves on by this part of the way.
     thaw: Option<f64>,
     /// What friction lagged when it moved on last, N, by which part of the way it moved, and how much of its lag was left then.
@@ -28,16 +30,21 @@ pub(super) struct Lagging {
     left: f64,
 }
 
-impl Default for Lagging {
-    fn default() -> Self {
-        Self { best: f64::INFINITY, stale: 0, thaw: None, lagged: f64::INFINITY, pace: 1.0, left: f64::INFINITY }
-    }
-}
-
 impl Lagging {
+    /// Of a solution that is a result, or one that is only on the way to it (`passing`).
+    pub fn new(passing: bool) -> Self {
+        let (best, lagged, left) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
+        Self { best, stale: 0, passing, thaw: None, lagged, pace: 1.0, left }
+    }
+
     /// Part of the way that friction goes in the next assembly.
     pub fn damping(&self) -> f64 {
         if self.stale < SWINGING { 1.0 } else { self.thaw.unwrap_or(0.0) }
+    }
+
+    /// Forces out of balance and what friction lags, N, as one.
+    pub fn out_of_balance(&self, residual: f64, lag: f64) -> f64 {
+        if self.passing && self.stale >= SWINGING { residual } else { residual.hypot(lag) }
     }
 
     /// Takes note of an assembled state: out-of-balance forces, what friction still lags, and what is allowed, N.
@@ -47,7 +54,7 @@ impl Lagging {
             self.stale = if progress { 0 } else { self.stale + 1 };
             self.best = if progress { residual.hypot(lag) } else { self.best };
         }
-        let solved = lag > allowed && residual <= allowed.max(SOLVED * lag);
+        let solved = !self.passing && lag > allowed && residual <= allowed.max(SOLVED * lag);
         self.thaw = solved.then(|| self.pace(lag));
     }
 
@@ -70,11 +77,23 @@ mod tests {
 
     /// What friction lags after `moves` of it, 1 N at first, where all the way leads to `answer` times the lag on the other side.
     fn lag_after(moves: u32, answer: f64) -> f64 {
-        let (mut lagging, mut lag) = (Lagging::default(), 1.0_f64);
+        let (mut lagging, mut lag) = (Lagging::new(false), 1.0_f64);
         for _ in 0..moves {
             lag *= (1.0 - lagging.pace(lag) * (1.0 + answer)).abs();
         }
         lag
+    }
+
+    /// A state on the way to a result is done at 1e-3 N out of balance although friction swings by 1 N; a result is not.
+    #[test]
+    fn only_a_result_waits_for_friction_that_swings() {
+        for passing in [true, false] {
+            let mut lagging = Lagging::new(passing);
+            (0..=SWINGING).for_each(|_| lagging.note(1e-3, 1.0, 1e-2));
+            assert_eq!(lagging.damping() > 0.0, !passing, "friction moves on in a result alone");
+            let left = lagging.out_of_balance(1e-3, 1.0);
+            assert_eq!(left > 0.5, !passing, "{left} N counted out of balance");
+        }
     }
 
     #[test]

@@ -23,11 +23,13 @@ pub struct Tolerance {
     pub iterations: u32,
     /// Largest motion of any point in one iteration, m: keeps the closest point on the right side of thin objects.
     pub motion: f64,
+    /// On the way to a result: where friction swings it may lag.
+    pub passing: bool,
 }
 
 impl Default for Tolerance {
     fn default() -> Self {
-        Self { relative: 2e-4, force: 1e-7, length: 5e-6, iterations: 40, motion: 1e-3 }
+        Self { relative: 2e-4, force: 1e-7, length: 5e-6, iterations: 40, motion: 1e-3, passing: false }
     }
 }
 

@@ -36,7 +36,7 @@ impl Newton {
         let mut last_motion = f64::INFINITY;
         let (mut iterations, mut resting, mut untouched, mut crawled) = (0, 0, 0, 0);
         let mut history = [f64::INFINITY; 2];
-        let mut lagging = Lagging::default();
+        let mut lagging = Lagging::new(tolerance.passing);
         loop {
             let damping = lagging.damping();
             self.damp(damping);
@@ -52,7 +52,7 @@ impl Newton {
             }
             let allowed = tolerance.force + tolerance.relative * self.activity();
             lagging.note(residual, lag, allowed);
-            let residual = residual.hypot(lag);
+            let residual = lagging.out_of_balance(residual, lag);
             untouched = if self.untouched() { untouched + 1 } else { 0 };
             if untouched >= UNTOUCHED {
                 return Err(Failure::Lost);

@@ -13,7 +13,7 @@ const REACH: f64 = 1e-3;
 const APART: f64 = 1e-3;
 /// Most iterations of one pseudo-time step, and of one walk; most steps of a walk that fail.
 const WALKING: u32 = 25;
-const PATIENCE: u32 = 1000;
+const PATIENCE: u32 = 2000;
 const FAILURES: u32 = 20;
 /// Stiffness of the springs of the nodes over those of the border.
 const NODES: f64 = 0.3;
@@ -45,6 +45,7 @@ impl Path {
                 relative: slack * full.relative,
                 force: slack * full.force,
                 iterations: full.iterations.min(WALKING),
+                passing: slack > 1.0,
                 ..full
             };
             match self.newton.solve(&mut next, &tolerance) {

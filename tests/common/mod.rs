@@ -157,7 +157,8 @@ impl Press {
             Newton::new(vec![setup.body], vec![terms], Border::new(vec![DVec3::Z], false, false, 1.0)).expect("solver");
         let position = setup.start + DVec3::Z * law.offset;
         let state = State { x: vec![x], travel: vec![0.0], position, rotation: DQuat::IDENTITY };
-        let tolerance = Tolerance { relative: 1e-5, force: 1e-7, length: 1e-6, iterations: 60, motion: 1e-3 };
+        let tolerance =
+            Tolerance { relative: 1e-5, force: 1e-7, length: 1e-6, iterations: 60, motion: 1e-3, passing: false };
         Self { path: Path::new(newton, state, tolerance) }
     }
 

@@ -76,6 +76,7 @@ impl Integrator {
             length: settings.tolerance.displacement.get(),
             iterations: settings.max_iterations.get() as u32,
             motion: STRIDE[usize::from(model.fingers.is_empty())],
+            ..Tolerance::default()
         };
         // As if the object had been moving before.
         let mut before = path.state.clone();
