@@ -31,7 +31,7 @@ struct Seen {
 /// Where a feature was, relative to the finger, and how far outside the pad at least and at most, m.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bounds {
-    at: DVec3,
+    pub at: DVec3,
     least: f64,
     most: f64,
 }
@@ -64,6 +64,11 @@ impl Seen {
 }
 
 impl Bounds {
+    /// Whether the feature may be nearer than `reach` (m) to the pad.
+    pub fn within(&self, reach: f64) -> bool {
+        self.least <= reach
+    }
+
     /// With what `flanks` say, those within `reach` (m).
     pub fn narrowed(self, flanks: &[Flank], reach: f64) -> Self {
         match flanks.first() {
@@ -74,7 +79,7 @@ impl Bounds {
 
     /// `foot` on the side that is possible: where a face is folded over or a crease is closed, the surface passes through
     /// itself, and what is outside looks as if it were inside, or the other way round.
-    fn sided(&self, foot: Foot) -> Foot {
+    pub fn sided(&self, foot: Foot) -> Foot {
         let possible = |gap: f64| self.least - KEPT <= gap && gap <= self.most + KEPT;
         if possible(foot.gap) || !possible(-foot.gap) { foot } else { foot.flipped() }
     }
@@ -95,7 +100,8 @@ impl Far {
         if moved.looked > STALE {
             let away = |i: usize| {
                 let y = place(i);
-                let least = bounds.outside(surface, x, y, |foot| self.sided(i, y, moved, foot));
+                let near = self.bounds(i, y, moved);
+                let least = bounds.outside(surface, x, y, |foot| near.sided(foot));
                 Bounds { at: y, least, most: f64::INFINITY }
             };
             self.looked = Arc::new(Seen { features: (0..count).map(away).collect(), x: x.to_vec() });
@@ -116,16 +122,6 @@ impl Far {
     pub fn bounds(&self, i: usize, y: DVec3, moved: Moved) -> Bounds {
         let (looked, last) = (self.looked.bounds(i, y, moved.looked), self.last.bounds(i, y, moved.last));
         Bounds { at: y, least: looked.least.max(last.least), most: looked.most.min(last.most) }
-    }
-
-    /// Whether feature `i`, now at `y`, may be nearer than `reach` (m) to the pad.
-    pub fn within(&self, i: usize, y: DVec3, moved: Moved, reach: f64) -> bool {
-        self.bounds(i, y, moved).least <= reach
-    }
-
-    /// The `foot` of feature `i`, now at `y`, on the side of the pad where it can be.
-    pub fn sided(&self, i: usize, y: DVec3, moved: Moved, foot: Foot) -> Foot {
-        self.bounds(i, y, moved).sided(foot)
     }
 }
 

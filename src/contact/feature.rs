@@ -4,12 +4,13 @@
 use super::bend::bend;
 use super::crossing::deepest;
 use super::edge::ContactEdge;
-use super::far::{Far, Moved};
-use super::flanks::{Flank, Last};
+use super::far::{Bounds, Far};
+use super::flanks::Flank;
 use super::law::Law;
 use super::pair::{feature_pair, friction_pair, slip, weighed};
 use super::pool::EdgePool;
 use super::project::FaceBounds;
+use super::site::Site;
 use super::surface::ContactSurface;
 use crate::fem::body::Body;
 use crate::fem::state::{Motion, View};
@@ -59,9 +60,16 @@ pub struct FeatureContact {
     sites: Vec<Site>,
     bounds: FaceBounds,
     far: Far,
-    committed: (Vec<Site>, Far),
+    accepted: Accepted,
     /// Whether the Hessian says how faces bend and turn.
     sharp: bool,
+}
+
+/// What a rollback goes back to.
+#[derive(Debug, Clone)]
+struct Accepted {
+    sites: Vec<Site>,
+    far: Far,
 }
 
 /// Force of a feature on a pad.
@@ -77,37 +85,15 @@ pub struct FeatureForce {
     pub report: Stencil,
 }
 
-/// Where a feature meets the pad now, and where it sticks.
-#[derive(Debug, Clone)]
-struct Site {
-    /// Position of the feature in the object frame, m.
-    position: DVec3,
-    /// How often it has moved along its edge since the last accepted state.
-    moves: u32,
-    /// The faces it presses on, the nearest first.
-    flanks: Vec<Flank>,
-    now: Stencil,
-    stick: Stencil,
-    report: Stencil,
-}
-
 impl FeatureContact {
     /// All edges open. `features` are points of the object.
     pub fn new(law: Law, surface: Arc<ContactSurface>, features: Arc<[Feature]>) -> Self {
         let pool = EdgePool::new(law, features.len());
-        let nowhere = Stencil::new(std::iter::empty());
-        let site = |f: &Feature| Site {
-            position: f.position,
-            moves: 0,
-            flanks: Vec::new(),
-            now: nowhere,
-            stick: nowhere,
-            report: nowhere,
-        };
-        let sites: Vec<Site> = features.iter().map(site).collect();
+        let sites: Vec<Site> = features.iter().map(|f| Site::new(f.position)).collect();
         let area = surface.spacing * surface.spacing;
         let (bounds, far) = (FaceBounds::default(), Far::default());
-        Self { pool, surface, features, area, committed: (sites.clone(), far.clone()), sites, bounds, far, sharp: true }
+        let accepted = Accepted { sites: sites.clone(), far: far.clone() };
+        Self { pool, surface, features, area, accepted, sites, bounds, far, sharp: true }
     }
 
     /// Current edges, one per feature.
@@ -122,12 +108,12 @@ impl FeatureContact {
 
     /// What feature `i` does to the pad.
     pub fn readout(&self, i: usize) -> FeatureForce {
-        let (e, site) = (&self.pool.edges[i], &self.sites[i]);
+        let (e, touch) = (&self.pool.edges[i], &self.sites[i].touch);
         FeatureForce {
             normal: e.normal * (e.pressure * self.area),
             friction: e.traction * self.area,
-            now: site.now,
-            report: site.report,
+            now: touch.as_ref().map_or(Stencil::NONE, |touch| touch.now),
+            report: touch.as_ref().map_or(Stencil::NONE, |touch| touch.report),
         }
     }
 
@@ -137,20 +123,22 @@ impl FeatureContact {
         Law { offset: self.features[i].reach() * law.offset, ..law }
     }
 
-    /// What feature `i` at `y` (relative to the finger, m) presses on, on a surface with nodes at `x` that has `moved`. Whether
-    /// one face or a whole fold counts `stays` as it was, or may change.
-    fn flanks(&self, bounds: &FaceBounds, i: usize, x: &[DVec3], y: DVec3, moved: Moved, stays: bool) -> Vec<Flank> {
+    /// What feature `i`, which is `near`, presses on, on a surface with nodes at `x`. Whether one face or a whole fold counts
+    /// `stays` as it was, or may change.
+    fn flanks(&self, faces: &FaceBounds, i: usize, x: &[DVec3], near: Bounds, stays: bool) -> Vec<Flank> {
         let reach = self.law_of(i).offset;
-        if !self.far.within(i, y, moved, reach) {
+        if !near.within(reach) {
             return Vec::new();
         }
-        bounds.flanks(&self.surface, x, y, reach, self.sites[i].last(stays), |foot| self.far.sided(i, y, moved, foot))
+        faces.flanks(&self.surface, x, near.at, reach, self.sites[i].last(stays), |foot| near.sided(foot))
     }
 
-    /// Displacement of the pad's sticking point from the feature, plus its drag.
-    fn stretch(&self, i: usize, drag: DVec3, view: &View) -> DVec3 {
-        let arm = view.rotation * self.sites[i].position;
-        self.sites[i].stick.position(view.x) + view.offset - view.position - arm + drag
+    /// Where feature `i` sticks to the pad, and how far that point is from the feature, plus its `drag`, m.
+    fn stretch(&self, i: usize, drag: Option<DVec3>, view: &View) -> Option<(&Stencil, DVec3)> {
+        let (drag, site) = (drag?, &self.sites[i]);
+        let stick = &site.touch.as_ref()?.stick;
+        let arm = view.rotation * site.position;
+        Some((stick, stick.position(view.x) + view.offset - view.position - arm + drag))
     }
 }
 
@@ -161,13 +149,13 @@ impl BodyTerm for FeatureContact {
         let moved = self.far.moved(view.x);
         let mut energy = 0.0;
         for (i, e) in self.pool.edges.iter().enumerate() {
-            let y = self.sites[i].place(view);
+            let near = self.far.bounds(i, self.sites[i].place(view), moved);
             let law = self.law_of(i);
-            let flanks = self.flanks(&bounds, i, view.x, y, moved, true);
+            let flanks = self.flanks(&bounds, i, view.x, near, true);
             let energies = flanks.iter().map(|(foot, weight, _)| weight * law.normal_energy(foot.gap, e.scale));
             energy += self.area * energies.sum::<f64>();
-            if let Some(drag) = e.sticks() {
-                let s = slip(self.stretch(i, drag, view), e.plane);
+            if let Some((_, stretch)) = self.stretch(i, e.sticks(), view) {
+                let s = slip(stretch, e.plane);
                 energy += self.area * self.pool.law.friction_energy(s, e.limit);
             }
         }
@@ -181,12 +169,12 @@ impl BodyTerm for FeatureContact {
         let moved = self.far.moved(view.x);
         let mut seen = Vec::with_capacity(self.features.len());
         for i in 0..self.features.len() {
-            block.lag += (self.area * self.update(i, view, moved)).powi(2);
-            let (e, law) = (self.pool.edges[i], self.law_of(i));
             let near = self.far.bounds(i, self.sites[i].place(view), moved);
-            seen.push(near.narrowed(&self.sites[i].flanks, law.offset));
+            block.lag += (self.area * self.update(i, view, near)).powi(2);
+            let (e, law) = (self.pool.edges[i], self.law_of(i));
+            seen.push(near.narrowed(self.sites[i].flanks(), law.offset));
             let arm = view.rotation * self.sites[i].position;
-            for (foot, weight, curvature) in &self.sites[i].flanks {
+            for (foot, weight, curvature) in self.sites[i].flanks() {
                 let e = e.on(&law, foot.gap, -foot.normal);
                 if e.pressure > 0.0 {
                     let pair = feature_pair(&law, &e, weight * self.area, arm, curvature, project);
@@ -201,10 +189,9 @@ impl BodyTerm for FeatureContact {
                     }
                 }
             }
-            if let Some(drag) = e.sticks() {
-                let s = self.stretch(i, drag, view);
+            if let Some((stick, s)) = self.stretch(i, e.sticks(), view) {
                 let pair = friction_pair(&self.pool.law, &e, self.area, s, arm, project);
-                block.add_pair(body, view, &self.sites[i].stick, &pair);
+                block.add_pair(body, view, stick, &pair);
             }
         }
         self.far.remember(view.x, seen);
@@ -212,9 +199,9 @@ impl BodyTerm for FeatureContact {
 
     fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
         for (i, site) in self.sites.iter().enumerate().filter(|(i, _)| self.pool.edges[*i].slips) {
-            let r = view.rotation * site.position;
-            if let Some(drag) = self.pool.drag(i, &self.law_of(i), motion.relative(&site.now, r)) {
-                change.add_pair(body, view, &site.stick, &Pair::force(drag * -self.area, r));
+            let (r, Some(touch)) = (view.rotation * site.position, &site.touch) else { continue };
+            if let Some(drag) = self.pool.drag(i, &self.law_of(i), motion.relative(&touch.now, r)) {
+                change.add_pair(body, view, &touch.stick, &Pair::force(drag * -self.area, r));
             }
         }
     }
@@ -222,18 +209,26 @@ impl BodyTerm for FeatureContact {
     fn commit(&mut self, _: &Body, view: &View) {
         let (sites, tangential) = (&mut self.sites, self.pool.law.tangential);
         self.pool.commit(|i, e| {
-            sites[i].stick = sites[i].now;
-            sites[i].place(view) - sites[i].now.position(view.x) - e.traction * (1.0 / tangential)
+            let place = sites[i].place(view);
+            sites[i].touch.as_mut().map_or(DVec3::ZERO, |touch| {
+                touch.stick = touch.now;
+                place - touch.now.position(view.x) - e.traction * (1.0 / tangential)
+            })
         });
-        self.sites.iter_mut().for_each(|site| site.moves = 0);
-        self.committed.0.clone_from(&self.sites);
-        self.committed.1.clone_from(&self.far);
+        for (site, e) in self.sites.iter_mut().zip(&self.pool.edges) {
+            site.moves = 0;
+            if e.anchor.is_none() && site.flanks().is_empty() {
+                site.touch = None;
+            }
+        }
+        self.accepted.sites.clone_from(&self.sites);
+        self.accepted.far.clone_from(&self.far);
     }
 
     fn rollback(&mut self) {
         self.pool.rollback();
-        self.sites.clone_from(&self.committed.0);
-        self.far.clone_from(&self.committed.1);
+        self.sites.clone_from(&self.accepted.sites);
+        self.far.clone_from(&self.accepted.far);
     }
 
     fn satisfied(&mut self, _: &Body, view: &View) -> bool {
@@ -265,19 +260,6 @@ const PRESSED: f64 = 5e-6;
 /// Moves of a feature along its edge in one increment, at most.
 const MOVES: u32 = 2;
 
-impl Site {
-    /// What it presses on.
-    fn last(&self, stays: bool) -> Option<Last> {
-        let folded = self.flanks.len() > 1;
-        self.flanks.first().map(|(foot, ..)| Last { face: foot.face, carried: foot.carried, folded, stays })
-    }
-
-    /// Where the feature is under `view`, m, relative to the finger.
-    fn place(&self, view: &View) -> DVec3 {
-        view.position + view.rotation * self.position - view.offset
-    }
-}
-
 impl FeatureContact {
     /// Moves features along their edges to where the pad is deepest; true if none had to.
     fn follow(&mut self, view: &View) -> bool {
@@ -287,13 +269,14 @@ impl FeatureContact {
             let Some(stretch) = &feature.along else { continue };
             // If one that is pressed leaves its place, the pad comes through there: for little it stays.
             let most = if self.pool.edges[i].pressure > 0.0 { PRESSED } else { FREE };
-            let near = site.moves < MOVES && self.far.within(i, site.place(view), moved, stretch.length());
-            let Some(deepest) = near.then(|| deepest(&self.bounds, &self.surface, view, stretch, most)).flatten()
+            let near = self.far.bounds(i, site.place(view), moved).within(stretch.length());
+            let free = near && site.moves < MOVES;
+            let Some(deepest) = free.then(|| deepest(&self.bounds, &self.surface, view, stretch, most)).flatten()
             else {
                 continue;
             };
             site.position = deepest;
-            site.flanks.clear();
+            site.touch = None;
             site.moves += 1;
             self.pool.renew(i);
             stay = false;
@@ -301,29 +284,29 @@ impl FeatureContact {
         stay
     }
 
-    /// Refreshes gap, pressure and friction of edge `i` on a surface that has `moved`; returns how far its friction limit lags, Pa.
-    fn update(&mut self, i: usize, view: &View, moved: Moved) -> f64 {
-        let y = self.sites[i].place(view);
+    /// Refreshes gap, pressure and friction of edge `i`, whose feature is `near`; returns how far its friction limit lags, Pa.
+    fn update(&mut self, i: usize, view: &View, near: Bounds) -> f64 {
         let law = self.law_of(i);
-        let flanks = self.flanks(&self.bounds, i, view.x, y, moved, false);
-        let site = &mut self.sites[i];
-        site.flanks = flanks;
-        if let Some((foot, ..)) = site.flanks.first() {
-            let face = &self.surface.faces[foot.face];
-            (site.now, site.report) = (face.stencil(foot.l), face.report_stencil(foot.l));
-        }
+        let flanks = self.flanks(&self.bounds, i, view.x, near, false);
         // The object's outward normal at the contact is the pad's inward one.
-        let places = site.flanks.iter().map(|(foot, weight, _)| (foot.gap, -foot.normal, *weight));
-        let Some(lag) = self.pool.press(i, &law, places) else {
-            site.stick = self.committed.0[i].stick;
+        let places = flanks.iter().map(|(foot, weight, _)| (foot.gap, -foot.normal, *weight));
+        let lag = self.pool.press(i, &law, places);
+        let site = &mut self.sites[i];
+        site.press(flanks, &self.surface);
+        let Some(touch) = &mut site.touch else { return 0.0 };
+        let Some(lag) = lag else {
+            if let Some(accepted) = &self.accepted.sites[i].touch {
+                touch.stick = accepted.stick;
+            }
             return 0.0;
         };
-        let e = &mut self.pool.edges[i];
-        let drag = *e.anchor.get_or_insert_with(|| {
-            site.stick = site.now;
-            y - site.now.position(view.x)
+        let drag = *self.pool.edges[i].anchor.get_or_insert_with(|| {
+            touch.stick = touch.now;
+            near.at - touch.now.position(view.x)
         });
-        self.pool.rub(i, self.stretch(i, drag, view));
+        if let Some((_, stretch)) = self.stretch(i, Some(drag), view) {
+            self.pool.rub(i, stretch);
+        }
         lag
     }
 }

@@ -19,6 +19,7 @@ pub(crate) mod pair;
 mod pool;
 pub mod project;
 mod side;
+mod site;
 pub mod surface;
 pub mod term;
 

@@ -220,9 +220,12 @@ pub struct Stencil {
 }
 
 impl Stencil {
+    /// Nowhere.
+    pub const NONE: Self = Self { nodes: [0; 6], phi: [0.0; 6], len: 0 };
+
     /// From at most six nodes and weights; weights of zero are dropped.
     pub fn new(entries: impl Iterator<Item = (u32, f64)>) -> Self {
-        let mut s = Stencil { nodes: [0; 6], phi: [0.0; 6], len: 0 };
+        let mut s = Self::NONE;
         for (node, phi) in entries.filter(|(_, phi)| *phi != 0.0).take(6) {
             s.nodes[s.len as usize] = node;
             s.phi[s.len as usize] = phi;

@@ -19,6 +19,12 @@ const FAILURES: u32 = 20;
 const NODES: f64 = 0.3;
 /// Forces out of balance that a step may leave, over those that drive it.
 const FOLLOWED: f64 = 0.3;
+/// Iterations up to which a step was easy, and from which on it was hard.
+const EASY: u32 = 8;
+const HARD: u32 = 15;
+/// Springs after a step that was easy, or not so easy, over those of the step; and after one that went too far, or failed.
+const SOFTER: [f64; 2] = [0.25, 0.5];
+const STIFFER: [f64; 2] = [2.0, 8.0];
 /// After a step that failed the springs stay this many times as stiff as its own; with every step after it by that much less.
 const WARY: f64 = 3.0;
 const FORGETTING: f64 = 0.7;
@@ -71,11 +77,11 @@ impl Path {
                         return Err(Failure::Lost);
                     }
                     softest *= FORGETTING;
-                    if converged.iterations < 15 && moved < 0.5 * REACH {
-                        stiffness =
-                            (stiffness * if converged.iterations < 8 { 0.25 } else { 0.5 }).max(softest.min(stiffness));
+                    if converged.iterations < HARD && moved < 0.5 * REACH {
+                        let softer = SOFTER[usize::from(converged.iterations >= EASY)];
+                        stiffness = (stiffness * softer).max(softest.min(stiffness));
                     } else if moved > REACH {
-                        stiffness *= 2.0;
+                        stiffness *= STIFFER[0];
                     }
                 }
                 Err(Failure::Lost) => return Err(Failure::Lost),
@@ -86,7 +92,7 @@ impl Path {
                     failures += 1;
                     softest = WARY * stiffness;
                     slack = (2.0 * slack).min(LOOSE);
-                    stiffness *= 8.0;
+                    stiffness *= STIFFER[1];
                     if failures > FAILURES {
                         return Err(failure);
                     }
