@@ -93,7 +93,10 @@ impl Solver {
 
     fn refuse(&self, model: &Model, at: &str, failure: Failure) -> Refusal {
         let reason = self.explain(model, at, failure);
-        if matches!(failure, Failure::Corrections(_)) { Refusal::Condensed(reason) } else { Refusal::Final(reason) }
+        match failure {
+            Failure::Corrections(_) | Failure::Singular => Refusal::Condensed(reason),
+            _ => Refusal::Final(reason),
+        }
     }
 }
 
