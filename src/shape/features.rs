@@ -2,6 +2,7 @@
 
 use crate::mesh::TriMesh;
 use crate::shape::polygon::Profile;
+use crate::shape::ring::Ring;
 use crate::shape::topology::Topology;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
@@ -107,6 +108,8 @@ pub struct Features {
     pub blunt_edges: Vec<Ridge>,
     /// Straight convex edges with a radius.
     pub rounded_edges: Vec<RoundedEdge>,
+    /// Circles on the smooth convex parts of a round solid, in the order of its profile.
+    pub rings: Vec<Ring>,
 }
 
 /// A straight convex edge that is rounded: a strip of a cylinder, which a pad coarser than its radius would cut into between two
@@ -148,12 +151,13 @@ impl RoundedEdge {
 impl Features {
     /// The vertices, then points on the sharp edges between their ends such that neighbours are at most `spacing` m apart
     /// (no points on edges if it is not positive; at most 10,000 points an edge), as many on the rounded edges whose
-    /// radius is not large to it. No point occurs twice.
+    /// radius is not large to it, and on the tight parts of a round solid. No point occurs twice.
     pub fn sample(&self, spacing: f64) -> Vec<FeaturePoint> {
         let mut points = self.vertices.clone();
         points.extend(self.sharp_edges.iter().flat_map(|e| e.sample(spacing)));
         let tight = self.rounded_edges.iter().filter(|e| e.radius < ROUND * spacing);
         points.extend(tight.flat_map(|e| e.sample(spacing)));
+        points.extend(Ring::sample(&self.rings, spacing, ROUND));
         points
     }
 
@@ -196,10 +200,13 @@ impl Features {
         for (i, &p) in profile.points().iter().enumerate() {
             let (before, after) = profile.around(i);
             let turn = before.perp_dot(after).atan2(before.dot(after));
+            let normal = (before + after).try_normalize().unwrap_or(after);
             if turn <= SHARP {
+                if turn > 0.0 {
+                    features.rings.push(Ring::new(profile, i, turn, normal));
+                }
                 continue;
             }
-            let normal = (before + after).try_normalize().unwrap_or(after);
             if p.x == 0.0 {
                 let position = DVec3::new(0.0, 0.0, p.y);
                 features.vertices.push(FeaturePoint { position, normal: DVec3::Z * normal.y.signum(), sharp: true });
@@ -221,6 +228,7 @@ impl Features {
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         let mut scaled = self.clone();
         scaled.vertices.iter_mut().for_each(|v| v.position *= factor);
+        scaled.rings = scaled.rings.iter().map(|r| r.scaled(factor)).collect();
         let ridges = scaled.sharp_edges.iter_mut().chain(&mut scaled.blunt_edges);
         ridges.for_each(|e| (e.a, e.b) = (factor * e.a, factor * e.b));
         scaled

@@ -25,6 +25,7 @@ pub mod plane;
 pub mod polygon;
 mod ray;
 pub mod revolved;
+mod ring;
 mod scaled;
 mod solid;
 pub mod sphere;

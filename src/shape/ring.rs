@@ -1,0 +1,70 @@
+//! Where a round solid is bent so tightly that a pad, which feels it at points of its own, would come through between them.
+
+use super::features::FeaturePoint;
+use super::polygon::Profile;
+use glam::{DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// How far a pad may come through between two points that are felt, m.
+const BETWEEN: f64 = 4e-6;
+/// How far it may come over the corner between two segments of a profile, m.
+const OVER: f64 = 7e-6;
+
+/// A circle about the z axis on a smooth convex part of a round solid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ring {
+    /// (rho, z), m.
+    point: DVec2,
+    /// Outward unit normal in that plane.
+    normal: DVec2,
+    /// The smaller of the two radii of curvature, m.
+    radius: f64,
+    /// Length of the segments that meet there, m, and how the normal turns from one to the other, rad.
+    corner: (f64, f64),
+}
+
+impl Ring {
+    /// The ring of point `i` of a profile, where the normal turns by `turn` (rad) over the two segments that meet there.
+    pub(super) fn new(profile: &Profile, i: usize, turn: f64, normal: DVec2) -> Self {
+        let (points, point) = (profile.points(), profile.points()[i]);
+        let n = points.len();
+        // At the ends on the axis one of the two is the mirror image of the other, and either neighbour is as far as the only one.
+        let ends = [points[(i + n - 1) % n], points[(i + 1) % n]];
+        let near = ends.map(|p| p.distance(point));
+        let length = if point.x > 0.0 { 0.5 * (near[0] + near[1]) } else { near[0].min(near[1]) };
+        let around = if point.x > 0.0 && normal.x > 0.0 { point.x / normal.x } else { f64::INFINITY };
+        Self { point, normal, radius: around.min(length / turn), corner: (length, turn) }
+    }
+
+    /// Points on those of `rings`, which follow each other along a profile, that are tight for a pad whose points are `spacing` (m)
+    /// apart: bent in less than `round` times that, or a corner.
+    pub(super) fn sample(rings: &[Self], spacing: f64, round: f64) -> Vec<FeaturePoint> {
+        let (mut points, mut last) = (Vec::new(), None::<DVec2>);
+        for ring in rings.iter().filter(|ring| ring.radius < round * spacing || ring.cut(2.0 * spacing) > OVER) {
+            let apart = (8.0 * ring.radius * BETWEEN).sqrt().min(spacing);
+            if last.is_some_and(|last| last.distance(ring.point) < 0.5 * apart) {
+                continue;
+            }
+            last = Some(ring.point);
+            let count = (TAU * ring.point.x / apart).ceil().clamp(1.0, 1e4) as u32;
+            points.extend((0..count).map(|k| {
+                let (sin, cos) = (TAU * f64::from(k) / f64::from(count)).sin_cos();
+                let at = |p: DVec2| DVec3::new(p.x * cos, p.x * sin, p.y);
+                FeaturePoint { position: at(ring.point), normal: at(ring.normal), sharp: false }
+            }));
+        }
+        points
+    }
+
+    /// How far a pad comes over the corner between two of its points that are `apart`, m.
+    fn cut(&self, apart: f64) -> f64 {
+        let (length, turn) = self.corner;
+        turn * length.min(apart) / 8.0
+    }
+
+    pub(super) fn scaled(&self, factor: f64) -> Self {
+        let (length, turn) = self.corner;
+        let corner = (length * factor, turn);
+        Self { point: self.point * factor, radius: self.radius * factor, corner, ..*self }
+    }
+}
