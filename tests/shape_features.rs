@@ -2,8 +2,9 @@
 
 mod shape_common;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use shape_common::{families, real_meshes};
+use std::f64::consts::PI;
 use tactus::shape::{FeaturePoint, Shape, generate};
 
 /// Every sample is on the surface, and no two of them are the same.
@@ -54,6 +55,22 @@ fn rounded_edges_are_sampled_where_they_are_tight_for_the_spacing() {
         let surface = shape.distance.closest(p.position, 1.0).unwrap();
         assert!(!p.sharp && surface.distance.abs() < 1e-12 && surface.normal.distance(p.normal) < 1e-9);
     }
+}
+
+/// On the last 2 mm of a lemon, bent in a millimetre, no point of its drawing is farther than 0.3 mm from one that is felt; on a ball of
+/// 3 cm nothing is felt.
+#[test]
+fn tips_of_round_solids_are_sampled_where_they_are_tight_for_the_spacing() {
+    let lemon = generate::lemon(0.07, 0.05, 64).unwrap();
+    let points = check(&lemon, 3e-4);
+    for v in lemon.surface.vertices.iter().filter(|v| v.z.abs() > 0.033) {
+        let away = points.iter().map(|p| p.position.distance(*v)).fold(f64::INFINITY, f64::min);
+        assert!(away < 3e-4, "{v}: {away} m");
+    }
+    let arc = (0..=64).map(|i| DVec2::from_angle((f64::from(i) / 64.0 - 0.5) * PI) * 0.03);
+    let round = arc.enumerate().map(|(i, p)| if i % 64 == 0 { DVec2::new(0.0, p.y) } else { p }).collect();
+    let ball = generate::revolve("ball", round, false, 64).unwrap();
+    assert!(ball.features.sample(3e-4).is_empty());
 }
 
 #[test]
