@@ -7,8 +7,8 @@ use std::f64::consts::TAU;
 
 /// How far a pad may come through between two points that are felt, m.
 const BETWEEN: f64 = 4e-6;
-/// How far it may come over the corner between two segments of a profile, m.
-const OVER: f64 = 7e-6;
+/// How far it may come over the corner between two segments of a profile, m: less would be felt all over the belly of a fruit.
+const OVER: f64 = 1e-5;
 
 /// A circle about the z axis on a smooth convex part of a round solid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,11 +28,11 @@ impl Ring {
     pub(super) fn new(profile: &Profile, i: usize, turn: f64, normal: DVec2) -> Self {
         let (points, point) = (profile.points(), profile.points()[i]);
         let n = points.len();
-        // At the ends on the axis one of the two is the mirror image of the other, and either neighbour is as far as the only one.
-        let ends = [points[(i + n - 1) % n], points[(i + 1) % n]];
-        let near = ends.map(|p| p.distance(point));
-        let length = if point.x > 0.0 { 0.5 * (near[0] + near[1]) } else { near[0].min(near[1]) };
-        let around = if point.x > 0.0 && normal.x > 0.0 { point.x / normal.x } else { f64::INFINITY };
+        let [before, after] = [points[(i + n - 1) % n], points[(i + 1) % n]].map(|p| p.distance(point));
+        // On the axis a profile ends: one of the two is its other end, and the true neighbour has its mirror image there.
+        let on_axis = point.x == 0.0;
+        let length = if on_axis { before.min(after) } else { 0.5 * (before + after) };
+        let around = if !on_axis && normal.x > 0.0 { point.x / normal.x } else { f64::INFINITY };
         Self { point, normal, radius: around.min(length / turn), corner: (length, turn) }
     }
 
