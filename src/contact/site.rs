@@ -55,8 +55,9 @@ impl Site {
         };
         let face = &surface.faces[foot.face];
         let (now, report) = (face.stencil(foot.l), face.report_stencil(foot.l));
-        let stick = self.touch.as_ref().map_or(now, |touch| touch.stick);
-        self.touch = Some(Box::new(Touch { flanks, now, stick, report }));
+        let fresh = || Box::new(Touch { flanks: Vec::new(), now, stick: now, report });
+        let touch = self.touch.get_or_insert_with(fresh);
+        (touch.flanks, touch.now, touch.report) = (flanks, now, report);
     }
 
     /// Where the feature is under `view`, m, relative to the finger.
