@@ -414,13 +414,14 @@ fn near_slip(law: &Law, e: &ContactEdge, slip: DVec3) -> bool {
 /// Whether a point of the pad is near a change of its state (touch, branch, slip), where the second derivative jumps.
 fn near_jump(scene: &Scene, contact: &Contact, law: &Law, object: &dyn SignedDistance) -> bool {
     let view = scene.state.view(0, &scene.border);
-    contact.edges().iter().zip(contact.surface().points.iter()).any(|(e, stencil)| {
-        let relative = stencil.position(view.x) + view.offset - view.position;
+    contact.felt().any(|i| {
+        let (e, own) = (&contact.edges()[i], contact.law_of(i));
+        let relative = contact.surface().points[i].position(view.x) + view.offset - view.position;
         let slip = across(relative - view.rotation * e.anchor.unwrap_or_default(), e.normal);
         // A skipped edge does not know its gap.
         let gap = object.distance(view.rotation.transpose() * relative);
         // Deep inside the object the closest point jumps.
-        near_kink(law, gap) || near_slip(law, e, slip) || gap < -law.offset
+        near_kink(&own, gap) || near_slip(&own, e, slip) || gap < -law.offset
     })
 }
 
@@ -466,7 +467,7 @@ fn check_contact(friction: f64, drag: f64) -> Covered {
         if kink || !contact.edges().iter().any(|e| e.pressure > 0.0) {
             continue;
         }
-        covered.add(&law, contact.edges());
+        contact.felt().for_each(|i| covered.add(&contact.law_of(i), &contact.edges()[i..=i]));
         scene.check(&format!("contact, friction {friction}, seed {seed}, {object:?}"), &mut contact);
     }
     println!("friction {friction}: {covered:?}");

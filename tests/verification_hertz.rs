@@ -119,7 +119,8 @@ fn a_ball_dragged_sideways_slides_with_mu_times_the_normal_force() {
         let contact = press.contact();
         let points = || contact.edges().iter().zip(&contact.surface().area).filter(|(e, _)| e.pressure > 0.0);
         let pressure: f64 = points().map(|(e, a)| e.pressure * a).sum();
-        let traction: DVec3 = points().map(|(e, a)| e.traction * *a).sum();
+        // Of the sizes: what points carry along the leaning sides of the dent does not add up to one direction.
+        let traction: f64 = points().map(|(e, a)| e.traction.length() * a).sum();
         // The limit lags behind the pressure while Newton swings: what points carry beyond it must not add up.
         let excess: f64 = points().map(|(e, a)| (e.traction.length() - friction * e.pressure).max(0.0) * a).sum();
         let sticking = points().filter(|(e, _)| !e.slips).count();
@@ -128,11 +129,11 @@ fn a_ball_dragged_sideways_slides_with_mu_times_the_normal_force() {
              {sticking} points stick",
             0.2 * k as f64,
             tangential / normal,
-            traction.length() / pressure,
+            traction / pressure,
             excess / normal
         );
         assert!(excess < 2e-3 * normal, "{excess} N beyond Coulomb's limit");
-        curve.push(traction.length() / pressure);
+        curve.push(traction / pressure);
         if k == 8 {
             assert!((tangential / normal / friction - 1.0).abs() < 0.1, "drags with {tangential} N at {normal} N");
             assert!(sticking <= points().count() / 50, "all of the contact slides but {sticking} points");
@@ -143,5 +144,5 @@ fn a_ball_dragged_sideways_slides_with_mu_times_the_normal_force() {
     }
     // Beyond mu the whole force goes because the pressure leans: the gel bulges in front of the ball.
     let last = curve[curve.len() - 1];
-    assert!((last / friction - 1.0).abs() < 0.02, "slides with {last} times the pressure, mu is {friction}");
+    assert!((last / friction - 1.0).abs() < 0.01, "slides with {last} times the pressure, mu is {friction}");
 }

@@ -11,7 +11,7 @@ use super::pair::{feature_pair, friction_pair, slip, weighed};
 use super::pool::EdgePool;
 use super::project::FaceBounds;
 use super::site::Site;
-use super::surface::ContactSurface;
+use super::surface::{ContactSurface, LATE};
 use crate::fem::body::Body;
 use crate::fem::state::{Motion, View};
 use crate::fem::term::{Block, BodyTerm, Pair, Stencil};
@@ -31,9 +31,6 @@ pub struct Feature {
     pub along: Option<Stretch>,
 }
 
-/// Fraction of the contact offset from which a smooth vertex is felt.
-const SMOOTH: f64 = 0.3;
-
 impl Feature {
     /// One that moves to where a pad is deepest on a stretch of an edge, so that it does not come through between fixed points. It begins at
     /// a third, where no fixed one is.
@@ -44,7 +41,7 @@ impl Feature {
     /// Fraction of the contact offset from which it is felt. Vertices of a smooth surface are felt late: the pad's own points
     /// carry that contact, and the vertex only must not come through between them.
     fn reach(&self) -> f64 {
-        if self.sharp { 1.0 } else { SMOOTH }
+        if self.sharp { 1.0 } else { LATE }
     }
 }
 
@@ -119,8 +116,7 @@ impl FeatureContact {
 
     /// The law of feature `i`.
     fn law_of(&self, i: usize) -> Law {
-        let law = self.pool.law;
-        Law { offset: self.features[i].reach() * law.offset, ..law }
+        self.pool.law.felt(self.features[i].reach())
     }
 
     /// What feature `i`, which is `near`, presses on, on a surface with nodes at `x`. Whether one face or a whole fold counts

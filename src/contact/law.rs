@@ -46,6 +46,11 @@ impl Law {
         }
     }
 
+    /// The same law, felt from the fraction `reach` of its offset only.
+    pub fn felt(&self, reach: f64) -> Self {
+        Self { offset: reach * self.offset, ..*self }
+    }
+
     /// Pressure (Pa) and minus its derivative in the gap (Pa/m). `scale` stiffens a single edge.
     #[inline(always)]
     pub fn pressure(&self, gap: f64, scale: f64) -> (f64, f64) {

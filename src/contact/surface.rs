@@ -1,4 +1,5 @@
-//! Contact points on the free surface of a pad: the vertices of its subdivided faces, with the area they stand for.
+//! Contact points on the free surface of a pad: the vertices of its subdivided faces, with the area they stand for, and the middles of
+//! their parts, which are felt late: only where something would come through between the vertices.
 
 use crate::element::EDGES;
 use crate::fem::body::{Body, Elements};
@@ -24,11 +25,13 @@ pub struct ContactSurface {
     pub faces: Arc<Vec<Face>>,
     /// Which faces meet.
     pub rings: Arc<Rings>,
-    /// Where each point sits: nodes and shape function values.
+    /// Where each point sits: nodes and shape function values. The vertices, then the middles.
     pub points: Arc<Vec<Stencil>>,
-    /// Rest area each point stands for, m2.
+    /// How many of the points are vertices.
+    pub vertices: usize,
+    /// Rest area each point stands for, m2; the middles share it out among themselves once more.
     pub area: Vec<f64>,
-    /// Mean spacing of the points, m.
+    /// Mean spacing of the vertices, m.
     pub spacing: f64,
     /// Per point: nearest node with an unknown of its own for reporting forces (weights of the linear interpolation on the
     /// nodal sub-triangles: non-negative, so that reported nodal forces have the sign of the pressure).
@@ -36,6 +39,10 @@ pub struct ContactSurface {
     /// Per face, the points at the corners of its parts.
     parts: Arc<Vec<u32>>,
 }
+
+/// Fraction of the contact offset from which a point is felt where others carry the contact, and it only must not come through between
+/// them.
+pub const LATE: f64 = 0.3;
 
 /// Sub-edges per face edge of a linear and of a quadratic mesh: contact is felt between the nodes too.
 const SUBDIVISION: [usize; 2] = [4, 4];
@@ -59,8 +66,8 @@ impl ContactSurface {
         // A lattice point shared by faces is one point: keyed by its corner weights, in node order.
         let mut index: BTreeMap<[(u32, u32); 3], u32> = BTreeMap::new();
         let cuts = sub_triangles(m);
-        // About half as many points as parts of faces.
-        let (mut points, mut report) = (Vec::with_capacity(faces.len() * m * m * 5 / 8), Vec::new());
+        // About half as many vertices as parts of faces.
+        let (mut points, mut report) = (Vec::with_capacity(faces.len() * m * m * 13 / 8), Vec::new());
         report.reserve(points.capacity());
         let mut parts = Vec::with_capacity(faces.len() * cuts.len() * 3);
         let mut known = vec![None; (m + 1) * (m + 1)];
@@ -84,22 +91,42 @@ impl ContactSurface {
                 parts.push(*point);
             }
         }
+        let vertices = points.len();
+        for face in &faces {
+            let middles = cuts.iter().map(|[a, b, c]| [0, 1, 2].map(|k| (a[k] + b[k] + c[k]) as f64 / (3 * m) as f64));
+            for l in middles {
+                points.push(face.stencil(l));
+                report.push(face.report_stencil(l));
+            }
+        }
         let rings = Arc::new(Rings::new(faces.iter().map(|f| f.corners).collect()));
         let (faces, points, report, parts) = (Arc::new(faces), Arc::new(points), Arc::new(report), Arc::new(parts));
-        Self { faces, rings, points, report, parts, area: Vec::new(), spacing: 0.0 }.placed(&body.rest)
+        Self { faces, rings, points, vertices, report, parts, area: Vec::new(), spacing: 0.0 }.placed(&body.rest)
+    }
+
+    /// Fraction of the contact offset from which point `i` is felt.
+    pub fn reach(&self, i: usize) -> f64 {
+        if i < self.vertices { 1.0 } else { LATE }
+    }
+
+    /// The vertices around middle `i`.
+    pub fn around(&self, i: usize) -> [usize; 3] {
+        let first = 3 * (i - self.vertices);
+        [0, 1, 2].map(|k| self.parts[first + k] as usize)
     }
 
     /// The surface of the same body with its nodes at `rest`, m.
     pub fn placed(&self, rest: &[DVec3]) -> Self {
-        let mut area = vec![0.0; self.points.len()];
+        let mut area = vec![0.0; self.vertices];
         let own = self.parts.len() / self.faces.len().max(1);
         for (face, parts) in self.faces.iter().zip(self.parts.chunks_exact(own.max(1))) {
             let [a, b, c] = face.corners.map(|n| rest[n as usize]);
-            let share = 0.5 * (b - a).cross(c - a).length() / (own / 3) as f64 / 3.0;
-            parts.iter().for_each(|point| area[*point as usize] += share);
+            let part = 0.5 * (b - a).cross(c - a).length() / (own / 3) as f64;
+            parts.iter().for_each(|point| area[*point as usize] += part / 3.0);
+            area.extend(std::iter::repeat_n(part, own / 3));
         }
-        let total: f64 = area.iter().sum();
-        let spacing = (total / self.points.len().max(1) as f64).sqrt();
+        let total: f64 = area[..self.vertices].iter().sum();
+        let spacing = (total / self.vertices.max(1) as f64).sqrt();
         Self { area, spacing, ..self.clone() }
     }
 }

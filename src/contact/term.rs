@@ -18,6 +18,9 @@ use std::sync::Arc;
 pub struct Contact {
     /// One edge per surface point.
     pool: EdgePool,
+    /// Which points are felt: all vertices, and the middles that the object would come through at; and as last accepted.
+    felt: Vec<bool>,
+    committed: Vec<bool>,
     surface: Arc<ContactSurface>,
     object: Arc<dyn SignedDistance>,
 }
@@ -25,7 +28,8 @@ pub struct Contact {
 impl Contact {
     /// All edges open.
     pub fn new(law: Law, surface: Arc<ContactSurface>, object: Arc<dyn SignedDistance>) -> Self {
-        Self { pool: EdgePool::new(law, surface.points.len()), surface, object }
+        let felt: Vec<bool> = (0..surface.points.len()).map(|i| i < surface.vertices).collect();
+        Self { pool: EdgePool::new(law, felt.len()), committed: felt.clone(), felt, surface, object }
     }
 
     /// Current edges, one per surface point.
@@ -61,8 +65,10 @@ fn locate(stencil: &Stencil, view: &View) -> (DVec3, DVec3) {
 
 impl BodyTerm for Contact {
     fn energy(&self, _: &Body, view: &View) -> f64 {
-        let (law, mut energy) = (&self.pool.law, 0.0);
-        for ((e, stencil), area) in self.pool.edges.iter().zip(self.surface.points.iter()).zip(&self.surface.area) {
+        let mut energy = 0.0;
+        for i in self.felt() {
+            let (e, stencil, area, law) =
+                (&self.pool.edges[i], &self.surface.points[i], self.surface.area[i], self.law_of(i));
             let (world, q) = locate(stencil, view);
             if e.bound - q.distance(e.query) < law.offset
                 && let Some(touch) = self.object.touch(q, law.offset, law.offset)
@@ -78,12 +84,15 @@ impl BodyTerm for Contact {
     }
 
     fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
-        for i in 0..self.surface.points.len() {
+        for i in 0..self.felt.len() {
+            if !self.felt[i] {
+                continue;
+            }
             let stencil = self.surface.points[i];
             let area = self.surface.area[i];
             let (lag, touch) = self.update(i, &stencil, view);
             block.lag += (area * lag).powi(2);
-            let (law, e) = (&self.pool.law, &self.pool.edges[i]);
+            let (law, e) = (&self.law_of(i), &self.pool.edges[i]);
             let (world, _) = locate(&stencil, view);
             for (c, weight) in touch.iter().flat_map(Touch::places) {
                 let e = e.on(law, c.distance, view.rotation * c.normal);
@@ -108,7 +117,7 @@ impl BodyTerm for Contact {
             }
             let r = locate(stencil, view).0 - view.position;
             if let (Some(drag), Some(anchor)) =
-                (self.pool.drag(i, &self.pool.law, motion.relative(stencil, r)), self.pool.edges[i].anchor)
+                (self.pool.drag(i, &self.law_of(i), motion.relative(stencil, r)), self.pool.edges[i].anchor)
             {
                 change.add_pair(body, view, stencil, &Pair::force(drag * -area, view.rotation * anchor));
             }
@@ -117,8 +126,9 @@ impl BodyTerm for Contact {
 
     fn clearance(&self, _: &Body, view: &View) -> f64 {
         let mut nearest = f64::INFINITY;
-        for (e, stencil) in self.pool.edges.iter().zip(self.surface.points.iter()) {
-            let (_, q) = locate(stencil, view);
+        for i in self.felt() {
+            let e = &self.pool.edges[i];
+            let (_, q) = locate(&self.surface.points[i], view);
             // The bound of the last query spares most of the others.
             if e.bound - q.distance(e.query) < nearest {
                 nearest = nearest.min(self.object.distance(q));
@@ -134,15 +144,24 @@ impl BodyTerm for Contact {
             let drag = e.traction * (1.0 / tangential) - e.normal * e.gap;
             q + view.rotation.transpose() * drag
         });
+        for i in self.surface.vertices..self.felt.len() {
+            if self.felt[i] && self.pool.edges[i].pressure <= 0.0 {
+                self.felt[i] = false;
+                self.pool.renew(i);
+            }
+        }
+        self.committed.clone_from(&self.felt);
     }
 
     fn rollback(&mut self) {
         self.pool.rollback();
+        self.felt.clone_from(&self.committed);
     }
 
-    fn satisfied(&mut self, _: &Body, _: &View) -> bool {
-        let offset = self.pool.law.offset;
-        self.pool.satisfied(|_| offset)
+    fn satisfied(&mut self, _: &Body, view: &View) -> bool {
+        let (surface, offset) = (&self.surface, self.pool.law.offset);
+        let stiff = self.pool.satisfied(|i| surface.reach(i) * offset);
+        self.feel(view) && stiff
     }
 
     fn damp(&mut self, damping: f64) {
@@ -159,10 +178,51 @@ impl BodyTerm for Contact {
 }
 
 impl Contact {
+    /// The points that are felt.
+    pub fn felt(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.felt.len()).filter(|i| self.felt[*i])
+    }
+
+    /// Feels the middles at which the object comes through between vertices; true if there were none.
+    fn feel(&mut self, view: &View) -> bool {
+        let mut none = true;
+        for i in self.surface.vertices..self.felt.len() {
+            let e = &mut self.pool.edges[i];
+            let (_, q) = locate(&self.surface.points[i], view);
+            if self.felt[i] || e.bound - q.distance(e.query) > 0.0 {
+                continue;
+            }
+            let distance = self.object.closest(q, LOOK_AHEAD).map_or(LOOK_AHEAD, |c| c.distance);
+            (e.bound, e.query) = (distance, q);
+            if distance < 0.0 {
+                (self.felt[i], none) = (true, false);
+                self.pool.edges[i].anchor = self.dragged(i, view).map(|drag| q + drag);
+            }
+        }
+        none
+    }
+
+    /// How far the vertices around middle `i` that stick or slip are dragged, object axes, m: it has been there with them.
+    fn dragged(&self, i: usize, view: &View) -> Option<DVec3> {
+        let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+        for v in self.surface.around(i) {
+            if let Some(anchor) = self.pool.edges[v].anchor {
+                sum += anchor - locate(&self.surface.points[v], view).1;
+                count += 1.0;
+            }
+        }
+        (count > 0.0).then(|| sum / count)
+    }
+
+    /// The law of point `i`.
+    pub fn law_of(&self, i: usize) -> Law {
+        self.pool.law.felt(self.surface.reach(i))
+    }
+
     /// Refreshes gap, pressure and friction of edge `i`; returns how far its friction limit lags, Pa, and where it touches the object,
     /// object axes.
     fn update(&mut self, i: usize, stencil: &Stencil, view: &View) -> (f64, Option<Touch>) {
-        let law = self.pool.law;
+        let law = self.law_of(i);
         let e = &mut self.pool.edges[i];
         let (world, q) = locate(stencil, view);
         let mut touch = None;

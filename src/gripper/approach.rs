@@ -2,7 +2,7 @@
 
 use crate::contact::{ContactSurface, Feature};
 use crate::shape::SignedDistance;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// What a finger meets when it closes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,7 +36,7 @@ pub fn approach(
     let (mut first, mut deepest) = (f64::INFINITY, 0.0_f64);
     let inverse = rotation.transpose();
     let direction = inverse * closing;
-    for stencil in surface.points.iter() {
+    for stencil in &surface.points[..surface.vertices] {
         let start = inverse * (stencil.position(x) - position);
         let mut t = 0.0;
         // Grazing rays converge slowly; after the cap the point is close enough to count as touching.
@@ -55,8 +55,18 @@ pub fn approach(
             t += d - clearance;
         }
     }
+    // Seen along the closing direction only what lies before the pad can meet it.
+    let (u, v) = closing.any_orthonormal_pair();
+    let seen = |p: DVec3| DVec2::new(u.dot(p), v.dot(p));
+    let outline = surface.faces.iter().flat_map(|face| face.corners).map(|n| seen(x[n as usize]));
+    let (low, high) = outline.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+    let (low, high) = (low - clearance, high + clearance);
     for feature in features {
         let point = rotation * feature.position + position;
+        let before = seen(point);
+        if before.cmplt(low).any() || before.cmpgt(high).any() {
+            continue;
+        }
         for face in surface.faces.iter() {
             let [a, b, c] = face.corners.map(|n| x[n as usize]);
             // The pad moves by t along `closing`: the point meets the face where it lies on the ray back from the point.

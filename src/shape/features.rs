@@ -157,7 +157,7 @@ impl Features {
         points.extend(self.sharp_edges.iter().flat_map(|e| e.sample(spacing)));
         let tight = self.rounded_edges.iter().filter(|e| e.radius < ROUND * spacing);
         points.extend(tight.flat_map(|e| e.sample(spacing)));
-        points.extend(Ring::sample(&self.rings, spacing, ROUND));
+        points.extend(Ring::sample(&self.rings, spacing));
         points
     }
 

@@ -25,7 +25,7 @@ pub fn choose(
 ) -> Vec<u32> {
     let turn = view.rotation.transpose();
     let mut near: Vec<(f64, Stencil)> = touched.map(|stencil| (f64::NEG_INFINITY, stencil)).collect();
-    for stencil in finger.surface.points.iter() {
+    for stencil in &finger.surface.points[..finger.surface.vertices] {
         let q = turn * (stencil.position(view.x) + view.offset - view.position);
         near.extend(object.distance.closest(q, reach + WIDE).map(|c| (c.distance, *stencil)));
     }
