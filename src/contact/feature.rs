@@ -8,7 +8,7 @@ use super::far::{Bounds, Far};
 use super::flanks::Flank;
 use super::law::Law;
 use super::pair::{feature_pair, friction_pair, slip, weighed};
-use super::pool::EdgePool;
+use super::pool::{EdgePool, MIN_GAP};
 use super::project::FaceBounds;
 use super::site::Site;
 use super::surface::{ContactSurface, LATE};
@@ -229,7 +229,7 @@ impl BodyTerm for FeatureContact {
 
     fn satisfied(&mut self, _: &Body, view: &View) -> bool {
         let (features, offset) = (&self.features, self.pool.law.offset);
-        let stiff = self.pool.satisfied(|i| features[i].reach() * offset);
+        let stiff = self.pool.satisfied(|i| MIN_GAP * features[i].reach() * offset);
         self.follow(view) && stiff
     }
 

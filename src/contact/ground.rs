@@ -3,7 +3,7 @@
 use super::edge::ContactEdge;
 use super::law::Law;
 use super::pair::{feature_pair, friction_pair, slip};
-use super::pool::EdgePool;
+use super::pool::{EdgePool, MIN_GAP};
 use crate::fem::body::Body;
 use crate::fem::dynamics::TimeStep;
 use crate::fem::state::{Motion, View};
@@ -152,7 +152,7 @@ impl BodyTerm for GroundContact {
 
     fn satisfied(&mut self, _: &Body, _: &View) -> bool {
         let offset = self.pool.law.offset;
-        self.pool.satisfied(|_| offset)
+        self.pool.satisfied(|_| MIN_GAP * offset)
     }
 
     fn damp(&mut self, damping: f64) {

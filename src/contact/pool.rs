@@ -21,7 +21,7 @@ pub(super) struct EdgePool {
 }
 
 /// Smallest gap of an accepted state, as a fraction of the offset.
-const MIN_GAP: f64 = 0.02;
+pub(super) const MIN_GAP: f64 = 0.02;
 /// Friction limit that counts as none on a pad, Pa.
 const NO_LIMIT: f64 = 1.0;
 
@@ -66,11 +66,11 @@ impl EdgePool {
         self.edges.clone_from(&self.committed);
     }
 
-    /// Stiffens the edges that use up their offset; true if there were none.
-    pub fn satisfied(&mut self, offset: impl Fn(usize) -> f64) -> bool {
+    /// Stiffens the edges that come closer than they may, `least(i)` (m); true if there were none.
+    pub fn satisfied(&mut self, least: impl Fn(usize) -> f64) -> bool {
         let mut held = true;
         for (i, e) in self.edges.iter_mut().enumerate() {
-            if e.gap < MIN_GAP * offset(i) {
+            if e.gap < least(i) {
                 e.scale *= 4.0;
                 held = false;
             }

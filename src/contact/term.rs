@@ -3,7 +3,7 @@
 use super::edge::ContactEdge;
 use super::law::Law;
 use super::pair::{friction_pair, normal_pair, slip, weighed};
-use super::pool::EdgePool;
+use super::pool::{EdgePool, MIN_GAP};
 use super::surface::ContactSurface;
 use crate::fem::body::Body;
 use crate::fem::state::{Motion, View};
@@ -18,7 +18,8 @@ use std::sync::Arc;
 pub struct Contact {
     /// One edge per surface point.
     pool: EdgePool,
-    /// Which points are felt: all vertices, and the middles that the object would come through at; and as last accepted.
+    /// Which points are felt: all vertices, and the middles where vertices carry contact or the object would come through; and as last
+    /// accepted.
     felt: Vec<bool>,
     committed: Vec<bool>,
     surface: Arc<ContactSurface>,
@@ -56,6 +57,9 @@ impl Contact {
 
 /// Distance within which the exact gap is looked up, m; farther points are skipped until they may have come this close.
 const LOOK_AHEAD: f64 = 5e-4;
+
+/// How deep the object may be in the middle between vertices of which none is in contact, m.
+const THROUGH: f64 = 2e-6;
 
 /// Position of a point in the hand frame and in the object's frame.
 fn locate(stencil: &Stencil, view: &View) -> (DVec3, DVec3) {
@@ -145,10 +149,12 @@ impl BodyTerm for Contact {
             q + view.rotation.transpose() * drag
         });
         for i in self.surface.vertices..self.felt.len() {
-            if self.felt[i] && self.pool.edges[i].pressure <= 0.0 {
-                self.felt[i] = false;
+            let edges = &self.pool.edges;
+            let patch = edges[i].pressure > 0.0 || self.surface.around(i).iter().any(|v| edges[*v].pressure > 0.0);
+            if self.felt[i] && !patch {
                 self.pool.renew(i);
             }
+            self.felt[i] = patch;
         }
         self.committed.clone_from(&self.felt);
     }
@@ -159,8 +165,8 @@ impl BodyTerm for Contact {
     }
 
     fn satisfied(&mut self, _: &Body, view: &View) -> bool {
-        let (surface, offset) = (&self.surface, self.pool.law.offset);
-        let stiff = self.pool.satisfied(|i| surface.reach(i) * offset);
+        let (vertices, least) = (self.surface.vertices, MIN_GAP * self.pool.law.offset);
+        let stiff = self.pool.satisfied(|i| if i < vertices { least } else { 0.0 });
         self.feel(view) && stiff
     }
 
@@ -189,21 +195,24 @@ impl Contact {
         for i in self.surface.vertices..self.felt.len() {
             let e = &mut self.pool.edges[i];
             let (_, q) = locate(&self.surface.points[i], view);
-            if self.felt[i] || e.bound - q.distance(e.query) > 0.0 {
+            if self.felt[i] || e.bound - q.distance(e.query) > -THROUGH {
                 continue;
             }
             let distance = self.object.closest(q, LOOK_AHEAD).map_or(LOOK_AHEAD, |c| c.distance);
             (e.bound, e.query) = (distance, q);
-            if distance < 0.0 {
+            if distance < -THROUGH {
                 (self.felt[i], none) = (true, false);
-                self.pool.edges[i].anchor = self.dragged(i, view).map(|drag| q + drag);
             }
         }
         none
     }
 
-    /// How far the vertices around middle `i` that stick or slip are dragged, object axes, m: it has been there with them.
+    /// How far the vertices around middle `i` that stick or slip are dragged, object axes, m: it has been there with them. None for
+    /// a vertex.
     fn dragged(&self, i: usize, view: &View) -> Option<DVec3> {
+        if i < self.surface.vertices {
+            return None;
+        }
         let (mut sum, mut count) = (DVec3::ZERO, 0.0);
         for v in self.surface.around(i) {
             if let Some(anchor) = self.pool.edges[v].anchor {
@@ -236,8 +245,10 @@ impl Contact {
         let places = touch.iter().flat_map(Touch::places);
         let places = places.map(|(c, weight)| (c.distance, view.rotation * c.normal, weight));
         let Some(lag) = self.pool.press(i, &law, places) else { return (0.0, touch) };
-        let e = &mut self.pool.edges[i];
-        let anchor = *e.anchor.get_or_insert(q - view.rotation.transpose() * e.normal * e.gap);
+        let e = self.pool.edges[i];
+        let first = || self.dragged(i, view).map_or(q - view.rotation.transpose() * e.normal * e.gap, |drag| q + drag);
+        let anchor = e.anchor.unwrap_or_else(first);
+        self.pool.edges[i].anchor = Some(anchor);
         self.pool.rub(i, world - view.position - view.rotation * anchor);
         (lag, touch)
     }
