@@ -8,10 +8,10 @@ use super::far::{Bounds, Far};
 use super::flanks::Flank;
 use super::law::Law;
 use super::pair::{feature_pair, friction_pair, slip, weighed};
-use super::pool::{EdgePool, MIN_GAP};
+use super::pool::EdgePool;
 use super::project::FaceBounds;
 use super::site::Site;
-use super::surface::{ContactSurface, LATE};
+use super::surface::ContactSurface;
 use crate::fem::body::Body;
 use crate::fem::state::{Motion, View};
 use crate::fem::term::{Block, BodyTerm, Pair, Stencil};
@@ -38,10 +38,9 @@ impl Feature {
         Self { position: stretch.point(1.0 / 3.0), sharp: false, along: Some(stretch) }
     }
 
-    /// Fraction of the contact offset from which it is felt. Vertices of a smooth surface are felt late: the pad's own points
-    /// carry that contact, and the vertex only must not come through between them.
-    fn reach(&self) -> f64 {
-        if self.sharp { 1.0 } else { LATE }
+    /// The law of this one. Vertices of a smooth surface are felt late: the pad's own points carry that contact.
+    fn law(&self, law: &Law) -> Law {
+        if self.sharp { *law } else { law.late() }
     }
 }
 
@@ -116,7 +115,7 @@ impl FeatureContact {
 
     /// The law of feature `i`.
     fn law_of(&self, i: usize) -> Law {
-        self.pool.law.felt(self.features[i].reach())
+        self.features[i].law(&self.pool.law)
     }
 
     /// What feature `i`, which is `near`, presses on, on a surface with nodes at `x`. Whether one face or a whole fold counts
@@ -228,8 +227,8 @@ impl BodyTerm for FeatureContact {
     }
 
     fn satisfied(&mut self, _: &Body, view: &View) -> bool {
-        let (features, offset) = (&self.features, self.pool.law.offset);
-        let stiff = self.pool.satisfied(|i| MIN_GAP * features[i].reach() * offset);
+        let (features, law) = (&self.features, self.pool.law);
+        let stiff = self.pool.satisfied(|i| features[i].law(&law).least());
         self.follow(view) && stiff
     }
 

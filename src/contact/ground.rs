@@ -3,7 +3,7 @@
 use super::edge::ContactEdge;
 use super::law::Law;
 use super::pair::{feature_pair, friction_pair, slip};
-use super::pool::{EdgePool, MIN_GAP};
+use super::pool::EdgePool;
 use crate::fem::body::Body;
 use crate::fem::dynamics::TimeStep;
 use crate::fem::state::{Motion, View};
@@ -151,8 +151,8 @@ impl BodyTerm for GroundContact {
     }
 
     fn satisfied(&mut self, _: &Body, _: &View) -> bool {
-        let offset = self.pool.law.offset;
-        self.pool.satisfied(|_| MIN_GAP * offset)
+        let least = self.pool.law.least();
+        self.pool.satisfied(|_| least)
     }
 
     fn damp(&mut self, damping: f64) {

@@ -23,6 +23,10 @@ pub struct Law {
 
 /// Fraction of the offset kept for the stiffer branch.
 const RESERVE: f64 = 0.25;
+/// Fraction of the offset from which a point is felt late.
+const LATE: f64 = 0.3;
+/// Smallest gap of an accepted state, as a fraction of the offset.
+const LEAST: f64 = 0.02;
 /// How much stiffer that branch is.
 const STIFFENING: f64 = 30.0;
 
@@ -46,9 +50,14 @@ impl Law {
         }
     }
 
-    /// The same law, felt from the fraction `reach` of its offset only.
-    pub fn felt(&self, reach: f64) -> Self {
-        Self { offset: reach * self.offset, ..*self }
+    /// The same law where others carry the contact and this point only must not come through between them: felt late.
+    pub fn late(&self) -> Self {
+        Self { offset: LATE * self.offset, ..*self }
+    }
+
+    /// Smallest gap of an accepted state, m.
+    pub fn least(&self) -> f64 {
+        LEAST * self.offset
     }
 
     /// Pressure (Pa) and minus its derivative in the gap (Pa/m). `scale` stiffens a single edge.

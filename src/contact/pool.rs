@@ -20,8 +20,6 @@ pub(super) struct EdgePool {
     pub negligible: f64,
 }
 
-/// Smallest gap of an accepted state, as a fraction of the offset.
-pub(super) const MIN_GAP: f64 = 0.02;
 /// Friction limit that counts as none on a pad, Pa.
 const NO_LIMIT: f64 = 1.0;
 

@@ -40,10 +40,6 @@ pub struct ContactSurface {
     parts: Arc<Vec<u32>>,
 }
 
-/// Fraction of the contact offset from which a point is felt where others carry the contact, and it only must not come through between
-/// them.
-pub const LATE: f64 = 0.3;
-
 /// Sub-edges per face edge of a linear and of a quadratic mesh: contact is felt between the nodes too.
 const SUBDIVISION: [usize; 2] = [4, 4];
 
@@ -102,11 +98,6 @@ impl ContactSurface {
         let rings = Arc::new(Rings::new(faces.iter().map(|f| f.corners).collect()));
         let (faces, points, report, parts) = (Arc::new(faces), Arc::new(points), Arc::new(report), Arc::new(parts));
         Self { faces, rings, points, vertices, report, parts, area: Vec::new(), spacing: 0.0 }.placed(&body.rest)
-    }
-
-    /// Fraction of the contact offset from which point `i` is felt.
-    pub fn reach(&self, i: usize) -> f64 {
-        if i < self.vertices { 1.0 } else { LATE }
     }
 
     /// The vertices around middle `i`.

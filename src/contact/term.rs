@@ -3,7 +3,7 @@
 use super::edge::ContactEdge;
 use super::law::Law;
 use super::pair::{friction_pair, normal_pair, slip, weighed};
-use super::pool::{EdgePool, MIN_GAP};
+use super::pool::EdgePool;
 use super::surface::ContactSurface;
 use crate::fem::body::Body;
 use crate::fem::state::{Motion, View};
@@ -165,7 +165,7 @@ impl BodyTerm for Contact {
     }
 
     fn satisfied(&mut self, _: &Body, view: &View) -> bool {
-        let (vertices, least) = (self.surface.vertices, MIN_GAP * self.pool.law.offset);
+        let (vertices, least) = (self.surface.vertices, self.pool.law.least());
         let stiff = self.pool.satisfied(|i| if i < vertices { least } else { 0.0 });
         self.feel(view) && stiff
     }
@@ -193,9 +193,12 @@ impl Contact {
     fn feel(&mut self, view: &View) -> bool {
         let mut none = true;
         for i in self.surface.vertices..self.felt.len() {
+            if self.felt[i] {
+                continue;
+            }
             let e = &mut self.pool.edges[i];
             let (_, q) = locate(&self.surface.points[i], view);
-            if self.felt[i] || e.bound - q.distance(e.query) > -THROUGH {
+            if e.bound - q.distance(e.query) > -THROUGH {
                 continue;
             }
             let distance = self.object.closest(q, LOOK_AHEAD).map_or(LOOK_AHEAD, |c| c.distance);
@@ -225,7 +228,7 @@ impl Contact {
 
     /// The law of point `i`.
     pub fn law_of(&self, i: usize) -> Law {
-        self.pool.law.felt(self.surface.reach(i))
+        if i < self.surface.vertices { self.pool.law } else { self.pool.law.late() }
     }
 
     /// Refreshes gap, pressure and friction of edge `i`; returns how far its friction limit lags, Pa, and where it touches the object,
