@@ -415,7 +415,7 @@ fn near_slip(law: &Law, e: &ContactEdge, slip: DVec3) -> bool {
 fn near_jump(scene: &Scene, contact: &Contact, law: &Law, object: &dyn SignedDistance) -> bool {
     let view = scene.state.view(0, &scene.border);
     contact.felt().any(|i| {
-        let (e, own) = (&contact.edges()[i], contact.law_of(i));
+        let (e, own) = (contact.edge(i), contact.law_of(i));
         let relative = contact.surface().points[i].position(view.x) + view.offset - view.position;
         let slip = across(relative - view.rotation * e.anchor.unwrap_or_default(), e.normal);
         // A skipped edge does not know its gap.
@@ -435,8 +435,8 @@ struct Covered {
 }
 
 impl Covered {
-    fn add(&mut self, law: &Law, edges: &[ContactEdge]) {
-        for e in edges.iter().filter(|e| e.pressure > 0.0) {
+    fn add<'a>(&mut self, law: &Law, edges: impl Iterator<Item = (usize, &'a ContactEdge)>) {
+        for (_, e) in edges.filter(|(_, e)| e.pressure > 0.0) {
             let branch = if e.gap > 0.25 * law.offset { &mut self.soft } else { &mut self.hard };
             *branch += 1;
             let friction = if e.slips { &mut self.slipping } else { &mut self.stuck };
@@ -464,10 +464,10 @@ fn check_contact(friction: f64, drag: f64) -> Covered {
         scene.shake(drag, &mut random);
         scene.assemble(&mut contact, false);
         let kink = near_jump(&scene, &contact, &law, object.as_ref());
-        if kink || !contact.edges().iter().any(|e| e.pressure > 0.0) {
+        if kink || !contact.edges().any(|(_, e)| e.pressure > 0.0) {
             continue;
         }
-        contact.felt().for_each(|i| covered.add(&contact.law_of(i), &contact.edges()[i..=i]));
+        contact.edges().for_each(|edge| covered.add(&contact.law_of(edge.0), std::iter::once(edge)));
         scene.check(&format!("contact, friction {friction}, seed {seed}, {object:?}"), &mut contact);
     }
     println!("friction {friction}: {covered:?}");
@@ -519,7 +519,7 @@ fn forces_of_slipping_points_follow_the_pressure() {
         let block = scene.assemble(&mut contact, false);
         let view = scene.state.view(0, &scene.border);
         let kink = near_jump(&scene, &contact, &law, object.as_ref());
-        if kink || !contact.edges().iter().any(|e| e.slips) {
+        if kink || !contact.edges().any(|(_, e)| e.slips) {
             continue;
         }
         covered.add(&law, contact.edges());
@@ -580,13 +580,13 @@ fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, Law, Fea
         scene.assemble(&mut with, false);
         scene.assemble(&mut without, false);
         let view = scene.state.view(0, &scene.border);
-        let kink = with.edges().iter().enumerate().any(|(i, e)| {
+        let kink = with.edges().any(|(i, e)| {
             let arm = view.rotation * features[i].position;
             let relative = stuck[i].position(view.x) + view.offset - view.position - arm;
             let slip = across(relative + e.anchor.unwrap_or_default(), e.normal);
             near_kink(&felt, e.gap) || near_slip(&law, e, slip) || e.gap < -0.8 * felt.offset
         });
-        if !kink && with.edges().iter().any(|e| e.pressure > 0.0) {
+        if !kink && with.edges().any(|(_, e)| e.pressure > 0.0) {
             scenes.push((scene, felt, with, without));
         }
     }
@@ -628,7 +628,7 @@ fn projected_hessian_of_pressure_at_features_is_that_of_gauss_and_newton() {
         let block = scene.assemble(&mut term, true);
         assert_positive("features", unknowns.len(), &scene.hessian(&block));
         let mut expected = vec![0.0; unknowns.len() * unknowns.len()];
-        for (i, e) in term.edges().iter().enumerate().filter(|(_, e)| e.pressure > 0.0) {
+        for (i, e) in term.edges().filter(|(_, e)| e.pressure > 0.0) {
             let gap = |state: &State| {
                 let mut moved = term.clone();
                 moved.assemble(
@@ -637,7 +637,7 @@ fn projected_hessian_of_pressure_at_features_is_that_of_gauss_and_newton() {
                     false,
                     &mut Block::new(&scene.body, scene.border.size),
                 );
-                moved.edges()[i].gap
+                moved.edge(i).gap
             };
             let slopes: Vec<f64> = unknowns.iter().map(|&c| slope(STEP, |d| gap(&scene.moved(c, d, c, 0.0)))).collect();
             let area = term.readout(i).normal.dot(e.normal) / e.pressure;
@@ -776,12 +776,12 @@ fn check_ground(friction: f64, drag: f64) -> Covered {
         };
         let (scene, mut term, step) = stepped(seed, drag, make);
         scene.assemble(&mut term, false);
-        let kink = term.edges().iter().zip(vertices.iter()).any(|(e, v)| {
-            let point = scene.state.position + scene.state.rotation * *v;
+        let kink = term.edges().any(|(i, e)| {
+            let point = scene.state.position + scene.state.rotation * vertices[i];
             let slip = across(step.hand.to_hand(e.anchor.unwrap_or_default()) - point, e.normal);
             near_kink(&law, e.gap) || near_slip(&law, e, slip)
         });
-        if kink || !term.edges().iter().any(|e| e.pressure > 0.0) {
+        if kink || !term.edges().any(|(_, e)| e.pressure > 0.0) {
             continue;
         }
         covered.add(&law, term.edges());

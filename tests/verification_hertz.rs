@@ -78,7 +78,7 @@ fn shear(press: &mut Press, step: f64) -> (f64, f64) {
     press.path.newton.commit(&state);
     press.path.state = state;
     let contact = press.contact();
-    let force: DVec3 = (0..contact.edges().len()).map(|i| contact.force(i)).sum();
+    let force: DVec3 = contact.edges().map(|(i, _)| contact.force(i)).sum();
     (-force.z, force.x)
 }
 
@@ -117,7 +117,8 @@ fn a_ball_dragged_sideways_slides_with_mu_times_the_normal_force() {
     for k in 1..=8 {
         let (normal, tangential) = shear(&mut press, 0.2e-3);
         let contact = press.contact();
-        let points = || contact.edges().iter().zip(&contact.surface().area).filter(|(e, _)| e.pressure > 0.0);
+        let area = |i: usize| contact.surface().area[i];
+        let points = || contact.edges().filter(|(_, e)| e.pressure > 0.0).map(|(i, e)| (e, area(i)));
         let pressure: f64 = points().map(|(e, a)| e.pressure * a).sum();
         // Of the sizes: what points carry along the leaning sides of the dent does not add up to one direction.
         let traction: f64 = points().map(|(e, a)| e.traction.length() * a).sum();

@@ -3,7 +3,7 @@
 use super::law::Law;
 use glam::DVec3;
 
-/// One potential contact between a pad and the object. The pool is fixed; `pressure > 0` says which edges carry force.
+/// One potential contact between a pad and the object; `pressure > 0` says which carry force.
 #[derive(Debug, Clone, Copy)]
 pub struct ContactEdge {
     /// Gap, m; `+inf` where farther than anything that matters.
@@ -24,13 +24,31 @@ pub struct ContactEdge {
     pub anchor: Option<DVec3>,
     /// Stiffness factor, raised where a pressure would otherwise use up the whole offset.
     pub scale: f64,
-    /// Query point of the last exact distance, object frame, m.
-    pub query: DVec3,
-    /// Lower bound of the distance at `query`, m.
-    pub bound: f64,
 }
 
 impl ContactEdge {
+    /// The edge of a point that is near nothing.
+    pub const OPEN: Self = Self {
+        gap: f64::INFINITY,
+        normal: DVec3::ZERO,
+        pressure: 0.0,
+        plane: DVec3::ZERO,
+        limit: 0.0,
+        traction: DVec3::ZERO,
+        slips: false,
+        anchor: None,
+        scale: 1.0,
+    };
+
+    /// Whether it is as good as [`ContactEdge::OPEN`]: nothing is near, and nothing is remembered.
+    pub fn is_open(&self) -> bool {
+        self.gap == f64::INFINITY
+            && self.pressure <= 0.0
+            && self.limit == 0.0
+            && self.anchor.is_none()
+            && self.scale == 1.0
+    }
+
     /// Where the point sticks, if friction acts.
     pub fn sticks(&self) -> Option<DVec3> {
         self.anchor.filter(|_| self.limit > 0.0)
@@ -65,23 +83,5 @@ impl ContactEdge {
         let goal = friction * self.pressure;
         self.limit += damping * (goal - self.limit);
         (goal - self.limit).abs()
-    }
-}
-
-impl Default for ContactEdge {
-    fn default() -> Self {
-        Self {
-            gap: f64::INFINITY,
-            normal: DVec3::ZERO,
-            pressure: 0.0,
-            plane: DVec3::ZERO,
-            limit: 0.0,
-            traction: DVec3::ZERO,
-            slips: false,
-            anchor: None,
-            scale: 1.0,
-            query: DVec3::ZERO,
-            bound: f64::NEG_INFINITY,
-        }
     }
 }

@@ -5,7 +5,8 @@ use super::flanks::{Flank, KEPT};
 use super::foot::Foot;
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
-use glam::DVec3;
+use crate::fem::state::View;
+use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
 /// Motion of the pad after which the distances are taken anew, m: a fraction of what most features are away.
@@ -18,6 +19,7 @@ pub(super) struct Far {
     looked: Arc<Seen>,
     /// From the last assembly, of those that were near.
     last: Arc<Seen>,
+    nearby: Arc<Nearby>,
 }
 
 /// Distances of all features to the pad at an earlier state.
@@ -27,6 +29,22 @@ struct Seen {
     x: Vec<DVec3>,
     features: Vec<Bounds>,
 }
+
+/// The features that alone can matter while pad and object have not moved far.
+#[derive(Debug, Clone, Default)]
+struct Nearby {
+    /// Ascending.
+    features: Vec<usize>,
+    /// Node positions when they were listed, m.
+    x: Vec<DVec3>,
+    /// Where the object was then, relative to the finger, m, and its orientation.
+    object: (DVec3, DMat3),
+    /// Largest distance of a feature from the origin of the object, m.
+    radius: f64,
+}
+
+/// Distance from the pad up to which features are listed, m: several times as far as pads move between two lists.
+const ROOM: f64 = 1.5e-3;
 
 /// Where a feature was, relative to the finger, and how far outside the pad at least and at most, m.
 #[derive(Debug, Clone, Copy)]
@@ -45,10 +63,7 @@ pub(super) struct Moved {
 
 impl Seen {
     fn moved(&self, x: &[DVec3]) -> f64 {
-        if self.x.len() != x.len() {
-            return f64::INFINITY;
-        }
-        self.x.iter().zip(x).map(|(a, b)| a.distance_squared(*b)).fold(0.0, f64::max).sqrt()
+        motion(&self.x, x)
     }
 
     /// Bounds of the signed distance of feature `i`, now at `y`, to the pad, which has `moved` by up to that (m).
@@ -58,12 +73,15 @@ impl Seen {
                 let change = BULGE * moved + then.at.distance(y);
                 Bounds { at: y, least: then.least - change, most: then.most + change }
             }
-            None => Bounds { at: y, least: f64::NEG_INFINITY, most: f64::INFINITY },
+            None => Bounds { at: y, ..Bounds::UNKNOWN },
         }
     }
 }
 
 impl Bounds {
+    /// Of a feature of which nothing is known.
+    pub const UNKNOWN: Self = Self { at: DVec3::ZERO, least: f64::NEG_INFINITY, most: f64::INFINITY };
+
     /// Whether the feature may be nearer than `reach` (m) to the pad.
     pub fn within(&self, reach: f64) -> bool {
         self.least <= reach
@@ -104,13 +122,32 @@ impl Far {
                 let least = bounds.outside(surface, x, y, |foot| near.sided(foot));
                 Bounds { at: y, least, most: f64::INFINITY }
             };
-            self.looked = Arc::new(Seen { features: (0..count).map(away).collect(), x: x.to_vec() });
+            let features = (0..count).map(away).collect();
+            self.looked = Arc::new(Seen { features, x: x.to_vec() });
         }
     }
 
     /// Takes over what an assembly at node positions `x` found out of each feature.
     pub fn remember(&mut self, x: &[DVec3], features: Vec<Bounds>) {
         self.last = Arc::new(Seen { x: x.to_vec(), features });
+    }
+
+    /// Lists the features that are near, as the last assembly found them, and those that `matter` wherever they are, of an object that
+    /// reaches as far as `radius` (m) from its origin.
+    pub fn list(&mut self, view: &View, radius: f64, matter: impl Fn(usize) -> bool) {
+        let all = self.last.features.iter().enumerate();
+        let features = all.filter(|(i, bounds)| bounds.within(ROOM) || matter(*i)).map(|(i, _)| i).collect();
+        self.nearby = Arc::new(Nearby { features, x: view.x.to_vec(), object: object(view), radius });
+    }
+
+    /// The listed features, ascending, if under `view` no other one can be nearer than `reach` (m).
+    pub fn nearby(&self, view: &View, reach: f64) -> Option<&[usize]> {
+        let listed = &self.nearby;
+        let ((place, turn), (then, turned)) = (object(view), listed.object);
+        let turn = turn - turned;
+        let turn = [turn.x_axis, turn.y_axis, turn.z_axis].map(|c| c.length_squared()).iter().sum::<f64>().sqrt();
+        let moved = BULGE * motion(&listed.x, view.x) + place.distance(then) + turn * listed.radius;
+        (moved + reach <= ROOM).then_some(&listed.features)
     }
 
     /// How far the nodes of the pad at `x` have moved.
@@ -123,6 +160,19 @@ impl Far {
         let (looked, last) = (self.looked.bounds(i, y, moved.looked), self.last.bounds(i, y, moved.last));
         Bounds { at: y, least: looked.least.max(last.least), most: looked.most.min(last.most) }
     }
+}
+
+/// Largest distance between two positions of a node, m; `+inf` if they are not of the same mesh.
+fn motion(before: &[DVec3], x: &[DVec3]) -> f64 {
+    if before.len() != x.len() {
+        return f64::INFINITY;
+    }
+    before.iter().zip(x).map(|(a, b)| a.distance_squared(*b)).fold(0.0, f64::max).sqrt()
+}
+
+/// Where the object is, relative to the finger, m, and its orientation.
+fn object(view: &View) -> (DVec3, DMat3) {
+    (view.position - view.offset, view.rotation)
 }
 
 /// A point of a quadratic face moves at most this many times as far as its nodes: the sum of the magnitudes of its shape functions.

@@ -92,9 +92,14 @@ impl FeatureContact {
         Self { pool, surface, features, area, accepted, sites, bounds, far, sharp: true }
     }
 
-    /// Current edges, one per feature.
-    pub fn edges(&self) -> &[ContactEdge] {
-        &self.pool.edges
+    /// The edges of the features that are near the pad, with the features: in their order once accepted.
+    pub fn edges(&self) -> impl Iterator<Item = (usize, &ContactEdge)> {
+        self.pool.near()
+    }
+
+    /// The edge of feature `i`.
+    pub fn edge(&self, i: usize) -> &ContactEdge {
+        self.pool.edge(i)
     }
 
     /// Smallest gap of the last assembly, m; `+inf` if no feature is near.
@@ -104,7 +109,7 @@ impl FeatureContact {
 
     /// What feature `i` does to the pad.
     pub fn readout(&self, i: usize) -> FeatureForce {
-        let (e, touch) = (&self.pool.edges[i], &self.sites[i].touch);
+        let (e, touch) = (self.pool.edge(i), &self.sites[i].touch);
         FeatureForce {
             normal: e.normal * (e.pressure * self.area),
             friction: e.traction * self.area,
@@ -116,6 +121,15 @@ impl FeatureContact {
     /// The law of feature `i`.
     fn law_of(&self, i: usize) -> Law {
         self.features[i].law(&self.pool.law)
+    }
+
+    /// The features that may matter under `view`, if known.
+    fn nearby(&self, view: &View) -> Option<Vec<usize>> {
+        self.far.nearby(view, self.pool.law.offset).map(<[usize]>::to_vec)
+    }
+
+    fn all(&self) -> Vec<usize> {
+        (0..self.features.len()).collect()
     }
 
     /// What feature `i`, which is `near`, presses on, on a surface with nodes at `x`. Whether one face or a whole fold counts
@@ -143,7 +157,8 @@ impl BodyTerm for FeatureContact {
         bounds.update(&self.surface, view.x);
         let moved = self.far.moved(view.x);
         let mut energy = 0.0;
-        for (i, e) in self.pool.edges.iter().enumerate() {
+        for i in self.nearby(view).unwrap_or_else(|| self.all()) {
+            let e = self.pool.edge(i);
             let near = self.far.bounds(i, self.sites[i].place(view), moved);
             let law = self.law_of(i);
             let flanks = self.flanks(&bounds, i, view.x, near, true);
@@ -162,12 +177,14 @@ impl BodyTerm for FeatureContact {
         let sites = &self.sites;
         self.far.update(&self.surface, view.x, &self.bounds, sites.len(), |i| sites[i].place(view));
         let moved = self.far.moved(view.x);
-        let mut seen = Vec::with_capacity(self.features.len());
-        for i in 0..self.features.len() {
+        let nearby = self.nearby(view);
+        let anew = nearby.is_none();
+        let mut seen = vec![Bounds::UNKNOWN; self.features.len()];
+        for i in nearby.unwrap_or_else(|| self.all()) {
             let near = self.far.bounds(i, self.sites[i].place(view), moved);
             block.lag += (self.area * self.update(i, view, near)).powi(2);
-            let (e, law) = (self.pool.edges[i], self.law_of(i));
-            seen.push(near.narrowed(self.sites[i].flanks(), law.offset));
+            let (e, law) = (*self.pool.edge(i), self.law_of(i));
+            seen[i] = near.narrowed(self.sites[i].flanks(), law.offset);
             let arm = view.rotation * self.sites[i].position;
             for (foot, weight, curvature) in self.sites[i].flanks() {
                 let e = e.on(&law, foot.gap, -foot.normal);
@@ -190,10 +207,15 @@ impl BodyTerm for FeatureContact {
             }
         }
         self.far.remember(view.x, seen);
+        if anew {
+            let radius = self.sites.iter().map(|site| site.position.length()).fold(0.0, f64::max);
+            let pool = &self.pool;
+            self.far.list(view, radius, |i| pool.edge(i).sticks().is_some());
+        }
     }
 
     fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
-        for (i, site) in self.sites.iter().enumerate().filter(|(i, _)| self.pool.edges[*i].slips) {
+        for (i, site) in self.sites.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).slips) {
             let (r, Some(touch)) = (view.rotation * site.position, &site.touch) else { continue };
             if let Some(drag) = self.pool.drag(i, &self.law_of(i), motion.relative(&touch.now, r)) {
                 change.add_pair(body, view, &touch.stick, &Pair::force(drag * -self.area, r));
@@ -210,9 +232,9 @@ impl BodyTerm for FeatureContact {
                 place - touch.now.position(view.x) - e.traction * (1.0 / tangential)
             })
         });
-        for (site, e) in self.sites.iter_mut().zip(&self.pool.edges) {
+        for (i, site) in self.sites.iter_mut().enumerate() {
             site.moves = 0;
-            if e.anchor.is_none() && site.flanks().is_empty() {
+            if self.pool.edge(i).anchor.is_none() && site.flanks().is_empty() {
                 site.touch = None;
             }
         }
@@ -263,7 +285,7 @@ impl FeatureContact {
         for (i, (feature, site)) in self.features.iter().zip(&mut self.sites).enumerate() {
             let Some(stretch) = &feature.along else { continue };
             // If one that is pressed leaves its place, the pad comes through there: for little it stays.
-            let most = if self.pool.edges[i].pressure > 0.0 { PRESSED } else { FREE };
+            let most = if self.pool.edge(i).pressure > 0.0 { PRESSED } else { FREE };
             let near = self.far.bounds(i, site.place(view), moved).within(stretch.length());
             let free = near && site.moves < MOVES;
             let Some(deepest) = free.then(|| deepest(&self.bounds, &self.surface, view, stretch, most)).flatten()
@@ -295,7 +317,7 @@ impl FeatureContact {
             }
             return 0.0;
         };
-        let drag = *self.pool.edges[i].anchor.get_or_insert_with(|| {
+        let drag = *self.pool.edge_mut(i).anchor.get_or_insert_with(|| {
             touch.stick = touch.now;
             near.at - touch.now.position(view.x)
         });

@@ -39,15 +39,19 @@ impl GroundContact {
         Self { pool, vertices, normal, height, hand, last }
     }
 
-    /// Current edges, one per vertex.
-    pub fn edges(&self) -> &[ContactEdge] {
-        &self.pool.edges
+    /// The edges of the vertices near the ground, with the vertices.
+    pub fn edges(&self) -> impl Iterator<Item = (usize, &ContactEdge)> {
+        self.pool.near()
     }
 
     /// Force of the ground on the object, N, and its torque about `center` (hand frame, m), N m; both in hand axes.
     pub fn wrench(&self, view: &View, center: DVec3) -> (DVec3, DVec3) {
         let mut sum = (DVec3::ZERO, DVec3::ZERO);
-        for (e, v) in self.pool.edges.iter().zip(self.vertices.iter()).filter(|(e, _)| e.pressure > 0.0) {
+        for (i, v) in self.vertices.iter().enumerate() {
+            let e = self.pool.edge(i);
+            if e.pressure <= 0.0 {
+                continue;
+            }
             // The edge has the force on the ground.
             let force = -(e.normal * e.pressure + e.traction);
             sum.0 += force;
@@ -73,7 +77,7 @@ impl GroundContact {
         // The outward normal of the object is the inward one of the ground.
         let normal = -(self.hand.rotation.conjugate() * self.normal);
         let Some(lag) = self.pool.press(i, &law, iter::once((gap, normal, 1.0))) else { return 0.0 };
-        let anchor = *self.pool.edges[i].anchor.get_or_insert(last);
+        let anchor = *self.pool.edge_mut(i).anchor.get_or_insert(last);
         self.pool.rub(i, self.hand.to_hand(anchor) - view.position - arm);
         lag
     }
@@ -87,7 +91,8 @@ pub(crate) fn object_only<'a>(view: &View<'a>) -> View<'a> {
 impl BodyTerm for GroundContact {
     fn energy(&self, _: &Body, view: &View) -> f64 {
         let mut energy = 0.0;
-        for (e, v) in self.pool.edges.iter().zip(self.vertices.iter()) {
+        for (i, v) in self.vertices.iter().enumerate() {
+            let e = self.pool.edge(i);
             let point = view.position + view.rotation * *v;
             energy += self.pool.law.normal_energy(self.gap(self.hand.to_world(point)), e.scale);
             if let Some(anchor) = e.sticks() {
@@ -101,7 +106,7 @@ impl BodyTerm for GroundContact {
         let (view, nowhere) = (object_only(view), Stencil::new(std::iter::empty()));
         for i in 0..self.vertices.len() {
             block.lag += self.update(i, &view).powi(2);
-            let e = self.pool.edges[i];
+            let e = *self.pool.edge(i);
             let arm = view.rotation * self.vertices[i];
             if e.pressure > 0.0 {
                 block.add_pair(
@@ -129,7 +134,7 @@ impl BodyTerm for GroundContact {
 
     fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
         let (view, nowhere) = (object_only(view), Stencil::new(std::iter::empty()));
-        for (i, v) in self.vertices.iter().enumerate().filter(|(i, _)| self.pool.edges[*i].slips) {
+        for (i, v) in self.vertices.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).slips) {
             let r = view.rotation * *v;
             let away = -motion.position - motion.rotation.cross(r);
             if let Some(drag) = self.pool.drag(i, &self.pool.law, away) {

@@ -5,15 +5,19 @@ use super::law::Law;
 use super::pair::slip;
 use glam::DVec3;
 
-/// The edges of one contact term, as they are and as last accepted.
+/// The edges of one contact term, as they are and as last accepted. Of thousands of points a few hundred are near anything: only they
+/// have an edge, the others are open.
 #[derive(Debug, Clone)]
 pub(super) struct EdgePool {
-    /// Current edges.
-    pub edges: Vec<ContactEdge>,
+    /// Edges that are not open, by their points: in the order of these once accepted.
+    near: Vec<(usize, ContactEdge)>,
+    /// Per point, where its edge is in `near`.
+    slot: Vec<u32>,
+    /// Edges as last accepted, in the order of their points.
+    committed: Vec<(usize, ContactEdge)>,
     /// The law of every edge, softened while contact is being established.
     pub law: Law,
     given: Law,
-    committed: Vec<ContactEdge>,
     /// Part of the way that lagged friction goes per iteration.
     pub damping: f64,
     /// Friction limit that counts as none, in the unit of the pressure.
@@ -22,17 +26,39 @@ pub(super) struct EdgePool {
 
 /// Friction limit that counts as none on a pad, Pa.
 const NO_LIMIT: f64 = 1.0;
+/// Slot of a point without an edge.
+const NOWHERE: u32 = u32::MAX;
 
 impl EdgePool {
     /// `count` open edges.
     pub fn new(law: Law, count: usize) -> Self {
-        let edges = vec![ContactEdge::default(); count];
-        Self { committed: edges.clone(), edges, law, given: law, damping: 1.0, negligible: NO_LIMIT }
+        let slot = vec![NOWHERE; count];
+        Self { near: Vec::new(), slot, committed: Vec::new(), law, given: law, damping: 1.0, negligible: NO_LIMIT }
+    }
+
+    /// The edge of point `i`.
+    #[inline(always)]
+    pub fn edge(&self, i: usize) -> &ContactEdge {
+        self.near.get(self.slot[i] as usize).map_or(&ContactEdge::OPEN, |(_, e)| e)
+    }
+
+    /// The edge of point `i`, to be changed.
+    pub fn edge_mut(&mut self, i: usize) -> &mut ContactEdge {
+        if self.slot[i] == NOWHERE {
+            self.slot[i] = self.near.len() as u32;
+            self.near.push((i, ContactEdge::OPEN));
+        }
+        &mut self.near[self.slot[i] as usize].1
+    }
+
+    /// The edges that are not open with their points: in the order of these once accepted.
+    pub fn near(&self) -> impl Iterator<Item = (usize, &ContactEdge)> {
+        self.near.iter().map(|(i, e)| (*i, e))
     }
 
     /// Smallest gap, m; `+inf` if nothing is near.
     pub fn min_gap(&self) -> f64 {
-        self.edges.iter().map(|e| e.gap).fold(f64::INFINITY, f64::min)
+        self.near().map(|(_, e)| e.gap).fold(f64::INFINITY, f64::min)
     }
 
     /// Softens the law by `factor`; 1 gives it back.
@@ -40,35 +66,50 @@ impl EdgePool {
         self.law = self.given.softened(factor);
     }
 
-    /// Accepts the edges as they are. Open edges forget where they stuck; of slipping ones `dragged` says where they stick
+    /// Accepts the edges as they are. Those without pressure forget where they stuck; of slipping ones `dragged` says where they stick
     /// now, so that the spring carries just the limit.
     pub fn commit(&mut self, mut dragged: impl FnMut(usize, &ContactEdge) -> DVec3) {
-        for (i, e) in self.edges.iter_mut().enumerate() {
+        for (i, e) in &mut self.near {
             if e.pressure <= 0.0 {
                 e.anchor = None;
             } else if e.slips {
-                e.anchor = Some(dragged(i, e));
+                e.anchor = Some(dragged(*i, e));
             }
         }
-        self.committed.clone_from(&self.edges);
+        self.sort();
+        self.committed.clone_from(&self.near);
+    }
+
+    /// Drops the edges that are open, and puts the others in the order of their points.
+    fn sort(&mut self) {
+        let slot = &mut self.slot;
+        self.near.iter().for_each(|(i, _)| slot[*i] = NOWHERE);
+        self.near.retain(|(_, e)| !e.is_open());
+        self.near.sort_unstable_by_key(|(i, _)| *i);
+        self.near.iter().zip(0..).for_each(|((i, _), k)| slot[*i] = k);
     }
 
     /// Opens edge `i`, whose point is another from now on.
     pub fn renew(&mut self, i: usize) {
-        self.edges[i] = ContactEdge::default();
-        self.committed[i] = ContactEdge::default();
+        if self.slot[i] != NOWHERE {
+            *self.edge_mut(i) = ContactEdge::OPEN;
+        }
+        self.committed.retain(|(k, _)| *k != i);
     }
 
     /// Back to the edges last accepted.
     pub fn rollback(&mut self) {
-        self.edges.clone_from(&self.committed);
+        let slot = &mut self.slot;
+        self.near.iter().for_each(|(i, _)| slot[*i] = NOWHERE);
+        self.near.clone_from(&self.committed);
+        self.near.iter().zip(0..).for_each(|((i, _), k)| slot[*i] = k);
     }
 
     /// Stiffens the edges that come closer than they may, `least(i)` (m); true if there were none.
     pub fn satisfied(&mut self, least: impl Fn(usize) -> f64) -> bool {
         let mut held = true;
-        for (i, e) in self.edges.iter_mut().enumerate() {
-            if e.gap < least(i) {
+        for (i, e) in &mut self.near {
+            if e.gap < least(*i) {
                 e.scale *= 4.0;
                 held = false;
             }
@@ -79,18 +120,25 @@ impl EdgePool {
     /// Sets gap, normal and pressure of edge `i` under `law` from the places that it touches (gap, m, normal and weight of each, the
     /// nearest first) and relaxes its friction limit. Some if friction acts: how far the limit lags, Pa; [`EdgePool::rub`] must follow.
     pub fn press(&mut self, i: usize, law: &Law, places: impl Iterator<Item = (f64, DVec3, f64)>) -> Option<f64> {
-        let e = &mut self.edges[i];
+        let mut places = places.peekable();
+        if places.peek().is_none() && self.slot[i] == NOWHERE {
+            return None;
+        }
+        let (damping, negligible) = (self.damping, self.negligible);
+        let e = self.edge_mut(i);
         e.press(law, places);
         e.traction = DVec3::ZERO;
         e.slips = false;
         if law.friction == 0.0 {
             return None;
         }
-        let lag = e.relax_limit(law.friction, self.damping);
-        if e.pressure <= 0.0 && (e.limit <= self.negligible || e.anchor.is_none()) {
+        let lag = e.relax_limit(law.friction, damping);
+        if e.pressure <= 0.0 && (e.limit <= negligible || e.anchor.is_none()) {
             // A point that touched only on the way to this iterate has not stuck anywhere yet.
             e.limit = 0.0;
-            e.anchor = self.committed[i].anchor;
+            let known = self.committed.binary_search_by_key(&i, |(k, _)| *k);
+            let anchor = known.ok().and_then(|k| self.committed[k].1.anchor);
+            self.edge_mut(i).anchor = anchor;
             return None;
         }
         Some(lag)
@@ -99,7 +147,7 @@ impl EdgePool {
     /// How the force of slipping edge `i` on the pad changes per area when its points move by `u` (m) against each other: the
     /// limit follows the pressure, Pa.
     pub fn drag(&self, i: usize, law: &Law, u: DVec3) -> Option<DVec3> {
-        let e = &self.edges[i];
+        let e = self.edge(i);
         let stiffness = law.pressure(e.gap, e.scale).1;
         (e.slips && stiffness > 0.0)
             .then(|| e.traction.normalize_or_zero() * (-law.friction * stiffness * e.normal.dot(u)))
@@ -107,7 +155,8 @@ impl EdgePool {
 
     /// Sets the traction of edge `i`, whose points have moved apart by `s` (m) since they stuck.
     pub fn rub(&mut self, i: usize, s: DVec3) {
-        let e = &mut self.edges[i];
-        (e.traction, e.slips) = self.law.traction(slip(s, e.plane), e.limit);
+        let law = self.law;
+        let e = self.edge_mut(i);
+        (e.traction, e.slips) = law.traction(slip(s, e.plane), e.limit);
     }
 }

@@ -16,8 +16,9 @@ use std::sync::Arc;
 /// Contact and friction between a pad and the object.
 #[derive(Debug, Clone)]
 pub struct Contact {
-    /// One edge per surface point.
     pool: EdgePool,
+    /// What is known of the distance of every point.
+    seen: Arc<Vec<Seen>>,
     /// Which points are felt: all vertices, and the middles where vertices carry contact or the object would come through; and as last
     /// accepted.
     felt: Vec<bool>,
@@ -26,16 +27,39 @@ pub struct Contact {
     object: Arc<dyn SignedDistance>,
 }
 
+/// How far a point was from the object when that was last looked up. It holds whatever is accepted or taken back.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    /// Where it was, object frame, m.
+    at: DVec3,
+    /// Lower bound of the distance there, m.
+    bound: f64,
+}
+
+impl Seen {
+    /// A lower bound of the distance of the point, now at `q`: it changes no faster than the point moves, m.
+    #[inline(always)]
+    fn bound(&self, q: DVec3) -> f64 {
+        self.bound - q.distance(self.at)
+    }
+}
+
 impl Contact {
     /// All edges open.
     pub fn new(law: Law, surface: Arc<ContactSurface>, object: Arc<dyn SignedDistance>) -> Self {
         let felt: Vec<bool> = (0..surface.points.len()).map(|i| i < surface.vertices).collect();
-        Self { pool: EdgePool::new(law, felt.len()), committed: felt.clone(), felt, surface, object }
+        let seen = Arc::new(vec![Seen { at: DVec3::ZERO, bound: f64::NEG_INFINITY }; felt.len()]);
+        Self { pool: EdgePool::new(law, felt.len()), seen, committed: felt.clone(), felt, surface, object }
     }
 
-    /// Current edges, one per surface point.
-    pub fn edges(&self) -> &[ContactEdge] {
-        &self.pool.edges
+    /// The edges of the points that are near the object, with the points: in their order once accepted.
+    pub fn edges(&self) -> impl Iterator<Item = (usize, &ContactEdge)> {
+        self.pool.near()
+    }
+
+    /// The edge of point `i`.
+    pub fn edge(&self, i: usize) -> &ContactEdge {
+        self.pool.edge(i)
     }
 
     /// The sample points of the pad.
@@ -50,7 +74,7 @@ impl Contact {
 
     /// Force on the pad at point `i`, N, hand frame.
     pub fn force(&self, i: usize) -> DVec3 {
-        let e = &self.pool.edges[i];
+        let e = self.pool.edge(i);
         (e.normal * e.pressure + e.traction) * self.surface.area[i]
     }
 }
@@ -72,9 +96,9 @@ impl BodyTerm for Contact {
         let mut energy = 0.0;
         for i in self.felt() {
             let (e, stencil, area, law) =
-                (&self.pool.edges[i], &self.surface.points[i], self.surface.area[i], self.law_of(i));
+                (self.pool.edge(i), &self.surface.points[i], self.surface.area[i], self.law_of(i));
             let (world, q) = locate(stencil, view);
-            if e.bound - q.distance(e.query) < law.offset
+            if self.seen[i].bound(q) < law.offset
                 && let Some(touch) = self.object.touch(q, law.offset, law.offset)
             {
                 energy += area * touch.sum(|c| law.normal_energy(c.distance, e.scale));
@@ -96,7 +120,7 @@ impl BodyTerm for Contact {
             let area = self.surface.area[i];
             let (lag, touch) = self.update(i, &stencil, view);
             block.lag += (area * lag).powi(2);
-            let (law, e) = (&self.law_of(i), &self.pool.edges[i]);
+            let (law, e) = (&self.law_of(i), self.pool.edge(i));
             let (world, _) = locate(&stencil, view);
             for (c, weight) in touch.iter().flat_map(Touch::places) {
                 let e = e.on(law, c.distance, view.rotation * c.normal);
@@ -116,12 +140,13 @@ impl BodyTerm for Contact {
 
     fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
         for (i, (stencil, area)) in self.surface.points.iter().zip(&self.surface.area).enumerate() {
-            if !self.pool.edges[i].slips {
+            let e = self.pool.edge(i);
+            if !e.slips {
                 continue;
             }
             let r = locate(stencil, view).0 - view.position;
             if let (Some(drag), Some(anchor)) =
-                (self.pool.drag(i, &self.law_of(i), motion.relative(stencil, r)), self.pool.edges[i].anchor)
+                (self.pool.drag(i, &self.law_of(i), motion.relative(stencil, r)), e.anchor)
             {
                 change.add_pair(body, view, stencil, &Pair::force(drag * -area, view.rotation * anchor));
             }
@@ -131,10 +156,9 @@ impl BodyTerm for Contact {
     fn clearance(&self, _: &Body, view: &View) -> f64 {
         let mut nearest = f64::INFINITY;
         for i in self.felt() {
-            let e = &self.pool.edges[i];
             let (_, q) = locate(&self.surface.points[i], view);
             // The bound of the last query spares most of the others.
-            if e.bound - q.distance(e.query) < nearest {
+            if self.seen[i].bound(q) < nearest {
                 nearest = nearest.min(self.object.distance(q));
             }
         }
@@ -149,8 +173,8 @@ impl BodyTerm for Contact {
             q + view.rotation.transpose() * drag
         });
         for i in self.surface.vertices..self.felt.len() {
-            let edges = &self.pool.edges;
-            let patch = edges[i].pressure > 0.0 || self.surface.around(i).iter().any(|v| edges[*v].pressure > 0.0);
+            let pressed = |i: usize| self.pool.edge(i).pressure > 0.0;
+            let patch = pressed(i) || self.surface.around(i).into_iter().any(pressed);
             if self.felt[i] && !patch {
                 self.pool.renew(i);
             }
@@ -196,13 +220,12 @@ impl Contact {
             if self.felt[i] {
                 continue;
             }
-            let e = &mut self.pool.edges[i];
             let (_, q) = locate(&self.surface.points[i], view);
-            if e.bound - q.distance(e.query) > -THROUGH {
+            if self.seen[i].bound(q) > -THROUGH {
                 continue;
             }
             let distance = self.object.closest(q, LOOK_AHEAD).map_or(LOOK_AHEAD, |c| c.distance);
-            (e.bound, e.query) = (distance, q);
+            Arc::make_mut(&mut self.seen)[i] = Seen { at: q, bound: distance };
             if distance < -THROUGH {
                 (self.felt[i], none) = (true, false);
             }
@@ -218,7 +241,7 @@ impl Contact {
         }
         let (mut sum, mut count) = (DVec3::ZERO, 0.0);
         for v in self.surface.around(i) {
-            if let Some(anchor) = self.pool.edges[v].anchor {
+            if let Some(anchor) = self.pool.edge(v).anchor {
                 sum += anchor - locate(&self.surface.points[v], view).1;
                 count += 1.0;
             }
@@ -235,23 +258,23 @@ impl Contact {
     /// object axes.
     fn update(&mut self, i: usize, stencil: &Stencil, view: &View) -> (f64, Option<Touch>) {
         let law = self.law_of(i);
-        let e = &mut self.pool.edges[i];
         let (world, q) = locate(stencil, view);
         let mut touch = None;
-        // The distance changes no faster than the point moves: far points are skipped without a query.
-        if e.bound - q.distance(e.query) < law.offset {
+        // Far points are skipped without a query.
+        if self.seen[i].bound(q) < law.offset {
             // Look farther than needed, so that the bound spares the next queries.
             let reach = LOOK_AHEAD.max(law.offset);
             touch = self.object.touch(q, reach, law.offset);
-            (e.bound, e.query) = (touch.as_ref().map_or(reach, |t| t.nearest.distance), q);
+            let bound = touch.as_ref().map_or(reach, |t| t.nearest.distance);
+            Arc::make_mut(&mut self.seen)[i] = Seen { at: q, bound };
         }
         let places = touch.iter().flat_map(Touch::places);
         let places = places.map(|(c, weight)| (c.distance, view.rotation * c.normal, weight));
         let Some(lag) = self.pool.press(i, &law, places) else { return (0.0, touch) };
-        let e = self.pool.edges[i];
+        let e = *self.pool.edge(i);
         let first = || self.dragged(i, view).map_or(q - view.rotation.transpose() * e.normal * e.gap, |drag| q + drag);
         let anchor = e.anchor.unwrap_or_else(first);
-        self.pool.edges[i].anchor = Some(anchor);
+        self.pool.edge_mut(i).anchor = Some(anchor);
         self.pool.rub(i, world - view.position - view.rotation * anchor);
         (lag, touch)
     }

@@ -2,7 +2,7 @@
 
 use super::analysis::Analysis;
 use super::pattern::Pattern;
-use crate::element::{Kernel, RestTet, Shape, TET4, TET10};
+use crate::element::{Kernel, RestTet, Shape, TET4, TET10, TET10_NODES};
 use crate::material::{Material, von_mises};
 use glam::{DMat3, DVec3};
 use pulp::Arch;
@@ -157,6 +157,14 @@ impl Body {
     pub fn min_det_f(&self, x: &[DVec3]) -> f64 {
         Arch::new()
             .dispatch(|| per_order!(self, nodes, kernel, kernel.min_det_f(&self.tets, |e, a| x[nodes[e][a] as usize])))
+    }
+
+    /// Smallest determinant of the deformation gradient at the nodes of 10-node elements, at positions `x`; `+inf` if there are none.
+    pub fn min_det_f_at_nodes(&self, x: &[DVec3]) -> f64 {
+        let Elements::Quadratic(nodes) = &self.elements else { return f64::INFINITY };
+        let material = self.material.as_ref();
+        let kernel = Kernel { shape: &TET10_NODES, material, mean_dilatation: false };
+        Arch::new().dispatch(|| kernel.min_det_f(&self.tets, |e, a| x[nodes[e][a] as usize]))
     }
 
     /// Stress at positions `x`.

@@ -42,25 +42,29 @@ pub fn features(newton: &Newton, i: usize) -> Option<&FeatureContact> {
     newton.terms[i].iter().find_map(|t| t.as_any().downcast_ref::<FeatureContact>())
 }
 
-/// All edges of body `i`: those of the pad's points, then those of the object's features.
-pub fn edges<'a>(newton: &'a Newton, state: &'a State, i: usize) -> impl Iterator<Item = Edge> + 'a {
+/// The edges of body `i` that are not open, with their numbers: those of the pad's points, then those of the object's features.
+pub fn edges<'a>(newton: &'a Newton, state: &'a State, i: usize) -> impl Iterator<Item = (usize, Edge)> + 'a {
     let carried = newton.border.closing[i] * state.travel[i];
     let points = contact(newton, i).into_iter().flat_map(move |c| {
         let surface = c.surface();
-        c.edges().iter().enumerate().map(move |(k, e)| Edge {
-            point: surface.points[k].position(&state.x[i]) + carried,
-            gap: e.gap,
-            normal: e.normal,
-            force: c.force(k),
-            friction: e.traction * surface.area[k],
-            slips: e.slips,
-            report: surface.report[k],
+        c.edges().map(move |(k, e)| {
+            let edge = Edge {
+                point: surface.points[k].position(&state.x[i]) + carried,
+                gap: e.gap,
+                normal: e.normal,
+                force: c.force(k),
+                friction: e.traction * surface.area[k],
+                slips: e.slips,
+                report: surface.report[k],
+            };
+            (k, edge)
         })
     });
+    let first = contact(newton, i).map_or(0, |c| c.surface().points.len());
     let features = features(newton, i).into_iter().flat_map(move |c| {
-        c.edges().iter().enumerate().map(move |(k, e)| {
+        c.edges().map(move |(k, e)| {
             let f = c.readout(k);
-            Edge {
+            let edge = Edge {
                 point: f.now.position(&state.x[i]) + carried,
                 gap: e.gap,
                 normal: e.normal,
@@ -68,7 +72,8 @@ pub fn edges<'a>(newton: &'a Newton, state: &'a State, i: usize) -> impl Iterato
                 friction: f.friction,
                 slips: e.slips,
                 report: f.report,
-            }
+            };
+            (first + k, edge)
         })
     });
     points.chain(features)

@@ -194,7 +194,7 @@ impl Solver {
                     self.escaped(model)
                 ));
             }
-            if !readout::edges(newton, state, i).any(|e| e.active()) {
+            if !readout::edges(newton, state, i).any(|(_, e)| e.active()) {
                 return Some(format!("the {name} finger lost contact: {}", self.escaped(model)));
             }
         }

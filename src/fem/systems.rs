@@ -110,14 +110,26 @@ pub fn write_state(
     **pose = ObjectPose { position: state.position, rotation: state.rotation };
 }
 
-/// The contact edges of every finger at the level just reached.
+/// The contact edges of every finger that are not open at the level just reached, in order.
 #[derive(Resource, Default)]
-pub struct Edges(Vec<Vec<readout::Edge>>);
+pub struct Edges(Vec<Vec<(usize, readout::Edge)>>);
+
+impl Edges {
+    /// Edge `index` of a finger; None if it is open.
+    fn get(&self, finger: FingerIndex, index: EdgeIndex) -> Option<&readout::Edge> {
+        let edges = &self.0[finger.0 as usize];
+        edges.binary_search_by_key(&(index.0 as usize), |(k, _)| *k).ok().map(|k| &edges[k].1)
+    }
+}
 
 /// Solver -> edges, once for all that look at them.
 pub fn read_edges(solver: Res<Solver>, mut edges: ResMut<Edges>) {
     let (newton, state) = (&solver.path.newton, &solver.path.state);
-    edges.0 = (0..newton.bodies()).map(|i| readout::edges(newton, state, i).collect()).collect();
+    edges.0.resize_with(newton.bodies(), Vec::new);
+    for (i, edges) in edges.0.iter_mut().enumerate() {
+        edges.clear();
+        edges.extend(readout::edges(newton, state, i));
+    }
 }
 
 /// Contact edges, the wrench on every pad, smallest gap and potential.
@@ -133,8 +145,10 @@ pub fn measure_contact(
     for (index, finger, mut edge) in pool.contiguous_iter_mut().expect(TABLES) {
         let edge = edge.bypass_change_detection();
         for row in 0..index.len() {
-            let e = &edges.0[finger[row].0 as usize][index[row].0 as usize];
-            edge[row] = ContactEdge { gap: e.gap, normal: e.normal, force: e.force, active: e.active() };
+            let e = edges.get(finger[row], index[row]);
+            let of =
+                |e: &readout::Edge| ContactEdge { gap: e.gap, normal: e.normal, force: e.force, active: e.active() };
+            edge[row] = e.map_or_else(ContactEdge::default, of);
         }
     }
     for (finger, mut wrench) in &mut fingers {
@@ -142,7 +156,7 @@ pub fn measure_contact(
         let origin = shared.0.fingers[i].placement.origin + newton.border.closing[i] * state.travel[i];
         // Summed in edge order: the same bits every time.
         let mut sum = FingerWrench::default();
-        for e in &edges.0[i] {
+        for (_, e) in &edges.0[i] {
             sum.force += e.force;
             sum.torque += (e.point - origin).cross(e.force);
         }
@@ -170,8 +184,9 @@ pub fn measure_friction(edges: Res<Edges>, mut pool: Query<(&EdgeIndex, &FingerI
     for (index, finger, mut column) in pool.contiguous_iter_mut().expect(TABLES) {
         let column = column.bypass_change_detection();
         for row in 0..index.len() {
-            let e = &edges.0[finger[row].0 as usize][index[row].0 as usize];
-            column[row] = ContactFriction { force: e.friction, slips: e.slips };
+            let e = edges.get(finger[row], index[row]);
+            let of = |e: &readout::Edge| ContactFriction { force: e.friction, slips: e.slips };
+            column[row] = e.map_or_else(ContactFriction::default, of);
         }
     }
 }
@@ -184,7 +199,7 @@ pub fn measure_nodal_force(
 ) {
     let mut force: Vec<Vec<DVec3>> = solver.path.state.x.iter().map(|x| vec![DVec3::ZERO; x.len()]).collect();
     for (edges, force) in edges.0.iter().zip(&mut force) {
-        for e in edges.iter().filter(|e| e.active()) {
+        for (_, e) in edges.iter().filter(|(_, e)| e.active()) {
             let (nodes, weights) = e.report.slices();
             nodes.iter().zip(weights).for_each(|(&n, &w)| force[n as usize] += e.force * w);
         }

@@ -70,9 +70,9 @@ impl Upright {
         barriers
     }
 
-    /// Whether no element has one.
-    pub fn is_empty(&self) -> bool {
-        self.elements.is_empty()
+    /// Whether an element of `body` needs one at positions `x`, m.
+    pub fn is_needed(body: &Body, x: &[DVec3]) -> bool {
+        body.min_det_f_at_nodes(x) < FELT
     }
 
     /// Adds the gradient of the barriers' energy at positions `x` (m), N per node.
@@ -87,6 +87,9 @@ impl Upright {
 
     /// Gives a barrier to the elements that need one at positions `x`; true if none is new.
     fn extend(&mut self, body: &Body, x: &[DVec3]) -> bool {
+        if !Self::is_needed(body, x) {
+            return true;
+        }
         let (barrier, before) = (barrier(body), self.elements.len());
         let small = |e: &usize| {
             let nodes = body.quadratic(*e, x).map(|(rest, x, _)| kernel(&barrier).deformation(rest, &x));

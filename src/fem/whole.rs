@@ -20,7 +20,8 @@ impl Solver {
     pub(super) fn is_upright(&self) -> bool {
         let pads = self.condensed.as_ref();
         pads.is_none_or(|pads| {
-            self.path.state.x.iter().enumerate().all(|(i, x)| Upright::new(pads.pad(i).body(), x).is_empty())
+            let needed = |(i, x): (usize, &Vec<DVec3>)| Upright::is_needed(pads.pad(i).body(), x);
+            !self.path.state.x.par_iter().enumerate().any(needed)
         })
     }
 

@@ -170,7 +170,7 @@ impl Press {
             self.path.advance(Load::Travel, next).expect("the press converges");
         }
         let contact = self.contact();
-        -(0..contact.edges().len()).map(|i| contact.force(i).z).sum::<f64>()
+        -contact.edges().map(|(i, _)| contact.force(i).z).sum::<f64>()
     }
 
     pub fn contact(&self) -> &Contact {

@@ -240,13 +240,11 @@ pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec
 
 /// Where pad `i` carries contact.
 fn touched(path: &Path, i: usize) -> impl Iterator<Item = Stencil> + '_ {
-    let points = readout::contact(&path.newton, i).into_iter().flat_map(|c| {
-        let edges = c.edges().iter().zip(c.surface().points.iter());
-        edges.filter(|(e, _)| e.pressure > 0.0).map(|(_, stencil)| *stencil)
-    });
-    let features = readout::features(&path.newton, i).into_iter().flat_map(|c| {
-        let edges = c.edges().iter().enumerate();
-        edges.filter(|(_, e)| e.pressure > 0.0).map(|(k, _)| c.readout(k).now)
-    });
+    let points = readout::contact(&path.newton, i)
+        .into_iter()
+        .flat_map(|c| c.edges().filter(|(_, e)| e.pressure > 0.0).map(|(k, _)| c.surface().points[k]));
+    let features = readout::features(&path.newton, i)
+        .into_iter()
+        .flat_map(|c| c.edges().filter(|(_, e)| e.pressure > 0.0).map(|(k, _)| c.readout(k).now));
     points.chain(features)
 }
