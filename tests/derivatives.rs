@@ -7,7 +7,7 @@ use glam::{DMat3, DQuat, DVec3};
 use std::sync::Arc;
 use tactus::contact::surface::{Face, face_frame};
 use tactus::contact::{Contact, ContactEdge, ContactSurface, Feature, FeatureContact, GroundContact, law::Law};
-use tactus::element::{Kernel, RestTet, Shape, TET4, TET10};
+use tactus::element::{Kernel, RestTet, Shape, Stiffness, TET4, TET10};
 use tactus::fem::body::{Body, Elements};
 use tactus::fem::condensed::Condensed;
 use tactus::fem::dynamics::TimeStep;
@@ -178,13 +178,14 @@ fn check_element<const N: usize, const Q: usize>(shape: &Shape<N, Q>, law: &dyn 
             assert!(error < TOLERANCE, "{what}: gradient off by {error:.1e}");
 
             for project in [false, true] {
-                let (mut again, mut blocks) = ([DVec3::ZERO; N], [[DMat3::ZERO; N]; N]);
-                kernel.stiffness(&rest, &x, project, &mut again, &mut blocks);
-                let difference = again.iter().zip(&gradient).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
+                let mut sum = Stiffness::default();
+                kernel.stiffness([&rest], &[x], project, &mut sum);
+                let difference =
+                    sum.gradient[0].iter().zip(&gradient).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
                 assert!(difference < 1e-12 * law.moduli().young, "{what}: two gradients");
                 let entry = |r: usize, c: usize| {
                     let (r, c) = if r / 3 <= c / 3 { (r, c) } else { (c, r) };
-                    blocks[r / 3][c / 3].col(c % 3)[r % 3]
+                    sum.block(0, r / 3, c / 3).col(c % 3)[r % 3]
                 };
                 let stiffness: Vec<f64> = (0..9 * N * N).map(|k| entry(k / (3 * N), k % (3 * N))).collect();
                 if project {
@@ -195,6 +196,32 @@ fn check_element<const N: usize, const Q: usize>(shape: &Shape<N, Q>, law: &dyn 
                 let numeric: Vec<f64> = (0..9 * N * N).map(|k| column(k % (3 * N), k / (3 * N))).collect();
                 let error = deviation(&numeric, &stiffness, 0.0);
                 assert!(error < TOLERANCE, "{what}: stiffness off by {error:.1e}");
+            }
+        }
+    }
+}
+
+/// An element has the same bits alone and beside others.
+#[test]
+fn stiffness_does_not_depend_on_the_elements_beside() {
+    let mut random = Random(11);
+    let corners = [[0.1, 0.0, -0.1], [1.1, 0.2, 0.1], [0.2, 0.9, 0.0], [0.3, 0.1, 1.2]].map(DVec3::from_array);
+    let rest = RestTet::new(corners);
+    let straight: [DVec3; 10] = std::array::from_fn(|a| match a.checked_sub(4) {
+        None => corners[a],
+        Some(e) => corners[tactus::element::EDGES[e][0]].midpoint(corners[tactus::element::EDGES[e][1]]),
+    });
+    for law in laws() {
+        let kernel = Kernel { shape: &TET10, material: law.as_ref(), mean_dilatation: true };
+        let x: [[DVec3; 10]; 5] = std::array::from_fn(|_| straight.map(|p| p + random.vector() * 0.05));
+        let mut beside = Stiffness::default();
+        kernel.stiffness([&rest; 5], &x, false, &mut beside);
+        for l in 0..5 {
+            let mut alone = Stiffness::default();
+            kernel.stiffness([&rest], &[x[l]], false, &mut alone);
+            assert_eq!(alone.gradient[0], beside.gradient[l], "{}: N", law.name());
+            for (a, b) in (0..10).flat_map(|a| (a..10).map(move |b| (a, b))) {
+                assert_eq!(alone.block(0, a, b), beside.block(l, a, b), "{}, nodes {a} and {b}: N/m", law.name());
             }
         }
     }

@@ -40,7 +40,7 @@ impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
 
     /// Dilatation at each point and their mean.
     #[inline(always)]
-    fn dilatations(&self, f: &[DMat3; Q]) -> ([f64; Q], f64) {
+    pub(super) fn dilatations(&self, f: &[DMat3; Q]) -> ([f64; Q], f64) {
         let kind = self.material.dilatation();
         let theta: [f64; Q] = std::array::from_fn(|q| kind.value(&f[q]));
         (theta, theta.iter().sum::<f64>() / Q as f64)
@@ -50,13 +50,13 @@ impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
     ///
     /// Pure mean dilatation leaves them free, and the gel under a contact is then 1 to 2 % too soft; with the full bulk
     /// modulus it locks. The shear modulus, the stiffness of everything else in the element, does neither.
-    fn fluctuation_modulus(&self) -> f64 {
+    pub(super) fn fluctuation_modulus(&self) -> f64 {
         self.material.moduli().mu
     }
 
     /// Volumetric energy density, pressure and modulus at a point.
     #[inline(always)]
-    fn volumetric(&self, theta: f64, mean: f64) -> [f64; 3] {
+    pub(super) fn volumetric(&self, theta: f64, mean: f64) -> [f64; 3] {
         if !self.mean_dilatation || Q == 1 {
             return self.material.volumetric(theta);
         }
@@ -90,80 +90,6 @@ impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
             for a in 0..N {
                 for k in 0..4 {
                     gradient[a] += t[k] * self.shape.d[q][a][k];
-                }
-            }
-        }
-    }
-
-    /// Adds the energy gradient (N) and writes the stiffness (N/m): `stiffness[a][b]` is the block of nodes a and b,
-    /// filled for `b >= a`. With `project`, every point's tangent is made positive semidefinite first.
-    pub fn stiffness(
-        &self,
-        rest: &RestTet,
-        x: &[DVec3; N],
-        project: bool,
-        gradient: &mut [DVec3; N],
-        stiffness: &mut [[DMat3; N]; N],
-    ) {
-        let f = self.deformation(rest, x);
-        let (theta, mean) = self.dilatations(&f);
-        let kind = self.material.dilatation();
-        let weight = rest.volume / Q as f64;
-        let mut average = [DVec3::ZERO; N];
-        for row in stiffness.iter_mut() {
-            row.fill(DMat3::ZERO);
-        }
-        for q in 0..Q {
-            let [_, pressure, bulk] = self.volumetric(theta[q], mean);
-            let dtheta = kind.gradient(&f[q]);
-            let p = self.material.distortional_stress(&f[q]) + dtheta * pressure;
-            let mut tangent = self.material.distortional_tangent(&f[q]);
-            kind.add_hessian(&f[q], pressure, &mut tangent);
-            if bulk != 0.0 {
-                let d = dtheta.to_cols_array();
-                for a in 0..9 {
-                    for b in 0..9 {
-                        tangent[a][b] += bulk * d[a] * d[b];
-                    }
-                }
-            }
-            if project {
-                project_positive(&mut tangent);
-            }
-            let d = &self.shape.d[q];
-            // Contract with the four barycentric gradients: m[k][l] = g_k . tangent . g_l, blocks of 3 x 3.
-            let m = contract(&tangent, &rest.gradient, weight);
-            let t: [DVec3; 4] = std::array::from_fn(|k| p * rest.gradient[k] * weight);
-            let v: [DVec3; 4] = std::array::from_fn(|k| dtheta * rest.gradient[k]);
-            for a in 0..N {
-                for k in 0..4 {
-                    if d[a][k] != 0.0 {
-                        gradient[a] += t[k] * d[a][k];
-                        average[a] += v[k] * (d[a][k] / Q as f64);
-                    }
-                }
-                for b in a..N {
-                    for k in 0..4 {
-                        if d[a][k] == 0.0 {
-                            continue;
-                        }
-                        for l in 0..4 {
-                            if d[b][l] != 0.0 {
-                                stiffness[a][b] += m[k][l] * (d[a][k] * d[b][l]);
-                            }
-                        }
-                    }
-                }
-            }
-        }
-        if self.mean_dilatation && Q > 1 {
-            let bulk = self.material.volumetric(mean)[2];
-            let bulk = (bulk - self.fluctuation_modulus().min(bulk)) * rest.volume;
-            for a in 0..N {
-                for b in a..N {
-                    let w = average[b] * bulk;
-                    let v = average[a];
-                    stiffness[a][b] += DMat3::from_cols(v * w.x, v * w.y, v * w.z);
                 }
             }
         }
@@ -232,50 +158,5 @@ impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
                 Dilatation::Trace => distortional + DMat3::IDENTITY * pressure,
             }
         })
-    }
-}
-
-/// `m[k][l]_ij = weight * g_k[J] tangent[iJ][jL] g_l[L]`.
-#[inline(always)]
-fn contract(tangent: &[[f64; 9]; 9], g: &[DVec3; 4], weight: f64) -> [[DMat3; 4]; 4] {
-    let g = g.map(|v| v.to_array());
-    let mut m = [[DMat3::ZERO; 4]; 4];
-    for k in 0..4 {
-        // rows: half[i][jL]
-        let mut half = [[0.0; 9]; 3];
-        for i in 0..3 {
-            for c in 0..9 {
-                half[i][c] =
-                    weight * (g[k][0] * tangent[i][c] + g[k][1] * tangent[3 + i][c] + g[k][2] * tangent[6 + i][c]);
-            }
-        }
-        for l in 0..4 {
-            let entry = |i: usize, j: usize| half[i][j] * g[l][0] + half[i][3 + j] * g[l][1] + half[i][6 + j] * g[l][2];
-            m[k][l] = DMat3::from_cols_array(&[
-                entry(0, 0),
-                entry(1, 0),
-                entry(2, 0),
-                entry(0, 1),
-                entry(1, 1),
-                entry(2, 1),
-                entry(0, 2),
-                entry(1, 2),
-                entry(2, 2),
-            ]);
-        }
-    }
-    m
-}
-
-/// Clamps the negative eigenvalues of a symmetric 9 x 9 tangent to zero (Teran et al. 2005).
-fn project_positive(tangent: &mut [[f64; 9]; 9]) {
-    let matrix = faer::Mat::<f64>::from_fn(9, 9, |i, j| 0.5 * (tangent[i][j] + tangent[j][i]));
-    // The decomposition fails only for non-finite input, which no feasible state produces; keep the tangent then.
-    let Ok(eigen) = matrix.self_adjoint_eigen(faer::Side::Lower) else { return };
-    let (u, s) = (eigen.U(), eigen.S());
-    for i in 0..9 {
-        for j in 0..9 {
-            tangent[i][j] = (0..9).map(|k| u[(i, k)] * s[k].max(0.0) * u[(j, k)]).sum();
-        }
     }
 }

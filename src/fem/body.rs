@@ -1,11 +1,11 @@
 //! One soft body: mesh and law. Immutable and shared; the state lives with the caller.
 
 use super::analysis::Analysis;
-use super::pattern::Pattern;
-use crate::element::{Kernel, RestTet, Shape, TET4, TET10, TET10_NODES};
+use super::pattern::{Pattern, Slot};
+use crate::element::{Kernel, RestTet, Shape, Stiffness, TET4, TET10, TET10_NODES};
 use crate::material::{Material, von_mises};
 use glam::{DMat3, DVec3};
-use pulp::Arch;
+use pulp::{Arch, NullaryFnOnce};
 use std::sync::Arc;
 
 /// Node lists of the elements.
@@ -131,26 +131,10 @@ impl Body {
     /// Adds gradient (N, per node) and stiffness (N/m, in [`Pattern`] storage). `project` makes every point's tangent
     /// positive semidefinite.
     pub fn add_stiffness(&self, x: &[DVec3], project: bool, gradient: &mut [DVec3], values: &mut [f64]) {
-        Arch::new().dispatch(|| {
-            per_order!(self, nodes, kernel, {
-                let Some(first) = nodes.first() else { return };
-                let mut block = first.map(|_| first.map(|_| DMat3::ZERO));
-                let pairs = self.slots().len() / self.tets.len();
-                for ((n, rest), slots) in nodes.iter().zip(&self.tets).zip(self.slots().chunks_exact(pairs)) {
-                    let mut local = n.map(|_| DVec3::ZERO);
-                    kernel.stiffness(rest, &gather(n, x), project, &mut local, &mut block);
-                    for (&i, g) in n.iter().zip(local) {
-                        gradient[i as usize] += g;
-                    }
-                    let mut slot = slots.iter();
-                    for (i, row) in block.iter().enumerate() {
-                        for (b, &s) in row[i..].iter().zip(&mut slot) {
-                            Pattern::add(values, s, b);
-                        }
-                    }
-                }
-            })
-        })
+        per_order!(self, nodes, kernel, {
+            let (tets, slots) = (&self.tets[..], self.slots());
+            Arch::new().dispatch(AddStiffness { kernel, nodes, tets, slots, x, project, gradient, values });
+        });
     }
 
     /// Smallest determinant of the deformation gradient over all quadrature points at positions `x`.
@@ -247,5 +231,48 @@ fn extrapolate<const Q: usize>(point: &[DMat3; Q], mean: &DMat3, a: usize) -> DM
     } else {
         let [i, j] = crate::element::EDGES[a - 4];
         (corner(i) + corner(j)) * 0.5
+    }
+}
+
+/// Elements whose stiffness is computed side by side.
+const SIDE: usize = 8;
+
+/// [`Body::add_stiffness`], as what takes all of a processor's registers: a closure of this size would not.
+struct AddStiffness<'a, const N: usize, const Q: usize> {
+    kernel: Kernel<'a, N, Q>,
+    nodes: &'a [[u32; N]],
+    tets: &'a [RestTet],
+    slots: &'a [Slot],
+    x: &'a [DVec3],
+    project: bool,
+    gradient: &'a mut [DVec3],
+    values: &'a mut [f64],
+}
+
+impl<const N: usize, const Q: usize> NullaryFnOnce for AddStiffness<'_, N, Q> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { kernel, nodes, tets, slots, x, project, gradient, values } = self;
+        let pairs = slots.len() / nodes.len().max(1);
+        let mut sum = Box::<Stiffness<N, SIDE>>::default();
+        for start in (0..nodes.len()).step_by(SIDE) {
+            // The last one stands in for those that the last row lacks.
+            let own: [usize; SIDE] = std::array::from_fn(|l| (start + l).min(nodes.len() - 1));
+            let at = own.map(|e| gather(&nodes[e], x));
+            kernel.stiffness(own.map(|e| &tets[e]), &at, project, &mut sum);
+            for (l, e) in (start..nodes.len()).take(SIDE).enumerate() {
+                for (&i, g) in nodes[e].iter().zip(sum.gradient[l]) {
+                    gradient[i as usize] += g;
+                }
+                let mut slot = slots[e * pairs..(e + 1) * pairs].iter();
+                for a in 0..N {
+                    for (b, &s) in (a..N).zip(&mut slot) {
+                        Pattern::add(values, s, &sum.block(l, a, b));
+                    }
+                }
+            }
+        }
     }
 }

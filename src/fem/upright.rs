@@ -8,7 +8,7 @@ use super::body::Body;
 use super::pattern::Pattern;
 use super::state::View;
 use super::term::{Block, BodyTerm};
-use crate::element::{Kernel, TET10_NODES};
+use crate::element::{Kernel, Stiffness, TET10_NODES};
 use crate::material::{Dilatation, Material, Moduli, Tangent};
 use glam::{DMat3, DVec3};
 use std::any::Any;
@@ -122,11 +122,11 @@ impl BodyTerm for Upright {
         }
         let barrier = barrier(body);
         for (rest, x, nodes) in self.elements.iter().filter_map(|e| body.quadratic(*e, view.x)) {
-            let (mut gradient, mut stiffness) = ([DVec3::ZERO; 10], [[DMat3::ZERO; 10]; 10]);
-            kernel(&barrier).stiffness(rest, &x, project, &mut gradient, &mut stiffness);
-            for (a, row) in stiffness.iter().enumerate() {
-                for (b, entry) in row.iter().enumerate().skip(a) {
-                    Pattern::add(&mut block.values, body.pattern().slot(nodes[a], nodes[b]), entry);
+            let mut sum = Stiffness::default();
+            kernel(&barrier).stiffness([rest], &[x], project, &mut sum);
+            for a in 0..10 {
+                for b in a..10 {
+                    Pattern::add(&mut block.values, body.pattern().slot(nodes[a], nodes[b]), &sum.block(0, a, b));
                 }
             }
         }
