@@ -1,7 +1,7 @@
 //! Whether a recorded state is in equilibrium: elastic forces of its node positions against what may act on each node.
 
 use super::penetration::PadSurface;
-use crate::fem::upright::Upright;
+use crate::fem::upright::add_upright_gradient;
 use crate::model::Model;
 use crate::record::Frame;
 use glam::DVec3;
@@ -16,7 +16,7 @@ pub fn imbalance(model: &Model, surfaces: &[PadSurface], frame: &Frame, gravity:
         let body = &finger.body;
         let mut force = vec![DVec3::ZERO; body.rest.len()];
         body.add_gradient(&pad.position, &mut force);
-        Upright::new(body, &pad.position).add_gradient(body, &pad.position, &mut force);
+        add_upright_gradient(body, &pad.position, &mut force);
         if gravity != DVec3::ZERO {
             let weight = gravity * model.gel_density;
             force.iter_mut().zip(body.nodal_volume()).for_each(|(f, volume)| *f -= weight * volume);

@@ -24,6 +24,9 @@ pub const TET10: Shape<10, 4> = tet10(keast());
 /// The 10-node tetrahedron seen at its nodes, where quadrature does not look.
 pub const TET10_NODES: Shape<10, 10> = tet10(nodes());
 
+/// The 10-node tetrahedron seen at its centre.
+pub const TET10_CENTER: Shape<10, 1> = tet10([[0.25; 4]]);
+
 const fn keast() -> [[f64; 4]; 4] {
     // a = (5 + 3 sqrt 5) / 20, b = (5 - sqrt 5) / 20
     let (a, b) = (0.585_410_196_624_968_5, 0.138_196_601_125_010_5);

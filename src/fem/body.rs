@@ -2,7 +2,7 @@
 
 use super::analysis::Analysis;
 use super::pattern::{Pattern, Slot};
-use crate::element::{Kernel, RestTet, Shape, Stiffness, TET4, TET10, TET10_NODES};
+use crate::element::{Kernel, RestTet, Shape, Stiffness, TET4, TET10};
 use crate::material::{Material, von_mises};
 use glam::{DMat3, DVec3};
 use pulp::{Arch, NullaryFnOnce};
@@ -143,11 +143,12 @@ impl Body {
             .dispatch(|| per_order!(self, nodes, kernel, kernel.min_det_f(&self.tets, |e, a| x[nodes[e][a] as usize])))
     }
 
-    /// Smallest determinant of the deformation gradient at the nodes of 10-node elements, at positions `x`; `+inf` if there are none.
-    pub fn min_det_f_at_nodes(&self, x: &[DVec3]) -> f64 {
+    /// Smallest determinant of the deformation gradient of 10-node elements at the points of `shape`, at positions `x`; `+inf` if there
+    /// are none.
+    pub fn min_det_f_at<const Q: usize>(&self, shape: &Shape<10, Q>, x: &[DVec3]) -> f64 {
         let Elements::Quadratic(nodes) = &self.elements else { return f64::INFINITY };
         let material = self.material.as_ref();
-        let kernel = Kernel { shape: &TET10_NODES, material, mean_dilatation: false };
+        let kernel = Kernel { shape, material, mean_dilatation: false };
         Arch::new().dispatch(|| kernel.min_det_f(&self.tets, |e, a| x[nodes[e][a] as usize]))
     }
 

@@ -9,7 +9,7 @@ use super::readout;
 use super::state::{Border, State};
 use super::systems;
 use super::term::{BodyTerm, DeadLoad, Elastic};
-use super::upright::Upright;
+use super::upright::upright;
 use super::weight::Weight;
 use crate::components::ObjectPose;
 use crate::contact::{Contact, FeatureContact};
@@ -241,7 +241,8 @@ const SLIPPING: f64 = 0.1;
 
 /// The terms of a whole gel under dead `loads` (N per node; empty for none).
 pub(super) fn gel(loads: Vec<DVec3>) -> Vec<Box<dyn BodyTerm>> {
-    let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(Elastic), Box::new(Upright::default())];
+    let (nodes, centers) = upright();
+    let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(Elastic), Box::new(nodes), Box::new(centers)];
     terms.extend((!loads.is_empty()).then(|| Box::new(DeadLoad(loads)) as Box<dyn BodyTerm>));
     terms
 }

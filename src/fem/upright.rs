@@ -1,23 +1,44 @@
 //! Keeps elements from turning inside out where no quadrature point looks.
 //!
 //! The elastic energy is summed over points inside an element. Pressed hard by an edge, a 10-node tetrahedron may be sound at all of
-//! them and yet inverted at a corner. One with a small det F at a node gets a barrier at its nodes, a part of the law of the gel that is
-//! zero from `FELT` on; the others pay nothing.
+//! them and yet inverted at a corner or in its middle. One with a small det F at a node gets a barrier at its nodes, one with a small det F
+//! at its centre a barrier there, a part of the law of the gel that is zero from `FELT` on; the others pay nothing.
 
 use super::body::Body;
 use super::pattern::Pattern;
 use super::state::View;
 use super::term::{Block, BodyTerm};
-use crate::element::{Kernel, Stiffness, TET10_NODES};
+use crate::element::{Kernel, Shape, Stiffness, TET10_CENTER, TET10_NODES};
 use crate::material::{Dilatation, Material, Moduli, Tangent};
 use glam::{DMat3, DVec3};
 use std::any::Any;
 use std::collections::BTreeSet;
 
-/// The elements that have a barrier.
-#[derive(Debug, Clone, Default)]
-pub struct Upright {
+/// The elements that have a barrier at the points of `shape`.
+#[derive(Debug, Clone)]
+pub struct Upright<const Q: usize> {
+    shape: &'static Shape<10, Q>,
     elements: BTreeSet<usize>,
+}
+
+/// The terms that keep elements from turning inside out at their nodes and at their centres; no element has a barrier yet.
+pub fn upright() -> (Upright<10>, Upright<1>) {
+    (Upright::at(&TET10_NODES), Upright::at(&TET10_CENTER))
+}
+
+/// Whether an element of `body` needs a barrier at positions `x`, m.
+pub fn is_crushed(body: &Body, x: &[DVec3]) -> bool {
+    let (nodes, centers) = upright();
+    nodes.is_needed(body, x) || centers.is_needed(body, x)
+}
+
+/// Adds the gradient (N per node) of the barriers that the elements of `body` need at positions `x`, m.
+pub fn add_upright_gradient(body: &Body, x: &[DVec3], gradient: &mut [DVec3]) {
+    let (mut nodes, mut centers) = upright();
+    nodes.extend(body, x);
+    centers.extend(body, x);
+    nodes.add_gradient(body, x, gradient);
+    centers.add_gradient(body, x, gradient);
 }
 
 /// det F at a node below which the barrier of its element resists.
@@ -62,40 +83,43 @@ impl Material for Barrier {
     }
 }
 
-impl Upright {
-    /// With a barrier for every element of `body` that needs one at positions `x`, m.
-    pub fn new(body: &Body, x: &[DVec3]) -> Self {
-        let mut barriers = Self::default();
-        barriers.extend(body, x);
-        barriers
+impl<const Q: usize> Upright<Q> {
+    fn at(shape: &'static Shape<10, Q>) -> Self {
+        Self { shape, elements: BTreeSet::new() }
     }
 
     /// Whether an element of `body` needs one at positions `x`, m.
-    pub fn is_needed(body: &Body, x: &[DVec3]) -> bool {
-        body.min_det_f_at_nodes(x) < FELT
+    fn is_needed(&self, body: &Body, x: &[DVec3]) -> bool {
+        body.min_det_f_at(self.shape, x) < FELT
+    }
+
+    fn kernel<'a>(&'a self, barrier: &'a Barrier) -> Kernel<'a, 10, Q> {
+        Kernel { shape: self.shape, material: barrier, mean_dilatation: false }
     }
 
     /// Adds the gradient of the barriers' energy at positions `x` (m), N per node.
-    pub fn add_gradient(&self, body: &Body, x: &[DVec3], gradient: &mut [DVec3]) {
+    fn add_gradient(&self, body: &Body, x: &[DVec3], gradient: &mut [DVec3]) {
         let barrier = barrier(body);
         for (rest, x, nodes) in self.elements.iter().filter_map(|e| body.quadratic(*e, x)) {
             let mut local = [DVec3::ZERO; 10];
-            kernel(&barrier).add_gradient(rest, &x, &mut local);
+            self.kernel(&barrier).add_gradient(rest, &x, &mut local);
             nodes.iter().zip(local).for_each(|(&i, g)| gradient[i as usize] += g);
         }
     }
 
     /// Gives a barrier to the elements that need one at positions `x`; true if none is new.
     fn extend(&mut self, body: &Body, x: &[DVec3]) -> bool {
-        if !Self::is_needed(body, x) {
+        if !self.is_needed(body, x) {
             return true;
         }
         let (barrier, before) = (barrier(body), self.elements.len());
+        let kernel = self.kernel(&barrier);
         let small = |e: &usize| {
-            let nodes = body.quadratic(*e, x).map(|(rest, x, _)| kernel(&barrier).deformation(rest, &x));
+            let nodes = body.quadratic(*e, x).map(|(rest, x, _)| kernel.deformation(rest, &x));
             nodes.is_some_and(|f| f.iter().any(|f| f.determinant() < FELT))
         };
-        self.elements.extend((0..body.element_count()).filter(small));
+        let crushed: Vec<usize> = (0..body.element_count()).filter(small).collect();
+        self.elements.extend(crushed);
         self.elements.len() == before
     }
 }
@@ -104,15 +128,11 @@ fn barrier(body: &Body) -> Barrier {
     Barrier(*body.material.moduli())
 }
 
-fn kernel(barrier: &Barrier) -> Kernel<'_, 10, 10> {
-    Kernel { shape: &TET10_NODES, material: barrier, mean_dilatation: false }
-}
-
-impl BodyTerm for Upright {
+impl<const Q: usize> BodyTerm for Upright<Q> {
     fn energy(&self, body: &Body, view: &View) -> f64 {
         let barrier = barrier(body);
         let elements = self.elements.iter().filter_map(|e| body.quadratic(*e, view.x));
-        elements.map(|(rest, x, _)| kernel(&barrier).energy(rest, &x)).sum()
+        elements.map(|(rest, x, _)| self.kernel(&barrier).energy(rest, &x)).sum()
     }
 
     fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
@@ -123,7 +143,7 @@ impl BodyTerm for Upright {
         let barrier = barrier(body);
         for (rest, x, nodes) in self.elements.iter().filter_map(|e| body.quadratic(*e, view.x)) {
             let mut sum = Stiffness::default();
-            kernel(&barrier).stiffness([rest], &[x], project, &mut sum);
+            self.kernel(&barrier).stiffness([rest], &[x], project, &mut sum);
             for a in 0..10 {
                 for b in a..10 {
                     Pattern::add(&mut block.values, body.pattern().slot(nodes[a], nodes[b]), &sum.block(0, a, b));

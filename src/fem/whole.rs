@@ -3,7 +3,7 @@
 use super::body::Body;
 use super::stepper::{Solver, gel, gel_loads};
 use super::term::BodyTerm;
-use super::upright::Upright;
+use super::upright::is_crushed;
 use crate::model::Model;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -20,8 +20,7 @@ impl Solver {
     pub(super) fn is_upright(&self) -> bool {
         let pads = self.condensed.as_ref();
         pads.is_none_or(|pads| {
-            let needed = |(i, x): (usize, &Vec<DVec3>)| Upright::is_needed(pads.pad(i).body(), x);
-            !self.path.state.x.par_iter().enumerate().any(needed)
+            !self.path.state.x.par_iter().enumerate().any(|(i, x)| is_crushed(pads.pad(i).body(), x))
         })
     }
 
