@@ -140,6 +140,15 @@ impl Far {
         self.nearby = Arc::new(Nearby { features, x: view.x.to_vec(), object: object(view), radius });
     }
 
+    /// Lists feature `i` too, whose place is another from now on, `distance` (m) from the origin of the object.
+    pub fn add(&mut self, i: usize, distance: f64) {
+        let listed = Arc::make_mut(&mut self.nearby);
+        if let Err(k) = listed.features.binary_search(&i) {
+            listed.features.insert(k, i);
+        }
+        listed.radius = listed.radius.max(distance);
+    }
+
     /// The listed features, ascending, if under `view` no other one can be nearer than `reach` (m).
     pub fn nearby(&self, view: &View, reach: f64) -> Option<&[usize]> {
         let listed = &self.nearby;

@@ -296,6 +296,7 @@ impl FeatureContact {
             site.touch = None;
             site.moves += 1;
             self.pool.renew(i);
+            self.far.add(i, deepest.length());
             stay = false;
         }
         stay
