@@ -3,6 +3,7 @@
 use crate::mesh::TriMesh;
 use crate::shape::polygon::Profile;
 use crate::shape::ring::Ring;
+use crate::shape::rod::Rod;
 use crate::shape::topology::Topology;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
@@ -110,6 +111,8 @@ pub struct Features {
     pub rounded_edges: Vec<RoundedEdge>,
     /// Circles on the smooth convex parts of a round solid, in the order of its profile.
     pub rings: Vec<Ring>,
+    /// What a ball, a capsule or the side of a cylinder is, if it is thin for the pad.
+    pub rod: Option<Rod>,
 }
 
 /// A straight convex edge that is rounded: a strip of a cylinder, which a pad coarser than its radius would cut into between two
@@ -151,13 +154,14 @@ impl RoundedEdge {
 impl Features {
     /// The vertices, then points on the sharp edges between their ends such that neighbours are at most `spacing` m apart
     /// (no points on edges if it is not positive; at most 10,000 points an edge), as many on the rounded edges whose
-    /// radius is not large to it, and on the tight parts of a round solid. No point occurs twice.
+    /// radius is not large to it, on the tight parts of a round solid, and all over a thin rod. No point occurs twice.
     pub fn sample(&self, spacing: f64) -> Vec<FeaturePoint> {
         let mut points = self.vertices.clone();
         points.extend(self.sharp_edges.iter().flat_map(|e| e.sample(spacing)));
         let tight = self.rounded_edges.iter().filter(|e| e.radius < ROUND * spacing);
         points.extend(tight.flat_map(|e| e.sample(spacing)));
         points.extend(Ring::sample(&self.rings, spacing));
+        points.extend(self.rod.iter().flat_map(|rod| rod.sample(spacing)));
         points
     }
 
@@ -166,6 +170,10 @@ impl Features {
     pub fn stretches(&self, length: f64) -> impl Iterator<Item = Stretch> {
         let cuts = move |e: &&Ridge| e.angle * e.length().min(length) > SHALLOW;
         self.sharp_edges.iter().chain(self.blunt_edges.iter().filter(cuts)).flat_map(move |e| e.stretches(length))
+    }
+
+    pub(crate) fn of_rod(radius: f64, half: f64) -> Self {
+        Self { rod: Some(Rod { radius, half, capped: true }), ..Self::default() }
     }
 
     pub(crate) fn of_mesh(mesh: &TriMesh, topology: &Topology) -> Self {
@@ -229,6 +237,7 @@ impl Features {
         let mut scaled = self.clone();
         scaled.vertices.iter_mut().for_each(|v| v.position *= factor);
         scaled.rings = scaled.rings.iter().map(|r| r.scaled(factor)).collect();
+        scaled.rod = scaled.rod.map(|rod| rod.scaled(factor));
         let ridges = scaled.sharp_edges.iter_mut().chain(&mut scaled.blunt_edges);
         ridges.for_each(|e| (e.a, e.b) = (factor * e.a, factor * e.b));
         scaled

@@ -26,6 +26,7 @@ pub mod polygon;
 mod ray;
 pub mod revolved;
 mod ring;
+mod rod;
 mod scaled;
 mod solid;
 pub mod sphere;

@@ -26,5 +26,6 @@ pub fn capsule(radius: f64, length: f64, segments: u32) -> Result<Shape> {
     let points = (0..=n).rev().map(|i| arc(i, -1.0)).chain((0..=n).map(|i| arc(i, 1.0))).collect();
     let mesh = revolved_mesh(&Profile::new("capsule", points, false)?, segments);
     let mass = MassProperties::of_capsule(radius, half);
-    Ok(Shape::closed_form("capsule", Capsule { radius, half }, mesh, Features::default(), mass, half + radius))
+    let features = Features::of_rod(radius, half);
+    Ok(Shape::closed_form("capsule", Capsule { radius, half }, mesh, features, mass, half + radius))
 }

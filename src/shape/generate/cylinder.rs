@@ -5,6 +5,7 @@ use crate::shape::cylinder::Cylinder;
 use crate::shape::generate::revolved_mesh;
 use crate::shape::params::{length, segments as turn};
 use crate::shape::polygon::Profile;
+use crate::shape::rod::Rod;
 use crate::shape::{Features, MassProperties, Shape};
 use glam::DVec2;
 
@@ -16,7 +17,8 @@ pub fn cylinder(radius: f64, height: f64, segments: u32) -> Result<Shape> {
     let points = [(0.0, -half), (radius, -half), (radius, half), (0.0, half)].map(DVec2::from);
     let profile = Profile::new("cylinder", points.to_vec(), false)?;
     let mesh = revolved_mesh(&profile, turn("cylinder", segments)?);
-    let features = Features::of_profile(&profile, segments);
+    let rod = Some(Rod { radius, half, capped: false });
+    let features = Features { rod, ..Features::of_profile(&profile, segments) };
     let mass = MassProperties::of_profile(&profile);
     Ok(Shape::closed_form("cylinder", Cylinder { radius, half }, mesh, features, mass, radius.hypot(half)))
 }

@@ -12,5 +12,5 @@ pub fn sphere(radius: f64, segments: u32) -> Result<Shape> {
     let mut mesh = icosphere(turn("sphere", segments)?);
     mesh.vertices.iter_mut().for_each(|p| *p *= radius);
     let mass = MassProperties::of_ellipsoid(DVec3::splat(radius));
-    Ok(Shape::closed_form("sphere", Sphere { radius }, mesh, Features::default(), mass, radius))
+    Ok(Shape::closed_form("sphere", Sphere { radius }, mesh, Features::of_rod(radius, 0.0), mass, radius))
 }
