@@ -3,6 +3,8 @@
 //! The network is the one in the folder that `TACTUS_MODEL` names; without it, one of the sizes of `models/face.ron` with
 //! start values for weights: time does not depend on them. `torch_inference.py` times the same in other systems.
 
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, Par};
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
@@ -14,11 +16,10 @@ use tactus::gnn::infer::FaceEngine;
 use tactus::gnn::loads::{Loads, NODE_LOAD, PAD_LOAD};
 use tactus::gnn::network::{Inputs, Network, Normalisers, build};
 use tactus::gnn::normalise::Normaliser;
-use tactus::gnn::ops::{Activation, linear};
 use tactus::gnn::parameters::Parameters;
 use tactus::gnn::predict::Predictor;
 use tactus::gnn::spec::{Face, NetworkSpec};
-use tactus::gnn::tape::{Matrix, Tape};
+use tactus::gnn::tape::Tape;
 use tactus::gnn::touch::Touch;
 use tactus::grasp::poses_of;
 use tactus::model::Model;
@@ -40,6 +41,8 @@ fn best(mut work: impl FnMut()) -> f64 {
 struct Case {
     features: Features,
     loads: Loads,
+    /// The loads as they are decoded together.
+    pieces: Vec<Loads>,
     norms: Normalisers,
     network: Box<dyn Network>,
     parameters: Parameters,
@@ -86,7 +89,8 @@ impl Case {
             }
         };
         let engine = FaceEngine::new(&sizes, &parameters, &norms);
-        Self { features, loads, norms, network, parameters, engine }
+        let pieces = forces.chunks(FaceEngine::LOADS).map(|some| features.loads(some)).collect();
+        Self { features, loads, pieces, norms, network, parameters, engine }
     }
 
     fn inputs(&self) -> Inputs<'_> {
@@ -97,7 +101,8 @@ impl Case {
     fn times(&self) -> [f64; 2] {
         let code = self.engine.encode(&self.features);
         let encode = best(|| drop(black_box(self.engine.encode(&self.features))));
-        [encode, best(|| drop(black_box(self.engine.decode(&self.features, &code, &self.loads, true))))]
+        let decode = |loads| drop(black_box(self.engine.decode(&self.features, &code, loads, true)));
+        [encode, best(|| self.pieces.iter().for_each(decode))]
     }
 
     /// The same on a tape, s.
@@ -120,14 +125,12 @@ fn exponent(points: &[(f64, f64)]) -> f64 {
     up / logs.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>()
 }
 
-/// Products of large matrices, floating-point operations a second.
+/// Products of large matrices by `faer`, which uses the widest registers that there are, floating-point operations a second.
 fn sgemm() -> f64 {
     let (m, n) = (1536, 384);
-    let matrix = |rows: usize, cols: usize| {
-        Matrix::constant(rows, cols, (0..rows * cols).map(|i| (i as f32 * 0.37).sin()).collect())
-    };
-    let (a, b, tape) = (matrix(m, n), matrix(n, n), Tape::silent());
-    let time = best(|| drop(black_box(linear(&tape, &a, &b, None, Activation::None))));
+    let matrix = |rows: usize, cols: usize| Mat::from_fn(rows, cols, |i, j| ((i * cols + j) as f32 * 0.37).sin());
+    let (a, b, mut out) = (matrix(m, n), matrix(n, n), Mat::<f32>::zeros(m, n));
+    let time = best(|| matmul(black_box(&mut out), Accum::Replace, &a, &b, 1.0, Par::Seq));
     2.0 * (m * n * n) as f64 / time
 }
 

@@ -102,13 +102,31 @@ fn pareto<B: DrawingBackend>(area: &Area<B>, report: &Report) -> Drawn<B> {
     let mut front: Vec<(f64, f64)> = placed.iter().filter(|p| !p.1.dominated).map(|p| p.2).collect();
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
     chart.draw_series(LineSeries::new(front, INK.stroke_width(2)))?;
-    for (number, point, at) in &placed {
+    for (_, point, at) in &placed {
         let style = if point.dominated { color(point).stroke_width(2) } else { color(point).filled() };
         chart.draw_series([Circle::new(*at, 6, style)])?;
-        let label = EmptyElement::at(*at) + Text::new(number.to_string(), (8, -18), text_style(16, &INK));
+    }
+    for (at, numbers) in labels(&placed) {
+        let label = EmptyElement::at(at) + Text::new(numbers, (8, -18), text_style(16, &INK));
         chart.draw_series([label])?;
     }
     Ok(())
+}
+
+/// The number of every point; points that lie on each other share a label.
+fn labels(placed: &[(usize, &Point, (f64, f64))]) -> Vec<((f64, f64), String)> {
+    let near = |a: (f64, f64), b: (f64, f64)| (a.0 / b.0).ln().abs() < 0.1 && (a.1 / b.1).ln().abs() < 0.05;
+    let mut labels: Vec<((f64, f64), String)> = Vec::new();
+    for (number, _, at) in placed {
+        match labels.iter_mut().find(|(known, _)| near(*known, *at)) {
+            Some((known, numbers)) => {
+                known.0 = known.0.max(at.0);
+                *numbers += &format!(", {number}");
+            }
+            None => labels.push((*at, number.to_string())),
+        }
+    }
+    labels
 }
 
 /// What the numbers mean.

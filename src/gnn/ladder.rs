@@ -3,16 +3,20 @@
 //! Several loads side by side cost the network little more than one. So a grasp is answered once at a ladder of forces, and
 //! what lies between two rungs is taken linearly: contact forces still sum to what the finger presses with.
 
+use super::answer::Answer;
 use super::predict::{PadState, Predictor, Seen};
 use crate::error::Result;
-use glam::DVec3;
 
 /// Rungs; neighbours differ by a third of their force where an agent may press seven times as hard as it must.
 const RUNGS: i32 = 8;
 
 /// The pads of a grasp at rising forces per finger, N.
 #[derive(Debug)]
-pub struct Ladder(Vec<(f64, Vec<PadState>)>);
+pub struct Ladder {
+    /// Forces, with the number of their level.
+    rungs: Vec<(f64, usize)>,
+    answer: Answer,
+}
 
 impl Ladder {
     /// From the force `low` to `high`, N per finger.
@@ -22,14 +26,14 @@ impl Ladder {
     pub fn new(predictor: &Predictor, seen: &Seen, low: f64, high: f64) -> Result<Self> {
         let step = (high / low).powf(1.0 / f64::from(RUNGS - 1));
         let forces: Vec<f64> = (0..RUNGS).map(|k| low * step.powi(k)).collect();
-        let states = predictor.ramp(seen, &forces)?;
-        Ok(Self(forces.into_iter().zip(states).collect()))
+        let answer = predictor.answer(seen, &forces)?;
+        Ok(Self { rungs: forces.into_iter().zip(0..).collect(), answer })
     }
 
     /// The pads at `force` per finger, N; None beyond the ladder.
     pub fn at(&self, force: f64) -> Option<Vec<PadState>> {
-        let (before, after, part) = around(&self.0, force)?;
-        Some(before.iter().zip(after).map(|(a, b)| between(a, b, part)).collect())
+        let (before, after, part) = around(&self.rungs, force)?;
+        Some(self.answer.mixed(&[(*before, 1.0 - part), (*after, part)]))
     }
 }
 
@@ -39,17 +43,4 @@ pub(super) fn around<T>(rungs: &[(f64, T)], force: f64) -> Option<(&T, &T, f64)>
     let (high, after) = rungs.get(above)?;
     let (low, before) = rungs.get(above.checked_sub(1)?)?;
     Some((before, after, (force - low) / (high - low)))
-}
-
-/// A part of the way from one state of a pad to another.
-fn between(from: &PadState, to: &PadState, part: f64) -> PadState {
-    let field = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| a.lerp(*b, part)).collect();
-    PadState {
-        displacement: field(&from.displacement, &to.displacement),
-        stress: from.stress.iter().zip(&to.stress).map(|(a, b)| a + part * (b - a)).collect(),
-        contact: field(&from.contact, &to.contact),
-        travel: from.travel + part * (to.travel - from.travel),
-        shift: from.shift.lerp(to.shift, part),
-        turn: from.turn.lerp(to.turn, part),
-    }
 }

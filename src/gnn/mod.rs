@@ -1,11 +1,12 @@
 //! The graph network: trained on data sets, then a stepper like any other.
 //!
 //! ```text
-//! Model + grasp -> touch.rs (first contact) -> features.rs (on graph.rs, volume.rs) -> network/ -> predict.rs -> stepper.rs
+//! Model + grasp -> touch.rs (first contact) -> features.rs (on graph.rs, volume.rs) -> network/ -> predict.rs -> answer.rs -> stepper.rs
 //! a load         -> grip/ (rigid equilibrium on compliance.rs) -> settle.rs -> loads.rs -> network/
 //! data set      -> sample.rs: the same, and what FEM found             -> train/   -> card.rs (models/NAME)
 //! ```
 
+pub mod answer;
 pub mod card;
 pub mod compliance;
 pub mod deviator;

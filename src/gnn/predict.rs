@@ -1,5 +1,6 @@
 //! A trained model in use: one pass per grasp, then any load level, in SI.
 
+use super::answer::Answer;
 use super::card::{Card, WEIGHTS};
 use super::features::Features;
 use super::graph::PadGraph;
@@ -17,7 +18,7 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Load levels that are decoded together.
+/// Load levels that are decoded together on a tape.
 const LEVELS: usize = 10;
 
 /// A trained model.
@@ -166,14 +167,16 @@ impl Predictor {
     /// # Errors
     /// Numbers that are not finite.
     pub fn ramp(&self, seen: &Seen, forces: &[f64]) -> Result<Vec<Vec<PadState>>> {
-        // Some at once share the reading of the weights; all would not fit into the caches of a tape.
-        let most = if self.engine.is_some() { forces.len() } else { LEVELS };
-        let some = forces.chunks(most.max(1)).map(|some| self.decode(seen, some));
-        Ok(some.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect())
+        let mut states = Vec::with_capacity(forces.len());
+        let together = if self.engine.is_some() { FaceEngine::LOADS } else { LEVELS };
+        for some in forces.chunks(together) {
+            let answer = self.answer(seen, some)?;
+            states.par_extend((0..some.len()).into_par_iter().map(|level| answer.mixed(&[(level, 1.0)])));
+        }
+        Ok(states)
     }
 
-    /// The network's answer to some loads.
-    fn answer(&self, seen: &Seen, loads: &Loads) -> Output {
+    fn output(&self, seen: &Seen, loads: &Loads) -> Output {
         match (&seen.code, &self.engine) {
             (Encoded::Engine(code), Some(engine)) => engine.decode(&seen.features, code, loads, seen.stress),
             (Encoded::Tape(code), _) => {
@@ -181,63 +184,27 @@ impl Predictor {
                 self.network.decode(&Tape::silent(), &self.parameters, &inputs, code, loads)
             }
             // What one predictor has seen, another one sees anew.
-            (Encoded::Engine(_), None) => self.answer(&self.encode(seen.features.clone()), loads),
+            (Encoded::Engine(_), None) => self.output(&self.encode(seen.features.clone()), loads),
         }
     }
 
-    fn decode(&self, seen: &Seen, forces: &[f64]) -> Result<Vec<Vec<PadState>>> {
-        let (features, norms) = (&seen.features, &self.card.normalisers);
-        let loads = features.loads(forces);
-        let out = self.answer(seen, &loads);
-        let (graph, pads) = (&features.graph, features.pads);
-        let (t, nodes, face) = (graph.thickness, graph.node_count, graph.face.len());
-        let vector = |v: &[f32]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
-        let [travel_mean, travel_scale] = norms.travel.map(f64::from);
-        // Rows are levels, then pads.
-        let pad = |at: usize| {
-            let depth = loads.depth[at];
-            fn own(m: &Matrix, at: usize, n: usize) -> &[f32] {
-                &m.value()[at * n * m.cols..(at + 1) * n * m.cols]
-            }
-            let unit = depth * f64::from(norms.displacement);
-            let stress = features.young * depth / t * f64::from(norms.stress);
-            let mut contact = vec![DVec3::ZERO; nodes];
-            for (i, c) in graph.face.iter().zip(own(&out.contact, at, face).as_chunks::<3>().0) {
-                // Shares are of a force against the closing direction, friction in the same unit.
-                contact[*i as usize] = vector(&[c[1], c[2], -c[0]]) * (loads.pressing[at] * features.unit_force());
-            }
-            let motion = own(&out.motion, at, 1);
-            let given = |k: usize| DVec3::from_slice(&loads.motion[6 * at + k..]);
-            PadState {
-                displacement: own(&out.displacement, at, nodes).chunks_exact(3).map(|v| vector(v) * unit).collect(),
-                stress: if seen.stress { own(&out.stress, at, nodes) } else { &[] }
-                    .iter()
-                    .map(|s| f64::from(*s) * stress)
-                    .collect(),
-                contact,
-                travel: loads.travel[at] + depth * (travel_mean + travel_scale * f64::from(out.travel.value()[at])),
-                shift: given(0) + vector(motion) * (depth * f64::from(norms.motion[0])),
-                turn: given(3) + vector(&motion[3..]) * (depth / t * f64::from(norms.motion[1])),
-            }
-        };
-        let states: Vec<Vec<PadState>> =
-            (0..forces.len()).into_par_iter().map(|level| (0..pads).map(|p| pad(level * pads + p)).collect()).collect();
-        match states.iter().position(|level| !level.iter().all(PadState::is_finite)) {
-            None => Ok(states),
+    /// What the network says at each of `forces`, N per finger, all of them decoded together.
+    ///
+    /// # Errors
+    /// Numbers that are not finite.
+    pub fn answer(&self, seen: &Seen, forces: &[f64]) -> Result<Answer> {
+        let loads = seen.features.loads(forces);
+        let out = self.output(seen, &loads);
+        let (features, norms) = (&seen.features, self.card.normalisers.clone());
+        let (graph, pads) = (features.graph.clone(), features.pads);
+        let (young, unit_force) = (features.young, features.unit_force());
+        let answer = Answer { loads, out, norms, graph, pads, stress: seen.stress, young, unit_force };
+        match (0..forces.len()).find(|level| !answer.is_finite(*level)) {
+            None => Ok(answer),
             Some(bad) => {
                 let force = forces[bad];
                 Err(Error::Solver(format!("the network gave numbers that are not finite at {force} N per finger")))
             }
         }
-    }
-}
-
-impl PadState {
-    fn is_finite(&self) -> bool {
-        self.displacement.iter().chain(&self.contact).all(|v| v.is_finite())
-            && self.stress.iter().all(|v| v.is_finite())
-            && self.travel.is_finite()
-            && self.shift.is_finite()
-            && self.turn.is_finite()
     }
 }

@@ -54,7 +54,7 @@ pub fn model_of(file: &ObjectFile) -> Result<Arc<Model>> {
 }
 
 impl Sample {
-    /// Reads a grasp, at most `most` frames of it, evenly spread, the last included.
+    /// Reads a grasp, at most `most` frames of it, evenly spread from the first to the last.
     ///
     /// # Errors
     /// A damaged grasp; one whose first contact can no longer be found.
@@ -82,7 +82,9 @@ impl Sample {
     ) -> Result<Self> {
         let touch = Touch::find(model, GraspPose::from_row(&data.grasp_pose))?;
         let count = data.frames.min(most);
-        let frames: Vec<usize> = (1..=count).map(|i| i * data.frames / count - 1).collect();
+        let last = data.frames.saturating_sub(1);
+        let frames = (0..count).map(|i| if count > 1 { i * last / (count - 1) } else { last });
+        let frames: Vec<usize> = frames.collect();
         let (pads, nodes) = (file.sizes.pads, file.sizes.nodes);
         let features = Features::new(model, graph, &touch);
         let forces: Vec<f64> = frames.iter().map(|k| data.force[*k] / pads as f64).collect();

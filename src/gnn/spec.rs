@@ -76,7 +76,7 @@ pub struct Training {
     pub batch: Count<1, 4096>,
     /// Load levels of a grasp that a step looks at, drawn anew each time.
     pub levels: Count<1, 10000>,
-    /// Frames of a grasp that are kept in memory, evenly spread.
+    /// Frames of a grasp that are kept in memory, evenly spread from the first to the last.
     pub frames: Count<1, 10000>,
     /// Largest step of Adam (Kingma and Ba 2015); it rises over the first 2 % of the steps, then falls as a cosine.
     pub learning_rate: Positive,

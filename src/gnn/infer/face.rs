@@ -1,7 +1,7 @@
 //! The face network with packed weights and memory of its own.
 
 use super::activation::Act;
-use super::heads::Heads;
+use super::heads::{Channels, Heads};
 use super::message::{BLOCK, Incoming, Project, Receive, Sizes, project, receive};
 use super::product::{Packed, Product, Rows, padded};
 use super::response::{self, respond};
@@ -68,6 +68,7 @@ struct Workspace {
     pool: Vec<f32>,
     global: Vec<f32>,
     response: response::Memory,
+    channels: Channels,
 }
 
 /// A row, padded with zeros.
@@ -87,6 +88,9 @@ pub(super) fn beside(parts: &[(&[f32], usize)]) -> (Vec<f32>, usize) {
 }
 
 impl FaceEngine {
+    /// Loads to decode together: some share the reading of the weights, more do not fit into the caches.
+    pub const LOADS: usize = 32;
+
     /// From the parameters of a [`crate::gnn::network::face::FaceNetwork`] of these sizes.
     pub fn new(sizes: &Face, parameters: &Parameters, normalisers: &Normalisers) -> Self {
         let h = sizes.latent.get();
@@ -227,18 +231,21 @@ impl FaceEngine {
     /// The answers at some loads, in the units of the network; stress is empty where it is not wanted.
     pub fn decode(&self, f: &Features, code: &Code, loads: &Loads, stress: bool) -> Output {
         let (n, nodes) = (f.graph.face.len(), f.graph.node_count);
-        let heads = self.heads.run(n, f.pads, &self.normalisers, code, loads);
         let mut own = self.take();
-        let given = respond(&f.graph, &heads.contact, &loads.scale(f), stress, &mut own.response);
-        let (displacement, stress) = given.correct(&heads, &self.normalisers);
+        let Workspace { channels, response: memory, .. } = &mut own;
+        self.heads.run(n, f.pads, &self.normalisers, code, loads, channels);
+        let given = respond(&f.graph, &channels.contact, &loads.scale(f), stress, memory);
+        let (displacement, stress) = given.correct(channels, &self.normalisers);
+        let [contact, travel, motion] =
+            [&mut channels.contact, &mut channels.travel, &mut channels.motion].map(std::mem::take);
         self.put(own);
         let items = loads.depth.len();
         Output {
             displacement: Matrix::constant(items * nodes, 3, displacement),
             stress: Matrix::constant(stress.len(), 1, stress),
-            contact: Matrix::constant(items * n, 3, heads.contact),
-            travel: Matrix::constant(items, 1, heads.travel),
-            motion: Matrix::constant(items, 6, heads.motion),
+            contact: Matrix::constant(items * n, 3, contact),
+            travel: Matrix::constant(items, 1, travel),
+            motion: Matrix::constant(items, 6, motion),
         }
     }
 }

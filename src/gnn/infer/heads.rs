@@ -119,8 +119,16 @@ impl Heads {
         }
     }
 
-    /// All channels at some loads; `nodes` of a face, `pads` of a grasp.
-    pub fn run(&self, nodes: usize, pads: usize, norms: &Normalisers, code: &Code, loads: &Loads) -> Channels {
+    /// All channels at some loads; `nodes` of a face, `pads` of a grasp. `channels` may be those of a run that has ended.
+    pub fn run(
+        &self,
+        nodes: usize,
+        pads: usize,
+        norms: &Normalisers,
+        code: &Code,
+        loads: &Loads,
+        channels: &mut Channels,
+    ) {
         let items = loads.depth.len();
         let (width, d) = (self.node.cols, self.load.cols);
         let even = (false, false);
@@ -141,9 +149,11 @@ impl Heads {
         // Each layer has columns of its own, padded.
         let motion_at = padded(1);
 
-        let mut channels = Channels {
+        let mut numbers = std::mem::take(&mut channels.channels);
+        numbers.resize(items * nodes * width, 0.0);
+        *channels = Channels {
             contact: vec![0.0; items * nodes * 3],
-            channels: vec![0.0; items * nodes * width],
+            channels: numbers,
             width,
             first: self.first,
             depths: self.depths,
@@ -168,7 +178,6 @@ impl Heads {
                 share(out, width, load, contact);
             },
         );
-        channels
     }
 }
 

@@ -19,6 +19,7 @@ const BLOCK: usize = 16;
 pub struct Memory {
     forces: Packed,
     moved: Vec<f32>,
+    at_nodes: Vec<f32>,
 }
 
 /// The response of a pad of this graph to `contact` (items, face nodes, 3: share, friction along x and y) times `scale`
@@ -28,12 +29,12 @@ pub fn respond<'a>(
     contact: &[f32],
     scale: &[f32],
     stress: bool,
-    memory: &mut Memory,
+    memory: &'a mut Memory,
 ) -> Given<'a> {
     let pad = &graph.compliance;
     let (items, k) = (scale.len(), pad.forces);
     let wide = padded(items);
-    let Memory { forces, moved } = memory;
+    let Memory { forces, moved, at_nodes } = memory;
     // From (against the closing direction, x, y) to (x, y, z) of the pad.
     let turn = [(1, 1.0), (2, 1.0), (0, -1.0)];
     forces.fill(k, items, |r, item| {
@@ -46,7 +47,7 @@ pub fn respond<'a>(
         let a = Rows { data: response, stride: k, count: out.len() / wide };
         product::respond(a, forces, items, out);
     });
-    let mut at_nodes = vec![0.0; pad.nodes.div_ceil(BLOCK) * BLOCK * items * 4];
+    at_nodes.resize(pad.nodes.div_ceil(BLOCK) * BLOCK * items * 4, 0.0);
     at_nodes.par_chunks_exact_mut(BLOCK * items * 4).enumerate().for_each(|(block, out)| {
         Arch::new().dispatch(NodeBlock { pad, first: block * BLOCK, items, moved, stress, out });
     });
@@ -116,7 +117,7 @@ pub struct Given<'a> {
     items: usize,
     stress: bool,
     /// (blocks of nodes, items, [`BLOCK`], 4): displacement and the square of the stress.
-    at_nodes: Vec<f32>,
+    at_nodes: &'a [f32],
 }
 
 impl Given<'_> {
