@@ -200,6 +200,12 @@ fn lists_of_objects_are_checked() {
 }
 
 #[test]
+fn a_squeeze_begins_below_its_force() {
+    let text = format!("({OBJECT}\nloading: Squeeze(force: 6, from: 6))");
+    refused(&text, 2, 34, &["loading.from: the first frame is at 6 N, the last at 6 N", "allowed: below force"]);
+}
+
+#[test]
 fn presses_are_checked() {
     let press = |arguments: &str| format!("({OBJECT}\nloading: Press({arguments}))");
     refused(&press(""), 2, 10, &["a press needs `depth` or `depths`"]);

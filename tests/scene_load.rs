@@ -56,6 +56,17 @@ fn a_file_of_several_objects_is_one_scene_for_each() {
     assert_eq!(set.scenes[0].name.as_str(), "press-sphere");
 }
 
+/// Frames are at equal steps of force from the first one, which is a step itself where none is given; the last is met exactly.
+#[test]
+fn a_squeeze_begins_where_it_is_told() {
+    let levels = |squeeze: &str| {
+        scene_of(&format!("(object: (shape: Sphere(radius: 0.02)), loading: Squeeze({squeeze}))")).loading.levels()
+    };
+    assert_eq!(levels("force: 15, frames: 3"), [5.0, 10.0, 15.0]);
+    assert_eq!(levels("force: 15, from: 9, frames: 3"), [9.0, 12.0, 15.0]);
+    assert_eq!(levels("force: 15, from: 9, frames: 1"), [15.0]);
+}
+
 #[test]
 fn defaults_survive_being_written_out() {
     let scene = scene_of(SMALLEST);

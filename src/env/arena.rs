@@ -190,8 +190,8 @@ const LEASH: f64 = 2.0;
 fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
     let mut scene = scene.clone();
     scene.expect.clear();
-    scene.loading =
-        Loading::Squeeze(Squeeze { force: leaf(Positive::new(task.force.at(1.0)))?, frames: leaf(Count::new(1))? });
+    let force = leaf(Positive::new(task.force.at(1.0)))?;
+    scene.loading = Loading::Squeeze(Squeeze { force, from: None, frames: leaf(Count::new(1))? });
     let mut fields = vec![Field::ContactForce];
     fields.extend(task.reward.iter().any(|r| r.term().needs_stress()).then_some(Field::Stress));
     scene.record = Record { fields, pictures: false, arrays: None, vtu: false };

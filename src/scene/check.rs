@@ -163,7 +163,18 @@ fn loading(scene: &Scene) -> Result<(), Problem> {
             "one finger only pushes a free object away\nuse motion: Fixed in object, or fingers: Both",
         );
     }
-    let Loading::Press(press) = &scene.loading else { return Ok(()) };
+    let press = match &scene.loading {
+        Loading::Press(press) => press,
+        Loading::Squeeze(s) => match s.from.map(|f| f.get()) {
+            Some(from) if from >= s.force.get() => {
+                let message =
+                    format!("the first frame is at {from} N, the last at {} N\nallowed: below force", s.force.get());
+                return refuse("loading.from", message);
+            }
+            _ => return Ok(()),
+        },
+        Loading::Dynamic(_) => return Ok(()),
+    };
     match (&press.depth, &press.depths) {
         (None, None) => refuse("loading", "a press needs `depth` or `depths`"),
         (Some(_), Some(_)) => refuse("loading.depths", "depth and depths are both given\ngive one of them"),

@@ -23,7 +23,11 @@ pub struct Squeeze {
     /// Final force, N: the SUM over the fingers of |normal force|, the convention of DefGraspSim. With two fingers each
     /// pad carries half of it (15 N is 7.5 N per pad); with `fingers: One` the one pad carries all.
     pub force: Positive,
-    /// Recorded frames: frame k of n is at `force * k / n`, k = 1..=n.
+    /// Force of the first frame, N; equal steps lead from there to `force`. What an object with weight is held with when
+    /// its support goes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<Positive>,
+    /// Recorded frames: frame k of n is at `force * k / n`, k = 1..=n, without `from`.
     #[serde(default = "defaults::frames")]
     pub frames: Count<1, 10000>,
 }
@@ -46,7 +50,14 @@ pub struct Press {
 impl Squeeze {
     /// Total force at each recorded frame, N.
     pub fn levels(&self) -> Vec<f64> {
-        steps(self.force.get(), self.frames.get())
+        let (last, n) = (self.force.get(), self.frames.get());
+        match self.from.map(Positive::get) {
+            Some(first) if n > 1 => {
+                let step = (last - first) / (n - 1) as f64;
+                (0..n).map(|k| if k + 1 == n { last } else { first + step * k as f64 }).collect()
+            }
+            _ => steps(last, n),
+        }
     }
 }
 
