@@ -27,7 +27,7 @@ fn batch(num_envs: usize, model: Option<PathBuf>) -> Option<BatchEnv> {
 
 fn throughput(c: &mut Criterion) {
     let network = std::env::var_os("TACTUS_TASK_MODEL").map(PathBuf::from);
-    let cases = [("finite elements", 4, Some(None)), ("network", 64, network.map(Some))];
+    let cases = [("finite elements", 64, Some(None)), ("network", 64, network.map(Some))];
     for (name, num_envs, model) in cases {
         let Some(mut env) = model.and_then(|model| batch(num_envs, model)) else {
             println!("{name}: skipped, no model");

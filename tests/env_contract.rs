@@ -1,4 +1,4 @@
-//! What a batch of environments promises, for both backends, bit for bit.
+//! What a batch of environments promises, for every backend, bit for bit.
 
 mod dataset_tiny;
 mod env_made;
@@ -10,12 +10,18 @@ use tactus::scene::NamedScene;
 use tactus::schedule::{Next, Phase};
 
 /// Runs a test for each backend.
-macro_rules! for_both {
+macro_rules! for_each {
     ($($name:ident)*) => {
         mod fem_backend {
             $(#[test]
             fn $name() {
                 super::$name(&super::fem());
+            })*
+        }
+        mod condensed_backend {
+            $(#[test]
+            fn $name() {
+                super::$name(&super::condensed());
             })*
         }
         mod gnn_backend {
@@ -27,7 +33,7 @@ macro_rules! for_both {
     };
 }
 
-for_both! {
+for_each! {
     threads_and_batch_size_change_no_bit
     a_masked_reset_leaves_the_others_alone
     truncation_keeps_the_final_observation

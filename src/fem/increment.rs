@@ -151,7 +151,8 @@ impl Path {
     pub fn advance(&mut self, load: Load, target: f64) -> Result<Advanced, Failure> {
         let whole = target - self.level;
         let walks = self.newton.border.size > 0;
-        let smallest = whole.abs() * SMALLEST[usize::from(walks)];
+        // An object on a leash is followed at once: smaller increments would only find out later that it slides.
+        let smallest = whole.abs() * if self.leash.is_some() { 1.0 } else { SMALLEST[usize::from(walks)] };
         let mut step = whole.abs().min(self.increment);
         let mut done = Advanced::default();
         while (target - self.level).abs() > 1e-12 * target.abs() {

@@ -1,4 +1,4 @@
-//! A small task for both backends.
+//! A small task for every backend.
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
 use std::sync::OnceLock;
@@ -40,6 +40,10 @@ pub fn changed(change: impl Fn(&str) -> String) -> Vec<NamedScene> {
 pub fn fem() -> Vec<NamedScene> {
     static SET: OnceLock<Vec<NamedScene>> = OnceLock::new();
     SET.get_or_init(|| changed(str::to_string)).clone()
+}
+
+pub fn condensed() -> Vec<NamedScene> {
+    changed(|task| task.replacen("loading:", "stepper: Fem(solver: Condensed(error: 0.01)), loading:", 1))
 }
 
 pub fn gnn(mut set: Vec<NamedScene>, model: &std::path::Path) -> Vec<NamedScene> {

@@ -111,6 +111,8 @@ impl Condensation {
             let patches = match refusal {
                 Refusal::Outside if attempts <= ATTEMPTS => patches,
                 Refusal::Outside => return Err(Failure::Corrections(self.error)),
+                // It was followed as far as anybody cares.
+                Refusal::Failed(Failure::Astray) => return Err(Failure::Astray),
                 Refusal::Failed(failure) if attempts > ATTEMPTS || path.exhausted() => return Err(failure),
                 Refusal::Failed(_) => {
                     goal = 0.5 * (from + goal);
