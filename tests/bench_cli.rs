@@ -108,3 +108,28 @@ fn what_cannot_be_compared_is_refused_by_name() {
     let both = refusal(&["bench", scene, "--sizes", "500", "--model", "m"]);
     assert!(both.contains("--sizes"), "{both}");
 }
+
+#[test]
+fn a_bench_of_a_task_reports_steps_a_second() {
+    let dir = tempfile::tempdir().unwrap();
+    let (scene, out) = (dir.path().join("task.ron"), dir.path().join("out"));
+    let task = "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 8e-3)),
+        stepper: Fem(element: Linear), loading: Squeeze(force: 2.0, frames: 2),
+        task: (gravity: (0, -9.81, 0), force: (1.0, 2.0), start: 1.5, steps: 3, lift: 1, observe: [Wrench], reward: [Hold()]))";
+    std::fs::write(&scene, task).unwrap();
+    let arguments = ["bench", scene.to_str().unwrap(), "--envs", "1,3", "--threads", "2", "--repeat", "1"];
+    let report = json(&tactus(&[&arguments[..], &["--format", "json", "-o", out.to_str().unwrap()]].concat()));
+    let rates = report["rates"].as_array().unwrap();
+    let sizes: Vec<_> = rates.iter().map(|r| (r["threads"].as_u64().unwrap(), r["envs"].as_u64().unwrap())).collect();
+    assert_eq!(sizes, [(1, 1), (1, 3), (2, 1), (2, 3)]);
+    assert!(rates.iter().all(|r| r["backend"] == "fem" && r["steps_per_s"].as_f64().unwrap() > 0.0));
+    assert!(report["left_out"].as_array().unwrap().is_empty());
+    let written: Value = serde_json::from_slice(&std::fs::read(out.join("envs.json")).unwrap()).unwrap();
+    assert_eq!(written, report, "envs.json is what is printed");
+    assert!(std::fs::read(out.join("envs.png")).unwrap().starts_with(b"\x89PNG"));
+    assert!(std::fs::read_to_string(out.join("envs.svg")).unwrap().contains("threads: 2"));
+
+    let none = tactus(&["bench", "scenes/quickstart.ron", "--envs", "2"]);
+    assert_eq!(none.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&none.stderr).contains("--envs is for a scene with a task"));
+}

@@ -1,51 +1,27 @@
 //! Time against error, both logarithmic, as PNG and as SVG: points, the Pareto front, what is dominated.
 
+use super::canvas::{Area, Drawn, INK, KINDS, MUTED, Picture, number, range, save_picture, text_style};
 use super::report::{Point, Report};
-use crate::error::{Error, Result};
-use crate::record::files::write_atomic;
-use crate::render::{Pixmap, save};
-use plotters::coord::Shift;
+use crate::error::Result;
 use plotters::prelude::*;
-use plotters::style::{FontStyle, register_font};
 use std::path::Path;
-
-/// Width and height, pixels.
-const SIZE: (u32, u32) = (1200, 640);
-/// Width of the list of configurations, pixels.
-const LIST: u32 = 400;
-const FONT: &str = "sans-serif";
-const INK: RGBColor = RGBColor(38, 42, 51);
-const MUTED: RGBColor = RGBColor(106, 114, 128);
-const SETTING: RGBColor = RGBColor(31, 119, 180);
-const CONTENDER: RGBColor = RGBColor(214, 96, 20);
 
 /// Writes `bench.png` and `bench.svg` into `dir`.
 ///
 /// # Errors
 /// Files that cannot be written; a contest without a single time and error.
 pub fn save_chart(report: &Report, dir: &Path) -> Result<()> {
-    let refuse = |message: String| Error::file(dir.join("bench.png"), message);
-    register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT)
-        .map_err(|_| refuse("the embedded font cannot be read".into()))?;
-    let mut svg = String::new();
-    draw(&SVGBackend::with_string(&mut svg, SIZE).into_drawing_area(), report).map_err(refuse)?;
-    write_atomic(&dir.join("bench.svg"), svg.as_bytes())?;
-    let mut rgb = vec![0; 3 * (SIZE.0 * SIZE.1) as usize];
-    draw(&BitMapBackend::with_buffer(&mut rgb, SIZE).into_drawing_area(), report).map_err(refuse)?;
-    let mut page = Pixmap::new(SIZE.0, SIZE.1).ok_or_else(|| refuse("no memory for the picture".into()))?;
-    let opaque = rgb.as_chunks::<3>().0.iter().flat_map(|[r, g, b]| [*r, *g, *b, 255]);
-    page.data_mut().iter_mut().zip(opaque).for_each(|(slot, value)| *slot = value);
-    save(&page, &dir.join("bench.png"))
+    save_picture(report, dir, "bench")
 }
 
-type Area<B> = DrawingArea<B, Shift>;
+impl Picture for Report {
+    fn plot<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B> {
+        pareto(area, self)
+    }
 
-fn draw<B: DrawingBackend>(page: &Area<B>, report: &Report) -> std::result::Result<(), String> {
-    page.fill(&RGBColor(252, 252, 250)).map_err(|e| e.to_string())?;
-    let (plot, list) = page.split_horizontally(SIZE.0 - LIST);
-    pareto(&plot, report).map_err(|e| e.to_string())?;
-    names(&list, report).map_err(|e| e.to_string())?;
-    page.present().map_err(|e| e.to_string())
+    fn list(&self) -> Vec<(String, RGBColor)> {
+        names(self)
+    }
 }
 
 /// Points that have a place, with their numbers in the list.
@@ -55,32 +31,19 @@ fn placed(report: &Report) -> Vec<(usize, &Point, (f64, f64))> {
 }
 
 fn color(point: &Point) -> RGBColor {
-    if point.contender { CONTENDER } else { SETTING }
+    KINDS[usize::from(point.contender)]
 }
-
-fn text_style(size: u32, color: &RGBColor) -> TextStyle<'static> {
-    (FONT, size).into_font().color(color)
-}
-
-type Drawn<B> = std::result::Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 
 fn pareto<B: DrawingBackend>(area: &Area<B>, report: &Report) -> Drawn<B> {
     let placed = placed(report);
     let own = report.reference_error.map(|e| 100.0 * e).filter(|e| *e > 0.0);
-    let range = |values: &mut dyn Iterator<Item = f64>| {
-        let values: Vec<f64> = values.filter(|v| v.is_finite() && *v > 0.0).collect();
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(0.0, f64::max);
-        if low <= high { (low / 1.6)..(high * 1.6) } else { 0.1..10.0 }
-    };
-    let times = range(&mut placed.iter().map(|p| p.2.0));
-    let errors = range(&mut placed.iter().map(|p| p.2.1).chain(own));
+    let times = range(placed.iter().map(|p| p.2.0));
+    let errors = range(placed.iter().map(|p| p.2.1).chain(own));
     let mut chart = ChartBuilder::on(area)
         .margin(18)
         .x_label_area_size(52)
         .y_label_area_size(72)
         .build_cartesian_2d(times.clone().log_scale(), errors.log_scale())?;
-    let number = |v: &f64| if *v < 0.01 { format!("{v:.0e}") } else { format!("{v}") };
     chart
         .configure_mesh()
         .bold_line_style(MUTED.mix(0.35))
@@ -130,24 +93,18 @@ fn labels(placed: &[(usize, &Point, (f64, f64))]) -> Vec<((f64, f64), String)> {
 }
 
 /// What the numbers mean.
-fn names<B: DrawingBackend>(area: &Area<B>, report: &Report) -> Drawn<B> {
-    let mut y = 30;
-    let mut line = |text: &str, color: RGBColor| {
-        let drawn = area.draw(&Text::new(text.to_string(), (8, y), text_style(15, &color)));
-        y += 22;
-        drawn
-    };
-    for (number, point, _) in placed(report) {
+fn names(report: &Report) -> Vec<(String, RGBColor)> {
+    let point = |(number, point, _): (usize, &Point, _)| {
         let beaten = if point.dominated { ", dominated" } else { "" };
-        line(&format!("{number}  {}{beaten}", point.label), color(point))?;
-    }
-    line("", INK)?;
-    line("line and full circles: the Pareto front", INK)?;
-    line(&format!("errors against: {}", report.reference.label), INK)?;
-    for point in report.points.iter().filter(|p| p.contender) {
-        if let Some(ratio) = point.speedup_at_equal_error {
-            line(&format!("speed-up at equal error: {ratio:.1} ({})", point.label), CONTENDER)?;
-        }
-    }
-    Ok(())
+        (format!("{number}  {}{beaten}", point.label), color(point))
+    };
+    let mut lines: Vec<(String, RGBColor)> = placed(report).into_iter().map(point).collect();
+    lines.push((String::new(), INK));
+    lines.push(("line and full circles: the Pareto front".into(), INK));
+    lines.push((format!("errors against: {}", report.reference.label), INK));
+    lines.extend(report.points.iter().filter(|p| p.contender).filter_map(|point| {
+        let ratio = point.speedup_at_equal_error?;
+        Some((format!("speed-up at equal error: {ratio:.1} ({})", point.label), color(point)))
+    }));
+    lines
 }

@@ -5,8 +5,10 @@
 //!          density.rs (pads coarser, finer)                     error.rs: against the reference)
 //!       -> report.rs (medians, Pareto front, speed-up at equal error) -> table.rs, chart.rs, JSON, CSV
 //! Scene -> sizes.rs (cost against size of the pad)
+//! Task  -> rollout.rs (steps a second against environments and threads)
 //! ```
 
+pub mod canvas;
 pub mod chart;
 pub mod clock;
 pub mod contest;
@@ -14,6 +16,7 @@ pub mod density;
 pub mod error;
 pub mod probe;
 pub mod report;
+pub mod rollout;
 pub mod sizes;
 pub mod spread;
 pub mod sweep;
@@ -21,4 +24,5 @@ pub mod table;
 
 pub use contest::contest;
 pub use report::Report;
+pub use rollout::rollouts;
 pub use sizes::cost_by_size;

@@ -1,12 +1,12 @@
-//! `tactus bench`: speed against error of all settings and networks; or cost against size.
+//! `tactus bench`: speed against error of all settings and networks; or cost against size; or steps of a task a second.
 
 use super::run::machine_threads;
 use super::{Format, OK, print};
 use crate::bench::contest::Rules;
-use crate::bench::{chart, contest, cost_by_size, sizes, table};
+use crate::bench::{chart, contest, cost_by_size, rollout, rollouts, sizes, table};
 use crate::error::{Error, Result};
 use crate::record::files::{create_dir, write_atomic};
-use crate::scene::{Scene, load_object};
+use crate::scene::{load_object, load_set};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -40,7 +40,13 @@ pub struct BenchArgs {
     #[arg(long, value_name = "N,...", value_delimiter = ',', conflicts_with_all = ["model", "grasps"],
           value_parser = clap::value_parser!(u64).range(8..=1_000_000))]
     pub sizes: Vec<u64>,
-    /// Folder for `bench.json`, `bench.csv`, `bench.png` and `bench.svg` (`sizes.json` with `--sizes`); replaces those there.
+    /// Instead: steps of a task a second with so many environments each, separated by commas, on 1, 2, 4 ... threads, on the
+    /// scene's backend and each model.
+    #[arg(long, value_name = "N,...", value_delimiter = ',', conflicts_with_all = ["sizes", "grasps", "frames", "object"],
+          value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pub envs: Vec<u64>,
+    /// Folder for `bench.json`, `bench.csv`, `bench.png` and `bench.svg` (`sizes.json` with `--sizes`; `envs.json`, `envs.png`
+    /// and `envs.svg` with `--envs`); replaces those there.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Form of the report on stdout.
@@ -50,34 +56,51 @@ pub struct BenchArgs {
 
 /// Measures, prints, and writes what is asked for.
 pub fn bench(args: &BenchArgs) -> Result<ExitCode> {
-    let mut scene = load_object(&args.scene, args.object.as_deref())?.scene;
-    if let Some(frames) = args.frames {
-        scene.loading.set_frames(frames).map_err(|m| Error::Scene(format!("error: {m}")))?;
-    }
     let bar = ProgressBar::new_spinner();
     bar.enable_steady_tick(Duration::from_millis(200));
-    let measured = measure(args, &scene, |text| bar.set_message(text.to_string()));
+    let progress = |text: &str| bar.set_message(text.to_string());
+    args.out.as_deref().map_or(Ok(()), create_dir)?;
+    let measured = if args.envs.is_empty() { measure(args, progress) } else { play(args, progress) };
     bar.finish_and_clear();
     let (text, json) = measured?;
     print(if args.format == Format::Json { &json } else { &text })?;
     Ok(ExitCode::from(OK))
 }
 
-/// The report as text and as JSON; files are written.
-fn measure(args: &BenchArgs, scene: &Scene, progress: impl FnMut(&str)) -> Result<(String, String)> {
+/// Steps of a task a second: the report as text and as JSON; files are written.
+fn play(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, String)> {
+    let set = load_set(&args.scene)?.scenes;
+    let envs: Vec<usize> = args.envs.iter().map(|n| *n as usize).collect();
+    let most = args.threads.map_or_else(machine_threads, |n| n as usize);
+    let threads: Vec<usize> =
+        std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|n| *n < most).chain([most]).collect();
+    let report = rollouts(&set, &args.model, &envs, &threads, args.repeat as usize, progress)?;
+    let json = as_json(&report)?;
+    if let Some(dir) = args.out.as_deref() {
+        write_atomic(&dir.join("envs.json"), json.as_bytes())?;
+        rollout::save_chart(&report, dir)?;
+    }
+    Ok((rollout::text(&report), json))
+}
+
+/// Speed against error, or cost against size: the report as text and as JSON; files are written.
+fn measure(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, String)> {
+    let mut scene = load_object(&args.scene, args.object.as_deref())?.scene;
+    if let Some(frames) = args.frames {
+        scene.loading.set_frames(frames).map_err(|m| Error::Scene(format!("error: {m}")))?;
+    }
     let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
     let repeats = args.repeat as usize;
     let out = args.out.as_deref();
-    out.map_or(Ok(()), create_dir)?;
     if !args.sizes.is_empty() {
         let wanted: Vec<usize> = args.sizes.iter().map(|n| *n as usize).collect();
-        let report = cost_by_size(scene, &wanted, threads, repeats, progress)?;
+        let report = cost_by_size(&scene, &wanted, threads, repeats, progress)?;
         let json = as_json(&report)?;
         out.map_or(Ok(()), |dir| write_atomic(&dir.join("sizes.json"), json.as_bytes()))?;
         return Ok((sizes::text(&report), json));
     }
     let rules = Rules { grasps: args.grasps as usize, threads, repeats };
-    let report = contest(scene, &args.model, &rules, progress)?;
+    let report = contest(&scene, &args.model, &rules, progress)?;
     let json = as_json(&report)?;
     if let Some(dir) = out {
         write_atomic(&dir.join("bench.json"), json.as_bytes())?;

@@ -1,0 +1,243 @@
+//! Steps of many environments a second, against their number and that of the threads; and what one of them keeps in memory.
+
+use super::canvas::{Area, Drawn, INK, KINDS, MUTED, Picture, number, range, save_picture, text_style};
+use super::clock::{forget_peak_memory, peak_memory};
+use super::spread::median;
+use crate::env::{BatchConfig, BatchEnv};
+use crate::error::{Error, Result};
+use crate::random::Random;
+use crate::scene::{Gnn, NamedScene, Stepper};
+use crate::stepper::choose;
+use plotters::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// A batch runs for an episode, and for this long at least, s.
+const LEAST: f64 = 2.0;
+/// A batch is left out that would need longer for an episode, s.
+const MOST: f64 = 60.0;
+
+/// One batch.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Rate {
+    /// The scene's backend, or the folder of a model.
+    pub backend: String,
+    /// Environments.
+    pub envs: usize,
+    /// Threads.
+    pub threads: usize,
+    /// Steps of single environments a second under a random policy, new grasps included.
+    pub steps_per_s: f64,
+    /// Largest resident memory of the process; null where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
+}
+
+/// How rollouts scale.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Rollouts {
+    /// By backend, threads and environments.
+    pub rates: Vec<Rate>,
+    /// What an environment adds to the memory of the process, bytes, by backend.
+    pub memory_per_env_bytes: Vec<(String, f64)>,
+    /// What would have taken too long.
+    pub left_out: Vec<String>,
+    /// Turns of each batch; rates are medians.
+    pub repeats: usize,
+}
+
+/// Plays the task of `set` on its own backend and on `models`, with all numbers of environments and threads.
+///
+/// # Errors
+/// A scene without a task; models that do not fit it; no batch that is quick enough.
+pub fn rollouts(
+    set: &[NamedScene],
+    models: &[PathBuf],
+    envs: &[usize],
+    threads: &[usize],
+    repeats: usize,
+    mut progress: impl FnMut(&str),
+) -> Result<Rollouts> {
+    let task = set.first().and_then(|s| s.scene.task.as_ref());
+    let task = task.ok_or_else(|| Error::Start("--envs is for a scene with a task; this one has none".into()))?;
+    let steps = task.steps.get();
+    let mut envs = envs.to_vec();
+    envs.sort_unstable();
+    envs.dedup();
+    let mut turns: Vec<Vec<Rate>> = Vec::new();
+    let mut left_out = Vec::new();
+    for model in std::iter::once(None).chain(models.iter().map(Some)) {
+        let mut set = set.to_vec();
+        if let Some(model) = model {
+            set.iter_mut().for_each(|s| s.scene.stepper = Stepper::Gnn(Gnn { model: model.clone() }));
+        }
+        let own = || choose(&set[0].scene).map(|stepper| stepper.name().to_string());
+        let backend = model.map_or_else(own, |m| Ok(m.display().to_string()))?;
+        for &threads in threads {
+            let mut rate = f64::INFINITY;
+            for &n in &envs {
+                let name = format!("{backend}, environments: {n}, threads: {threads}");
+                if (n * steps) as f64 / rate > MOST {
+                    left_out.push(name);
+                    continue;
+                }
+                progress(&name);
+                let turn = |_| {
+                    play(&set, n, threads, steps).map(|(steps_per_s, peak_memory_bytes)| Rate {
+                        backend: backend.clone(),
+                        envs: n,
+                        threads,
+                        steps_per_s,
+                        peak_memory_bytes,
+                    })
+                };
+                let turn = (0..repeats).map(turn).collect::<Result<Vec<_>>>()?;
+                rate = median(turn.iter().map(|r| r.steps_per_s));
+                turns.push(turn);
+            }
+        }
+    }
+    let middle = |turn: &Vec<Rate>| {
+        let steps_per_s = median(turn.iter().map(|r| r.steps_per_s));
+        let peak_memory_bytes = turn.iter().filter_map(|r| r.peak_memory_bytes).max();
+        turn.first().map(|r| Rate { steps_per_s, peak_memory_bytes, ..r.clone() })
+    };
+    let rates: Vec<Rate> = turns.iter().filter_map(middle).collect();
+    Ok(Rollouts { memory_per_env_bytes: growth(&rates), rates, left_out, repeats })
+}
+
+/// Steps a second and peak memory of one batch.
+fn play(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Result<(f64, Option<u64>)> {
+    let known = forget_peak_memory();
+    let mut env = BatchEnv::new(set, BatchConfig { num_envs, threads: Some(threads), ..BatchConfig::default() })?;
+    let failed = |e: crate::env::StepError| Error::Solver(e.to_string());
+    env.reset(None, None).map_err(failed)?;
+    let mut random = Random::new(1);
+    let numbers = num_envs * env.action_spec().size();
+    let (clock, mut done) = (Instant::now(), 0);
+    while done < steps || clock.elapsed().as_secs_f64() < LEAST {
+        let actions: Vec<f32> = (0..numbers).map(|_| 2.0 * random.unit() as f32 - 1.0).collect();
+        env.step(&actions).map_err(failed)?;
+        done += 1;
+    }
+    Ok(((done * num_envs) as f64 / clock.elapsed().as_secs_f64(), peak_memory().filter(|_| known)))
+}
+
+/// From the batch with the least memory to the largest one of each backend: a small batch that follows a large one may be
+/// given the memory of that one.
+fn growth(rates: &[Rate]) -> Vec<(String, f64)> {
+    let mut all: Vec<(String, f64)> = Vec::new();
+    for rate in rates {
+        if all.iter().any(|(backend, _)| *backend == rate.backend) {
+            continue;
+        }
+        let own = || rates.iter().filter(|r| r.backend == rate.backend && r.threads == rate.threads);
+        let known = || own().filter_map(|r| r.peak_memory_bytes.map(|b| (r.envs as f64, b as f64)));
+        let least = known().min_by(|a, b| a.1.total_cmp(&b.1));
+        let most = known().max_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some(((n, least), (m, most))) = least.zip(most).filter(|(a, b)| a.0 < b.0) {
+            all.push((rate.backend.clone(), (most - least) / (m - n)));
+        }
+    }
+    all
+}
+
+/// Writes `envs.png` and `envs.svg` into `dir`.
+///
+/// # Errors
+/// Files that cannot be written.
+pub fn save_chart(report: &Rollouts, dir: &Path) -> Result<()> {
+    save_picture(report, dir, "envs")
+}
+
+/// Table for humans.
+pub fn text(report: &Rollouts) -> String {
+    let mut text =
+        format!("random policy, turns: {}\n\nsteps/s  environments  threads  memory MB  backend\n", report.repeats);
+    for r in &report.rates {
+        let memory = r.peak_memory_bytes.map_or("-".into(), |b| format!("{:.0}", b as f64 / 1e6));
+        text += &format!("{:>7.0}  {:>12}  {:>7}  {memory:>9}  {}\n", r.steps_per_s, r.envs, r.threads, r.backend);
+    }
+    text.push('\n');
+    for (backend, bytes) in &report.memory_per_env_bytes {
+        text += &format!("an environment adds {:.2} MB: {backend}\n", bytes / 1e6);
+    }
+    for name in &report.left_out {
+        text += &format!("left out, an episode would take more than {MOST:.0} s: {name}\n");
+    }
+    text
+}
+
+impl Rollouts {
+    /// Rates of each backend and number of threads.
+    fn lines(&self) -> Vec<Vec<&Rate>> {
+        let mut lines: Vec<Vec<&Rate>> = Vec::new();
+        for rate in &self.rates {
+            let same = |r: &Rate| r.backend == rate.backend && r.threads == rate.threads;
+            match lines.iter_mut().find(|line| same(line[0])) {
+                Some(line) => line.push(rate),
+                None => lines.push(vec![rate]),
+            }
+        }
+        lines
+    }
+
+    fn color(&self, line: &[&Rate]) -> RGBColor {
+        KINDS[usize::from(line[0].backend != self.rates[0].backend)]
+    }
+}
+
+impl Picture for Rollouts {
+    fn plot<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B> {
+        let envs = range(self.rates.iter().map(|r| r.envs as f64));
+        let rates = range(self.rates.iter().map(|r| r.steps_per_s));
+        let mut chart = ChartBuilder::on(area)
+            .margin(18)
+            .x_label_area_size(52)
+            .y_label_area_size(72)
+            .build_cartesian_2d(envs.log_scale(), rates.log_scale())?;
+        chart
+            .configure_mesh()
+            .bold_line_style(MUTED.mix(0.35))
+            .light_line_style(TRANSPARENT)
+            .axis_style(INK)
+            .label_style(text_style(15, &INK))
+            .axis_desc_style(text_style(17, &INK))
+            .x_desc("environments")
+            .y_desc("steps of single environments a second, random policy")
+            .x_label_formatter(&number)
+            .y_label_formatter(&number)
+            .draw()?;
+        for line in self.lines() {
+            let color = self.color(&line);
+            let points: Vec<(f64, f64)> = line.iter().map(|r| (r.envs as f64, r.steps_per_s)).collect();
+            chart.draw_series(LineSeries::new(points.iter().copied(), color.stroke_width(2)))?;
+            chart.draw_series(points.iter().map(|at| Circle::new(*at, 4, color.filled())))?;
+            if let Some(last) = points.last() {
+                let label = EmptyElement::at(*last)
+                    + Text::new(format!("threads: {}", line[0].threads), (-60, -22), text_style(15, &color));
+                chart.draw_series([label])?;
+            }
+        }
+        Ok(())
+    }
+
+    fn list(&self) -> Vec<(String, RGBColor)> {
+        let mut lines = Vec::new();
+        for line in self.lines() {
+            if let Some(best) = line.iter().max_by(|a, b| a.steps_per_s.total_cmp(&b.steps_per_s)) {
+                lines.push((best.backend.clone(), self.color(&line)));
+                let rate = format!(
+                    "    threads: {}, at best {:.0} steps/s ({} environments)",
+                    best.threads, best.steps_per_s, best.envs
+                );
+                lines.push((rate, self.color(&line)));
+            }
+        }
+        lines.push((String::new(), INK));
+        let memory =
+            |(backend, bytes): &(String, f64)| (format!("{:.2} MB an environment: {backend}", bytes / 1e6), INK);
+        lines.extend(self.memory_per_env_bytes.iter().map(memory));
+        lines
+    }
+}
