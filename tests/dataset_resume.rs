@@ -100,3 +100,35 @@ fn threads_do_not_change_bytes_and_the_size_is_announced() {
     assert_eq!(other.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&other.stderr).contains("holds another data set"));
 }
+
+/// Parts that run beside each other, one of them killed and started again, and a last run that closes the data set.
+#[test]
+fn parts_end_with_the_same_bytes_and_no_grasp_is_made_twice() {
+    let tiny = Tiny::new("Linear");
+    tiny.make(&tiny.out("whole"));
+    let out = tiny.out("parts");
+    let part = |text: &str| {
+        let mut command = tiny.command(&out);
+        command.args(["--part", text]).stdout(Stdio::piped()).stderr(Stdio::null());
+        command
+    };
+    let mut killed = part("1/3").spawn().unwrap();
+    let others = ["2/3", "3/3"].map(|text| part(text).spawn().unwrap());
+    std::thread::sleep(Duration::from_millis(100));
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    let computed = |child: std::process::Child| {
+        let done = child.wait_with_output().unwrap();
+        assert_eq!(done.status.code(), Some(0));
+        serde_json::from_slice::<serde_json::Value>(&done.stdout).unwrap()["computed"].as_u64().unwrap()
+    };
+    assert_eq!(others.map(computed), [2, 2], "two grasps of six each");
+    assert!(computed(part("1/3").spawn().unwrap()) <= 2);
+    assert_eq!(computed(part("1/3").spawn().unwrap()), 0, "nothing is left of the part");
+    assert_eq!(tiny.make(&out)["computed"], 0, "all parts are there");
+    assert_eq!(computed(part("2/3").spawn().unwrap()), 0, "a closed data set stays closed");
+    assert!(content(&out) == content(&tiny.out("whole")), "the bytes of a run at once");
+    let refused = part("4/3").stderr(Stdio::piped()).output().unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("allowed: I/N with I from 1 to N"));
+}

@@ -4,7 +4,8 @@ use crate::refused;
 use numpy::{Element, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use tactus::dataset;
+use tactus::dataset::{self, Campaign};
+use tactus::scene::load_set;
 
 /// A data set that `tactus dataset` wrote.
 #[pyclass(frozen)]
@@ -74,4 +75,19 @@ fn put<T: Element + Copy>(to: &Bound<'_, PyDict>, name: &str, numbers: &[T], sha
         return Err(refused(format!("{name}: {} numbers for {shape:?}", numbers.len())));
     }
     to.set_item(name, numbers[..whole].to_pyarray(to.py()).reshape(shape.to_vec())?)
+}
+
+/// Makes part (i, n) of a data set, i from 0 to n - 1, and returns how many grasps ran; without a part what is left of it, and
+/// closes it.
+#[pyfunction]
+pub fn make(py: Python<'_>, scene: &str, out: &str, part: Option<(usize, usize)>, threads: usize) -> PyResult<usize> {
+    let work = || {
+        let campaign = Campaign::plan(&load_set(scene)?, out.as_ref())?;
+        let left = campaign.manifest().grasps - campaign.finished();
+        match part {
+            Some((part, parts)) => campaign.run_part(part, parts.max(1), threads.max(1), &()),
+            None => campaign.run(threads.max(1), &()).map(|_| left),
+        }
+    };
+    py.detach(work).map_err(refused)
 }

@@ -20,6 +20,7 @@ fn refused(error: impl std::fmt::Display) -> PyErr {
 fn _tactus(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<batch::Batch>()?;
     module.add_class::<dataset::DataSet>()?;
+    module.add_function(wrap_pyfunction!(dataset::make, module)?)?;
     module.add_function(wrap_pyfunction!(run::objects, module)?)?;
     module.add_function(wrap_pyfunction!(run::resolved, module)?)?;
     module.add_function(wrap_pyfunction!(run::run, module)?)?;

@@ -1,8 +1,8 @@
-"""Rollouts of many environments, in shards: on this machine, or on all machines of a Ray cluster.
+"""Rollouts of many environments, and data sets, in shards: on this machine, or on all machines of a Ray cluster.
 
 What an environment does depends on (seed, number of the environment) alone, so how the environments are cut into shards,
 where a shard runs, and how often a machine fails on the way change no byte. A shard is a folder that appears under its name
-when it is complete; what is there is not made again.
+when it is complete; what is there is not made again. So it is with the grasps of a data set.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ import os
 import shutil
 import uuid
 from pathlib import Path
-from typing import Any, Sequence
+from typing import Any, Callable, Sequence
 
 import numpy as np
 
+from . import _tactus
 from .env import VectorEnv
 
 
@@ -54,6 +55,31 @@ def shard(
     return str(done)
 
 
+def everywhere(work: Callable[..., Any], jobs: Sequence[tuple[Any, ...]], cluster: bool) -> list[Any]:
+    """Does all jobs, here or in Ray tasks of one core each, which Ray starts again where a worker or a machine is lost."""
+    if not cluster:
+        return [work(*job) for job in jobs]
+    import ray
+
+    remote = ray.remote(num_cpus=1, max_retries=-1)(work)
+    return ray.get([remote.remote(*job) for job in jobs])
+
+
+def part(scene: str, out: str, number: int, parts: int) -> int:
+    """Makes part `number` (from 0) of a data set; returns how many grasps ran."""
+    return _tactus.make(scene, out, (number, parts), 1)
+
+
+def dataset(
+    scene: str | os.PathLike[str], out: str | os.PathLike[str], *, parts: int = 8, cluster: bool = False
+) -> int:
+    """Makes the data set of a scene in `parts` parts and closes it; returns how many grasps ran. `cluster` as in
+    :func:`rollout`."""
+    scene, out = os.path.abspath(scene), os.path.abspath(out)
+    ran = everywhere(part, [(scene, out, number, parts) for number in range(parts)], cluster)
+    return sum(ran) + _tactus.make(scene, out, None, 1)
+
+
 def rollout(
     scene: str | os.PathLike[str],
     out: str | os.PathLike[str],
@@ -65,21 +91,15 @@ def rollout(
     cluster: bool = False,
     **settings: Any,
 ) -> Sequence[str]:
-    """Rolls out `num_envs` environments under random actions. `cluster`: in Ray tasks of one core each, which Ray starts
-    again where a worker or a machine is lost; `out` and `scene` are then paths that all machines share."""
+    """Rolls out `num_envs` environments under random actions. `cluster`: on the Ray cluster that is initialised; `out` and
+    `scene` are then paths that all machines share."""
     scene, out = os.path.abspath(scene), os.path.abspath(out)
     os.makedirs(out, exist_ok=True)
     jobs = [
         (scene, out, first, min(per_shard, num_envs - first), steps, seed, settings)
         for first in range(0, num_envs, per_shard)
     ]
-    if not cluster:
-        done = [shard(*job) for job in jobs]
-    else:
-        import ray
-
-        remote = ray.remote(num_cpus=1, max_retries=-1)(shard)
-        done = ray.get([remote.remote(*job) for job in jobs])
+    done = everywhere(shard, jobs, cluster)
     for part in Path(out).glob(".shard_*"):
         # Left by a worker that was killed while it wrote.
         shutil.rmtree(part)

@@ -1,4 +1,4 @@
-"""Sharded rollouts: a cluster of two nodes that loses a worker in the middle writes the bytes of one machine."""
+"""Sharded rollouts and data sets: a cluster of two nodes that loses a worker in the middle writes the bytes of one machine."""
 
 import hashlib
 import os
@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from tactus.shards import rollout
+from tactus.shards import dataset, rollout
 
 HOLD = Path(__file__).parents[2] / "scenes" / "tasks" / "hold.ron"
+SMALL = HOLD.parents[1] / "paper_small.ron"
 SETTINGS = dict(num_envs=8, steps=6, seed=5, objects=["sphere"], max_steps=4)
 
 
@@ -30,43 +31,72 @@ def test_a_shard_that_is_there_is_not_made_again(tmp_path):
     assert before == {p: os.stat(p).st_mtime_ns for p in first}
 
 
-def test_two_nodes_and_a_killed_worker_write_the_same_bytes(tmp_path, monkeypatch):
+def test_a_data_set_in_parts_has_the_bytes_of_one_made_at_once(tmp_path):
+    assert dataset(SMALL, tmp_path / "one", parts=1) == 12
+    assert dataset(SMALL, tmp_path / "two", parts=5) == 12
+    assert dataset(SMALL, tmp_path / "two", parts=5) == 0
+    assert files_of(tmp_path / "one") == files_of(tmp_path / "two")
+
+
+def files_of(folder):
+    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(Path(folder).rglob("*")) if p.is_file()}
+
+
+@pytest.fixture
+def cluster_that_loses_a_worker(monkeypatch):
+    """Two nodes of one core each; a worker that runs a task with the given name is killed."""
     ray = pytest.importorskip("ray")
     from ray.cluster_utils import Cluster
 
     # Only workers of this test carry it.
     mark = uuid.uuid4().hex
     monkeypatch.setenv("TACTUS_TEST", mark)
-    rollout(HOLD, tmp_path / "one", per_shard=2, **SETTINGS)
     cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1, "include_dashboard": False})
     cluster.add_node(num_cpus=1)
     ray.init(address=cluster.address)
+    assert len(ray.nodes()) == 2
     killed = []
 
-    def kill_a_worker():
+    def kill_a_worker(task, once):
         while not killed and threading.main_thread().is_alive():
             time.sleep(0.05)
             for entry in Path("/proc").glob("[0-9]*/cmdline"):
                 try:
-                    busy = entry.read_bytes().startswith(b"ray::shard")
+                    busy = entry.read_bytes().startswith(b"ray::" + task)
                     own = mark.encode() in (entry.parent / "environ").read_bytes()
                 except OSError:
                     continue
-                if busy and own:
+                if busy and own and once():
                     pid = int(entry.parent.name)
                     os.kill(pid, signal.SIGKILL)
                     killed.append(pid)
                     return
 
-    try:
-        assert len(ray.nodes()) == 2
-        killer = threading.Thread(target=kill_a_worker, daemon=True)
+    def start(task, once=lambda: True):
+        killer = threading.Thread(target=kill_a_worker, args=(task, once), daemon=True)
         killer.start()
-        rollout(HOLD, tmp_path / "two", per_shard=2, cluster=True, **SETTINGS)
-        killer.join(timeout=5)
-    finally:
-        ray.shutdown()
-        cluster.shutdown()
-    assert killed, "a worker was killed while it ran a shard"
+        return lambda: (killer.join(timeout=5), killed)[1]
+
+    yield start
+    ray.shutdown()
+    cluster.shutdown()
+
+
+def test_rollouts_of_two_nodes_and_a_killed_worker_have_the_same_bytes(tmp_path, cluster_that_loses_a_worker):
+    rollout(HOLD, tmp_path / "one", per_shard=2, **SETTINGS)
+    killed = cluster_that_loses_a_worker(b"shard")
+    rollout(HOLD, tmp_path / "two", per_shard=2, cluster=True, **SETTINGS)
+    assert killed(), "a worker was killed while it ran a shard"
     one, two = bytes_of(tmp_path / "one"), bytes_of(tmp_path / "two")
     assert len(one) == 4 * 8 and one == two, "nothing lost, nothing doubled, the same bytes"
+
+
+def test_a_data_set_of_two_nodes_and_a_killed_worker_has_the_same_bytes(tmp_path, cluster_that_loses_a_worker):
+    dataset(SMALL, tmp_path / "one", parts=1)
+    # In the middle: some grasps are finished, others are not.
+    some = lambda: 2 <= len(list((tmp_path / "two").glob(".progress/*/*.json"))) < 12
+    killed = cluster_that_loses_a_worker(b"part", some)
+    ran = dataset(SMALL, tmp_path / "two", parts=3, cluster=True)
+    assert killed(), "a worker was killed while it ran a part"
+    assert ran <= 12, "what was finished did not run again"
+    assert files_of(tmp_path / "one") == files_of(tmp_path / "two"), "nothing lost, nothing doubled, the same bytes"

@@ -39,6 +39,10 @@ pub struct DatasetArgs {
     /// Recorded frames of each grasp, instead of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: Option<u64>,
+    /// Only part I of N, from 1 to N: parts may run beside each other, on several machines that share the folder. The same
+    /// command without it then closes the data set.
+    #[arg(long, value_name = "I/N", value_parser = part)]
+    pub part: Option<(usize, usize)>,
     /// Say what would be made and how large it is, and stop.
     #[arg(long)]
     pub dry_run: bool,
@@ -85,8 +89,23 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
         return Ok(ExitCode::from(OK));
     }
     let (bytes, grasps) = (campaign.bytes(), manifest.grasps);
-    let bar = Bar::new(grasps, resumed, manifest.frames);
+    let (own, there) = match args.part {
+        None => (grasps, resumed),
+        Some((part, parts)) => (manifest.sum(|o| (o.grasps + parts - part) / parts), 0),
+    };
+    let bar = Bar::new(own, there, manifest.frames);
     let clock = Instant::now();
+    if let Some((part, parts)) = args.part {
+        let ran = campaign.run_part(part - 1, parts, threads, &bar);
+        bar.bar.finish_and_clear();
+        let ran = ran?;
+        let text = match args.format {
+            Format::Text => format!("part {part} of {parts}: {ran} grasps; without --part the data set is closed\n"),
+            Format::Json => format!("{}\n", json!({ "part": part, "parts": parts, "computed": ran, "dir": out })),
+        };
+        print(&text)?;
+        return Ok(ExitCode::from(OK));
+    }
     let manifest = campaign.run(threads, &bar);
     bar.bar.finish_and_clear();
     let (manifest, wall) = (manifest?, clock.elapsed().as_secs_f64());
@@ -104,6 +123,13 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
     let all = manifest.sum(|o| o.reached) == manifest.grasps;
     let kept = manifest.objects.iter().flat_map(|o| &o.promises).all(|p| p.worst.held);
     Ok(ExitCode::from(if all && kept { OK } else { NOT_HELD }))
+}
+
+/// `I/N`.
+fn part(text: &str) -> std::result::Result<(usize, usize), String> {
+    let numbers = text.split_once('/').and_then(|(i, n)| i.parse().ok().zip(n.parse().ok()));
+    let inside = numbers.filter(|(i, n): &(usize, usize)| (1..=*n).contains(i));
+    inside.ok_or_else(|| "allowed: I/N with I from 1 to N, like 2/8".into())
 }
 
 fn refused(message: &str) -> Error {

@@ -136,7 +136,7 @@ impl Campaign {
     /// What cannot be written or set up, a folder in use. A grasp that fails is part of the data set, not an error.
     pub fn run(mut self, threads: usize, watcher: &dyn Watcher) -> Result<Manifest> {
         // Held while this campaign writes, so that two never write the same folder.
-        let lock = claim(&self.dir)?;
+        let lock = claim(&self.dir, false)?;
         self.resume()?;
         if !self.manifest.finished {
             self.manifest.write(&self.dir)?;
@@ -155,8 +155,8 @@ impl Campaign {
             self.manifest.write(&self.dir)?;
         }
         progress::remove(&self.dir.join(PROGRESS))?;
-        // Its name is not part of the data set; that it stays is not worth an error.
-        let _ = std::fs::remove_file(self.dir.join(LOCK));
+        // Their names are not part of the data set; that they stay is not worth an error.
+        let _ = [LAYING_OUT, LOCK].map(|name| std::fs::remove_file(self.dir.join(name)));
         drop(lock);
         Ok(self.manifest)
     }
@@ -165,7 +165,27 @@ impl Campaign {
         Progress::of(self.dir.join(PROGRESS).join(object.named.name.as_str()))
     }
 
-    /// Runs the grasps of one object that are not finished.
+    /// Runs those grasps of a part that are not finished, on `threads` threads, beside the other parts, on one machine or on
+    /// several that share the folder; of `parts` parts, `part` (from 0) has every `parts`th grasp. [`Campaign::run`] then
+    /// finds all finished and closes the data set. How it is cut changes no byte. Returns the number of grasps that ran.
+    ///
+    /// # Errors
+    /// Those of [`Campaign::run`].
+    pub fn run_part(mut self, part: usize, parts: usize, threads: usize, watcher: &dyn Watcher) -> Result<usize> {
+        if self.manifest.finished {
+            return Ok(0);
+        }
+        let _lock = claim(&self.dir, true)?;
+        self.resume()?;
+        self.manifest.write(&self.dir)?;
+        let mut ran = 0;
+        for (index, object) in self.objects.iter().enumerate() {
+            ran += self.simulate(object, index == 0, |grasp| grasp % parts == part, threads, watcher)?;
+        }
+        Ok(ran)
+    }
+
+    /// Runs the grasps of one object that are not finished, and gives its file its name.
     fn object(
         &self,
         object: &Planned,
@@ -173,55 +193,90 @@ impl Campaign {
         threads: usize,
         watcher: &dyn Watcher,
     ) -> Result<BTreeMap<usize, Finished>> {
-        let progress = self.progress(object);
         let path = self.dir.join(&object.file);
         // Its last step is the renaming: once the file has its name, all is in it.
+        let named = path.exists();
+        if !named {
+            self.simulate(object, first, |_| true, threads, watcher)?;
+        }
+        let finished = self.progress(object).finished(object.poses.len());
+        if !named {
+            std::fs::rename(open(&path), &path).map_err(|e| cannot_write(&path, &e))?;
+        }
+        Ok(finished)
+    }
+
+    /// Runs those of the `wanted` grasps of one object that are not finished; returns how many.
+    fn simulate(
+        &self,
+        object: &Planned,
+        first: bool,
+        wanted: impl Fn(usize) -> bool,
+        threads: usize,
+        watcher: &dyn Watcher,
+    ) -> Result<usize> {
+        let progress = self.progress(object);
+        let path = self.dir.join(&object.file);
         if path.exists() {
-            return Ok(progress.finished(object.poses.len()));
+            return Ok(0);
         }
         let scene = &object.named.scene;
         let model = Model::build(scene)?;
         let world = World::new(&scene.gripper.placement);
         let encoder = Encoder::new(&model, object.sizes, world);
-        if first {
-            write_tet(self.dir.join("tactile_sensor.tet"), &sensor(&model.fingers[0].topology))?;
-        }
-        let name = object.named.name.as_str();
-        let about = self.dir.join("dgn_dataset").join(name);
-        create_dir(&about)?;
-        write_stl(about.join(format!("{name}_processed.stl")), &model.object.surface)?;
-        write_grasps_h5(about.join(format!("{name}_grasps.h5")), &object.poses)?;
-        create_dir(&self.dir.join("dgs_output"))?;
-        let open = path.with_extension("h5.open");
-        if !open.exists() {
-            // Records without a file are of no use.
-            progress.clear()?;
-            lay_out(&open, &object.named, &model, &object.sizes, encoder.mirrored)?;
-        }
-        let writer = Writer::open(&open, object.sizes)?;
+        self.lay_out(object, &model, encoder.mirrored, first)?;
+        let writer = Writer::open(&open(&path), object.sizes)?;
         let done = progress.finished(object.poses.len());
-        let open_grasps = (0..object.poses.len()).filter(|g| !done.contains_key(g));
+        let open_grasps = (0..object.poses.len()).filter(|g| wanted(*g) && !done.contains_key(g));
         let grasps: Vec<_> = open_grasps.map(|g| (g, object.poses[g])).collect();
         let stepper = choose(scene)?;
         let recorder = Recorder::new(&object.named, &object.poses, &model, (encoder, writer), &progress, watcher);
         run_grasps(&model, stepper.as_ref(), &grasps, threads, &recorder)?;
-        let finished = progress.finished(object.poses.len());
-        std::fs::rename(&open, &path).map_err(|e| cannot_write(&path, &e))?;
-        Ok(finished)
+        Ok(grasps.len())
     }
+
+    /// Writes the files of one object, with empty rows, unless they are there. One part does it, the others wait.
+    fn lay_out(&self, object: &Planned, model: &Model, mirrored: bool, first: bool) -> Result<()> {
+        let path = self.dir.join(LAYING_OUT);
+        let lock = std::fs::File::create(&path).map_err(|e| cannot_write(&path, &e))?;
+        lock.lock().map_err(|e| cannot_write(&path, &e))?;
+        let open = open(&self.dir.join(&object.file));
+        if !open.exists() {
+            if first {
+                write_tet(self.dir.join("tactile_sensor.tet"), &sensor(&model.fingers[0].topology))?;
+            }
+            let name = object.named.name.as_str();
+            let about = self.dir.join("dgn_dataset").join(name);
+            create_dir(&about)?;
+            write_stl(about.join(format!("{name}_processed.stl")), &model.object.surface)?;
+            write_grasps_h5(about.join(format!("{name}_grasps.h5")), &object.poses)?;
+            create_dir(&self.dir.join("dgs_output"))?;
+            // Records without a file are of no use.
+            self.progress(object).clear()?;
+            lay_out(&open, &object.named, model, &object.sizes, mirrored)?;
+        }
+        Ok(())
+    }
+}
+
+/// Name of an object's file while it has open rows.
+fn open(path: &Path) -> PathBuf {
+    path.with_extension("h5.open")
 }
 
 /// Folder of the records of finished grasps.
 const PROGRESS: &str = ".progress";
 /// File that is locked while a campaign writes.
 const LOCK: &str = ".lock";
+/// File that is locked while an object's files are laid out.
+const LAYING_OUT: &str = ".laying_out";
 
-/// Creates the folder and takes it for this process.
-fn claim(dir: &Path) -> Result<std::fs::File> {
+/// Creates the folder and takes it for this process, `beside` others that write other rows, or alone.
+fn claim(dir: &Path, beside: bool) -> Result<std::fs::File> {
     create_dir(dir)?;
     let path = dir.join(LOCK);
     let file = std::fs::File::create(&path).map_err(|e| cannot_write(&path, &e))?;
-    match file.try_lock() {
+    match if beside { file.try_lock_shared() } else { file.try_lock() } {
         Ok(()) => Ok(file),
         Err(std::fs::TryLockError::WouldBlock) => {
             Err(Error::file(dir, "another `tactus dataset` is writing here; wait for it or choose another folder"))
