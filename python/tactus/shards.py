@@ -100,7 +100,7 @@ def rollout(
         for first in range(0, num_envs, per_shard)
     ]
     done = everywhere(shard, jobs, cluster)
-    for part in Path(out).glob(".shard_*"):
-        # Left by a worker that was killed while it wrote.
-        shutil.rmtree(part)
+    for left in Path(out).glob(".shard_*"):
+        # By a worker that was killed while it wrote.
+        shutil.rmtree(left)
     return done

@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::record::files::write_atomic;
 use crate::render::{Pixmap, save};
 use plotters::coord::Shift;
+use plotters::coord::combinators::LogCoord;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 use std::ops::Range;
@@ -73,6 +74,38 @@ pub fn text_style(size: u32, color: &RGBColor) -> TextStyle<'static> {
     (FONT, size).into_font().color(color)
 }
 
+/// A plane with two logarithmic axes.
+type Plane<'a, B> = ChartContext<'a, B, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
+
+/// Draws the axes and the grid of a plot: the range and the name of each axis.
+///
+/// # Errors
+/// Those of the file.
+pub fn axes<'a, B: DrawingBackend>(
+    area: &'a Area<B>,
+    (x, x_name): (Range<f64>, String),
+    (y, y_name): (Range<f64>, String),
+) -> std::result::Result<Plane<'a, B>, DrawingAreaErrorKind<B::ErrorType>> {
+    let mut plane = ChartBuilder::on(area)
+        .margin(18)
+        .x_label_area_size(52)
+        .y_label_area_size(72)
+        .build_cartesian_2d(x.log_scale(), y.log_scale())?;
+    plane
+        .configure_mesh()
+        .bold_line_style(MUTED.mix(0.35))
+        .light_line_style(TRANSPARENT)
+        .axis_style(INK)
+        .label_style(text_style(15, &INK))
+        .axis_desc_style(text_style(17, &INK))
+        .x_desc(x_name)
+        .y_desc(y_name)
+        .x_label_formatter(&number)
+        .y_label_formatter(&number)
+        .draw()?;
+    Ok(plane)
+}
+
 /// A range for a logarithmic axis that has room for all that is positive of `values`.
 pub fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = values
@@ -82,6 +115,6 @@ pub fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
 }
 
 /// A number on an axis.
-pub fn number(v: &f64) -> String {
+fn number(v: &f64) -> String {
     if *v < 0.01 { format!("{v:.0e}") } else { format!("{v}") }
 }

@@ -1,6 +1,6 @@
 //! Time against error, both logarithmic, as PNG and as SVG: points, the Pareto front, what is dominated.
 
-use super::canvas::{Area, Drawn, INK, KINDS, MUTED, Picture, number, range, save_picture, text_style};
+use super::canvas::{Area, Drawn, INK, KINDS, MUTED, Picture, axes, range, save_picture, text_style};
 use super::report::{Point, Report};
 use crate::error::Result;
 use plotters::prelude::*;
@@ -39,23 +39,8 @@ fn pareto<B: DrawingBackend>(area: &Area<B>, report: &Report) -> Drawn<B> {
     let own = report.reference_error.map(|e| 100.0 * e).filter(|e| *e > 0.0);
     let times = range(placed.iter().map(|p| p.2.0));
     let errors = range(placed.iter().map(|p| p.2.1).chain(own));
-    let mut chart = ChartBuilder::on(area)
-        .margin(18)
-        .x_label_area_size(52)
-        .y_label_area_size(72)
-        .build_cartesian_2d(times.clone().log_scale(), errors.log_scale())?;
-    chart
-        .configure_mesh()
-        .bold_line_style(MUTED.mix(0.35))
-        .light_line_style(TRANSPARENT)
-        .axis_style(INK)
-        .label_style(text_style(15, &INK))
-        .axis_desc_style(text_style(17, &INK))
-        .x_desc(format!("wall time of a grasp, s (threads: {})", report.threads))
-        .y_desc("error of the displacement, % (median)")
-        .x_label_formatter(&number)
-        .y_label_formatter(&number)
-        .draw()?;
+    let name = format!("wall time of a grasp, s (threads: {})", report.threads);
+    let mut chart = axes(area, (times.clone(), name), (errors, "error of the displacement, % (median)".into()))?;
     if let Some(own) = own {
         let line = [(times.start, own), (times.end, own)];
         chart.draw_series(DashedLineSeries::new(line, 6, 5, MUTED.into()))?;

@@ -1,6 +1,6 @@
 //! Steps of many environments a second, against their number and that of the threads; and what one of them keeps in memory.
 
-use super::canvas::{Area, Drawn, INK, KINDS, MUTED, Picture, number, range, save_picture, text_style};
+use super::canvas::{Area, Drawn, INK, KINDS, Picture, axes, range, save_picture, text_style};
 use super::clock::{forget_peak_memory, peak_memory};
 use super::spread::median;
 use crate::env::{BatchConfig, BatchEnv};
@@ -49,7 +49,7 @@ pub struct Rollouts {
 /// Plays the task of `set` on its own backend and on `models`, with all numbers of environments and threads.
 ///
 /// # Errors
-/// A scene without a task; models that do not fit it; no batch that is quick enough.
+/// A scene without a task; models that do not fit it.
 pub fn rollouts(
     set: &[NamedScene],
     models: &[PathBuf],
@@ -191,23 +191,8 @@ impl Picture for Rollouts {
     fn plot<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B> {
         let envs = range(self.rates.iter().map(|r| r.envs as f64));
         let rates = range(self.rates.iter().map(|r| r.steps_per_s));
-        let mut chart = ChartBuilder::on(area)
-            .margin(18)
-            .x_label_area_size(52)
-            .y_label_area_size(72)
-            .build_cartesian_2d(envs.log_scale(), rates.log_scale())?;
-        chart
-            .configure_mesh()
-            .bold_line_style(MUTED.mix(0.35))
-            .light_line_style(TRANSPARENT)
-            .axis_style(INK)
-            .label_style(text_style(15, &INK))
-            .axis_desc_style(text_style(17, &INK))
-            .x_desc("environments")
-            .y_desc("steps of single environments a second, random policy")
-            .x_label_formatter(&number)
-            .y_label_formatter(&number)
-            .draw()?;
+        let name = "steps of single environments a second, random policy";
+        let mut chart = axes(area, (envs, "environments".into()), (rates, name.into()))?;
         for line in self.lines() {
             let color = self.color(&line);
             let points: Vec<(f64, f64)> = line.iter().map(|r| (r.envs as f64, r.steps_per_s)).collect();
