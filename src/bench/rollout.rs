@@ -64,8 +64,7 @@ pub fn rollouts(
     let mut envs = envs.to_vec();
     envs.sort_unstable();
     envs.dedup();
-    let mut turns: Vec<Vec<Rate>> = Vec::new();
-    let mut left_out = Vec::new();
+    let (mut rates, mut left_out) = (Vec::new(), Vec::new());
     for model in std::iter::once(None).chain(models.iter().map(Some)) {
         let mut set = set.to_vec();
         if let Some(model) = model {
@@ -82,27 +81,18 @@ pub fn rollouts(
                     continue;
                 }
                 progress(&name);
-                let turn = |_| {
-                    play(&set, n, threads, steps).map(|(steps_per_s, peak_memory_bytes)| Rate {
-                        backend: backend.clone(),
-                        envs: n,
-                        threads,
-                        steps_per_s,
-                        peak_memory_bytes,
-                    })
-                };
-                let turn = (0..repeats).map(turn).collect::<Result<Vec<_>>>()?;
-                rate = median(turn.iter().map(|r| r.steps_per_s));
-                turns.push(turn);
+                let turns = (0..repeats).map(|_| play(&set, n, threads, steps)).collect::<Result<Vec<_>>>()?;
+                rate = median(turns.iter().map(|t| t.0));
+                rates.push(Rate {
+                    backend: backend.clone(),
+                    envs: n,
+                    threads,
+                    steps_per_s: rate,
+                    peak_memory_bytes: turns.iter().filter_map(|t| t.1).max(),
+                });
             }
         }
     }
-    let middle = |turn: &Vec<Rate>| {
-        let steps_per_s = median(turn.iter().map(|r| r.steps_per_s));
-        let peak_memory_bytes = turn.iter().filter_map(|r| r.peak_memory_bytes).max();
-        turn.first().map(|r| Rate { steps_per_s, peak_memory_bytes, ..r.clone() })
-    };
-    let rates: Vec<Rate> = turns.iter().filter_map(middle).collect();
     Ok(Rollouts { memory_per_env_bytes: growth(&rates), rates, left_out, repeats })
 }
 
