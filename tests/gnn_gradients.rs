@@ -1,7 +1,11 @@
 //! Every layer of the networks: gradients against central differences, relative 1e-6 in f64 and 1e-3 in f32.
 
+use std::sync::Arc;
+use tactus::gnn::compliance::Compliance;
+use tactus::gnn::deviator::{Deviator, PARTS};
 use tactus::gnn::ops::{
-    Activation, Sparse, apply, layer_norm, linear, product, reshape, root_error, share, sum, von_mises,
+    Activation, Sparse, apply, deviated, displaced, layer_norm, linear, product, reshape, respond, root_error, share,
+    sum, von_mises,
 };
 use tactus::gnn::real::Real;
 use tactus::gnn::tape::{Matrix, Tape};
@@ -87,6 +91,27 @@ fn sparse_maps_and_shares() {
     check!("sparse, two blocks", &[(6, 3)], |t, p| apply(t, &map, &p[0]));
     check!("sparse, transposed", &[(8, 3)], |t, p| apply(t, &map.transposed(), &p[0]));
     check!("share", &[(8, 3)], |t, p| share(t, &p[0], 4));
+}
+
+#[test]
+fn linear_responses() {
+    // Three nodes, the second one bonded; more loads than go side by side.
+    let mut random = Random::new(5);
+    let (slot, forces) = (vec![Some(0), None, Some(1)], 6);
+    let parts = numbers(&mut random, 4 * PARTS).into();
+    let deviator = Deviator { start: vec![0, 1, 2, 4], slot: vec![0, 1, 1, 0], parts };
+    let response = numbers(&mut random, 6 * forces);
+    let pad = Arc::new(Compliance::from_parts(slot, response.clone().into(), forces, deviator));
+    check!("response", &[(11, 6)], |t, p| respond(t, &pad, &p[0]));
+    check!("displacement", &[(11, 6)], |t, p| displaced(t, &pad, &p[0]));
+    check!("stress", &[(11, 6)], |t, p| deviated(t, &pad, &p[0]));
+    let force = Matrix::constant(11, 6, constants::<f64>(&mut random, 66));
+    let moved = respond(&Tape::silent(), &pad, &force);
+    let dense = Matrix::constant(6, 6, (0..36).map(|i| f64::from(response[i % 6 * 6 + i / 6])).collect());
+    let product = linear(&Tape::silent(), &force, &dense, None, Activation::None);
+    for (a, b) in moved.value().iter().zip(product.value()) {
+        assert!((a - b).abs() < 1e-12, "{a} against {b} from a product of matrices");
+    }
 }
 
 #[test]

@@ -4,18 +4,15 @@
 //! strains and the true pressure change. Over the thickness per `E t^2`, pad frame. Bonded nodes do not move, and stress is
 //! local: it follows from how the neighbours of a node move.
 
-use super::deviator::{Deviator, PARTS, deviators};
+use super::deviator::{Deviator, deviators};
 use super::infer::product::{LANES, Packed, Rows, respond};
 use super::numbers::Numbers;
-use super::tape::Matrix;
 use crate::error::{Error, Result};
 use crate::fem::cholesky::Factor;
 use crate::model::FingerModel;
 use crate::record::PadTopology;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
 
 /// Right-hand sides that are solved for at once.
 const COLUMNS: usize = 96;
@@ -33,8 +30,6 @@ pub struct Compliance {
     pub response: Numbers,
     /// Deviatoric stress of every node over `E`.
     pub deviator: Deviator,
-    /// The same as full matrices, for those who ask.
-    full: OnceLock<[Matrix; 2]>,
 }
 
 impl Compliance {
@@ -89,32 +84,12 @@ impl Compliance {
 
     /// One that was found earlier.
     pub fn from_parts(slot: Vec<Option<u32>>, response: Numbers, forces: usize, deviator: Deviator) -> Self {
-        Self { nodes: slot.len(), forces, slot, response, deviator, full: OnceLock::new() }
+        Self { nodes: slot.len(), forces, slot, response, deviator }
     }
 
-    /// As full matrices: displacement (forces, nodes * 3), and deviatoric stress (xx, yy, xy, yz, zx) (forces, nodes * 5).
-    pub fn full(&self) -> &[Matrix; 2] {
-        self.full.get_or_init(|| {
-            let (n, k) = (self.nodes, self.forces);
-            let (mut u, mut s) = (vec![0.0; 3 * n * k], vec![0.0; 5 * n * k]);
-            u.par_chunks_exact_mut(3 * n).zip(s.par_chunks_exact_mut(5 * n)).enumerate().for_each(|(f, (u, s))| {
-                let row: Vec<f32> = self.response.chunks_exact(k).map(|row| row[f]).collect();
-                for (u, slot) in u.as_chunks_mut::<3>().0.iter_mut().zip(&self.slot) {
-                    *u = slot.map_or([0.0; 3], |slot| [0, 1, 2].map(|c| row[3 * slot as usize + c]));
-                }
-                for (node, s) in s.as_chunks_mut::<5>().0.iter_mut().enumerate() {
-                    let (slots, parts) = self.deviator.of(node);
-                    for (slot, part) in slots.iter().zip(parts) {
-                        let [x, y, z] = [0, 1, 2].map(|c| row[3 * *slot as usize + c]);
-                        let [a, b, c, d, e, f, g, h, i, j, k, l]: &[f32; PARTS] = part;
-                        let add =
-                            [a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y, i * y + j * z, k * z + l * x];
-                        s.iter_mut().zip(add).for_each(|(s, v)| *s += v);
-                    }
-                }
-            });
-            [Matrix::constant(k, 3 * n, u), Matrix::constant(k, 5 * n, s)]
-        })
+    /// Number of displacement components: three per node that can move.
+    pub fn moving(&self) -> usize {
+        self.response.len() / self.forces.max(1)
     }
 
     /// How component `a` of a node gives to the force components: (forces); None if it is bonded.

@@ -6,7 +6,7 @@
 use super::features::{EDGE, NODE, PAD};
 use super::loads::{NODE_LOAD, PAD_LOAD};
 use super::network::Inputs;
-use super::ops::Sparse;
+use super::ops::{Sparse, deviated, displaced, reshape, respond};
 use super::predict::Predictor;
 use super::sample::Sample;
 use super::spec::NetworkSpec;
@@ -76,9 +76,13 @@ pub fn write(path: &Path, predictor: &Predictor, sample: &Sample) -> Result<()> 
         let carried = loads.node.chunks_exact(NODE_LOAD.len()).flat_map(|row| [row[6], row[7], row[8]]);
         let carried: Vec<f32> = carried.collect();
         arrays.matrix("carried", &Matrix::constant(carried.len() / 3, 3, carried));
-        let [response, stress] = f.graph.compliance.full();
-        arrays.matrix("response", response);
-        arrays.matrix("stress_response", stress);
+        let pad = &f.graph.compliance;
+        let unit = |i: usize| (0..pad.forces).map(move |j| f32::from(u8::from(i == j)));
+        let units = Matrix::constant(pad.forces, pad.forces, (0..pad.forces).flat_map(unit).collect());
+        let silent = Tape::silent();
+        let moved = respond(&silent, pad, &units);
+        arrays.matrix("response", &reshape(&silent, &displaced(&silent, pad, &moved), pad.forces));
+        arrays.matrix("stress_response", &reshape(&silent, &deviated(&silent, pad, &moved), pad.forces));
         let scale = loads.scale(f);
         arrays.matrix("scale", &Matrix::constant(scale.len(), 1, scale));
         arrays.matrix("units", &Matrix::constant(1, 2, vec![n.displacement, n.stress]));

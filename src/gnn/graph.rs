@@ -54,7 +54,7 @@ pub struct PadGraph {
     /// The same with no entry for bonded nodes: what it makes is exactly zero there.
     pub interpolate_free: Arc<Sparse>,
     /// Its linear response.
-    pub compliance: Compliance,
+    pub compliance: Arc<Compliance>,
     /// How its face is pressed.
     pub hats: Hats,
     /// BLAKE3 of the pad's mesh.
@@ -105,7 +105,7 @@ impl PadGraph {
         let rows = hanging(&pad.rest, &rest, &triangles, thickness, depths);
         let free: Vec<_> =
             rows.iter().zip(&pad.bonded).map(|(row, bonded)| if *bonded { Vec::new() } else { row.clone() }).collect();
-        let compliance = response(finger, &face, thickness, &hash, dir)?;
+        let compliance = Arc::new(response(finger, &face, thickness, &hash, dir)?);
         Ok(Self {
             hats: Hats::new(pad, &face, &rest, &area, &compliance),
             compliance,

@@ -79,7 +79,7 @@ fn floats(file: &mut File, from: u64, count: usize) -> Option<Vec<f32>> {
 /// Keeps a response, whole or not at all.
 pub fn write(path: &Path, compliance: &Compliance) {
     let Deviator { start, slot, parts } = &compliance.deviator;
-    let (forces, rows) = (compliance.forces, compliance.response.len() / compliance.forces.max(1));
+    let (forces, rows) = (compliance.forces, compliance.moving());
     let slots: Vec<u32> = compliance.slot.iter().map(|s| s.unwrap_or(NONE)).collect();
     let all = [
         ("response", Dtype::F32, vec![rows, forces], bytes(&compliance.response)),

@@ -41,7 +41,7 @@ pub fn respond<'a>(
         let (from, sign) = turn[r % 3];
         sign * scale[item] * contact[item * k + r - r % 3 + from]
     });
-    moved.resize(pad.response.len() / k * wide, 0.0);
+    moved.resize(pad.moving() * wide, 0.0);
     let rows = 3 * BLOCK;
     moved.par_chunks_mut(rows * wide).zip(pad.response.par_chunks(rows * k)).for_each(|(out, response)| {
         let a = Rows { data: response, stride: k, count: out.len() / wide };

@@ -15,7 +15,10 @@ use super::{Inputs, Network, Output, constant, repeat};
 use crate::gnn::features::{EDGE, NODE, PAD, VECTOR};
 use crate::gnn::graph::Layout;
 use crate::gnn::loads::{Loads, NODE_LOAD, PAD_LOAD};
-use crate::gnn::ops::{Activation, Sparse, apply, layer_norm, linear, product, reshape, share, sum, von_mises};
+use crate::gnn::ops::{
+    Activation, Sparse, apply, deviated, displaced, layer_norm, linear, product, reshape, respond, share, sum,
+    von_mises,
+};
 use crate::gnn::parameters::{Id, Maker, Parameters};
 use crate::gnn::real::Real;
 use crate::gnn::spec::Face;
@@ -257,23 +260,20 @@ fn linear_response<T: Real>(
     contact: &Matrix<T>,
 ) -> (Matrix<T>, Matrix<T>) {
     let (f, norms) = (inputs.features, inputs.normalisers);
-    let [response, stress] = f.graph.compliance.full();
+    let pad = &f.graph.compliance;
     let [x, y, _] = VECTOR.map(|parity| parity.sign(inputs.mirror));
     let diagonal = |v: &[f32]| Sparse::new(&(0..).zip(v).map(|(i, v)| vec![(i, *v)]).collect::<Vec<_>>(), v.len());
     // From (against the closing direction, x, y) to (x, y, z) of the pad that is not mirrored.
     let turn = Sparse::new(&[vec![(1, x)], vec![(2, y)], vec![(0, -1.0)]], 3);
     let force = apply(tape, &turn, &reshape(tape, contact, 3 * contact.rows));
     let force = reshape(tape, &force, loads.depth.len());
-    let to = |response: &Matrix, unit: f32, cols: usize| {
-        let scale: Vec<f32> = loads.scale(f).iter().map(|s| s / unit).collect();
-        let force = apply(tape, &diagonal(&scale), &force);
-        let given = linear(tape, &force, &T::matrix(response), None, Activation::None);
-        reshape(tape, &given, given.rows * given.cols / cols)
-    };
-    let mirrored = apply(tape, &diagonal(&[x, y, 1.0]), &to(response, norms.displacement, 1));
-    let displacement = reshape(tape, &mirrored, mirrored.rows / 3);
+    let scale: Vec<f32> = loads.scale(f).iter().map(|s| s / norms.stress).collect();
+    let moved = respond(tape, pad, &apply(tape, &diagonal(&scale), &force));
+    let unit = norms.stress / norms.displacement;
+    let given = displaced(tape, pad, &moved);
+    let mirrored = apply(tape, &diagonal(&[x * unit, y * unit, unit]), &reshape(tape, &given, 3 * given.rows));
     // Von Mises' norm does not know of mirrors.
-    (displacement, von_mises(tape, &to(stress, norms.stress, 5)))
+    (reshape(tape, &mirrored, given.rows), von_mises(tape, &deviated(tape, pad, &moved)))
 }
 
 /// What the settled gel says of the force on each node: its share as a logarithm, and the part along the face.

@@ -20,14 +20,10 @@ pub fn linear<T: Real>(
     };
     product((n, k, m), b.is_some(), &mut z, x.value(), w.value(), (false, false));
     let inputs: Vec<&Matrix<T>> = [x, w].into_iter().chain(b).collect();
-    let y = if act == Activation::None { z.clone() } else { z.iter().map(|z| act.value(*z)).collect() };
+    let (y, z) = act.applied(z);
     let (x, w, b) = (x.clone(), w.clone(), b.cloned());
-    let list = inputs;
-    tape.result(&list, (n, m), y, move |grads, out| {
-        let dz: Vec<T> = match act {
-            Activation::None => out.to_vec(),
-            _ => out.iter().zip(&z).map(|(g, z)| *g * act.slope(*z)).collect(),
-        };
+    tape.result(&inputs, (n, m), y, move |grads, out| {
+        let dz = act.sloped(out, &z);
         if let Some(dw) = grads.of(&w) {
             product((k, n, m), true, dw, x.value(), &dz, (true, false));
         }

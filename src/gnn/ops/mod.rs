@@ -3,6 +3,7 @@
 mod linear;
 mod norm;
 mod pointwise;
+mod response;
 mod share;
 mod sparse;
 mod von_mises;
@@ -10,6 +11,7 @@ mod von_mises;
 pub use linear::linear;
 pub use norm::layer_norm;
 pub use pointwise::{Activation, product, reshape, root_error, sum};
+pub use response::{deviated, displaced, respond};
 pub use share::share;
 pub use sparse::{Sparse, apply};
 pub use von_mises::{LITTLE, von_mises};

@@ -2,7 +2,9 @@
 
 use crate::gnn::real::Real;
 use crate::gnn::tape::{Matrix, Tape};
+use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// A function of one number, with its slope. None needs exp, which does not vectorise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -52,6 +54,64 @@ impl Activation {
             Activation::Relu => T::of(if z > T::of(0.0) { 1.0 } else { 0.0 }),
         }
     }
+
+    /// Its values at `z`, and what [`Self::sloped`] asks for of `z`.
+    pub fn applied<T: Real>(self, z: Vec<T>) -> (Vec<T>, Vec<T>) {
+        match self {
+            Activation::None => (z, Vec::new()),
+            _ => {
+                let mut y = vec![T::of(0.0); z.len()];
+                Arch::new().dispatch(Values { act: self, z: &z, y: &mut y });
+                (y, z)
+            }
+        }
+    }
+
+    /// The gradient of `z` from that of the values.
+    pub fn sloped<'a, T: Real>(self, out: &'a [T], z: &[T]) -> Cow<'a, [T]> {
+        match self {
+            Activation::None => Cow::Borrowed(out),
+            _ => {
+                let mut dz = out.to_vec();
+                Arch::new().dispatch(Slopes { act: self, z, dz: &mut dz });
+                Cow::Owned(dz)
+            }
+        }
+    }
+}
+
+/// `y = act(z)`.
+struct Values<'a, T> {
+    act: Activation,
+    z: &'a [T],
+    y: &'a mut [T],
+}
+
+impl<T: Real> WithSimd for Values<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { act, z, y } = self;
+        y.iter_mut().zip(z).for_each(|(y, z)| *y = act.value(*z));
+    }
+}
+
+/// `dz = dz * slope of act at z`.
+struct Slopes<'a, T> {
+    act: Activation,
+    z: &'a [T],
+    dz: &'a mut [T],
+}
+
+impl<T: Real> WithSimd for Slopes<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { act, z, dz } = self;
+        dz.iter_mut().zip(z).for_each(|(dz, z)| *dz *= act.slope(*z));
+    }
 }
 
 /// `act(a + b + ...)` of matrices of one shape.
@@ -62,13 +122,13 @@ pub fn sum<T: Real>(tape: &Tape<T>, terms: &[&Matrix<T>], act: Activation) -> Ma
     for term in &terms[1..] {
         z.iter_mut().zip(term.value()).for_each(|(z, t)| *z += *t);
     }
-    let y = if act == Activation::None { z.clone() } else { z.iter().map(|z| act.value(*z)).collect() };
+    let (y, z) = act.applied(z);
     let kept: Vec<Matrix<T>> = terms.iter().map(|t| (*t).clone()).collect();
     tape.result(terms, (rows, cols), y, move |grads, out| {
-        let dz: Vec<T> = out.iter().zip(&z).map(|(g, z)| *g * act.slope(*z)).collect();
+        let dz = act.sloped(out, &z);
         for term in &kept {
             if let Some(d) = grads.of(term) {
-                d.iter_mut().zip(&dz).for_each(|(d, g)| *d += *g);
+                d.iter_mut().zip(&*dz).for_each(|(d, g)| *d += *g);
             }
         }
     })

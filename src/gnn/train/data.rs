@@ -9,7 +9,7 @@ use crate::gnn::graph::{Layout, PadGraph};
 use crate::gnn::loads::{Loads, NODE_LOAD, PAD_LOAD};
 use crate::gnn::network::{Normalisers, VolumeNormalisers};
 use crate::gnn::normalise::Normaliser;
-use crate::gnn::ops::{Activation, linear};
+use crate::gnn::ops::{displaced, respond};
 use crate::gnn::sample::{Sample, model_of};
 use crate::gnn::tape::{Matrix, Tape};
 use crate::gnn::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE};
@@ -159,8 +159,9 @@ fn beyond_response(samples: &[Sample], loads: &[&Loads]) -> f32 {
         let force = s.contact.iter().map(|f| f / s.features.unit_force() as f32).collect();
         let force = Matrix::constant(l.depth.len(), 3 * graph.face.len(), force);
         // A network of whole pads gives the displacement by itself.
-        let given = matches!(graph.layout, Layout::Face { .. })
-            .then(|| linear(&Tape::silent(), &force, &graph.compliance.full()[0], None, Activation::None));
+        let (pad, tape) = (&graph.compliance, Tape::silent());
+        let given =
+            matches!(graph.layout, Layout::Face { .. }).then(|| displaced(&tape, pad, &respond(&tape, pad, &force)));
         for (i, u) in s.displacement.iter().enumerate() {
             let given = given.as_ref().map_or(0.0, |g| f64::from(g.value()[i]) * graph.thickness);
             square += ((f64::from(*u) - given) / l.depth[i / width]).powi(2);
