@@ -8,6 +8,8 @@ use crate::model::Model;
 
 /// Part of the final force at which contact is established.
 const FIRST_TOUCH: f64 = 0.02;
+/// Steps in which the fingers take an object with weight over from its support.
+const HANDOVER: u32 = 4;
 
 /// Why a level was not reached.
 enum Refusal {
@@ -48,10 +50,14 @@ impl Solver {
         let load = if model.force_driven { Load::Force } else { Load::Travel };
         let mut done = Advanced::default();
         let begins = !std::mem::replace(&mut self.started, true);
+        // An object with weight rests on its support until the first level; less might not hold it.
+        let supported = begins && model.force_driven && model.free && model.gravity.is_some();
         if begins && model.force_driven {
-            // An object with weight rests on its support until the first level; less might not hold it.
             let gentle = model.levels.last().copied().unwrap_or(level) * FIRST_TOUCH;
-            let first = if model.gravity.is_some() { level } else { gentle.min(0.5 * level) };
+            let first = gentle.min(0.5 * level);
+            if supported {
+                self.change_weight(|weight| weight.handed_over(0.0));
+            }
             self.path.tolerance = self.tolerance(model, first);
             self.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
             self.back_off(model).map_err(Refusal::Final)?;
@@ -60,9 +66,6 @@ impl Solver {
             let made = self.path.establish(first, model.law.offset);
             let refuse = |f| self.refuse(model, &making, f);
             done = made.map_err(|f| self.squeezed_out(model, first, f).map_or_else(|| refuse(f), Refusal::Final))?;
-            if first == level {
-                done = self.path.polish().map_err(|f| self.refuse(model, &making, f))?;
-            }
         }
         // Before it is held it may roll to where it rests.
         self.path.leash = model.leash.filter(|_| !begins);
@@ -70,13 +73,17 @@ impl Solver {
             self.condense(model).map_err(Refusal::Condensed)?;
         }
         self.path.tolerance = self.tolerance(model, level);
-        let more = match &mut self.condensed {
-            // The same force under another load on the object is another equilibrium.
-            None if model.needs.task && self.path.level == level => self.path.polish(),
-            None => self.path.advance(load, level),
-            Some(pads) => pads.advance(&mut self.path, model, load, level),
-        };
+        let again = model.needs.task && self.path.level == level;
+        let more = self.load(model, load, level, again);
         done.add(more.map_err(|f| self.refuse(model, &at(load, level), f))?);
+        for k in (1..=HANDOVER).filter(|_| supported) {
+            self.change_weight(|weight| weight.handed_over(f64::from(k) / f64::from(HANDOVER)));
+            // What the force did before says nothing of what the weight does.
+            self.path.history = None;
+            let more = self.load(model, load, level, true);
+            let taking = format!("taking the object over from its support {}", at(load, level));
+            done.add(more.map_err(|f| self.refuse(model, &taking, f))?);
+        }
         if !self.is_upright() {
             return Err(Refusal::Condensed(format!(
                 "{}: an element of a condensed pad turns inside out",
@@ -89,6 +96,15 @@ impl Solver {
         }
         self.path.recover();
         Ok(done)
+    }
+
+    /// Goes to `level`, or finds the equilibrium there `again`: the same force under another load on the object is another one.
+    fn load(&mut self, model: &Model, load: Load, level: f64, again: bool) -> std::result::Result<Advanced, Failure> {
+        match &mut self.condensed {
+            None if again => self.path.polish(),
+            None => self.path.advance(load, level),
+            Some(pads) => pads.advance(&mut self.path, model, load, level),
+        }
     }
 
     fn refuse(&self, model: &Model, at: &str, failure: Failure) -> Refusal {

@@ -138,8 +138,13 @@ impl Solver {
 
     /// Sets what pulls at the object, N, hand frame.
     pub fn set_weight(&mut self, force: DVec3) {
+        self.change_weight(|weight| weight.with_force(force));
+    }
+
+    /// Changes what pulls at the object.
+    pub(super) fn change_weight(&mut self, change: impl Fn(&Weight) -> Weight) {
         for term in self.path.newton.terms.iter_mut().flatten() {
-            let weight = term.as_any().downcast_ref::<Weight>().map(|w| w.with_force(force));
+            let weight = term.as_any().downcast_ref::<Weight>().map(&change);
             if let Some(weight) = weight {
                 *term = Box::new(weight);
             }

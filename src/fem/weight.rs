@@ -8,7 +8,7 @@ use std::any::Any;
 
 /// A dead load at the object's centre of mass: potential `-f . c`. Belongs to one body of the solver, whichever, because
 /// the border is assembled with the bodies. While contact is being established, with nothing yet to hold the
-/// object, a support carries it.
+/// object, a support carries it, and afterwards as much of it as the support has not handed over yet.
 #[derive(Debug, Clone, Copy)]
 pub struct Weight {
     /// Weight, N, hand frame.
@@ -17,33 +17,42 @@ pub struct Weight {
     pub center: DVec3,
     /// Where it is at the start, hand frame, m: the potential counts from there, which keeps its digits.
     pub start: DVec3,
-    /// The object hangs in the pads alone.
-    hangs: bool,
+    /// Part of it that the support has handed over.
+    part: f64,
+    /// Contact is as hard as it gets.
+    touched: bool,
 }
 
 impl Weight {
     /// The weight of `force` N at `center` (object frame, m), which is at `start` (hand frame, m).
     pub fn new(force: DVec3, center: DVec3, start: DVec3) -> Self {
-        Self { force, center, start, hangs: true }
+        Self { force, center, start, part: 1.0, touched: true }
     }
 
     /// The same object under another load.
     pub fn with_force(&self, force: DVec3) -> Self {
         Self { force, ..*self }
     }
+
+    /// The same of which the support has handed over a part.
+    pub fn handed_over(&self, part: f64) -> Self {
+        Self { part, ..*self }
+    }
+
+    /// What the pads have to hold, N.
+    fn hanging(&self) -> DVec3 {
+        if self.touched { self.force * self.part } else { DVec3::ZERO }
+    }
 }
 
 impl BodyTerm for Weight {
     fn energy(&self, _: &Body, view: &View) -> f64 {
-        if !self.hangs {
-            return 0.0;
-        }
-        -self.force.dot(view.position + view.rotation * self.center - self.start)
+        -self.hanging().dot(view.position + view.rotation * self.center - self.start)
     }
 
     fn assemble(&mut self, _: &Body, view: &View, project: bool, block: &mut Block) {
-        let (Some(c), true) = (view.pose_column, self.hangs) else { return };
-        let (f, r) = (self.force, view.rotation * self.center);
+        let (f, r) = (self.hanging(), view.rotation * self.center);
+        let (Some(c), true) = (view.pose_column, f != DVec3::ZERO) else { return };
         let torque = r.cross(f).to_array();
         for (k, (f, t)) in f.to_array().into_iter().zip(torque).enumerate() {
             block.border_gradient[c + k] -= f;
@@ -63,7 +72,7 @@ impl BodyTerm for Weight {
     }
 
     fn soften(&mut self, factor: f64) {
-        self.hangs = factor <= 1.0;
+        self.touched = factor <= 1.0;
     }
 
     fn as_any(&self) -> &dyn Any {

@@ -131,11 +131,21 @@ impl Grip {
             (gap - nearest, normal)
         };
         let (mut force, mut rest) = (0.0, grip.looked(start, &object));
+        // A support carries the object until the first level.
+        let heavy = grip.weight;
+        let hangs = model.levels.first().map(|level| level / unit).filter(|_| heavy[0] != DVec3::ZERO);
+        grip.weight[0] = DVec3::ZERO;
         while force < most {
             let next = f64::max(FIRST, force * STEP);
+            let next = hangs.filter(|hangs| force < *hangs && *hangs <= next).unwrap_or(next);
             let after = grip.looked(grip.follow(&rest, next), &object);
             grip.path.push((force, std::mem::replace(&mut rest, after)));
             force = next;
+            if hangs == Some(force) {
+                grip.weight = heavy;
+                let after = grip.looked(grip.follow(&rest, force), &object);
+                grip.path.push((force.next_down(), std::mem::replace(&mut rest, after)));
+            }
         }
         grip.faces = (0..grip.fingers.len()).map(|p| grip.face(p, &rest, &object)).collect();
         grip.path.push((force, rest));
