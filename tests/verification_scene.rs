@@ -98,3 +98,24 @@ fn force_grows_with_travel() {
         println!("{shape}: {:.3} mm at {} N, last stiffness {slope:.0} N/m", 1e3 * curve[15].0, curve[15].1);
     }
 }
+
+#[test]
+fn next_to_no_weight_changes_next_to_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    let with = |density: f64, gravity: &str| {
+        let object = format!("(shape: Ellipsoid(radii: (0.014, 0.02, 0.017)), density: {density})");
+        let text = format!("Scene(object: {object}, {GRIPPER}, loading: Squeeze(force: 8.0, frames: 3), {gravity})");
+        frames(&path, &text)
+    };
+    // The gel weighs what it weighs: of two objects of different weight one is as good as weightless.
+    let down = "gravity: (0, 0, 9.81)";
+    let (weightless, light, heavy) = (with(1e-6, down), with(1e-2, down), with(900.0, down));
+    let error = difference(&weightless, &light, false);
+    println!("a weight of 2 uN: displacements differ by {error:.1e} of the largest");
+    assert!(error < 1e-4, "a weight of 2 uN changes displacements by {error:e} of the largest");
+    // 0.18 N hang in the gel, and go down.
+    let sunk = |frames: &[Frame]| (frames[0].object_position - weightless[0].object_position).z;
+    println!("a weight of 0.18 N sinks by {:.1e} m", sunk(&heavy));
+    assert!(sunk(&heavy) > 1e-6 && sunk(&heavy) < 1e-4, "0.18 N sink by {} m", sunk(&heavy));
+}
