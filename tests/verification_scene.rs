@@ -103,14 +103,14 @@ fn force_grows_with_travel() {
 fn next_to_no_weight_changes_next_to_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.ron");
-    let with = |density: f64, gravity: &str| {
+    let hanging = |density: f64| {
         let object = format!("(shape: Ellipsoid(radii: (0.014, 0.02, 0.017)), density: {density})");
-        let text = format!("Scene(object: {object}, {GRIPPER}, loading: Squeeze(force: 8.0, frames: 3), {gravity})");
+        let loads = "loading: Squeeze(force: 8.0, frames: 3), gravity: (0, 0, 9.81)";
+        let text = format!("Scene(object: {object}, {GRIPPER}, {loads})");
         frames(&path, &text)
     };
     // The gel weighs what it weighs: of two objects of different weight one is as good as weightless.
-    let down = "gravity: (0, 0, 9.81)";
-    let (weightless, light, heavy) = (with(1e-6, down), with(1e-2, down), with(900.0, down));
+    let (weightless, light, heavy) = (hanging(1e-6), hanging(1e-2), hanging(900.0));
     let error = difference(&weightless, &light, false);
     println!("a weight of 2 uN: displacements differ by {error:.1e} of the largest");
     assert!(error < 1e-4, "a weight of 2 uN changes displacements by {error:e} of the largest");
