@@ -18,14 +18,21 @@ use tactus::stepper::choose;
 
 /// Frames of the one grasp of a scene, which must reach its force.
 fn frames(path: &Path, text: &str) -> Vec<Frame> {
+    let (status, reason, frames) = outcome(path, text);
+    assert_eq!(status, Status::Reached, "{reason}");
+    frames
+}
+
+/// How the one grasp of a scene ends, why, and its frames.
+fn outcome(path: &Path, text: &str) -> (Status, String, Vec<Frame>) {
     std::fs::write(path, text).unwrap();
     let scene = load(path).unwrap_or_else(|e| panic!("{e}")).scene;
     let model = Model::build(&scene).unwrap();
     let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
     let keep = Keep::default();
     let outcomes = run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 2, &keep).unwrap();
-    assert_eq!(outcomes[0].summary.status, Status::Reached, "{:?}", outcomes[0].summary.reason);
-    keep.0.into_inner().unwrap()
+    let summary = &outcomes[0].summary;
+    (summary.status, summary.reason.clone().unwrap_or_default(), keep.0.into_inner().unwrap())
 }
 
 const GRIPPER: &str = "gripper: (pads: GelSightMini(spacing: 4e-3)), record: (fields: [])";
@@ -118,4 +125,29 @@ fn next_to_no_weight_changes_next_to_nothing() {
     let sunk = |frames: &[Frame]| (frames[0].object_position - weightless[0].object_position).z;
     println!("a weight of 0.18 N sinks by {:.1e} m", sunk(&heavy));
     assert!(sunk(&heavy) > 1e-6 && sunk(&heavy) < 1e-4, "0.18 N sink by {} m", sunk(&heavy));
+}
+
+#[test]
+fn an_object_that_swings_out_of_the_hand_is_not_held() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    // A bar held 25 mm beside its centre, which the pads have to carry by their torsion alone.
+    let held = |density: f64, solver: &str| {
+        let object = format!("(shape: Cuboid(size: (0.02, 0.02, 0.1), edge_radius: 0.005), density: {density})");
+        let grasps = "grasps: List([(position: (0, 0.1, 0.025), rotation: (0.70710678, 0.70710678, 0, 0))])";
+        let loads = "loading: Squeeze(force: 8.0, frames: 1), gravity: (0, 9.81, 0)";
+        let stepper = format!("stepper: Fem(solver: {solver})");
+        outcome(&path, &format!("Scene(object: {object}, {GRIPPER}, {grasps}, {loads}, {stepper})"))
+    };
+    let [whole, condensed] = ["Full", "Condensed()"].map(|solver| {
+        let (status, reason, _) = held(6000.0, solver);
+        assert_eq!(status, Status::Fault);
+        assert!(reason.contains("moves too far to count as held"), "{solver}: {reason}");
+        let (status, reason, frames) = held(1500.0, solver);
+        assert_eq!(status, Status::Reached, "{solver}: {reason}");
+        frames[0].object_rotation.angle_between(DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2))
+    });
+    println!("0.6 N hang 25 mm beside the pads: turned by {whole:.4} rad, condensed pads {condensed:.4} rad");
+    assert!((0.001..0.02).contains(&whole), "turned by {whole} rad");
+    assert!((whole - condensed).abs() < 0.02 * whole, "{whole} rad, condensed {condensed} rad");
 }

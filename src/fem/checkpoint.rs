@@ -13,6 +13,13 @@ pub struct Checkpoint {
     force: Vec<f64>,
 }
 
+impl Checkpoint {
+    /// The accepted state.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+}
+
 impl Path {
     /// What [`Path::restore`] goes back to.
     pub fn checkpoint(&self) -> Checkpoint {
@@ -29,5 +36,6 @@ impl Path {
     pub fn restore(&mut self, checkpoint: Checkpoint) {
         (self.state, self.level, self.history) = (checkpoint.state, checkpoint.level, checkpoint.history);
         (self.newton.terms, self.newton.force) = (checkpoint.terms, checkpoint.force);
+        self.underway = false;
     }
 }

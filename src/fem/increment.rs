@@ -15,6 +15,10 @@ pub struct Path {
     pub tolerance: Tolerance,
     /// Motion of the object in one walk at which it counts as lost, m; None follows it however far it goes.
     pub leash: Option<f64>,
+    /// Motion of the object after which a walk halts on its way, m; None walks on to where the object rests.
+    pub stage: Option<f64>,
+    /// A walk has halted in `state`, which is no equilibrium: the next one goes on there.
+    pub(super) underway: bool,
     /// The accepted state before `state`, with its level.
     pub(super) history: Option<(State, f64)>,
     /// Increment that worked last.
@@ -74,7 +78,18 @@ const ENDURANCE: u32 = 4000;
 impl Path {
     /// Starts at `state`, which must be in equilibrium at level zero.
     pub fn new(newton: Newton, state: State, tolerance: Tolerance) -> Self {
-        Self { newton, state, level: 0.0, tolerance, leash: None, history: None, increment: f64::INFINITY, spent: 0 }
+        Self {
+            newton,
+            state,
+            level: 0.0,
+            tolerance,
+            leash: None,
+            stage: None,
+            underway: false,
+            history: None,
+            increment: f64::INFINITY,
+            spent: 0,
+        }
     }
 
     /// True once so much was spent on walks and on increments that failed that the next failure ends the path.
@@ -108,7 +123,7 @@ impl Path {
     /// Solves once more at the level reached, to the full tolerance.
     ///
     /// # Errors
-    /// The [`Failure`]; the state stays as it was.
+    /// The [`Failure`]; the state stays as it was, or after [`Failure::Underway`] is where the walk halted.
     pub fn polish(&mut self) -> Result<Advanced, Failure> {
         let mut done = Advanced::default();
         self.settle(self.state.clone(), true, &mut done).map(|()| done)
@@ -190,20 +205,22 @@ impl Path {
 
     /// Solves from `state` and accepts the result; if that fails and `walk` is set, walks there from the accepted state.
     fn settle(&mut self, mut state: State, walk: bool, done: &mut Advanced) -> Result<(), Failure> {
-        let failure = match self.newton.solve(&mut state, &self.tolerance) {
-            Ok(converged) => {
-                self.newton.commit(&state);
-                self.state = state;
-                done.accept(converged);
-                return Ok(());
+        if !std::mem::take(&mut self.underway) {
+            let failure = match self.newton.solve(&mut state, &self.tolerance) {
+                Ok(converged) => {
+                    self.newton.commit(&state);
+                    self.state = state;
+                    done.accept(converged);
+                    return Ok(());
+                }
+                Err(failure) => failure,
+            };
+            self.newton.rollback();
+            done.iterations += self.tolerance.iterations;
+            self.spent += self.tolerance.iterations;
+            if !walk || self.newton.border.size == 0 || self.exhausted() {
+                return Err(failure);
             }
-            Err(failure) => failure,
-        };
-        self.newton.rollback();
-        done.iterations += self.tolerance.iterations;
-        self.spent += self.tolerance.iterations;
-        if !walk || self.newton.border.size == 0 || self.exhausted() {
-            return Err(failure);
         }
         let saved = self.newton.save();
         let before = done.iterations;
@@ -216,6 +233,7 @@ impl Path {
                 self.history = None;
                 Ok(())
             }
+            Err(Failure::Underway) => Err(Failure::Underway),
             Err(failure) => {
                 self.newton.terms = saved;
                 Err(failure)

@@ -8,8 +8,13 @@ use crate::model::Model;
 
 /// Part of the final force at which contact is established.
 const FIRST_TOUCH: f64 = 0.02;
+/// Largest force over the one before on the way to the first level of an object with weight: condensed pads get no further.
+const RAISE: f64 = 2.5;
 /// Steps in which the fingers take an object with weight over from its support.
 const HANDOVER: u32 = 4;
+
+/// Motion in one of them, in the measure of [`super::state::Border::distance`], at which the object counts as dropped, m.
+const DROPPED: f64 = 1e-2;
 
 /// Why a level was not reached.
 enum Refusal {
@@ -72,6 +77,16 @@ impl Solver {
         if begins && !model.force_driven {
             self.condense(model).map_err(Refusal::Condensed)?;
         }
+        if supported {
+            let (first, ratio) = (self.path.level, level / self.path.level);
+            let stages = ratio.log(RAISE).ceil().max(1.0) as u32;
+            for k in 1..stages {
+                let stage = first * ratio.powf(f64::from(k) / f64::from(stages));
+                self.path.tolerance = self.tolerance(model, stage);
+                let more = self.load(model, load, stage, false);
+                done.add(more.map_err(|f| self.refuse(model, &at(load, stage), f))?);
+            }
+        }
         self.path.tolerance = self.tolerance(model, level);
         let again = model.needs.task && self.path.level == level;
         let more = self.load(model, load, level, again);
@@ -80,7 +95,11 @@ impl Solver {
             self.change_weight(|weight| weight.handed_over(f64::from(k) / f64::from(HANDOVER)));
             // What the force did before says nothing of what the weight does.
             self.path.history = None;
-            let more = self.load(model, load, level, true);
+            self.path.leash = Some(DROPPED);
+            let more = match &mut self.condensed {
+                Some(pads) => pads.follow(&mut self.path, model, DROPPED),
+                None => self.path.polish(),
+            };
             let taking = format!("taking the object over from its support {}", at(load, level));
             done.add(more.map_err(|f| self.refuse(model, &taking, f))?);
         }

@@ -59,6 +59,8 @@ pub enum Failure {
     Lost,
     /// The object moved farther at one load level than counts as held.
     Astray,
+    /// The object is still on its way: nothing failed, but the way was to be followed in stages.
+    Underway,
 }
 
 impl std::fmt::Display for Failure {
@@ -69,6 +71,7 @@ impl std::fmt::Display for Failure {
             Failure::Corrections(e) => write!(f, "the corrections of the condensed pads do not settle (error {e:.1e})"),
             Failure::Lost => f.write_str("a finger closes on nothing: the object was squeezed out"),
             Failure::Astray => f.write_str("the object moves too far to count as held"),
+            Failure::Underway => f.write_str("the object is still moving"),
             Failure::Unsettled => f.write_str("the object keeps rolling or sliding and does not come to rest"),
             Failure::Singular => f.write_str("the stiffness is not positive definite or not finite"),
         }

@@ -31,7 +31,8 @@ const FORGETTING: f64 = 0.7;
 
 impl Path {
     /// Pseudo-time steps at fixed load from the accepted state, each an equilibrium with a spring to the one before, until
-    /// an equilibrium without the spring is near: follows an object that rolls or slides to where it comes to rest.
+    /// an equilibrium without the spring is near: follows an object that rolls or slides to where it comes to rest, or to the
+    /// end of a stage, which becomes the accepted state.
     pub(super) fn walk(&mut self, done: &mut Advanced) -> Result<State, Failure> {
         let load = self.newton.force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let full = self.tolerance;
@@ -71,6 +72,10 @@ impl Path {
                     slack = (FOLLOWED * pull / floor).clamp(1.0, LOOSE);
                     if gone {
                         return Err(Failure::Astray);
+                    }
+                    if self.stage.is_some_and(|most| self.newton.border.distance(&state, &self.state) > most) {
+                        (self.state, self.history, self.underway) = (state, None, true);
+                        return Err(Failure::Underway);
                     }
                     apart = if self.newton.untouched() { apart + moved } else { 0.0 };
                     if apart >= APART {

@@ -47,6 +47,8 @@ pub struct Condensation {
 const CORRECTIONS: u32 = 8;
 /// A correction must fall to this part of the one before, or the stiffness is out of date.
 const CONTRACTION: f64 = 0.3;
+/// Motion of an object in its grasp after which the pads are condensed anew, m.
+const STAGE: f64 = 2e-3;
 /// New patches and smaller increments on the way to one level.
 const ATTEMPTS: u32 = 10;
 
@@ -85,10 +87,41 @@ impl Condensation {
         self.condense(path, patches)
     }
 
+    /// Finds the equilibrium at the level reached once more, under another load on the object, which may take it far from where
+    /// the pads are condensed: they are condensed anew on the way, which is given up when it is longer than `most` (m).
+    ///
+    /// # Errors
+    /// The last [`Failure`]; the path is then as it was.
+    pub fn follow(&mut self, path: &mut Path, model: &Model, most: f64) -> Result<Advanced, Failure> {
+        let start = path.checkpoint();
+        let way = |path: &Path| path.newton.border.distance(&path.state, start.state());
+        path.stage = Some(STAGE);
+        let mut done = self.advance(path, model, Load::Force, path.level);
+        while done.as_ref().err() == Some(&Failure::Underway) && way(path) <= most && !path.exhausted() {
+            done = self.renew(path, model).and_then(|()| self.advance(path, model, Load::Force, path.level));
+        }
+        path.stage = None;
+        if way(path) > most {
+            done = Err(Failure::Astray);
+        }
+        if done.is_err() {
+            path.restore(start);
+        }
+        done
+    }
+
+    /// Condenses the pads anew where they touch now.
+    fn renew(&mut self, path: &mut Path, model: &Model) -> Result<(), Failure> {
+        self.correct(path)?;
+        let patches = self.patches(path, model, 1.0);
+        self.condense(path, patches)
+    }
+
     /// Raises the load to `level` and corrects the pads there.
     ///
     /// # Errors
-    /// The last [`Failure`]; the path is then as it was at the last accepted level.
+    /// The last [`Failure`]; the path is then as it was at the last accepted level, or after [`Failure::Underway`] at the end of a
+    /// stage.
     pub fn advance(&mut self, path: &mut Path, model: &Model, load: Load, level: f64) -> Result<Advanced, Failure> {
         let (mut done, mut goal, mut attempts) = (Advanced::default(), level, 0);
         loop {
@@ -100,6 +133,7 @@ impl Condensation {
                     goal = level;
                     continue;
                 }
+                Err(Refusal::Failed(Failure::Underway)) => return Err(Failure::Underway),
                 Err(refusal) => refusal,
             };
             attempts += 1;
