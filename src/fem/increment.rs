@@ -233,9 +233,10 @@ impl Path {
                 self.history = None;
                 Ok(())
             }
-            Err(Failure::Underway) => Err(Failure::Underway),
             Err(failure) => {
-                self.newton.terms = saved;
+                if failure != Failure::Underway {
+                    self.newton.terms = saved;
+                }
                 Err(failure)
             }
         }

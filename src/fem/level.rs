@@ -91,13 +91,15 @@ impl Solver {
         let again = model.needs.task && self.path.level == level;
         let more = self.load(model, load, level, again);
         done.add(more.map_err(|f| self.refuse(model, &at(load, level), f))?);
+        if supported {
+            self.path.leash = Some(DROPPED);
+        }
         for k in (1..=HANDOVER).filter(|_| supported) {
             self.change_weight(|weight| weight.handed_over(f64::from(k) / f64::from(HANDOVER)));
             // What the force did before says nothing of what the weight does.
             self.path.history = None;
-            self.path.leash = Some(DROPPED);
             let more = match &mut self.condensed {
-                Some(pads) => pads.follow(&mut self.path, model, DROPPED),
+                Some(pads) => pads.follow(&mut self.path, model),
                 None => self.path.polish(),
             };
             let taking = format!("taking the object over from its support {}", at(load, level));

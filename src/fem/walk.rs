@@ -61,7 +61,8 @@ impl Path {
                     spent += converged.iterations;
                     done.iterations += converged.iterations;
                     let way = |from: &State| self.newton.border.distance(&next, from);
-                    let (moved, gone) = (way(&state), self.leash.is_some_and(|most| way(&self.state) > most));
+                    let (moved, total) = (way(&state), way(&self.state));
+                    let beyond = |most: Option<f64>| most.is_some_and(|most| total > most);
                     let pull = self.newton.proximal.as_ref().map_or(0.0, |springs| springs.pull(&self.newton, &next));
                     state = next;
                     // A spring that pulls less than the forces are out of balance anyhow changes nothing.
@@ -70,10 +71,10 @@ impl Path {
                         return Ok(state);
                     }
                     slack = (FOLLOWED * pull / floor).clamp(1.0, LOOSE);
-                    if gone {
+                    if beyond(self.leash) {
                         return Err(Failure::Astray);
                     }
-                    if self.stage.is_some_and(|most| self.newton.border.distance(&state, &self.state) > most) {
+                    if beyond(self.stage) {
                         (self.state, self.history, self.underway) = (state, None, true);
                         return Err(Failure::Underway);
                     }

@@ -88,20 +88,23 @@ impl Condensation {
     }
 
     /// Finds the equilibrium at the level reached once more, under another load on the object, which may take it far from where
-    /// the pads are condensed: they are condensed anew on the way, which is given up when it is longer than `most` (m).
+    /// the pads are condensed: they are condensed anew on the way, which is given up when it is longer than the leash.
     ///
     /// # Errors
     /// The last [`Failure`]; the path is then as it was.
-    pub fn follow(&mut self, path: &mut Path, model: &Model, most: f64) -> Result<Advanced, Failure> {
+    pub fn follow(&mut self, path: &mut Path, model: &Model) -> Result<Advanced, Failure> {
         let start = path.checkpoint();
-        let way = |path: &Path| path.newton.border.distance(&path.state, start.state());
+        let gone = |path: &Path| {
+            let way = path.newton.border.distance(&path.state, start.state());
+            path.leash.is_some_and(|most| way > most)
+        };
         path.stage = Some(STAGE);
         let mut done = self.advance(path, model, Load::Force, path.level);
-        while done.as_ref().err() == Some(&Failure::Underway) && way(path) <= most && !path.exhausted() {
+        while done.as_ref().err() == Some(&Failure::Underway) && !gone(path) && !path.exhausted() {
             done = self.renew(path, model).and_then(|()| self.advance(path, model, Load::Force, path.level));
         }
         path.stage = None;
-        if way(path) > most {
+        if gone(path) {
             done = Err(Failure::Astray);
         }
         if done.is_err() {
