@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 use std::path::Path;
-use tactus::grasp::{grasps_of, poses_of, sample_of};
+use tactus::grasp::{grasps_of, keep_first, poses_of, sample_of};
 use tactus::model::object;
-use tactus::scene::{Grasps, Scene, load, load_set};
+use tactus::scene::{GraspCount, Grasps, Scene, load, load_set};
 
 fn scene(shape: &str, antipodal: &str, gripper: &str) -> Scene {
     let dir = tempfile::tempdir().unwrap();
@@ -60,6 +60,9 @@ fn a_seed_fixes_the_grasps_and_more_grasps_begin_with_the_same_ones() {
     let (five, nine) = (poses("count: 5, seed: 3"), poses("count: 9, seed: 3"));
     assert_eq!(five[..], nine[..5]);
     assert_ne!(five, poses("count: 5, seed: 4"));
+    let mut cut = scene("Lemon()", "count: 9, seed: 3", "");
+    keep_first(&mut cut.grasps, GraspCount::new(5).unwrap()).unwrap();
+    assert_eq!(five, poses_of(&cut).unwrap());
 }
 
 #[test]

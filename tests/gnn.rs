@@ -3,6 +3,7 @@
 mod dataset_tiny;
 mod gnn_made;
 
+use dataset_tiny::TINY;
 use glam::{DQuat, DVec3};
 use gnn_made::{Made, ball, made, set};
 use std::sync::Arc;
@@ -181,6 +182,26 @@ fn a_bench_sets_the_network_against_finite_elements() {
         report["speedup_at_equal_error"].as_f64() >= ratio,
         "the headline is the best of those that claim a speed-up"
     );
+}
+
+#[test]
+fn a_bench_puts_a_network_on_the_pads_that_it_was_trained_for() {
+    let made = made();
+    let coarser = made.tiny.out("coarser.ron");
+    std::fs::write(&coarser, TINY.replace("ELEMENT", "Quadratic").replace("spacing: 8e-3", "spacing: 11.3e-3"))
+        .unwrap();
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_tactus"));
+    command.arg("bench").arg(&coarser).arg("--model").arg(&made.model);
+    let output = command.args("--object ball --grasps 1 --repeat 1 --format json".split(' ')).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let points = report["points"].as_array().unwrap();
+    let nodes = |label: &str| {
+        let found = points.iter().find(|p| p["label"].as_str().is_some_and(|l| l.contains(label)));
+        found.unwrap_or_else(|| panic!("no {label}"))["nodes"].as_u64().unwrap()
+    };
+    assert_eq!(nodes("network model 7.99 mm"), nodes("quadratic 7.99 mm"), "not on the pads of the scene");
+    assert!(nodes("quadratic 11.30 mm") < nodes("quadratic 7.99 mm"));
 }
 
 #[test]

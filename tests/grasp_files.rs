@@ -3,8 +3,8 @@
 use glam::{DQuat, DVec3};
 use hdf5_pure::FileBuilder;
 use std::path::Path;
-use tactus::grasp::{GraspPose, poses_of, read_grasps_h5, write_grasps_h5};
-use tactus::scene::load;
+use tactus::grasp::{GraspPose, keep_first, poses_of, read_grasps_h5, write_grasps_h5};
+use tactus::scene::{GraspCount, Scene, load};
 
 /// The shared data next to the repository; None (and a word about it) where it is absent.
 fn objects() -> Option<Vec<std::path::PathBuf>> {
@@ -88,19 +88,30 @@ fn scenes_choose_among_the_grasps_of_a_file() {
     let dir = tempfile::tempdir().unwrap();
     let pose = |i: i32| GraspPose { position: DVec3::splat(f64::from(i)), rotation: DQuat::IDENTITY };
     write_grasps_h5(dir.path().join("g.h5"), &(0..10).map(pose).collect::<Vec<_>>()).unwrap();
-    let rows = |grasps: &str| {
+    let scene = |grasps: &str| {
         let path = dir.path().join("s.ron");
         let text = format!("(object: (shape: Sphere(radius: 0.02)), loading: Squeeze(force: 15), grasps: {grasps})");
         std::fs::write(&path, text).unwrap();
-        let scene = load(&path).unwrap().scene;
-        poses_of(&scene).map(|poses| poses.iter().map(|p| p.position.x as i32).collect::<Vec<_>>())
+        load(&path).unwrap().scene
     };
+    let numbers =
+        |scene: &Scene| poses_of(scene).map(|poses| poses.iter().map(|p| p.position.x as i32).collect::<Vec<_>>());
+    let rows = |grasps: &str| numbers(&scene(grasps));
     assert_eq!(rows("File(\"g.h5\")").unwrap(), (0..10).collect::<Vec<_>>());
     assert_eq!(rows("File(path: \"g.h5\", select: [7, 0])").unwrap(), [7, 0]);
     assert_eq!(rows("File(path: \"g.h5\", select: 2..4)").unwrap(), [2, 3]);
     assert_eq!(rows("File(path: \"g.h5\", select: ..2)").unwrap(), [0, 1]);
     let error = rows("File(path: \"g.h5\", select: [3, 10])").unwrap_err().to_string();
     assert!(error.contains("g.h5: has no grasp 10; its 10 grasps are 0 to 9"), "{error}");
+    let first = |most: u64, grasps: &str| {
+        let mut scene = scene(grasps);
+        keep_first(&mut scene.grasps, GraspCount::new(most).unwrap()).unwrap();
+        numbers(&scene).unwrap()
+    };
+    assert_eq!(first(3, "File(\"g.h5\")"), [0, 1, 2]);
+    assert_eq!(first(30, "File(\"g.h5\")"), (0..10).collect::<Vec<_>>());
+    assert_eq!(first(1, "File(path: \"g.h5\", select: [7, 0])"), [7]);
+    assert_eq!(first(1, "List([(position: (4, 0, 0)), (position: (5, 0, 0))])"), [4]);
 }
 
 #[test]

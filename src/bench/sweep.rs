@@ -2,10 +2,13 @@
 
 use super::density::{coarser, describe, nodes};
 use crate::error::{Error, Result};
+use crate::gnn::card::Card;
+use crate::gnn::graph::mesh_hash;
+use crate::model::Model;
 use crate::scene::leaf::Positive;
 use crate::scene::{Condensed, Element, Fem, Field, Fingers, Gnn, Loading, Scene, Solver, Stepper};
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// One way to simulate the grasps of the scene.
 #[derive(Debug, Clone)]
@@ -131,15 +134,28 @@ impl Sweep {
                 self.add(Configuration { contender: setting.fast, level: level.filter(|_| k == 0), ..new }, fem);
             }
         }
-        // A network sees the scene's own pads with the elements that scenes have by default.
-        let nodes = nodes(&self.scene.gripper.pads, Element::default())?;
-        let networks = models.iter().map(|model| {
-            let scene = Scene { stepper: Stepper::Gnn(Gnn { model: model.clone() }), ..self.scene.clone() };
-            let name = model.file_name().unwrap_or(model.as_os_str()).to_string_lossy();
-            Configuration { label: format!("network {name}"), scene, nodes, contender: true, level: None }
-        });
-        let networks: Vec<_> = networks.collect();
+        let networks = models.iter().map(|model| self.network(model)).collect::<Result<Vec<_>>>()?;
         Ok(self.made.into_iter().map(|(c, _)| c).chain(networks).collect())
+    }
+
+    /// A network, on those pads of the sweep that it was trained for; on the scene's own, where it says what it thinks of them, if
+    /// there are none.
+    fn network(&self, folder: &Path) -> Result<Configuration> {
+        let trained = Card::read(folder)?.range.pad;
+        let mut scene = Scene { stepper: Stepper::Gnn(Gnn { model: folder.into() }), ..self.scene.clone() };
+        for factor in std::iter::once(&1.0).chain(SETTINGS[0].cells) {
+            let mut other = scene.clone();
+            other.gripper.pads = coarser(&self.scene.gripper.pads, *factor)?;
+            if mesh_hash(&Model::build(&other)?.fingers[0].topology) == trained {
+                scene = other;
+                break;
+            }
+        }
+        let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy();
+        let label = format!("network {name} {}", describe(&scene.gripper.pads));
+        // Scenes of networks have the elements that scenes have by default.
+        let nodes = nodes(&scene.gripper.pads, Element::default())?;
+        Ok(Configuration { label, scene, nodes, contender: true, level: None })
     }
 
     fn add(&mut self, new: Configuration, fem: Fem) {

@@ -4,8 +4,9 @@ use super::{Format, NOT_HELD, OK, inspect, print};
 use crate::dataset::progress::Finished;
 use crate::dataset::{Campaign, Manifest, Watcher};
 use crate::error::{Error, Result};
+use crate::grasp::keep_first;
 use crate::record::Status;
-use crate::scene::{NamedScene, load_set};
+use crate::scene::{GraspCount, NamedScene, load_set};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::fmt::Write;
@@ -36,6 +37,9 @@ pub struct DatasetArgs {
     /// Only this object; may be given again.
     #[arg(long, value_name = "NAME")]
     pub object: Vec<String>,
+    /// Only the first N grasps of each object.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub grasps: Option<u64>,
     /// Recorded frames of each grasp, instead of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: Option<u64>,
@@ -65,6 +69,10 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
     };
     let mut set = load_set(scene)?;
     choose(&mut set.scenes, &args.object)?;
+    if let Some(most) = args.grasps {
+        let most = GraspCount::new(most).map_err(|m| refused(&format!("--grasps {m}")))?;
+        set.scenes.iter_mut().try_for_each(|s| keep_first(&mut s.scene.grasps, most))?;
+    }
     if let Some(frames) = args.frames {
         set.scenes.iter_mut().try_for_each(|s| s.scene.loading.set_frames(frames)).map_err(|m| refused(&m))?;
     }

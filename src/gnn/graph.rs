@@ -97,7 +97,7 @@ impl PadGraph {
                 edges.push((i, j));
             }
         }
-        let (n, hash) = (face.len(), hash(pad));
+        let (n, hash) = (face.len(), mesh_hash(pad));
         let depths = match layout {
             Layout::Face { depths } => depths,
             Layout::Volume => 1,
@@ -125,7 +125,7 @@ impl PadGraph {
 
     /// Whether the pad of `finger` has this graph.
     pub fn fits(&self, finger: &FingerModel) -> bool {
-        self.poisson == finger.body.material.moduli().poisson && self.hash == hash(&finger.topology)
+        self.poisson == finger.body.material.moduli().poisson && self.hash == mesh_hash(&finger.topology)
     }
 }
 
@@ -145,7 +145,8 @@ fn response(finger: &FingerModel, face: &[u32], thickness: f64, hash: &str, dir:
     Ok(found)
 }
 
-fn hash(pad: &PadTopology) -> String {
+/// BLAKE3 of a pad's mesh, by which a network knows its pads.
+pub fn mesh_hash(pad: &PadTopology) -> String {
     let mut hash = blake3::Hasher::new();
     pad.rest.iter().flat_map(|x| x.to_array()).for_each(|v| {
         hash.update(&v.to_le_bytes());

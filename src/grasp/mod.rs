@@ -7,4 +7,4 @@ mod resolve;
 
 pub use h5::{read_grasps_h5, write_grasps_h5};
 pub use pose::GraspPose;
-pub use resolve::{Resolved, grasps_of, poses_of, sample_of};
+pub use resolve::{Resolved, grasps_of, keep_first, poses_of, sample_of};

@@ -6,7 +6,7 @@ use super::pose::GraspPose;
 use crate::error::{Error, Result};
 use crate::gripper::Hand;
 use crate::model;
-use crate::scene::{Antipodal, GraspFile, Grasps, Scene};
+use crate::scene::{Antipodal, GraspCount, GraspFile, Grasps, Scene, Select};
 use crate::shape::Aabb;
 use glam::{DQuat, DVec3};
 
@@ -44,6 +44,25 @@ pub fn grasps_of(scene: &Scene) -> Result<Resolved> {
         }
     };
     Ok(Resolved { poses, notices })
+}
+
+/// Leaves the first so many of the grasps of a scene, or all if there are fewer.
+///
+/// # Errors
+/// A grasp file that cannot be read.
+pub fn keep_first(grasps: &mut Grasps, most: GraspCount) -> Result<()> {
+    match grasps {
+        Grasps::Identity => {}
+        Grasps::List(poses) => poses.truncate(most.get()),
+        Grasps::File(file) => {
+            let all = || Ok((0..read_grasps_h5(&file.path)?.len()).collect());
+            let mut rows = file.select.as_ref().map_or_else(all, |select| Ok(select.rows()))?;
+            rows.truncate(most.get());
+            file.select = Some(Select::Rows(rows));
+        }
+        Grasps::Antipodal(wanted) => wanted.count = wanted.count.min(most),
+    }
+    Ok(())
 }
 
 /// The chosen grasps of a file, all of them unless the scene selects some.

@@ -34,12 +34,15 @@ pub struct Pose {
     pub rotation: Rotation,
 }
 
+/// How many grasps.
+pub type GraspCount = Count<1, 1000000>;
+
 /// Grasps sampled from the object's surface, see [`crate::grasp::antipodal`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Antipodal {
     /// How many.
-    pub count: Count<1, 1000000>,
+    pub count: GraspCount,
     /// The same seed gives the same grasps.
     #[serde(default)]
     pub seed: u64,

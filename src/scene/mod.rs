@@ -38,7 +38,7 @@ pub mod vector;
 
 pub use dynamic::Dynamic;
 pub use expect::Expectation;
-pub use grasps::{Antipodal, GraspFile, Grasps, Pose, Select};
+pub use grasps::{Antipodal, GraspCount, GraspFile, Grasps, Pose, Select};
 pub use gripper::{Fingers, Gripper, Placement};
 pub use ground::Ground;
 pub use judge::{Held, Measured, Status, evaluate, evaluate_all};
