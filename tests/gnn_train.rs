@@ -6,9 +6,10 @@ mod gnn_made;
 use gnn_made::{PAPER, SPEC, command, made, ron, samples, set, train};
 use std::process::Command;
 use std::sync::Arc;
-use tactus::gnn::features::Features;
+use tactus::gnn::features::{Features, Parity};
 use tactus::gnn::graph::{Layout, PadGraph};
 use tactus::gnn::network::{Inputs, Network, Normalisers, build};
+use tactus::gnn::normalise::Normaliser;
 use tactus::gnn::parameters::Parameters;
 use tactus::gnn::real::Real;
 use tactus::gnn::sample::{Sample, model_of};
@@ -33,7 +34,7 @@ impl Case {
         let spec: Spec = ron(spec);
         let layout = build::<f32>(&spec.network, Some(5)).0.layout();
         let samples = samples(made(), layout);
-        Self { spec, norms: data::normalisers(&samples), sample: samples[0].clone() }
+        Self { spec, norms: data::normalisers(&samples, &[]), sample: samples[0].clone() }
     }
 
     fn loss<T: Real>(&self, tape: &Tape<T>, network: &dyn Network<T>, parameters: &Parameters<T>) -> Matrix<T> {
@@ -134,7 +135,7 @@ fn garbage_in_what_fem_found_changes_no_bit_of_what_a_network_sees_or_says() {
     }
     for spec in [SPEC, PAPER] {
         let (network, parameters) = build::<f32>(&ron(spec).network, Some(5));
-        let norms = data::normalisers(&samples(made, network.layout()));
+        let norms = data::normalisers(&samples(made, network.layout()), &[]);
         let graph = Arc::new(PadGraph::new(&model.fingers[0], network.layout()).unwrap());
         let answer = |data| {
             let sample = Sample::of(file, &model, &graph, number, data, 10).unwrap();
@@ -174,7 +175,7 @@ fn a_mirrored_grasp_costs_the_same_to_a_network_that_sees_it_mirrored() {
     let spec: Spec = ron(SPEC);
     let (network, _) = build::<f32>(&spec.network, Some(5));
     let samples = samples(made(), network.layout());
-    let norms = data::normalisers(&samples);
+    let norms = data::normalisers(&samples, &[]);
     let features = &samples[0].features;
     let parity = tactus::gnn::features::NODE;
     let twice = norms.node.apply(&features.node, &parity, (true, false));
@@ -202,4 +203,29 @@ fn eval_judges_the_test_grasps() {
     let number = |key: &str| all[key].as_f64().unwrap();
     assert!(number("median") > 0.0 && number("median") <= number("p90") && number("p90") <= number("worst"));
     assert_eq!(std::fs::read_dir(pictures).unwrap().count() as u64, grasps.min(5));
+}
+
+#[test]
+fn what_training_never_showed_is_held_at_the_edge_of_what_it_did() {
+    let parity = [Parity::Even, Parity::X];
+    let rows = [1.0, 2.0, 3.0, -4.0];
+    let norm = Normaliser::fit(std::iter::once(rows.as_slice()), &parity);
+    let apply = |norm: &Normaliser, row: [f32; 2], x: bool| norm.apply(&row, &parity, (x, false));
+    assert_eq!(apply(&norm, [3.5, 9.0], false), apply(&norm, [3.0, 4.0], false), "a mirror shows the other sign, too");
+    assert_eq!(apply(&norm, [-1e6, -1e6], false), apply(&norm, [1.0, -4.0], false));
+    let mirrored = |row: [f32; 2]| apply(&norm, [row[0], -row[1]], true);
+    for row in [[2.0, 3.0], [0.0, 7.0], [2.0, -7.0]] {
+        assert_eq!(apply(&norm, row, false), mirrored(row), "in a mirror as without");
+    }
+    let beside = [5.0, 0.0];
+    let wider = norm.clone().reaching(std::iter::once(beside.as_slice()), &parity);
+    assert_eq!(apply(&wider, [1.0, 4.0], false), apply(&norm, [1.0, 4.0], false), "only the bounds differ");
+    assert!(apply(&wider, [5.0, 0.0], false)[0] > apply(&norm, [5.0, 0.0], false)[0]);
+    let mut engine = [0.0; 3];
+    norm.apply_to(&[3.5, 9.0], &mut engine, 3);
+    assert_eq!(engine[..2], apply(&norm, [3.5, 9.0], false), "inference and training see the same");
+    let earlier: Normaliser = ron::from_str("(mean: [1.0, 0.0], scale: [2.0, 1.0])").unwrap();
+    assert_eq!(apply(&earlier, [1e6, -1e6], false), [(1e6 - 1.0) * 2.0, -1e6], "cards of earlier times have no bounds");
+    let kept: Normaliser = ron::from_str(&ron::to_string(&norm).unwrap()).unwrap();
+    assert_eq!(kept, norm);
 }

@@ -1,4 +1,5 @@
-//! Brings features to mean 0 and variance 1, with the statistics of the training set only.
+//! Brings features to mean 0 and variance 1, with the statistics of the training set only, and holds them within what was seen in
+//! training: what a network makes of numbers that it never met may be off by orders of magnitude.
 
 use super::features::Parity;
 use serde::{Deserialize, Serialize};
@@ -7,16 +8,36 @@ use serde::{Deserialize, Serialize};
 /// training set would else make a network wild where it does.
 const SMALL: f64 = 1e-3;
 
-/// Mean and scale of each column.
+/// Mean, scale and extremes of each column.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(from = "Stored")]
 pub struct Normaliser {
     mean: Vec<f32>,
     scale: Vec<f32>,
+    /// Smallest and largest.
+    seen: Vec<[f32; 2]>,
+}
+
+/// A normaliser in a card; in those of earlier times columns have no bounds.
+#[derive(Deserialize)]
+struct Stored {
+    mean: Vec<f32>,
+    scale: Vec<f32>,
+    #[serde(default)]
+    seen: Vec<[f32; 2]>,
+}
+
+impl From<Stored> for Normaliser {
+    fn from(Stored { mean, scale, mut seen }: Stored) -> Self {
+        seen.resize(mean.len(), [f32::NEG_INFINITY, f32::INFINITY]);
+        Self { mean, scale, seen }
+    }
 }
 
 impl Normaliser {
     /// From the rows of a training set. A column that changes sign in a mirror has mean zero, so that mirroring commutes.
-    pub fn fit<'a>(sets: impl Iterator<Item = &'a [f32]>, parity: &[Parity]) -> Self {
+    pub fn fit<'a>(sets: impl Iterator<Item = &'a [f32]> + Clone, parity: &[Parity]) -> Self {
+        let all = sets.clone();
         let cols = parity.len();
         let (mut count, mut sum, mut square) = (0.0, vec![0.0; cols], vec![0.0; cols]);
         for row in sets.flat_map(|s| s.chunks_exact(cols)) {
@@ -33,14 +54,29 @@ impl Normaliser {
             if deviation > 1e-6 * mean(c).abs().max(1e-6) { deviation.max(SMALL) } else { f64::INFINITY }
         };
         let inverse = |c: usize| (1.0 / scale(c)) as f32;
-        Self { mean: (0..cols).map(|c| mean(c) as f32).collect(), scale: (0..cols).map(inverse).collect() }
+        let [mean, scale] = [(0..cols).map(|c| mean(c) as f32).collect(), (0..cols).map(inverse).collect()];
+        Self { mean, scale, seen: Vec::new() }.reaching(all, parity)
+    }
+
+    /// The same, with rows of these sets within its bounds, too. Those of a column that changes sign in a mirror are symmetric.
+    pub fn reaching<'a>(mut self, sets: impl Iterator<Item = &'a [f32]>, parity: &[Parity]) -> Self {
+        self.seen.resize(parity.len(), [f32::INFINITY, f32::NEG_INFINITY]);
+        for row in sets.flat_map(|s| s.chunks_exact(parity.len())) {
+            for ((v, [low, high]), parity) in row.iter().zip(&mut self.seen).zip(parity) {
+                let mirrored = if *parity == Parity::Even { *v } else { -*v };
+                *low = low.min(*v).min(mirrored);
+                *high = high.max(*v).max(mirrored);
+            }
+        }
+        self
     }
 
     /// Normalised rows, mirrored first.
     pub fn apply(&self, rows: &[f32], parity: &[Parity], mirror: (bool, bool)) -> Vec<f32> {
-        let columns: Vec<_> =
-            (0..parity.len()).map(|c| (parity[c].sign(mirror), self.mean[c], self.scale[c])).collect();
-        let row = |row: &[f32]| row.iter().zip(&columns).map(|(v, (s, m, k))| (v * s - m) * k).collect::<Vec<_>>();
+        let column = |c: usize| (parity[c].sign(mirror), self.seen[c], self.mean[c], self.scale[c]);
+        let columns: Vec<_> = (0..parity.len()).map(column).collect();
+        let value = |(v, (s, bounds, m, k)): (&f32, &(f32, [f32; 2], f32, f32))| (held(v * s, *bounds) - m) * k;
+        let row = |row: &[f32]| row.iter().zip(&columns).map(value).collect::<Vec<_>>();
         rows.chunks_exact(parity.len().max(1)).flat_map(row).collect()
     }
 
@@ -49,8 +85,19 @@ impl Normaliser {
         let cols = self.mean.len();
         for (row, out) in rows.chunks_exact(cols).zip(out.chunks_exact_mut(stride)) {
             for c in 0..cols {
-                out[c] = (row[c] - self.mean[c]) * self.scale[c];
+                out[c] = (held(row[c], self.seen[c]) - self.mean[c]) * self.scale[c];
             }
         }
+    }
+}
+
+/// `v` within bounds. What is not a number stays so and is found later.
+fn held(v: f32, [low, high]: [f32; 2]) -> f32 {
+    if v < low {
+        low
+    } else if v > high {
+        high
+    } else {
+        v
     }
 }

@@ -4,7 +4,7 @@ use crate::dataset::split::Poses;
 use crate::dataset::{DataSet, Splits};
 use crate::error::{Error, Result};
 use crate::gnn::card::TrainedRange;
-use crate::gnn::features::{EDGE, NODE, PAD};
+use crate::gnn::features::{EDGE, NODE, PAD, Parity};
 use crate::gnn::graph::{Layout, PadGraph};
 use crate::gnn::loads::{Loads, NODE_LOAD, PAD_LOAD};
 use crate::gnn::network::{Normalisers, VolumeNormalisers};
@@ -85,14 +85,16 @@ pub fn set_aside(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Sample>, Ve
     (kept, out)
 }
 
-/// Statistics of a training set.
-pub fn normalisers(samples: &[Sample]) -> Normalisers {
+/// Statistics of a training set; what training is stopped by lies within the bounds of features, too.
+pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
     let loads: Vec<&Loads> = samples.iter().map(|s| &s.loads).collect();
     let rms = |values: &mut dyn Iterator<Item = f64>| {
         let (n, square) = values.fold((0.0, 0.0), |(n, s), v| (n + 1.0, s + v * v));
         (square / f64::max(n, 1.0)).sqrt().max(1e-12) as f32
     };
-    let features = || samples.iter().map(|s| &s.features);
+    let fit = |pick: fn(&Sample) -> &[f32], parity: &[Parity]| {
+        Normaliser::fit(samples.iter().map(pick), parity).reaching(validation.iter().map(pick), parity)
+    };
     // Values of a field, each over the depth of its level and pad.
     let over_depth = |pick: fn(&Sample) -> &[f32]| {
         let of = |(s, l): (&Sample, &&Loads)| {
@@ -126,11 +128,11 @@ pub fn normalisers(samples: &[Sample]) -> Normalisers {
         rms(&mut values)
     };
     Normalisers {
-        node: Normaliser::fit(features().map(|f| f.node.as_slice()), &NODE),
-        edge: Normaliser::fit(features().map(|f| f.edge.as_slice()), &EDGE),
-        pad: Normaliser::fit(features().map(|f| f.pad.as_slice()), &PAD),
-        node_load: Normaliser::fit(loads.iter().map(|l| l.node.as_slice()), &NODE_LOAD),
-        pad_load: Normaliser::fit(loads.iter().map(|l| l.pad.as_slice()), &PAD_LOAD),
+        node: fit(|s| &s.features.node, &NODE),
+        edge: fit(|s| &s.features.edge, &EDGE),
+        pad: fit(|s| &s.features.pad, &PAD),
+        node_load: fit(|s| &s.loads.node, &NODE_LOAD),
+        pad_load: fit(|s| &s.loads.pad, &PAD_LOAD),
         volume: volume(samples, &loads),
         displacement: beyond_response(samples, &loads),
         stress: over_depth(|s| &s.stress) / (young / thickness) as f32,

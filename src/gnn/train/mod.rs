@@ -80,7 +80,7 @@ impl Trainer {
             return Err(Error::Start("training needs two grasps at least: one to learn from, one to stop by".into()));
         }
         let (samples, validation) = data::set_aside(samples, spec.training.validation.get(), spec.training.seed);
-        let card = card(spec, set, split, &samples, range, &parameters);
+        let card = card(spec, set, split, [&samples, &validation], range, &parameters);
         let adam = Adam::new(&parameters);
         let state = State { best: parameters.clone(), parameters, adam, epochs: Vec::new() };
         let mut trainer = Self { dir: dir.to_path_buf(), card, network, samples, validation, state };
@@ -274,7 +274,7 @@ fn card(
     spec: &Spec,
     set: &DataSet,
     split: &str,
-    samples: &[Sample],
+    [samples, validation]: [&[Sample]; 2],
     range: TrainedRange,
     parameters: &Parameters,
 ) -> Card {
@@ -289,7 +289,7 @@ fn card(
         units: "displacement, travel, shift: m; stress: Pa; contact force: N; turn: rad; frame of each pad".into(),
         validation_loss: f64::NAN,
         epochs: 0,
-        normalisers: data::normalisers(samples),
+        normalisers: data::normalisers(samples, validation),
         range,
     }
 }
