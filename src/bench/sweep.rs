@@ -143,7 +143,7 @@ impl Sweep {
     fn network(&self, folder: &Path) -> Result<Configuration> {
         let trained = Card::read(folder)?.range.pad;
         let mut scene = Scene { stepper: Stepper::Gnn(Gnn { model: folder.into() }), ..self.scene.clone() };
-        for factor in std::iter::once(&1.0).chain(SETTINGS[0].cells) {
+        for factor in SETTINGS[0].cells {
             let mut other = scene.clone();
             other.gripper.pads = coarser(&self.scene.gripper.pads, *factor)?;
             if mesh_hash(&Model::build(&other)?.fingers[0].topology) == trained {

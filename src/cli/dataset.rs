@@ -38,7 +38,7 @@ pub struct DatasetArgs {
     #[arg(long, value_name = "NAME")]
     pub object: Vec<String>,
     /// Only the first N grasps of each object.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    #[arg(long, value_name = "N")]
     pub grasps: Option<u64>,
     /// Recorded frames of each grasp, instead of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]

@@ -12,7 +12,7 @@ use crate::gnn::normalise::Normaliser;
 use crate::gnn::ops::{displaced, respond};
 use crate::gnn::sample::{Sample, model_of};
 use crate::gnn::tape::{Matrix, Tape};
-use crate::gnn::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE};
+use crate::gnn::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
 use crate::model::Model;
 use crate::random::Random;
 use rayon::prelude::*;
@@ -133,7 +133,7 @@ pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
         pad: fit(|s| &s.features.pad, &PAD),
         node_load: fit(|s| &s.loads.node, &NODE_LOAD),
         pad_load: fit(|s| &s.loads.pad, &PAD_LOAD),
-        volume: volume(samples, &loads),
+        volume: volume(samples, validation),
         displacement: beyond_response(samples, &loads),
         stress: over_depth(|s| &s.stress) / (young / thickness) as f32,
         travel: [mean as f32, rms(&mut travel.iter().map(|v| v - mean))],
@@ -141,15 +141,25 @@ pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
     }
 }
 
+/// Whole pads, and their contact edges at all forces.
+type Whole = (Arc<Volume>, Vec<f32>);
+
 /// Those of the whole pads, if the samples have them.
-fn volume(samples: &[Sample], loads: &[&Loads]) -> Option<VolumeNormalisers> {
-    let volumes: Vec<_> = samples.iter().map(|s| s.features.volume.as_deref()).collect::<Option<_>>()?;
-    let at = volumes.iter().zip(loads).flat_map(|(v, l)| l.force.iter().map(|f| v.contact_edge(*f)));
-    let contact: Vec<Vec<f32>> = at.collect();
+fn volume(samples: &[Sample], validation: &[Sample]) -> Option<VolumeNormalisers> {
+    let of = |s: &Sample| {
+        let volume = s.features.volume.clone()?;
+        let contact = s.loads.force.iter().flat_map(|f| volume.contact_edge(*f)).collect();
+        Some((volume, contact))
+    };
+    let all = |set: &[Sample]| set.iter().map(of).collect::<Option<Vec<Whole>>>();
+    let (own, beside) = (all(samples)?, all(validation)?);
+    let fit = |pick: fn(&Whole) -> &[f32], parity: &[Parity]| {
+        Normaliser::fit(own.iter().map(pick), parity).reaching(beside.iter().map(pick), parity)
+    };
     Some(VolumeNormalisers {
-        node: Normaliser::fit(volumes.iter().map(|v| v.node.as_slice()), &VOLUME_NODE),
-        mesh: Normaliser::fit(volumes.iter().map(|v| v.mesh_edge.as_slice()), &MESH_EDGE),
-        contact: Normaliser::fit(contact.iter().map(Vec::as_slice), &CONTACT_EDGE),
+        node: fit(|(volume, _)| &volume.node, &VOLUME_NODE),
+        mesh: fit(|(volume, _)| &volume.mesh_edge, &MESH_EDGE),
+        contact: fit(|(_, contact)| contact, &CONTACT_EDGE),
     })
 }
 
