@@ -168,7 +168,8 @@ impl Path {
         let walks = self.newton.border.size > 0;
         // An object on a leash is followed at once: smaller increments would only find out later that it slides.
         let smallest = whole.abs() * if self.leash.is_some() { 1.0 } else { SMALLEST[usize::from(walks)] };
-        let mut step = whole.abs().min(self.increment);
+        // An increment that the way to a level close by needed says little of the way to one far off.
+        let mut step = whole.abs().min(self.increment.max(smallest));
         let mut done = Advanced::default();
         while (target - self.level).abs() > 1e-12 * target.abs() {
             let rest = target - self.level;
