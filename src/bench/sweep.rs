@@ -59,7 +59,7 @@ const SETTINGS: [Setting; 4] = [
     Setting {
         name: "condensed",
         change: |fem| fem.solver = Solver::Condensed(Condensed::default()),
-        cells: &[SQRT_2, 1.0],
+        cells: &[SQRT_2, 1.0, FRAC_1_SQRT_2],
         fast: true,
     },
 ];
