@@ -35,7 +35,7 @@ fn the_grip_carries_the_force_of_each_finger_and_holds_the_object_still() {
     let model = model();
     let features = features(&model);
     let (grip, hats) = (&features.grip, &features.graph.hats);
-    for force in [0.01, 0.1, 0.5] {
+    for force in [0.03, 0.1, 0.5] {
         let rest = grip.rest(force);
         let (mut sum, mut torque) = (DVec3::ZERO, DVec3::ZERO);
         for (p, finger) in model.fingers.iter().enumerate() {

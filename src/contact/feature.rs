@@ -262,10 +262,6 @@ impl BodyTerm for FeatureContact {
         self.sharp = sharp;
     }
 
-    fn soften(&mut self, factor: f64) {
-        self.pool.soften(factor);
-    }
-
     fn as_any(&self) -> &dyn Any {
         self
     }

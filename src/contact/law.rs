@@ -39,17 +39,6 @@ impl Law {
         Self { stiffness, offset: 1e-5, friction, tangential: stiffness / 3.0 }
     }
 
-    /// The same law, softer by `factor` and felt from farther by its square root: at the same force about as many points
-    /// of a floppy start touch from all around as the law itself would press together.
-    pub fn softened(&self, factor: f64) -> Self {
-        Self {
-            stiffness: self.stiffness / factor,
-            offset: self.offset * factor.sqrt(),
-            tangential: self.tangential / factor,
-            ..*self
-        }
-    }
-
     /// The same law where others carry the contact and this point only must not come through between them: felt late.
     pub fn late(&self) -> Self {
         Self { offset: LATE * self.offset, ..*self }

@@ -15,9 +15,8 @@ pub(super) struct EdgePool {
     slot: Vec<u32>,
     /// Edges as last accepted, in the order of their points.
     committed: Vec<(usize, ContactEdge)>,
-    /// The law of every edge, softened while contact is being established.
+    /// The law of every edge.
     pub law: Law,
-    given: Law,
     /// Part of the way that lagged friction goes per iteration.
     pub damping: f64,
     /// Friction limit that counts as none, in the unit of the pressure.
@@ -33,7 +32,7 @@ impl EdgePool {
     /// `count` open edges.
     pub fn new(law: Law, count: usize) -> Self {
         let slot = vec![NOWHERE; count];
-        Self { near: Vec::new(), slot, committed: Vec::new(), law, given: law, damping: 1.0, negligible: NO_LIMIT }
+        Self { near: Vec::new(), slot, committed: Vec::new(), law, damping: 1.0, negligible: NO_LIMIT }
     }
 
     /// The edge of point `i`.
@@ -59,11 +58,6 @@ impl EdgePool {
     /// Smallest gap, m; `+inf` if nothing is near.
     pub fn min_gap(&self) -> f64 {
         self.near().map(|(_, e)| e.gap).fold(f64::INFINITY, f64::min)
-    }
-
-    /// Softens the law by `factor`; 1 gives it back.
-    pub fn soften(&mut self, factor: f64) {
-        self.law = self.given.softened(factor);
     }
 
     /// Accepts the edges as they are. Those without pressure forget where they stuck; of slipping ones `dragged` says where they stick

@@ -198,10 +198,6 @@ impl BodyTerm for Contact {
         self.pool.damping = damping;
     }
 
-    fn soften(&mut self, factor: f64) {
-        self.pool.soften(factor);
-    }
-
     fn as_any(&self) -> &dyn Any {
         self
     }

@@ -86,8 +86,15 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// Combines solved blocks into the full Newton step; `extra` (N/m) is added to the border's diagonal. Negative or tiny
 /// curvature of the border (rigid modes of an object that nothing holds yet) is replaced by its magnitude and shifted so that
 /// the border moves by at most `cap` (m): the step descends and stays finite, does not depend on the basis of modes of equal
-/// stiffness, and the solution is not changed because only the matrix is.
-pub fn step(blocks: &[ArrowBlock], border_gradient: &[f64; MAX_BORDER], size: usize, extra: f64, cap: f64) -> Step {
+/// stiffness, and the solution is not changed because only the matrix is. Of the `size` columns of the border the first `unknowns`
+/// move.
+pub fn step(
+    blocks: &[ArrowBlock],
+    border_gradient: &[f64; MAX_BORDER],
+    [unknowns, size]: [usize; 2],
+    extra: f64,
+    cap: f64,
+) -> Step {
     let (mut s, mut g) = ([[0.0; MAX_BORDER]; MAX_BORDER], *border_gradient);
     for b in blocks {
         let (schur, reduced) = b.schur(size);
@@ -99,7 +106,7 @@ pub fn step(blocks: &[ArrowBlock], border_gradient: &[f64; MAX_BORDER], size: us
         }
     }
     (0..size).for_each(|i| s[i][i] += extra);
-    let dy = solve_border(&s, &g, size, cap);
+    let dy = solve_border(&s, &g, unknowns, cap);
     let x = blocks
         .iter()
         .map(|b| {

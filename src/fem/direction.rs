@@ -27,8 +27,8 @@ impl Newton {
         });
         let gradient = self.border_gradient(now);
         let extra = self.proximal.as_ref().map_or(0.0, |springs| springs.border);
-        let size = self.border.size;
-        let plain = arrow::step(&self.blocks, &gradient, size, extra, cap);
+        let columns = [self.unknowns(), self.border.size];
+        let plain = arrow::step(&self.blocks, &gradient, columns, extra, cap);
         if !follow {
             return (plain, gradient);
         }
@@ -42,7 +42,7 @@ impl Newton {
             for b in &self.blocks {
                 g.iter_mut().zip(b.extra.border_gradient).for_each(|(g, e)| *g += e);
             }
-            let next = arrow::step(&self.blocks, &g, size, extra, cap);
+            let next = arrow::step(&self.blocks, &g, columns, extra, cap);
             let change = next.distance(&step);
             if change.total_cmp(&(CONTRACTION * last)).is_gt() {
                 return (plain, gradient);

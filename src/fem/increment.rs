@@ -64,8 +64,6 @@ pub enum Load {
     Travel,
 }
 
-/// Softness of the contact when the fingers first touch.
-pub const SOFTEST: f64 = 1000.0;
 /// Smallest increment as a fraction of the one asked for: of a path with nothing but bodies, and of one that can walk.
 const SMALLEST: [f64; 2] = [1.0 / 4096.0, 1.0 / 8.0];
 /// Largest increment of a force over the force reached.
@@ -102,22 +100,29 @@ impl Path {
         self.spent /= 2;
     }
 
-    /// Brings the fingers from first touch to equilibrium under the small force `force` (N), by continuation from a soft,
-    /// far-reaching contact to the contact law itself. A free object touched by single points has no stiffness against
-    /// rotation; the soft contact gives it some, and the hardening keeps it.
-    ///
-    /// `state` must stand one offset of the law softened by [`SOFTEST`] away from the object; `offset` is that of the law
-    /// itself, m.
+    /// Brings the fingers from first touch to the small force `force` (N): around an object that is held where it is, and is then
+    /// let go. Touched by single points it would have next to no stiffness against rotation, and turn to wherever a solver takes it;
+    /// between patches that stick it moves as little as these give.
     ///
     /// # Errors
-    /// The last [`Failure`]; the state is then that of the last softness that converged.
-    pub fn establish(&mut self, force: f64, offset: f64) -> Result<Advanced, Failure> {
+    /// The last [`Failure`]; the state is then that of the start, or that in which the object was held.
+    pub fn establish(&mut self, force: f64) -> Result<Advanced, Failure> {
         // A stepping stone, not a result: nobody needs it sharp. `advance` or `polish` come next.
         let sharp = self.tolerance;
         self.tolerance.relative *= LOOSE;
-        let done = self.harden(force, offset);
+        self.newton.force.fill(force);
+        self.newton.held = true;
+        let mut done = Advanced::default();
+        let closed = self.settle(self.state.clone(), true, &mut done);
+        self.newton.held = false;
+        let rests = match closed {
+            Ok(()) if self.newton.border.pose.is_some() => self.settle(self.state.clone(), true, &mut done),
+            closed => closed,
+        };
         self.tolerance = sharp;
-        done
+        rests?;
+        (self.level, self.history) = (force, None);
+        Ok(done)
     }
 
     /// Solves once more at the level reached, to the full tolerance.
@@ -127,35 +132,6 @@ impl Path {
     pub fn polish(&mut self) -> Result<Advanced, Failure> {
         let mut done = Advanced::default();
         self.settle(self.state.clone(), true, &mut done).map(|()| done)
-    }
-
-    /// The continuation of [`Path::establish`].
-    fn harden(&mut self, force: f64, offset: f64) -> Result<Advanced, Failure> {
-        self.newton.force.fill(force);
-        let mut done = Advanced::default();
-        let (mut reached, mut softness, mut ratio) = (None::<f64>, SOFTEST, 10.0_f64);
-        loop {
-            self.newton.soften(softness);
-            let mut state = self.state.clone();
-            if let Some(reached) = reached {
-                // The surfaces that carry the contact have moved back towards the object: follow them.
-                let closer = offset * (reached.sqrt() - softness.sqrt());
-                state.travel.iter_mut().for_each(|t| *t += closer);
-            }
-            // Harden more gently before walking; the first touch has nothing gentler.
-            let last_resort = reached.is_none() || ratio < 1.5 || self.exhausted();
-            match self.settle(state, last_resort, &mut done) {
-                Ok(()) if softness <= 1.0 => {
-                    self.level = force;
-                    self.history = None;
-                    return Ok(done);
-                }
-                Ok(()) => reached = Some(softness),
-                Err(failure) if last_resort => return Err(failure),
-                Err(_) => ratio = ratio.sqrt(),
-            }
-            softness = (reached.unwrap_or(SOFTEST * ratio) / ratio).max(1.0);
-        }
     }
 
     /// Raises the load to `target` in as few increments as converge.

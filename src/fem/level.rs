@@ -6,8 +6,6 @@ use super::stepper::Solver;
 use crate::components::ObjectPose;
 use crate::model::Model;
 
-/// Part of the final force at which contact is established.
-const FIRST_TOUCH: f64 = 0.02;
 /// Largest force over the one before on the way to the first level of an object with weight: condensed pads get no further.
 const RAISE: f64 = 2.5;
 /// Steps in which the fingers take an object with weight over from its support.
@@ -18,15 +16,17 @@ const DROPPED: f64 = 1e-2;
 
 /// Why a level was not reached.
 enum Refusal {
-    /// There is no equilibrium, or none was found.
+    /// There is no equilibrium.
     Final(String),
+    /// None was found.
+    Unfound(String),
     /// Condensed pads do not get there.
     Condensed(String),
 }
 
 impl Refusal {
     fn reason(self) -> String {
-        let (Refusal::Final(reason) | Refusal::Condensed(reason)) = self;
+        let (Refusal::Final(reason) | Refusal::Unfound(reason) | Refusal::Condensed(reason)) = self;
         reason
     }
 }
@@ -41,6 +41,8 @@ impl Solver {
         let checkpoint = self.condensed.is_some().then(|| self.path.checkpoint());
         let stuck = match (self.raise(model, level), checkpoint) {
             (Err(Refusal::Condensed(_)), Some(checkpoint)) => checkpoint,
+            // An object that turns far before it is held may leave what the pads are condensed onto.
+            (Err(Refusal::Unfound(_)), Some(checkpoint)) if begins => checkpoint,
             (done, _) => return done.map_err(Refusal::reason),
         };
         self.path.restore(stuck);
@@ -58,17 +60,15 @@ impl Solver {
         // An object with weight rests on its support until the first level; less might not hold it.
         let supported = begins && model.force_driven && model.free && model.gravity.is_some();
         if begins && model.force_driven {
-            let gentle = model.levels.last().copied().unwrap_or(level) * FIRST_TOUCH;
-            let first = gentle.min(0.5 * level);
-            if supported {
-                self.change_weight(|weight| weight.handed_over(0.0));
-            }
+            let first = model.held_until(level);
+            self.change_weight(|weight| weight.handed_over(0.0));
             self.path.tolerance = self.tolerance(model, first);
             self.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
             self.back_off(model).map_err(Refusal::Final)?;
             self.condense(model).map_err(Refusal::Condensed)?;
             let making = format!("making contact at {first:.4} N per finger");
-            let made = self.path.establish(first, model.law.offset);
+            let made = self.path.establish(first);
+            self.change_weight(|weight| weight.handed_over(if supported { 0.0 } else { 1.0 }));
             let refuse = |f| self.refuse(model, &making, f);
             done = made.map_err(|f| self.squeezed_out(model, first, f).map_or_else(|| refuse(f), Refusal::Final))?;
         }
@@ -88,7 +88,7 @@ impl Solver {
             }
         }
         self.path.tolerance = self.tolerance(model, level);
-        let again = model.needs.task && self.path.level == level;
+        let again = self.path.level == level;
         let more = self.load(model, load, level, again);
         done.add(more.map_err(|f| self.refuse(model, &at(load, level), f))?);
         if supported {
@@ -132,7 +132,8 @@ impl Solver {
         let reason = self.explain(model, at, failure);
         match failure {
             Failure::Corrections(_) | Failure::Singular => Refusal::Condensed(reason),
-            _ => Refusal::Final(reason),
+            Failure::Iterations(_) | Failure::LineSearch(_) | Failure::Unsettled => Refusal::Unfound(reason),
+            Failure::Lost | Failure::Astray | Failure::Underway => Refusal::Final(reason),
         }
     }
 }

@@ -107,6 +107,8 @@ pub struct Newton {
     pub profile: Profile,
     /// The springs of a pseudo-time step, on paths without stable equilibria.
     pub proximal: Option<Proximal>,
+    /// The object is held where it is: its pose is no unknown.
+    pub held: bool,
     pub(super) blocks: Vec<ArrowBlock>,
 }
 
@@ -119,7 +121,7 @@ impl Newton {
         // Analyses take long the first time.
         let blocks: Vec<_> = bodies.into_par_iter().map(|b| ArrowBlock::new(b, border.size)).collect::<Result<_>>()?;
         let force = vec![0.0; blocks.len()];
-        Ok(Self { terms, border, force, profile: Profile::default(), proximal: None, blocks })
+        Ok(Self { terms, border, force, profile: Profile::default(), proximal: None, held: false, blocks })
     }
 
     /// The body with this index.
@@ -210,7 +212,14 @@ impl Newton {
         if let Some(springs) = &self.proximal {
             g.iter_mut().zip(springs.border_gradient(self, state)).for_each(|(g, pull)| *g += pull);
         }
+        // What holds the object answers every force on it.
+        g[self.unknowns()..].fill(0.0);
         g
+    }
+
+    /// Number of columns of the border that are unknowns: those of the pose come last.
+    pub(super) fn unknowns(&self) -> usize {
+        self.border.pose.filter(|_| self.held).unwrap_or(self.border.size)
     }
 
     /// Norm of all out-of-balance forces and of what lagged forces still miss, N.
@@ -277,11 +286,6 @@ impl Newton {
     /// Says whether Hessians have all second derivatives.
     pub(super) fn sharpen(&mut self, sharp: bool) {
         self.terms.iter_mut().flatten().for_each(|t| t.sharpen(sharp));
-    }
-
-    /// Scales the softness of all contacts (1 = the law as given).
-    pub fn soften(&mut self, factor: f64) {
-        self.terms.iter_mut().flatten().for_each(|t| t.soften(factor));
     }
 
     /// A copy of what all terms remember.

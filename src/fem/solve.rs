@@ -10,6 +10,8 @@ use std::time::Instant;
 /// Iterations without motion after which a state counts as at rest, and by how much its residual may then miss the goal.
 const RESTING: u32 = 4;
 const RESTING_FACTOR: f64 = 2.0;
+/// A residual that stays above this part of the one before falls no further.
+const FALLING: f64 = 0.9;
 /// Iterations without any contact after which a driven finger counts as closing on nothing.
 const UNTOUCHED: u32 = 10;
 /// Longest stride of the border in one iteration, as a part of the largest motion.
@@ -58,8 +60,9 @@ impl Newton {
                 return Err(Failure::Lost);
             }
             // Where a point of contact sits on a crease its normal, and so the residual, is not continuous: nothing moves any
-            // more, but the residual stays a few times above.
-            resting = if last_motion <= 0.1 * tolerance.length { resting + 1 } else { 0 };
+            // more, but the residual stays a few times above, and falls no further.
+            let rests = last_motion <= 0.1 * tolerance.length && residual >= FALLING * history[1];
+            resting = if rests { resting + 1 } else { 0 };
             let at_rest = resting >= RESTING && residual <= RESTING_FACTOR * allowed;
             if at_rest || residual <= allowed && (last_motion <= tolerance.length || residual <= 0.01 * allowed) {
                 let (border, blocks) = (&self.border, &self.blocks);

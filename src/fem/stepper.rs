@@ -3,7 +3,7 @@
 use super::body::{Body, Elements};
 use super::condensed::{Condensation, Condensed};
 use super::dynamics::integrator::Integrator;
-use super::increment::{Path, SOFTEST};
+use super::increment::Path;
 use super::newton::{Failure, Newton, Tolerance};
 use super::readout;
 use super::state::{Border, State};
@@ -153,9 +153,8 @@ impl Solver {
 
     /// Convergence criteria at `level`.
     pub(super) fn tolerance(&self, model: &Model, level: f64) -> Tolerance {
-        let thickness = model.fingers[0].topology.rest.iter().map(|p| -p.z).fold(0.0, f64::max);
         // A press does not know its force: modulus x depth x thickness is its order of magnitude.
-        let force = if model.force_driven { level } else { model.material.moduli().young * level * thickness };
+        let force = if model.force_driven { level } else { model.material.moduli().young * level * model.thickness() };
         let given = self.settings.tolerance;
         // No sharper than the pads are.
         let blunt = match self.settings.solver {
@@ -175,10 +174,10 @@ impl Solver {
         }
     }
 
-    /// Moves the fingers to where the softened contact just touches.
+    /// Moves the fingers to where they begin to press.
     pub(super) fn back_off(&mut self, model: &Model) -> std::result::Result<(), String> {
         let pose = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
-        let clearance = model.law.offset * SOFTEST.sqrt();
+        let clearance = 0.5 * model.law.offset;
         let state = &mut self.path.state;
         for i in 0..model.fingers.len() {
             state.travel[i] = first_contact(model, i, &pose, clearance)?;

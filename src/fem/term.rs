@@ -288,8 +288,6 @@ pub trait BodyTerm: TermClone + Send + Sync {
     fn damp(&mut self, _damping: f64) {}
     /// Whether Hessians have all second derivatives, or leave out those that lead far from a solution astray.
     fn sharpen(&mut self, _sharp: bool) {}
-    /// Makes the term softer by `factor` (1 = as given), for continuation from a state without contact.
-    fn soften(&mut self, _factor: f64) {}
     /// For reading results back by type.
     fn as_any(&self) -> &dyn std::any::Any;
 }

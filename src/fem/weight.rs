@@ -7,8 +7,7 @@ use glam::{DMat3, DVec3};
 use std::any::Any;
 
 /// A dead load at the object's centre of mass: potential `-f . c`. Belongs to one body of the solver, whichever, because
-/// the border is assembled with the bodies. While contact is being established, with nothing yet to hold the
-/// object, a support carries it, and afterwards as much of it as the support has not handed over yet.
+/// the border is assembled with the bodies. A support carries as much of it as it has not handed over yet.
 #[derive(Debug, Clone, Copy)]
 pub struct Weight {
     /// Weight, N, hand frame.
@@ -19,14 +18,12 @@ pub struct Weight {
     pub start: DVec3,
     /// Part of it that the support has handed over.
     part: f64,
-    /// Contact is as hard as it gets.
-    touched: bool,
 }
 
 impl Weight {
     /// The weight of `force` N at `center` (object frame, m), which is at `start` (hand frame, m).
     pub fn new(force: DVec3, center: DVec3, start: DVec3) -> Self {
-        Self { force, center, start, part: 1.0, touched: true }
+        Self { force, center, start, part: 1.0 }
     }
 
     /// The same object under another load.
@@ -41,7 +38,7 @@ impl Weight {
 
     /// What the pads have to hold, N.
     fn hanging(&self) -> DVec3 {
-        if self.touched { self.force * self.part } else { DVec3::ZERO }
+        self.force * self.part
     }
 }
 
@@ -69,10 +66,6 @@ impl BodyTerm for Weight {
             }
         }
         block.activity += f.length();
-    }
-
-    fn soften(&mut self, factor: f64) {
-        self.touched = factor <= 1.0;
     }
 
     fn as_any(&self) -> &dyn Any {

@@ -73,6 +73,10 @@ pub struct Model {
     pub pad_notice: Option<String>,
 }
 
+/// Force up to which an object is held over Young's modulus times squared thickness: of this size are the patches over the thickness,
+/// whatever the gel.
+const HELD: f64 = 0.02;
+
 impl Model {
     /// Builds the object and meshes the pads.
     ///
@@ -152,6 +156,17 @@ impl Model {
                 notice: self.pad_notice.clone(),
             })
             .collect()
+    }
+
+    /// Thickness of the pads, m.
+    pub fn thickness(&self) -> f64 {
+        self.fingers[0].topology.rest.iter().map(|p| -p.z).fold(0.0, f64::max)
+    }
+
+    /// Force per finger up to which a free object is held where it is while the fingers close on it, N; its first level, if that is less.
+    pub fn held_until(&self, level: f64) -> f64 {
+        let force = self.material.moduli().young * self.thickness().powi(2);
+        level.min(HELD * force)
     }
 
     /// Whether the fingers travel alike, as those of a parallel gripper do. Apart, they and a free object could move on together

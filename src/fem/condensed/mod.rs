@@ -23,7 +23,7 @@ pub use pad::Pad;
 pub use patch::choose;
 pub use term::Condensed;
 
-use super::increment::{Advanced, Load, Path, SOFTEST};
+use super::increment::{Advanced, Load, Path};
 use super::newton::Failure;
 use super::readout;
 use super::state::{Border, State};
@@ -43,6 +43,8 @@ pub struct Condensation {
     levels: [Option<f64>; 2],
 }
 
+/// How deep an object comes into the pads as contact is made, m.
+const DEPTH: f64 = 3e-4;
 /// Corrections at one level before it counts as failed.
 const CORRECTIONS: u32 = 8;
 /// A correction must fall to this part of the one before, or the stiffness is out of date.
@@ -78,12 +80,12 @@ impl Condensation {
         &self.pads[i]
     }
 
-    /// Condenses the pads at the state of `path`, at first contact: onto what the softened contact may touch.
+    /// Condenses the pads at the state of `path`, at first contact: onto what the force that makes it may press on.
     ///
     /// # Errors
     /// [`Failure::Singular`].
     pub fn begin(&mut self, path: &mut Path, model: &Model) -> Result<(), Failure> {
-        let patches = self.patches(path, model, SOFTEST.sqrt());
+        let patches = self.patches(path, model, DEPTH);
         self.condense(path, patches)
     }
 
@@ -116,7 +118,7 @@ impl Condensation {
     /// Condenses the pads anew where they touch now.
     fn renew(&mut self, path: &mut Path, model: &Model) -> Result<(), Failure> {
         self.correct(path)?;
-        let patches = self.patches(path, model, 1.0);
+        let patches = self.patches(path, model, 0.0);
         self.condense(path, patches)
     }
 
@@ -153,7 +155,7 @@ impl Condensation {
                 Refusal::Failed(failure) if attempts > ATTEMPTS || path.exhausted() => return Err(failure),
                 Refusal::Failed(_) => {
                     goal = 0.5 * (from + goal);
-                    self.patches(path, model, 1.0)
+                    self.patches(path, model, 0.0)
                 }
             };
             self.condense(path, patches)?;
@@ -245,17 +247,16 @@ impl Condensation {
 
     /// New patches for the pads whose contact has outgrown theirs.
     fn outside(&self, path: &Path, model: &Model) -> Vec<Option<Vec<u32>>> {
-        let patches = self.patches(path, model, 1.0).into_iter().enumerate();
+        let patches = self.patches(path, model, 0.0).into_iter().enumerate();
         patches.map(|(i, patch)| patch.filter(|_| self.is_outside(path, i))).collect()
     }
 
-    /// The nodes of every pad that may touch the object at the state of `path`, for a contact felt `widened` times as far as the
-    /// law says.
-    fn patches(&self, path: &Path, model: &Model, widened: f64) -> Vec<Option<Vec<u32>>> {
+    /// The nodes of every pad that may touch the object at the state of `path`, and those that do when it comes `nearer` (m).
+    fn patches(&self, path: &Path, model: &Model, nearer: f64) -> Vec<Option<Vec<u32>>> {
         let pads = model.fingers.par_iter().enumerate();
         let of = |(i, finger)| {
             let view = path.state.view(i, &path.newton.border);
-            Some(choose(finger, &view, &model.object, widened * model.law.offset, touched(path, i)))
+            Some(choose(finger, &view, &model.object, nearer + model.law.offset, touched(path, i)))
         };
         pads.map(of).collect()
     }

@@ -39,6 +39,10 @@ pub struct Grip {
     weight: [DVec3; 2],
     /// Whether the object may move.
     free: bool,
+    /// Whether it is still held where it is.
+    held: bool,
+    /// Distance of each pad's nearest hat at first contact.
+    nearest: Vec<f64>,
     /// At first contact, then at the forces `FIRST * STEP^k` until the largest is among them; with these forces.
     path: Vec<(f64, Rest)>,
     /// What every face node of each pad sees of the object at the end of the path.
@@ -118,35 +122,40 @@ impl Grip {
             friction: model.law.friction,
             weight: [touch.weight / unit, (center - amid) / t],
             free: model.free,
+            held: true,
+            nearest: vec![0.0; model.fingers.len()],
             path: Vec::new(),
             faces: Vec::new(),
         };
         let object = Object { model, pose: touch.object, amid, thickness: t };
         let most = model.levels.iter().copied().fold(0.0, f64::max) / unit;
         let start = grip.at_touch(&object);
-        let nearest = start.seen.iter().flatten().map(|s| s.gap).fold(f64::INFINITY, f64::min);
-        // First contact is of the whole face and keeps a small distance: hats start from there.
-        let object = |place: DVec3| {
-            let (gap, normal) = object.look(place);
-            (gap - nearest, normal)
-        };
+        // First contact is of the whole face and keeps a small distance: the hats of each pad start from there.
+        let nearest = |seen: &Vec<Seen>| seen.iter().map(|s| s.gap).fold(f64::INFINITY, f64::min);
+        grip.nearest = start.seen.iter().map(nearest).collect();
+        let object = |place: DVec3| object.look(place);
         let (mut force, mut rest) = (0.0, grip.looked(start, &object));
-        // A support carries the object until the first level.
+        // The object is held until the fingers press a little, and a support carries it until the first level.
         let heavy = grip.weight;
-        let hangs = model.levels.first().map(|level| level / unit).filter(|_| heavy[0] != DVec3::ZERO);
+        let first = model.levels.first().copied().unwrap_or(0.0);
+        let [held, hangs] = [model.held_until(first), first].map(|force| force / unit);
+        let changes = [(held, grip.free), (hangs, heavy[0] != DVec3::ZERO)];
         grip.weight[0] = DVec3::ZERO;
         while force < most {
             let next = f64::max(FIRST, force * STEP);
-            let next = hangs.filter(|hangs| force < *hangs && *hangs <= next).unwrap_or(next);
+            let stops = changes.iter().filter(|(at, used)| *used && force < *at && *at <= next);
+            let next = stops.map(|(at, _)| *at).fold(next, f64::min);
             let after = grip.looked(grip.follow(&rest, next), &object);
             grip.path.push((force, std::mem::replace(&mut rest, after)));
             force = next;
-            if hangs == Some(force) {
-                grip.weight = heavy;
+            if changes.contains(&(force, true)) {
+                grip.held = force < held;
+                grip.weight = if force >= hangs { heavy } else { grip.weight };
                 let after = grip.looked(grip.follow(&rest, force), &object);
                 grip.path.push((force.next_down(), std::mem::replace(&mut rest, after)));
             }
         }
+        (grip.held, grip.weight) = (false, heavy);
         grip.faces = (0..grip.fingers.len()).map(|p| grip.face(p, &rest, &object)).collect();
         grip.path.push((force, rest));
         grip
@@ -188,7 +197,11 @@ impl Grip {
     fn see(&self, pad: usize, place: DVec3, rest: &Rest, object: &dyn Fn(DVec3) -> (f64, DVec3)) -> Seen {
         let place = rest.rotation.inverse() * (place - rest.shift);
         let (gap, normal) = object(place);
-        Seen { gap, normal: self.fingers[pad].rotation.transpose() * (rest.rotation * normal), place }
+        Seen {
+            gap: gap - self.nearest[pad],
+            normal: self.fingers[pad].rotation.transpose() * (rest.rotation * normal),
+            place,
+        }
     }
 
     /// At first contact, when nothing presses yet.

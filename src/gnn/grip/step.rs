@@ -51,7 +51,7 @@ impl Grip {
     /// Equilibrium under `force` per finger after `before`. What its hats see is not looked up. An object that nothing holds
     /// stays where it was, and the fingers close on it: whether it slips away is not for linear pads to say.
     pub(super) fn follow(&self, before: &Rest, force: f64) -> Rest {
-        let moving = if self.free { self.moved(before, force, true) } else { None };
+        let moving = if self.free && !self.held { self.moved(before, force, true) } else { None };
         moving.or_else(|| self.moved(before, force, false)).unwrap_or_else(|| before.clone())
     }
 
