@@ -8,7 +8,7 @@ use tactus::gnn::graph::{Layout, PadGraph};
 use tactus::gnn::settle::{Touching, settle};
 use tactus::gnn::touch::Touch;
 use tactus::grasp::GraspPose;
-use tactus::model::Model;
+use tactus::model::{FingerModel, Model};
 use tactus::scene::from_ron;
 
 const SCENE: &str = r#"Scene(
@@ -54,6 +54,22 @@ fn the_grip_carries_the_force_of_each_finger_and_holds_the_object_still() {
         assert!(rest.rotation.to_scaled_axis().length() > 0.0, "an oblique grasp turns the object");
         assert!(rest.travel[0] == rest.travel[1], "fingers around a free object are geared");
     }
+}
+
+/// What holds the object takes what one finger presses more than the other; together they press with all of their force.
+#[test]
+fn an_object_that_is_held_stays_where_it_is() {
+    let model = model();
+    let features = features(&model);
+    let force = 0.01;
+    let rest = features.grip.rest(force);
+    let pressed = |(p, finger): (usize, &FingerModel)| -> f64 {
+        let closing = finger.placement.rotation.transpose() * finger.placement.closing;
+        rest.force[p].iter().map(|push| -push.dot(closing)).sum()
+    };
+    let both: f64 = model.fingers.iter().enumerate().map(pressed).sum();
+    assert!((both - 2.0 * force).abs() < 1e-2 * force, "two fingers closed by {force} E t2 press with {both}");
+    assert!(rest.shift == DVec3::ZERO && rest.rotation == DQuat::IDENTITY, "{} {}", rest.shift, rest.rotation);
 }
 
 #[test]

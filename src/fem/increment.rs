@@ -134,12 +134,16 @@ impl Path {
         self.settle(self.state.clone(), true, &mut done).map(|()| done)
     }
 
-    /// Raises the load to `target` in as few increments as converge.
+    /// Raises the load to `target` in as few increments as converge; at `target` already, finds the equilibrium there once more.
     ///
     /// # Errors
     /// The last [`Failure`] when even the smallest increment does not converge. State, history and level are then those
     /// of the last accepted increment.
     pub fn advance(&mut self, load: Load, target: f64) -> Result<Advanced, Failure> {
+        // The same force under another load on the object is another equilibrium.
+        if self.level == target {
+            return self.polish();
+        }
         let whole = target - self.level;
         let walks = self.newton.border.size > 0;
         // An object on a leash is followed at once: smaller increments would only find out later that it slides.

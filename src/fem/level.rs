@@ -83,13 +83,12 @@ impl Solver {
             for k in 1..stages {
                 let stage = first * ratio.powf(f64::from(k) / f64::from(stages));
                 self.path.tolerance = self.tolerance(model, stage);
-                let more = self.load(model, load, stage, false);
+                let more = self.load(model, load, stage);
                 done.add(more.map_err(|f| self.refuse(model, &at(load, stage), f))?);
             }
         }
         self.path.tolerance = self.tolerance(model, level);
-        let again = self.path.level == level;
-        let more = self.load(model, load, level, again);
+        let more = self.load(model, load, level);
         done.add(more.map_err(|f| self.refuse(model, &at(load, level), f))?);
         if supported {
             self.path.leash = Some(DROPPED);
@@ -119,10 +118,8 @@ impl Solver {
         Ok(done)
     }
 
-    /// Goes to `level`, or finds the equilibrium there `again`: the same force under another load on the object is another one.
-    fn load(&mut self, model: &Model, load: Load, level: f64, again: bool) -> std::result::Result<Advanced, Failure> {
+    fn load(&mut self, model: &Model, load: Load, level: f64) -> std::result::Result<Advanced, Failure> {
         match &mut self.condensed {
-            None if again => self.path.polish(),
             None => self.path.advance(load, level),
             Some(pads) => pads.advance(&mut self.path, model, load, level),
         }

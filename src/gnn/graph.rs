@@ -79,7 +79,7 @@ impl PadGraph {
     pub fn keeping(finger: &FingerModel, layout: Layout, dir: Option<&Path>) -> Result<Self> {
         let pad = &finger.topology;
         let face: Vec<u32> = pad.sensing.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
-        let thickness = pad.rest.iter().map(|x| -x.z).fold(0.0, f64::max);
+        let thickness = pad.thickness();
         if face.is_empty() || thickness <= 0.0 {
             return Err(Error::Mesh("the pad has no sensing face above its bonded side".into()));
         }

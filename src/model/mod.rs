@@ -160,7 +160,7 @@ impl Model {
 
     /// Thickness of the pads, m.
     pub fn thickness(&self) -> f64 {
-        self.fingers[0].topology.rest.iter().map(|p| -p.z).fold(0.0, f64::max)
+        self.fingers[0].topology.thickness()
     }
 
     /// Force per finger up to which a free object is held where it is while the fingers close on it, N; its first level, if that is less.

@@ -174,6 +174,11 @@ pub struct PadTopology {
 }
 
 impl PadTopology {
+    /// Depth of the deepest node below the sensing face, m.
+    pub fn thickness(&self) -> f64 {
+        self.rest.iter().map(|x| -x.z).fold(0.0, f64::max)
+    }
+
     /// Triangles of the outer surface without the sensing face, which has its own, finer ones. Beside it they have its
     /// mid-edge nodes, so that no gap opens between the two.
     pub fn outside(&self) -> Vec<[u32; 3]> {

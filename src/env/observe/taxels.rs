@@ -56,7 +56,7 @@ impl DisplacementImage {
     pub fn new(model: &Model, _: &Task, grid: &Grid) -> Self {
         let pad = model.fingers.first().map(|f| &f.topology);
         let samples = pad.map_or_else(Vec::new, |t| grid.samples(t));
-        let thickness = pad.map_or(0.0, |t| t.rest.iter().map(|x| -x.z).fold(0.0, f64::max));
+        let thickness = pad.map_or(0.0, |t| t.thickness());
         Self { pads: model.fingers.len(), grid: *grid, samples, thickness }
     }
 }

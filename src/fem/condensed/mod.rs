@@ -164,8 +164,7 @@ impl Condensation {
 
     fn step(&mut self, path: &mut Path, load: Load, level: f64, done: &mut Advanced) -> Result<(), Refusal> {
         self.predict(path, level);
-        // The same force under another load on the object is another equilibrium.
-        done.add(if path.level == level { path.polish()? } else { path.advance(load, level)? });
+        done.add(path.advance(load, level)?);
         let mut last = f64::INFINITY;
         for _ in 0..CORRECTIONS {
             let (error, residual) = self.correct(path)?;

@@ -133,7 +133,6 @@ impl Grip {
         // First contact is of the whole face and keeps a small distance: the hats of each pad start from there.
         let nearest = |seen: &Vec<Seen>| seen.iter().map(|s| s.gap).fold(f64::INFINITY, f64::min);
         grip.nearest = start.seen.iter().map(nearest).collect();
-        let object = |place: DVec3| object.look(place);
         let (mut force, mut rest) = (0.0, grip.looked(start, &object));
         // The object is held until the fingers press a little, and a support carries it until the first level.
         let heavy = grip.weight;
@@ -194,9 +193,9 @@ impl Grip {
     }
 
     /// What a point of `pad` at `place` sees when the grasp is at `rest`.
-    fn see(&self, pad: usize, place: DVec3, rest: &Rest, object: &dyn Fn(DVec3) -> (f64, DVec3)) -> Seen {
+    fn see(&self, pad: usize, place: DVec3, rest: &Rest, object: &Object) -> Seen {
         let place = rest.rotation.inverse() * (place - rest.shift);
-        let (gap, normal) = object(place);
+        let (gap, normal) = object.look(place);
         Seen {
             gap: gap - self.nearest[pad],
             normal: self.fingers[pad].rotation.transpose() * (rest.rotation * normal),
@@ -216,11 +215,11 @@ impl Grip {
             moved: all(),
             seen: Vec::new(),
         };
-        self.looked(rest, &|place| object.look(place))
+        self.looked(rest, object)
     }
 
     /// `rest`, with what its hats see.
-    fn looked(&self, mut rest: Rest, object: &dyn Fn(DVec3) -> (f64, DVec3)) -> Rest {
+    fn looked(&self, mut rest: Rest, object: &Object) -> Rest {
         let hats = &self.graph.hats.rest;
         let of = |pad: usize| {
             let points = hats.iter().zip(&rest.moved[pad]);
@@ -231,7 +230,7 @@ impl Grip {
     }
 
     /// What the face nodes of `pad` see at `rest`.
-    fn face(&self, pad: usize, rest: &Rest, object: &dyn Fn(DVec3) -> (f64, DVec3)) -> Vec<Seen> {
+    fn face(&self, pad: usize, rest: &Rest, object: &Object) -> Vec<Seen> {
         let graph = &self.graph;
         let forces = graph.hats.on_face(&rest.force[pad], graph.face.len());
         let moved = graph.compliance.on_face(&graph.face, &[forces]).remove(0);
