@@ -22,6 +22,9 @@ n = d["node"].shape[0] // pads
 edges = torch.cat([d["edges"] + p * n for p in range(pads)])
 nodes = d["out_stress"].shape[0] // (levels * pads)
 depths = w["stress.weight"].shape[1]
+balances = d["balance_load"].shape[0]
+wrench, pull, inverse = (d[f"balance_{k}"].reshape(levels, 6, -1) for k in ("wrench", "pull", "inverse")) if balances else [None] * 3
+pull = pull.transpose(1, 2).contiguous() if balances else None
 
 
 def sparse(name, rows, cols):
@@ -97,6 +100,10 @@ class Loads(torch.nn.Module):
         contact = contact.reshape(-1, n, 3)
         share = torch.softmax(contact[..., :1], 1)
         contact = (share * torch.cat([torch.ones_like(share), contact[..., 1:]], -1)).reshape(-1, 3)
+        if balances:
+            contact = contact.reshape(levels, -1, 1)
+            contact = contact + pull @ (inverse @ (d["balance_load"][..., None] - wrench @ contact))
+            contact = contact.reshape(-1, 3)
         force = torch.stack([contact[:, 1], contact[:, 2], -contact[:, 0]], 1).reshape(levels * pads, -1)
         force, (u_unit, s_unit) = d["scale"] * force, d["units"][0]
         given = (force @ d["response"] / u_unit).reshape(-1, 3)

@@ -1,11 +1,13 @@
 //! Every layer of the networks: gradients against central differences, relative 1e-6 in f64 and 1e-3 in f32.
 
+use glam::{DMat3, DVec3};
 use std::sync::Arc;
+use tactus::gnn::balance::{Balance, Pressed};
 use tactus::gnn::compliance::Compliance;
 use tactus::gnn::deviator::{Deviator, PARTS};
 use tactus::gnn::ops::{
-    Activation, Sparse, apply, deviated, displaced, layer_norm, linear, product, reshape, respond, root_error, share,
-    sum, von_mises,
+    Activation, Sparse, apply, balanced, deviated, displaced, layer_norm, linear, product, reshape, respond,
+    root_error, share, sum, von_mises,
 };
 use tactus::gnn::real::Real;
 use tactus::gnn::tape::{Matrix, Tape};
@@ -91,6 +93,27 @@ fn sparse_maps_and_shares() {
     check!("sparse, two blocks", &[(6, 3)], |t, p| apply(t, &map, &p[0]));
     check!("sparse, transposed", &[(8, 3)], |t, p| apply(t, &map.transposed(), &p[0]));
     check!("share", &[(8, 3)], |t, p| share(t, &p[0], 4));
+}
+
+#[test]
+fn balances() {
+    let mut random = Random::new(9);
+    let mut balance = |force: f64| {
+        let mut pad = |x: f64, rotation: DMat3| {
+            let mut unit = || random.unit();
+            let mut node = || {
+                let at = DVec3::new(unit() - 0.5, unit() - 0.5, 0.0);
+                (rotation * at + DVec3::X * x, unit())
+            };
+            Pressed { force, rotation, nodes: (0..4).map(|_| node()).collect() }
+        };
+        let pads = [pad(-3.0, DMat3::from_rotation_y(1.5)), pad(3.0, DMat3::from_rotation_y(-1.6))];
+        Balance::new(&pads, [DVec3::new(0.1, 0.2, 0.3), DVec3::Y])
+    };
+    let two = [balance(0.5), balance(2.0)];
+    for mirror in [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]] {
+        check!("balance, two levels", &[(16, 3)], |t, p| balanced(t, &p[0], &two, mirror));
+    }
 }
 
 #[test]

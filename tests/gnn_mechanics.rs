@@ -1,4 +1,4 @@
-//! The mechanics that the network starts from: the grip in equilibrium, the linear response, settled forces.
+//! The mechanics that the network starts from: the grip in equilibrium, the linear response, settled forces, balance.
 
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
@@ -9,6 +9,7 @@ use tactus::gnn::settle::{Touching, settle};
 use tactus::gnn::touch::Touch;
 use tactus::grasp::GraspPose;
 use tactus::model::{FingerModel, Model};
+use tactus::random::Random;
 use tactus::scene::from_ron;
 
 const SCENE: &str = r#"Scene(
@@ -70,6 +71,46 @@ fn an_object_that_is_held_stays_where_it_is() {
     let both: f64 = model.fingers.iter().enumerate().map(pressed).sum();
     assert!((both - 2.0 * force).abs() < 1e-2 * force, "two fingers closed by {force} E t2 press with {both}");
     assert!(rest.shift == DVec3::ZERO && rest.rotation == DQuat::IDENTITY, "{} {}", rest.shift, rest.rotation);
+}
+
+/// Whatever a network makes of the pressure: friction holds the object and its weight, and the pressure stays to the bit.
+#[test]
+fn friction_takes_up_what_pressure_leaves_over() {
+    let heavy =
+        SCENE.replace("0.03)))", "0.03)), density: 2000.0)").replace("loading", "gravity: (1.0, 2.0, -9.0), loading");
+    for scene in [SCENE, heavy.as_str()] {
+        let model = Model::build(&from_ron(scene).unwrap()).unwrap();
+        let features = features(&model);
+        let loads = features.loads(&[0.5, 4.0]);
+        let face = features.graph.face.len();
+        for (level, balance) in loads.balance.iter().enumerate() {
+            let mut random = Random::new(1);
+            let mut contact: Vec<f64> = (0..6 * face).map(|_| random.unit() / face as f64).collect();
+            for pad in contact.chunks_exact_mut(3 * face) {
+                let whole: f64 = pad.iter().step_by(3).sum();
+                pad.iter_mut().step_by(3).for_each(|c| *c /= whole);
+            }
+            let before = contact.clone();
+            balance.balance(&mut contact, [1.0; 2]);
+            let pressure = |c: &[f64]| c.iter().step_by(3).copied().collect::<Vec<_>>();
+            assert_eq!(pressure(&before), pressure(&contact));
+            let (mut sum, mut moment) = (DVec3::ZERO, DVec3::ZERO);
+            for (i, c) in contact.as_chunks::<3>().0.iter().enumerate() {
+                for (w, c) in balance.wrenches(i).map(|w| w.map(f64::from)).iter().zip(c) {
+                    sum += DVec3::new(w[0], w[1], w[2]) * *c;
+                    moment += DVec3::new(w[3], w[4], w[5]) * *c;
+                }
+            }
+            let force = loads.force[level];
+            let [weight, at] = features.grip.hangs(&features.grip.rest(force));
+            assert_eq!(weight != DVec3::ZERO, scene != SCENE);
+            assert!((sum - weight).length() < 1e-4 * force, "the pads carry {sum} E t2 of {weight}, closed by {force}");
+            // A contact resists being twisted only so far.
+            let off = (moment - at.cross(weight)).reject_from(DVec3::X).length();
+            assert!(off < 1e-4 * force, "the object is turned by {off} E t3, closed by {force}");
+        }
+        assert_eq!(loads.balance.len(), 2);
+    }
 }
 
 #[test]

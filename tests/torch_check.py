@@ -47,6 +47,17 @@ def share(x, size):
     return (s * torch.cat([torch.ones_like(s), x[..., 1:]], -1)).reshape(-1, 3)
 
 
+def balanced(x):
+    """Friction takes up what the pads' pressure leaves over of the balance of the object."""
+    levels = d["balance_load"].shape[0]
+    if not levels:
+        return x
+    wrench, pull, inverse = (d[f"balance_{k}"].reshape(levels, 6, -1) for k in ("wrench", "pull", "inverse"))
+    x = x.reshape(levels, -1, 1)
+    left = d["balance_load"][..., None] - wrench @ x
+    return (x + pull.transpose(1, 2) @ (inverse @ left)).reshape(-1, 3)
+
+
 def receive(x, edges, nodes, usual):
     return torch.zeros(nodes, x.shape[1]).index_add_(0, edges[:, 1], x) / usual
 
@@ -86,7 +97,7 @@ def face():
     nodes = d["out_stress"].shape[0] // (levels * pads)
     hang = sparse("interpolate", nodes, n * depths)
     contact = layer(z, "contact") + torch.cat([torch.log(d["carried"][:, :1] + 1e-4), d["carried"][:, 1:]], 1)
-    contact = share(contact, n)
+    contact = balanced(share(contact, n))
     force = torch.stack([contact[:, 1], contact[:, 2], -contact[:, 0]], 1).reshape(levels * pads, -1)
     force, (u_unit, s_unit) = d["scale"] * force, d["units"][0]
     given = (force @ d["response"] / u_unit).reshape(-1, 3)

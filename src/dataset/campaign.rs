@@ -177,7 +177,9 @@ impl Campaign {
         }
         let _lock = claim(&self.dir, true)?;
         self.resume()?;
+        let turn = self.turn()?;
         self.manifest.write(&self.dir)?;
+        drop(turn);
         let mut ran = 0;
         for (index, object) in self.objects.iter().enumerate() {
             ran += self.simulate(object, index == 0, |grasp| grasp % parts == part, threads, watcher)?;
@@ -235,11 +237,18 @@ impl Campaign {
         Ok(grasps.len())
     }
 
-    /// Writes the files of one object, with empty rows, unless they are there. One part does it, the others wait.
-    fn lay_out(&self, object: &Planned, model: &Model, mirrored: bool, first: bool) -> Result<()> {
+    /// Waits until no other part writes what all of them share; one that started at the same moment would find its own half of a
+    /// file renamed.
+    fn turn(&self) -> Result<std::fs::File> {
         let path = self.dir.join(LAYING_OUT);
         let lock = std::fs::File::create(&path).map_err(|e| cannot_write(&path, &e))?;
         lock.lock().map_err(|e| cannot_write(&path, &e))?;
+        Ok(lock)
+    }
+
+    /// Writes the files of one object, with empty rows, unless they are there. One part does it, the others wait.
+    fn lay_out(&self, object: &Planned, model: &Model, mirrored: bool, first: bool) -> Result<()> {
+        let _turn = self.turn()?;
         let open = open(&self.dir.join(&object.file));
         if !open.exists() {
             if first {
@@ -268,7 +277,7 @@ fn open(path: &Path) -> PathBuf {
 const PROGRESS: &str = ".progress";
 /// File that is locked while a campaign writes.
 const LOCK: &str = ".lock";
-/// File that is locked while an object's files are laid out.
+/// File that is locked while the manifest is written and an object's files are laid out.
 const LAYING_OUT: &str = ".laying_out";
 
 /// Creates the folder and takes it for this process, `beside` others that write other rows, or alone.

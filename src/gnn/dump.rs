@@ -3,6 +3,7 @@
 //! Inputs are normalised, answers in the network's units; rows as in [`super::features`] and [`super::network::Output`].
 //! A sparse map NAME is `NAME_at` (entries, 2: row, column) and `NAME_weight`; edges are (edges, 2: sender, receiver).
 
+use super::balance::{Balance, EQUATIONS};
 use super::features::{EDGE, NODE, PAD};
 use super::loads::{NODE_LOAD, PAD_LOAD};
 use super::network::Inputs;
@@ -35,6 +36,27 @@ impl Arrays {
     fn pairs(&mut self, name: &str, pairs: &[(u32, u32)]) {
         let flat: Vec<u32> = pairs.iter().flat_map(|(a, b)| [*a, *b]).collect();
         self.indices.extend(Array2::from_shape_vec((pairs.len(), 2), flat).map(|a| (name.to_string(), a)));
+    }
+
+    /// Of every level: force and moment of each component of contact and what each pull and twist adds to it
+    /// (levels * 6, contact), from what is out of balance to these (levels * 6, 6), and what is carried (levels, 6).
+    fn balances(&mut self, balances: &[Balance]) {
+        let by_component = |of: &dyn Fn(&Balance, usize) -> [[f32; EQUATIONS]; 3]| {
+            let row = |b: &Balance, k: usize| (0..b.nodes()).flat_map(|i| of(b, i).map(|c| c[k])).collect::<Vec<_>>();
+            balances.iter().flat_map(|b| (0..EQUATIONS).flat_map(|k| row(b, k)).collect::<Vec<_>>()).collect::<Vec<_>>()
+        };
+        let pulls = |b: &Balance, i: usize| {
+            let [x, y] = b.pulls(i);
+            [[0.0; EQUATIONS], x, y]
+        };
+        let rows = EQUATIONS * balances.len();
+        for (name, numbers) in [("wrench", by_component(&Balance::wrenches)), ("pull", by_component(&pulls))] {
+            self.matrix(&format!("balance_{name}"), &Matrix::constant(rows, numbers.len() / rows.max(1), numbers));
+        }
+        let inverse = balances.iter().flat_map(|b| b.solution().0.concat()).collect();
+        self.matrix("balance_inverse", &Matrix::constant(rows, EQUATIONS, inverse));
+        let load = balances.iter().flat_map(|b| *b.solution().1).collect();
+        self.matrix("balance_load", &Matrix::constant(balances.len(), EQUATIONS, load));
     }
 
     fn sparse(&mut self, name: &str, map: &Sparse) {
@@ -83,6 +105,7 @@ pub fn write(path: &Path, predictor: &Predictor, sample: &Sample) -> Result<()> 
         let moved = respond(&silent, pad, &units);
         arrays.matrix("response", &reshape(&silent, &displaced(&silent, pad, &moved), pad.forces));
         arrays.matrix("stress_response", &reshape(&silent, &deviated(&silent, pad, &moved), pad.forces));
+        arrays.balances(&loads.balance);
         let scale = loads.scale(f);
         arrays.matrix("scale", &Matrix::constant(scale.len(), 1, scale));
         arrays.matrix("units", &Matrix::constant(1, 2, vec![n.displacement, n.stress]));

@@ -47,7 +47,7 @@ pub const VECTOR: [Parity; 3] = [X, Y, Even];
 pub const ROTATION: [Parity; 3] = [Y, X, XY];
 
 /// Raised whenever a feature changes its meaning: a network reads only those that it was trained on.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// Features of a face node: x, y; three gap scales and the gap; object normal where the finger meets it; the object's
 /// distance and normal when the undeformed pad has closed by 0, 0.25 and 0.6 thicknesses.

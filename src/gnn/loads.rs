@@ -1,5 +1,6 @@
 //! What the network sees of a load: the grip at rest under it, and the contact forces that settle node by node.
 
+use super::balance::{Balance, Pressed};
 use super::features::Features;
 use super::features::Parity::{self, Even, X, XY, Y};
 use super::grip::Rest;
@@ -38,6 +39,8 @@ pub struct Loads {
     pub travel: Vec<f64>,
     /// Motion of the object in the grip, m and rad, axes of each pad: (levels * pads, 6).
     pub motion: Vec<f64>,
+    /// Of a free object between two pads: (levels), none otherwise.
+    pub balance: Vec<Balance>,
 }
 
 impl Loads {
@@ -52,6 +55,7 @@ impl Loads {
             depth: rows(&self.depth, count, wanted),
             travel: rows(&self.travel, count, wanted),
             motion: rows(&self.motion, count, wanted),
+            balance: wanted.iter().filter_map(|level| self.balance.get(*level)).cloned().collect(),
         }
     }
 
@@ -89,6 +93,13 @@ impl Features {
                 loads.force.push(*force);
                 (0..self.pads).for_each(|p| self.load_pad(p, rest, &settled[p][k], &mut loads));
             }
+            if let (true, [left, right]) = (self.grip.free, &settled[..]) {
+                let of = |k: usize| {
+                    let pads = [(0, &left[k]), (1, &right[k])].map(|(p, gel)| self.pressed(p, some[k], &rests[k], gel));
+                    Balance::new(&pads, self.grip.hangs(&rests[k]))
+                };
+                loads.balance.par_extend((0..some.len()).into_par_iter().map(of));
+            }
         }
         loads.depth.iter_mut().chain(&mut loads.travel).for_each(|d| *d *= t);
         loads
@@ -116,6 +127,16 @@ impl Features {
         parts
             .map(|(((touching, moved), (force, closer)), given)| Settled { touching, moved, force, closer, given })
             .collect()
+    }
+
+    /// Where the forces of pad `p` act.
+    fn pressed(&self, p: usize, force: f64, rest: &Rest, gel: &Settled) -> Pressed {
+        let places = self.graph.rest.iter().zip(&gel.given).map(|(at, moved)| self.grip.place(p, *at, *moved, rest));
+        Pressed {
+            force: self.grip.carried_by(p, force),
+            rotation: self.to_pad[p].transpose(),
+            nodes: places.zip(gel.force.iter().map(|push| -push.z.min(0.0))).collect(),
+        }
     }
 
     /// Adds pad `p` under the last force, all over the thickness and `E t^2`.

@@ -2,11 +2,12 @@
 //!
 //! ```text
 //! Model + grasp -> touch.rs (first contact) -> features.rs (on graph.rs, volume.rs) -> network/ -> predict.rs -> answer.rs -> stepper.rs
-//! a load         -> grip/ (rigid equilibrium on compliance.rs) -> settle.rs -> loads.rs -> network/
+//! a load         -> grip/ (rigid equilibrium on compliance.rs) -> settle.rs -> loads.rs (balance.rs) -> network/
 //! data set      -> sample.rs: the same, and what FEM found             -> train/   -> card.rs (models/NAME)
 //! ```
 
 pub mod answer;
+pub mod balance;
 pub mod card;
 pub mod compliance;
 pub mod deviator;

@@ -38,7 +38,7 @@ pub struct Grip {
     /// Weight of the object, and where it acts at first contact.
     weight: [DVec3; 2],
     /// Whether the object may move.
-    free: bool,
+    pub(super) free: bool,
     /// Whether it is still held where it is.
     held: bool,
     /// Distance of each pad's nearest hat at first contact.
@@ -164,6 +164,12 @@ impl Grip {
     pub fn carried_by(&self, finger: usize, force: f64) -> f64 {
         let share = self.weight[0].dot(self.fingers[finger].closing) / self.fingers.len() as f64;
         if self.free { (force - share).max(LEAST * force) } else { force }
+    }
+
+    /// Weight of the object, and where it acts at `rest`.
+    pub fn hangs(&self, rest: &Rest) -> [DVec3; 2] {
+        let [weight, at] = self.weight;
+        [weight, rest.rotation * at + rest.shift]
     }
 
     /// At `force` per finger: between two states of the path.

@@ -12,6 +12,7 @@ use crate::gnn::parameters::Parameters;
 use crate::gnn::spec::Face;
 use crate::gnn::tape::Matrix;
 use pulp::Arch;
+use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
 /// What the pass over a grasp leaves for every load: the part of the decoder's first layer that no load changes.
@@ -234,6 +235,10 @@ impl FaceEngine {
         let mut own = self.take();
         let Workspace { channels, response: memory, .. } = &mut own;
         self.heads.run(n, f.pads, &self.normalisers, code, loads, channels);
+        if !loads.balance.is_empty() {
+            let levels = channels.contact.par_chunks_exact_mut(3 * f.pads * n).zip(&loads.balance);
+            levels.for_each(|(contact, balance)| balance.balance(contact, [1.0; 2]));
+        }
         let given = respond(&f.graph, &channels.contact, &loads.scale(f), stress, memory);
         let (displacement, stress) = given.correct(channels, &self.normalisers);
         let [contact, travel, motion] =

@@ -5,7 +5,7 @@
 //!         rounds x: m_e = act(W e + W h_sender + W h_receiver)         per edge
 //!                   g   = act(W [mean h, near h, those of the other pad])   per pad
 //!                   h  += W act(W h + W sum m + W g)                    per node
-//! decode  z = act(W h + W node load + W pad load)  -> contact force, on top of the settled one
+//! decode  z = act(W h + W node load + W pad load)  -> contact force, on top of the settled one, in balance
 //!         displacement = linear response to it x W z + W z, stress = that of the response x act(W z) + act(W z), by depth
 //!         y = act(W g + W pad load)                -> travel, object motion
 //! ```
@@ -16,8 +16,8 @@ use crate::gnn::features::{EDGE, NODE, PAD, VECTOR};
 use crate::gnn::graph::Layout;
 use crate::gnn::loads::{Loads, NODE_LOAD, PAD_LOAD};
 use crate::gnn::ops::{
-    Activation, Sparse, apply, deviated, displaced, layer_norm, linear, product, reshape, respond, share, sum,
-    von_mises,
+    Activation, Sparse, apply, balanced, deviated, displaced, layer_norm, linear, product, reshape, respond, share,
+    sum, von_mises,
 };
 use crate::gnn::parameters::{Id, Maker, Parameters};
 use crate::gnn::real::Real;
@@ -233,7 +233,8 @@ impl<T: Real> Network<T> for FaceNetwork {
         let head = |x: &Matrix<T>, layer: Layer, act| linear(tape, x, p.get(layer.0), Some(p.get(layer.1)), act);
         let channels = levels * pads * face * self.depths;
         let contact = sum(tape, &[&head(&z, self.contact, none), &carried(inputs, loads)], none);
-        let contact = share(tape, &contact, face);
+        let mirror = [VECTOR[0], VECTOR[1]].map(|parity| parity.sign(inputs.mirror));
+        let contact = balanced(tape, &share(tape, &contact, face), &loads.balance, mirror);
         let (given, bare) = linear_response(tape, inputs, loads, &contact);
         let channel = |layer: Layer, act| reshape(tape, &head(&z, layer, act), channels);
         // What the linear response is wrong by, as a factor, and what it leaves out.

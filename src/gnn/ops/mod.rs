@@ -1,5 +1,6 @@
 //! The operations of the network: each with its forward and its backward kernel, one per file.
 
+mod balance;
 mod linear;
 mod norm;
 mod pointwise;
@@ -8,6 +9,7 @@ mod share;
 mod sparse;
 mod von_mises;
 
+pub use balance::balanced;
 pub use linear::linear;
 pub use norm::layer_norm;
 pub use pointwise::{Activation, product, reshape, root_error, sum};

@@ -162,7 +162,8 @@ pub fn reshape<T: Real>(tape: &Tape<T>, x: &Matrix<T>, rows: usize) -> Matrix<T>
 }
 
 /// How far `x` is from `target`: for each of `groups` equal groups of rows the root of sum(weight * squared difference),
-/// averaged; 1 x 1. A root, so that the few hard groups do not drown the others.
+/// r, as r / (1 + r), averaged; 1 x 1. A root, and one that is bounded, so that the few hard groups do not drown the others:
+/// what is off by several times its size teaches little, and less still when it is off by half as much.
 pub fn root_error<T: Real>(tape: &Tape<T>, x: &Matrix<T>, target: &[f32], weight: &[f32], groups: usize) -> Matrix<T> {
     assert!(target.len() == x.value().len() && weight.len() == x.rows, "a target has the shape of what it judges");
     assert!(x.rows.is_multiple_of(groups), "groups are alike");
@@ -173,13 +174,14 @@ pub fn root_error<T: Real>(tape: &Tape<T>, x: &Matrix<T>, target: &[f32], weight
     let square = |(d, w): &(&[T], &f32)| f64::from(**w) * d.iter().map(|d| d.f64().powi(2)).sum::<f64>();
     let roots: Vec<f64> =
         rows.chunks_exact(each).map(|g| (g.iter().map(square).sum::<f64>() + SMOOTH * SMOOTH).sqrt()).collect();
-    let mean = roots.iter().sum::<f64>() / groups as f64;
+    let mean = roots.iter().map(|r| r / (1.0 + r)).sum::<f64>() / groups as f64;
     let (x, weight) = (x.clone(), weight.to_vec());
     let input = x.clone();
     tape.result(&[&input], (1, 1), vec![T::nearest(mean)], move |grads, out| {
         if let Some(dx) = grads.of(&x) {
             for (r, w) in weight.iter().enumerate() {
-                let scale = T::nearest(f64::from(*w) / (roots[r / each] * groups as f64)) * out[0];
+                let root = roots[r / each];
+                let scale = T::nearest(f64::from(*w) / (root * (1.0 + root).powi(2) * groups as f64)) * out[0];
                 let own = r * cols..(r + 1) * cols;
                 dx[own.clone()].iter_mut().zip(&difference[own]).for_each(|(g, d)| *g += scale * *d);
             }
