@@ -38,5 +38,5 @@ pub mod touch;
 pub mod train;
 pub mod volume;
 
-/// Folder of the model that ships with tactus, from the root of the project: flat GelSight Mini pads, ten objects.
+/// Folder of the model that ships with tactus, from the root of the project: flat GelSight Mini pads, thirty shapes.
 pub const SHIPPED: &str = "models/gelsight_mini";
