@@ -19,6 +19,7 @@ use ndarray::Array2;
 use ndarray_npy::NpzWriter;
 use std::io;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Named arrays on their way to a file.
 #[derive(Default)]
@@ -40,7 +41,7 @@ impl Arrays {
 
     /// Of every level: force and moment of each component of contact and what each pull and twist adds to it
     /// (levels * 6, contact), from what is out of balance to these (levels * 6, 6), and what is carried (levels, 6).
-    fn balances(&mut self, balances: &[Balance]) {
+    fn balances(&mut self, balances: &[Arc<Balance>]) {
         let by_component = |of: &dyn Fn(&Balance, usize) -> [[f32; EQUATIONS]; 3]| {
             let row = |b: &Balance, k: usize| (0..b.nodes()).flat_map(|i| of(b, i).map(|c| c[k])).collect::<Vec<_>>();
             balances.iter().flat_map(|b| (0..EQUATIONS).flat_map(|k| row(b, k)).collect::<Vec<_>>()).collect::<Vec<_>>()

@@ -8,6 +8,7 @@ use super::sample::rows;
 use super::settle::{LANES, Touching, settle};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Features of a node at a load. From the grip: pressed over depth (negative is a gap), pressed, share of the force,
 /// displacement over depth. Settled: share of the force, how much of that acts along the
@@ -40,7 +41,7 @@ pub struct Loads {
     /// Motion of the object in the grip, m and rad, axes of each pad: (levels * pads, 6).
     pub motion: Vec<f64>,
     /// Of a free object between two pads: (levels), none otherwise.
-    pub balance: Vec<Balance>,
+    pub balance: Vec<Arc<Balance>>,
 }
 
 impl Loads {
@@ -96,7 +97,7 @@ impl Features {
             if let (true, [left, right]) = (self.grip.free, &settled[..]) {
                 let of = |k: usize| {
                     let pads = [(0, &left[k]), (1, &right[k])].map(|(p, gel)| self.pressed(p, some[k], &rests[k], gel));
-                    Balance::new(&pads, self.grip.hangs(&rests[k]))
+                    Arc::new(Balance::new(&pads, self.grip.hangs(&rests[k])))
                 };
                 loads.balance.par_extend((0..some.len()).into_par_iter().map(of));
             }

@@ -12,7 +12,7 @@
 //! The second layer of a message is linear, so it is applied after the sum: edges cost no matrix product.
 
 use super::{Inputs, Network, Output, constant, repeat};
-use crate::gnn::features::{EDGE, NODE, PAD, VECTOR};
+use crate::gnn::features::{EDGE, NODE, PAD};
 use crate::gnn::graph::Layout;
 use crate::gnn::loads::{Loads, NODE_LOAD, PAD_LOAD};
 use crate::gnn::ops::{
@@ -233,8 +233,7 @@ impl<T: Real> Network<T> for FaceNetwork {
         let head = |x: &Matrix<T>, layer: Layer, act| linear(tape, x, p.get(layer.0), Some(p.get(layer.1)), act);
         let channels = levels * pads * face * self.depths;
         let contact = sum(tape, &[&head(&z, self.contact, none), &carried(inputs, loads)], none);
-        let mirror = [VECTOR[0], VECTOR[1]].map(|parity| parity.sign(inputs.mirror));
-        let contact = balanced(tape, &share(tape, &contact, face), &loads.balance, mirror);
+        let contact = balanced(tape, &share(tape, &contact, face), &loads.balance, inputs.signs());
         let (given, bare) = linear_response(tape, inputs, loads, &contact);
         let channel = |layer: Layer, act| reshape(tape, &head(&z, layer, act), channels);
         // What the linear response is wrong by, as a factor, and what it leaves out.
@@ -262,7 +261,7 @@ fn linear_response<T: Real>(
 ) -> (Matrix<T>, Matrix<T>) {
     let (f, norms) = (inputs.features, inputs.normalisers);
     let pad = &f.graph.compliance;
-    let [x, y, _] = VECTOR.map(|parity| parity.sign(inputs.mirror));
+    let [x, y] = inputs.signs();
     let diagonal = |v: &[f32]| Sparse::new(&(0..).zip(v).map(|(i, v)| vec![(i, *v)]).collect::<Vec<_>>(), v.len());
     // From (against the closing direction, x, y) to (x, y, z) of the pad that is not mirrored.
     let turn = Sparse::new(&[vec![(1, x)], vec![(2, y)], vec![(0, -1.0)]], 3);
@@ -279,7 +278,7 @@ fn linear_response<T: Real>(
 
 /// What the settled gel says of the force on each node: its share as a logarithm, and the part along the face.
 fn carried<T: Real>(inputs: &Inputs, loads: &Loads) -> Matrix<T> {
-    let [x, y, _] = VECTOR.map(|parity| parity.sign(inputs.mirror));
+    let [x, y] = inputs.signs();
     let rows = loads.node.chunks_exact(NODE_LOAD.len());
     constant(3, rows.flat_map(|row| [(row[6] + LITTLE).ln(), x * row[7], y * row[8]]).collect())
 }

@@ -5,7 +5,7 @@
 pub mod face;
 pub mod paper;
 
-use super::features::{self, Features};
+use super::features::{self, Features, VECTOR};
 use super::graph::Layout;
 use super::loads::Loads;
 use super::normalise::Normaliser;
@@ -66,6 +66,11 @@ pub struct Inputs<'a> {
 }
 
 impl Inputs<'_> {
+    /// Signs of a vector's components (x, y) under the mirror.
+    pub(super) fn signs(&self) -> [f32; 2] {
+        [VECTOR[0], VECTOR[1]].map(|parity| parity.sign(self.mirror))
+    }
+
     pub(super) fn matrix<T: Real>(
         &self,
         rows: &[f32],

@@ -3,10 +3,11 @@
 use crate::gnn::balance::Balance;
 use crate::gnn::real::Real;
 use crate::gnn::tape::{Matrix, Tape};
+use std::sync::Arc;
 
 /// Contact forces x (levels * pads * nodes, 3), each level in the balance of its own; with none of them, x itself. Their
 /// components along x and y have the signs `mirror` of those of the pads.
-pub fn balanced<T: Real>(tape: &Tape<T>, x: &Matrix<T>, balances: &[Balance], mirror: [f32; 2]) -> Matrix<T> {
+pub fn balanced<T: Real>(tape: &Tape<T>, x: &Matrix<T>, balances: &[Arc<Balance>], mirror: [f32; 2]) -> Matrix<T> {
     if balances.is_empty() {
         return x.clone();
     }

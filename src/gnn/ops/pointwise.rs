@@ -162,8 +162,8 @@ pub fn reshape<T: Real>(tape: &Tape<T>, x: &Matrix<T>, rows: usize) -> Matrix<T>
 }
 
 /// How far `x` is from `target`: for each of `groups` equal groups of rows the root of sum(weight * squared difference),
-/// r, as r / (1 + r), averaged; 1 x 1. A root, and one that is bounded, so that the few hard groups do not drown the others:
-/// what is off by several times its size teaches little, and less still when it is off by half as much.
+/// r, as r / (1 + r), averaged; 1 x 1. A root, and bounded, so that the few hard groups do not drown the others: what is off by
+/// several times its size pulls with next to nothing.
 pub fn root_error<T: Real>(tape: &Tape<T>, x: &Matrix<T>, target: &[f32], weight: &[f32], groups: usize) -> Matrix<T> {
     assert!(target.len() == x.value().len() && weight.len() == x.rows, "a target has the shape of what it judges");
     assert!(x.rows.is_multiple_of(groups), "groups are alike");
