@@ -132,7 +132,11 @@ with torch.inference_mode():
     code = one(*inputs)
     out = all_(*code, d["node_load"], d["pad_load"])
     for mine, name in zip(out, ("displacement", "stress", "contact", "travel", "motion")):
-        error = ((mine - d[f"out_{name}"]).norm() / d[f"out_{name}"].norm()).item()
+        theirs = d[f"out_{name}"]
+        size = theirs.norm()
+        if name in ("travel", "motion"):  # as in tests/torch_check.py: corrections, in units of what is usual
+            size = size.clamp(min=theirs.numel() ** 0.5)
+        error = ((mine - theirs).norm() / size).item()
         assert error < 1e-5, f"{name} differs by {error}"
     for t in threads:
         torch.set_num_threads(t)

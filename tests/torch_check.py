@@ -145,7 +145,10 @@ def paper():
 worst = 0.0
 for name, mine in (face if "edge" in d else paper)().items():
     theirs = d[f"out_{name}"]
-    error = ((mine - theirs).norm() / theirs.norm()).item()
+    size = theirs.norm()
+    if name in ("travel", "motion"):  # corrections of what mechanics gives, 1 being usual in training: a good grasp needs almost none
+        size = size.clamp(min=theirs.numel() ** 0.5)
+    error = ((mine - theirs).norm() / size).item()
     print(f"{name}: {error:.1e} relative")
     worst = max(worst, error)
 sys.exit(0 if worst < 1e-5 else 1)
