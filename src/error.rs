@@ -27,6 +27,9 @@ pub enum Error {
     /// The solver gave up; the state is the last accepted one.
     #[error("{0}")]
     Solver(String),
+    /// Somebody asked for an end; says what is kept.
+    #[error("{0}")]
+    Interrupted(String),
 }
 
 /// Result with the crate's [`Error`].

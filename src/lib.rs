@@ -25,6 +25,7 @@ pub mod fem;
 pub mod gnn;
 pub mod grasp;
 pub mod gripper;
+pub mod interrupt;
 pub mod material;
 pub mod mesh;
 pub mod model;

@@ -6,6 +6,7 @@ use crate::audit::Findings;
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::grasp::GraspPose;
+use crate::interrupt;
 use crate::model::Model;
 use crate::record::{Frame, GraspSummary, Status};
 use crate::scene::{self, Measured};
@@ -52,7 +53,8 @@ pub struct Outcome {
 /// up another grasp meanwhile, which keeps the wall time of a grasp its own. Threads left over share out the pads.
 ///
 /// # Errors
-/// The first error of the observer or of setting up an environment. A grasp that fails is an outcome, not an error.
+/// The first error of the observer or of setting up an environment; [`Error::Interrupted`] where somebody asked for an end
+/// before all had run. A grasp that fails is an outcome, not an error.
 pub fn run_grasps(
     model: &Arc<Model>,
     stepper: &dyn Stepper,
@@ -76,7 +78,8 @@ pub fn run_grasps(
                         .map_err(|e| Error::Start(format!("cannot start {share} threads: {e}")))?;
                     loop {
                         let k = queue.fetch_add(1, Ordering::Relaxed);
-                        let Some(&(index, pose)) = grasps.get(k).filter(|_| !stop.load(Ordering::Relaxed)) else {
+                        let goes_on = !stop.load(Ordering::Relaxed) && !interrupt::requested();
+                        let Some(&(index, pose)) = grasps.get(k).filter(|_| goes_on) else {
                             return Ok(());
                         };
                         let outcome = pool.install(|| run_grasp(model, stepper, index, pose, observer));
@@ -96,13 +99,17 @@ pub fn run_grasps(
         })
     })?;
     let done = slots.into_iter().filter_map(|slot| slot.into_inner().ok().flatten());
-    done.collect()
+    let done: Vec<Outcome> = done.collect::<Result<_>>()?;
+    if done.len() < grasps.len() {
+        interrupt::check()?;
+    }
+    Ok(done)
 }
 
 /// Runs one grasp to its end.
 ///
 /// # Errors
-/// Those of the observer and of setting up the environment.
+/// Those of the observer and of setting up the environment; [`Error::Interrupted`].
 pub fn run_grasp(
     model: &Arc<Model>,
     stepper: &dyn Stepper,
@@ -121,6 +128,10 @@ pub fn run_grasp(
         let phase = environment.step();
         if matches!(before, Phase::Place | Phase::Close) {
             closing += started.elapsed().as_secs_f64();
+        }
+        // Of what it was in the middle of nothing is kept: the solver gave up without need.
+        if phase != Phase::Done {
+            interrupt::check()?;
         }
         if let Some(frame) = environment.frame() {
             tally.observe(model, frame, environment.findings());

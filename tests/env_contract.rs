@@ -87,7 +87,8 @@ fn truncation_keeps_the_final_observation(set: &[NamedScene]) {
         }
     }
     let next_episode = save_of_next(set);
-    let fresh: Vec<_> = NAMES.iter().map(|name| same.restore(0, &next_episode).obs(name).unwrap().to_vec()).collect();
+    let fresh: Vec<_> =
+        NAMES.iter().map(|name| same.restore(0, &next_episode).unwrap().obs(name).unwrap().to_vec()).collect();
     let after = next.step(&[-1.0]).unwrap();
     assert_eq!((after.reward()[0], after.truncated()[0]), (0.0, false), "the action of this step is not taken");
     for (name, fresh) in NAMES.iter().zip(fresh) {
@@ -131,11 +132,11 @@ fn a_restored_environment_replays_exactly(set: &[NamedScene]) {
         (2..STEPS).map(|s| bits(env.step(&actions(0, 2, s)).unwrap(), at)).collect::<Vec<_>>()
     };
     let truth = rest(&mut env, 1);
-    env.restore(1, &saved);
+    env.restore(1, &saved).unwrap();
     assert_eq!(truth, rest(&mut env, 1), "in the same batch");
     let mut other = batch(set, BatchConfig { seed: 99, ..config(2) });
     other.reset(None, None).unwrap();
-    other.restore(1, &saved);
+    other.restore(1, &saved).unwrap();
     assert_eq!(truth, rest(&mut other, 1), "in another batch");
 }
 

@@ -10,6 +10,7 @@ use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::gnn::eval::table::FROM_LOAD;
 use crate::grasp::{GraspPose, poses_of};
+use crate::interrupt;
 use crate::model::{Model, pad};
 use crate::record::{Frame, Status};
 use crate::runner::{Observer, Outcome, run_grasp};
@@ -168,6 +169,7 @@ impl Entry {
         let (model, stepper) = (Model::build(scene)?, choose(scene)?);
         let mut environment = Environment::new(&model, stepper.as_ref(), pose)?;
         while environment.frame().is_none() && !environment.step().is_final() {}
+        interrupt::check()?;
         self.peak_memory = peak_memory().filter(|_| known);
         Ok(())
     }

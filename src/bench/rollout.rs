@@ -5,6 +5,7 @@ use super::clock::{forget_peak_memory, peak_memory};
 use super::spread::median;
 use crate::env::{BatchConfig, BatchEnv};
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::random::Random;
 use crate::scene::{Gnn, NamedScene, Stepper};
 use crate::stepper::choose;
@@ -108,6 +109,7 @@ fn play(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Re
     while done < steps || clock.elapsed().as_secs_f64() < LEAST {
         let actions: Vec<f32> = (0..numbers).map(|_| 2.0 * random.unit() as f32 - 1.0).collect();
         env.step(&actions).map_err(failed)?;
+        interrupt::check()?;
         done += 1;
     }
     Ok(((done * num_envs) as f64 / clock.elapsed().as_secs_f64(), peak_memory().filter(|_| known)))

@@ -1,6 +1,6 @@
 //! `tactus dataset`: all grasps of all objects of a scene, into a folder; and `tactus dataset inspect`.
 
-use super::{Format, NOT_HELD, OK, inspect, print};
+use super::{Format, NOT_HELD, OK, inspect, kept, print};
 use crate::dataset::progress::Finished;
 use crate::dataset::{Campaign, Manifest, Watcher};
 use crate::error::{Error, Result};
@@ -106,7 +106,15 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
     if let Some((part, parts)) = args.part {
         let ran = campaign.run_part(part - 1, parts, threads, &bar);
         bar.bar.finish_and_clear();
-        let ran = ran?;
+        let ran = ran.map_err(|error| {
+            kept(error, || {
+                let ended = bar.ended.load(Ordering::Relaxed);
+                format!(
+                    "{ended} grasps of this part are finished in {}; the same command goes on from there",
+                    out.display()
+                )
+            })
+        })?;
         let text = match args.format {
             Format::Text => format!("part {part} of {parts}: {ran} grasps; without --part the data set is closed\n"),
             Format::Json => format!("{}\n", json!({ "part": part, "parts": parts, "computed": ran, "dir": out })),
@@ -116,7 +124,13 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
     }
     let manifest = campaign.run(threads, &bar);
     bar.bar.finish_and_clear();
-    let (manifest, wall) = (manifest?, clock.elapsed().as_secs_f64());
+    let manifest = manifest.map_err(|error| {
+        kept(error, || {
+            let ended = bar.ended.load(Ordering::Relaxed);
+            format!("{ended} of {grasps} grasps are finished in {}; the same command goes on from there", out.display())
+        })
+    })?;
+    let wall = clock.elapsed().as_secs_f64();
     let text = match args.format {
         Format::Text => report(&manifest, resumed, wall),
         Format::Json => {

@@ -12,6 +12,7 @@ mod train;
 mod watch;
 
 use crate::error::{Error, Result};
+use crate::interrupt;
 use clap::{Parser, Subcommand, ValueEnum};
 use std::io::Write;
 use std::process::ExitCode;
@@ -76,14 +77,33 @@ pub fn main() -> ExitCode {
         Ok(code) => code,
         Err(error) => {
             let text = error.to_string();
-            let start = if text.starts_with("error:") { "" } else { "error: " };
+            let plain = text.starts_with("error:") || matches!(error, Error::Interrupted(_));
+            let start = if plain { "" } else { "error: " };
             eprintln!("{start}{text}");
             ExitCode::from(REFUSED)
         }
     }
 }
 
+/// What a command says that was ended in the middle of something that looks at no flag.
+fn last_words() {
+    // Whoever asked for the end may have closed the terminal.
+    let _ = writeln!(std::io::stderr(), "\ninterrupted; files that were being written are as they were before");
+}
+
+/// The error of a command; where somebody asked for an end, it says what is kept.
+fn kept(error: Error, kept: impl FnOnce() -> String) -> Error {
+    match error {
+        Error::Interrupted(_) => Error::Interrupted(format!("interrupted; {}", kept())),
+        other => other,
+    }
+}
+
 fn dispatch(cli: &Cli) -> Result<ExitCode> {
+    // The others are short; a signal ends them as it ends any program.
+    if !matches!(cli.command, Command::Check(_) | Command::Report(_)) {
+        interrupt::on_signals(REFUSED, last_words)?;
+    }
     match &cli.command {
         Command::Run(args) => run::run(args),
         Command::Check(args) => check::check(args),

@@ -1,7 +1,7 @@
 //! `tactus run`: simulate the grasps of a scene.
 
 use super::watch::Watch;
-use super::{Format, NOT_HELD, OK, print, table};
+use super::{Format, NOT_HELD, OK, kept, print, table};
 use crate::error::{Error, Result};
 use crate::gnn::SHIPPED;
 use crate::grasp::{GraspPose, poses_of};
@@ -134,7 +134,14 @@ pub fn run(args: &RunArgs) -> Result<ExitCode> {
     let watch = Watch::new(&model, recorder, grasps.len());
     let clock = Instant::now();
     let outcomes = run_grasps(&model, stepper.as_ref(), &grasps, threads, &watch);
-    let (recorder, outcomes) = (watch.finish(), outcomes?);
+    let ended = watch.ended();
+    let recorder = watch.finish();
+    let outcomes = outcomes.map_err(|error| {
+        kept(error, || {
+            let place = args.out.as_ref().map_or_else(String::new, |dir| format!(" in {}", dir.display()));
+            format!("{ended} of {} grasps are finished{place}", grasps.len())
+        })
+    })?;
     let wall = clock.elapsed().as_secs_f64();
 
     let measured: Vec<Measured> = outcomes.iter().map(|o| o.measured.clone()).collect();

@@ -1,6 +1,6 @@
 //! `tactus train`: a network from a data set.
 
-use super::{Format, OK, print};
+use super::{Format, OK, kept, print};
 use crate::dataset::DataSet;
 use crate::error::{Error, Result};
 use crate::gnn::spec::Spec;
@@ -67,7 +67,13 @@ fn run(args: &TrainArgs) -> Result<ExitCode> {
         }
     });
     bar.finish_and_clear();
-    let (end, wall) = (end?, clock.elapsed().as_secs_f64());
+    let end = end.map_err(|error| {
+        kept(error, || {
+            let (done, all) = (trainer.epochs().len(), spec.training.epochs.get());
+            format!("{done} of {all} epochs are kept in {}; the same command goes on from there", args.out.display())
+        })
+    })?;
+    let wall = clock.elapsed().as_secs_f64();
     let card = trainer.card();
     let why = match end {
         End::Epochs => "all epochs done",

@@ -42,6 +42,11 @@ impl Watch {
         }
     }
 
+    /// Grasps that have ended.
+    pub fn ended(&self) -> usize {
+        self.ended.load(Ordering::Relaxed)
+    }
+
     /// Takes the bar away and hands the recorder back.
     pub fn finish(self) -> Option<Recorder> {
         self.bar.finish_and_clear();

@@ -10,6 +10,7 @@ use super::rows::Encoder;
 use super::split::Splits;
 use crate::error::{Error, Result};
 use crate::grasp::{GraspPose, grasps_of, write_grasps_h5};
+use crate::interrupt;
 use crate::mesh::TriMesh;
 use crate::mesh::io::{write_stl, write_tet};
 use crate::model::{self, Model};
@@ -222,6 +223,7 @@ impl Campaign {
         if path.exists() {
             return Ok(0);
         }
+        interrupt::check()?;
         let scene = &object.named.scene;
         let model = Model::build(scene)?;
         let world = World::new(&scene.gripper.placement);

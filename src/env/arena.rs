@@ -1,6 +1,7 @@
 //! What all environments of a batch share.
 
 use super::draw::{Draw, Key, draw};
+use super::identity::identity;
 use super::observe::Sense;
 use super::reward::{Custom, Facts};
 use crate::environment::Environment;
@@ -40,6 +41,8 @@ pub struct Arena {
     pub task: Task,
     /// The objects.
     pub kinds: Vec<Kind>,
+    /// What tells it from arenas of other scenes.
+    pub identity: String,
     /// The backend.
     pub stepper: Box<dyn Stepper>,
     /// What writes the observations, one after the other.
@@ -78,6 +81,7 @@ impl Arena {
         let kinds = set.iter().map(|named| Kind::new(named, &task, stepper.as_ref())).collect::<Result<Vec<_>>>()?;
         let model = &kinds[0].variants[0].model;
         Ok(Self {
+            identity: identity(first, &task, &kinds)?,
             senses: task.observe.iter().map(|o| o.sense(model, &task)).collect(),
             stepper,
             steps: max_steps.unwrap_or(task.steps.get()).max(1),

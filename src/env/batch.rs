@@ -5,12 +5,15 @@ use super::arena::Arena;
 use super::cell::Cell;
 use super::config::{Autoreset, BatchConfig};
 use super::draw::{Draw, Key};
+use super::pool::Pool;
 use super::reward::Facts;
 use super::snapshot::Snapshot;
 use super::spec::ArraySpec;
 use super::view::{Array, Outputs, StepError, StepView};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
+use crate::interrupt;
+use crate::render::Pixmap;
 use crate::scene::{NamedScene, load_set};
 use rayon::prelude::*;
 use std::path::Path;
@@ -20,7 +23,7 @@ pub struct BatchEnv {
     arena: Arena,
     cells: Vec<Cell>,
     config: BatchConfig,
-    pool: rayon::ThreadPool,
+    pool: Pool,
     outputs: Outputs,
 }
 
@@ -41,17 +44,19 @@ impl BatchEnv {
         if config.num_envs == 0 {
             return Err(Error::Start("a batch has at least one environment".into()));
         }
-        let arena = Arena::new(set, config.objects.as_deref(), config.max_steps)?;
-        for kind in &arena.kinds {
-            for variant in &kind.variants {
-                Environment::new(&variant.model, arena.stepper.as_ref(), kind.poses[0])?;
+        let mut pool = Pool::new(config.threads)?;
+        let open = || {
+            let arena = Arena::new(set, config.objects.as_deref(), config.max_steps)?;
+            for kind in &arena.kinds {
+                for variant in &kind.variants {
+                    interrupt::check()?;
+                    Environment::new(&variant.model, arena.stepper.as_ref(), kind.poses[0])?;
+                }
             }
-        }
-        let mut pool = rayon::ThreadPoolBuilder::new();
-        if let Some(threads) = config.threads {
-            pool = pool.num_threads(threads.max(1));
-        }
-        let pool = pool.build().map_err(|e| Error::Start(format!("cannot start threads: {e}")))?;
+            Ok::<_, Error>(arena)
+        };
+        // On its own threads: in a forked process those that all share are gone.
+        let arena = pool.install(open)??;
         let n = config.num_envs;
         let key = |i: usize| Key { seed: config.seed, env: config.first_env + i as u64, episode: 0 };
         let array = |spec: ArraySpec| {
@@ -99,8 +104,35 @@ impl BatchEnv {
     /// Starts the next episode of the environments in `mask` (None is all), or with `seed` their first one.
     ///
     /// # Errors
-    /// A mask of another length.
+    /// A mask of another length; an interruption.
     pub fn reset(&mut self, seed: Option<u64>, mask: Option<&[bool]>) -> std::result::Result<StepView<'_>, StepError> {
+        let first = self.config.first_env;
+        self.begin(mask, |i| seed.map(|seed| Key { seed, env: first + i as u64, episode: 0 }))
+    }
+
+    /// The same with a seed of its own for every environment: it starts the first episode that the only environment of a batch
+    /// with this seed starts. None starts the next one.
+    ///
+    /// # Errors
+    /// Seeds or a mask of another length; an interruption.
+    pub fn reset_each(
+        &mut self,
+        seeds: &[Option<u64>],
+        mask: Option<&[bool]>,
+    ) -> std::result::Result<StepView<'_>, StepError> {
+        if seeds.len() != self.cells.len() {
+            let message = format!("{} seeds for {} environments", seeds.len(), self.cells.len());
+            return Err(StepError::call(message));
+        }
+        self.begin(mask, |i| seeds[i].map(|seed| Key { seed, env: 0, episode: 0 }))
+    }
+
+    /// Starts the episode `key` says of the environments in `mask`; the next one where it says none.
+    fn begin(
+        &mut self,
+        mask: Option<&[bool]>,
+        key: impl Fn(usize) -> Option<Key> + Sync,
+    ) -> std::result::Result<StepView<'_>, StepError> {
         if let Some(mask) = mask
             && mask.len() != self.cells.len()
         {
@@ -108,16 +140,17 @@ impl BatchEnv {
             return Err(StepError::call(message));
         }
         let Self { arena, cells, pool, .. } = self;
-        pool.install(|| {
+        let begun = pool.install(|| {
             cells.par_iter_mut().enumerate().with_max_len(1).for_each(|(i, cell)| {
-                if mask.is_none_or(|mask| mask[i]) {
+                if mask.is_none_or(|mask| mask[i]) && !interrupt::requested() {
                     // Before the first reset there is no episode to go on from.
                     let fresh = cell.output.obs.is_empty();
                     let next = if fresh { cell.key } else { cell.key.next() };
-                    cell.begin(arena, seed.map_or(next, |seed| Key { seed, episode: 0, ..cell.key }));
+                    cell.begin(arena, key(i).unwrap_or(next));
                 }
             });
         });
+        self.whole(begun)?;
         self.collect();
         self.outputs.ended.fill(false);
         Ok(StepView(&self.outputs))
@@ -126,7 +159,8 @@ impl BatchEnv {
     /// One step of every environment; `actions` is (environments, action), row-major.
     ///
     /// # Errors
-    /// Another length, numbers that are not finite, an environment that waits for a reset. Nothing has changed then.
+    /// Another length, numbers that are not finite, an environment that waits for a reset: nothing has changed then. An
+    /// interruption: no environment has an episode then.
     pub fn step(&mut self, actions: &[f32]) -> std::result::Result<StepView<'_>, StepError> {
         let size = action::size(&self.arena.task);
         if actions.len() != size * self.cells.len() {
@@ -146,9 +180,10 @@ impl BatchEnv {
             }
         }
         let Self { arena, cells, pool, .. } = self;
-        pool.install(|| {
+        let stepped = pool.install(|| {
             cells.par_iter_mut().zip(actions.par_chunks_exact(size)).with_max_len(1).for_each(|(cell, numbers)| {
                 match mode {
+                    _ if interrupt::requested() => {}
                     Autoreset::NextStep if cell.ended => cell.begin(arena, cell.key.next()),
                     Autoreset::SameStep => {
                         cell.advance(arena, numbers);
@@ -158,6 +193,7 @@ impl BatchEnv {
                 }
             });
         });
+        self.whole(stepped)?;
         self.collect();
         Ok(StepView(&self.outputs))
     }
@@ -169,15 +205,46 @@ impl BatchEnv {
 
     /// The running episode of environment `env`, to be restored here or in another batch of the same scene.
     pub fn save(&self, env: usize) -> Snapshot {
-        self.cells[env].save()
+        self.cells[env].save(&self.arena)
     }
 
     /// Brings environment `env` to where `snapshot` was saved, bit for bit.
-    pub fn restore(&mut self, env: usize, snapshot: &Snapshot) -> StepView<'_> {
+    ///
+    /// # Errors
+    /// An environment that is not there, a snapshot that is damaged or of another scene: nothing has changed then. An
+    /// interruption: no environment has an episode then.
+    pub fn restore(&mut self, env: usize, snapshot: &Snapshot) -> std::result::Result<StepView<'_>, StepError> {
+        let n = self.cells.len();
         let Self { arena, cells, pool, .. } = self;
-        pool.install(|| cells[env].restore(arena, snapshot));
+        let cell = cells.get_mut(env).ok_or_else(|| StepError::call(format!("environment {env} of {n}")))?;
+        let fits = snapshot.check(&arena.identity, action::size(&arena.task), arena.steps);
+        fits.map_err(|message| StepError::of(env, message))?;
+        let restored = pool.install(|| cell.restore(arena, snapshot));
+        self.whole(restored)?;
         self.collect();
-        StepView(&self.outputs)
+        Ok(StepView(&self.outputs))
+    }
+
+    /// The picture that `tactus run` draws, of environment `env` as it is now.
+    ///
+    /// # Errors
+    /// No running episode.
+    pub fn render(&self, env: usize) -> Result<Pixmap> {
+        self.cells[env].picture(&self.arena)
+    }
+
+    /// The episode that environment `env` is in, or starts next.
+    pub fn key(&self, env: usize) -> Key {
+        self.cells[env].key
+    }
+
+    /// Goes on if the work of all environments was `done`; else none of them has an episode any more.
+    fn whole(&mut self, done: Result<()>) -> std::result::Result<(), StepError> {
+        if interrupt::requested() {
+            self.cells.iter_mut().for_each(Cell::abandon);
+            return Err(StepError::interrupted());
+        }
+        done.map_err(|e| StepError::call(e.to_string()))
     }
 
     /// The world of environment `env`, to look at or to change; None without a running episode.

@@ -6,13 +6,16 @@ use super::draw::{Draw, Key};
 use super::grip;
 use super::load::Loads;
 use super::observe::Now;
+use super::picture::picture;
 use super::reward::Facts;
 use super::snapshot::Snapshot;
 use crate::components::ObjectWeight;
 use crate::environment::Environment;
+use crate::error::Error;
 use crate::grasp::GraspPose;
 use crate::model::Model;
 use crate::record::Frame;
+use crate::render::Pixmap;
 use crate::schedule::{Command, Phase};
 use glam::DVec3;
 use std::sync::Arc;
@@ -73,11 +76,28 @@ impl Cell {
     }
 
     /// The episode and what was done in it.
-    pub fn save(&self) -> Snapshot {
-        Snapshot { key: self.key, actions: self.actions.clone() }
+    pub fn save(&self, arena: &Arena) -> Snapshot {
+        let object = self.draw().map(|draw| arena.kinds[draw.object].name.as_str());
+        Snapshot::new(&arena.identity, self.key, object, &self.actions)
     }
 
-    /// Does again what was done.
+    /// As before the first reset, with the same episode next.
+    pub fn abandon(&mut self) {
+        *self = Self::new(self.key);
+    }
+
+    /// The picture of the running episode.
+    ///
+    /// # Errors
+    /// No running episode, a state that cannot be drawn.
+    pub fn picture(&self, arena: &Arena) -> crate::error::Result<Pixmap> {
+        let none = || Error::Start("there is no episode to draw; reset the environment".into());
+        let run = self.run.as_ref().ok_or_else(none)?;
+        let title = format!("{}, step {}", arena.kinds[run.draw.object].name, run.step);
+        picture(run.model(arena), &run.frame, title)
+    }
+
+    /// Does again what was done, which was found to be of this arena.
     pub fn restore(&mut self, arena: &Arena, snapshot: &Snapshot) {
         self.begin(arena, snapshot.key);
         snapshot.actions.chunks_exact(action::size(&arena.task)).for_each(|numbers| self.advance(arena, numbers));

@@ -11,6 +11,9 @@
 //!                          -> arrays                     (observe/)
 //! ```
 //!
+//! An interruption ([`crate::interrupt`]) leaves a batch without episodes, never with steps that count for some and not for
+//! others. A forked process finds the threads of its parent gone and starts its own (pool.rs).
+//!
 //! What differs between episodes is drawn by (seed, environment, episode) alone (draw.rs): neither the number of threads
 //! nor that of environments changes a bit of any of them.
 //!
@@ -25,8 +28,11 @@ mod cell;
 pub mod config;
 pub mod draw;
 pub mod grip;
+mod identity;
 pub mod load;
 pub mod observe;
+mod picture;
+mod pool;
 pub mod reward;
 pub mod snapshot;
 pub mod spec;

@@ -85,6 +85,10 @@ impl StepError {
         Self { env: Some(env), message: format!("environment {env}: {message}") }
     }
 
+    pub(super) fn interrupted() -> Self {
+        Self::call("interrupted; the environments have no episode now: reset them, or restore a snapshot")
+    }
+
     pub(super) fn call(message: impl Into<String>) -> Self {
         Self { env: None, message: message.into() }
     }

@@ -130,7 +130,7 @@ impl Solver {
         match failure {
             Failure::Corrections(_) | Failure::Singular => Refusal::Condensed(reason),
             Failure::Iterations(_) | Failure::LineSearch(_) | Failure::Unsettled => Refusal::Unfound(reason),
-            Failure::Lost | Failure::Astray | Failure::Underway => Refusal::Final(reason),
+            Failure::Lost | Failure::Astray | Failure::Underway | Failure::Interrupted => Refusal::Final(reason),
         }
     }
 }

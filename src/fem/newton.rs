@@ -61,6 +61,8 @@ pub enum Failure {
     Astray,
     /// The object is still on its way: nothing failed, but the way was to be followed in stages.
     Underway,
+    /// Somebody asked for an end.
+    Interrupted,
 }
 
 impl std::fmt::Display for Failure {
@@ -72,6 +74,7 @@ impl std::fmt::Display for Failure {
             Failure::Lost => f.write_str("a finger closes on nothing: the object was squeezed out"),
             Failure::Astray => f.write_str("the object moves too far to count as held"),
             Failure::Underway => f.write_str("the object is still moving"),
+            Failure::Interrupted => f.write_str("interrupted"),
             Failure::Unsettled => f.write_str("the object keeps rolling or sliding and does not come to rest"),
             Failure::Singular => f.write_str("the stiffness is not positive definite or not finite"),
         }

@@ -90,7 +90,7 @@ impl Path {
                         stiffness *= STIFFER[0];
                     }
                 }
-                Err(Failure::Lost) => return Err(Failure::Lost),
+                Err(failure @ (Failure::Lost | Failure::Interrupted)) => return Err(failure),
                 Err(failure) => {
                     self.newton.rollback();
                     spent += tolerance.iterations;

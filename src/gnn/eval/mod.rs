@@ -10,6 +10,7 @@ use super::sample::Sample;
 use super::train::data;
 use crate::dataset::DataSet;
 use crate::error::Result;
+use crate::interrupt;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -76,7 +77,7 @@ pub struct Judged {
 /// Data that cannot be read, or lies outside what the model was trained on.
 pub fn judge(set: &DataSet, predictor: &Predictor, split: &str) -> Result<Vec<Judged>> {
     let samples = test_grasps(set, predictor, split)?;
-    samples.par_iter().map(|sample| judge_grasp(predictor, sample)).collect()
+    samples.par_iter().map(|sample| interrupt::check().and_then(|()| judge_grasp(predictor, sample))).collect()
 }
 
 /// The test grasps of `split`.

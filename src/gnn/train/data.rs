@@ -13,6 +13,7 @@ use crate::gnn::ops::{displaced, respond};
 use crate::gnn::sample::{Sample, model_of};
 use crate::gnn::tape::{Matrix, Tape};
 use crate::gnn::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
+use crate::interrupt;
 use crate::model::Model;
 use crate::random::Random;
 use rayon::prelude::*;
@@ -57,7 +58,10 @@ pub fn read(set: &DataSet, poses: &Poses, layout: Layout, frames: usize) -> Resu
     let chosen = set.select(poses);
     let samples = chosen
         .par_iter()
-        .map(|&(o, grasp)| Sample::read(&set.objects[o], &models[o], &graphs[o], grasp, frames))
+        .map(|&(o, grasp)| {
+            interrupt::check()?;
+            Sample::read(&set.objects[o], &models[o], &graphs[o], grasp, frames)
+        })
         .collect::<Result<Vec<_>>>()?;
     let mut range: Option<TrainedRange> = None;
     for (sample, (o, _)) in samples.iter().zip(&chosen) {

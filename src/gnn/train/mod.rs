@@ -18,6 +18,7 @@ use super::spec::{Spec, Training};
 use super::tape::Tape;
 use crate::dataset::DataSet;
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::random::Random;
 use crate::record::files::create_dir;
 use adam::Adam;
@@ -149,8 +150,10 @@ impl Trainer {
         let mut total = 0.0;
         for (k, batch) in order.chunks(training.batch.get()).enumerate() {
             // In the order of the batch, whichever thread was first.
-            let parts: Vec<(f64, Vec<Vec<f32>>)> =
-                batch.par_iter().map(|&i| self.gradient(&state.parameters, i, number)).collect();
+            let parts: Vec<(f64, Vec<Vec<f32>>)> = batch
+                .par_iter()
+                .map(|&i| interrupt::check().map(|()| self.gradient(&state.parameters, i, number)))
+                .collect::<Result<_>>()?;
             let loss = parts.iter().map(|p| p.0).sum::<f64>() / batch.len() as f64;
             let mut gradients = parts.into_iter().map(|p| p.1).reduce(add).unwrap_or_default();
             let square = gradients.iter().flatten().map(|g| f64::from(*g).powi(2)).sum::<f64>();
@@ -170,6 +173,7 @@ impl Trainer {
         }
         let validation =
             loss(self.network.as_ref(), &state.parameters, &self.card.normalisers, &training, &self.validation);
+        interrupt::check()?;
         if !validation.is_finite() {
             return Err(Error::Solver(format!(
                 "the validation loss is not finite in epoch {number}; lower `learning_rate`"
@@ -244,6 +248,10 @@ pub fn loss(
     samples: &[Sample],
 ) -> f64 {
     let of = |s: &Sample| {
+        // Nobody asks for the loss any more.
+        if interrupt::requested() {
+            return f64::NAN;
+        }
         f64::from(pass(&Tape::silent(), network, parameters, normalisers, training, s, (false, false)).value()[0])
     };
     let losses: Vec<f64> = samples.par_iter().map(of).collect();

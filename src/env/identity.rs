@@ -1,0 +1,54 @@
+//! What tells the environments of one scene from those of another: all that decides the bits of an episode, whatever the
+//! files are called that it came from.
+
+use super::arena::Kind;
+use crate::error::{Error, Result};
+use crate::gnn::card::WEIGHTS;
+use crate::scene::{Fem, Pads, Scene, Stepper, Task};
+use glam::DVec3;
+use serde::Serialize;
+
+/// BLAKE3, hexadecimal, of task, backend and gripper of `scene`, and of the objects and grasps of `kinds`.
+pub(super) fn identity(scene: &Scene, task: &Task, kinds: &[Kind]) -> Result<String> {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(text(task)?.as_bytes());
+    let mut gripper = scene.gripper.clone();
+    // Their nodes are hashed below.
+    gripper.pads = Pads::default();
+    hasher.update(text(&gripper)?.as_bytes());
+    match &scene.stepper {
+        Stepper::Fem(fem) => hasher.update(text(&Fem { threads: None, ..*fem })?.as_bytes()),
+        // A network is its weights, wherever they lie.
+        Stepper::Gnn(gnn) => match std::fs::read(gnn.model.join(WEIGHTS)) {
+            Ok(weights) => hasher.update(&weights),
+            Err(_) => hasher.update(gnn.model.as_os_str().as_encoded_bytes()),
+        },
+    };
+    for kind in kinds {
+        hasher.update(kind.name.as_bytes());
+        for pose in &kind.poses {
+            numbers(&mut hasher, pose.position.to_array().into_iter().chain(pose.rotation.to_array()));
+        }
+        for variant in &kind.variants {
+            let model = &variant.model;
+            numbers(&mut hasher, [variant.friction, model.mass, f64::from(u8::from(model.free))].into_iter());
+            vectors(&mut hasher, &model.object.surface.vertices);
+            model.fingers.iter().for_each(|finger| vectors(&mut hasher, &finger.body.rest));
+        }
+    }
+    Ok(hasher.finalize().to_hex().to_string())
+}
+
+fn text(part: &impl Serialize) -> Result<String> {
+    ron::to_string(part).map_err(|e| Error::Start(format!("the scene cannot be written as RON: {e}")))
+}
+
+fn vectors(hasher: &mut blake3::Hasher, all: &[DVec3]) {
+    numbers(hasher, all.iter().flat_map(|v| v.to_array()));
+}
+
+fn numbers(hasher: &mut blake3::Hasher, all: impl Iterator<Item = f64>) {
+    all.for_each(|x| {
+        hasher.update(&x.to_le_bytes());
+    });
+}
