@@ -2,7 +2,7 @@
 
 use super::density::{coarser, describe, nodes};
 use crate::error::{Error, Result};
-use crate::gnn::card::Card;
+use crate::gnn::card::Trained;
 use crate::gnn::graph::mesh_hash;
 use crate::model::Model;
 use crate::scene::leaf::Positive;
@@ -141,7 +141,7 @@ impl Sweep {
     /// A network, on those pads of the sweep that it was trained for; on the scene's own, where it says what it thinks of them, if
     /// there are none.
     fn network(&self, folder: &Path) -> Result<Configuration> {
-        let trained = Card::read(folder)?.range.pad;
+        let trained = Trained::read(folder)?.card.range.pad;
         let mut scene = Scene { stepper: Stepper::Gnn(Gnn { model: folder.into() }), ..self.scene.clone() };
         for factor in SETTINGS[0].cells {
             let mut other = scene.clone();

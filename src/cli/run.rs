@@ -50,8 +50,9 @@ pub struct RunArgs {
     /// Backend, instead of the scene's.
     #[arg(long, value_enum)]
     pub backend: Option<Backend>,
-    /// Folder of the trained model, for `--backend gnn`; the one that ships with tactus by default, from its root folder.
-    #[arg(long, value_name = "DIR", requires = "backend")]
+    /// Folder of the trained model, for `--backend gnn`, or the name of one that ships with tactus: `gelsight_mini`, which is the
+    /// default, `gelsight_mini_fine`.
+    #[arg(long, value_name = "MODEL", requires = "backend")]
     pub model: Option<PathBuf>,
 }
 
@@ -89,9 +90,8 @@ impl RunArgs {
         }
         if let Some(threads) = self.threads {
             let threads = Count::new(threads).map_err(|m| refused(&format!("--threads {m}")))?;
-            match &mut scene.stepper {
-                Stepper::Fem(Fem { threads: own, .. }) => *own = Some(threads),
-                Stepper::Gnn(_) => return Err(refused("--threads is for the FEM backend")),
+            if let Stepper::Fem(Fem { threads: own, .. }) = &mut scene.stepper {
+                *own = Some(threads);
             }
         }
         if let Some(frames) = self.frames {
@@ -119,7 +119,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode> {
     });
     let (stepper, model) = (stepper?, model?);
     let grasps = select(&poses_of(scene)?, &args.grasp)?;
-    let threads = threads(scene);
+    let threads = args.threads.map_or_else(|| threads(scene), |n| n as usize);
     let value =
         serde_json::to_value(scene).map_err(|e| refused(&format!("the scene cannot be written as JSON: {e}")))?;
     let mut report = RunReport::new(format!("{} ({})", stepper.name(), stepper.settings()), threads, value);

@@ -47,6 +47,9 @@ fn run(args: &TrainArgs) -> Result<ExitCode> {
     let spec = Spec::read(&args.model)?;
     let set = DataSet::open(&args.data)?;
     let mut trainer = Trainer::new(&set, &spec, &args.split, &args.out)?;
+    if let Some(notice) = &trainer.notice {
+        eprintln!("note: {notice}");
+    }
     let (training, validation) = trainer.counts();
     let resumed = trainer.epochs().len();
     eprintln!(

@@ -3,7 +3,7 @@
 use super::arrays::{FORMAT, REASON, Sizes};
 use super::compatible::{World, sensor};
 use super::file::{Writer, lay_out};
-use super::manifest::{Manifest, ObjectEntry};
+use super::manifest::{MANIFEST, Manifest, ObjectEntry};
 use super::progress::{self, Finished, Progress};
 use super::recorder::{Recorder, Watcher};
 use super::rows::Encoder;
@@ -14,10 +14,12 @@ use crate::interrupt;
 use crate::mesh::TriMesh;
 use crate::mesh::io::{write_stl, write_tet};
 use crate::model::{self, Model};
-use crate::record::files::{cannot_write, create_dir, write_atomic};
+use crate::record::files::{cannot_write, create_dir, remove_left_over, sync_folder, write_durable};
+use crate::record::lock::FolderLock;
 use crate::runner::run_grasps;
 use crate::scene::{Field, LoadedSet, NamedScene, to_ron};
 use crate::stepper::choose;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -68,6 +70,7 @@ impl Campaign {
                 grasps: sizes.grasps,
                 bytes: 0,
                 blake3: String::new(),
+                seal: None,
                 reached: 0,
                 fault: 0,
                 infeasible: 0,
@@ -83,6 +86,7 @@ impl Campaign {
         let splits = Splits::new(&set.split, &counts);
         let manifest = Manifest {
             format: FORMAT,
+            checksum: String::new(),
             tactus: env!("CARGO_PKG_VERSION").into(),
             finished: false,
             about: set.scenes.first().map(|s| s.scene.about.clone()).unwrap_or_default(),
@@ -90,6 +94,7 @@ impl Campaign {
             grasps: objects.iter().map(|o| o.poses.len()).sum(),
             frames: sizes.map_or(0, |s| s.frames),
             bytes: 0,
+            splits: String::new(),
             objects: entries,
         };
         let mut campaign = Self { dir: dir.to_path_buf(), objects, splits, manifest };
@@ -105,11 +110,19 @@ impl Campaign {
                                choose another folder, or remove this one";
                 Err(Error::file(&self.dir, message))
             }
-            Some(earlier) => {
+            // What became of its grasps stands there alone.
+            Some(earlier) if earlier.finished => {
+                let entry = |e: &ObjectEntry| (e.name.clone(), e.file.clone(), e.grasps);
+                if !earlier.objects.iter().map(entry).eq(self.manifest.objects.iter().map(entry)) {
+                    let message = "does not list the objects of its plan: it was changed or damaged; take it from a copy, or remove \
+                                   the folder and make the data set again";
+                    return Err(Error::file(self.dir.join(MANIFEST), message));
+                }
                 self.manifest = earlier;
                 Ok(())
             }
-            None => Ok(()),
+            // Of an unfinished one, all else follows from the plan.
+            Some(_) | None => Ok(()),
         }
     }
 
@@ -137,7 +150,7 @@ impl Campaign {
     /// What cannot be written or set up, a folder in use. A grasp that fails is part of the data set, not an error.
     pub fn run(mut self, threads: usize, watcher: &dyn Watcher) -> Result<Manifest> {
         // Held while this campaign writes, so that two never write the same folder.
-        let lock = claim(&self.dir, false)?;
+        let _lock = FolderLock::alone(&self.dir, COMMAND)?;
         self.resume()?;
         if !self.manifest.finished {
             self.manifest.write(&self.dir)?;
@@ -146,10 +159,13 @@ impl Campaign {
                 self.manifest.objects[index].tally(finished.values());
             }
             let text = serde_json::to_string(&self.splits).map_err(|e| Error::file(&self.dir, e.to_string()))?;
-            write_atomic(&self.dir.join("splits.json"), (text + "\n").as_bytes())?;
-            for entry in &mut self.manifest.objects {
+            let text = text + "\n";
+            write_durable(&self.dir.join("splits.json"), text.as_bytes())?;
+            self.manifest.splits = blake3::hash(text.as_bytes()).to_hex().to_string();
+            for (entry, object) in self.manifest.objects.iter_mut().zip(&self.objects) {
                 let path = self.dir.join(&entry.file);
                 (entry.bytes, entry.blake3) = (size(&path)?, super::set::hash(&path)?);
+                entry.seal = Some(Writer::open(&path, object.sizes)?.seal()?);
             }
             self.manifest.bytes = self.manifest.objects.iter().map(|o| o.bytes).sum();
             self.manifest.finished = true;
@@ -157,9 +173,15 @@ impl Campaign {
         }
         progress::remove(&self.dir.join(PROGRESS))?;
         // Their names are not part of the data set; that they stay is not worth an error.
-        let _ = [LAYING_OUT, LOCK].map(|name| std::fs::remove_file(self.dir.join(name)));
-        drop(lock);
+        let _ = std::fs::remove_file(self.dir.join(LAYING_OUT));
+        remove_left_over(&self.dir.join("dgs_output"));
+        self.objects.iter().for_each(|object| remove_left_over(&self.about(object)));
         Ok(self.manifest)
+    }
+
+    /// Folder of what the public loader wants to know of an object.
+    fn about(&self, object: &Planned) -> PathBuf {
+        self.dir.join("dgn_dataset").join(object.named.name.as_str())
     }
 
     fn progress(&self, object: &Planned) -> Progress {
@@ -176,7 +198,7 @@ impl Campaign {
         if self.manifest.finished {
             return Ok(0);
         }
-        let _lock = claim(&self.dir, true)?;
+        let _lock = FolderLock::beside(&self.dir, COMMAND)?;
         self.resume()?;
         let turn = self.turn()?;
         self.manifest.write(&self.dir)?;
@@ -197,16 +219,45 @@ impl Campaign {
         watcher: &dyn Watcher,
     ) -> Result<BTreeMap<usize, Finished>> {
         let path = self.dir.join(&object.file);
-        // Its last step is the renaming: once the file has its name, all is in it.
-        let named = path.exists();
-        if !named {
+        let rename = |from: &Path, to: &Path| std::fs::rename(from, to).map_err(|e| cannot_write(to, &e));
+        // Its last step is the renaming: once the file has its name, all is in it, unless it came to harm.
+        if path.exists() && !self.is_whole(object, &path) {
+            rename(&path, &open(&path))?;
+        }
+        if !path.exists() {
             self.simulate(object, first, |_| true, threads, watcher)?;
+            rename(&open(&path), &path)?;
+            sync_folder(&path);
         }
         let finished = self.progress(object).finished(object.poses.len());
-        if !named {
-            std::fs::rename(open(&path), &path).map_err(|e| cannot_write(&path, &e))?;
+        if finished.len() < object.poses.len() {
+            return Err(Error::file(&path, "records of its grasps are gone; run the same `tactus dataset` again"));
         }
         Ok(finished)
+    }
+
+    /// Whether the file at `path` is what was laid out for the object, with the rows of all its grasps.
+    fn is_whole(&self, object: &Planned, path: &Path) -> bool {
+        let Ok(writer) = Writer::open(path, object.sizes) else { return false };
+        let sound = self.sound(object, &writer);
+        sound.len() == object.poses.len() && self.is_laid_out(object, path)
+    }
+
+    /// Whether the file at `path` is what was laid out for the object, whatever its rows.
+    fn is_laid_out(&self, object: &Planned, path: &Path) -> bool {
+        let layout = Writer::open(path, object.sizes).and_then(|writer| writer.layout());
+        layout.is_ok_and(|layout| self.progress(object).layout() == Some(self.of_plan(&layout)))
+    }
+
+    /// What is entered of a layout: another plan knows nothing of it.
+    fn of_plan(&self, layout: &str) -> String {
+        format!("{} {layout}", self.manifest.plan)
+    }
+
+    /// The grasps whose records and rows are as they were written.
+    fn sound(&self, object: &Planned, writer: &Writer) -> BTreeMap<usize, Finished> {
+        let finished = self.progress(object).finished(object.poses.len());
+        finished.into_par_iter().filter(|(_, record)| writer.holds(record)).collect()
     }
 
     /// Runs those of the `wanted` grasps of one object that are not finished; returns how many.
@@ -230,7 +281,7 @@ impl Campaign {
         let encoder = Encoder::new(&model, object.sizes, world);
         self.lay_out(object, &model, encoder.mirrored, first)?;
         let writer = Writer::open(&open(&path), object.sizes)?;
-        let done = progress.finished(object.poses.len());
+        let done = self.sound(object, &writer);
         let open_grasps = (0..object.poses.len()).filter(|g| wanted(*g) && !done.contains_key(g));
         let grasps: Vec<_> = open_grasps.map(|g| (g, object.poses[g])).collect();
         let stepper = choose(scene)?;
@@ -252,12 +303,12 @@ impl Campaign {
     fn lay_out(&self, object: &Planned, model: &Model, mirrored: bool, first: bool) -> Result<()> {
         let _turn = self.turn()?;
         let open = open(&self.dir.join(&object.file));
-        if !open.exists() {
+        if !open.exists() || !self.is_laid_out(object, &open) {
             if first {
                 write_tet(self.dir.join("tactile_sensor.tet"), &sensor(&model.fingers[0].topology))?;
             }
             let name = object.named.name.as_str();
-            let about = self.dir.join("dgn_dataset").join(name);
+            let about = self.about(object);
             create_dir(&about)?;
             write_stl(about.join(format!("{name}_processed.stl")), &model.object.surface)?;
             write_grasps_h5(about.join(format!("{name}_grasps.h5")), &object.poses)?;
@@ -265,6 +316,8 @@ impl Campaign {
             // Records without a file are of no use.
             self.progress(object).clear()?;
             lay_out(&open, &object.named, model, &object.sizes, mirrored)?;
+            let layout = Writer::open(&open, object.sizes)?.layout()?;
+            self.progress(object).enter_layout(&self.of_plan(&layout))?;
         }
         Ok(())
     }
@@ -277,24 +330,10 @@ fn open(path: &Path) -> PathBuf {
 
 /// Folder of the records of finished grasps.
 const PROGRESS: &str = ".progress";
-/// File that is locked while a campaign writes.
-const LOCK: &str = ".lock";
+/// Who holds the folder.
+const COMMAND: &str = "tactus dataset";
 /// File that is locked while the manifest is written and an object's files are laid out.
 const LAYING_OUT: &str = ".laying_out";
-
-/// Creates the folder and takes it for this process, `beside` others that write other rows, or alone.
-fn claim(dir: &Path, beside: bool) -> Result<std::fs::File> {
-    create_dir(dir)?;
-    let path = dir.join(LOCK);
-    let file = std::fs::File::create(&path).map_err(|e| cannot_write(&path, &e))?;
-    match if beside { file.try_lock_shared() } else { file.try_lock() } {
-        Ok(()) => Ok(file),
-        Err(std::fs::TryLockError::WouldBlock) => {
-            Err(Error::file(dir, "another `tactus dataset` is writing here; wait for it or choose another folder"))
-        }
-        Err(std::fs::TryLockError::Error(e)) => Err(cannot_write(&path, &e)),
-    }
-}
 
 /// `<object>_<density>_tactus_<E>_<nu>_<load>.h5`: the loader splits it at `_`.
 fn file_name(named: &NamedScene) -> String {

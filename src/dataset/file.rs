@@ -3,23 +3,18 @@
 //! Its arrays are contiguous and uncompressed: a row has its place before it is known, so a grasp is written by seeking
 //! there, memory holds one grasp per thread however many there are, and reading is as fast as the disk.
 
-use super::arrays::{ARRAYS, FORMAT, Kind, Sizes};
-use super::rows::Rows;
+use super::arrays::{ARRAYS, FORMAT, Kind, Row, Sizes};
+use super::places::{Places, Seal, vouched_for};
+use super::progress::Finished;
+use super::rows::{Rows, checksum, code};
 use crate::error::{Error, Result};
 use crate::model::{FingerModel, Model};
-use crate::record::files::{cannot_write, replace};
+use crate::record::files::{cannot_write, replace_durable};
 use crate::scene::{NamedScene, to_ron};
 use glam::{DQuat, DVec3};
-use hdf5_pure::{AttrValue, Datatype, File, FileBuilder, GroupBuilder, Layout};
+use hdf5_pure::{AttrValue, Datatype, File, FileBuilder, GroupBuilder};
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-
-/// Where the rows of each array start, bytes from the start of the file, in the order of [`ARRAYS`].
-#[derive(Debug, Clone)]
-pub struct Places {
-    sizes: Sizes,
-    start: Vec<u64>,
-}
 
 /// Lays out the file of an object at `path`, whole or not at all.
 ///
@@ -27,7 +22,7 @@ pub struct Places {
 /// What cannot be written.
 pub fn lay_out(path: &Path, named: &NamedScene, model: &Model, sizes: &Sizes, mirrored: bool) -> Result<()> {
     let scene = to_ron(&named.scene)?;
-    replace(path, |temporary| {
+    replace_durable(path, |temporary| {
         let mut builder = FileBuilder::new();
         attributes(&mut builder, named, model, &scene, mirrored);
         fixed(&mut builder, model);
@@ -46,8 +41,7 @@ pub fn lay_out(path: &Path, named: &NamedScene, model: &Model, sizes: &Sizes, mi
         let file = std::fs::File::create(temporary)?;
         let mut sparse = Sparse { file, length: 0 };
         builder.finish_to(&mut sparse).map_err(std::io::Error::other)?;
-        sparse.file.set_len(sparse.length)?;
-        sparse.file.sync_all()
+        sparse.file.set_len(sparse.length)
     })
 }
 
@@ -168,34 +162,6 @@ impl Write for Sparse {
     }
 }
 
-impl Places {
-    /// Where the rows of the file at `path` are.
-    ///
-    /// # Errors
-    /// A file that is not laid out for `sizes`, with the array.
-    pub fn find(path: &Path, file: &File, sizes: Sizes) -> Result<Self> {
-        let place = |array: &super::arrays::Array| {
-            let fail = |message: String| Error::file(path, format!("array `{}`: {message}", array.name));
-            let dataset = file.dataset(array.name).map_err(|e| fail(e.to_string()))?;
-            let wanted = sizes.grasps as u64 * array.row_bytes(&sizes) as u64;
-            match dataset.layout().map_err(|e| fail(e.to_string()))? {
-                Layout::Contiguous { address: Some(at), size } if size == wanted && at + size <= file.file_size() => {
-                    Ok(at)
-                }
-                Layout::Contiguous { size, .. } => Err(fail(format!("{size} bytes instead of {wanted}, or cut off"))),
-                _ => Err(fail("is not contiguous; write the file with `tactus dataset`".into())),
-            }
-        };
-        Ok(Self { sizes, start: ARRAYS.iter().map(place).collect::<Result<_>>()? })
-    }
-
-    /// First byte of the row of `grasp` in the array with this index, and its length.
-    pub fn row(&self, array: usize, grasp: usize) -> (u64, usize) {
-        let length = ARRAYS[array].row_bytes(&self.sizes);
-        (self.start[array] + (grasp * length) as u64, length)
-    }
-}
-
 /// Puts rows into a laid-out file.
 #[derive(Debug)]
 pub struct Writer {
@@ -211,6 +177,35 @@ impl Writer {
     pub fn open(path: &Path, sizes: Sizes) -> Result<Self> {
         let file = File::open_streaming(path).map_err(|e| Error::file(path, e.to_string()))?;
         Ok(Self { path: path.to_path_buf(), places: Places::find(path, &file, sizes)? })
+    }
+
+    /// BLAKE3 of what was laid out: the file without any rows.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn layout(&self) -> Result<String> {
+        Ok(Seal::of(&self.path, self.places.ranges(|_| true))?.blake3)
+    }
+
+    /// Whether the rows of a grasp are those that were written when it was recorded as finished.
+    pub fn holds(&self, record: &Finished) -> bool {
+        let rows = std::fs::File::open(&self.path).and_then(|mut file| self.places.read(&mut file, record.grasp));
+        rows.is_ok_and(|rows| {
+            let row = |name: Row| rows[name as usize].as_slice();
+            let sum = checksum(&rows);
+            sum.as_bytes() == row(Row::Checksum)
+                && sum.to_hex().as_str() == record.checksum
+                && row(Row::Status) == [code(record.status)]
+                && row(Row::RecordedFrames) == (record.frames as u32).to_le_bytes()
+        })
+    }
+
+    /// What vouches for all that the checksums of the grasps do not.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn seal(&self) -> Result<Seal> {
+        Seal::of(&self.path, self.places.ranges(vouched_for))
     }
 
     /// Writes the rows of a grasp and waits until they are on disk.

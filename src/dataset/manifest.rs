@@ -1,10 +1,11 @@
 //! `manifest.json`: what the data set is, how far it is, what failed.
 
 use super::arrays::FORMAT;
+use super::places::Seal;
 use super::progress::Finished;
 use crate::error::{Error, Result};
 use crate::record::Status;
-use crate::record::files::write_atomic;
+use crate::record::files::write_durable;
 use crate::scene::Held;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -14,6 +15,9 @@ use std::path::{Path, PathBuf};
 pub struct Manifest {
     /// Version of the layout.
     pub format: u64,
+    /// BLAKE3 of this file without these digits; empty in data sets of earlier times.
+    #[serde(default)]
+    pub checksum: String,
     /// Version of tactus.
     pub tactus: String,
     /// True once every grasp has run.
@@ -28,6 +32,9 @@ pub struct Manifest {
     pub frames: usize,
     /// Bytes of all object files.
     pub bytes: u64,
+    /// BLAKE3 of `splits.json`; empty until the data set is finished.
+    #[serde(default)]
+    pub splits: String,
     /// The objects.
     pub objects: Vec<ObjectEntry>,
 }
@@ -45,6 +52,9 @@ pub struct ObjectEntry {
     pub bytes: u64,
     /// BLAKE3 of its file; empty until it is finished.
     pub blake3: String,
+    /// What tells damage to its file without reading all of it; None until it is finished.
+    #[serde(default)]
+    pub seal: Option<Seal>,
     /// Grasps that reached their load.
     pub reached: usize,
     /// Grasps that the solver gave up.
@@ -89,7 +99,7 @@ impl Manifest {
     /// Reads the manifest of a data set; None where there is none.
     ///
     /// # Errors
-    /// A file that is no manifest, or of another version of the layout.
+    /// A file that is no manifest, that was changed, or of another version of the layout.
     pub fn read(dir: &Path) -> Result<Option<Self>> {
         let path = dir.join(MANIFEST);
         let fail = |message: String| Error::file(&path, message);
@@ -98,19 +108,39 @@ impl Manifest {
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(e) => return Err(fail(format!("cannot be read: {e}"))),
         };
-        let manifest: Self =
-            serde_json::from_slice(&bytes).map_err(|e| fail(format!("is no manifest of a data set: {e}")))?;
+        let text =
+            String::from_utf8(bytes).map_err(|_| fail("is no manifest of a data set: it is not UTF-8".into()))?;
+        let manifest: Self = serde_json::from_str(&text).map_err(|e| {
+            fail(format!(
+                "is no manifest of a data set: {e}; take it from a copy, or make the data set again in another folder"
+            ))
+        })?;
+        let sum = &manifest.checksum;
+        // Of an unfinished one nothing is believed but that it is of the plan that goes on.
+        if manifest.finished
+            && !sum.is_empty()
+            && blake3::hash(text.replacen(sum, "", 1).as_bytes()).to_hex().as_str() != sum
+        {
+            let message =
+                "was changed or damaged since it was written; take it from a copy, or make the data set again";
+            return Err(fail(message.into()));
+        }
         if manifest.format != FORMAT {
             return Err(fail(format!("has layout {}; this build reads {FORMAT}", manifest.format)));
         }
         Ok(Some(manifest))
     }
 
-    /// Writes it, whole or not at all.
-    pub fn write(&self, dir: &Path) -> Result<()> {
+    /// Gives it its checksum and writes it, whole or not at all.
+    pub fn write(&mut self, dir: &Path) -> Result<()> {
         let path = dir.join(MANIFEST);
-        let text = serde_json::to_string_pretty(self).map_err(|e| Error::file(&path, e.to_string()))?;
-        write_atomic(&path, (text + "\n").as_bytes())
+        let text = |own: &Self| {
+            let text = serde_json::to_string_pretty(own).map_err(|e| Error::file(&path, e.to_string()))?;
+            Ok::<_, Error>(text + "\n")
+        };
+        self.checksum.clear();
+        self.checksum = blake3::hash(text(self)?.as_bytes()).to_hex().to_string();
+        write_durable(&path, text(self)?.as_bytes())
     }
 
     /// Sum of a count over the objects.

@@ -5,7 +5,7 @@
 //! DIR/splits.json                                     training and test poses                       (split.rs)
 //! DIR/tactile_sensor.tet                              one pad                                       (compatible.rs)
 //! DIR/dgn_dataset/OBJ/OBJ_processed.stl, OBJ_grasps.h5   object and hand poses
-//! DIR/dgs_output/OBJ_<density>_tactus_<E>_<nu>_<load>.h5  all frames of all grasps of one object    (arrays.rs, file.rs)
+//! DIR/dgs_output/OBJ_<density>_tactus_<E>_<nu>_<load>.h5  all frames of all grasps of one object    (arrays.rs, file.rs, places.rs)
 //! DIR/.progress/OBJ/<grasp>.json                      grasps finished so far; gone at the end       (progress.rs)
 //! ```
 //!
@@ -20,6 +20,7 @@ pub mod compatible;
 pub mod file;
 pub mod inspect;
 pub mod manifest;
+pub mod places;
 pub mod progress;
 pub mod reader;
 pub mod recorder;

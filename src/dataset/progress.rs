@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::record::Status;
-use crate::record::files::{create_dir, write_atomic};
+use crate::record::files::{create_dir, write_durable};
 use crate::scene::Held;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -26,6 +26,9 @@ pub struct Finished {
     pub promises: Vec<Held>,
 }
 
+/// Name of the record of what was laid out.
+const LAYOUT: &str = "layout";
+
 /// The records of one object.
 #[derive(Debug, Clone)]
 pub struct Progress {
@@ -42,13 +45,17 @@ impl Progress {
     pub fn enter(&self, finished: &Finished) -> Result<()> {
         let path = self.path(finished.grasp);
         let text = serde_json::to_string(finished).map_err(|e| Error::file(&path, e.to_string()))?;
-        write_atomic(&path, text.as_bytes())
+        write_durable(&path, format!("{text}\n{}\n", blake3::hash(text.as_bytes()).to_hex()).as_bytes())
     }
 
-    /// The grasps below `count` that are finished. A record that cannot be read does not count: its grasp runs again.
+    /// The grasps below `count` that are finished. A record that cannot be read, or is not what was written, does not count: its
+    /// grasp runs again.
     pub fn finished(&self, count: usize) -> BTreeMap<usize, Finished> {
         let read = |grasp: usize| {
-            let record: Finished = serde_json::from_slice(&std::fs::read(self.path(grasp)).ok()?).ok()?;
+            let content = std::fs::read_to_string(self.path(grasp)).ok()?;
+            let (text, hash) = content.strip_suffix('\n')?.rsplit_once('\n')?;
+            let sound = blake3::hash(text.as_bytes()).to_hex().as_str() == hash;
+            let record: Finished = serde_json::from_str(Some(text).filter(|_| sound)?).ok()?;
             (record.grasp == grasp).then_some((grasp, record))
         };
         (0..count).filter_map(read).collect()
@@ -58,6 +65,16 @@ impl Progress {
     pub fn clear(&self) -> Result<()> {
         remove(&self.dir)?;
         create_dir(&self.dir)
+    }
+
+    /// Enters what was laid out for the rows of all grasps.
+    pub fn enter_layout(&self, layout: &str) -> Result<()> {
+        write_durable(&self.dir.join(LAYOUT), layout.as_bytes())
+    }
+
+    /// What was laid out; None if that is not known.
+    pub fn layout(&self) -> Option<String> {
+        std::fs::read_to_string(self.dir.join(LAYOUT)).ok()
     }
 
     fn path(&self, grasp: usize) -> PathBuf {

@@ -1,16 +1,15 @@
 //! Reads the file of one object by the grasp: nothing but what is asked for is in memory.
 
-use super::arrays::{ARRAYS, FORMAT, Row, Sizes};
-use super::file::Places;
+use super::arrays::{FORMAT, Row, Sizes};
+use super::places::Places;
 use super::rows::checksum;
 use crate::error::{Error, Result};
 use crate::grasp::GraspPose;
 use crate::mesh::TriMesh;
 use crate::record::{Elements, PadTopology};
 use glam::DVec3;
-use hdf5_pure::{AttrValue, File};
+use hdf5_pure::{AttrValue, File, Layout};
 use std::collections::HashMap;
-use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -90,14 +89,22 @@ impl ObjectFile {
             let dataset = file.dataset(name).map_err(|e| fail(format!("array `{name}`: {e}")))?;
             Ok(dataset.shape().map_err(read)?.into_iter().map(|n| n as usize).collect())
         };
-        let doubles = |name: &str| {
-            file.dataset(name).and_then(|d| d.read_f64()).map_err(|e| fail(format!("array `{name}`: {e}")))
+        let bad = |name: &str, e: hdf5_pure::Error| fail(format!("array `{name}`: {e}"));
+        // As it lies in the file, which bounds the memory it takes: a compressed array may claim any size.
+        let plain = |name: &str, size: u64| {
+            let dataset = file.dataset(name).map_err(|e| bad(name, e))?;
+            let counts = dataset.shape().map_err(|e| bad(name, e))?;
+            let bytes = counts.iter().try_fold(size, |n, k| n.checked_mul(*k));
+            match dataset.layout().map_err(|e| bad(name, e))? {
+                Layout::Contiguous { size, .. } if Some(size) == bytes && size <= file.file_size() => Ok(dataset),
+                _ => Err(fail(format!(
+                    "array `{name}` of shape {counts:?} is compressed, or larger than the file; write it with `tactus dataset`"
+                ))),
+            }
         };
-        let integers = |name: &str| {
-            file.dataset(name).and_then(|d| d.read_u32()).map_err(|e| fail(format!("array `{name}`: {e}")))
-        };
-        let bytes =
-            |name: &str| file.dataset(name).and_then(|d| d.read_u8()).map_err(|e| fail(format!("array `{name}`: {e}")));
+        let doubles = |name: &str| plain(name, 8)?.read_f64().map_err(|e| bad(name, e));
+        let integers = |name: &str| plain(name, 4)?.read_u32().map_err(|e| bad(name, e));
+        let bytes = |name: &str| plain(name, 1)?.read_u8().map_err(|e| bad(name, e));
 
         let (big, positions, stresses) =
             (shape("displacement")?, shape("_1_stacked_positions")?, shape("_1_stacked_stresses")?);
@@ -195,14 +202,7 @@ impl ObjectFile {
         // A handle per reading thread: a handle has one position.
         let kept = self.handles.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut file = kept.map_or_else(|| std::fs::File::open(&self.path), Ok)?;
-        let read = |array| {
-            let (start, length) = self.places.row(array, grasp);
-            let mut row = Vec::with_capacity(length);
-            file.seek(SeekFrom::Start(start))?;
-            (&mut file).take(length as u64).read_to_end(&mut row)?;
-            if row.len() == length { Ok(row) } else { Err(std::io::ErrorKind::UnexpectedEof.into()) }
-        };
-        let rows = (0..ARRAYS.len()).map(read).collect();
+        let rows = self.places.read(&mut file, grasp);
         self.handles.lock().unwrap_or_else(PoisonError::into_inner).push(file);
         rows
     }

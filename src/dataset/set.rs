@@ -14,7 +14,7 @@
 //! # }
 //! ```
 
-use super::manifest::Manifest;
+use super::manifest::{Manifest, ObjectEntry};
 use super::reader::ObjectFile;
 use super::split::{Poses, Splits};
 use crate::error::{Error, Result};
@@ -36,10 +36,11 @@ pub struct DataSet {
 }
 
 impl DataSet {
-    /// Opens a finished data set. Object files that are damaged are listed, not fatal.
+    /// Opens a finished data set, and checks all of it but the rows of grasps, which are checked when they are read. Object files
+    /// that are damaged are listed, not fatal.
     ///
     /// # Errors
-    /// No manifest, an unfinished data set, unreadable splits.
+    /// No manifest, an unfinished data set, a manifest or splits that are unreadable or were changed.
     pub fn open(dir: impl AsRef<Path>) -> Result<Self> {
         let dir = dir.as_ref();
         let manifest = Manifest::read(dir)?.ok_or_else(|| {
@@ -50,20 +51,15 @@ impl DataSet {
         }
         let path = dir.join("splits.json");
         let bytes = std::fs::read(&path).map_err(|e| Error::file(&path, format!("cannot be read: {e}")))?;
+        if !manifest.splits.is_empty() && blake3::hash(&bytes).to_hex().as_str() != manifest.splits {
+            return Err(Error::file(&path, "was changed or damaged since it was written; take it from a copy"));
+        }
         let splits = serde_json::from_slice(&bytes).map_err(|e| Error::file(&path, format!("is not readable: {e}")))?;
         let (mut objects, mut damaged) = (Vec::new(), Vec::new());
         for entry in &manifest.objects {
-            let path = dir.join(&entry.file);
-            match std::fs::metadata(&path) {
-                Ok(meta) if meta.len() != entry.bytes => {
-                    let message = format!("has {} bytes instead of {}: cut off or changed", meta.len(), entry.bytes);
-                    damaged.push(Error::file(&path, message));
-                }
-                Ok(_) => match ObjectFile::open(&path) {
-                    Ok(object) => objects.push(object),
-                    Err(error) => damaged.push(error),
-                },
-                Err(e) => damaged.push(Error::file(&path, format!("cannot be opened: {e}"))),
+            match sound(&dir.join(&entry.file), entry) {
+                Ok(object) => objects.push(object),
+                Err(error) => damaged.push(error),
             }
         }
         Ok(Self { dir: dir.to_path_buf(), manifest, splits, objects, damaged })
@@ -77,6 +73,33 @@ impl DataSet {
             reached.map(|g| (index, g)).collect::<Vec<_>>()
         };
         self.objects.iter().enumerate().flat_map(of).collect()
+    }
+}
+
+/// The file of an object, if it is as its entry says.
+fn sound(path: &Path, entry: &ObjectEntry) -> Result<ObjectFile> {
+    let fail = |message: String| Err(Error::file(path, message));
+    let size = std::fs::metadata(path).map_err(|e| Error::file(path, format!("cannot be opened: {e}")))?.len();
+    if size != entry.bytes {
+        return fail(format!("has {size} bytes instead of {}: cut off or changed", entry.bytes));
+    }
+    // In data sets of earlier times only the whole file has a hash.
+    let same = entry.seal.as_ref().map_or_else(|| Ok(hash(path)? == entry.blake3), |seal| seal.is_on(path))?;
+    if !same {
+        return fail(
+            "was changed or damaged since it was made: it is not the file of the manifest; take it from a copy, \
+                     or make the data set again"
+                .into(),
+        );
+    }
+    let object = ObjectFile::open(path)?;
+    if object.name == entry.name && object.sizes.grasps == entry.grasps {
+        Ok(object)
+    } else {
+        fail(format!(
+            "is of {} grasps of `{}`, not of {} of `{}`",
+            object.sizes.grasps, object.name, entry.grasps, entry.name
+        ))
     }
 }
 

@@ -1,17 +1,21 @@
 //! The folder of a trained model: `weights.safetensors`, and `card.ron`, which says what the weights are and what they
 //! were trained on.
 
-use super::features::{Features, VERSION};
+use super::features::VERSION;
 use super::network::Normalisers;
-use super::spec::Spec;
+use super::range::TrainedRange;
+use super::shipped;
+use super::spec::{NetworkSpec, Spec};
 use crate::error::{Error, Result};
-use crate::model::Model;
-use crate::record::files::write_atomic;
+use crate::record::files::write_durable;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Name of the card in the folder of a model.
 pub const CARD: &str = "card.ron";
+/// No number of a card is larger.
+pub(super) const MOST: f64 = 1e30;
 /// Name of the weights.
 pub const WEIGHTS: &str = "weights.safetensors";
 
@@ -43,141 +47,37 @@ pub struct Card {
     pub normalisers: Normalisers,
     /// What it was trained on, and may be used for.
     pub range: TrainedRange,
+    /// BLAKE3 of the numbers above and of the weights; empty in models of earlier times.
+    #[serde(default)]
+    pub checksum: String,
 }
 
-/// What the training set holds. Outside of it a network is not asked.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct TrainedRange {
-    /// Hash of the pad's mesh.
-    pub pad: String,
-    /// Law of the gel.
-    pub material: String,
-    /// Poisson's ratio, from and to.
-    pub poisson: [f64; 2],
-    /// Friction, from and to.
-    pub friction: [f64; 2],
-    /// Force per finger over `E thickness^2`, from and to.
-    pub force: [f64; 2],
-    /// Weight of the object over `E thickness^2`, at most.
-    pub weight: f64,
-    /// Whether the object was free.
-    pub free: bool,
-    /// Number of fingers.
-    pub fingers: usize,
+/// A model as it was read.
+#[derive(Debug)]
+pub struct Trained {
+    /// What it is.
+    pub card: Card,
+    /// Its weights, safetensors.
+    pub weights: Cow<'static, [u8]>,
 }
 
-/// Room for rounding at the ends of a range.
-const SLACK: f64 = 1e-6;
-
-impl TrainedRange {
-    /// That of one grasp with these forces per finger, N.
-    pub fn of(model: &Model, features: &Features, forces: &[f64]) -> Self {
-        let unit = features.unit_force();
-        let moduli = model.material.moduli();
-        let (low, high) = forces.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), f| (l.min(f / unit), h.max(f / unit)));
-        Self {
-            pad: features.graph.hash.clone(),
-            material: model.material.name().into(),
-            poisson: [moduli.poisson; 2],
-            friction: [model.law.friction; 2],
-            force: [low, high],
-            weight: weight(model, unit),
-            free: model.free,
-            fingers: model.fingers.len(),
-        }
-    }
-
-    /// Takes in `other`.
+impl Trained {
+    /// The model in the folder `model`, or the one that ships under this name.
     ///
     /// # Errors
-    /// Another pad, law, number of fingers or kind of object: one model is for one of each.
-    pub fn extend(&mut self, other: &Self) -> Result<()> {
-        let kind = |r: &Self| (r.pad.clone(), r.material.clone(), r.free, r.fingers);
-        if kind(self) != kind(other) {
-            let message = "the data set mixes pads, gel laws, fixed and free objects or numbers of fingers; train one model for each";
-            return Err(Error::Start(message.into()));
-        }
-        let join = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
-        self.poisson = join(self.poisson, other.poisson);
-        self.friction = join(self.friction, other.friction);
-        self.force = join(self.force, other.force);
-        self.weight = self.weight.max(other.weight);
-        Ok(())
-    }
-
-    /// Whether a grasp of `model` may be asked about, at forces `levels` (N per finger).
-    ///
-    /// # Errors
-    /// What lies outside, by how much, and what to do.
-    pub fn admits(&self, model: &Model, pad: &str, unit_force: f64, levels: &[f64]) -> Result<()> {
-        let refuse = |what: String| {
-            Err(Error::Start(format!(
-                "the network was not trained for this scene: {what}; use stepper: Fem(), or train on such a data set"
-            )))
+    /// No model there, one of another make, one that reads other features, or one that is damaged.
+    pub fn read(model: &Path) -> Result<Self> {
+        let path = model.join(CARD);
+        let (text, weights) = match shipped::named(model) {
+            Some(shipped) => (shipped.card.into(), shipped.weights.into()),
+            None => {
+                let text = std::fs::read_to_string(&path).map_err(|e| missing(model, &path, &e))?;
+                let path = model.join(WEIGHTS);
+                let weights = std::fs::read(&path).map_err(|e| Error::file(&path, format!("cannot be read: {e}")))?;
+                (Cow::from(text), Cow::from(weights))
+            }
         };
-        let moduli = model.material.moduli();
-        let outside = |v: f64, [low, high]: [f64; 2]| v < low - SLACK * low.abs() || v > high + SLACK * high.abs();
-        if !model.force_driven {
-            return refuse("it presses by travel, the network squeezes by force".into());
-        }
-        if pad != self.pad {
-            return refuse("its pads are another sensor or another mesh".into());
-        }
-        if model.material.name() != self.material || outside(moduli.poisson, self.poisson) {
-            let (own, [a, b]) = (model.material.name(), self.poisson);
-            return refuse(format!(
-                "its gel is {own} with nu = {}, trained was {} with nu {a} to {b}",
-                moduli.poisson, self.material
-            ));
-        }
-        if outside(model.law.friction, self.friction) {
-            let [a, b] = self.friction;
-            return refuse(format!("friction is {}, trained was {a} to {b}", model.law.friction));
-        }
-        if model.free != self.free || model.fingers.len() != self.fingers {
-            let kind = |free: bool, n: usize| {
-                format!("a {} object between {n} finger(s)", if free { "free" } else { "fixed" })
-            };
-            return refuse(format!(
-                "{}, trained was {}",
-                kind(model.free, model.fingers.len()),
-                kind(self.free, self.fingers)
-            ));
-        }
-        let weight = weight(model, unit_force);
-        if weight > self.weight * (1.0 + SLACK) {
-            let most = self.weight * unit_force;
-            return refuse(format!("the object weighs {:.3} N, trained was up to {most:.3} N", weight * unit_force));
-        }
-        let [low, high] = self.force.map(|f| f * unit_force);
-        match levels.iter().find(|l| outside(**l, [low, high])) {
-            Some(level) => refuse(format!("{level:.4} N per finger is outside the trained {low:.4} to {high:.4} N")),
-            None => Ok(()),
-        }
-    }
-}
-
-fn weight(model: &Model, unit: f64) -> f64 {
-    model.gravity.filter(|_| model.free).map_or(0.0, |g| g.length() * model.mass / unit)
-}
-
-impl Card {
-    /// Reads the card of a model's folder.
-    ///
-    /// # Errors
-    /// No model there, one of another make, or one that reads other features.
-    pub fn read(dir: &Path) -> Result<Self> {
-        let path = dir.join(CARD);
-        let text = std::fs::read_to_string(&path).map_err(|e| {
-            Error::file(
-                &path,
-                format!(
-                    "cannot be read: {e}; a model is made by `tactus train DATASET --model M.ron -o {}`",
-                    dir.display()
-                ),
-            )
-        })?;
-        let card: Self = ron::from_str(&text).map_err(|e| Error::file(&path, format!("is no card of a model: {e}")))?;
+        let card: Card = ron::from_str(&text).map_err(|e| Error::file(&path, format!("is no card of a model: {e}")))?;
         if card.features != VERSION {
             let message = format!(
                 "its network reads features of version {}, this tactus makes version {VERSION}; train it again",
@@ -185,14 +85,57 @@ impl Card {
             );
             return Err(Error::file(&path, message));
         }
-        Ok(card)
+        card.check()
+            .map_err(|what| Error::file(&path, format!("{what}; take the model from a copy, or train it again")))?;
+        if !card.checksum.is_empty() && card.sum(&weights)? != card.checksum {
+            let message = "this card or the weights beside it were changed or damaged since the training; take both from a copy, \
+                           or train again";
+            return Err(Error::file(&path, message));
+        }
+        Ok(Self { card, weights })
+    }
+}
+
+fn missing(model: &Path, path: &Path, e: &std::io::Error) -> Error {
+    let message = format!(
+        "cannot be read: {e}; a model is made by `tactus train DATASET --model M.ron -o {}`, and these ship: {}",
+        model.display(),
+        shipped::names()
+    );
+    Error::file(path, message)
+}
+
+impl Card {
+    /// Whether all numbers are such as training gives; what is wrong, with the field.
+    fn check(&self) -> std::result::Result<(), String> {
+        self.normalisers.check(matches!(self.spec.network, NetworkSpec::Paper(_)))?;
+        self.range.check()?;
+        match self.validation_loss {
+            loss if (0.0..=MOST).contains(&loss) => Ok(()),
+            loss => Err(format!("`validation_loss` is {loss}; allowed: 0 to {MOST:e}")),
+        }
     }
 
-    /// Writes it, whole or not at all.
-    pub fn write(&self, dir: &Path) -> Result<()> {
+    /// What [`Self::checksum`] is with these weights.
+    fn sum(&self, weights: &[u8]) -> Result<String> {
+        let own = Self { checksum: String::new(), ..self.clone() };
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(
+            ron::to_string(&own).map_err(|e| Error::Solver(format!("the card cannot be written: {e}")))?.as_bytes(),
+        );
+        Ok(hasher.update(weights).finalize().to_hex().to_string())
+    }
+
+    /// Gives it the checksum of `weights` and writes both, the card last.
+    ///
+    /// # Errors
+    /// What cannot be written.
+    pub fn write(&mut self, dir: &Path, weights: &[u8]) -> Result<()> {
+        self.checksum = self.sum(weights)?;
+        write_durable(&dir.join(WEIGHTS), weights)?;
         let path = dir.join(CARD);
         let text = ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::new().compact_arrays(true))
             .map_err(|e| Error::file(&path, e.to_string()))?;
-        write_atomic(&path, (text + "\n").as_bytes())
+        write_durable(&path, (text + "\n").as_bytes())
     }
 }

@@ -9,7 +9,7 @@
 use super::compliance::Compliance;
 use super::edges::Edges;
 use super::grip::hats::Hats;
-use super::kept;
+use super::kept::{Cache, Key};
 use super::ops::Sparse;
 use crate::error::{Error, Result};
 use crate::model::FingerModel;
@@ -17,7 +17,6 @@ use crate::record::PadTopology;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 use std::sync::Arc;
 
 /// Where a network passes messages.
@@ -72,11 +71,11 @@ impl PadGraph {
         Self::keeping(finger, layout, None)
     }
 
-    /// The same with the linear response kept in the folder `dir`: taken from there, or put there.
+    /// The same with the linear response kept in `cache`: taken from there, or put there.
     ///
     /// # Errors
     /// A pad without a sensing face.
-    pub fn keeping(finger: &FingerModel, layout: Layout, dir: Option<&Path>) -> Result<Self> {
+    pub fn keeping(finger: &FingerModel, layout: Layout, cache: Option<&Cache>) -> Result<Self> {
         let pad = &finger.topology;
         let face: Vec<u32> = pad.sensing.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
         let thickness = pad.thickness();
@@ -105,7 +104,7 @@ impl PadGraph {
         let rows = hanging(&pad.rest, &rest, &triangles, thickness, depths);
         let free: Vec<_> =
             rows.iter().zip(&pad.bonded).map(|(row, bonded)| if *bonded { Vec::new() } else { row.clone() }).collect();
-        let compliance = Arc::new(response(finger, &face, thickness, &hash, dir)?);
+        let compliance = Arc::new(response(finger, &face, thickness, &hash, cache)?);
         Ok(Self {
             hats: Hats::new(pad, &face, &rest, &area, &compliance),
             compliance,
@@ -129,19 +128,21 @@ impl PadGraph {
     }
 }
 
-/// The linear response of a pad whose mesh has this hash, kept in `dir`.
-fn response(finger: &FingerModel, face: &[u32], thickness: f64, hash: &str, dir: Option<&Path>) -> Result<Compliance> {
-    let path = dir.map(|dir| kept::path(dir, finger, hash));
-    if let Some(known) = path.as_deref().and_then(kept::read)
-        && known.forces == 3 * face.len()
-        && known.nodes == finger.topology.rest.len()
-    {
+/// The linear response of a pad whose mesh has this hash, kept in `cache`.
+fn response(
+    finger: &FingerModel,
+    face: &[u32],
+    thickness: f64,
+    hash: &str,
+    cache: Option<&Cache>,
+) -> Result<Compliance> {
+    let Some(cache) = cache else { return Compliance::new(finger, face, thickness) };
+    let key = Key::of(finger, face, hash);
+    if let Some(known) = cache.read(&key) {
         return Ok(known);
     }
     let found = Compliance::new(finger, face, thickness)?;
-    if let Some(path) = path {
-        kept::write(&path, &found);
-    }
+    cache.write(&key, &found);
     Ok(found)
 }
 

@@ -3,7 +3,7 @@
 //! ```text
 //! Model + grasp -> touch.rs (first contact) -> features.rs (on graph.rs, volume.rs) -> network/ -> predict.rs -> answer.rs -> stepper.rs
 //! a load         -> grip/ (rigid equilibrium on compliance.rs) -> settle.rs -> loads.rs (balance.rs) -> network/
-//! data set      -> sample.rs: the same, and what FEM found             -> train/   -> card.rs (models/NAME)
+//! data set      -> sample.rs: the same, and what FEM found             -> train/   -> card.rs (models/NAME), range.rs
 //! ```
 
 pub mod answer;
@@ -28,9 +28,11 @@ pub mod numbers;
 pub mod ops;
 pub mod parameters;
 pub mod predict;
+pub mod range;
 pub mod real;
 pub mod sample;
 pub mod settle;
+pub mod shipped;
 pub mod spec;
 pub mod stepper;
 pub mod tape;
@@ -38,5 +40,4 @@ pub mod touch;
 pub mod train;
 pub mod volume;
 
-/// Folder of the model that ships with tactus, from the root of the project: flat GelSight Mini pads, thirty shapes.
-pub const SHIPPED: &str = "models/gelsight_mini";
+pub use shipped::SHIPPED;

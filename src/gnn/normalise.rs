@@ -1,6 +1,7 @@
 //! Brings features to mean 0 and variance 1, with the statistics of the training set only, and holds them within what was seen in
 //! training: what a network makes of numbers that it never met may be off by orders of magnitude.
 
+use super::card::MOST;
 use super::features::Parity;
 use serde::{Deserialize, Serialize};
 
@@ -69,6 +70,30 @@ impl Normaliser {
             }
         }
         self
+    }
+
+    /// Whether it is such as training gives for `cols` columns of the field `name`; else what is wrong.
+    pub(super) fn check(&self, name: &str, cols: usize) -> Result<(), String> {
+        let lengths = [self.mean.len(), self.scale.len(), self.seen.len()];
+        if lengths != [cols; 3] {
+            return Err(format!("`normalisers.{name}` has columns of {lengths:?} numbers; allowed: {cols} each"));
+        }
+        let plain = |v: &f32| v.is_finite() && f64::from(v.abs()) <= MOST;
+        if let Some(bad) = self.mean.iter().find(|v| !plain(v)) {
+            return Err(format!("`normalisers.{name}.mean` holds {bad}; allowed: up to {MOST:e}"));
+        }
+        if let Some(bad) = self.scale.iter().find(|v| !plain(v) || **v < 0.0) {
+            return Err(format!("`normalisers.{name}.scale` holds {bad}; allowed: 0 to {MOST:e}"));
+        }
+        // Both ends are open in a card of earlier times.
+        let bounds =
+            |[low, high]: [f32; 2]| (plain(&low) && plain(&high) && low <= high) || (low < high && high == -low);
+        match self.seen.iter().find(|seen| !bounds(**seen)) {
+            Some([low, high]) => {
+                Err(format!("`normalisers.{name}.seen` goes from {low} to {high}; allowed: ascending, up to {MOST:e}"))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Normalised rows, mirrored first.

@@ -20,6 +20,11 @@ impl Map {
         Some(Self(Arc::new(map)))
     }
 
+    /// All of it.
+    pub fn bytes(&self) -> &[u8] {
+        &self.0
+    }
+
     /// The `count` numbers (little endian) from byte `start` on; None if it does not hold as many, or not as this processor
     /// reads them.
     pub fn numbers(&self, start: usize, count: usize) -> Option<Numbers> {

@@ -4,7 +4,6 @@ use super::real::Real;
 use super::tape::Matrix;
 use crate::error::{Error, Result};
 use crate::random::Random;
-use crate::record::files::write_atomic;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 use std::path::Path;
 
@@ -97,19 +96,13 @@ impl Parameters {
         serialize(views, None).map_err(fail)
     }
 
-    /// Writes them, whole or not at all.
-    pub fn save(&self, path: &Path) -> Result<()> {
-        write_atomic(path, &self.to_bytes()?)
-    }
-
-    /// Reads the values from a file that holds exactly these parameters.
+    /// Takes the values from `bytes`, the content of a file at `path` that holds exactly these parameters.
     ///
     /// # Errors
     /// A file that is not safetensors, or whose names, shapes or numbers are not those of this network.
-    pub fn load(&mut self, path: &Path) -> Result<()> {
+    pub fn load(&mut self, bytes: &[u8], path: &Path) -> Result<()> {
         let fail = |message: String| Error::file(path, message);
-        let bytes = std::fs::read(path).map_err(|e| fail(format!("cannot be read: {e}")))?;
-        let file = SafeTensors::deserialize(&bytes).map_err(|e| fail(format!("is no safetensors file: {e}")))?;
+        let file = SafeTensors::deserialize(bytes).map_err(|e| fail(format!("is no safetensors file: {e}")))?;
         if file.len() != self.names.len() {
             return Err(fail(format!("holds {} tensors, the network has {}", file.len(), self.names.len())));
         }

@@ -1,10 +1,11 @@
 //! A trained model in use: one pass per grasp, then any load level, in SI.
 
 use super::answer::Answer;
-use super::card::{Card, WEIGHTS};
+use super::card::{Card, Trained, WEIGHTS};
 use super::features::Features;
-use super::graph::PadGraph;
+use super::graph::{PadGraph, mesh_hash};
 use super::infer::{Code, FaceEngine};
+use super::kept::Cache;
 use super::loads::Loads;
 use super::network::{Inputs, Network, Output, build};
 use super::parameters::Parameters;
@@ -15,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Load levels that are decoded together on a tape.
@@ -32,8 +33,6 @@ pub struct Predictor {
     pub parameters: Parameters,
     /// The same network without a tape, where there is one.
     engine: Option<FaceEngine>,
-    /// Its folder.
-    dir: PathBuf,
     /// Graphs of the pads asked about so far.
     graphs: Mutex<Vec<Arc<PadGraph>>>,
 }
@@ -83,19 +82,24 @@ pub struct PadState {
 }
 
 impl Predictor {
-    /// The model in the folder `dir`.
+    /// The model in the folder `model`, or the one that ships under this name.
     ///
     /// # Errors
-    /// A folder that holds none, or weights that do not fit its card.
-    pub fn open(dir: &Path) -> Result<Self> {
-        let card = Card::read(dir)?;
+    /// A folder that holds none, a card or weights that are damaged or do not fit each other.
+    pub fn open(model: &Path) -> Result<Self> {
+        let Trained { card, weights } = Trained::read(model)?;
         let (network, mut parameters) = build(&card.spec.network, None);
-        parameters.load(&dir.join(WEIGHTS))?;
+        let path = model.join(WEIGHTS);
+        parameters.load(&weights, &path)?;
+        if parameters.count() != card.parameters {
+            let message = format!("holds {} numbers, the card beside it says {}", parameters.count(), card.parameters);
+            return Err(Error::file(path, message));
+        }
         let engine = match &card.spec.network {
             NetworkSpec::Face(sizes) => Some(FaceEngine::new(sizes, &parameters, &card.normalisers)),
             NetworkSpec::Paper(_) => None,
         };
-        Ok(Self { card, network, parameters, engine, dir: dir.to_path_buf(), graphs: Mutex::default() })
+        Ok(Self { card, network, parameters, engine, graphs: Mutex::default() })
     }
 
     /// The same, computed operation by operation as in training: the reference.
@@ -108,18 +112,10 @@ impl Predictor {
     /// # Errors
     /// What of the scene lies outside the trained range.
     pub fn admit(&self, model: &Model) -> Result<Arc<PadGraph>> {
-        let graph = self.graph(model)?;
-        self.admit_with(model, &graph)?;
-        Ok(graph)
-    }
-
-    /// Whether the network was trained for `model`, whose pads have the graph `graph`.
-    ///
-    /// # Errors
-    /// What of the scene lies outside the trained range.
-    pub fn admit_with(&self, model: &Model, graph: &PadGraph) -> Result<()> {
-        let unit = model.material.moduli().young * graph.thickness.powi(2);
-        self.card.range.admits(model, &graph.hash, unit, &model.levels)
+        // Before the response of a pad is solved for that it does not know.
+        let hash = model.fingers.first().map_or_else(String::new, |finger| mesh_hash(&finger.topology));
+        self.card.range.admits(model, &hash)?;
+        self.graph(model)
     }
 
     /// The graph of the pads of `model`, trained for or not.
@@ -131,7 +127,7 @@ impl Predictor {
         if let Some(graph) = known.iter().find(|g| g.fits(&model.fingers[0])) {
             return Ok(graph.clone());
         }
-        let graph = Arc::new(PadGraph::keeping(&model.fingers[0], self.network.layout(), Some(&self.dir))?);
+        let graph = Arc::new(PadGraph::keeping(&model.fingers[0], self.network.layout(), Cache::of_user().as_ref())?);
         known.push(graph.clone());
         Ok(graph)
     }

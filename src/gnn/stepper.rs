@@ -24,31 +24,32 @@ use std::time::Instant;
 #[derive(Debug)]
 pub struct Gnn {
     predictor: Arc<Predictor>,
-    dir: PathBuf,
+    /// Its folder or name.
+    model: PathBuf,
     /// Graphs of the pads met so far: worlds come and go, their pads are the same.
     graphs: Mutex<Vec<(Arc<PadTopology>, Arc<PadGraph>)>>,
 }
 
 impl Gnn {
-    /// The model in `dir`.
+    /// The model in the folder `model`, or the one that ships under this name.
     ///
     /// # Errors
     /// Those of [`Predictor::open`].
-    pub fn open(dir: &Path) -> Result<Self> {
-        Ok(Self { predictor: Arc::new(Predictor::open(dir)?), dir: dir.to_path_buf(), graphs: Mutex::default() })
+    pub fn open(model: &Path) -> Result<Self> {
+        Ok(Self { predictor: Arc::new(Predictor::open(model)?), model: model.to_path_buf(), graphs: Mutex::default() })
     }
 
     /// The graph of the pads of `model`, if the network was trained for it.
     fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
-        let pad = &model.fingers[0].topology;
         let mut graphs = self.graphs.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, graph)) = graphs.iter().find(|(known, _)| Arc::ptr_eq(known, pad) || known == pad) {
-            self.predictor.admit_with(model, graph)?;
+        let pad = model.fingers.first().map(|finger| &finger.topology);
+        let fits = |known: &Arc<PadTopology>| pad.is_some_and(|pad| Arc::ptr_eq(known, pad) || known == pad);
+        if let Some((_, graph)) = graphs.iter().find(|(known, _)| fits(known)) {
+            self.predictor.card.range.admits(model, &graph.hash)?;
             return Ok(graph.clone());
         }
-        let graph = self.predictor.graph(model)?;
-        self.predictor.admit_with(model, &graph)?;
-        graphs.push((pad.clone(), graph.clone()));
+        let graph = self.predictor.admit(model)?;
+        graphs.extend(pad.map(|pad| (pad.clone(), graph.clone())));
         Ok(graph)
     }
 }
@@ -59,7 +60,7 @@ impl Stepper for Gnn {
     }
 
     fn settings(&self) -> String {
-        format!("{}, {} parameters", self.dir.display(), self.predictor.card.parameters)
+        format!("{}, {} parameters", self.model.display(), self.predictor.card.parameters)
     }
 
     fn solves_friction(&self) -> bool {

@@ -22,7 +22,7 @@
 //! | `bonded` | (nodes) | bool |
 //! | `pad_of_node`, `pad_of_tet` | (nodes), (tets) | 0 = left |
 
-use super::files::replace;
+use super::files::replace_durable;
 use super::frame::{Frame, PadTopology};
 use crate::error::{Error, Result};
 use glam::DVec3;
@@ -140,7 +140,7 @@ impl Arrays {
     /// Writes all frames so far, whole or not at all.
     pub fn write(&mut self) -> Result<()> {
         let path = self.path.clone();
-        replace(&path, |temporary| self.write_to(temporary))?;
+        replace_durable(&path, |temporary| self.write_to(temporary))?;
         self.written = self.frames;
         Ok(())
     }

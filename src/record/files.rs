@@ -1,27 +1,99 @@
 //! Files that are either complete or absent, and errors that say what to do.
 
 use crate::error::{Error, Result};
+use std::ffi::OsString;
+use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Writes `bytes` to `path` so that a reader, or a run killed half-way, sees the old content or the new, never a part.
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<()> {
     replace(path, |temporary| std::fs::write(temporary, bytes))
 }
 
+/// The same, and the content is on the disk before the file has its name: see [`replace_durable`].
+pub fn write_durable(path: &Path, bytes: &[u8]) -> Result<()> {
+    replace_durable(path, |temporary| std::fs::write(temporary, bytes))
+}
+
 /// Lets `write` fill a temporary file beside `path` and renames it into place.
+///
+/// A power cut may still lose what was written last. That is enough for what is made again in a moment: frames for
+/// ParaView, pictures, pages, the state of a run that goes on.
 pub fn replace(path: &Path, write: impl FnOnce(&Path) -> io::Result<()>) -> Result<()> {
-    // Beside the target, not in /tmp: a rename is atomic only within one file system.
-    let mut name = std::ffi::OsString::from(".");
-    name.push(path.file_name().unwrap_or_default());
-    name.push(".part");
-    let temporary = path.with_file_name(name);
-    let outcome = write(&temporary).and_then(|()| std::fs::rename(&temporary, path));
-    outcome.map_err(|error| {
-        // The half-written file is of no use, and may be what filled the disk; the first error is the one to report.
-        let _ = std::fs::remove_file(&temporary);
-        cannot_write(path, &error)
-    })
+    place(path, write, false)
+}
+
+/// The same, and waits until content and name are on the disk: a power cut leaves the old content or the new.
+///
+/// For what took long to compute: the final `run.json`, arrays, data sets with their records, checkpoints, trained models.
+pub fn replace_durable(path: &Path, write: impl FnOnce(&Path) -> io::Result<()>) -> Result<()> {
+    place(path, write, true)
+}
+
+fn place(path: &Path, write: impl FnOnce(&Path) -> io::Result<()>, durable: bool) -> Result<()> {
+    let fill = |temporary: &Path| {
+        write(temporary)?;
+        if durable {
+            OpenOptions::new().write(true).open(temporary)?.sync_all()?;
+        }
+        std::fs::rename(temporary, path)
+    };
+    let outcome = reserve(path).and_then(|temporary| {
+        fill(&temporary).inspect_err(|_| {
+            // The half-written file is of no use, and may be what filled the disk; the first error is the one to report.
+            let _ = std::fs::remove_file(&temporary);
+        })
+    });
+    if durable && outcome.is_ok() {
+        sync_folder(path);
+    }
+    outcome.map_err(|error| cannot_write(path, &error))
+}
+
+/// Waits until the names in the folder of `path` are on the disk, where the system can.
+pub fn sync_folder(path: &Path) {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    // Some systems and file systems do not sync folders; the content is safe all the same.
+    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+}
+
+/// Ending of the names of temporary files.
+const PART: &str = ".part";
+
+/// An empty file `.NAME.PROCESS.NUMBER.part` beside `path`, which nobody else writes. Beside it, not in /tmp: a rename is
+/// atomic only within one file system.
+fn reserve(path: &Path) -> io::Result<PathBuf> {
+    static NUMBER: AtomicU64 = AtomicU64::new(0);
+    loop {
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let mut name = OsString::from(".");
+        name.push(path.file_name().unwrap_or_default());
+        name.push(format!(".{}.{number}{PART}", std::process::id()));
+        let temporary = path.with_file_name(name);
+        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
+            Ok(_) => return Ok(temporary),
+            // Of a process of another machine, or of one that was killed.
+            Err(e) if e.kind() == ErrorKind::AlreadyExists => {}
+            Err(e) => return Err(e),
+        }
+    }
+}
+
+/// Removes the temporary files that killed processes left in `dir`; only for who alone writes there.
+pub fn remove_left_over(dir: &Path) {
+    let Ok(entries) = std::fs::read_dir(dir) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let fields = name.to_str().and_then(|n| n.strip_prefix('.')?.strip_suffix(PART));
+        let mut numbers = fields.into_iter().flat_map(|f| f.rsplitn(3, '.').take(2));
+        let number = |n: Option<&str>| n.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()));
+        if number(numbers.next()) && number(numbers.next()) {
+            // That it stays is not worth an error.
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// Creates `dir` and its parents.

@@ -20,6 +20,7 @@ pub mod csv;
 pub mod files;
 pub mod frame;
 pub mod grasp;
+pub mod lock;
 pub mod pvd;
 pub mod read;
 pub mod recorder;

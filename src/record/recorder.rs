@@ -1,8 +1,9 @@
 //! The directory of a run: creates it, hands out grasps, keeps `run.json` current.
 
-use super::files::{cannot_write, create_dir};
+use super::files::{cannot_write, write_durable};
 use super::frame::PadTopology;
 use super::grasp::GraspRecorder;
+use super::lock::FolderLock;
 use super::report::{ExpectationReport, GraspSummary, RunReport};
 use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
@@ -53,12 +54,17 @@ pub struct Recorder {
     options: Options,
     report: RunReport,
     grasps: BTreeMap<usize, GraspSummary>,
+    _lock: FolderLock,
 }
 
 impl Recorder {
-    /// Creates `dir` and writes a first `run.json`, so that a directory that cannot be written fails before anything is computed.
+    /// Creates `dir`, holds it until the end, and writes a first `run.json`, so that a directory that cannot be written fails
+    /// before anything is computed.
+    ///
+    /// # Errors
+    /// A directory that another run is writing, that holds an earlier run, or that cannot be written.
     pub fn create(dir: &Path, options: Options, report: RunReport) -> Result<Self> {
-        create_dir(dir)?;
+        let lock = FolderLock::alone(dir, "tactus run")?;
         if dir.join("run.json").exists() {
             if !options.overwrite {
                 let message = "holds an earlier run; choose another output directory, or allow to overwrite it";
@@ -66,7 +72,7 @@ impl Recorder {
             }
             remove_grasps(dir)?;
         }
-        let recorder = Recorder { dir: dir.to_path_buf(), options, report, grasps: BTreeMap::new() };
+        let recorder = Recorder { dir: dir.to_path_buf(), options, report, grasps: BTreeMap::new(), _lock: lock };
         recorder.report.write(&recorder.dir.join("run.json"))?;
         Ok(recorder)
     }
@@ -111,7 +117,9 @@ impl Recorder {
         self.report.expectations = expectations;
         self.report.profile_s = profile_s;
         self.report.finished = true;
-        self.report.write(&self.dir.join("run.json"))?;
+        let path = self.dir.join("run.json");
+        let text = self.report.to_json().map_err(|message| Error::file(&path, format!("not written: {message}")))?;
+        write_durable(&path, text.as_bytes())?;
         Ok(self.report)
     }
 }

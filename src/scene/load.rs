@@ -279,7 +279,9 @@ fn resolve_paths(part: &mut Part, dir: &Path) -> std::result::Result<(), (String
     }
     if let Some(Stepper::Gnn(gnn)) = &mut part.stepper {
         // whether there is a model is for the engine to say
-        gnn.model = dir.join(&gnn.model);
+        if crate::gnn::shipped::named(&gnn.model).is_none() {
+            gnn.model = dir.join(&gnn.model);
+        }
     }
     Ok(())
 }

@@ -105,6 +105,6 @@ impl Default for Tolerance {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gnn {
-    /// Folder of the trained model.
+    /// Folder of the trained model, or the name of one that ships: `gelsight_mini`, `gelsight_mini_fine`.
     pub model: PathBuf,
 }

@@ -5,6 +5,7 @@ pub mod picture;
 pub mod rank;
 pub mod table;
 
+use super::graph::mesh_hash;
 use super::predict::{PadState, Predictor};
 use super::sample::Sample;
 use super::train::data;
@@ -86,6 +87,9 @@ pub fn judge(set: &DataSet, predictor: &Predictor, split: &str) -> Result<Vec<Ju
 /// Those of [`judge`].
 pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str) -> Result<Vec<Sample>> {
     let sets = data::split(&set.splits, split)?;
+    for object in &set.objects {
+        predictor.card.range.admits_pad(&object.pad, &mesh_hash(&object.pad))?;
+    }
     let (samples, range) = data::read(set, &sets.test, predictor.network.layout(), usize::MAX)?;
     let mut trained = predictor.card.range.clone();
     // Another pad, law or kind of object is refused; the errors are for the numbers as they are.

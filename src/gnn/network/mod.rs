@@ -5,15 +5,17 @@
 pub mod face;
 pub mod paper;
 
+use super::card::MOST;
 use super::features::{self, Features, VECTOR};
 use super::graph::Layout;
-use super::loads::Loads;
+use super::loads::{Loads, NODE_LOAD, PAD_LOAD};
 use super::normalise::Normaliser;
 use super::ops::Sparse;
 use super::parameters::{Maker, Parameters};
 use super::real::Real;
 use super::spec::NetworkSpec;
 use super::tape::{Matrix, Tape};
+use super::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -42,6 +44,42 @@ pub struct Normalisers {
     /// Root mean square of what the object's translation is beyond that in the grip, over the depth, and of its rotation,
     /// over depth over thickness.
     pub motion: [f32; 2],
+}
+
+impl Normalisers {
+    /// Whether all are such as training gives, those of whole pads where a network sees `whole` pads; else what is wrong.
+    pub(super) fn check(&self, whole: bool) -> Result<(), String> {
+        self.node.check("node", features::NODE.len())?;
+        self.edge.check("edge", features::EDGE.len())?;
+        self.pad.check("pad", features::PAD.len())?;
+        self.node_load.check("node_load", NODE_LOAD.len())?;
+        self.pad_load.check("pad_load", PAD_LOAD.len())?;
+        match &self.volume {
+            Some(volume) if whole => {
+                volume.node.check("volume.node", VOLUME_NODE.len())?;
+                volume.mesh.check("volume.mesh", MESH_EDGE.len())?;
+                volume.contact.check("volume.contact", CONTACT_EDGE.len())?;
+            }
+            None if !whole => {}
+            _ => return Err("`normalisers.volume` does not belong to this `spec.network`".into()),
+        }
+        let [mean, deviation] = self.travel;
+        for (name, value) in [
+            ("displacement", self.displacement),
+            ("stress", self.stress),
+            ("travel", deviation),
+            ("motion", self.motion[0]),
+            ("motion", self.motion[1]),
+        ] {
+            if !(value > 0.0 && f64::from(value) <= MOST) {
+                return Err(format!("`normalisers.{name}` is {value}; allowed: above 0, to {MOST:e}"));
+            }
+        }
+        if !(mean.is_finite() && f64::from(mean.abs()) <= MOST) {
+            return Err(format!("`normalisers.travel` is {mean}; allowed: up to {MOST:e}"));
+        }
+        Ok(())
+    }
 }
 
 /// Statistics of [`super::volume`].

@@ -3,7 +3,7 @@
 use super::State;
 use super::curves::Epoch;
 use crate::error::{Error, Result};
-use crate::record::files::write_atomic;
+use crate::record::files::write_durable;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -38,28 +38,39 @@ pub fn write(dir: &Path, plan: &str, state: &State) -> Result<()> {
     let moments = [&state.adam.first, &state.adam.second].into_iter().flatten().map(Vec::as_slice);
     weights.chain(moments).flatten().for_each(|v| bytes.extend(v.to_le_bytes()));
     bytes.extend(blake3::hash(&bytes).as_bytes());
-    write_atomic(&path(dir), &bytes)
+    write_durable(&path(dir), &bytes)
 }
 
-/// The state that an earlier run of the same plan left; None if there is none. `like` has the shapes.
+/// What an earlier run left.
+pub enum Left {
+    /// No file.
+    Nothing,
+    /// A file that is not as it was written.
+    Damaged(PathBuf),
+    /// Its state.
+    State(Box<State>),
+}
+
+/// What an earlier run of the same plan left. `like` has the shapes.
 ///
 /// # Errors
-/// A file of another plan, or a damaged one.
-pub fn read(dir: &Path, plan: &str, like: &State) -> Result<Option<State>> {
+/// A file of another plan, or one that cannot be read.
+pub fn read(dir: &Path, plan: &str, like: &State) -> Result<Left> {
     let path = path(dir);
     let fail = |message: &str| Error::file(&path, message);
     let bytes = match std::fs::read(&path) {
         Ok(bytes) => bytes,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Left::Nothing),
         Err(e) => return Err(fail(&format!("cannot be read: {e}"))),
     };
-    let damaged = || fail("is damaged; remove it to start afresh");
-    let (body, sum) = bytes.split_last_chunk::<32>().ok_or_else(damaged)?;
-    if blake3::hash(body).as_bytes() != sum {
-        return Err(damaged());
-    }
-    let end = body.iter().position(|b| *b == b'\n').ok_or_else(damaged)?;
-    let header: Header = ron::de::from_bytes(&body[..end]).map_err(|_| damaged())?;
+    let whole = bytes.split_last_chunk::<32>().filter(|(body, sum)| blake3::hash(body).as_bytes() == *sum);
+    let header = |body: &[u8]| {
+        let end = body.iter().position(|b| *b == b'\n')?;
+        Some((ron::de::from_bytes::<Header>(&body[..end]).ok()?, end))
+    };
+    let Some((body, (header, end))) = whole.and_then(|(body, _)| Some((body, header(body)?))) else {
+        return Ok(Left::Damaged(path));
+    };
     if header.plan != plan {
         return Err(fail("is of another training (data, split, model file or version differ); choose another folder"));
     }
@@ -67,7 +78,7 @@ pub fn read(dir: &Path, plan: &str, like: &State) -> Result<Option<State>> {
     let numbers: Vec<f32> = body[end + 1..].as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
     let total: usize = lengths.iter().sum();
     if header.lengths != lengths || numbers.len() != 4 * total {
-        return Err(damaged());
+        return Ok(Left::Damaged(path));
     }
     let mut state = like.clone();
     let mut rest = numbers.as_slice();
@@ -83,7 +94,7 @@ pub fn read(dir: &Path, plan: &str, like: &State) -> Result<Option<State>> {
         moments.iter_mut().for_each(|m| *m = next(m.len()));
     }
     (state.adam.step, state.epochs) = (header.step, header.epochs);
-    Ok(Some(state))
+    Ok(Left::State(Box::new(state)))
 }
 
 /// Removes the file of a finished run.

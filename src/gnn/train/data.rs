@@ -3,13 +3,14 @@
 use crate::dataset::split::Poses;
 use crate::dataset::{DataSet, Splits};
 use crate::error::{Error, Result};
-use crate::gnn::card::TrainedRange;
 use crate::gnn::features::{EDGE, NODE, PAD, Parity};
 use crate::gnn::graph::{Layout, PadGraph};
+use crate::gnn::kept::Cache;
 use crate::gnn::loads::{Loads, NODE_LOAD, PAD_LOAD};
 use crate::gnn::network::{Normalisers, VolumeNormalisers};
 use crate::gnn::normalise::Normaliser;
 use crate::gnn::ops::{displaced, respond};
+use crate::gnn::range::TrainedRange;
 use crate::gnn::sample::{Sample, model_of};
 use crate::gnn::tape::{Matrix, Tape};
 use crate::gnn::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
@@ -53,7 +54,8 @@ pub fn read(set: &DataSet, poses: &Poses, layout: Layout, frames: usize) -> Resu
     for model in &models {
         // Equal pads share one graph.
         let known = graphs.iter().find(|g| g.fits(&model.fingers[0])).cloned();
-        graphs.push(known.map_or_else(|| PadGraph::new(&model.fingers[0], layout).map(Arc::new), Ok)?);
+        let made = || PadGraph::keeping(&model.fingers[0], layout, Cache::of_user().as_ref()).map(Arc::new);
+        graphs.push(known.map_or_else(made, Ok)?);
     }
     let chosen = set.select(poses);
     let samples = chosen

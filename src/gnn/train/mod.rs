@@ -8,10 +8,11 @@ mod checkpoint;
 pub mod curves;
 pub mod data;
 
-use super::card::{CARD, Card, TrainedRange, WEIGHTS};
+use super::card::{CARD, Card};
 use super::features::VERSION;
 use super::network::{Inputs, Network, Normalisers, build};
 use super::parameters::Parameters;
+use super::range::TrainedRange;
 use super::real::Real;
 use super::sample::Sample;
 use super::spec::{Spec, Training};
@@ -20,8 +21,9 @@ use crate::dataset::DataSet;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::random::Random;
-use crate::record::files::create_dir;
+use crate::record::lock::FolderLock;
 use adam::Adam;
+use checkpoint::Left;
 use curves::Epoch;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -36,6 +38,9 @@ pub struct Trainer {
     validation: Vec<Sample>,
     /// The state: weights, those of the best epoch, moments, and all epochs so far.
     state: State,
+    /// What to know about the start.
+    pub notice: Option<String>,
+    _lock: FolderLock,
 }
 
 /// All that an epoch leaves to the next.
@@ -69,13 +74,15 @@ pub enum End {
 }
 
 impl Trainer {
-    /// Reads the training grasps of `split`, and the state of an earlier run of the same plan in `dir`.
+    /// Reads the training grasps of `split`, and the state of an earlier run of the same plan in `dir`, which is held until the end.
     ///
     /// # Errors
-    /// Data that cannot be used; a folder that holds another model.
+    /// Data that cannot be used; a folder that another training holds, or that holds another model.
     pub fn new(set: &DataSet, spec: &Spec, split: &str, dir: &Path) -> Result<Self> {
-        let (network, parameters) = build(&spec.network, Some(spec.training.seed));
         let sets = data::split(&set.splits, split)?;
+        // Before anything long: what another one writes meanwhile must not be replaced at the end.
+        let lock = FolderLock::alone(dir, "tactus train")?;
+        let (network, parameters) = build(&spec.network, Some(spec.training.seed));
         let (samples, range) = data::read(set, &sets.train, network.layout(), spec.training.frames.get())?;
         if samples.len() < 2 {
             return Err(Error::Start("training needs two grasps at least: one to learn from, one to stop by".into()));
@@ -84,12 +91,18 @@ impl Trainer {
         let card = card(spec, set, split, [&samples, &validation], range, &parameters);
         let adam = Adam::new(&parameters);
         let state = State { best: parameters.clone(), parameters, adam, epochs: Vec::new() };
-        let mut trainer = Self { dir: dir.to_path_buf(), card, network, samples, validation, state };
-        create_dir(dir)?;
-        if let Some(state) = checkpoint::read(dir, &trainer.plan()?, &trainer.state)? {
-            trainer.state = state;
-        } else if dir.join(CARD).exists() {
-            return Err(Error::file(dir, "holds a trained model already; choose another folder, or remove this one"));
+        let mut trainer =
+            Self { dir: dir.to_path_buf(), card, network, samples, validation, state, notice: None, _lock: lock };
+        match checkpoint::read(dir, &trainer.plan()?, &trainer.state)? {
+            Left::State(state) => trainer.state = *state,
+            Left::Nothing | Left::Damaged(_) if dir.join(CARD).exists() => {
+                let message = "holds a trained model already; choose another folder, or remove this one";
+                return Err(Error::file(dir, message));
+            }
+            Left::Nothing => {}
+            Left::Damaged(path) => {
+                trainer.notice = Some(format!("{}: is damaged; training starts afresh", path.display()));
+            }
         }
         Ok(trainer)
     }
@@ -216,9 +229,8 @@ impl Trainer {
     fn finish(&mut self) -> Result<()> {
         let Some((best, loss)) = self.state.best_epoch() else { return Ok(()) };
         (self.card.epochs, self.card.validation_loss) = (best + 1, loss);
-        self.state.best.save(&self.dir.join(WEIGHTS))?;
         curves::write(&self.dir, &self.state.epochs)?;
-        self.card.write(&self.dir)?;
+        self.card.write(&self.dir, &self.state.best.to_bytes()?)?;
         checkpoint::remove(&self.dir)
     }
 }
@@ -299,5 +311,6 @@ fn card(
         epochs: 0,
         normalisers: data::normalisers(samples, validation),
         range,
+        checksum: String::new(),
     }
 }

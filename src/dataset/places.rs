@@ -1,0 +1,118 @@
+//! Where the rows of a file are, and what vouches for its bytes: those of a grasp have a checksum in the file, all others one
+//! in the manifest, so that a reader need not read what it does not ask for.
+
+use super::arrays::{ARRAYS, Array, Row, Sizes};
+use crate::error::{Error, Result};
+use hdf5_pure::{File, Layout};
+use serde::{Deserialize, Serialize};
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+
+/// Where the rows of each array start, bytes from the start of the file, in the order of [`ARRAYS`].
+#[derive(Debug, Clone)]
+pub struct Places {
+    sizes: Sizes,
+    start: Vec<u64>,
+}
+
+impl Places {
+    /// Where the rows of the file at `path` are.
+    ///
+    /// # Errors
+    /// A file that is not laid out for `sizes`, with the array.
+    pub fn find(path: &Path, file: &File, sizes: Sizes) -> Result<Self> {
+        let place = |array: &Array| {
+            let fail = |message: String| Error::file(path, format!("array `{}`: {message}", array.name));
+            let dataset = file.dataset(array.name).map_err(|e| fail(e.to_string()))?;
+            let wanted = sizes.grasps as u64 * array.row_bytes(&sizes) as u64;
+            match dataset.layout().map_err(|e| fail(e.to_string()))? {
+                Layout::Contiguous { address: Some(at), size } if size == wanted && at + size <= file.file_size() => {
+                    Ok(at)
+                }
+                Layout::Contiguous { size, .. } => Err(fail(format!("{size} bytes instead of {wanted}, or cut off"))),
+                _ => Err(fail("is not contiguous; write the file with `tactus dataset`".into())),
+            }
+        };
+        Ok(Self { sizes, start: ARRAYS.iter().map(place).collect::<Result<_>>()? })
+    }
+
+    /// First byte of the row of `grasp` in the array with this index, and its length.
+    pub fn row(&self, array: usize, grasp: usize) -> (u64, usize) {
+        let length = ARRAYS[array].row_bytes(&self.sizes);
+        (self.start[array] + (grasp * length) as u64, length)
+    }
+
+    /// All rows of a grasp, from an open file.
+    ///
+    /// # Errors
+    /// A file that ends too soon.
+    pub fn read(&self, file: &mut std::fs::File, grasp: usize) -> std::io::Result<Vec<Vec<u8>>> {
+        let read = |array| {
+            let (start, length) = self.row(array, grasp);
+            let mut row = Vec::with_capacity(length);
+            file.seek(SeekFrom::Start(start))?;
+            (&mut *file).take(length as u64).read_to_end(&mut row)?;
+            if row.len() == length { Ok(row) } else { Err(std::io::ErrorKind::UnexpectedEof.into()) }
+        };
+        (0..ARRAYS.len()).map(read).collect()
+    }
+
+    /// The bytes (start, length) of the arrays of which `pick` holds, ascending; neighbours are joined.
+    pub fn ranges(&self, pick: impl Fn(usize) -> bool) -> Vec<[u64; 2]> {
+        let length = |array: usize| self.sizes.grasps as u64 * ARRAYS[array].row_bytes(&self.sizes) as u64;
+        let picked = (0..ARRAYS.len()).filter(|a| pick(*a));
+        let mut all: Vec<[u64; 2]> = picked.map(|array| [self.start[array], length(array)]).collect();
+        all.sort_unstable();
+        all.dedup_by(|next, last| {
+            let joins = last[0] + last[1] == next[0];
+            last[1] += if joins { next[1] } else { 0 };
+            joins
+        });
+        all
+    }
+}
+
+/// Arrays whose rows the checksum of their grasp vouches for whenever they are read. Who reads a status or a checksum reads
+/// those of all grasps, without their rows.
+pub fn vouched_for(array: usize) -> bool {
+    array != Row::Status as usize && array != Row::Checksum as usize
+}
+
+/// All of a file but the rows that have checksums of their own: quickly read, and whole only together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Seal {
+    /// Bytes that are left out: start, length; ascending.
+    pub apart: Vec<[u64; 2]>,
+    /// BLAKE3 of the others.
+    pub blake3: String,
+}
+
+impl Seal {
+    /// Of the file at `path` without the bytes `apart` (start, length; ascending).
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that has no such bytes.
+    pub fn of(path: &Path, apart: Vec<[u64; 2]>) -> Result<Self> {
+        let hash = || {
+            let mut file = std::fs::File::open(path)?;
+            let (mut hasher, mut at) = (blake3::Hasher::new(), 0);
+            for [start, length] in apart.iter().copied().chain([[file.metadata()?.len(), 0]]) {
+                let gap = start.checked_sub(at).ok_or(std::io::ErrorKind::UnexpectedEof)?;
+                file.seek(SeekFrom::Start(at))?;
+                hasher.update_reader((&mut file).take(gap))?;
+                at = start.checked_add(length).ok_or(std::io::ErrorKind::InvalidData)?;
+            }
+            Ok(hasher.finalize().to_hex().to_string())
+        };
+        let blake3 = hash().map_err(|e: std::io::Error| Error::file(path, format!("cannot be read: {e}")))?;
+        Ok(Self { apart, blake3 })
+    }
+
+    /// Whether the file at `path` has it.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn is_on(&self, path: &Path) -> Result<bool> {
+        Ok(Self::of(path, self.apart.clone())?.blake3 == self.blake3)
+    }
+}
