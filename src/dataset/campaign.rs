@@ -10,6 +10,7 @@ use super::rows::Encoder;
 use super::split::Splits;
 use crate::error::{Error, Result};
 use crate::grasp::{GraspPose, grasps_of, write_grasps_h5};
+use crate::limits;
 use crate::mesh::TriMesh;
 use crate::mesh::io::{write_stl, write_tet};
 use crate::model::{self, Model};
@@ -50,14 +51,15 @@ impl Campaign {
         let mut entries = Vec::new();
         // All objects have the same pads: their sizes are those of the first.
         let mut sizes = None;
-        for named in &set.scenes {
-            let mut named = named.clone();
+        for listed in &set.scenes {
+            let mut named = listed.clone();
             // The data set holds all of these, whatever the scene records in a run.
             named.scene.record.fields = Field::USUAL.to_vec();
-            let grasps = grasps_of(&named.scene)?;
+            let place = |e| set.place(e, &listed.name);
+            let grasps = grasps_of(&named.scene).map_err(place)?;
             let base = match sizes {
                 Some(sizes) => sizes,
-                None => *sizes.insert(Sizes::of(Model::build(&named.scene)?.as_ref(), 0)),
+                None => *sizes.insert(Sizes::of(Model::build(&named.scene).map_err(place)?.as_ref(), 0)?),
             };
             let sizes = Sizes { grasps: grasps.poses.len(), ..base };
             let file = Path::new("dgs_output").join(file_name(&named));
@@ -74,7 +76,9 @@ impl Campaign {
                 failures: Vec::new(),
                 promises: Vec::new(),
             });
-            let surface = model::object::build(&named.scene.object, &mut Vec::new())?.surface;
+            let surface = model::object::build(&named.scene.object, &mut Vec::new())
+                .map_err(|e| place(e.about("object.shape")))?
+                .surface;
             let limit = sizes.bytes() + fixed_bytes(&sizes, &surface);
             objects.push(Planned { named, poses: grasps.poses, sizes, file, limit });
         }
@@ -114,7 +118,18 @@ impl Campaign {
 
     /// Bytes that all files take at most.
     pub fn bytes(&self) -> u64 {
-        self.objects.iter().map(|o| o.limit).sum()
+        self.objects.iter().map(|o| o.limit).fold(0, u64::saturating_add)
+    }
+
+    /// Refuses a campaign whose files do not fit on the disk, beside what is there of them already.
+    fn fits(&self) -> Result<()> {
+        let taken = |object: &Planned| {
+            let path = self.dir.join(&object.file);
+            let there = [open(&path), path].iter().filter_map(|p| p.metadata().ok()).map(|m| allocated(&m)).max();
+            there.unwrap_or(0)
+        };
+        let open = self.objects.iter().map(|o| o.limit.saturating_sub(taken(o))).fold(0, u64::saturating_add);
+        limits::admit_files(open, &self.dir)
     }
 
     /// The manifest: of the plan, or of what is there.
@@ -139,6 +154,7 @@ impl Campaign {
         let lock = claim(&self.dir, false)?;
         self.resume()?;
         if !self.manifest.finished {
+            self.fits()?;
             self.manifest.write(&self.dir)?;
             for (index, object) in self.objects.iter().enumerate() {
                 let finished = self.object(object, index == 0, threads, watcher)?;
@@ -177,6 +193,7 @@ impl Campaign {
         }
         let _lock = claim(&self.dir, true)?;
         self.resume()?;
+        self.fits()?;
         let turn = self.turn()?;
         self.manifest.write(&self.dir)?;
         drop(turn);
@@ -252,7 +269,7 @@ impl Campaign {
         let open = open(&self.dir.join(&object.file));
         if !open.exists() {
             if first {
-                write_tet(self.dir.join("tactile_sensor.tet"), &sensor(&model.fingers[0].topology))?;
+                write_tet(self.dir.join("tactile_sensor.tet"), &sensor(&model.finger()?.topology))?;
             }
             let name = object.named.name.as_str();
             let about = self.dir.join("dgn_dataset").join(name);
@@ -266,6 +283,14 @@ impl Campaign {
         }
         Ok(())
     }
+}
+
+/// Bytes that a file takes on the disk; rows that nobody has written yet may take none.
+fn allocated(meta: &std::fs::Metadata) -> u64 {
+    #[cfg(unix)]
+    return std::os::unix::fs::MetadataExt::blocks(meta) * 512;
+    #[cfg(not(unix))]
+    return meta.len();
 }
 
 /// Name of an object's file while it has open rows.

@@ -127,11 +127,12 @@ impl Predictor {
     /// # Errors
     /// A pad without a sensing face.
     pub fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
+        let finger = model.finger()?;
         let mut known = self.graphs.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(graph) = known.iter().find(|g| g.fits(&model.fingers[0])) {
+        if let Some(graph) = known.iter().find(|g| g.fits(finger)) {
             return Ok(graph.clone());
         }
-        let graph = Arc::new(PadGraph::keeping(&model.fingers[0], self.network.layout(), Some(&self.dir))?);
+        let graph = Arc::new(PadGraph::keeping(finger, self.network.layout(), Some(&self.dir))?);
         known.push(graph.clone());
         Ok(graph)
     }

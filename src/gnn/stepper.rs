@@ -40,7 +40,7 @@ impl Gnn {
 
     /// The graph of the pads of `model`, if the network was trained for it.
     fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
-        let pad = &model.fingers[0].topology;
+        let pad = &model.finger()?.topology;
         let mut graphs = self.graphs.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, graph)) = graphs.iter().find(|(known, _)| Arc::ptr_eq(known, pad) || known == pad) {
             self.predictor.admit_with(model, graph)?;

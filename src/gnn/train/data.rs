@@ -51,8 +51,9 @@ pub fn read(set: &DataSet, poses: &Poses, layout: Layout, frames: usize) -> Resu
     let mut graphs: Vec<Arc<PadGraph>> = Vec::new();
     for model in &models {
         // Equal pads share one graph.
-        let known = graphs.iter().find(|g| g.fits(&model.fingers[0])).cloned();
-        graphs.push(known.map_or_else(|| PadGraph::new(&model.fingers[0], layout).map(Arc::new), Ok)?);
+        let finger = model.finger()?;
+        let known = graphs.iter().find(|g| g.fits(finger)).cloned();
+        graphs.push(known.map_or_else(|| PadGraph::new(finger, layout).map(Arc::new), Ok)?);
     }
     let chosen = set.select(poses);
     let samples = chosen
