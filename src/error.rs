@@ -21,6 +21,14 @@ pub enum Error {
     /// A mesh that is read fine but cannot be simulated (inverted, flat, open, empty ...), naming what and where.
     #[error("{0}")]
     Mesh(String),
+    /// What a field of the scene asks for cannot be made; a loaded scene knows where the field stands.
+    #[error("{source}")]
+    Field {
+        /// Path of the field, like `gripper.pads`.
+        field: &'static str,
+        /// Why.
+        source: Box<Error>,
+    },
     /// The start of a grasp is not usable (initial penetration, too wide, misses the object ...).
     #[error("{0}")]
     Start(String),
@@ -36,6 +44,14 @@ pub enum Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
+    /// The same error as one about a field of the scene, if it is not about one yet.
+    pub fn about(self, field: &'static str) -> Self {
+        match self {
+            own @ (Error::Field { .. } | Error::Scene(_)) => own,
+            other => Error::Field { field, source: Box::new(other) },
+        }
+    }
+
     /// An [`Error::File`] about `path`.
     pub fn file(path: impl AsRef<Path>, message: impl Into<String>) -> Self {
         Error::File { path: path.as_ref().to_path_buf(), message: message.into() }

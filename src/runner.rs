@@ -7,6 +7,7 @@ use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::grasp::GraspPose;
 use crate::interrupt;
+use crate::limits::free_memory;
 use crate::model::Model;
 use crate::record::{Frame, GraspSummary, Status};
 use crate::scene::{self, Measured};
@@ -49,7 +50,7 @@ pub struct Outcome {
 
 /// Runs `grasps` (number and pose of the hand) on `threads` threads; the outcomes are in the order of `grasps`.
 ///
-/// As many grasps run at once as there are threads, each on a pool of its own: a thread that waits for a pad never picks
+/// As many grasps run at once as there are threads and memory for, each on a pool of its own: a thread that waits for a pad never picks
 /// up another grasp meanwhile, which keeps the wall time of a grasp its own. Threads left over share out the pads.
 ///
 /// # Errors
@@ -62,7 +63,7 @@ pub fn run_grasps(
     threads: usize,
     observer: &dyn Observer,
 ) -> Result<Vec<Outcome>> {
-    let workers = threads.clamp(1, grasps.len().max(1));
+    let workers = threads.clamp(1, grasps.len().max(1)).min(fitting(model));
     let (queue, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
     let slots: Vec<Mutex<Option<Result<Outcome>>>> = grasps.iter().map(|_| Mutex::new(None)).collect();
     std::thread::scope(|scope| {
@@ -104,6 +105,12 @@ pub fn run_grasps(
         interrupt::check()?;
     }
     Ok(done)
+}
+
+/// Grasps whose memory is free at once; at least one.
+fn fitting(model: &Model) -> usize {
+    let most = free_memory().map_or(usize::MAX, |free| (free / model.memory.max(1)) as usize);
+    most.max(1)
 }
 
 /// Runs one grasp to its end.

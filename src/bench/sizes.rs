@@ -79,12 +79,13 @@ pub fn cost_by_size(
     for turn in 0..repeats {
         for (pads, sizes) in pads.iter().zip(&mut turns) {
             let mut scene = scene.clone();
-            scene.expect.clear();
+            scene.promise_nothing();
             scene.gripper.pads = pads.clone();
             let density = describe(pads);
             progress(&format!("turn {} of {repeats}: {density}", turn + 1));
             let known = forget_peak_memory();
             let (model, stepper) = (Model::build(&scene)?, choose(&scene)?);
+            model.finger()?;
             let before = processor_time();
             let outcome = pool.install(|| run_grasp(&model, stepper.as_ref(), 0, pose, &()))?;
             let processor = processor_time().zip(before).map(|(now, before)| now - before);
@@ -99,7 +100,7 @@ pub fn cost_by_size(
             let (frames, iterations) = (outcome.summary.frames as f64, outcome.timings.iterations as f64);
             sizes.push(Size {
                 density,
-                nodes: model.fingers[0].body.rest.len(),
+                nodes: model.finger()?.body.rest.len(),
                 unknowns: model.unknowns().total,
                 iterations_per_frame: iterations / frames,
                 time_per_iteration_s: newton / iterations,

@@ -94,7 +94,7 @@ impl Sweep {
             return Err(Error::Start("a bench is for `Squeeze` and `Press`; the scene's loading is `Dynamic`".into()));
         }
         let mut scene = scene.clone();
-        scene.expect.clear();
+        scene.promise_nothing();
         for field in [Field::Displacement, Field::Stress] {
             if !scene.record.fields.contains(&field) {
                 scene.record.fields.push(field);
@@ -146,7 +146,7 @@ impl Sweep {
         for factor in SETTINGS[0].cells {
             let mut other = scene.clone();
             other.gripper.pads = coarser(&self.scene.gripper.pads, *factor)?;
-            if mesh_hash(&Model::build(&other)?.fingers[0].topology) == trained {
+            if mesh_hash(&Model::build(&other)?.finger()?.topology) == trained {
                 scene = other;
                 break;
             }

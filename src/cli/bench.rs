@@ -85,7 +85,8 @@ fn play(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, String)
 
 /// Speed against error, or cost against size: the report as text and as JSON; files are written.
 fn measure(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, String)> {
-    let mut scene = load_object(&args.scene, args.object.as_deref())?.scene;
+    let loaded = load_object(&args.scene, args.object.as_deref())?;
+    let mut scene = loaded.scene.clone();
     if let Some(frames) = args.frames {
         scene.loading.set_frames(frames).map_err(|m| Error::Scene(format!("error: {m}")))?;
     }
@@ -94,13 +95,13 @@ fn measure(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, Stri
     let out = args.out.as_deref();
     if !args.sizes.is_empty() {
         let wanted: Vec<usize> = args.sizes.iter().map(|n| *n as usize).collect();
-        let report = cost_by_size(&scene, &wanted, threads, repeats, progress)?;
+        let report = cost_by_size(&scene, &wanted, threads, repeats, progress).map_err(|e| loaded.place(e))?;
         let json = as_json(&report)?;
         out.map_or(Ok(()), |dir| write_atomic(&dir.join("sizes.json"), json.as_bytes()))?;
         return Ok((sizes::text(&report), json));
     }
     let rules = Rules { grasps: args.grasps as usize, threads, repeats };
-    let report = contest(&scene, &args.model, &rules, progress)?;
+    let report = contest(&scene, &args.model, &rules, progress).map_err(|e| loaded.place(e))?;
     let json = as_json(&report)?;
     if let Some(dir) = out {
         write_atomic(&dir.join("bench.json"), json.as_bytes())?;

@@ -1,5 +1,6 @@
 //! `tactus check`: is the scene right, what does it say once defaults and includes are in, and what would run?
 
+use super::run::about_object;
 use super::{Format, OK, REFUSED, print};
 use crate::components::{FingerIndex, FingerTravel, ObjectPose};
 use crate::environment::Environment;
@@ -12,7 +13,7 @@ use crate::mesh::io::{write_obj, write_stl};
 use crate::mesh::topology::watertight;
 use crate::model::{Model, Unknowns};
 use crate::record::pad_name;
-use crate::scene::{self, Loaded, load_object, to_ron};
+use crate::scene::{self, Scene, load_set, to_ron};
 use crate::schedule::Phase;
 use crate::shape::Aabb;
 use crate::stepper::{Stepper, choose};
@@ -27,7 +28,7 @@ use std::sync::Arc;
 pub struct CheckArgs {
     /// The scene file.
     pub scene: PathBuf,
-    /// The object to take from a scene of several.
+    /// The object to take from a scene of several; without it all are checked, one after the other.
     #[arg(long, value_name = "NAME")]
     pub object: Option<String>,
     /// Write the object's surface (`.obj`, `.stl`, metres) or the grasps (`.h5`, as DefGraspSim's) to this file.
@@ -39,28 +40,50 @@ pub struct CheckArgs {
 }
 
 /// Loads the scene, builds everything that a run would, closes every grasp to first contact, and prints what it found.
-/// The text form is the complete scene, with the findings as comments: it loads as the same scene.
+/// The text form is the complete scene, with the findings as comments: it loads as the same scene. Of several objects there is
+/// one after the other; their JSON is one object with the list `objects`.
 pub fn check(args: &CheckArgs) -> Result<ExitCode> {
-    let loaded = load_object(&args.scene, args.object.as_deref())?;
-    let found = match examine(&loaded) {
-        Ok(found) => found,
-        // A reader of JSON wants the reason on stdout, too.
-        Err(error) if args.format == Format::Json => {
-            let object = json!({"scene": loaded.scene, "sources": loaded.sources, "problems": [error.to_string()]});
-            print(&format!("{object}\n"))?;
-            return Err(error);
-        }
-        Err(error) => return Err(error),
-    };
-    if let Some(path) = &args.export {
-        export(path, &found)?;
+    let set = load_set(&args.scene)?.only(args.object.as_deref())?;
+    let several = set.scenes.len() > 1;
+    if several && args.export.is_some() {
+        return Err(Error::Scene("error: --export writes one object; choose it with --object".into()));
     }
-    let text = match args.format {
-        Format::Text => format!("{}{}", to_ron(&loaded.scene)?, found.text()),
-        Format::Json => format!("{}\n", found.json(&loaded)),
-    };
-    print(&text)?;
-    Ok(ExitCode::from(if found.runs { OK } else { REFUSED }))
+    let (mut runs, mut objects, mut errors) = (true, Vec::new(), Vec::new());
+    for named in &set.scenes {
+        let (scene, name) = (&named.scene, named.name.as_str());
+        let found = examine(scene).map_err(|e| set.place(e, &named.name));
+        let mut json = match &found {
+            Ok(found) if args.format == Format::Json => found.json(scene, &set.sources),
+            Ok(_) => Value::Null,
+            // A reader of JSON wants the reason on stdout, too.
+            Err(error) => json!({"scene": scene, "sources": set.sources, "problems": [error.to_string()]}),
+        };
+        if args.format == Format::Json && several {
+            json["name"] = json!(name);
+            objects.push(json);
+        } else if args.format == Format::Json {
+            print(&format!("{json}\n"))?;
+        } else if let Ok(found) = &found {
+            let head = if several { format!("// object {name}\n") } else { String::new() };
+            let foot = if several { "\n" } else { "" };
+            print(&format!("{head}{}{}{foot}", to_ron(scene)?, found.text()))?;
+        }
+        match found {
+            Ok(found) => {
+                runs &= found.runs;
+                args.export.as_ref().map_or(Ok(()), |path| export(path, &found))?;
+            }
+            Err(error) if several => errors.push(about_object(name, &error).to_string()),
+            Err(error) => return Err(error),
+        }
+    }
+    if several && args.format == Format::Json {
+        print(&format!("{}\n", json!({ "objects": objects })))?;
+    }
+    if !errors.is_empty() {
+        return Err(Error::Scene(errors.join("\n")));
+    }
+    Ok(ExitCode::from(if runs { OK } else { REFUSED }))
 }
 
 /// Writes what the file's name asks for.
@@ -85,11 +108,11 @@ struct Found {
     runs: bool,
 }
 
-fn examine(loaded: &Loaded) -> Result<Found> {
-    let stepper = choose(&loaded.scene)?;
-    let grasps = grasps_of(&loaded.scene)?;
+fn examine(scene: &Scene) -> Result<Found> {
+    let stepper = choose(scene)?;
+    let grasps = grasps_of(scene)?;
     let poses = grasps.poses;
-    let model = Model::build(&loaded.scene)?;
+    let model = Model::build(scene)?;
     let first = poses.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
     let environment = Environment::new(&model, stepper.as_ref(), *first)?;
     let systems = environment.systems().into_iter().map(|(set, names)| (format!("{set:?}").to_lowercase(), names));
@@ -103,10 +126,11 @@ fn examine(loaded: &Loaded) -> Result<Found> {
         runs: false,
         model: model.clone(),
     };
-    let hand = Hand::new(Aabb::of(model.fingers[0].topology.rest.iter().copied()), &loaded.scene.gripper);
+    let pad = model.fingers.first().map(|f| Aabb::of(f.topology.rest.iter().copied()));
+    let hand = pad.map(|pad| Hand::new(pad, &scene.gripper));
     for (index, pose) in poses.iter().enumerate() {
         // Only pads are simulated, so this is to be known and no problem.
-        let part = hand.obstacle(model.object.distance.as_ref(), pose, 0.0, 0.0);
+        let part = hand.as_ref().and_then(|h| h.obstacle(model.object.distance.as_ref(), pose, 0.0, 0.0));
         if let Some(part @ (Part::Palm | Part::Finger)) = part {
             let part = part.name();
             found.notices.push(format!("grasp {index}: the {part} of a real hand would collide with the object"));
@@ -114,7 +138,7 @@ fn examine(loaded: &Loaded) -> Result<Found> {
         let environment = start(&model, stepper.as_ref(), *pose)?;
         match environment.phase() {
             Phase::Infeasible { reason } => found.problems.push(format!("grasp {index}: {reason}")),
-            _ if !std::mem::replace(&mut found.runs, true) => found.condense(loaded, index, environment),
+            _ if !std::mem::replace(&mut found.runs, true) => found.condense(scene, index, environment),
             _ => {}
         }
     }
@@ -132,8 +156,8 @@ fn start(model: &Arc<Model>, stepper: &dyn Stepper, pose: GraspPose) -> Result<E
 
 impl Found {
     /// Takes over the unknowns of condensed pads, which only a grasp at first contact has.
-    fn condense(&mut self, loaded: &Loaded, grasp: usize, mut environment: Environment) {
-        let scene::Stepper::Fem(scene::Fem { solver: scene::Solver::Condensed(_), .. }) = loaded.scene.stepper else {
+    fn condense(&mut self, scene: &Scene, grasp: usize, mut environment: Environment) {
+        let scene::Stepper::Fem(scene::Fem { solver: scene::Solver::Condensed(_), .. }) = scene.stepper else {
             return;
         };
         let world = environment.world_mut();
@@ -151,7 +175,7 @@ impl Found {
         ));
     }
 
-    fn json(&self, loaded: &Loaded) -> Value {
+    fn json(&self, scene: &Scene, sources: &[PathBuf]) -> Value {
         let m = &self.model;
         let solid = watertight(&m.object.surface);
         let worst = m.quality.worst_centroid;
@@ -159,8 +183,8 @@ impl Found {
         let systems: Vec<_> = self.systems.iter().map(|(set, names)| (set.clone(), json!(names))).collect();
         let components: Vec<_> = self.components.iter().map(|(name, count)| (name.clone(), json!(count))).collect();
         json!({
-            "scene": loaded.scene,
-            "sources": loaded.sources,
+            "scene": scene,
+            "sources": sources,
             "systems": object(&systems),
             "components": object(&components),
             "unknowns": self.unknowns,

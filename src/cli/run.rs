@@ -10,11 +10,14 @@ use crate::record::{ExpectationReport, Options, Recorder, RunReport, Status};
 use crate::render::Scalar;
 use crate::runner::{Outcome, run_grasps};
 use crate::scene::leaf::Count;
-use crate::scene::{Condensed, Fem, Gnn, Held, Loaded, Measured, Scene, Solver, Stepper, evaluate_all, load_object};
+use crate::scene::{
+    Condensed, Fem, Gnn, Held, LoadedSet, Measured, Scene, Solver, Stepper, evaluate_all, load_set, recheck,
+};
 use crate::stepper::choose;
 use clap::ValueEnum;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -23,7 +26,7 @@ use std::time::Instant;
 pub struct RunArgs {
     /// The scene file.
     pub scene: PathBuf,
-    /// The object to take from a scene of several.
+    /// The object to take from a scene of several; without it all run, one after the other, into `DIR/NAME`.
     #[arg(long, value_name = "NAME")]
     pub object: Option<String>,
     /// Folder for the results; without it nothing is written.
@@ -68,10 +71,15 @@ pub enum Backend {
 }
 
 impl RunArgs {
-    /// The scene with the arguments taken over.
-    pub fn load(&self) -> Result<Loaded> {
-        let mut loaded = load_object(&self.scene, self.object.as_deref())?;
-        let scene = &mut loaded.scene;
+    /// The scenes of all objects, or of the one that is asked for, with the arguments taken over.
+    pub fn load(&self) -> Result<LoadedSet> {
+        let mut set = load_set(&self.scene)?.only(self.object.as_deref())?;
+        set.scenes.iter_mut().try_for_each(|named| self.change(&mut named.scene))?;
+        Ok(set)
+    }
+
+    /// Takes the arguments over into a scene.
+    fn change(&self, scene: &mut Scene) -> Result<()> {
         match (self.backend, &scene.stepper) {
             (Some(Backend::Fem | Backend::Condensed), stepper) => {
                 let mut fem = if let Stepper::Fem(fem) = stepper { *fem } else { Fem::default() };
@@ -100,7 +108,7 @@ impl RunArgs {
         if self.no_pictures {
             scene.record.pictures = false;
         }
-        Ok(loaded)
+        recheck(scene)
     }
 }
 
@@ -108,10 +116,47 @@ fn refused(message: &str) -> Error {
     Error::Scene(format!("error: {message}"))
 }
 
-/// Simulates the grasps of the scene, records and reports them.
+/// Simulates the grasps of the scene, of one object after the other, records and reports them. Of several objects each has a
+/// folder of its own name in that of the results.
 pub fn run(args: &RunArgs) -> Result<ExitCode> {
-    let loaded = args.load()?;
-    let scene = &loaded.scene;
+    let set = args.load()?;
+    let (several, mut good, mut reports) = (set.scenes.len() > 1, true, Vec::new());
+    for named in &set.scenes {
+        let name = named.name.as_str();
+        let out = args.out.as_ref().map(|dir| if several { dir.join(name) } else { dir.clone() });
+        let (text, held) = run_object(args, &named.scene, out.as_deref(), !several)
+            .map_err(|e| set.place(e, &named.name))
+            .map_err(|e| if several { about_object(name, &e) } else { e })?;
+        good &= held;
+        match args.format {
+            Format::Text if several => print(&format!("object {name}\n{text}\n"))?,
+            Format::Json if several => reports.push(with_name(name, &text)?),
+            _ => print(&text)?,
+        }
+    }
+    if several && args.format == Format::Json {
+        print(&format!("{:#}\n", json!({ "objects": reports })))?;
+    }
+    Ok(ExitCode::from(if good { OK } else { NOT_HELD }))
+}
+
+/// An error with the object that it is about.
+pub(super) fn about_object(name: &str, error: &Error) -> Error {
+    let text = error.to_string();
+    Error::Scene(format!("error: object {name}: {}", text.strip_prefix("error: ").unwrap_or(&text)))
+}
+
+/// A report as JSON, with the name of its object.
+fn with_name(name: &str, text: &str) -> Result<Value> {
+    let mut report: Value =
+        serde_json::from_str(text).map_err(|e| refused(&format!("the report of {name} is no JSON: {e}")))?;
+    report["name"] = json!(name);
+    Ok(report)
+}
+
+/// Simulates the grasps of one object into `out`: the report, and whether all promises are kept. `last` says that nothing comes
+/// after it.
+fn run_object(args: &RunArgs, scene: &Scene, out: Option<&Path>, last: bool) -> Result<(String, bool)> {
     // A network takes as long to read as the pads to mesh.
     let (stepper, model) = std::thread::scope(|scope| {
         let model = scope.spawn(|| Model::build(scene));
@@ -124,7 +169,8 @@ pub fn run(args: &RunArgs) -> Result<ExitCode> {
         serde_json::to_value(scene).map_err(|e| refused(&format!("the scene cannot be written as JSON: {e}")))?;
     let mut report = RunReport::new(format!("{} ({})", stepper.name(), stepper.settings()), threads, value);
     report.pads = model.pad_reports();
-    let recorder = match &args.out {
+    report.promised_in = scene.promised_in().into();
+    let recorder = match out {
         Some(dir) => Some(Recorder::create(dir, options(args, scene, &model), report.clone())?),
         None => None,
     };
@@ -145,7 +191,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode> {
     let wall = clock.elapsed().as_secs_f64();
 
     let measured: Vec<Measured> = outcomes.iter().map(|o| o.measured.clone()).collect();
-    let held: Vec<Held> = scene.expect.iter().map(|e| evaluate_all(e, &measured)).collect();
+    let held: Vec<Held> = scene.promises().iter().map(|e| evaluate_all(e, &measured)).collect();
     let expectations: Vec<ExpectationReport> = held.iter().map(as_report).collect();
     let profile = profile(&outcomes);
     let report = match recorder {
@@ -160,14 +206,15 @@ pub fn run(args: &RunArgs) -> Result<ExitCode> {
         Format::Json => report.to_json().map_err(Error::Solver)?,
         Format::Text => table::render(scene, &grasps, &outcomes, &held, &report, wall),
     };
-    print(&text)?;
     let good = match held.is_empty() {
         true => outcomes.iter().all(|o| o.summary.status == Status::Reached),
         false => held.iter().all(|h| h.held),
     };
-    // The process ends: the system takes its memory back faster than it is given back piece by piece.
-    std::mem::forget((model, stepper, outcomes));
-    Ok(ExitCode::from(if good { OK } else { NOT_HELD }))
+    if last {
+        // The process ends: the system takes its memory back faster than it is given back piece by piece.
+        std::mem::forget((model, stepper, outcomes));
+    }
+    Ok((text, good))
 }
 
 /// The grasps to run, with their numbers; all if none is asked for.

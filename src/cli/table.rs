@@ -3,7 +3,7 @@
 use crate::grasp::GraspPose;
 use crate::record::{RunReport, Status};
 use crate::runner::Outcome;
-use crate::scene::{Expectation, Held, Scene};
+use crate::scene::{Expectation, Held, Scene, Stepper};
 use std::fmt::Write;
 
 /// Heading, a row per grasp, expectations and the profile.
@@ -34,7 +34,10 @@ pub fn render(
     rows(&mut out, grasps, outcomes);
     if !held.is_empty() {
         out.push('\n');
-        scene.expect.iter().zip(held).for_each(|(e, h)| expectation(&mut out, e, h));
+        if let Stepper::Gnn(_) = scene.stepper {
+            let _ = writeln!(out, "judged by {}:", scene.promised_in());
+        }
+        scene.promises().iter().zip(held).for_each(|(e, h)| expectation(&mut out, e, h));
     }
     profile(&mut out, outcomes, report, wall);
     out

@@ -1,5 +1,6 @@
 //! The arrays of an object's file that hold one row per grasp: names, shapes, types, units.
 
+use crate::error::Result;
 use crate::model::Model;
 
 /// Version of the layout; a reader refuses others.
@@ -48,16 +49,19 @@ pub struct Sizes {
 
 impl Sizes {
     /// The sizes of `grasps` grasps of `model`.
-    pub fn of(model: &Model, grasps: usize) -> Self {
-        let pad = &model.fingers[0].topology;
-        Self {
+    ///
+    /// # Errors
+    /// A scene without fingers: a data set holds what pads feel.
+    pub fn of(model: &Model, grasps: usize) -> Result<Self> {
+        let pad = &model.finger()?.topology;
+        Ok(Self {
             grasps,
             frames: model.levels.len(),
             pads: model.fingers.len(),
             nodes: pad.rest.len(),
             corners: pad.corner_count,
             tets: pad.elements.len(),
-        }
+        })
     }
 
     /// Bytes of all rows of all grasps.

@@ -11,6 +11,7 @@ use super::split::Splits;
 use crate::error::{Error, Result};
 use crate::grasp::{GraspPose, grasps_of, write_grasps_h5};
 use crate::interrupt;
+use crate::limits;
 use crate::mesh::TriMesh;
 use crate::mesh::io::{write_stl, write_tet};
 use crate::model::{self, Model};
@@ -53,14 +54,15 @@ impl Campaign {
         let mut entries = Vec::new();
         // All objects have the same pads: their sizes are those of the first.
         let mut sizes = None;
-        for named in &set.scenes {
-            let mut named = named.clone();
+        for listed in &set.scenes {
+            let mut named = listed.clone();
             // The data set holds all of these, whatever the scene records in a run.
             named.scene.record.fields = Field::USUAL.to_vec();
-            let grasps = grasps_of(&named.scene)?;
+            let place = |e| set.place(e, &listed.name);
+            let grasps = grasps_of(&named.scene).map_err(place)?;
             let base = match sizes {
                 Some(sizes) => sizes,
-                None => *sizes.insert(Sizes::of(Model::build(&named.scene)?.as_ref(), 0)),
+                None => *sizes.insert(Sizes::of(Model::build(&named.scene).map_err(place)?.as_ref(), 0)?),
             };
             let sizes = Sizes { grasps: grasps.poses.len(), ..base };
             let file = Path::new("dgs_output").join(file_name(&named));
@@ -78,7 +80,9 @@ impl Campaign {
                 failures: Vec::new(),
                 promises: Vec::new(),
             });
-            let surface = model::object::build(&named.scene.object, &mut Vec::new())?.surface;
+            let surface = model::object::build(&named.scene.object, &mut Vec::new())
+                .map_err(|e| place(e.about("object.shape")))?
+                .surface;
             let limit = sizes.bytes() + fixed_bytes(&sizes, &surface);
             objects.push(Planned { named, poses: grasps.poses, sizes, file, limit });
         }
@@ -128,7 +132,18 @@ impl Campaign {
 
     /// Bytes that all files take at most.
     pub fn bytes(&self) -> u64 {
-        self.objects.iter().map(|o| o.limit).sum()
+        self.objects.iter().map(|o| o.limit).fold(0, u64::saturating_add)
+    }
+
+    /// Refuses a campaign whose files do not fit on the disk, beside what is there of them already.
+    fn fits(&self) -> Result<()> {
+        let taken = |object: &Planned| {
+            let path = self.dir.join(&object.file);
+            let there = [open(&path), path].iter().filter_map(|p| p.metadata().ok()).map(|m| allocated(&m)).max();
+            there.unwrap_or(0)
+        };
+        let open = self.objects.iter().map(|o| o.limit.saturating_sub(taken(o))).fold(0, u64::saturating_add);
+        limits::admit_files(open, &self.dir)
     }
 
     /// The manifest: of the plan, or of what is there.
@@ -153,6 +168,7 @@ impl Campaign {
         let _lock = FolderLock::alone(&self.dir, COMMAND)?;
         self.resume()?;
         if !self.manifest.finished {
+            self.fits()?;
             self.manifest.write(&self.dir)?;
             for (index, object) in self.objects.iter().enumerate() {
                 let finished = self.object(object, index == 0, threads, watcher)?;
@@ -200,6 +216,7 @@ impl Campaign {
         }
         let _lock = FolderLock::beside(&self.dir, COMMAND)?;
         self.resume()?;
+        self.fits()?;
         let turn = self.turn()?;
         self.manifest.write(&self.dir)?;
         drop(turn);
@@ -305,7 +322,7 @@ impl Campaign {
         let open = open(&self.dir.join(&object.file));
         if !open.exists() || !self.is_laid_out(object, &open) {
             if first {
-                write_tet(self.dir.join("tactile_sensor.tet"), &sensor(&model.fingers[0].topology))?;
+                write_tet(self.dir.join("tactile_sensor.tet"), &sensor(&model.finger()?.topology))?;
             }
             let name = object.named.name.as_str();
             let about = self.about(object);
@@ -321,6 +338,14 @@ impl Campaign {
         }
         Ok(())
     }
+}
+
+/// Bytes that a file takes on the disk; rows that nobody has written yet may take none.
+fn allocated(meta: &std::fs::Metadata) -> u64 {
+    #[cfg(unix)]
+    return std::os::unix::fs::MetadataExt::blocks(meta) * 512;
+    #[cfg(not(unix))]
+    return meta.len();
 }
 
 /// Name of an object's file while it has open rows.

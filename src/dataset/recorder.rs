@@ -49,8 +49,9 @@ impl<'a> Recorder<'a> {
     ) -> Self {
         let topologies = model.fingers.iter().map(|f| f.topology.as_ref()).collect();
         // Which grasps are reached is counted anyhow.
-        let of_frames = object.scene.expect.iter().filter(|e| !matches!(e, Expectation::ReachesForce));
-        let (name, expect) = (object.name.as_str(), of_frames.cloned().collect());
+        let of_frames =
+            object.scene.promises().into_owned().into_iter().filter(|e| !matches!(e, Expectation::ReachesForce));
+        let (name, expect) = (object.name.as_str(), of_frames.collect());
         Self { name, expect, poses, topologies, encoder, writer, progress, watcher, open: Mutex::default() }
     }
 

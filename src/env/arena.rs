@@ -193,7 +193,7 @@ const LEASH: f64 = 2.0;
 /// The scene as an environment has it: loads come from the task, and nothing is recorded but what it looks at.
 fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
     let mut scene = scene.clone();
-    scene.expect.clear();
+    scene.promise_nothing();
     let force = leaf(Positive::new(task.force.at(1.0)))?;
     scene.loading = Loading::Squeeze(Squeeze { force, from: None, frames: leaf(Count::new(1))? });
     let mut fields = vec![Field::ContactForce];

@@ -123,11 +123,12 @@ impl Predictor {
     /// # Errors
     /// A pad without a sensing face.
     pub fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
+        let finger = model.finger()?;
         let mut known = self.graphs.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(graph) = known.iter().find(|g| g.fits(&model.fingers[0])) {
+        if let Some(graph) = known.iter().find(|g| g.fits(finger)) {
             return Ok(graph.clone());
         }
-        let graph = Arc::new(PadGraph::keeping(&model.fingers[0], self.network.layout(), Cache::of_user().as_ref())?);
+        let graph = Arc::new(PadGraph::keeping(finger, self.network.layout(), Cache::of_user().as_ref())?);
         known.push(graph.clone());
         Ok(graph)
     }

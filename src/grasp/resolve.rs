@@ -36,9 +36,9 @@ pub fn grasps_of(scene: &Scene) -> Result<Resolved> {
         Grasps::List(poses) => {
             poses.iter().map(|p| GraspPose { position: p.position.dvec3(), rotation: p.rotation.quat() }).collect()
         }
-        Grasps::File(file) => from_file(file)?,
+        Grasps::File(file) => from_file(file).map_err(|e| e.about("grasps"))?,
         Grasps::Antipodal(wanted) => {
-            let sampled = sample_of(scene, wanted)?;
+            let sampled = sample_of(scene, wanted).map_err(|e| e.about("grasps"))?;
             notices.push(sampled.report());
             sampled.poses
         }
@@ -88,8 +88,8 @@ fn from_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
 pub fn sample_of(scene: &Scene, wanted: &Antipodal) -> Result<Sampled> {
     // Building the model says what was repaired.
     let mut notices = Vec::new();
-    let object = model::object::build(&scene.object, &mut notices)?;
-    let (pad, _) = model::pad::build(&scene.gripper.pads, &mut notices)?;
+    let object = model::object::build(&scene.object, &mut notices).map_err(|e| e.about("object.shape"))?;
+    let (pad, _) = model::pad::build(&scene.gripper.pads, &mut notices).map_err(|e| e.about("gripper.pads"))?;
     let gripper = &scene.gripper;
     let hand = Hand::new(Aabb::of(pad.mesh.nodes), gripper);
     antipodal::sample(wanted, &object, &hand, gripper.friction.get(), gripper.stroke.get())

@@ -19,6 +19,7 @@ use crate::audit::Auditor;
 use crate::contact::{Feature, law::Law};
 use crate::error::{Error, Result};
 use crate::fem::locking::locking_notice;
+use crate::limits::{self, PadSize};
 use crate::material::{FixedCorotated, Linear, Material, NeoHookean};
 use crate::mesh::quality::Quality;
 use crate::record::{PadReport, pad_name};
@@ -63,6 +64,8 @@ pub struct Model {
     pub dynamics: Option<Dynamics>,
     /// Motion of a free object at one load level, once held, at which it counts as lost, m; None follows it however far it goes.
     pub leash: Option<f64>,
+    /// Memory that a grasp takes, about, bytes.
+    pub memory: u64,
     /// What the scene needs in its world.
     pub needs: Needs,
     /// Judge of the recorded frames, if the scene needs one.
@@ -84,7 +87,7 @@ impl Model {
     /// [`Error::Mesh`] or [`Error::File`] naming what cannot be simulated and what to do about it.
     pub fn build(scene: &Scene) -> Result<Arc<Self>> {
         let mut notices = Vec::new();
-        let object = object::build(&scene.object, &mut notices)?;
+        let object = object::build(&scene.object, &mut notices).map_err(|e| e.about("object.shape"))?;
         let spec = scene.gripper.material.spec();
         let material: Arc<dyn Material> = match spec.law {
             scene::Law::NeoHookean => Arc::new(NeoHookean::new(spec.young, spec.poisson)),
@@ -95,17 +98,26 @@ impl Model {
             Stepper::Fem(fem) => *fem,
             Stepper::Gnn(_) => scene::Fem::default(),
         };
-        let (pad, quality) = pad::build(&scene.gripper.pads, &mut notices)?;
         let sides = match scene.gripper.fingers {
             Fingers::Both => 2,
             Fingers::One => 1,
             Fingers::None => 0,
         };
+        let about_pads = |e: Error| e.about("gripper.pads");
+        let admit = |size: PadSize| {
+            let memory = limits::memory(scene, size, sides);
+            limits::admit(memory, size).map(|()| memory).map_err(about_pads)
+        };
+        let known = pad::size(&scene.gripper.pads, fem.element).map_err(about_pads)?.map(admit).transpose()?;
+        let (pad, quality) = pad::build(&scene.gripper.pads, &mut notices).map_err(about_pads)?;
+        let memory = known.map_or_else(|| admit(PadSize::of_pad(&pad, fem.element)), Ok)?;
         let mut fingers = Vec::new();
         if sides > 0 {
             fingers.push(FingerModel::build(&pad, &scene.gripper, &fem, material.clone())?);
         }
-        fingers.extend((1..sides).map(|side| fingers[0].on(side, &scene.gripper)).collect::<Vec<_>>());
+        let others =
+            fingers.first().map(|first| (1..sides).map(|side| first.on(side, &scene.gripper)).collect::<Vec<_>>());
+        fingers.extend(others.into_iter().flatten());
         let mass = object.mass.volume * scene.object.density.get();
         let dynamics = Dynamics::of(scene, &object, mass);
         let squeeze = matches!(scene.loading, Loading::Squeeze(_));
@@ -136,6 +148,7 @@ impl Model {
             levels,
             dynamics,
             leash: None,
+            memory,
             needs,
             auditor,
             notices,
@@ -158,9 +171,21 @@ impl Model {
             .collect()
     }
 
-    /// Thickness of the pads, m.
+    /// The first finger; its pad is like that of the others.
+    ///
+    /// # Errors
+    /// A scene without fingers.
+    pub fn finger(&self) -> Result<&FingerModel> {
+        self.fingers.first().ok_or_else(|| {
+            Error::Start(
+                "this needs pads, and the scene has none (`fingers: None`); use fingers: Both in gripper".into(),
+            )
+        })
+    }
+
+    /// Thickness of the pads, m; zero without fingers.
     pub fn thickness(&self) -> f64 {
-        self.fingers[0].topology.thickness()
+        self.fingers.first().map_or(0.0, |f| f.topology.thickness())
     }
 
     /// Force per finger up to which a free object is held where it is while the fingers close on it, N; its first level, if that is less.

@@ -33,15 +33,16 @@ pub struct Needs {
 impl Needs {
     /// What `scene` needs.
     pub fn of(scene: &Scene) -> Self {
+        let promises = scene.promises();
         let recorded = |field: Field| scene.record.fields.contains(&field);
         Self {
-            stress: recorded(Field::Stress) || scene.expect.iter().any(|e| matches!(e, Expectation::MaxStress(_))),
+            stress: recorded(Field::Stress) || promises.iter().any(|e| matches!(e, Expectation::MaxStress(_))),
             contact_force: recorded(Field::ContactForce),
             gap: recorded(Field::Gap),
             friction: scene.gripper.friction.get() > 0.0,
             gravity: scene.gravity.is_some_and(|g| g.dvec3() != glam::DVec3::ZERO),
             pads_apart: scene.gripper.fingers == Fingers::Both,
-            audit: scene.expect.iter().any(Expectation::audited),
+            audit: promises.iter().any(Expectation::audited),
             dynamic: matches!(scene.loading, Loading::Dynamic(_)),
             ground: scene.ground.is_some(),
             task: false,

@@ -4,6 +4,7 @@ use crate::contact::{ContactSurface, Face};
 use crate::error::{Error, Result};
 use crate::fem::body::{self, Body};
 use crate::gripper::Placement;
+use crate::limits::PadSize;
 use crate::material::Material;
 use crate::mesh::quality::{Quality, quality};
 use crate::mesh::{quadratic, surface};
@@ -28,35 +29,56 @@ pub struct FingerModel {
     pub element: String,
 }
 
-/// Meshes or reads the pad; repairs and assumptions go to `notices`.
-///
-/// # Errors
-/// What the generators and readers refuse, and a mesh without tetrahedra.
-pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(Pad, Quality)> {
+/// How a generated pad is meshed, and its size along x, y and z, m; None for one from a file.
+fn grid(pads: &Pads) -> Option<(Resolution, [f64; 3])> {
     let fine = |density, grading: scene::leaf::Ratio, focus: scene::leaf::Ratio| Resolution {
         density,
         grading: grading.get(),
         focus: focus.get(),
     };
-    let pad = match pads {
+    match pads {
         Pads::GelSightMini(g) => {
-            let shape = match g.shape {
-                scene::pad::GelShape::Flat => pad::GelShape::Flat,
-                scene::pad::GelShape::Domed => pad::GelShape::Domed,
-            };
-            pad::gelsight_mini(shape, &fine(Density::Spacing(g.spacing.get()), g.grading, g.focus))?
+            Some((fine(Density::Spacing(g.spacing.get()), g.grading, g.focus), pad::GELSIGHT_MINI))
         }
         Pads::Box(b) => {
             let spacing = b.spacing.unwrap_or(scene::defaults::PAD_SPACING).get();
             let density = b.cells.map_or(Density::Spacing(spacing), |c| Density::Cells(c.counts()));
-            let size = b.size.size();
-            pad::box_pad(size.x, size.y, size.z, &fine(density, b.grading, b.focus))?
+            Some((fine(density, b.grading, b.focus), b.size.size().to_array()))
         }
         Pads::Disc(d) => {
-            let density = Density::Spacing(d.spacing.get());
-            pad::disc_pad(d.radius.get(), d.thickness.get(), &fine(density, d.grading, d.focus))?
+            let (across, thickness) = (2.0 * d.radius.get(), d.thickness.get());
+            Some((fine(Density::Spacing(d.spacing.get()), d.grading, d.focus), [across, across, thickness]))
         }
-        Pads::File(file) => read(file, notices)?,
+        Pads::File(_) => None,
+    }
+}
+
+/// Size of a generated pad before it is meshed; None for one from a file.
+///
+/// # Errors
+/// What the generators refuse of cells.
+pub fn size(pads: &Pads, element: Element) -> Result<Option<PadSize>> {
+    let Some((resolution, size)) = grid(pads) else { return Ok(None) };
+    Ok(Some(PadSize::of_cells(resolution.cells_for(size)?, element)))
+}
+
+/// Meshes or reads the pad; repairs and assumptions go to `notices`.
+///
+/// # Errors
+/// What the generators and readers refuse, and a mesh without tetrahedra.
+pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(Pad, Quality)> {
+    let pad = match (pads, grid(pads)) {
+        (Pads::GelSightMini(g), Some((fine, _))) => {
+            let shape = match g.shape {
+                scene::pad::GelShape::Flat => pad::GelShape::Flat,
+                scene::pad::GelShape::Domed => pad::GelShape::Domed,
+            };
+            pad::gelsight_mini(shape, &fine)?
+        }
+        (Pads::Disc(d), Some((fine, _))) => pad::disc_pad(d.radius.get(), d.thickness.get(), &fine)?,
+        (_, Some((fine, [x, y, z]))) => pad::box_pad(x, y, z, &fine)?,
+        (Pads::File(file), _) => read(file, notices)?,
+        (_, None) => return Err(Error::Mesh("the pad is neither generated nor from a file".into())),
     };
     let quality = quality(&pad.mesh).ok_or_else(|| Error::Mesh("the pad has no tetrahedron".into()))?;
     if quality.worst < POOR {

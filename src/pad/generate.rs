@@ -9,6 +9,9 @@ use crate::pad::{Density, Pad, Resolution, dome};
 /// Largest side of a generated pad, m.
 pub const MAX_SIZE: f64 = 10.0;
 
+/// Size of the GelSight Mini gel along x, y and z, m.
+pub const GELSIGHT_MINI: [f64; 3] = [2.0 * dome::HALF[0], 2.0 * dome::HALF[1], dome::THICKNESS];
+
 /// The sensing face of the GelSight Mini gel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 pub enum GelShape {
@@ -64,7 +67,8 @@ pub fn disc_pad(radius: f64, thickness: f64, resolution: &Resolution) -> Result<
 ///
 /// Errors: a bad resolution.
 pub fn gelsight_mini(shape: GelShape, resolution: &Resolution) -> Result<Pad> {
-    let mut pad = box_pad(2.0 * dome::HALF[0], 2.0 * dome::HALF[1], dome::THICKNESS, resolution)?;
+    let [x, y, z] = GELSIGHT_MINI;
+    let mut pad = box_pad(x, y, z, resolution)?;
     if shape == GelShape::Domed {
         for p in &mut pad.mesh.nodes {
             // Columns shrink towards the flat back face, whose z stays exact.

@@ -7,7 +7,7 @@ pub mod generate;
 pub mod place;
 pub mod resolution;
 
-pub use generate::{GelShape, box_pad, disc_pad, gelsight_mini};
+pub use generate::{GELSIGHT_MINI, GelShape, box_pad, disc_pad, gelsight_mini};
 pub use place::{Bonding, Placement, from_mesh, read_pad};
 pub use resolution::{Density, Resolution};
 

@@ -139,6 +139,9 @@ pub struct RunReport {
     pub pads: Vec<PadReport>,
     /// The grasps, in order.
     pub grasps: Vec<GraspSummary>,
+    /// The field of the scene that the expectations are from: `expect`, or what is said for networks.
+    #[serde(default)]
+    pub promised_in: String,
     /// The expectations of the scene.
     pub expectations: Vec<ExpectationReport>,
     /// Wall time by stage, s.
@@ -156,6 +159,7 @@ impl RunReport {
             scene,
             pads: Vec::new(),
             grasps: Vec::new(),
+            promised_in: String::new(),
             expectations: Vec::new(),
             profile_s: BTreeMap::new(),
         }

@@ -51,7 +51,7 @@ fn recordings(dir: &Path, report: &RunReport, wishes: &Wishes) -> Result<Vec<Rec
         return Ok(Vec::new());
     }
     let model = Model::build(&from_json(&report.scene)?)?;
-    let pad = &model.fingers[0].topology;
+    let pad = &model.finger()?.topology;
     let label = if report.backend.starts_with("gnn") { "network" } else { "finite elements" };
     let recording = |grasp: usize| {
         let path = dir.join(directory(grasp)).join("arrays.npz");

@@ -3,12 +3,14 @@
 use super::expect::{Bounds, Expectation};
 use super::grasps::Grasps;
 use super::gripper::Fingers;
+use super::leaf::shown;
 use super::loading::Loading;
 use super::motion;
 use super::object::{Motion, Revolve, Shape};
 use super::pad::Pads;
 use super::schema::{Part, Scene};
 use super::stepper::{Fem, Solver, Stepper};
+use std::collections::BTreeSet;
 
 /// A field that does not go with the rest of the scene.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,8 +21,18 @@ pub(super) struct Problem {
     pub message: String,
 }
 
-/// Names of objects that stand twice, and files that give both one object and several.
-pub(super) fn objects(part: &Part) -> Result<(), Problem> {
+/// Most objects of a scene.
+pub const OBJECTS: usize = 10_000;
+/// Most promises of a scene.
+pub const PROMISES: usize = 1_000;
+/// Most depths of a press, as many as it may have frames.
+pub const DEPTHS: usize = 10_000;
+/// Largest text that objects share, times the objects, bytes: each of them gets a copy of what it says.
+pub const SHARED: usize = 256 << 20;
+
+/// Names of objects that stand twice, files that give both one object and several, and more than anyone means. `shared` is
+/// the length of the text beside the list of objects.
+pub(super) fn objects(part: &Part, shared: usize) -> Result<(), Problem> {
     let Some(objects) = &part.objects else { return Ok(()) };
     if part.object.is_some() {
         return refuse("objects", "object and objects are both given\ngive one of them");
@@ -28,8 +40,21 @@ pub(super) fn objects(part: &Part) -> Result<(), Problem> {
     if objects.is_empty() {
         return refuse("objects", "an empty list of objects");
     }
+    if objects.len() > OBJECTS {
+        let message = format!("{} objects\nallowed: at most {OBJECTS} in one scene", objects.len());
+        return refuse("objects", message);
+    }
+    if shared.saturating_mul(objects.len()) > SHARED {
+        let message = format!(
+            "{} objects that share {shared} bytes of scene are more than fits\n\
+             put long lists into files, or the objects into several scenes",
+            objects.len()
+        );
+        return refuse("objects", message);
+    }
+    let mut names = BTreeSet::new();
     for (i, entry) in objects.iter().enumerate() {
-        if objects[..i].iter().any(|other| other.name == entry.name) {
+        if !names.insert(&entry.name) {
             let message = format!("two objects are named {:?}", entry.name.as_str());
             return refuse(format!("objects[{i}].name"), message);
         }
@@ -46,7 +71,20 @@ pub(super) fn check(scene: &Scene) -> Result<(), Problem> {
     loading(scene)?;
     dynamic(scene)?;
     super::task::problem(scene).map_or(Ok(()), |(path, message)| refuse(path, message))?;
-    scene.expect.iter().enumerate().try_for_each(|(i, e)| expectation(i, e))
+    promises(scene)
+}
+
+/// What the scene promises, of each backend.
+fn promises(scene: &Scene) -> Result<(), Problem> {
+    for (field, list) in scene.promise_lists() {
+        if list.len() > PROMISES {
+            return refuse(field, format!("{} expectations\nallowed: at most {PROMISES}", list.len()));
+        }
+        for (i, one) in list.iter().enumerate() {
+            expectation(scene, one).or_else(|message| refuse(format!("{field}[{i}]"), message))?;
+        }
+    }
+    Ok(())
 }
 
 fn refuse<T>(path: impl Into<String>, message: impl Into<String>) -> Result<T, Problem> {
@@ -58,24 +96,29 @@ fn shape(shape: &Shape) -> Result<(), Problem> {
         if edge <= most {
             return Ok(());
         }
-        refuse("object.shape.edge_radius", format!("edge radius {edge} m does not fit\nallowed here: at most {most}"))
+        refuse(
+            "object.shape.edge_radius",
+            format!("edge radius {} m does not fit\nallowed here: at most {}", shown(edge), shown(most)),
+        )
     };
     match shape {
         Shape::Cuboid(c) => rounding(c.edge_radius.get(), c.size.size().min_element() / 2.0),
         Shape::Annulus(a) if a.inner.get() >= a.outer.get() => refuse(
             "object.shape.inner",
-            format!("the hole ({} m) must be narrower than outer ({} m)", a.inner.get(), a.outer.get()),
+            format!("the hole ({} m) must be narrower than outer ({} m)", shown(a.inner.get()), shown(a.outer.get())),
         ),
         Shape::Cup(c) if c.wall.get() >= c.radius.get().min(c.height.get()) => refuse(
             "object.shape.wall",
-            format!("wall {} m leaves no hollow\nallowed: below radius and height", c.wall.get()),
+            format!("wall {} m leaves no hollow\nallowed: below radius and height", shown(c.wall.get())),
         ),
-        Shape::Banana(b) if !(1.0..=170.0).contains(&b.bend_deg.get()) => {
-            refuse("object.shape.bend_deg", format!("a banana bends by 1 to 170 degrees, found {}", b.bend_deg.get()))
-        }
-        Shape::Potato(p) if p.roughness.get() > 0.3 => {
-            refuse("object.shape.roughness", format!("roughness must be at most 0.3, found {}", p.roughness.get()))
-        }
+        Shape::Banana(b) if !(1.0..=170.0).contains(&b.bend_deg.get()) => refuse(
+            "object.shape.bend_deg",
+            format!("a banana bends by 1 to 170 degrees, found {}", shown(b.bend_deg.get())),
+        ),
+        Shape::Potato(p) if p.roughness.get() > 0.3 => refuse(
+            "object.shape.roughness",
+            format!("roughness must be at most 0.3, found {}", shown(p.roughness.get())),
+        ),
         Shape::Revolve(r) => profile(r),
         Shape::Sweep(s) => {
             if s.path.len() < 2 {
@@ -108,8 +151,9 @@ fn profile(r: &Revolve) -> Result<(), Problem> {
             () => continue,
         };
         let message = format!(
-            "{wanted}, found ({radius}, {})\na ring is a loop of points off the axis with closed: true",
-            p.pair()[1]
+            "{wanted}, found ({}, {})\na ring is a loop of points off the axis with closed: true",
+            shown(radius),
+            shown(p.pair()[1])
         );
         return refuse(format!("object.shape.profile[{i}]"), message);
     }
@@ -134,7 +178,7 @@ fn grasps(grasps: &Grasps) -> Result<(), Problem> {
             refuse("grasps", "an empty list of grasps\nleave `grasps` out for one at the identity")
         }
         Grasps::Antipodal(a) if a.tilt_deg.get() > 90.0 => {
-            refuse("grasps.tilt_deg", format!("must be at most 90 degrees, found {}", a.tilt_deg.get()))
+            refuse("grasps.tilt_deg", format!("must be at most 90 degrees, found {}", shown(a.tilt_deg.get())))
         }
         _ => Ok(()),
     }
@@ -167,8 +211,11 @@ fn loading(scene: &Scene) -> Result<(), Problem> {
         Loading::Press(press) => press,
         Loading::Squeeze(s) => match s.from.map(|f| f.get()) {
             Some(from) if from >= s.force.get() => {
-                let message =
-                    format!("the first frame is at {from} N, the last at {} N\nallowed: below force", s.force.get());
+                let message = format!(
+                    "the first frame is at {} N, the last at {} N\nallowed: below force",
+                    shown(from),
+                    shown(s.force.get())
+                );
                 return refuse("loading.from", message);
             }
             _ => return Ok(()),
@@ -182,6 +229,9 @@ fn loading(scene: &Scene) -> Result<(), Problem> {
             refuse("loading.frames", "`depths` already says which frames there are\nuse `depth` with `frames`")
         }
         (None, Some(depths)) if depths.is_empty() => refuse("loading.depths", "an empty list of depths"),
+        (None, Some(depths)) if depths.len() > DEPTHS => {
+            refuse("loading.depths", format!("{} depths\nallowed: at most {DEPTHS}", depths.len()))
+        }
         (None, Some(depths)) => match depths.windows(2).position(|w| w[1].get() <= w[0].get()) {
             Some(i) => refuse(format!("loading.depths[{}]", i + 1), "depths must increase"),
             None => travel(scene, press.levels()),
@@ -196,7 +246,7 @@ fn travel(scene: &Scene, levels: Vec<f64>) -> Result<(), Problem> {
     if last <= stroke {
         return Ok(());
     }
-    refuse("loading", format!("a press of {last} m is longer than the finger's stroke ({stroke} m)"))
+    refuse("loading", format!("a press of {} m is longer than the finger's stroke ({} m)", shown(last), shown(stroke)))
 }
 
 /// What goes with motion in time, and what does not go without.
@@ -210,24 +260,13 @@ fn dynamic(scene: &Scene) -> Result<(), Problem> {
         if let Some((path, _)) = moving.into_iter().find(|(_, given)| *given) {
             return refuse(path, "only a scene that moves in time has this\nuse loading: Dynamic(motions: [...])");
         }
-        return match scene.expect.iter().position(|e| e.is_dynamic()) {
-            Some(i) => refuse(
-                format!("expect[{i}]"),
-                format!("{} needs loading: Dynamic(motions: [...])", scene.expect[i].name()),
-            ),
-            None => Ok(()),
-        };
+        return Ok(());
     };
     if let Stepper::Fem(Fem { solver: Solver::Condensed(_), .. }) = scene.stepper {
         return refuse(
             "stepper.solver",
             "condensed pads have no inertia\nuse solver: Full in a scene that moves in time",
         );
-    }
-    if let Some(i) = scene.expect.iter().position(|e| matches!(e, Expectation::Converged(_))) {
-        let message =
-            "Converged judges forces without inertia\nuse ForceBalance(relative: ...) in a scene that moves in time";
-        return refuse(format!("expect[{i}]"), message);
     }
     let moves = scene.object.velocity.is_some() || scene.object.spin.is_some();
     if moves && scene.object.motion == Motion::Fixed {
@@ -256,7 +295,17 @@ fn dynamic(scene: &Scene) -> Result<(), Problem> {
     Ok(())
 }
 
-fn expectation(i: usize, expectation: &Expectation) -> Result<(), Problem> {
+/// Whether a promise makes sense in this scene; else the message.
+fn expectation(scene: &Scene, expectation: &Expectation) -> Result<(), String> {
+    match (&scene.loading, expectation) {
+        (Loading::Dynamic(_), Expectation::Converged(_)) => {
+            return Err("Converged judges forces without inertia\nuse ForceBalance(relative: ...) in a scene that moves in time".into());
+        }
+        (Loading::Squeeze(_) | Loading::Press(_), e) if e.is_dynamic() => {
+            return Err(format!("{} needs loading: Dynamic(motions: [...])", e.name()));
+        }
+        _ => {}
+    }
     let (Expectation::Travel(Bounds { at_least, at_most })
     | Expectation::Force(Bounds { at_least, at_most })
     | Expectation::Penetration(Bounds { at_least, at_most })
@@ -268,11 +317,10 @@ fn expectation(i: usize, expectation: &Expectation) -> Result<(), Problem> {
     else {
         return Ok(());
     };
-    let path = format!("expect[{i}]");
     match (at_least, at_most) {
-        (None, None) => refuse(path, format!("{} needs at_least, at_most or both", expectation.name())),
+        (None, None) => Err(format!("{} needs at_least, at_most or both", expectation.name())),
         (Some(low), Some(high)) if low.get() > high.get() => {
-            refuse(path, "at_least is above at_most: nothing can hold that")
+            Err("at_least is above at_most: nothing can hold that".into())
         }
         _ => Ok(()),
     }

@@ -3,6 +3,7 @@
 use super::outline::Outline;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use ron::error::{Error as Ron, Position, SpannedError};
+use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
 
@@ -17,6 +18,21 @@ pub(super) struct Diagnosis {
     pub help: Option<String>,
 }
 
+/// Longest message, bytes: a word of the scene in it may be as long as the file.
+const MESSAGE: usize = 1000;
+/// Longest name in a message, bytes.
+const NAME: usize = 60;
+
+/// At most so many bytes of a text, and dots if there are more.
+fn shortened(text: &str, most: usize) -> Cow<'_, str> {
+    if text.len() <= most { text.into() } else { format!("{}...", &text[..floor(text, most)]).into() }
+}
+
+/// A name from the scene, as a message shows it.
+pub(super) fn clipped(name: &str) -> Cow<'_, str> {
+    shortened(name, NAME)
+}
+
 impl Diagnosis {
     /// A message whose further lines are the help.
     pub fn new(message: &str, span: Range<usize>) -> Self {
@@ -24,7 +40,7 @@ impl Diagnosis {
             Some((message, help)) => (message.to_string(), Some(help.to_string())),
             None => (message.to_string(), None),
         };
-        Self { message, span, help }
+        Self { message: shortened(&message, MESSAGE).into_owned(), span, help }
     }
 
     /// The printed form: `error: ...`, ` --> file:line:column`, the line with a caret, `help: ...`.
@@ -68,11 +84,11 @@ pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Di
             (named(&message, end, text, outline), whole(text, here, outline))
         }
         Ron::NoSuchStructField { expected, found, outer } => {
-            (format!("unknown field `{found}`{}\n{}", of(outer), allowed(found, expected)), refused)
+            (format!("unknown field `{}`{}\n{}", clipped(found), of(outer), allowed(found, expected)), refused)
         }
         Ron::NoSuchEnumVariant { expected, found, outer } => {
             let what = outer.as_deref().unwrap_or("name");
-            (format!("unknown {what} `{found}`\n{}", allowed(found, expected)), refused)
+            (format!("unknown {what} `{}`\n{}", clipped(found), allowed(found, expected)), refused)
         }
         Ron::MissingStructField { field, outer } => (format!("missing field `{field}`{}", of(outer)), here),
         Ron::DuplicateStructField { field, outer } => (format!("field `{field}` is given twice{}", of(outer)), refused),
@@ -120,7 +136,7 @@ pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Di
 /// `message` behind the path of the field it is about.
 fn named(message: &str, at: usize, text: &str, outline: &Outline) -> String {
     let at = if token(text, at).is_empty() { at.saturating_sub(1) } else { at };
-    match outline.path_at(at) {
+    match outline.path_at(at).as_str() {
         "" => message.to_string(),
         path if path.starts_with('[') => message.to_string(),
         path => format!("{path}: {message}"),

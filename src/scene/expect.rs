@@ -1,4 +1,4 @@
-//! What a scene promises about its own outcome.
+//! What a scene promises about its own outcome: `expect` of finite elements, `expect_network` of a network.
 
 use super::leaf::{Finite, Length, Positive};
 use super::vector::Vec3;
@@ -143,6 +143,15 @@ impl Expectation {
     pub fn audited(&self) -> bool {
         use Expectation::*;
         matches!(self, Finite | NoInversion | NoPenetration | Penetration(_) | Converged(_))
+    }
+
+    /// Whether a network keeps it by its making, whatever it has learnt: it answers at the force that it is asked for, its contact
+    /// forces are put into balance with the load on the object (their torques too, but for the twist about the closing direction), and
+    /// numbers that are not finite are refused. How far the pads give way, how deep they meet the object and how a gel element is
+    /// turned it has only learnt, to within its error; a scene that asks for that of a network says how much in `expect_network`.
+    pub fn by_network(&self) -> bool {
+        use Expectation::*;
+        matches!(self, ReachesForce | ForceBalance(_) | Finite | Force(_) | Fault(_) | Infeasible(_))
     }
 
     /// Unit of its value and bound; "" for a ratio or a text.

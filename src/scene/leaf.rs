@@ -169,14 +169,14 @@ fn ratio(v: f64) -> Result<(), String> {
     Err(format!("must be from 1 to {RATIO_LIMIT}, found {}", shown(v)))
 }
 
-/// A number as a human would write it: no 300 digits, no trailing `.0`.
+/// A number as a human would write it: at most six significant digits, no trailing `.0`.
 pub(crate) fn shown(v: f64) -> String {
-    if v != 0.0 && v.is_finite() && !(1e-4..1e7).contains(&v.abs()) {
-        return format!("{v:e}");
+    let six: f64 = if v.is_finite() { format!("{v:.5e}").parse().unwrap_or(v) } else { v };
+    if six != 0.0 && six.is_finite() && !(1e-4..1e7).contains(&six.abs()) {
+        return format!("{six:e}");
     }
-    let text = format!("{v:.9}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if v.is_finite() { text.to_string() } else { format!("{v}") }
+    // The shortest text that reads as the same number has no more digits than were kept.
+    format!("{six}")
 }
 
 /// A whole number from `MIN` to `MAX`.

@@ -6,16 +6,16 @@ use super::outline::{Entry, Outline};
 /// The first refusal, if any.
 pub(super) fn lint(text: &str, outline: &Outline) -> Result<(), Diagnosis> {
     let entries = outline.entries();
-    entries.iter().enumerate().try_for_each(|(i, entry)| match entry.path.rsplit('.').next() {
+    entries.iter().enumerate().try_for_each(|(i, entry)| match outline.field(entry) {
         // entries stand in order of their end, so what closes just before an entry is its last inner value
-        Some("rotation") => rotation(text, entry, entries[..i].last()),
-        Some("select") => select(text, entry),
+        Some("rotation") => rotation(text, outline, entry, entries[..i].last()),
+        Some("select") => select(text, outline, entry),
         _ => Ok(()),
     })
 }
 
 /// RON drops the name in `RpyDeg((r, p, y))`, so `RpyRad((r, p, y))` would be taken for degrees.
-fn rotation(text: &str, entry: &Entry, inner: Option<&Entry>) -> Result<(), Diagnosis> {
+fn rotation(text: &str, outline: &Outline, entry: &Entry, inner: Option<&Entry>) -> Result<(), Diagnosis> {
     let inside = |e: &&Entry| entry.value.start < e.value.start;
     let angles = inner.filter(inside).is_some_and(|e| text[e.value.clone()].starts_with(['(', '[']));
     let (what, at) = match &entry.name {
@@ -28,13 +28,13 @@ fn rotation(text: &str, entry: &Entry, inner: Option<&Entry>) -> Result<(), Diag
         Some(_) => return Ok(()),
     };
     let help = "allowed: (w, x, y, z) or RpyDeg((roll, pitch, yaw))";
-    Err(Diagnosis::new(&format!("{}: {what}\n{help}", entry.path), at))
+    Err(Diagnosis::new(&format!("{}: {what}\n{help}", outline.path(entry)), at))
 }
 
 /// RON reads `0..=9` and `0..9` as the same two numbers.
-fn select(text: &str, entry: &Entry) -> Result<(), Diagnosis> {
+fn select(text: &str, outline: &Outline, entry: &Entry) -> Result<(), Diagnosis> {
     if text[entry.value.clone()].contains("..=") {
-        let message = format!("{}: a range here has no `=`\nwrite 0..10 for rows 0 to 9", entry.path);
+        let message = format!("{}: a range here has no `=`\nwrite 0..10 for rows 0 to 9", outline.path(entry));
         return Err(Diagnosis::new(&message, entry.value.clone()));
     }
     Ok(())

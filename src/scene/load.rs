@@ -1,21 +1,23 @@
 //! Reads a scene file with its includes: `path -> Scene`, or one error that shows the line and says what is allowed.
 
 use super::check;
-use super::diagnose::{Diagnosis, explain};
+use super::diagnose::{Diagnosis, clipped, explain};
 use super::grasps::Grasps;
 use super::lint::lint;
 use super::object::{Object, Shape};
 use super::objects::{Name, NamedScene, Split};
-use super::outline::Outline;
+use super::outline::{Outline, VALUE_LIMIT};
 use super::pad::Pads;
 use super::schema::{Part, Scene};
-use super::source;
+use super::source::{self, SIZE_LIMIT};
 use super::stepper::Stepper;
 use crate::error::{Error, Result};
+use crate::regular_file::other_kind;
 use ron::extensions::Extensions;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Longest chain of includes.
 pub const INCLUDE_DEPTH: usize = 16;
@@ -33,6 +35,15 @@ pub struct Loaded {
     pub dir: PathBuf,
     /// All files read, the scene file first, then its includes.
     pub sources: Vec<PathBuf>,
+    /// What stands where.
+    places: Arc<Places>,
+}
+
+impl Loaded {
+    /// An error about a field of the scene as one that shows where the field stands; others as they are.
+    pub fn place(&self, error: Error) -> Error {
+        self.places.place(error, None)
+    }
 }
 
 /// All scenes of a file: one per object.
@@ -46,6 +57,8 @@ pub struct LoadedSet {
     pub path: PathBuf,
     /// All files read, the scene file first, then its includes.
     pub sources: Vec<PathBuf>,
+    /// What stands where.
+    places: Arc<Places>,
 }
 
 /// Loads a scene file of one object. The error is an [`Error::Scene`] ready to print.
@@ -55,19 +68,50 @@ pub fn load(path: impl AsRef<Path>) -> Result<Loaded> {
 
 /// Loads one object's scene out of a scene file; None is the only one that there is.
 pub fn load_object(path: impl AsRef<Path>, object: Option<&str>) -> Result<Loaded> {
-    let mut set = load_set(path)?;
-    let names = || set.scenes.iter().map(|s| s.name.as_str()).collect::<Vec<_>>().join(", ");
-    let refuse = |message: String| Err(Error::Scene(format!("error: {}: {message}", set.path.display())));
-    let index = match object {
-        None if set.scenes.len() == 1 => 0,
-        None => return refuse(format!("has several objects; choose one with --object: {}", names())),
-        Some(name) => match set.scenes.iter().position(|s| s.name.as_str() == name) {
-            Some(index) => index,
-            None => return refuse(format!("has no object {name:?}; it has: {}", names())),
-        },
-    };
-    let scene = set.scenes.swap_remove(index).scene;
-    Ok(Loaded { scene, dir: folder(&set.path), path: set.path, sources: set.sources })
+    let mut set = load_set(path)?.only(object)?;
+    if set.scenes.len() > 1 {
+        return set.refuse(format!("has several objects; choose one with --object: {}", set.names()));
+    }
+    let scene = set.scenes.swap_remove(0).scene;
+    Ok(Loaded { scene, dir: folder(&set.path), path: set.path, sources: set.sources, places: set.places })
+}
+
+impl LoadedSet {
+    /// Keeps the object of this name; None keeps all.
+    ///
+    /// # Errors
+    /// A name that no object has.
+    pub fn only(mut self, object: Option<&str>) -> Result<Self> {
+        let Some(name) = object else { return Ok(self) };
+        match self.scenes.iter().position(|s| s.name.as_str() == name) {
+            Some(index) => {
+                self.scenes = vec![self.scenes.swap_remove(index)];
+                Ok(self)
+            }
+            None => {
+                self.refuse(format!("has no object {}; it has: {}", format_args!("{:?}", clipped(name)), self.names()))
+            }
+        }
+    }
+
+    /// An error about a field of the scene of the object `name` as one that shows where the field stands; others as they are.
+    pub fn place(&self, error: Error, name: &Name) -> Error {
+        self.places.place(error, Some(name))
+    }
+
+    /// The names of the objects for a message; of many the first ones.
+    fn names(&self) -> String {
+        const SHOWN: usize = 20;
+        let mut names: Vec<_> = self.scenes.iter().take(SHOWN).map(|s| s.name.as_str()).collect();
+        if self.scenes.len() > SHOWN {
+            names.push("...");
+        }
+        names.join(", ")
+    }
+
+    fn refuse<T>(&self, message: String) -> Result<T> {
+        Err(Error::Scene(format!("error: {}: {message}", self.path.display())))
+    }
 }
 
 /// Loads all scenes of a file, one per object. The error is an [`Error::Scene`] ready to print.
@@ -75,36 +119,64 @@ pub fn load_set(path: impl AsRef<Path>) -> Result<LoadedSet> {
     let path = path.as_ref();
     let mut loader = Loader::default();
     let (part, origins) = loader.tree(path, &mut Vec::new(), None)?;
-    let at = |problem: check::Problem| {
-        let field = problem.path.split(['.', '[']).next().unwrap_or("");
-        let source = &loader.sources[origins.get(field).copied().unwrap_or(0)];
-        source.error_at(&problem.path, &problem.message)
-    };
-    check::objects(&part).map_err(at)?;
-    let own_grasps: Option<Vec<bool>> =
-        part.objects.as_ref().map(|objects| objects.iter().map(|e| e.grasps.is_some()).collect());
+    let listed = part.objects.iter().flatten().map(|e| (e.name.clone(), e.grasps.is_some())).collect();
+    let places = Places { sources: loader.sources, origins, listed };
+    let at = |problem: check::Problem| places.error_at(&problem.path, &problem.message);
+    check::objects(&part, places.shared()).map_err(at)?;
     let split = part.split.unwrap_or_default();
     let name = Name::near(&path.file_stem().unwrap_or_default().to_string_lossy());
-    let main = &loader.sources[0];
+    let main = &places.sources[0];
     let scenes = part.complete(&name).map_err(|field| {
         let end = main.text.trim_end().len();
         let message = format!("missing field `{field}`\nevery scene has at least `object` and `loading`");
         main.error(&Diagnosis::new(&message, end.saturating_sub(1)..end))
     })?;
     for (i, named) in scenes.iter().enumerate() {
-        check::check(&named.scene).map_err(|mut problem| {
-            // where the file says it: the object and its grasps may stand in the list of objects
-            let listed = own_grasps.as_ref().is_some_and(|own| {
-                problem.path.starts_with("object.") || (own[i] && problem.path.starts_with("grasps"))
-            });
-            if listed {
-                problem.path = format!("objects[{i}].{}", problem.path);
-            }
-            at(problem)
-        })?;
+        check::check(&named.scene).map_err(|p| places.error_at(&places.written(&p.path, Some(i)), &p.message))?;
     }
-    let sources = loader.sources.into_iter().map(|s| s.path).collect();
-    Ok(LoadedSet { scenes, split, path: path.to_path_buf(), sources })
+    let sources = places.sources.iter().map(|s| s.path.clone()).collect();
+    Ok(LoadedSet { scenes, split, path: path.to_path_buf(), sources, places: Arc::new(places) })
+}
+
+/// What stands where in the files of a scene.
+#[derive(Debug)]
+struct Places {
+    sources: Vec<Source>,
+    origins: Origins,
+    /// Names of the list of objects, and whether each has grasps of its own; empty where there is one object.
+    listed: Vec<(Name, bool)>,
+}
+
+impl Places {
+    fn place(&self, error: Error, name: Option<&Name>) -> Error {
+        let Error::Field { field, source } = error else { return error };
+        let index = name.and_then(|name| self.listed.iter().position(|(own, _)| own == name));
+        let text = source.to_string();
+        self.error_at(&self.written(field, index), text.strip_prefix("error: ").unwrap_or(&text))
+    }
+
+    /// The field as the file has it: an object and its grasps may stand in the list of objects.
+    fn written(&self, field: &str, index: Option<usize>) -> String {
+        let listed = index.and_then(|i| Some((i, self.listed.get(i)?.1)));
+        match listed {
+            Some((i, own)) if field.starts_with("object.") || (own && field.starts_with("grasps")) => {
+                format!("objects[{i}].{field}")
+            }
+            _ => field.to_string(),
+        }
+    }
+
+    /// An error at a field, in the file that gives it.
+    fn error_at(&self, field: &str, message: &str) -> Error {
+        let first = field.split(['.', '[']).next().unwrap_or("");
+        self.sources[self.origins.get(first).copied().unwrap_or(0)].error_at(field, message)
+    }
+
+    /// Bytes of all files beside the list of objects.
+    fn shared(&self) -> usize {
+        let listed = self.origins.get("objects").map_or(0, |at| self.sources[*at].length("objects"));
+        self.sources.iter().map(|s| s.text.len()).sum::<usize>() - listed
+    }
 }
 
 /// Reads the text of one scene file.
@@ -149,11 +221,19 @@ fn complete(part: Part) -> Result<Scene> {
     let mut scenes = part
         .complete(&Name::near("scene"))
         .map_err(|field| Error::Scene(format!("error: no complete scene: missing field `{field}`")))?;
-    let problem = |p: check::Problem| Error::Scene(format!("error: {}: {}", p.path, p.message));
-    scenes.iter().try_for_each(|named| check::check(&named.scene)).map_err(problem)?;
+    scenes.iter().try_for_each(|named| recheck(&named.scene))?;
     Ok(scenes.swap_remove(0).scene)
 }
 
+/// Checks a complete scene once more, after a change.
+///
+/// # Errors
+/// A field that does not go with the rest.
+pub fn recheck(scene: &Scene) -> Result<()> {
+    check::check(scene).map_err(|p| Error::Scene(format!("error: {}: {}", p.path, p.message)))
+}
+
+#[derive(Debug)]
 struct Source {
     path: PathBuf,
     text: String,
@@ -162,6 +242,11 @@ struct Source {
 impl Source {
     fn error(&self, diagnosis: &Diagnosis) -> Error {
         Error::Scene(diagnosis.render(&self.path, &self.text))
+    }
+
+    /// Bytes of the value of a field of this file.
+    fn length(&self, field: &str) -> usize {
+        Outline::of(&self.text).find(field).map_or(0, |e| e.value.len())
     }
 
     /// An error at a field of this file, named in the message.
@@ -191,6 +276,11 @@ impl Loader {
             }
         };
         let index = self.sources.len();
+        if self.sources.iter().map(|s| s.text.len()).sum::<usize>() + text.len() > SIZE_LIMIT as usize {
+            let message =
+                format!("{} and the files before it are together larger than {} MiB", path.display(), SIZE_LIMIT >> 20);
+            return Err(Error::Scene(format!("error: {message}, the limit for a scene")));
+        }
         self.sources.push(Source { path: path.to_path_buf(), text });
         let source = &self.sources[index];
         let mut own = read_part(source)?;
@@ -241,6 +331,12 @@ fn read_part(source: &Source) -> Result<Part> {
         let message = "the scene is empty\na smallest scene: (object: (shape: Sphere(radius: 0.02)), loading: Squeeze(force: 15))";
         return Err(source.error(&Diagnosis::new(message, 0..0)));
     }
+    if outline.is_full() {
+        let message = format!(
+            "the scene holds more than {VALUE_LIMIT} values, the limit for a scene file\nlong lists of grasps go into a file: grasps: File(\"x_grasps.h5\")"
+        );
+        return Err(source.error(&Diagnosis::new(&message, 0..0)));
+    }
     let part = parse(&source.text).map_err(|e| source.error(&explain(&e, &source.text, &outline)))?;
     lint(&source.text, &outline).map_err(|d| source.error(&d))?;
     Ok(part)
@@ -251,8 +347,10 @@ fn resolve_paths(part: &mut Part, dir: &Path) -> std::result::Result<(), (String
     let file = |path: &mut PathBuf, field: String| {
         *path = dir.join(&*path);
         match path.metadata() {
-            Ok(meta) if meta.is_dir() => Err((field, format!("{} is a directory, not a file", path.display()))),
-            Ok(_) => Ok(()),
+            Ok(meta) => match other_kind(&meta) {
+                Some(kind) => Err((field, format!("{} is {kind}, not a file", path.display()))),
+                None => Ok(()),
+            },
             Err(_) => {
                 Err((field, format!("no file at {}\npaths start at the folder of the scene file", path.display())))
             }

@@ -42,7 +42,7 @@ pub use grasps::{Antipodal, GraspCount, GraspFile, Grasps, Pose, Select};
 pub use gripper::{Fingers, Gripper, Placement};
 pub use ground::Ground;
 pub use judge::{Held, Measured, Status, evaluate, evaluate_all};
-pub use load::{Loaded, LoadedSet, from_json, from_ron, load, load_object, load_set, to_ron};
+pub use load::{Loaded, LoadedSet, from_json, from_ron, load, load_object, load_set, recheck, to_ron};
 pub use loading::{Loading, Press, Squeeze};
 pub use material::{Law, Material, MaterialSpec, Preset};
 pub use object::{Motion, Object, Shape};

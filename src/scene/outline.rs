@@ -3,13 +3,14 @@
 //! serde forgets positions once a value is read, but checks across fields come after that, and messages should name the
 //! field they are about. On broken text the outline simply ends early.
 
+use super::diagnose::clipped;
 use std::ops::Range;
 
 /// A field or list element and where it stands.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Entry {
-    /// Like `gripper.pads.spacing` or `grasps[2].rotation`; enum names do not count, the whole file is "".
-    pub path: String,
+    /// Its place in the tree of the text.
+    node: usize,
     /// Byte range of the key, or of the value where there is no key.
     pub key: Range<usize>,
     /// Byte range of the value.
@@ -18,25 +19,55 @@ pub(super) struct Entry {
     pub name: Option<Range<usize>>,
 }
 
+/// How a path goes on from what is around.
+#[derive(Debug, Clone)]
+enum Step {
+    /// The whole file.
+    Root,
+    /// To a field: where its key stands.
+    Key(Range<usize>),
+    /// To an element of a list.
+    Index(usize),
+}
+
+/// A place that a path leads to. Paths are read off the tree when one is asked for: a text of a long key and a long list has many
+/// of them.
+#[derive(Debug)]
+struct Node {
+    parent: usize,
+    step: Step,
+}
+
 /// All entries of a text, in order of their end.
-#[derive(Debug, Default)]
-pub(super) struct Outline {
+#[derive(Debug)]
+pub(super) struct Outline<'a> {
+    text: &'a str,
+    nodes: Vec<Node>,
     entries: Vec<Entry>,
 }
+
+/// Most values of a scene file: far above any scene.
+pub(super) const VALUE_LIMIT: usize = 2_000_000;
 
 /// Deeper than any scene, shallower than any stack.
 const DEPTH_LIMIT: usize = 64;
 
-impl Outline {
+impl<'a> Outline<'a> {
     /// Scans the text; never fails.
-    pub fn of(text: &str) -> Self {
-        let mut scan = Scan { text, at: 0, entries: Vec::new() };
+    pub fn of(text: &'a str) -> Self {
+        let nodes = vec![Node { parent: ROOT, step: Step::Root }];
+        let mut scan = Scan { text, at: 0, nodes, entries: Vec::new() };
         scan.blank();
         scan.attributes();
         if scan.at < text.len() {
-            scan.value(String::new(), None, 0);
+            scan.value(ROOT, None, 0);
         }
-        Self { entries: scan.entries }
+        Self { text, nodes: scan.nodes, entries: scan.entries }
+    }
+
+    /// True if the text holds more values than [`VALUE_LIMIT`], which ends the outline.
+    pub fn is_full(&self) -> bool {
+        self.nodes.len() >= VALUE_LIMIT
     }
 
     /// True if the text holds nothing but blanks and comments.
@@ -54,7 +85,7 @@ impl Outline {
         let mut path = path;
         loop {
             // of several values of one path (`Mesh("a.obj")` and `"a.obj"`) the innermost ends first
-            if let Some(entry) = self.entries.iter().find(|e| e.path == path) {
+            if let Some(entry) = self.entries.iter().find(|e| self.leads(e.node, path)) {
                 return Some(entry);
             }
             path = match path.rfind(['.', '[']) {
@@ -65,9 +96,59 @@ impl Outline {
         }
     }
 
+    /// Path of an entry, like `gripper.pads.spacing` or `grasps[2].rotation`; enum names do not count, the whole file is "".
+    pub fn path(&self, entry: &Entry) -> String {
+        let (mut steps, mut node) = (Vec::new(), &self.nodes[entry.node]);
+        while !matches!(node.step, Step::Root) {
+            steps.push(&node.step);
+            node = &self.nodes[node.parent];
+        }
+        let mut path = String::new();
+        for step in steps.into_iter().rev() {
+            match step {
+                Step::Root => {}
+                Step::Key(key) => {
+                    path.push_str(if path.is_empty() { "" } else { "." });
+                    path.push_str(&clipped(&self.text[key.clone()]));
+                }
+                Step::Index(index) => path.push_str(&format!("[{index}]")),
+            }
+        }
+        path
+    }
+
+    /// The last field of an entry's path; None for elements of lists and the whole file.
+    pub fn field(&self, entry: &Entry) -> Option<&'a str> {
+        match &self.nodes[entry.node].step {
+            Step::Key(key) => Some(&self.text[key.clone()]),
+            _ => None,
+        }
+    }
+
+    /// Whether `path` leads to this node.
+    fn leads(&self, node: usize, path: &str) -> bool {
+        let (mut node, mut path) = (&self.nodes[node], path);
+        loop {
+            let rest = match &node.step {
+                Step::Root => return path.is_empty(),
+                Step::Key(key) => {
+                    path.strip_suffix(&self.text[key.clone()]).map(|rest| rest.strip_suffix('.').unwrap_or(rest))
+                }
+                Step::Index(index) => {
+                    path.strip_suffix(']').and_then(|p| p.rsplit_once('[')).and_then(|(rest, own)| {
+                        let own: usize = own.parse().ok()?;
+                        (own == *index).then_some(rest)
+                    })
+                }
+            };
+            let Some(rest) = rest else { return false };
+            (node, path) = (&self.nodes[node.parent], rest);
+        }
+    }
+
     /// Path of the innermost entry that covers this byte; "" at the top.
-    pub fn path_at(&self, at: usize) -> &str {
-        self.innermost(at).map_or("", |e| &e.path)
+    pub fn path_at(&self, at: usize) -> String {
+        self.innermost(at).map_or(String::new(), |e| self.path(e))
     }
 
     /// Value of the innermost entry that covers this byte.
@@ -81,9 +162,13 @@ impl Outline {
     }
 }
 
+/// Index of the node of the whole file.
+const ROOT: usize = 0;
+
 struct Scan<'a> {
     text: &'a str,
     at: usize,
+    nodes: Vec<Node>,
     entries: Vec<Entry>,
 }
 
@@ -150,8 +235,14 @@ impl Scan<'_> {
         (self.at > start).then_some(start..self.at)
     }
 
-    /// Reads one value and enters it under `path`.
-    fn value(&mut self, path: String, key: Option<Range<usize>>, depth: usize) {
+    /// The node that a step leads to from `parent`.
+    fn node(&mut self, parent: usize, step: Step) -> usize {
+        self.nodes.push(Node { parent, step });
+        self.nodes.len() - 1
+    }
+
+    /// Reads one value and enters it at `node`.
+    fn value(&mut self, node: usize, key: Option<Range<usize>>, depth: usize) {
         let start = self.at;
         let raw_string = self.rest().starts_with("r\"") || self.rest().starts_with("r#");
         let name = if raw_string { None } else { self.identifier() };
@@ -160,20 +251,20 @@ impl Scan<'_> {
             self.blank();
         }
         match self.peek() {
-            Some('(' | '[' | '{') => self.group(&path, name.is_some(), depth),
+            Some('(' | '[' | '{') => self.group(node, name.is_some(), depth),
             Some('"') if name.is_none() => self.string(),
             _ if raw_string => self.raw_string(),
             _ if name.is_some() => self.at = after_name,
             _ => self.skip_while(|c| !c.is_whitespace() && !matches!(c, ',' | ')' | ']' | '}' | '(' | '[' | '{' | '"')),
         }
         let value = start..self.at;
-        self.entries.push(Entry { path, key: key.unwrap_or(value.clone()), value, name });
+        self.entries.push(Entry { node, key: key.unwrap_or(value.clone()), value, name });
     }
 
     /// Reads what stands between brackets. The only positional value after a name (`Sphere(0.1)`, `List([...])`) is the
     /// named value itself and takes no index.
-    fn group(&mut self, path: &str, named: bool, depth: usize) {
-        if depth >= DEPTH_LIMIT {
+    fn group(&mut self, node: usize, named: bool, depth: usize) {
+        if depth >= DEPTH_LIMIT || self.nodes.len() >= VALUE_LIMIT {
             self.at = self.text.len();
             return;
         }
@@ -191,12 +282,15 @@ impl Scan<'_> {
                 _ => {}
             }
             let start = self.at;
+            if self.nodes.len() >= VALUE_LIMIT {
+                self.at = self.text.len();
+                return;
+            }
             if let Some(key) = self.key() {
-                let dot = if path.is_empty() { "" } else { "." };
-                let inner = format!("{path}{dot}{}", &self.text[key.clone()]);
+                let inner = self.node(node, Step::Key(key.clone()));
                 self.value(inner, Some(key), depth + 1);
             } else {
-                let inner = if named && index == 0 { path.to_string() } else { format!("{path}[{index}]") };
+                let inner = if named && index == 0 { node } else { self.node(node, Step::Index(index)) };
                 index += 1;
                 self.value(inner, None, depth + 1);
             }

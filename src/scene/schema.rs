@@ -12,6 +12,7 @@ use super::stepper::Stepper;
 use super::task::Task;
 use super::vector::Vec3;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// A complete scene: includes merged, defaults filled in, paths resolved.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -36,8 +37,43 @@ pub struct Scene {
     pub record: Record,
     /// What the scene promises about its own outcome.
     pub expect: Vec<Expectation>,
+    /// What it promises where a network advances it; None is what of `expect` a network keeps by its making, see
+    /// [`Expectation::by_network`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expect_network: Option<Vec<Expectation>>,
     /// What an agent does in it, see [`crate::env`]; a run takes no notice.
     pub task: Option<Task>,
+}
+
+impl Scene {
+    /// The promises that a run is held to: those of its backend.
+    pub fn promises(&self) -> Cow<'_, [Expectation]> {
+        match (&self.stepper, &self.expect_network) {
+            (Stepper::Fem(_), _) => Cow::Borrowed(&self.expect),
+            (Stepper::Gnn(_), Some(own)) => Cow::Borrowed(own),
+            (Stepper::Gnn(_), None) => self.expect.iter().filter(|e| e.by_network()).cloned().collect(),
+        }
+    }
+
+    /// The field that [`Scene::promises`] are from, in words.
+    pub fn promised_in(&self) -> &'static str {
+        match (&self.stepper, &self.expect_network) {
+            (Stepper::Fem(_), _) => "expect",
+            (Stepper::Gnn(_), Some(_)) => "expect_network",
+            (Stepper::Gnn(_), None) => "expect, what a network keeps by its making",
+        }
+    }
+
+    /// Both lists with the names of their fields.
+    pub(super) fn promise_lists(&self) -> [(&'static str, &[Expectation]); 2] {
+        [("expect", &self.expect), ("expect_network", self.expect_network.as_deref().unwrap_or_default())]
+    }
+
+    /// Takes all promises away.
+    pub fn promise_nothing(&mut self) {
+        self.expect.clear();
+        self.expect_network = None;
+    }
 }
 
 /// Declares [`Part`] and all that is done field by field, so that a new field is added in one place.
@@ -84,6 +120,7 @@ part! {
     ground: Ground,
     record: Record,
     expect: Vec<Expectation>,
+    expect_network: Vec<Expectation>,
     task: Task,
 }
 
@@ -107,6 +144,7 @@ impl Part {
             ground: self.ground,
             record: self.record.clone().unwrap_or_default(),
             expect: self.expect.clone().unwrap_or_default(),
+            expect_network: self.expect_network.clone(),
             task: self.task.clone(),
         };
         Ok(entries.iter().map(|e| NamedScene { name: e.name.clone(), scene: scene(e) }).collect())

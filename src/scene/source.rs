@@ -1,6 +1,7 @@
 //! Gets the text of a scene file, or says why there is none.
 
 use crate::error::{Error, Result};
+use crate::regular_file::other_kind;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -10,12 +11,14 @@ pub const SIZE_LIMIT: u64 = 16 * 1024 * 1024;
 
 /// Reads a text of at most [`SIZE_LIMIT`] bytes; each failure is one message that names the file.
 pub(super) fn read(path: &Path) -> Result<String> {
-    if path.is_dir() {
-        return fail(path, "is a directory, not a scene file");
+    let unopened = |e: std::io::Error| failure(path, format!("cannot be opened: {}", reason(&e)));
+    // A fifo may block for ever, a device may never end.
+    if let Some(kind) = other_kind(&path.metadata().map_err(unopened)?) {
+        return fail(path, format!("is {kind}, not a scene file"));
     }
-    let file = File::open(path).or_else(|e| fail(path, format!("cannot be opened: {}", reason(&e))))?;
+    let file = File::open(path).map_err(unopened)?;
     let mut bytes = Vec::new();
-    // one byte more than allowed tells too large from just fitting, also for pipes and devices
+    // one byte more than allowed tells too large from just fitting, also for files that grow
     let read = file.take(SIZE_LIMIT + 1).read_to_end(&mut bytes);
     read.or_else(|e| fail(path, format!("cannot be read: {}", reason(&e))))?;
     if bytes.len() as u64 > SIZE_LIMIT {
@@ -36,8 +39,12 @@ pub(super) fn read(path: &Path) -> Result<String> {
     Ok(text.strip_prefix('\u{feff}').map(str::to_string).unwrap_or(text))
 }
 
+fn failure(path: &Path, what: impl std::fmt::Display) -> Error {
+    Error::Scene(format!("error: {} {what}", path.display()))
+}
+
 fn fail<T>(path: &Path, what: impl std::fmt::Display) -> Result<T> {
-    Err(Error::Scene(format!("error: {} {what}", path.display())))
+    Err(failure(path, what))
 }
 
 fn reason(e: &std::io::Error) -> String {

@@ -1,7 +1,7 @@
 //! The scene as an environment of reinforcement learning: what an agent may do, what it sees, what it is paid for.
 
 use super::defaults;
-use super::leaf::{Count, Depth, Length, NonNegative, Positive};
+use super::leaf::{Count, Depth, Length, NonNegative, Positive, shown};
 use super::loading::Loading;
 use super::object::Motion;
 use super::schema::Scene;
@@ -157,7 +157,7 @@ pub(super) fn problem(scene: &Scene) -> Option<(String, String)> {
     }
     let [least, most] = task.force.0.map(Positive::get);
     if !(least..=most).contains(&task.start.get()) {
-        return field(".start", &format!("must lie within the allowed force, {least} to {most} N"));
+        return field(".start", &format!("must lie within the allowed force, {} to {} N", shown(least), shown(most)));
     }
     if task.observe.is_empty() {
         return field(".observe", "the agent sees nothing\nleave `observe` out for the usual");

@@ -29,7 +29,8 @@ pub fn refuse_weight(phase: Res<Phase>, shared: Res<Shared>, mut next: ResMut<Ne
     if *phase != Phase::Place || !squeezed {
         return;
     }
-    let along = weight.0.dot(model.fingers[0].placement.closing).abs();
+    let Some(finger) = model.fingers.first() else { return };
+    let along = weight.0.dot(finger.placement.closing).abs();
     let total = model.levels.last().copied().unwrap_or(0.0) * model.fingers.len() as f64;
     if along > total {
         next.request(Phase::Infeasible {

@@ -53,8 +53,9 @@ pub fn read(set: &DataSet, poses: &Poses, layout: Layout, frames: usize) -> Resu
     let mut graphs: Vec<Arc<PadGraph>> = Vec::new();
     for model in &models {
         // Equal pads share one graph.
-        let known = graphs.iter().find(|g| g.fits(&model.fingers[0])).cloned();
-        let made = || PadGraph::keeping(&model.fingers[0], layout, Cache::of_user().as_ref()).map(Arc::new);
+        let finger = model.finger()?;
+        let known = graphs.iter().find(|g| g.fits(finger)).cloned();
+        let made = || PadGraph::keeping(finger, layout, Cache::of_user().as_ref()).map(Arc::new);
         graphs.push(known.map_or_else(made, Ok)?);
     }
     let chosen = set.select(poses);

@@ -1,0 +1,212 @@
+//! What fits: the memory and the disk space that are free, and what a scene is going to take of them. Asked before anything large is
+//! made, so that a scene that is too large is an answer at once and no program that is killed.
+
+use crate::error::{Error, Result};
+use crate::mesh::quadratic::midpoint_edges;
+use crate::pad::Pad;
+use crate::scene::{Element, Scene, Stepper};
+use std::path::Path;
+
+/// Size of one pad.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PadSize {
+    /// Nodes, mid-edge ones included.
+    pub nodes: usize,
+    /// Three per node that is not bonded.
+    pub unknowns: usize,
+}
+
+impl PadSize {
+    /// Of a grid of `cells` cells, six tetrahedra each, bonded at its lowest layer of nodes.
+    pub fn of_cells(cells: [usize; 3], element: Element) -> Self {
+        // Between the nodes of a layer, and of two layers: along the axes, across the faces, through the cells.
+        let points = cells.map(|n| n as u128 + 1);
+        let [x, y, z] = cells.map(|n| n as u128);
+        let [px, py, pz] = points;
+        let (flat, upright) = (x * py + y * px + x * y, px * py + x * py + y * px + x * y);
+        let (nodes, bonded) = match element {
+            Element::Linear => (px * py * pz, px * py),
+            Element::Quadratic => (px * py * pz + flat * pz + upright * z, px * py + flat),
+        };
+        let count = |n: u128| usize::try_from(n).unwrap_or(usize::MAX);
+        Self { nodes: count(nodes), unknowns: count(3 * (nodes - bonded)) }
+    }
+
+    /// Of a mesh.
+    pub fn of_pad(pad: &Pad, element: Element) -> Self {
+        let bonded = pad.bonded.iter().filter(|b| **b).count();
+        let middles: Vec<[u32; 2]> = match element {
+            Element::Linear => Vec::new(),
+            Element::Quadratic => midpoint_edges(&pad.mesh),
+        };
+        let glued = middles.iter().filter(|e| e.iter().all(|n| pad.bonded[*n as usize])).count();
+        let nodes = pad.mesh.nodes.len() + middles.len();
+        Self { nodes, unknowns: 3 * (nodes - bonded - glued) }
+    }
+
+    /// Memory that solving a grasp takes with each such pad, about, bytes.
+    fn solving(&self) -> f64 {
+        let factor = FACTOR * (self.unknowns as f64).powf(FACTOR_POWER);
+        factor + NODE * self.nodes as f64
+    }
+}
+
+/// Memory of a Cholesky factor over `unknowns^FACTOR_POWER`, bytes; measured on pads of 2,000 to 20,000 nodes.
+const FACTOR: f64 = 220.0;
+/// As nested dissection of a body has it.
+const FACTOR_POWER: f64 = 4.0 / 3.0;
+/// Memory of a node beside the factor: mesh, stiffness, states, bytes.
+const NODE: f64 = 3000.0;
+/// Memory of a node of a mesh that is not solved on, bytes.
+const MESHED: f64 = 2500.0;
+
+/// Memory that a grasp of `scene` takes with pads of this size, about, bytes; `sides` are its fingers.
+pub fn memory(scene: &Scene, pad: PadSize, sides: usize) -> u64 {
+    let each = match scene.stepper {
+        Stepper::Fem(_) => pad.solving(),
+        Stepper::Gnn(_) => MESHED * pad.nodes as f64,
+    };
+    (each * sides as f64).max(MESHED * pad.nodes as f64) as u64
+}
+
+/// Refuses a scene that takes more memory than is free.
+///
+/// # Errors
+/// [`Error::Mesh`] with the sizes and what to do.
+pub fn admit(need: u64, pad: PadSize) -> Result<()> {
+    match free_memory() {
+        Some(free) if need > free => Err(Error::Mesh(format!(
+            "pads of {} nodes, {} unknowns each, take about {} of memory, and {} are free; use a larger spacing",
+            pad.nodes,
+            pad.unknowns,
+            bytes(need),
+            bytes(free)
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses files that take more space than is free where `dir` is or is going to be.
+///
+/// # Errors
+/// [`Error::File`] with the sizes and what to do.
+pub fn admit_files(need: u64, dir: &Path) -> Result<()> {
+    match free_disk(dir) {
+        Some(free) if need > free => {
+            let message = format!(
+                "the data set takes up to {}, and {} are free there; choose another folder, fewer grasps or fewer frames",
+                bytes(need),
+                bytes(free)
+            );
+            Err(Error::file(dir, message))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A size as people read it.
+pub fn bytes(n: u64) -> String {
+    let n = n as f64;
+    match n {
+        n if n >= 1e12 => format!("{:.1} TB", n / 1e12),
+        n if n >= 1e9 => format!("{:.1} GB", n / 1e9),
+        n => format!("{:.0} MB", n / 1e6),
+    }
+}
+
+/// Memory that this process may still take, bytes: the least of what the machine, its control groups and its own limit leave;
+/// None where the system does not tell.
+#[cfg(target_os = "linux")]
+pub fn free_memory() -> Option<u64> {
+    [available(), control_group::free(), address_space()].into_iter().flatten().min()
+}
+
+/// Memory that this process may still take; this system does not tell.
+#[cfg(not(target_os = "linux"))]
+pub fn free_memory() -> Option<u64> {
+    None
+}
+
+/// Space that is free where `dir` is or is going to be, bytes; None where the system does not tell.
+#[cfg(unix)]
+pub fn free_disk(dir: &Path) -> Option<u64> {
+    let absolute = std::path::absolute(dir).ok()?;
+    let stat = absolute.ancestors().find_map(|dir| rustix::fs::statvfs(dir).ok())?;
+    Some(stat.f_bavail.saturating_mul(stat.f_frsize))
+}
+
+/// Space that is free; this system does not tell.
+#[cfg(not(unix))]
+pub fn free_disk(_: &Path) -> Option<u64> {
+    None
+}
+
+/// What the kernel can give without swapping.
+#[cfg(target_os = "linux")]
+fn available() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kb| kb << 10)
+}
+
+/// What the limit on the address space leaves (`ulimit -v`).
+#[cfg(target_os = "linux")]
+fn address_space() -> Option<u64> {
+    let limit = rustix::process::getrlimit(rustix::process::Resource::As).current?;
+    let pages: u64 = std::fs::read_to_string("/proc/self/statm").ok()?.split(' ').next()?.parse().ok()?;
+    Some(limit.saturating_sub(pages * rustix::param::page_size() as u64))
+}
+
+/// The control groups of this process, of either version.
+#[cfg(target_os = "linux")]
+mod control_group {
+    use std::path::{Path, PathBuf};
+
+    /// Where the hierarchy of a version is mounted, and its files: the limit, what is taken, what of `memory.stat` can be had back.
+    struct Version {
+        root: &'static str,
+        limit: &'static str,
+        taken: &'static str,
+        cached: &'static str,
+    }
+
+    const V2: Version =
+        Version { root: "/sys/fs/cgroup", limit: "memory.max", taken: "memory.current", cached: "inactive_file" };
+    const V1: Version = Version {
+        root: "/sys/fs/cgroup/memory",
+        limit: "memory.limit_in_bytes",
+        taken: "memory.usage_in_bytes",
+        cached: "total_inactive_file",
+    };
+
+    /// The least that any group up to the root leaves.
+    pub fn free() -> Option<u64> {
+        let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;
+        groups.lines().filter_map(of_line).min()
+    }
+
+    /// A line is `0::/path`, or of version 1 `4:memory:/path`.
+    fn of_line(line: &str) -> Option<u64> {
+        let mut parts = line.splitn(3, ':');
+        let (number, controllers, path) = (parts.next()?, parts.next()?, parts.next()?);
+        let version = match (number, controllers) {
+            ("0", "") => V2,
+            (_, controllers) if controllers.split(',').any(|c| c == "memory") => V1,
+            _ => return None,
+        };
+        let root = Path::new(version.root);
+        // Within a container its own group may be the root of what is mounted.
+        let own: PathBuf = root.join(path.trim_start_matches('/'));
+        own.ancestors().take_while(|dir| dir.starts_with(root)).filter_map(|dir| version.left(dir)).min()
+    }
+
+    impl Version {
+        fn left(&self, dir: &Path) -> Option<u64> {
+            let number = |file: &str| std::fs::read_to_string(dir.join(file)).ok()?.trim().parse::<u64>().ok();
+            let (limit, taken) = (number(self.limit)?, number(self.taken)?);
+            let stat = std::fs::read_to_string(dir.join("memory.stat")).unwrap_or_default();
+            let cached = stat.lines().find_map(|l| l.strip_prefix(self.cached)?.strip_prefix(' ')?.parse().ok());
+            Some(limit.saturating_sub(taken.saturating_sub(cached.unwrap_or(0))))
+        }
+    }
+}
