@@ -56,11 +56,11 @@ impl Campaign {
             // The data set holds all of these, whatever the scene records in a run.
             named.scene.record.fields = Field::USUAL.to_vec();
             let place = |e| set.place(e, &listed.name);
-            let grasps = grasps_of(&named.scene).map_err(place)?;
             let base = match sizes {
                 Some(sizes) => sizes,
                 None => *sizes.insert(Sizes::of(Model::build(&named.scene).map_err(place)?.as_ref(), 0)?),
             };
+            let grasps = grasps_of(&named.scene).map_err(place)?;
             let sizes = Sizes { grasps: grasps.poses.len(), ..base };
             let file = Path::new("dgs_output").join(file_name(&named));
             entries.push(ObjectEntry {
@@ -150,11 +150,13 @@ impl Campaign {
     /// # Errors
     /// What cannot be written or set up, a folder in use. A grasp that fails is part of the data set, not an error.
     pub fn run(mut self, threads: usize, watcher: &dyn Watcher) -> Result<Manifest> {
+        if !self.manifest.finished {
+            self.fits()?;
+        }
         // Held while this campaign writes, so that two never write the same folder.
         let lock = claim(&self.dir, false)?;
         self.resume()?;
         if !self.manifest.finished {
-            self.fits()?;
             self.manifest.write(&self.dir)?;
             for (index, object) in self.objects.iter().enumerate() {
                 let finished = self.object(object, index == 0, threads, watcher)?;
@@ -191,9 +193,9 @@ impl Campaign {
         if self.manifest.finished {
             return Ok(0);
         }
+        self.fits()?;
         let _lock = claim(&self.dir, true)?;
         self.resume()?;
-        self.fits()?;
         let turn = self.turn()?;
         self.manifest.write(&self.dir)?;
         drop(turn);
