@@ -110,9 +110,10 @@ struct Found {
 
 fn examine(scene: &Scene) -> Result<Found> {
     let stepper = choose(scene)?;
+    // First, as it refuses what is too large.
+    let model = Model::build(scene)?;
     let grasps = grasps_of(scene)?;
     let poses = grasps.poses;
-    let model = Model::build(scene)?;
     let first = poses.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
     let environment = Environment::new(&model, stepper.as_ref(), *first)?;
     let systems = environment.systems().into_iter().map(|(set, names)| (format!("{set:?}").to_lowercase(), names));

@@ -59,11 +59,11 @@ impl Campaign {
             // The data set holds all of these, whatever the scene records in a run.
             named.scene.record.fields = Field::USUAL.to_vec();
             let place = |e| set.place(e, &listed.name);
-            let grasps = grasps_of(&named.scene).map_err(place)?;
             let base = match sizes {
                 Some(sizes) => sizes,
                 None => *sizes.insert(Sizes::of(Model::build(&named.scene).map_err(place)?.as_ref(), 0)?),
             };
+            let grasps = grasps_of(&named.scene).map_err(place)?;
             let sizes = Sizes { grasps: grasps.poses.len(), ..base };
             let file = Path::new("dgs_output").join(file_name(&named));
             entries.push(ObjectEntry {
@@ -164,11 +164,13 @@ impl Campaign {
     /// # Errors
     /// What cannot be written or set up, a folder in use. A grasp that fails is part of the data set, not an error.
     pub fn run(mut self, threads: usize, watcher: &dyn Watcher) -> Result<Manifest> {
+        if !self.manifest.finished {
+            self.fits()?;
+        }
         // Held while this campaign writes, so that two never write the same folder.
         let _lock = FolderLock::alone(&self.dir, COMMAND)?;
         self.resume()?;
         if !self.manifest.finished {
-            self.fits()?;
             self.manifest.write(&self.dir)?;
             for (index, object) in self.objects.iter().enumerate() {
                 let finished = self.object(object, index == 0, threads, watcher)?;
@@ -214,9 +216,9 @@ impl Campaign {
         if self.manifest.finished {
             return Ok(0);
         }
+        self.fits()?;
         let _lock = FolderLock::beside(&self.dir, COMMAND)?;
         self.resume()?;
-        self.fits()?;
         let turn = self.turn()?;
         self.manifest.write(&self.dir)?;
         drop(turn);
