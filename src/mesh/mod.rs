@@ -5,11 +5,15 @@
 //! the numbering never depends on the order of a hash map.
 
 pub mod clean;
+pub mod close;
+pub mod facets;
 pub mod grid;
 pub mod io;
+pub(crate) mod polygon;
 pub mod quadratic;
 pub mod quality;
 pub mod rings;
+pub mod shells;
 pub mod surface;
 pub mod topology;
 

@@ -157,17 +157,6 @@ fn signed_volume(mesh: &TriMesh) -> f64 {
         .sum()
 }
 
-/// Turns all triangles if the signed volume is negative; returns whether it did. Indices must be valid.
-pub fn orient_outward(mesh: &mut TriMesh) -> bool {
-    let inside_out = signed_volume(mesh) < 0.0;
-    if inside_out {
-        for triangle in &mut mesh.triangles {
-            triangle.swap(1, 2);
-        }
-    }
-    inside_out
-}
-
 /// What [`weld`] removed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Welded {
@@ -182,12 +171,17 @@ pub struct Welded {
 pub fn weld(mesh: &mut TriMesh) -> Welded {
     let (vertices, triangles) = (mesh.vertices.len(), mesh.triangles.len());
     let first = clean::first_equal(&mesh.vertices);
+    collapse(mesh, &first);
+    Welded { vertices: vertices - mesh.vertices.len(), triangles: triangles - mesh.triangles.len() }
+}
+
+/// Puts vertex `first[v]` in the place of each vertex `v`, and drops triangles left with a repeated vertex, then unused vertices.
+pub(crate) fn collapse(mesh: &mut TriMesh, first: &[u32]) {
     for i in mesh.triangles.iter_mut().flatten() {
         *i = first[*i as usize];
     }
     mesh.triangles.retain(|[a, b, c]| a != b && b != c && c != a);
     drop_unused(mesh);
-    Welded { vertices: vertices - mesh.vertices.len(), triangles: triangles - mesh.triangles.len() }
 }
 
 /// Removes vertices that no triangle uses; returns whether there were any. Indices must be valid.

@@ -134,7 +134,7 @@ impl Model {
         Ok(Arc::new(Self {
             mass,
             free,
-            features: object::features(&object, spacing),
+            features: object::features(&object, spacing)?,
             pad_notice: fingers.first().and_then(|f| locking_notice(&f.body)),
             fingers,
             quality,

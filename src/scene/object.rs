@@ -15,6 +15,9 @@ pub struct Object {
     /// Factor on all lengths of the shape.
     #[serde(default = "defaults::scale")]
     pub scale: Positive,
+    /// Mends the surface of a file that bounds no solid: welds, fills holes, and else samples its winding number anew.
+    #[serde(default)]
+    pub repair: bool,
     /// kg/m3.
     #[serde(default = "defaults::object_density")]
     pub density: Positive,
@@ -46,7 +49,7 @@ pub enum Motion {
 /// A shape, centred on its frame's origin unless said otherwise, its axis along z where it has one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Shape {
-    /// A closed surface from an OBJ or STL file, in metres (else use `scale`), in the file's own frame.
+    /// A closed surface from an OBJ, STL or PLY file, in metres (else use `scale`), in the file's own frame.
     Mesh(PathBuf),
     /// A ball.
     Sphere(Sphere),

@@ -51,6 +51,11 @@ impl Aabb {
         (self.min - q).max(q - self.max).max(DVec3::ZERO).length_squared()
     }
 
+    /// Whether the two have a point in common.
+    pub fn meets(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
     /// Where the ray `o + t / inverse` enters the box, if it does at some `0 <= t <= max`.
     #[inline]
     pub fn ray(&self, o: DVec3, inverse: DVec3, max: f64) -> Option<f64> {

@@ -14,16 +14,16 @@ const STACK: usize = 80;
 
 /// A leaf has `count > 0` facets from `first`; an inner node has the children `first` and `first + 1`.
 #[derive(Debug, Clone, Copy)]
-struct Node {
-    bounds: Aabb,
-    first: u32,
-    count: u32,
+pub(super) struct Node {
+    pub bounds: Aabb,
+    pub first: u32,
+    pub count: u32,
 }
 
 /// The tree and its facets, in the order of the leaves.
 #[derive(Debug, Clone)]
 pub(crate) struct Bvh {
-    nodes: Vec<Node>,
+    pub(super) nodes: Vec<Node>,
     pub facets: Vec<Facet>,
 }
 
@@ -93,6 +93,22 @@ impl Bvh {
                     at = self.nodes[stack[depth].1 as usize];
                     break;
                 }
+            }
+        }
+    }
+
+    /// Calls `f` for every facet whose leaf's box meets `bounds`.
+    pub fn overlapping(&self, bounds: &Aabb, mut f: impl FnMut(u32)) {
+        let mut stack = vec![0_u32];
+        while let Some(at) = stack.pop() {
+            let node = &self.nodes[at as usize];
+            if !node.bounds.meets(bounds) {
+                continue;
+            }
+            if node.count == 0 {
+                stack.extend([node.first + 1, node.first]);
+            } else {
+                (node.first..node.first + node.count).for_each(&mut f);
             }
         }
     }

@@ -4,6 +4,7 @@
 //! products. The closest point of a convex polygon to an outside point lies on an edge that sees the point, so only
 //! those edges are measured.
 
+use crate::mesh::facets::FLAT;
 use crate::mesh::rings::Part;
 use crate::shape::Aabb;
 use glam::DVec3;
@@ -33,7 +34,7 @@ impl Facet {
         let (a, b, c) = (p[turn], p[(turn + 1) % 3], p[(turn + 2) % 3]);
         let cross = (b - a).cross(c - a);
         let bx = (b - a).length();
-        if !(cross.length() > 1e-13 * bx * bx) {
+        if !(cross.length() > FLAT * bx * bx) {
             return None;
         }
         let u = (b - a) / bx;
@@ -110,6 +111,37 @@ impl Facet {
         y.min(bc).min(ca)
     }
 
+    /// Corners, m; they may differ from those it was made of by rounding.
+    pub fn corners(&self) -> [DVec3; 3] {
+        let o = self.origin;
+        [o, o + self.bx * self.u, o + self.cx * self.u + self.cy * self.v]
+    }
+
+    /// m2.
+    pub fn area(&self) -> f64 {
+        0.5 * self.bx * self.cy
+    }
+
+    /// Between which parameters in 0..=1 the line from `a` to `b`, which lies in the plane of the triangle, is in it or within
+    /// `slack` (m) of it.
+    pub fn clip(&self, a: DVec3, b: DVec3, slack: f64) -> Option<(f64, f64)> {
+        let corners = self.corners();
+        let (mut from, mut to) = (0.0_f64, 1.0_f64);
+        for i in 0..3 {
+            let inward = self.n.cross(corners[(i + 1) % 3] - corners[i]).normalize();
+            let (x, y) = (inward.dot(a - corners[i]) + slack, inward.dot(b - corners[i]) + slack);
+            if x < 0.0 && y < 0.0 {
+                return None;
+            }
+            if x < 0.0 {
+                from = from.max(x / (x - y));
+            } else if y < 0.0 {
+                to = to.min(x / (x - y));
+            }
+        }
+        (from <= to).then_some((from, to))
+    }
+
     /// Where the ray `o + t d` crosses from the outside in, with a rounding-sized margin so that none slips between
     /// two triangles.
     pub fn enter(&self, o: DVec3, d: DVec3) -> Option<f64> {
@@ -129,7 +161,6 @@ impl Facet {
 
     /// The box around the triangle; it may exceed the corners by rounding.
     pub fn aabb(&self) -> Aabb {
-        let o = self.origin;
-        Aabb::of([o, o + self.bx * self.u, o + self.cx * self.u + self.cy * self.v])
+        Aabb::of(self.corners())
     }
 }

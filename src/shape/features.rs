@@ -172,6 +172,14 @@ impl Features {
         self.sharp_edges.iter().chain(self.blunt_edges.iter().filter(cuts)).flat_map(move |e| e.stretches(length))
     }
 
+    /// How many vertices, points on sharp edges and stretches there are for points of a pad `spacing` m apart.
+    pub fn count(&self, spacing: f64) -> u64 {
+        let along =
+            |edges: &[Ridge], spacing: f64| edges.iter().map(|e| u64::from(parts(e.length(), spacing))).sum::<u64>();
+        let sharp = along(&self.sharp_edges, 0.5 * spacing) + along(&self.sharp_edges, spacing);
+        self.vertices.len() as u64 + sharp + along(&self.blunt_edges, spacing)
+    }
+
     pub(crate) fn of_rod(radius: f64, half: f64) -> Self {
         Self { rod: Some(Rod { radius, half, capped: true }), ..Self::default() }
     }

@@ -20,17 +20,21 @@ pub mod generate;
 mod lattice;
 pub mod mass;
 pub mod mesh_distance;
+pub(crate) mod overlap;
 mod params;
 pub mod plane;
 pub mod polygon;
 mod ray;
+mod repair;
 pub mod revolved;
 mod ring;
 mod rod;
 mod scaled;
 mod solid;
+mod sound;
 pub mod sphere;
 mod topology;
+pub(crate) mod winding;
 
 pub use aabb::Aabb;
 pub use family::ShapeKind;
@@ -40,6 +44,7 @@ pub use mesh_distance::MeshDistance;
 pub use params::{DEFAULT_SEGMENTS, MAX_SEGMENTS, MIN_SEGMENTS};
 pub use ray::{Hit, trace, trace_convex};
 pub use solid::Shape;
+pub(crate) use sound::sound;
 
 /// The closest surface point of a query point `q`.
 #[derive(Debug, Clone, Copy, PartialEq)]

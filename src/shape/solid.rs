@@ -1,8 +1,10 @@
 //! The rigid object: everything the solver, the recorder and the renderer ask of it.
 
+use crate::error::Error;
 use crate::error::Result;
 use crate::mesh::TriMesh;
-use crate::mesh::topology::{drop_unused, orient_outward};
+use crate::mesh::shells::{flat_shell, orient};
+use crate::mesh::topology::drop_unused;
 use crate::shape::mesh_distance::MeshDistance;
 use crate::shape::params::{length, require};
 use crate::shape::scaled::Scaled;
@@ -34,18 +36,18 @@ pub struct Shape {
 
 impl Shape {
     /// An object whose surface is `mesh`: closed, consistently wound, without degenerate triangles, else refused with the first
-    /// place that is wrong. A mesh wound inside out is turned; vertices that no triangle uses are dropped.
+    /// place that is wrong. Shells are turned by [`orient`]; vertices that no triangle uses are dropped.
     pub fn from_mesh(mut mesh: TriMesh) -> Result<Self> {
         let mut topology = Topology::new(&mesh)?;
-        if drop_unused(&mut mesh) | orient_outward(&mut mesh) {
+        if drop_unused(&mut mesh) | orient(&mut mesh).any() {
             topology = Topology::new(&mesh)?;
         }
         let mass = MassProperties::of_mesh(&mesh);
         let aabb = Aabb::of(mesh.vertices.iter().copied());
         let bounding_radius = mesh.vertices.iter().fold(0.0, |r: f64, p| r.max(p.length()));
-        require("the object's mesh", mass.volume > 1e-12 * aabb.size().max_element().powi(3), || {
-            format!("it is closed but encloses no volume ({:e} m3)", mass.volume)
-        })?;
+        if let Some(message) = flat_shell(&mesh) {
+            return Err(Error::Mesh(message));
+        }
         let features = Arc::new(Features::of_mesh(&mesh, &topology));
         let surface = Arc::new(mesh);
         let distance = Arc::new(MeshDistance::with_topology(surface.clone(), topology));

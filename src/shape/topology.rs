@@ -5,6 +5,10 @@ use crate::mesh::topology::{sides, watertight};
 use crate::mesh::{TriMesh, show};
 use glam::DVec3;
 
+/// Largest coordinate of a file, in its own unit: products of three of them stay far from overflow. What it is in metres is
+/// for the scene's scale to say.
+const FARTHEST: f64 = 1e9;
+
 /// An edge between two triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Edge {
@@ -67,11 +71,10 @@ fn check_indices(mesh: &TriMesh) -> Result<()> {
         );
         return Err(Error::Mesh(message));
     }
-    if let Some(v) = mesh.vertices.iter().position(|p| !p.is_finite() || p.abs().max_element() > 1e3) {
+    if let Some(v) = mesh.vertices.iter().position(|p| !p.is_finite() || p.abs().max_element() > FARTHEST) {
         let p = mesh.vertices[v];
-        let message = format!(
-            "vertex {v} of the object's mesh is at {p}; coordinates must be finite and within 1000 m, in metres"
-        );
+        let message =
+            format!("vertex {v} of the object's mesh is at {p}; coordinates must be finite and within {FARTHEST:e}");
         return Err(Error::Mesh(message));
     }
     for (t, corners) in mesh.triangles.iter().enumerate() {

@@ -3,6 +3,7 @@
 mod gmsh;
 mod medit;
 mod obj;
+mod ply;
 mod stl;
 mod tet;
 pub(crate) mod text;
@@ -15,7 +16,11 @@ use std::path::Path;
 pub use write::{write_obj, write_stl, write_tet};
 
 use crate::error::{Error, Result};
-use crate::mesh::{TetMesh, TriMesh, clean, topology};
+use crate::mesh::{TetMesh, TriMesh, clean, close, facets, topology};
+
+/// Triangle meshes that are read.
+const SURFACES: &str =
+    ".obj, .stl, .ply (a STEP or IGES solid: export it as STL; glTF, OFF, 3MF, DAE: convert with MeshLab or Blender)";
 
 /// Largest file read, bytes.
 const MAX_BYTES: u64 = 1 << 31;
@@ -48,28 +53,46 @@ pub fn read_tet_mesh_raw(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>
     parse(path, &read_text(path)?)
 }
 
-/// Reads a triangle mesh and welds exactly equal vertices: `.obj` (all groups merged, polygons triangulated) or `.stl`
-/// (binary or ASCII). Returns the mesh (m) and notices. Whether it is closed is for [`topology::watertight`] to say.
+/// Reads a triangle mesh: `.obj` (all groups merged, polygons triangulated), `.stl` or `.ply` (binary or ASCII). Welds equal
+/// vertices and, where the surface is not closed, those within [`close::tolerance`]; drops repeated triangles and those without
+/// area. Returns the mesh (m) and notices. Whether it is closed is for [`topology::watertight`] to say.
 ///
 /// Errors: missing file, unknown extension, bad content (with line and column where there is one), empty mesh.
 pub fn read_tri_mesh(path: impl AsRef<Path>) -> Result<(TriMesh, Vec<String>)> {
     let path = path.as_ref();
     let (mut mesh, mut notices) = match extension(path).as_str() {
         "obj" => obj::parse(path, &read_text(path)?)?,
-        "stl" => (stl::parse(path, read_bytes(path)?)?, Vec::new()),
-        other => return Err(unknown(path, other, ".obj, .stl")),
+        "stl" => stl::parse(path, read_bytes(path)?)?,
+        "ply" => ply::parse(path, &read_bytes(path)?)?,
+        other => return Err(unknown(path, other, SURFACES)),
     };
+    let mut told = |text: String| notices.push(format!("{}: {text}", path.display()));
     // Every facet of an STL file repeats its corners: welding them is no news.
     let news = extension(path) != "stl";
     let welded = topology::weld(&mut mesh);
     if news && welded.vertices > 0 {
-        notices.push(format!("{}: welded {} duplicate or unused vertices", path.display(), welded.vertices));
+        told(format!("welded {} duplicate or unused vertices", welded.vertices));
     }
     if welded.triangles > 0 {
-        notices.push(format!("{}: dropped {} triangles with a repeated vertex", path.display(), welded.triangles));
+        told(format!("dropped {} triangles with a repeated vertex", welded.triangles));
+    }
+    if let Some(closed) = close::weld_open(&mut mesh) {
+        told(format!(
+            "welded {} vertices at open edges with others within {:.2e} m (1e-6 of the object's size and the rounding to 32 \
+             bits); none moved by more than {:.2e} m",
+            closed.vertices, closed.tolerance, closed.moved
+        ));
+    }
+    let repeated = facets::drop_repeated(&mut mesh);
+    if repeated > 0 {
+        told(format!("dropped {repeated} repeated triangles"));
+    }
+    let flat = facets::remove_flat(&mut mesh);
+    if flat > 0 {
+        told(format!("removed {flat} triangles without area"));
     }
     if mesh.triangles.is_empty() {
-        return Err(Error::file(path, "the mesh is empty: every triangle has a repeated vertex"));
+        return Err(Error::file(path, "the mesh is empty: every triangle has a repeated vertex or no area"));
     }
     Ok((mesh, notices))
 }

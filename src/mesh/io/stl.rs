@@ -14,33 +14,54 @@ const HEADER: usize = 84;
 /// Bytes of one binary facet.
 const FACET: usize = 50;
 
+/// How many facets the count of a binary file may be wrong by.
+const MISCOUNTED: u64 = 8;
+
 /// Parses an `.stl` file. It is binary if its length is what its binary count says (many binary files start with
-/// `solid` too), else ASCII if it starts with `solid`.
+/// `solid` too), else ASCII if it starts with `solid` in any case, else binary with bytes after its last facet, or with a count
+/// that is wrong by a few.
 ///
 /// Errors: neither kind, cut short, non-finite numbers, more facets than the cap, no facet.
-pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<TriMesh> {
+pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TriMesh, Vec<String>)> {
     let declared = bytes.get(80..HEADER).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
-    let binary = declared.is_some_and(|n| HEADER as u64 + FACET as u64 * u64::from(n) == bytes.len() as u64);
-    let mesh = if binary {
+    let length = |n: u64| HEADER as u64 + FACET as u64 * n;
+    let (size, file) = (bytes.len() as u64, path.display());
+    let mut notices = Vec::new();
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes).trim_ascii_start();
+    let mesh = if declared.is_some_and(|n| length(n.into()) == size) {
         parse_binary(path, bytes)?
-    } else if bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0) {
-        parse_ascii(path, &String::from_utf8_lossy(&bytes))?
+    } else if text.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !text.contains(&0) {
+        parse_ascii(path, &String::from_utf8_lossy(text))?
     } else {
-        let message = match declared {
-            Some(n) => format!(
-                "not an STL file, or cut short: its binary header declares {n} facets = {} bytes, but it has {} bytes, and \
-                 it does not start with `solid`",
-                HEADER as u64 + FACET as u64 * u64::from(n),
-                bytes.len()
-            ),
-            None => format!("not an STL file: {} bytes, and it does not start with `solid`", bytes.len()),
+        let Some(declared) = declared.map(u64::from) else {
+            let message = format!("not an STL file: {size} bytes, and it does not start with `solid`");
+            return Err(Error::file(path, message));
         };
-        return Err(Error::file(path, message));
+        let (whole, over) = ((size - HEADER as u64) / FACET as u64, (size - HEADER as u64) % FACET as u64);
+        let count = if whole.abs_diff(declared) <= MISCOUNTED && (over == 0 || whole < declared) {
+            let news = format!("{file}: the header counts {declared} facets, but the file holds {whole}: read those");
+            notices.push(news);
+            whole
+        } else if whole >= declared && declared >= 4 {
+            notices.push(format!("{file}: passed over {} bytes after the {declared} facets", size - length(declared)));
+            declared
+        } else {
+            let message = format!(
+                "not an STL file, or cut short: its binary header declares {declared} facets = {} bytes, but it has {size} \
+                 bytes, and it does not start with `solid`",
+                length(declared)
+            );
+            return Err(Error::file(path, message));
+        };
+        let mut bytes = bytes;
+        bytes.truncate(length(count) as usize);
+        bytes[80..HEADER].copy_from_slice(&(count as u32).to_le_bytes());
+        parse_binary(path, bytes)?
     };
     if mesh.triangles.is_empty() {
         return Err(Error::file(path, "the mesh is empty: the STL file holds no facets"));
     }
-    Ok(mesh)
+    Ok((mesh, notices))
 }
 
 /// A triangle soup: three new vertices per facet.
@@ -76,7 +97,7 @@ fn parse_ascii(path: &Path, source: &str) -> Result<TriMesh> {
     let mut corners = Vec::with_capacity(3);
     for line in text::lines(source, None) {
         let keyword = line.first();
-        match keyword.text {
+        match keyword.text.to_ascii_lowercase().as_str() {
             "vertex" => {
                 text::columns(path, &line, &[4], "a `vertex x y z` line")?;
                 corners.push(text::position(path, &line.words[1..])?);
