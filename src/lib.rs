@@ -31,6 +31,7 @@ pub mod model;
 pub mod pad;
 pub mod random;
 pub mod record;
+pub mod regular_file;
 pub mod render;
 pub mod report;
 pub mod runner;

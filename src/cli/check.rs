@@ -5,7 +5,7 @@ use crate::components::{FingerIndex, FingerTravel, ObjectPose};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::fem::condensed::nodes_at_contact;
-use crate::grasp::{GraspPose, grasps_of, write_grasps_h5};
+use crate::grasp::{GraspPose, aim_notice, grasps_of, write_grasps_h5};
 use crate::gripper::Hand;
 use crate::gripper::hand::Part;
 use crate::mesh::io::{write_obj, write_stl};
@@ -103,7 +103,9 @@ fn examine(loaded: &Loaded) -> Result<Found> {
         runs: false,
         model: model.clone(),
     };
-    let hand = Hand::new(Aabb::of(model.fingers[0].topology.rest.iter().copied()), &loaded.scene.gripper);
+    let pad = Aabb::of(model.fingers[0].topology.rest.iter().copied());
+    found.notices.extend(aim_notice(&loaded.scene, &model.object, pad, &poses));
+    let hand = Hand::new(pad, &loaded.scene.gripper);
     for (index, pose) in poses.iter().enumerate() {
         // Only pads are simulated, so this is to be known and no problem.
         let part = hand.obstacle(model.object.distance.as_ref(), pose, 0.0, 0.0);

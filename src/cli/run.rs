@@ -4,13 +4,14 @@ use super::watch::Watch;
 use super::{Format, NOT_HELD, OK, print, table};
 use crate::error::{Error, Result};
 use crate::gnn::SHIPPED;
-use crate::grasp::{GraspPose, poses_of};
+use crate::grasp::{GraspPose, aim_notice, poses_of};
 use crate::model::Model;
 use crate::record::{ExpectationReport, Options, Recorder, RunReport, Status};
 use crate::render::Scalar;
 use crate::runner::{Outcome, run_grasps};
 use crate::scene::leaf::Count;
 use crate::scene::{Condensed, Fem, Gnn, Held, Loaded, Measured, Scene, Solver, Stepper, evaluate_all, load_object};
+use crate::shape::Aabb;
 use crate::stepper::choose;
 use clap::ValueEnum;
 use std::collections::BTreeMap;
@@ -118,7 +119,10 @@ pub fn run(args: &RunArgs) -> Result<ExitCode> {
         (choose(scene), model.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
     });
     let (stepper, model) = (stepper?, model?);
-    let grasps = select(&poses_of(scene)?, &args.grasp)?;
+    let poses = poses_of(scene)?;
+    let pad = model.fingers.first().map(|f| Aabb::of(f.topology.rest.iter().copied()));
+    let aim = pad.and_then(|pad| aim_notice(scene, &model.object, pad, &poses));
+    let grasps = select(&poses, &args.grasp)?;
     let threads = threads(scene);
     let value =
         serde_json::to_value(scene).map_err(|e| refused(&format!("the scene cannot be written as JSON: {e}")))?;
@@ -128,7 +132,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode> {
         Some(dir) => Some(Recorder::create(dir, options(args, scene, &model), report.clone())?),
         None => None,
     };
-    for notice in model.notices.iter().chain(&model.pad_notice) {
+    for notice in model.notices.iter().chain(&model.pad_notice).chain(&aim) {
         eprintln!("note: {notice}");
     }
     let watch = Watch::new(&model, recorder, grasps.len());

@@ -9,13 +9,14 @@ use super::recorder::{Recorder, Watcher};
 use super::rows::Encoder;
 use super::split::Splits;
 use crate::error::{Error, Result};
-use crate::grasp::{GraspPose, grasps_of, write_grasps_h5};
+use crate::grasp::{GraspPose, aim_notice, grasps_of, write_grasps_h5};
 use crate::mesh::TriMesh;
 use crate::mesh::io::{write_stl, write_tet};
 use crate::model::{self, Model};
 use crate::record::files::{cannot_write, create_dir, write_atomic};
 use crate::runner::run_grasps;
-use crate::scene::{Field, LoadedSet, NamedScene, to_ron};
+use crate::scene::{Field, Grasps, LoadedSet, NamedScene, to_ron};
+use crate::shape::Aabb;
 use crate::stepper::choose;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -54,7 +55,12 @@ impl Campaign {
             let mut named = named.clone();
             // The data set holds all of these, whatever the scene records in a run.
             named.scene.record.fields = Field::USUAL.to_vec();
-            let grasps = grasps_of(&named.scene)?;
+            let mut grasps = grasps_of(&named.scene)?;
+            let shape = model::object::build(&named.scene.object, &mut Vec::new())?;
+            if let Grasps::File(_) = &named.scene.grasps {
+                let (pad, _) = model::pad::build(&named.scene.gripper.pads, &mut Vec::new())?;
+                grasps.notices.extend(aim_notice(&named.scene, &shape, Aabb::of(pad.mesh.nodes), &grasps.poses));
+            }
             let base = match sizes {
                 Some(sizes) => sizes,
                 None => *sizes.insert(Sizes::of(Model::build(&named.scene)?.as_ref(), 0)),
@@ -74,8 +80,7 @@ impl Campaign {
                 failures: Vec::new(),
                 promises: Vec::new(),
             });
-            let surface = model::object::build(&named.scene.object, &mut Vec::new())?.surface;
-            let limit = sizes.bytes() + fixed_bytes(&sizes, &surface);
+            let limit = sizes.bytes() + fixed_bytes(&sizes, &shape.surface);
             objects.push(Planned { named, poses: grasps.poses, sizes, file, limit });
         }
         let counts: Vec<_> = objects.iter().map(|o| (o.named.name.as_str().to_string(), o.poses.len())).collect();

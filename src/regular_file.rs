@@ -1,0 +1,74 @@
+//! The one door through which files that a user names are read: regular files of a bounded size, nothing else.
+//!
+//! A directory cannot be read, a fifo may block for ever, a device may never end: each is refused by name before it is
+//! opened.
+
+use crate::error::{Error, Result};
+use std::fs::{File, FileType, Metadata};
+use std::io::Read;
+use std::path::Path;
+
+/// Opens a regular file for reading.
+///
+/// Errors: no such file, no permission, or what is there is a directory, fifo, device or socket.
+pub fn open(path: &Path) -> Result<File> {
+    checked(path).map(|(file, _)| file)
+}
+
+/// All bytes of a regular file of at most `limit` bytes.
+///
+/// Errors: those of [`open`], a larger file, a failing disk.
+pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
+    let (file, meta) = checked(path)?;
+    let too_large = |size: String| Error::file(path, format!("{size} bytes; at most {limit} are read"));
+    if meta.len() > limit {
+        return Err(too_large(meta.len().to_string()));
+    }
+    let mut bytes = Vec::new();
+    // A file may grow meanwhile, and those of /proc claim no size: one byte more than allowed tells.
+    file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(|e| failed(path, &e))?;
+    if bytes.len() as u64 > limit {
+        return Err(too_large(format!("more than {limit}")));
+    }
+    Ok(bytes)
+}
+
+/// What `meta` describes if it is no regular file, such as "a directory".
+pub fn other_kind(meta: &Metadata) -> Option<&'static str> {
+    let kind = meta.file_type();
+    (!kind.is_file()).then(|| if kind.is_dir() { "a directory" } else { special(kind) })
+}
+
+#[cfg(unix)]
+fn special(kind: FileType) -> &'static str {
+    use std::os::unix::fs::FileTypeExt;
+    match () {
+        () if kind.is_fifo() => "a fifo",
+        () if kind.is_socket() => "a socket",
+        () if kind.is_char_device() || kind.is_block_device() => "a device",
+        () => "a special file",
+    }
+}
+
+#[cfg(not(unix))]
+fn special(_: FileType) -> &'static str {
+    "a special file"
+}
+
+fn checked(path: &Path) -> Result<(File, Metadata)> {
+    let meta = path.metadata().map_err(|e| failed(path, &e))?;
+    if let Some(kind) = other_kind(&meta) {
+        return Err(Error::file(path, format!("is {kind}, not a regular file")));
+    }
+    let file = File::open(path).map_err(|e| failed(path, &e))?;
+    Ok((file, meta))
+}
+
+fn failed(path: &Path, error: &std::io::Error) -> Error {
+    let reason = match error.kind() {
+        std::io::ErrorKind::NotFound => "no such file".into(),
+        std::io::ErrorKind::PermissionDenied => "no permission".into(),
+        _ => error.to_string(),
+    };
+    Error::file(path, format!("cannot be read: {reason}"))
+}
