@@ -139,7 +139,7 @@ fn files_that_are_no_grasp_files_say_why() {
         builder.create_dataset(name).with_f64_data(values).with_shape(shape);
         builder.write(&path).unwrap();
     };
-    refused("cannot be opened");
+    refused("cannot be read: no such file");
     std::fs::write(&path, "no hdf5").unwrap();
     refused("is not an HDF5 file");
     dataset("grasps", &[0.0; 7], &[1, 7]);

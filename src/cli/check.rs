@@ -6,7 +6,7 @@ use crate::components::{FingerIndex, FingerTravel, ObjectPose};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::fem::condensed::nodes_at_contact;
-use crate::grasp::{GraspPose, grasps_of, write_grasps_h5};
+use crate::grasp::{GraspPose, aim_notice, grasps_of, write_grasps_h5};
 use crate::gripper::Hand;
 use crate::gripper::hand::Part;
 use crate::mesh::io::{write_obj, write_stl};
@@ -128,6 +128,7 @@ fn examine(scene: &Scene) -> Result<Found> {
         model: model.clone(),
     };
     let pad = model.fingers.first().map(|f| Aabb::of(f.topology.rest.iter().copied()));
+    found.notices.extend(pad.and_then(|pad| aim_notice(scene, &model.object, pad, &poses)));
     let hand = pad.map(|pad| Hand::new(pad, &scene.gripper));
     for (index, pose) in poses.iter().enumerate() {
         // Only pads are simulated, so this is to be known and no problem.

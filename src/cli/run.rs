@@ -4,7 +4,7 @@ use super::watch::Watch;
 use super::{Format, NOT_HELD, OK, kept, print, table};
 use crate::error::{Error, Result};
 use crate::gnn::SHIPPED;
-use crate::grasp::{GraspPose, poses_of};
+use crate::grasp::{GraspPose, aim_notice, poses_of};
 use crate::model::Model;
 use crate::record::{ExpectationReport, Options, Recorder, RunReport, Status};
 use crate::render::Scalar;
@@ -13,6 +13,7 @@ use crate::scene::leaf::Count;
 use crate::scene::{
     Condensed, Fem, Gnn, Held, LoadedSet, Measured, Scene, Solver, Stepper, evaluate_all, load_set, recheck,
 };
+use crate::shape::Aabb;
 use crate::stepper::choose;
 use clap::ValueEnum;
 use serde_json::{Value, json};
@@ -163,7 +164,10 @@ fn run_object(args: &RunArgs, scene: &Scene, out: Option<&Path>, last: bool) -> 
         (choose(scene), model.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
     });
     let (stepper, model) = (stepper?, model?);
-    let grasps = select(&poses_of(scene)?, &args.grasp)?;
+    let poses = poses_of(scene)?;
+    let pad = model.fingers.first().map(|f| Aabb::of(f.topology.rest.iter().copied()));
+    let aim = pad.and_then(|pad| aim_notice(scene, &model.object, pad, &poses));
+    let grasps = select(&poses, &args.grasp)?;
     let threads = args.threads.map_or_else(|| threads(scene), |n| n as usize);
     let value =
         serde_json::to_value(scene).map_err(|e| refused(&format!("the scene cannot be written as JSON: {e}")))?;
@@ -174,7 +178,7 @@ fn run_object(args: &RunArgs, scene: &Scene, out: Option<&Path>, last: bool) -> 
         Some(dir) => Some(Recorder::create(dir, options(args, scene, &model), report.clone())?),
         None => None,
     };
-    for notice in model.notices.iter().chain(&model.pad_notice) {
+    for notice in model.notices.iter().chain(&model.pad_notice).chain(&aim) {
         eprintln!("note: {notice}");
     }
     let watch = Watch::new(&model, recorder, grasps.len());

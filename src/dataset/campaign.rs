@@ -9,7 +9,7 @@ use super::recorder::{Recorder, Watcher};
 use super::rows::Encoder;
 use super::split::Splits;
 use crate::error::{Error, Result};
-use crate::grasp::{GraspPose, grasps_of, write_grasps_h5};
+use crate::grasp::{GraspPose, aim_notice, grasps_of, write_grasps_h5};
 use crate::interrupt;
 use crate::limits;
 use crate::mesh::TriMesh;
@@ -18,7 +18,8 @@ use crate::model::{self, Model};
 use crate::record::files::{cannot_write, create_dir, remove_left_over, sync_folder, write_durable};
 use crate::record::lock::FolderLock;
 use crate::runner::run_grasps;
-use crate::scene::{Field, LoadedSet, NamedScene, to_ron};
+use crate::scene::{Field, Grasps, LoadedSet, NamedScene, to_ron};
+use crate::shape::Aabb;
 use crate::stepper::choose;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -63,7 +64,13 @@ impl Campaign {
                 Some(sizes) => sizes,
                 None => *sizes.insert(Sizes::of(Model::build(&named.scene).map_err(place)?.as_ref(), 0)?),
             };
-            let grasps = grasps_of(&named.scene).map_err(place)?;
+            let mut grasps = grasps_of(&named.scene).map_err(place)?;
+            let shape = model::object::build(&named.scene.object, &mut Vec::new())
+                .map_err(|e| place(e.about("object.shape")))?;
+            if let Grasps::File(_) = &named.scene.grasps {
+                let (pad, _) = model::pad::build(&named.scene.gripper.pads, &mut Vec::new()).map_err(place)?;
+                grasps.notices.extend(aim_notice(&named.scene, &shape, Aabb::of(pad.mesh.nodes), &grasps.poses));
+            }
             let sizes = Sizes { grasps: grasps.poses.len(), ..base };
             let file = Path::new("dgs_output").join(file_name(&named));
             entries.push(ObjectEntry {
@@ -80,10 +87,7 @@ impl Campaign {
                 failures: Vec::new(),
                 promises: Vec::new(),
             });
-            let surface = model::object::build(&named.scene.object, &mut Vec::new())
-                .map_err(|e| place(e.about("object.shape")))?
-                .surface;
-            let limit = sizes.bytes() + fixed_bytes(&sizes, &surface);
+            let limit = sizes.bytes() + fixed_bytes(&sizes, &shape.surface);
             objects.push(Planned { named, poses: grasps.poses, sizes, file, limit });
         }
         let counts: Vec<_> = objects.iter().map(|o| (o.named.name.as_str().to_string(), o.poses.len())).collect();

@@ -1,74 +1,184 @@
-//! `*_grasps.h5` of DefGraspSim and DefGraspNets: dataset `poses`, (N, 7), f64, [px, py, pz, qw, qx, qy, qz].
+//! Grasp files in HDF5: `*_grasps.h5` of DefGraspSim and DefGraspNets, and those of other conventions.
 
 use super::pose::GraspPose;
 use crate::error::{Error, Result};
 use crate::record::files::replace;
-use hdf5_pure::{File, FileBuilder};
+use crate::regular_file;
+use crate::scene::{GraspFile, QuaternionOrder};
+use glam::{DMat3, DQuat, DVec3};
+use hdf5_pure::{Dataset, File, FileBuilder, Group};
 use std::path::Path;
 
-/// The dataset's name.
+/// Name of the dataset, unless the scene says another.
 const POSES: &str = "poses";
-/// How far from 1 the length of a quaternion may be: f32 files pass, wrong columns do not.
+/// How far from 1 the length of a quaternion or of a matrix's column may be: f32 files pass, wrong columns do not.
 const UNIT_SLACK: f64 = 1e-5;
-/// Largest file that is read, bytes; a million grasps take 56 MB.
+/// Largest file that is read, and largest dataset or chunk that is unpacked, bytes; a million grasps take 56 MB.
 const SIZE_LIMIT: u64 = 256 * 1024 * 1024;
+/// Most grasps of a file.
+const ROW_LIMIT: u64 = 1_000_000;
+/// What to do about a file that h5py reads and this reader does not.
+const REWRITE: &str =
+    "write it again with `h5py.File(name, \"w\", libver=\"earliest\")`, plain or with compression=\"gzip\"";
+/// Most groups that are looked through for the names of datasets.
+const GROUP_LIMIT: usize = 64;
 
-/// Reads all grasps of a file; quaternions are brought to length 1 exactly. Errors name the file and the row.
+/// Reads all grasps of a file as DefGraspSim writes it; quaternions are brought to length 1 exactly. Errors name the file
+/// and the row.
 pub fn read_grasps_h5(path: impl AsRef<Path>) -> Result<Vec<GraspPose>> {
-    let path = path.as_ref();
+    read_grasp_file(&GraspFile::new(path.as_ref().to_path_buf()))
+}
+
+/// Reads all grasps of a file, whatever it selects, in the convention it says. Errors name the file and the row.
+pub fn read_grasp_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
+    let path = file.path.as_path();
+    let name = file.dataset.as_deref().unwrap_or(POSES);
     let fail = |message: String| Error::file(path, message);
-    let meta = path.metadata().map_err(|e| fail(format!("cannot be opened: {e}")))?;
-    if meta.is_dir() {
-        return Err(fail("is a directory, not a grasp file".into()));
-    }
-    if meta.len() > SIZE_LIMIT {
-        return Err(fail(format!("is larger than {} MiB, the limit for a grasp file", SIZE_LIMIT >> 20)));
-    }
-    let bytes = std::fs::read(path).map_err(|e| fail(format!("cannot be read: {e}")))?;
+    let bytes = regular_file::read(path, SIZE_LIMIT)?;
     if !hdf5_pure::is_hdf5_bytes(&bytes) {
         return Err(fail("is not an HDF5 file; a grasp file is HDF5 with a dataset `poses` of shape (N, 7)".into()));
     }
-    let file = File::from_bytes(bytes).map_err(|e| fail(format!("is not a readable HDF5 file: {e}")))?;
-    let dataset = file.dataset(POSES).map_err(|e| {
-        let names = file.root().datasets().unwrap_or_default();
-        fail(format!(
-            "has no dataset `{POSES}` ({e}); it has: {}",
-            if names.is_empty() { "none".into() } else { names.join(", ") }
-        ))
-    })?;
-    let shape = dataset.shape().map_err(|e| fail(format!("dataset `{POSES}`: {e}")))?;
-    if shape.len() != 2 || shape[1] != 7 {
-        return Err(fail(format!("dataset `{POSES}` has shape {shape:?}; it must be (N, 7): px py pz qw qx qy qz")));
+    let h5 = File::from_bytes(bytes).map_err(|e| fail(format!("is not a readable HDF5 file: {e}; {REWRITE}")))?;
+    let unreadable = |e: hdf5_pure::Error| fail(format!("dataset `{name}` cannot be read: {e}; {REWRITE}"));
+    let names = datasets(&h5);
+    let dataset = match h5.dataset(name) {
+        Ok(dataset) => dataset,
+        Err(e) if names.iter().any(|n| n == name.trim_start_matches('/')) => return Err(unreadable(e)),
+        Err(_) => return Err(fail(missing(&h5, name, &names))),
+    };
+    let shape = dataset.shape().map_err(unreadable)?;
+    let Some(width) = width(&shape) else {
+        return Err(fail(format!(
+            "dataset `{name}` has shape {shape:?}; it must be (N, 7), position and quaternion, or (N, 4, 4), matrices"
+        )));
+    };
+    let rows = shape[0];
+    if rows > ROW_LIMIT {
+        return Err(fail(format!("dataset `{name}` claims {rows} grasps; at most {ROW_LIMIT} are read")));
     }
-    // a file cannot hold more numbers than bytes, whatever its header says
-    if shape[0] > SIZE_LIMIT / 7 {
-        return Err(fail(format!("dataset `{POSES}` claims {} rows, more than the file can hold", shape[0])));
+    if let Some(chunk) = chunk_bytes(&dataset).filter(|bytes| *bytes > SIZE_LIMIT) {
+        let most = SIZE_LIMIT >> 20;
+        return Err(fail(format!("dataset `{name}` has chunks of {} MiB; at most {most} are unpacked", chunk >> 20)));
     }
-    let values = dataset.read_f64().map_err(|e| fail(format!("dataset `{POSES}`: {e}")))?;
-    if values.len() as u64 != shape[0] * 7 {
-        return Err(fail(format!("dataset `{POSES}` holds {} numbers instead of {} x 7", values.len(), shape[0])));
+    let values = dataset.read_f64().map_err(unreadable)?;
+    if values.len() as u64 != rows * width {
+        return Err(fail(format!("dataset `{name}` holds {} numbers instead of {rows} x {width}", values.len())));
     }
-    values
-        .chunks_exact(7)
-        .enumerate()
-        .map(|(row, v)| pose(v).map_err(|m| fail(format!("`{POSES}` row {row}: {m}"))))
-        .collect()
+    let turn = DQuat::from_mat3(&file.convention.from_hand());
+    let read = |row: &[f64]| -> std::result::Result<GraspPose, String> {
+        let pose = if width == 7 { from_row(row, file.convention.quaternion)? } else { from_matrix(row)? };
+        // Hands that are those of tactus keep every bit.
+        let turned = if turn == DQuat::IDENTITY { pose.rotation } else { (pose.rotation * turn).normalize() };
+        Ok(GraspPose { rotation: turned, ..pose })
+    };
+    let rows = values.chunks_exact(width as usize).enumerate();
+    rows.map(|(row, v)| read(v).map_err(|m| fail(format!("`{name}` row {row}: {m}")))).collect()
 }
 
-fn pose(v: &[f64]) -> std::result::Result<GraspPose, String> {
-    if let Some(column) = v.iter().position(|x| !x.is_finite()) {
-        return Err(format!("column {column} is {}; all numbers must be finite", v[column]));
+/// Bytes of one chunk once unpacked; None if the dataset is in one piece, saturates.
+fn chunk_bytes(dataset: &Dataset) -> Option<u64> {
+    let shape = dataset.chunk_shape().ok()??;
+    let size = dataset.element_size().unwrap_or(8);
+    Some(shape.iter().fold(size, |n, c| n.saturating_mul(*c)))
+}
+
+/// Numbers of one grasp in a dataset of this shape: position and quaternion, or a matrix.
+fn width(shape: &[u64]) -> Option<u64> {
+    match shape {
+        [_, 7] => Some(7),
+        [_, 4, 4] => Some(16),
+        _ => None,
     }
-    let GraspPose { position, rotation } = GraspPose::from_row(v);
+}
+
+/// Says what the file holds instead of `name`.
+fn missing(file: &File, name: &str, names: &[String]) -> String {
+    if names.is_empty() {
+        return format!("has no dataset `{name}` and no other; soft and external links are not followed");
+    }
+    let fits = |name: &&String| file.dataset(name).and_then(|d| d.shape()).is_ok_and(|shape| width(&shape).is_some());
+    let choice = names
+        .iter()
+        .find(fits)
+        .map(|name| format!("; choose it in the scene: `grasps: File(path: \"...\", dataset: {name:?})`"));
+    format!(
+        "has no dataset `{name}` (soft and external links are not followed); it has: {}{}",
+        names.join(", "),
+        choice.unwrap_or_default()
+    )
+}
+
+/// Paths of the datasets in a file, groups entered in order.
+fn datasets(file: &File) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut groups: Vec<(String, Group)> = vec![(String::new(), file.root())];
+    let mut at = 0;
+    while let Some((path, group)) = groups.get(at) {
+        let mut names = group.datasets().unwrap_or_default();
+        names.sort();
+        found.extend(names.iter().map(|name| format!("{path}{name}")));
+        let mut inner = group.groups().unwrap_or_default();
+        inner.sort();
+        let room = GROUP_LIMIT.saturating_sub(groups.len());
+        let deeper: Vec<_> = inner
+            .iter()
+            .take(room)
+            .filter_map(|name| Some((format!("{path}{name}/"), group.group(name).ok()?)))
+            .collect();
+        groups.extend(deeper);
+        at += 1;
+    }
+    found.truncate(GROUP_LIMIT);
+    found
+}
+
+fn finite(v: &[f64]) -> std::result::Result<(), String> {
+    match v.iter().position(|x| !x.is_finite()) {
+        Some(column) => Err(format!("column {column} is {}; all numbers must be finite", v[column])),
+        None => Ok(()),
+    }
+}
+
+/// Position and quaternion.
+fn from_row(v: &[f64], order: QuaternionOrder) -> std::result::Result<GraspPose, String> {
+    finite(v)?;
+    let (rotation, names) = match order {
+        QuaternionOrder::Wxyz => (GraspPose::from_row(v).rotation, "w x y z"),
+        QuaternionOrder::Xyzw => (DQuat::from_slice(&v[3..7]), "x y z w"),
+    };
     let length = rotation.length();
     if (length - 1.0).abs() > UNIT_SLACK {
-        return Err(format!("quaternion (columns 3..6: w x y z) has length {length}; it must be 1"));
+        return Err(format!("quaternion (columns 3..6: {names}) has length {length:.6}; it must be 1"));
     }
     let rotation = if (length - 1.0).abs() < 1e-15 { rotation } else { rotation.normalize() };
-    Ok(GraspPose { position, rotation })
+    Ok(GraspPose { position: DVec3::from_slice(v), rotation })
 }
 
-/// Writes grasps in the same format, whole or not at all.
+/// A 4 x 4 matrix [R p; 0 1], row by row.
+fn from_matrix(v: &[f64]) -> std::result::Result<GraspPose, String> {
+    finite(v)?;
+    if v[12..] != [0.0, 0.0, 0.0, 1.0] {
+        let last = &v[12..];
+        return Err(format!("the matrix's last row is {last:?}; it must be 0 0 0 1 (not transposed: [R p; 0 1])"));
+    }
+    let rotation = DMat3::from_cols_array(&std::array::from_fn(|k| v[4 * (k % 3) + k / 3]));
+    let off = (rotation.transpose() * rotation - DMat3::IDENTITY)
+        .to_cols_array()
+        .iter()
+        .fold(0.0, |m: f64, x| m.max(x.abs()));
+    if off > 2.0 * UNIT_SLACK {
+        return Err(format!(
+            "the matrix's rotation is not orthonormal: off by {off:.2e}, at most {:e} is allowed",
+            2.0 * UNIT_SLACK
+        ));
+    }
+    if rotation.determinant() < 0.0 {
+        return Err("the matrix's rotation has determinant -1, a mirror image; it must be +1".into());
+    }
+    Ok(GraspPose { position: DVec3::new(v[3], v[7], v[11]), rotation: DQuat::from_mat3(&rotation).normalize() })
+}
+
+/// Writes grasps as DefGraspSim does, whole or not at all.
 pub fn write_grasps_h5(path: impl AsRef<Path>, poses: &[GraspPose]) -> Result<()> {
     let path = path.as_ref();
     let values: Vec<f64> = poses

@@ -1,7 +1,7 @@
 //! The grasps of a scene as poses.
 
 use super::antipodal::{self, Sampled};
-use super::h5::read_grasps_h5;
+use super::h5::read_grasp_file;
 use super::pose::GraspPose;
 use crate::error::{Error, Result};
 use crate::gripper::Hand;
@@ -55,7 +55,7 @@ pub fn keep_first(grasps: &mut Grasps, most: GraspCount) -> Result<()> {
         Grasps::Identity => {}
         Grasps::List(poses) => poses.truncate(most.get()),
         Grasps::File(file) => {
-            let all = || Ok((0..read_grasps_h5(&file.path)?.len()).collect());
+            let all = || Ok((0..read_grasp_file(file)?.len()).collect());
             let mut rows = file.select.as_ref().map_or_else(all, |select| Ok(select.rows()))?;
             rows.truncate(most.get());
             file.select = Some(Select::Rows(rows));
@@ -67,7 +67,7 @@ pub fn keep_first(grasps: &mut Grasps, most: GraspCount) -> Result<()> {
 
 /// The chosen grasps of a file, all of them unless the scene selects some.
 fn from_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
-    let all = read_grasps_h5(&file.path)?;
+    let all = read_grasp_file(file)?;
     if all.is_empty() {
         return Err(Error::file(&file.path, "holds no grasp"));
     }

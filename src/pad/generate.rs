@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Result};
 use crate::mesh::{TetMesh, grid};
 use crate::pad::{Density, Pad, Resolution, dome};
+use crate::scene::leaf::shown;
 
 /// Largest side of a generated pad, m.
 pub const MAX_SIZE: f64 = 10.0;
@@ -101,6 +102,8 @@ fn bonded_at_back(mesh: TetMesh, cells: [usize; 3]) -> Pad {
 fn check_lengths(lengths: &[(&str, f64)]) -> Result<()> {
     match lengths.iter().find(|(_, l)| !(*l > 0.0 && *l <= MAX_SIZE)) {
         None => Ok(()),
-        Some((name, l)) => Err(Error::Mesh(format!("pad {name} is {l} m; allowed: above 0, up to {MAX_SIZE} m"))),
+        Some((name, l)) => {
+            Err(Error::Mesh(format!("pad {name} is {} m; allowed: above 0, up to {MAX_SIZE} m", shown(*l))))
+        }
     }
 }

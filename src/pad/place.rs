@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::mesh::io::{self, text};
 use crate::mesh::{TetMesh, clean};
 use crate::pad::{Pad, free_faces, looks_along};
+use crate::scene::leaf::shown;
 
 /// A pad larger than this, m, gets a notice: its file is probably in millimetres.
 pub const UNLIKELY_SIZE: f64 = 0.5;
@@ -56,7 +57,7 @@ pub fn from_mesh(mesh: TetMesh, placement: &Placement) -> Result<Pad> {
     if face.is_empty() {
         return Err(Error::Mesh(format!(
             "no free face of the pad looks along outward = {}; check its direction and that the sensing face is not glued",
-            placement.outward
+            vector(placement.outward)
         )));
     }
     let low = face.iter().copied().fold(DVec3::INFINITY, DVec3::min);
@@ -110,8 +111,9 @@ pub fn read_pad(
     let size = (high - low).max_element();
     if size > UNLIKELY_SIZE {
         notices.push(format!(
-            "{}: the pad is {size} m long; coordinates are taken as metres: is it in mm?",
-            path.display()
+            "{}: the pad is {} m long; coordinates are taken as metres: is it in mm?",
+            path.display(),
+            shown(size)
         ));
     }
     Ok((pad, notices))
@@ -156,18 +158,25 @@ pub fn read_nodes(path: impl AsRef<Path>, count: usize) -> Result<Vec<usize>> {
     Ok((0..count).filter(|i| seen[*i]).collect())
 }
 
+/// A direction as text for messages.
+fn vector(v: DVec3) -> String {
+    format!("({}, {}, {})", shown(v.x), shown(v.y), shown(v.z))
+}
+
 /// The pad's unit axes in the frame of the mesh.
 fn axes(placement: &Placement) -> Result<[DVec3; 3]> {
     let outward = placement.outward;
     let off = (outward.length() - 1.0).abs();
     if off > 1e-6 || off.is_nan() {
-        return Err(Error::Mesh(format!("outward = {outward} of the pad must be a unit vector, such as (0, 0, 1)")));
+        let found = vector(outward);
+        return Err(Error::Mesh(format!("outward = {found} of the pad must be a unit vector, such as (0, 0, 1)")));
     }
     let z = outward.normalize();
     let wish = placement.across.unwrap_or(if z.x.abs() < 0.9 { DVec3::X } else { DVec3::Y });
     let part = wish - z * wish.dot(z);
     if !wish.is_finite() || part.length() <= 1e-6 * wish.length() {
-        let message = format!("across = {wish} of the pad must not be zero or along outward = {outward}");
+        let message =
+            format!("across = {} of the pad must not be zero or along outward = {}", vector(wish), vector(outward));
         return Err(Error::Mesh(message));
     }
     let x = part.normalize();
@@ -180,7 +189,7 @@ fn glued(mesh: &TetMesh, bonding: &Bonding) -> Result<Vec<bool>> {
     let bonded = match bonding {
         Bonding::AttachDistance(distance) => {
             if !(distance.is_finite() && *distance >= 0.0) {
-                let message = format!("attach distance is {distance} m; a length of 0 or more is needed");
+                let message = format!("attach distance is {} m; a length of 0 or more is needed", shown(*distance));
                 return Err(Error::Mesh(message));
             }
             let low = mesh.nodes.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 use crate::mesh::{MAX_COUNT, grid};
+use crate::scene::leaf::shown;
 
 /// Thickness of the layer at the sensing face in spacings, at most.
 pub const LAYER_ASPECT: f64 = 1.3;
@@ -63,14 +64,16 @@ impl Resolution {
     pub(crate) fn cells_for(&self, size: [f64; 3]) -> Result<[usize; 3]> {
         for (name, ratio) in [("grading", self.grading), ("focus", self.focus)] {
             if !(1.0..=MAX_RATIO).contains(&ratio) {
-                return Err(Error::Mesh(format!("pad {name} is {ratio}; allowed: 1 (uniform) to {MAX_RATIO}")));
+                let found = shown(ratio);
+                return Err(Error::Mesh(format!("pad {name} is {found}; allowed: 1 (uniform) to {MAX_RATIO}")));
             }
         }
         let cells = match self.density {
             Density::Cells(cells) => cells,
             Density::Spacing(spacing) => {
                 if !(spacing.is_finite() && spacing > 0.0) {
-                    return Err(Error::Mesh(format!("pad spacing is {spacing} m; a positive length is needed")));
+                    let found = shown(spacing);
+                    return Err(Error::Mesh(format!("pad spacing is {found} m; a positive length is needed")));
                 }
                 // At the centre a cell is 1 / (1 + beta) of the uniform width, see `across`.
                 let centre = spacing * (1.0 + self.beta());

@@ -180,6 +180,10 @@ fn grasps(grasps: &Grasps) -> Result<(), Problem> {
         Grasps::Antipodal(a) if a.tilt_deg.get() > 90.0 => {
             refuse("grasps.tilt_deg", format!("must be at most 90 degrees, found {}", shown(a.tilt_deg.get())))
         }
+        Grasps::File(f) if !f.convention.is_right_angled() => refuse(
+            "grasps.convention",
+            "closing and approach lie along one axis\nthey are perpendicular, such as X and Z",
+        ),
         _ => Ok(()),
     }
 }

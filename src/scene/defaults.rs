@@ -1,5 +1,6 @@
 //! Every default of a scene file, once: serde, `Default` and the documentation all take it from here.
 
+use super::convention::{HandAxis, QuaternionOrder};
 use super::leaf::{Count, Depth, Finite, Fraction, Length, NonNegative, Positive, Ratio, Seconds};
 use super::task::Span;
 use super::vector::{Direction, Size, Tuple, Vec3};
@@ -43,6 +44,13 @@ defaults! {
     POTATO_RADII (potato_radii): Size = Size::preset_size(0.034, 0.026, 0.022);
     /// Potato: height of its lumps as a fraction of its radius.
     POTATO_ROUGHNESS (potato_roughness): NonNegative = NonNegative::preset(0.06);
+
+    /// Grasp file: order of a quaternion's numbers.
+    QUATERNION (quaternion): QuaternionOrder = QuaternionOrder::Wxyz;
+    /// Grasp file: axis of its hand frame along which the fingers close.
+    CLOSING (closing): HandAxis = HandAxis::X;
+    /// Grasp file: axis of its hand frame along which the hand approaches.
+    APPROACH (approach): HandAxis = HandAxis::Z;
 
     /// Gripper: distance of the two sensing faces when open, m.
     OPENING: Length = Length::preset(0.08);

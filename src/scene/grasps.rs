@@ -1,5 +1,6 @@
 //! Where the hand is, relative to the object.
 
+use super::convention::Convention;
 use super::defaults;
 use super::either::{PathOrFields, path_or_fields};
 use super::leaf::{Count, Positive};
@@ -17,7 +18,7 @@ pub enum Grasps {
     Identity,
     /// These poses.
     List(Vec<Pose>),
-    /// Poses from a `*_grasps.h5` file: dataset `poses`, (N, 7), [px, py, pz, qw, qx, qy, qz].
+    /// Poses from an HDF5 file such as `*_grasps.h5`: positions and quaternions, or matrices.
     File(GraspFile),
     /// Sampled from the object's surface.
     Antipodal(Antipodal),
@@ -52,20 +53,36 @@ pub struct Antipodal {
     pub tilt_deg: Positive,
 }
 
-/// Grasps from a file; `File("x_grasps.h5")` takes all of them.
+/// Grasps from a file; `File("x_grasps.h5")` takes all of them, as DefGraspSim writes them.
+///
+/// The dataset has a row [px, py, pz, qw, qx, qy, qz] per grasp, (N, 7), or a matrix [R p; 0 1], (N, 4, 4): the pose of the
+/// file's hand frame in the object frame, m.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "File", remote = "Self", deny_unknown_fields)]
 pub struct GraspFile {
     /// The HDF5 file.
     pub path: PathBuf,
+    /// The dataset in it; None is `poses`.
+    #[serde(default)]
+    pub dataset: Option<String>,
+    /// What its numbers mean, where that is not what DefGraspSim means.
+    #[serde(default)]
+    pub convention: Convention,
     /// Which of its grasps, by row from 0; None is all.
     #[serde(default)]
     pub select: Option<Select>,
 }
 
+impl GraspFile {
+    /// All grasps of a file as DefGraspSim writes it.
+    pub fn new(path: PathBuf) -> Self {
+        Self { path, dataset: None, convention: Convention::default(), select: None }
+    }
+}
+
 impl<'de> PathOrFields<'de> for GraspFile {
     fn from_path(path: PathBuf) -> Self {
-        Self { path, select: None }
+        Self::new(path)
     }
     fn from_fields<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         Self::deserialize(deserializer)

@@ -9,6 +9,7 @@
 //! ```
 
 mod check;
+pub mod convention;
 pub mod defaults;
 mod diagnose;
 pub mod dynamic;
@@ -36,6 +37,7 @@ pub mod stepper;
 pub mod task;
 pub mod vector;
 
+pub use convention::{Convention, HandAxis, QuaternionOrder};
 pub use dynamic::Dynamic;
 pub use expect::Expectation;
 pub use grasps::{Antipodal, GraspCount, GraspFile, Grasps, Pose, Select};

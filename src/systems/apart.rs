@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 use glam::{DVec2, DVec3};
 
 /// How far the pads may seem to overlap, m: the offset of the contact law, below which an object would feel nothing either.
-const TOUCH: f64 = 1e-5;
+pub(super) const TOUCH: f64 = 1e-5;
 
 /// Curved faces come no farther than this beyond their nodes, m.
 const NEAR: f64 = 1e-4;

@@ -2,9 +2,10 @@
 
 use crate::components::{FingerIndex, FingerTravel, FirstContact, ObjectPose};
 use crate::gripper::{Approach, approach};
-use crate::model::Model;
+use crate::model::{FingerModel, Model};
 use crate::record::pad_name;
 use crate::schedule::{Next, Phase, Shared};
+use crate::systems::apart::{TOUCH, overlap};
 use bevy_ecs::prelude::*;
 use glam::{DMat3, DVec3};
 
@@ -25,7 +26,8 @@ pub fn close_to_contact(
     let model = &shared.0;
     if let Some(dynamics) = &model.dynamics {
         let meets = if dynamics.squeezes() { close_together(model, &pose) } else { Ok(0.0) };
-        match meets {
+        let apart = |t| keep_apart(model, &vec![t; model.fingers.len()]).map(|()| t);
+        match meets.and_then(apart) {
             Ok(t) => fingers.iter_mut().for_each(|(_, mut now, mut first)| (now.0, first.0) = (t, t)),
             Err(reason) => return next.request(Phase::Infeasible { reason }),
         }
@@ -45,6 +47,9 @@ pub fn close_to_contact(
         let reason = format!("the {name} finger would touch after {t:.1} mm, past its `stroke` of {stroke:.1} mm");
         return next.request(Phase::Infeasible { reason });
     }
+    if let Err(reason) = keep_apart(model, &travel) {
+        return next.request(Phase::Infeasible { reason });
+    }
     for (index, mut now, mut first) in &mut fingers {
         (now.0, first.0) = (travel[index.0 as usize], travel[index.0 as usize]);
     }
@@ -58,6 +63,27 @@ pub fn center(model: &Model, travel: &mut [f64]) -> DVec3 {
     let mean = 0.5 * (*first + *second);
     (*first, *second) = (mean, mean);
     pushed
+}
+
+/// Refuses pads that are past each other where they first touch the object: no load brings them apart again.
+fn keep_apart(model: &Model, travel: &[f64]) -> Result<(), String> {
+    let ([first, second], [t, u]) = (model.fingers.as_slice(), travel) else { return Ok(()) };
+    let axis = first.placement.closing;
+    if t + u < model.opening {
+        return Ok(());
+    }
+    let moved = |finger: &FingerModel, t: f64| -> Vec<DVec3> {
+        finger.body.rest.iter().map(|x| *x + finger.placement.closing * t).collect()
+    };
+    let depth = overlap(&first.surface, &moved(first, *t), &second.surface, &moved(second, *u), axis);
+    if depth <= TOUCH {
+        return Ok(());
+    }
+    Err(format!(
+        "the pads meet beside the object before both touch it and would overlap by {:.3} mm: contact between the pads is not \
+         modelled; use smaller pads, a thicker object or another grasp",
+        depth * 1e3
+    ))
 }
 
 /// Common travel of geared fingers until the first pad touches the object.

@@ -6,92 +6,95 @@ use super::text::{self, Reference, Word};
 use crate::error::{Error, Result};
 use crate::mesh::TetMesh;
 
-/// Words per row of the sections that may be skipped, tag included.
-const SKIPPED: [(&str, usize); 9] = [
-    ("Edges", 3),
-    ("Triangles", 4),
-    ("Quadrilaterals", 5),
-    ("Hexahedra", 9),
-    ("Prisms", 7),
-    ("Corners", 1),
-    ("Ridges", 1),
-    ("RequiredVertices", 1),
-    ("RequiredTriangles", 1),
-];
-
-/// Parses the text of a Medit file; `path` is for messages.
+/// Parses a Medit file; `path` is for messages. Sections other than the two are numbers after a count, whatever their
+/// name (mmg alone writes a dozen: `RequiredEdges`, `NormalAtVertices` ...): they are passed over up to the next name.
 ///
-/// Errors: version or dimension other than 3D ASCII, unknown section, declared count above the cap or not met, bad
-/// number or index, each with line and column.
-pub(crate) fn parse(path: &Path, source: &str) -> Result<(TetMesh, Vec<String>)> {
-    let mut words = text::lines(source, Some('#')).flat_map(|l| l.words);
-    let mut next = |expected: &str| words.next().ok_or_else(|| text::ended(path, expected));
+/// Errors: binary content, version or dimension other than 3D ASCII, declared count above the cap or not met, bad number
+/// or index, each with line and column.
+pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>)> {
+    if bytes.contains(&0) {
+        return Err(Error::file(path, format!("binary Medit is not read; write ASCII, or {}", super::convert(path))));
+    }
+    let source = text::decode(path, bytes)?;
+    let mut words = text::lines(&source, Some('#')).flat_map(|l| l.words).peekable();
     let mut mesh = TetMesh::default();
     let mut notices = Vec::new();
     let mut refs: Vec<[Reference; 4]> = Vec::new();
 
-    let head = next("`MeshVersionFormatted`")?;
+    let head = words.next().ok_or_else(|| text::ended(path, "`MeshVersionFormatted`"))?;
     if head.text != "MeshVersionFormatted" {
-        let message = "a Medit file starts with `MeshVersionFormatted`; binary Medit (.meshb) is not read: write ASCII";
+        let message = format!("a Medit file starts with `MeshVersionFormatted`, found {}", text::quote(head.text));
         return Err(text::at(path, head, message));
     }
-    text::integer(path, next("the format version")?, "the format version")?;
+    let mut passed_over = Vec::new();
+    text::integer(path, next(path, &mut words, "the format version")?, "the format version")?;
     // Some writers leave out `End`: the end of the file in place of a section closes it too.
-    while let Ok(section) = next("a section") {
+    while let Some(section) = words.next() {
         match section.text {
             "End" => break,
             "Dimension" => {
-                let word = next("the dimension")?;
+                let word = next(path, &mut words, "the dimension")?;
                 if text::integer(path, word, "the dimension")? != 3 {
-                    return Err(text::at(path, word, format!("dimension {}; allowed: 3", word.text)));
+                    return Err(text::at(path, word, format!("dimension {}; allowed: 3", text::quote(word.text))));
                 }
             }
             "Vertices" => {
-                let n = text::count(path, next("the number of vertices")?, "the number of vertices")?;
-                for _ in 0..n {
+                let n = next(path, &mut words, "the number of vertices")?;
+                for _ in 0..text::count(path, n, "the number of vertices")? {
                     let mut row = [Word { line: 0, column: 0, text: "" }; 4];
                     for word in &mut row {
-                        *word = next("a vertex `x y z tag`")?;
+                        *word = next(path, &mut words, "a vertex `x y z tag`")?;
                     }
                     mesh.nodes.push(text::position(path, &row[..3])?);
                     text::number(path, row[3], "tag")?;
                 }
             }
             "Tetrahedra" => {
-                let n = text::count(path, next("the number of tetrahedra")?, "the number of tetrahedra")?;
-                for e in 0..n {
+                let n = next(path, &mut words, "the number of tetrahedra")?;
+                for e in 0..text::count(path, n, "the number of tetrahedra")? {
                     let mut four = [Reference { index: 0, line: 0, column: 0 }; 4];
                     for r in &mut four {
-                        *r = one_based(path, next("a tetrahedron `a b c d tag`")?, e)?;
+                        *r = one_based(path, next(path, &mut words, "a tetrahedron `a b c d tag`")?, e)?;
                     }
-                    text::number(path, next("a tetrahedron's tag")?, "tag")?;
+                    text::number(path, next(path, &mut words, "a tetrahedron's tag")?, "tag")?;
                     refs.push(four);
                 }
             }
+            name if name.starts_with(|c: char| c.is_ascii_uppercase()) => {
+                let count = words.peek().map_or("0", |w| w.text);
+                if count != "0" {
+                    passed_over.push(format!("{count} {}", text::quote(name)));
+                }
+                let number = |w: &Word<'_>| !w.text.starts_with(|c: char| c.is_ascii_uppercase());
+                while words.next_if(number).is_some() {}
+            }
             other => {
-                let Some((name, width)) = SKIPPED.iter().find(|(name, _)| *name == other) else {
-                    let message =
-                        format!("section `{}` is not known; allowed: Vertices, Tetrahedra", other.escape_debug());
-                    return Err(text::at(path, section, message));
-                };
-                let n = text::count(path, next("a section's count")?, "a section's count")?;
-                for _ in 0..n * width {
-                    next("a row of a skipped section")?;
-                }
-                if n > 0 {
-                    notices.push(format!("{}: ignored {n} {name}; only tetrahedra are used", path.display()));
-                }
+                let message = format!(
+                    "expected the name of a section, found {}; the one before declares fewer rows than it has",
+                    text::quote(other)
+                );
+                return Err(text::at(path, section, message));
             }
         }
     }
     for (e, four) in refs.into_iter().enumerate() {
         mesh.tets.push(text::resolve(path, four, e, mesh.nodes.len(), 1)?);
     }
+    let passed_over = passed_over.join(", ");
     if mesh.nodes.is_empty() || mesh.tets.is_empty() {
         let (n, t) = (mesh.nodes.len(), mesh.tets.len());
-        return Err(Error::file(path, format!("the mesh is empty: {n} Vertices and {t} Tetrahedra; both are needed")));
+        let also = if passed_over.is_empty() { String::new() } else { format!("; it also has {passed_over}") };
+        let message = format!("the mesh is empty: {n} Vertices and {t} Tetrahedra; both are needed{also}");
+        return Err(Error::file(path, message));
+    }
+    if !passed_over.is_empty() {
+        notices.push(format!("{}: passed over {passed_over}; only tetrahedra are used", path.display()));
     }
     Ok((mesh, notices))
+}
+
+fn next<'a>(path: &Path, words: &mut impl Iterator<Item = Word<'a>>, expected: &str) -> Result<Word<'a>> {
+    words.next().ok_or_else(|| text::ended(path, expected))
 }
 
 /// A 1-based node index.

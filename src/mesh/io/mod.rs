@@ -6,17 +6,18 @@ mod obj;
 mod ply;
 mod stl;
 mod tet;
+mod tetgen;
 pub(crate) mod text;
+mod vtk;
 mod write;
 
-use std::fs;
-use std::io::Read;
 use std::path::Path;
 
 pub use write::{write_obj, write_stl, write_tet};
 
 use crate::error::{Error, Result};
 use crate::mesh::{TetMesh, TriMesh, clean, close, facets, topology};
+use crate::regular_file;
 
 /// Triangle meshes that are read.
 const SURFACES: &str =
@@ -25,11 +26,12 @@ const SURFACES: &str =
 /// Largest file read, bytes.
 const MAX_BYTES: u64 = 1 << 31;
 
-/// Reads a tetrahedral mesh and repairs it with [`clean::repair`]: `.tet` (Isaac Gym), `.msh` (gmsh ASCII 2.2 or 4.1)
-/// or `.mesh` (Medit ASCII). Returns the mesh (m) and notices about everything that was changed or left out.
+/// Reads a tetrahedral mesh and repairs it with [`clean::repair`]: `.tet` (Isaac Gym), `.msh` (gmsh 2.2, 4.0 or 4.1, ASCII
+/// or binary, tetrahedra of first or second order), `.mesh` (Medit ASCII), `.vtk` (legacy ASCII) or `.node` with `.ele`
+/// (TetGen). Returns the mesh (m) and notices about everything that was changed or left out.
 ///
-/// Errors: missing file, unknown extension, binary content, bad number, index or column count (with line and column),
-/// empty mesh, more than [`crate::mesh::MAX_COUNT`] nodes; and those of [`clean::repair`], with the file's name.
+/// Errors: missing file, unknown extension (how to convert it, where it is known), bad number, index or column count (with
+/// line and column), empty mesh, more than [`crate::mesh::MAX_COUNT`] nodes; and those of [`clean::repair`], with the file's name.
 pub fn read_tet_mesh(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>)> {
     let path = path.as_ref();
     let (mut mesh, mut notices) = read_tet_mesh_raw(path)?;
@@ -44,13 +46,17 @@ pub fn read_tet_mesh(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>)> {
 /// Errors: those of [`read_tet_mesh`] that concern the file and not the geometry.
 pub fn read_tet_mesh_raw(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>)> {
     let path = path.as_ref();
-    let parse = match extension(path).as_str() {
-        "tet" => tet::parse,
-        "msh" => gmsh::parse,
-        "mesh" => medit::parse,
-        other => return Err(unknown(path, other, ".tet, .msh (gmsh ASCII), .mesh (Medit ASCII)")),
-    };
-    parse(path, &read_text(path)?)
+    match extension(path).as_str() {
+        "tet" => tet::parse(path, &read_text(path)?),
+        "msh" => gmsh::parse(path, read_bytes(path)?),
+        "mesh" => medit::parse(path, read_bytes(path)?),
+        "vtk" => vtk::parse(path, read_bytes(path)?),
+        "node" | "ele" => tetgen::read(path),
+        other => {
+            let allowed = ".tet, .msh (gmsh), .mesh (Medit ASCII), .vtk (legacy ASCII), .node with .ele (TetGen)";
+            Err(unknown(path, other, &format!("{allowed}{}", advice(path, other))))
+        }
+    }
 }
 
 /// Reads a triangle mesh: `.obj` (all groups merged, polygons triangulated), `.stl` or `.ply` (binary or ASCII). Welds equal
@@ -106,27 +112,42 @@ fn unknown(path: &Path, extension: &str, allowed: &str) -> Error {
     Error::file(path, format!("file type `.{}` is not read here; allowed: {allowed}", extension.escape_debug()))
 }
 
-/// All bytes of a regular file.
-fn read_bytes(path: &Path) -> Result<Vec<u8>> {
-    let failed = |e: std::io::Error| Error::file(path, format!("cannot be read: {e}"));
-    let meta = fs::metadata(path).map_err(failed)?;
-    if !meta.is_file() {
-        return Err(Error::file(path, "cannot be read: not a regular file"));
+/// How a file of another format becomes one that is read, behind a `; `.
+fn advice(path: &Path, extension: &str) -> String {
+    match extension {
+        "meshb" | "vtu" | "xdmf" | "inp" | "nas" | "bdf" | "med" | "exo" | "e" | "cgns" | "avs" | "su2" | "ugrid" => {
+            format!("; {}", convert(path))
+        }
+        "step" | "stp" | "iges" | "igs" | "brep" | "geo" => {
+            let (name, mesh) = names(path);
+            format!("; mesh it: `gmsh -3 {name} -o {mesh}`")
+        }
+        "stl" | "obj" | "ply" | "off" => "; a surface has no inside: fill it with tetrahedra, by gmsh or TetGen".into(),
+        _ => String::new(),
     }
-    if meta.len() > MAX_BYTES {
-        return Err(Error::file(path, format!("{} bytes; at most {MAX_BYTES} are read", meta.len())));
-    }
-    let mut bytes = Vec::new();
-    fs::File::open(path).and_then(|f| f.take(MAX_BYTES).read_to_end(&mut bytes)).map_err(failed)?;
-    Ok(bytes)
 }
 
-/// A text file; a byte order mark is dropped, bytes that are not UTF-8 (old comments) are replaced.
+/// The command that makes a gmsh file of another. (Without `-o`, meshio takes `.msh` for a format of ANSYS.)
+fn convert(path: &Path) -> String {
+    let (name, mesh) = names(path);
+    format!("convert it with Python's meshio: `meshio convert -o gmsh {name} {mesh}`")
+}
+
+/// Names of a file and of the gmsh file that is made of it.
+fn names(path: &Path) -> (String, String) {
+    let name = |p: &Path| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let mesh = name(&path.with_extension("msh"));
+    let own = name(path);
+    let mesh = if mesh == own { format!("gmsh_{mesh}") } else { mesh };
+    (own, mesh)
+}
+
+/// All bytes of a mesh file.
+fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    regular_file::read(path, MAX_BYTES)
+}
+
+/// A text file, see [`text::decode`].
 pub(crate) fn read_text(path: &Path) -> Result<String> {
-    let bytes = read_bytes(path)?;
-    if let Some(at) = bytes.iter().position(|b| *b == 0) {
-        return Err(Error::file(path, format!("binary content (a zero byte at offset {at}); a text file is needed")));
-    }
-    let text = String::from_utf8_lossy(&bytes);
-    Ok(text.strip_prefix('\u{feff}').unwrap_or(&text).to_owned())
+    text::decode(path, read_bytes(path)?)
 }

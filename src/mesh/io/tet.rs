@@ -32,7 +32,7 @@ pub(crate) fn parse(path: &Path, source: &str) -> Result<(TetMesh, Vec<String>)>
                 refs.push(four);
             }
             other => {
-                let message = format!("a line starts with `{}`; allowed: `v`, `t`, `#`", other.escape_debug());
+                let message = format!("a line starts with {}; allowed: `v`, `t`, `#`", text::quote(other));
                 return Err(text::at(path, keyword, message));
             }
         }

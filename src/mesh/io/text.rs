@@ -7,6 +7,9 @@ use glam::DVec3;
 use crate::error::{Error, Result};
 use crate::mesh::MAX_COUNT;
 
+/// Longest line of a text, bytes: its words are held at once.
+const MAX_LINE: usize = 4 << 20;
+
 /// One word of a text file with its place.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Word<'a> {
@@ -55,18 +58,39 @@ pub(crate) fn lines(text: &str, comment: Option<char>) -> impl Iterator<Item = L
 /// The words of one line with their columns.
 fn split(body: &str, line: usize) -> Vec<Word<'_>> {
     let mut words = Vec::new();
+    // Byte and column of the word that is being read.
     let mut start = None;
-    for (at, c) in body.char_indices().chain(std::iter::once((body.len(), ' '))) {
+    for (column, (at, c)) in body.char_indices().chain(std::iter::once((body.len(), ' '))).enumerate() {
         match (start, c.is_whitespace()) {
-            (None, false) => start = Some(at),
-            (Some(s), true) => {
-                words.push(Word { line, column: body[..s].chars().count() + 1, text: &body[s..at] });
+            (None, false) => start = Some((at, column + 1)),
+            (Some((from, column)), true) => {
+                words.push(Word { line, column, text: &body[from..at] });
                 start = None;
             }
             _ => {}
         }
     }
     words
+}
+
+/// The bytes of a file as text; a byte order mark is dropped, bytes that are not UTF-8 (old comments) are replaced.
+///
+/// Errors: a zero byte, which no text has; a line of more than [`MAX_LINE`] bytes.
+pub(crate) fn decode(path: &Path, bytes: Vec<u8>) -> Result<String> {
+    if let Some(at) = bytes.iter().position(|b| *b == 0) {
+        let message = format!("binary content (a zero byte at offset {at}); a text file is needed");
+        return Err(Error::file(path, message));
+    }
+    if let Some((i, line)) = bytes.split(|b| *b == b'\n').enumerate().find(|(_, line)| line.len() > MAX_LINE) {
+        let (number, length) = (i + 1, line.len());
+        let message = format!("line {number} has {length} bytes; at most {MAX_LINE} are read: break it into lines");
+        return Err(Error::file(path, message));
+    }
+    let text = String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned());
+    Ok(match text.strip_prefix('\u{feff}') {
+        Some(rest) => rest.to_owned(),
+        None => text,
+    })
 }
 
 /// An error at a word of the file.
@@ -80,7 +104,7 @@ pub(crate) fn ended(path: &Path, expected: &str) -> Error {
 }
 
 /// At most 40 characters of a word, for quoting.
-fn quote(text: &str) -> String {
+pub(crate) fn quote(text: &str) -> String {
     let mut short: String = text.chars().take(40).flat_map(char::escape_debug).collect();
     if text.chars().nth(40).is_some() {
         short.push_str("...");

@@ -1,0 +1,71 @@
+//! Whether the grasps of a file are about this object at all.
+
+use super::pose::GraspPose;
+use crate::gripper::Hand;
+use crate::scene::{Fingers, Grasps, Scene};
+use crate::shape::{Aabb, Shape};
+use glam::DVec3;
+
+/// Grasps that are looked at, spread over the file.
+const SAMPLE: usize = 64;
+/// Points across a pad, along each side.
+const POINTS: usize = 5;
+
+/// A sentence if most grasps of the scene's grasp file miss the object or start inside it: then the file's poses mean
+/// something else. `pad` is the box around a pad in the pad frame, m.
+pub fn aim_notice(scene: &Scene, object: &Shape, pad: Aabb, poses: &[GraspPose]) -> Option<String> {
+    let Grasps::File(file) = &scene.grasps else { return None };
+    let closing: &[DVec3] = match scene.gripper.fingers {
+        Fingers::Both => &[DVec3::X, DVec3::NEG_X],
+        Fingers::One => &[DVec3::X],
+        Fingers::None => return None,
+    };
+    let hand = Hand::new(pad, &scene.gripper);
+    let step = poses.len().div_ceil(SAMPLE).max(1);
+    let (mut looked_at, mut miss, mut inside) = (0, 0, 0);
+    for pose in poses.iter().step_by(step) {
+        looked_at += 1;
+        match closing.iter().map(|side| meets(object, &hand, pose, *side)).max() {
+            Some(Meets::Inside) => inside += 1,
+            Some(Meets::Nothing) => miss += 1,
+            _ => {}
+        }
+    }
+    if 2 * (miss + inside) <= looked_at {
+        return None;
+    }
+    Some(format!(
+        "{}: of {looked_at} grasps looked at, {miss} miss the object and {inside} start inside it; if the file orders \
+         quaternions x y z w, or its hand closes along another axis, say so in the scene: \
+         `convention: (quaternion: Xyzw, closing: Y, approach: Z)`",
+        file.path.display()
+    ))
+}
+
+/// What a pad meets as it closes, in the order of how bad it is.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+enum Meets {
+    Object,
+    Nothing,
+    Inside,
+}
+
+/// Looks from points of the open pad's face along `closing`, as far as the pads are apart.
+fn meets(object: &Shape, hand: &Hand, pose: &GraspPose, closing: DVec3) -> Meets {
+    let (low, high) = (hand.pad.min, hand.pad.max);
+    let at = |k: usize, low: f64, high: f64| low + (high - low) * (k as f64 + 0.5) / POINTS as f64;
+    let mut met = Meets::Nothing;
+    for i in 0..POINTS {
+        for j in 0..POINTS {
+            let on_face = DVec3::new(0.0, at(j, low.y, high.y), at(i, low.x, high.x));
+            let start = pose.to_object(hand.center + on_face - closing * 0.5 * hand.opening);
+            if object.distance.distance(start) < 0.0 {
+                return Meets::Inside;
+            }
+            if object.ray(start, pose.rotation * closing).is_some_and(|hit| hit.t <= hand.opening) {
+                met = Meets::Object;
+            }
+        }
+    }
+    met
+}

@@ -1,0 +1,76 @@
+//! How a grasp file writes a pose.
+
+use super::defaults;
+use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// What the numbers of a grasp file mean; without it, what DefGraspSim means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Convention {
+    /// Order of a quaternion's four numbers; matrices have none.
+    #[serde(default = "defaults::quaternion")]
+    pub quaternion: QuaternionOrder,
+    /// Axis of the file's hand frame along which the fingers close.
+    #[serde(default = "defaults::closing")]
+    pub closing: HandAxis,
+    /// Axis of the file's hand frame along which the hand approaches the object.
+    #[serde(default = "defaults::approach")]
+    pub approach: HandAxis,
+}
+
+/// Order of a quaternion's numbers; w is the real part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename = "order of a quaternion")]
+pub enum QuaternionOrder {
+    /// Real part first: Eigen's constructor, MuJoCo, DefGraspSim.
+    Wxyz,
+    /// Real part last: ROS, SciPy, PyBullet, Isaac Gym.
+    Xyzw,
+}
+
+/// An axis of a frame, with its sense.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename = "axis")]
+#[allow(missing_docs)]
+pub enum HandAxis {
+    X,
+    Y,
+    Z,
+    MinusX,
+    MinusY,
+    MinusZ,
+}
+
+impl HandAxis {
+    /// The unit vector.
+    pub fn vector(self) -> DVec3 {
+        match self {
+            Self::X => DVec3::X,
+            Self::Y => DVec3::Y,
+            Self::Z => DVec3::Z,
+            Self::MinusX => DVec3::NEG_X,
+            Self::MinusY => DVec3::NEG_Y,
+            Self::MinusZ => DVec3::NEG_Z,
+        }
+    }
+}
+
+impl Default for Convention {
+    fn default() -> Self {
+        Self { quaternion: defaults::QUATERNION, closing: defaults::CLOSING, approach: defaults::APPROACH }
+    }
+}
+
+impl Convention {
+    /// Whether closing and approach are perpendicular, as they are of any hand.
+    pub fn is_right_angled(&self) -> bool {
+        self.closing.vector().dot(self.approach.vector()) == 0.0
+    }
+
+    /// The rotation from the hand frame of tactus (closing x, approach z) to that of the file.
+    pub fn from_hand(&self) -> DMat3 {
+        let (closing, approach) = (self.closing.vector(), self.approach.vector());
+        DMat3::from_cols(closing, approach.cross(closing), approach)
+    }
+}
