@@ -69,6 +69,7 @@ impl Campaign {
                 blake3: String::new(),
                 reached: 0,
                 fault: 0,
+                dropped: 0,
                 infeasible: 0,
                 notices: grasps.notices,
                 failures: Vec::new(),

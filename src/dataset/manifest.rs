@@ -47,6 +47,9 @@ pub struct ObjectEntry {
     pub blake3: String,
     /// Grasps that reached their load.
     pub reached: usize,
+    /// Grasps that the object left.
+    #[serde(default)]
+    pub dropped: usize,
     /// Grasps that the solver gave up.
     pub fault: usize,
     /// Grasps that could not start.
@@ -101,7 +104,11 @@ impl Manifest {
         let manifest: Self =
             serde_json::from_slice(&bytes).map_err(|e| fail(format!("is no manifest of a data set: {e}")))?;
         if manifest.format != FORMAT {
-            return Err(fail(format!("has layout {}; this build reads {FORMAT}", manifest.format)));
+            return Err(fail(format!(
+                "has layout {}; this build reads {FORMAT}: make the data set again with `tactus dataset SCENE -o DIR` in another folder; models \
+                 trained on it stay valid",
+                manifest.format
+            )));
         }
         Ok(Some(manifest))
     }
@@ -125,6 +132,7 @@ impl ObjectEntry {
         for f in finished {
             match f.status {
                 Status::Reached => self.reached += 1,
+                Status::Dropped => self.dropped += 1,
                 Status::Fault => self.fault += 1,
                 Status::Infeasible => self.infeasible += 1,
             }

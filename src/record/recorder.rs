@@ -3,8 +3,10 @@
 use super::files::{cannot_write, create_dir};
 use super::frame::PadTopology;
 use super::grasp::GraspRecorder;
+use super::meshes::{self, MESHES};
 use super::report::{ExpectationReport, GraspSummary, RunReport};
 use crate::error::{Error, Result};
+use crate::grasp::GraspPose;
 use crate::mesh::TriMesh;
 use crate::render::Scalar;
 use std::collections::BTreeMap;
@@ -29,6 +31,8 @@ pub struct Options {
     pub overwrite: bool,
     /// Name of the object in the picture's title.
     pub object_name: String,
+    /// Pose of each pad in the hand at zero travel: `x_hand = rotation * x_pad + position`; empty if not known.
+    pub pads: Vec<GraspPose>,
 }
 
 impl Default for Options {
@@ -42,6 +46,7 @@ impl Default for Options {
             flush_every: 10,
             overwrite: false,
             object_name: "object".into(),
+            pads: Vec::new(),
         }
     }
 }
@@ -65,6 +70,7 @@ impl Recorder {
                 return Err(Error::file(dir, message));
             }
             remove_grasps(dir)?;
+            remove_meshes(dir)?;
         }
         let recorder = Recorder { dir: dir.to_path_buf(), options, report, grasps: BTreeMap::new() };
         recorder.report.write(&recorder.dir.join("run.json"))?;
@@ -81,8 +87,11 @@ impl Recorder {
         &mut self.report
     }
 
-    /// Starts recording grasp `index`; the grasp may move to another thread.
+    /// Starts recording grasp `index`, the first one with the meshes of the run; the grasp may move to another thread.
     pub fn begin_grasp(&self, index: usize, topologies: &[PadTopology], object: &TriMesh) -> Result<GraspRecorder> {
+        if let Some(pad) = topologies.first().filter(|_| self.options.arrays && !self.dir.join(MESHES).exists()) {
+            meshes::write(&self.dir, pad, object)?;
+        }
         GraspRecorder::create(&self.dir, &self.options, index, topologies, object)
     }
 
@@ -113,6 +122,15 @@ impl Recorder {
         self.report.finished = true;
         self.report.write(&self.dir.join("run.json"))?;
         Ok(self.report)
+    }
+}
+
+/// Removes the meshes of an earlier run.
+fn remove_meshes(dir: &Path) -> Result<()> {
+    let path = dir.join(MESHES);
+    match std::fs::remove_file(&path) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(cannot_write(&path, &e)),
+        _ => Ok(()),
     }
 }
 
