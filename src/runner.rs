@@ -10,9 +10,10 @@ use crate::interrupt;
 use crate::limits::free_memory;
 use crate::model::Model;
 use crate::record::{Frame, GraspSummary, Status};
-use crate::scene::{self, Measured};
+use crate::scene::Measured;
 use crate::schedule::{Phase, Timings};
 use crate::stepper::Stepper;
+use crate::systems::upright::inverted;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
@@ -167,6 +168,8 @@ struct Tally {
     measured: Option<Measured>,
     summary: Option<GraspSummary>,
     motion: motion::Motion,
+    /// What is wrong with the first frame that cannot be: not every backend stops there.
+    unsound: Option<String>,
 }
 
 impl Tally {
@@ -192,13 +195,24 @@ impl Tally {
         if let Some(moving) = &frame.moving {
             self.motion.observe(m, model, frame, moving);
         }
+        let unsound = findings.is_some_and(|f| !f.is_sound()) || frame.min_det_f <= 0.0;
+        if unsound && self.unsound.is_none() {
+            let x: Vec<_> = frame.pads.iter().map(|pad| &pad.position[..]).collect();
+            let finite = findings.is_none_or(|f| f.finite);
+            let what = if finite { inverted(model, &x) } else { "a recorded number is not finite".into() };
+            self.unsound = Some(format!("frame {}: {what}", frame.index));
+        }
         self.summary.get_or_insert_with(|| GraspSummary::new(Status::Reached, None)).observe(frame);
     }
 
     fn finish(self, end: Phase, timings: Timings, wall: f64) -> Outcome {
         let (status, reason) = match end {
-            Phase::Done => (Status::Reached, None),
+            Phase::Done => match self.unsound {
+                None => (Status::Reached, None),
+                Some(reason) => (Status::Fault, Some(reason)),
+            },
             Phase::Infeasible { reason } => (Status::Infeasible, Some(reason)),
+            Phase::Dropped { reason } => (Status::Dropped, Some(reason)),
             Phase::Fault { reason } => (Status::Fault, Some(reason)),
             other => (Status::Fault, Some(format!("ended in {other:?}, which is no end"))),
         };
@@ -208,11 +222,7 @@ impl Tally {
         summary.wall_s = wall;
         summary.newton_iterations = timings.iterations;
         let mut measured = self.measured.unwrap_or_default();
-        measured.status = match status {
-            Status::Reached => scene::Status::Reached,
-            Status::Fault => scene::Status::Fault,
-            Status::Infeasible => scene::Status::Infeasible,
-        };
+        measured.status = status;
         measured.reason = reason.unwrap_or_default();
         Outcome { summary, measured, timings }
     }

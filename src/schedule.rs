@@ -55,6 +55,11 @@ pub enum Phase {
     },
     /// All frames are recorded.
     Done,
+    /// The object left the grasp; the state is the last accepted one.
+    Dropped {
+        /// How, and at which load.
+        reason: String,
+    },
     /// The stepper gave up; the state is the last accepted one.
     Fault {
         /// What happened and at which load.
@@ -70,7 +75,29 @@ pub enum Phase {
 impl Phase {
     /// True when no further step changes anything.
     pub fn is_final(&self) -> bool {
-        matches!(self, Phase::Done | Phase::Fault { .. } | Phase::Infeasible { .. })
+        matches!(self, Phase::Done | Phase::Dropped { .. } | Phase::Fault { .. } | Phase::Infeasible { .. })
+    }
+}
+
+/// Why a grasp ends before its loading is reached.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Stop {
+    /// The object has left the grasp, as a real one would; else nothing was found, or the grasp could not start.
+    pub dropped: bool,
+    /// What happened and at which load.
+    pub reason: String,
+}
+
+impl Stop {
+    /// The solver gave up.
+    pub fn fault(reason: impl Into<String>) -> Self {
+        Self { dropped: false, reason: reason.into() }
+    }
+}
+
+impl From<Stop> for Phase {
+    fn from(Stop { dropped, reason }: Stop) -> Self {
+        if dropped { Phase::Dropped { reason } } else { Phase::Fault { reason } }
     }
 }
 
@@ -118,7 +145,7 @@ pub struct Advance {
     pub residual: f64,
     /// Value of the potential, J.
     pub energy: f64,
-    /// Smallest det F over all quadrature points.
+    /// Smallest det F, see [`crate::fem::body::Body::min_det_f`].
     pub min_det_f: f64,
     /// Smallest gap between pads and object, m.
     pub min_gap: f64,

@@ -209,7 +209,7 @@ with h5py.File(sys.argv[1], "r") as f:
     for name in ["units", "hand_frame", "pad_frame", "force_convention", "scene", "young_pa", "poisson", "friction", "gravity_m_s2"]:
         assert name in f.attrs, name
     reached = f["status"][:] == 1
-    assert np.allclose(f["_1_stacked_forces"][:][reached], f["force"][:][reached]), "forces"
+    assert np.allclose(f["_1_stacked_forces"][:][reached], f["force_n"][:][reached]), "forces"
     assert (f["_1_stacked_forces"][:][~reached] == 0).all()
     frame = f["_1_stacked_object_frame"][0, -1]
     assert abs(np.linalg.det(frame[:3, :3]) - 1) < 1e-6 and (frame[3] == [0, 0, 0, 1]).all()

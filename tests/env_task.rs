@@ -83,5 +83,5 @@ fn friction_holds_what_coulomb_says_and_no_more() {
     let (held, _, fault) = outcome(190.0);
     assert!(!held, "1.86 N of 1.6 N slips out");
     // Nobody waits to see where it ends.
-    assert!(fault.as_deref().is_some_and(|f| f.contains("too far to count as held")), "{fault:?}");
+    assert_eq!(fault, None, "an object that slips out of the hand is no fault of the solver");
 }

@@ -44,7 +44,7 @@ fn arrays_read_back_equal() {
     let frames = ramp(&pads, 3);
     record(dir.path(), &pads, &frames);
     let mut npz = NpzReader::new(File::open(dir.path().join("grasp_000/arrays.npz")).expect("there")).expect("npz");
-    for (name, field) in [("displacement", 0), ("position", 1), ("contact_force", 2)] {
+    for (name, field) in [("displacement_m", 0), ("position_m", 1), ("contact_force_n", 2)] {
         let array: Array3<f64> = npz.by_name(name).expect(name);
         assert_eq!(array.shape(), [3, nodes, 3]);
         let of = |f: &Frame| -> Vec<DVec3> {
@@ -54,7 +54,7 @@ fn arrays_read_back_equal() {
         let wanted: Vec<f64> = frames.iter().flat_map(of).flat_map(|v| v.to_array()).collect();
         assert!(array.iter().eq(&wanted), "{name} is bit for bit what was recorded");
     }
-    let stress: Array2<f64> = npz.by_name("von_mises_node").expect("von_mises_node");
+    let stress: Array2<f64> = npz.by_name("von_mises_pa").expect("von_mises_pa");
     assert_eq!(stress[[2, nodes - 1]], *frames[2].pads[1].von_mises_node.last().expect("nodes"));
     let tets: Array2<u32> = npz.by_name("tets").expect("tets");
     assert_eq!(tets.shape(), [2 * pads[0].elements.len(), 10]);
@@ -62,7 +62,7 @@ fn arrays_read_back_equal() {
     let pose: Array2<f64> = npz.by_name("object_pose").expect("object_pose");
     let q = frames[0].object_rotation;
     assert_eq!(pose.row(0).to_vec(), [0.0, 0.0, 0.1, q.w, q.x, q.y, q.z]);
-    let force: Array1<f64> = npz.by_name("force").expect("force");
+    let force: Array1<f64> = npz.by_name("force_n").expect("force_n");
     assert_eq!(force.to_vec(), frames.iter().map(|f| f.applied_force).collect::<Vec<_>>());
     let wrench: Array3<f64> = npz.by_name("wrench").expect("wrench");
     assert_eq!(wrench[[1, 1, 0]], frames[1].pads[1].wrench.force.x);
@@ -133,8 +133,8 @@ fn an_interrupted_run_leaves_readable_files() {
         let file = File::open(dir.path().join("grasp_000/arrays.npz")).expect("there");
         NpzReader::new(file)
             .expect("npz")
-            .by_name::<ndarray::OwnedRepr<f64>, ndarray::Ix1>("force")
-            .expect("force")
+            .by_name::<ndarray::OwnedRepr<f64>, ndarray::Ix1>("force_n")
+            .expect("force_n")
             .len()
     };
     // Killed here: two of three frames (flush_every = 2) are in the arrays, all three everywhere else.

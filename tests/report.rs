@@ -194,6 +194,35 @@ fn a_page_of_a_run_and_a_bench_has_their_tables_the_chart_and_the_truth() {
 }
 
 #[test]
+fn a_run_of_an_own_mesh_is_whole_wherever_its_folder_goes() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    std::fs::create_dir(at("work")).unwrap();
+    let corner = |k: usize, bit: usize| if k >> bit & 1 == 1 { "0.006" } else { "-0.006" };
+    let vertices: String = (0..8).map(|k| format!("v {} {} {}\n", corner(k, 0), corner(k, 1), corner(k, 2))).collect();
+    let faces = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"].map(|f| format!("f {f}\n")).concat();
+    std::fs::write(at("work/block.obj"), vertices + &faces).unwrap();
+    let scene = "(object: (shape: Mesh(\"block.obj\"), motion: Fixed),
+          gripper: (pads: Box(size: (0.016, 0.016, 0.0045), cells: (4, 4, 2)), opening: 0.02, friction: 0.0,
+                    fingers: One, material: NeoHookean(young: 3e5, poisson: 0.45)),
+          loading: Press(depths: [0.1e-3]))";
+    std::fs::write(at("work/block.ron"), scene).unwrap();
+    let (run, page) = (at("work/run"), at("page.html"));
+    good(&["run", text(&at("work/block.ron")), "-o", text(&run), "--no-pictures"]);
+    let moved = at("moved");
+    std::fs::rename(&run, &moved).unwrap();
+    std::fs::remove_dir_all(at("work")).unwrap();
+    good(&["report", text(&moved), "-o", text(&page)]);
+    let html = std::fs::read_to_string(&page).unwrap();
+    assert!(!html.contains("No grasp in 3-D"), "the run keeps the surface that it used");
+    let data = data_of(&html);
+    let object = &data["meshes"][data["grasps"][0]["object"].as_u64().unwrap() as usize];
+    let (vertices, step) = numbers(&object["vertices"]);
+    assert_eq!(vertices.len(), 3 * 8, "the corners of the block");
+    assert!(vertices.iter().all(|x| (x.abs() - 0.006).abs() <= step.max(1e-9)), "{vertices:?}");
+}
+
+#[test]
 fn what_holds_no_results_is_refused_by_name() {
     let made = made();
     let dir = tempfile::tempdir().unwrap();

@@ -141,7 +141,7 @@ fn an_object_that_swings_out_of_the_hand_is_not_held() {
     };
     let [whole, condensed] = ["Full", "Condensed()"].map(|solver| {
         let (status, reason, _) = held(6000.0, solver);
-        assert_eq!(status, Status::Fault);
+        assert_eq!(status, Status::Dropped);
         assert!(reason.contains("moves too far to count as held"), "{solver}: {reason}");
         let (status, reason, frames) = held(1500.0, solver);
         assert_eq!(status, Status::Reached, "{solver}: {reason}");

@@ -5,6 +5,7 @@ use numpy::{Element, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use tactus::dataset::{self, Campaign};
+use tactus::record::names;
 use tactus::scene::load_set;
 
 /// A data set that `tactus dataset` wrote.
@@ -42,14 +43,14 @@ impl DataSet {
         let data = py.detach(|| file.grasp(grasp)).map_err(refused)?;
         let arrays = PyDict::new(py);
         let f = data.frames;
-        put(&arrays, "displacement_m", &data.displacement, &[f, pads, nodes, 3])?;
-        put(&arrays, "contact_force_n", &data.contact_force, &[f, pads, nodes, 3])?;
-        put(&arrays, "von_mises_pa", &data.von_mises, &[f, pads, nodes])?;
-        put(&arrays, "force_n", &data.force, &[f])?;
-        put(&arrays, "travel_m", &data.travel, &[f, pads])?;
-        put(&arrays, "object_pose", &data.object_pose, &[f, 7])?;
-        put(&arrays, "wrench", &data.wrench, &[f, pads, 6])?;
-        put(&arrays, "grasp_pose", &data.grasp_pose, &[7])?;
+        put(&arrays, names::DISPLACEMENT, &data.displacement, &[f, pads, nodes, 3])?;
+        put(&arrays, names::CONTACT_FORCE, &data.contact_force, &[f, pads, nodes, 3])?;
+        put(&arrays, names::VON_MISES, &data.von_mises, &[f, pads, nodes])?;
+        put(&arrays, names::FORCE, &data.force, &[f])?;
+        put(&arrays, names::TRAVEL, &data.travel, &[f, pads])?;
+        put(&arrays, names::OBJECT_POSE, &data.object_pose, &[f, 7])?;
+        put(&arrays, names::WRENCH, &data.wrench, &[f, pads, 6])?;
+        put(&arrays, names::GRASP_POSE, &data.grasp_pose, &[7])?;
         Ok(arrays)
     }
 

@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use tactus::error::Result;
 use tactus::grasp::poses_of;
 use tactus::model::Model;
-use tactus::record::Frame;
+use tactus::record::{Frame, names};
 use tactus::runner::{Observer, run_grasps};
 use tactus::scene::{Gnn, Stepper, load_object, load_set, to_ron};
 use tactus::stepper::choose;
@@ -63,7 +63,7 @@ pub fn run<'py>(
     let grasp = |(outcome, frames): (tactus::runner::Outcome, Vec<Frame>)| {
         let grasp = PyDict::new(py);
         let summary = &outcome.summary;
-        grasp.set_item("status", format!("{:?}", summary.status).to_lowercase())?;
+        grasp.set_item("status", summary.status.word())?;
         grasp.set_item("reason", summary.reason.clone())?;
         grasp.set_item("wall_s", summary.wall_s)?;
         let (count, pads) = (frames.len(), frames.first().map_or(0, |f| f.pads.len()));
@@ -80,18 +80,18 @@ pub fn run<'py>(
             frames.iter().flat_map(|f| f.pads.iter().flat_map(pick)).collect::<Vec<f64>>()
         };
         let flat = |v: &[glam::DVec3]| v.iter().flat_map(|x| x.to_array()).collect::<Vec<f64>>();
-        put("force_n", frames.iter().map(|f| f.applied_force).collect(), &[])?;
-        put("travel_m", frames.iter().flat_map(|f| f.travel.clone()).collect(), &[pads])?;
+        put(names::FORCE, frames.iter().map(|f| f.applied_force).collect(), &[])?;
+        put(names::TRAVEL, frames.iter().flat_map(|f| f.travel.clone()).collect(), &[pads])?;
         let pose = |f: &Frame| {
             let (p, q) = (f.object_position, f.object_rotation);
             [p.x, p.y, p.z, q.w, q.x, q.y, q.z]
         };
-        put("object_pose", frames.iter().flat_map(pose).collect(), &[7])?;
-        put("position_m", of_pads(&|p| flat(&p.position)), &[pads, nodes, 3])?;
-        put("displacement_m", of_pads(&|p| flat(&p.displacement)), &[pads, nodes, 3])?;
-        put("contact_force_n", of_pads(&|p| flat(&p.contact_force)), &[pads, nodes, 3])?;
-        put("von_mises_pa", of_pads(&|p| p.von_mises_node.clone()), &[pads, nodes])?;
-        put("wrench", of_pads(&|p| flat(&[p.wrench.force, p.wrench.torque])), &[pads, 6])?;
+        put(names::OBJECT_POSE, frames.iter().flat_map(pose).collect(), &[7])?;
+        put(names::POSITION, of_pads(&|p| flat(&p.position)), &[pads, nodes, 3])?;
+        put(names::DISPLACEMENT, of_pads(&|p| flat(&p.displacement)), &[pads, nodes, 3])?;
+        put(names::CONTACT_FORCE, of_pads(&|p| flat(&p.contact_force)), &[pads, nodes, 3])?;
+        put(names::VON_MISES, of_pads(&|p| p.von_mises_node.clone()), &[pads, nodes])?;
+        put(names::WRENCH, of_pads(&|p| flat(&[p.wrench.force, p.wrench.torque])), &[pads, 6])?;
         Ok(grasp)
     };
     done.into_iter().map(grasp).collect()

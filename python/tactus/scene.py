@@ -35,7 +35,7 @@ def run(
 ) -> list[dict[str, Any]]:
     """Simulates all grasps of a scene; `model` is the folder of a trained network, None the scene's backend.
 
-    A dictionary per grasp: `status` (reached, fault, infeasible), `reason`, `wall_s`, and by frame `force_n` (F),
+    A dictionary per grasp: `status` (reached, dropped, fault, infeasible), `reason`, `wall_s`, and by frame `force_n` (F),
     `travel_m` (F, pads), `object_pose` (F, 7), `wrench` (F, pads, 6), `position_m`, `displacement_m`, `contact_force_n`
     (F, pads, nodes, 3) and `von_mises_pa` (F, pads, nodes) where the scene records them; all in the hand frame.
     """

@@ -46,6 +46,11 @@ pub struct Findings {
 }
 
 impl Findings {
+    /// Whether such a state can be: every number is finite and no element is turned inside out.
+    pub fn is_sound(&self) -> bool {
+        self.finite && self.min_det_f > 0.0
+    }
+
     /// The worse of both in every respect; NaN, which is not known to be good, is worse than any number.
     pub fn worst(self, other: Self) -> Self {
         let pick =

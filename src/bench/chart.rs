@@ -92,7 +92,8 @@ fn names(report: &Report) -> Vec<(String, RGBColor)> {
     lines.push((format!("errors against: {}", report.reference.label), INK));
     let faster = |point: &Point| {
         let ratio = point.speedup_at_equal_error?;
-        Some((format!("{ratio:.1}  {}", point.label), color(point)))
+        let most = if point.speedup_is_bound { "at most " } else { "" };
+        Some((format!("{most}{ratio:.1}  {}", point.label), color(point)))
     };
     let faster: Vec<_> = report.points.iter().filter(|p| p.contender).filter_map(faster).collect();
     if !faster.is_empty() {

@@ -14,6 +14,7 @@ pub mod clock;
 pub mod contest;
 pub mod density;
 pub mod error;
+mod front;
 pub mod probe;
 pub mod report;
 pub mod rollout;

@@ -2,6 +2,7 @@
 
 use super::contest::{Entry, Rules};
 use super::error::{FrameError, richardson};
+use super::front::{Rival, time_at};
 use super::spread::{Spread, median};
 use super::sweep::Level;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -51,10 +52,14 @@ pub struct Point {
     pub failed: Vec<String>,
     /// Another point is as fast and as accurate, or some grasp failed.
     pub dominated: bool,
-    /// Time of the cheapest full finite element setting that is at least as accurate, over this one's; of contenders only.
+    /// Time that full finite elements take to be as accurate, along the Pareto front of their settings, over this one's; of contenders
+    /// only.
     pub speedup_at_equal_error: Option<f64>,
-    /// That setting.
+    /// The setting there, or the two that it lies between.
     pub equal_error_label: Option<String>,
+    /// The cheapest setting is more accurate: the speed-up is at most this.
+    #[serde(default)]
+    pub speedup_is_bound: bool,
     /// Share of each stage in the time.
     pub profile: BTreeMap<Name, f64>,
     /// Largest resident memory of the process with this configuration alone, up to its first frame; null where the system
@@ -182,6 +187,7 @@ impl Point {
             dominated: false,
             speedup_at_equal_error: None,
             equal_error_label: None,
+            speedup_is_bound: false,
             profile: entry.stages.iter().map(|(stage, s)| (Name::from(*stage), s / whole)).collect(),
             peak_memory_bytes: entry.peak_memory,
         }
@@ -192,17 +198,29 @@ impl Point {
         self.displacement_error.filter(|_| self.failed.is_empty()).map(|e| (self.time_per_grasp_s, e))
     }
 
-    /// Finds the cheapest of `settings` that has at most this point's errors of displacement and stress.
+    /// How long `settings` take to have at most this point's errors of displacement and stress, over its own time.
     fn compare(&mut self, settings: &[Point]) {
-        let (Some(displacement), Some(stress)) = (self.displacement_error, self.stress_error) else { return };
-        let accurate = |p: &&Point| {
-            p.failed.is_empty()
-                && p.displacement_error.is_some_and(|e| e <= displacement)
-                && p.stress_error.is_some_and(|e| e <= stress)
+        let sound: Vec<&Point> = settings.iter().filter(|p| p.failed.is_empty()).collect();
+        let at = |pick: fn(&Point) -> Option<f64>| {
+            let rivals = sound
+                .iter()
+                .copied()
+                .filter_map(|p| Some(Rival { label: &p.label, time: p.time_per_grasp_s, error: pick(p)? }));
+            let rivals: Vec<Rival> = rivals.collect();
+            time_at(&rivals, pick(self)?)
         };
-        let cheapest =
-            settings.iter().filter(accurate).min_by(|a, b| a.time_per_grasp_s.total_cmp(&b.time_per_grasp_s));
-        self.speedup_at_equal_error = cheapest.map(|p| p.time_per_grasp_s / self.time_per_grasp_s);
-        self.equal_error_label = cheapest.map(|p| p.label.clone());
+        let (Some(displacement), Some(stress)) = (at(|p| p.displacement_error), at(|p| p.stress_error)) else { return };
+        let equal = if displacement.time >= stress.time { displacement } else { stress };
+        self.speedup_at_equal_error = Some(equal.time / self.time_per_grasp_s);
+        (self.speedup_is_bound, self.equal_error_label) = (equal.bound, Some(equal.label));
+    }
+
+    /// The speed-up in words, if there is one.
+    pub fn speedup(&self) -> Option<String> {
+        let (ratio, label) = self.speedup_at_equal_error.zip(self.equal_error_label.as_ref())?;
+        Some(match self.speedup_is_bound {
+            false => format!("{ratio:.1} (against {label})"),
+            true => format!("at most {ratio:.1} (against {label}, the cheapest, which is more accurate)"),
+        })
     }
 }

@@ -76,11 +76,9 @@ fn headline(out: &mut String, report: &Report) {
         *out += "speed-up at equal error: nothing claims one; give a network with --model\n";
     }
     for p in contenders {
-        let _ = match (p.speedup_at_equal_error, &p.equal_error_label) {
-            (Some(ratio), Some(label)) => {
-                writeln!(out, "speed-up at equal error of {}: {ratio:.1} (against {label})", p.label)
-            }
-            _ => writeln!(out, "speed-up at equal error of {}: no setting here is as accurate", p.label),
+        let _ = match p.speedup() {
+            Some(speedup) => writeln!(out, "speed-up at equal error of {}: {speedup}", p.label),
+            None => writeln!(out, "speed-up at equal error of {}: no rival here reaches its error", p.label),
         };
     }
 }

@@ -1,6 +1,6 @@
 //! `tactus dataset`: all grasps of all objects of a scene, into a folder; and `tactus dataset inspect`.
 
-use super::{Format, NOT_HELD, OK, inspect, kept, print};
+use super::{Format, NOT_HELD, OK, inspect, kept, print, say};
 use crate::dataset::progress::Finished;
 use crate::dataset::{Campaign, Manifest, Watcher};
 use crate::error::{Error, Result};
@@ -43,6 +43,9 @@ pub struct DatasetArgs {
     /// Recorded frames of each grasp, instead of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: Option<u64>,
+    /// Wall time that a grasp may take, s; one that takes longer ends as a fault. The files then depend on the machine.
+    #[arg(long, value_name = "SECONDS")]
+    pub max_time: Option<f64>,
     /// Only part I of N, from 1 to N: parts may run beside each other, on several machines that share the folder. The same
     /// command without it then closes the data set.
     #[arg(long, value_name = "I/N", value_parser = part)]
@@ -76,11 +79,14 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
     if let Some(frames) = args.frames {
         set.scenes.iter_mut().try_for_each(|s| s.scene.loading.set_frames(frames)).map_err(|m| refused(&m))?;
     }
+    if let Some(seconds) = args.max_time {
+        set.scenes.iter_mut().try_for_each(|s| super::run::limit_time(&mut s.scene.stepper, seconds))?;
+    }
     let threads = args.threads.map_or_else(super::run::machine_threads, |n| n as usize);
     let campaign = Campaign::plan(&set, out)?;
     let manifest = campaign.manifest();
     let resumed = campaign.finished();
-    eprintln!(
+    say(&format!(
         "{} object{}, {} grasps of {} frames; at most {:.1} MB in {}{}",
         manifest.objects.len(),
         if manifest.objects.len() == 1 { "" } else { "s" },
@@ -89,9 +95,9 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
         campaign.bytes() as f64 / 1e6,
         out.display(),
         if resumed > 0 { format!("; {resumed} grasps are there already") } else { String::new() },
-    );
+    ));
     for object in &manifest.objects {
-        object.notices.iter().for_each(|notice| eprintln!("{}: {notice}", object.name));
+        object.notices.iter().for_each(|notice| say(&format!("{}: {notice}", object.name)));
     }
     if args.dry_run {
         return Ok(ExitCode::from(OK));
@@ -169,14 +175,14 @@ fn choose(scenes: &mut Vec<NamedScene>, wanted: &[String]) -> Result<()> {
 }
 
 fn report(manifest: &Manifest, resumed: usize, wall: f64) -> String {
-    let mut out = String::from("object            grasps  reached  fault  infeasible        MB\n");
+    let mut out = String::from("object            grasps  reached  dropped  fault  infeasible        MB\n");
     // Writing to a String cannot fail.
     for o in &manifest.objects {
         let (mb, name) = (o.bytes as f64 / 1e6, &o.name);
         let _ = writeln!(
             out,
-            "{name:<16}  {:>6}  {:>7}  {:>5}  {:>10}  {mb:>8.2}",
-            o.grasps, o.reached, o.fault, o.infeasible
+            "{name:<16}  {:>6}  {:>7}  {:>7}  {:>5}  {:>10}  {mb:>8.2}",
+            o.grasps, o.reached, o.dropped, o.fault, o.infeasible
         );
     }
     for o in &manifest.objects {

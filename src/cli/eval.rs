@@ -1,6 +1,6 @@
 //! `tactus eval`: how wrong a trained model is.
 
-use super::{Format, OK, print};
+use super::{Format, OK, print, say};
 use crate::dataset::DataSet;
 use crate::error::{Error, Result};
 use crate::gnn::dump;
@@ -47,10 +47,10 @@ pub fn eval(args: &EvalArgs) -> Result<ExitCode> {
     let predictor = Predictor::open(&args.model)?;
     let split = args.split.clone().unwrap_or_else(|| predictor.card.split.clone());
     if set.manifest.plan == predictor.card.data && split != predictor.card.split {
-        eprintln!(
+        say(&format!(
             "note: trained on split {} of this data set: {split} may hold grasps it has seen",
             predictor.card.split
-        );
+        ));
     }
     if let Some(path) = &args.dump {
         let samples = test_grasps(&set, &predictor, &split)?;

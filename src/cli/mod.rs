@@ -79,7 +79,7 @@ pub fn main() -> ExitCode {
             let text = error.to_string();
             let plain = text.starts_with("error:") || matches!(error, Error::Interrupted(_));
             let start = if plain { "" } else { "error: " };
-            eprintln!("{start}{text}");
+            say(&format!("{start}{text}"));
             ExitCode::from(REFUSED)
         }
     }
@@ -121,4 +121,9 @@ fn print(text: &str) -> Result<()> {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::file("<stdout>", e.to_string())),
         _ => Ok(()),
     }
+}
+
+/// Says a line on stderr. One that nobody can read (`2>/dev/full`, a closed pipe) changes nothing of what is done.
+fn say(line: &str) {
+    let _ = std::io::stderr().write_all(format!("{line}\n").as_bytes());
 }

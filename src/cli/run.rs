@@ -1,7 +1,7 @@
 //! `tactus run`: simulate the grasps of a scene.
 
 use super::watch::Watch;
-use super::{Format, NOT_HELD, OK, kept, print, table};
+use super::{Format, NOT_HELD, OK, kept, print, say, table};
 use crate::error::{Error, Result};
 use crate::gnn::SHIPPED;
 use crate::grasp::{GraspPose, aim_notice, poses_of};
@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::record::{ExpectationReport, Options, Recorder, RunReport, Status};
 use crate::render::Scalar;
 use crate::runner::{Outcome, run_grasps};
-use crate::scene::leaf::Count;
+use crate::scene::leaf::{Count, Positive};
 use crate::scene::{
     Condensed, Fem, Gnn, Held, LoadedSet, Measured, Scene, Solver, Stepper, evaluate_all, load_set, recheck,
 };
@@ -42,6 +42,9 @@ pub struct RunArgs {
     /// Threads, instead of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
+    /// Wall time that a grasp may take, s; one that takes longer ends as a fault. What ends depends on the machine.
+    #[arg(long, value_name = "SECONDS")]
+    pub max_time: Option<f64>,
     /// Only this grasp of the scene (from 0); may be given again.
     #[arg(long, value_name = "I")]
     pub grasp: Vec<usize>,
@@ -103,6 +106,9 @@ impl RunArgs {
                 *own = Some(threads);
             }
         }
+        if let Some(seconds) = self.max_time {
+            limit_time(&mut scene.stepper, seconds)?;
+        }
         if let Some(frames) = self.frames {
             scene.loading.set_frames(frames).map_err(|m| refused(&m))?;
         }
@@ -111,6 +117,18 @@ impl RunArgs {
         }
         recheck(scene)
     }
+}
+
+/// Takes over `--max-time`.
+pub(super) fn limit_time(stepper: &mut Stepper, seconds: f64) -> Result<()> {
+    let seconds = Positive::new(seconds).map_err(|m| refused(&format!("--max-time {m}")))?;
+    match stepper {
+        Stepper::Fem(fem) => fem.max_time = Some(seconds),
+        Stepper::Gnn(_) => {
+            return Err(refused("--max-time is for finite elements: a network takes the same time for every grasp"));
+        }
+    }
+    Ok(())
 }
 
 fn refused(message: &str) -> Error {
@@ -179,7 +197,7 @@ fn run_object(args: &RunArgs, scene: &Scene, out: Option<&Path>, last: bool) -> 
         None => None,
     };
     for notice in model.notices.iter().chain(&model.pad_notice).chain(&aim) {
-        eprintln!("note: {notice}");
+        say(&format!("note: {notice}"));
     }
     let watch = Watch::new(&model, recorder, grasps.len());
     let clock = Instant::now();
@@ -263,6 +281,7 @@ fn options(args: &RunArgs, scene: &Scene, model: &Model) -> Options {
         picture: (scene.record.pictures && !model.fingers.is_empty()).then_some(picture),
         overwrite: args.overwrite,
         object_name: model.object.name.clone(),
+        pads: model.fingers.iter().map(|f| f.placement.pose()).collect(),
         ..Options::default()
     }
 }

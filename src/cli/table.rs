@@ -1,7 +1,7 @@
 //! The report of a run for human eyes.
 
 use crate::grasp::GraspPose;
-use crate::record::{RunReport, Status};
+use crate::record::RunReport;
 use crate::runner::Outcome;
 use crate::scene::{Expectation, Held, Scene, Stepper};
 use std::fmt::Write;
@@ -53,11 +53,7 @@ fn rows(out: &mut String, grasps: &[(usize, GraspPose)], outcomes: &[Outcome]) {
     );
     for ((index, _), o) in grasps.iter().zip(outcomes) {
         let s = &o.summary;
-        let status = match s.status {
-            Status::Reached => "reached",
-            Status::Fault => "fault",
-            Status::Infeasible => "infeasible",
-        };
+        let status = s.status.word();
         let optional = |value: Option<f64>, scale: f64, digits: usize| {
             value.filter(|v| v.is_finite()).map_or("-".into(), |v| format!("{:.digits$}", v * scale))
         };

@@ -1,6 +1,6 @@
 //! `tactus train`: a network from a data set.
 
-use super::{Format, OK, kept, print};
+use super::{Format, OK, kept, print, say};
 use crate::dataset::DataSet;
 use crate::error::{Error, Result};
 use crate::gnn::spec::Spec;
@@ -48,15 +48,15 @@ fn run(args: &TrainArgs) -> Result<ExitCode> {
     let set = DataSet::open(&args.data)?;
     let mut trainer = Trainer::new(&set, &spec, &args.split, &args.out)?;
     if let Some(notice) = &trainer.notice {
-        eprintln!("note: {notice}");
+        say(&format!("note: {notice}"));
     }
     let (training, validation) = trainer.counts();
     let resumed = trainer.epochs().len();
-    eprintln!(
+    say(&format!(
         "{} parameters; {training} grasps to learn from, {validation} to stop by{}",
         trainer.card().parameters,
         if resumed > 0 { format!("; {resumed} epochs are there already") } else { String::new() }
-    );
+    ));
     let bar = ProgressBar::new((spec.training.epochs.get() - resumed) as u64);
     // The template is a constant; if it were wrong the default style would do.
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}  epoch {pos}/{len}  {elapsed}, {eta} left") {

@@ -2,9 +2,10 @@
 
 use crate::error::Result;
 use crate::model::Model;
+use crate::record::names;
 
 /// Version of the layout; a reader refuses others.
-pub const FORMAT: u64 = 1;
+pub const FORMAT: u64 = 2;
 
 /// Type of the numbers, little-endian.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -100,7 +101,7 @@ impl Array {
 pub const REASON: usize = 256;
 
 macro_rules! arrays {
-    ($($row:ident $name:literal $kind:ident $sizes:ident $shape:tt $unit:literal $about:literal;)*) => {
+    ($($row:ident $name:tt $kind:ident $sizes:ident $shape:tt $unit:literal $about:literal;)*) => {
         /// The arrays by name; `row as usize` is the place in [`ARRAYS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum Row {
@@ -125,24 +126,24 @@ arrays! {
     StackedPositions "_1_stacked_positions"    F32 s [s.frames, s.pads * s.corners, 3] "m" "corner nodes, left pad first, loader's world (Y up)";
     StackedStresses "_1_stacked_stresses"     F32 s [s.frames, s.pads * s.tets] "Pa" "von Mises stress of the tetrahedra, left pad first";
     StackedObjectFrame "_1_stacked_object_frame" F32 s [s.frames, 4, 4] "1, m" "object frame to loader's world, homogeneous";
-    Displacement "displacement"   F32 s [s.frames, s.pads, s.nodes, 3] "m" "of every node against the pad carried rigidly by its finger, pad frame";
-    ContactForce "contact_force"  F32 s [s.frames, s.pads, s.nodes, 3] "N" "on the pad, per node, friction included, pad frame";
-    VonMises "von_mises"      F32 s [s.frames, s.pads, s.nodes] "Pa" "per node: volume-weighted mean of the tetrahedra at the node";
-    Force "force"          F64 s [s.frames] "N" "applied force: sum over the fingers of |normal force|";
-    Travel "travel"         F64 s [s.frames, s.pads] "m" "closing travel of each finger since first contact";
-    FingerPosition "finger_position" F64 s [s.frames, s.pads] "m" "closing travel of each finger since the open hand";
-    ObjectPose "object_pose"    F64 s [s.frames, 7] "m, 1" "px py pz qw qx qy qz: x_hand = R(q) x_object + p";
-    Wrench "wrench"         F64 s [s.frames, s.pads, 6] "N, N m" "force and torque of the contact on each pad about the origin of its pad frame, pad axes";
-    Energy "energy"         F64 s [s.frames] "J" "value of the incremental potential";
-    Residual "residual"       F64 s [s.frames] "N" "norm of the out-of-balance nodal forces";
-    ForceBalance "force_balance"  F64 s [s.frames] "1" "unbalanced force over applied force";
-    TorqueBalance "torque_balance" F64 s [s.frames] "1" "unbalanced torque over applied force times object size";
-    MinDetF "min_det_f"      F64 s [s.frames] "1" "smallest det F over all quadrature points";
-    MinGap "min_gap"        F64 s [s.frames] "m" "smallest gap between pads and object";
-    NewtonIterations "newton_iterations" U32 s [s.frames] "1" "Newton iterations of the frame";
-    GraspPose "grasp_pose"     F64 s [7] "m, 1" "px py pz qw qx qy qz of the hand in the object frame: x_object = R(q) x_hand + p";
+    Displacement (names::DISPLACEMENT) F32 s [s.frames, s.pads, s.nodes, 3] "m" "of every node against the pad carried rigidly by its finger, pad frame";
+    ContactForce (names::CONTACT_FORCE) F32 s [s.frames, s.pads, s.nodes, 3] "N" "on the pad, per node, friction included, pad frame";
+    VonMises (names::VON_MISES) F32 s [s.frames, s.pads, s.nodes] "Pa" "per node: volume-weighted mean of the tetrahedra at the node";
+    Force (names::FORCE) F64 s [s.frames] "N" "applied force: sum over the fingers of |normal force|";
+    Travel (names::TRAVEL) F64 s [s.frames, s.pads] "m" "closing travel of each finger since first contact";
+    FingerPosition (names::FINGER_POSITION) F64 s [s.frames, s.pads] "m" "closing travel of each finger since the open hand";
+    ObjectPose (names::OBJECT_POSE) F64 s [s.frames, 7] "m, 1" "px py pz qw qx qy qz: x_hand = R(q) x_object + p";
+    Wrench (names::WRENCH) F64 s [s.frames, s.pads, 6] "N, N m" "force and torque of the contact on each pad about the origin of its pad frame, pad axes";
+    Energy (names::ENERGY) F64 s [s.frames] "J" "value of the incremental potential";
+    Residual (names::RESIDUAL) F64 s [s.frames] "N" "norm of the out-of-balance nodal forces";
+    ForceBalance (names::FORCE_BALANCE) F64 s [s.frames] "1" "unbalanced force over applied force";
+    TorqueBalance (names::TORQUE_BALANCE) F64 s [s.frames] "1" "unbalanced torque over applied force times object size";
+    MinDetF (names::MIN_DET_F) F64 s [s.frames] "1" "smallest det F in any element";
+    MinGap (names::MIN_GAP) F64 s [s.frames] "m" "smallest gap between pads and object";
+    NewtonIterations (names::NEWTON_ITERATIONS) U32 s [s.frames] "1" "Newton iterations of the frame";
+    GraspPose (names::GRASP_POSE) F64 s [7] "m, 1" "px py pz qw qx qy qz of the hand in the object frame: x_object = R(q) x_hand + p";
     RecordedFrames "recorded_frames" U32 s [] "1" "valid frames of the grasp: the first so many";
-    Status "status"         U8  s [] "1" "0 not simulated, 1 reached, 2 fault, 3 infeasible";
+    Status "status"         U8  s [] "1" "0 not simulated, 1 reached, 2 fault, 3 infeasible, 4 dropped";
     Reason "reason"         U8  s [REASON] "text" "why the grasp was not reached, UTF-8, padded with zeros";
     Checksum "checksum"       U8  s [32] "1" "BLAKE3 of the grasp's rows of all other arrays, in the order of the file";
 }

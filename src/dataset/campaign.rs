@@ -82,6 +82,7 @@ impl Campaign {
                 seal: None,
                 reached: 0,
                 fault: 0,
+                dropped: 0,
                 infeasible: 0,
                 notices: grasps.notices,
                 failures: Vec::new(),

@@ -10,6 +10,7 @@ use super::rows::{Rows, checksum, code};
 use crate::error::{Error, Result};
 use crate::model::{FingerModel, Model};
 use crate::record::files::{cannot_write, replace_durable};
+use crate::record::names;
 use crate::scene::{NamedScene, to_ron};
 use glam::{DQuat, DVec3};
 use hdf5_pure::{AttrValue, Datatype, File, FileBuilder, GroupBuilder};
@@ -103,29 +104,35 @@ fn fixed(builder: &mut FileBuilder, model: &Model) {
     let flat = |v: &[DVec3]| v.iter().flat_map(|p| p.to_array()).collect::<Vec<_>>();
     let mut group = builder.create_group("pad");
     let about = "rest positions of the nodes of a pad, pad frame; corners first";
-    doubles(&mut group, "rest", "m", about, 3, &flat(&pad.rest));
+    doubles(&mut group, names::REST, "m", about, 3, &flat(&pad.rest));
     let pose = |f: &FingerModel| {
         let (p, q) = (f.placement.origin, DQuat::from_mat3(&f.placement.rotation));
         [p.x, p.y, p.z, q.w, q.x, q.y, q.z]
     };
     let poses: Vec<f64> = model.fingers.iter().flat_map(pose).collect();
     let about = "px py pz qw qx qy qz of each pad at zero travel: x_hand = R(q) x_pad + p";
-    doubles(&mut group, "pose", "m, 1", about, 7, &poses);
+    doubles(&mut group, names::PAD_POSE, "m, 1", about, 7, &poses);
     let closing: Vec<_> = model.fingers.iter().map(|f| f.placement.closing).collect();
-    doubles(&mut group, "closing", "1", "closing direction of each finger, hand frame", 3, &flat(&closing));
+    doubles(&mut group, names::CLOSING, "1", "closing direction of each finger, hand frame", 3, &flat(&closing));
     let about = "nodes of each tetrahedron: 4 corners, then the middles of (0,1) (1,2) (2,0) (0,3) (1,3) (2,3)";
-    integers(&mut group, "tets", about, pad.elements.width(), pad.elements.nodes());
-    integers(&mut group, "surface", "corner triangles of the whole surface, outward", 3, pad.surface.as_flattened());
-    integers(&mut group, "sensing", "triangles of the sensing face, outward", 3, pad.sensing.as_flattened());
+    integers(&mut group, names::TETS, about, pad.elements.width(), pad.elements.nodes());
+    integers(
+        &mut group,
+        names::SURFACE,
+        "corner triangles of the whole surface, outward",
+        3,
+        pad.surface.as_flattened(),
+    );
+    integers(&mut group, names::SENSING, "triangles of the sensing face, outward", 3, pad.sensing.as_flattened());
     let bonded: Vec<u8> = pad.bonded.iter().map(|b| u8::from(*b)).collect();
-    let dataset = group.create_dataset("bonded").with_u8_data(&bonded);
+    let dataset = group.create_dataset(names::BONDED).with_u8_data(&bonded);
     dataset.set_attr("unit", text("1")).set_attr("about", text("1 where the node is glued to the finger"));
     builder.add_group(group.finish());
 
     let surface = &model.object.surface;
     let mut group = builder.create_group("object");
-    doubles(&mut group, "vertices", "m", "surface of the object, object frame", 3, &flat(&surface.vertices));
-    integers(&mut group, "triangles", "triangles of the object, outward", 3, surface.triangles.as_flattened());
+    doubles(&mut group, names::VERTICES, "m", "surface of the object, object frame", 3, &flat(&surface.vertices));
+    integers(&mut group, names::TRIANGLES, "triangles of the object, outward", 3, surface.triangles.as_flattened());
     builder.add_group(group.finish());
 }
 

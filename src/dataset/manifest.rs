@@ -57,6 +57,9 @@ pub struct ObjectEntry {
     pub seal: Option<Seal>,
     /// Grasps that reached their load.
     pub reached: usize,
+    /// Grasps that the object left.
+    #[serde(default)]
+    pub dropped: usize,
     /// Grasps that the solver gave up.
     pub fault: usize,
     /// Grasps that could not start.
@@ -126,7 +129,11 @@ impl Manifest {
             return Err(fail(message.into()));
         }
         if manifest.format != FORMAT {
-            return Err(fail(format!("has layout {}; this build reads {FORMAT}", manifest.format)));
+            return Err(fail(format!(
+                "has layout {}; this build reads {FORMAT}: make the data set again with `tactus dataset SCENE -o DIR` in another folder; models \
+                 trained on it stay valid",
+                manifest.format
+            )));
         }
         Ok(Some(manifest))
     }
@@ -155,6 +162,7 @@ impl ObjectEntry {
         for f in finished {
             match f.status {
                 Status::Reached => self.reached += 1,
+                Status::Dropped => self.dropped += 1,
                 Status::Fault => self.fault += 1,
                 Status::Infeasible => self.infeasible += 1,
             }

@@ -6,7 +6,7 @@ use super::rows::checksum;
 use crate::error::{Error, Result};
 use crate::grasp::GraspPose;
 use crate::mesh::TriMesh;
-use crate::record::{Elements, PadTopology};
+use crate::record::{Elements, PadTopology, names};
 use glam::DVec3;
 use hdf5_pure::{AttrValue, File, Layout};
 use std::collections::HashMap;
@@ -32,7 +32,7 @@ pub struct ObjectFile {
     pub closing: Vec<DVec3>,
     /// Surface of the object, object frame, m.
     pub object: TriMesh,
-    /// Per grasp: 1 reached, 2 fault, 3 infeasible.
+    /// Per grasp: 0 not simulated, 1 reached, 2 fault, 3 infeasible, 4 dropped.
     pub status: Vec<u8>,
     /// Numbers of the file's header: material, friction, gravity.
     pub numbers: HashMap<String, Vec<f64>>,
@@ -79,7 +79,11 @@ impl ObjectFile {
         let attributes = file.root().attrs().map_err(read)?;
         let format = attributes.get("format").and_then(AttrValue::as_u64);
         if format != Some(FORMAT) {
-            return Err(fail(format!("is no file of a data set of layout {FORMAT} (its `format` is {format:?})")));
+            let found = format.map_or("no `format`".into(), |f| format!("layout {f}"));
+            return Err(fail(format!(
+                "has {found}, and this build reads data sets of layout {FORMAT}, whose arrays are named by their units: make it \
+                 again with `tactus dataset SCENE -o DIR`; models trained on it stay valid"
+            )));
         }
         let text = |name: &str| {
             let value = attributes.get(name).and_then(AttrValue::as_str).map(str::to_string);
@@ -107,11 +111,14 @@ impl ObjectFile {
         let bytes = |name: &str| plain(name, 1)?.read_u8().map_err(|e| bad(name, e));
 
         let (big, positions, stresses) =
-            (shape("displacement")?, shape("_1_stacked_positions")?, shape("_1_stacked_stresses")?);
+            (shape(names::DISPLACEMENT)?, shape("_1_stacked_positions")?, shape("_1_stacked_stresses")?);
         let ([grasps, frames, pads, nodes, 3], [_, _, corners, 3], [_, _, tets]) =
             (big.as_slice(), positions.as_slice(), stresses.as_slice())
         else {
-            return Err(fail(format!("`displacement` has shape {big:?}; it must be (grasps, frames, pads, nodes, 3)")));
+            return Err(fail(format!(
+                "`{}` has shape {big:?}; it must be (grasps, frames, pads, nodes, 3)",
+                names::DISPLACEMENT
+            )));
         };
         let per_pad = |n: usize| n / (*pads).max(1);
         let sizes = Sizes {
@@ -122,6 +129,7 @@ impl ObjectFile {
             corners: per_pad(*corners),
             tets: per_pad(*tets),
         };
+        let in_pad = |name: &str| format!("pad/{name}");
         let places = Places::find(path, &file, sizes)?;
         let width = shape("pad/tets")?.get(1).copied().unwrap_or(0);
         let nodes_of_tets = integers("pad/tets")?;
@@ -135,7 +143,7 @@ impl ObjectFile {
             Ok::<_, Error>(doubles(name)?.as_chunks::<3>().0.iter().map(|p| DVec3::from_array(*p)).collect::<Vec<_>>())
         };
         let pad = PadTopology {
-            rest: points("pad/rest")?,
+            rest: points(&in_pad(names::REST))?,
             corner_count: sizes.corners,
             elements,
             surface: triangles("pad/surface")?,
@@ -143,10 +151,18 @@ impl ObjectFile {
             bonded: bytes("pad/bonded")?.into_iter().map(|b| b != 0).collect(),
         };
         crate::record::check::topology(0, &pad).map_err(fail)?;
-        let object = TriMesh { vertices: points("object/vertices")?, triangles: triangles("object/triangles")? };
+        let object = TriMesh {
+            vertices: points(&format!("object/{}", names::VERTICES))?,
+            triangles: triangles("object/triangles")?,
+        };
         crate::record::check::object(&object).map_err(fail)?;
         let (pad_poses, closing) = (
-            doubles("pad/pose")?.as_chunks::<7>().0.iter().map(|v| GraspPose::from_row(v)).collect::<Vec<_>>(),
+            doubles(&in_pad(names::PAD_POSE))?
+                .as_chunks::<7>()
+                .0
+                .iter()
+                .map(|v| GraspPose::from_row(v))
+                .collect::<Vec<_>>(),
             points("pad/closing")?,
         );
         if pad.rest.len() != sizes.nodes

@@ -119,6 +119,7 @@ pub fn code(status: Status) -> u8 {
         Status::Reached => 1,
         Status::Fault => 2,
         Status::Infeasible => 3,
+        Status::Dropped => 4,
     }
 }
 

@@ -16,7 +16,7 @@ use crate::grasp::GraspPose;
 use crate::model::Model;
 use crate::record::Frame;
 use crate::render::Pixmap;
-use crate::schedule::{Command, Phase};
+use crate::schedule::{Command, Phase, Stop};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -119,7 +119,7 @@ impl Cell {
                     self.run = Some(run);
                     return;
                 }
-                Err(reason) => self.output.fault = Some(format!("no feasible start: {reason}")),
+                Err(stop) => self.output.fault = Some(format!("no feasible start: {}", stop.reason)),
             }
         }
     }
@@ -149,8 +149,9 @@ impl Cell {
         output.last.clear();
         output.fault = None;
         let done = run.advance(arena, numbers);
-        let mut facts = done.unwrap_or_else(|reason| {
-            output.fault = Some(reason);
+        let mut facts = done.unwrap_or_else(|stop| {
+            // An object that leaves the hand is not held; nothing has failed.
+            output.fault = (!stop.dropped).then_some(stop.reason);
             Facts::default()
         });
         let mut seen = vec![0.0; output.obs.len()];
@@ -173,7 +174,7 @@ impl Cell {
 
 impl Run {
     /// Closes the hand on the object as drawn; the object lies on its support.
-    fn new(arena: &Arena, draw: Draw) -> Result<Self, String> {
+    fn new(arena: &Arena, draw: Draw) -> Result<Self, Stop> {
         let force = arena.task.start.get();
         let (environment, frame) = grasp(arena, &arena.variant(&draw).model, draw.pose, force)?;
         let weight = arena.weight(&draw, &draw.pose);
@@ -186,7 +187,7 @@ impl Run {
     }
 
     /// One step; on failure the frame is that of the last accepted state.
-    fn advance(&mut self, arena: &Arena, numbers: &[f32]) -> Result<Facts, String> {
+    fn advance(&mut self, arena: &Arena, numbers: &[f32]) -> Result<Facts, Stop> {
         self.step += 1;
         let Action { force, twist, regrasp } = action::decode(&arena.task, numbers, self.force, self.twist);
         (self.force, self.twist) = (force, twist);
@@ -230,40 +231,42 @@ impl Key {
 }
 
 /// A world whose hand has closed at `pose` with `force` (N, all fingers).
-fn grasp(arena: &Arena, model: &Arc<Model>, pose: GraspPose, force: f64) -> Result<(Environment, Frame), String> {
-    let mut environment = arena.environment(model, pose).map_err(|e| e.to_string())?;
+fn grasp(arena: &Arena, model: &Arc<Model>, pose: GraspPose, force: f64) -> Result<(Environment, Frame), Stop> {
+    let mut environment = arena.environment(model, pose).map_err(|e| Stop::fault(e.to_string()))?;
     match close(&mut environment, model, force) {
         Ok(frame) => Ok((environment, frame)),
-        Err(reason) => {
+        Err(stop) => {
             arena.retire(environment);
-            Err(reason)
+            Err(stop)
         }
     }
 }
 
 /// Closes a fresh hand with `force` (N, all fingers).
-fn close(environment: &mut Environment, model: &Model, force: f64) -> Result<Frame, String> {
+fn close(environment: &mut Environment, model: &Model, force: f64) -> Result<Frame, Stop> {
     environment.world_mut().insert_resource(Command { force: 0.0 });
     loop {
         match environment.phase() {
             Phase::Ramp { .. } => return drive(environment, model, force, DVec3::ZERO),
-            Phase::Infeasible { reason } | Phase::Fault { reason } => return Err(reason),
-            Phase::Done => return Err("the grasp ended before it began".into()),
+            Phase::Dropped { reason } => return Err(Stop { dropped: true, reason }),
+            Phase::Infeasible { reason } | Phase::Fault { reason } => return Err(Stop::fault(reason)),
+            Phase::Done => return Err(Stop::fault("the grasp ended before it began")),
             Phase::Place | Phase::Close => environment.step(),
         };
     }
 }
 
 /// One step of the world under `force` (N, all fingers) and the load `load` on the object (N, hand frame).
-fn drive(environment: &mut Environment, model: &Model, force: f64, load: DVec3) -> Result<Frame, String> {
+fn drive(environment: &mut Environment, model: &Model, force: f64, load: DVec3) -> Result<Frame, Stop> {
     let world = environment.world_mut();
     world.insert_resource(Command { force: force / model.fingers.len() as f64 });
     world.query::<&mut ObjectWeight>().iter_mut(world).for_each(|mut weight| weight.0 = load);
     let phase = environment.step();
     match (phase, environment.take_frame()) {
-        (Phase::Fault { reason } | Phase::Infeasible { reason }, _) => Err(reason),
+        (Phase::Dropped { reason }, _) => Err(Stop { dropped: true, reason }),
+        (Phase::Fault { reason } | Phase::Infeasible { reason }, _) => Err(Stop::fault(reason)),
         (_, Some(frame)) => Ok(frame),
-        (other, None) => Err(format!("the step ended in {other:?} without a state")),
+        (other, None) => Err(Stop::fault(format!("the step ended in {other:?} without a state"))),
     }
 }
 

@@ -58,7 +58,8 @@ impl<'a> StepView<'a> {
         &self.0.ended
     }
 
-    /// Why environment `env` has no state for this step: no equilibrium, or no feasible start. The last accepted state
+    /// Why environment `env` has no state for this step: no equilibrium, or no feasible start; an object that leaves the hand is no
+    /// fault. The last accepted state
     /// stands, the episode is terminated.
     pub fn fault(&self, env: usize) -> Option<&'a str> {
         self.0.faults[env].as_deref()

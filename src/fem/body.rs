@@ -2,7 +2,7 @@
 
 use super::analysis::Analysis;
 use super::pattern::{Pattern, Slot};
-use crate::element::{Kernel, RestTet, Shape, Stiffness, TET4, TET10};
+use crate::element::{Kernel, RestTet, Shape, Stiffness, TET4, TET10, TET10_CENTER, TET10_NODES};
 use crate::material::{Material, von_mises};
 use glam::{DMat3, DVec3};
 use pulp::{Arch, NullaryFnOnce};
@@ -137,10 +137,32 @@ impl Body {
         });
     }
 
-    /// Smallest determinant of the deformation gradient over all quadrature points at positions `x`.
+    /// Smallest determinant of the deformation gradient at positions `x`: over all quadrature points, and of 10-node elements over
+    /// their corners, the middles of their edges and their centres too, where one may be turned inside out unseen.
     pub fn min_det_f(&self, x: &[DVec3]) -> f64 {
-        Arch::new()
-            .dispatch(|| per_order!(self, nodes, kernel, kernel.min_det_f(&self.tets, |e, a| x[nodes[e][a] as usize])))
+        let points = Arch::new()
+            .dispatch(|| per_order!(self, nodes, kernel, kernel.min_det_f(&self.tets, |e, a| x[nodes[e][a] as usize])));
+        points.min(self.min_det_f_at(&TET10_NODES, x)).min(self.min_det_f_at(&TET10_CENTER, x))
+    }
+
+    /// The element with that determinant, and where its corners have their centre, m; None of a body without elements.
+    pub fn most_inverted(&self, x: &[DVec3]) -> Option<(usize, DVec3)> {
+        let least = |f: &[DMat3]| f.iter().map(DMat3::determinant).fold(f64::INFINITY, f64::min);
+        let mut worst = (f64::INFINITY, None);
+        per_order!(self, nodes, kernel, {
+            for (e, (n, rest)) in nodes.iter().zip(&self.tets).enumerate() {
+                let mut det = least(&kernel.deformation(rest, &gather(n, x)));
+                if let Some((rest, x, _)) = self.quadratic(e, x) {
+                    let at_nodes = self.kernel(&TET10_NODES).deformation(rest, &x);
+                    det = det.min(least(&at_nodes)).min(least(&self.kernel(&TET10_CENTER).deformation(rest, &x)));
+                }
+                if det < worst.0 {
+                    let center = n[..4].iter().map(|i| x[*i as usize]).sum::<DVec3>() / 4.0;
+                    worst = (det, Some((e, center)));
+                }
+            }
+        });
+        worst.1
     }
 
     /// Smallest determinant of the deformation gradient of 10-node elements at the points of `shape`, at positions `x`; `+inf` if there

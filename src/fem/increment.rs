@@ -174,7 +174,7 @@ impl Path {
                     // Remember an increment only if the path itself forced it to be small.
                     self.increment = if step >= whole.abs() { f64::INFINITY } else { step };
                 }
-                Err(failure) if last_resort => {
+                Err(failure) if last_resort || failure.is_out_of_effort() => {
                     if load == Load::Force {
                         self.newton.force.fill(self.level);
                     }
@@ -201,7 +201,7 @@ impl Path {
             self.newton.rollback();
             done.iterations += self.tolerance.iterations;
             self.spent += self.tolerance.iterations;
-            if !walk || self.newton.border.size == 0 || self.exhausted() {
+            if !walk || self.newton.border.size == 0 || self.exhausted() || failure.is_out_of_effort() {
                 return Err(failure);
             }
         }

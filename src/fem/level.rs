@@ -1,10 +1,12 @@
 //! One load level of a grasp: first contact if need be, the load, and whole pads where condensed ones get no further.
 
+use super::effort::most_iterations;
 use super::increment::{Advanced, Load};
 use super::newton::Failure;
 use super::stepper::Solver;
 use crate::components::ObjectPose;
 use crate::model::Model;
+use crate::schedule::Stop;
 
 /// Largest force over the one before on the way to the first level of an object with weight: condensed pads get no further.
 const RAISE: f64 = 2.5;
@@ -16,18 +18,18 @@ const DROPPED: f64 = 1e-2;
 
 /// Why a level was not reached.
 enum Refusal {
-    /// There is no equilibrium.
-    Final(String),
+    /// There is no equilibrium, or no more effort is to be spent.
+    Final(Stop),
     /// None was found.
-    Unfound(String),
+    Unfound(Stop),
     /// Condensed pads do not get there.
-    Condensed(String),
+    Condensed(Stop),
 }
 
 impl Refusal {
-    fn reason(self) -> String {
-        let (Refusal::Final(reason) | Refusal::Unfound(reason) | Refusal::Condensed(reason)) = self;
-        reason
+    fn stop(self) -> Stop {
+        let (Refusal::Final(stop) | Refusal::Unfound(stop) | Refusal::Condensed(stop)) = self;
+        stop
     }
 }
 
@@ -36,19 +38,22 @@ impl Solver {
     ///
     /// # Errors
     /// What stopped it, for the record; the state is then the last accepted one.
-    pub fn advance(&mut self, model: &Model, level: f64) -> std::result::Result<Advanced, String> {
+    pub fn advance(&mut self, model: &Model, level: f64) -> std::result::Result<Advanced, Stop> {
+        self.steps += 1;
+        let (each, steps) = (self.settings().max_iterations.get() as u32, model.levels.len().max(self.steps));
+        self.path.newton.effort.iterations = most_iterations(each, steps);
         let begins = !self.started;
         let checkpoint = self.condensed.is_some().then(|| self.path.checkpoint());
         let stuck = match (self.raise(model, level), checkpoint) {
             (Err(Refusal::Condensed(_)), Some(checkpoint)) => checkpoint,
             // An object that turns far before it is held may leave what the pads are condensed onto.
             (Err(Refusal::Unfound(_)), Some(checkpoint)) if begins => checkpoint,
-            (done, _) => return done.map_err(Refusal::reason),
+            (done, _) => return done.map_err(Refusal::stop),
         };
         self.path.restore(stuck);
         self.started = !begins;
-        self.release(model)?;
-        self.raise(model, level).map_err(Refusal::reason)
+        self.release(model).map_err(Stop::fault)?;
+        self.raise(model, level).map_err(Refusal::stop)
     }
 
     /// One attempt at [`Solver::advance`].
@@ -64,18 +69,19 @@ impl Solver {
             self.change_weight(|weight| weight.handed_over(0.0));
             self.path.tolerance = self.tolerance(model, first);
             self.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
-            self.back_off(model).map_err(Refusal::Final)?;
-            self.condense(model).map_err(Refusal::Condensed)?;
+            self.back_off(model).map_err(|reason| Refusal::Final(Stop::fault(reason)))?;
+            self.condense(model).map_err(|reason| Refusal::Condensed(Stop::fault(reason)))?;
             let making = format!("making contact at {first:.4} N per finger");
             let made = self.path.establish(first);
             self.change_weight(|weight| weight.handed_over(if supported { 0.0 } else { 1.0 }));
             let refuse = |f| self.refuse(model, &making, f);
-            done = made.map_err(|f| self.squeezed_out(model, first, f).map_or_else(|| refuse(f), Refusal::Final))?;
+            let dropped = |reason| Refusal::Final(Stop { dropped: true, reason });
+            done = made.map_err(|f| self.squeezed_out(model, first, f).map_or_else(|| refuse(f), dropped))?;
         }
         // Before it is held it may roll to where it rests.
         self.path.leash = model.leash.filter(|_| !begins);
         if begins && !model.force_driven {
-            self.condense(model).map_err(Refusal::Condensed)?;
+            self.condense(model).map_err(|reason| Refusal::Condensed(Stop::fault(reason)))?;
         }
         if supported {
             let (first, ratio) = (self.path.level, level / self.path.level);
@@ -105,14 +111,12 @@ impl Solver {
             done.add(more.map_err(|f| self.refuse(model, &taking, f))?);
         }
         if !self.is_upright() {
-            return Err(Refusal::Condensed(format!(
-                "{}: an element of a condensed pad turns inside out",
-                at(load, level)
-            )));
+            let reason = format!("{}: an element of a condensed pad turns inside out", at(load, level));
+            return Err(Refusal::Condensed(Stop::fault(reason)));
         }
         if let Some(reason) = self.lost_grip(model) {
             self.path.state = before;
-            return Err(Refusal::Final(format!("{}: {reason}", at(load, level))));
+            return Err(Refusal::Final(Stop { dropped: model.free, reason: format!("{}: {reason}", at(load, level)) }));
         }
         self.path.recover();
         Ok(done)
@@ -126,11 +130,13 @@ impl Solver {
     }
 
     fn refuse(&self, model: &Model, at: &str, failure: Failure) -> Refusal {
-        let reason = self.explain(model, at, failure);
+        let dropped = model.free && failure.leaves_the_grasp();
+        let stop = Stop { dropped, reason: self.explain(model, at, failure) };
         match failure {
-            Failure::Corrections(_) | Failure::Singular => Refusal::Condensed(reason),
-            Failure::Iterations(_) | Failure::LineSearch(_) | Failure::Unsettled => Refusal::Unfound(reason),
-            Failure::Lost | Failure::Astray | Failure::Underway | Failure::Interrupted => Refusal::Final(reason),
+            Failure::Corrections(_) | Failure::Singular => Refusal::Condensed(stop),
+            Failure::Iterations(_) | Failure::LineSearch(_) | Failure::Unsettled => Refusal::Unfound(stop),
+            Failure::Lost | Failure::Astray | Failure::Underway => Refusal::Final(stop),
+            Failure::Effort(_) | Failure::Time(_) | Failure::Interrupted => Refusal::Final(stop),
         }
     }
 }

@@ -8,6 +8,7 @@ pub mod cholesky;
 pub mod condensed;
 mod direction;
 pub mod dynamics;
+pub mod effort;
 pub mod increment;
 mod lagging;
 mod level;

@@ -2,6 +2,7 @@
 
 use super::arrow::ArrowBlock;
 use super::body::Body;
+use super::effort::Effort;
 use super::proximal::Proximal;
 use super::state::{Border, MAX_BORDER, State, Step};
 use super::term::BodyTerm;
@@ -59,10 +60,26 @@ pub enum Failure {
     Lost,
     /// The object moved farther at one load level than counts as held.
     Astray,
+    /// As many Newton iterations were taken as a grasp may take.
+    Effort(u64),
+    /// The wall time that a grasp may take is over, s.
+    Time(f64),
     /// The object is still on its way: nothing failed, but the way was to be followed in stages.
     Underway,
     /// Somebody asked for an end.
     Interrupted,
+}
+
+impl Failure {
+    /// The object goes where a real one would go, out of the grasp.
+    pub fn leaves_the_grasp(&self) -> bool {
+        matches!(self, Failure::Lost | Failure::Astray | Failure::Unsettled)
+    }
+
+    /// Nothing more is to be tried.
+    pub fn is_out_of_effort(&self) -> bool {
+        matches!(self, Failure::Effort(_) | Failure::Time(_) | Failure::Interrupted)
+    }
 }
 
 impl std::fmt::Display for Failure {
@@ -73,6 +90,13 @@ impl std::fmt::Display for Failure {
             Failure::Corrections(e) => write!(f, "the corrections of the condensed pads do not settle (error {e:.1e})"),
             Failure::Lost => f.write_str("a finger closes on nothing: the object was squeezed out"),
             Failure::Astray => f.write_str("the object moves too far to count as held"),
+            Failure::Effort(most) => write!(
+                f,
+                "no equilibrium within {most} Newton iterations, the most that a grasp of so many steps may take"
+            ),
+            Failure::Time(seconds) => {
+                write!(f, "no equilibrium within the {seconds} s of wall time that a grasp may take")
+            }
             Failure::Underway => f.write_str("the object is still moving"),
             Failure::Interrupted => f.write_str("interrupted"),
             Failure::Unsettled => f.write_str("the object keeps rolling or sliding and does not come to rest"),
@@ -112,6 +136,8 @@ pub struct Newton {
     pub proximal: Option<Proximal>,
     /// The object is held where it is: its pose is no unknown.
     pub held: bool,
+    /// How much it may do.
+    pub effort: Effort,
     pub(super) blocks: Vec<ArrowBlock>,
 }
 
@@ -124,7 +150,16 @@ impl Newton {
         // Analyses take long the first time.
         let blocks: Vec<_> = bodies.into_par_iter().map(|b| ArrowBlock::new(b, border.size)).collect::<Result<_>>()?;
         let force = vec![0.0; blocks.len()];
-        Ok(Self { terms, border, force, profile: Profile::default(), proximal: None, held: false, blocks })
+        Ok(Self {
+            terms,
+            border,
+            force,
+            profile: Profile::default(),
+            proximal: None,
+            held: false,
+            effort: Effort::default(),
+            blocks,
+        })
     }
 
     /// The body with this index.

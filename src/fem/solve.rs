@@ -92,6 +92,9 @@ impl Newton {
             if iterations >= limit {
                 return Err(Failure::Iterations(residual));
             }
+            if let Some(failure) = self.effort.exceeded(self.profile.iterations) {
+                return Err(failure);
+            }
             let factorize = fresh || residual >= QUICK * history[1];
             if factorize && !fresh {
                 self.damp(0.0);

@@ -3,6 +3,7 @@
 use super::body::{Body, Elements};
 use super::condensed::{Condensation, Condensed};
 use super::dynamics::integrator::Integrator;
+use super::effort::Effort;
 use super::increment::Path;
 use super::newton::{Failure, Newton, Tolerance};
 use super::readout;
@@ -85,6 +86,8 @@ pub struct Solver {
     pub(super) condensed: Option<Condensation>,
     settings: scene::Fem,
     pub(super) started: bool,
+    /// Load levels so far.
+    pub(super) steps: usize,
     /// Pose at first contact.
     pub(super) start: ObjectPose,
 }
@@ -127,8 +130,10 @@ impl Solver {
             position: pose.position,
             rotation: pose.rotation,
         };
-        let path = Path::new(Newton::new(bodies, terms, border)?, state, Tolerance::default());
-        Ok(Self { path, condensed, settings: *settings, started: false, start: pose })
+        let mut newton = Newton::new(bodies, terms, border)?;
+        newton.effort = Effort::within(settings.max_time.map(|seconds| seconds.get()));
+        let path = Path::new(newton, state, Tolerance::default());
+        Ok(Self { path, condensed, settings: *settings, started: false, steps: 0, start: pose })
     }
 
     /// The scene's settings.

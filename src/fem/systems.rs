@@ -6,7 +6,8 @@ use super::stepper::Solver;
 use crate::components::*;
 use crate::model::Needs;
 use crate::schedule::{Advance, Next, Phase, Shared, StepSet, Timings, ramping, reached};
-use crate::systems::{measure::measure_balance, sense::close_to_contact};
+use crate::systems::apart::keep_pads_apart;
+use crate::systems::{measure::measure_balance, sense::close_to_contact, upright::inverted};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -25,7 +26,7 @@ pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
     }
     if needs.ground {
         let ground = measure_ground.run_if(reached).after(measure_contact).before(measure_balance);
-        let ground = ground.before(measure_stress).before(measure_det_f);
+        let ground = ground.before(measure_stress);
         schedule.add_systems(ground.in_set(StepSet::Measure));
     }
     schedule.add_systems(
@@ -41,8 +42,7 @@ pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
     if needs.contact_force {
         schedule.add_systems(measure_nodal_force.run_if(reached).after(read_edges).in_set(StepSet::Measure));
     }
-    // Both it and the contact add to `Advance`.
-    schedule.add_systems(measure_det_f.run_if(reached).after(measure_contact).in_set(StepSet::Measure));
+    schedule.add_systems(keep_upright.run_if(reached).after(keep_pads_apart).in_set(StepSet::Accept));
     if needs.stress {
         schedule.add_systems(measure_stress.run_if(reached).in_set(StepSet::Measure));
     }
@@ -85,7 +85,7 @@ pub fn advance_level(
             advance.iterations = done.iterations;
             advance.residual = done.residual;
         }
-        Err(reason) => next.request(Phase::Fault { reason }),
+        Err(stop) => next.request(stop.into()),
     }
 }
 
@@ -234,11 +234,16 @@ pub fn measure_stress(
     }
 }
 
-/// The smallest det F.
-pub fn measure_det_f(solver: Res<Solver>, mut advance: ResMut<Advance>) {
-    let pads = solver.path.state.x.par_iter().enumerate();
-    let smallest: Vec<f64> = pads.map(|(i, x)| solver.body(i).min_det_f(x)).collect();
+/// The smallest det F; ends the grasp with a fault, without recording the frame, where an element is turned inside out.
+pub fn keep_upright(solver: Res<Solver>, shared: Res<Shared>, mut advance: ResMut<Advance>, mut next: ResMut<Next>) {
+    let x = &solver.path.state.x;
+    let smallest: Vec<f64> = x.par_iter().enumerate().map(|(i, x)| solver.body(i).min_det_f(x)).collect();
     advance.min_det_f = smallest.into_iter().fold(f64::INFINITY, f64::min);
+    if advance.min_det_f <= 0.0 {
+        advance.reached = false;
+        let x: Vec<_> = x.iter().map(|x| &x[..]).collect();
+        next.request(Phase::Fault { reason: format!("at load {:.4e}: {}", advance.level, inverted(&shared.0, &x)) });
+    }
 }
 
 /// Hands on where the time went.

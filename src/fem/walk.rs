@@ -90,7 +90,7 @@ impl Path {
                         stiffness *= STIFFER[0];
                     }
                 }
-                Err(failure @ (Failure::Lost | Failure::Interrupted)) => return Err(failure),
+                Err(failure) if failure == Failure::Lost || failure.is_out_of_effort() => return Err(failure),
                 Err(failure) => {
                     self.newton.rollback();
                     spent += tolerance.iterations;

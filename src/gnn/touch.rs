@@ -53,7 +53,9 @@ impl Touch {
         loop {
             match environment.step() {
                 Phase::Ramp { .. } => break,
-                Phase::Infeasible { reason } | Phase::Fault { reason } => return Err(Error::Start(reason)),
+                Phase::Infeasible { reason } | Phase::Dropped { reason } | Phase::Fault { reason } => {
+                    return Err(Error::Start(reason));
+                }
                 Phase::Done => return Err(Error::Start("the grasp ended before it began".into())),
                 Phase::Place | Phase::Close => {}
             }

@@ -21,6 +21,12 @@ impl GraspPose {
         Self { position: DVec3::from_slice(row), rotation }
     }
 
+    /// The row of a file: px py pz qw qx qy qz.
+    pub fn row(&self) -> [f64; 7] {
+        let (p, q) = (self.position, self.rotation);
+        [p.x, p.y, p.z, q.w, q.x, q.y, q.z]
+    }
+
     /// A point of the object in the hand frame, m.
     pub fn to_hand(&self, in_object: DVec3) -> DVec3 {
         self.rotation.conjugate() * (in_object - self.position)

@@ -3,7 +3,8 @@
 //! Hand frame (that of DefGraspSim): origin at the hand base, +Z the approach, fingers close along X, finger width along
 //! Y. The left finger stands at -X and closes towards +X, the right one is its image under a half turn about Z.
 
-use glam::{DMat3, DVec3};
+use crate::grasp::GraspPose;
+use glam::{DMat3, DQuat, DVec3};
 
 /// Number of fingers of the full gripper.
 pub const SIDES: usize = 2;
@@ -30,6 +31,11 @@ impl Placement {
             origin: DVec3::Z * height - closing * (0.5 * opening),
             closing,
         }
+    }
+
+    /// The same as a pose: `x_hand = rotation * x_pad + position`.
+    pub fn pose(&self) -> GraspPose {
+        GraspPose { position: self.origin, rotation: DQuat::from_mat3(&self.rotation) }
     }
 
     /// Position in the hand frame of a point given in the pad frame, m.

@@ -1,30 +1,13 @@
-//! `arrays.npz`: the frames of a grasp as plain arrays, `numpy.load` reads them.
+//! `arrays.npz`: the frames of a grasp as plain arrays, `numpy.load` reads them; names in [`super::names`], shapes, units and frames in
+//! `docs/data-format.md`.
 //!
 //! Nodes and tetrahedra of the pads are concatenated, left first; `pad_of_node` tells them apart and `tets` counts nodes over both pads.
-//!
-//! | array | shape | unit |
-//! |---|---|---|
-//! | `position`, `displacement` | (frames, nodes, 3) | m, hand frame |
-//! | `contact_force` | (frames, nodes, 3) | N on the pad |
-//! | `von_mises_node` | (frames, nodes) | Pa, volume-weighted nodal average |
-//! | `von_mises_element` | (frames, tets) | Pa |
-//! | `gap` | (frames, nodes) | m, signed distance to the object |
-//! | `object_pose` | (frames, 7): x y z qw qx qy qz | m |
-//! | `force` | (frames) | N, sum over the fingers |
-//! | `time` | (frames) | s |
-//! | `hand_pose` | (frames, 7): x y z qw qx qy qz, world | m; dynamic scenes |
-//! | `object_motion` | (frames, 6): velocity, spin, world axes | m/s, rad/s; dynamic scenes |
-//! | `ground_force` | (frames, 3), world axes | N; dynamic scenes |
-//! | `travel` | (frames, pads) | m |
-//! | `wrench` | (frames, pads, 6): force, torque | N, N m |
-//! | `rest` | (nodes, 3) | m, pad frame |
-//! | `tets` | (tets, 4 or 10) | node index, VTK order |
-//! | `bonded` | (nodes) | bool |
-//! | `pad_of_node`, `pad_of_tet` | (nodes), (tets) | 0 = left |
 
 use super::files::replace_durable;
 use super::frame::{Frame, PadTopology};
+use super::names;
 use crate::error::{Error, Result};
+use crate::grasp::GraspPose;
 use glam::DVec3;
 use ndarray::{ArrayView, Dimension, ShapeBuilder, StrideShape};
 use ndarray_npy::{NpzWriter, WritableElement};
@@ -36,6 +19,7 @@ use std::path::{Path, PathBuf};
 pub struct Arrays {
     path: PathBuf,
     pads: usize,
+    pad_pose: Vec<f64>,
     rest: Vec<f64>,
     tets: Vec<u32>,
     tet_width: usize,
@@ -61,8 +45,9 @@ pub struct Arrays {
 }
 
 impl Arrays {
-    /// Arrays of a grasp with these pads, to be written to `path`. All pads must have one kind of element.
-    pub fn new(path: PathBuf, topologies: &[PadTopology]) -> Result<Self> {
+    /// Arrays of a grasp with these pads, at `poses` at zero travel (none if not known), to be written to `path`. All pads must have one
+    /// kind of element.
+    pub fn new(path: PathBuf, topologies: &[PadTopology], poses: &[GraspPose]) -> Result<Self> {
         let width = topologies.first().map_or(4, |t| t.elements.width());
         if topologies.iter().any(|t| t.elements.width() != width) {
             return Err(Error::file(
@@ -73,6 +58,7 @@ impl Arrays {
         let mut arrays = Arrays {
             path,
             pads: topologies.len(),
+            pad_pose: poses.iter().flat_map(GraspPose::row).collect(),
             rest: Vec::new(),
             tets: Vec::new(),
             tet_width: width,
@@ -149,41 +135,50 @@ impl Arrays {
         let (frames, nodes, tets) = (self.frames, self.bonded.len(), self.pad_of_tet.len());
         let mut npz = NpzWriter::new(BufWriter::new(std::fs::File::create(path)?));
         let out = &mut npz;
-        put(out, "displacement", (frames, nodes, 3), &self.displacement)?;
-        put(out, "position", (frames, nodes, 3), &self.position)?;
+        put(out, names::DISPLACEMENT, (frames, nodes, 3), &self.displacement)?;
+        put(out, names::POSITION, (frames, nodes, 3), &self.position)?;
         // What is not recorded is left out.
         if !self.contact_force.is_empty() {
-            put(out, "contact_force", (frames, nodes, 3), &self.contact_force)?;
+            put(out, names::CONTACT_FORCE, (frames, nodes, 3), &self.contact_force)?;
         }
         if !self.von_mises_node.is_empty() {
-            put(out, "von_mises_node", (frames, nodes), &self.von_mises_node)?;
+            put(out, names::VON_MISES, (frames, nodes), &self.von_mises_node)?;
         }
         if !self.von_mises_element.is_empty() {
-            put(out, "von_mises_element", (frames, tets), &self.von_mises_element)?;
+            put(out, names::ELEMENT_VON_MISES, (frames, tets), &self.von_mises_element)?;
         }
         if !self.gap.is_empty() {
-            put(out, "gap", (frames, nodes), &self.gap)?;
+            put(out, names::GAP, (frames, nodes), &self.gap)?;
         }
-        put(out, "object_pose", (frames, 7), &self.object_pose)?;
+        put(out, names::OBJECT_POSE, (frames, 7), &self.object_pose)?;
         if !self.hand_pose.is_empty() {
-            put(out, "hand_pose", (frames, 7), &self.hand_pose)?;
-            put(out, "object_motion", (frames, 6), &self.object_motion)?;
-            put(out, "ground_force", (frames, 3), &self.ground_force)?;
+            put(out, names::HAND_POSE, (frames, 7), &self.hand_pose)?;
+            put(out, names::OBJECT_MOTION, (frames, 6), &self.object_motion)?;
+            put(out, names::GROUND_FORCE, (frames, 3), &self.ground_force)?;
         }
-        put(out, "force", frames, &self.force)?;
-        put(out, "time", frames, &self.time)?;
-        put(out, "travel", (frames, self.pads), &self.travel)?;
-        put(out, "wrench", (frames, self.pads, 6), &self.wrench)?;
-        put(out, "rest", (nodes, 3), &self.rest)?;
-        put(out, "tets", (tets, self.tet_width), &self.tets)?;
-        put(out, "bonded", nodes, &self.bonded)?;
-        put(out, "pad_of_node", nodes, &self.pad_of_node)?;
-        put(out, "pad_of_tet", tets, &self.pad_of_tet)?;
+        put(out, names::FORCE, frames, &self.force)?;
+        put(out, names::TIME, frames, &self.time)?;
+        put(out, names::TRAVEL, (frames, self.pads), &self.travel)?;
+        put(out, names::WRENCH, (frames, self.pads, 6), &self.wrench)?;
+        put(out, names::REST, (nodes, 3), &self.rest)?;
+        if !self.pad_pose.is_empty() {
+            put(out, names::PAD_POSE, (self.pads, 7), &self.pad_pose)?;
+        }
+        put(out, names::TETS, (tets, self.tet_width), &self.tets)?;
+        put(out, names::BONDED, nodes, &self.bonded)?;
+        put(out, names::PAD_OF_NODE, nodes, &self.pad_of_node)?;
+        put(out, names::PAD_OF_TET, tets, &self.pad_of_tet)?;
         npz.finish().map_err(io_error)?.flush()
     }
 }
 
-fn put<T, D, S>(npz: &mut NpzWriter<BufWriter<std::fs::File>>, name: &str, shape: S, data: &[T]) -> io::Result<()>
+/// Adds an array to an archive.
+pub(super) fn put<T, D, S>(
+    npz: &mut NpzWriter<BufWriter<std::fs::File>>,
+    name: &str,
+    shape: S,
+    data: &[T],
+) -> io::Result<()>
 where
     T: WritableElement,
     D: Dimension,

@@ -2,6 +2,7 @@
 
 use super::files::cannot_write;
 use super::frame::{Frame, pad_name};
+use super::names;
 use crate::error::Result;
 use std::fs::File;
 use std::io::Write;
@@ -36,26 +37,33 @@ impl FramesCsv {
 
 /// Column names, units as suffix (dimensionless ones have none).
 pub fn columns(pads: usize, moving: bool) -> Vec<String> {
-    let mut names: Vec<String> = ["frame", "time_s", "force_n"].map(String::from).to_vec();
-    names.extend((0..pads).map(|pad| format!("travel_{}_m", pad_name(pad))));
-    names.extend(["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"].map(|part| format!("object_{part}")));
+    let mut columns: Vec<String> = ["frame", names::TIME, names::FORCE].map(String::from).to_vec();
+    columns.extend((0..pads).map(|pad| format!("travel_{}_m", pad_name(pad))));
+    columns.extend(["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"].map(|part| format!("object_{part}")));
     for pad in (0..pads).map(pad_name) {
-        names.extend(["x", "y", "z"].map(|axis| format!("contact_force_{pad}_{axis}_n")));
-        names.extend(["x", "y", "z"].map(|axis| format!("contact_torque_{pad}_{axis}_n_m")));
-        names.push(format!("max_displacement_{pad}_m"));
-        names.push(format!("max_von_mises_{pad}_pa"));
+        columns.extend(["x", "y", "z"].map(|axis| format!("contact_force_{pad}_{axis}_n")));
+        columns.extend(["x", "y", "z"].map(|axis| format!("contact_torque_{pad}_{axis}_n_m")));
+        columns.push(format!("max_displacement_{pad}_m"));
+        columns.push(format!("max_von_mises_{pad}_pa"));
     }
-    let solver = ["energy_j", "newton_iterations", "min_det_f", "min_gap_m", "force_balance", "torque_balance"];
-    names.extend(solver.map(String::from));
-    names.push("residual_n".into());
+    let solver = [
+        names::ENERGY,
+        names::NEWTON_ITERATIONS,
+        names::MIN_DET_F,
+        names::MIN_GAP,
+        names::FORCE_BALANCE,
+        names::TORQUE_BALANCE,
+        names::RESIDUAL,
+    ];
+    columns.extend(solver.map(String::from));
     if moving {
-        names.extend(["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"].map(|part| format!("hand_{part}")));
+        columns.extend(["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"].map(|part| format!("hand_{part}")));
         let vectors = [("velocity", "m_s"), ("spin", "rad_s"), ("momentum", "kg_m_s"), ("angular_momentum", "kg_m2_s")];
         for (name, unit) in vectors.into_iter().chain([("ground_force", "n")]) {
-            names.extend(["x", "y", "z"].map(|axis| format!("{name}_{axis}_{unit}")));
+            columns.extend(["x", "y", "z"].map(|axis| format!("{name}_{axis}_{unit}")));
         }
     }
-    names
+    columns
 }
 
 fn row(frame: &Frame) -> Vec<String> {

@@ -77,7 +77,7 @@ pub struct Frame {
     pub energy: f64,
     /// Newton iterations spent on this frame.
     pub newton_iterations: u32,
-    /// Smallest det F over all quadrature points; positive where nothing is inverted; `+inf` without pads.
+    /// Smallest det F in any element; positive where nothing is inverted; `+inf` without pads.
     pub min_det_f: f64,
     /// Smallest gap of the object to pads and ground, m; positive where nothing penetrates; `+inf` where nothing is near.
     pub min_gap: f64,
@@ -94,6 +94,11 @@ impl Frame {
     /// A point of the hand frame where it is shown: in the world if that is known, m.
     pub fn shown_point(&self, x: DVec3) -> DVec3 {
         self.moving.as_ref().map_or(x, |m| m.hand_position + m.hand_rotation * x)
+    }
+
+    /// Rotation from the object frame to where the object is shown.
+    pub fn shown_rotation(&self) -> DQuat {
+        self.moving.as_ref().map_or(self.object_rotation, |m| m.hand_rotation * self.object_rotation)
     }
 
     /// A vector in hand axes as it is shown.

@@ -10,6 +10,7 @@ use super::{check, vtu};
 use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
 use crate::render::{self, Style};
+use glam::{DQuat, DVec3};
 use std::path::{Path, PathBuf};
 
 /// Writes the frames of one grasp as they come. Dropped early, it still writes the arrays it holds.
@@ -23,6 +24,8 @@ pub struct GraspRecorder {
     csv: Option<FramesCsv>,
     collection: Option<Collection>,
     arrays: Option<Arrays>,
+    /// The object's latest file, and its pose there.
+    shown: Option<(String, (DVec3, DQuat))>,
     last: Option<Frame>,
     frames: usize,
 }
@@ -47,7 +50,8 @@ impl GraspRecorder {
             .csv
             .then(|| FramesCsv::create(&dir.join("frames.csv"), topologies.len(), options.moving))
             .transpose()?;
-        let arrays = options.arrays.then(|| Arrays::new(dir.join("arrays.npz"), topologies)).transpose()?;
+        let arrays =
+            options.arrays.then(|| Arrays::new(dir.join("arrays.npz"), topologies, &options.pads)).transpose()?;
         let collection = options.vtu.then(|| Collection::new(dir.join("run.pvd")));
         Ok(GraspRecorder {
             index,
@@ -58,6 +62,7 @@ impl GraspRecorder {
             csv,
             collection,
             arrays,
+            shown: None,
             last: None,
             frames: 0,
         })
@@ -82,10 +87,19 @@ impl GraspRecorder {
         check::frame(&self.topologies, frame)
             .map_err(|message| Error::file(&self.dir, format!("frame not recorded: {message}")))?;
         if let Some(collection) = &mut self.collection {
-            let (pads, object) =
-                (format!("frames/frame_{:04}.vtu", frame.index), format!("frames/object_{:04}.vtu", frame.index));
+            let pads = format!("frames/frame_{:04}.vtu", frame.index);
             write_atomic(&self.dir.join(&pads), vtu::pads(&self.topologies, frame).as_bytes())?;
-            write_atomic(&self.dir.join(&object), vtu::object(&self.object, frame).as_bytes())?;
+            let here = (frame.shown_point(frame.object_position), frame.shown_rotation());
+            let object = match &self.shown {
+                // It rests where it is on file.
+                Some((file, there)) if near(*there, here) => file.clone(),
+                _ => {
+                    let file = format!("frames/object_{:04}.vtu", frame.index);
+                    write_atomic(&self.dir.join(&file), vtu::object(&self.object, frame).as_bytes())?;
+                    self.shown = Some((file.clone(), here));
+                    file
+                }
+            };
             let at = if frame.moving.is_some() { frame.time } else { frame.applied_force };
             collection.push(at, &[&pads, &object])?;
         }
@@ -137,4 +151,9 @@ impl Drop for GraspRecorder {
 /// Name of a grasp's directory.
 pub fn directory(index: usize) -> String {
     format!("grasp_{index:03}")
+}
+
+/// Whether two poses differ by rounding alone: 1 nm, 1 nrad.
+fn near((p, q): (DVec3, DQuat), (other, turned): (DVec3, DQuat)) -> bool {
+    (p - other).abs().max_element() <= 1e-9 && (q - turned).length() <= 1e-9
 }

@@ -2,10 +2,11 @@
 //!
 //! ```text
 //! DIR/run.json                          the run: scene, grasps, expectations, timings   (report.rs)   rewritten after every grasp
+//! DIR/meshes.npz                        a pad and the object: no frame changes them      (meshes.rs)   written once
 //! DIR/grasp_000/frames.csv              a row of numbers per frame, header with units   (csv.rs)      appended per frame
 //! DIR/grasp_000/run.pvd                 open this in ParaView                           (pvd.rs)      rewritten per frame
 //! DIR/grasp_000/frames/frame_0000.vtu   both pads                                       (vtu.rs)      written per frame
-//! DIR/grasp_000/frames/object_0000.vtu  the object's surface
+//! DIR/grasp_000/frames/object_0000.vtu  the object's surface                                        written where it has moved
 //! DIR/grasp_000/arrays.npz              every array of the grasp                        (arrays.rs)   rewritten every few frames, read back by read.rs
 //! DIR/grasp_000/pads.png                the last frame                                  (crate::render)
 //! ```
@@ -21,6 +22,8 @@ pub mod files;
 pub mod frame;
 pub mod grasp;
 pub mod lock;
+pub mod meshes;
+pub mod names;
 pub mod pvd;
 pub mod read;
 pub mod recorder;

@@ -1,6 +1,7 @@
 //! Reads a run back: `run.json`, and the frames in `arrays.npz`.
 
 use super::frame::{Frame, Moving, PadFrame, Wrench};
+use super::names;
 use super::report::RunReport;
 use crate::error::{Error, Result};
 use crate::grasp::GraspPose;
@@ -29,16 +30,16 @@ pub fn frames(path: &Path, own: usize, pads: usize) -> Result<Vec<Frame>> {
     let fail = |message: String| Error::file(path, message);
     let file = File::open(path).map_err(|e| fail(format!("cannot be read: {e}")))?;
     let mut npz = NpzReader::new(file).map_err(|e| fail(format!("is no archive of arrays: {e}")))?;
-    let position = needed::<Ix3>(path, &mut npz, "position")?;
-    let displacement = needed::<Ix3>(path, &mut npz, "displacement")?;
-    let (force, time) = (needed::<Ix1>(path, &mut npz, "force")?, needed::<Ix1>(path, &mut npz, "time")?);
-    let travel = needed::<Ix2>(path, &mut npz, "travel")?;
-    let pose = needed::<Ix2>(path, &mut npz, "object_pose")?;
-    let wrench = needed::<Ix3>(path, &mut npz, "wrench")?;
-    let contact = optional::<Ix3>(path, &mut npz, "contact_force")?;
-    let stress = optional::<Ix2>(path, &mut npz, "von_mises_node")?;
-    let gap = optional::<Ix2>(path, &mut npz, "gap")?;
-    let hand = optional::<Ix2>(path, &mut npz, "hand_pose")?;
+    let position = needed::<Ix3>(path, &mut npz, names::POSITION)?;
+    let displacement = needed::<Ix3>(path, &mut npz, names::DISPLACEMENT)?;
+    let (force, time) = (needed::<Ix1>(path, &mut npz, names::FORCE)?, needed::<Ix1>(path, &mut npz, names::TIME)?);
+    let travel = needed::<Ix2>(path, &mut npz, names::TRAVEL)?;
+    let pose = needed::<Ix2>(path, &mut npz, names::OBJECT_POSE)?;
+    let wrench = needed::<Ix3>(path, &mut npz, names::WRENCH)?;
+    let contact = optional::<Ix3>(path, &mut npz, names::CONTACT_FORCE)?;
+    let stress = optional::<Ix2>(path, &mut npz, names::VON_MISES)?;
+    let gap = optional::<Ix2>(path, &mut npz, names::GAP)?;
+    let hand = optional::<Ix2>(path, &mut npz, names::HAND_POSE)?;
     let (count, nodes) = (force.len(), displacement.shape()[1]);
     let vectors = [Some(&position), Some(&displacement), contact.as_ref()];
     let numbers = [stress.as_ref(), gap.as_ref()];

@@ -4,8 +4,10 @@ use super::files::{cannot_write, write_durable};
 use super::frame::PadTopology;
 use super::grasp::GraspRecorder;
 use super::lock::FolderLock;
+use super::meshes::{self, MESHES};
 use super::report::{ExpectationReport, GraspSummary, RunReport};
 use crate::error::{Error, Result};
+use crate::grasp::GraspPose;
 use crate::mesh::TriMesh;
 use crate::render::Scalar;
 use std::collections::BTreeMap;
@@ -30,6 +32,8 @@ pub struct Options {
     pub overwrite: bool,
     /// Name of the object in the picture's title.
     pub object_name: String,
+    /// Pose of each pad in the hand at zero travel: `x_hand = rotation * x_pad + position`; empty if not known.
+    pub pads: Vec<GraspPose>,
 }
 
 impl Default for Options {
@@ -43,6 +47,7 @@ impl Default for Options {
             flush_every: 10,
             overwrite: false,
             object_name: "object".into(),
+            pads: Vec::new(),
         }
     }
 }
@@ -71,6 +76,7 @@ impl Recorder {
                 return Err(Error::file(dir, message));
             }
             remove_grasps(dir)?;
+            remove_meshes(dir)?;
         }
         let recorder = Recorder { dir: dir.to_path_buf(), options, report, grasps: BTreeMap::new(), _lock: lock };
         recorder.report.write(&recorder.dir.join("run.json"))?;
@@ -87,8 +93,11 @@ impl Recorder {
         &mut self.report
     }
 
-    /// Starts recording grasp `index`; the grasp may move to another thread.
+    /// Starts recording grasp `index`, the first one with the meshes of the run; the grasp may move to another thread.
     pub fn begin_grasp(&self, index: usize, topologies: &[PadTopology], object: &TriMesh) -> Result<GraspRecorder> {
+        if let Some(pad) = topologies.first().filter(|_| self.options.arrays && !self.dir.join(MESHES).exists()) {
+            meshes::write(&self.dir, pad, object)?;
+        }
         GraspRecorder::create(&self.dir, &self.options, index, topologies, object)
     }
 
@@ -121,6 +130,15 @@ impl Recorder {
         let text = self.report.to_json().map_err(|message| Error::file(&path, format!("not written: {message}")))?;
         write_durable(&path, text.as_bytes())?;
         Ok(self.report)
+    }
+}
+
+/// Removes the meshes of an earlier run.
+fn remove_meshes(dir: &Path) -> Result<()> {
+    let path = dir.join(MESHES);
+    match std::fs::remove_file(&path) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(cannot_write(&path, &e)),
+        _ => Ok(()),
     }
 }
 

@@ -11,12 +11,27 @@ use std::path::Path;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// The target force was reached.
+    /// The loading was reached, and no element is turned inside out.
     Reached,
-    /// The solver gave up on the way; frames up to there are valid.
+    /// The object left the grasp, as a real one would: it slid or rolled out, or was not held when its support went. Frames up to there
+    /// are valid.
+    Dropped,
+    /// The solver gave up on the way, or what it found is unsound; frames up to there are valid.
     Fault,
     /// The grasp could not start (too wide, misses the object, begins in contact).
     Infeasible,
+}
+
+impl Status {
+    /// Its word in reports and files.
+    pub fn word(self) -> &'static str {
+        match self {
+            Status::Reached => "reached",
+            Status::Dropped => "dropped",
+            Status::Fault => "fault",
+            Status::Infeasible => "infeasible",
+        }
+    }
 }
 
 /// How one grasp went. Numbers that do not exist (a grasp without frames) are `null` in the file, never NaN.

@@ -1,20 +1,23 @@
 //! VTK XML `UnstructuredGrid` files (`.vtu`) for ParaView: the pads of one frame, or the object's surface.
 //!
-//! Arrays are inline base64 (`format="binary"`), little-endian, each with a `UInt64` byte count in front. That is a third larger than
-//! raw appended data, but the file stays well-formed XML, which every reader accepts. Bytes depend on the data alone.
+//! Arrays are inline base64 (`format="binary"`), little-endian, each compressed by zlib as one block (`vtkZLibDataCompressor`). The file
+//! stays well-formed XML, which every reader accepts. Bytes depend on the data alone.
 
 use super::base64;
 use super::frame::{Elements, Frame, PadTopology};
+use super::names;
 use crate::mesh::TriMesh;
+use flate2::{Compression, write::ZlibEncoder};
 use glam::DVec3;
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::Write as _;
 
 const TRIANGLE: u8 = 5;
 const TETRA: u8 = 10;
 const QUADRATIC_TETRA: u8 = 24;
 
-/// The pads of `frame` as one grid, in the hand frame, of a dynamic scene in the world. Point data: `displacement` (m), `contact_force` (N), `von_mises_node` (Pa), `pad` (0 = left);
-/// cell data: `von_mises_element` (Pa), `pad`. Sizes must have been checked ([`super::check::frame`]).
+/// The pads of `frame` as one grid, in the hand frame, of a dynamic scene in the world. Point data: displacement, contact
+/// force, von Mises stress, gap, `pad` (0 = left); cell data: von Mises stress, `pad`; named as everywhere ([`names`]). Sizes must have been checked ([`super::check::frame`]).
 pub fn pads(topologies: &[PadTopology], frame: &Frame) -> String {
     let mut cells = Cells::default();
     let (mut node_pad, mut tet_pad) = (Vec::<u8>::new(), Vec::<u8>::new());
@@ -40,21 +43,21 @@ pub fn pads(topologies: &[PadTopology], frame: &Frame) -> String {
     begin(&mut out, node_pad.len(), cells.types.len());
     out.push_str("<PointData>\n");
     let turned = |v: Vec<DVec3>| -> Vec<DVec3> { v.into_iter().map(|v| frame.shown_vector(v)).collect() };
-    vectors(&mut out, "displacement", &turned(gather(|pad| &pad.displacement)));
+    vectors(&mut out, names::DISPLACEMENT, &turned(gather(|pad| &pad.displacement)));
     // What is not recorded is empty, and left out.
     if frame.pads.iter().all(|pad| !pad.contact_force.is_empty()) {
-        vectors(&mut out, "contact_force", &turned(gather(|pad| &pad.contact_force)));
+        vectors(&mut out, names::CONTACT_FORCE, &turned(gather(|pad| &pad.contact_force)));
     }
     if frame.pads.iter().all(|pad| !pad.von_mises_node.is_empty()) {
-        floats(&mut out, "von_mises_node", &scalars(|pad| &pad.von_mises_node), 1);
+        floats(&mut out, names::VON_MISES, &scalars(|pad| &pad.von_mises_node), 1);
     }
     if frame.pads.iter().all(|pad| !pad.gap.is_empty()) {
-        floats(&mut out, "gap", &scalars(|pad| &pad.gap), 1);
+        floats(&mut out, names::GAP, &scalars(|pad| &pad.gap), 1);
     }
     array(&mut out, "UInt8", "pad", 1, &node_pad);
     out.push_str("</PointData>\n<CellData>\n");
     if frame.pads.iter().all(|pad| !pad.von_mises_element.is_empty()) {
-        floats(&mut out, "von_mises_element", &scalars(|pad| &pad.von_mises_element), 1);
+        floats(&mut out, names::ELEMENT_VON_MISES, &scalars(|pad| &pad.von_mises_element), 1);
     }
     array(&mut out, "UInt8", "pad", 1, &tet_pad);
     out.push_str("</CellData>\n");
@@ -99,7 +102,8 @@ impl Cells {
 fn begin(out: &mut String, points: usize, cells: usize) {
     out.push_str("<?xml version=\"1.0\"?>\n");
     out.push_str(
-        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n",
+        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" \
+         compressor=\"vtkZLibDataCompressor\">\n",
     );
     // Writing to a String cannot fail.
     let _ = writeln!(out, "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">");
@@ -135,10 +139,23 @@ fn array(out: &mut String, kind: &str, name: &str, components: usize, bytes: &[u
         out,
         "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">"
     );
-    // Count and data are one base64 stream: VTK decodes both in one go where nothing is compressed.
-    let mut block = Vec::with_capacity(8 + bytes.len());
-    block.extend_from_slice(&(bytes.len() as u64).to_le_bytes());
-    block.extend_from_slice(bytes);
-    base64::encode_into(out, &block);
+    // Number of blocks, their size, that of a last one that is smaller (none is), and how large each is compressed; then the block,
+    // as a base64 stream of its own.
+    let packed = deflated(bytes);
+    let header = match bytes.len() as u64 {
+        0 => vec![0, 0, 0],
+        size => vec![1, size, 0, packed.len() as u64],
+    };
+    base64::encode_into(out, &header.iter().flat_map(|n: &u64| n.to_le_bytes()).collect::<Vec<u8>>());
+    if !bytes.is_empty() {
+        base64::encode_into(out, &packed);
+    }
     out.push_str("\n</DataArray>\n");
+}
+
+fn deflated(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
+    // Writing to a vector cannot fail.
+    let _ = encoder.write_all(bytes);
+    encoder.finish().unwrap_or_default()
 }

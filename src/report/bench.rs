@@ -25,11 +25,9 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
     }
     blocks.push(Block::Table(points(&report)));
     for point in report.points.iter().filter(|p| p.contender) {
-        let text = match (point.speedup_at_equal_error, &point.equal_error_label) {
-            (Some(ratio), Some(label)) => {
-                format!("{}: {ratio:.1} times faster at equal error, against {label}.", point.label)
-            }
-            _ => format!("{}: no setting here is as accurate.", point.label),
+        let text = match point.speedup() {
+            Some(speedup) => format!("{}: speed-up at equal error {speedup}.", point.label),
+            None => format!("{}: no rival here reaches its error.", point.label),
         };
         blocks.push(Block::Note(text));
     }

@@ -62,13 +62,15 @@ pub fn data_set(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
 }
 
 fn objects(set: &DataSet) -> Table {
-    let mut table =
-        Table::new("Objects", &["object", "grasps", "reached", "fault", "infeasible", "nodes of a pad", "tetrahedra"]);
+    let mut table = Table::new(
+        "Objects",
+        &["object", "grasps", "reached", "dropped", "fault", "infeasible", "nodes of a pad", "tetrahedra"],
+    );
     table.folded = true;
     for o in &set.manifest.objects {
         let file = set.objects.iter().find(|f| f.name == o.name);
         let size = |pick: fn(&ObjectFile) -> usize| file.map_or("-".into(), |f| pick(f).to_string());
-        let counts = [o.grasps, o.reached, o.fault, o.infeasible].map(|n| n.to_string());
+        let counts = [o.grasps, o.reached, o.dropped, o.fault, o.infeasible].map(|n| n.to_string());
         let sizes = [size(|f| f.sizes.nodes), size(|f| f.sizes.tets)];
         table.rows.push([o.name.clone()].into_iter().chain(counts).chain(sizes).collect());
     }

@@ -7,10 +7,8 @@ use super::source::Wishes;
 use super::table::Table;
 use crate::dataset::inspect::chosen;
 use crate::error::Result;
-use crate::model::Model;
 use crate::record::grasp::directory;
-use crate::record::{RunReport, Status, read};
-use crate::scene::from_json;
+use crate::record::{RunReport, meshes, read};
 use std::path::Path;
 
 /// Adds the run in `dir`.
@@ -50,18 +48,19 @@ fn recordings(dir: &Path, report: &RunReport, wishes: &Wishes) -> Result<Vec<Rec
     if shown.is_empty() || report.pads.is_empty() {
         return Ok(Vec::new());
     }
-    let model = Model::build(&from_json(&report.scene)?)?;
-    let pad = &model.finger()?.topology;
+    let (pad, object) = meshes::read(dir)?;
+    let shape = report.scene.pointer("/object/shape").and_then(|shape| shape.as_object()?.keys().next());
+    let shape = shape.map_or("object".into(), |name| name.to_lowercase());
     let label = if report.backend.starts_with("gnn") { "network" } else { "finite elements" };
     let recording = |grasp: usize| {
         let path = dir.join(directory(grasp)).join("arrays.npz");
-        let frames = read::frames(&path, pad.rest.len(), model.fingers.len())?;
+        let frames = read::frames(&path, pad.rest.len(), report.pads.len())?;
         let frames = chosen(frames.len(), Some(wishes.frames)).into_iter().map(|k| frames[k].clone()).collect();
         Ok(Recording {
-            name: format!("{}, {}, grasp {grasp}", name(dir), model.object.name),
+            name: format!("{}, {}, grasp {grasp}", name(dir), shape),
             about: String::new(),
-            pad: pad.as_ref().clone(),
-            object: model.object.surface.as_ref().clone(),
+            pad: pad.clone(),
+            object: object.clone(),
             states: vec![State { label: label.into(), frames }],
             errors: None,
         })
@@ -84,11 +83,7 @@ fn grasps(report: &RunReport) -> Table {
     let mut table = Table::new("Grasps", &columns);
     table.note = "Force and travel at the last frame; force is the sum over the fingers.".into();
     for g in &report.grasps {
-        let status = match g.status {
-            Status::Reached => "reached",
-            Status::Fault => "fault",
-            Status::Infeasible => "infeasible",
-        };
+        let status = g.status.word();
         let reason = g.reason.as_ref().map_or(String::new(), |r| format!(": {r}"));
         table.rows.push(vec![
             format!("{} {status}{reason}", g.grasp),

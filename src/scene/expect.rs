@@ -49,7 +49,9 @@ pub enum Expectation {
     Torque(Bounds),
     /// Dynamic: linear and angular momentum of the object stay those of the start: largest change over the start's.
     MomentumKept(Relative),
-    /// The solver gives up, and its reason contains this text.
+    /// The object leaves the grasp, and the reason contains this text.
+    Dropped(Reason),
+    /// The solver gives up, or finds what is unsound, and its reason contains this text.
     Fault(Reason),
     /// The start is refused, and the reason contains this text.
     Infeasible(Reason),
@@ -134,6 +136,7 @@ impl Expectation {
             Expectation::GroundForce(_) => "GroundForce",
             Expectation::Torque(_) => "Torque",
             Expectation::MomentumKept(_) => "MomentumKept",
+            Expectation::Dropped(_) => "Dropped",
             Expectation::Fault(_) => "Fault",
             Expectation::Infeasible(_) => "Infeasible",
         }

@@ -1,24 +1,12 @@
 //! Judges a grasp's outcome against what its scene promised.
 
-use super::expect::{Bounds, Expectation, PENETRATION};
+use super::expect::{Bounds, Expectation, PENETRATION, Reason};
 use crate::audit::Findings;
+pub use crate::record::Status;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::fmt;
-
-/// How a grasp ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Status {
-    /// The loading was reached.
-    Reached,
-    /// The solver gave up.
-    Fault,
-    /// The start was refused.
-    #[default]
-    Infeasible,
-}
 
 /// What expectations are judged on: the scalars of one grasp, worst over its frames where frames matter. A quantity that
 /// was not measured is NaN, and no expectation about it holds.
@@ -62,7 +50,7 @@ impl Default for Measured {
     /// Nothing measured.
     fn default() -> Self {
         Self {
-            status: Status::default(),
+            status: Status::Infeasible,
             reason: String::new(),
             force_n: f64::NAN,
             travel_m: [f64::NAN; 2],
@@ -112,6 +100,10 @@ pub fn evaluate(expectation: &Expectation, m: &Measured) -> Held {
     let bounded = |bounds: &Bounds, value: f64| {
         let (held, value, bound) = within(bounds, value);
         verdict(held, value, bound)
+    };
+    let ended = |status: Status, reason: &Reason| {
+        let held = m.status == status && m.reason.contains(&reason.contains);
+        Held { detail: Some(ending(m)), ..verdict(held, f64::NAN, f64::NAN) }
     };
     // comparisons with NaN are false, so what was not measured never holds
     match expectation {
@@ -169,14 +161,9 @@ pub fn evaluate(expectation: &Expectation, m: &Measured) -> Held {
             let error = (force - point.force.get()).abs();
             verdict(error <= point.relative.get() * point.force.get(), force, point.force.get())
         }
-        Expectation::Fault(reason) => {
-            let held = m.status == Status::Fault && m.reason.contains(&reason.contains);
-            Held { detail: Some(ending(m)), ..verdict(held, f64::NAN, f64::NAN) }
-        }
-        Expectation::Infeasible(reason) => {
-            let held = m.status == Status::Infeasible && m.reason.contains(&reason.contains);
-            Held { detail: Some(ending(m)), ..verdict(held, f64::NAN, f64::NAN) }
-        }
+        Expectation::Dropped(reason) => ended(Status::Dropped, reason),
+        Expectation::Fault(reason) => ended(Status::Fault, reason),
+        Expectation::Infeasible(reason) => ended(Status::Infeasible, reason),
     }
 }
 
@@ -246,10 +233,6 @@ fn interpolate(curve: &[(f64, f64)], depth: f64) -> f64 {
 }
 
 fn ending(m: &Measured) -> String {
-    let status = match m.status {
-        Status::Reached => "reached",
-        Status::Fault => "fault",
-        Status::Infeasible => "infeasible",
-    };
+    let status = m.status.word();
     if m.reason.is_empty() { status.to_string() } else { format!("{status}: {}", m.reason) }
 }

@@ -34,6 +34,9 @@ pub struct Fem {
     pub tolerance: Tolerance,
     /// Newton iterations before an increment is halved.
     pub max_iterations: Count<1, 10000>,
+    /// Wall time that a grasp may take, s; one that takes longer ends as a fault. What ends then depends on the machine. None is no limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_time: Option<Positive>,
     /// Threads; None is as many as the machine has.
     pub threads: Option<Count<1, 1024>>,
 }
@@ -46,6 +49,7 @@ impl Default for Fem {
             solver: Solver::default(),
             tolerance: Tolerance::default(),
             max_iterations: defaults::MAX_ITERATIONS,
+            max_time: None,
             threads: None,
         }
     }

@@ -1,10 +1,11 @@
 //! The systems that every stepper shares: what the gripper wants, whether the forces add up, the frame.
 
-mod apart;
+pub(crate) mod apart;
 mod control;
 pub(crate) mod measure;
 mod record;
 pub(crate) mod sense;
+pub(crate) mod upright;
 
 use crate::audit::audit_frame;
 use crate::model::Needs;

@@ -152,7 +152,9 @@ impl Condensation {
                 Refusal::Outside => return Err(Failure::Corrections(self.error)),
                 // It was followed as far as anybody cares.
                 Refusal::Failed(Failure::Astray) => return Err(Failure::Astray),
-                Refusal::Failed(failure) if attempts > ATTEMPTS || path.exhausted() => return Err(failure),
+                Refusal::Failed(failure) if attempts > ATTEMPTS || path.exhausted() || failure.is_out_of_effort() => {
+                    return Err(failure);
+                }
                 Refusal::Failed(_) => {
                     goal = 0.5 * (from + goal);
                     self.patches(path, model, 0.0)

@@ -1,6 +1,7 @@
 //! Time steps: predict, solve, accept; or roll back and divide.
 
 use super::{TimeStep, advance, terms};
+use crate::fem::effort::most_iterations;
 use crate::fem::increment::{Advanced, Path};
 use crate::fem::newton::{Failure, Tolerance};
 use crate::fem::state::State;
@@ -68,6 +69,9 @@ impl Integrator {
             hold_in_world(&mut path.state, &self.hand);
         }
         terms::add(&mut path.newton, model, dynamics, &path.state, self.hand);
+        let end = model.levels.last().copied().unwrap_or(0.0);
+        let steps = (end / dynamics.time_step).ceil() as usize;
+        path.newton.effort.iterations = most_iterations(settings.max_iterations.get() as u32, steps);
         let relative = SHARP * settings.tolerance.force.get();
         let force = dynamics.rated_force + model.mass * dynamics.gravity.length().max(1.0);
         path.tolerance = Tolerance {
@@ -102,7 +106,7 @@ impl Integrator {
     ) -> Result<(), (f64, Failure)> {
         match self.step(path, model, dynamics, end, done) {
             Ok(()) => Ok(()),
-            Err(failure) if left == 0 => Err((end, failure)),
+            Err(failure) if left == 0 || failure.is_out_of_effort() => Err((end, failure)),
             Err(_) => {
                 let middle = 0.5 * (self.time + end);
                 self.divide(path, model, dynamics, middle, left - 1, done)?;

@@ -1,0 +1,83 @@
+//! How long rivals take to be as accurate: along their Pareto front, between whose points a mesh in between would lie.
+
+/// A rival: time of a grasp, s, and error, relative.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rival<'a> {
+    /// Its name.
+    pub label: &'a str,
+    /// s.
+    pub time: f64,
+    /// Relative.
+    pub error: f64,
+}
+
+/// A point of the front.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Equal {
+    /// s.
+    pub time: f64,
+    /// The rival there, or the two that it lies between.
+    pub label: String,
+    /// The cheapest rival is more accurate than was asked for: one that is not would take at most this time.
+    pub bound: bool,
+}
+
+/// The time at which `rivals` reach `error`: linear between the points of their Pareto front, both logarithmic. None if none of them
+/// reaches it.
+pub fn time_at(rivals: &[Rival], error: f64) -> Option<Equal> {
+    let mut front: Vec<Rival> = rivals.iter().copied().filter(|r| r.time > 0.0 && r.error >= 0.0).collect();
+    front.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.error.total_cmp(&b.error)));
+    let mut least = f64::INFINITY;
+    front.retain(|r| {
+        let better = r.error < least;
+        least = least.min(r.error);
+        better
+    });
+    let next = front.iter().position(|r| r.error <= error)?;
+    let (to, from) = (front[next], next.checked_sub(1).map(|k| front[k]));
+    match from.filter(|_| to.error < error) {
+        None => Some(Equal { time: to.time, label: to.label.into(), bound: to.error < error }),
+        Some(from) => {
+            let log = |e: f64| e.max(f64::MIN_POSITIVE).ln();
+            let part = (log(from.error) - log(error)) / (log(from.error) - log(to.error));
+            let time = from.time * (to.time / from.time).powf(part);
+            Some(Equal { time, label: format!("between {} and {}", from.label, to.label), bound: false })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RIVALS: [Rival; 4] = [
+        Rival { label: "coarse", time: 1.0, error: 0.16 },
+        Rival { label: "medium", time: 4.0, error: 0.04 },
+        // Slower and no better.
+        Rival { label: "dominated", time: 9.0, error: 0.05 },
+        Rival { label: "fine", time: 64.0, error: 0.01 },
+    ];
+
+    #[test]
+    fn a_rival_in_between_is_in_between() {
+        let at = |error| time_at(&RIVALS, error);
+        let exact = |label: &str, time| Some(Equal { time, label: label.into(), bound: false });
+        assert_eq!(at(0.04), exact("medium", 4.0));
+        assert_eq!(at(0.01), exact("fine", 64.0));
+        let between = at(0.08).unwrap();
+        assert!((between.time - 2.0).abs() < 1e-12, "halfway in both logarithms: {between:?}");
+        assert_eq!(between.label, "between coarse and medium");
+        let finer = at(0.02).unwrap();
+        assert!((finer.time - 16.0).abs() < 1e-12, "halfway from 4 s to 64 s: {finer:?}");
+        // One tenth of a point better than a mesh does not cost the next finer mesh.
+        let hardly = at(0.039).unwrap();
+        assert!(hardly.time < 4.3, "{hardly:?}");
+    }
+
+    #[test]
+    fn beyond_the_front_there_is_a_bound_or_nothing() {
+        assert_eq!(time_at(&RIVALS, 0.2), Some(Equal { time: 1.0, label: "coarse".into(), bound: true }));
+        assert_eq!(time_at(&RIVALS, 0.009), None);
+        assert_eq!(time_at(&[], 0.1), None);
+    }
+}

@@ -1,0 +1,117 @@
+//! `meshes.npz`: what no frame of a run changes, written once, so that a run can be shown wherever its folder goes: a pad (all are
+//! alike) and the object, as in the files of a data set.
+
+use super::arrays::put;
+use super::check;
+use super::files::replace;
+use super::frame::{Elements, PadTopology};
+use super::names;
+use crate::error::{Error, Result};
+use crate::mesh::TriMesh;
+use glam::DVec3;
+use ndarray::{Array, Ix1, Ix2};
+use ndarray_npy::{NpzReader, NpzWriter, ReadableElement};
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+/// Name of the file.
+pub const MESHES: &str = "meshes.npz";
+
+/// Writes the meshes to `dir`, whole or not at all.
+///
+/// # Errors
+/// What cannot be written.
+pub fn write(dir: &Path, pad: &PadTopology, object: &TriMesh) -> Result<()> {
+    replace(&dir.join(MESHES), |temporary| write_to(temporary, pad, object))
+}
+
+fn write_to(path: &Path, pad: &PadTopology, object: &TriMesh) -> io::Result<()> {
+    let mut npz = NpzWriter::new(BufWriter::new(File::create(path)?));
+    let flat = |v: &[DVec3]| v.iter().flat_map(|p| p.to_array()).collect::<Vec<f64>>();
+    let (nodes, elements) = (pad.rest.len(), &pad.elements);
+    put(&mut npz, &of_pad(names::REST), (nodes, 3), &flat(&pad.rest))?;
+    put(&mut npz, &of_pad(names::TETS), (elements.len(), elements.width()), elements.nodes())?;
+    put(&mut npz, &of_pad(names::SURFACE), (pad.surface.len(), 3), pad.surface.as_flattened())?;
+    put(&mut npz, &of_pad(names::SENSING), (pad.sensing.len(), 3), pad.sensing.as_flattened())?;
+    put(&mut npz, &of_pad(names::BONDED), nodes, &pad.bonded)?;
+    put(&mut npz, &of_object(names::VERTICES), (object.vertices.len(), 3), &flat(&object.vertices))?;
+    put(&mut npz, &of_object(names::TRIANGLES), (object.triangles.len(), 3), object.triangles.as_flattened())?;
+    npz.finish().map_err(io::Error::other)?.flush()
+}
+
+/// The meshes of the run in `dir`: a pad and the object.
+///
+/// # Errors
+/// A file that is not there or is damaged.
+pub fn read(dir: &Path) -> Result<(PadTopology, TriMesh)> {
+    let path = dir.join(MESHES);
+    let fail = |message: String| Error::file(&path, message);
+    let file = File::open(&path)
+        .map_err(|e| fail(format!("cannot be read: {e}; runs write it with `arrays.npz`: run the scene again")))?;
+    let mut npz = NpzReader::new(file).map_err(|e| fail(format!("is no archive of arrays: {e}")))?;
+    let mut archive = Archive { path: &path, npz: &mut npz };
+    let rest = archive.points(&of_pad(names::REST))?;
+    let tets = archive.table::<u32>(&of_pad(names::TETS))?;
+    let width = tets.ncols();
+    let nodes: Vec<u32> = tets.into_iter().collect();
+    let elements = match width {
+        4 => Elements::Linear(nodes.as_chunks::<4>().0.to_vec()),
+        10 => Elements::Quadratic(nodes.as_chunks::<10>().0.to_vec()),
+        other => return Err(fail(format!("has {other} nodes per tetrahedron; it must be 4 or 10"))),
+    };
+    // Corners come first.
+    let corners = nodes.chunks_exact(width).flat_map(|n| &n[..4]).max().map_or(0, |n| *n as usize + 1);
+    let pad = PadTopology {
+        rest,
+        corner_count: corners,
+        elements,
+        surface: archive.triangles(&of_pad(names::SURFACE))?,
+        sensing: archive.triangles(&of_pad(names::SENSING))?,
+        bonded: archive.row::<bool>(&of_pad(names::BONDED))?,
+    };
+    check::topology(0, &pad).map_err(fail)?;
+    let object = TriMesh {
+        vertices: archive.points(&of_object(names::VERTICES))?,
+        triangles: archive.triangles(&of_object(names::TRIANGLES))?,
+    };
+    check::object(&object).map_err(fail)?;
+    Ok((pad, object))
+}
+
+fn of_pad(name: &str) -> String {
+    format!("pad/{name}")
+}
+
+fn of_object(name: &str) -> String {
+    format!("object/{name}")
+}
+
+/// An open archive, with its name for messages.
+struct Archive<'a> {
+    path: &'a Path,
+    npz: &'a mut NpzReader<File>,
+}
+
+impl Archive<'_> {
+    fn table<T: ReadableElement>(&mut self, name: &str) -> Result<Array<T, Ix2>> {
+        let fail = |e| Error::file(self.path, format!("array `{name}` cannot be read: {e}"));
+        self.npz.by_name(name).map_err(fail)
+    }
+
+    fn row<T: ReadableElement>(&mut self, name: &str) -> Result<Vec<T>> {
+        let fail = |e| Error::file(self.path, format!("array `{name}` cannot be read: {e}"));
+        let row: Array<T, Ix1> = self.npz.by_name(name).map_err(fail)?;
+        Ok(row.into_iter().collect())
+    }
+
+    fn points(&mut self, name: &str) -> Result<Vec<DVec3>> {
+        let numbers: Vec<f64> = self.table::<f64>(name)?.into_iter().collect();
+        Ok(numbers.as_chunks::<3>().0.iter().map(|p| DVec3::from_array(*p)).collect())
+    }
+
+    fn triangles(&mut self, name: &str) -> Result<Vec<[u32; 3]>> {
+        let numbers: Vec<u32> = self.table::<u32>(name)?.into_iter().collect();
+        Ok(numbers.as_chunks::<3>().0.to_vec())
+    }
+}

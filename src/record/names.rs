@@ -1,0 +1,83 @@
+//! The names of what is recorded, written once: `arrays.npz`, `.vtu`, `frames.csv`, data sets and Python use the same. A name ends in
+//! its unit where it has one single unit; shapes, frames and files are in `docs/data-format.md`.
+
+/// Declares names with their units.
+macro_rules! names {
+    ($($(#[$doc:meta])* $name:ident $text:literal $unit:literal;)*) => {
+        $($(#[$doc])* pub const $name: &str = $text;)*
+
+        /// All names, each with its unit: "1" of what has none, several with commas of what mixes them.
+        pub const ALL: &[(&str, &str)] = &[$(($text, $unit),)*];
+    };
+}
+
+names! {
+    /// Node positions.
+    POSITION "position_m" "m";
+    /// Node displacements against the pad carried rigidly by its finger.
+    DISPLACEMENT "displacement_m" "m";
+    /// Contact force on the pad, per node, friction included.
+    CONTACT_FORCE "contact_force_n" "N";
+    /// Von Mises stress per node: volume-weighted mean of the tetrahedra at the node.
+    VON_MISES "von_mises_pa" "Pa";
+    /// Von Mises stress per tetrahedron.
+    ELEMENT_VON_MISES "element_von_mises_pa" "Pa";
+    /// Signed distance of each node to the object.
+    GAP "gap_m" "m";
+    /// Applied force: sum over the fingers of |normal force|.
+    FORCE "force_n" "N";
+    /// Time of a dynamic scene.
+    TIME "time_s" "s";
+    /// Closing travel of each finger since first contact.
+    TRAVEL "travel_m" "m";
+    /// Closing travel of each finger since the open hand.
+    FINGER_POSITION "finger_position_m" "m";
+    /// px py pz qw qx qy qz of the object.
+    OBJECT_POSE "object_pose" "m, 1";
+    /// px py pz qw qx qy qz of each pad at zero travel.
+    PAD_POSE "pad_pose" "m, 1";
+    /// px py pz qw qx qy qz of the hand in the world.
+    HAND_POSE "hand_pose" "m, 1";
+    /// px py pz qw qx qy qz of the hand in the object frame.
+    GRASP_POSE "grasp_pose" "m, 1";
+    /// Velocity and spin of the object.
+    OBJECT_MOTION "object_motion" "m/s, rad/s";
+    /// Force of the ground on the object.
+    GROUND_FORCE "ground_force_n" "N";
+    /// Force and torque of the contact on each pad.
+    WRENCH "wrench" "N, N m";
+    /// Value of the incremental potential.
+    ENERGY "energy_j" "J";
+    /// Norm of the out-of-balance nodal forces.
+    RESIDUAL "residual_n" "N";
+    /// Unbalanced force over applied force.
+    FORCE_BALANCE "force_balance" "1";
+    /// Unbalanced torque over applied force times object size.
+    TORQUE_BALANCE "torque_balance" "1";
+    /// Smallest det F in any element.
+    MIN_DET_F "min_det_f" "1";
+    /// Smallest gap between pads and object.
+    MIN_GAP "min_gap_m" "m";
+    /// Newton iterations of the frame.
+    NEWTON_ITERATIONS "newton_iterations" "1";
+    /// Rest positions of the nodes.
+    REST "rest_m" "m";
+    /// Nodes of each tetrahedron.
+    TETS "tets" "1";
+    /// Triangles of the whole surface of the pads.
+    SURFACE "surface" "1";
+    /// Triangles of the sensing faces.
+    SENSING "sensing" "1";
+    /// Nodes glued to the finger.
+    BONDED "bonded" "1";
+    /// Pad that a node belongs to.
+    PAD_OF_NODE "pad_of_node" "1";
+    /// Pad that a tetrahedron belongs to.
+    PAD_OF_TET "pad_of_tet" "1";
+    /// Closing direction of each finger.
+    CLOSING "closing" "1";
+    /// Vertices of the surface of the object.
+    VERTICES "vertices_m" "m";
+    /// Triangles of the surface of the object.
+    TRIANGLES "triangles" "1";
+}

@@ -1,0 +1,161 @@
+//! One vocabulary in all files: the names that `docs/data-format.md` lists are those of `arrays.npz`, `meshes.npz`, `.vtu`, `frames.csv` and
+//! data sets, each with its unit.
+
+use ndarray::Array2;
+use ndarray_npy::NpzReader;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::path::Path;
+use std::process::Command;
+use tactus::dataset::arrays::ARRAYS;
+use tactus::record::names;
+
+/// A row of the table of arrays: unit, and shape in `arrays.npz`, data sets and `tactus.run`; empty where it is not.
+struct Row {
+    unit: String,
+    places: [String; 3],
+}
+
+fn documented() -> BTreeMap<String, Row> {
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/data-format.md")).unwrap();
+    let table = text.split("\n## Arrays").nth(1).and_then(|rest| rest.split("\n## ").next()).unwrap();
+    let rows = table.lines().filter(|line| line.starts_with("| `"));
+    let row = |line: &str| {
+        let cells: Vec<String> = line.replace("\\|", "").split('|').map(|cell| cell.trim().to_string()).collect();
+        assert_eq!(cells.len(), 8, "{line}");
+        let places = [3, 4, 5].map(|k| cells[k].clone());
+        (cells[1].trim_matches('`').to_string(), Row { unit: cells[2].clone(), places })
+    };
+    rows.map(row).collect()
+}
+
+#[test]
+fn every_name_is_listed_and_ends_in_its_unit() {
+    let listed = documented();
+    for (name, unit) in names::ALL {
+        let row = listed.get(*name).unwrap_or_else(|| panic!("docs/data-format.md does not list {name}"));
+        assert_eq!(row.unit, *unit, "{name}");
+        let ending = match *unit {
+            "m" => "_m",
+            "N" => "_n",
+            "Pa" => "_pa",
+            "s" => "_s",
+            "J" => "_j",
+            _ => continue,
+        };
+        assert!(name.ends_with(ending), "{name} is in {unit}");
+    }
+    for array in ARRAYS {
+        let row = listed.get(array.name).unwrap_or_else(|| panic!("docs/data-format.md does not list {}", array.name));
+        assert_eq!(row.unit, array.unit, "{}", array.name);
+        assert!(row.places[1].starts_with("(G"), "{} is in data sets", array.name);
+    }
+    let in_sets = listed.iter().filter(|(_, row)| row.places[1].starts_with("(G")).count();
+    assert_eq!(in_sets, ARRAYS.len(), "no more than there are");
+    assert_eq!(listed.values().filter(|row| !row.places[2].is_empty()).count(), 8, "tactus.run gives eight arrays");
+}
+
+fn run(scene: &str, dir: &Path) {
+    let path = dir.join("scene.ron");
+    std::fs::write(&path, scene).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tactus"));
+    let output = command.arg("run").arg(&path).arg("-o").arg(dir.join("run")).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+fn archive(path: &Path) -> BTreeSet<String> {
+    let mut npz = NpzReader::new(File::open(path).unwrap()).unwrap();
+    npz.names().unwrap().iter().map(|n| n.trim_end_matches(".npy").to_string()).collect()
+}
+
+const SQUEEZE: &str = "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 8e-3)),
+    loading: Squeeze(force: 2.0, frames: 2),
+    record: (fields: [Displacement, Stress, ContactForce, Gap, ObjectPose], pictures: false))";
+
+#[test]
+fn a_run_writes_the_listed_names_and_no_others() {
+    let listed = documented();
+    let dir = tempfile::tempdir().unwrap();
+    run(SQUEEZE, dir.path());
+    let grasp = dir.path().join("run/grasp_000");
+    let wanted = |moving: bool| -> BTreeSet<String> {
+        let here = listed.iter().filter(|(_, r)| !r.places[0].is_empty() && (moving || !r.places[0].ends_with('*')));
+        here.map(|(name, _)| name.clone()).collect()
+    };
+    assert_eq!(archive(&grasp.join("arrays.npz")), wanted(false));
+    let pad = ["rest_m", "tets", "surface", "sensing", "bonded"].map(|name| format!("pad/{name}"));
+    let object = ["vertices_m", "triangles"].map(|name| format!("object/{name}"));
+    assert_eq!(archive(&dir.path().join("run/meshes.npz")), pad.into_iter().chain(object).collect());
+    for name in ["rest_m", "tets", "surface", "sensing", "bonded", "vertices_m", "triangles"] {
+        let place = &listed[name].places[1];
+        assert!(place.starts_with("pad ") || place.starts_with("object "), "{name}: {place}");
+    }
+
+    let csv = std::fs::read_to_string(grasp.join("frames.csv")).unwrap();
+    let columns: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    let bare = ["frame", "newton_iterations", "min_det_f", "force_balance", "torque_balance"];
+    let unit = |c: &str| ["_m", "_n", "_pa", "_s", "_j", "_n_m"].iter().any(|u| c.ends_with(u));
+    let turn = |c: &str| ["_qw", "_qx", "_qy", "_qz"].iter().any(|q| c.ends_with(q));
+    assert!(columns.iter().all(|c| bare.contains(c) || unit(c) || turn(c)), "{columns:?}");
+    for name in ["force_n", "time_s", "energy_j", "residual_n", "min_gap_m", "min_det_f", "force_balance"] {
+        assert!(columns.contains(&name) && listed.contains_key(name), "{name}");
+    }
+
+    let vtu = std::fs::read_to_string(grasp.join("frames/frame_0001.vtu")).unwrap();
+    let fields = vtu.split("Name=\"").skip(1).map(|rest| rest.split('"').next().unwrap());
+    let structure = ["pad", "Points", "connectivity", "offsets", "types"];
+    let fields: BTreeSet<&str> = fields.filter(|name| !structure.contains(name)).collect();
+    let wanted = ["contact_force_n", "displacement_m", "element_von_mises_pa", "gap_m", "von_mises_pa"];
+    assert_eq!(fields, BTreeSet::from(wanted));
+}
+
+#[test]
+fn dynamic_scenes_add_what_is_marked() {
+    let dir = tempfile::tempdir().unwrap();
+    run(
+        "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 8e-3)), gravity: (0, 0, -9.81),
+          loading: Dynamic(motions: [Close(force: 4.0, duration: 0.01)], time_step: 0.005, frames: 1), record: (pictures: false))",
+        dir.path(),
+    );
+    let found = archive(&dir.path().join("run/grasp_000/arrays.npz"));
+    let marked: BTreeSet<String> =
+        documented().into_iter().filter(|(_, r)| r.places[0].ends_with('*')).map(|(name, _)| name).collect();
+    assert_eq!(marked, ["ground_force_n", "hand_pose", "object_motion"].map(String::from).into());
+    assert!(marked.is_subset(&found), "{found:?}");
+}
+
+#[test]
+fn rest_and_displacement_meet_in_the_hand() {
+    let dir = tempfile::tempdir().unwrap();
+    run(SQUEEZE, dir.path());
+    let mut npz = NpzReader::new(File::open(dir.path().join("run/grasp_000/arrays.npz")).unwrap()).unwrap();
+    let rest: Array2<f64> = npz.by_name("rest_m").unwrap();
+    let pose: Array2<f64> = npz.by_name("pad_pose").unwrap();
+    let (position, displacement): (ndarray::Array3<f64>, ndarray::Array3<f64>) =
+        (npz.by_name("position_m").unwrap(), npz.by_name("displacement_m").unwrap());
+    let pad: ndarray::Array1<u32> = npz.by_name("pad_of_node").unwrap();
+    // Carried along x, the closing direction, by one travel per pad.
+    let mut carried = [None; 2];
+    for (i, pad) in pad.iter().enumerate() {
+        let p = pose.row(*pad as usize);
+        let q = glam::DQuat::from_xyzw(p[4], p[5], p[6], p[3]);
+        let at = q * glam::DVec3::new(rest[[i, 0]], rest[[i, 1]], rest[[i, 2]]) + glam::DVec3::new(p[0], p[1], p[2]);
+        let moved = glam::DVec3::from_array([0, 1, 2].map(|k| position[[1, i, k]] - displacement[[1, i, k]])) - at;
+        let known = *carried[*pad as usize].get_or_insert(moved);
+        assert!((moved - known).length() < 1e-12 && moved.y.abs() < 1e-12 && moved.z.abs() < 1e-12, "{moved}");
+    }
+    assert!(carried[0].unwrap().x > 1e-3 && carried[1].unwrap().x < -1e-3, "{carried:?}");
+}
+
+#[test]
+fn a_fixed_object_is_written_once() {
+    let objects = |motion: &str| {
+        let dir = tempfile::tempdir().unwrap();
+        run(&SQUEEZE.replace("(radius: 0.02))", &format!("(radius: 0.02), {motion})")), dir.path());
+        let grasp = dir.path().join("run/grasp_000");
+        let files = std::fs::read_dir(grasp.join("frames")).unwrap().flatten();
+        let count = files.filter(|f| f.file_name().to_string_lossy().starts_with("object_")).count();
+        (count, std::fs::read_to_string(grasp.join("run.pvd")).unwrap().matches("frames/object_0000.vtu").count())
+    };
+    assert_eq!(objects("motion: Fixed"), (1, 2), "one file, in both frames of the collection");
+}
