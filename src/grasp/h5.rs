@@ -61,6 +61,11 @@ pub fn read_grasp_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
         return Err(fail(format!("dataset `{name}` has chunks of {} MiB; at most {most} are unpacked", chunk >> 20)));
     }
     let values = dataset.read_f64().map_err(unreadable)?;
+    if values.is_empty() && rows > 0 {
+        return Err(fail(format!(
+            "dataset `{name}` holds numbers of a type that is not read; allowed: float64, float32"
+        )));
+    }
     if values.len() as u64 != rows * width {
         return Err(fail(format!("dataset `{name}` holds {} numbers instead of {rows} x {width}", values.len())));
     }
@@ -91,20 +96,14 @@ fn width(shape: &[u64]) -> Option<u64> {
     }
 }
 
-/// Says what the file holds instead of `name`.
+/// Says what the file holds instead of `name`. Old files with a soft link cannot be listed, only entered by path.
 fn missing(file: &File, name: &str, names: &[String]) -> String {
-    if names.is_empty() {
-        return format!("has no dataset `{name}` and no other; soft and external links are not followed");
-    }
     let fits = |name: &&String| file.dataset(name).and_then(|d| d.shape()).is_ok_and(|shape| width(&shape).is_some());
-    let choice = names
-        .iter()
-        .find(fits)
-        .map(|name| format!("; choose it in the scene: `grasps: File(path: \"...\", dataset: {name:?})`"));
+    let choice = names.iter().find(fits).map_or("group/name", String::as_str);
+    let has = if names.is_empty() { "none that can be listed".into() } else { names.join(", ") };
     format!(
-        "has no dataset `{name}` (soft and external links are not followed); it has: {}{}",
-        names.join(", "),
-        choice.unwrap_or_default()
+        "has no dataset `{name}`; it has: {has}; soft and external links are not followed: name the dataset itself in the scene, \
+         `grasps: File(path: \"...\", dataset: {choice:?})`"
     )
 }
 

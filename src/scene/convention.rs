@@ -21,7 +21,7 @@ pub struct Convention {
 
 /// Order of a quaternion's numbers; w is the real part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename = "order of a quaternion")]
+#[serde(rename = "quaternion")]
 pub enum QuaternionOrder {
     /// Real part first: Eigen's constructor, MuJoCo, DefGraspSim.
     Wxyz,

@@ -49,15 +49,25 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>
                     text::number(path, row[3], "tag")?;
                 }
             }
-            "Tetrahedra" => {
+            kind @ ("Tetrahedra" | "TetrahedraP2") => {
+                let second_order = kind == "TetrahedraP2";
                 let n = next(path, &mut words, "the number of tetrahedra")?;
                 for e in 0..text::count(path, n, "the number of tetrahedra")? {
                     let mut four = [Reference { index: 0, line: 0, column: 0 }; 4];
                     for r in &mut four {
                         *r = one_based(path, next(path, &mut words, "a tetrahedron `a b c d tag`")?, e)?;
                     }
+                    for _ in 0..if second_order { 6 } else { 0 } {
+                        next(path, &mut words, "a middle node of a tetrahedron")?;
+                    }
                     text::number(path, next(path, &mut words, "a tetrahedron's tag")?, "tag")?;
                     refs.push(four);
+                }
+                if second_order {
+                    notices.push(format!(
+                        "{}: tetrahedra of 10 nodes are read by their 4 corners; quadratic elements get middle nodes anew",
+                        path.display()
+                    ));
                 }
             }
             name if name.starts_with(|c: char| c.is_ascii_uppercase()) => {

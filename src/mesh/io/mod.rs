@@ -127,10 +127,11 @@ fn advice(path: &Path, extension: &str) -> String {
     }
 }
 
-/// The command that makes a gmsh file of another. (Without `-o`, meshio takes `.msh` for a format of ANSYS.)
+/// The command that makes a gmsh file of another. (Without `-o`, meshio takes `.msh` for a format of ANSYS; to write version
+/// 4.1 it asks for more than most files have.)
 fn convert(path: &Path) -> String {
     let (name, mesh) = names(path);
-    format!("convert it with Python's meshio: `meshio convert -o gmsh {name} {mesh}`")
+    format!("convert it with Python's meshio: `meshio convert -o gmsh22 {name} {mesh}`")
 }
 
 /// Names of a file and of the gmsh file that is made of it.

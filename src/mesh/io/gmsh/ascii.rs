@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use super::Version;
 use super::collect::{Collected, kept_nodes};
+use super::{PARAMETRIC, Version};
 use crate::error::{Error, Result};
 use crate::mesh::TetMesh;
-use crate::mesh::io::convert;
 use crate::mesh::io::text::{self, Line};
 
 /// Parses the text of a gmsh file; `path` is for messages.
@@ -31,11 +30,10 @@ pub(super) fn parse(path: &Path, source: &str) -> Result<(TetMesh, Vec<String>)>
                     _ => elements_v4(&mut found, version, path, &mut next)?,
                 }
             }
+            "$ParametricNodes" => return Err(text::at(path, line.first(), PARAMETRIC)),
             _ if name.starts_with('$') => {}
             other => {
-                // The formats of ANSYS have the same extension and begin so.
-                let advice = if other.starts_with('(') { format!("; {}", convert(path)) } else { String::new() };
-                let message = format!("expected a section such as `$Nodes`, found {}{advice}", text::quote(other));
+                let message = format!("expected a section such as `$Nodes`, found {}", text::quote(other));
                 return Err(text::at(path, line.first(), message));
             }
         }

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::Version;
 use super::collect::{Collected, kept_nodes};
 use super::cursor::Cursor;
+use super::{PARAMETRIC, Version};
 use crate::error::Result;
 use crate::mesh::{MAX_COUNT, TetMesh};
 
@@ -22,6 +22,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<(TetMesh, Vec<String>)>
             ("$Nodes" | "$Elements", None) => {
                 return Err(file.fail("a section stands before `$MeshFormat`; the format version must come first"));
             }
+            ("$ParametricNodes", _) => return Err(file.fail(PARAMETRIC)),
             ("$Nodes", Some(Version::V2)) => nodes_v2(&mut file, &mut found)?,
             ("$Nodes", Some(version)) => nodes_v4(&mut file, &mut found, version)?,
             ("$Elements", Some(Version::V2)) => elements_v2(&mut file, &mut found)?,

@@ -9,8 +9,8 @@ mod cursor;
 
 use std::path::Path;
 
-use super::text;
-use crate::error::Result;
+use super::{convert, text};
+use crate::error::{Error, Result};
 use crate::mesh::TetMesh;
 
 /// The versions, which differ in the order and width of what a block holds.
@@ -41,11 +41,19 @@ impl Version {
 /// Errors: unknown version, declared counts above the cap or not met, doubled or unknown tags, bad numbers, no
 /// tetrahedra; each with line and column of a text, with the byte offset of a binary file.
 pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>)> {
+    // The formats of ANSYS have the same extension and begin so.
+    if bytes.trim_ascii_start().starts_with(b"(") {
+        return Err(Error::file(path, format!("a file of ANSYS, not of gmsh; {}", convert(path))));
+    }
     if says_binary(&bytes) {
         return binary::parse(path, &bytes);
     }
     ascii::parse(path, &text::decode(path, bytes)?)
 }
+
+/// Says that the nodes come with parameters of the geometry in a section of their own, of version 2.
+const PARAMETRIC: &str =
+    "the nodes stand in `$ParametricNodes`; save them without parameters (Mesh.SaveParametric = 0)";
 
 /// Whether the second word after `$MeshFormat` is the 1 of a binary file.
 fn says_binary(bytes: &[u8]) -> bool {
