@@ -187,7 +187,7 @@ fn pads_that_do_not_fit_into_memory_are_refused_before_they_are_meshed() {
         );
         file(dir.path(), &format!("spacing_{spacing}.ron"), &text)
     };
-    // Its factors alone are some 40 GB each.
+    // Its factors alone are some 60 GB each.
     let fine = scene("3e-4");
     let set = dir.path().join("set");
     for arguments in
