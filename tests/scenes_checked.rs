@@ -85,9 +85,10 @@ fn every_shipped_scene_is_checked() {
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
+/// Those of `torture` and `dynamic` run whole in the tests `torture` and `scenes`.
 #[test]
 fn every_shipped_scene_runs_one_frame() {
-    let found = complaints(all(), |scene| {
+    let found = complaints(walk::scenes(&walk::shipped(), &["meshes", "torture", "dynamic"]), |scene| {
         let out = tactus(&["run", scene, "--frames", "1", "--grasp", "0", "--no-pictures"]);
         if errors(&out).contains("--frames does not go with a press at given `depths`") {
             return other(&out, &[2]);
@@ -187,7 +188,7 @@ fn pads_that_do_not_fit_into_memory_are_refused_before_they_are_meshed() {
         );
         file(dir.path(), &format!("spacing_{spacing}.ron"), &text)
     };
-    // Its factors alone are some 40 GB each.
+    // Its factors alone are some 60 GB each.
     let fine = scene("3e-4");
     let set = dir.path().join("set");
     for arguments in
@@ -322,4 +323,41 @@ fn messages_name_the_file_of_the_field_and_show_six_digits() {
         "(object: (shape: Annulus(outer: 0.0123456789123, inner: 0.0223456789123, height: 0.01)), loading: Squeeze(force: 1))",
     );
     refused_at_once(&["check", &scene], &["0.0223457 m", "0.0123457 m"]);
+}
+
+#[test]
+fn a_pad_without_thickness_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = "(object: (shape: Sphere(radius: 0.02)), loading: Squeeze(force: 1),\n gripper: (pads: Box(size: (0.02, 0.02, 1e-300))))";
+    refused_at_once(
+        &["check", &file(dir.path(), "thin.ron", text)],
+        &["1e-300 m is too small for a pad", "thin.ron:2:"],
+    );
+}
+
+#[test]
+fn a_check_tries_the_first_thousand_grasps() {
+    let dir = tempfile::tempdir().unwrap();
+    let text =
+        "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: Box(size: (0.02, 0.02, 0.004), cells: (2, 2, 2))),
+        loading: Squeeze(force: 1, frames: 1), grasps: Antipodal(count: 1500))";
+    let out = tactus(&["check", &file(dir.path(), "many.ron", text)]);
+    let text = String::from_utf8_lossy(&out.stdout);
+    assert!(text.contains(" of 1000 grasps can start; 500 more were not tried"), "{text}");
+}
+
+/// The estimate knows the numbers of nodes and unknowns of a grid before it is made.
+#[test]
+fn the_size_of_a_pad_is_known_before_it_is_meshed() {
+    use tactus::limits::PadSize;
+    use tactus::pad::{Resolution, box_pad};
+    use tactus::scene::Element;
+    for cells in [[1, 1, 1], [4, 6, 2], [3, 2, 5]] {
+        let pad = box_pad(0.02, 0.03, 0.004, &Resolution::cells(cells)).unwrap();
+        for element in [Element::Linear, Element::Quadratic] {
+            assert_eq!(PadSize::of_cells(cells, element), PadSize::of_pad(&pad, element), "{cells:?} {element:?}");
+        }
+    }
+    let size = PadSize::of_cells([8, 10, 3], Element::Quadratic);
+    assert_eq!(size.nodes, 17 * 21 * 7);
 }

@@ -96,6 +96,9 @@ fn export(path: &Path, found: &Found) -> Result<()> {
     }
 }
 
+/// Most grasps that are closed to first contact: a check is an answer within seconds, and of a data set the first ones tell.
+const TRIED: usize = 1000;
+
 /// What a scene comes to.
 struct Found {
     model: Arc<Model>,
@@ -130,7 +133,7 @@ fn examine(scene: &Scene) -> Result<Found> {
     let pad = model.fingers.first().map(|f| Aabb::of(f.topology.rest.iter().copied()));
     found.notices.extend(pad.and_then(|pad| aim_notice(scene, &model.object, pad, &poses)));
     let hand = pad.map(|pad| Hand::new(pad, &scene.gripper));
-    for (index, pose) in poses.iter().enumerate() {
+    for (index, pose) in poses.iter().enumerate().take(TRIED) {
         // Only pads are simulated, so this is to be known and no problem.
         let part = hand.as_ref().and_then(|h| h.obstacle(model.object.distance.as_ref(), pose, 0.0, 0.0));
         if let Some(part @ (Part::Palm | Part::Finger)) = part {
@@ -157,6 +160,11 @@ fn start(model: &Arc<Model>, stepper: &dyn Stepper, pose: GraspPose) -> Result<E
 }
 
 impl Found {
+    /// Grasps that were closed to first contact.
+    fn tried(&self) -> usize {
+        self.poses.len().min(TRIED)
+    }
+
     /// Takes over the unknowns of condensed pads, which only a grasp at first contact has.
     fn condense(&mut self, scene: &Scene, grasp: usize, mut environment: Environment) {
         let scene::Stepper::Fem(scene::Fem { solver: scene::Solver::Condensed(_), .. }) = scene.stepper else {
@@ -210,6 +218,7 @@ impl Found {
                 "bounding_radius_m": m.object.bounding_radius,
             },
             "grasps": self.poses.len(),
+            "tried": self.tried(),
             "notices": m.notices.iter().chain(&m.pad_notice).chain(&self.notices).collect::<Vec<_>>(),
             "problems": self.problems,
         })
@@ -268,8 +277,9 @@ impl Found {
         line("");
         m.notices.iter().chain(&m.pad_notice).chain(&self.notices).for_each(|notice| line(&format!("note: {notice}")));
         self.problems.iter().for_each(|problem| line(&format!("problem: {problem}")));
-        let feasible = self.poses.len() - self.problems.len();
-        line(&format!("{feasible} of {} grasps can start", self.poses.len()));
+        let (all, tried) = (self.poses.len(), self.tried());
+        let untried = if tried < all { format!("; {} more were not tried", all - tried) } else { String::new() };
+        line(&format!("{} of {tried} grasps can start{untried}", tried - self.problems.len()));
         out
     }
 }

@@ -160,8 +160,18 @@ fn profile(r: &Revolve) -> Result<(), Problem> {
     Ok(())
 }
 
+/// Thinnest and narrowest pad that is made, m: far below any gel.
+const PAD: f64 = 1e-5;
+
 fn pads(pads: &Pads) -> Result<(), Problem> {
+    let too_small = |field: &str, length: f64| {
+        let message = format!("{} m is too small for a pad\nallowed: at least {} m", shown(length), shown(PAD));
+        refuse(format!("gripper.pads.{field}"), message)
+    };
     match pads {
+        Pads::Box(b) if b.size.size().min_element() < PAD => too_small("size", b.size.size().min_element()),
+        Pads::Disc(d) if d.radius.get() < PAD => too_small("radius", d.radius.get()),
+        Pads::Disc(d) if d.thickness.get() < PAD => too_small("thickness", d.thickness.get()),
         Pads::Box(b) if b.cells.is_some() && b.spacing.is_some() => {
             refuse("gripper.pads.cells", "cells and spacing are both given\ngive one of them")
         }
