@@ -78,7 +78,10 @@ impl Batch {
     ) -> PyResult<()> {
         self.work(py, move |env| {
             let mask = mask.as_deref();
-            seeds.map_or_else(|| env.reset(seed, mask).map(drop), |seeds| env.reset_each(&seeds, mask).map(drop))
+            match seeds {
+                Some(seeds) => env.reset_each(&seeds, mask).map(drop),
+                None => env.reset(seed, mask).map(drop),
+            }
         })?;
         self.write(out, false)
     }
