@@ -5,7 +5,7 @@ mod env_made;
 mod gnn_made;
 
 use env_made::*;
-use tactus::env::{Autoreset, BatchConfig, BatchEnv};
+use tactus::env::{Autoreset, BatchConfig, BatchEnv, Snapshot};
 use tactus::scene::NamedScene;
 use tactus::schedule::{Next, Phase};
 
@@ -39,6 +39,8 @@ for_each! {
     truncation_keeps_the_final_observation
     episodes_differ_and_start_like_fresh_ones
     a_restored_environment_replays_exactly
+    a_snapshot_that_does_not_fit_is_refused
+    seeds_of_their_own_start_the_episodes_of_single_environments
     a_bad_action_names_its_environment_and_changes_nothing
     a_fault_stays_in_its_environment
     taxels_sum_to_the_wrench
@@ -138,6 +140,66 @@ fn a_restored_environment_replays_exactly(set: &[NamedScene]) {
     other.reset(None, None).unwrap();
     other.restore(1, &saved).unwrap();
     assert_eq!(truth, rest(&mut other, 1), "in another batch");
+}
+
+fn a_snapshot_that_does_not_fit_is_refused(set: &[NamedScene]) {
+    let mut env = batch(set, config(2));
+    env.reset(None, None).unwrap();
+    let before = bits(env.step(&actions(0, 2, 0)).unwrap(), 1);
+    let good = env.save(1);
+    let text = good.to_json();
+    for cut in [0, 1, text.len() / 2, text.len() - 1] {
+        let error = Snapshot::from_json(&text[..cut]).unwrap_err();
+        assert!(error.starts_with("the snapshot cannot be read"), "{error}");
+    }
+    assert_eq!(Snapshot::from_json(&text).unwrap(), good);
+    let changed = |change: &dyn Fn(&mut Snapshot)| {
+        let mut bad = good.clone();
+        change(&mut bad);
+        bad
+    };
+    let other = {
+        let slower = set.iter().cloned().map(|mut named| {
+            named.scene.task.as_mut().unwrap().lift = tactus::scene::leaf::Count::new(3).unwrap();
+            named
+        });
+        let mut env = batch(&slower.collect::<Vec<_>>(), config(2));
+        env.reset(None, None).unwrap();
+        env.save(1)
+    };
+    let cases = [
+        (changed(&|s| s.actions[0] = f32::NAN), "environment 1: the snapshot holds NaN in its action of step 1"),
+        (changed(&|s| s.actions = vec![0.0; STEPS + 1]), "environment 1: the snapshot holds 6 numbers of actions"),
+        (changed(&|s| s.actions[0] = 0.25), "environment 1: the snapshot was changed or damaged"),
+        (changed(&|s| s.key.episode += 1), "environment 1: the snapshot was changed or damaged"),
+        (changed(&|s| s.format = 7), "environment 1: the snapshot has format 7"),
+        (other, "environment 1: the snapshot is of another scene"),
+    ];
+    for (bad, said) in cases {
+        let error = env.restore(1, &bad).unwrap_err();
+        assert!(error.to_string().starts_with(said), "{error}");
+    }
+    assert!(env.restore(2, &good).unwrap_err().to_string().contains("environment 2 of 2"));
+    assert_eq!(before, bits(env.view(), 1), "nothing has changed");
+    assert_eq!(before, bits(env.restore(1, &good).unwrap(), 1));
+}
+
+fn seeds_of_their_own_start_the_episodes_of_single_environments(set: &[NamedScene]) {
+    let mut env = batch(set, config(3));
+    env.reset(None, None).unwrap();
+    let view = env.reset_each(&[Some(3), None, Some(4)], None).unwrap();
+    let rows = [0, 1, 2].map(|i| bits(view, i));
+    assert_eq!([0, 1, 2].map(|i| (env.key(i).seed, env.key(i).episode)), [(3, 0), (7, 1), (4, 0)]);
+    let mut alone = batch(set, config(1));
+    assert_eq!(rows[0], bits(alone.reset(Some(3), None).unwrap(), 0));
+    assert_eq!(rows[2], bits(alone.reset(Some(4), None).unwrap(), 0));
+    assert!(env.reset_each(&[None], None).unwrap_err().to_string().contains("1 seeds for 3 environments"));
+    // A seed for all gives every environment its own number again.
+    let all = env.reset(Some(3), None).unwrap();
+    let all = [0, 1, 2].map(|i| bits(all, i));
+    let mut fresh = batch(set, config(3));
+    let fresh = fresh.reset(Some(3), None).unwrap();
+    assert_eq!(all, [0, 1, 2].map(|i| bits(fresh, i)));
 }
 
 fn a_bad_action_names_its_environment_and_changes_nothing(set: &[NamedScene]) {

@@ -1,16 +1,20 @@
 //! `tactus::env::BatchEnv` for Python: writes into arrays that the caller owns, with the interpreter's lock released.
 
 use crate::refused;
-use numpy::{PyReadonlyArray1, PyReadwriteArray1};
+use crate::supervise::supervise;
+use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1, ToPyArray};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use tactus::env::{Autoreset, BatchConfig, BatchEnv};
+use std::sync::{Arc, Mutex, MutexGuard};
+use tactus::env::{Autoreset, BatchConfig, BatchEnv, Snapshot};
 use tactus::scene::{Gnn, Stepper, load_set};
 
 /// Environments of one scene.
-#[pyclass]
+#[pyclass(frozen)]
 pub struct Batch {
-    env: BatchEnv,
+    env: Arc<Mutex<BatchEnv>>,
     names: Vec<String>,
+    num_envs: usize,
 }
 
 /// An array to write observations to.
@@ -23,7 +27,7 @@ impl Batch {
     #[allow(clippy::too_many_arguments, reason = "the names are Python's")]
     fn new(
         py: Python<'_>,
-        scene: &str,
+        scene: String,
         num_envs: usize,
         seed: u64,
         autoreset: &str,
@@ -40,39 +44,52 @@ impl Batch {
             other => return Err(refused(format!("autoreset {other:?}; allowed: NextStep, SameStep, Disabled"))),
         };
         let config = BatchConfig { num_envs, first_env, seed, autoreset, max_steps, threads, objects };
-        let open = || {
+        let open = move || {
             let mut set = load_set(scene)?.scenes;
             if let Some(model) = model {
                 set.iter_mut().for_each(|s| s.scene.stepper = Stepper::Gnn(Gnn { model: model.clone().into() }));
             }
             BatchEnv::new(&set, config)
         };
-        let env = py.detach(open).map_err(refused)?;
+        let env = supervise(py, None, open)?;
         let names = env.observation_spec().into_iter().map(|s| s.name).collect();
-        Ok(Self { env, names })
+        Ok(Self { env: Arc::new(Mutex::new(env)), names, num_envs })
     }
 
     /// (name, shape, unit, low, high) of every observation of one environment.
-    fn observation_spec(&self) -> Vec<(String, Vec<usize>, String, f32, f32)> {
-        let spec = self.env.observation_spec().into_iter();
-        spec.map(|s| (s.name, s.shape, s.unit, s.low, s.high)).collect()
+    fn observation_spec(&self) -> PyResult<Vec<(String, Vec<usize>, String, f32, f32)>> {
+        let spec = self.lock()?.observation_spec().into_iter();
+        Ok(spec.map(|s| (s.name, s.shape, s.unit, s.low, s.high)).collect())
     }
 
     /// Numbers of an action.
-    fn action_size(&self) -> usize {
-        self.env.action_spec().size()
+    fn action_size(&self) -> PyResult<usize> {
+        Ok(self.lock()?.action_spec().size())
     }
 
-    fn reset(&mut self, py: Python<'_>, seed: Option<u64>, mask: Option<Vec<bool>>, out: Vec<Out>) -> PyResult<()> {
-        let env = &mut self.env;
-        py.detach(|| env.reset(seed, mask.as_deref()).map(|_| ())).map_err(refused)?;
+    /// With `seeds` (one per environment; None goes on) or `seed` (of all) the first episodes.
+    fn reset(
+        &self,
+        py: Python<'_>,
+        seed: Option<u64>,
+        seeds: Option<Vec<Option<u64>>>,
+        mask: Option<Vec<bool>>,
+        out: Vec<Out>,
+    ) -> PyResult<()> {
+        self.work(py, move |env| {
+            let mask = mask.as_deref();
+            match seeds {
+                Some(seeds) => env.reset_each(&seeds, mask).map(drop),
+                None => env.reset(seed, mask).map(drop),
+            }
+        })?;
         self.write(out, false)
     }
 
     /// Writes observations, then reward, terminated and truncated (as 0 and 1).
     #[allow(clippy::too_many_arguments, reason = "one array each")]
     fn step(
-        &mut self,
+        &self,
         py: Python<'_>,
         actions: PyReadonlyArray1<f32>,
         out: Vec<Out>,
@@ -80,11 +97,13 @@ impl Batch {
         mut terminated: PyReadwriteArray1<bool>,
         mut truncated: PyReadwriteArray1<bool>,
     ) -> PyResult<()> {
-        let (env, actions) = (&mut self.env, actions.as_slice()?.to_vec());
-        let view = py.detach(|| env.step(&actions)).map_err(refused)?;
-        reward.as_slice_mut()?.copy_from_slice(view.reward());
-        terminated.as_slice_mut()?.copy_from_slice(view.terminated());
-        truncated.as_slice_mut()?.copy_from_slice(view.truncated());
+        let actions = actions.as_slice()?.to_vec();
+        self.work(py, move |env| env.step(&actions).map(drop))?;
+        let env = self.lock()?;
+        reward.as_slice_mut()?.copy_from_slice(env.view().reward());
+        terminated.as_slice_mut()?.copy_from_slice(env.view().terminated());
+        truncated.as_slice_mut()?.copy_from_slice(env.view().truncated());
+        drop(env);
         self.write(out, false)
     }
 
@@ -94,45 +113,89 @@ impl Batch {
     }
 
     /// What the rewards were made of: (held, slip, slipped, margin, stress, force, load) per environment.
-    fn facts(&self) -> Vec<(bool, f64, f64, f64, f64, f64, f64)> {
-        let facts = self.env.view().facts().iter();
-        facts.map(|f| (f.held, f.slip, f.slipped, f.margin, f.stress, f.force, f.load)).collect()
+    fn facts(&self) -> PyResult<Vec<(bool, f64, f64, f64, f64, f64, f64)>> {
+        let env = self.lock()?;
+        let facts = env.view().facts().iter();
+        Ok(facts.map(|f| (f.held, f.slip, f.slipped, f.margin, f.stress, f.force, f.load)).collect())
     }
 
     /// Why an environment has no state for this step; None where it has.
-    fn faults(&self) -> Vec<Option<String>> {
-        (0..self.env.num_envs()).map(|i| self.env.view().fault(i).map(str::to_string)).collect()
+    fn faults(&self) -> PyResult<Vec<Option<String>>> {
+        let env = self.lock()?;
+        Ok((0..self.num_envs).map(|i| env.view().fault(i).map(str::to_string)).collect())
     }
 
     /// Name of the object that each environment holds.
-    fn held_objects(&self) -> Vec<Option<String>> {
-        (0..self.env.num_envs()).map(|i| self.env.episode(i).map(|(name, _)| name.to_string())).collect()
+    fn held_objects(&self) -> PyResult<Vec<Option<String>>> {
+        let env = self.lock()?;
+        Ok((0..self.num_envs).map(|i| env.episode(i).map(|(name, _)| name.to_string())).collect())
+    }
+
+    /// Seed that each environment's episodes are drawn by.
+    fn seeds(&self) -> PyResult<Vec<u64>> {
+        let env = self.lock()?;
+        Ok((0..self.num_envs).map(|i| env.key(i).seed).collect())
+    }
+
+    /// Whether each environment was reset.
+    fn begun(&self) -> PyResult<Vec<bool>> {
+        let env = self.lock()?;
+        Ok((0..self.num_envs).map(|i| env.begun(i)).collect())
     }
 
     fn save(&self, env: usize) -> PyResult<String> {
         self.check(env)?;
-        serde_json::to_string(&self.env.save(env)).map_err(refused)
+        Ok(self.lock()?.save(env).to_json())
     }
 
-    fn restore(&mut self, py: Python<'_>, env: usize, snapshot: &str, out: Vec<Out>) -> PyResult<()> {
+    fn restore(&self, py: Python<'_>, env: usize, snapshot: &str, out: Vec<Out>) -> PyResult<()> {
         self.check(env)?;
-        let snapshot = serde_json::from_str(snapshot).map_err(refused)?;
-        let batch = &mut self.env;
-        py.detach(|| {
-            batch.restore(env, &snapshot);
-        });
+        let snapshot = Snapshot::from_json(snapshot).map_err(refused)?;
+        self.work(py, move |batch| batch.restore(env, &snapshot).map(drop))?;
         self.write(out, false)
+    }
+
+    /// The picture of an environment: (height, width, 3).
+    fn render<'py>(&self, py: Python<'py>, env: usize) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        self.check(env)?;
+        let picture = self.work(py, move |batch| batch.render(env))?;
+        let (height, width) = (picture.height() as usize, picture.width() as usize);
+        // The page is opaque.
+        let rgb: Vec<u8> = picture.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+        rgb.to_pyarray(py).reshape([height, width, 3])
     }
 }
 
 impl Batch {
+    /// Does `work` on the environments, on a thread that a signal can end.
+    fn work<T, E>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut BatchEnv) -> Result<T, E> + Send + 'static,
+    ) -> PyResult<T>
+    where
+        T: Send + 'static,
+        E: std::fmt::Display + Send + 'static,
+    {
+        let env = self.env.clone();
+        supervise(py, None, move || match env.lock() {
+            Ok(mut env) => work(&mut env).map_err(|e| e.to_string()),
+            Err(_) => Err(BROKEN.to_string()),
+        })
+    }
+
+    fn lock(&self) -> PyResult<MutexGuard<'_, BatchEnv>> {
+        self.env.lock().map_err(|_| PyRuntimeError::new_err(BROKEN))
+    }
+
     fn check(&self, env: usize) -> PyResult<()> {
-        let n = self.env.num_envs();
+        let n = self.num_envs;
         if env < n { Ok(()) } else { Err(refused(format!("environment {env} of {n}"))) }
     }
 
     fn write(&self, out: Vec<Out>, last: bool) -> PyResult<()> {
-        let view = self.env.view();
+        let env = self.lock()?;
+        let view = env.view();
         for (name, mut out) in self.names.iter().zip(out) {
             let from = if last { view.final_obs(name) } else { view.obs(name) }.unwrap_or_default();
             let to = out.as_slice_mut()?;
@@ -144,3 +207,6 @@ impl Batch {
         Ok(())
     }
 }
+
+/// What is said of environments that a panic has left in the middle of something.
+const BROKEN: &str = "an earlier call made a mistake inside tactus; make the environments anew";

@@ -1,22 +1,26 @@
 //! Data sets as numpy arrays, one grasp at a time.
 
 use crate::refused;
+use crate::supervise::supervise;
 use numpy::{Element, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::path::PathBuf;
+use std::sync::Arc;
 use tactus::dataset::{self, Campaign};
+use tactus::error::Error;
 use tactus::record::names;
 use tactus::scene::load_set;
 
 /// A data set that `tactus dataset` wrote.
 #[pyclass(frozen)]
-pub struct DataSet(dataset::DataSet);
+pub struct DataSet(Arc<dataset::DataSet>);
 
 #[pymethods]
 impl DataSet {
     #[new]
-    fn new(py: Python<'_>, folder: &str) -> PyResult<Self> {
-        py.detach(|| dataset::DataSet::open(folder)).map(Self).map_err(refused)
+    fn new(py: Python<'_>, folder: PathBuf) -> PyResult<Self> {
+        supervise(py, Some(1), move || dataset::DataSet::open(folder)).map(|set| Self(Arc::new(set)))
     }
 
     /// Names of the objects.
@@ -40,7 +44,11 @@ impl DataSet {
     fn grasp<'py>(&self, py: Python<'py>, object: &str, grasp: usize) -> PyResult<Bound<'py, PyDict>> {
         let file = self.object(object)?;
         let (pads, nodes) = (file.sizes.pads, file.sizes.nodes);
-        let data = py.detach(|| file.grasp(grasp)).map_err(refused)?;
+        let (set, name) = (self.0.clone(), object.to_string());
+        let data = supervise(py, Some(1), move || {
+            let file = set.objects.iter().find(|o| o.name == name);
+            file.ok_or_else(|| Error::Start(format!("no object {name:?}")))?.grasp(grasp)
+        })?;
         let arrays = PyDict::new(py);
         let f = data.frames;
         put(&arrays, names::DISPLACEMENT, &data.displacement, &[f, pads, nodes, 3])?;
@@ -81,14 +89,19 @@ fn put<T: Element + Copy>(to: &Bound<'_, PyDict>, name: &str, numbers: &[T], sha
 /// Makes part (i, n) of a data set, i from 0 to n - 1, and returns how many grasps ran; without a part what is left of it, and
 /// closes it.
 #[pyfunction]
-pub fn make(py: Python<'_>, scene: &str, out: &str, part: Option<(usize, usize)>, threads: usize) -> PyResult<usize> {
-    let work = || {
-        let campaign = Campaign::plan(&load_set(scene)?, out.as_ref())?;
+pub fn make(
+    py: Python<'_>,
+    scene: PathBuf,
+    out: PathBuf,
+    part: Option<(usize, usize)>,
+    threads: usize,
+) -> PyResult<usize> {
+    supervise(py, Some(threads), move || {
+        let campaign = Campaign::plan(&load_set(scene)?, &out)?;
         let left = campaign.manifest().grasps - campaign.finished();
         match part {
             Some((part, parts)) => campaign.run_part(part, parts.max(1), threads.max(1), &()),
             None => campaign.run(threads.max(1), &()).map(|_| left),
         }
-    };
-    py.detach(work).map_err(refused)
+    })
 }

@@ -3,6 +3,7 @@
 mod batch;
 mod dataset;
 mod run;
+mod supervise;
 
 use mimalloc::MiMalloc;
 use pyo3::exceptions::PyValueError;

@@ -1,6 +1,7 @@
 //! Scenes for Python: what they resolve to, and what their grasps do.
 
 use crate::refused;
+use crate::supervise::supervise;
 use numpy::{PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -15,8 +16,8 @@ use tactus::stepper::choose;
 
 /// Names of the objects of a scene file.
 #[pyfunction]
-pub fn objects(scene: &str) -> PyResult<Vec<String>> {
-    let set = load_set(scene).map_err(refused)?;
+pub fn objects(py: Python<'_>, scene: String) -> PyResult<Vec<String>> {
+    let set = supervise(py, Some(1), || load_set(scene))?;
     Ok(set.scenes.iter().map(|s| s.name.as_str().to_string()).collect())
 }
 
@@ -42,13 +43,13 @@ impl Observer for Keep {
 #[pyfunction]
 pub fn run<'py>(
     py: Python<'py>,
-    scene: &str,
-    object: Option<&str>,
+    scene: String,
+    object: Option<String>,
     model: Option<String>,
     threads: usize,
 ) -> PyResult<Vec<Bound<'py, PyDict>>> {
-    let simulate = || -> Result<_> {
-        let mut scene = load_object(scene, object)?.scene;
+    let simulate = move || -> Result<_> {
+        let mut scene = load_object(scene, object.as_deref())?.scene;
         if let Some(model) = model {
             scene.stepper = Stepper::Gnn(Gnn { model: model.into() });
         }
@@ -59,7 +60,7 @@ pub fn run<'py>(
         let frames = keep.0.into_iter().map(|f| f.into_inner().unwrap_or_default());
         Ok(outcomes.into_iter().zip(frames).collect::<Vec<_>>())
     };
-    let done = py.detach(simulate).map_err(refused)?;
+    let done = supervise(py, Some(threads), simulate)?;
     let grasp = |(outcome, frames): (tactus::runner::Outcome, Vec<Frame>)| {
         let grasp = PyDict::new(py);
         let summary = &outcome.summary;

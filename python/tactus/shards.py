@@ -62,7 +62,7 @@ def everywhere(work: Callable[..., Any], jobs: Sequence[tuple[Any, ...]], cluste
     import ray
 
     remote = ray.remote(num_cpus=1, max_retries=-1)(work)
-    return ray.get([remote.remote(*job) for job in jobs])
+    return list(ray.get([remote.remote(*job) for job in jobs]))
 
 
 def part(scene: str, out: str, number: int, parts: int) -> int:
@@ -77,7 +77,7 @@ def dataset(
     :func:`rollout`."""
     scene, out = os.path.abspath(scene), os.path.abspath(out)
     ran = everywhere(part, [(scene, out, number, parts) for number in range(parts)], cluster)
-    return sum(ran) + _tactus.make(scene, out, None, 1)
+    return int(sum(ran)) + _tactus.make(scene, out, None, 1)
 
 
 def rollout(

@@ -1,7 +1,13 @@
 """The environments as Gymnasium wants them, on the FEM backend (the network's contract is tested in Rust)."""
 
+import copy
+import json
+import pickle
+import subprocess
+import sys
 from pathlib import Path
 
+import gymnasium as gym
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
@@ -10,6 +16,7 @@ from gymnasium.vector import AutoresetMode
 import tactus
 
 HOLD = Path(__file__).parents[2] / "scenes" / "tasks" / "hold.ron"
+REGRASP = HOLD.with_name("regrasp.ron")
 
 
 def vector(**settings):
@@ -69,8 +76,22 @@ def test_a_bad_action_names_its_environment():
     env.reset(seed=1)
     with pytest.raises(ValueError, match="environment 1: its action holds NaN"):
         env.step(np.array([[0.0], [np.nan]]))
-    with pytest.raises(ValueError, match="3 numbers for 2 environments with 1 each"):
+    with pytest.raises(ValueError, match=r"actions have shape \(3,\); allowed: \(2, 1\)"):
         env.step(np.zeros(3))
+    env.step(np.zeros(2))
+
+
+def test_actions_by_column_are_refused():
+    env = tactus.VectorEnv(REGRASP, 3, objects=["sphere"], threads=2)
+    env.reset(seed=1)
+    size = env.single_action_space.shape[0]
+    assert size != 3
+    wrong = np.zeros((size, 3), np.float32)
+    with pytest.raises(ValueError, match=rf"actions have shape \({size}, 3\); allowed: \(3, {size}\)"):
+        env.step(wrong)
+    with pytest.raises(ValueError, match="allowed"):
+        env.step(wrong.reshape(-1))
+    env.step(wrong.T)
 
 
 def test_masked_reset_and_restore():
@@ -83,3 +104,119 @@ def test_masked_reset_and_restore():
     assert any(not np.array_equal(before[name][1], after[name][1]) for name in before)
     again = env.restore(1, saved)
     assert all(np.array_equal(before[name], again[name]) for name in before)
+
+
+def same(a, b):
+    return all(np.array_equal(a[name], b[name]) for name in a)
+
+
+def test_without_a_seed_episodes_differ_and_the_seed_is_told():
+    envs = [tactus.Env(HOLD, objects=["sphere"], max_steps=3) for _ in range(4)]
+    starts = [env.reset() for env in envs]
+    assert not any(same(starts[i][0], starts[j][0]) for i in range(4) for j in range(i))
+    seeds = [int(infos["seed"]) for _, infos in starts]
+    assert len(set(seeds)) == 4 and seeds == [env.np_random_seed for env in envs]
+    assert same(envs[0].reset(seed=seeds[2])[0], starts[2][0]), "who knows the seed has the episode"
+    assert vector().np_random_seed != vector().np_random_seed
+    assert vector(seed=5).np_random_seed == 5
+
+
+def test_seeds_of_single_environments():
+    env = vector()
+    obs, infos = env.reset(seed=[3, 4])
+    assert infos["seed"].tolist() == [3, 4]
+    for i, seed in enumerate([3, 4]):
+        alone, _ = tactus.Env(HOLD, objects=["sphere"], max_steps=3).reset(seed=seed)
+        assert same(alone, {name: value[i] for name, value in obs.items()})
+    after, infos = env.reset(seed=[None, 3])
+    assert infos["seed"].tolist() == [3, 3]
+    assert same({k: v[1] for k, v in after.items()}, {k: v[0] for k, v in obs.items()})
+    assert same(env.reset(seed=9)[0], vector(seed=9).reset()[0]), "a number is for all, as ever"
+    with pytest.raises(ValueError, match="3 seeds for 2 environments"):
+        env.reset(seed=[1, 2, 3])
+    for bad in [-1, 2**64]:
+        with pytest.raises(ValueError, match=rf"seed {bad}; allowed: 0 to"):
+            env.reset(seed=bad)
+
+
+def test_modes_go_by_their_name():
+    assert vector(autoreset_mode="SameStep").autoreset_mode == AutoresetMode.SAME_STEP
+    with pytest.raises(ValueError, match="autoreset_mode 'Never'; allowed: 'NextStep', 'SameStep', 'Disabled'"):
+        vector(autoreset_mode="Never")
+
+
+def test_snapshots_that_do_not_fit_are_refused():
+    env = vector()
+    env.reset(seed=1)
+    before = env.step(np.zeros((2, 1)))[0]
+    saved = env.save(1)
+    other = tactus.VectorEnv(REGRASP, 1, objects=["sphere"])
+    other.reset(seed=1)
+    changed = json.loads(saved)
+    changed["actions"] = [float("nan")]
+    bad = {
+        "cannot be read": [saved[:-9], "", json.dumps(changed)],
+        "of another scene": [other.save(0)],
+        "checksum does not fit": [saved.replace('"actions":[0.0]', '"actions":[0.5]')],
+    }
+    for said, snapshots in bad.items():
+        for snapshot in snapshots:
+            with pytest.raises(ValueError, match=said):
+                env.restore(1, snapshot)
+    assert same(env.restore(1, saved), before)
+
+
+def ahead(env, steps=4):
+    rows = [env.step(np.full((2, 1), 0.3 * k - 0.5, np.float32)) for k in range(steps)]
+    return [[row[0][name].tobytes() for name in row[0]] + [a.tobytes() for a in row[1:4]] for row in rows]
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
+@pytest.mark.parametrize("mode", list(AutoresetMode)[:2])
+def test_copies_go_on_bit_for_bit(again, mode, monkeypatch, tmp_path):
+    fresh = vector(seed=2, autoreset_mode=mode)
+    assert same(again(fresh).reset()[0], fresh.reset()[0]), "before the first reset"
+    fresh.step(np.zeros((2, 1)))
+    monkeypatch.chdir(tmp_path)
+    twin = again(fresh)
+    assert ahead(twin) == ahead(fresh)
+    assert twin.np_random_seed == 2
+    one = tactus.Env(HOLD, objects=["sphere"], max_steps=3)
+    one.reset(seed=5)
+    twin = again(one)
+    assert same(twin.step(np.zeros(1))[0], one.step(np.zeros(1))[0])
+
+
+def test_pictures():
+    env = tactus.Env(HOLD, objects=["sphere"], max_steps=3, render_mode="rgb_array")
+    with pytest.raises(ValueError, match="no episode to draw"):
+        env.render()
+    env.reset(seed=1)
+    first = env.render()
+    assert first.shape == (800, 1400, 3) and first.dtype == np.uint8 and len(np.unique(first)) > 20
+    env.step(np.ones(1))
+    assert not np.array_equal(first, env.render())
+    many = vector(render_mode="rgb_array")
+    many.reset(seed=1)
+    assert [picture.shape for picture in many.render()] == [(800, 1400, 3)] * 2
+    assert vector().render() is None
+    with pytest.raises(ValueError, match="render_mode 'human'"):
+        vector(render_mode="human")
+
+
+@pytest.mark.parametrize("name", ["Hold", "Squeeze", "Regrasp"])
+def test_tasks_of_gymnasium(name):
+    one = gym.make(f"tactus/{name}-v0", objects=["sphere"], render_mode="rgb_array")
+    obs, _ = one.reset(seed=3)
+    assert one.observation_space.contains(obs) and one.render().shape == (800, 1400, 3)
+    one.step(one.action_space.sample())
+    many = gym.make_vec(f"tactus/{name}-v0", num_envs=3, objects=["sphere"])
+    assert isinstance(many.unwrapped, tactus.VectorEnv) and many.num_envs == 3
+    obs, _ = many.reset(seed=3)
+    assert many.observation_space.contains(obs)
+
+
+def test_tasks_are_found_from_anywhere(tmp_path):
+    script = "import gymnasium, tactus; gymnasium.make('tactus/Hold-v0', objects=['sphere']).reset(seed=1); print('good')"
+    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.stdout.strip() == "good", done.stderr

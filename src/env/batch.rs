@@ -233,6 +233,11 @@ impl BatchEnv {
         self.cells[env].picture(&self.arena)
     }
 
+    /// Whether environment `env` was reset since it was made or interrupted.
+    pub fn begun(&self, env: usize) -> bool {
+        !self.cells[env].output.obs.is_empty()
+    }
+
     /// The episode that environment `env` is in, or starts next.
     pub fn key(&self, env: usize) -> Key {
         self.cells[env].key
