@@ -1,9 +1,10 @@
 //! Makes a data set: object by object, all grasps in parallel, going on where an earlier run was stopped.
 
-use super::arrays::{FORMAT, REASON, Sizes};
+use super::arrays::{FORMAT, Sizes};
 use super::compatible::{World, sensor};
 use super::file::{Writer, lay_out};
 use super::manifest::{MANIFEST, Manifest, ObjectEntry};
+use super::plan::{file_name, fixed_bytes, plan_hash};
 use super::progress::{self, Finished, Progress};
 use super::recorder::{Recorder, Watcher};
 use super::rows::Encoder;
@@ -12,13 +13,12 @@ use crate::error::{Error, Result};
 use crate::grasp::{GraspPose, aim_notice, grasps_of, write_grasps_h5};
 use crate::interrupt;
 use crate::limits;
-use crate::mesh::TriMesh;
 use crate::mesh::io::{write_stl, write_tet};
 use crate::model::{self, Model};
 use crate::record::files::{cannot_write, create_dir, remove_left_over, sync_folder, write_durable};
 use crate::record::lock::FolderLock;
 use crate::runner::run_grasps;
-use crate::scene::{Field, Grasps, LoadedSet, NamedScene, to_ron};
+use crate::scene::{Field, Grasps, LoadedSet, NamedScene};
 use crate::shape::Aabb;
 use crate::stepper::choose;
 use rayon::prelude::*;
@@ -99,7 +99,7 @@ impl Campaign {
             tactus: env!("CARGO_PKG_VERSION").into(),
             finished: false,
             about: set.scenes.first().map(|s| s.scene.about.clone()).unwrap_or_default(),
-            plan: plan_hash(&objects, &splits)?,
+            plan: plan_hash(objects.iter().map(|o| (&o.named, o.poses.as_slice())), &splits)?,
             grasps: objects.iter().map(|o| o.poses.len()).sum(),
             frames: sizes.map_or(0, |s| s.frames),
             bytes: 0,
@@ -366,47 +366,6 @@ const PROGRESS: &str = ".progress";
 const COMMAND: &str = "tactus dataset";
 /// File that is locked while the manifest is written and an object's files are laid out.
 const LAYING_OUT: &str = ".laying_out";
-
-/// `<object>_<density>_tactus_<E>_<nu>_<load>.h5`: the loader splits it at `_`.
-fn file_name(named: &NamedScene) -> String {
-    let scene = &named.scene;
-    let spec = scene.gripper.material.spec();
-    let load = match &scene.loading {
-        crate::scene::Loading::Squeeze(s) => format!("squeeze{}N", s.force.get()),
-        crate::scene::Loading::Press(_) => "press".into(),
-        crate::scene::Loading::Dynamic(_) => "dynamic".into(),
-    };
-    let (name, density) = (named.name.as_str(), scene.object.density.get());
-    format!("{name}_{density}_tactus_{}_{}_{load}.h5", spec.young, spec.poisson)
-}
-
-/// Bytes of what does not grow with frames, at most: headers and scene, pad, object (HDF5 and STL), poses and records.
-fn fixed_bytes(sizes: &Sizes, surface: &TriMesh) -> u64 {
-    let pad = 25 * sizes.nodes + 2 * 120 * sizes.tets;
-    let object = 24 * surface.vertices.len() + (12 + 50) * surface.triangles.len();
-    (pad + object + (56 + REASON + 512) * sizes.grasps + 65_536) as u64
-}
-
-/// Of everything that decides the content.
-fn plan_hash(objects: &[Planned], splits: &Splits) -> Result<String> {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
-    for object in objects {
-        hasher.update(object.named.name.as_str().as_bytes());
-        hasher.update(to_ron(&object.named.scene)?.as_bytes());
-        for pose in &object.poses {
-            let (p, q) = (pose.position, pose.rotation);
-            let numbers = p.to_array().into_iter().chain(q.to_array());
-            numbers.for_each(|x| {
-                hasher.update(&x.to_le_bytes());
-            });
-        }
-    }
-    let splits =
-        serde_json::to_string(splits).map_err(|e| Error::Start(format!("the splits cannot be written: {e}")))?;
-    hasher.update(splits.as_bytes());
-    Ok(hasher.finalize().to_hex().to_string())
-}
 
 fn size(path: &Path) -> Result<u64> {
     let meta = std::fs::metadata(path).map_err(|e| Error::file(path, format!("cannot be read: {e}")))?;

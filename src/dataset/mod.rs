@@ -21,6 +21,7 @@ pub mod file;
 pub mod inspect;
 pub mod manifest;
 pub mod places;
+mod plan;
 pub mod progress;
 pub mod reader;
 pub mod recorder;

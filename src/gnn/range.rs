@@ -116,12 +116,11 @@ impl TrainedRange {
         if hash == self.pad {
             return Ok(());
         }
-        let known = self.sensor.map_or_else(|| "another one".into(), |sensor| sensor.to_string());
-        refuse(format!(
-            "its pads are another sensor or another mesh: {}; trained was {known}, whose nodes have the hash {:.8}",
-            Sensor::of(pad),
-            self.pad
-        ))
+        let own = Sensor::of(pad).to_string();
+        let unknown = || format!("a pad whose mesh has the hash {:.8}", self.pad);
+        let known = self.sensor.map_or_else(unknown, |sensor| sensor.to_string());
+        let alike = if own == known { ", at other places" } else { "" };
+        refuse(format!("its pads are another sensor or another mesh: {own}; trained was {known}{alike}"))
     }
 
     /// Whether a grasp of `model` may be asked about, whose pads have a mesh of this hash. Takes no time.

@@ -49,17 +49,15 @@ impl FolderLock {
             match if alone { file.try_lock() } else { file.try_lock_shared() } {
                 Ok(()) if !is_at(&file, &path) => continue,
                 Ok(()) => {
-                    let own = if alone { std::process::id().to_string() } else { String::new() };
-                    // Without the number a message says less.
-                    let _ = file.set_len(0).and_then(|()| file.write_all(own.as_bytes()));
+                    let number = if alone { format!(" (process {})", std::process::id()) } else { String::new() };
+                    // Without the name a message says less.
+                    let _ = file.set_len(0).and_then(|()| file.write_all(format!("`{command}`{number}").as_bytes()));
                 }
                 Err(TryLockError::WouldBlock) => {
-                    let mut number = String::new();
-                    let _ = file.read_to_string(&mut number);
-                    let who = if number.is_empty() { String::new() } else { format!(" (process {number})") };
-                    let message = format!(
-                        "another `{command}`{who} is writing here; wait for it, end it, or choose another folder"
-                    );
+                    let mut holder = String::new();
+                    let _ = file.read_to_string(&mut holder);
+                    let holder = if holder.is_empty() { "another process" } else { holder.as_str() };
+                    let message = format!("{holder} is writing here; wait for it, end it, or choose another folder");
                     return Err(Error::file(dir, message));
                 }
                 // A file system without locks: what one process writes alone is right there, too.
