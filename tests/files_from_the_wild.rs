@@ -583,7 +583,7 @@ fn check_and_run_say_the_same_of_what_cannot_start() {
         ("shape: Cuboid(size: (0.1, 0.03, 0.03))", "GelSightMini(spacing: 3.0e-3)", "overlaps the object by"),
     ] {
         let text = format!(
-            "(object: ({object}), gripper: (pads: {pads}), grasps: List([(position: (0, 0, -0.111))]),\n\
+            "(object: ({object}), gripper: (pads: {pads}, stroke: 0.045), grasps: List([(position: (0, 0, -0.111))]),\n\
              loading: Squeeze(force: 1, frames: 1))"
         );
         std::fs::write(&path, text).unwrap();
@@ -739,11 +739,11 @@ impl Random {
             2 => {
                 let end = (at + 1 + self.below(200)).min(bytes.len());
                 let copy = bytes[at..end].to_vec();
-                bytes.splice(at..at, copy);
+                drop(bytes.splice(at..at, copy));
             }
             3 => {
                 let digits = bytes.iter().skip(at).position(u8::is_ascii_digit).map_or(at, |k| at + k);
-                bytes.splice(digits..digits, *b"99999999999");
+                drop(bytes.splice(digits..digits, *b"99999999999"));
             }
             4 => {
                 let end = (at + 8).min(bytes.len());
