@@ -28,6 +28,30 @@ pub fn drop_repeated(mesh: &mut TriMesh) -> usize {
     before - mesh.triangles.len()
 }
 
+/// Drops pairs of triangles back to back, between which there is nothing: the common face of parts that touch, or a sheet. Returns
+/// how many pairs. Indices must be valid.
+pub fn drop_back_to_back(mesh: &mut TriMesh) -> usize {
+    let sorted = |t: &[u32; 3]| {
+        let mut corners = *t;
+        corners.sort_unstable();
+        corners
+    };
+    // An even permutation of its sorted corners is one sense, an odd one the other.
+    let even = |t: &[u32; 3]| (0..3).filter(|i| t[*i] < t[(i + 1) % 3]).count() == 2;
+    let mut at: BTreeMap<[u32; 3], [Vec<usize>; 2]> = BTreeMap::new();
+    for (i, t) in mesh.triangles.iter().enumerate() {
+        at.entry(sorted(t)).or_default()[usize::from(even(t))].push(i);
+    }
+    let pairs = at.values().flat_map(|[odd, even]| odd.iter().zip(even).flat_map(|(a, b)| [*a, *b]));
+    let dropped: BTreeSet<usize> = pairs.collect();
+    if !dropped.is_empty() {
+        let mut index = 0..;
+        mesh.triangles.retain(|_| !dropped.contains(&index.next().unwrap_or_default()));
+        drop_unused(mesh);
+    }
+    dropped.len() / 2
+}
+
 /// Removes triangles without area: one that no neighbour needs is dropped; of one between neighbours, whose corner lies on its
 /// longest side, that side is flipped, which leaves the surface where it is. Returns how many. Indices must be valid.
 pub fn remove_flat(mesh: &mut TriMesh) -> usize {

@@ -156,7 +156,7 @@ pub(crate) fn flat_shell(mesh: &TriMesh) -> Option<String> {
     let flat = shells.iter().find(|s| s.volume.abs() <= 1e-12 * s.bounds.size().max_element().powi(3))?;
     let what = if shells.len() == 1 { "it".into() } else { format!("a part of {} triangles", flat.triangles.len()) };
     Some(format!(
-        "the object's mesh: {what} is closed but encloses no volume, about {}: give it a thickness or remove it (a sheet is no solid)",
+        "the object's mesh: {what} is closed but encloses no volume, about {}; give it a thickness or remove it",
         show(flat.bounds.center())
     ))
 }

@@ -77,8 +77,7 @@ impl Overlaps {
             "two parts of the surface overlap"
         };
         Some(format!(
-            "{what}: its triangles {} and {} (0-based) cross near {}; unite the parts in the program that made the file, or let \
-             `repair: true` do it",
+            "{what}: its triangles {} and {} (0-based) cross near {}; unite its parts in the program that made it",
             triangles[0],
             triangles[1],
             show(place)
@@ -91,8 +90,10 @@ impl Overlaps {
 fn astray(winding: &Winding, place: DVec3, n: [DVec3; 2], away: f64) -> bool {
     let wedges = [-n[0] - n[1], n[0] + n[1], n[0] - n[1], n[1] - n[0]];
     wedges.into_iter().filter(|d| d.length() > 1e-3).any(|d| {
-        let w = winding.at(place + away * d.normalize());
-        !(-0.5..=1.5).contains(&w)
+        let q = place + away * d.normalize();
+        // On the surface itself, as beside faces in one plane, the number says nothing.
+        let clear = winding.bvh.nearest(q, (f64::INFINITY, u32::MAX)).0 > (1e-3 * away).powi(2);
+        clear && !(-0.5..=1.5).contains(&winding.at(q))
     })
 }
 

@@ -65,6 +65,9 @@ impl Profile {
                 })?;
             }
         }
+        require(shape, area(&points) > 1e-12 * size * size, || {
+            "the profile encloses no area, so the solid encloses no volume; give it a thickness".into()
+        })?;
         let ends = |i: usize| (points[i], points[(i + 1) % n]);
         let normals = (0..count).map(|i| -(ends(i).1 - ends(i).0).normalize().perp()).collect();
         let boxes = (0..count)

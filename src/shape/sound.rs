@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
+use crate::mesh::facets::drop_back_to_back;
 use crate::mesh::shells::{agree, flat_shell, orient, shells};
 use crate::mesh::topology::watertight;
 use crate::shape::overlap::overlaps;
@@ -16,11 +17,10 @@ pub(crate) fn sound(mesh: TriMesh, mend: bool) -> Result<(TriMesh, Vec<String>)>
         Ok(news) => Ok((turned, news)),
         Err(Error::Mesh(fault)) if mend => {
             let (mesh, news) = repair(mesh)?;
+            let fault = fault.split(';').next().unwrap_or_default();
             Ok((mesh, [vec![format!("repaired, for {fault}")], news].concat()))
         }
-        Err(Error::Mesh(fault)) if !fault.contains("repair: true") => {
-            Err(Error::Mesh(format!("{fault}; or let `repair: true` mend it")))
-        }
+        Err(Error::Mesh(fault)) => Err(Error::Mesh(format!("{fault}, or let `repair: true` do it"))),
         Err(other) => Err(other),
     }
 }
@@ -28,6 +28,15 @@ pub(crate) fn sound(mesh: TriMesh, mend: bool) -> Result<(TriMesh, Vec<String>)>
 /// Turns triangles and shells the right way, and refuses what bounds no solid.
 pub(super) fn judge(mesh: &mut TriMesh) -> Result<Vec<String>> {
     let mut news = Vec::new();
+    let pairs = drop_back_to_back(mesh);
+    if mesh.triangles.is_empty() {
+        return Err(Error::Mesh(
+            "the object's mesh: it is a sheet, which encloses no volume; give it a thickness".into(),
+        ));
+    }
+    if pairs > 0 {
+        news.push(format!("dropped {pairs} pairs of triangles back to back, between which there is nothing"));
+    }
     let odd = agree(mesh);
     if odd > 0 {
         news.push(format!("turned {odd} triangles that disagreed with their neighbours"));

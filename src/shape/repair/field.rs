@@ -6,7 +6,7 @@ use glam::{DVec3, USizeVec3};
 use rayon::prelude::*;
 
 /// About how many nodes the grid has.
-const NODES: f64 = 500_000.0;
+const NODES: f64 = 300_000.0;
 
 /// A grid of cubic cells around a surface.
 #[derive(Debug)]
