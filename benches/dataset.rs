@@ -41,7 +41,7 @@ fn file(dir: &Path) -> tactus::error::Result<ObjectFile> {
     let set = load_set("scenes/paper.ron")?;
     let named = &set.scenes[0];
     let model = Model::build(&named.scene)?;
-    let sizes = Sizes::of(&model, GRASPS);
+    let sizes = Sizes::of(&model, GRASPS)?;
     let encoder = Encoder::new(&model, sizes, World::new(&named.scene.gripper.placement));
     let path = dir.join("sphere.h5");
     lay_out(&path, named, &model, &sizes, encoder.mirrored)?;

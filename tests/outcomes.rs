@@ -122,7 +122,8 @@ fn a_solver_out_of_effort_stops_where_it_was() {
     let object = Arc::new(Sphere { radius: 0.01 });
     let mut press = Press::new(Setup { body, object, start: DVec3::Z * 0.01, friction: 0.0 });
     let before = press.path.state.clone();
-    press.path.newton.effort = Effort { iterations: 3, ..Effort::default() };
+    press.path.newton.effort = Effort::default();
+    press.path.newton.effort.iterations = 3;
     assert_eq!(press.path.advance(Load::Travel, 1e-3).unwrap_err(), Failure::Effort(3));
     assert_eq!((press.path.newton.profile.iterations, press.path.level), (3, 0.0));
     assert_eq!(press.path.state, before);
