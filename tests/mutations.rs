@@ -121,7 +121,7 @@ fn mutate(text: &str, random: &mut Random) -> Vec<u8> {
                 let field: Vec<String> = parts.drain(colon - 1..=end).collect();
                 if random.below(2) == 0 {
                     let twice: Vec<_> = field.iter().chain(&field).cloned().collect();
-                    parts.splice(colon - 1..colon - 1, twice);
+                    drop(parts.splice(colon - 1..colon - 1, twice));
                 }
             }
         }
@@ -149,7 +149,11 @@ fn copy(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).unwrap().map(|e| e.unwrap().path()) {
         let target = to.join(entry.file_name().unwrap());
-        if entry.is_dir() { copy(&entry, &target) } else { drop(std::fs::copy(&entry, &target).unwrap()) }
+        if entry.is_dir() {
+            copy(&entry, &target);
+        } else {
+            std::fs::copy(&entry, &target).unwrap();
+        }
     }
 }
 
@@ -217,7 +221,6 @@ fn mutated_scenes_end_by_themselves_and_say_where() {
         std::env::var("TACTUS_MUTATIONS_FROM").ok().map_or(0, |n| n.parse().expect("TACTUS_MUTATIONS_FROM: a number"));
     let dir = tempfile::tempdir().unwrap();
     copy(&walk::shipped(), &dir.path().join("scenes"));
-    // Scenes name models beside their folder.
     let scenes: Vec<PathBuf> = walk::scenes(&dir.path().join("scenes"), &["slow", "meshes"])
         .into_iter()
         .filter(|path| !LARGE.iter().any(|large| path.ends_with(large)))
