@@ -254,7 +254,10 @@ fn units_are_asked_for() {
     assert!(large.features.len() < 100_000, "{} points", large.features.len());
     let rod = |i: i32| {
         let (vertices, faces) = cube([0.0; 3], 0.01);
-        (vertices.into_iter().map(|p| DVec3::new(p.x + 0.03 * f64::from(i), p.y, 190.0 * p.z)).collect(), faces)
+        (
+            vertices.into_iter().map(|p| DVec3::new(p.x + 0.03 * f64::from(i), p.y, 190.0 * p.z)).collect::<Vec<_>>(),
+            faces,
+        )
     };
     let message =
         build("rods.obj", obj(&(0..60).map(rod).collect::<Vec<_>>()), "").map(|_| ()).unwrap_err().to_string();

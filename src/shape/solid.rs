@@ -1,7 +1,6 @@
 //! The rigid object: everything the solver, the recorder and the renderer ask of it.
 
-use crate::error::Error;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
 use crate::mesh::shells::{flat_shell, orient};
 use crate::mesh::topology::drop_unused;
