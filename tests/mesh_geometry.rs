@@ -3,6 +3,7 @@
 use approx::assert_relative_eq;
 use glam::DVec3;
 use proptest::prelude::*;
+use tactus::mesh::shells::{self, Oriented};
 use tactus::mesh::{TetMesh, TriMesh, clean, grid, quadratic, quality, surface, topology};
 use tactus::shape::Shape;
 
@@ -154,8 +155,9 @@ fn holes_fins_and_inside_out_surfaces_are_reported() {
     let mut inside_out = solid.clone();
     inside_out.triangles.iter_mut().for_each(|t| t.swap(0, 1));
     assert!(topology::watertight(&inside_out).complaint().is_some_and(|c| c.contains("inside out")));
-    assert!(topology::orient_outward(&mut inside_out) && topology::watertight(&inside_out).is_solid());
-    assert!(!topology::orient_outward(&mut inside_out));
+    assert_eq!(shells::orient(&mut inside_out), Oriented { outward: 1, inward: 0 });
+    assert!(topology::watertight(&inside_out).is_solid());
+    assert!(!shells::orient(&mut inside_out).any());
 
     let mut two = solid.clone();
     two.vertices.extend(solid.vertices.iter().map(|p| *p + 9.0 * DVec3::X));

@@ -145,11 +145,13 @@ fn what_no_pad_can_follow_ends_within_the_bound() {
             "Squeeze(force: 4.0, frames: 3)",
         ),
     ] {
-        let (_, outcome, _) = run(&format!("(object: ({object}), gripper: ({gripper}), loading: {loading})"));
+        let few = "stepper: Fem(max_iterations: 5)";
+        let (_, outcome, _) = run(&format!("(object: ({object}), gripper: ({gripper}), loading: {loading}, {few})"));
         let s = &outcome.summary;
         println!("{loading}: {:?} after {} iterations, {:?}", s.status, s.newton_iterations, s.reason);
-        assert!(s.newton_iterations <= most_iterations(40, 3), "{s:?}");
-        assert!(s.status != Status::Reached && s.reason.as_deref().is_some_and(|r| !r.is_empty()), "{s:?}");
+        assert!(s.newton_iterations <= most_iterations(5, 3), "{s:?}");
+        let reason = s.reason.as_deref().unwrap_or("");
+        assert!(s.status == Status::Fault && reason.contains("within 400 Newton iterations"), "{s:?}");
     }
 }
 
