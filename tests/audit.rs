@@ -8,6 +8,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 use tactus::audit::Findings;
 use tactus::audit::solid::Solid;
+use tactus::element::TET10;
 use tactus::error::Result;
 use tactus::grasp::poses_of;
 use tactus::model::{Model, object};
@@ -107,9 +108,13 @@ fn a_folded_corner_is_an_inversion() {
     let x = &mut frame.pads[0].position;
     x[n[4]] = x[n[0]] + (x[n[1]] - x[n[0]]) * 0.22;
     let body = &model.fingers[0].body;
-    let felt = body.min_det_f(&frame.pads[0].position);
+    let x = &frame.pads[0].position;
+    let (inside, felt) = (body.min_det_f_at(&TET10, x), body.min_det_f(x));
     let found = judge(&model, &frame).min_det_f;
-    assert!(felt > 0.0 && found < 0.0, "quadrature points see det F {felt}, corners {found}");
+    assert!(inside > 0.0 && found < 0.0, "quadrature points see det F {inside}, corners {found}");
+    assert!((felt - found).abs() < 1e-9, "solver and audit mean one number: {felt}, {found}");
+    let worst = body.most_inverted(x).expect("an element");
+    assert!(tets[worst].contains(&tets[0][4]), "element {worst} has the edge");
 }
 
 /// Points of the pad are coarser than a tip: it must be seen from the object.

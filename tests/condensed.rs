@@ -149,7 +149,7 @@ fn a_press_feels_the_same_force_at_the_same_depth() {
 }
 
 #[test]
-fn a_fault_keeps_finite_positions_and_says_why() {
+fn an_object_that_is_squeezed_out_is_dropped_and_positions_stay_finite() {
     // A slick ellipsoid held at its end by the rims of the pads.
     let text = format!(
         "(object: (shape: Ellipsoid(radii: (0.014, 0.02, 0.017))), gripper: (pads: GelSightMini(spacing: 3e-3), friction: 0.0),
@@ -161,7 +161,7 @@ fn a_fault_keeps_finite_positions_and_says_why() {
     while !environment.phase().is_final() {
         environment.step();
     }
-    let Phase::Fault { reason } = environment.phase() else { panic!("{:?}", environment.phase()) };
+    let Phase::Dropped { reason } = environment.phase() else { panic!("{:?}", environment.phase()) };
     assert!(reason.contains("squeezed out"), "{reason}");
     let world = environment.world_mut();
     assert!(world.query::<&Position>().iter(world).all(|p| p.0.is_finite()));

@@ -145,24 +145,20 @@ impl Body {
         points.min(self.min_det_f_at(&TET10_NODES, x)).min(self.min_det_f_at(&TET10_CENTER, x))
     }
 
-    /// The element with that determinant, and where its corners have their centre, m; None of a body without elements.
-    pub fn most_inverted(&self, x: &[DVec3]) -> Option<(usize, DVec3)> {
+    /// The element with that determinant; None of a body without elements.
+    pub fn most_inverted(&self, x: &[DVec3]) -> Option<usize> {
         let least = |f: &[DMat3]| f.iter().map(DMat3::determinant).fold(f64::INFINITY, f64::min);
-        let mut worst = (f64::INFINITY, None);
-        per_order!(self, nodes, kernel, {
-            for (e, (n, rest)) in nodes.iter().zip(&self.tets).enumerate() {
-                let mut det = least(&kernel.deformation(rest, &gather(n, x)));
-                if let Some((rest, x, _)) = self.quadratic(e, x) {
-                    let at_nodes = self.kernel(&TET10_NODES).deformation(rest, &x);
-                    det = det.min(least(&at_nodes)).min(least(&self.kernel(&TET10_CENTER).deformation(rest, &x)));
-                }
-                if det < worst.0 {
-                    let center = n[..4].iter().map(|i| x[*i as usize]).sum::<DVec3>() / 4.0;
-                    worst = (det, Some((e, center)));
-                }
-            }
+        let mut det: Vec<f64> = per_order!(self, nodes, kernel, {
+            let of = |(n, rest)| least(&kernel.deformation(rest, &gather(n, x)));
+            nodes.iter().zip(&self.tets).map(of).collect()
         });
-        worst.1
+        for (e, det) in det.iter_mut().enumerate() {
+            if let Some((rest, x, _)) = self.quadratic(e, x) {
+                let nodes = self.kernel(&TET10_NODES).deformation(rest, &x);
+                *det = det.min(least(&nodes)).min(least(&self.kernel(&TET10_CENTER).deformation(rest, &x)));
+            }
+        }
+        (0..det.len()).min_by(|a, b| det[*a].total_cmp(&det[*b]))
     }
 
     /// Smallest determinant of the deformation gradient of 10-node elements at the points of `shape`, at positions `x`; `+inf` if there

@@ -210,15 +210,20 @@ impl Solver {
         None
     }
 
-    /// How far a free object has gone since first contact.
+    /// What became of what the fingers close on.
     fn escaped(&self, model: &Model) -> String {
+        match model.free {
+            true => format!("the object was squeezed out (it {})", self.moved()),
+            false => "nothing is left to push against".into(),
+        }
+    }
+
+    /// How far the object has gone since first contact.
+    fn moved(&self) -> String {
         let state = &self.path.state;
         let moved = state.position.distance(self.start.position) * 1e3;
         let turned = (state.rotation * self.start.rotation.inverse()).to_scaled_axis().length().to_degrees();
-        match model.free {
-            true => format!("the object was squeezed out (it moved {moved:.1} mm and turned {turned:.1} degrees)"),
-            false => "nothing is left to push against".into(),
-        }
+        format!("moved {moved:.1} mm and turned {turned:.1} degrees")
     }
 
     /// The reason when a finger closed on nothing while contact was being made.
@@ -234,10 +239,11 @@ impl Solver {
     pub(super) fn explain(&self, model: &Model, at: &str, failure: Failure) -> String {
         let state = &self.path.state;
         let moved = state.position.distance(self.start.position);
-        let far = if model.free && moved > SLIPPING * model.object.bounding_radius {
-            format!("; {}", self.escaped(model))
-        } else {
-            String::new()
+        let far = match model.free && moved > SLIPPING * model.object.bounding_radius {
+            true if failure.leaves_the_grasp() => format!("; {}", self.escaped(model)),
+            // Whether it would have come to rest is not known.
+            true => format!("; the object {} on the way", self.moved()),
+            false => String::new(),
         };
         format!("{at}: {failure}; last accepted level {:.4e}{far}", self.path.level)
     }
@@ -245,7 +251,7 @@ impl Solver {
 
 /// Forces out of balance over the contact forces that condensed pads may leave, over their error.
 const BLUNT: f64 = 0.05;
-/// Motion of a free object, over its radius, that speaks of an object squeezed out when the solver gives up.
+/// Motion of a free object, over its radius, that is worth a word when the solver gives up.
 const SLIPPING: f64 = 0.1;
 
 /// The terms of a whole gel under dead `loads` (N per node; empty for none).

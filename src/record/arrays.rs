@@ -189,7 +189,7 @@ where
 }
 
 /// The write error inside, so that "disk full" stays recognisable under two layers of wrapping.
-fn io_error(error: ndarray_npy::WriteNpzError) -> io::Error {
+pub(super) fn io_error(error: ndarray_npy::WriteNpzError) -> io::Error {
     let mut source: Option<&(dyn std::error::Error + 'static)> = Some(&error);
     while let Some(inner) = source {
         if let Some(io) = inner.downcast_ref::<io::Error>() {

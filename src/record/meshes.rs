@@ -1,7 +1,7 @@
 //! `meshes.npz`: what no frame of a run changes, written once, so that a run can be shown wherever its folder goes: a pad (all are
 //! alike) and the object, as in the files of a data set.
 
-use super::arrays::put;
+use super::arrays::{io_error, put};
 use super::check;
 use super::files::replace;
 use super::frame::{Elements, PadTopology};
@@ -37,7 +37,7 @@ fn write_to(path: &Path, pad: &PadTopology, object: &TriMesh) -> io::Result<()> 
     put(&mut npz, &of_pad(names::BONDED), nodes, &pad.bonded)?;
     put(&mut npz, &of_object(names::VERTICES), (object.vertices.len(), 3), &flat(&object.vertices))?;
     put(&mut npz, &of_object(names::TRIANGLES), (object.triangles.len(), 3), object.triangles.as_flattened())?;
-    npz.finish().map_err(io::Error::other)?.flush()
+    npz.finish().map_err(io_error)?.flush()
 }
 
 /// The meshes of the run in `dir`: a pad and the object.
