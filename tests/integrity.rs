@@ -310,7 +310,8 @@ fn an_unfinished_data_set_goes_on_from_its_plan_whatever_its_files_say() {
     let mut reversed = manifest.clone();
     reversed["objects"].as_array_mut().unwrap().reverse();
     let [short, reversed] = [short, reversed].map(|m| m.to_string());
-    let damage: [(&str, Box<dyn Fn(&Path)>); 6] = [
+    type Damage = Box<dyn Fn(&Path)>;
+    let damage: [(&str, Damage); 6] = [
         ("no object", Box::new(move |dir| std::fs::write(dir.join("manifest.json"), &short).unwrap())),
         ("reversed", Box::new(move |dir| std::fs::write(dir.join("manifest.json"), &reversed).unwrap())),
         ("a record cut off", Box::new(|dir| std::fs::write(dir.join(".progress/ball/000000.json"), "{\"gr").unwrap())),

@@ -89,7 +89,8 @@ fn a_data_set_goes_on_after_a_signal() {
     let args = ["dataset", path.to_str().unwrap(), "-o", out.to_str().unwrap(), "--threads", "1"];
     let child = start(&args);
     let progress = out.join(".progress").join("long");
-    let entered = || std::fs::read_dir(&progress).map_or(0, |d| d.flatten().count());
+    let record = |e: &std::fs::DirEntry| e.path().extension().is_some_and(|e| e == "json");
+    let entered = || std::fs::read_dir(&progress).map_or(0, |d| d.flatten().filter(record).count());
     wait_until("two grasps", || entered() >= 2);
     send("-TERM", &child);
     let (ended, _) = end(child);

@@ -70,7 +70,7 @@ fn gmsh_files() {
     let v2 = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
     let v4 = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
     refused("a.msh", "$MeshFormat\n4.1 1 8\n", &["the file ends where the 1 that tells the byte order should follow"]);
-    refused("b.msh", "$MeshFormat\n3.0 0 8\n", &["line 2, column 1: gmsh format 3.0; allowed: 2.2, 4.0 or 4.1"]);
+    refused("b.msh", "$MeshFormat\n3.0 0 8\n", &["line 2, column 1: gmsh format `3.0`; allowed: 2.2, 4.0 or 4.1"]);
     refused("c.msh", "$Nodes\n1\n", &["line 1, column 1: ", "must come first"]);
     let huge = format!("{v2}$Nodes\n99999999999\n");
     refused("d.msh", huge, &["line 5, column 1: the number of nodes 99999999999", "5000000 allowed"]);
@@ -96,7 +96,7 @@ fn gmsh_files() {
 fn medit_files() {
     let head = "MeshVersionFormatted 1\nDimension 3\n";
     refused("a.mesh", "Vertices 1\n", &["line 1, column 1: a Medit file starts with"]);
-    refused("b.mesh", "MeshVersionFormatted 1\nDimension 2\n", &["line 2, column 11: dimension 2; allowed: 3"]);
+    refused("b.mesh", "MeshVersionFormatted 1\nDimension 2\n", &["line 2, column 11: dimension `2`; allowed: 3"]);
     let huge = format!("{head}Vertices 9999999999\n");
     refused("c.mesh", huge, &["line 3, column 10: the number of vertices 9999999999"]);
     refused("d.mesh", format!("{head}Vertices 2\n0 0 0 0\n1 1"), &["the file ends where a vertex"]);

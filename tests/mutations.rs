@@ -205,6 +205,8 @@ fn complaint(scene: &Path, command: &[&str], bounded: bool) -> Option<String> {
         // Starts that are refused are findings, not errors.
         Some(2) if said.contains("problem: ") => None,
         Some(2) if has_place(&error) => None,
+        // An option that does not go with the scene is the place.
+        Some(2) if error.starts_with("error: --") => None,
         // What concerns the file as a whole has no line.
         Some(2) if error.starts_with("error: ") && error.contains("mutant") => None,
         Some(2) => Some(format!("no place: {error}")),

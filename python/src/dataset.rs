@@ -3,8 +3,10 @@
 use crate::refused;
 use crate::supervise::supervise;
 use numpy::{Element, PyArrayMethods, ToPyArray};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
 use tactus::dataset::{self, Campaign};
@@ -20,7 +22,17 @@ pub struct DataSet(Arc<dataset::DataSet>);
 impl DataSet {
     #[new]
     fn new(py: Python<'_>, folder: PathBuf) -> PyResult<Self> {
-        supervise(py, Some(1), move || dataset::DataSet::open(folder)).map(|set| Self(Arc::new(set)))
+        let set = supervise(py, Some(1), move || dataset::DataSet::open(folder))?;
+        for refused in &set.damaged {
+            let text = CString::new(format!("left out: {refused}"))?;
+            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
+        }
+        Ok(Self(Arc::new(set)))
+    }
+
+    /// Why objects were left out, a sentence each.
+    fn damaged(&self) -> Vec<String> {
+        self.0.damaged.iter().map(Error::to_string).collect()
     }
 
     /// Names of the objects.

@@ -40,7 +40,7 @@ pub struct ObjectFile {
     handles: Mutex<Vec<std::fs::File>>,
 }
 
-/// All frames of one grasp. Arrays are row-major, pads left first; see [`ARRAYS`] for units and frames.
+/// All frames of one grasp. Arrays are row-major, pads left first; see [`ARRAYS`](super::arrays::ARRAYS) for units and frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grasp {
     /// Valid frames; all arrays are cut to them.

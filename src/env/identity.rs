@@ -4,6 +4,7 @@
 use super::arena::Kind;
 use crate::error::{Error, Result};
 use crate::gnn::card::WEIGHTS;
+use crate::gnn::shipped;
 use crate::scene::{Fem, Pads, Scene, Stepper, Task};
 use glam::DVec3;
 use serde::Serialize;
@@ -19,9 +20,10 @@ pub(super) fn identity(scene: &Scene, task: &Task, kinds: &[Kind]) -> Result<Str
     match &scene.stepper {
         Stepper::Fem(fem) => hasher.update(text(&Fem { threads: None, ..*fem })?.as_bytes()),
         // A network is its weights, wherever they lie.
-        Stepper::Gnn(gnn) => match std::fs::read(gnn.model.join(WEIGHTS)) {
-            Ok(weights) => hasher.update(&weights),
-            Err(_) => hasher.update(gnn.model.as_os_str().as_encoded_bytes()),
+        Stepper::Gnn(gnn) => match (shipped::named(&gnn.model), std::fs::read(gnn.model.join(WEIGHTS))) {
+            (Some(shipped), _) => hasher.update(shipped.weights),
+            (None, Ok(weights)) => hasher.update(&weights),
+            (None, Err(_)) => hasher.update(gnn.model.as_os_str().as_encoded_bytes()),
         },
     };
     for kind in kinds {

@@ -23,6 +23,7 @@ use crate::limits::{self, PadSize};
 use crate::material::{FixedCorotated, Linear, Material, NeoHookean};
 use crate::mesh::quality::Quality;
 use crate::record::{PadReport, pad_name};
+use crate::scene::leaf::shown;
 use crate::scene::{self, Fingers, Loading, Motion, Scene, Stepper};
 use crate::shape::Shape;
 use glam::DVec3;
@@ -126,6 +127,14 @@ impl Model {
         let levels: Vec<f64> = scene.loading.levels().into_iter().map(|l| l * share).collect();
         if levels.is_empty() {
             return Err(Error::Start("the loading has no recorded frame; give a press `depth` or `depths`".into()));
+        }
+        if let (Loading::Press(_), Some(finger)) = (&scene.loading, fingers.first()) {
+            let (depth, thickness) = (levels.iter().copied().fold(0.0, f64::max), finger.topology.thickness());
+            if depth >= thickness {
+                let [depth, thickness] = [depth, thickness].map(|v| shown(v * 1e3));
+                let message = format!("a press of {depth} mm goes through the pad, which is {thickness} mm thick");
+                return Err(Error::Start(format!("{message}; give a smaller depth")).about("loading"));
+            }
         }
         let spacing = fingers.iter().map(|f| f.surface.spacing).fold(f64::INFINITY, f64::min);
         let free = scene.object.motion == Motion::Free;
