@@ -130,10 +130,19 @@ fn a_solver_out_of_effort_stops_where_it_was() {
 }
 
 #[test]
+fn a_press_through_the_pad_is_refused() {
+    let pad = "gripper: (pads: Box(size: (0.016, 0.016, 0.0045), cells: (2, 2, 1)))";
+    let ball = "object: (shape: Sphere(radius: 0.005), motion: Fixed)";
+    let refused = Model::build(&scene(&format!("({ball}, {pad}, loading: Press(depth: 0.03, frames: 3))")));
+    let reason = refused.err().expect("refused").to_string();
+    assert_eq!(reason, "a press of 30 mm goes through the pad, which is 4.5 mm thick; give a smaller depth");
+}
+
+#[test]
 fn what_no_pad_can_follow_ends_within_the_bound() {
     let small = "pads: Box(size: (0.016, 0.016, 0.0045), cells: (2, 2, 1)), opening: 0.08, friction: 0.8";
     for (object, gripper, loading) in [
-        ("shape: Sphere(radius: 0.005), motion: Fixed", small.to_string(), "Press(depth: 0.03, frames: 3)"),
+        ("shape: Sphere(radius: 0.005), motion: Fixed", small.to_string(), "Press(depth: 0.0044, frames: 3)"),
         (
             "shape: Sphere(radius: 0.02)",
             format!("{small}, material: NeoHookean(young: 1, poisson: 0.45)"),

@@ -47,6 +47,12 @@ fn unknown_fields_list_the_allowed_ones() {
 }
 
 #[test]
+fn only_files_are_repaired() {
+    let text = format!("(object: (shape: Sphere(radius: 0.02), repair: true),\n{LOADING})");
+    refused(&text, 1, 48, &["only the surface of a file is repaired", "shape: Mesh("]);
+}
+
+#[test]
 fn unknown_names_list_the_allowed_ones() {
     let text = format!("(object: (shape: Spher(radius: 1)),\n{LOADING})");
     refused(&text, 1, 18, &["unknown Shape `Spher`", "did you mean `Sphere`?", "Mesh, Sphere, Cuboid"]);

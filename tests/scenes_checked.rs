@@ -112,7 +112,7 @@ fn every_shipped_scene_is_planned_as_a_data_set() {
         let planned = tactus(&["dataset", scene, "-o", out.to_str().unwrap(), "--dry-run"]);
         // What pads feel is what a data set holds.
         if errors(&planned).contains("needs pads, and the scene has none") {
-            let bare = String::from_utf8_lossy(&tactus(&["check", scene]).stdout).contains("fingers: None");
+            let bare = String::from_utf8_lossy(&tactus(&["check", scene]).stdout).contains("fingers: r#None");
             return other(&planned, &[2]).or_else(|| (!bare).then(|| "has fingers".into()));
         }
         other(&planned, &[0])
@@ -294,7 +294,7 @@ fn fifos_and_devices_are_refused_by_name() {
         refused_at_once(&["check", &scene("field.ron", field)], &[says, "field.ron:3:"]);
     }
     let mesh = file(dir.path(), "mesh.ron", "(object: (shape: Mesh(\"fifo\")), loading: Squeeze(force: 1))");
-    refused_at_once(&["check", &mesh], &["fifo is a fifo, not a file", "mesh.ron:1:18"]);
+    refused_at_once(&["check", &mesh], &["fifo is a fifo, not a file", "mesh.ron:1:23"]);
 }
 
 #[test]

@@ -65,6 +65,12 @@ pub(super) fn objects(part: &Part, shared: usize) -> Result<(), Problem> {
 /// The first problem of the scene, if any.
 pub(super) fn check(scene: &Scene) -> Result<(), Problem> {
     shape(&scene.object.shape)?;
+    if scene.object.repair && !matches!(scene.object.shape, Shape::Mesh(_)) {
+        return refuse(
+            "object.repair",
+            "only the surface of a file is repaired\nleave it out, or give `shape: Mesh(\"file\")`",
+        );
+    }
     pads(&scene.gripper.pads)?;
     grasps(&scene.grasps)?;
     antipodal(scene)?;
