@@ -80,6 +80,9 @@ fn is_number(token: &str) -> bool {
 /// One change of a scene's text.
 fn mutate(text: &str, random: &mut Random) -> Vec<u8> {
     let mut parts = tokens(text);
+    if parts.is_empty() {
+        return Vec::new();
+    }
     let at = random.below(parts.len());
     match random.below(12) {
         0..=4 => {
