@@ -80,7 +80,7 @@ fn is_number(token: &str) -> bool {
 /// One change of a scene's text.
 fn mutate(text: &str, random: &mut Random) -> Vec<u8> {
     let mut parts = tokens(text);
-    if parts.is_empty() {
+    if text.is_empty() || parts.is_empty() {
         return Vec::new();
     }
     let at = random.below(parts.len());
