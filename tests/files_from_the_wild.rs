@@ -9,6 +9,7 @@ use std::time::Duration;
 use tactus::grasp::{GraspPose, poses_of, read_grasps_h5, write_grasps_h5};
 use tactus::mesh::{TetMesh, io, quadratic, signed_volume};
 use tactus::pad::{Resolution, box_pad};
+use tactus::random::Random;
 use tactus::scene::{Convention, HandAxis, QuaternionOrder, load};
 
 /// Size of the block of gel that all mesh files hold, m.
@@ -715,48 +716,35 @@ write('chunk.h5', lambda f: f.create_dataset('poses', shape=(10, 7), maxshape=(N
     assert!(error.contains("chunks of 3204 MiB"), "{error}");
 }
 
-/// A reproducible stream of numbers (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % n as u64) as usize
+/// One damage: flipped bytes, a cut, doubled bytes, a number made huge, bytes of another kind.
+fn damage(random: &mut Random, bytes: &mut Vec<u8>) {
+    let at = random.below(bytes.len());
+    match random.below(6) {
+        0 => (0..1 + random.below(8)).for_each(|_| {
+            let k = random.below(bytes.len());
+            bytes[k] ^= 1 << random.below(8);
+        }),
+        1 => bytes.truncate(at),
+        2 => {
+            let end = (at + 1 + random.below(200)).min(bytes.len());
+            let copy = bytes[at..end].to_vec();
+            drop(bytes.splice(at..at, copy));
+        }
+        3 => {
+            let digits = bytes.iter().skip(at).position(u8::is_ascii_digit).map_or(at, |k| at + k);
+            drop(bytes.splice(digits..digits, *b"99999999999"));
+        }
+        4 => {
+            let end = (at + 8).min(bytes.len());
+            bytes[at..end].fill(0xff);
+        }
+        _ => {
+            let end = (at + 1 + random.below(40)).min(bytes.len());
+            bytes.drain(at..end);
+        }
     }
-
-    /// One damage: flipped bytes, a cut, doubled bytes, a number made huge, bytes of another kind.
-    fn damage(&mut self, bytes: &mut Vec<u8>) {
-        let at = self.below(bytes.len());
-        match self.below(6) {
-            0 => (0..1 + self.below(8)).for_each(|_| {
-                let k = self.below(bytes.len());
-                bytes[k] ^= 1 << self.below(8);
-            }),
-            1 => bytes.truncate(at),
-            2 => {
-                let end = (at + 1 + self.below(200)).min(bytes.len());
-                let copy = bytes[at..end].to_vec();
-                drop(bytes.splice(at..at, copy));
-            }
-            3 => {
-                let digits = bytes.iter().skip(at).position(u8::is_ascii_digit).map_or(at, |k| at + k);
-                drop(bytes.splice(digits..digits, *b"99999999999"));
-            }
-            4 => {
-                let end = (at + 8).min(bytes.len());
-                bytes[at..end].fill(0xff);
-            }
-            _ => {
-                let end = (at + 1 + self.below(40)).min(bytes.len());
-                bytes.drain(at..end);
-            }
-        }
-        if bytes.is_empty() {
-            bytes.push(b'0');
-        }
+    if bytes.is_empty() {
+        bytes.push(b'0');
     }
 }
 
@@ -784,12 +772,12 @@ fn damaged_meshes_and_grasp_files_are_read_or_refused_by_name() {
     builder.create_dataset("poses").with_f64_data(&values).with_shape(&[20, 7]).with_chunks(&[8, 7]).with_deflate(6);
     files.push(("packed.h5".into(), builder.finish().unwrap()));
     let each = 40;
-    let mut random = Random(8);
+    let mut random = Random::new(8);
     let mut refused = 0;
     for (name, whole) in &files {
         for k in 0..each {
             let mut bytes = whole.clone();
-            (0..1 + k % 3).for_each(|_| random.damage(&mut bytes));
+            (0..1 + k % 3).for_each(|_| damage(&mut random, &mut bytes));
             let path = dir.path().join(name);
             std::fs::write(&path, &bytes).unwrap();
             let (ask, answer) = mpsc::channel();

@@ -12,6 +12,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
+use tactus::random::Random;
 
 /// Mutations of the quick part.
 const QUICK: usize = 100;
@@ -27,21 +28,9 @@ const HANG: Duration = Duration::from_secs(600);
 const LARGE: [&str; 6] =
     ["paper.ron", "paper_small.ron", "one_object.ron", "data.ron", "shapes.ron", "second_sensor.ron"];
 
-/// A reproducible stream of numbers (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % n.max(1) as u64) as usize
-    }
-
-    fn of<'a>(&mut self, choices: &[&'a str]) -> &'a str {
-        choices[self.below(choices.len())]
-    }
+/// One of the choices.
+fn of<'a>(random: &mut Random, choices: &[&'a str]) -> &'a str {
+    choices[random.below(choices.len())]
 }
 
 /// Words, numbers, texts and signs; what lies between belongs to the one before it.
@@ -107,7 +96,7 @@ fn mutate(text: &str, random: &mut Random) -> Vec<u8> {
                 "18446744073709551616",
             ];
             if let Some(number) = numbers.get(random.below(numbers.len())) {
-                parts[*number] = random.of(&extremes).into();
+                parts[*number] = of(random, &extremes).into();
             }
         }
         5 => drop(parts.remove(at)),
@@ -243,7 +232,7 @@ fn mutated_scenes_end_by_themselves_and_say_where() {
                     if seed >= first + count {
                         return;
                     }
-                    let mut random = Random(seed as u64);
+                    let mut random = Random::new(seed as u64);
                     let origin = &scenes[random.below(scenes.len())];
                     let mut text = std::fs::read(origin).unwrap();
                     for _ in 0..=random.below(2) {

@@ -11,11 +11,10 @@ use crate::gripper::Hand;
 use crate::gripper::hand::Part;
 use crate::mesh::io::{write_obj, write_stl};
 use crate::mesh::topology::watertight;
-use crate::model::{Model, Unknowns};
+use crate::model::{FingerModel, Model, Unknowns};
 use crate::record::pad_name;
 use crate::scene::{self, Scene, load_set, to_ron};
 use crate::schedule::Phase;
-use crate::shape::Aabb;
 use crate::stepper::{Stepper, choose};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -130,7 +129,7 @@ fn examine(scene: &Scene) -> Result<Found> {
         runs: false,
         model: model.clone(),
     };
-    let pad = model.fingers.first().map(|f| Aabb::of(f.topology.rest.iter().copied()));
+    let pad = model.fingers.first().map(FingerModel::bounds);
     found.notices.extend(pad.and_then(|pad| aim_notice(scene, &model.object, pad, &poses)));
     let hand = pad.map(|pad| Hand::new(pad, &scene.gripper));
     for (index, pose) in poses.iter().enumerate().take(TRIED) {

@@ -5,7 +5,7 @@ use super::{Format, NOT_HELD, OK, kept, print, say, table};
 use crate::error::{Error, Result};
 use crate::gnn::SHIPPED;
 use crate::grasp::{GraspPose, aim_notice, poses_of};
-use crate::model::Model;
+use crate::model::{FingerModel, Model};
 use crate::record::{ExpectationReport, Options, Recorder, RunReport, Status};
 use crate::render::Scalar;
 use crate::runner::{Outcome, run_grasps};
@@ -13,7 +13,6 @@ use crate::scene::leaf::{Count, Positive};
 use crate::scene::{
     Condensed, Fem, Gnn, Held, LoadedSet, Measured, Scene, Solver, Stepper, evaluate_all, load_set, recheck,
 };
-use crate::shape::Aabb;
 use crate::stepper::choose;
 use clap::ValueEnum;
 use serde_json::{Value, json};
@@ -183,7 +182,7 @@ fn run_object(args: &RunArgs, scene: &Scene, out: Option<&Path>, last: bool) -> 
     });
     let (stepper, model) = (stepper?, model?);
     let poses = poses_of(scene)?;
-    let pad = model.fingers.first().map(|f| Aabb::of(f.topology.rest.iter().copied()));
+    let pad = model.fingers.first().map(FingerModel::bounds);
     let aim = pad.and_then(|pad| aim_notice(scene, &model.object, pad, &poses));
     let grasps = select(&poses, &args.grasp)?;
     let threads = args.threads.map_or_else(|| threads(scene), |n| n as usize);

@@ -18,8 +18,7 @@ use crate::model::{self, Model};
 use crate::record::files::{cannot_write, create_dir, remove_left_over, sync_folder, write_durable};
 use crate::record::lock::FolderLock;
 use crate::runner::run_grasps;
-use crate::scene::{Field, Grasps, LoadedSet, NamedScene};
-use crate::shape::Aabb;
+use crate::scene::{Field, LoadedSet, NamedScene};
 use crate::stepper::choose;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -53,24 +52,25 @@ impl Campaign {
     pub fn plan(set: &LoadedSet, dir: &Path) -> Result<Self> {
         let mut objects = Vec::new();
         let mut entries = Vec::new();
-        // All objects have the same pads: their sizes are those of the first.
-        let mut sizes = None;
+        // All objects have the same pads: they are those of the first.
+        let mut pads = None;
         for listed in &set.scenes {
             let mut named = listed.clone();
             // The data set holds all of these, whatever the scene records in a run.
             named.scene.record.fields = Field::USUAL.to_vec();
             let place = |e| set.place(e, &listed.name);
-            let base = match sizes {
-                Some(sizes) => sizes,
-                None => *sizes.insert(Sizes::of(Model::build(&named.scene).map_err(place)?.as_ref(), 0)?),
+            let (base, pad) = match pads {
+                Some(pads) => pads,
+                None => {
+                    let model = Model::build(&named.scene).map_err(place)?;
+                    let pad = model.finger()?.bounds();
+                    *pads.insert((Sizes::of(&model, 0)?, pad))
+                }
             };
             let mut grasps = grasps_of(&named.scene).map_err(place)?;
             let shape = model::object::build(&named.scene.object, &mut Vec::new())
                 .map_err(|e| place(e.about("object.shape")))?;
-            if let Grasps::File(_) = &named.scene.grasps {
-                let (pad, _) = model::pad::build(&named.scene.gripper.pads, &mut Vec::new()).map_err(place)?;
-                grasps.notices.extend(aim_notice(&named.scene, &shape, Aabb::of(pad.mesh.nodes), &grasps.poses));
-            }
+            grasps.notices.extend(aim_notice(&named.scene, &shape, pad, &grasps.poses));
             let sizes = Sizes { grasps: grasps.poses.len(), ..base };
             let file = Path::new("dgs_output").join(file_name(&named));
             entries.push(ObjectEntry {
@@ -101,7 +101,7 @@ impl Campaign {
             about: set.scenes.first().map(|s| s.scene.about.clone()).unwrap_or_default(),
             plan: plan_hash(objects.iter().map(|o| (&o.named, o.poses.as_slice())), &splits)?,
             grasps: objects.iter().map(|o| o.poses.len()).sum(),
-            frames: sizes.map_or(0, |s| s.frames),
+            frames: pads.map_or(0, |(sizes, _)| sizes.frames),
             bytes: 0,
             splits: String::new(),
             objects: entries,

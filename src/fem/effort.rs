@@ -5,6 +5,7 @@
 //! The same scene meets the same bound on every machine. A limit on wall time, which does not, is there for the impatient.
 
 use super::newton::Failure;
+use crate::interrupt;
 use std::time::{Duration, Instant};
 
 /// Increments of `max_iterations` that a grasp may take to make contact and to settle, and for each step after that.
@@ -41,6 +42,9 @@ impl Effort {
 
     /// Why a solver that has taken this many iterations goes no further, if it does not.
     pub fn exceeded(&self, iterations: u64) -> Option<Failure> {
+        if interrupt::requested() {
+            return Some(Failure::Interrupted);
+        }
         if iterations >= self.iterations {
             return Some(Failure::Effort(self.iterations));
         }

@@ -2,7 +2,6 @@
 
 use super::newton::{Converged, Failure, Newton, Tolerance};
 use super::state::State;
-use crate::interrupt;
 
 /// A quasi-static loading path: solver, accepted state, and the history its predictor needs.
 pub struct Path {
@@ -91,10 +90,9 @@ impl Path {
         }
     }
 
-    /// True once so much was spent on walks and on increments that failed that the next failure ends the path, and once
-    /// somebody asked for an end.
+    /// True once so much was spent on walks and on increments that failed that the next failure ends the path.
     pub fn exhausted(&self) -> bool {
-        self.spent >= ENDURANCE || interrupt::requested()
+        self.spent >= ENDURANCE
     }
 
     /// A level was reached: half of what was spent is forgiven.

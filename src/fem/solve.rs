@@ -4,7 +4,6 @@ use super::lagging::Lagging;
 use super::newton::{Converged, Failure, Newton, Tolerance};
 use super::state::{MAX_BORDER, State, Step};
 use super::term::BodyTerm;
-use crate::interrupt;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -41,9 +40,6 @@ impl Newton {
         let mut history = [f64::INFINITY; 2];
         let mut lagging = Lagging::new(tolerance.passing);
         loop {
-            if interrupt::requested() {
-                return Err(Failure::Interrupted);
-            }
             let damping = lagging.damping();
             self.damp(damping);
             self.sharpen(last_motion <= NEAR);

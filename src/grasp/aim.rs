@@ -52,19 +52,13 @@ enum Meets {
 
 /// Looks from points of the open pad's face along `closing`, as far as the pads are apart.
 fn meets(object: &Shape, hand: &Hand, pose: &GraspPose, closing: DVec3) -> Meets {
-    let (low, high) = (hand.pad.min, hand.pad.max);
-    let at = |k: usize, low: f64, high: f64| low + (high - low) * (k as f64 + 0.5) / POINTS as f64;
     let mut met = Meets::Nothing;
-    for i in 0..POINTS {
-        for j in 0..POINTS {
-            let on_face = DVec3::new(0.0, at(j, low.y, high.y), at(i, low.x, high.x));
-            let start = pose.to_object(hand.center + on_face - closing * 0.5 * hand.opening);
-            if object.distance.distance(start) < 0.0 {
-                return Meets::Inside;
-            }
-            if object.ray(start, pose.rotation * closing).is_some_and(|hit| hit.t <= hand.opening) {
-                met = Meets::Object;
-            }
+    for start in hand.face(closing, POINTS).map(|start| pose.to_object(start)) {
+        if object.distance.distance(start) < 0.0 {
+            return Meets::Inside;
+        }
+        if object.ray(start, pose.rotation * closing).is_some_and(|hit| hit.t <= hand.opening) {
+            met = Meets::Object;
         }
     }
     met

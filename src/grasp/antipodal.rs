@@ -171,18 +171,8 @@ fn clear(object: &Shape, hand: &Hand, pose: &GraspPose, stroke: f64) -> std::res
 
 /// Travel of a pad until it touches, by rays from its face; infinite if none hits.
 fn first_contact(object: &Shape, hand: &Hand, pose: &GraspPose, closing: DVec3) -> f64 {
-    let (low, high) = (hand.pad.min, hand.pad.max);
-    let at = |k: usize, low: f64, high: f64| low + (high - low) * (k as f64 + 0.5) / RAYS as f64;
-    let mut nearest = f64::INFINITY;
-    for i in 0..RAYS {
-        for j in 0..RAYS {
-            let on_face = DVec3::new(0.0, at(j, low.y, high.y), at(i, low.x, high.x));
-            let start = hand.center + on_face - closing * 0.5 * hand.opening;
-            let hit = object.ray(pose.to_object(start), pose.rotation * closing);
-            nearest = hit.map_or(nearest, |h| nearest.min(h.t));
-        }
-    }
-    nearest
+    let travel = |start| object.ray(pose.to_object(start), pose.rotation * closing).map(|hit| hit.t);
+    hand.face(closing, RAYS).filter_map(travel).fold(f64::INFINITY, f64::min)
 }
 
 /// Points of a surface, uniform by area.

@@ -53,6 +53,16 @@ impl Hand {
         Self { pad, opening: gripper.opening.get(), center }
     }
 
+    /// Points of the face of the open pad that closes along `closing`: the middles of `n` x `n` equal parts, hand frame, m.
+    pub fn face(&self, closing: DVec3, n: usize) -> impl Iterator<Item = DVec3> {
+        let (hand, low, high) = (*self, self.pad.min, self.pad.max);
+        let at = move |k: usize, low: f64, high: f64| low + (high - low) * (k as f64 + 0.5) / n as f64;
+        (0..n * n).map(move |k| {
+            let on_face = DVec3::new(0.0, at(k % n, low.y, high.y), at(k / n, low.x, high.x));
+            hand.center + on_face - closing * 0.5 * hand.opening
+        })
+    }
+
     /// The part that meets the object when each finger has travelled by `travel` (m) from the open hand: palm first,
     /// then fingers, then pads. `shift` moves the object along hand x, m.
     pub fn obstacle(&self, object: &dyn SignedDistance, pose: &GraspPose, travel: f64, shift: f64) -> Option<Part> {

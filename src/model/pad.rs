@@ -11,6 +11,7 @@ use crate::mesh::{quadratic, surface};
 use crate::pad::{self, Bonding, Density, Pad, Resolution};
 use crate::record::{self, PadTopology};
 use crate::scene::{self, Element, Gripper, Pads};
+use crate::shape::Aabb;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -111,6 +112,11 @@ fn read(file: &scene::pad::FilePad, notices: &mut Vec<String>) -> Result<Pad> {
 }
 
 impl FingerModel {
+    /// Box around the pad at rest, pad frame, m.
+    pub fn bounds(&self) -> Aabb {
+        Aabb::of(self.topology.rest.iter().copied())
+    }
+
     /// Places `pad` on the left finger.
     ///
     /// # Errors

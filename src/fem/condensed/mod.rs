@@ -148,7 +148,7 @@ impl Condensation {
             };
             path.restore(checkpoint);
             let patches = match refusal {
-                Refusal::Outside if attempts <= ATTEMPTS && !path.exhausted() => patches,
+                Refusal::Outside if attempts <= ATTEMPTS => patches,
                 Refusal::Outside => return Err(Failure::Corrections(self.error)),
                 // It was followed as far as anybody cares.
                 Refusal::Failed(Failure::Astray) => return Err(Failure::Astray),
