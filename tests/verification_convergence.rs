@@ -113,9 +113,9 @@ fn error(field: Field, n: usize, quadratic: bool, mean_dilatation: bool, poisson
     let terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(Elastic), Box::new(DeadLoad(load))];
     let mut newton = Newton::new(vec![Arc::new(body)], vec![terms], Border::none(1)).expect("solver");
     let x = rest.iter().map(|p| *p + field(*p)).collect();
-    let mut state = State { x: vec![x], travel: vec![0.0], position: DVec3::ZERO, rotation: DQuat::IDENTITY };
+    let start = State { x: vec![x], travel: vec![0.0], position: DVec3::ZERO, rotation: DQuat::IDENTITY };
     let tolerance = Tolerance { relative: 0.0, force: 1e-9, length: 1e-8, iterations: 40, motion: 1e3, passing: false };
-    newton.solve(&mut state, &tolerance).expect("converges");
+    let (state, _) = newton.solve(&start.clone(), start, &tolerance).expect("converges");
     let (mut wrong, mut right) = (0.0, 0.0);
     for tet in &lists {
         let volume = RestTet::new(std::array::from_fn(|k| rest[tet[k] as usize])).volume;

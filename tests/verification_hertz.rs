@@ -71,10 +71,10 @@ fn a_ball_on_a_block_follows_hertz() {
 
 /// Moves the object sideways by `step` (m) and finds equilibrium; normal and tangential force on the pad, N.
 fn shear(press: &mut Press, step: f64) -> (f64, f64) {
-    let mut state = press.path.state.clone();
-    state.position.x += step;
+    let mut start = press.path.state.clone();
+    start.position.x += step;
     let tolerance = Tolerance { length: 1e-6, iterations: 80, ..Tolerance::default() };
-    press.path.newton.solve(&mut state, &tolerance).expect("converges");
+    let (state, _) = press.path.newton.solve(&press.path.state, start, &tolerance).expect("converges");
     press.path.newton.commit(&state);
     press.path.state = state;
     let contact = press.contact();

@@ -20,8 +20,13 @@ pub struct ContactEdge {
     pub traction: DVec3,
     /// True while the friction limit is reached.
     pub slips: bool,
-    /// Where the point sticks: object frame for a point of the pad, hand axes relative to the finger for a feature.
+    /// Where the point sticks: object frame for a point of the pad, hand axes relative to the finger for a feature. Of a point that
+    /// touches within the increment it is where that was when the increment began.
     pub anchor: Option<DVec3>,
+    /// Gap when the increment began, m, of a point that touches within it.
+    pub clear: Option<f64>,
+    /// Part of the motion since the anchor that the point has been in contact for: less than 1 if it touched within the increment.
+    pub share: f64,
     /// Stiffness factor, raised where a pressure would otherwise use up the whole offset.
     pub scale: f64,
 }
@@ -37,6 +42,8 @@ impl ContactEdge {
         traction: DVec3::ZERO,
         slips: false,
         anchor: None,
+        clear: None,
+        share: 1.0,
         scale: 1.0,
     };
 
@@ -47,6 +54,12 @@ impl ContactEdge {
             && self.limit == 0.0
             && self.anchor.is_none()
             && self.scale == 1.0
+    }
+
+    /// Part of the way from the start of the increment to here that lies past the touch, if both are straight.
+    pub fn past_touch(&self, offset: f64) -> f64 {
+        let closed = offset - self.gap;
+        self.clear.map_or(1.0, |clear| if clear > offset { (closed / (clear - self.gap)).clamp(0.0, 1.0) } else { 1.0 })
     }
 
     /// Where the point sticks, if friction acts.

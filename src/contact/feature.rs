@@ -13,7 +13,7 @@ use super::project::FaceBounds;
 use super::site::Site;
 use super::surface::ContactSurface;
 use crate::fem::body::Body;
-use crate::fem::state::{Motion, View};
+use crate::fem::state::{Departure, Motion, View};
 use crate::fem::term::{Block, BodyTerm, Pair, Stencil};
 use crate::shape::Stretch;
 use glam::DVec3;
@@ -57,6 +57,8 @@ pub struct FeatureContact {
     bounds: FaceBounds,
     far: Far,
     accepted: Accepted,
+    /// Where the increment departed from.
+    from: Option<Departure>,
     /// Whether the Hessian says how faces bend and turn.
     sharp: bool,
 }
@@ -89,7 +91,7 @@ impl FeatureContact {
         let area = surface.spacing * surface.spacing;
         let (bounds, far) = (FaceBounds::default(), Far::default());
         let accepted = Accepted { sites: sites.clone(), far: far.clone() };
-        Self { pool, surface, features, area, accepted, sites, bounds, far, sharp: true }
+        Self { pool, surface, features, area, accepted, sites, bounds, far, from: None, sharp: true }
     }
 
     /// The edges of the features that are near the pad, with the features: in their order once accepted.
@@ -166,7 +168,7 @@ impl BodyTerm for FeatureContact {
             energy += self.area * energies.sum::<f64>();
             if let Some((_, stretch)) = self.stretch(i, e.sticks(), view) {
                 let s = slip(stretch, e.plane);
-                energy += self.area * self.pool.law.friction_energy(s, e.limit);
+                energy += self.area * self.pool.law.engaged(e.share).friction_energy(s, e.limit);
             }
         }
         energy
@@ -215,12 +217,16 @@ impl BodyTerm for FeatureContact {
     }
 
     fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
-        for (i, site) in self.sites.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).slips) {
+        for (i, site) in self.sites.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).sticks().is_some()) {
             let (r, Some(touch)) = (view.rotation * site.position, &site.touch) else { continue };
             if let Some(drag) = self.pool.drag(i, &self.law_of(i), motion.relative(&touch.now, r)) {
                 change.add_pair(body, view, &touch.stick, &Pair::force(drag * -self.area, r));
             }
         }
+    }
+
+    fn depart(&mut self, from: &Departure) {
+        self.from = Some(from.clone());
     }
 
     fn commit(&mut self, _: &Body, view: &View) {
@@ -314,13 +320,17 @@ impl FeatureContact {
             }
             return 0.0;
         };
-        let drag = *self.pool.edge_mut(i).anchor.get_or_insert_with(|| {
+        if self.pool.is_fresh(i) {
             touch.stick = touch.now;
-            near.at - touch.now.position(view.x)
-        });
-        if let Some((_, stretch)) = self.stretch(i, Some(drag), view) {
-            self.pool.rub(i, stretch);
+            let normal = self.pool.edge(i).normal;
+            let away = near.at - touch.now.position(view.x);
+            let start = self.from.as_ref().map_or(away, |from| from.of_object(site.position) - from.point(&touch.now));
+            // Along the normal it is where it is now.
+            let drag = start + normal * normal.dot(away - start);
+            // The normal is that of the object.
+            self.pool.touch(i, &law, drag, || -normal.dot(start));
         }
-        lag
+        let stretch = self.stretch(i, self.pool.edge(i).anchor, view).map(|(_, stretch)| stretch);
+        lag.hypot(stretch.map_or(0.0, |stretch| self.pool.rub(i, &law, stretch)))
     }
 }

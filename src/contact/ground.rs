@@ -77,9 +77,13 @@ impl GroundContact {
         // The outward normal of the object is the inward one of the ground.
         let normal = -(self.hand.rotation.conjugate() * self.normal);
         let Some(lag) = self.pool.press(i, &law, iter::once((gap, normal, 1.0))) else { return 0.0 };
-        let anchor = *self.pool.edge_mut(i).anchor.get_or_insert(last);
-        self.pool.rub(i, self.hand.to_hand(anchor) - view.position - arm);
-        lag
+        if self.pool.is_fresh(i) {
+            let clear = self.gap(last);
+            self.pool.touch(i, &law, last, || clear);
+        }
+        let anchor = self.pool.edge(i).anchor.unwrap_or(last);
+        let behind = self.pool.rub(i, &law, self.hand.to_hand(anchor) - view.position - arm);
+        lag.hypot(behind)
     }
 }
 
@@ -96,7 +100,7 @@ impl BodyTerm for GroundContact {
             let point = view.position + view.rotation * *v;
             energy += self.pool.law.normal_energy(self.gap(self.hand.to_world(point)), e.scale);
             if let Some(anchor) = e.sticks() {
-                energy += self.pool.law.friction_energy(slip(self.hand.to_hand(anchor) - point, e.plane), e.limit);
+                energy += self.pool.law.engaged(e.share).friction_energy(slip(self.hand.to_hand(anchor) - point, e.plane), e.limit);
             }
         }
         energy
@@ -134,7 +138,7 @@ impl BodyTerm for GroundContact {
 
     fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
         let (view, nowhere) = (object_only(view), Stencil::new(std::iter::empty()));
-        for (i, v) in self.vertices.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).slips) {
+        for (i, v) in self.vertices.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).sticks().is_some()) {
             let r = view.rotation * *v;
             let away = -motion.position - motion.rotation.cross(r);
             if let Some(drag) = self.pool.drag(i, &self.pool.law, away) {

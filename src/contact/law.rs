@@ -44,6 +44,11 @@ impl Law {
         Self { offset: LATE * self.offset, ..*self }
     }
 
+    /// The same law of a point that has been in contact for the part `share` of its motion: the spring takes up that part alone.
+    pub fn engaged(&self, share: f64) -> Self {
+        Self { tangential: share * self.tangential, ..*self }
+    }
+
     /// Smallest gap of an accepted state, m.
     pub fn least(&self) -> f64 {
         LEAST * self.offset
@@ -85,8 +90,7 @@ impl Law {
     #[inline(always)]
     pub fn friction_energy(&self, s: DVec3, limit: f64) -> f64 {
         let size = s.length() * self.tangential;
-        let huber = if slips(size, limit) { limit * (size - 0.5 * limit) } else { 0.5 * size * size };
-        huber / self.tangential
+        if slips(size, limit) { limit * (s.length() - 0.5 * limit / self.tangential) } else { 0.5 * size * s.length() }
     }
 
     /// Coefficients `(a, b)` of the friction Hessian `a (I - n n^T) - b t t^T`, Pa/m, with `t` the unit traction.

@@ -61,7 +61,7 @@ pub(super) fn weighed(pair: Pair, weight: f64, project: bool) -> Pair {
 /// sticking point, `r` the arm of the object's point.
 pub(super) fn friction_pair(law: &Law, e: &ContactEdge, area: f64, s: DVec3, r: DVec3, project: bool) -> Pair {
     let n = e.plane;
-    let (a, b) = law.friction_hessian(slip(s, n), e.limit);
+    let (a, b) = law.engaged(e.share).friction_hessian(slip(s, n), e.limit);
     let t = e.traction.normalize_or_zero();
     let d = ((DMat3::IDENTITY - outer(n, n)) * a - outer(t, t) * b) * area;
     let force = e.traction * -area;

@@ -60,15 +60,16 @@ impl EdgePool {
         self.near().map(|(_, e)| e.gap).fold(f64::INFINITY, f64::min)
     }
 
-    /// Accepts the edges as they are. Those without pressure forget where they stuck; of slipping ones `dragged` says where they stick
-    /// now, so that the spring carries just the limit.
+    /// Accepts the edges as they are. Those without pressure forget where they stuck; of those that slip or touch since the increment
+    /// began `dragged` says where they stick now, so that the whole spring carries the same traction.
     pub fn commit(&mut self, mut dragged: impl FnMut(usize, &ContactEdge) -> DVec3) {
         for (i, e) in &mut self.near {
             if e.pressure <= 0.0 {
                 e.anchor = None;
-            } else if e.slips {
+            } else if e.slips || e.share < 1.0 {
                 e.anchor = Some(dragged(*i, e));
             }
+            (e.clear, e.share) = (None, 1.0);
         }
         self.sort();
         self.committed.clone_from(&self.near);
@@ -132,25 +133,51 @@ impl EdgePool {
             e.limit = 0.0;
             let known = self.committed.binary_search_by_key(&i, |(k, _)| *k);
             let anchor = known.ok().and_then(|k| self.committed[k].1.anchor);
-            self.edge_mut(i).anchor = anchor;
+            let e = self.edge_mut(i);
+            (e.anchor, e.clear, e.share) = (anchor, None, 1.0);
             return None;
         }
         Some(lag)
     }
 
-    /// How the force of slipping edge `i` on the pad changes per area when its points move by `u` (m) against each other: the
-    /// limit follows the pressure, Pa.
+    /// Whether edge `i` touches since the increment began; [`EdgePool::touch`] must follow.
+    pub fn is_fresh(&self, i: usize) -> bool {
+        let e = self.edge(i);
+        e.anchor.is_none() || e.clear.is_some()
+    }
+
+    /// Edge `i` has touched since the increment began: then its point was at `start`, at the gap `clear()` (m).
+    pub fn touch(&mut self, i: usize, law: &Law, start: DVec3, clear: impl FnOnce() -> f64) {
+        let e = self.edge_mut(i);
+        e.anchor = Some(start);
+        if e.clear.is_none() {
+            e.clear = Some(clear());
+            e.share = e.past_touch(law.offset);
+        }
+    }
+
+    /// How the friction of edge `i` on the pad changes per area when its points move by `u` (m) against each other, Pa, beyond what its
+    /// potential says: where it slips the limit follows the pressure, where it touches within the increment the spring takes up more of
+    /// the motion the deeper it gets.
     pub fn drag(&self, i: usize, law: &Law, u: DVec3) -> Option<DVec3> {
         let e = self.edge(i);
         let stiffness = law.pressure(e.gap, e.scale).1;
-        (e.slips && stiffness > 0.0)
-            .then(|| e.traction.normalize_or_zero() * (-law.friction * stiffness * e.normal.dot(u)))
+        let rate = match e.slips {
+            true => e.traction.normalize_or_zero() * (law.friction * stiffness),
+            false => e.traction * ((1.0 - e.share) / (law.offset - e.gap)),
+        };
+        (stiffness > 0.0 && rate != DVec3::ZERO).then(|| rate * -e.normal.dot(u))
     }
 
-    /// Sets the traction of edge `i`, whose points have moved apart by `s` (m) since they stuck.
-    pub fn rub(&mut self, i: usize, s: DVec3) {
-        let law = self.law;
+    /// Sets the traction of edge `i`, whose points have moved apart by `s` (m) since they stuck, or since the increment began; returns
+    /// how far the part of it that the spring takes up lags, Pa.
+    pub fn rub(&mut self, i: usize, law: &Law, s: DVec3) -> f64 {
+        let damping = self.damping;
         let e = self.edge_mut(i);
-        (e.traction, e.slips) = law.traction(slip(s, e.plane), e.limit);
+        let s = slip(s, e.plane);
+        let missing = e.past_touch(law.offset) - e.share;
+        e.share += damping * missing;
+        (e.traction, e.slips) = law.engaged(e.share).traction(s, e.limit);
+        (law.tangential * s.length() * (1.0 - damping) * missing.abs()).min(e.limit)
     }
 }

@@ -6,7 +6,7 @@ use super::pair::{friction_pair, normal_pair, slip, weighed};
 use super::pool::EdgePool;
 use super::surface::ContactSurface;
 use crate::fem::body::Body;
-use crate::fem::state::{Motion, View};
+use crate::fem::state::{Departure, Motion, View};
 use crate::fem::term::{Block, BodyTerm, Pair, Stencil};
 use crate::shape::{SignedDistance, Touch};
 use glam::DVec3;
@@ -25,6 +25,8 @@ pub struct Contact {
     committed: Vec<bool>,
     surface: Arc<ContactSurface>,
     object: Arc<dyn SignedDistance>,
+    /// Where the increment departed from.
+    from: Option<Departure>,
 }
 
 /// How far a point was from the object when that was last looked up. It holds whatever is accepted or taken back.
@@ -49,7 +51,7 @@ impl Contact {
     pub fn new(law: Law, surface: Arc<ContactSurface>, object: Arc<dyn SignedDistance>) -> Self {
         let felt: Vec<bool> = (0..surface.points.len()).map(|i| i < surface.vertices).collect();
         let seen = Arc::new(vec![Seen { at: DVec3::ZERO, bound: f64::NEG_INFINITY }; felt.len()]);
-        Self { pool: EdgePool::new(law, felt.len()), seen, committed: felt.clone(), felt, surface, object }
+        Self { pool: EdgePool::new(law, felt.len()), seen, committed: felt.clone(), felt, surface, object, from: None }
     }
 
     /// The edges of the points that are near the object, with the points: in their order once accepted.
@@ -105,7 +107,7 @@ impl BodyTerm for Contact {
             }
             if let Some(anchor) = e.sticks() {
                 let s = slip(world - view.position - view.rotation * anchor, e.plane);
-                energy += area * law.friction_energy(s, e.limit);
+                energy += area * law.engaged(e.share).friction_energy(s, e.limit);
             }
         }
         energy
@@ -141,7 +143,7 @@ impl BodyTerm for Contact {
     fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
         for (i, (stencil, area)) in self.surface.points.iter().zip(&self.surface.area).enumerate() {
             let e = self.pool.edge(i);
-            if !e.slips {
+            if e.sticks().is_none() {
                 continue;
             }
             let r = locate(stencil, view).0 - view.position;
@@ -163,6 +165,10 @@ impl BodyTerm for Contact {
             }
         }
         nearest - 0.5 * self.pool.law.offset
+    }
+
+    fn depart(&mut self, from: &Departure) {
+        self.from = Some(from.clone());
     }
 
     fn commit(&mut self, _: &Body, view: &View) {
@@ -229,22 +235,6 @@ impl Contact {
         none
     }
 
-    /// How far the vertices around middle `i` that stick or slip are dragged, object axes, m: it has been there with them. None for
-    /// a vertex.
-    fn dragged(&self, i: usize, view: &View) -> Option<DVec3> {
-        if i < self.surface.vertices {
-            return None;
-        }
-        let (mut sum, mut count) = (DVec3::ZERO, 0.0);
-        for v in self.surface.around(i) {
-            if let Some(anchor) = self.pool.edge(v).anchor {
-                sum += anchor - locate(&self.surface.points[v], view).1;
-                count += 1.0;
-            }
-        }
-        (count > 0.0).then(|| sum / count)
-    }
-
     /// The law of point `i`.
     pub fn law_of(&self, i: usize) -> Law {
         if i < self.surface.vertices { self.pool.law } else { self.pool.law.late() }
@@ -268,10 +258,15 @@ impl Contact {
         let places = places.map(|(c, weight)| (c.distance, view.rotation * c.normal, weight));
         let Some(lag) = self.pool.press(i, &law, places) else { return (0.0, touch) };
         let e = *self.pool.edge(i);
-        let first = || self.dragged(i, view).map_or(q - view.rotation.transpose() * e.normal * e.gap, |drag| q + drag);
-        let anchor = e.anchor.unwrap_or_else(first);
-        self.pool.edge_mut(i).anchor = Some(anchor);
-        self.pool.rub(i, world - view.position - view.rotation * anchor);
-        (lag, touch)
+        let mut anchor = e.anchor.unwrap_or(q);
+        if self.pool.is_fresh(i) {
+            let start = self.from.as_ref().map_or(q, |from| from.in_object(stencil));
+            // On the surface, where it touches now.
+            let normal = view.rotation.transpose() * e.normal;
+            anchor = start + normal * (normal.dot(q - start) - e.gap);
+            self.pool.touch(i, &law, anchor, || self.object.distance(start));
+        }
+        let behind = self.pool.rub(i, &law, world - view.position - view.rotation * anchor);
+        (lag.hypot(behind), touch)
     }
 }

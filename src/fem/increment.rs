@@ -184,11 +184,11 @@ impl Path {
         Ok(done)
     }
 
-    /// Solves from `state` and accepts the result; if that fails and `walk` is set, walks there from the accepted state.
-    fn settle(&mut self, mut state: State, walk: bool, done: &mut Advanced) -> Result<(), Failure> {
+    /// Solves from `start` and accepts the result; if that fails and `walk` is set, walks there from the accepted state.
+    fn settle(&mut self, start: State, walk: bool, done: &mut Advanced) -> Result<(), Failure> {
         if !std::mem::take(&mut self.underway) {
-            let failure = match self.newton.solve(&mut state, &self.tolerance) {
-                Ok(converged) => {
+            let failure = match self.newton.solve(&self.state, start, &self.tolerance) {
+                Ok((state, converged)) => {
                     self.newton.commit(&state);
                     self.state = state;
                     done.accept(converged);

@@ -4,7 +4,7 @@ use super::arrow::ArrowBlock;
 use super::body::Body;
 use super::effort::Effort;
 use super::proximal::Proximal;
-use super::state::{Border, MAX_BORDER, State, Step};
+use super::state::{Border, Departure, MAX_BORDER, State, Step};
 use super::term::BodyTerm;
 use crate::error::Result;
 use rayon::prelude::*;
@@ -329,6 +329,15 @@ impl Newton {
     /// A copy of what all terms remember.
     pub fn save(&self) -> Vec<Vec<Box<dyn BodyTerm>>> {
         self.terms.iter().map(|terms| terms.iter().map(|t| t.boxed_clone()).collect()).collect()
+    }
+
+    /// An increment begins at the accepted state `from`.
+    pub(super) fn depart(&mut self, from: &State) {
+        let from = Arc::new(from.clone());
+        for (i, terms) in self.terms.iter_mut().enumerate() {
+            let departure = Departure::new(from.clone(), i, &self.border);
+            terms.iter_mut().for_each(|t| t.depart(&departure));
+        }
     }
 
     /// Takes over the history of an accepted state.

@@ -28,12 +28,13 @@ const NEAR: f64 = 5e-6;
 const STUCK: f64 = 1e-9;
 
 impl Newton {
-    /// Minimises the potential from `state`. On failure `state` is left as it was.
+    /// Minimises the potential from `start`, in an increment that departs from the accepted state `from`.
     ///
     /// # Errors
     /// [`Failure`] says why; the terms' history is untouched, so a smaller increment can be tried.
-    pub fn solve(&mut self, state: &mut State, tolerance: &Tolerance) -> Result<Converged, Failure> {
-        let mut now = state.clone();
+    pub fn solve(&mut self, from: &State, start: State, tolerance: &Tolerance) -> Result<(State, Converged), Failure> {
+        self.depart(from);
+        let mut now = start;
         let mut limit = tolerance.iterations;
         let mut last_motion = f64::INFINITY;
         let (mut iterations, mut resting, mut untouched, mut crawled) = (0, 0, 0, 0);
@@ -73,8 +74,7 @@ impl Newton {
                 };
                 let held: Vec<bool> = self.terms.par_iter_mut().enumerate().map(ask).collect();
                 if held.into_iter().all(|held| held) {
-                    *state = now;
-                    return Ok(Converged { iterations, residual });
+                    return Ok((now, Converged { iterations, residual }));
                 }
                 last_motion = f64::INFINITY;
                 iterations += 1;

@@ -2,6 +2,7 @@
 
 use super::term::Stencil;
 use glam::{DMat3, DQuat, DVec3};
+use std::sync::Arc;
 
 /// Most border unknowns a scene can have: two travels and six of a free object.
 pub const MAX_BORDER: usize = 8;
@@ -193,6 +194,39 @@ impl State {
             pose_column: border.pose,
             length: border.length,
         }
+    }
+}
+
+/// The accepted state from which an increment departs, as one body has it.
+#[derive(Debug, Clone)]
+pub struct Departure {
+    state: Arc<State>,
+    index: usize,
+    offset: DVec3,
+    turn: DMat3,
+}
+
+impl Departure {
+    /// From `state` of body `index`.
+    pub fn new(state: Arc<State>, index: usize, border: &Border) -> Self {
+        let view = state.view(index, border);
+        let (offset, turn) = (view.offset, view.rotation);
+        Self { state, index, offset, turn }
+    }
+
+    /// Where a point of the body was, relative to its finger, m.
+    pub fn point(&self, stencil: &Stencil) -> DVec3 {
+        stencil.position(&self.state.x[self.index])
+    }
+
+    /// Where it was in the object's frame, m.
+    pub fn in_object(&self, stencil: &Stencil) -> DVec3 {
+        self.turn.transpose() * (self.point(stencil) + self.offset - self.state.position)
+    }
+
+    /// Where the point `p` of the object (object frame, m) was, relative to the finger, m.
+    pub fn of_object(&self, p: DVec3) -> DVec3 {
+        self.state.position + self.turn * p - self.offset
     }
 }
 

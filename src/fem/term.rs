@@ -4,7 +4,7 @@
 use super::body::Body;
 use super::dynamics::TimeStep;
 use super::pattern::{FIXED, Pattern};
-use super::state::{MAX_BORDER, Motion, View};
+use super::state::{Departure, MAX_BORDER, Motion, View};
 use crate::contact::pair::outer;
 use glam::{DMat3, DVec3};
 
@@ -269,6 +269,8 @@ pub trait BodyTerm: TermClone + Send + Sync {
     /// Adds to the gradients of `change` how the term's forces change along a small `motion` beyond what its (symmetric)
     /// Hessian says.
     fn couple(&self, _body: &Body, _view: &View, _motion: &Motion, _change: &mut Block) {}
+    /// An increment begins: the next solves depart from this accepted state.
+    fn depart(&mut self, _from: &Departure) {}
     /// A time step begins: the next solves are for its end.
     fn begin(&mut self, _step: &TimeStep) {}
     /// A distance that every point may move before the term must be looked at again, m.

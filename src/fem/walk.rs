@@ -47,7 +47,6 @@ impl Path {
         while spent < PATIENCE {
             let springs = Proximal { center: state.clone(), border: stiffness, nodes: NODES * stiffness };
             self.newton.proximal = Some(springs);
-            let mut next = state.clone();
             let tolerance = Tolerance {
                 relative: slack * full.relative,
                 force: slack * full.force,
@@ -55,8 +54,8 @@ impl Path {
                 passing: slack > 1.0,
                 ..full
             };
-            match self.newton.solve(&mut next, &tolerance) {
-                Ok(converged) => {
+            match self.newton.solve(&state, state.clone(), &tolerance) {
+                Ok((next, converged)) => {
                     self.newton.commit(&next);
                     spent += converged.iterations;
                     done.iterations += converged.iterations;

@@ -138,9 +138,9 @@ impl Integrator {
             hold_in_world(&mut here, &hand);
             hold_in_world(&mut predicted, &hand);
         }
-        let mut state = advance::start(newton, &here, predicted);
-        match newton.solve(&mut state, &path.tolerance) {
-            Ok(converged) => {
+        let start = advance::start(newton, &here, predicted);
+        match newton.solve(&path.state, start, &path.tolerance) {
+            Ok((state, converged)) => {
                 newton.commit(&state);
                 done.iterations += converged.iterations;
                 done.increments += 1;
