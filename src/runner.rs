@@ -1,6 +1,7 @@
 //! Runs the grasps of a scene, several at once, with the same bits on any number of threads.
 
 mod motion;
+pub mod sensitivity;
 
 use crate::audit::Findings;
 use crate::environment::Environment;
@@ -221,6 +222,7 @@ impl Tally {
         summary.reason = reason.clone();
         summary.wall_s = wall;
         summary.newton_iterations = timings.iterations;
+        summary.methods = timings.methods;
         let mut measured = self.measured.unwrap_or_default();
         measured.status = status;
         measured.reason = reason.unwrap_or_default();

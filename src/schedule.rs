@@ -9,6 +9,7 @@
 //! A run of the schedule is one step of the published procedure, which is an explicit state ([`Phase`]):
 //! place the object in the hand, close to first contact, then one recorded load level per step.
 
+use crate::fem::continuation::Methods;
 use crate::grasp::GraspPose;
 use crate::model::{Model, Needs};
 use crate::record::Frame;
@@ -154,6 +155,8 @@ pub struct Advance {
 /// Whether the forces of a frame add up.
 #[derive(Resource, Debug, Clone, Copy, Default)]
 pub struct Balance {
+    /// The object is held where it is, by what is not part of the scene: then only the fingers' forces have to add up.
+    pub held: bool,
     /// Sum over the fingers of the closing force, N.
     pub applied: f64,
     /// Unbalanced force over `applied`.
@@ -169,6 +172,8 @@ pub struct Timings {
     pub stages: BTreeMap<&'static str, f64>,
     /// Newton iterations, those of rejected increments included.
     pub iterations: u64,
+    /// How often each method of the continuation was used.
+    pub methods: Methods,
 }
 
 /// The last recorded frame.

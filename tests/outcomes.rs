@@ -7,9 +7,10 @@ use glam::DVec3;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::sync::Arc;
+use tactus::fem::continuation::Whole;
 use tactus::fem::effort::{Effort, most_iterations};
-use tactus::fem::increment::Load;
 use tactus::fem::newton::Failure;
+use tactus::fem::path::Load;
 use tactus::grasp::poses_of;
 use tactus::material::NeoHookean;
 use tactus::model::Model;
@@ -119,14 +120,14 @@ fn a_solver_out_of_effort_stops_where_it_was() {
     let mut press = Press::new(Setup { body, object, start: DVec3::Z * 0.01, friction: 0.0 });
     let before = press.path.state.clone();
     press.path.newton.effort.iterations = 3;
-    assert_eq!(press.path.advance(Load::Travel, 1e-3).unwrap_err(), Failure::Effort(3));
+    assert_eq!(press.path.advance(Load::Travel, 1e-3, &mut Whole).unwrap_err(), Failure::Effort(3));
     assert_eq!((press.path.newton.profile.iterations, press.path.level), (3, 0.0));
     assert_eq!(press.path.state, before);
     press.path.newton.effort = Effort::within(Some(1e-9));
-    assert_eq!(press.path.advance(Load::Travel, 1e-3).unwrap_err(), Failure::Time(1e-9));
+    assert_eq!(press.path.advance(Load::Travel, 1e-3, &mut Whole).unwrap_err(), Failure::Time(1e-9));
     assert_eq!(press.path.state, before);
     press.path.newton.effort = Effort::default();
-    press.path.advance(Load::Travel, 1e-4).expect("and may go on when it is given more");
+    press.path.advance(Load::Travel, 1e-4, &mut Whole).expect("and may go on when it is given more");
 }
 
 #[test]

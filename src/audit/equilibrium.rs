@@ -11,7 +11,7 @@ use glam::DVec3;
 /// what the free surface feels against the recorded contact force. Of quasi-static frames. `gravity` in the hand frame, m/s2.
 pub fn imbalance(model: &Model, surfaces: &[PadSurface], frame: &Frame, gravity: DVec3) -> f64 {
     let load = frame.applied_force / frame.pads.len().max(1) as f64;
-    let mut worst = 0.0_f64;
+    let (mut worst, mut missing) = (0.0_f64, 0.0);
     for ((finger, pad), surface) in model.fingers.iter().zip(&frame.pads).zip(surfaces) {
         let body = &finger.body;
         let mut force = vec![DVec3::ZERO; body.rest.len()];
@@ -36,7 +36,13 @@ pub fn imbalance(model: &Model, surfaces: &[PadSurface], frame: &Frame, gravity:
         let on_mount: DVec3 = on_mount.sum();
         let closes = (mount + weight - on_mount).dot(finger.placement.closing);
         let contact = pad.wrench.force - on_mount;
-        worst = worst.max(inside.sqrt()).max((touching - contact).length()).max((closes - load).abs());
+        worst = worst.max(inside.sqrt()).max((touching - contact).length());
+        if !frame.held {
+            worst = worst.max((closes - load).abs());
+        }
+        missing += closes - load;
     }
+    // While the object is held, the fingers together carry what both are loaded with.
+    let worst = worst.max(missing.abs());
     if worst == 0.0 { 0.0 } else { worst / load }
 }

@@ -198,6 +198,8 @@ impl Found {
             "components": object(&components),
             "unknowns": self.unknowns,
             "needs": m.needs,
+            "release_n": (m.force_driven && m.free && m.dynamics.is_none()).then(|| m.release * m.fingers.len() as f64),
+            "path_error": m.path_error,
             "pads": m.pad_reports(),
             "quality": {
                 "worst_index": m.quality.worst_index,
@@ -273,6 +275,16 @@ impl Found {
             u.travels,
             u.pose
         ));
+        let total = m.fingers.len() as f64;
+        if m.force_driven && m.free && m.dynamics.is_none() {
+            line(&format!(
+                "release: the object is held where it is up to {:.4} N, the sum over the fingers",
+                m.release * total
+            ));
+        }
+        if let Some(path) = m.path_error {
+            line(&format!("path: increments are as many as an error of {path:e} of the displacement asks for"));
+        }
         line("");
         m.notices.iter().chain(&m.pad_notice).chain(&self.notices).for_each(|notice| line(&format!("note: {notice}")));
         self.problems.iter().for_each(|problem| line(&format!("problem: {problem}")));

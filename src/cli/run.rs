@@ -8,6 +8,7 @@ use crate::grasp::{GraspPose, aim_notice, poses_of};
 use crate::model::{FingerModel, Model};
 use crate::record::{ExpectationReport, Options, Recorder, RunReport, Status};
 use crate::render::Scalar;
+use crate::runner::sensitivity::sensitivity;
 use crate::runner::{Outcome, run_grasps};
 use crate::scene::leaf::{Count, Positive};
 use crate::scene::{
@@ -50,6 +51,10 @@ pub struct RunArgs {
     /// Recorded frames, instead of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: Option<u64>,
+    /// Also say how far pads and object move when friction, the pose of the hand and the force at which the object is let go change a
+    /// little: five times the work.
+    #[arg(long)]
+    pub sensitivity: bool,
     /// Draw no pictures.
     #[arg(long)]
     pub no_pictures: bool,
@@ -202,14 +207,19 @@ fn run_object(args: &RunArgs, scene: &Scene, out: Option<&Path>, last: bool) -> 
     let clock = Instant::now();
     let outcomes = run_grasps(&model, stepper.as_ref(), &grasps, threads, &watch);
     let ended = watch.ended();
-    let recorder = watch.finish();
-    let outcomes = outcomes.map_err(|error| {
+    let mut recorder = watch.finish();
+    let mut outcomes = outcomes.map_err(|error| {
         kept(error, || {
             let place = args.out.as_ref().map_or_else(String::new, |dir| format!(" in {}", dir.display()));
             format!("{ended} of {} grasps are finished{place}", grasps.len())
         })
     })?;
     let wall = clock.elapsed().as_secs_f64();
+    if args.sensitivity {
+        let answers = sensitivity(scene, &model, stepper.as_ref(), &grasps, threads)?;
+        outcomes.iter_mut().zip(&answers).for_each(|(o, moved)| o.summary.sensitivity = moved.clone());
+        recorder.iter_mut().for_each(|recorder| recorder.add_sensitivity(answers.clone()));
+    }
 
     let measured: Vec<Measured> = outcomes.iter().map(|o| o.measured.clone()).collect();
     let held: Vec<Held> = scene.promises().iter().map(|e| evaluate_all(e, &measured)).collect();

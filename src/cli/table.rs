@@ -1,5 +1,6 @@
 //! The report of a run for human eyes.
 
+use crate::fem::continuation::Methods;
 use crate::grasp::GraspPose;
 use crate::record::RunReport;
 use crate::runner::Outcome;
@@ -74,6 +75,18 @@ fn rows(out: &mut String, grasps: &[(usize, GraspPose)], outcomes: &[Outcome]) {
         if let Some(reason) = &s.reason {
             let _ = writeln!(out, "       {reason}");
         }
+        for moved in &s.sensitivity {
+            let _ = match moved.displacement.zip(moved.object_m) {
+                Some((pads, object)) => writeln!(
+                    out,
+                    "       {}: pads move by {:.1} %, the object by {:.3} mm",
+                    moved.change.name(),
+                    1e2 * pads,
+                    1e3 * object
+                ),
+                None => writeln!(out, "       {}: {}", moved.change.name(), moved.status.word()),
+            };
+        }
     }
 }
 
@@ -95,6 +108,11 @@ fn profile(out: &mut String, outcomes: &[Outcome], report: &RunReport, wall: f64
     stages.sort_by(|a, b| b.1.total_cmp(a.1));
     let shares: Vec<_> = stages.iter().map(|(name, s)| format!("{name} {:.0} %", 100.0 * **s / total)).collect();
     let _ = writeln!(out, "\n{wall:.2} s wall, {iterations} Newton iterations: {}", shares.join(", "));
+    let mut methods = Methods::default();
+    outcomes.iter().for_each(|o| methods += o.timings.methods);
+    if methods != Methods::default() {
+        let _ = writeln!(out, "{methods}");
+    }
     let stage = |name: &str| report.profile_s.get(name).copied().unwrap_or(0.0);
     let factorization = stage("factorization");
     if factorization > 0.0 && iterations > 0 {

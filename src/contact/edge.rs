@@ -58,8 +58,11 @@ impl ContactEdge {
 
     /// Part of the way from the start of the increment to here that lies past the touch, if both are straight.
     pub fn past_touch(&self, offset: f64) -> f64 {
-        let closed = offset - self.gap;
-        self.clear.map_or(1.0, |clear| if clear > offset { (closed / (clear - self.gap)).clamp(0.0, 1.0) } else { 1.0 })
+        match self.clear {
+            Some(clear) if clear > offset && self.gap < offset => (offset - self.gap) / (clear - self.gap),
+            Some(clear) if clear > offset => 0.0,
+            _ => 1.0,
+        }
     }
 
     /// Where the point sticks, if friction acts.

@@ -100,7 +100,11 @@ impl BodyTerm for GroundContact {
             let point = view.position + view.rotation * *v;
             energy += self.pool.law.normal_energy(self.gap(self.hand.to_world(point)), e.scale);
             if let Some(anchor) = e.sticks() {
-                energy += self.pool.law.engaged(e.share).friction_energy(slip(self.hand.to_hand(anchor) - point, e.plane), e.limit);
+                energy += self
+                    .pool
+                    .law
+                    .engaged(e.share)
+                    .friction_energy(slip(self.hand.to_hand(anchor) - point, e.plane), e.limit);
             }
         }
         energy

@@ -261,9 +261,9 @@ impl Contact {
         let mut anchor = e.anchor.unwrap_or(q);
         if self.pool.is_fresh(i) {
             let start = self.from.as_ref().map_or(q, |from| from.in_object(stencil));
-            // On the surface, where it touches now.
+            // On the surface, where it touches now; one that is far off again has no gap.
             let normal = view.rotation.transpose() * e.normal;
-            anchor = start + normal * (normal.dot(q - start) - e.gap);
+            anchor = start + normal * (normal.dot(q - start) - e.gap.min(law.offset));
             self.pool.touch(i, &law, anchor, || self.object.distance(start));
         }
         let behind = self.pool.rub(i, &law, world - view.position - view.rotation * anchor);

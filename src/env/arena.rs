@@ -179,6 +179,8 @@ impl Kind {
                 model.leash = Some(LEASH * task.slip_limit.get());
                 let share = 1.0 / model.fingers.len() as f64;
                 model.levels = vec![task.force.at(0.0) * share, task.force.at(1.0) * share];
+                // An agent has it free from the start.
+                model.release = model.contact_force().min(model.levels[0]);
             }
             Ok(Variant { model, friction })
         };
@@ -195,7 +197,7 @@ fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
     let mut scene = scene.clone();
     scene.promise_nothing();
     let force = leaf(Positive::new(task.force.at(1.0)))?;
-    scene.loading = Loading::Squeeze(Squeeze { force, from: None, frames: leaf(Count::new(1))? });
+    scene.loading = Loading::Squeeze(Squeeze { force, from: None, release: None, frames: leaf(Count::new(1))? });
     let mut fields = vec![Field::ContactForce];
     fields.extend(task.reward.iter().any(|r| r.term().needs_stress()).then_some(Field::Stress));
     scene.record = Record { fields, pictures: false, arrays: None, vtu: false };

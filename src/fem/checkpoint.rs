@@ -1,6 +1,6 @@
 //! Going back on a loading path further than the last increment.
 
-use super::increment::Path;
+use super::path::Path;
 use super::state::State;
 use super::term::BodyTerm;
 

@@ -20,6 +20,7 @@ const SLOWEST: f64 = 1.0 / 32.0;
 pub(super) struct Lagging {
     best: f64,
     stale: u32,
+    frozen: bool,
     /// Friction stays frozen, and what it lags does not count.
     passing: bool,
     /// The frozen problem is solved, friction moves on by this part of the way.
@@ -34,12 +35,18 @@ impl Lagging {
     /// Of a solution that is a result, or one that is only on the way to it (`passing`).
     pub fn new(passing: bool) -> Self {
         let (best, lagged, left) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
-        Self { best, stale: 0, passing, thaw: None, lagged, pace: 1.0, left }
+        Self { best, stale: 0, frozen: false, passing, thaw: None, lagged, pace: 1.0, left }
     }
 
     /// Part of the way that friction goes in the next assembly.
     pub fn damping(&self) -> f64 {
         if self.stale < SWINGING { 1.0 } else { self.thaw.unwrap_or(0.0) }
+    }
+
+    /// Whether friction is frozen from now on.
+    pub fn freezes(&mut self) -> bool {
+        let frozen = self.stale >= SWINGING;
+        frozen && !std::mem::replace(&mut self.frozen, frozen)
     }
 
     /// Forces out of balance and what friction lags, N, as one.

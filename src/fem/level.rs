@@ -1,15 +1,14 @@
 //! One load level of a grasp: first contact if need be, the load, and whole pads where condensed ones get no further.
 
+use super::continuation::Whole;
 use super::effort::most_iterations;
-use super::increment::{Advanced, Load};
 use super::newton::Failure;
+use super::path::{Advanced, Load};
 use super::stepper::Solver;
 use crate::components::ObjectPose;
 use crate::model::Model;
 use crate::schedule::Stop;
 
-/// Largest force over the one before on the way to the first level of an object with weight: condensed pads get no further.
-const RAISE: f64 = 2.5;
 /// Steps in which the fingers take an object with weight over from its support.
 const HANDOVER: u32 = 4;
 
@@ -51,6 +50,7 @@ impl Solver {
             (done, _) => return done.map_err(Refusal::stop),
         };
         self.path.restore(stuck);
+        self.path.methods.whole += 1;
         self.started = !begins;
         self.release(model).map_err(Stop::fault)?;
         self.raise(model, level).map_err(Refusal::stop)
@@ -62,54 +62,16 @@ impl Solver {
         let load = if model.force_driven { Load::Force } else { Load::Travel };
         let mut done = Advanced::default();
         let begins = !std::mem::replace(&mut self.started, true);
-        // An object with weight rests on its support until the first level; less might not hold it.
-        let supported = begins && model.force_driven && model.free && model.gravity.is_some();
-        if begins && model.force_driven {
-            let first = model.held_until(level);
-            self.change_weight(|weight| weight.handed_over(0.0));
-            self.path.tolerance = self.tolerance(model, first);
-            self.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
-            self.back_off(model).map_err(|reason| Refusal::Final(Stop::fault(reason)))?;
-            self.condense(model).map_err(|reason| Refusal::Condensed(Stop::fault(reason)))?;
-            let making = format!("making contact at {first:.4} N per finger");
-            let made = self.path.establish(first);
-            self.change_weight(|weight| weight.handed_over(if supported { 0.0 } else { 1.0 }));
-            let refuse = |f| self.refuse(model, &making, f);
-            let dropped = |reason| Refusal::Final(Stop { dropped: true, reason });
-            done = made.map_err(|f| self.squeezed_out(model, first, f).map_or_else(|| refuse(f), dropped))?;
-        }
         // Before it is held it may roll to where it rests.
         self.path.leash = model.leash.filter(|_| !begins);
-        if begins && !model.force_driven {
-            self.condense(model).map_err(|reason| Refusal::Condensed(Stop::fault(reason)))?;
+        if begins {
+            done.add(self.begin(model, level.min(model.release))?);
         }
-        if supported {
-            let (first, ratio) = (self.path.level, level / self.path.level);
-            let stages = ratio.log(RAISE).ceil().max(1.0) as u32;
-            for k in 1..stages {
-                let stage = first * ratio.powf(f64::from(k) / f64::from(stages));
-                self.path.tolerance = self.tolerance(model, stage);
-                let more = self.load(model, load, stage);
-                done.add(more.map_err(|f| self.refuse(model, &at(load, stage), f))?);
-            }
+        if self.path.newton.held && level >= model.release {
+            done.add(self.load(model, load, model.release)?);
+            done.add(self.let_go(model)?);
         }
-        self.path.tolerance = self.tolerance(model, level);
-        let more = self.load(model, load, level);
-        done.add(more.map_err(|f| self.refuse(model, &at(load, level), f))?);
-        if supported {
-            self.path.leash = Some(DROPPED);
-        }
-        for k in (1..=HANDOVER).filter(|_| supported) {
-            self.change_weight(|weight| weight.handed_over(f64::from(k) / f64::from(HANDOVER)));
-            // What the force did before says nothing of what the weight does.
-            self.path.history = None;
-            let more = match &mut self.condensed {
-                Some(pads) => pads.follow(&mut self.path, model),
-                None => self.path.polish(),
-            };
-            let taking = format!("taking the object over from its support {}", at(load, level));
-            done.add(more.map_err(|f| self.refuse(model, &taking, f))?);
-        }
+        done.add(self.load(model, load, level)?);
         if !self.is_upright() {
             let reason = format!("{}: an element of a condensed pad turns inside out", at(load, level));
             return Err(Refusal::Condensed(Stop::fault(reason)));
@@ -122,19 +84,63 @@ impl Solver {
         Ok(done)
     }
 
-    fn load(&mut self, model: &Model, load: Load, level: f64) -> std::result::Result<Advanced, Failure> {
-        match &mut self.condensed {
-            None => self.path.advance(load, level),
-            Some(pads) => pads.advance(&mut self.path, model, load, level),
+    /// Makes contact, at a force of at most `most` (N per finger) around an object that is held where it is.
+    fn begin(&mut self, model: &Model, most: f64) -> std::result::Result<Advanced, Refusal> {
+        let stuck = |reason| Refusal::Condensed(Stop::fault(reason));
+        if !model.force_driven {
+            return self.condense(model).map(|()| Advanced::default()).map_err(stuck);
         }
+        let first = model.contact_force().min(most);
+        self.change_weight(|weight| weight.handed_over(0.0));
+        self.path.tolerance = self.tolerance(model, first);
+        self.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
+        self.back_off(model).map_err(|reason| Refusal::Final(Stop::fault(reason)))?;
+        self.condense(model).map_err(stuck)?;
+        self.path.newton.held = model.free;
+        let made = self.path.establish(first);
+        made.map_err(|f| self.refuse(model, &format!("making contact at {first:.4} N per finger"), f))
+    }
+
+    /// Lets go of the object: its weight, if it has one, comes from its support onto the fingers step by step.
+    fn let_go(&mut self, model: &Model) -> std::result::Result<Advanced, Refusal> {
+        self.path.newton.held = false;
+        let heavy = model.gravity.is_some();
+        let leash = self.path.leash;
+        self.path.leash = heavy.then_some(DROPPED);
+        let steps = if heavy { HANDOVER } else { 1 };
+        let mut done = Advanced::default();
+        for k in 1..=steps {
+            self.change_weight(|weight| weight.handed_over(f64::from(k) / f64::from(steps)));
+            // What the force did before says nothing of what the weight does.
+            self.path.history = None;
+            let more = match &mut self.condensed {
+                Some(pads) => pads.follow(&mut self.path, model),
+                None => self.path.polish(),
+            };
+            let letting_go = format!("letting go of the object {}", at(Load::Force, self.path.level));
+            done.add(more.map_err(|f| self.refuse(model, &letting_go, f))?);
+        }
+        self.path.leash = leash;
+        Ok(done)
+    }
+
+    fn load(&mut self, model: &Model, load: Load, level: f64) -> std::result::Result<Advanced, Refusal> {
+        self.path.tolerance = self.tolerance(model, level);
+        let done = match &mut self.condensed {
+            None => self.path.advance(load, level, &mut Whole),
+            Some(pads) => self.path.advance(load, level, &mut pads.of(model)),
+        };
+        done.map_err(|f| self.refuse(model, &at(load, level), f))
     }
 
     fn refuse(&self, model: &Model, at: &str, failure: Failure) -> Refusal {
         let dropped = model.free && failure.leaves_the_grasp();
         let stop = Stop { dropped, reason: self.explain(model, at, failure) };
         match failure {
-            Failure::Corrections(_) | Failure::Singular => Refusal::Condensed(stop),
-            Failure::Iterations(_) | Failure::LineSearch(_) | Failure::Unsettled => Refusal::Unfound(stop),
+            Failure::Corrections(_) | Failure::Singular | Failure::Outside => Refusal::Condensed(stop),
+            Failure::Iterations(_) | Failure::LineSearch(_) | Failure::Unsettled | Failure::Bent(_) => {
+                Refusal::Unfound(stop)
+            }
             Failure::Lost | Failure::Astray | Failure::Underway => Refusal::Final(stop),
             Failure::Effort(_) | Failure::Time(_) | Failure::Interrupted => Refusal::Final(stop),
         }

@@ -2,23 +2,26 @@
 
 mod analysis;
 pub mod arrow;
+mod bend;
 pub mod body;
 pub mod checkpoint;
 pub mod cholesky;
 pub mod condensed;
+pub mod continuation;
 mod direction;
 pub mod dynamics;
 pub mod effort;
-pub mod increment;
 mod lagging;
 mod level;
 pub mod locking;
 pub mod newton;
+pub mod path;
 pub mod pattern;
 pub mod proximal;
 pub mod readout;
 mod solve;
 pub mod state;
+mod step_size;
 pub mod stepper;
 pub mod systems;
 pub mod term;

@@ -54,6 +54,10 @@ pub enum Failure {
     Singular,
     /// The corrections of condensed pads do not settle; size of the last one over the displacement.
     Corrections(f64),
+    /// The path bends so far that the increment errs this many times as much as it may.
+    Bent(f64),
+    /// Contact has reached nodes that a condensed pad has eliminated.
+    Outside,
     /// The object kept rolling or sliding and did not come to rest.
     Unsettled,
     /// A finger closes on nothing: the object left the grasp.
@@ -88,6 +92,8 @@ impl std::fmt::Display for Failure {
             Failure::Iterations(r) => write!(f, "no equilibrium within the iteration limit (residual {r:.1e} N)"),
             Failure::LineSearch(r) => write!(f, "line search: no step lowers the energy (residual {r:.1e} N)"),
             Failure::Corrections(e) => write!(f, "the corrections of the condensed pads do not settle (error {e:.1e})"),
+            Failure::Bent(error) => write!(f, "the path bends {error:.1} times as far as one increment may"),
+            Failure::Outside => f.write_str("contact outgrows what the pads are condensed onto"),
             Failure::Lost => f.write_str("a finger closes on nothing: the object was squeezed out"),
             Failure::Astray => f.write_str("the object moves too far to count as held"),
             Failure::Effort(most) => write!(
@@ -120,6 +126,8 @@ pub struct Profile {
     pub iterations: u64,
     /// Factorisations that needed a projected Hessian.
     pub projections: u64,
+    /// Solutions in which friction was frozen.
+    pub frozen: u64,
 }
 
 /// Bodies with their terms, and the border that joins them.

@@ -42,6 +42,7 @@ impl Newton {
         let mut lagging = Lagging::new(tolerance.passing);
         loop {
             let damping = lagging.damping();
+            self.profile.frozen += u64::from(lagging.freezes());
             self.damp(damping);
             self.sharpen(last_motion <= NEAR);
             let clock = Instant::now();

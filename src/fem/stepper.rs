@@ -4,8 +4,8 @@ use super::body::{Body, Elements};
 use super::condensed::{Condensation, Condensed};
 use super::dynamics::integrator::Integrator;
 use super::effort::Effort;
-use super::increment::Path;
 use super::newton::{Failure, Newton, Tolerance};
+use super::path::{Control, Path};
 use super::readout;
 use super::state::{Border, State};
 use super::systems;
@@ -132,7 +132,8 @@ impl Solver {
         };
         let mut newton = Newton::new(bodies, terms, border)?;
         newton.effort = Effort::within(settings.max_time.map(|seconds| seconds.get()));
-        let path = Path::new(newton, state, Tolerance::default());
+        let mut path = Path::new(newton, state, Tolerance::default());
+        path.control = control(model);
         Ok(Self { path, condensed, settings: *settings, started: false, steps: 0, start: pose })
     }
 
@@ -226,16 +227,6 @@ impl Solver {
         format!("moved {moved:.1} mm and turned {turned:.1} degrees")
     }
 
-    /// The reason when a finger closed on nothing while contact was being made.
-    pub(super) fn squeezed_out(&self, model: &Model, force: f64, failure: Failure) -> Option<String> {
-        (model.free && failure == Failure::Lost).then(|| {
-            format!(
-                "the object was squeezed out from between the pads while making contact at {force:.4} N per finger: \
-                 nothing pushes back on the fingers"
-            )
-        })
-    }
-
     pub(super) fn explain(&self, model: &Model, at: &str, failure: Failure) -> String {
         let state = &self.path.state;
         let moved = state.position.distance(self.start.position);
@@ -247,6 +238,17 @@ impl Solver {
         };
         format!("{at}: {failure}; last accepted level {:.4e}{far}", self.path.level)
     }
+}
+
+/// Part of the error allowed that the path may bend within one increment: the errors of all increments add up.
+const BEND: f64 = 0.5;
+/// Travel of a press over the thickness of the pad with which its path begins.
+const TOUCH: f64 = 0.01;
+
+/// What increments go by.
+fn control(model: &Model) -> Option<Control> {
+    let first = if model.force_driven { model.contact_force() } else { TOUCH * model.thickness() };
+    model.path_error.map(|error| Control { bend: BEND * error, first })
 }
 
 /// Forces out of balance over the contact forces that condensed pads may leave, over their error.

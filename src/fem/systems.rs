@@ -1,11 +1,12 @@
 //! The systems of the finite element backend: columns -> solver -> one load level -> columns.
 
+use super::continuation::Methods;
 use super::dynamics::systems::{advance_time, measure_ground, measure_motion};
 use super::readout;
 use super::stepper::Solver;
 use crate::components::*;
 use crate::model::Needs;
-use crate::schedule::{Advance, Next, Phase, Shared, StepSet, Timings, ramping, reached};
+use crate::schedule::{Advance, Balance, Next, Phase, Shared, StepSet, Timings, ramping, reached};
 use crate::systems::apart::keep_pads_apart;
 use crate::systems::{measure::measure_balance, sense::close_to_contact, upright::inverted};
 use bevy_ecs::prelude::*;
@@ -77,11 +78,13 @@ pub fn advance_level(
     mut solver: ResMut<Solver>,
     shared: Res<Shared>,
     mut advance: ResMut<Advance>,
+    mut balance: ResMut<Balance>,
     mut next: ResMut<Next>,
 ) {
     match solver.advance(&shared.0, advance.level) {
         Ok(done) => {
             advance.reached = true;
+            balance.held = solver.path.newton.held;
             advance.iterations = done.iterations;
             advance.residual = done.residual;
         }
@@ -257,4 +260,5 @@ pub fn report_timings(solver: Res<Solver>, mut timings: ResMut<Timings>) {
     ];
     timings.stages.extend(stages);
     timings.iterations = p.iterations;
+    timings.methods = Methods { frozen: p.frozen, projected: p.projections, ..solver.path.methods };
 }

@@ -1,7 +1,7 @@
 //! Pseudo-time: follows an object that rolls or slides, at fixed load, to where it rests.
 
-use super::increment::{Advanced, LOOSE, Path};
 use super::newton::{Converged, Failure, Tolerance};
+use super::path::{Advanced, LOOSE, Path};
 use super::proximal::Proximal;
 use super::state::State;
 

@@ -61,6 +61,10 @@ pub struct Model {
     /// Load per finger at each recorded frame: N of a squeeze, m after first contact of a press; of a dynamic scene the
     /// time, s.
     pub levels: Vec<f64>,
+    /// Error that the increments of the load may make, over the displacement; None where the answer does not depend on them.
+    pub path_error: Option<f64>,
+    /// Force per finger at which a free object is let go, N: until then it is held where it is, and its support carries its weight.
+    pub release: f64,
     /// Motion in time; None is quasi-static.
     pub dynamics: Option<Dynamics>,
     /// Motion of a free object at one load level, once held, at which it counts as lost, m; None follows it however far it goes.
@@ -77,9 +81,11 @@ pub struct Model {
     pub pad_notice: Option<String>,
 }
 
-/// Force up to which an object is held over Young's modulus times squared thickness: of this size are the patches over the thickness,
-/// whatever the gel.
-const HELD: f64 = 0.02;
+/// Force that makes contact over Young's modulus times squared thickness: of this size are the patches over the thickness, whatever the
+/// gel.
+const PATCH: f64 = 0.02;
+/// Force at which an object with weight is let go, over the last one.
+const LIFTED: f64 = 0.5;
 
 impl Model {
     /// Builds the object and meshes the pads.
@@ -139,8 +145,12 @@ impl Model {
         let spacing = fingers.iter().map(|f| f.surface.spacing).fold(f64::INFINITY, f64::min);
         let free = scene.object.motion == Motion::Free;
         let needs = Needs::of(scene);
+        // Friction makes the answer depend on the path of a quasi-static load, nothing else does.
+        let depends = scene.gripper.friction.get() > 0.0 && dynamics.is_none() && !fingers.is_empty();
         let auditor = needs.audit.then(|| Auditor::new(&scene.object, &object, &fingers));
-        Ok(Arc::new(Self {
+        let mut model = Self {
+            release: 0.0,
+            path_error: depends.then(|| fem.path.get()),
             mass,
             free,
             features: object::features(&object, spacing)?,
@@ -162,7 +172,9 @@ impl Model {
             auditor,
             notices,
             object,
-        }))
+        };
+        model.release = model.released_at(&scene.loading);
+        Ok(Arc::new(model))
     }
 
     /// The pads as `run.json` lists them.
@@ -197,10 +209,19 @@ impl Model {
         self.fingers.first().map_or(0.0, |f| f.topology.thickness())
     }
 
-    /// Force per finger up to which a free object is held where it is while the fingers close on it, N; its first level, if that is less.
-    pub fn held_until(&self, level: f64) -> f64 {
-        let force = self.material.moduli().young * self.thickness().powi(2);
-        level.min(HELD * force)
+    /// Force per finger that turns single points of contact into patches, N: `0.02 E t^2`.
+    pub fn contact_force(&self) -> f64 {
+        PATCH * self.material.moduli().young * self.thickness().powi(2)
+    }
+
+    /// The force per finger at which a free object is let go, N, from what the scene says. If it says nothing: once contact is made, and
+    /// one with weight once the hand grips with half of its force; at the last level at the latest.
+    fn released_at(&self, loading: &Loading) -> f64 {
+        let Loading::Squeeze(squeeze) = loading else { return 0.0 };
+        let last = self.levels.last().copied().unwrap_or(0.0);
+        let lifted = if self.gravity.is_some() { LIFTED * last } else { 0.0 };
+        let given = squeeze.release.map(|force| force.get() / self.fingers.len().max(1) as f64);
+        given.unwrap_or(self.contact_force().max(lifted)).min(last)
     }
 
     /// Whether the fingers travel alike, as those of a parallel gripper do. Apart, they and a free object could move on together

@@ -77,6 +77,8 @@ pub struct Frame {
     pub energy: f64,
     /// Newton iterations spent on this frame.
     pub newton_iterations: u32,
+    /// The object is still held where it is.
+    pub held: bool,
     /// Smallest det F in any element; positive where nothing is inverted; `+inf` without pads.
     pub min_det_f: f64,
     /// Smallest gap of the object to pads and ground, m; positive where nothing penetrates; `+inf` where nothing is near.

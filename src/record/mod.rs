@@ -28,6 +28,7 @@ pub mod pvd;
 pub mod read;
 pub mod recorder;
 pub mod report;
+pub mod sensitivity;
 pub mod vtu;
 
 pub use frame::{Elements, Frame, Moving, PadFrame, PadTopology, Wrench, pad_name};

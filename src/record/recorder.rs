@@ -6,6 +6,7 @@ use super::grasp::GraspRecorder;
 use super::lock::FolderLock;
 use super::meshes::{self, MESHES};
 use super::report::{ExpectationReport, GraspSummary, RunReport};
+use super::sensitivity::Moved;
 use crate::error::{Error, Result};
 use crate::grasp::GraspPose;
 use crate::mesh::TriMesh;
@@ -115,6 +116,13 @@ impl Recorder {
         self.grasps.insert(index, summary);
         self.report.grasps = self.grasps.values().cloned().collect();
         self.report.write(&self.dir.join("run.json"))
+    }
+
+    /// Takes over what small changes do to the grasps, in order.
+    pub fn add_sensitivity(&mut self, answers: Vec<Vec<Moved>>) {
+        for (grasp, moved) in self.report.grasps.iter_mut().zip(answers) {
+            grasp.sensitivity = moved;
+        }
     }
 
     /// Writes the final `run.json` and hands the report back.

@@ -2,7 +2,9 @@
 
 use super::files::write_atomic;
 use super::frame::Frame;
+use super::sensitivity::Moved;
 use crate::error::{Error, Result};
+use crate::fem::continuation::Methods;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -57,8 +59,14 @@ pub struct GraspSummary {
     pub force_balance: Option<f64>,
     /// Newton iterations, all frames together.
     pub newton_iterations: u64,
+    /// How often each method of the continuation was used.
+    #[serde(default)]
+    pub methods: Methods,
     /// Wall time of the grasp, s.
     pub wall_s: f64,
+    /// What small changes do to the last frame, if that was asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensitivity: Vec<Moved>,
 }
 
 impl GraspSummary {
@@ -75,7 +83,9 @@ impl GraspSummary {
             min_gap_m: None,
             force_balance: None,
             newton_iterations: 0,
+            methods: Methods::default(),
             wall_s: 0.0,
+            sensitivity: Vec::new(),
         }
     }
 

@@ -229,6 +229,11 @@ fn loading(scene: &Scene) -> Result<(), Problem> {
     }
     let press = match &scene.loading {
         Loading::Press(press) => press,
+        Loading::Squeeze(s) if s.release.is_some_and(|release| release.get() > s.force.get()) => {
+            let message =
+                format!("the object would never be let go\nallowed: at most force, {} N", shown(s.force.get()));
+            return refuse("loading.release", message);
+        }
         Loading::Squeeze(s) => match s.from.map(|f| f.get()) {
             Some(from) if from >= s.force.get() => {
                 let message = format!(

@@ -121,6 +121,8 @@ defaults! {
     FORCE_TOLERANCE: Positive = Positive::preset(2e-4);
     /// FEM: largest Newton step of a node at which an increment counts as solved, m.
     DISPLACEMENT_TOLERANCE: Length = Length::preset(5e-6);
+    /// FEM: error of the increments over the displacement.
+    PATH: Positive = Positive::preset(0.01);
     /// Condensed FEM: part of the displacement that one more correction may change.
     CONDENSED_ERROR: Positive = Positive::preset(0.01);
     /// FEM: Newton iterations before an increment is halved.

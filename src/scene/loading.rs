@@ -23,10 +23,13 @@ pub struct Squeeze {
     /// Final force, N: the SUM over the fingers of |normal force|, the convention of DefGraspSim. With two fingers each
     /// pad carries half of it (15 N is 7.5 N per pad); with `fingers: One` the one pad carries all.
     pub force: Positive,
-    /// Force of the first frame, N; equal steps lead from there to `force`. What an object with weight is held with when
-    /// its support goes.
+    /// Force of the first frame, N; equal steps lead from there to `force`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<Positive>,
+    /// Force at which a free object is let go, N: until then it is held where it is, and its support carries its weight. At most `force`.
+    /// If not given, that which turns single points of contact into patches, and for an object with weight at least half of `force`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub release: Option<Positive>,
     /// Recorded frames: frame k of n is at `force * k / n`, k = 1..=n, without `from`.
     #[serde(default = "defaults::frames")]
     pub frames: Count<1, 10000>,

@@ -32,6 +32,9 @@ pub struct Fem {
     pub solver: Solver,
     /// When an increment counts as solved.
     pub tolerance: Tolerance,
+    /// Error that the increments of the load may make where friction lets the answer depend on them, over the displacement: as many are
+    /// taken as that asks for, whatever the number of frames.
+    pub path: Positive,
     /// Newton iterations before an increment is halved.
     pub max_iterations: Count<1, 10000>,
     /// Wall time that a grasp may take, s; one that takes longer ends as a fault. What ends then depends on the machine. None is no limit.
@@ -48,6 +51,7 @@ impl Default for Fem {
             mean_dilatation: defaults::MEAN_DILATATION,
             solver: Solver::default(),
             tolerance: Tolerance::default(),
+            path: defaults::PATH,
             max_iterations: defaults::MAX_ITERATIONS,
             max_time: None,
             threads: None,

@@ -9,7 +9,7 @@ use glam::DVec3;
 type Loads<'a> = (&'a ObjectPose, Option<&'a ObjectWeight>, Option<&'a GroundWrench>, Option<&'a InertialWrench>);
 
 /// Force and torque balance. Of a free object: contact forces, weight, support and inertia must cancel. Of a fixed one: each finger's
-/// contact must carry the force that closes it.
+/// contact must carry the force that closes it; of one that is still held, their contacts together.
 pub fn measure_balance(
     shared: Res<Shared>,
     mut balance: ResMut<Balance>,
@@ -20,7 +20,7 @@ pub fn measure_balance(
     let (pose, weight, ground, inertia) = *object;
     let weight = weight.map_or(DVec3::ZERO, |w| w.0);
     let center = pose.position + pose.rotation * model.object.mass.center;
-    let (mut applied, mut worst, mut pushed) = (0.0, 0.0_f64, 0.0);
+    let (mut applied, mut worst, mut pushed, mut carried) = (0.0, 0.0_f64, 0.0, 0.0);
     let (mut force, mut torque) = (weight, DVec3::ZERO);
     let ground = ground.copied().unwrap_or_default();
     let inertia = inertia.copied().unwrap_or_default();
@@ -29,6 +29,7 @@ pub fn measure_balance(
     for (index, closing, travel, given, wrench) in &fingers {
         let normal = -wrench.force.dot(closing.0);
         applied += given.0;
+        carried += normal;
         pushed += wrench.force.length();
         worst = worst.max((given.0 - normal).abs());
         force -= wrench.force;
@@ -36,6 +37,7 @@ pub fn measure_balance(
         torque -= wrench.torque + (origin - center).cross(wrench.force);
     }
     let unbalanced = match (model.free, &model.dynamics) {
+        (true, _) if balance.held => (applied - carried).abs(),
         (true, _) => force.length(),
         (false, None) => worst,
         // Inertia of pads and drive lies between a finger's force and that of its contact.
@@ -44,13 +46,14 @@ pub fn measure_balance(
     // Where nothing pushes, as in free flight, there is nothing to compare with.
     let alone = |value: f64, scale: f64| value == 0.0 || scale == 0.0 && model.dynamics.is_some();
     let relative = |value: f64, scale: f64| if alone(value, scale) { 0.0 } else { value / scale };
-    let torque = if model.free { torque.length() } else { 0.0 };
+    let torque = if model.free && !balance.held { torque.length() } else { 0.0 };
     // Without motion in time the fingers' force is the scale, however heavy the object.
     let scale = match model.dynamics {
         None => applied,
         Some(_) => applied + weight.length() + ground.force.length() + pushed,
     };
     *balance = Balance {
+        held: balance.held,
         applied,
         force: relative(unbalanced, scale),
         torque: relative(torque, scale * model.object.bounding_radius),

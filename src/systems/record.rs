@@ -107,6 +107,7 @@ pub fn record_frame(
         moving,
         energy: advance.energy,
         newton_iterations: advance.iterations,
+        held: balance.held,
         min_det_f: advance.min_det_f,
         min_gap: advance.min_gap,
         force_balance: balance.force,

@@ -7,8 +7,9 @@ use std::sync::{Arc, Mutex};
 use tactus::contact::{Contact, ContactSurface, law::Law};
 use tactus::error::Result;
 use tactus::fem::body::{Body, Elements};
-use tactus::fem::increment::{Load, Path};
+use tactus::fem::continuation::Whole;
 use tactus::fem::newton::{Newton, Tolerance};
+use tactus::fem::path::{Load, Path};
 use tactus::fem::state::{Border, State};
 use tactus::fem::term::{BodyTerm, Elastic};
 use tactus::mesh::{TetMesh, quadratic};
@@ -167,7 +168,7 @@ impl Press {
         let from = self.path.level;
         for k in 1..=steps {
             let next = from + (depth - from) * f64::from(k) / f64::from(steps);
-            self.path.advance(Load::Travel, next).expect("the press converges");
+            self.path.advance(Load::Travel, next, &mut Whole).expect("the press converges");
         }
         let contact = self.contact();
         -contact.edges().map(|(i, _)| contact.force(i).z).sum::<f64>()

@@ -97,6 +97,7 @@ pub fn frame(pads: &[PadTopology], index: usize, depth: f64) -> Frame {
         moving: None,
         energy: -1e-3,
         newton_iterations: 3,
+        held: false,
         min_det_f: 0.7,
         min_gap: 2e-5,
         force_balance: 1e-6,

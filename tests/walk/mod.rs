@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
+use tactus::fem::continuation::Methods;
 use tactus::grasp::poses_of;
 use tactus::model::Model;
 use tactus::runner::run_grasps;
@@ -30,6 +31,9 @@ pub fn scenes(dir: &Path, without: &[&str]) -> Vec<PathBuf> {
     found
 }
 
+/// How often each method of the continuation was used by the scenes so far.
+static METHODS: Mutex<Option<Methods>> = Mutex::new(None);
+
 /// More grasps of an object than a test can run.
 const LARGE: usize = 20;
 
@@ -51,6 +55,9 @@ pub fn broken(path: &Path, threads: usize) -> Vec<String> {
         let model = Model::build(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
         let stepper = choose(&scene).unwrap();
         let outcomes = run_grasps(&model, stepper.as_ref(), &poses, threads, &()).unwrap();
+        let mut methods = Methods::default();
+        outcomes.iter().for_each(|o| methods += o.timings.methods);
+        *METHODS.lock().unwrap().get_or_insert_default() += methods;
         let seconds: f64 = outcomes.iter().map(|o| o.summary.wall_s).sum();
         let measured: Vec<_> = outcomes.into_iter().map(|o| o.measured).collect();
         println!("{name}: {seconds:.1} s, {:?}", measured[0].findings);

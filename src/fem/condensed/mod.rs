@@ -23,8 +23,9 @@ pub use pad::Pad;
 pub use patch::choose;
 pub use term::Condensed;
 
-use super::increment::{Advanced, Load, Path};
+use super::continuation::Pads;
 use super::newton::Failure;
+use super::path::{Advanced, Load, Path};
 use super::readout;
 use super::state::{Border, State};
 use super::term::Stencil;
@@ -45,28 +46,14 @@ pub struct Condensation {
 
 /// How deep an object comes into the pads as contact is made, m.
 const DEPTH: f64 = 3e-4;
+/// Forces out of balance that a result may leave, over the contact forces, as a part of the error accepted.
+const BALANCE: f64 = 0.1;
 /// Corrections at one level before it counts as failed.
 const CORRECTIONS: u32 = 8;
 /// A correction must fall to this part of the one before, or the stiffness is out of date.
 const CONTRACTION: f64 = 0.3;
 /// Motion of an object in its grasp after which the pads are condensed anew, m.
 const STAGE: f64 = 2e-3;
-/// New patches and smaller increments on the way to one level.
-const ATTEMPTS: u32 = 10;
-
-/// Why a level was not reached.
-enum Refusal {
-    /// A point outside the patch touches the object.
-    Outside,
-    /// The solver gave up.
-    Failed(Failure),
-}
-
-impl From<Failure> for Refusal {
-    fn from(failure: Failure) -> Self {
-        Refusal::Failed(failure)
-    }
-}
 
 impl Condensation {
     /// Of the pads of `model` under the dead loads `dead` (N per node; empty lists for none), with nothing condensed yet.
@@ -101,9 +88,10 @@ impl Condensation {
             path.leash.is_some_and(|most| way > most)
         };
         path.stage = Some(STAGE);
-        let mut done = self.advance(path, model, Load::Force, path.level);
+        let mut done = path.advance(Load::Force, path.level, &mut self.of(model));
         while done.as_ref().err() == Some(&Failure::Underway) && !gone(path) && !path.exhausted() {
-            done = self.renew(path, model).and_then(|()| self.advance(path, model, Load::Force, path.level));
+            let renewed = self.follow_on(path, model);
+            done = renewed.and_then(|()| path.advance(Load::Force, path.level, &mut self.of(model)));
         }
         path.stage = None;
         if gone(path) {
@@ -116,65 +104,30 @@ impl Condensation {
     }
 
     /// Condenses the pads anew where they touch now.
-    fn renew(&mut self, path: &mut Path, model: &Model) -> Result<(), Failure> {
+    fn follow_on(&mut self, path: &mut Path, model: &Model) -> Result<(), Failure> {
         self.correct(path)?;
         let patches = self.patches(path, model, 0.0);
         self.condense(path, patches)
     }
 
-    /// Raises the load to `level` and corrects the pads there.
-    ///
-    /// # Errors
-    /// The last [`Failure`]; the path is then as it was at the last accepted level, or after [`Failure::Underway`] at the end of a
-    /// stage.
-    pub fn advance(&mut self, path: &mut Path, model: &Model, load: Load, level: f64) -> Result<Advanced, Failure> {
-        let (mut done, mut goal, mut attempts) = (Advanced::default(), level, 0);
-        loop {
-            let checkpoint = path.checkpoint();
-            let from = path.level;
-            let refusal = match self.step(path, load, goal, &mut done) {
-                Ok(()) if goal == level => return Ok(done),
-                Ok(()) => {
-                    goal = level;
-                    continue;
-                }
-                Err(Refusal::Failed(Failure::Underway)) => return Err(Failure::Underway),
-                Err(refusal) => refusal,
-            };
-            attempts += 1;
-            let patches = match refusal {
-                Refusal::Outside => self.outside(path, model),
-                Refusal::Failed(_) => Vec::new(),
-            };
-            path.restore(checkpoint);
-            let patches = match refusal {
-                Refusal::Outside if attempts <= ATTEMPTS => patches,
-                Refusal::Outside => return Err(Failure::Corrections(self.error)),
-                // It was followed as far as anybody cares.
-                Refusal::Failed(Failure::Astray) => return Err(Failure::Astray),
-                Refusal::Failed(failure) if attempts > ATTEMPTS || path.exhausted() || failure.is_out_of_effort() => {
-                    return Err(failure);
-                }
-                Refusal::Failed(_) => {
-                    goal = 0.5 * (from + goal);
-                    self.patches(path, model, 0.0)
-                }
-            };
-            self.condense(path, patches)?;
-        }
+    /// The pads of `model`, for a continuation.
+    pub fn of<'a>(&'a mut self, model: &'a Model) -> CondensedPads<'a> {
+        CondensedPads { pads: self, model, outside: None }
     }
 
-    fn step(&mut self, path: &mut Path, load: Load, level: f64, done: &mut Advanced) -> Result<(), Refusal> {
-        self.predict(path, level);
-        done.add(path.advance(load, level)?);
+    /// Corrects the pads at the equilibrium found at `level` until they err no more than they may, and as a `result` leave no force that is
+    /// out of balance.
+    fn settle(&mut self, path: &mut Path, level: f64, result: bool, done: &mut Advanced) -> Result<(), Failure> {
         let mut last = f64::INFINITY;
         for _ in 0..CORRECTIONS {
             let (error, residual) = self.correct(path)?;
             done.residual = residual;
             if (0..self.pads.len()).any(|i| self.is_outside(path, i)) {
-                return Err(Refusal::Outside);
+                return Err(Failure::Outside);
             }
-            if error <= self.error {
+            // Only a result has to be balanced.
+            let balanced = !result || residual <= BALANCE * self.error * path.newton.activity();
+            if error <= self.error && balanced {
                 self.levels = [self.levels[1], Some(level)];
                 self.pads.iter_mut().for_each(Pad::settle);
                 return Ok(());
@@ -186,7 +139,7 @@ impl Condensation {
             last = error;
             done.add(path.polish()?);
         }
-        Err(Failure::Corrections(last).into())
+        Err(Failure::Corrections(last))
     }
 
     /// Condenses the pads that `patches` has nodes for onto them, as stiff as they are in the state of `path`.
@@ -260,6 +213,42 @@ impl Condensation {
             Some(choose(finger, &view, &model.object, nearer + model.law.offset, touched(path, i)))
         };
         pads.map(of).collect()
+    }
+}
+
+/// The condensed pads of a model, as a continuation has them.
+pub struct CondensedPads<'a> {
+    pads: &'a mut Condensation,
+    model: &'a Model,
+    /// The patches that contact asked for where it outgrew those of the last attempt.
+    outside: Option<Vec<Option<Vec<u32>>>>,
+}
+
+impl Pads for CondensedPads<'_> {
+    fn corrects(&self) -> bool {
+        true
+    }
+
+    fn predict(&mut self, path: &mut Path, level: f64) {
+        self.outside = None;
+        self.pads.predict(path, level);
+    }
+
+    fn correct(&mut self, path: &mut Path, level: f64, result: bool, done: &mut Advanced) -> Result<(), Failure> {
+        self.pads.settle(path, level, result, done)
+    }
+
+    fn fail(&mut self, path: &Path, failure: Failure) {
+        self.outside = (failure == Failure::Outside).then(|| self.pads.outside(path, self.model));
+    }
+
+    fn restore(&mut self) {
+        self.pads.pads.iter_mut().for_each(Pad::restore);
+    }
+
+    fn renew(&mut self, path: &mut Path) -> Result<(), Failure> {
+        let patches = self.outside.take().unwrap_or_else(|| self.pads.patches(path, self.model, 0.0));
+        self.pads.condense(path, patches)
     }
 }
 

@@ -140,6 +140,11 @@ impl Pad {
         }
     }
 
+    /// Back to the centre of the last accepted level.
+    pub(super) fn restore(&mut self) {
+        self.center.clone_from(&self.settled[1]);
+    }
+
     /// The centre is that of an accepted level.
     pub(super) fn settle(&mut self) {
         self.settled.swap(0, 1);

@@ -2,8 +2,8 @@
 
 use super::{TimeStep, advance, terms};
 use crate::fem::effort::most_iterations;
-use crate::fem::increment::{Advanced, Path};
 use crate::fem::newton::{Failure, Tolerance};
+use crate::fem::path::{Advanced, Path};
 use crate::fem::state::State;
 use crate::grasp::GraspPose;
 use crate::model::{Dynamics, Model};

@@ -134,11 +134,10 @@ impl Grip {
         let nearest = |seen: &Vec<Seen>| seen.iter().map(|s| s.gap).fold(f64::INFINITY, f64::min);
         grip.nearest = start.seen.iter().map(nearest).collect();
         let (mut force, mut rest) = (0.0, grip.looked(start, &object));
-        // The object is held until the fingers press a little, and a support carries it until the first level.
+        // The object is held, and its support carries it, until it is let go.
         let heavy = grip.weight;
-        let first = model.levels.first().copied().unwrap_or(0.0);
-        let [held, hangs] = [model.held_until(first), first].map(|force| force / unit);
-        let changes = [(held, grip.free), (hangs, heavy[0] != DVec3::ZERO)];
+        let held = model.release / unit;
+        let changes = [(held, grip.free)];
         grip.weight[0] = DVec3::ZERO;
         while force < most {
             let next = f64::max(FIRST, force * STEP);
@@ -149,7 +148,7 @@ impl Grip {
             force = next;
             if changes.contains(&(force, true)) {
                 grip.held = force < held;
-                grip.weight = if force >= hangs { heavy } else { grip.weight };
+                grip.weight = if grip.held { grip.weight } else { heavy };
                 let after = grip.looked(grip.follow(&rest, force), &object);
                 grip.path.push((force.next_down(), std::mem::replace(&mut rest, after)));
             }

@@ -1,9 +1,11 @@
-//! Load increments that adapt: predict, solve, accept; or roll back, halve and try again; or walk.
+//! A quasi-static loading path: the accepted state, and what it takes to get to the next one.
 
+use super::continuation::Methods;
 use super::newton::{Converged, Failure, Newton, Tolerance};
 use super::state::State;
+use super::step_size::{REFUSED, StepSize};
 
-/// A quasi-static loading path: solver, accepted state, and the history its predictor needs.
+/// A quasi-static loading path: solver, accepted state, and the history its predictor needs. [`Path::advance`](super::continuation) goes along it.
 pub struct Path {
     /// The solver with its terms.
     pub newton: Newton,
@@ -13,18 +15,32 @@ pub struct Path {
     pub level: f64,
     /// Convergence criteria.
     pub tolerance: Tolerance,
+    /// How far the path may bend away from a straight increment, over the displacement, and the load with which it begins (N or m); None
+    /// where the answer does not depend on the path.
+    pub control: Option<Control>,
     /// Motion of the object in one walk at which it counts as lost, m; None follows it however far it goes.
     pub leash: Option<f64>,
     /// Motion of the object after which a walk halts on its way, m; None walks on to where the object rests.
     pub stage: Option<f64>,
+    /// How often each method was used.
+    pub methods: Methods,
     /// A walk has halted in `state`, which is no equilibrium: the next one goes on there.
     pub(super) underway: bool,
     /// The accepted state before `state`, with its level.
     pub(super) history: Option<(State, f64)>,
-    /// Increment that worked last.
-    increment: f64,
+    /// Size of the next increment.
+    pub(super) step: StepSize,
     /// Iterations of walks and of increments that failed.
     spent: u32,
+}
+
+/// What increments go by where friction makes the answer depend on the path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Control {
+    /// How far the path may bend away from a straight increment, over the displacement.
+    pub bend: f64,
+    /// The load with which the path begins, N or m.
+    pub first: f64,
 }
 
 /// Cost of one advance.
@@ -64,10 +80,6 @@ pub enum Load {
     Travel,
 }
 
-/// Smallest increment as a fraction of the one asked for: of a path with nothing but bodies, and of one that can walk.
-const SMALLEST: [f64; 2] = [1.0 / 4096.0, 1.0 / 8.0];
-/// Largest increment of a force over the force reached.
-const GROWTH: f64 = 3.0;
 /// How much looser intermediate states may be than results.
 pub(super) const LOOSE: f64 = 20.0;
 /// Iterations that walks and failed increments may take before the path is given up.
@@ -81,11 +93,13 @@ impl Path {
             state,
             level: 0.0,
             tolerance,
+            control: None,
             leash: None,
             stage: None,
+            methods: Methods::default(),
             underway: false,
             history: None,
-            increment: f64::INFINITY,
+            step: StepSize(f64::INFINITY),
             spent: 0,
         }
     }
@@ -100,27 +114,21 @@ impl Path {
         self.spent /= 2;
     }
 
-    /// Brings the fingers from first touch to the small force `force` (N): around an object that is held where it is, and is then
-    /// let go. Touched by single points it would have next to no stiffness against rotation, and turn to wherever a solver takes it;
-    /// between patches that stick it moves as little as these give.
+    /// Brings the fingers from first touch to the small force `force` (N), around an object that is held where it is. Touched by
+    /// single points it would have next to no stiffness against rotation, and turn to wherever a solver takes it; between patches that
+    /// stick it moves as little as these give.
     ///
     /// # Errors
-    /// The last [`Failure`]; the state is then that of the start, or that in which the object was held.
+    /// The last [`Failure`]; the state is then that of the start.
     pub fn establish(&mut self, force: f64) -> Result<Advanced, Failure> {
         // A stepping stone, not a result: nobody needs it sharp. `advance` or `polish` come next.
         let sharp = self.tolerance;
         self.tolerance.relative *= LOOSE;
         self.newton.force.fill(force);
-        self.newton.held = true;
         let mut done = Advanced::default();
-        let closed = self.settle(self.state.clone(), true, &mut done);
-        self.newton.held = false;
-        let rests = match closed {
-            Ok(()) if self.newton.border.pose.is_some() => self.settle(self.state.clone(), true, &mut done),
-            closed => closed,
-        };
+        let closed = self.settle(self.state.clone(), None, true, &mut done);
         self.tolerance = sharp;
-        rests?;
+        closed?;
         (self.level, self.history) = (force, None);
         Ok(done)
     }
@@ -131,68 +139,31 @@ impl Path {
     /// The [`Failure`]; the state stays as it was, or after [`Failure::Underway`] is where the walk halted.
     pub fn polish(&mut self) -> Result<Advanced, Failure> {
         let mut done = Advanced::default();
-        self.settle(self.state.clone(), true, &mut done).map(|()| done)
+        self.settle(self.state.clone(), None, true, &mut done).map(|_| done)
     }
 
-    /// Raises the load to `target` in as few increments as converge; at `target` already, finds the equilibrium there once more.
-    ///
-    /// # Errors
-    /// The last [`Failure`] when even the smallest increment does not converge. State, history and level are then those
-    /// of the last accepted increment.
-    pub fn advance(&mut self, load: Load, target: f64) -> Result<Advanced, Failure> {
-        // The same force under another load on the object is another equilibrium.
-        if self.level == target {
-            return self.polish();
-        }
-        let whole = target - self.level;
-        let walks = self.newton.border.size > 0;
-        // An object on a leash is followed at once: smaller increments would only find out later that it slides.
-        let smallest = whole.abs() * if self.leash.is_some() { 1.0 } else { SMALLEST[usize::from(walks)] };
-        // An increment that the way to a level close by needed says little of the way to one far off.
-        let mut step = whole.abs().min(self.increment.max(smallest));
-        let mut done = Advanced::default();
-        while (target - self.level).abs() > 1e-12 * target.abs() {
-            let rest = target - self.level;
-            // From a small load on, contact spreads fast: a load many times as large is not near.
-            let near = if load == Load::Force && self.level > 0.0 { GROWTH * self.level } else { f64::INFINITY };
-            let size = step.min(rest.abs()).min(near);
-            let next = if size >= rest.abs() { target } else { self.level + size * rest.signum() };
-            let last_resort = 0.5 * size < smallest || self.exhausted();
-            if load == Load::Force {
-                self.newton.force.fill(next);
-            }
-            let before = (self.state.clone(), self.level);
-            let cost = done.iterations;
-            let start = self.start(load, next);
-            match self.settle(start, last_resort && walks, &mut done) {
-                Ok(()) => {
-                    self.history = Some(before);
-                    self.level = next;
-                    step = size * if done.iterations - cost < 15 { 2.0 } else { 1.0 };
-                    // Remember an increment only if the path itself forced it to be small.
-                    self.increment = if step >= whole.abs() { f64::INFINITY } else { step };
-                }
-                Err(failure) if last_resort || failure.is_out_of_effort() => {
-                    if load == Load::Force {
-                        self.newton.force.fill(self.level);
-                    }
-                    return Err(failure);
-                }
-                Err(_) => step = 0.5 * size,
-            }
-        }
-        Ok(done)
-    }
-
-    /// Solves from `start` and accepts the result; if that fails and `walk` is set, walks there from the accepted state.
-    fn settle(&mut self, start: State, walk: bool, done: &mut Advanced) -> Result<(), Failure> {
+    /// Solves from `start`, which is at level `to` if that is another one, and accepts the result; if that fails and `walk` is set, walks
+    /// there from the accepted state. Returns the error of the increment over the error allowed.
+    pub(super) fn settle(
+        &mut self,
+        start: State,
+        to: Option<f64>,
+        walk: bool,
+        done: &mut Advanced,
+    ) -> Result<f64, Failure> {
         if !std::mem::take(&mut self.underway) {
             let failure = match self.newton.solve(&self.state, start, &self.tolerance) {
                 Ok((state, converged)) => {
+                    let error = to.map_or(0.0, |to| self.bend(&state, to));
+                    if error > REFUSED {
+                        self.newton.rollback();
+                        done.iterations += converged.iterations;
+                        return Err(Failure::Bent(error));
+                    }
                     self.newton.commit(&state);
                     self.state = state;
                     done.accept(converged);
-                    return Ok(());
+                    return Ok(error);
                 }
                 Err(failure) => failure,
             };
@@ -203,6 +174,7 @@ impl Path {
                 return Err(failure);
             }
         }
+        self.methods.walks += 1;
         let saved = self.newton.save();
         let before = done.iterations;
         let walked = self.walk(done);
@@ -210,9 +182,8 @@ impl Path {
         self.newton.proximal = None;
         match walked {
             Ok(state) => {
-                self.state = state;
-                self.history = None;
-                Ok(())
+                (self.state, self.history) = (state, None);
+                Ok(0.0)
             }
             Err(failure) => {
                 if failure != Failure::Underway {
@@ -225,7 +196,7 @@ impl Path {
 
     /// Where to start the increment to `level`, under whose load the solver is: extrapolated from the last two accepted
     /// states. The prediction may overshoot, into deep contact or infeasible territory; then it is the accepted state.
-    fn start(&self, load: Load, level: f64) -> State {
+    pub(super) fn start(&self, load: Load, level: f64) -> State {
         let mut plain = self.state.clone();
         if load == Load::Travel {
             plain.travel.iter_mut().for_each(|t| *t = *t + level - self.level);
