@@ -21,7 +21,7 @@ impl Observer for Last {
     }
 }
 
-/// The last frame of the one grasp of a scene, the Newton iterations to it, and the walks.
+/// The last frame of the one grasp of a scene, and the Newton iterations to it.
 fn last(text: &str) -> (Frame, u64) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.ron");

@@ -198,7 +198,7 @@ impl Found {
             "components": object(&components),
             "unknowns": self.unknowns,
             "needs": m.needs,
-            "release_n": (m.force_driven && m.free && m.dynamics.is_none()).then(|| m.release * m.fingers.len() as f64),
+            "release_n": m.lets_go().then(|| m.release * m.fingers.len() as f64),
             "path_error": m.path_error,
             "pads": m.pad_reports(),
             "quality": {
@@ -276,7 +276,7 @@ impl Found {
             u.pose
         ));
         let total = m.fingers.len() as f64;
-        if m.force_driven && m.free && m.dynamics.is_none() {
+        if m.lets_go() {
             line(&format!(
                 "release: the object is held where it is up to {:.4} N, the sum over the fingers",
                 m.release * total

@@ -65,6 +65,11 @@ impl ContactEdge {
         }
     }
 
+    /// Friction energy per area under `law`, J/m2, at tangential displacement `s` (m) from the sticking point and frozen limit.
+    pub fn friction_energy(&self, law: &Law, s: DVec3) -> f64 {
+        law.engaged(self.share).friction_energy(s, self.limit)
+    }
+
     /// Where the point sticks, if friction acts.
     pub fn sticks(&self) -> Option<DVec3> {
         self.anchor.filter(|_| self.limit > 0.0)

@@ -168,7 +168,7 @@ impl BodyTerm for FeatureContact {
             energy += self.area * energies.sum::<f64>();
             if let Some((_, stretch)) = self.stretch(i, e.sticks(), view) {
                 let s = slip(stretch, e.plane);
-                energy += self.area * self.pool.law.engaged(e.share).friction_energy(s, e.limit);
+                energy += self.area * e.friction_energy(&self.pool.law, s);
             }
         }
         energy

@@ -100,11 +100,7 @@ impl BodyTerm for GroundContact {
             let point = view.position + view.rotation * *v;
             energy += self.pool.law.normal_energy(self.gap(self.hand.to_world(point)), e.scale);
             if let Some(anchor) = e.sticks() {
-                energy += self
-                    .pool
-                    .law
-                    .engaged(e.share)
-                    .friction_energy(slip(self.hand.to_hand(anchor) - point, e.plane), e.limit);
+                energy += e.friction_energy(&self.pool.law, slip(self.hand.to_hand(anchor) - point, e.plane));
             }
         }
         energy

@@ -107,7 +107,7 @@ impl BodyTerm for Contact {
             }
             if let Some(anchor) = e.sticks() {
                 let s = slip(world - view.position - view.rotation * anchor, e.plane);
-                energy += area * law.engaged(e.share).friction_energy(s, e.limit);
+                energy += area * e.friction_energy(&law, s);
             }
         }
         energy

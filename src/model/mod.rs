@@ -209,6 +209,11 @@ impl Model {
         self.fingers.first().map_or(0.0, |f| f.topology.thickness())
     }
 
+    /// Whether the object is held at first and let go at [`Model::release`].
+    pub fn lets_go(&self) -> bool {
+        self.force_driven && self.free && self.dynamics.is_none()
+    }
+
     /// Force per finger that turns single points of contact into patches, N: `0.02 E t^2`.
     pub fn contact_force(&self) -> f64 {
         PATCH * self.material.moduli().young * self.thickness().powi(2)

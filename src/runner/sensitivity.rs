@@ -27,7 +27,7 @@ const SHIFT: f64 = 2e-4;
 
 /// Whether a change means anything for `model`.
 fn applies(change: Change, model: &Model) -> bool {
-    change != Change::Release || model.free && model.force_driven && model.dynamics.is_none()
+    change != Change::Release || model.lets_go()
 }
 
 /// The scene with a change.
