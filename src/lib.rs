@@ -22,6 +22,7 @@ pub mod env;
 pub mod environment;
 pub mod error;
 pub mod fem;
+pub mod fit;
 pub mod gnn;
 pub mod grasp;
 pub mod gripper;

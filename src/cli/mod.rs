@@ -4,6 +4,7 @@ mod bench;
 mod check;
 mod dataset;
 mod eval;
+mod fit;
 mod inspect;
 mod report;
 mod run;
@@ -21,6 +22,7 @@ pub use bench::BenchArgs;
 pub use check::CheckArgs;
 pub use dataset::{DatasetArgs, DatasetCommand};
 pub use eval::EvalArgs;
+pub use fit::FitArgs;
 pub use inspect::InspectArgs;
 pub use report::ReportArgs;
 pub use run::{Backend, RunArgs};
@@ -57,6 +59,8 @@ pub enum Command {
     Eval(EvalArgs),
     /// Measure speed against error: all settings of the finite elements and networks on the same grasps.
     Bench(BenchArgs),
+    /// Fit Young's modulus, Poisson's ratio, friction and the zero of depth of a press to a measured curve.
+    Fit(FitArgs),
     /// Put results into one page: tables, charts, both pads in 3-D.
     Report(ReportArgs),
 }
@@ -111,6 +115,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode> {
         Command::Train(args) => train::train(args),
         Command::Eval(args) => eval::eval(args),
         Command::Bench(args) => bench::bench(args),
+        Command::Fit(args) => fit::fit(args),
         Command::Report(args) => report::report_page(args),
     }
 }

@@ -8,9 +8,8 @@ use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::grasp::{GraspPose, poses_of};
 use crate::model::Model;
-use crate::scene::leaf::{Count, Modulus, NonNegative, Positive};
-use crate::scene::material::Elastic;
-use crate::scene::{Field, Law, Loading, Material, NamedScene, Record, Scene, Squeeze, Task};
+use crate::scene::leaf::{Count, NonNegative, Positive};
+use crate::scene::{Field, Loading, Material, NamedScene, Record, Scene, Squeeze, Task};
 use crate::stepper::{Stepper, choose};
 use glam::DVec3;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -207,16 +206,7 @@ fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
 /// The gel with Young's modulus times `factor`.
 fn scaled(material: &Material, factor: f64) -> Result<Material> {
     let spec = material.spec();
-    let elastic = Elastic {
-        young: leaf(Modulus::new(spec.young * factor))?,
-        poisson: leaf(crate::scene::leaf::Poisson::new(spec.poisson))?,
-        density: leaf(Positive::new(spec.density))?,
-    };
-    Ok(match spec.law {
-        Law::NeoHookean => Material::NeoHookean(elastic),
-        Law::Corotational => Material::Corotational(elastic),
-        Law::Linear => Material::Linear(elastic),
-    })
+    leaf(material.with(spec.young * factor, spec.poisson))
 }
 
 /// What a scene file would be told.

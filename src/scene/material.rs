@@ -152,6 +152,23 @@ impl Material {
     }
 }
 
+impl Material {
+    /// The same law and density with other elastic constants (Pa and none); the error is what a scene file would be told.
+    pub fn with(self, young: f64, poisson: f64) -> Result<Self, String> {
+        let spec = self.spec();
+        let elastic = Elastic {
+            young: Modulus::new(young)?,
+            poisson: Poisson::new(poisson)?,
+            density: Positive::new(spec.density)?,
+        };
+        Ok(match spec.law {
+            Law::NeoHookean => Material::NeoHookean(elastic),
+            Law::Corotational => Material::Corotational(elastic),
+            Law::Linear => Material::Linear(elastic),
+        })
+    }
+}
+
 /// E = 2 mu (1 + nu) with mu = 2 C10.
 fn young_of_c10(c10: f64, poisson: f64) -> f64 {
     4.0 * c10 * (1.0 + poisson)

@@ -1,0 +1,63 @@
+//! `tactus fit`: constants of a press fitted to a measured curve.
+
+use super::run::machine_threads;
+use super::{Format, NOT_HELD, OK, print};
+use crate::error::{Error, Result};
+use crate::fit::{self, Curve, Ranges, chart};
+use crate::record::files::{create_dir, write_atomic};
+use crate::scene::load_object;
+use indicatif::ProgressBar;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Arguments of `tactus fit`.
+#[derive(Debug, clap::Args)]
+pub struct FitArgs {
+    /// The scene file: a press.
+    pub scene: PathBuf,
+    /// Measured forces: CSV with the header `depth_m,force_n`.
+    #[arg(long, value_name = "TABLE")]
+    pub curve: PathBuf,
+    /// The object to take from a scene of several.
+    #[arg(long, value_name = "NAME")]
+    pub object: Option<String>,
+    /// Range of young (Pa), poisson, friction or depth_zero (m), instead of that of a tactile gel; may be given again.
+    #[arg(long, value_name = "NAME=LOW,HIGH", allow_hyphen_values = true)]
+    pub range: Vec<String>,
+    /// Threads; all that the machine has by default. Each press runs on one.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
+    pub threads: Option<u64>,
+    /// Folder for `fit.json`, `fit.png` and `fit.svg`; replaces those there.
+    #[arg(short, long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Form of the report on stdout.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Fits, prints, and writes what is asked for. Exit code 1 where a fit did not settle.
+pub fn fit(args: &FitArgs) -> Result<ExitCode> {
+    let loaded = load_object(&args.scene, args.object.as_deref())?;
+    let curve = Curve::read(&args.curve)?;
+    let mut ranges = Ranges::default();
+    for text in &args.range {
+        ranges.set(text).map_err(|m| Error::Scene(format!("error: --range {m}")))?;
+    }
+    let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
+    args.out.as_deref().map_or(Ok(()), create_dir)?;
+    let bar = ProgressBar::new_spinner();
+    bar.enable_steady_tick(Duration::from_millis(200));
+    let report = fit::fit(&loaded.scene, &curve, &ranges, threads, |text| bar.set_message(text.to_string()));
+    bar.finish_and_clear();
+    let report = report.map_err(|e| loaded.place(e))?;
+    let json = serde_json::to_string_pretty(&report)
+        .map_err(|e| Error::Solver(format!("the report cannot be written as JSON: {e}")))?
+        + "\n";
+    if let Some(dir) = &args.out {
+        write_atomic(&dir.join("fit.json"), json.as_bytes())?;
+        chart::save_chart(&report, dir)?;
+    }
+    print(&if args.format == Format::Json { json } else { report.text() })?;
+    Ok(ExitCode::from(if report.converged() { OK } else { NOT_HELD }))
+}

@@ -1,0 +1,67 @@
+//! Constants of a press fitted to a measured curve of force against depth, by least squares of relative forces.
+//!
+//! ```text
+//! scene + curve.rs (table) -> press.rs (forces of given values) -> least_squares.rs -> report.rs, chart.rs
+//! ```
+//!
+//! Each parameter is fitted alone, in pairs, and all of them together where the table has enough points.
+
+pub mod chart;
+pub mod curve;
+mod least_squares;
+pub mod parameter;
+mod press;
+pub mod report;
+
+pub use curve::Curve;
+pub use parameter::{Parameter, Ranges, Values};
+pub use report::{Estimate, Fit, Report};
+
+use crate::error::Result;
+use crate::scene::Scene;
+use press::Press;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Fits the press of `scene` to `curve`, with every parameter inside its range, on `threads` threads; `progress` is told what is done.
+///
+/// # Errors
+/// A scene that is no single press on a gel without weight, or whose own values lie outside the ranges; a press that fails as the scene
+/// has it; [`crate::error::Error::Interrupted`].
+pub fn fit(
+    scene: &Scene,
+    curve: &Curve,
+    ranges: &Ranges,
+    threads: usize,
+    progress: impl Fn(&str) + Sync,
+) -> Result<Report> {
+    let press = Press::new(scene, curve, threads)?;
+    let ranges = ranges.above_surface(curve);
+    let start = press.start();
+    ranges.must_hold(&start)?;
+    progress("the press as the scene has it");
+    let given = press.residuals_of(&start)?;
+    let sets: Vec<_> = sets().into_iter().filter(|free| free.len() <= curve.points.len()).collect();
+    let values = |free: &[Parameter], units: &[Vec<f64>]| -> Vec<Values> {
+        units.iter().map(|u| ranges.values(&start, free, u)).collect()
+    };
+    // All fits begin with these.
+    let beside = least_squares::beside(&ranges.units(&start, &Parameter::ALL));
+    press.residuals(&values(&Parameter::ALL, &beside))?;
+    let done = AtomicUsize::new(0);
+    let one = |free: &Vec<Parameter>| {
+        let residuals = |units: &[Vec<f64>]| press.residuals(&values(free, units));
+        let minimum = least_squares::minimise(&ranges.units(&start, free), residuals)?;
+        progress(&format!("{} of {} fits", 1 + done.fetch_add(1, Ordering::Relaxed), sets.len()));
+        Ok(Fit::new(free, &start, &ranges, &minimum))
+    };
+    let fits = press.pool().install(|| sets.par_iter().map(one).collect::<Result<Vec<_>>>())?;
+    Ok(Report::new(curve, &start, &ranges, given, fits, press.simulations()))
+}
+
+/// Which parameters are free together: each alone, each pair, all.
+fn sets() -> Vec<Vec<Parameter>> {
+    let all = Parameter::ALL;
+    let pairs = (0..all.len()).flat_map(|a| (a + 1..all.len()).map(move |b| vec![all[a], all[b]]));
+    all.iter().map(|p| vec![*p]).chain(pairs).chain([all.to_vec()]).collect()
+}

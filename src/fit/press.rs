@@ -1,0 +1,129 @@
+//! The press with given constants: one simulation per set of them, kept.
+
+use super::{Curve, Parameter, Values};
+use crate::error::{Error, Result};
+use crate::grasp::{GraspPose, poses_of};
+use crate::model::Model;
+use crate::record::Status;
+use crate::runner::run_grasps;
+use crate::scene::leaf::{Length, NonNegative};
+use crate::scene::{Field, Loading, Record, Scene, loading};
+use crate::stepper::{Stepper, choose};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
+
+/// The bits of Poisson's ratio, friction and zero of depth. Forces are proportional to Young's modulus: so is every law of a gel, and so
+/// is the contact.
+type Key = [u64; 3];
+
+/// A press at the depths of a curve.
+pub struct Press<'a> {
+    scene: Scene,
+    stepper: Box<dyn Stepper>,
+    pose: GraspPose,
+    curve: &'a Curve,
+    pool: rayon::ThreadPool,
+    /// Forces, N, with the scene's own Young's modulus; None where the press failed.
+    known: Mutex<BTreeMap<Key, Option<Vec<f64>>>>,
+}
+
+impl<'a> Press<'a> {
+    /// Takes a scene over; presses run on `threads` threads, each on one.
+    ///
+    /// # Errors
+    /// No press, several grasps, weight.
+    pub fn new(scene: &Scene, curve: &'a Curve, threads: usize) -> Result<Self> {
+        let refused = |message: &str| Err(Error::Scene(format!("error: a fit {message}")));
+        if !matches!(scene.loading, Loading::Press(_)) {
+            return refused("needs a press; use loading: Press(depths: [...])");
+        }
+        if scene.gravity.is_some() {
+            return refused("takes a gel without weight; leave `gravity` out");
+        }
+        let poses = poses_of(scene)?;
+        let &[pose] = &poses[..] else {
+            return refused(&format!("is of one press, and the scene has {} grasps", poses.len()));
+        };
+        let mut scene = scene.clone();
+        scene.promise_nothing();
+        scene.record = Record { fields: vec![Field::ContactForce], pictures: false, arrays: None, vtu: false };
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|e| Error::Start(format!("cannot start {threads} threads: {e}")))?;
+        Ok(Self { stepper: choose(&scene)?, scene, pose, curve, pool, known: Mutex::default() })
+    }
+
+    /// The scene's own values.
+    pub fn start(&self) -> Values {
+        let spec = self.scene.gripper.material.spec();
+        [spec.young, spec.poisson, self.scene.gripper.friction.get(), 0.0]
+    }
+
+    /// Where presses run.
+    pub fn pool(&self) -> &rayon::ThreadPool {
+        &self.pool
+    }
+
+    /// Simulations so far.
+    pub fn simulations(&self) -> usize {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner).len()
+    }
+
+    /// Simulated over measured force, minus one, at every point of the curve, for each of `values`; None where the press fails.
+    ///
+    /// # Errors
+    /// Those of building a model and of running it.
+    pub fn residuals(&self, values: &[Values]) -> Result<Vec<Option<Vec<f64>>>> {
+        let missing: BTreeMap<Key, Values> = {
+            let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+            values.iter().map(|v| (key(v), *v)).filter(|(k, _)| !known.contains_key(k)).collect()
+        };
+        let missing: Vec<(Key, Values)> = missing.into_iter().collect();
+        let run = |(key, values): &(Key, Values)| self.simulate(values).map(|forces| (*key, forces));
+        let new: Vec<(Key, Option<Vec<f64>>)> =
+            self.pool.install(|| missing.par_iter().map(run).collect::<Result<_>>())?;
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        known.extend(new);
+        let young = self.start()[Parameter::Young as usize];
+        let of = |v: &Values| {
+            let forces = known.get(&key(v)).cloned().flatten()?;
+            let scale = v[Parameter::Young as usize] / young;
+            Some(forces.iter().zip(&self.curve.points).map(|(f, (_, measured))| scale * f / measured - 1.0).collect())
+        };
+        Ok(values.iter().map(of).collect())
+    }
+
+    /// The same of one set of values.
+    ///
+    /// # Errors
+    /// A press that fails, too.
+    pub fn residuals_of(&self, values: &Values) -> Result<Vec<f64>> {
+        let of = self.residuals(&[*values])?.into_iter().flatten().next();
+        of.ok_or_else(|| {
+            Error::Solver("the press of the scene fails at the depths of the table; see `tactus run`".into())
+        })
+    }
+
+    /// Forces, N, at the depths of the curve with the scene's Young's modulus; None where the press fails.
+    fn simulate(&self, [_, poisson, friction, zero]: &Values) -> Result<Option<Vec<f64>>> {
+        let leaf = |message: String| Error::Start(format!("the press cannot be fitted: {message}"));
+        let mut scene = self.scene.clone();
+        let young = self.start()[Parameter::Young as usize];
+        scene.gripper.material = scene.gripper.material.with(young, *poisson).map_err(leaf)?;
+        scene.gripper.friction = NonNegative::new(*friction).map_err(leaf)?;
+        let depths = self.curve.points.iter().map(|(d, _)| Length::new(d + zero));
+        let depths = Some(depths.collect::<std::result::Result<_, _>>().map_err(leaf)?);
+        scene.loading = Loading::Press(loading::Press { depth: None, frames: None, depths });
+        let model = Model::build(&scene)?;
+        let outcomes = run_grasps(&model, self.stepper.as_ref(), &[(0, self.pose)], 1, &())?;
+        let whole = outcomes.into_iter().find(|o| o.summary.status == Status::Reached);
+        Ok(whole.map(|o| o.measured.curve.iter().map(|(_, force)| *force).collect()))
+    }
+}
+
+fn key(values: &Values) -> Key {
+    let [_, poisson, friction, zero] = values.map(f64::to_bits);
+    [poisson, friction, zero]
+}

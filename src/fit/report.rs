@@ -1,0 +1,236 @@
+//! What the fits found, as numbers and for human eyes.
+
+use super::least_squares::Minimum;
+use super::{Curve, Parameter, Ranges, Values};
+use crate::scene::leaf::shown;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// Root mean square of relative residuals below which there is nothing to explain.
+const NOTHING: f64 = 1e-3;
+/// Points of a table that are listed one by one.
+const LISTED: usize = 8;
+
+/// A fitted parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Which.
+    pub parameter: Parameter,
+    /// Its value, SI.
+    pub value: f64,
+    /// Half the width of its interval of 95 % confidence, SI; None where there is none: see [`Fit::freedom`] and `at_edge`.
+    pub interval: Option<f64>,
+    /// It lies at an end of its range, which holds it there.
+    pub at_edge: bool,
+}
+
+/// A fit with some parameters free and the others as the scene has them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fit {
+    /// The free ones.
+    pub free: Vec<Estimate>,
+    /// All values, SI, in the order of [`Parameter::ALL`].
+    pub values: Values,
+    /// Simulated over measured force, minus one, at each depth.
+    pub residuals: Vec<f64>,
+    /// Root mean square of the residuals.
+    pub rms: f64,
+    /// Points less parameters off the ends of their ranges: at none there are no intervals.
+    pub freedom: usize,
+    /// Whether the fit settled.
+    pub converged: bool,
+    /// Iterations of Levenberg and Marquardt.
+    pub iterations: usize,
+}
+
+impl Fit {
+    pub(super) fn new(free: &[Parameter], start: &Values, ranges: &Ranges, minimum: &Minimum) -> Self {
+        let values = ranges.values(start, free, &minimum.at);
+        let estimate = |((p, u), interval): ((&Parameter, &f64), Option<f64>)| Estimate {
+            parameter: *p,
+            value: values[*p as usize],
+            interval: interval.map(|half| half * ranges.width(*p as usize)),
+            at_edge: *u <= 0.0 || *u >= 1.0,
+        };
+        Self {
+            free: free.iter().zip(&minimum.at).zip(minimum.intervals()).map(estimate).collect(),
+            values,
+            rms: minimum.rms(),
+            residuals: minimum.residual.clone(),
+            freedom: minimum.freedom(),
+            converged: minimum.converged,
+            iterations: minimum.iterations,
+        }
+    }
+
+    /// Names of the free parameters.
+    pub fn name(&self) -> String {
+        if self.free.len() == Parameter::ALL.len() {
+            return "all".into();
+        }
+        let names: Vec<&str> = self.free.iter().map(|e| e.parameter.name()).collect();
+        names.join(", ")
+    }
+
+    /// Largest residual, absolute.
+    pub fn largest(&self) -> f64 {
+        largest(&self.residuals)
+    }
+}
+
+fn largest(residuals: &[f64]) -> f64 {
+    residuals.iter().fold(0.0, |most, r| most.max(r.abs()))
+}
+
+/// The fits of a curve.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// Depths of the table, m.
+    pub depths_m: Vec<f64>,
+    /// Measured forces, N.
+    pub forces_n: Vec<f64>,
+    /// Names of the parameters: the order of `start`, `ranges` and the values of a fit.
+    pub parameters: [Parameter; 4],
+    /// Values of the scene, SI.
+    pub start: Values,
+    /// Least and largest value allowed, SI.
+    pub ranges: [[f64; 2]; 4],
+    /// Relative residuals of the scene as it is.
+    pub given: Vec<f64>,
+    /// Their root mean square.
+    pub given_rms: f64,
+    /// Each parameter alone, each pair, all.
+    pub fits: Vec<Fit>,
+    /// The parameter that explains most alone; None where there is nothing to explain.
+    pub explains: Option<Parameter>,
+    /// Presses that were simulated.
+    pub simulations: usize,
+}
+
+impl Report {
+    pub(super) fn new(
+        curve: &Curve,
+        start: &Values,
+        ranges: &Ranges,
+        given: Vec<f64>,
+        fits: Vec<Fit>,
+        simulations: usize,
+    ) -> Self {
+        let given_rms = (given.iter().map(|r| r * r).sum::<f64>() / given.len().max(1) as f64).sqrt();
+        let singles = fits.iter().filter(|f| f.free.len() == 1);
+        let best = singles.min_by(|a, b| a.rms.total_cmp(&b.rms)).filter(|_| given_rms > NOTHING);
+        Self {
+            depths_m: curve.points.iter().map(|p| p.0).collect(),
+            forces_n: curve.points.iter().map(|p| p.1).collect(),
+            parameters: Parameter::ALL,
+            start: *start,
+            ranges: ranges.0,
+            given,
+            given_rms,
+            explains: best.map(|f| f.free[0].parameter),
+            fits,
+            simulations,
+        }
+    }
+
+    /// Whether every fit settled.
+    pub fn converged(&self) -> bool {
+        self.fits.iter().all(|f| f.converged)
+    }
+
+    /// Part of the scene's sum of squares that a fit takes away.
+    pub fn explained(&self, fit: &Fit) -> f64 {
+        1.0 - (fit.rms / self.given_rms).powi(2)
+    }
+
+    /// The fit with the least residual of those with `count` parameters free.
+    pub fn best(&self, count: usize) -> Option<&Fit> {
+        self.fits.iter().filter(|f| f.free.len() == count).min_by(|a, b| a.rms.total_cmp(&b.rms))
+    }
+
+    /// The table.
+    pub fn text(&self) -> String {
+        let mut out = format!("{:<20}", "free");
+        // Writing to a String cannot fail.
+        Parameter::ALL.iter().for_each(|p| out += &format!("{:>17}", p.shown_as().0));
+        let listed = self.depths_m.len() <= LISTED;
+        if listed {
+            self.depths_m.iter().for_each(|d| out += &format!("{:>9}", format!("{} mm", shown(d * 1e3))));
+        }
+        out += "  largest     rms\n";
+        self.row(&mut out, "as the scene has it", self.start.map(|v| (v, String::new())), &self.given, self.given_rms);
+        for fit in &self.fits {
+            let cells = Parameter::ALL.map(|p| match fit.free.iter().find(|e| e.parameter == p) {
+                Some(estimate) => (estimate.value, note(estimate)),
+                None => (f64::NAN, String::new()),
+            });
+            self.row(&mut out, &fit.name(), cells, &fit.residuals, fit.rms);
+            if !fit.converged {
+                out += "    did not settle\n";
+            }
+        }
+        out += "\nsimulated over measured force, minus one; +-: interval of 95 % confidence (Student's t, to first order)\n";
+        out +=
+            "edge: held by the end of its range; no +-: no interval, for as many parameters as points, or at an edge\n";
+        let ranges = Parameter::ALL.iter().zip(self.ranges).map(|(p, [low, high])| {
+            let (name, scale) = p.shown_as();
+            format!("{name} {} to {}", shown(low * scale), shown(high * scale))
+        });
+        let _ = writeln!(out, "ranges: {}", ranges.collect::<Vec<_>>().join(", "));
+        out += &self.verdict();
+        out
+    }
+
+    fn row(&self, out: &mut String, name: &str, cells: [(f64, String); 4], residuals: &[f64], rms: f64) {
+        *out += &format!("{name:<20}");
+        for (p, (value, note)) in Parameter::ALL.iter().zip(cells) {
+            let text = if value.is_nan() { ".".into() } else { format!("{}{note}", four(value * p.shown_as().1)) };
+            *out += &format!("{text:>17}");
+        }
+        if residuals.len() <= LISTED {
+            residuals.iter().for_each(|r| *out += &format!("{:>+7.1} %", 100.0 * r));
+        }
+        let _ = writeln!(out, "{:>7.1} % {:>5.1} %", 100.0 * largest(residuals), 100.0 * rms);
+    }
+
+    /// Which parameter explains the miss.
+    fn verdict(&self) -> String {
+        let Some(explains) = self.explains else {
+            return "the scene meets the table: there is nothing to explain\n".into();
+        };
+        let singles = self.fits.iter().filter(|f| f.free.len() == 1);
+        let shares: Vec<String> =
+            singles.map(|f| format!("{} {:.0} %", f.free[0].parameter.words(), 100.0 * self.explained(f))).collect();
+        let mut text =
+            format!("{} explains most of the miss alone; of its squares: {}\n", explains.words(), shares.join(", "));
+        for fit in [1, 2, 4].into_iter().filter_map(|count| self.best(count)) {
+            let _ = writeln!(
+                text,
+                "best with {} free: {}, within {:.1} %",
+                fit.free.len(),
+                fit.name(),
+                100.0 * fit.largest()
+            );
+        }
+        text
+    }
+}
+
+/// What stands behind a fitted value.
+fn note(estimate: &Estimate) -> String {
+    match estimate.interval {
+        Some(half) => format!(" +-{}", two(half * estimate.parameter.shown_as().1)),
+        None if estimate.at_edge => " edge".into(),
+        None => String::new(),
+    }
+}
+
+/// Four significant digits.
+pub(super) fn four(v: f64) -> String {
+    shown(format!("{v:.3e}").parse().unwrap_or(v))
+}
+
+/// Two.
+pub(super) fn two(v: f64) -> String {
+    shown(format!("{v:.1e}").parse().unwrap_or(v))
+}
