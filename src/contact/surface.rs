@@ -192,7 +192,7 @@ impl Face {
 }
 
 /// Lattice triangles of a face whose edges are cut into `m` parts, as integer barycentric coordinates.
-fn sub_triangles(m: usize) -> Vec<[[usize; 3]; 3]> {
+pub(crate) fn sub_triangles(m: usize) -> Vec<[[usize; 3]; 3]> {
     let mut triangles = Vec::new();
     for i in 0..m {
         for j in 0..m - i {

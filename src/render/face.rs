@@ -4,22 +4,25 @@ use super::colorbar::ticks;
 use super::colormap::{color, fraction};
 use super::draw::{INK, LINE, MUTED, frame, polyline, rimmed_arrow};
 use super::raster::{Raster, Vertex};
+use super::style::Scalar;
+use super::surface::Surface;
 use super::text::{Align, Label};
 use crate::record::{PadFrame, PadTopology};
 use glam::{DMat3, DVec2, DVec3};
+use std::collections::BTreeMap;
 use tiny_skia::Pixmap;
 
 /// Distance between displacement arrows, m.
 const MARKER_SPACING: f64 = 2.0e-3;
 
-/// A pad's nodes in its own frame.
-pub struct Face<'a> {
-    topology: &'a PadTopology,
-    values: &'a [f64],
+/// The sensing face of a pad in its own frame, at points between the nodes.
+pub struct Face {
+    triangles: Vec<[u32; 3]>,
+    values: Vec<f64>,
+    /// Positions at rest in the pad frame, m.
+    rest: Vec<DVec3>,
     /// Deformed positions in the pad frame, m.
-    nodes: Vec<DVec3>,
-    /// Displacements in the pad frame, m.
-    displacement: Vec<DVec3>,
+    now: Vec<DVec3>,
 }
 
 /// Where faces are drawn and at which scale.
@@ -42,21 +45,22 @@ impl Panel {
     }
 }
 
-impl<'a> Face<'a> {
+impl Face {
     /// Takes the frame apart: `pose` is the pad frame in the hand frame.
-    pub fn new(topology: &'a PadTopology, pad: &PadFrame, values: &'a [f64], pose: (DMat3, DVec3)) -> Self {
+    pub fn new(topology: &PadTopology, pad: &PadFrame, scalar: Scalar, pose: (DMat3, DVec3)) -> Self {
+        let [surface, _] = Surface::both(topology, scalar.is_field());
         let back = pose.0.transpose();
         Face {
-            topology,
-            values,
-            nodes: pad.position.iter().map(|&p| back * (p - pose.1)).collect(),
-            displacement: pad.displacement.iter().map(|&u| back * u).collect(),
+            values: surface.values(&scalar.field(pad)),
+            rest: surface.positions(&topology.rest),
+            now: surface.positions(&pad.position).into_iter().map(|p| back * (p - pose.1)).collect(),
+            triangles: surface.triangles,
         }
     }
 
     /// Smallest and largest x and y of the sensing face, m; `None` without one.
     pub fn bounds(&self) -> Option<(DVec2, DVec2)> {
-        let points = self.topology.sensing.as_flattened().iter().map(|&n| self.nodes[n as usize].truncate());
+        let points = self.now.iter().map(|p| p.truncate());
         points.fold(None, |bounds: Option<(DVec2, DVec2)>, p| match bounds {
             None => Some((p, p)),
             Some((low, high)) => Some((low.min(p), high.max(p))),
@@ -66,9 +70,9 @@ impl<'a> Face<'a> {
     /// Draws face, axes and name into the panel.
     pub fn draw(&self, page: &mut Pixmap, label: &Label, panel: Panel, range: (f64, f64), name: &str) {
         let mut raster = Raster::new(panel.size.0 as usize, panel.size.1 as usize);
-        for triangle in &self.topology.sensing {
+        for triangle in &self.triangles {
             let corners = triangle.map(|n| {
-                let p = self.nodes[n as usize];
+                let p = self.now[n as usize];
                 let (x, y) = panel.pixel(p);
                 let position = DVec3::new(f64::from(x - panel.at.0), f64::from(y - panel.at.1), -p.z);
                 Vertex { position, value: self.values[n as usize], normal: DVec3::Z }
@@ -100,9 +104,9 @@ impl<'a> Face<'a> {
 
     /// In-plane displacement at points of a regular grid on the rest face: (where now, how much), m.
     pub fn markers(&self) -> Vec<(DVec3, DVec2)> {
-        let rest = |n: u32| self.topology.rest[n as usize].truncate();
-        let mut markers = Vec::new();
-        for triangle in &self.topology.sensing {
+        let rest = |n: u32| self.rest[n as usize].truncate();
+        let mut markers = BTreeMap::new();
+        for triangle in &self.triangles {
             let [a, b, c] = triangle.map(rest);
             let area = (b - a).perp_dot(c - a);
             let (low, high) = (a.min(b).min(c) / MARKER_SPACING, a.max(b).max(c) / MARKER_SPACING);
@@ -111,17 +115,17 @@ impl<'a> Face<'a> {
                 continue;
             }
             for (i, j) in grid(low, high) {
-                let p = DVec2::new(i, j) * MARKER_SPACING;
+                let p = DVec2::new(i as f64, j as f64) * MARKER_SPACING;
                 let weights =
                     [(c - b).perp_dot(p - b), (a - c).perp_dot(p - c), (b - a).perp_dot(p - a)].map(|w| w / area);
-                if weights.iter().all(|&w| w >= 0.0) {
-                    let mean =
-                        |field: &[DVec3]| (0..3).map(|k| weights[k] * field[triangle[k] as usize]).sum::<DVec3>();
-                    markers.push((mean(&self.nodes), mean(&self.displacement).truncate()));
+                // A hair outside still counts: a point between two triangles is in both, and drawn once.
+                if weights.iter().all(|&w| w >= -1e-9) {
+                    let at = (0..3).map(|k| weights[k] * self.now[triangle[k] as usize]).sum::<DVec3>();
+                    markers.entry((i, j)).or_insert((at, at.truncate() - p));
                 }
             }
         }
-        markers
+        markers.into_values().collect()
     }
 
     /// Draws arrows in which `longest` metres are as long as the grid is wide.
@@ -138,7 +142,7 @@ impl<'a> Face<'a> {
 }
 
 /// Whole numbers between the corners.
-fn grid(low: DVec2, high: DVec2) -> impl Iterator<Item = (f64, f64)> {
+fn grid(low: DVec2, high: DVec2) -> impl Iterator<Item = (i64, i64)> {
     let (x, y) = (low.x.ceil() as i64..=high.x.floor() as i64, low.y.ceil() as i64..=high.y.floor() as i64);
-    x.flat_map(move |i| y.clone().map(move |j| (i as f64, j as f64)))
+    x.flat_map(move |i| y.clone().map(move |j| (i, j)))
 }

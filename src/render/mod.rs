@@ -1,6 +1,7 @@
 //! Pictures of a grasp as PNG, drawn in software: no window, no GPU, the same bytes everywhere.
 //!
-//! `pads.rs` lays the picture out; `face.rs` draws a sensing face, `view.rs` the cut-open 3-D view; `raster.rs` is the z-buffer.
+//! `pads.rs` lays the picture out; `surface.rs` evaluates what is drawn with the shape functions of the elements; `face.rs`
+//! draws a sensing face, `view.rs` the cut-open 3-D view; `raster.rs` is the z-buffer.
 
 mod colorbar;
 pub mod colormap;
@@ -13,6 +14,7 @@ mod pose;
 mod raster;
 mod section;
 mod style;
+mod surface;
 mod text;
 mod view;
 

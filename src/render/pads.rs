@@ -4,7 +4,7 @@ use super::colorbar;
 use super::draw::{INK, LINE, MUTED, PAPER, clear, polyline};
 use super::face::{Face, Panel};
 use super::pose::pad_pose;
-use super::style::{HEIGHT, Style, WIDTH};
+use super::style::{HEIGHT, Scalar, Style, WIDTH};
 use super::text::{Align, Label};
 use super::view::View;
 use crate::error::{Error, Result};
@@ -16,6 +16,10 @@ use tiny_skia::Pixmap;
 
 /// Left and right end of the face panels, pixels.
 const FACE_X: (f32, f32) = (64.0, 354.0);
+/// Left ends of the colour bars of faces and view, pixels.
+const BAR_X: [f32; 2] = [FACE_X.1 + 30.0, FACE_X.1 + 186.0];
+/// Left end and width of the view, pixels.
+const VIEW_X: (f32, f32) = (600.0, 772.0);
 /// Top and bottom of everything below the title, pixels.
 const BODY_Y: (f32, f32) = (136.0, 744.0);
 
@@ -34,18 +38,19 @@ pub fn render_pads(
     }
     check::frame(topologies, frame).map_err(refuse)?;
     object.map_or(Ok(()), check::object).map_err(refuse)?;
-    let values: Vec<Vec<f64>> = frame.pads.iter().map(|pad| style.scalar.values(pad)).collect();
-    let range = color_range(&values, style)?;
+    let range = color_range(frame, style.scalar, style.range)?;
+    let face_range = color_range(frame, style.face, style.face_range)?;
 
     let label = Label::new()?;
     let mut page = Pixmap::new(WIDTH, HEIGHT).ok_or_else(|| refuse("no memory for the picture".into()))?;
     clear(&mut page, PAPER);
     heading(&mut page, &label, frame, style);
-    faces(&mut page, &label, topologies, frame, &values, range, style);
-    let bar = ((FACE_X.1 + 40.0, BODY_Y.0), (20.0, BODY_Y.1 - BODY_Y.0));
-    colorbar::draw(&mut page, &label, bar.0, bar.1, range, style.scalar.label());
-    let view = View { topologies, frame, values: &values, range, object, cut: style.cut };
-    view.draw(&mut page, &label, (500.0, 150.0), (872.0, 556.0));
+    faces(&mut page, &label, topologies, frame, face_range, style);
+    for (x, scalar, range) in [(BAR_X[0], style.face, face_range), (BAR_X[1], style.scalar, range)] {
+        colorbar::draw(&mut page, &label, (x, BODY_Y.0), (20.0, BODY_Y.1 - BODY_Y.0), range, scalar.label());
+    }
+    let view = View { topologies, frame, scalar: style.scalar, range, object, cut: style.cut };
+    view.draw(&mut page, &label, (VIEW_X.0, 150.0), (VIEW_X.1, 556.0));
     if style.cut {
         let note = "hand frame, cut open through the middle of the pads";
         label.draw(&mut page, note, (WIDTH as f32 - 28.0, BODY_Y.0 - 14.0), 15.0, MUTED, Align::Right);
@@ -63,8 +68,8 @@ pub fn save(picture: &Pixmap, path: &Path) -> Result<()> {
     files::write_atomic(path, &encode(picture)?)
 }
 
-fn color_range(values: &[Vec<f64>], style: &Style) -> Result<(f64, f64)> {
-    if let Some((low, high)) = style.range {
+fn color_range(frame: &Frame, scalar: Scalar, given: Option<(f64, f64)>) -> Result<(f64, f64)> {
+    if let Some((low, high)) = given {
         if low.is_finite() && high.is_finite() && low < high {
             return Ok((low, high));
         }
@@ -72,7 +77,7 @@ fn color_range(values: &[Vec<f64>], style: &Style) -> Result<(f64, f64)> {
             format!("not drawn: colour range {low} to {high}; two finite numbers are needed, the smaller first");
         return Err(Error::file("picture", message));
     }
-    let largest = values.iter().flatten().copied().fold(0.0, f64::max);
+    let largest = frame.pads.iter().flat_map(|pad| scalar.values(pad)).fold(0.0, f64::max);
     // An unloaded pad is all zero: any scale will do, as long as it has two ends.
     Ok((0.0, if largest > 0.0 { largest } else { 1.0 }))
 }
@@ -95,7 +100,6 @@ fn faces(
     label: &Label,
     topologies: &[PadTopology],
     frame: &Frame,
-    values: &[Vec<f64>],
     range: (f64, f64),
     style: &Style,
 ) {
@@ -105,7 +109,7 @@ fn faces(
         .iter()
         .enumerate()
         .filter_map(drawn)
-        .map(|(pad, pose)| (pad, Face::new(&topologies[pad], &frame.pads[pad], &values[pad], pose)))
+        .map(|(pad, pose)| (pad, Face::new(&topologies[pad], &frame.pads[pad], style.face, pose)))
         .collect();
     let bounds = faces.iter().filter_map(|(_, face)| face.bounds()).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
     let Some((low, high)) = bounds else { return };

@@ -72,6 +72,23 @@ impl Raster {
         }
     }
 
+    /// Moves all samples of `body` to the depth that `depth` gives at their pixels right and down.
+    pub fn move_to(&mut self, body: u8, depth: impl Fn(f64, f64) -> f64) {
+        let pixel = |i: usize| (i as f64 + 0.5) / SUPER as f64;
+        for (index, sample) in self.samples.iter_mut().enumerate().filter(|(_, sample)| sample.body == body) {
+            sample.depth = depth(pixel(index % self.width), pixel(index / self.width)) as f32;
+        }
+    }
+
+    /// Takes over what is nearer in a raster of the same size.
+    pub fn merge(&mut self, other: &Self) {
+        for (own, sample) in self.samples.iter_mut().zip(&other.samples) {
+            if sample.depth < own.depth {
+                *own = *sample;
+            }
+        }
+    }
+
     /// Darkens the samples where one body ends and another, or nothing, begins.
     pub fn outline(&mut self, strength: f32) {
         let body = |x: usize, y: usize| self.samples[y * self.width + x].body;

@@ -1,6 +1,8 @@
 //! Cutting things open: triangles against a plane, and the face the plane makes through the tetrahedra.
 
 use super::raster::Vertex;
+use super::style::Field;
+use crate::element::EDGES;
 use crate::record::Elements;
 use glam::DVec3;
 
@@ -34,25 +36,50 @@ impl Plane {
         (2..polygon.len()).map(|i| [polygon[0], polygon[i - 1], polygon[i]]).collect()
     }
 
-    /// The cut through the tetrahedra: triangles whose normal points out of what is kept. Positions in m, one value per node.
-    pub fn cut(&self, elements: &Elements, positions: &[DVec3], values: &[f64]) -> Vec<[Vertex; 3]> {
-        let node = |n: u32| Vertex { position: positions[n as usize], value: values[n as usize], normal: -self.normal };
+    /// The cut through the tetrahedra: triangles whose normal points out of what is kept. Positions in m. Between its nodes a quadratic
+    /// tetrahedron is what its shape functions say.
+    pub(super) fn cut(&self, elements: &Elements, positions: &[DVec3], field: &Field) -> Vec<[Vertex; 3]> {
+        let at = |nodes: &[u32], phi: &[f64]| Vertex {
+            position: nodes.iter().zip(phi).map(|(n, w)| *w * positions[*n as usize]).sum(),
+            value: field.at((nodes, phi)),
+            normal: -self.normal,
+        };
         let mut triangles = Vec::new();
         match elements {
             Elements::Linear(tets) => {
                 for tet in tets {
-                    self.cut_tet(tet.map(node), &mut triangles);
+                    self.cut_tet(tet.map(|n| at(&[n], &[1.0])), &mut triangles);
                 }
             }
             Elements::Quadratic(tets) => {
                 for tet in tets {
-                    for part in PARTS {
-                        self.cut_tet(part.map(|i| node(tet[i])), &mut triangles);
+                    let above = tet.iter().filter(|n| self.distance(positions[**n as usize]) >= 0.0).count();
+                    if (1..tet.len()).contains(&above) {
+                        let corners = [0, 1, 2, 3].map(|k| [0, 1, 2, 3].map(|i| f64::from(u8::from(i == k))));
+                        let point = |l: [f64; 4]| at(tet, &shape(l));
+                        self.cut_parts(corners, HALVINGS, &point, &mut triangles);
                     }
                 }
             }
         }
         triangles
+    }
+
+    /// Cuts the part of a quadratic tetrahedron with these barycentric corners, halved so many times before it counts as flat.
+    fn cut_parts(
+        &self,
+        corners: [[f64; 4]; 4],
+        halvings: u32,
+        point: &impl Fn([f64; 4]) -> Vertex,
+        out: &mut Vec<[Vertex; 3]>,
+    ) {
+        if halvings == 0 {
+            return self.cut_tet(corners.map(point), out);
+        }
+        let middle = |[a, b]: [usize; 2]| [0, 1, 2, 3].map(|i| 0.5 * (corners[a][i] + corners[b][i]));
+        let middles = EDGES.map(middle);
+        let at = |i: usize| if i < 4 { corners[i] } else { middles[i - 4] };
+        PARTS.iter().for_each(|part| self.cut_parts(part.map(at), halvings - 1, point, out));
     }
 
     fn cut_tet(&self, corners: [Vertex; 4], out: &mut Vec<[Vertex; 3]>) {
@@ -72,7 +99,18 @@ impl Plane {
     }
 }
 
-/// The eight linear tetrahedra of a quadratic one: four corners, then the octahedron in between split along (0,1)-(2,3).
+/// How often the edges of a quadratic tetrahedron are halved.
+const HALVINGS: u32 = 2;
+
+/// Shape functions of the 10-node tetrahedron.
+fn shape(l: [f64; 4]) -> [f64; 10] {
+    std::array::from_fn(|a| match a {
+        0..4 => l[a] * (2.0 * l[a] - 1.0),
+        _ => EDGES[a - 4].iter().map(|&k| l[k]).product::<f64>() * 4.0,
+    })
+}
+
+/// The eight parts of a halved tetrahedron: four corners, then the octahedron in between split along (0,1)-(2,3).
 const PARTS: [[usize; 4]; 8] =
     [[0, 4, 6, 7], [1, 4, 5, 8], [2, 5, 6, 9], [3, 7, 8, 9], [4, 9, 5, 6], [4, 9, 6, 7], [4, 9, 7, 8], [4, 9, 8, 5]];
 
@@ -103,8 +141,12 @@ mod tests {
         for z in [0.1, 0.3, 0.5, 0.8] {
             let plane = Plane { normal: DVec3::Z, offset: z };
             let exact = (1.0 - z) * (1.0 - z) / 2.0;
-            let linear = plane.cut(&Elements::Linear(vec![[0, 1, 2, 3]]), &nodes, &[0.0; 10]);
-            let quadratic = plane.cut(&Elements::Quadratic(vec![[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]]), &nodes, &[0.0; 10]);
+            let linear = plane.cut(&Elements::Linear(vec![[0, 1, 2, 3]]), &nodes, &Field::Numbers(vec![0.0; 10]));
+            let quadratic = plane.cut(
+                &Elements::Quadratic(vec![[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]]),
+                &nodes,
+                &Field::Numbers(vec![0.0; 10]),
+            );
             assert!((area(&linear) - exact).abs() < 1e-12);
             assert!((area(&quadratic) - exact).abs() < 1e-12);
         }

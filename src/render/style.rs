@@ -1,13 +1,14 @@
 //! What a picture shows and how it is labelled.
 
 use crate::record::PadFrame;
+use glam::DVec3;
 
 /// Width of a picture, pixels.
 pub const WIDTH: u32 = 1400;
 /// Height of a picture, pixels.
 pub const HEIGHT: u32 = 800;
 
-/// The quantity that colours the pads.
+/// A quantity that colours pads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Scalar {
     /// Nodal von Mises stress, shown in kPa.
@@ -31,10 +32,44 @@ impl Scalar {
 
     /// Value per node: kPa, mm or mN.
     pub fn values(self, pad: &PadFrame) -> Vec<f64> {
+        match self.field(pad) {
+            Field::Numbers(numbers) => numbers,
+            Field::Vectors(vectors) => vectors.into_iter().map(DVec3::length).collect(),
+        }
+    }
+
+    /// What the values between the nodes come from, in the same unit.
+    pub(super) fn field(self, pad: &PadFrame) -> Field {
+        let scaled = |vectors: &[DVec3]| Field::Vectors(vectors.iter().map(|v| *v * 1e3).collect());
         match self {
-            Scalar::Stress => pad.von_mises_node.iter().map(|v| v * 1e-3).collect(),
-            Scalar::Displacement => pad.displacement.iter().map(|u| u.length() * 1e3).collect(),
-            Scalar::ContactForce => pad.contact_force.iter().map(|f| f.length() * 1e3).collect(),
+            Scalar::Stress => Field::Numbers(pad.von_mises_node.iter().map(|v| v * 1e-3).collect()),
+            Scalar::Displacement => scaled(&pad.displacement),
+            Scalar::ContactForce => scaled(&pad.contact_force),
+        }
+    }
+
+    /// Whether the elements' shape functions hold between the nodes. A force on a node is a sum over its surroundings, no value there:
+    /// corners and middles of edges bear different shares, which the shape functions would turn into waves.
+    pub(super) fn is_field(self) -> bool {
+        self != Scalar::ContactForce
+    }
+}
+
+/// Nodal values.
+pub(super) enum Field {
+    /// One number per node.
+    Numbers(Vec<f64>),
+    /// A vector per node, whose length is drawn.
+    Vectors(Vec<DVec3>),
+}
+
+impl Field {
+    /// The value where the nodes have these shape function values.
+    pub fn at(&self, (nodes, phi): (&[u32], &[f64])) -> f64 {
+        let pairs = || nodes.iter().zip(phi).map(|(n, w)| (*n as usize, *w));
+        match self {
+            Field::Numbers(numbers) => pairs().map(|(n, w)| w * numbers[n]).sum(),
+            Field::Vectors(vectors) => pairs().map(|(n, w)| w * vectors[n]).sum::<DVec3>().length(),
         }
     }
 }
@@ -42,12 +77,17 @@ impl Scalar {
 /// How to draw a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Style {
-    /// Quantity that colours the pads.
+    /// Quantity that colours the pads of the 3-D view.
     pub scalar: Scalar,
+    /// Quantity that colours the sensing faces: the displacement, which is what a tactile sensor sees and which the elements resolve where
+    /// stress, a derivative of it, still shows their edges.
+    pub face: Scalar,
     /// First line, e.g. `lemon, grasp 003`; force and travel are added below it.
     pub title: String,
-    /// Ends of the colour bar, in the unit of [`Scalar::label`]; `None` spans 0 to the largest value of this frame.
+    /// Ends of the colour bar of the 3-D view, in the unit of [`Scalar::label`]; `None` spans 0 to the largest value of this frame.
     pub range: Option<(f64, f64)>,
+    /// The same of the sensing faces.
+    pub face_range: Option<(f64, f64)>,
     /// Arrows of the in-plane displacement on the sensing faces, as a tactile sensor's markers show it.
     pub markers: bool,
     /// Cut the 3-D view open through the middle of the pads, to show the stress inside the gel.
@@ -56,6 +96,14 @@ pub struct Style {
 
 impl Default for Style {
     fn default() -> Self {
-        Style { scalar: Scalar::Stress, title: "grasp".into(), range: None, markers: true, cut: true }
+        Style {
+            scalar: Scalar::Stress,
+            face: Scalar::Displacement,
+            title: "grasp".into(),
+            range: None,
+            face_range: None,
+            markers: true,
+            cut: true,
+        }
     }
 }

@@ -5,6 +5,8 @@ use super::draw::{INK, MUTED, arrow, polyline};
 use super::normals::corner_normals;
 use super::raster::{Raster, Vertex};
 use super::section::Plane;
+use super::style::Scalar;
+use super::surface::Surface;
 use super::text::{Align, Label};
 use crate::mesh::TriMesh;
 use crate::record::{Frame, PadTopology, pad_name};
@@ -17,14 +19,20 @@ const OBJECT_CUT: u8 = 201;
 const OBJECT_RGB: [f32; 3] = [226.0, 219.0, 206.0];
 const OBJECT_CUT_RGB: [f32; 3] = [212.0, 205.0, 192.0];
 
+/// A depth that nobody sees, m.
+const HAIR: f64 = 1e-6;
+
+/// How far the cut is from the middle, m: nodes there are on one side of it, all of them.
+const ASIDE: f64 = 1e-7;
+
 /// Everything the view shows.
 pub struct View<'a> {
     /// The pads.
     pub topologies: &'a [PadTopology],
     /// Their state.
     pub frame: &'a Frame,
-    /// Value per node, per pad.
-    pub values: &'a [Vec<f64>],
+    /// What colours the pads.
+    pub scalar: Scalar,
     /// Ends of the colour scale.
     pub range: (f64, f64),
     /// Object surface in the object frame, m.
@@ -62,6 +70,13 @@ impl Camera {
         DVec3::new(self.middle.x + x, self.middle.y - y, -d.dot(self.towards))
     }
 
+    /// Depth of the point of a plane that is seen at a position on the raster.
+    fn depth(&self, plane: Plane, at: DVec2) -> f64 {
+        let aside = (at - self.middle) / self.scale;
+        let p = self.center + self.right * aside.x - self.up * aside.y;
+        (plane.normal.dot(p) - plane.offset) / plane.normal.dot(self.towards)
+    }
+
     /// Centres on `pads` and `object`; a large object may leave the picture, the pads may not.
     fn fit(&mut self, pads: &[DVec3], object: &[DVec3], size: DVec2) {
         let extent = |points: &mut dyn Iterator<Item = DVec3>| {
@@ -95,13 +110,19 @@ impl View<'_> {
         let mut camera = Camera::new();
         camera.fit(&pads, &object, DVec2::new(f64::from(size.0), f64::from(size.1)));
         let middle = pads.iter().map(|p| p.y).sum::<f64>() / pads.len().max(1) as f64;
-        let plane = self.cut.then_some(Plane { normal: -DVec3::Y, offset: -middle });
+        let plane = self.cut.then_some(Plane { normal: -DVec3::Y, offset: ASIDE - middle });
         let mut raster = Raster::new(size.0 as usize, size.1 as usize);
         for index in 0..self.topologies.len() {
             self.pad(&mut raster, &camera, plane, index);
         }
         if let Some(mesh) = self.object {
-            draw_object(&mut raster, &camera, plane, &object, &mesh.triangles);
+            let mut solid = Raster::new(size.0 as usize, size.1 as usize);
+            draw_object(&mut solid, &camera, plane, &object, &mesh.triangles);
+            if let Some(plane) = plane {
+                // The cut lies in the plane, in front of the far side that shows through; a hair behind the cut of the pads.
+                solid.move_to(OBJECT_CUT, |x, y| camera.depth(plane, DVec2::new(x, y)) + HAIR);
+            }
+            raster.merge(&solid);
         }
         raster.outline(0.45);
         raster.paste(page, at.0 as i32, at.1 as i32, 1.0);
@@ -111,22 +132,18 @@ impl View<'_> {
     }
 
     fn pad(&self, raster: &mut Raster, camera: &Camera, plane: Option<Plane>, index: usize) {
-        let (topology, pad, values) = (&self.topologies[index], &self.frame.pads[index], &self.values[index]);
+        let (topology, pad) = (&self.topologies[index], &self.frame.pads[index]);
+        let field = self.scalar.field(pad);
         let body = u8::try_from(2 * index + 1).unwrap_or(199).min(199);
         let tint = |value: f64| color(fraction(value, self.range));
         let lit = |value: f64, normal: DVec3| tint(value).map(|c| c * light(normal, camera) as f32);
-        for triangles in [topology.outside(), topology.sensing.clone()] {
-            let normals = corner_normals(&pad.position, &triangles);
-            for (triangle, normals) in triangles.iter().zip(normals) {
-                let corners = [0, 1, 2].map(|k| {
-                    let node = triangle[k] as usize;
-                    Vertex { position: pad.position[node], value: values[node], normal: normals[k] }
-                });
+        for surface in Surface::both(topology, self.scalar.is_field()) {
+            for corners in surface.shaded(&pad.position, &field) {
                 each_visible(corners, plane, |part| raster.triangle(project(camera, part), body, lit));
             }
         }
         if let Some(plane) = plane {
-            for part in plane.cut(&topology.elements, &pad.position, values) {
+            for part in plane.cut(&topology.elements, &pad.position, &field) {
                 // Not lit: on the cut the colour is to be read as a number.
                 raster.triangle(project(camera, part), body + 1, |value, _| tint(value));
             }
@@ -162,7 +179,7 @@ fn draw_object(raster: &mut Raster, camera: &Camera, plane: Option<Plane>, verti
             if front || plane.is_none() {
                 raster.triangle(part, OBJECT, |_, normal| OBJECT_RGB.map(|c| c * light(normal, camera) as f32));
             } else {
-                // The inside of a closed surface, in one flat colour, looks like the solid cut through.
+                // Where the inside of a closed surface shows, the plane has cut through the solid.
                 raster.triangle(part, OBJECT_CUT, |_, _| OBJECT_CUT_RGB);
             }
         });

@@ -1,4 +1,4 @@
-//! Truth above prediction, on one colour scale.
+//! Truth above prediction, on the same colour scales.
 
 use crate::dataset::ObjectFile;
 use crate::error::{Error, Result};
@@ -12,10 +12,14 @@ use tiny_skia::{PixmapPaint, Transform};
 /// Those of drawing.
 pub fn draw(file: &ObjectFile, number: usize, truth: &Frame, predicted: &Frame) -> Result<Pixmap> {
     let topologies = vec![file.pad.clone(); file.sizes.pads];
-    let largest = truth.pads.iter().flat_map(|p| Scalar::Stress.values(p)).fold(0.0, f64::max);
+    let range = |scalar: Scalar| {
+        let largest = truth.pads.iter().flat_map(|p| scalar.values(p)).fold(0.0, f64::max);
+        (largest > 0.0).then_some((0.0, largest))
+    };
     let picture = |what: &str, frame: &Frame| {
         let title = format!("{}, grasp {number:03}: {what}", file.name);
-        let style = Style { title, range: (largest > 0.0).then_some((0.0, largest)), ..Style::default() };
+        let plain = Style::default();
+        let style = Style { title, range: range(plain.scalar), face_range: range(plain.face), ..plain };
         render_pads(&topologies, frame, Some(&file.object), &style)
     };
     let (above, below) = (picture("finite elements", truth)?, picture("network", predicted)?);

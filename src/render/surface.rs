@@ -1,0 +1,120 @@
+//! The surface of a pad as its elements have it: faces with mid-edge nodes, cut into triangles so small that they look curved, on whose
+//! corners everything is evaluated with the shape functions.
+
+use super::normals::corner_normals;
+use super::raster::Vertex;
+use super::style::Field;
+use crate::contact::Face;
+use crate::contact::surface::sub_triangles;
+use crate::element::EDGES;
+use crate::fem::term::Stencil;
+use crate::record::{Elements, PadTopology};
+use glam::DVec3;
+use std::collections::{HashMap, HashSet};
+
+/// Parts of an edge of a curved face: at 13 pixels a millimetre and 2.6 mm a face edge, six pixels each.
+const PARTS: usize = 6;
+
+/// Triangles between points of faces.
+#[derive(Default)]
+pub struct Surface {
+    /// Nodes and shape function values of every point.
+    pub points: Vec<Stencil>,
+    /// Points of every triangle, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Surface {
+    /// The sensing face and the rest of the outer surface: curved where the elements are, or flat between the nodes.
+    pub fn both(topology: &PadTopology, curved: bool) -> [Self; 2] {
+        let flat = |triangles: &[[u32; 3]]| triangles.iter().map(|t| Face { corners: *t, mids: None }).collect();
+        let [sensing, outside] = curved
+            .then(|| faces(topology))
+            .flatten()
+            .unwrap_or_else(|| [flat(&topology.sensing), flat(&topology.outside())]);
+        [Self::of(&sensing), Self::of(&outside)]
+    }
+
+    fn of(faces: &[Face]) -> Self {
+        let (mut surface, mut known) = (Self::default(), HashMap::new());
+        for face in faces {
+            let parts = if face.mids.is_some() { PARTS } else { 1 };
+            for triangle in sub_triangles(parts) {
+                let corner = triangle.map(|lattice| {
+                    // A point that faces share is one point: its corners and their weights, in the order of the nodes.
+                    let mut key = [0, 1, 2].map(|k| (face.corners[k], lattice[k] * PARTS / parts));
+                    key.iter_mut().filter(|(_, weight)| *weight == 0).for_each(|entry| *entry = (u32::MAX, 0));
+                    key.sort_unstable();
+                    *known.entry(key).or_insert_with(|| {
+                        surface.points.push(face.stencil(lattice.map(|i| i as f64 / parts as f64)));
+                        surface.points.len() as u32 - 1
+                    })
+                });
+                surface.triangles.push(corner);
+            }
+        }
+        surface
+    }
+
+    /// The points for nodes at `x`.
+    pub fn positions(&self, x: &[DVec3]) -> Vec<DVec3> {
+        self.points.iter().map(|point| point.position(x)).collect()
+    }
+
+    /// The values of a field at the points.
+    pub fn values(&self, field: &Field) -> Vec<f64> {
+        self.points.iter().map(|point| field.at(point.slices())).collect()
+    }
+
+    /// The triangles with positions, values and shading normals for nodes at `x`.
+    pub fn shaded(&self, x: &[DVec3], field: &Field) -> Vec<[Vertex; 3]> {
+        let (positions, values) = (self.positions(x), self.values(field));
+        let normals = corner_normals(&positions, &self.triangles);
+        let vertex = |(triangle, normals): (&[u32; 3], [DVec3; 3])| {
+            [0, 1, 2].map(|k| {
+                let point = triangle[k] as usize;
+                Vertex { position: positions[point], value: values[point], normal: normals[k] }
+            })
+        };
+        self.triangles.iter().zip(normals).map(vertex).collect()
+    }
+}
+
+/// Sensing and other faces with their mid-edge nodes; None for linear elements, and where they do not make up the sensing face.
+fn faces(topology: &PadTopology) -> Option<[Vec<Face>; 2]> {
+    let Elements::Quadratic(tets) = &topology.elements else { return None };
+    let edge = |a: u32, b: u32| [a.min(b), a.max(b)];
+    let middle: HashMap<[u32; 2], u32> =
+        tets.iter().flat_map(|t| (0..6).map(|e| (edge(t[EDGES[e][0]], t[EDGES[e][1]]), t[4 + e]))).collect();
+    let face = |&[a, b, c]: &[u32; 3]| {
+        let mids = [*middle.get(&edge(a, b))?, *middle.get(&edge(b, c))?, *middle.get(&edge(c, a))?];
+        Some(Face { corners: [a, b, c], mids: Some(mids) })
+    };
+    let nodes: HashSet<u32> = topology.sensing.as_flattened().iter().copied().collect();
+    let all: Vec<Face> = topology.surface.iter().map(face).collect::<Option<_>>()?;
+    let (sensing, outside): (Vec<Face>, Vec<Face>) =
+        all.into_iter().partition(|f| f.corners.iter().chain(f.mids.iter().flatten()).all(|n| nodes.contains(n)));
+    (4 * sensing.len() == topology.sensing.len()).then_some([sensing, outside])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two faces of a pad, one with a curved edge between them: no point twice, and the middle of the edge on the parabola.
+    #[test]
+    fn a_curved_edge_is_a_parabola_and_faces_share_its_points() {
+        let faces =
+            [Face { corners: [0, 1, 2], mids: Some([4, 5, 6]) }, Face { corners: [1, 0, 3], mids: Some([4, 7, 8]) }];
+        let mut x =
+            [(0., 0.), (1., 0.), (0., 1.), (0., -1.), (0.5, 0.), (0.5, 0.5), (0., 0.5), (0., -0.5), (0.5, -0.5)]
+                .map(|(x, y)| DVec3::new(x, y, 0.0));
+        x[4].z = 0.4;
+        let surface = Surface::of(&faces);
+        assert_eq!(surface.points.len(), 28 + 28 - (PARTS + 1));
+        let on_edge = surface.positions(&x).into_iter().filter(|p| p.y.abs() < 1e-12);
+        assert!(
+            on_edge.clone().count() == PARTS + 1 && { on_edge }.all(|p| (p.z - 1.6 * p.x * (1.0 - p.x)).abs() < 1e-12)
+        );
+    }
+}
