@@ -136,6 +136,9 @@ fn a_feature_moves_along_its_edge_to_where_a_ridge_of_the_pad_crosses_it() {
         assert!(!term.satisfied(&body, &view), "the edge is in the pad");
         term.assemble(&body, &view, false, &mut block);
         let gap = term.edge(0).gap;
-        assert!((gap + 5.0 * offset / f64::hypot(1.0, 0.6)).abs() < 1.2 * offset, "as deep as the ridge is high: {gap:.2e}");
+        assert!(
+            (gap + 5.0 * offset / f64::hypot(1.0, 0.6)).abs() < 1.2 * offset,
+            "as deep as the ridge is high: {gap:.2e}"
+        );
     }
 }

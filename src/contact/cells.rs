@@ -5,8 +5,9 @@ use glam::{DVec3, UVec3};
 /// Faces by cell.
 #[derive(Debug, Clone)]
 pub(super) struct Cells {
-    /// A cell lists all faces that come nearer than this to any of its points, m.
+    /// A cell lists all faces that come nearer than this to any of its points, m: not much farther than a face is wide.
     pub near: f64,
+    reach: f64,
     low: DVec3,
     size: f64,
     count: UVec3,
@@ -19,18 +20,28 @@ pub(super) struct Cells {
 const MOST: f64 = 64.0;
 
 impl Cells {
-    /// No faces yet; the cells will list those nearer than `near` (m).
-    pub fn new(near: f64) -> Self {
-        Self { near, low: DVec3::ZERO, size: 1.0, count: UVec3::ZERO, first: Vec::new(), faces: Vec::new() }
+    /// No faces yet; the cells will list those nearer than `reach` (m), or than a face is wide.
+    pub fn new(reach: f64) -> Self {
+        Self {
+            near: reach,
+            reach,
+            low: DVec3::ZERO,
+            size: 1.0,
+            count: UVec3::ZERO,
+            first: Vec::new(),
+            faces: Vec::new(),
+        }
     }
 
     /// Sorts faces, given by the ends of boxes around them (m), into cells half as wide as a face; the box from `low` to `high` is
     /// around them all.
     pub fn update(&mut self, boxes: &[[DVec3; 2]], low: DVec3, high: DVec3) {
-        let width: f64 = boxes.iter().map(|[low, high]| (*high - *low).max_element()).sum();
+        let widths: f64 = boxes.iter().map(|[low, high]| (*high - *low).max_element()).sum();
+        let width = widths / boxes.len().max(1) as f64;
+        self.near = self.reach.min(width);
         let extent = (high - low).max(DVec3::ZERO) + 2.0 * self.near;
         self.low = low - self.near;
-        self.size = (0.5 * width / boxes.len().max(1) as f64).max(extent.max_element() / MOST);
+        self.size = (0.5 * width).max(extent.max_element() / MOST);
         self.count = (extent / self.size).as_uvec3() + 1;
         let mut next = vec![0; (self.count.x * self.count.y * self.count.z) as usize + 1];
         for face in boxes {
