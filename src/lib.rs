@@ -38,6 +38,7 @@ pub mod regular_file;
 pub mod render;
 pub mod report;
 pub mod runner;
+pub mod scales;
 pub mod scene;
 pub mod schedule;
 pub mod shape;

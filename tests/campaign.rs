@@ -186,6 +186,7 @@ fn random_squeezes_reach_their_force_or_say_why_not() {
             finite: true,
             min_det_f: f64::NAN,
             penetration: f64::NAN,
+            offset: f64::NAN,
             imbalance: f64::NAN,
         });
         println!(

@@ -76,7 +76,7 @@ fn check(quadratic: bool, bend: f64, height: f64, tolerance: f64) {
     let (mut compared, mut worst) = (0, 0.0_f64);
     for seed in 0..3 {
         let (surface, x) = slab(quadratic, bend, seed);
-        let mut bounds = FaceBounds::default();
+        let mut bounds = FaceBounds::new(1e-5);
         bounds.update(&surface, &x);
         for _ in 0..200 {
             let face = &surface.faces[(0.5 * (random.number() + 1.0) * surface.faces.len() as f64) as usize];
@@ -120,7 +120,7 @@ fn nothing_is_nearer_than_the_foot_on_a_crumpled_surface() {
     let mut random = Random(4);
     for seed in 0..3 {
         let (surface, x) = slab(true, 0.45, seed);
-        let mut bounds = FaceBounds::default();
+        let mut bounds = FaceBounds::new(1e-5);
         bounds.update(&surface, &x);
         for _ in 0..200 {
             let y = DVec3::new(1.5, 1.5, 1.2) + random.vector() * DVec3::new(1.8, 1.8, 0.8);
@@ -139,7 +139,7 @@ fn a_point_on_a_crumpled_surface_is_found_on_it() {
     let mut random = Random(5);
     for seed in 0..3 {
         let (surface, x) = slab(true, 0.45, seed);
-        let mut bounds = FaceBounds::default();
+        let mut bounds = FaceBounds::new(1e-5);
         bounds.update(&surface, &x);
         for k in 0..300 {
             let face = &surface.faces[k % surface.faces.len()];
@@ -158,7 +158,7 @@ fn a_point_on_a_crumpled_surface_is_found_on_it() {
 #[test]
 fn nothing_is_found_beyond_the_reach_and_everything_inside() {
     let (surface, x) = slab(true, 0.0, 0);
-    let mut bounds = FaceBounds::default();
+    let mut bounds = FaceBounds::new(1e-5);
     bounds.update(&surface, &x);
     let gap = |z: f64| bounds.closest(&surface, &x, DVec3::new(1.3, 1.6, z), 0.1).map(|f| f.gap);
     assert!(gap(1.1001).is_none() && gap(5.0).is_none());

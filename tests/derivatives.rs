@@ -792,7 +792,7 @@ fn inertia_of_pads_viscosity_and_drive_have_their_derivatives() {
         scene.check("viscosity", &mut term);
         // Within the stroke, and past its end.
         for end in [5.0, -5.0] {
-            let make = |scene: &Scene, _: Hand, _: &mut Random| Drive::new(1e-5, 2.0, end, scene.state.travel[0]);
+            let make = |scene: &Scene, _: Hand, _: &mut Random| Drive::new(1e-5, 2.0, end, 1e-5, scene.state.travel[0]);
             let (scene, mut term, _) = stepped(seed, 0.2, make);
             scene.check("drive", &mut term);
         }

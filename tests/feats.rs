@@ -46,7 +46,7 @@ fn curve(shape: GelShape, cells: [usize; 3], poisson: f64, friction: f64, steps:
     let body = pad_body(&pad, true, Arc::new(NeoHookean::from_c10(C10, poisson)));
     let object = Arc::new(Sphere { radius: RADIUS });
     let mut press = Press::new(Setup { body, object, start: DVec3::Z * RADIUS, friction });
-    press.path.tolerance = Tolerance { iterations: 60, ..Tolerance::default() };
+    press.path.tolerance = Tolerance { iterations: 60, ..press.path.tolerance };
     let forces = HARDWARE.map(|(depth, _)| press.to(depth, steps));
     let off = |k: usize| 100.0 * (forces[k] / HARDWARE[k].1 - 1.0);
     let text: Vec<String> = (0..4).map(|k| format!("{:.3} N ({:+.1} %)", forces[k], off(k))).collect();

@@ -71,8 +71,15 @@ impl Solver {
     }
 
     fn solve(&mut self) {
-        let tolerance =
-            Tolerance { relative: 0.0, force: 1e-10, length: 1e-7, iterations: 60, motion: 1e3, passing: false };
+        let tolerance = Tolerance {
+            relative: 0.0,
+            force: 1e-10,
+            length: 1e-7,
+            iterations: 60,
+            motion: 1e3,
+            passing: false,
+            offset: 1e-5,
+        };
         let solved = self.newton.solve(&self.state, self.state.clone(), &tolerance);
         self.state = solved.expect("converges").0;
     }

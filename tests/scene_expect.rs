@@ -15,7 +15,7 @@ fn judge(text: &str, measured: &Measured) -> Held {
     evaluate(&expectations(text)[0], measured)
 }
 
-const FINE: Findings = Findings { finite: true, min_det_f: 0.6, penetration: 1e-7, imbalance: 1e-4 };
+const FINE: Findings = Findings { finite: true, min_det_f: 0.6, penetration: 1e-7, offset: 1e-5, imbalance: 1e-4 };
 
 fn audited(findings: Findings) -> Measured {
     Measured { findings: Some(findings), ..good() }

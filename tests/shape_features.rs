@@ -9,7 +9,7 @@ use tactus::shape::{FeaturePoint, Shape, generate};
 
 /// Every sample is on the surface, and no two of them are the same.
 fn check(shape: &Shape, spacing: f64) -> Vec<FeaturePoint> {
-    let points = shape.features.sample(spacing);
+    let points = shape.features.sample(spacing, 1e-5);
     for p in &points {
         let d = shape.distance.distance(p.position);
         assert!(d.abs() < 1e-12, "{}: {p:?} is {d} m off the surface", shape.name);
@@ -18,7 +18,7 @@ fn check(shape: &Shape, spacing: f64) -> Vec<FeaturePoint> {
     let mut places: Vec<_> = points.iter().map(|p| p.position.to_array().map(|x| (x * 1e10).round() as i64)).collect();
     places.sort();
     assert!(places.windows(2).all(|w| w[0] != w[1]), "{}: a point occurs twice", shape.name);
-    assert_eq!(points, shape.features.sample(spacing));
+    assert_eq!(points, shape.features.sample(spacing, 1e-5));
     points
 }
 
@@ -47,8 +47,8 @@ fn a_box_has_eight_corners_and_twelve_edges() {
 #[test]
 fn rounded_edges_are_sampled_where_they_are_tight_for_the_spacing() {
     let shape = generate::cuboid(DVec3::splat(0.04), 0.002, 16).unwrap();
-    assert!(shape.features.sample(1e-4).is_empty());
-    let points = shape.features.sample(1e-3);
+    assert!(shape.features.sample(1e-4, 1e-5).is_empty());
+    let points = shape.features.sample(1e-3, 1e-5);
     // Edges of 36 mm are cut into 36 parts, their arcs of 3.1 mm into 4 by 3 lines.
     assert_eq!(points.len(), 12 * 37 * 3);
     for p in points {
@@ -70,7 +70,7 @@ fn tips_of_round_solids_are_sampled_where_they_are_tight_for_the_spacing() {
     let arc = (0..=64).map(|i| DVec2::from_angle((f64::from(i) / 64.0 - 0.5) * PI) * 0.03);
     let round = arc.enumerate().map(|(i, p)| if i % 64 == 0 { DVec2::new(0.0, p.y) } else { p }).collect();
     let ball = generate::revolve("ball", round, false, 64).unwrap();
-    assert!(ball.features.sample(3e-4).is_empty());
+    assert!(ball.features.sample(3e-4, 1e-5).is_empty());
 }
 
 /// On a ball, a pin and a capsule of 2 mm no point of the surface is farther than 0.11 mm from one that is felt by a pad that feels it

@@ -114,7 +114,15 @@ fn error(field: Field, n: usize, quadratic: bool, mean_dilatation: bool, poisson
     let mut newton = Newton::new(vec![Arc::new(body)], vec![terms], Border::none(1)).expect("solver");
     let x = rest.iter().map(|p| *p + field(*p)).collect();
     let start = State { x: vec![x], travel: vec![0.0], position: DVec3::ZERO, rotation: DQuat::IDENTITY };
-    let tolerance = Tolerance { relative: 0.0, force: 1e-9, length: 1e-8, iterations: 40, motion: 1e3, passing: false };
+    let tolerance = Tolerance {
+        relative: 0.0,
+        force: 1e-9,
+        length: 1e-8,
+        iterations: 40,
+        motion: 1e3,
+        passing: false,
+        offset: 1e-5,
+    };
     let (state, _) = newton.solve(&start.clone(), start, &tolerance).expect("converges");
     let (mut wrong, mut right) = (0.0, 0.0);
     for tet in &lists {

@@ -3,10 +3,9 @@
 
 mod common;
 
-use common::{Press, Setup, elements};
+use common::{OFFSET, Press, Setup, elements};
 use glam::DVec3;
 use std::sync::Arc;
-use tactus::contact::law::Law;
 use tactus::fem::body::Body;
 use tactus::fem::newton::Tolerance;
 use tactus::material::{Linear, Material, NeoHookean};
@@ -50,7 +49,7 @@ fn a_ball_on_a_block_follows_hertz() {
     let poisson = 0.45;
     let mut press = ball_on(block(poisson), RADIUS, 0.0);
     // The surfaces meet at the offset of the law: the ball is larger by it.
-    let radius = RADIUS + Law::new(YOUNG, 1e-3, 0.0).offset;
+    let radius = RADIUS + OFFSET;
     let mut curve = Vec::new();
     for depth in [0.1e-3, 0.16e-3, 0.26e-3] {
         let force = press.to(depth, 1) / thickness_factor((radius * depth).sqrt() / THICKNESS, poisson);
@@ -73,7 +72,7 @@ fn a_ball_on_a_block_follows_hertz() {
 fn shear(press: &mut Press, step: f64) -> (f64, f64) {
     let mut start = press.path.state.clone();
     start.position.x += step;
-    let tolerance = Tolerance { length: 1e-6, iterations: 80, ..Tolerance::default() };
+    let tolerance = Tolerance { length: 1e-6, iterations: 80, ..Tolerance::new(OFFSET) };
     let (state, _) = press.path.newton.solve(&press.path.state, start, &tolerance).expect("converges");
     press.path.newton.commit(&state);
     press.path.state = state;

@@ -41,6 +41,8 @@ pub struct Findings {
     pub min_det_f: f64,
     /// How deep pads and object are in each other at the worst point, m; zero if they are not.
     pub penetration: f64,
+    /// Offset of the contact law, m: down to that nothing is resolved.
+    pub offset: f64,
     /// Largest force that nothing balances, over the force of a finger.
     pub imbalance: f64,
 }
@@ -59,6 +61,7 @@ impl Findings {
             finite: self.finite && other.finite,
             min_det_f: pick(self.min_det_f, other.min_det_f, f64::min),
             penetration: pick(self.penetration, other.penetration, f64::max),
+            offset: self.offset.max(other.offset),
             imbalance: pick(self.imbalance, other.imbalance, f64::max),
         }
     }
@@ -82,8 +85,10 @@ impl Auditor {
 
     /// Judges a frame of `model`; `gravity` in the hand frame, m/s2.
     pub fn judge(&self, model: &Model, frame: &Frame, gravity: DVec3) -> Findings {
+        let offset = model.law.offset;
         if !finite(frame) {
-            return Findings { finite: false, min_det_f: f64::NAN, penetration: f64::NAN, imbalance: f64::NAN };
+            let nan = f64::NAN;
+            return Findings { finite: false, min_det_f: nan, penetration: nan, offset, imbalance: nan };
         }
         let (penetration, (min_det_f, imbalance)) = rayon::join(
             || self.penetration(model, frame),
@@ -93,7 +98,7 @@ impl Auditor {
                 (det.fold(f64::INFINITY, f64::min), equilibrium::imbalance(model, &self.pads, frame, gravity))
             },
         );
-        Findings { finite: true, min_det_f, penetration, imbalance }
+        Findings { finite: true, min_det_f, penetration, offset, imbalance }
     }
 
     /// How deep pads and object are in each other at the worst point, m.

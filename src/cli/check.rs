@@ -282,6 +282,10 @@ impl Found {
                 m.release * total
             ));
         }
+        line(&format!(
+            "contact: begins at a gap of {} m, of which all lengths of the method are multiples",
+            crate::scene::leaf::shown(m.law.offset)
+        ));
         if let Some(path) = m.path_error {
             line(&format!("path: increments are as many as an error of {path:e} of the displacement asks for"));
         }

@@ -3,8 +3,11 @@
 use glam::{DVec3, UVec3};
 
 /// Faces by cell.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct Cells {
+    /// A cell lists all faces that come nearer than this to any of its points, m: not much farther than a face is wide.
+    pub near: f64,
+    reach: f64,
     low: DVec3,
     size: f64,
     count: UVec3,
@@ -13,19 +16,32 @@ pub(super) struct Cells {
     faces: Vec<u32>,
 }
 
-/// A cell lists all faces that come nearer than this to any of its points, m: farther than most features that are looked up.
-pub const NEAR: f64 = 5e-4;
 /// Most cells along an axis.
 const MOST: f64 = 64.0;
 
 impl Cells {
+    /// No faces yet; the cells will list those nearer than `reach` (m), or than a face is wide.
+    pub fn new(reach: f64) -> Self {
+        Self {
+            near: reach,
+            reach,
+            low: DVec3::ZERO,
+            size: 1.0,
+            count: UVec3::ZERO,
+            first: Vec::new(),
+            faces: Vec::new(),
+        }
+    }
+
     /// Sorts faces, given by the ends of boxes around them (m), into cells half as wide as a face; the box from `low` to `high` is
     /// around them all.
     pub fn update(&mut self, boxes: &[[DVec3; 2]], low: DVec3, high: DVec3) {
-        let width: f64 = boxes.iter().map(|[low, high]| (*high - *low).max_element()).sum();
-        let extent = (high - low).max(DVec3::ZERO) + 2.0 * NEAR;
-        self.low = low - NEAR;
-        self.size = (0.5 * width / boxes.len().max(1) as f64).max(extent.max_element() / MOST);
+        let widths: f64 = boxes.iter().map(|[low, high]| (*high - *low).max_element()).sum();
+        let width = widths / boxes.len().max(1) as f64;
+        self.near = self.reach.min(width);
+        let extent = (high - low).max(DVec3::ZERO) + 2.0 * self.near;
+        self.low = low - self.near;
+        self.size = (0.5 * width).max(extent.max_element() / MOST);
         self.count = (extent / self.size).as_uvec3() + 1;
         let mut next = vec![0; (self.count.x * self.count.y * self.count.z) as usize + 1];
         for face in boxes {
@@ -44,7 +60,7 @@ impl Cells {
         self.faces = faces;
     }
 
-    /// The faces that may be nearer than [`NEAR`] to `y`, ascending; perhaps others.
+    /// The faces that may be nearer than `near` to `y`, ascending; perhaps others.
     pub fn at(&self, y: DVec3) -> &[u32] {
         let place = (y - self.low) / self.size;
         let outside = self.first.is_empty() || place.cmplt(DVec3::ZERO).any();
@@ -63,7 +79,7 @@ impl Cells {
     /// The cells that a face with this box comes near to.
     fn covered(&self, [low, high]: &[DVec3; 2], mut visit: impl FnMut(usize)) {
         let place = |p: DVec3| ((p - self.low) / self.size).max(DVec3::ZERO).as_uvec3().min(self.count - 1);
-        let (from, to) = (place(*low - NEAR), place(*high + NEAR));
+        let (from, to) = (place(*low - self.near), place(*high + self.near));
         for x in from.x..=to.x {
             for y in from.y..=to.y {
                 for z in from.z..=to.z {

@@ -1,20 +1,20 @@
 //! Which features of the object are too far from a pad to be looked for, and on which side of it the others are: neither they nor
 //! the pad move faster than they move.
 
-use super::flanks::{Flank, KEPT};
+use super::flanks::Flank;
 use super::foot::Foot;
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
 use crate::fem::state::View;
+use crate::scales::{DISTANCES_STALE, FACE_KEPT, FEATURES_LISTED};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
-/// Motion of the pad after which the distances are taken anew, m: a fraction of what most features are away.
-const STALE: f64 = 2e-4;
-
 /// What is known of the distances of all features to the pad.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct Far {
+    /// Contact offset, m.
+    offset: f64,
     /// From the last time that all were taken.
     looked: Arc<Seen>,
     /// From the last assembly, of those that were near.
@@ -42,9 +42,6 @@ struct Nearby {
     /// Largest distance of a feature from the origin of the object, m.
     radius: f64,
 }
-
-/// Distance from the pad up to which features are listed, m: several times as far as pads move between two lists.
-const ROOM: f64 = 1.5e-3;
 
 /// Where a feature was, relative to the finger, and how far outside the pad at least and at most, m.
 #[derive(Debug, Clone, Copy)]
@@ -96,14 +93,20 @@ impl Bounds {
     }
 
     /// `foot` on the side that is possible: where a face is folded over or a crease is closed, the surface passes through
-    /// itself, and what is outside looks as if it were inside, or the other way round.
-    pub fn sided(&self, foot: Foot) -> Foot {
-        let possible = |gap: f64| self.least - KEPT <= gap && gap <= self.most + KEPT;
+    /// itself, and what is outside looks as if it were inside, or the other way round. Contact has this `offset` (m).
+    pub fn sided(&self, foot: Foot, offset: f64) -> Foot {
+        let slack = FACE_KEPT * offset;
+        let possible = |gap: f64| self.least - slack <= gap && gap <= self.most + slack;
         if possible(foot.gap) || !possible(-foot.gap) { foot } else { foot.flipped() }
     }
 }
 
 impl Far {
+    /// Nothing is known; contact has this `offset` (m).
+    pub fn new(offset: f64) -> Self {
+        Self { offset, looked: Arc::default(), last: Arc::default(), nearby: Arc::default() }
+    }
+
     /// Takes the distances of `count` features anew if the pad at `x` has moved too far since the last time; `place` says where
     /// each of them is.
     pub fn update(
@@ -115,11 +118,11 @@ impl Far {
         place: impl Fn(usize) -> DVec3,
     ) {
         let moved = self.moved(x);
-        if moved.looked > STALE {
+        if moved.looked > DISTANCES_STALE * self.offset {
             let away = |i: usize| {
                 let y = place(i);
                 let near = self.bounds(i, y, moved);
-                let least = bounds.outside(surface, x, y, |foot| near.sided(foot));
+                let least = bounds.outside(surface, x, y, |foot| near.sided(foot, self.offset));
                 Bounds { at: y, least, most: f64::INFINITY }
             };
             let features = (0..count).map(away).collect();
@@ -136,7 +139,10 @@ impl Far {
     /// reaches as far as `radius` (m) from its origin.
     pub fn list(&mut self, view: &View, radius: f64, matter: impl Fn(usize) -> bool) {
         let all = self.last.features.iter().enumerate();
-        let features = all.filter(|(i, bounds)| bounds.within(ROOM) || matter(*i)).map(|(i, _)| i).collect();
+        let features = all
+            .filter(|(i, bounds)| bounds.within(FEATURES_LISTED * self.offset) || matter(*i))
+            .map(|(i, _)| i)
+            .collect();
         self.nearby = Arc::new(Nearby { features, x: view.x.to_vec(), object: object(view), radius });
     }
 
@@ -156,7 +162,7 @@ impl Far {
         let turn = turn - turned;
         let turn = [turn.x_axis, turn.y_axis, turn.z_axis].map(|c| c.length_squared()).iter().sum::<f64>().sqrt();
         let moved = BULGE * motion(&listed.x, view.x) + place.distance(then) + turn * listed.radius;
-        (moved + reach <= ROOM).then_some(&listed.features)
+        (moved + reach <= FEATURES_LISTED * self.offset).then_some(&listed.features)
     }
 
     /// How far the nodes of the pad at `x` have moved.
@@ -197,7 +203,7 @@ mod tests {
         let then = Bounds { at: DVec3::ZERO, least: 1e-5, most: 1e-5 };
         let seen = Seen { x: vec![DVec3::ZERO], features: vec![then] };
         let now = seen.bounds(0, DVec3::X * 1e-6, 0.0);
-        let gap = |gap: f64| now.sided(Foot::at(0, [1.0, 0.0, 0.0], gap, DVec3::Z)).gap;
+        let gap = |gap: f64| now.sided(Foot::at(0, [1.0, 0.0, 0.0], gap, DVec3::Z), 1e-5).gap;
         assert_eq!([gap(9.5e-6), gap(-9.5e-6)], [9.5e-6; 2], "m");
         // Neither side is possible: what the surface says stands.
         assert_eq!(gap(-5e-5), -5e-5, "m");

@@ -15,6 +15,7 @@ use super::surface::ContactSurface;
 use crate::fem::body::Body;
 use crate::fem::state::{Departure, Motion, View};
 use crate::fem::term::{Block, BodyTerm, Pair, Stencil};
+use crate::scales::FEATURE_MOVES;
 use crate::shape::Stretch;
 use glam::DVec3;
 use std::any::Any;
@@ -89,7 +90,7 @@ impl FeatureContact {
         let pool = EdgePool::new(law, features.len());
         let sites: Vec<Site> = features.iter().map(|f| Site::new(f.position)).collect();
         let area = surface.spacing * surface.spacing;
-        let (bounds, far) = (FaceBounds::default(), Far::default());
+        let (bounds, far) = (FaceBounds::new(law.offset), Far::new(law.offset));
         let accepted = Accepted { sites: sites.clone(), far: far.clone() };
         Self { pool, surface, features, area, accepted, sites, bounds, far, from: None, sharp: true }
     }
@@ -141,7 +142,7 @@ impl FeatureContact {
         if !near.within(reach) {
             return Vec::new();
         }
-        faces.flanks(&self.surface, x, near.at, reach, self.sites[i].last(stays), |foot| near.sided(foot))
+        faces.flanks(&self.surface, x, near.at, reach, self.sites[i].last(stays), |foot| near.sided(foot, faces.offset))
     }
 
     /// Where feature `i` sticks to the pad, and how far that point is from the feature, plus its `drag`, m.
@@ -155,7 +156,7 @@ impl FeatureContact {
 
 impl BodyTerm for FeatureContact {
     fn energy(&self, _: &Body, view: &View) -> f64 {
-        let mut bounds = FaceBounds::default();
+        let mut bounds = FaceBounds::new(self.pool.law.offset);
         bounds.update(&self.surface, view.x);
         let moved = self.far.moved(view.x);
         let mut energy = 0.0;
@@ -273,9 +274,6 @@ impl BodyTerm for FeatureContact {
     }
 }
 
-/// Depth of another place of its edge from which a feature goes there, m: nothing presses on it, or something does.
-const FREE: f64 = 4e-6;
-const PRESSED: f64 = 5e-6;
 /// Moves of a feature along its edge in one increment, at most.
 const MOVES: u32 = 2;
 
@@ -287,7 +285,7 @@ impl FeatureContact {
         for (i, (feature, site)) in self.features.iter().zip(&mut self.sites).enumerate() {
             let Some(stretch) = &feature.along else { continue };
             // If one that is pressed leaves its place, the pad comes through there: for little it stays.
-            let most = if self.pool.edge(i).pressure > 0.0 { PRESSED } else { FREE };
+            let most = self.pool.law.offset * FEATURE_MOVES[usize::from(self.pool.edge(i).pressure > 0.0)];
             let near = self.far.bounds(i, site.place(view), moved).within(stretch.length());
             let free = near && site.moves < MOVES;
             let Some(deepest) = free.then(|| deepest(&self.bounds, &self.surface, view, stretch, most)).flatten()

@@ -8,6 +8,7 @@ use super::foot::{Foot, ON_RIM, carried_on, on_edge, on_face};
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
 use crate::mesh::rings::{Part, Place, View};
+use crate::scales::FACE_KEPT;
 use crate::shape::outer;
 use glam::{DMat3, DVec3};
 
@@ -38,9 +39,6 @@ const SHALLOW_STILL: f64 = 0.951;
 const SHALLOW_AGAIN: f64 = 0.978;
 /// The same while the choice of one face stays (30 degrees).
 const NOT_SHALLOW: f64 = 0.866;
-/// Difference of distance, m, up to which the last face is kept at a shallow fold.
-pub(super) const KEPT: f64 = 2e-6;
-
 /// What a feature pressed on at the last assembly.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Last {
@@ -65,10 +63,10 @@ impl Last {
         }
     }
 
-    /// Difference of distance up to which its face is kept, m.
-    fn kept(self) -> f64 {
+    /// Difference of distance up to which its face is kept at a shallow fold, m, where contact has this `offset` (m).
+    fn kept(self, offset: f64) -> f64 {
         match (self.stays, self.carried) {
-            (false, _) => KEPT,
+            (false, _) => FACE_KEPT * offset,
             (true, true) => f64::INFINITY,
             (true, false) => 0.0,
         }
@@ -101,7 +99,7 @@ impl FaceBounds {
         if others.iter().all(|(foot, ..)| shallow(foot)) {
             let kept = last.and_then(|last| {
                 let foot = carried_on(last.face, &surface.faces[last.face], x, y)?;
-                (shallow(&foot) && (foot.gap - nearest.gap).abs() < last.kept()).then_some(foot)
+                (shallow(&foot) && (foot.gap - nearest.gap).abs() < last.kept(self.offset)).then_some(foot)
             });
             return vec![(kept.unwrap_or(nearest), 1.0, DMat3::ZERO)];
         }

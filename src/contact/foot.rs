@@ -73,7 +73,7 @@ pub(super) fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3) -> Foot 
     let interior = l.iter().all(|v| *v > ON_RIM);
     // On the rim of a face the direction to the point is the normal; on its inside both agree, and the frame is exact
     // also at distance zero.
-    let normal = if interior || distance < 1e-9 { face_normal } else { away * (side / distance) };
+    let normal = if interior || face.touches(x, distance) { face_normal } else { away * (side / distance) };
     let gap = if interior { away.dot(face_normal) } else { side * distance };
     let facing = if interior || distance == 0.0 { 1.0 } else { away.dot(face_normal).abs() / distance };
     Foot { face: index, l, gap, normal, facing, carried: false }

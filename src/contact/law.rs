@@ -1,11 +1,12 @@
 //! The contact law at one point, per unit area: normal pressure and Coulomb friction, each the gradient of a C1 potential.
 //!
-//! Surfaces meet at an `offset` (10 micrometres) outside the object: from there a stiff penalty resists, and stiffens
+//! Surfaces meet at an `offset` (a 400th of the thickness of the pads) outside the object: from there a stiff penalty resists, and stiffens
 //! again in the last quarter, so that no accepted state penetrates while an iterate may. Against a barrier, whose steps
 //! shrink to the first point that would touch, this lets one Newton iteration change the contact set everywhere; against
 //! an augmented Lagrangian it has no history, so that the answer does not depend on how many increments led to it.
-//! Since travel counts from where the offset surfaces touch, the offset acts as a radius larger by 10 micrometres.
+//! Since travel counts from where the offset surfaces touch, the offset acts as a radius larger by as much.
 
+use crate::scales::CONTACT_STIFFNESS;
 use glam::DVec3;
 
 /// Constants of the law.
@@ -31,12 +32,13 @@ const LEAST: f64 = 0.02;
 const STIFFENING: f64 = 30.0;
 
 impl Law {
-    /// The law for a gel of Young's modulus `young` (Pa) sampled every `spacing` (m) with Coulomb coefficient `friction`.
+    /// The law for a gel of Young's modulus `young` (Pa) sampled every `spacing` (m) with Coulomb coefficient `friction`, from the gap
+    /// `offset` (m) on.
     ///
     /// A layer as thick as the spacing has stiffness `young / spacing`; contact is eighty times stiffer.
-    pub fn new(young: f64, spacing: f64, friction: f64) -> Self {
-        let stiffness = 80.0 * young / spacing;
-        Self { stiffness, offset: 1e-5, friction, tangential: stiffness / 3.0 }
+    pub fn new(young: f64, spacing: f64, friction: f64, offset: f64) -> Self {
+        let stiffness = CONTACT_STIFFNESS * young / spacing;
+        Self { stiffness, offset, friction, tangential: stiffness / 3.0 }
     }
 
     /// The same law where others carry the contact and this point only must not come through between them: felt late.

@@ -3,6 +3,7 @@
 use super::edge::ContactEdge;
 use super::law::Law;
 use super::pair::slip;
+use crate::scales::NO_FRICTION;
 use glam::DVec3;
 
 /// The edges of one contact term, as they are and as last accepted. Of thousands of points a few hundred are near anything: only they
@@ -23,8 +24,6 @@ pub(super) struct EdgePool {
     pub negligible: f64,
 }
 
-/// Friction limit that counts as none on a pad, Pa.
-const NO_LIMIT: f64 = 1.0;
 /// Slot of a point without an edge.
 const NOWHERE: u32 = u32::MAX;
 
@@ -32,7 +31,14 @@ impl EdgePool {
     /// `count` open edges.
     pub fn new(law: Law, count: usize) -> Self {
         let slot = vec![NOWHERE; count];
-        Self { near: Vec::new(), slot, committed: Vec::new(), law, damping: 1.0, negligible: NO_LIMIT }
+        Self {
+            near: Vec::new(),
+            slot,
+            committed: Vec::new(),
+            law,
+            damping: 1.0,
+            negligible: NO_FRICTION * law.stiffness * law.offset,
+        }
     }
 
     /// The edge of point `i`.

@@ -1,14 +1,17 @@
 //! Closest point of a deformed pad surface.
 
-use super::cells::{Cells, NEAR};
+use super::cells::Cells;
 pub use super::foot::Foot;
 use super::foot::{clamp_to_triangle, on_face, project_flat};
 use super::surface::{ContactSurface, Face};
+use crate::scales::LOOK_AHEAD;
 use glam::DVec3;
 
 /// Bounds of the faces of a deformed surface, to skip most of them.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct FaceBounds {
+    /// Contact offset, m.
+    pub(super) offset: f64,
     boxes: Vec<[DVec3; 2]>,
     /// How far each face bulges from its flat triangle, m.
     bulges: Vec<f64>,
@@ -18,6 +21,17 @@ pub struct FaceBounds {
 }
 
 impl FaceBounds {
+    /// Of no face yet, for contact with this `offset` (m).
+    pub fn new(offset: f64) -> Self {
+        let cells = Cells::new(LOOK_AHEAD * offset);
+        Self { offset, boxes: Vec::new(), bulges: Vec::new(), cells, min: DVec3::ZERO, max: DVec3::ZERO }
+    }
+
+    /// Distance up to which the nearest face is found at once, m.
+    pub(super) fn reach(&self) -> f64 {
+        self.cells.near
+    }
+
     /// Bounds of every face at node positions `x`.
     pub fn update(&mut self, surface: &ContactSurface, x: &[DVec3]) {
         self.boxes.clear();
@@ -64,12 +78,12 @@ impl FaceBounds {
         if y.cmplt(self.min - reach).any() || y.cmpgt(self.max + reach).any() {
             return None;
         }
-        let best = self.near(surface, x, y, NEAR);
+        let best = self.near(surface, x, y, self.reach());
         let best = best.or_else(|| self.nearest(surface, x, y, 0..self.boxes.len(), f64::INFINITY));
         best.map(side).filter(|foot| foot.gap < reach)
     }
 
-    /// Closest point of the surface to `y` if nearer than `limit`, up to [`NEAR`], inside or outside.
+    /// Closest point of the surface to `y` if nearer than `limit`, up to the reach of the cells, inside or outside.
     pub(super) fn near(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, limit: f64) -> Option<Foot> {
         let faces = self.cells.at(y).iter().map(|i| *i as usize);
         self.nearest(surface, x, y, faces, limit)
@@ -79,7 +93,7 @@ impl FaceBounds {
     /// side it is.
     pub(super) fn outside(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, side: impl Fn(Foot) -> Foot) -> f64 {
         let beyond = y.clamp(self.min, self.max).distance(y);
-        if beyond > NEAR {
+        if beyond > self.reach() {
             return beyond;
         }
         self.closest_as(surface, x, y, f64::INFINITY, side).map_or(f64::INFINITY, |foot| foot.gap)

@@ -8,19 +8,17 @@ use super::surface::{ContactSurface, Face, face_frame};
 use crate::mesh::rings::Part;
 use glam::DVec3;
 
-/// Distance from the surface below which the direction to it is rounding, m.
-const TOUCHING: f64 = 1e-9;
-
 impl Foot {
     /// The foot of `y` with the sign of the whole surface at node positions `x`, not of its face alone.
     pub(super) fn signed(self, surface: &ContactSurface, x: &[DVec3], y: DVec3) -> Self {
         if self.l.iter().all(|v| *v > ON_RIM) {
             return self;
         }
-        let away = y - surface.faces[self.face].stencil(self.l).position(x);
+        let face = &surface.faces[self.face];
+        let away = y - face.stencil(self.l).position(x);
         let distance = away.length();
         let pseudo = pseudo_normal(surface, x, &self);
-        if distance < TOUCHING {
+        if face.touches(x, distance) {
             return Self { normal: pseudo, gap: away.dot(pseudo), ..self };
         }
         let side = if away.dot(pseudo) < 0.0 { -1.0 } else { 1.0 };

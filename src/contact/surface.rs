@@ -5,6 +5,7 @@ use crate::element::EDGES;
 use crate::fem::body::{Body, Elements};
 use crate::fem::term::Stencil;
 use crate::mesh::rings::Rings;
+use crate::scales::ROUNDING;
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -123,6 +124,12 @@ impl ContactSurface {
 }
 
 impl Face {
+    /// Whether a point at `distance` (m) from the face, with nodes at `x`, is on it but for rounding: the direction to it says nothing.
+    pub(super) fn touches(&self, x: &[DVec3], distance: f64) -> bool {
+        let [a, b, _] = self.corners.map(|n| x[n as usize]);
+        distance < ROUNDING * a.distance(b)
+    }
+
     /// The flat triangles between its nodes, turned as it is: itself, or those at the corners and then the middle.
     pub fn flat_parts(&self) -> Vec<[u32; 3]> {
         let [a, b, c] = self.corners;

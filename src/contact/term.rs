@@ -8,6 +8,7 @@ use super::surface::ContactSurface;
 use crate::fem::body::Body;
 use crate::fem::state::{Departure, Motion, View};
 use crate::fem::term::{Block, BodyTerm, Pair, Stencil};
+use crate::scales::{LOOK_AHEAD, MIDDLE_CUT};
 use crate::shape::{SignedDistance, Touch};
 use glam::DVec3;
 use std::any::Any;
@@ -80,12 +81,6 @@ impl Contact {
         (e.normal * e.pressure + e.traction) * self.surface.area[i]
     }
 }
-
-/// Distance within which the exact gap is looked up, m; farther points are skipped until they may have come this close.
-const LOOK_AHEAD: f64 = 5e-4;
-
-/// How deep the object may be in the middle between vertices of which none is in contact, m.
-const THROUGH: f64 = 2e-6;
 
 /// Position of a point in the hand frame and in the object's frame.
 fn locate(stencil: &Stencil, view: &View) -> (DVec3, DVec3) {
@@ -218,17 +213,19 @@ impl Contact {
     /// Feels the middles at which the object comes through between vertices; true if there were none.
     fn feel(&mut self, view: &View) -> bool {
         let mut none = true;
+        let offset = self.pool.law.offset;
+        let (ahead, through) = (LOOK_AHEAD * offset, MIDDLE_CUT * offset);
         for i in self.surface.vertices..self.felt.len() {
             if self.felt[i] {
                 continue;
             }
             let (_, q) = locate(&self.surface.points[i], view);
-            if self.seen[i].bound(q) > -THROUGH {
+            if self.seen[i].bound(q) > -through {
                 continue;
             }
-            let distance = self.object.closest(q, LOOK_AHEAD).map_or(LOOK_AHEAD, |c| c.distance);
+            let distance = self.object.closest(q, ahead).map_or(ahead, |c| c.distance);
             Arc::make_mut(&mut self.seen)[i] = Seen { at: q, bound: distance };
-            if distance < -THROUGH {
+            if distance < -through {
                 (self.felt[i], none) = (true, false);
             }
         }
@@ -249,7 +246,7 @@ impl Contact {
         // Far points are skipped without a query.
         if self.seen[i].bound(q) < law.offset {
             // Look farther than needed, so that the bound spares the next queries.
-            let reach = LOOK_AHEAD.max(law.offset);
+            let reach = LOOK_AHEAD * self.pool.law.offset;
             touch = self.object.touch(q, reach, law.offset);
             let bound = touch.as_ref().map_or(reach, |t| t.nearest.distance);
             Arc::make_mut(&mut self.seen)[i] = Seen { at: q, bound };

@@ -7,13 +7,11 @@ use super::path::{Advanced, Load};
 use super::stepper::Solver;
 use crate::components::ObjectPose;
 use crate::model::Model;
+use crate::scales::DROPPED;
 use crate::schedule::Stop;
 
 /// Steps in which the fingers take an object with weight over from its support.
 const HANDOVER: u32 = 4;
-
-/// Motion in one of them, in the measure of [`super::state::Border::distance`], at which the object counts as dropped, m.
-const DROPPED: f64 = 1e-2;
 
 /// Why a level was not reached.
 enum Refusal {
@@ -106,7 +104,7 @@ impl Solver {
         self.path.newton.held = false;
         let heavy = model.gravity.is_some();
         let leash = self.path.leash;
-        self.path.leash = heavy.then_some(DROPPED);
+        self.path.leash = heavy.then_some(DROPPED * model.law.offset);
         let steps = if heavy { HANDOVER } else { 1 };
         let mut done = Advanced::default();
         for k in 1..=steps {

@@ -7,6 +7,7 @@ use super::proximal::Proximal;
 use super::state::{Border, Departure, MAX_BORDER, State, Step};
 use super::term::BodyTerm;
 use crate::error::Result;
+use crate::scales::{DISPLACEMENT_TOLERANCE, LARGEST_MOTION};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
@@ -26,11 +27,15 @@ pub struct Tolerance {
     pub motion: f64,
     /// On the way to a result: where friction swings it may lag.
     pub passing: bool,
+    /// Contact offset, m: what lengths of the method go by.
+    pub offset: f64,
 }
 
-impl Default for Tolerance {
-    fn default() -> Self {
-        Self { relative: 2e-4, force: 1e-7, length: 5e-6, iterations: 40, motion: 1e-3, passing: false }
+impl Tolerance {
+    /// The usual one, where contact has this `offset` (m).
+    pub fn new(offset: f64) -> Self {
+        let [length, motion] = [DISPLACEMENT_TOLERANCE, LARGEST_MOTION].map(|offsets| offsets * offset);
+        Self { relative: 2e-4, force: 1e-7, length, iterations: 40, motion, passing: false, offset }
     }
 }
 

@@ -4,6 +4,7 @@ use super::lagging::Lagging;
 use super::newton::{Converged, Failure, Newton, Tolerance};
 use super::state::{MAX_BORDER, State, Step};
 use super::term::BodyTerm;
+use crate::scales::SHARP_MOTION;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -22,8 +23,6 @@ const CRAWLING: u32 = 8;
 const QUICK: f64 = 0.2;
 /// How many times as many iterations a solution has at most whose terms strengthen themselves.
 const RENEWALS: u32 = 4;
-/// Motion in an iteration, m, up to which the solution is near: less than the reach of a contact.
-const NEAR: f64 = 5e-6;
 /// Part of a step below which only rounding moves.
 const STUCK: f64 = 1e-9;
 
@@ -44,7 +43,7 @@ impl Newton {
             let damping = lagging.damping();
             self.profile.frozen += u64::from(lagging.freezes());
             self.damp(damping);
-            self.sharpen(last_motion <= NEAR);
+            self.sharpen(last_motion <= SHARP_MOTION * tolerance.offset);
             let clock = Instant::now();
             // The last factorisation may do once more where it did well.
             let fresh = history[0].is_infinite() || history[1] >= QUICK * history[0];

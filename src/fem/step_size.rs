@@ -16,9 +16,9 @@ pub const REFUSED: f64 = 4.0;
 pub struct StepSize(pub f64);
 
 impl StepSize {
-    /// The next part of the way `rest`: all parts that are left are alike.
+    /// The next part of the way `rest`: all parts that are left are alike. A whole number of parts stays one whatever the rounding.
     pub fn next(&self, rest: f64) -> f64 {
-        rest / (rest.abs() / self.0).ceil().max(1.0)
+        rest / (rest.abs() / self.0 * (1.0 - 1e-9)).ceil().max(1.0)
     }
 
     /// After an increment `size` that was accepted after so many `iterations`, with `error` over the error allowed. The error grows

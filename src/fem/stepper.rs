@@ -132,7 +132,7 @@ impl Solver {
         };
         let mut newton = Newton::new(bodies, terms, border)?;
         newton.effort = Effort::within(settings.max_time.map(|seconds| seconds.get()));
-        let mut path = Path::new(newton, state, Tolerance::default());
+        let mut path = Path::new(newton, state, Tolerance::new(model.law.offset));
         path.control = control(model);
         Ok(Self { path, condensed, settings: *settings, started: false, steps: 0, start: pose })
     }
@@ -170,13 +170,14 @@ impl Solver {
             _ => 1.0,
         };
         let relative = blunt * given.force.get();
+        let usual = Tolerance::new(model.law.offset);
         Tolerance {
             relative,
             // Where nothing touches yet there is no contact force to compare with.
             force: 1e-2 * relative * force,
-            length: blunt * given.displacement.get(),
+            length: blunt * given.displacement.map_or(usual.length, |length| length.get()),
             iterations: self.settings.max_iterations.get() as u32,
-            ..Tolerance::default()
+            ..usual
         }
     }
 

@@ -4,13 +4,8 @@ use super::newton::{Converged, Failure, Tolerance};
 use super::path::{Advanced, LOOSE, Path};
 use super::proximal::Proximal;
 use super::state::State;
+use crate::scales::{GONE, WALK_BEGINS, WALK_REACH};
 
-/// Motion of the border that the first pseudo-time step allows under the full load, m.
-const STRIDE: f64 = 2e-4;
-/// Motion of the border in one pseudo-time step that is far enough, m.
-const REACH: f64 = 1e-3;
-/// Way that a finger goes without touching anything after which the object counts as gone, m.
-const APART: f64 = 1e-3;
 /// Most iterations of one pseudo-time step, and of one walk; most steps of a walk that fail.
 const WALKING: u32 = 25;
 const PATIENCE: u32 = 2000;
@@ -37,7 +32,8 @@ impl Path {
         let load = self.newton.force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let full = self.tolerance;
         let floor = full.force.max(full.relative * load);
-        let mut stiffness = load / STRIDE;
+        let [begins, reach, gone] = [WALK_BEGINS, WALK_REACH, GONE].map(|offsets| offsets * full.offset);
+        let mut stiffness = load / begins;
         let mut state = self.state.clone();
         // A step that failed is not tried again soon with a spring as soft.
         let mut softest = 0.0_f64;
@@ -78,14 +74,14 @@ impl Path {
                         return Err(Failure::Underway);
                     }
                     apart = if self.newton.untouched() { apart + moved } else { 0.0 };
-                    if apart >= APART {
+                    if apart >= gone {
                         return Err(Failure::Lost);
                     }
                     softest *= FORGETTING;
-                    if converged.iterations < HARD && moved < 0.5 * REACH {
+                    if converged.iterations < HARD && moved < 0.5 * reach {
                         let softer = SOFTER[usize::from(converged.iterations >= EASY)];
                         stiffness = (stiffness * softer).max(softest.min(stiffness));
-                    } else if moved > REACH {
+                    } else if moved > reach {
                         stiffness *= STIFFER[0];
                     }
                 }

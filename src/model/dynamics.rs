@@ -43,11 +43,9 @@ pub struct Support {
     pub law: Law,
 }
 
-/// Gap at which object and ground meet, m: that of pads and object.
-const OFFSET: f64 = 1e-5;
-/// Least stiffness of a vertex against the ground, over the object's mass, 1/s2: under its weight it sinks in by a tenth of
-/// the offset.
-const FIRM: f64 = 9.81 / (0.1 * OFFSET);
+/// Least stiffness of a vertex against the ground, over the object's mass times standard gravity over the contact offset: under its
+/// weight it sinks in by a tenth of that.
+const FIRM: f64 = 10.0 * 9.81;
 /// The same times the square of the time step: so stiff that an impact ends within a step whatever the step, without
 /// bouncing (a vertex leaves with about the reciprocal of this of its speed).
 const INELASTIC: f64 = 100.0;
@@ -57,8 +55,8 @@ const INELASTIC: f64 = 100.0;
 const STICKING: f64 = 10.0;
 
 impl Dynamics {
-    /// Of `scene`, if it is dynamic; `mass` is that of the object, kg.
-    pub fn of(scene: &Scene, object: &Shape, mass: f64) -> Option<Self> {
+    /// Of `scene`, if it is dynamic; `mass` is that of the object, kg. Contact has this `offset` (m).
+    pub fn of(scene: &Scene, object: &Shape, mass: f64, offset: f64) -> Option<Self> {
         let Loading::Dynamic(dynamic) = &scene.loading else { return None };
         let gravity = scene.gravity.map_or(DVec3::ZERO, |g| g.dvec3());
         let squeezes = motion::squeezes(&dynamic.motions);
@@ -77,16 +75,11 @@ impl Dynamics {
             support: scene.ground.map(|Ground::Plane(plane)| {
                 let normal = plane.normal.unit();
                 let lowest = || object.surface.vertices.iter().map(|v| normal.dot(*v)).fold(f64::INFINITY, f64::min);
-                let stiffness = mass * FIRM.max(INELASTIC / (time_step * time_step));
+                let stiffness = mass * (FIRM / offset).max(INELASTIC / (time_step * time_step));
                 Support {
                     normal,
-                    height: plane.height.map_or_else(|| lowest() - OFFSET, |h| h.get()),
-                    law: Law {
-                        stiffness,
-                        offset: OFFSET,
-                        friction: plane.friction.get(),
-                        tangential: STICKING * stiffness,
-                    },
+                    height: plane.height.map_or_else(|| lowest() - offset, |h| h.get()),
+                    law: Law { stiffness, offset, friction: plane.friction.get(), tangential: STICKING * stiffness },
                 }
             }),
             motions: dynamic.motions.clone(),

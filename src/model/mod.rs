@@ -23,6 +23,7 @@ use crate::limits::{self, PadSize};
 use crate::material::{FixedCorotated, Linear, Material, NeoHookean};
 use crate::mesh::quality::Quality;
 use crate::record::{PadReport, pad_name};
+use crate::scales::{self, CONTACT_FORCE};
 use crate::scene::leaf::shown;
 use crate::scene::{self, Fingers, Loading, Motion, Scene, Stepper};
 use crate::shape::Shape;
@@ -81,9 +82,6 @@ pub struct Model {
     pub pad_notice: Option<String>,
 }
 
-/// Force that makes contact over Young's modulus times squared thickness: of this size are the patches over the thickness, whatever the
-/// gel.
-const PATCH: f64 = 0.02;
 /// Force at which an object with weight is let go, over the last one.
 const LIFTED: f64 = 0.5;
 
@@ -126,7 +124,9 @@ impl Model {
             fingers.first().map(|first| (1..sides).map(|side| first.on(side, &scene.gripper)).collect::<Vec<_>>());
         fingers.extend(others.into_iter().flatten());
         let mass = object.mass.volume * scene.object.density.get();
-        let dynamics = Dynamics::of(scene, &object, mass);
+        let thickness = fingers.first().map(|f| f.topology.thickness());
+        let offset = scales::contact_offset(thickness, object.bounding_radius);
+        let dynamics = Dynamics::of(scene, &object, mass, offset);
         let squeeze = matches!(scene.loading, Loading::Squeeze(_));
         let force_driven = squeeze || dynamics.as_ref().is_some_and(Dynamics::squeezes);
         let share = if squeeze { 1.0 / sides as f64 } else { 1.0 };
@@ -153,11 +153,11 @@ impl Model {
             path_error: depends.then(|| fem.path.get()),
             mass,
             free,
-            features: object::features(&object, spacing)?,
+            features: object::features(&object, spacing, offset)?,
             pad_notice: fingers.first().and_then(|f| locking_notice(&f.body)),
             fingers,
             quality,
-            law: Law::new(spec.young, spacing, scene.gripper.friction.get()),
+            law: Law::new(spec.young, spacing, scene.gripper.friction.get(), offset),
             material,
             gel_density: spec.density,
             stroke: scene.gripper.stroke.get(),
@@ -216,7 +216,7 @@ impl Model {
 
     /// Force per finger that turns single points of contact into patches, N: `0.02 E t^2`.
     pub fn contact_force(&self) -> f64 {
-        PATCH * self.material.moduli().young * self.thickness().powi(2)
+        CONTACT_FORCE * self.material.moduli().young * self.thickness().powi(2)
     }
 
     /// The force per finger at which a free object is let go, N, from what the scene says. If it says nothing: once contact is made, and

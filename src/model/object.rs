@@ -112,12 +112,12 @@ fn kind(shape: &o::Shape) -> ShapeKind {
 }
 
 /// Features of the object for a pad whose points lie `spacing` (m) apart: half of it along sharp edges, and one on every stretch of
-/// an edge between facets that is as long as that.
+/// an edge between facets that is as long as that. Contact has this `offset` (m).
 ///
 /// # Errors
 /// More of them than are held against a pad.
-pub fn features(shape: &Shape, spacing: f64) -> Result<Arc<[Feature]>> {
-    let count = shape.features.count(spacing);
+pub fn features(shape: &Shape, spacing: f64, offset: f64) -> Result<Arc<[Feature]>> {
+    let count = shape.features.count(spacing, offset);
     if count > MAX_FEATURES {
         return Err(Error::Mesh(format!(
             "the {} has {count} vertices and points on edges at the pad's spacing of {spacing:.2e} m, at most {MAX_FEATURES} are held \
@@ -125,7 +125,7 @@ pub fn features(shape: &Shape, spacing: f64) -> Result<Arc<[Feature]>> {
             shape.name
         )));
     }
-    let points = shape.features.sample(0.5 * spacing).into_iter();
+    let points = shape.features.sample(0.5 * spacing, offset).into_iter();
     let fixed = points.map(|f| Feature { position: f.position, sharp: f.sharp, along: None });
-    Ok(fixed.chain(shape.features.stretches(spacing).map(Feature::along)).collect())
+    Ok(fixed.chain(shape.features.stretches(spacing, offset).map(Feature::along)).collect())
 }

@@ -119,8 +119,6 @@ defaults! {
     MEAN_DILATATION: bool = true;
     /// FEM: residual force over the loading's force at which an increment counts as solved.
     FORCE_TOLERANCE: Positive = Positive::preset(2e-4);
-    /// FEM: largest Newton step of a node at which an increment counts as solved, m.
-    DISPLACEMENT_TOLERANCE: Length = Length::preset(5e-6);
     /// FEM: error of the increments over the displacement.
     PATH: Positive = Positive::preset(0.01);
     /// Condensed FEM: part of the displacement that one more correction may change.

@@ -4,9 +4,6 @@ use super::leaf::{Finite, Length, Positive};
 use super::vector::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Depth that does not yet count as penetration, m: that of the contact law's offset, below which nothing is resolved.
-pub const PENETRATION: f64 = 1e-5;
-
 /// One promise, judged on every grasp of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Expectation {
@@ -20,7 +17,8 @@ pub enum Expectation {
     Finite,
     /// No soft element is turned inside out in any frame.
     NoInversion,
-    /// Pads and object are nowhere inside each other in any frame, deeper than [`PENETRATION`].
+    /// Pads and object are nowhere inside each other in any frame, deeper than the offset of the contact law, below which nothing is
+    /// resolved.
     NoPenetration,
     /// How deep they are at the worst point of any frame, m: where a coarse pad is known to sink in between its points.
     Penetration(Bounds),

@@ -1,6 +1,6 @@
 //! Judges a grasp's outcome against what its scene promised.
 
-use super::expect::{Bounds, Expectation, PENETRATION, Reason};
+use super::expect::{Bounds, Expectation, Reason};
 use crate::audit::Findings;
 pub use crate::record::Status;
 use glam::DVec3;
@@ -120,8 +120,8 @@ pub fn evaluate(expectation: &Expectation, m: &Measured) -> Held {
             verdict(det > 0.0, det, 0.0)
         }
         Expectation::NoPenetration => {
-            let depth = m.findings.map_or(f64::NAN, |f| f.penetration);
-            verdict(depth <= PENETRATION, depth, PENETRATION)
+            let (depth, offset) = m.findings.map_or((f64::NAN, f64::NAN), |f| (f.penetration, f.offset));
+            verdict(depth <= offset, depth, offset)
         }
         Expectation::Penetration(bounds) => {
             let (held, value, bound) = within(bounds, m.findings.map_or(f64::NAN, |f| f.penetration));

@@ -99,13 +99,13 @@ impl Default for Condensed {
 pub struct Tolerance {
     /// Residual force over the force of the loading.
     pub force: Positive,
-    /// Largest Newton step of any node, m.
-    pub displacement: Length,
+    /// Largest Newton step of any node, m; by default [`DISPLACEMENT_TOLERANCE`](crate::scales::DISPLACEMENT_TOLERANCE) of the contact offset.
+    pub displacement: Option<Length>,
 }
 
 impl Default for Tolerance {
     fn default() -> Self {
-        Self { force: defaults::FORCE_TOLERANCE, displacement: defaults::DISPLACEMENT_TOLERANCE }
+        Self { force: defaults::FORCE_TOLERANCE, displacement: None }
     }
 }
 

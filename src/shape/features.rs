@@ -1,6 +1,7 @@
 //! Vertices and sharp edges of an object, to be held against the faces of a pad that is coarser than they are.
 
 use crate::mesh::TriMesh;
+use crate::scales::EDGE_CUT;
 use crate::shape::polygon::Profile;
 use crate::shape::ring::Ring;
 use crate::shape::rod::Rod;
@@ -21,10 +22,6 @@ pub struct FeaturePoint {
     /// Whether a sharp convex edge or tip passes through it.
     pub sharp: bool,
 }
-
-/// An edge of a smooth surface is felt if the length that a pad may miss times the angle between its two faces' normals is more than
-/// this, m: an eighth of that is how deep the pad would come.
-const SHALLOW: f64 = 1.6e-5;
 
 /// A convex edge; sharp if its faces' normals differ by more than [`SHARP`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -127,6 +124,8 @@ pub struct RoundedEdge {
     pub normals: [DVec3; 2],
 }
 
+/// Angle between two faces, rad, up to which they are one.
+const FLAT: f64 = 1e-6;
 /// Radius, over the distance of the points on it, from which on the points of a pad see a rounded edge: between them the pad is then
 /// a fiftieth of their distance in it.
 const ROUND: f64 = 12.0;
@@ -154,30 +153,38 @@ impl RoundedEdge {
 impl Features {
     /// The vertices, then points on the sharp edges between their ends such that neighbours are at most `spacing` m apart
     /// (no points on edges if it is not positive; at most 10,000 points an edge), as many on the rounded edges whose
-    /// radius is not large to it, on the tight parts of a round solid, and all over a thin rod. No point occurs twice.
-    pub fn sample(&self, spacing: f64) -> Vec<FeaturePoint> {
+    /// radius is not large to it, on the tight parts of a round solid, and all over a thin rod. No point occurs twice. Contact has this
+    /// `offset` (m).
+    pub fn sample(&self, spacing: f64, offset: f64) -> Vec<FeaturePoint> {
         let mut points = self.vertices.clone();
         points.extend(self.sharp_edges.iter().flat_map(|e| e.sample(spacing)));
         let tight = self.rounded_edges.iter().filter(|e| e.radius < ROUND * spacing);
         points.extend(tight.flat_map(|e| e.sample(spacing)));
-        points.extend(Ring::sample(&self.rings, spacing));
-        points.extend(self.rod.iter().flat_map(|rod| rod.sample(spacing)));
+        points.extend(Ring::sample(&self.rings, spacing, offset));
+        points.extend(self.rod.iter().flat_map(|rod| rod.sample(spacing, offset)));
         points
     }
 
     /// All edges between facets in stretches of at most `length` m: where a pad whose points are half as far apart could come through
-    /// by more than micrometres, because it meets them crosswise with an edge of its own.
-    pub fn stretches(&self, length: f64) -> impl Iterator<Item = Stretch> {
-        let cuts = move |e: &&Ridge| e.angle * e.length().min(length) > SHALLOW;
-        self.sharp_edges.iter().chain(self.blunt_edges.iter().filter(cuts)).flat_map(move |e| e.stretches(length))
+    /// by more than a part of the contact `offset` (m), because it meets them crosswise with an edge of its own.
+    pub fn stretches(&self, length: f64, offset: f64) -> impl Iterator<Item = Stretch> {
+        let blunt = self.blunt(length, offset);
+        self.sharp_edges.iter().chain(blunt).flat_map(move |e| e.stretches(length))
+    }
+
+    /// The blunt edges that are felt if a pad may miss `length` (m) of them: an eighth of that times the angle between the faces is how
+    /// deep it would come.
+    fn blunt(&self, length: f64, offset: f64) -> impl Iterator<Item = &Ridge> {
+        let cuts = move |e: &&Ridge| e.angle * e.length().min(length) / 8.0 > EDGE_CUT * offset;
+        self.blunt_edges.iter().filter(cuts)
     }
 
     /// How many vertices, points on sharp edges and stretches there are for points of a pad `spacing` m apart.
-    pub fn count(&self, spacing: f64) -> u64 {
-        let along =
-            |edges: &[Ridge], spacing: f64| edges.iter().map(|e| u64::from(parts(e.length(), spacing))).sum::<u64>();
-        let sharp = along(&self.sharp_edges, 0.5 * spacing) + along(&self.sharp_edges, spacing);
-        self.vertices.len() as u64 + sharp + along(&self.blunt_edges, spacing)
+    pub fn count(&self, spacing: f64, offset: f64) -> u64 {
+        let along = |e: &Ridge, spacing: f64| u64::from(parts(e.length(), spacing));
+        let sharp = self.sharp_edges.iter().map(|e| along(e, 0.5 * spacing) + along(e, spacing)).sum::<u64>();
+        let blunt = self.blunt(spacing, offset).map(|e| along(e, spacing)).sum::<u64>();
+        self.vertices.len() as u64 + sharp + blunt
     }
 
     pub(crate) fn of_rod(radius: f64, half: f64) -> Self {
@@ -197,7 +204,7 @@ impl Features {
             if convex && angle > SHARP {
                 edge.ends.iter().for_each(|&v| sharp[v as usize] = true);
                 sharp_edges.push(ridge);
-            } else if convex && angle * ridge.length() > SHALLOW {
+            } else if convex && angle > FLAT {
                 blunt_edges.push(ridge);
             }
         }

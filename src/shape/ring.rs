@@ -2,15 +2,12 @@
 
 use super::features::FeaturePoint;
 use super::polygon::Profile;
+use crate::scales::{CORNER_CUT, SAMPLE_CUT};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// How far a pad may come through between two points that are felt, m.
-const BETWEEN: f64 = 5e-6;
 /// Radius, over the distance of the points that are asked for, from which on a pad's own points are enough.
 const ROUND: f64 = 24.0;
-/// How far it may come over the corner between two segments of a profile, m.
-const OVER: f64 = 6e-6;
 
 /// A circle about the z axis on a smooth convex part of a round solid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,11 +36,12 @@ impl Ring {
     }
 
     /// Points on those of `rings`, which follow each other along a profile, that are tight for a pad whose points are `spacing` (m)
-    /// apart: bent in less than [`ROUND`] times that, or a corner.
-    pub(super) fn sample(rings: &[Self], spacing: f64) -> Vec<FeaturePoint> {
+    /// apart: bent in less than [`ROUND`] times that, or a corner. Contact has this `offset` (m).
+    pub(super) fn sample(rings: &[Self], spacing: f64, offset: f64) -> Vec<FeaturePoint> {
         let (mut points, mut last) = (Vec::new(), None::<DVec2>);
-        for ring in rings.iter().filter(|ring| ring.radius < ROUND * spacing || ring.cut(2.0 * spacing) > OVER) {
-            let apart = (8.0 * ring.radius * BETWEEN).sqrt();
+        let is_tight = |ring: &&Self| ring.radius < ROUND * spacing || ring.cut(2.0 * spacing) > CORNER_CUT * offset;
+        for ring in rings.iter().filter(is_tight) {
+            let apart = (8.0 * ring.radius * SAMPLE_CUT * offset).sqrt();
             if last.is_some_and(|last| last.distance(ring.point) < 0.5 * apart) {
                 continue;
             }

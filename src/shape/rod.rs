@@ -1,12 +1,9 @@
 //! A ball, pin or capsule so thin that a pad, which feels it at points of its own, would come through between them.
 
 use super::features::FeaturePoint;
+use crate::scales::{ROD_CUT, SAMPLE_CUT};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, TAU};
-
-/// How far a pad may come in between its own points, and how far between those that are felt here, m.
-const OVER: f64 = 1e-5;
-const BETWEEN: f64 = 5e-6;
 
 /// All points within a radius of a segment of the z axis about the origin; a ball if that has no length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,13 +19,14 @@ pub struct Rod {
 impl Rod {
     /// Points all over it, if a pad whose points are twice `spacing` (m) apart would miss it: places between them and the middles of
     /// their triangles are up to two fifths of that from the next, and over a length `a` a ball of radius `r` falls by `a^2 / (2 r)`.
-    pub(super) fn sample(&self, spacing: f64) -> Vec<FeaturePoint> {
+    /// Contact has this `offset` (m).
+    pub(super) fn sample(&self, spacing: f64, offset: f64) -> Vec<FeaturePoint> {
         let fall = |a: f64| a * a / (2.0 * self.radius);
-        if fall(0.8 * spacing) <= OVER {
+        if fall(0.8 * spacing) <= ROD_CUT * offset {
             return Vec::new();
         }
         // Rings along the meridian, from the middle of a square of four points as far as the pad may come in between.
-        let apart = 2.0 * (self.radius * BETWEEN).sqrt();
+        let apart = 2.0 * (self.radius * SAMPLE_CUT * offset).sqrt();
         let cap = if self.capped { self.radius * FRAC_PI_2 } else { 0.0 };
         let reach = self.half + cap;
         let rings = (2.0 * reach / apart).ceil().clamp(2.0, 1e3) as u32;

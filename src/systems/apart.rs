@@ -2,15 +2,10 @@
 
 use crate::components::{ClosingDirection, FingerIndex, FingerTravel, NodeIndex, Position, TABLES};
 use crate::contact::{ContactSurface, Face};
+use crate::scales::FACE_BULGE;
 use crate::schedule::{Advance, Next, Phase, Shared};
 use bevy_ecs::prelude::*;
 use glam::{DVec2, DVec3};
-
-/// How far the pads may seem to overlap, m: the offset of the contact law, below which an object would feel nothing either.
-pub(super) const TOUCH: f64 = 1e-5;
-
-/// Curved faces come no farther than this beyond their nodes, m.
-const NEAR: f64 = 1e-4;
 
 /// Ends the grasp with a fault, without recording the frame, if the pads overlap at the state just reached.
 pub fn keep_pads_apart(
@@ -34,7 +29,8 @@ pub fn keep_pads_apart(
             if finger.0 == 0 { tip = tip.max(height) } else { lowest = lowest.min(height) }
         }
     }
-    if tip + NEAR <= lowest {
+    let offset = shared.0.law.offset;
+    if tip + FACE_BULGE * offset <= lowest {
         return;
     }
     let mut x = [first, second].map(|f| vec![DVec3::ZERO; f.body.rest.len()]);
@@ -45,7 +41,8 @@ pub fn keep_pads_apart(
         }
     }
     let depth = overlap(&first.surface, &x[0], &second.surface, &x[1], axis);
-    if depth > TOUCH {
+    // Below the offset of contact an object would feel nothing either.
+    if depth > offset {
         advance.reached = false;
         next.request(Phase::Fault {
             reason: format!(

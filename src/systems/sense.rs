@@ -5,7 +5,7 @@ use crate::gripper::{Approach, approach};
 use crate::model::{FingerModel, Model};
 use crate::record::pad_name;
 use crate::schedule::{Next, Phase, Shared};
-use crate::systems::apart::{TOUCH, overlap};
+use crate::systems::apart::overlap;
 use bevy_ecs::prelude::*;
 use glam::{DMat3, DVec3};
 
@@ -76,7 +76,7 @@ fn keep_apart(model: &Model, travel: &[f64]) -> Result<(), String> {
         finger.body.rest.iter().map(|x| *x + finger.placement.closing * t).collect()
     };
     let depth = overlap(&first.surface, &moved(first, *t), &second.surface, &moved(second, *u), axis);
-    if depth <= TOUCH {
+    if depth <= model.law.offset {
         return Ok(());
     }
     Err(format!(

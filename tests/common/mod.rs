@@ -142,11 +142,14 @@ pub fn pad_body(pad: &Pad, quadratic: bool, material: Arc<dyn tactus::material::
     Arc::new(Body::new(nodes, elements, fixed, material, true))
 }
 
+/// Gap at which surfaces meet in tests, m: that of pads 4 mm thick.
+pub const OFFSET: f64 = 1e-5;
+
 impl Press {
     /// With the contact law of the solver.
     pub fn new(setup: Setup) -> Self {
         let surface = Arc::new(ContactSurface::new(&setup.body));
-        let law = Law::new(setup.body.material.moduli().young, surface.spacing, setup.friction);
+        let law = Law::new(setup.body.material.moduli().young, surface.spacing, setup.friction, OFFSET);
         Self::with_law(setup, law, surface)
     }
 
@@ -158,8 +161,15 @@ impl Press {
             Newton::new(vec![setup.body], vec![terms], Border::new(vec![DVec3::Z], false, false, 1.0)).expect("solver");
         let position = setup.start + DVec3::Z * law.offset;
         let state = State { x: vec![x], travel: vec![0.0], position, rotation: DQuat::IDENTITY };
-        let tolerance =
-            Tolerance { relative: 1e-5, force: 1e-7, length: 1e-6, iterations: 60, motion: 1e-3, passing: false };
+        let tolerance = Tolerance {
+            relative: 1e-5,
+            force: 1e-7,
+            length: 1e-6,
+            iterations: 60,
+            motion: 1e-3,
+            passing: false,
+            offset: law.offset,
+        };
         Self { path: Path::new(newton, state, tolerance) }
     }
 

@@ -31,6 +31,7 @@ use super::state::{Border, State};
 use super::term::Stencil;
 use crate::components::ObjectPose;
 use crate::model::Model;
+use crate::scales::{CONDENSED_MOTION, FIRST_DEPTH};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -44,16 +45,12 @@ pub struct Condensation {
     levels: [Option<f64>; 2],
 }
 
-/// How deep an object comes into the pads as contact is made, m.
-const DEPTH: f64 = 3e-4;
 /// Forces out of balance that a result may leave, over the contact forces, as a part of the error accepted.
 const BALANCE: f64 = 0.1;
 /// Corrections at one level before it counts as failed.
 const CORRECTIONS: u32 = 8;
 /// A correction must fall to this part of the one before, or the stiffness is out of date.
 const CONTRACTION: f64 = 0.3;
-/// Motion of an object in its grasp after which the pads are condensed anew, m.
-const STAGE: f64 = 2e-3;
 
 impl Condensation {
     /// Of the pads of `model` under the dead loads `dead` (N per node; empty lists for none), with nothing condensed yet.
@@ -72,7 +69,7 @@ impl Condensation {
     /// # Errors
     /// [`Failure::Singular`].
     pub fn begin(&mut self, path: &mut Path, model: &Model) -> Result<(), Failure> {
-        let patches = self.patches(path, model, DEPTH);
+        let patches = self.patches(path, model, FIRST_DEPTH * model.law.offset);
         self.condense(path, patches)
     }
 
@@ -87,7 +84,7 @@ impl Condensation {
             let way = path.newton.border.distance(&path.state, start.state());
             path.leash.is_some_and(|most| way > most)
         };
-        path.stage = Some(STAGE);
+        path.stage = Some(CONDENSED_MOTION * model.law.offset);
         let mut done = path.advance(Load::Force, path.level, &mut self.of(model));
         while done.as_ref().err() == Some(&Failure::Underway) && !gone(path) && !path.exhausted() {
             let renewed = self.follow_on(path, model);
@@ -210,7 +207,7 @@ impl Condensation {
         let pads = model.fingers.par_iter().enumerate();
         let of = |(i, finger)| {
             let view = path.state.view(i, &path.newton.border);
-            Some(choose(finger, &view, &model.object, nearer + model.law.offset, touched(path, i)))
+            Some(choose(finger, &view, &model.object, model.law.offset, nearer, touched(path, i)))
         };
         pads.map(of).collect()
     }
@@ -264,7 +261,7 @@ pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec
         rotation: pose.rotation,
     };
     let pads = model.fingers.iter().enumerate();
-    let patch = |(i, f)| choose(f, &state.view(i, &border), &model.object, model.law.offset, std::iter::empty());
+    let patch = |(i, f)| choose(f, &state.view(i, &border), &model.object, model.law.offset, 0.0, std::iter::empty());
     pads.map(|pad| patch(pad).len()).collect()
 }
 

@@ -3,19 +3,17 @@
 use crate::fem::newton::Newton;
 use crate::fem::state::State;
 
-/// Motion of an object between pads that cannot jump over one, m.
-const SAFE: f64 = 5e-4;
 /// Most moves towards a prediction.
 const MOVES: usize = 32;
 
 /// The start of a step from `from`, of the states that offer themselves that of lowest potential: where it was, where it
-/// moves on to, or as far on as nothing is touched.
-pub fn start(newton: &Newton, from: &State, predicted: State) -> State {
+/// moves on to, or as far on as nothing is touched. A motion of at most `safe` (m) cannot jump over a pad.
+pub fn start(newton: &Newton, from: &State, predicted: State, safe: f64) -> State {
     let motion = largest_motion(newton, from, &predicted);
     let (here, there) = (newton.energy(from), newton.energy(&predicted));
     // Not finite where an element is turned inside out.
     let better = there <= here;
-    if better && motion <= SAFE {
+    if better && motion <= safe {
         return predicted;
     }
     let near = approach(newton, from, &predicted, motion);

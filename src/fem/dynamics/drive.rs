@@ -22,13 +22,11 @@ pub struct Drive {
     size: f64,
 }
 
-/// How far the rated force pushes into the stop, m.
-const YIELD: f64 = 1e-5;
-
 impl Drive {
-    /// A finger at `travel` (m) that closes with `speed` (m/s) on nothing under the `rated` force (N), up to `end` (m).
-    pub fn new(rated: f64, speed: f64, end: f64, travel: f64) -> Self {
-        Self { rated, damping: rated / speed, end, stop: rated / YIELD, travel, size: 1.0 }
+    /// A finger at `travel` (m) that closes with `speed` (m/s) on nothing under the `rated` force (N), up to `end` (m), where the rated
+    /// force pushes it into the stop by `yields` (m).
+    pub fn new(rated: f64, speed: f64, end: f64, yields: f64, travel: f64) -> Self {
+        Self { rated, damping: rated / speed, end, stop: rated / yields, travel, size: 1.0 }
     }
 }
 

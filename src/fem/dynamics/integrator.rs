@@ -7,6 +7,7 @@ use crate::fem::path::{Advanced, Path};
 use crate::fem::state::State;
 use crate::grasp::GraspPose;
 use crate::model::{Dynamics, Model};
+use crate::scales::SAFE_MOTION;
 use crate::scene;
 use crate::scene::motion::Hand;
 use bevy_ecs::prelude::*;
@@ -28,8 +29,9 @@ pub struct Integrator {
 const DIVISIONS: u32 = 6;
 /// Residual of a time step over that of a quasi-static increment: errors of momentum add up over the steps.
 const SHARP: f64 = 1e-2;
-/// Largest motion of any point in an iteration, m, between pads and without any.
-const STRIDE: [f64; 2] = [2e-3, 1.0];
+/// Largest motion of any point between pads in an iteration, over that of a quasi-static increment; without pads there is nothing to jump
+/// over.
+const STRIDE: f64 = 2.0;
 
 impl Integrator {
     /// At time zero of a grasp at `pose`.
@@ -74,13 +76,14 @@ impl Integrator {
         path.newton.effort.iterations = most_iterations(settings.max_iterations.get() as u32, steps);
         let relative = SHARP * settings.tolerance.force.get();
         let force = dynamics.rated_force + model.mass * dynamics.gravity.length().max(1.0);
+        let usual = Tolerance::new(model.law.offset);
         path.tolerance = Tolerance {
             relative,
             force: 1e-2 * relative * force,
-            length: settings.tolerance.displacement.get(),
+            length: settings.tolerance.displacement.map_or(usual.length, |length| length.get()),
             iterations: settings.max_iterations.get() as u32,
-            motion: STRIDE[usize::from(model.fingers.is_empty())],
-            ..Tolerance::default()
+            motion: if model.fingers.is_empty() { f64::INFINITY } else { STRIDE * usual.motion },
+            ..usual
         };
         // As if the object had been moving before.
         let mut before = path.state.clone();
@@ -138,7 +141,7 @@ impl Integrator {
             hold_in_world(&mut here, &hand);
             hold_in_world(&mut predicted, &hand);
         }
-        let start = advance::start(newton, &here, predicted);
+        let start = advance::start(newton, &here, predicted, SAFE_MOTION * path.tolerance.offset);
         match newton.solve(&path.state, start, &path.tolerance) {
             Ok((state, converged)) => {
                 newton.commit(&state);

@@ -8,6 +8,7 @@ use crate::contact::GroundContact;
 use crate::fem::newton::Newton;
 use crate::fem::state::State;
 use crate::model::{Dynamics, Model};
+use crate::scales::STROKE_YIELD;
 use crate::scene::motion::Hand;
 
 /// Adds them for a start at rest, but for the object's own velocity, from `state` with the hand at `hand`.
@@ -21,7 +22,8 @@ pub fn add(newton: &mut Newton, model: &Model, dynamics: &Dynamics, state: &Stat
         }
         if dynamics.squeezes() {
             let rated = dynamics.rated_force / model.fingers.len() as f64;
-            terms.push(Box::new(Drive::new(rated, dynamics.closing_speed, model.stroke, state.travel[i])));
+            let yields = STROKE_YIELD * model.law.offset;
+            terms.push(Box::new(Drive::new(rated, dynamics.closing_speed, model.stroke, yields, state.travel[i])));
         }
     }
     if !model.free {
