@@ -17,6 +17,7 @@ pub mod cli;
 pub mod components;
 pub mod contact;
 pub mod dataset;
+pub mod distance;
 pub mod element;
 pub mod env;
 pub mod environment;

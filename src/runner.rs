@@ -38,6 +38,22 @@ pub trait Observer: Sync {
 /// Nobody listens.
 impl Observer for () {}
 
+/// Two listen.
+impl<A: Observer, B: Observer> Observer for (&A, &B) {
+    fn begin(&self, index: usize) -> Result<()> {
+        self.0.begin(index)?;
+        self.1.begin(index)
+    }
+    fn frame(&self, index: usize, frame: &Frame) -> Result<()> {
+        self.0.frame(index, frame)?;
+        self.1.frame(index, frame)
+    }
+    fn end(&self, index: usize, outcome: &Outcome) -> Result<()> {
+        self.0.end(index, outcome)?;
+        self.1.end(index, outcome)
+    }
+}
+
 /// How a grasp went.
 #[derive(Debug, Clone)]
 pub struct Outcome {

@@ -59,7 +59,22 @@ fn a_bench_reports_time_and_error_of_every_setting() {
         of("linear 4x4x2"),
         of("quadratic 4x4x2")
     );
+    let ladder = &report["ladder"];
+    let roles: Vec<_> = ladder["members"].as_array().unwrap().iter().map(|m| m["role"].as_str().unwrap()).collect();
+    // Without friction no path matters.
+    assert_eq!(roles, ["rung", "rung", "rung", "reference", "other"]);
+    for name in ["displacement", "stress", "force"] {
+        for (i, row) in ladder["distances"][name].as_array().unwrap().iter().enumerate() {
+            let known: Vec<bool> = row.as_array().unwrap().iter().map(Value::is_f64).collect();
+            let wanted: Vec<bool> = (0..roles.len()).map(|j| j > i).collect();
+            assert_eq!(known, wanted, "{name}: each pair once, in row {i}");
+        }
+    }
+    let estimate = &ladder["errors"]["displacement"];
+    let mean = (error(estimate, "by_rungs") * error(estimate, "by_other")).sqrt();
+    assert!((error(estimate, "error") / mean - 1.0).abs() < 1e-12, "{estimate}");
     let reference = error(&report, "reference_error");
+    assert_eq!(reference, error(estimate, "error"));
     let own = points.iter().find(|p| p["label"] == "quadratic 4x4x2").map(|p| error(p, "displacement_error"));
     assert!(own.is_some_and(|own| reference > 0.0 && reference <= (1.0 + 1e-12) * own), "{reference} against {own:?}");
     // Condensed pads alone claim to be faster at their error; they may turn out not to be.
@@ -75,6 +90,41 @@ fn a_bench_reports_time_and_error_of_every_setting() {
     assert!(std::fs::read(out.join("bench.png")).unwrap().starts_with(b"\x89PNG"));
     let svg = std::fs::read_to_string(out.join("bench.svg")).unwrap();
     assert!(svg.contains("<svg") && svg.contains("quadratic 4x4x2") && svg.contains("Pareto"));
+}
+
+/// The error that a bench prints of its reference against a mesh twice as fine.
+#[test]
+fn the_estimated_error_of_the_reference_is_within_a_factor_of_two() {
+    let dir = tempfile::tempdir().unwrap();
+    let scene = press(dir.path(), "Press(depths: [0.8e-3])");
+    let certify = |rungs: &str| {
+        let out = dir.path().join(rungs);
+        let arguments = ["bench", scene.to_str().unwrap(), "--certify", "--rungs", rungs, "--format", "json"];
+        json(&tactus(&[&arguments[..], &["-o", out.to_str().unwrap()]].concat()))["rows"][0].clone()
+    };
+    let (coarse, fine) = (certify("3"), certify("5"));
+    let estimate = coarse["fields"]["displacement"]["error"].as_f64().unwrap();
+    let truth = fine["distances"]["displacement"][2][4].as_f64().unwrap();
+    let ratio = estimate / truth;
+    assert!((0.5..2.0).contains(&ratio), "the error of the third rung is estimated as {estimate}, and is {truth}");
+    for name in ["travel_m", "displacement_rms_m", "stress_mean_pa"] {
+        let [own, truth] = [&coarse, &fine].map(|row| row["values"][name]["value"].as_f64().unwrap());
+        let error = coarse["values"][name]["error"].as_f64().unwrap();
+        assert!((own - truth).abs() <= 2.0 * error + 1e-12 * truth, "{name}: {own} +- {error}, and is {truth}");
+    }
+    let table = std::fs::read_to_string(dir.path().join("5/references.md")).unwrap();
+    assert!(table.contains("| press |") && table.contains("mean von Mises stress, kPa"), "{table}");
+}
+
+#[test]
+fn of_a_pad_from_a_file_a_bench_says_what_is_not_known() {
+    let arguments = ["bench", "scenes/torture/duplicates.ron", "--repeat", "1", "--grasps", "1", "--format", "json"];
+    let report = json(&tactus(&arguments));
+    assert!(report["reference_error"].as_f64().is_some(), "the path is known");
+    assert!(report["ladder"]["errors"]["displacement"]["by_rungs"].is_null());
+    let findings = report["ladder"]["findings"].as_array().unwrap();
+    assert!(findings.iter().any(|f| f.as_str().unwrap().contains("the pads have one mesh")), "{findings:?}");
+    assert!(report["points"].as_array().unwrap().iter().any(|p| p["label"].as_str().unwrap().starts_with("linear")));
 }
 
 #[test]
@@ -103,8 +153,6 @@ fn what_cannot_be_compared_is_refused_by_name() {
     assert!(missing.contains("no/such/model"), "{missing}");
     let dynamic = refusal(&["bench", "scenes/dynamic/lift.ron"]);
     assert!(dynamic.contains("`Squeeze` and `Press`"), "{dynamic}");
-    let file = refusal(&["bench", "scenes/torture/duplicates.ron"]);
-    assert!(file.contains("duplicates.tet") && file.contains("one density"), "{file}");
     let both = refusal(&["bench", scene, "--sizes", "500", "--model", "m"]);
     assert!(both.contains("--sizes"), "{both}");
 }

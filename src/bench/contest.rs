@@ -1,17 +1,17 @@
 //! All configurations over the same grasps, taking turns, so that a busy machine slows them alike.
 
 use super::clock::{forget_peak_memory, peak_memory, processor_time};
-use super::error::FrameError;
-use super::probe::{Fields, Points, Probe};
+use super::ladder::{self, Ladder, Member, Role, Tally};
 use super::report::Report;
 use super::spread::median;
 use super::sweep::{Configuration, Sweep};
+use super::values::{Values, values};
+use crate::distance::{Distance, Fields, Points, Probe};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
-use crate::gnn::eval::table::FROM_LOAD;
 use crate::grasp::{GraspPose, poses_of};
 use crate::interrupt;
-use crate::model::{Model, pad};
+use crate::model::Model;
 use crate::record::{Frame, Status};
 use crate::runner::{Observer, Outcome, run_grasp};
 use crate::scene::Scene;
@@ -30,6 +30,8 @@ pub struct Rules {
     pub threads: usize,
     /// How often each configuration simulates each grasp; times are medians.
     pub repeats: usize,
+    /// Meshes of one kind that the error of the reference is estimated from.
+    pub rungs: usize,
 }
 
 /// One configuration and what it did.
@@ -54,7 +56,7 @@ pub struct Entry {
     /// Largest resident memory of the process with this configuration alone, up to its first frame, bytes.
     pub peak_memory: Option<u64>,
     /// One per grasp and frame above a fifth of the load.
-    pub errors: Vec<FrameError>,
+    pub errors: Vec<Distance>,
     /// Grasps that did not get there, and why.
     pub failed: Vec<String>,
 }
@@ -87,35 +89,29 @@ impl Observer for Keep {
 /// A scene that cannot be compared or built, a network that refuses it, a reference that reaches the end of no grasp.
 pub fn contest(scene: &Scene, models: &[PathBuf], rules: &Rules, mut progress: impl FnMut(&str)) -> Result<Report> {
     let sweep = Sweep::new(scene)?;
-    let mut reference = Entry::new(sweep.reference()?);
+    let mut climb = Climb::new(&sweep, rules)?;
     let mut entries: Vec<Entry> = sweep.configurations(models)?.into_iter().map(Entry::new).collect();
-    let points = Points::of(&pad::build(&scene.gripper.pads, &mut Vec::new())?.0.mesh);
     let mut grasps = sample(&poses_of(scene)?, rules.grasps);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(rules.threads)
-        .build()
-        .map_err(|e| Error::Start(format!("cannot start {} threads: {e}", rules.threads)))?;
     if let Some((_, pose)) = grasps.first() {
         // From small to large: what the allocator keeps of one serves the next.
-        let mut all: Vec<&mut Entry> = entries.iter_mut().chain([&mut reference]).collect();
+        let mut all: Vec<&mut Entry> = entries.iter_mut().chain([climb.reference()]).collect();
         all.sort_by_key(|e| e.configuration.nodes);
         for entry in all {
             progress(&format!("memory: {}", entry.configuration.label));
             entry.measure_memory(*pose)?;
         }
     }
-    let mut notices = Vec::new();
     for turn in 0..rules.repeats {
         let mut lost = Vec::new();
         for (index, pose) in &grasps {
             let mut truth = Vec::new();
             if turn == 0 {
-                progress(&format!("grasp {index}: {}", reference.configuration.label));
-                truth = reference.run(&pool, *index, *pose, &points)?;
-                if let Some(reason) = reference.failed.pop() {
-                    notices.push(format!("{reason} in the reference: left out"));
-                    lost.push(*index);
-                    continue;
+                match climb.grasp(*index, *pose, &mut progress)?.into_iter().find(|s| s.role == Role::Reference) {
+                    Some(step) => truth = step.fields,
+                    None => {
+                        lost.push(*index);
+                        continue;
+                    }
                 }
             }
             for entry in &mut entries {
@@ -125,17 +121,113 @@ pub fn contest(scene: &Scene, models: &[PathBuf], rules: &Rules, mut progress: i
                     rules.repeats,
                     entry.configuration.label
                 ));
-                let own = entry.run(&pool, *index, *pose, &points)?;
-                entry.judge(&points, &own, &truth);
+                let own = entry.run(&climb.pool, *index, *pose, &climb.points)?;
+                entry.judge(&climb.points, &own, &truth);
             }
         }
         grasps.retain(|(index, _)| !lost.contains(index));
     }
     if grasps.is_empty() {
-        return Err(Error::Solver(format!("there is nothing to compare with: {}", notices.join("; "))));
+        return Err(Error::Solver(format!("there is nothing to compare with: {}", climb.notices.join("; "))));
     }
     let numbers = grasps.iter().map(|(index, _)| *index).collect();
-    Ok(Report::new(rules, numbers, &reference, &entries, notices))
+    let (ladder, notices) = (climb.ladder(), std::mem::take(&mut climb.notices));
+    Ok(Report::new(rules, numbers, (climb.reference(), ladder), &entries, notices))
+}
+
+/// What a member of a ladder makes of a grasp.
+#[derive(Debug)]
+pub struct Step {
+    /// What the member is there for.
+    pub role: Role,
+    /// Its frames at the common points.
+    pub fields: Vec<Fields>,
+    /// Its last frame.
+    pub values: Values,
+}
+
+/// The members of a ladder, and how far they are apart on the grasps so far.
+#[derive(Debug)]
+pub struct Climb {
+    members: Vec<(Role, Entry)>,
+    reference: usize,
+    tally: Tally,
+    /// Where fields are compared.
+    pub points: Points,
+    /// Threads of a grasp.
+    pub pool: rayon::ThreadPool,
+    /// Grasps that are left out, and why.
+    pub notices: Vec<String>,
+}
+
+impl Climb {
+    /// Of the scene of a sweep.
+    ///
+    /// # Errors
+    /// A pad that cannot be meshed so finely; threads that cannot be started.
+    pub fn new(sweep: &Sweep, rules: &Rules) -> Result<Self> {
+        let members: Vec<_> =
+            ladder::members(sweep, rules.rungs)?.into_iter().map(|(role, c)| (role, Entry::new(c))).collect();
+        let reference = members.iter().position(|(role, _)| *role == Role::Reference).unwrap_or(0);
+        // Where the mesh before the last one is integrated: its elements see the edge of a patch, and there are not too many of them.
+        let (_, sampled) = &members[reference.saturating_sub(1)];
+        let points = Points::of(&Model::build(&sampled.configuration.scene)?.finger()?.topology);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(rules.threads)
+            .build()
+            .map_err(|e| Error::Start(format!("cannot start {} threads: {e}", rules.threads)))?;
+        Ok(Self { tally: Tally::new(members.len()), reference, members, points, pool, notices: Vec::new() })
+    }
+
+    /// The reference.
+    pub fn reference(&mut self) -> &mut Entry {
+        &mut self.members[self.reference].1
+    }
+
+    /// Simulates a grasp with all members; none at all, and a notice, where the reference fails. Others that fail are left out with one.
+    ///
+    /// # Errors
+    /// Those of running a grasp.
+    pub fn grasp(&mut self, index: usize, pose: GraspPose, progress: &mut impl FnMut(&str)) -> Result<Vec<Step>> {
+        let (mut steps, mut levels) = (Vec::new(), Vec::new());
+        for (role, entry) in &mut self.members {
+            progress(&format!("grasp {index}: {}", entry.configuration.label));
+            let frames = entry.simulate(&self.pool, index, pose, &self.points)?;
+            let model = entry.prepared.as_ref().map(|p| p.model.clone());
+            let last = model.as_ref().zip(frames.last());
+            let values = last.map_or_else(Values::new, |(model, frame)| values(model, frame));
+            steps.push(Step { role: *role, fields: entry.fields(&frames), values });
+            if let Some(reason) = entry.failed.pop() {
+                let whose =
+                    if *role == Role::Reference { "the reference: left out" } else { &entry.configuration.label };
+                self.notices.push(format!("{reason} in {whose}"));
+            }
+            levels = model.map_or(levels, |m| m.levels.clone());
+            if *role != Role::Reference {
+                // Large, and not needed before the next grasp.
+                entry.prepared = None;
+            }
+        }
+        let fails = |s: &Step| s.fields.is_empty();
+        if steps.iter().any(|s| s.role == Role::Reference && fails(s)) {
+            return Ok(Vec::new());
+        }
+        let fields: Vec<&[Fields]> = steps.iter().map(|s| &s.fields[..]).collect();
+        self.tally.add(&self.points, &levels, &fields);
+        steps.retain(|s| !fails(s));
+        Ok(steps)
+    }
+
+    /// What the grasps so far say.
+    pub fn ladder(&self) -> Ladder {
+        let member = |(role, entry): &(Role, Entry)| Member {
+            label: entry.configuration.label.clone(),
+            role: *role,
+            nodes: entry.configuration.nodes,
+            time_per_grasp_s: Some(entry.time_per_grasp()).filter(|t| t.is_finite()),
+        };
+        Ladder::new(self.members.iter().map(member).collect(), &self.tally)
+    }
 }
 
 /// Evenly spread grasps with their numbers.
@@ -176,6 +268,24 @@ impl Entry {
 
     /// Simulates a grasp on `pool`; the fields of its frames if this is the first time, nothing if it fails.
     fn run(&mut self, pool: &rayon::ThreadPool, index: usize, pose: GraspPose, points: &Points) -> Result<Vec<Fields>> {
+        let frames = self.simulate(pool, index, pose, points)?;
+        Ok(self.fields(&frames))
+    }
+
+    /// The fields of frames.
+    fn fields(&self, frames: &[Frame]) -> Vec<Fields> {
+        let probe = self.prepared.as_ref().map(|p| &p.probe);
+        probe.map_or_else(Vec::new, |probe| frames.iter().map(|f| probe.fields(f)).collect())
+    }
+
+    /// Simulates a grasp on `pool`; its frames if this is the first time, nothing if it fails.
+    fn simulate(
+        &mut self,
+        pool: &rayon::ThreadPool,
+        index: usize,
+        pose: GraspPose,
+        points: &Points,
+    ) -> Result<Vec<Frame>> {
         let first = !self.wall_s.contains_key(&index);
         let (cold, prepared) = match self.prepared.take() {
             Some(prepared) => (false, self.prepared.insert(prepared)),
@@ -201,19 +311,13 @@ impl Entry {
         self.frames += outcome.summary.frames;
         add_stages(&mut self.stages, &outcome);
         let frames = keep.0.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let Some(prepared) = self.prepared.as_ref().filter(|_| first) else { return Ok(Vec::new()) };
-        Ok(frames.iter().map(|f| prepared.probe.fields(f)).collect())
+        Ok(if first { frames } else { Vec::new() })
     }
 
     /// Compares the frames of a grasp with those of the reference, both whole or empty.
     fn judge(&mut self, points: &Points, own: &[Fields], truth: &[Fields]) {
-        let Some(levels) = self.prepared.as_ref().map(|p| &p.model.levels) else { return };
-        let last = levels.last().copied().unwrap_or(1.0);
-        // Next to nothing is deformed at a small load, and relative errors say little there.
-        for ((own, truth), level) in own.iter().zip(truth).zip(levels) {
-            if *level >= (FROM_LOAD - 1e-9) * last {
-                self.errors.push(FrameError::of(points, own, truth));
-            }
+        if let Some(prepared) = &self.prepared {
+            self.errors.extend(ladder::distances(points, &prepared.model.levels, own, truth));
         }
     }
 

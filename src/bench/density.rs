@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::model::pad;
-use crate::scene::leaf::{Count, Length};
+use crate::scene::leaf::{Count, Length, Ratio};
 use crate::scene::pad::{BoxPad, DiscPad, GelSightMini};
 use crate::scene::vector::{Cells, Tuple};
 use crate::scene::{Element, Pads, defaults};
@@ -12,6 +12,9 @@ use crate::scene::{Element, Pads, defaults};
 /// # Errors
 /// A pad from a file, whose density is given; a spacing or number of cells that a scene could not name.
 pub fn coarser(pads: &Pads, factor: f64) -> Result<Pads> {
+    if factor == 1.0 {
+        return Ok(pads.clone());
+    }
     let refused = |what: &str, m: String| Error::Mesh(format!("pads {factor:.3} times as coarse: {what} {m}"));
     let spacing = |l: Length| Length::new(l.get() * factor).map_err(|m| refused("spacing", m));
     Ok(match pads {
@@ -24,17 +27,40 @@ pub fn coarser(pads: &Pads, factor: f64) -> Result<Pads> {
         Pads::File(f) => {
             return Err(Error::file(
                 &f.path,
-                "a pad from a file has one density, so there is nothing finer to compare with; allowed here: GelSightMini, Box, Disc",
+                "a pad from a file has one density, so there is no finer or coarser one; allowed here: GelSightMini, Box, Disc",
             ));
         }
     })
 }
 
-/// Even numbers along x and y, so that the mesh stays mirror-symmetric; the same numbers for a factor of one.
+/// Focus of a mesh of another kind, and how much wider its cells at the centre would be with as many of them.
+const FOCUS: (f64, f64) = (2.0, 4.0 / 3.0);
+
+/// The same pad with about the same cells at its centre and wider ones towards the rim, or uniform ones if it has such: a mesh of another
+/// kind, whose lines lie elsewhere and whose errors are its own. None for a pad from a file.
+///
+/// # Errors
+/// Those of [`coarser`].
+pub fn other_kind(pads: &Pads) -> Result<Option<Pads>> {
+    let of = |focus: Ratio| Ratio::preset(if focus.get() < FOCUS.0 { FOCUS.0 } else { 1.0 });
+    Ok(Some(match pads {
+        Pads::GelSightMini(g) => Pads::GelSightMini(GelSightMini { focus: of(g.focus), ..*g }),
+        Pads::Disc(d) => Pads::Disc(DiscPad { focus: of(d.focus), ..*d }),
+        Pads::Box(b) => {
+            // A spacing is that at the centre, so only given cells must change.
+            let wider = if of(b.focus).get() > 1.0 { FOCUS.1 } else { 1.0 / FOCUS.1 };
+            let pads = if b.cells.is_some() { coarser(pads, wider)? } else { pads.clone() };
+            match pads {
+                Pads::Box(b) => Pads::Box(BoxPad { focus: of(b.focus), ..b }),
+                other => other,
+            }
+        }
+        Pads::File(_) => return Ok(None),
+    }))
+}
+
+/// Even numbers along x and y, so that the mesh stays mirror-symmetric.
 fn cells(own: Cells, factor: f64) -> std::result::Result<Cells, String> {
-    if factor == 1.0 {
-        return Ok(own);
-    }
     let [x, y, z] = own.counts().map(|n| n as f64 / factor);
     let even = |n: f64| Count::new(2 * (0.5 * n).round().max(1.0) as u64);
     Ok(Tuple([even(x)?, even(y)?, Count::new(z.round().max(1.0) as u64)?]))
@@ -43,15 +69,16 @@ fn cells(own: Cells, factor: f64) -> std::result::Result<Cells, String> {
 /// How fine a pad is, in words: its spacing or its cells.
 pub fn describe(pads: &Pads) -> String {
     let spacing = |l: Length| format!("{:.2} mm", 1e3 * l.get());
-    match pads {
-        Pads::GelSightMini(g) => spacing(g.spacing),
-        Pads::Disc(d) => spacing(d.spacing),
+    let (density, focus) = match pads {
+        Pads::GelSightMini(g) => (spacing(g.spacing), g.focus.get()),
+        Pads::Disc(d) => (spacing(d.spacing), d.focus.get()),
         Pads::Box(b) => match b.cells {
-            Some(cells) => cells.counts().map(|n| n.to_string()).join("x"),
-            None => spacing(b.spacing.unwrap_or(defaults::PAD_SPACING)),
+            Some(cells) => (cells.counts().map(|n| n.to_string()).join("x"), b.focus.get()),
+            None => (spacing(b.spacing.unwrap_or(defaults::PAD_SPACING)), b.focus.get()),
         },
-        Pads::File(f) => f.path.display().to_string(),
-    }
+        Pads::File(f) => (f.path.display().to_string(), 1.0),
+    };
+    if focus == 1.0 { density } else { format!("{density} focus {focus}") }
 }
 
 /// Nodes of one pad with elements of this kind.

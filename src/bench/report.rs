@@ -1,10 +1,10 @@
 //! What a contest comes to: a point per configuration, the Pareto front, the speed-up at equal error.
 
 use super::contest::{Entry, Rules};
-use super::error::{FrameError, richardson};
 use super::front::{Rival, time_at};
-use super::spread::{Spread, median};
-use super::sweep::Level;
+use super::ladder::Ladder;
+use super::spread::Spread;
+use crate::distance::Distance;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -73,7 +73,7 @@ fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
 }
 
 /// A quantity and how to get it.
-type Quantity = (&'static str, fn(&FrameError) -> f64);
+type Quantity = (&'static str, fn(&Distance) -> f64);
 
 /// What is compared; a name without unit is relative.
 pub const QUANTITIES: [Quantity; 6] = [
@@ -98,10 +98,10 @@ pub struct Report {
     pub points: Vec<Point>,
     /// What they are compared with; its errors are estimates.
     pub reference: Point,
-    /// Error of the reference's displacement, from two coarser levels; errors below it are not told apart.
+    /// Error of the reference's displacement, as the ladder estimates it; errors below it are not told apart.
     pub reference_error: Option<f64>,
-    /// The same of every relative quantity.
-    pub reference_errors: BTreeMap<Name, f64>,
+    /// What the error of the reference is estimated from.
+    pub ladder: Ladder,
     /// The largest of the contenders; null without any, or if nothing reaches their error.
     pub speedup_at_equal_error: Option<f64>,
     /// What to know before reading the numbers.
@@ -110,22 +110,18 @@ pub struct Report {
 
 impl Report {
     /// Of the entries of a contest.
-    pub fn new(rules: &Rules, grasps: Vec<usize>, reference: &Entry, entries: &[Entry], notices: Vec<String>) -> Self {
+    pub fn new(
+        rules: &Rules,
+        grasps: Vec<usize>,
+        (reference, ladder): (&Entry, Ladder),
+        entries: &[Entry],
+        notices: Vec<String>,
+    ) -> Self {
         let mut points: Vec<Point> = entries.iter().map(Point::new).collect();
-        let level = |wanted: Level, pick: fn(&FrameError) -> f64| {
-            let entry = entries.iter().find(|e| e.configuration.level == Some(wanted));
-            entry.map(|e| median(e.errors.iter().map(pick))).filter(|v| v.is_finite())
-        };
-        let relative = QUANTITIES.iter().filter(|(name, _)| !name.contains("_max_"));
-        let reference_errors: BTreeMap<_, _> = relative
-            .filter_map(|(name, pick)| {
-                let medium = level(Level::Medium, *pick);
-                level(Level::Coarse, *pick).filter(|c| *c > 0.0).map(|c| (Name::from(*name), richardson(c, medium)))
-            })
-            .collect();
         let mut reference = Point::new(reference);
-        let of = |name: &str| reference_errors.get(name).copied();
-        (reference.displacement_error, reference.stress_error) = (of("displacement"), of("stress"));
+        let of = |name: &str| ladder.errors.get(name).and_then(|e| e.error);
+        let reference_error = of("displacement");
+        (reference.displacement_error, reference.stress_error) = (reference_error, of("stress"));
         (reference.force_error, reference.travel_error) = (of("force"), of("travel"));
         mark_dominated(&mut points);
         let mut settings: Vec<Point> = points.iter().filter(|p| !p.contender).cloned().collect();
@@ -137,8 +133,8 @@ impl Report {
             threads: rules.threads,
             repeats: rules.repeats,
             speedup_at_equal_error: speedups.reduce(f64::max),
-            reference_error: of("displacement"),
-            reference_errors,
+            reference_error,
+            ladder,
             reference,
             points,
             notices,

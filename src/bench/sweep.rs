@@ -1,4 +1,4 @@
-//! What is compared: the settings of the finite elements around those of the scene, networks, and the reference.
+//! What is compared: the settings of the finite elements around those of the scene, and networks.
 
 use super::density::{coarser, describe, nodes};
 use crate::error::{Error, Result};
@@ -6,7 +6,7 @@ use crate::gnn::card::Trained;
 use crate::gnn::graph::mesh_hash;
 use crate::model::Model;
 use crate::scene::leaf::Positive;
-use crate::scene::{Condensed, Element, Fem, Field, Fingers, Gnn, Loading, Scene, Solver, Stepper};
+use crate::scene::{Condensed, Element, Fem, Field, Fingers, Gnn, Loading, Pads, Scene, Solver, Stepper};
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use std::path::{Path, PathBuf};
 
@@ -21,19 +21,6 @@ pub struct Configuration {
     pub nodes: usize,
     /// Claims to be faster than full finite elements at its error: a network, or a fast mode. The speed-up is about these.
     pub contender: bool,
-    /// One of the three levels that the error of the reference is estimated from.
-    pub level: Option<Level>,
-}
-
-/// Pads of these densities, otherwise alike: cells in ratios of the square root of two.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Level {
-    /// Cells as wide as the scene's.
-    Coarse,
-    /// Between the two.
-    Medium,
-    /// Cells half as wide as the scene's: the reference.
-    Fine,
 }
 
 /// A setting of the finite elements, and the cells it is tried with, over those of the scene.
@@ -46,7 +33,7 @@ struct Setting {
     fast: bool,
 }
 
-/// All settings; a new one is one more line. The first one holds the levels of the reference.
+/// All settings; a new one is one more line.
 const SETTINGS: [Setting; 4] = [
     Setting { name: "quadratic", change: |_| (), cells: &[2.0, SQRT_2, 1.0, FRAC_1_SQRT_2], fast: false },
     Setting {
@@ -75,8 +62,10 @@ fn loosen(fem: &mut Fem) {
 /// Makes the configurations of a scene.
 #[derive(Debug)]
 pub struct Sweep {
-    scene: Scene,
-    fem: Fem,
+    /// The scene, what is compared recorded and nothing promised.
+    pub scene: Scene,
+    /// Settings that all configurations start from.
+    pub fem: Fem,
     made: Vec<(Configuration, Fem)>,
 }
 
@@ -101,37 +90,25 @@ impl Sweep {
             }
         }
         let fem = match scene.stepper {
-            Stepper::Fem(Fem { tolerance, max_iterations, .. }) => Fem { tolerance, max_iterations, ..Fem::default() },
+            Stepper::Fem(Fem { tolerance, path, max_iterations, .. }) => {
+                Fem { tolerance, path, max_iterations, ..Fem::default() }
+            }
             Stepper::Gnn(_) => Fem::default(),
         };
         Ok(Self { scene, fem, made: Vec::new() })
     }
 
-    /// The reference: 10-node tetrahedra with mean dilatation, half as wide as the scene's cells.
-    ///
-    /// # Errors
-    /// A pad that cannot be refined.
-    pub fn reference(&self) -> Result<Configuration> {
-        let reference = self.configuration("reference, quadratic", 0.5, self.fem)?;
-        Ok(Configuration { level: Some(Level::Fine), ..reference })
-    }
-
-    /// All configurations but the reference. Those whose meshes come out alike are there once.
+    /// All configurations. Those whose meshes come out alike are there once.
     ///
     /// # Errors
     /// A pad that cannot be meshed.
     pub fn configurations(mut self, models: &[PathBuf]) -> Result<Vec<Configuration>> {
-        for (k, setting) in SETTINGS.iter().enumerate() {
+        for setting in &SETTINGS {
             let mut fem = self.fem;
             (setting.change)(&mut fem);
-            for factor in setting.cells {
-                let level = match *factor {
-                    1.0 => Some(Level::Coarse),
-                    FRAC_1_SQRT_2 => Some(Level::Medium),
-                    _ => None,
-                };
-                let new = self.configuration(setting.name, *factor, fem)?;
-                self.add(Configuration { contender: setting.fast, level: level.filter(|_| k == 0), ..new }, fem);
+            for factor in self.cells(setting) {
+                let new = self.configuration(setting.name, coarser(&self.scene.gripper.pads, *factor)?, fem)?;
+                self.add(Configuration { contender: setting.fast, ..new }, fem);
             }
         }
         let networks = models.iter().map(|model| self.network(model)).collect::<Result<Vec<_>>>()?;
@@ -143,7 +120,7 @@ impl Sweep {
     fn network(&self, folder: &Path) -> Result<Configuration> {
         let trained = Trained::read(folder)?.card.range.pad;
         let mut scene = Scene { stepper: Stepper::Gnn(Gnn { model: folder.into() }), ..self.scene.clone() };
-        for factor in SETTINGS[0].cells {
+        for factor in self.cells(&SETTINGS[0]) {
             let mut other = scene.clone();
             other.gripper.pads = coarser(&self.scene.gripper.pads, *factor)?;
             if mesh_hash(&Model::build(&other)?.finger()?.topology) == trained {
@@ -155,23 +132,35 @@ impl Sweep {
         let label = format!("network {name} {}", describe(&scene.gripper.pads));
         // Scenes of networks have the elements that scenes have by default.
         let nodes = nodes(&scene.gripper.pads, Element::default())?;
-        Ok(Configuration { label, scene, nodes, contender: true, level: None })
+        Ok(Configuration { label, scene, nodes, contender: true })
+    }
+
+    /// The cells that a setting is tried with; a pad from a file has its own alone.
+    fn cells(&self, setting: &Setting) -> &'static [f64] {
+        if self.refinable() { setting.cells } else { &[1.0] }
+    }
+
+    /// Whether there are finer and coarser pads like those of the scene.
+    pub fn refinable(&self) -> bool {
+        !matches!(self.scene.gripper.pads, Pads::File(_))
     }
 
     fn add(&mut self, new: Configuration, fem: Fem) {
         // Spacings are rounded to whole cells: two of them may give one mesh.
-        match self.made.iter_mut().find(|(c, f)| *f == fem && c.nodes == new.nodes) {
-            Some((old, _)) => old.level = old.level.or(new.level),
-            None => self.made.push((new, fem)),
+        if !self.made.iter().any(|(c, f)| *f == fem && c.nodes == new.nodes) {
+            self.made.push((new, fem));
         }
     }
 
-    fn configuration(&self, name: &str, factor: f64, fem: Fem) -> Result<Configuration> {
+    /// The scene with other pads and settings.
+    ///
+    /// # Errors
+    /// A pad that cannot be meshed.
+    pub fn configuration(&self, name: &str, pads: Pads, fem: Fem) -> Result<Configuration> {
+        let nodes = nodes(&pads, fem.element)?;
+        let label = format!("{name} {}", describe(&pads));
         let mut scene = self.scene.clone();
-        scene.gripper.pads = coarser(&scene.gripper.pads, factor)?;
-        scene.stepper = Stepper::Fem(fem);
-        let label = format!("{name} {}", describe(&scene.gripper.pads));
-        let nodes = nodes(&scene.gripper.pads, fem.element)?;
-        Ok(Configuration { label, scene, nodes, contender: false, level: None })
+        (scene.gripper.pads, scene.stepper) = (pads, Stepper::Fem(fem));
+        Ok(Configuration { label, scene, nodes, contender: false })
     }
 }

@@ -1,5 +1,6 @@
 //! A contest as text and as CSV.
 
+use super::ladder::Ladder;
 use super::report::{Point, QUANTITIES, Report};
 use std::fmt::Write;
 
@@ -51,7 +52,41 @@ pub fn text(report: &Report) -> String {
     report.notices.iter().for_each(|notice| {
         let _ = writeln!(out, "note: {notice}");
     });
+    out += &ladder(&report.ladder);
     headline(&mut out, report);
+    out
+}
+
+/// The members of a ladder, how far each is from each, and what that says of the reference.
+pub fn ladder(ladder: &Ladder) -> String {
+    let width = ladder.members.iter().map(|m| m.label.len()).max().unwrap_or(0);
+    let percent = |v: Option<f64>| v.map_or("-".into(), |v| format!("{:.2}", 100.0 * v));
+    let mut out = String::from("\nhow far the meshes of the ladder are apart, %: displacement, stress, force\n");
+    for (i, m) in ladder.members.iter().enumerate() {
+        let time = m.time_per_grasp_s.map_or("-".into(), |t| format!("{t:.2}"));
+        let _ = write!(out, "{}  {:<width$}  {:>6} nodes {time:>8} s ", i + 1, m.label, m.nodes);
+        for name in ["displacement", "stress", "force"] {
+            let row = ladder.distances.get(name).map_or(&[][..], |table| &table[i]);
+            let cells = (0..ladder.members.len()).map(|j| format!("{:>6}", percent(row.get(j).copied().flatten())));
+            let _ = write!(out, " |{}", cells.collect::<String>());
+        }
+        out.push('\n');
+    }
+    out += "\nerror of the reference, %        error    last refinement   another mesh   path   order\n";
+    for (name, e) in &ladder.errors {
+        let _ = writeln!(
+            out,
+            "  {name:<26} {:>9} {:>18} {:>14} {:>6} {:>7}",
+            percent(e.error),
+            percent(e.by_rungs),
+            percent(e.by_other),
+            percent(e.by_path),
+            e.order.map_or("-".into(), |p| format!("{p:.1}")),
+        );
+    }
+    ladder.findings.iter().for_each(|finding| {
+        let _ = writeln!(out, "note: {finding}");
+    });
     out
 }
 

@@ -2,11 +2,12 @@
 
 use super::run::machine_threads;
 use super::{Format, OK, print};
+use crate::bench::certify::References;
 use crate::bench::contest::Rules;
-use crate::bench::{chart, contest, cost_by_size, rollout, rollouts, sizes, table};
+use crate::bench::{certify, chart, contest, cost_by_size, ladder, rollout, rollouts, sizes, table};
 use crate::error::{Error, Result};
 use crate::record::files::{create_dir, write_atomic};
-use crate::scene::{load_object, load_set};
+use crate::scene::{Scene, load_object, load_set};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -36,6 +37,14 @@ pub struct BenchArgs {
     /// How often each configuration simulates each grasp, in turn; times are medians.
     #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub repeat: u64,
+    /// Meshes of one kind that the error of the reference is estimated from, each finer than the one before by the square root of two, the
+    /// first as fine as the scene's.
+    #[arg(long, value_name = "N", default_value_t = ladder::RUNGS as u64, value_parser = clap::value_parser!(u64).range(2..=6))]
+    pub rungs: u64,
+    /// Instead: values of the first grasp of each object with their errors, into `references.json` and `references.md`; rows of other
+    /// objects there stay.
+    #[arg(long, conflicts_with_all = ["model", "grasps", "sizes", "envs"])]
+    pub certify: bool,
     /// Instead: the cost of the first grasp with pads of about so many nodes each, separated by commas.
     #[arg(long, value_name = "N,...", value_delimiter = ',', conflicts_with_all = ["model", "grasps"],
           value_parser = clap::value_parser!(u64).range(8..=1_000_000))]
@@ -60,11 +69,52 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode> {
     bar.enable_steady_tick(Duration::from_millis(200));
     let progress = |text: &str| bar.set_message(text.to_string());
     args.out.as_deref().map_or(Ok(()), create_dir)?;
-    let measured = if args.envs.is_empty() { measure(args, progress) } else { play(args, progress) };
+    let measured = match (args.certify, args.envs.is_empty()) {
+        (true, _) => references(args, progress),
+        (false, true) => measure(args, progress),
+        (false, false) => play(args, progress),
+    };
     bar.finish_and_clear();
     let (text, json) = measured?;
     print(if args.format == Format::Json { &json } else { &text })?;
     Ok(ExitCode::from(OK))
+}
+
+/// Certified references: the rows as text and as JSON; files are written as each comes.
+fn references(args: &BenchArgs, mut progress: impl FnMut(&str)) -> Result<(String, String)> {
+    let set = load_set(&args.scene)?.only(args.object.as_deref())?;
+    let rules = rules(args);
+    let mut all = args.out.as_deref().map_or_else(|| Ok(References::default()), References::read)?;
+    let (mut own, mut ladders) = (References::default(), String::new());
+    for named in &set.scenes {
+        let mut named = named.clone();
+        set_frames(args, &mut named.scene)?;
+        let (row, climbed) =
+            certify(&named, &args.scene, &rules, &mut progress).map_err(|e| set.place(e, &named.name))?;
+        ladders += &format!("\n{}{}", row.name, table::ladder(&climbed));
+        own.put(row.clone());
+        all.put(row);
+        if let Some(dir) = args.out.as_deref() {
+            write_atomic(&dir.join("references.json"), as_json(&all)?.as_bytes())?;
+            write_atomic(&dir.join("references.md"), all.markdown().as_bytes())?;
+        }
+    }
+    Ok((format!("{}{ladders}", own.markdown()), as_json(&own)?))
+}
+
+fn rules(args: &BenchArgs) -> Rules {
+    Rules {
+        grasps: args.grasps as usize,
+        threads: args.threads.map_or_else(machine_threads, |n| n as usize),
+        repeats: args.repeat as usize,
+        rungs: args.rungs as usize,
+    }
+}
+
+/// Takes over `--frames`.
+fn set_frames(args: &BenchArgs, scene: &mut Scene) -> Result<()> {
+    let refused = |m| Error::Scene(format!("error: {m}"));
+    args.frames.map_or(Ok(()), |frames| scene.loading.set_frames(frames).map_err(refused))
 }
 
 /// Steps of a task a second: the report as text and as JSON; files are written.
@@ -87,20 +137,17 @@ fn play(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, String)
 fn measure(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, String)> {
     let loaded = load_object(&args.scene, args.object.as_deref())?;
     let mut scene = loaded.scene.clone();
-    if let Some(frames) = args.frames {
-        scene.loading.set_frames(frames).map_err(|m| Error::Scene(format!("error: {m}")))?;
-    }
-    let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
-    let repeats = args.repeat as usize;
+    set_frames(args, &mut scene)?;
+    let rules = rules(args);
     let out = args.out.as_deref();
     if !args.sizes.is_empty() {
         let wanted: Vec<usize> = args.sizes.iter().map(|n| *n as usize).collect();
-        let report = cost_by_size(&scene, &wanted, threads, repeats, progress).map_err(|e| loaded.place(e))?;
+        let report =
+            cost_by_size(&scene, &wanted, rules.threads, rules.repeats, progress).map_err(|e| loaded.place(e))?;
         let json = as_json(&report)?;
         out.map_or(Ok(()), |dir| write_atomic(&dir.join("sizes.json"), json.as_bytes()))?;
         return Ok((sizes::text(&report), json));
     }
-    let rules = Rules { grasps: args.grasps as usize, threads, repeats };
     let report = contest(&scene, &args.model, &rules, progress).map_err(|e| loaded.place(e))?;
     let json = as_json(&report)?;
     if let Some(dir) = out {

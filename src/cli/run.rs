@@ -8,8 +8,8 @@ use crate::grasp::{GraspPose, aim_notice, poses_of};
 use crate::model::{FingerModel, Model};
 use crate::record::{ExpectationReport, Options, Recorder, RunReport, Status};
 use crate::render::Scalar;
-use crate::runner::sensitivity::sensitivity;
-use crate::runner::{Outcome, run_grasps};
+use crate::runner::sensitivity::{Ends, LastFrames, sensitivity};
+use crate::runner::{Observer, Outcome, run_grasps};
 use crate::scene::leaf::{Count, Positive};
 use crate::scene::{
     Condensed, Fem, Gnn, Held, LoadedSet, Measured, Scene, Solver, Stepper, evaluate_all, load_set, recheck,
@@ -205,7 +205,10 @@ fn run_object(args: &RunArgs, scene: &Scene, out: Option<&Path>, last: bool) -> 
     }
     let watch = Watch::new(&model, recorder, grasps.len());
     let clock = Instant::now();
-    let outcomes = run_grasps(&model, stepper.as_ref(), &grasps, threads, &watch);
+    let last_frames = LastFrames::default();
+    let both = (&watch, &last_frames);
+    let observer: &dyn Observer = if args.sensitivity { &both } else { &watch };
+    let outcomes = run_grasps(&model, stepper.as_ref(), &grasps, threads, observer);
     let ended = watch.ended();
     let mut recorder = watch.finish();
     let mut outcomes = outcomes.map_err(|error| {
@@ -216,7 +219,8 @@ fn run_object(args: &RunArgs, scene: &Scene, out: Option<&Path>, last: bool) -> 
     })?;
     let wall = clock.elapsed().as_secs_f64();
     if args.sensitivity {
-        let answers = sensitivity(scene, &model, stepper.as_ref(), &grasps, threads)?;
+        let ends = Ends::of(&outcomes, last_frames);
+        let answers = sensitivity(scene, &model, stepper.as_ref(), (&grasps, &ends), threads)?;
         outcomes.iter_mut().zip(&answers).for_each(|(o, moved)| o.summary.sensitivity = moved.clone());
         recorder.iter_mut().for_each(|recorder| recorder.add_sensitivity(answers.clone()));
     }

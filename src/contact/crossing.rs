@@ -18,7 +18,7 @@ pub(super) fn deepest(
 ) -> Option<DVec3> {
     // The distance changes no faster than the point moves, along an arc a little more than along its chord: parts that cannot go
     // deeper than what is found are skipped.
-    let [reach, deep, fine] = [bounds.reach(), DEEPEST * bounds.offset, DEEPEST_LENGTH * bounds.offset];
+    let [reach, deep, fine] = [bounds.at_once(), DEEPEST * bounds.offset, DEEPEST_LENGTH * bounds.offset];
     let length = ARC * stretch.length();
     let mut best = (-least, None);
     let mut parts = vec![(0.0, 1.0)];

@@ -28,7 +28,7 @@ impl FaceBounds {
     }
 
     /// Distance up to which the nearest face is found at once, m.
-    pub(super) fn reach(&self) -> f64 {
+    pub(super) fn at_once(&self) -> f64 {
         self.cells.near
     }
 
@@ -78,7 +78,7 @@ impl FaceBounds {
         if y.cmplt(self.min - reach).any() || y.cmpgt(self.max + reach).any() {
             return None;
         }
-        let best = self.near(surface, x, y, self.reach());
+        let best = self.near(surface, x, y, self.at_once());
         let best = best.or_else(|| self.nearest(surface, x, y, 0..self.boxes.len(), f64::INFINITY));
         best.map(side).filter(|foot| foot.gap < reach)
     }
@@ -93,7 +93,7 @@ impl FaceBounds {
     /// side it is.
     pub(super) fn outside(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, side: impl Fn(Foot) -> Foot) -> f64 {
         let beyond = y.clamp(self.min, self.max).distance(y);
-        if beyond > self.reach() {
+        if beyond > self.at_once() {
             return beyond;
         }
         self.closest_as(surface, x, y, f64::INFINITY, side).map_or(f64::INFINITY, |foot| foot.gap)

@@ -3,18 +3,19 @@
 //! A ball hardly cares; a capsule on its edge turns elsewhere when friction changes by a tenth. Errors of a solver or a network below that
 //! spread are not worth anything, and say nothing of who is right.
 
-use super::{Observer, run_grasps};
+use super::{Observer, Outcome, run_grasps};
+use crate::distance::{Distance, Points, Probe};
 use crate::error::Result;
 use crate::grasp::GraspPose;
 use crate::model::Model;
 use crate::record::sensitivity::{Change, Moved};
-use crate::record::{Frame, Status};
+use crate::record::{Frame, PadTopology, Status};
 use crate::scene::leaf::{NonNegative, Positive};
 use crate::scene::{Loading, Scene};
 use crate::stepper::Stepper;
 use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// All changes, in the order of the report.
 const CHANGES: [Change; 4] = [Change::Friction, Change::Turn, Change::Shift, Change::Release];
@@ -63,32 +64,30 @@ fn changed_pose(change: Change, mut pose: GraspPose) -> GraspPose {
 }
 
 /// Keeps the last frame of every grasp.
-#[derive(Default)]
-struct Last(Mutex<BTreeMap<usize, Frame>>);
+#[derive(Debug, Default)]
+pub struct LastFrames(Mutex<BTreeMap<usize, Frame>>);
 
-impl Observer for Last {
+impl Observer for LastFrames {
     fn frame(&self, index: usize, frame: &Frame) -> Result<()> {
-        if let Ok(mut frames) = self.0.lock() {
-            frames.insert(index, frame.clone());
-        }
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(index, frame.clone());
         Ok(())
     }
 }
 
-/// How the grasps ended, and their last frames.
-type Ends = BTreeMap<usize, (Status, Option<Frame>)>;
+/// How grasps ended: status and last frame by number.
+#[derive(Debug, Default)]
+pub struct Ends(BTreeMap<usize, (Status, Option<Frame>)>);
 
-fn ends(model: &Arc<Model>, stepper: &dyn Stepper, grasps: &[(usize, GraspPose)], threads: usize) -> Result<Ends> {
-    let last = Last::default();
-    let outcomes = run_grasps(model, stepper, grasps, threads, &last)?;
-    let mut frames = last.0.into_inner().unwrap_or_default();
-    let of = |((index, _), outcome): (&(usize, GraspPose), super::Outcome)| {
-        (*index, (outcome.summary.status, frames.remove(index)))
-    };
-    Ok(grasps.iter().zip(outcomes).map(of).collect())
+impl Ends {
+    /// Of the outcomes of grasps and what was kept while they ran.
+    pub fn of(outcomes: &[Outcome], last: LastFrames) -> Self {
+        let mut frames = last.0.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let end = |o: &Outcome| (o.summary.grasp, (o.summary.status, frames.remove(&o.summary.grasp)));
+        Self(outcomes.iter().map(end).collect())
+    }
 }
 
-/// Runs `grasps` of `scene` as they are and with every change; what each does, per grasp. Five times the work of a run.
+/// Runs `grasps` of `scene`, which ended as `base` says, with every change; what each does, per grasp. Four times the work of a run.
 ///
 /// # Errors
 /// Those of building a model and of running grasps.
@@ -96,10 +95,13 @@ pub fn sensitivity(
     scene: &Scene,
     model: &Arc<Model>,
     stepper: &dyn Stepper,
-    grasps: &[(usize, GraspPose)],
+    (grasps, base): (&[(usize, GraspPose)], &Ends),
     threads: usize,
 ) -> Result<Vec<Vec<Moved>>> {
-    let base = ends(model, stepper, grasps, threads)?;
+    let none = PadTopology::default();
+    let pad = model.fingers.first().map_or(&none, |f| &f.topology);
+    let points = Points::of(pad);
+    let probe = Probe::new(&points, pad);
     let mut answers = vec![Vec::new(); grasps.len()];
     for change in CHANGES.into_iter().filter(|change| applies(*change, model)) {
         let changed = match change {
@@ -107,15 +109,19 @@ pub fn sensitivity(
             Change::Friction | Change::Release => Model::build(&changed_scene(change, scene, model))?,
         };
         let posed: Vec<_> = grasps.iter().map(|(index, pose)| (*index, changed_pose(change, *pose))).collect();
-        let mut other = ends(&changed, stepper, &posed, threads)?;
+        let last = LastFrames::default();
+        let outcomes = run_grasps(&changed, stepper, &posed, threads, &last)?;
+        let mut other = Ends::of(&outcomes, last).0;
         for (answer, ((index, pose), (_, posed))) in answers.iter_mut().zip(grasps.iter().zip(&posed)) {
-            let (Some((was, before)), Some((status, after))) = (base.get(index), other.remove(index)) else { continue };
+            let (Some((was, before)), Some((status, after))) = (base.0.get(index), other.remove(index)) else {
+                continue;
+            };
             let reached = (*was, status) == (Status::Reached, Status::Reached);
             let pair = before.as_ref().zip(after.as_ref()).filter(|_| reached);
             answer.push(Moved {
                 change,
                 status,
-                displacement: pair.map(|(a, b)| apart(model, a, b)),
+                displacement: pair.map(|(a, b)| Distance::of(&points, &probe.fields(b), &probe.fields(a)).displacement),
                 object_m: pair.map(|(a, b)| {
                     let ([p, turn], [q, other]) = (motion(a, pose), motion(b, posed));
                     p.distance(q) + model.object.bounding_radius * turn.distance(other)
@@ -131,17 +137,4 @@ fn motion(frame: &Frame, grasp: &GraspPose) -> [DVec3; 2] {
     let start = grasp.object_in_hand();
     let turn = frame.object_rotation * start.rotation.inverse();
     [frame.object_position - start.position, turn.to_scaled_axis()]
-}
-
-/// Distance of the displacements of two frames over the norm of the first, L2 over the volume of the gel.
-fn apart(model: &Model, a: &Frame, b: &Frame) -> f64 {
-    let (mut apart, mut whole) = (0.0, 0.0);
-    for (finger, (a, b)) in model.fingers.iter().zip(a.pads.iter().zip(&b.pads)) {
-        let volumes = finger.body.nodal_volume();
-        for (volume, (a, b)) in volumes.iter().zip(a.displacement.iter().zip(&b.displacement)) {
-            apart += volume * a.distance_squared(*b);
-            whole += volume * a.length_squared();
-        }
-    }
-    if whole > 0.0 { (apart / whole).sqrt() } else { 0.0 }
 }

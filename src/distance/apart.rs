@@ -1,11 +1,11 @@
-//! How far a frame is from the reference.
+//! Norms of the difference of two frames.
 
-use super::probe::{Fields, Points};
+use super::fields::{Fields, Points};
 use glam::DVec3;
 
-/// Errors of one frame of one grasp over all pads. Relative ones are over the norm of the reference in that frame.
+/// Distances of one frame of a grasp from another over all pads. Relative ones are over the norm of the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FrameError {
+pub struct Distance {
     /// Displacement, L2 over the volume of the gel, relative.
     pub displacement: f64,
     /// Von Mises stress, L2 over the volume of the gel, relative.
@@ -20,8 +20,8 @@ pub struct FrameError {
     pub stress_max_pa: f64,
 }
 
-impl FrameError {
-    /// Of `own` against `truth`.
+impl Distance {
+    /// Of `own` from `truth`, at the same points.
     pub fn of(points: &Points, own: &Fields, truth: &Fields) -> Self {
         let apart: Vec<f64> = own.displacement.iter().zip(&truth.displacement).map(|(a, b)| a.distance(*b)).collect();
         let stress: Vec<f64> = own.stress.iter().zip(&truth.stress).map(|(a, b)| a - b).collect();
@@ -51,34 +51,9 @@ fn ratio(error: f64, whole: f64) -> f64 {
     if whole > 0.0 { error / whole } else { 0.0 }
 }
 
-/// Error of the finest of three levels whose cells are in ratios of the square root of two, from the distances of the
-/// coarse and of the medium one to it (Richardson 1911).
-///
-/// With an error `c h^p` these are `1 - t^2` and `t - t^2` of the coarse error, `t = 2^(-p/2)`, and the fine error is
-/// `t^2`. The order is taken between one and two: contact allows no more, and a mesh that is rounded to whole cells may
-/// show anything. Without a medium level it is one.
-pub fn richardson(coarse: f64, medium: Option<f64>) -> f64 {
-    let (second, first) = (0.5, std::f64::consts::FRAC_1_SQRT_2);
-    let t = medium.map_or(first, |m| {
-        let r = m / coarse;
-        if r < 0.5 { (r / (1.0 - r)).clamp(second, first) } else { first }
-    });
-    coarse * t * t / (1.0 - t * t)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn richardson_finds_the_error_of_a_power_law() {
-        for order in [1.0, 1.5, 2.0] {
-            let error = |level: f64| 0.3 * 2_f64.powf(-0.5 * level * order);
-            let (coarse, medium) = (error(0.0) - error(2.0), error(1.0) - error(2.0));
-            let found = richardson(coarse, Some(medium));
-            assert!((found - error(2.0)).abs() < 1e-12, "order {order}: {found} for {}", error(2.0));
-        }
-    }
 
     #[test]
     fn equal_fields_have_no_error_and_doubled_ones_an_error_of_one() {
@@ -89,12 +64,12 @@ mod tests {
             force: vec![DVec3::Z],
             travel: vec![0.5],
         };
-        let none = FrameError::of(&points, &truth, &truth);
+        let none = Distance::of(&points, &truth, &truth);
         assert_eq!([none.displacement, none.stress, none.force, none.travel, none.displacement_max_m], [0.0; 5]);
         let mut twice = truth.clone();
         twice.displacement.iter_mut().for_each(|u| *u *= 2.0);
         twice.stress.iter_mut().for_each(|s| *s *= 2.0);
-        let error = FrameError::of(&points, &twice, &truth);
+        let error = Distance::of(&points, &twice, &truth);
         assert!((error.displacement - 1.0).abs() < 1e-12 && (error.stress - 1.0).abs() < 1e-12);
         assert_eq!((error.displacement_max_m, error.stress_max_pa), (1.0, 2.0));
     }

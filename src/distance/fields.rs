@@ -1,9 +1,8 @@
 //! Fields of different meshes at common points: shape functions interpolate nodal values.
 
 use crate::element::{EDGES, RestTet, TET10};
-use crate::mesh::TetMesh;
 use crate::record::{Frame, PadTopology};
-use glam::DVec3;
+use glam::{DVec2, DVec3, Vec3Swizzles};
 
 /// Points of a pad at rest, pad frame, each standing for a part of the volume.
 #[derive(Debug, Clone)]
@@ -16,10 +15,10 @@ pub struct Points {
 
 impl Points {
     /// Four points in each tetrahedron (Keast 1986): sums over them are integrals, exact for quadratic fields.
-    pub fn of(mesh: &TetMesh) -> Self {
+    pub fn of(pad: &PadTopology) -> Self {
         let mut points = Self { position: Vec::new(), volume: Vec::new() };
-        for t in 0..mesh.tets.len() {
-            let corners = mesh.corners(t);
+        for nodes in pad.elements.nodes().chunks_exact(pad.elements.width()) {
+            let corners = [0, 1, 2, 3].map(|k| pad.rest[nodes[k] as usize]);
             let part = RestTet::new(corners).volume / TET10.points.len() as f64;
             for weights in TET10.points {
                 points.position.push((0..4).map(|k| corners[k] * weights[k]).sum());
@@ -35,7 +34,7 @@ impl Points {
 pub struct Fields {
     /// m, hand axes, relative to the pad carried by its finger.
     pub displacement: Vec<DVec3>,
-    /// Von Mises, Pa.
+    /// Von Mises, Pa; empty if not recorded.
     pub stress: Vec<f64>,
     /// Contact force on each pad, N, hand axes.
     pub force: Vec<DVec3>,
@@ -54,47 +53,18 @@ impl Probe {
     /// Looks for the points in the pad's elements. A point just outside (the rim of a coarser mesh) takes the values of the
     /// nearest place in its best element.
     pub fn new(points: &Points, pad: &PadTopology) -> Self {
-        let width = pad.elements.width();
-        let tets: Vec<(&[u32], [DVec3; 2], RestTet)> = pad
-            .elements
-            .nodes()
-            .chunks_exact(width)
-            .map(|nodes| {
-                let x = [0, 1, 2, 3].map(|k| pad.rest[nodes[k] as usize]);
-                let bounds = [x.into_iter().reduce(DVec3::min), x.into_iter().reduce(DVec3::max)];
-                (nodes, bounds.map(Option::unwrap_or_default), RestTet::new(x))
-            })
-            .collect();
-        let stencil = |p: &DVec3| {
-            let mut best = (f64::NEG_INFINITY, [0.25; 4], &[][..]);
-            for near in [true, false] {
-                for (nodes, [low, high], rest) in &tets {
-                    let margin = DVec3::splat(1e-9);
-                    if near && (p.cmplt(*low - margin).any() || p.cmpgt(*high + margin).any()) {
-                        continue;
-                    }
-                    let weights = barycentric(rest, pad.rest[nodes[0] as usize], *p);
-                    let inside = weights.into_iter().fold(f64::INFINITY, f64::min);
-                    if inside > best.0 {
-                        best = (inside, weights, *nodes);
-                    }
-                }
-                if best.0 > f64::NEG_INFINITY {
-                    break;
-                }
-            }
-            shape_functions(best.1, best.2)
-        };
-        Self { stencils: points.position.iter().map(stencil).collect() }
+        let tets = Tets::of(pad);
+        Self { stencils: points.position.iter().map(|p| tets.stencil(*p)).collect() }
     }
 
-    /// The fields of a frame; nodal values must be recorded.
+    /// The fields of a frame; nodal stress is taken where it is recorded.
     pub fn fields(&self, frame: &Frame) -> Fields {
         let mut fields = Fields { travel: frame.travel.clone(), ..Fields::default() };
         for pad in &frame.pads {
             for stencil in &self.stencils {
                 fields.displacement.push(stencil.iter().map(|(n, w)| pad.displacement[*n as usize] * *w).sum());
-                fields.stress.push(stencil.iter().map(|(n, w)| pad.von_mises_node[*n as usize] * w).sum());
+                let stress = |(n, w): &(u32, f64)| Some(pad.von_mises_node.get(*n as usize)? * w);
+                fields.stress.extend(stencil.iter().map(stress).sum::<Option<f64>>());
             }
             fields.force.push(pad.wrench.force);
         }
@@ -102,9 +72,77 @@ impl Probe {
     }
 }
 
-fn barycentric(rest: &RestTet, first: DVec3, p: DVec3) -> [f64; 4] {
-    let [a, b, c, d] = rest.gradient.map(|g| g.dot(p - first));
-    [1.0 + a, b, c, d]
+/// An element: its nodes, its first corner, the box around it, its gradients.
+struct Tet<'a> {
+    nodes: &'a [u32],
+    first: DVec3,
+    bounds: [DVec3; 2],
+    rest: RestTet,
+}
+
+/// The elements of a pad, and those that a column of the pad's box may meet.
+struct Tets<'a> {
+    all: Vec<Tet<'a>>,
+    /// Lower corner and width of the columns, along x and y, m.
+    grid: [DVec2; 2],
+    columns: Vec<Vec<u32>>,
+}
+
+/// Columns along x and along y.
+const COLUMNS: usize = 32;
+/// How far outside an element's box a point may be and count as within it, m.
+const MARGIN: f64 = 1e-9;
+
+impl<'a> Tets<'a> {
+    fn of(pad: &'a PadTopology) -> Self {
+        let tet = |nodes: &'a [u32]| {
+            let x = [0, 1, 2, 3].map(|k| pad.rest[nodes[k] as usize]);
+            let bounds = [x.into_iter().reduce(DVec3::min), x.into_iter().reduce(DVec3::max)];
+            Tet { nodes, first: x[0], bounds: bounds.map(Option::unwrap_or_default), rest: RestTet::new(x) }
+        };
+        let all: Vec<Tet> = pad.elements.nodes().chunks_exact(pad.elements.width()).map(tet).collect();
+        let low = all.iter().map(|t| t.bounds[0].xy()).fold(DVec2::INFINITY, DVec2::min);
+        let high = all.iter().map(|t| t.bounds[1].xy()).fold(DVec2::NEG_INFINITY, DVec2::max);
+        let width = ((high - low) / COLUMNS as f64).max(DVec2::splat(f64::MIN_POSITIVE));
+        let mut tets = Self { all, grid: [low, width], columns: vec![Vec::new(); COLUMNS * COLUMNS] };
+        for (index, tet) in tets.all.iter().enumerate() {
+            let [from, to] = [tet.bounds[0] - MARGIN, tet.bounds[1] + MARGIN].map(|x| tets.column(x));
+            for y in from[1]..=to[1] {
+                (from[0]..=to[0]).for_each(|x| tets.columns[y * COLUMNS + x].push(index as u32));
+            }
+        }
+        tets
+    }
+
+    fn column(&self, x: DVec3) -> [usize; 2] {
+        let at = (x.xy() - self.grid[0]) / self.grid[1];
+        [at.x, at.y].map(|c| (c.max(0.0) as usize).min(COLUMNS - 1))
+    }
+
+    /// Nodes and shape functions of a point.
+    fn stencil(&self, p: DVec3) -> Vec<(u32, f64)> {
+        let [x, y] = self.column(p);
+        let near = self.columns[y * COLUMNS + x].iter().map(|t| &self.all[*t as usize]).filter(|t| {
+            let [low, high] = t.bounds;
+            p.cmpge(low - MARGIN).all() && p.cmple(high + MARGIN).all()
+        });
+        let best = best(near, p).or_else(|| best(self.all.iter(), p));
+        best.map_or_else(Vec::new, |(weights, nodes)| shape_functions(weights, nodes))
+    }
+}
+
+/// Barycentric coordinates of `p` in the tetrahedron that it is most inside of, and its nodes.
+fn best<'a>(tets: impl Iterator<Item = &'a Tet<'a>>, p: DVec3) -> Option<([f64; 4], &'a [u32])> {
+    let mut best = (f64::NEG_INFINITY, None);
+    for tet in tets {
+        let [a, b, c, d] = tet.rest.gradient.map(|g| g.dot(p - tet.first));
+        let weights = [1.0 + a, b, c, d];
+        let inside = weights.into_iter().fold(f64::INFINITY, f64::min);
+        if inside > best.0 {
+            best = (inside, Some((weights, tet.nodes)));
+        }
+    }
+    best.1
 }
 
 /// Nodes with the values of their shape functions at barycentric coordinates `l`, drawn into the element if outside.
@@ -134,6 +172,8 @@ mod tests {
         let line = |n: usize| (0..=n).map(|i| i as f64 / n as f64).collect::<Vec<_>>();
         let coarse = grid::structured([&line(2), &line(2), &line(1)]).unwrap();
         let fine = quadratic::promote(&grid::structured([&line(3), &line(5), &line(4)]).unwrap());
+        let coarse =
+            PadTopology { rest: coarse.nodes, elements: Elements::Linear(coarse.tets), ..PadTopology::default() };
         let points = Points::of(&coarse);
         assert!((points.volume.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         let field = |x: DVec3| 1.0 + x.x * x.y - 0.5 * x.z * x.z + 2.0 * x.y;

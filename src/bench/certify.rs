@@ -1,0 +1,177 @@
+//! A table of references: values of single grasps, each with its error as a ladder estimates it, for others to be compared with.
+
+use super::contest::{Climb, Rules};
+use super::ladder::{Estimate, Ladder, Role};
+use super::report::Name;
+use super::sweep::Sweep;
+use super::values::Values;
+use crate::error::{Error, Result};
+use crate::grasp::poses_of;
+use crate::report::Table;
+use crate::scene::leaf::shown;
+use crate::scene::{Field, NamedScene};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// All references of a folder.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct References {
+    /// One row per object.
+    pub rows: Vec<Row>,
+}
+
+/// The reference of one grasp at its last frame.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Row {
+    /// Name of the object.
+    pub name: String,
+    /// File of the scene, whose first grasp it is.
+    pub scene: String,
+    /// The mesh that the values are from.
+    pub reference: String,
+    /// Nodes of one pad.
+    pub nodes: usize,
+    /// Wall time of the reference, s.
+    pub time_s: Option<f64>,
+    /// Values with their errors, in SI; the unit ends the name.
+    pub values: BTreeMap<Name, Certified>,
+    /// Errors of the reference's fields over the frames of the grasp, relative.
+    pub fields: BTreeMap<Name, Estimate>,
+    /// Distances of all pairs of meshes, as [`Ladder::distances`], of displacement and stress.
+    pub distances: BTreeMap<Name, Vec<Vec<Option<f64>>>>,
+    /// What to know.
+    pub findings: Vec<String>,
+}
+
+/// A value and its error, both in the value's unit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Certified {
+    /// Of the reference.
+    pub value: f64,
+    /// The larger of what the last refinement and a mesh of another kind change, and twice what half the tolerance of the path changes, as
+    /// the parts of a right angle.
+    pub error: f64,
+}
+
+/// The reference of the first grasp of `named`, from the scene file `scene`; `progress` hears of every mesh.
+///
+/// # Errors
+/// A scene that cannot be compared or built, and a grasp that the reference does not bring to its end.
+pub fn certify(
+    named: &NamedScene,
+    scene: &Path,
+    rules: &Rules,
+    mut progress: impl FnMut(&str),
+) -> Result<(Row, Ladder)> {
+    let mut sweep = Sweep::new(&named.scene)?;
+    if !sweep.scene.record.fields.contains(&Field::ContactForce) {
+        sweep.scene.record.fields.push(Field::ContactForce);
+    }
+    let mut climb = Climb::new(&sweep, rules)?;
+    let pose = *poses_of(&named.scene)?.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
+    let name = named.name.as_str();
+    let steps = climb.grasp(0, pose, &mut |text| progress(&format!("{name}: {text}")))?;
+    let of = |role: Role| steps.iter().rev().find(|s| s.role == role).map(|s| &s.values);
+    let Some(own) = of(Role::Reference) else {
+        return Err(Error::Solver(format!("{name}: {}", climb.notices.join("; "))));
+    };
+    let certified = |(name, value): (&Name, &f64)| {
+        let change = |other: Option<&Values>| other.and_then(|v| v.get(name)).map(|v| (v - value).abs());
+        let mesh = change(of(Role::Rung)).into_iter().chain(change(of(Role::Other))).reduce(f64::max);
+        let path = change(of(Role::HalfPath)).map(|c| 2.0 * c);
+        let error = mesh.into_iter().chain(path).reduce(f64::hypot).unwrap_or(f64::NAN);
+        (name.clone(), Certified { value: *value, error })
+    };
+    let values = own.iter().map(certified).collect();
+    let (ladder, reference) = (climb.ladder(), climb.reference());
+    let row = Row {
+        name: name.into(),
+        scene: scene.display().to_string(),
+        reference: reference.configuration.label.clone(),
+        nodes: reference.configuration.nodes,
+        time_s: Some(reference.time_per_grasp()).filter(|t| t.is_finite()),
+        values,
+        fields: ladder.errors.clone(),
+        distances: ["displacement", "stress"]
+            .into_iter()
+            .filter_map(|name| Some((Name::from(name), ladder.distances.get(name)?.clone())))
+            .collect(),
+        findings: climb.notices.iter().chain(&ladder.findings).cloned().collect(),
+    };
+    Ok((row, ladder))
+}
+
+/// Columns of the table: a value, its name, and how many of its units make one of the column's.
+const COLUMNS: [(&str, &str, f64); 6] = [
+    ("force_n", "force, N", 1.0),
+    ("travel_m", "travel, mm", 1e3),
+    ("displacement_max_m", "largest displacement, mm", 1e3),
+    ("displacement_rms_m", "rms displacement, mm", 1e3),
+    ("stress_mean_pa", "mean von Mises stress, kPa", 1e-3),
+    ("patch_radius_m", "rms radius of the force, mm", 1e3),
+];
+
+impl References {
+    /// Those written to `references.json` in a folder; none if there is no such file.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is none of these.
+    pub fn read(dir: &Path) -> Result<Self> {
+        let path = dir.join("references.json");
+        if !path.exists() {
+            return Ok(Self::default());
+        }
+        let bytes = std::fs::read(&path).map_err(|e| Error::file(&path, format!("cannot be read: {e}")))?;
+        serde_json::from_slice(&bytes)
+            .map_err(|e| Error::file(&path, format!("is not what `tactus bench --certify` writes: {e}")))
+    }
+
+    /// Adds a row, in the place of one of the same name.
+    pub fn put(&mut self, row: Row) {
+        match self.rows.iter_mut().find(|r| r.name == row.name) {
+            Some(old) => *old = row,
+            None => self.rows.push(row),
+        }
+    }
+
+    /// The rows as Markdown.
+    pub fn markdown(&self) -> String {
+        let names = ["object"].into_iter().chain(COLUMNS.map(|c| c.1)).chain(["field: displacement", "field: stress"]);
+        let mut table = Table::new("References", &names.collect::<Vec<_>>());
+        for row in &self.rows {
+            let value = |(name, _, unit): (&str, &str, f64)| {
+                let c = row.values.get(name);
+                c.map_or("-".into(), |c| format!("{} ± {}", shown(c.value * unit), significant(c.error * unit)))
+            };
+            let field = |name: &str| {
+                let error = row.fields.get(name).and_then(|e| e.error);
+                error.map_or("-".into(), |e| format!("{:.1} %", 100.0 * e))
+            };
+            let cells = [row.name.clone()].into_iter().chain(COLUMNS.map(value));
+            table.rows.push(cells.chain(["displacement", "stress"].map(field)).collect());
+        }
+        let mut out = format!("{HEAD}\n{}\n", table.markdown());
+        for row in &self.rows {
+            let time = row.time_s.map_or(String::new(), |t| format!(", {t:.0} s"));
+            out += &format!("- {}: {} of `{}`, {} nodes a pad{time}", row.name, row.reference, row.scene, row.nodes);
+            row.findings.iter().for_each(|f| out += &format!("; {f}"));
+            out.push('\n');
+        }
+        out
+    }
+}
+
+const HEAD: &str = "# References
+
+Values of single grasps at their last frame, over both pads, each with an estimate of its own error, written by
+`tactus bench SCENE --certify -o docs`; `references.json` has the same in SI. An error is what the last refinement or a mesh of another kind
+changes, whichever is more, and twice what half the tolerance of the path changes. The last two columns are errors of the reference's whole
+fields, L2 over the volume, relative.
+";
+
+/// A positive number with two significant digits.
+fn significant(v: f64) -> String {
+    let two: f64 = format!("{v:.1e}").parse().unwrap_or(v);
+    shown(two)
+}
