@@ -16,13 +16,15 @@ pub fn coarser(pads: &Pads, factor: f64) -> Result<Pads> {
         return Ok(pads.clone());
     }
     let refused = |what: &str, m: String| Error::Mesh(format!("pads {factor:.3} times as coarse: {what} {m}"));
-    let spacing = |l: Length| Length::new(l.get() * factor).map_err(|m| refused("spacing", m));
+    let spacing = |l: Length| Length::new(l.get() * factor).map(Some).map_err(|m| refused("spacing", m));
     Ok(match pads {
-        Pads::GelSightMini(g) => Pads::GelSightMini(GelSightMini { spacing: spacing(g.spacing)?, ..*g }),
-        Pads::Disc(d) => Pads::Disc(DiscPad { spacing: spacing(d.spacing)?, ..*d }),
+        Pads::GelSightMini(g) => {
+            Pads::GelSightMini(GelSightMini { spacing: spacing(g.spacing.unwrap_or(defaults::PAD_SPACING))?, ..*g })
+        }
+        Pads::Disc(d) => Pads::Disc(DiscPad { spacing: spacing(d.spacing.unwrap_or(defaults::DISC_SPACING))?, ..*d }),
         Pads::Box(b) => Pads::Box(match b.cells {
             Some(own) => BoxPad { cells: Some(cells(own, factor).map_err(|m| refused("cells", m))?), ..*b },
-            None => BoxPad { spacing: Some(spacing(b.spacing.unwrap_or(defaults::PAD_SPACING))?), ..*b },
+            None => BoxPad { spacing: spacing(b.spacing.unwrap_or(defaults::PAD_SPACING))?, ..*b },
         }),
         Pads::File(f) => {
             return Err(Error::file(
@@ -70,8 +72,8 @@ fn cells(own: Cells, factor: f64) -> std::result::Result<Cells, String> {
 pub fn describe(pads: &Pads) -> String {
     let spacing = |l: Length| format!("{:.2} mm", 1e3 * l.get());
     let (density, focus) = match pads {
-        Pads::GelSightMini(g) => (spacing(g.spacing), g.focus.get()),
-        Pads::Disc(d) => (spacing(d.spacing), d.focus.get()),
+        Pads::GelSightMini(g) => (spacing(g.spacing.unwrap_or(defaults::PAD_SPACING)), g.focus.get()),
+        Pads::Disc(d) => (spacing(d.spacing.unwrap_or(defaults::DISC_SPACING)), d.focus.get()),
         Pads::Box(b) => match b.cells {
             Some(cells) => (cells.counts().map(|n| n.to_string()).join("x"), b.focus.get()),
             None => (spacing(b.spacing.unwrap_or(defaults::PAD_SPACING)), b.focus.get()),

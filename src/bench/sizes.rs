@@ -6,7 +6,7 @@ use super::density::{coarser, describe, nodes};
 use super::spread::median;
 use crate::error::{Error, Result};
 use crate::grasp::poses_of;
-use crate::model::Model;
+use crate::model::{Model, accuracy};
 use crate::record::Status;
 use crate::runner::run_grasp;
 use crate::scene::{Element, Pads, Scene, Stepper};
@@ -66,6 +66,7 @@ pub fn cost_by_size(
     let Stepper::Fem(fem) = scene.stepper else {
         return Err(Error::Start("cost against size is for finite elements; the scene's stepper is a network".into()));
     };
+    let scene = &accuracy::meshed(scene)?;
     let mut wanted = wanted.to_vec();
     wanted.sort_unstable();
     let mut pads = wanted.iter().map(|n| of_size(&scene.gripper.pads, fem.element, *n)).collect::<Result<Vec<_>>>()?;

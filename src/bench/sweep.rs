@@ -4,7 +4,7 @@ use super::density::{coarser, describe, nodes};
 use crate::error::{Error, Result};
 use crate::gnn::card::Trained;
 use crate::gnn::graph::mesh_hash;
-use crate::model::Model;
+use crate::model::{Model, accuracy};
 use crate::scene::leaf::Positive;
 use crate::scene::{Condensed, Element, Fem, Field, Fingers, Gnn, Loading, Pads, Scene, Solver, Stepper};
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
@@ -82,7 +82,7 @@ impl Sweep {
         if matches!(scene.loading, Loading::Dynamic(_)) {
             return Err(Error::Start("a bench is for `Squeeze` and `Press`; the scene's loading is `Dynamic`".into()));
         }
-        let mut scene = scene.clone();
+        let mut scene = accuracy::meshed(scene)?;
         scene.promise_nothing();
         for field in [Field::Displacement, Field::Stress] {
             if !scene.record.fields.contains(&field) {

@@ -2,10 +2,12 @@
 //!
 //! ```text
 //! Scene -> object.rs (shape, mass) --+
+//!       -> accuracy.rs (which mesh)  |
 //!       -> pad.rs (mesh, bodies) ----+-> Model -> every Environment
 //!       -> needs.rs (what to spawn) -+
 //! ```
 
+pub mod accuracy;
 pub mod dynamics;
 pub mod needs;
 pub mod object;
@@ -109,12 +111,15 @@ impl Model {
             Fingers::None => 0,
         };
         let about_pads = |e: Error| e.about("gripper.pads");
+        let chosen = accuracy::choose(scene, &object)?;
+        notices.extend(chosen.iter().map(|choice| choice.why.clone()));
+        let pads = chosen.as_ref().map_or(&scene.gripper.pads, |choice| &choice.pads);
         let admit = |size: PadSize| {
             let memory = limits::memory(scene, size, sides);
             limits::admit(memory, size).map(|()| memory).map_err(about_pads)
         };
-        let known = pad::size(&scene.gripper.pads, fem.element).map_err(about_pads)?.map(admit).transpose()?;
-        let (pad, quality) = pad::build(&scene.gripper.pads, &mut notices).map_err(about_pads)?;
+        let known = pad::size(pads, fem.element).map_err(about_pads)?.map(admit).transpose()?;
+        let (pad, quality) = pad::build(pads, &mut notices).map_err(about_pads)?;
         let memory = known.map_or_else(|| admit(PadSize::of_pad(&pad, fem.element)), Ok)?;
         let mut fingers = Vec::new();
         if sides > 0 {

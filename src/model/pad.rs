@@ -30,7 +30,13 @@ pub struct FingerModel {
     pub element: String,
 }
 
-/// How a generated pad is meshed, and its size along x, y and z, m; None for one from a file.
+/// Size of a generated pad along x, y and z, m; None for one from a file.
+pub fn extent(pads: &Pads) -> Option<[f64; 3]> {
+    grid(pads).map(|(_, size)| size)
+}
+
+/// How a generated pad is meshed, and its size along x, y and z, m; None for one from a file. An accuracy asks for nothing here: see
+/// [`super::accuracy`].
 fn grid(pads: &Pads) -> Option<(Resolution, [f64; 3])> {
     let fine = |density, grading: scene::leaf::Ratio, focus: scene::leaf::Ratio| Resolution {
         density,
@@ -39,7 +45,8 @@ fn grid(pads: &Pads) -> Option<(Resolution, [f64; 3])> {
     };
     match pads {
         Pads::GelSightMini(g) => {
-            Some((fine(Density::Spacing(g.spacing.get()), g.grading, g.focus), pad::GELSIGHT_MINI))
+            let spacing = g.spacing.unwrap_or(scene::defaults::PAD_SPACING).get();
+            Some((fine(Density::Spacing(spacing), g.grading, g.focus), pad::GELSIGHT_MINI))
         }
         Pads::Box(b) => {
             let spacing = b.spacing.unwrap_or(scene::defaults::PAD_SPACING).get();
@@ -48,7 +55,8 @@ fn grid(pads: &Pads) -> Option<(Resolution, [f64; 3])> {
         }
         Pads::Disc(d) => {
             let (across, thickness) = (2.0 * d.radius.get(), d.thickness.get());
-            Some((fine(Density::Spacing(d.spacing.get()), d.grading, d.focus), [across, across, thickness]))
+            let spacing = d.spacing.unwrap_or(scene::defaults::DISC_SPACING).get();
+            Some((fine(Density::Spacing(spacing), d.grading, d.focus), [across, across, thickness]))
         }
         Pads::File(_) => None,
     }

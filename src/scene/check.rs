@@ -7,7 +7,7 @@ use super::leaf::shown;
 use super::loading::Loading;
 use super::motion;
 use super::object::{Motion, Revolve, Shape};
-use super::pad::Pads;
+use super::pad::{BoxPad, DiscPad, GelSightMini, Pads};
 use super::schema::{Part, Scene};
 use super::stepper::{Fem, Solver, Stepper};
 use std::collections::BTreeSet;
@@ -180,6 +180,14 @@ fn pads(pads: &Pads) -> Result<(), Problem> {
         Pads::Disc(d) if d.thickness.get() < PAD => too_small("thickness", d.thickness.get()),
         Pads::Box(b) if b.cells.is_some() && b.spacing.is_some() => {
             refuse("gripper.pads.cells", "cells and spacing are both given\ngive one of them")
+        }
+        Pads::GelSightMini(GelSightMini { spacing: Some(_), accuracy: Some(_), .. })
+        | Pads::Box(BoxPad { spacing: Some(_), accuracy: Some(_), .. })
+        | Pads::Disc(DiscPad { spacing: Some(_), accuracy: Some(_), .. }) => {
+            refuse("gripper.pads.accuracy", "accuracy and spacing are both given\ngive one of them")
+        }
+        Pads::Box(BoxPad { cells: Some(_), accuracy: Some(_), .. }) => {
+            refuse("gripper.pads.accuracy", "accuracy and cells are both given\ngive one of them")
         }
         Pads::File(f) if f.outward.dvec3().length() < 1e-9 => {
             refuse("gripper.pads.outward", "a direction of length zero\n(0, 0, 1) is along +z of the file")

@@ -70,7 +70,7 @@ defaults! {
     /// Pad: width of the cells at the rim over those at the centre.
     PAD_FOCUS (pad_focus): Ratio = Ratio::preset(1.0);
     /// Disc pad: node distance, m.
-    DISC_SPACING (disc_spacing): Length = Length::preset(1.0e-3);
+    DISC_SPACING: Length = Length::preset(1.0e-3);
     /// Pad file: factor from the file's unit to metres.
     PAD_SCALE (pad_scale): Positive = Positive::preset(1.0);
     /// Pad file: direction out of the gel towards the object, in the file's axes.

@@ -2,7 +2,7 @@
 
 use super::defaults;
 use super::either::{PathOrFields, path_or_fields};
-use super::leaf::{Depth, Length, Positive, Ratio};
+use super::leaf::{Depth, Fraction, Length, Positive, Ratio};
 use super::vector::{Cells, Size, Vec3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::path::PathBuf;
@@ -27,14 +27,55 @@ impl Default for Pads {
     }
 }
 
-/// The gel of a GelSight Mini.
+impl Pads {
+    /// Error of the displacement, relative, that the mesh is to be chosen for; None where the scene says what mesh it is.
+    pub fn accuracy(&self) -> Option<f64> {
+        let wanted = match self {
+            Pads::GelSightMini(g) => g.accuracy,
+            Pads::Box(b) => b.accuracy,
+            Pads::Disc(d) => d.accuracy,
+            Pads::File(_) => None,
+        };
+        wanted.map(Fraction::get)
+    }
+
+    /// Width of the cells at the rim over those at the centre.
+    pub fn focus(&self) -> f64 {
+        match self {
+            Pads::GelSightMini(GelSightMini { focus, .. })
+            | Pads::Box(BoxPad { focus, .. })
+            | Pads::Disc(DiscPad { focus, .. }) => focus.get(),
+            Pads::File(_) => defaults::PAD_FOCUS.get(),
+        }
+    }
+
+    /// The same pads with this mesh instead of an accuracy; None leaves what there is.
+    pub fn with_mesh(&self, spacing: Option<Length>, focus: Option<Ratio>) -> Self {
+        let mut pads = self.clone();
+        match &mut pads {
+            Pads::GelSightMini(GelSightMini { accuracy, spacing: own, focus: old, .. })
+            | Pads::Box(BoxPad { accuracy, spacing: own, focus: old, .. })
+            | Pads::Disc(DiscPad { accuracy, spacing: own, focus: old, .. }) => {
+                (*accuracy, *own, *old) = (None, spacing.or(*own), focus.unwrap_or(*old));
+            }
+            Pads::File(_) => {}
+        }
+        pads
+    }
+}
+
+/// The gel of a GelSight Mini. Give `spacing` or `accuracy`, not both.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct GelSightMini {
     /// Flat, as simulators model it, or domed, as the real one is.
     pub shape: GelShape,
-    /// Distance between nodes of the sensing face at its finest, m.
-    pub spacing: Length,
+    /// Distance between nodes of the sensing face at its finest, m. If neither it nor `accuracy` is given: [`defaults::PAD_SPACING`].
+    pub spacing: Option<Length>,
+    /// Instead of a spacing: error of the displacement, relative, L2 over the volume; spacing and focus are chosen for it from the object
+    /// and the load, see [`crate::model::accuracy`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Fraction>,
     /// Thickness of each layer over that of the one before it, going away from the sensing face; 1 is uniform.
     pub grading: Ratio,
     /// Width of the cells at the rim over those at the centre; 1 is uniform.
@@ -45,7 +86,8 @@ impl Default for GelSightMini {
     fn default() -> Self {
         Self {
             shape: GelShape::default(),
-            spacing: defaults::PAD_SPACING,
+            spacing: None,
+            accuracy: None,
             grading: defaults::PAD_GRADING,
             focus: defaults::PAD_FOCUS,
         }
@@ -62,7 +104,7 @@ pub enum GelShape {
     Domed,
 }
 
-/// A box of gel. Give `cells` or `spacing`, not both.
+/// A box of gel. Give one of `cells`, `spacing` and `accuracy`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Box", deny_unknown_fields)]
 pub struct BoxPad {
@@ -71,9 +113,13 @@ pub struct BoxPad {
     /// Cells along x, y, z.
     #[serde(default)]
     pub cells: Option<Cells>,
-    /// Distance between nodes at the finest, m. If neither it nor `cells` is given: [`defaults::PAD_SPACING`].
+    /// Distance between nodes at the finest, m. If none of the three is given: [`defaults::PAD_SPACING`].
     #[serde(default)]
     pub spacing: Option<Length>,
+    /// Instead of a spacing: error of the displacement, relative, L2 over the volume; spacing and focus are chosen for it from the object
+    /// and the load, see [`crate::model::accuracy`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Fraction>,
     /// Thickness of each layer over that of the one before it, going away from the sensing face; 1 is uniform.
     #[serde(default = "defaults::pad_grading")]
     pub grading: Ratio,
@@ -82,7 +128,7 @@ pub struct BoxPad {
     pub focus: Ratio,
 }
 
-/// A round disc of gel.
+/// A round disc of gel. Give `spacing` or `accuracy`, not both.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Disc", deny_unknown_fields)]
 pub struct DiscPad {
@@ -90,9 +136,13 @@ pub struct DiscPad {
     pub radius: Length,
     /// m.
     pub thickness: Length,
-    /// Distance between nodes, m.
-    #[serde(default = "defaults::disc_spacing")]
-    pub spacing: Length,
+    /// Distance between nodes, m. If neither it nor `accuracy` is given: [`defaults::DISC_SPACING`].
+    #[serde(default)]
+    pub spacing: Option<Length>,
+    /// Instead of a spacing: error of the displacement, relative, L2 over the volume; spacing and focus are chosen for it from the object
+    /// and the load, see [`crate::model::accuracy`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Fraction>,
     /// Thickness of each layer over that of the one before it, going away from the sensing face; 1 is uniform.
     #[serde(default = "defaults::pad_grading")]
     pub grading: Ratio,

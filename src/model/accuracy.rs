@@ -1,0 +1,303 @@
+//! The mesh that `accuracy` asks for, in place of a spacing.
+//!
+//! Most of the error of a displacement sits at the edge of the contact and falls with the square of the cells there. Over the whole pad it is
+//! about `ERROR h^2 / (l t)` with the pad's thickness `t` and the size `l` of the patch: twice its area over its perimeter, which is the radius
+//! of a round one. A pad feels an edge about as far as it is thick, so that larger patches count as `REACH` thicknesses. The patch is that
+//! of a bed of springs (Winkler 1867) as stiff as the pad, pressed onto the object's profile with the last force, or by the last depth.
+//! Layers are as many as the spacing brings with it: they hardly matter. docs/verification.md holds the law against ladders of meshes.
+
+use super::{object, pad};
+use crate::error::Result;
+use crate::grasp::{GraspPose, poses_of};
+use crate::gripper::Hand;
+use crate::pad::dome;
+use crate::record::pad_name;
+use crate::scene::leaf::{Length, Ratio, shown};
+use crate::scene::pad::GelShape;
+use crate::scene::{Fingers, Loading, Pads, Scene, motion};
+use crate::shape::{Aabb, Shape};
+use glam::{DVec2, DVec3};
+
+/// Error of the displacement over `h^2 / (l t)`, fitted to the ladders of `scenes/references.ron`.
+const ERROR: f64 = 0.3;
+/// How far an edge is felt, in thicknesses of the pad.
+const REACH: f64 = 1.4;
+/// Stiffness of the bed over `E / (1 - nu^2)` and the thickness, from the travel under balls and cylinders.
+const BED: f64 = 2.1;
+/// Points across a pad along each side that the profile is taken at.
+const POINTS: usize = 64;
+/// Grasps that are looked at, spread over those of the scene.
+const GRASPS: usize = 16;
+/// Width of the cells at the rim over those at the centre, where the patch lies at the centre.
+const FOCUS: f64 = 2.0;
+/// Fewest cells across the narrower side of a pad.
+const FEWEST: f64 = 4.0;
+
+/// A mesh and why it is that.
+#[derive(Debug, Clone)]
+pub struct Choice {
+    /// The pads with spacing and focus.
+    pub pads: Pads,
+    /// One sentence.
+    pub why: String,
+}
+
+/// The scene with the mesh that its accuracy asks for; as it is where it asks for none.
+///
+/// # Errors
+/// Those of building the object and of finding the grasps.
+pub fn meshed(scene: &Scene) -> Result<Scene> {
+    let mut scene = scene.clone();
+    if scene.gripper.pads.accuracy().is_some() {
+        let object = object::build(&scene.object, &mut Vec::new()).map_err(|e| e.about("object.shape"))?;
+        if let Some(choice) = choose(&scene, &object)? {
+            scene.gripper.pads = choice.pads;
+        }
+    }
+    Ok(scene)
+}
+
+/// The mesh that the scene's accuracy asks for; None where it asks for none.
+///
+/// # Errors
+/// Those of finding the grasps.
+pub fn choose(scene: &Scene, object: &Shape) -> Result<Option<Choice>> {
+    let pads = &scene.gripper.pads;
+    let (Some(accuracy), Some(size)) = (pads.accuracy(), pad::extent(pads)) else { return Ok(None) };
+    let bed = Bed::of(scene, size);
+    let poses = poses_of(scene)?;
+    let step = poses.len().div_ceil(GRASPS).max(1);
+    let looked_at = poses.iter().enumerate().step_by(step);
+    let patches = looked_at.flat_map(|(grasp, pose)| bed.patches(scene, object, grasp, pose));
+    let Some(all) = patches.reduce(Patch::demanding) else {
+        let why = format!(
+            "accuracy {}: no grasp that was looked at meets the object, so the mesh is that without it",
+            shown(accuracy)
+        );
+        return Ok(Some(Choice { pads: pads.with_mesh(None, None), why }));
+    };
+    let [x, y, thickness] = size;
+    let length = all.size.min(REACH * thickness);
+    let wanted = (length * thickness * accuracy / ERROR).sqrt();
+    let at_edge = wanted.min(x.min(y) / FEWEST);
+    let focus = match pads.focus() {
+        given if given > 1.0 => given,
+        _ if widening(FOCUS, all.reach) < 1.0 + (FOCUS - 1.0) / 3.0 => FOCUS,
+        _ => 1.0,
+    };
+    let spacing = at_edge / widening(focus, all.reach);
+    let why = format!(
+        "accuracy {}: the smallest patch, of grasp {} on the {} pad, is {} mm in size (twice its area over its perimeter) and reaches to {} of \
+         the half width of the pad; spacing {} mm with focus {} has cells of {} mm at its edge",
+        shown(accuracy),
+        all.grasp,
+        pad_name(all.side),
+        three(all.size * 1e3),
+        three(all.reach),
+        three(spacing * 1e3),
+        shown(focus),
+        three(at_edge * 1e3),
+    );
+    let (spacing, focus) = (Length::new(spacing).ok(), Ratio::new(focus).ok());
+    Ok(Some(Choice { pads: pads.with_mesh(spacing, focus), why }))
+}
+
+/// Three significant digits.
+fn three(v: f64) -> String {
+    shown(format!("{v:.2e}").parse().unwrap_or(v))
+}
+
+/// Width of the cells at `at`, in half widths of the pad from its centre, over that at the centre, see [`crate::pad::Resolution`].
+fn widening(focus: f64, at: f64) -> f64 {
+    let beta = (focus - 1.0) / 3.0;
+    let place = |t: f64| t * (1.0 + beta * t * t) / (1.0 + beta);
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if place(middle) < at { low = middle } else { high = middle }
+    }
+    1.0 + (focus - 1.0) * low * low
+}
+
+/// Where a pad touches.
+#[derive(Debug, Clone, Copy)]
+struct Patch {
+    grasp: usize,
+    side: usize,
+    /// Twice the area over the perimeter, m.
+    size: f64,
+    /// Farthest point from the centre of the pad along x or y, in half widths.
+    reach: f64,
+}
+
+impl Patch {
+    /// The smaller one, as far out as either.
+    fn demanding(self, other: Self) -> Self {
+        let smaller = if other.size < self.size { other } else { self };
+        Self { reach: self.reach.max(other.reach), ..smaller }
+    }
+}
+
+/// A pad as a bed of springs.
+struct Bed {
+    hand: Hand,
+    half: DVec2,
+    /// How far each point of the face lies below the highest, m; infinite beside the pad.
+    sunk: Vec<f64>,
+    load: Load,
+}
+
+/// What presses a pad on.
+enum Load {
+    /// Force over stiffness per area, m3.
+    Volume(f64),
+    /// Depth after first contact, m.
+    Depth(f64),
+}
+
+impl Bed {
+    fn of(scene: &Scene, [x, y, thickness]: [f64; 3]) -> Self {
+        let half = 0.5 * DVec2::new(x, y);
+        let bounds = Aabb { min: (-half).extend(-thickness), max: half.extend(0.0) };
+        let hand = Hand::new(bounds, &scene.gripper);
+        let spec = scene.gripper.material.spec();
+        let stiffness = BED * spec.young / (1.0 - spec.poisson * spec.poisson) / thickness;
+        let share = if scene.gripper.fingers == Fingers::Both { 0.5 } else { 1.0 };
+        let load = match &scene.loading {
+            Loading::Squeeze(squeeze) => Load::Volume(share * squeeze.force.get() / stiffness),
+            Loading::Press(press) => Load::Depth(press.levels().into_iter().fold(0.0, f64::max)),
+            Loading::Dynamic(dynamic) => {
+                let most = motion::squeezes(&dynamic.motions).iter().fold(0.0, |m: f64, (_, force)| m.max(*force));
+                Load::Volume(share * most / stiffness)
+            }
+        };
+        let sunk = hand.face(DVec3::X, POINTS).map(|p| {
+            // Pad x lies along the hand's z, pad y along its y.
+            let at = DVec2::new(p.z - hand.center.z, p.y - hand.center.y);
+            match &scene.gripper.pads {
+                Pads::GelSightMini(g) if g.shape == GelShape::Domed => dome::depth(at.x, at.y),
+                Pads::Disc(_) if at.length() > half.x => f64::INFINITY,
+                _ => 0.0,
+            }
+        });
+        Self { sunk: sunk.collect(), half, hand, load }
+    }
+
+    /// The patches of a grasp; none of a pad that meets nothing or starts inside the object.
+    fn patches(&self, scene: &Scene, object: &Shape, grasp: usize, pose: &GraspPose) -> Vec<Patch> {
+        let closing: &[DVec3] = match scene.gripper.fingers {
+            Fingers::Both => &[DVec3::X, DVec3::NEG_X],
+            Fingers::One => &[DVec3::X],
+            Fingers::None => &[],
+        };
+        let of = |(side, closing): (usize, &DVec3)| {
+            let gap = |(start, sunk): (DVec3, &f64)| {
+                let start = pose.to_object(start);
+                if object.distance.distance(start) < 0.0 {
+                    return None;
+                }
+                let hit = object.ray(start, pose.rotation * *closing).filter(|hit| hit.t <= self.hand.opening);
+                Some(hit.map_or(f64::INFINITY, |hit| hit.t + sunk))
+            };
+            let gaps: Vec<f64> = self.hand.face(*closing, POINTS).zip(&self.sunk).map(gap).collect::<Option<_>>()?;
+            let (size, reach) = self.patch(&gaps)?;
+            Some(Patch { grasp, side, size, reach })
+        };
+        closing.iter().enumerate().filter_map(of).collect()
+    }
+
+    /// Size and reach of the patch of a profile, given by its distances from the open pad, m.
+    fn patch(&self, gaps: &[f64]) -> Option<(f64, f64)> {
+        let first = gaps.iter().copied().fold(f64::INFINITY, f64::min);
+        if !first.is_finite() {
+            return None;
+        }
+        let cell = 2.0 * self.half / POINTS as f64;
+        let touched = first + self.depth(gaps, first, cell.x * cell.y);
+        let inside = |x: usize, y: usize| gaps[x * POINTS + y] <= touched;
+        let (mut count, mut crossed, mut reach) = (0, DVec2::ZERO, 0.0_f64);
+        for x in 0..POINTS {
+            for y in 0..POINTS {
+                if inside(x, y) {
+                    count += 1;
+                    let out = |k: usize| (2 * k + 1).abs_diff(POINTS) as f64 / POINTS as f64;
+                    reach = reach.max(out(x)).max(out(y));
+                    // Sides of this point that are an edge of the patch, the rim of the pad among them.
+                    let edges = |along: &dyn Fn(usize) -> bool, k: usize| {
+                        f64::from(u8::from(k == 0 || !along(k - 1)) + u8::from(k + 1 == POINTS || !along(k + 1)))
+                    };
+                    crossed.y += edges(&|k| inside(k, y), x);
+                    crossed.x += edges(&|k| inside(x, k), y);
+                }
+            }
+        }
+        // The length of a curve from how often lines along two axes cross it (Crofton 1868).
+        let perimeter = std::f64::consts::FRAC_PI_4 * crossed.dot(cell);
+        Some((2.0 * f64::from(count) * cell.x * cell.y / perimeter, reach))
+    }
+
+    /// How far the pad goes on after first contact, m.
+    fn depth(&self, gaps: &[f64], first: f64, cell: f64) -> f64 {
+        let volume = match self.load {
+            Load::Depth(depth) => return depth,
+            Load::Volume(volume) => volume,
+        };
+        let mut heights: Vec<f64> = gaps.iter().map(|g| g - first).filter(|g| g.is_finite()).collect();
+        heights.sort_by(f64::total_cmp);
+        // With the n lowest points touched the springs are pressed by n depth - sum in all.
+        let (mut sum, mut depth) = (0.0, 0.0);
+        for (n, height) in heights.iter().enumerate() {
+            sum += height;
+            depth = (volume / cell + sum) / (n + 1) as f64;
+            if heights.get(n + 1).is_none_or(|next| depth <= *next) {
+                break;
+            }
+        }
+        depth
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bed(load: Load) -> Bed {
+        let hand = Hand::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, &crate::scene::Gripper::default());
+        Bed { hand, half: DVec2::new(12e-3, 10e-3), sunk: Vec::new(), load }
+    }
+
+    /// Distances of a surface given over the face.
+    fn profile(height: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+        let at = |k: usize, half: f64| half * (2.0 * k as f64 + 1.0 - POINTS as f64) / POINTS as f64;
+        (0..POINTS * POINTS).map(|k| 0.03 + height(at(k / POINTS, 12e-3), at(k % POINTS, 10e-3))).collect()
+    }
+
+    #[test]
+    fn a_ball_has_a_round_patch_of_its_radius() {
+        let ball = profile(|x, y| (x * x + y * y) / (2.0 * 0.025));
+        let (size, reach) = bed(Load::Depth(0.5e-3)).patch(&ball).unwrap();
+        // a^2 = 2 R d
+        assert!((size - 5e-3).abs() < 0.1e-3, "{size} m");
+        assert!((reach - 0.5).abs() < 0.03, "{reach}");
+    }
+
+    #[test]
+    fn the_springs_carry_the_load() {
+        let ball = profile(|x, y| (x * x + y * y) / (2.0 * 0.025));
+        // A cap of height d on a sphere of radius R: pi R d^2.
+        let volume = std::f64::consts::PI * 0.025 * 0.4e-3_f64.powi(2);
+        let bed = bed(Load::Volume(volume));
+        let first = ball.iter().copied().fold(f64::INFINITY, f64::min);
+        let depth = bed.depth(&ball, first, 24e-3 * 20e-3 / (POINTS * POINTS) as f64);
+        assert!((depth - 0.4e-3).abs() < 0.01e-3, "{depth} m");
+    }
+
+    #[test]
+    fn cells_are_as_wide_as_the_grid_lines_say() {
+        let lines = crate::pad::Resolution::cells([1; 3]).with_focus(2.0).across(2000);
+        let ratio = |k: usize| (lines[k + 1] - lines[k]) / (lines[1001] - lines[1000]);
+        for k in [1000, 1300, 1600, 1999] {
+            assert!((widening(2.0, lines[k]) - ratio(k)).abs() < 5e-3, "{} for {}", widening(2.0, lines[k]), ratio(k));
+        }
+    }
+}
