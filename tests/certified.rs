@@ -50,14 +50,15 @@ const BARS: [(&str, f64); 5] = [
 ];
 
 /// Bars that are missed with 2.6 mm cells, and what is measured, rounded up.
-const MISSED: [(&str, &str, f64); 7] = [
+const MISSED: [(&str, &str, f64); 8] = [
     ("sphere", "travel_m", 0.025),
     ("sphere", "displacement_max_m", 0.024),
     ("lemon", "travel_m", 0.022),
     ("cuboid", "displacement_max_m", 0.05),
     ("hexagon", "travel_m", 0.05),
     ("hexagon", "displacement_max_m", 0.055),
-    ("scanned-lemon", "travel_m", 0.07),
+    ("scanned-lemon", "travel_m", 0.085),
+    ("scanned-lemon", "displacement_max_m", 0.03),
 ];
 
 /// Prints how far the values are from the reference; those beyond their bar, or that are missed by more than is known.
