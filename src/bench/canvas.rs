@@ -5,6 +5,7 @@ use crate::record::files::write_atomic;
 use crate::render::{Pixmap, save};
 use plotters::coord::Shift;
 use plotters::coord::combinators::LogCoord;
+use plotters::coord::ranged1d::ValueFormatter;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 use std::ops::Range;
@@ -91,6 +92,23 @@ pub fn axes<'a, B: DrawingBackend>(
         .x_label_area_size(52)
         .y_label_area_size(72)
         .build_cartesian_2d(x.log_scale(), y.log_scale())?;
+    label(&mut plane, [&x_name, &y_name], &number)?;
+    Ok(plane)
+}
+
+/// Draws grid and axes of a plane with their names and numbers.
+///
+/// # Errors
+/// Those of the file.
+pub fn label<B: DrawingBackend, X, Y>(
+    plane: &mut ChartContext<B, Cartesian2d<X, Y>>,
+    [x_name, y_name]: [&str; 2],
+    number: &dyn Fn(&f64) -> String,
+) -> Drawn<B>
+where
+    X: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
     plane
         .configure_mesh()
         .bold_line_style(MUTED.mix(0.35))
@@ -100,10 +118,9 @@ pub fn axes<'a, B: DrawingBackend>(
         .axis_desc_style(text_style(17, &INK))
         .x_desc(x_name)
         .y_desc(y_name)
-        .x_label_formatter(&number)
-        .y_label_formatter(&number)
-        .draw()?;
-    Ok(plane)
+        .x_label_formatter(number)
+        .y_label_formatter(number)
+        .draw()
 }
 
 /// A range for a logarithmic axis that has room for all that is positive of `values`.

@@ -8,7 +8,7 @@ use super::values::Values;
 use crate::error::{Error, Result};
 use crate::grasp::poses_of;
 use crate::report::Table;
-use crate::scene::leaf::shown;
+use crate::scene::leaf::{rounded, shown};
 use crate::scene::{Field, NamedScene};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -142,7 +142,7 @@ impl References {
         for row in &self.rows {
             let value = |(name, _, unit): (&str, &str, f64)| {
                 let c = row.values.get(name);
-                c.map_or("-".into(), |c| format!("{} ± {}", shown(c.value * unit), significant(c.error * unit)))
+                c.map_or("-".into(), |c| format!("{} ± {}", shown(c.value * unit), shown(rounded(c.error * unit, 2))))
             };
             let field = |name: &str| {
                 let error = row.fields.get(name).and_then(|e| e.error);
@@ -169,9 +169,3 @@ Values of single grasps at their last frame, over both pads, each with an estima
 changes, whichever is more, and twice what half the tolerance of the path changes. The last two columns are errors of the reference's whole
 fields, L2 over the volume, relative.
 ";
-
-/// A positive number with two significant digits.
-fn significant(v: f64) -> String {
-    let two: f64 = format!("{v:.1e}").parse().unwrap_or(v);
-    shown(two)
-}

@@ -5,7 +5,7 @@ use crate::model::pad;
 use crate::scene::leaf::{Count, Length, Ratio};
 use crate::scene::pad::{BoxPad, DiscPad, GelSightMini};
 use crate::scene::vector::{Cells, Tuple};
-use crate::scene::{Element, Pads, defaults};
+use crate::scene::{Element, Pads};
 
 /// The same pad with cells `factor` times as wide.
 ///
@@ -18,13 +18,11 @@ pub fn coarser(pads: &Pads, factor: f64) -> Result<Pads> {
     let refused = |what: &str, m: String| Error::Mesh(format!("pads {factor:.3} times as coarse: {what} {m}"));
     let spacing = |l: Length| Length::new(l.get() * factor).map(Some).map_err(|m| refused("spacing", m));
     Ok(match pads {
-        Pads::GelSightMini(g) => {
-            Pads::GelSightMini(GelSightMini { spacing: spacing(g.spacing.unwrap_or(defaults::PAD_SPACING))?, ..*g })
-        }
-        Pads::Disc(d) => Pads::Disc(DiscPad { spacing: spacing(d.spacing.unwrap_or(defaults::DISC_SPACING))?, ..*d }),
+        Pads::GelSightMini(g) => Pads::GelSightMini(GelSightMini { spacing: spacing(g.mesh_spacing())?, ..*g }),
+        Pads::Disc(d) => Pads::Disc(DiscPad { spacing: spacing(d.mesh_spacing())?, ..*d }),
         Pads::Box(b) => Pads::Box(match b.cells {
             Some(own) => BoxPad { cells: Some(cells(own, factor).map_err(|m| refused("cells", m))?), ..*b },
-            None => BoxPad { spacing: spacing(b.spacing.unwrap_or(defaults::PAD_SPACING))?, ..*b },
+            None => BoxPad { spacing: spacing(b.mesh_spacing())?, ..*b },
         }),
         Pads::File(f) => {
             return Err(Error::file(
@@ -72,11 +70,11 @@ fn cells(own: Cells, factor: f64) -> std::result::Result<Cells, String> {
 pub fn describe(pads: &Pads) -> String {
     let spacing = |l: Length| format!("{:.2} mm", 1e3 * l.get());
     let (density, focus) = match pads {
-        Pads::GelSightMini(g) => (spacing(g.spacing.unwrap_or(defaults::PAD_SPACING)), g.focus.get()),
-        Pads::Disc(d) => (spacing(d.spacing.unwrap_or(defaults::DISC_SPACING)), d.focus.get()),
+        Pads::GelSightMini(g) => (spacing(g.mesh_spacing()), g.focus.get()),
+        Pads::Disc(d) => (spacing(d.mesh_spacing()), d.focus.get()),
         Pads::Box(b) => match b.cells {
             Some(cells) => (cells.counts().map(|n| n.to_string()).join("x"), b.focus.get()),
-            None => (spacing(b.spacing.unwrap_or(defaults::PAD_SPACING)), b.focus.get()),
+            None => (spacing(b.mesh_spacing()), b.focus.get()),
         },
         Pads::File(f) => (f.path.display().to_string(), 1.0),
     };

@@ -13,6 +13,7 @@ use crate::mesh::io::{write_obj, write_stl};
 use crate::mesh::topology::watertight;
 use crate::model::{FingerModel, Model, Unknowns};
 use crate::record::pad_name;
+use crate::scene::leaf::shown;
 use crate::scene::{self, Scene, load_set, to_ron};
 use crate::schedule::Phase;
 use crate::stepper::{Stepper, choose};
@@ -284,7 +285,7 @@ impl Found {
         }
         line(&format!(
             "contact: begins at a gap of {} m, of which all lengths of the method are multiples",
-            crate::scene::leaf::shown(m.law.offset)
+            shown(m.law.offset)
         ));
         if let Some(path) = m.path_error {
             line(&format!("path: increments are as many as an error of {path:e} of the displacement asks for"));

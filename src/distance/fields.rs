@@ -1,6 +1,6 @@
 //! Fields of different meshes at common points: shape functions interpolate nodal values.
 
-use crate::element::{EDGES, RestTet, TET10};
+use crate::element::{RestTet, TET10, tet10_values};
 use crate::record::{Frame, PadTopology};
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
@@ -150,15 +150,9 @@ fn shape_functions(l: [f64; 4], nodes: &[u32]) -> Vec<(u32, f64)> {
     let l = l.map(|v| v.max(0.0));
     let sum: f64 = l.iter().sum();
     let l = l.map(|v| v / sum);
-    let value = |a: usize| match (nodes.len(), a) {
-        (10, 0..4) => l[a] * (2.0 * l[a] - 1.0),
-        (10, _) => {
-            let [i, j] = EDGES[a - 4];
-            4.0 * l[i] * l[j]
-        }
-        _ => l[a],
-    };
-    nodes.iter().enumerate().map(|(a, n)| (*n, value(a))).collect()
+    let quadratic = tet10_values(l);
+    let values: &[f64] = if nodes.len() == quadratic.len() { &quadratic } else { &l };
+    nodes.iter().copied().zip(values.iter().copied()).collect()
 }
 
 #[cfg(test)]

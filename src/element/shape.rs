@@ -49,6 +49,14 @@ const fn nodes() -> [[f64; 4]; 10] {
     points
 }
 
+/// Values of the shape functions of the 10-node tetrahedron at barycentric coordinates `l`: corners, then the middles of [`EDGES`].
+pub fn tet10_values(l: [f64; 4]) -> [f64; 10] {
+    std::array::from_fn(|a| match a {
+        0..4 => l[a] * (2.0 * l[a] - 1.0),
+        _ => EDGES[a - 4].iter().map(|&k| l[k]).product::<f64>() * 4.0,
+    })
+}
+
 const fn tet10<const Q: usize>(points: [[f64; 4]; Q]) -> Shape<10, Q> {
     let mut d = [[[0.0; 4]; 10]; Q];
     let mut q = 0;

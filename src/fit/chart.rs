@@ -2,7 +2,7 @@
 
 use super::Report;
 use super::report::{four, two};
-use crate::bench::canvas::{Area, Drawn, INK, MUTED, Picture, save_picture, text_style};
+use crate::bench::canvas::{Area, Drawn, INK, MUTED, Picture, label, save_picture};
 use crate::error::Result;
 use crate::scene::leaf::shown;
 use plotters::coord::types::RangedCoordf64;
@@ -115,17 +115,6 @@ fn axes<'a, B: DrawingBackend>(
         .x_label_area_size(if x_name.is_empty() { 28 } else { 50 })
         .y_label_area_size(72)
         .build_cartesian_2d(0.0..deepest, low..high)?;
-    plane
-        .configure_mesh()
-        .bold_line_style(MUTED.mix(0.35))
-        .light_line_style(TRANSPARENT)
-        .axis_style(INK)
-        .label_style(text_style(15, &INK))
-        .axis_desc_style(text_style(17, &INK))
-        .x_desc(x_name)
-        .y_desc(y_name)
-        .x_label_formatter(&|v| shown(*v))
-        .y_label_formatter(&|v| shown(*v))
-        .draw()?;
+    label(&mut plane, [x_name, y_name], &|v| shown(*v))?;
     Ok(plane)
 }

@@ -78,6 +78,11 @@ fn squares(residual: &[f64]) -> f64 {
     residual.iter().map(|r| r * r).sum()
 }
 
+/// Root mean square.
+pub fn rms(residual: &[f64]) -> f64 {
+    (squares(residual) / residual.len().max(1) as f64).sqrt()
+}
+
 /// The step of a difference, towards the middle of the box.
 fn step(u: f64) -> f64 {
     if u < 0.5 { DIFFERENCE } else { -DIFFERENCE }
@@ -102,7 +107,7 @@ impl Minimum {
 
     /// Root mean square of the residuals.
     pub fn rms(&self) -> f64 {
-        (self.squares() / self.residual.len().max(1) as f64).sqrt()
+        rms(&self.residual)
     }
 
     /// Half the gradient of the squares.

@@ -1,8 +1,8 @@
 //! What the fits found, as numbers and for human eyes.
 
-use super::least_squares::Minimum;
+use super::least_squares::{Minimum, rms};
 use super::{Curve, Parameter, Ranges, Values};
-use crate::scene::leaf::shown;
+use crate::scene::leaf::{rounded, shown};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -116,7 +116,7 @@ impl Report {
         fits: Vec<Fit>,
         simulations: usize,
     ) -> Self {
-        let given_rms = (given.iter().map(|r| r * r).sum::<f64>() / given.len().max(1) as f64).sqrt();
+        let given_rms = rms(&given);
         let singles = fits.iter().filter(|f| f.free.len() == 1);
         let best = singles.min_by(|a, b| a.rms.total_cmp(&b.rms)).filter(|_| given_rms > NOTHING);
         Self {
@@ -227,10 +227,10 @@ fn note(estimate: &Estimate) -> String {
 
 /// Four significant digits.
 pub(super) fn four(v: f64) -> String {
-    shown(format!("{v:.3e}").parse().unwrap_or(v))
+    shown(rounded(v, 4))
 }
 
 /// Two.
 pub(super) fn two(v: f64) -> String {
-    shown(format!("{v:.1e}").parse().unwrap_or(v))
+    shown(rounded(v, 2))
 }

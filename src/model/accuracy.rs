@@ -10,9 +10,9 @@ use super::{object, pad};
 use crate::error::Result;
 use crate::grasp::{GraspPose, poses_of};
 use crate::gripper::Hand;
-use crate::pad::dome;
+use crate::pad::{Resolution, dome};
 use crate::record::pad_name;
-use crate::scene::leaf::{Length, Ratio, shown};
+use crate::scene::leaf::{Length, Ratio, rounded, shown};
 use crate::scene::pad::GelShape;
 use crate::scene::{Fingers, Loading, Pads, Scene, motion};
 use crate::shape::{Aabb, Shape};
@@ -82,10 +82,11 @@ pub fn choose(scene: &Scene, object: &Shape) -> Result<Option<Choice>> {
     let at_edge = wanted.min(x.min(y) / FEWEST);
     let focus = match pads.focus() {
         given if given > 1.0 => given,
-        _ if widening(FOCUS, all.reach) < 1.0 + (FOCUS - 1.0) / 3.0 => FOCUS,
+        _ if Resolution::widening(FOCUS, all.reach) < 1.0 + (FOCUS - 1.0) / 3.0 => FOCUS,
         _ => 1.0,
     };
-    let spacing = at_edge / widening(focus, all.reach);
+    let spacing = at_edge / Resolution::widening(focus, all.reach);
+    let three = |v: f64| shown(rounded(v, 3));
     let why = format!(
         "accuracy {}: the smallest patch, of grasp {} on the {} pad, is {} mm in size (twice its area over its perimeter) and reaches to {} of \
          the half width of the pad; spacing {} mm with focus {} has cells of {} mm at its edge",
@@ -100,23 +101,6 @@ pub fn choose(scene: &Scene, object: &Shape) -> Result<Option<Choice>> {
     );
     let (spacing, focus) = (Length::new(spacing).ok(), Ratio::new(focus).ok());
     Ok(Some(Choice { pads: pads.with_mesh(spacing, focus), why }))
-}
-
-/// Three significant digits.
-fn three(v: f64) -> String {
-    shown(format!("{v:.2e}").parse().unwrap_or(v))
-}
-
-/// Width of the cells at `at`, in half widths of the pad from its centre, over that at the centre, see [`crate::pad::Resolution`].
-fn widening(focus: f64, at: f64) -> f64 {
-    let beta = (focus - 1.0) / 3.0;
-    let place = |t: f64| t * (1.0 + beta * t * t) / (1.0 + beta);
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if place(middle) < at { low = middle } else { high = middle }
-    }
-    1.0 + (focus - 1.0) * low * low
 }
 
 /// Where a pad touches.
@@ -290,14 +274,5 @@ mod tests {
         let first = ball.iter().copied().fold(f64::INFINITY, f64::min);
         let depth = bed.depth(&ball, first, 24e-3 * 20e-3 / (POINTS * POINTS) as f64);
         assert!((depth - 0.4e-3).abs() < 0.01e-3, "{depth} m");
-    }
-
-    #[test]
-    fn cells_are_as_wide_as_the_grid_lines_say() {
-        let lines = crate::pad::Resolution::cells([1; 3]).with_focus(2.0).across(2000);
-        let ratio = |k: usize| (lines[k + 1] - lines[k]) / (lines[1001] - lines[1000]);
-        for k in [1000, 1300, 1600, 1999] {
-            assert!((widening(2.0, lines[k]) - ratio(k)).abs() < 5e-3, "{} for {}", widening(2.0, lines[k]), ratio(k));
-        }
     }
 }

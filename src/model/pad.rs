@@ -45,17 +45,17 @@ fn grid(pads: &Pads) -> Option<(Resolution, [f64; 3])> {
     };
     match pads {
         Pads::GelSightMini(g) => {
-            let spacing = g.spacing.unwrap_or(scene::defaults::PAD_SPACING).get();
+            let spacing = g.mesh_spacing().get();
             Some((fine(Density::Spacing(spacing), g.grading, g.focus), pad::GELSIGHT_MINI))
         }
         Pads::Box(b) => {
-            let spacing = b.spacing.unwrap_or(scene::defaults::PAD_SPACING).get();
+            let spacing = b.mesh_spacing().get();
             let density = b.cells.map_or(Density::Spacing(spacing), |c| Density::Cells(c.counts()));
             Some((fine(density, b.grading, b.focus), b.size.size().to_array()))
         }
         Pads::Disc(d) => {
             let (across, thickness) = (2.0 * d.radius.get(), d.thickness.get());
-            let spacing = d.spacing.unwrap_or(scene::defaults::DISC_SPACING).get();
+            let spacing = d.mesh_spacing().get();
             Some((fine(Density::Spacing(spacing), d.grading, d.focus), [across, across, thickness]))
         }
         Pads::File(_) => None,

@@ -98,19 +98,24 @@ impl Resolution {
     }
 
     fn beta(&self) -> f64 {
-        (self.focus - 1.0) / 3.0
+        beta(self.focus)
+    }
+
+    /// Width of the cells at `at`, in half widths of the pad from its centre, over that at the centre.
+    pub fn widening(focus: f64, at: f64) -> f64 {
+        let (beta, mut low, mut high) = (beta(focus), 0.0, 1.0);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if line(beta, middle) < at { low = middle } else { high = middle }
+        }
+        1.0 + (focus - 1.0) * low * low
     }
 
     /// The grid lines of `cells` cells over [-1, 1], exactly symmetric about 0: `t (1 + beta t^2) / (1 + beta)`, whose
     /// slope at the rim is `focus` times that at the centre.
     pub(crate) fn across(&self, cells: usize) -> Vec<f64> {
         let beta = self.beta();
-        (0..=cells)
-            .map(|i| {
-                let t = (2.0 * i as f64 - cells as f64) / cells as f64;
-                t * (1.0 + beta * t * t) / (1.0 + beta)
-            })
-            .collect()
+        (0..=cells).map(|i| line(beta, (2.0 * i as f64 - cells as f64) / cells as f64)).collect()
     }
 
     /// The grid lines of `layers` layers over [-1, 0], from the bonded face (-1) to the sensing face (0).
@@ -126,7 +131,34 @@ impl Resolution {
     }
 }
 
+/// Bisections for the grid line at a place: as many as a double has digits.
+const BISECTIONS: u32 = 50;
+
+fn beta(focus: f64) -> f64 {
+    (focus - 1.0) / 3.0
+}
+
+/// Where the grid line `t` in -1..=1 of a uniform grid comes to lie.
+fn line(beta: f64, t: f64) -> f64 {
+    t * (1.0 + beta * t * t) / (1.0 + beta)
+}
+
 /// The smallest count that is at least `x`, forgiving rounding; saturates.
 fn at_least(x: f64) -> usize {
     (x * (1.0 - 1e-9)).ceil().max(0.0) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_as_wide_as_the_grid_lines_say() {
+        let lines = Resolution::cells([1; 3]).with_focus(2.0).across(2000);
+        let ratio = |k: usize| (lines[k + 1] - lines[k]) / (lines[1001] - lines[1000]);
+        for k in [1000, 1300, 1600, 1999] {
+            let found = Resolution::widening(2.0, lines[k]);
+            assert!((found - ratio(k)).abs() < 5e-3, "{found} for {}", ratio(k));
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::raster::Vertex;
 use super::style::Field;
-use crate::element::EDGES;
+use crate::element::{EDGES, tet10_values};
 use crate::record::Elements;
 use glam::DVec3;
 
@@ -56,7 +56,7 @@ impl Plane {
                     let above = tet.iter().filter(|n| self.distance(positions[**n as usize]) >= 0.0).count();
                     if (1..tet.len()).contains(&above) {
                         let corners = [0, 1, 2, 3].map(|k| [0, 1, 2, 3].map(|i| f64::from(u8::from(i == k))));
-                        let point = |l: [f64; 4]| at(tet, &shape(l));
+                        let point = |l: [f64; 4]| at(tet, &tet10_values(l));
                         self.cut_parts(corners, HALVINGS, &point, &mut triangles);
                     }
                 }
@@ -101,14 +101,6 @@ impl Plane {
 
 /// How often the edges of a quadratic tetrahedron are halved.
 const HALVINGS: u32 = 2;
-
-/// Shape functions of the 10-node tetrahedron.
-fn shape(l: [f64; 4]) -> [f64; 10] {
-    std::array::from_fn(|a| match a {
-        0..4 => l[a] * (2.0 * l[a] - 1.0),
-        _ => EDGES[a - 4].iter().map(|&k| l[k]).product::<f64>() * 4.0,
-    })
-}
 
 /// The eight parts of a halved tetrahedron: four corners, then the octahedron in between split along (0,1)-(2,3).
 const PARTS: [[usize; 4]; 8] =

@@ -169,9 +169,14 @@ fn ratio(v: f64) -> Result<(), String> {
     Err(format!("must be from 1 to {RATIO_LIMIT}, found {}", shown(v)))
 }
 
+/// A number with so many significant digits; what is not finite stays.
+pub(crate) fn rounded(v: f64, digits: usize) -> f64 {
+    if v.is_finite() { format!("{v:.*e}", digits.max(1) - 1).parse().unwrap_or(v) } else { v }
+}
+
 /// A number as a human would write it: at most six significant digits, no trailing `.0`.
 pub(crate) fn shown(v: f64) -> String {
-    let six: f64 = if v.is_finite() { format!("{v:.5e}").parse().unwrap_or(v) } else { v };
+    let six = rounded(v, 6);
     if six != 0.0 && six.is_finite() && !(1e-4..1e7).contains(&six.abs()) {
         return format!("{six:e}");
     }

@@ -94,6 +94,13 @@ impl Default for GelSightMini {
     }
 }
 
+impl GelSightMini {
+    /// The spacing of the mesh where no accuracy asks for another.
+    pub fn mesh_spacing(&self) -> Length {
+        self.spacing.unwrap_or(defaults::PAD_SPACING)
+    }
+}
+
 /// Sensing face of the GelSight Mini.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum GelShape {
@@ -128,6 +135,13 @@ pub struct BoxPad {
     pub focus: Ratio,
 }
 
+impl BoxPad {
+    /// The spacing of the mesh where neither cells are given nor an accuracy asks for another.
+    pub fn mesh_spacing(&self) -> Length {
+        self.spacing.unwrap_or(defaults::PAD_SPACING)
+    }
+}
+
 /// A round disc of gel. Give `spacing` or `accuracy`, not both.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Disc", deny_unknown_fields)]
@@ -149,6 +163,13 @@ pub struct DiscPad {
     /// Width of the cells at the rim over those at the centre; 1 is uniform.
     #[serde(default = "defaults::pad_focus")]
     pub focus: Ratio,
+}
+
+impl DiscPad {
+    /// The spacing of the mesh where no accuracy asks for another.
+    pub fn mesh_spacing(&self) -> Length {
+        self.spacing.unwrap_or(defaults::DISC_SPACING)
+    }
 }
 
 /// A pad from a tetrahedral mesh file; `File("pad.tet")` takes all defaults.
