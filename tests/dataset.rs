@@ -232,3 +232,34 @@ print("ok")
         }
     }
 }
+
+/// A data set says how well posed its grasps are in a table beside it, which a second run goes on with.
+#[test]
+fn a_table_says_how_well_posed_the_grasps_are() {
+    let tiny = Tiny::new("Linear");
+    let out = tiny.out("posed");
+    let table = |most: &str| {
+        let done = tiny.command(&out).args(["--sensitivity", most]).output().unwrap();
+        assert_eq!(done.status.code(), Some(1), "{}", String::from_utf8_lossy(&done.stderr));
+        let report: Value = serde_json::from_slice(&done.stdout).unwrap();
+        let text = std::fs::read_to_string(out.join("sensitivity.csv")).unwrap();
+        (report["sensitivity"].as_array().unwrap().clone(), text)
+    };
+    let (first, text) = table("1");
+    assert_eq!(first.len(), 8, "four changes of one grasp of two objects");
+    assert!(
+        text.starts_with("# plan ")
+            && text.contains("object,grasp,change,status,displacement,object_m\nball,0,friction,reached,")
+    );
+    for row in &first {
+        let displacement = row["displacement"].as_f64().unwrap();
+        assert!(displacement.is_finite() && (0.0..1.0).contains(&displacement), "{row}");
+    }
+    let (both, _) = table("2");
+    assert_eq!(both.len(), 16);
+    assert!(first.iter().all(|row| both.contains(row)));
+    // A hand that misses says so with every change.
+    let missed = both.iter().filter(|row| row["object"] == "box" && row["grasp"] == 1);
+    assert!(missed.clone().count() == 4 && missed.clone().all(|row| row["displacement"].is_null()));
+    assert!(DataSet::open(&out).unwrap().damaged.is_empty());
+}

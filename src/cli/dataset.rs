@@ -1,11 +1,14 @@
 //! `tactus dataset`: all grasps of all objects of a scene, into a folder; and `tactus dataset inspect`.
 
 use super::{Format, NOT_HELD, OK, inspect, kept, print, say};
+use crate::bench::spread::median;
 use crate::dataset::progress::Finished;
+use crate::dataset::sensitivity::Spread;
 use crate::dataset::{Campaign, Manifest, Watcher};
 use crate::error::{Error, Result};
 use crate::grasp::keep_first;
 use crate::record::Status;
+use crate::runner::sensitivity::CHANGES;
 use crate::scene::{GraspCount, NamedScene, load_set};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
@@ -50,6 +53,10 @@ pub struct DatasetArgs {
     /// command without it then closes the data set.
     #[arg(long, value_name = "I/N", value_parser = part)]
     pub part: Option<(usize, usize)>,
+    /// Also say how well posed the first N grasps of each object are (as `run --sensitivity` does), in `sensitivity.csv`: for these five
+    /// times the work once more.
+    #[arg(long, value_name = "N", conflicts_with = "part", value_parser = clap::value_parser!(u64).range(1..))]
+    pub sensitivity: Option<u64>,
     /// Say what would be made and how large it is, and stop.
     #[arg(long)]
     pub dry_run: bool,
@@ -83,7 +90,7 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
         set.scenes.iter_mut().try_for_each(|s| super::run::limit_time(&mut s.scene.stepper, seconds))?;
     }
     let threads = args.threads.map_or_else(super::run::machine_threads, |n| n as usize);
-    let campaign = Campaign::plan(&set, out)?;
+    let mut campaign = Campaign::plan(&set, out)?;
     let manifest = campaign.manifest();
     let resumed = campaign.finished();
     say(&format!(
@@ -137,12 +144,16 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
         })
     })?;
     let wall = clock.elapsed().as_secs_f64();
+    let spreads = match args.sensitivity {
+        Some(most) => campaign.sensitivity(most as usize, threads)?,
+        None => Vec::new(),
+    };
     let text = match args.format {
-        Format::Text => report(&manifest, resumed, wall),
+        Format::Text => report(&manifest, resumed, wall) + &spread(&spreads),
         Format::Json => {
             let object = json!({
                 "manifest": manifest, "resumed": resumed, "computed": grasps - resumed, "announced_bytes": bytes,
-                "wall_s": wall, "dir": out,
+                "wall_s": wall, "dir": out, "sensitivity": spreads,
             });
             format!("{object}\n")
         }
@@ -206,6 +217,31 @@ fn report(manifest: &Manifest, resumed: usize, wall: f64) -> String {
         manifest.sum(|o| o.reached),
         manifest.grasps
     );
+    out
+}
+
+/// What each change does to the grasps that both reach.
+fn spread(spreads: &[Spread]) -> String {
+    let mut out = String::new();
+    for change in CHANGES {
+        let moved = spreads.iter().filter(|s| s.change == change).filter_map(|s| s.displacement.zip(s.object_m));
+        let (pads, object): (Vec<_>, Vec<_>) = moved.unzip();
+        if pads.is_empty() {
+            continue;
+        }
+        let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            out,
+            "{}: pads of {} grasps move by {:.2} % (median) to {:.1} %, objects by {:.3} to {:.2} mm",
+            change.name(),
+            pads.len(),
+            1e2 * median(pads.iter().copied()),
+            1e2 * most(&pads),
+            1e3 * median(object.iter().copied()),
+            1e3 * most(&object),
+        );
+    }
     out
 }
 

@@ -4,6 +4,7 @@ use crate::fem::continuation::Methods;
 use crate::grasp::GraspPose;
 use crate::record::RunReport;
 use crate::runner::Outcome;
+use crate::scene::leaf::shown;
 use crate::scene::{Expectation, Held, Scene, Stepper};
 use std::fmt::Write;
 
@@ -93,7 +94,7 @@ fn rows(out: &mut String, grasps: &[(usize, GraspPose)], outcomes: &[Outcome]) {
 fn expectation(out: &mut String, expectation: &Expectation, held: &Held) {
     let mut text = held.to_string();
     if let Expectation::ForceAt(at) = expectation {
-        let _ = write!(text, " (+-{} %) at {} mm", 100.0 * at.relative.get(), 1e3 * at.depth.get());
+        let _ = write!(text, " (+-{} %) at {} mm", 100.0 * at.relative.get(), shown(1e3 * at.depth.get()));
     }
     let _ = writeln!(out, "{}  {:<14} {text}", held.verdict(), held.name);
 }

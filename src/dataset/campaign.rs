@@ -8,6 +8,7 @@ use super::plan::{file_name, fixed_bytes, plan_hash};
 use super::progress::{self, Finished, Progress};
 use super::recorder::{Recorder, Watcher};
 use super::rows::Encoder;
+use super::sensitivity::{self, Spread};
 use super::split::Splits;
 use crate::error::{Error, Result};
 use crate::grasp::{GraspPose, aim_notice, grasps_of, write_grasps_h5};
@@ -168,7 +169,7 @@ impl Campaign {
     ///
     /// # Errors
     /// What cannot be written or set up, a folder in use. A grasp that fails is part of the data set, not an error.
-    pub fn run(mut self, threads: usize, watcher: &dyn Watcher) -> Result<Manifest> {
+    pub fn run(&mut self, threads: usize, watcher: &dyn Watcher) -> Result<Manifest> {
         if !self.manifest.finished {
             self.fits()?;
         }
@@ -199,7 +200,24 @@ impl Campaign {
         let _ = std::fs::remove_file(self.dir.join(LAYING_OUT));
         remove_left_over(&self.dir.join("dgs_output"));
         self.objects.iter().for_each(|object| remove_left_over(&self.about(object)));
-        Ok(self.manifest)
+        Ok(self.manifest.clone())
+    }
+
+    /// Says how well posed the first `most` grasps of each object are, on `threads` threads: one row per change of a grasp, those that an
+    /// earlier run wrote among them.
+    ///
+    /// # Errors
+    /// What cannot be written or set up; a folder in use.
+    pub fn sensitivity(&self, most: usize, threads: usize) -> Result<Vec<Spread>> {
+        let _lock = FolderLock::alone(&self.dir, COMMAND)?;
+        let plan = self.manifest.plan.as_str();
+        let mut table = sensitivity::read(&self.dir, plan)?;
+        for object in &self.objects {
+            interrupt::check()?;
+            let poses = &object.poses[..most.min(object.poses.len())];
+            sensitivity::add((&self.dir, plan), &mut table, &object.named, poses, threads)?;
+        }
+        Ok(table)
     }
 
     /// Folder of what the public loader wants to know of an object.

@@ -3,6 +3,7 @@
 //! ```text
 //! DIR/manifest.json                                   scene, versions, counts, failures, hashes     (manifest.rs)
 //! DIR/splits.json                                     training and test poses                       (split.rs)
+//! DIR/sensitivity.csv                                 how well posed grasps are, if asked for       (sensitivity.rs)
 //! DIR/tactile_sensor.tet                              one pad                                       (compatible.rs)
 //! DIR/dgn_dataset/OBJ/OBJ_processed.stl, OBJ_grasps.h5   object and hand poses
 //! DIR/dgs_output/OBJ_<density>_tactus_<E>_<nu>_<load>.h5  all frames of all grasps of one object    (arrays.rs, file.rs, places.rs)
@@ -26,6 +27,7 @@ pub mod progress;
 pub mod reader;
 pub mod recorder;
 pub mod rows;
+pub mod sensitivity;
 pub mod set;
 pub mod split;
 

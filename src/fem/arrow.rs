@@ -135,8 +135,8 @@ pub fn step(
     Step { x, border: dy }
 }
 
-/// Smallest border curvature divided by, N/m: far below any contact, above rounding.
-const STIFFNESS_FLOOR: f64 = 1e-6;
+/// Smallest border stiffness divided by, over the largest: far below any contact, above rounding.
+const STIFFNESS_FLOOR: f64 = 1e-10;
 /// Bisections for the shift: it need not be sharp.
 const BISECTIONS: u32 = 30;
 
@@ -156,7 +156,9 @@ fn solve_border(
     let Ok(eigen) = matrix.self_adjoint_eigen(faer::Side::Lower) else { return dy };
     let (u, values) = (eigen.U(), eigen.S());
     let projected: Vec<f64> = (0..size).map(|k| (0..size).map(|i| u[(i, k)] * g[i]).sum()).collect();
-    let stiffness: Vec<f64> = (0..size).map(|k| values[k].abs().max(STIFFNESS_FLOOR)).collect();
+    let largest = (0..size).map(|k| values[k].abs()).fold(0.0, f64::max);
+    let floor = (STIFFNESS_FLOOR * largest).max(f64::MIN_POSITIVE);
+    let stiffness: Vec<f64> = (0..size).map(|k| values[k].abs().max(floor)).collect();
     let length = |shift: f64| {
         let parts = projected.iter().zip(&stiffness).map(|(p, k)| p / (k + shift));
         parts.map(|p| p * p).sum::<f64>().sqrt()

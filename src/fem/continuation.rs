@@ -11,6 +11,7 @@
 //! | contact outgrows the patch of a condensed pad | condensed anew onto a larger one, the same increment |
 //! | condensed pads get no further | whole pads, from the level accepted last (`level.rs`) |
 //! | the object left the grasp; no effort is left | the grasp ends |
+//! | a time step finds no equilibrium (`dynamics/integrator.rs`) | half the step, down to a 64th of the scene's |
 //!
 //! [`Methods`] counts how often each was needed.
 

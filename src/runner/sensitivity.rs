@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// All changes, in the order of the report.
-const CHANGES: [Change; 4] = [Change::Friction, Change::Turn, Change::Shift, Change::Release];
+pub const CHANGES: [Change; 4] = [Change::Friction, Change::Turn, Change::Shift, Change::Release];
 
 /// By how much friction changes.
 const FRICTION: f64 = 0.1;

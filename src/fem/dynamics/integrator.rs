@@ -1,10 +1,11 @@
-//! Time steps: predict, solve, accept; or roll back and divide.
+//! Time steps: predict, solve, accept; or roll back and take a shorter one.
 
 use super::{TimeStep, advance, terms};
 use crate::fem::effort::most_iterations;
 use crate::fem::newton::{Failure, Tolerance};
 use crate::fem::path::{Advanced, Path};
 use crate::fem::state::State;
+use crate::fem::step_size::StepSize;
 use crate::grasp::GraspPose;
 use crate::model::{Dynamics, Model};
 use crate::scales::SAFE_MOTION;
@@ -23,10 +24,12 @@ pub struct Integrator {
     pose: GraspPose,
     /// The state one step before the accepted one, and that step, s.
     before: Option<(State, f64)>,
+    /// Size of the next step, s, up to the scene's time step.
+    size: StepSize,
 }
 
-/// How often a time step is divided by two before the scene is given up.
-const DIVISIONS: u32 = 6;
+/// The shortest step that is tried before the scene is given up, over the time step.
+const SHORTEST: f64 = 1.0 / 64.0;
 /// Residual of a time step over that of a quasi-static increment: errors of momentum add up over the steps.
 const SHARP: f64 = 1e-2;
 /// Largest motion of any point between pads in an iteration, over that of a quasi-static increment; without pads there is nothing to jump
@@ -36,7 +39,7 @@ const STRIDE: f64 = 2.0;
 impl Integrator {
     /// At time zero of a grasp at `pose`.
     pub fn new(dynamics: &Dynamics, pose: GraspPose) -> Self {
-        Self { time: 0.0, hand: dynamics.hand(&pose, 0.0), pose, before: None }
+        Self { time: 0.0, hand: dynamics.hand(&pose, 0.0), pose, before: None, size: StepSize(f64::INFINITY) }
     }
 
     /// Lets time run to `end` (s).
@@ -60,7 +63,18 @@ impl Integrator {
         for k in 1..=steps {
             // The last one meets `end` exactly.
             let to = if k == steps { end } else { from + whole * k as f64 / steps as f64 };
-            self.divide(path, model, dynamics, to, DIVISIONS, &mut done)?;
+            let shortest = (to - self.time) * SHORTEST;
+            while self.time < to {
+                let rest = to - self.time;
+                let size = self.size.next(rest);
+                let end = if size >= rest { to } else { self.time + size };
+                let before = done.iterations;
+                match self.step(path, model, dynamics, end, &mut done) {
+                    Ok(()) => self.size.accept(size, done.iterations - before, 0.0, 0.0),
+                    Err(failure) if size <= shortest || failure.is_out_of_effort() => return Err((end, failure)),
+                    Err(_) => self.size.refuse(size, None),
+                }
+            }
         }
         Ok(done)
     }
@@ -95,27 +109,6 @@ impl Integrator {
             before.rotation = (turn * before.rotation).normalize();
         }
         self.before = Some((before, dynamics.time_step));
-    }
-
-    /// One step to `end`, or two halves of it, and so on.
-    fn divide(
-        &mut self,
-        path: &mut Path,
-        model: &Model,
-        dynamics: &Dynamics,
-        end: f64,
-        left: u32,
-        done: &mut Advanced,
-    ) -> Result<(), (f64, Failure)> {
-        match self.step(path, model, dynamics, end, done) {
-            Ok(()) => Ok(()),
-            Err(failure) if left == 0 || failure.is_out_of_effort() => Err((end, failure)),
-            Err(_) => {
-                let middle = 0.5 * (self.time + end);
-                self.divide(path, model, dynamics, middle, left - 1, done)?;
-                self.divide(path, model, dynamics, end, left - 1, done)
-            }
-        }
     }
 
     fn step(

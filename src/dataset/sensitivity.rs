@@ -1,0 +1,96 @@
+//! `sensitivity.csv`: how well posed the grasps of a data set are, beside which the errors of a network on it are to be read.
+//!
+//! One row per change of a grasp, after a first line with the plan of the data set. A run killed on the way goes on with the next object.
+
+use crate::error::{Error, Result};
+use crate::grasp::GraspPose;
+use crate::model::Model;
+use crate::record::files::{cannot_write, write_durable};
+use crate::record::sensitivity::{Change, Moved};
+use crate::runner::run_grasps;
+use crate::runner::sensitivity::{Ends, LastFrames, sensitivity};
+use crate::scene::NamedScene;
+use crate::stepper::choose;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Name of the file.
+pub const SENSITIVITY: &str = "sensitivity.csv";
+
+/// What a change does to a grasp of the data set.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Spread {
+    /// Name of the object.
+    pub object: String,
+    /// Number of the grasp, from 0.
+    pub grasp: usize,
+    /// What was changed.
+    pub change: Change,
+    /// How the grasp ended with it.
+    pub status: crate::record::Status,
+    /// Distance of the displacements of both pads over their norm; None unless both grasps were reached.
+    pub displacement: Option<f64>,
+    /// How much farther the object moved, m; None unless both grasps were reached.
+    pub object_m: Option<f64>,
+}
+
+/// The table of a data set with this `plan`; empty where there is none.
+///
+/// # Errors
+/// A file that is no such table.
+pub fn read(dir: &Path, plan: &str) -> Result<Vec<Spread>> {
+    let path = dir.join(SENSITIVITY);
+    let text = match std::fs::read_to_string(&path) {
+        Ok(text) => text,
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(e) => return Err(Error::file(&path, format!("cannot be read: {e}"))),
+    };
+    let Some(table) = text.strip_prefix(&first_line(plan)) else { return Ok(Vec::new()) };
+    let rows = csv::Reader::from_reader(table.as_bytes()).into_deserialize().collect::<std::result::Result<_, _>>();
+    rows.map_err(|e| Error::file(&path, format!("is no table of sensitivities: {e}; remove it and make it again")))
+}
+
+/// Adds the first grasps of one object, at `poses`, to the `table` in `dir`, unless they are there.
+///
+/// # Errors
+/// Those of building a model, of running grasps and of writing.
+pub fn add(
+    (dir, plan): (&Path, &str),
+    table: &mut Vec<Spread>,
+    object: &NamedScene,
+    poses: &[GraspPose],
+    threads: usize,
+) -> Result<()> {
+    let name = object.name.as_str();
+    let open = |grasp: &usize| !table.iter().any(|row| row.object == name && row.grasp == *grasp);
+    let grasps: Vec<_> = (0..poses.len()).filter(open).map(|grasp| (grasp, poses[grasp])).collect();
+    if grasps.is_empty() {
+        return Ok(());
+    }
+    let model = Model::build(&object.scene)?;
+    let stepper = choose(&object.scene)?;
+    let last = LastFrames::default();
+    let outcomes = run_grasps(&model, stepper.as_ref(), &grasps, threads, &last)?;
+    let ends = Ends::of(&outcomes, last);
+    let answers = sensitivity(&object.scene, &model, stepper.as_ref(), (&grasps, &ends), threads)?;
+    for ((grasp, _), moved) in grasps.iter().zip(answers) {
+        table.extend(moved.into_iter().map(|Moved { change, status, displacement, object_m }| Spread {
+            object: name.into(),
+            grasp: *grasp,
+            change,
+            status,
+            displacement,
+            object_m,
+        }));
+    }
+    let path = dir.join(SENSITIVITY);
+    let mut writer = csv::Writer::from_writer(first_line(plan).into_bytes());
+    table.iter().try_for_each(|row| writer.serialize(row)).map_err(|e| Error::file(&path, e.to_string()))?;
+    let bytes = writer.into_inner().map_err(|e| cannot_write(&path, e.error()))?;
+    write_durable(&path, &bytes)
+}
+
+/// The line that ties the table to its data set.
+fn first_line(plan: &str) -> String {
+    format!("# plan {plan}\n")
+}
