@@ -9,7 +9,7 @@ use tactus::dataset::arrays::Sizes;
 use tactus::dataset::compatible::World;
 use tactus::dataset::file::{Writer, lay_out};
 use tactus::dataset::rows::Encoder;
-use tactus::grasp::GraspPose;
+use tactus::gripper::GraspPose;
 use tactus::model::Model;
 use tactus::random::Random;
 use tactus::record::{Frame, PadFrame, Status};
@@ -18,7 +18,7 @@ use tactus::scene::load_set;
 const GRASPS: usize = 16;
 
 fn made_up(model: &Model, index: usize, random: &mut Random) -> Frame {
-    let pad = |f: &tactus::model::FingerModel| {
+    let pad = |f: &tactus::part::FingerModel| {
         let (nodes, tets) = (f.body.rest.len(), f.body.element_count());
         let mut vectors = || (0..nodes).map(|_| glam::DVec3::splat(random.unit())).collect::<Vec<_>>();
         let (position, displacement, contact_force) = (vectors(), vectors(), vectors());

@@ -2,12 +2,12 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
-use tactus::environment::Environment;
+use tactus::backend::choose;
 use tactus::error::Result;
 use tactus::grasp::poses_of;
 use tactus::model::Model;
 use tactus::scene::{Motion, Scene, from_ron};
-use tactus::stepper::choose;
+use tactus::world::environment::Environment;
 
 /// A squeeze in twenty frames between condensed pads, of which recording is a part that can be told from noise.
 fn scene(friction: f64, more: &str, motion: Motion) -> Result<Scene> {

@@ -4,13 +4,13 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use glam::DVec3;
 use std::hint::black_box;
 use std::path::Path;
-use tactus::environment::Environment;
+use tactus::backend::choose;
+use tactus::geometry::mesh::TriMesh;
+use tactus::geometry::shape::{Shape, generate};
 use tactus::grasp::poses_of;
-use tactus::mesh::TriMesh;
 use tactus::model::Model;
 use tactus::scene::load;
-use tactus::shape::{Shape, generate};
-use tactus::stepper::choose;
+use tactus::world::environment::Environment;
 
 /// Closed forms and surface meshes, near the surface and far from it.
 fn signed_distance(c: &mut Criterion) {

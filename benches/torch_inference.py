@@ -134,7 +134,7 @@ with torch.inference_mode():
     for mine, name in zip(out, ("displacement", "stress", "contact", "travel", "motion")):
         theirs = d[f"out_{name}"]
         size = theirs.norm()
-        if name in ("travel", "motion"):  # as in tests/torch_check.py: corrections, in units of what is usual
+        if name in ("travel", "motion"):  # as in tests/network/torch_check.py: corrections, in units of what is usual
             size = size.clamp(min=theirs.numel() ** 0.5)
         error = ((mine - theirs).norm() / size).item()
         assert error < 1e-5, f"{name} differs by {error}"

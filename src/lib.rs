@@ -4,45 +4,43 @@
 //! scene.ron -> scene::load -> Model::build -> spawn -> World + Schedule -> run_grasps -> record
 //!                             (shared, Arc)            one per grasp: Environment
 //!
-//!              Control -> Sense -> Advance -> Measure -> Record        (schedule.rs)
-//!                                  FEM | network (fem/, gnn/)          (stepper.rs)
+//!              Control -> Sense -> Advance -> Accept -> Measure -> Record     (world/schedule.rs)
+//!                                  FEM | network                              (backend/)
 //! ```
 //!
-//! Start at [`components`] (what a world holds), [`schedule`] (what a step does) and [`model`] (what never changes).
+//! Start at [`world::components`] (what a world holds), [`world::schedule`] (what a step does) and [`model`] (what never changes).
+//! `docs/architecture.md` has the folders, from the ground up.
 #![warn(missing_docs)]
 
-pub mod audit;
+pub mod backend;
 pub mod bench;
 pub mod cli;
-pub mod components;
-pub mod contact;
 pub mod dataset;
 pub mod distance;
-pub mod element;
 pub mod env;
-pub mod environment;
 pub mod error;
-pub mod fem;
+pub mod files;
 pub mod fit;
-pub mod gnn;
+pub mod geometry;
 pub mod grasp;
 pub mod gripper;
 pub mod interrupt;
+pub mod judge;
+pub mod kernel;
 pub mod limits;
-pub mod material;
-pub mod mesh;
+pub mod linear;
+pub mod mech;
 pub mod model;
-pub mod pad;
+pub mod net;
+pub mod number;
+pub mod part;
 pub mod random;
 pub mod record;
-pub mod regular_file;
 pub mod render;
 pub mod report;
-pub mod runner;
+pub mod run;
 pub mod scales;
 pub mod scene;
-pub mod schedule;
-pub mod shape;
-pub mod spawn;
-pub mod stepper;
-pub mod systems;
+pub mod stats;
+pub mod table;
+pub mod world;

@@ -2,8 +2,8 @@
 //! made, so that a scene that is too large is an answer at once and no program that is killed.
 
 use crate::error::{Error, Result};
-use crate::mesh::quadratic::midpoint_edges;
-use crate::pad::Pad;
+use crate::geometry::mesh::quadratic::midpoint_edges;
+use crate::geometry::pad::Pad;
 use crate::scene::{Element, Scene, Stepper};
 use std::path::Path;
 

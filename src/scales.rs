@@ -11,7 +11,7 @@
 //! iteration) stands beside the method that goes by it.
 
 /// Contact offset over the thickness of the pads: the gap at which surfaces meet. Above the rounding of 1e-12 t, below the 1/50 of a
-/// thickness that shows in a force. `tests/scales.rs`.
+/// thickness that shows in a force. `tests/mechanics/scales.rs`.
 pub const OFFSET_OF_PAD: f64 = 1.0 / 400.0;
 /// The same over the bounding radius of an object without pads.
 pub const OFFSET_OF_OBJECT: f64 = 1.0 / 2500.0;
@@ -21,21 +21,21 @@ pub fn contact_offset(thickness: Option<f64>, radius: f64) -> f64 {
 }
 
 /// Contact stiffness over `E / h`, the stiffness of a layer as thick as the points of the pad are apart. Above 10: contact must not be
-/// softer than the gel behind it; below 1e3: an iterate must not jump from no pressure to all of it. `tests/verification_hertz.rs`.
+/// softer than the gel behind it; below 1e3: an iterate must not jump from no pressure to all of it. `tests/mechanics/verification_hertz.rs`.
 pub const CONTACT_STIFFNESS: f64 = 80.0;
 /// Force that makes contact over `E t^2`: of this size are the patches over the thickness, whatever the gel. From 1e-3, where a tip
-/// touches with single points, to 0.1, where the path of the object shows. `tests/path.rs`.
+/// touches with single points, to 0.1, where the path of the object shows. `tests/mechanics/path.rs`.
 pub const CONTACT_FORCE: f64 = 0.02;
 /// Friction limit that counts as none, over the pressure that closes a whole offset. Above rounding, below any force that is reported.
 pub const NO_FRICTION: f64 = 4e-6;
 
 // Newton's method and paths; in contact offsets.
 
-/// Largest motion of an unknown in the last iteration. At most 1: a contact must not open unseen. `tests/press.rs`.
+/// Largest motion of an unknown in the last iteration. At most 1: a contact must not open unseen. `tests/mechanics/press.rs`.
 pub const DISPLACEMENT_TOLERANCE: f64 = 0.5;
 /// Motion in an iteration up to which the Hessian has all second derivatives: up to 1, the reach of a contact.
 pub const SHARP_MOTION: f64 = 0.5;
-/// Largest motion of a point in one iteration: less than half of the thinnest object, a quarter of the pad. `tests/torture.rs`.
+/// Largest motion of a point in one iteration: less than half of the thinnest object, a quarter of the pad. `tests/scenes/torture.rs`.
 pub const LARGEST_MOTION: f64 = 100.0;
 /// Motion of the border that the first pseudo-time step allows under the full load: below [`LARGEST_MOTION`].
 pub const WALK_BEGINS: f64 = 20.0;

@@ -4,14 +4,14 @@
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
+use tactus::backend::choose;
 use tactus::env::{BatchConfig, BatchEnv};
 use tactus::error::Error;
 use tactus::grasp::poses_of;
 use tactus::interrupt;
 use tactus::model::Model;
-use tactus::runner::run_grasps;
+use tactus::run::run_grasps;
 use tactus::scene::{load, load_set};
-use tactus::stepper::choose;
 
 /// Each grasp takes a part of a second, all of them minutes.
 const LONG: &str = r#"Scene(

@@ -1,7 +1,7 @@
 //! Data sets as numpy arrays, one grasp at a time.
 
-use crate::refused;
-use crate::supervise::supervise;
+use tactus::refused;
+use tactus::supervise::supervise;
 use numpy::{Element, PyArrayMethods, ToPyArray};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;

@@ -1,7 +1,7 @@
 //! Scenes for Python: what they resolve to, and what their grasps do.
 
-use crate::refused;
-use crate::supervise::supervise;
+use tactus::refused;
+use tactus::supervise::supervise;
 use numpy::{PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -10,9 +10,9 @@ use tactus::error::Result;
 use tactus::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::{Frame, names};
-use tactus::runner::{Observer, run_grasps};
+use tactus::run::{Observer, run_grasps};
 use tactus::scene::{Gnn, Stepper, load_object, load_set, to_ron};
-use tactus::stepper::choose;
+use tactus::backend::choose;
 
 /// Names of the objects of a scene file.
 #[pyfunction]
@@ -61,7 +61,7 @@ pub fn run<'py>(
         Ok(outcomes.into_iter().zip(frames).collect::<Vec<_>>())
     };
     let done = supervise(py, Some(threads), simulate)?;
-    let grasp = |(outcome, frames): (tactus::runner::Outcome, Vec<Frame>)| {
+    let grasp = |(outcome, frames): (tactus::run::Outcome, Vec<Frame>)| {
         let grasp = PyDict::new(py);
         let summary = &outcome.summary;
         grasp.set_item("status", summary.status.word())?;

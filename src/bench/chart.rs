@@ -1,8 +1,8 @@
 //! Time against error, both logarithmic, as PNG and as SVG: points, the Pareto front, what is dominated.
 
-use super::canvas::{Area, Drawn, INK, KINDS, MUTED, Picture, axes, range, save_picture, text_style};
 use super::report::{Point, Report};
 use crate::error::Result;
+use crate::render::canvas::{Area, Drawn, INK, KINDS, MUTED, Picture, axes, range, save_picture, text_style};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! The pads of a scene with coarser or finer cells.
 
 use crate::error::{Error, Result};
-use crate::model::pad;
+use crate::part::pad;
 use crate::scene::leaf::{Count, Length, Ratio};
 use crate::scene::pad::{BoxPad, DiscPad, GelSightMini};
 use crate::scene::vector::{Cells, Tuple};
@@ -89,7 +89,7 @@ pub fn nodes(pads: &Pads, element: Element) -> Result<usize> {
     let (pad, _) = pad::build(pads, &mut Vec::new())?;
     let middles = match element {
         Element::Linear => 0,
-        Element::Quadratic => crate::mesh::quadratic::midpoint_edges(&pad.mesh).len(),
+        Element::Quadratic => crate::geometry::mesh::quadratic::midpoint_edges(&pad.mesh).len(),
     };
     Ok(pad.mesh.nodes.len() + middles)
 }

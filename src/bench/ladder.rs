@@ -9,13 +9,13 @@
 
 use super::density::{coarser, other_kind};
 use super::report::{Name, QUANTITIES};
-use super::spread::median;
 use super::sweep::{Configuration, Sweep};
 use crate::distance::{Distance, Fields, Points};
 use crate::error::Result;
-use crate::gnn::eval::table::FROM_LOAD;
+use crate::net::eval::table::FROM_LOAD;
 use crate::scene::leaf::Positive;
 use crate::scene::{Condensed, Fem, Solver};
+use crate::stats::median;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_1_SQRT_2;

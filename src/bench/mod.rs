@@ -9,7 +9,6 @@
 //! Task  -> rollout.rs (steps a second against environments and threads)
 //! ```
 
-pub mod canvas;
 pub mod certify;
 pub mod chart;
 pub mod clock;
@@ -20,7 +19,6 @@ pub mod ladder;
 pub mod report;
 pub mod rollout;
 pub mod sizes;
-pub mod spread;
 pub mod sweep;
 pub mod table;
 pub mod values;

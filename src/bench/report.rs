@@ -3,8 +3,8 @@
 use super::contest::{Entry, Rules};
 use super::front::{Rival, time_at};
 use super::ladder::Ladder;
-use super::spread::Spread;
 use crate::distance::Distance;
+use crate::stats::Spread;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;

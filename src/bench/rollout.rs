@@ -1,14 +1,14 @@
 //! Steps of many environments a second, against their number and that of the threads; and what one of them keeps in memory.
 
-use super::canvas::{Area, Drawn, INK, KINDS, Picture, axes, range, save_picture, text_style};
 use super::clock::{forget_peak_memory, peak_memory};
-use super::spread::median;
+use crate::backend::choose;
 use crate::env::{BatchConfig, BatchEnv};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::random::Random;
+use crate::render::canvas::{Area, Drawn, INK, KINDS, Picture, axes, range, save_picture, text_style};
 use crate::scene::{Gnn, NamedScene, Stepper};
-use crate::stepper::choose;
+use crate::stats::median;
 use plotters::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};

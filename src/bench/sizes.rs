@@ -3,14 +3,14 @@
 use super::clock::{forget_peak_memory, peak_memory, processor_time};
 use super::contest::add_stages;
 use super::density::{coarser, describe, nodes};
-use super::spread::median;
+use crate::backend::choose;
 use crate::error::{Error, Result};
 use crate::grasp::poses_of;
 use crate::model::{Model, accuracy};
 use crate::record::Status;
-use crate::runner::run_grasp;
+use crate::run::run_grasp;
 use crate::scene::{Element, Pads, Scene, Stepper};
-use crate::stepper::choose;
+use crate::stats::median;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -2,9 +2,9 @@
 
 use super::density::{coarser, describe, nodes};
 use crate::error::{Error, Result};
-use crate::gnn::card::Trained;
-use crate::gnn::graph::mesh_hash;
+use crate::linear::pad_graph::mesh_hash;
 use crate::model::{Model, accuracy};
+use crate::net::network::card::Trained;
 use crate::scene::leaf::Positive;
 use crate::scene::{Condensed, Element, Fem, Field, Fingers, Gnn, Loading, Pads, Scene, Solver, Stepper};
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};

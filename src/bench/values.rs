@@ -2,7 +2,8 @@
 
 use super::report::Name;
 use crate::distance::{Points, Probe};
-use crate::model::{FingerModel, Model};
+use crate::model::Model;
+use crate::part::FingerModel;
 use crate::record::{Frame, PadFrame};
 use glam::DVec3;
 use std::collections::BTreeMap;

@@ -6,7 +6,7 @@ use crate::bench::certify::References;
 use crate::bench::contest::Rules;
 use crate::bench::{certify, chart, contest, cost_by_size, ladder, rollout, rollouts, sizes, table};
 use crate::error::{Error, Result};
-use crate::record::files::{create_dir, write_atomic};
+use crate::files::atomic::{create_dir, write_atomic};
 use crate::scene::{Scene, load_object, load_set};
 use indicatif::ProgressBar;
 use serde::Serialize;

@@ -1,15 +1,16 @@
 //! `tactus dataset`: all grasps of all objects of a scene, into a folder; and `tactus dataset inspect`.
 
 use super::{Format, NOT_HELD, OK, inspect, kept, print, say};
-use crate::bench::spread::median;
+use crate::backend;
 use crate::dataset::progress::Finished;
 use crate::dataset::sensitivity::Spread;
 use crate::dataset::{Campaign, Manifest, Watcher};
 use crate::error::{Error, Result};
 use crate::grasp::keep_first;
 use crate::record::Status;
-use crate::runner::sensitivity::CHANGES;
+use crate::run::sensitivity::CHANGES;
 use crate::scene::{GraspCount, NamedScene, load_set};
+use crate::stats::median;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::fmt::Write;
@@ -90,7 +91,7 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
         set.scenes.iter_mut().try_for_each(|s| super::run::limit_time(&mut s.scene.stepper, seconds))?;
     }
     let threads = args.threads.map_or_else(super::run::machine_threads, |n| n as usize);
-    let mut campaign = Campaign::plan(&set, out)?;
+    let mut campaign = Campaign::plan(&set, out, backend::choose)?;
     let manifest = campaign.manifest();
     let resumed = campaign.finished();
     say(&format!(

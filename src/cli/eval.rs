@@ -3,12 +3,12 @@
 use super::{Format, OK, print, say};
 use crate::dataset::DataSet;
 use crate::error::{Error, Result};
-use crate::gnn::dump;
-use crate::gnn::eval::table::{Row, ranks, rows};
-use crate::gnn::eval::{Judged, frames, judge, picture, test_grasps};
-use crate::gnn::predict::Predictor;
-use crate::gnn::sample::model_of;
-use crate::record::files::create_dir;
+use crate::files::atomic::create_dir;
+use crate::net::eval::dump;
+use crate::net::eval::table::{Row, ranks, rows};
+use crate::net::eval::{Judged, frames, judge, picture, test_grasps};
+use crate::net::infer::predict::Predictor;
+use crate::net::train::sample::model_of;
 use crate::render::save;
 use serde_json::json;
 use std::fmt::Write;
@@ -33,7 +33,7 @@ pub struct EvalArgs {
     #[arg(long, default_value_t = 5)]
     pub worst: usize,
     /// Write what the network reads and answers for the first test grasp, as `.npz`, for another implementation to check
-    /// itself on: see tests/torch_check.py.
+    /// itself on: see tests/network/torch_check.py.
     #[arg(long, value_name = "FILE")]
     pub dump: Option<PathBuf>,
     /// Form of the report on stdout.

@@ -3,8 +3,8 @@
 use super::run::machine_threads;
 use super::{Format, NOT_HELD, OK, print};
 use crate::error::{Error, Result};
+use crate::files::atomic::{create_dir, write_atomic};
 use crate::fit::{self, Curve, Ranges, chart};
-use crate::record::files::{create_dir, write_atomic};
 use crate::scene::load_object;
 use indicatif::ProgressBar;
 use std::path::PathBuf;

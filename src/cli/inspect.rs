@@ -4,7 +4,7 @@ use super::{Format, NOT_HELD, OK, print};
 use crate::dataset::DataSet;
 use crate::dataset::inspect::{self, Inspection, Thinning};
 use crate::error::Result;
-use crate::record::files::create_dir;
+use crate::files::atomic::create_dir;
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -2,7 +2,7 @@
 
 use super::{Format, OK, print};
 use crate::error::Result;
-use crate::record::files::{create_dir, write_atomic};
+use crate::files::atomic::{create_dir, write_atomic};
 use crate::report::{Wishes, report};
 use serde_json::json;
 use std::path::PathBuf;

@@ -2,19 +2,22 @@
 
 use super::watch::Watch;
 use super::{Format, NOT_HELD, OK, kept, print, say, table};
+use crate::backend::choose;
 use crate::error::{Error, Result};
-use crate::gnn::SHIPPED;
-use crate::grasp::{GraspPose, aim_notice, poses_of};
-use crate::model::{FingerModel, Model};
-use crate::record::{ExpectationReport, Options, Recorder, RunReport, Status};
+use crate::grasp::{aim_notice, poses_of};
+use crate::gripper::GraspPose;
+use crate::judge::{Held, Measured, evaluate_all};
+use crate::model::Model;
+use crate::net::SHIPPED;
+use crate::part::FingerModel;
+use crate::record::{ExpectationReport, RunReport, Status};
 use crate::render::Scalar;
-use crate::runner::sensitivity::{Ends, LastFrames, sensitivity};
-use crate::runner::{Observer, Outcome, run_grasps};
+use crate::run::sensitivity::{Ends, LastFrames, sensitivity};
+use crate::run::{Observer, Outcome, run_grasps};
+use crate::run::{Options, Recorder};
 use crate::scene::leaf::{Count, Positive};
-use crate::scene::{
-    Condensed, Fem, Gnn, Held, LoadedSet, Measured, Scene, Solver, Stepper, evaluate_all, load_set, recheck,
-};
-use crate::stepper::choose;
+use crate::scene::recheck;
+use crate::scene::{Condensed, Fem, Gnn, LoadedSet, Scene, Solver, Stepper, load_set};
 use clap::ValueEnum;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

@@ -1,11 +1,12 @@
 //! The report of a run for human eyes.
 
-use crate::fem::continuation::Methods;
-use crate::grasp::GraspPose;
+use crate::gripper::GraspPose;
+use crate::judge::Held;
+use crate::mech::path::continuation::Methods;
+use crate::number::shown;
 use crate::record::RunReport;
-use crate::runner::Outcome;
-use crate::scene::leaf::shown;
-use crate::scene::{Expectation, Held, Scene, Stepper};
+use crate::run::Outcome;
+use crate::scene::{Expectation, Scene, Stepper};
 use std::fmt::Write;
 
 /// Heading, a row per grasp, expectations and the profile.

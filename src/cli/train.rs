@@ -3,8 +3,8 @@
 use super::{Format, OK, kept, print, say};
 use crate::dataset::DataSet;
 use crate::error::{Error, Result};
-use crate::gnn::spec::Spec;
-use crate::gnn::train::{End, Trainer};
+use crate::net::network::spec::Spec;
+use crate::net::train::{End, Trainer};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::path::PathBuf;

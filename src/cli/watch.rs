@@ -2,8 +2,10 @@
 
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::record::{Frame, GraspRecorder, PadTopology, Recorder};
-use crate::runner::{Observer, Outcome};
+use crate::record::{Frame, PadTopology};
+use crate::run::GraspRecorder;
+use crate::run::Recorder;
+use crate::run::{Observer, Outcome};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -11,16 +11,18 @@ use super::rows::Encoder;
 use super::sensitivity::{self, Spread};
 use super::split::Splits;
 use crate::error::{Error, Result};
-use crate::grasp::{GraspPose, aim_notice, grasps_of, write_grasps_h5};
+use crate::files::atomic::{cannot_write, create_dir, remove_left_over, sync_folder, write_durable};
+use crate::files::lock::FolderLock;
+use crate::geometry::mesh::io::{write_stl, write_tet};
+use crate::grasp::{aim_notice, grasps_of, write_grasps_h5};
+use crate::gripper::GraspPose;
 use crate::interrupt;
 use crate::limits;
-use crate::mesh::io::{write_stl, write_tet};
-use crate::model::{self, Model};
-use crate::record::files::{cannot_write, create_dir, remove_left_over, sync_folder, write_durable};
-use crate::record::lock::FolderLock;
-use crate::runner::run_grasps;
+use crate::model::Model;
+use crate::part::object;
+use crate::run::run_grasps;
 use crate::scene::{Field, LoadedSet, NamedScene};
-use crate::stepper::choose;
+use crate::world::Choose;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -32,6 +34,7 @@ pub struct Campaign {
     objects: Vec<Planned>,
     splits: Splits,
     manifest: Manifest,
+    choose: Choose,
 }
 
 /// One object of a campaign.
@@ -46,11 +49,11 @@ struct Planned {
 }
 
 impl Campaign {
-    /// Plans a data set in `dir`: loads or samples all grasps, and fixes what every file holds.
+    /// Plans a data set in `dir`, by the backends that `choose` opens: loads or samples all grasps, and fixes what every file holds.
     ///
     /// # Errors
     /// A scene that cannot be built, a folder that holds another data set.
-    pub fn plan(set: &LoadedSet, dir: &Path) -> Result<Self> {
+    pub fn plan(set: &LoadedSet, dir: &Path, choose: Choose) -> Result<Self> {
         let mut objects = Vec::new();
         let mut entries = Vec::new();
         // All objects have the same pads: they are those of the first.
@@ -69,8 +72,8 @@ impl Campaign {
                 }
             };
             let mut grasps = grasps_of(&named.scene).map_err(place)?;
-            let shape = model::object::build(&named.scene.object, &mut Vec::new())
-                .map_err(|e| place(e.about("object.shape")))?;
+            let shape =
+                object::build(&named.scene.object, &mut Vec::new()).map_err(|e| place(e.about("object.shape")))?;
             grasps.notices.extend(aim_notice(&named.scene, &shape, pad, &grasps.poses));
             let sizes = Sizes { grasps: grasps.poses.len(), ..base };
             let file = Path::new("dgs_output").join(file_name(&named));
@@ -107,7 +110,7 @@ impl Campaign {
             splits: String::new(),
             objects: entries,
         };
-        let mut campaign = Self { dir: dir.to_path_buf(), objects, splits, manifest };
+        let mut campaign = Self { dir: dir.to_path_buf(), objects, splits, manifest, choose };
         campaign.resume()?;
         Ok(campaign)
     }
@@ -215,7 +218,7 @@ impl Campaign {
         for object in &self.objects {
             interrupt::check()?;
             let poses = &object.poses[..most.min(object.poses.len())];
-            sensitivity::add((&self.dir, plan), &mut table, &object.named, poses, threads)?;
+            sensitivity::add((&self.dir, plan), &mut table, (&object.named, poses), self.choose, threads)?;
         }
         Ok(table)
     }
@@ -326,7 +329,7 @@ impl Campaign {
         let done = self.sound(object, &writer);
         let open_grasps = (0..object.poses.len()).filter(|g| wanted(*g) && !done.contains_key(g));
         let grasps: Vec<_> = open_grasps.map(|g| (g, object.poses[g])).collect();
-        let stepper = choose(scene)?;
+        let stepper = (self.choose)(scene)?;
         let recorder = Recorder::new(&object.named, &object.poses, &model, (encoder, writer), &progress, watcher);
         run_grasps(&model, stepper.as_ref(), &grasps, threads, &recorder)?;
         Ok(grasps.len())

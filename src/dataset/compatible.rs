@@ -5,7 +5,7 @@
 //! Both are the same body if the pad is its own mirror image along the approach; then node i of the right pad here is the
 //! node at the mirrored place, and the loader's rest shapes fit.
 
-use crate::mesh::TetMesh;
+use crate::geometry::mesh::TetMesh;
 use crate::record::{Elements, PadTopology};
 use crate::scene::Placement;
 use glam::{DMat3, DVec3};

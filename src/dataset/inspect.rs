@@ -4,7 +4,7 @@ use super::manifest::Failure;
 use super::reader::{Grasp, ObjectFile};
 use super::set::{DataSet, hash};
 use crate::error::{Error, Result};
-use crate::grasp::GraspPose;
+use crate::gripper::GraspPose;
 use crate::record::{Frame, PadFrame, Wrench};
 use crate::render::{self, Style};
 use glam::DVec3;

@@ -4,9 +4,9 @@ use super::arrays::FORMAT;
 use super::places::Seal;
 use super::progress::Finished;
 use crate::error::{Error, Result};
+use crate::files::atomic::write_durable;
+use crate::judge::Held;
 use crate::record::Status;
-use crate::record::files::write_durable;
-use crate::scene::Held;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

@@ -3,8 +3,8 @@
 use super::arrays::{REASON, Sizes};
 use super::split::Splits;
 use crate::error::{Error, Result};
-use crate::grasp::GraspPose;
-use crate::mesh::TriMesh;
+use crate::geometry::mesh::TriMesh;
+use crate::gripper::GraspPose;
 use crate::scene::{Loading, NamedScene, to_ron};
 
 /// `<object>_<density>_tactus_<E>_<nu>_<load>.h5`: the loader splits it at `_`.

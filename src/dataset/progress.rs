@@ -1,9 +1,9 @@
 //! Grasps finished so far: one small file each, written whole or not at all, after the grasp's rows.
 
 use crate::error::{Error, Result};
+use crate::files::atomic::{create_dir, write_durable};
+use crate::judge::Held;
 use crate::record::Status;
-use crate::record::files::{create_dir, write_durable};
-use crate::scene::Held;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -4,11 +4,12 @@ use super::file::Writer;
 use super::progress::{Finished, Progress};
 use super::rows::{Encoder, Rows};
 use crate::error::{Error, Result};
-use crate::grasp::GraspPose;
+use crate::gripper::GraspPose;
+use crate::judge::evaluate;
 use crate::model::Model;
 use crate::record::{self, Frame, PadTopology};
-use crate::runner::{Observer, Outcome};
-use crate::scene::{Expectation, NamedScene, evaluate};
+use crate::run::{Observer, Outcome};
+use crate::scene::{Expectation, NamedScene};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 

@@ -2,7 +2,7 @@
 
 use super::arrays::{ARRAYS, REASON, Row, Sizes};
 use super::compatible::{Mirror, World};
-use crate::grasp::GraspPose;
+use crate::gripper::GraspPose;
 use crate::model::Model;
 use crate::record::{Frame, Status};
 use glam::{DMat4, DVec3};

@@ -3,14 +3,14 @@
 //! One row per change of a grasp, after a first line with the plan of the data set. A run killed on the way goes on with the next object.
 
 use crate::error::{Error, Result};
-use crate::grasp::GraspPose;
+use crate::files::atomic::{cannot_write, write_durable};
+use crate::gripper::GraspPose;
 use crate::model::Model;
-use crate::record::files::{cannot_write, write_durable};
 use crate::record::sensitivity::{Change, Moved};
-use crate::runner::run_grasps;
-use crate::runner::sensitivity::{Ends, LastFrames, sensitivity};
+use crate::run::run_grasps;
+use crate::run::sensitivity::{Ends, LastFrames, sensitivity};
 use crate::scene::NamedScene;
-use crate::stepper::choose;
+use crate::world::Choose;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -57,8 +57,8 @@ pub fn read(dir: &Path, plan: &str) -> Result<Vec<Spread>> {
 pub fn add(
     (dir, plan): (&Path, &str),
     table: &mut Vec<Spread>,
-    object: &NamedScene,
-    poses: &[GraspPose],
+    (object, poses): (&NamedScene, &[GraspPose]),
+    choose: Choose,
     threads: usize,
 ) -> Result<()> {
     let name = object.name.as_str();

@@ -1,6 +1,6 @@
 //! Fields of different meshes at common points: shape functions interpolate nodal values.
 
-use crate::element::{RestTet, TET10, tet10_values};
+use crate::mech::element::{RestTet, TET10, tet10_values};
 use crate::record::{Frame, PadTopology};
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
@@ -158,7 +158,7 @@ fn shape_functions(l: [f64; 4], nodes: &[u32]) -> Vec<(u32, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{grid, quadratic};
+    use crate::geometry::mesh::{grid, quadratic};
     use crate::record::{Elements, PadFrame};
 
     #[test]

@@ -1,7 +1,7 @@
 //! What an agent asks for: numbers from -1 to 1; beyond them counts as the nearest end.
 
 use super::spec::ArraySpec;
-use crate::grasp::GraspPose;
+use crate::gripper::GraspPose;
 use crate::scene::Task;
 use crate::scene::task::Control;
 use glam::{DQuat, DVec3};

@@ -4,13 +4,15 @@ use super::draw::{Draw, Key, draw};
 use super::identity::identity;
 use super::observe::Sense;
 use super::reward::{Custom, Facts};
-use crate::environment::Environment;
+use crate::backend::choose;
 use crate::error::{Error, Result};
-use crate::grasp::{GraspPose, poses_of};
+use crate::grasp::poses_of;
+use crate::gripper::GraspPose;
 use crate::model::Model;
 use crate::scene::leaf::{Count, NonNegative, Positive};
 use crate::scene::{Field, Loading, Material, NamedScene, Record, Scene, Squeeze, Task};
-use crate::stepper::{Stepper, choose};
+use crate::world::Stepper;
+use crate::world::environment::Environment;
 use glam::DVec3;
 use std::sync::{Arc, Mutex, PoisonError};
 

@@ -10,11 +10,11 @@ use super::reward::Facts;
 use super::snapshot::Snapshot;
 use super::spec::ArraySpec;
 use super::view::{Array, Outputs, StepError, StepView};
-use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::render::Pixmap;
 use crate::scene::{NamedScene, load_set};
+use crate::world::environment::Environment;
 use rayon::prelude::*;
 use std::path::Path;
 

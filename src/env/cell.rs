@@ -9,14 +9,14 @@ use super::observe::Now;
 use super::picture::picture;
 use super::reward::Facts;
 use super::snapshot::Snapshot;
-use crate::components::ObjectWeight;
-use crate::environment::Environment;
 use crate::error::Error;
-use crate::grasp::GraspPose;
+use crate::gripper::GraspPose;
 use crate::model::Model;
 use crate::record::Frame;
 use crate::render::Pixmap;
-use crate::schedule::{Command, Phase, Stop};
+use crate::world::components::ObjectWeight;
+use crate::world::environment::Environment;
+use crate::world::schedule::{Command, Phase, Stop};
 use glam::DVec3;
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! What differs between episodes: numbers drawn by (seed, environment, episode) and nothing else.
 
 use super::load::{Push, pushes};
-use crate::grasp::GraspPose;
+use crate::gripper::GraspPose;
 use crate::random::Random;
 use crate::scene::Task;
 use glam::{DQuat, DVec3};

@@ -3,14 +3,14 @@
 
 use super::arena::Kind;
 use crate::error::{Error, Result};
-use crate::gnn::card::WEIGHTS;
-use crate::gnn::shipped;
+use crate::net::network::card::WEIGHTS;
+use crate::net::network::shipped;
 use crate::scene::{Fem, Pads, Scene, Stepper, Task};
 use glam::DVec3;
 use serde::Serialize;
 
 /// BLAKE3, hexadecimal, of task, backend and gripper of `scene`, and of the objects and grasps of `kinds`.
-pub(super) fn identity(scene: &Scene, task: &Task, kinds: &[Kind]) -> Result<String> {
+pub(crate) fn identity(scene: &Scene, task: &Task, kinds: &[Kind]) -> Result<String> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(text(task)?.as_bytes());
     let mut gripper = scene.gripper.clone();

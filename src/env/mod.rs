@@ -6,7 +6,7 @@
 //!
 //! a step of a cell:  action -> force, wrist, new grasp   (action.rs)
 //!                    weight and pushes -> load           (load.rs)
-//!                    one step of the world's schedule    (crate::environment)
+//!                    one step of the world's schedule    (crate::world::environment)
 //!                    frame -> slip, margin -> reward     (grip.rs, reward/)
 //!                          -> arrays                     (observe/)
 //! ```

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 
 /// Threads of the process that uses them.
-pub(super) struct Pool {
+pub(crate) struct Pool {
     threads: Option<usize>,
     /// The process that started them.
     owner: u32,

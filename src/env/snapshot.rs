@@ -24,7 +24,7 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    pub(super) fn new(scene: &str, key: Key, object: Option<&str>, actions: &[f32]) -> Self {
+    pub(crate) fn new(scene: &str, key: Key, object: Option<&str>, actions: &[f32]) -> Self {
         let mut snapshot = Self {
             format: FORMAT,
             scene: scene.into(),
@@ -54,7 +54,7 @@ impl Snapshot {
 
     /// Why it cannot be restored in environments of `scene`, whose actions have `size` numbers and whose episodes at most
     /// `steps` steps.
-    pub(super) fn check(&self, scene: &str, size: usize, steps: usize) -> Result<(), String> {
+    pub(crate) fn check(&self, scene: &str, size: usize, steps: usize) -> Result<(), String> {
         if self.format != FORMAT {
             return Err(format!("the snapshot has format {}; this version of tactus reads {FORMAT}", self.format));
         }

@@ -5,7 +5,7 @@ use super::spec::ArraySpec;
 
 /// An array of all environments: (environments, shape of the spec).
 #[derive(Debug, Clone)]
-pub(super) struct Array {
+pub(crate) struct Array {
     pub spec: ArraySpec,
     pub now: Vec<f32>,
     pub last: Vec<f32>,
@@ -13,7 +13,7 @@ pub(super) struct Array {
 
 /// What all environments gave.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Outputs {
+pub(crate) struct Outputs {
     pub arrays: Vec<Array>,
     pub reward: Vec<f32>,
     pub terminated: Vec<bool>,
@@ -25,7 +25,7 @@ pub(super) struct Outputs {
 
 /// Results of a reset or step.
 #[derive(Debug, Clone, Copy)]
-pub struct StepView<'a>(pub(super) &'a Outputs);
+pub struct StepView<'a>(pub(crate) &'a Outputs);
 
 impl<'a> StepView<'a> {
     /// Observations by name: (environments, shape), row-major; None if the task has no such array.
@@ -82,15 +82,15 @@ pub struct StepError {
 }
 
 impl StepError {
-    pub(super) fn of(env: usize, message: impl std::fmt::Display) -> Self {
+    pub(crate) fn of(env: usize, message: impl std::fmt::Display) -> Self {
         Self { env: Some(env), message: format!("environment {env}: {message}") }
     }
 
-    pub(super) fn interrupted() -> Self {
+    pub(crate) fn interrupted() -> Self {
         Self::call("interrupted; the environments have no episode now: reset them, or restore a snapshot")
     }
 
-    pub(super) fn call(message: impl Into<String>) -> Self {
+    pub(crate) fn call(message: impl Into<String>) -> Self {
         Self { env: None, message: message.into() }
     }
 }

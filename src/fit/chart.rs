@@ -2,9 +2,9 @@
 
 use super::Report;
 use super::report::{four, two};
-use crate::bench::canvas::{Area, Drawn, INK, MUTED, Picture, label, save_picture};
 use crate::error::Result;
-use crate::scene::leaf::shown;
+use crate::number::shown;
+use crate::render::canvas::{Area, Drawn, INK, MUTED, Picture, label, save_picture};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use std::path::Path;

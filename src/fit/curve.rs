@@ -1,8 +1,9 @@
 //! The measured curve: a CSV table of depth and force.
 
 use crate::error::{Error, Result};
-use crate::regular_file;
-use crate::scene::leaf::{Length, Positive, shown};
+use crate::files::regular;
+use crate::number::shown;
+use crate::scene::leaf::{Length, Positive};
 use std::path::Path;
 
 /// Columns of the table.
@@ -25,7 +26,7 @@ impl Curve {
     /// # Errors
     /// `file:line` of what is no number, not positive, or not deeper than the line before; another header; fewer than two points.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = regular_file::read(path, LIMIT)?;
+        let bytes = regular::read(path, LIMIT)?;
         let at = |line: u64, message: String| Error::file(format!("{}:{line}", path.display()), message);
         let mut reader =
             csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).flexible(true).from_reader(&bytes[..]);

@@ -2,7 +2,8 @@
 
 use super::Curve;
 use crate::error::{Error, Result};
-use crate::scene::leaf::{Modulus, NonNegative, Poisson, shown};
+use crate::number::shown;
+use crate::scene::leaf::{Modulus, NonNegative, Poisson};
 use serde::Serialize;
 
 /// A constant that a fit may change.

@@ -1,14 +1,16 @@
 //! The press with given constants: one simulation per set of them, kept.
 
 use super::{Curve, Parameter, Values};
+use crate::backend::choose;
 use crate::error::{Error, Result};
-use crate::grasp::{GraspPose, poses_of};
+use crate::grasp::poses_of;
+use crate::gripper::GraspPose;
 use crate::model::Model;
 use crate::record::Status;
-use crate::runner::run_grasps;
+use crate::run::run_grasps;
 use crate::scene::leaf::{Length, NonNegative};
 use crate::scene::{Field, Loading, Record, Scene, loading};
-use crate::stepper::{Stepper, choose};
+use crate::world::Stepper;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};

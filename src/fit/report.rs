@@ -2,7 +2,7 @@
 
 use super::least_squares::{Minimum, rms};
 use super::{Curve, Parameter, Ranges, Values};
-use crate::scene::leaf::{rounded, shown};
+use crate::number::{rounded, shown};
 use serde::Serialize;
 use std::fmt::Write;
 

@@ -1,9 +1,10 @@
 //! Whether the grasps of a file are about this object at all.
 
-use super::pose::GraspPose;
+use crate::geometry::Aabb;
+use crate::geometry::shape::Shape;
 use crate::gripper::Hand;
+use crate::gripper::pose::GraspPose;
 use crate::scene::{Fingers, Grasps, Scene};
-use crate::shape::{Aabb, Shape};
 use glam::DVec3;
 
 /// Grasps that are looked at, spread over the file.

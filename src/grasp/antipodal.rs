@@ -5,14 +5,14 @@
 //! leave the object within the cone of the opposite normal; an approach, uniform about the axis; the pads are centred on
 //! the middle of the two contacts; the open hand, and the hand as it first touches, must be clear of the object.
 
-use super::pose::GraspPose;
 use crate::error::{Error, Result};
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::shape::Shape;
 use crate::gripper::Hand;
 use crate::gripper::hand::Part;
-use crate::mesh::TriMesh;
+use crate::gripper::pose::GraspPose;
 use crate::random::Random;
 use crate::scene::Antipodal;
-use crate::shape::Shape;
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::TAU;
 

@@ -1,9 +1,9 @@
 //! Grasp files in HDF5: `*_grasps.h5` of DefGraspSim and DefGraspNets, and those of other conventions.
 
-use super::pose::GraspPose;
 use crate::error::{Error, Result};
-use crate::record::files::replace;
-use crate::regular_file;
+use crate::files::atomic::replace;
+use crate::files::regular;
+use crate::gripper::pose::GraspPose;
 use crate::scene::{GraspFile, QuaternionOrder};
 use glam::{DMat3, DQuat, DVec3};
 use hdf5_pure::{Dataset, File, FileBuilder, Group};
@@ -34,7 +34,7 @@ pub fn read_grasp_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
     let path = file.path.as_path();
     let name = file.dataset.as_deref().unwrap_or(POSES);
     let fail = |message: String| Error::file(path, message);
-    let bytes = regular_file::read(path, SIZE_LIMIT)?;
+    let bytes = regular::read(path, SIZE_LIMIT)?;
     if !hdf5_pure::is_hdf5_bytes(&bytes) {
         return Err(fail("is not an HDF5 file; a grasp file is HDF5 with a dataset `poses` of shape (N, 7)".into()));
     }

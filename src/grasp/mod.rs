@@ -3,10 +3,8 @@
 mod aim;
 pub mod antipodal;
 mod h5;
-mod pose;
 mod resolve;
 
 pub use aim::aim_notice;
 pub use h5::{read_grasp_file, read_grasps_h5, write_grasps_h5};
-pub use pose::GraspPose;
 pub use resolve::{Resolved, grasps_of, keep_first, poses_of, sample_of};

@@ -2,12 +2,12 @@
 
 use super::antipodal::{self, Sampled};
 use super::h5::read_grasp_file;
-use super::pose::GraspPose;
 use crate::error::{Error, Result};
+use crate::geometry::Aabb;
 use crate::gripper::Hand;
-use crate::model;
+use crate::gripper::pose::GraspPose;
+use crate::part::{object, pad};
 use crate::scene::{Antipodal, GraspCount, GraspFile, Grasps, Scene, Select};
-use crate::shape::Aabb;
 use glam::{DQuat, DVec3};
 
 /// The grasps of a scene, and what is to be said about how they were found.
@@ -88,8 +88,8 @@ fn from_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
 pub fn sample_of(scene: &Scene, wanted: &Antipodal) -> Result<Sampled> {
     // Building the model says what was repaired.
     let mut notices = Vec::new();
-    let object = model::object::build(&scene.object, &mut notices).map_err(|e| e.about("object.shape"))?;
-    let (pad, _) = model::pad::build(&scene.gripper.pads, &mut notices).map_err(|e| e.about("gripper.pads"))?;
+    let object = object::build(&scene.object, &mut notices).map_err(|e| e.about("object.shape"))?;
+    let (pad, _) = pad::build(&scene.gripper.pads, &mut notices).map_err(|e| e.about("gripper.pads"))?;
     let gripper = &scene.gripper;
     let hand = Hand::new(Aabb::of(pad.mesh.nodes), gripper);
     antipodal::sample(wanted, &object, &hand, gripper.friction.get(), gripper.stroke.get())

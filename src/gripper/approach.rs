@@ -1,7 +1,7 @@
 //! Finger travel to first contact, found geometrically.
 
-use crate::contact::{ContactSurface, Feature};
-use crate::shape::SignedDistance;
+use crate::geometry::shape::SignedDistance;
+use crate::mech::contact::{ContactSurface, Feature};
 use glam::{DMat3, DVec2, DVec3};
 
 /// What a finger meets when it closes.

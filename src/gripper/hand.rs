@@ -1,8 +1,9 @@
 //! What of the hand must not meet the object: palm, finger bodies and pads, as boxes in the hand frame.
 
-use crate::grasp::GraspPose;
+use crate::geometry::Aabb;
+use crate::geometry::shape::SignedDistance;
+use crate::gripper::GraspPose;
 use crate::scene::Gripper;
-use crate::shape::{Aabb, SignedDistance};
 use glam::DVec3;
 
 /// Half sizes of the palm along x and y, and its end along the approach, m: the body of a Franka hand

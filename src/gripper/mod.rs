@@ -3,7 +3,9 @@
 pub mod approach;
 pub mod hand;
 pub mod placement;
+pub mod pose;
 
 pub use approach::{Approach, approach};
 pub use hand::Hand;
 pub use placement::{Placement, SIDES};
+pub use pose::GraspPose;

@@ -3,7 +3,7 @@
 //! Hand frame (that of DefGraspSim): origin at the hand base, +Z the approach, fingers close along X, finger width along
 //! Y. The left finger stands at -X and closes towards +X, the right one is its image under a half turn about Z.
 
-use crate::grasp::GraspPose;
+use crate::gripper::GraspPose;
 use glam::{DMat3, DQuat, DVec3};
 
 /// Number of fingers of the full gripper.

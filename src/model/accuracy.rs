@@ -6,16 +6,19 @@
 //! of a bed of springs (Winkler 1867) as stiff as the pad, pressed onto the object's profile with the last force, or by the last depth.
 //! Layers are as many as the spacing brings with it: they hardly matter. docs/verification.md holds the law against ladders of meshes.
 
-use super::{object, pad};
 use crate::error::Result;
-use crate::grasp::{GraspPose, poses_of};
+use crate::geometry::Aabb;
+use crate::geometry::pad::{Resolution, dome};
+use crate::geometry::shape::Shape;
+use crate::grasp::poses_of;
+use crate::gripper::GraspPose;
 use crate::gripper::Hand;
-use crate::pad::{Resolution, dome};
+use crate::number::{rounded, shown};
+use crate::part::{object, pad};
 use crate::record::pad_name;
-use crate::scene::leaf::{Length, Ratio, rounded, shown};
+use crate::scene::leaf::{Length, Ratio};
 use crate::scene::pad::GelShape;
 use crate::scene::{Fingers, Loading, Pads, Scene, motion};
-use crate::shape::{Aabb, Shape};
 use glam::{DVec2, DVec3};
 
 /// Error of the displacement over `h^2 / (l t)`, fitted to the ladders of `scenes/references.ron`.

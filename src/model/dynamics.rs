@@ -1,10 +1,10 @@
 //! What a dynamic scene has more than a quasi-static one.
 
-use crate::contact::law::Law;
-use crate::grasp::GraspPose;
+use crate::geometry::shape::Shape;
+use crate::gripper::GraspPose;
+use crate::mech::contact::law::Law;
 use crate::scene::motion::{self, Hand, Motion, Stage};
 use crate::scene::{Ground, Loading, Scene};
-use crate::shape::Shape;
 use glam::DVec3;
 
 /// Time, motions and surroundings. The world's frame is that of the object at the start of the grasp.

@@ -10,25 +10,24 @@
 pub mod accuracy;
 pub mod dynamics;
 pub mod needs;
-pub mod object;
-pub mod pad;
 
 pub use dynamics::Dynamics;
 pub use needs::Needs;
-pub use pad::FingerModel;
 
-use crate::audit::Auditor;
-use crate::contact::{Feature, law::Law};
 use crate::error::{Error, Result};
-use crate::fem::locking::locking_notice;
+use crate::geometry::mesh::quality::Quality;
+use crate::geometry::shape::Shape;
+use crate::judge::Auditor;
 use crate::limits::{self, PadSize};
-use crate::material::{FixedCorotated, Linear, Material, NeoHookean};
-use crate::mesh::quality::Quality;
+use crate::mech::body::locking::locking_notice;
+use crate::mech::contact::Feature;
+use crate::mech::contact::law::Law;
+use crate::mech::material::{FixedCorotated, Linear, Material, NeoHookean};
+use crate::number::shown;
+use crate::part::{FingerModel, object, pad};
 use crate::record::{PadReport, pad_name};
 use crate::scales::{self, CONTACT_FORCE};
-use crate::scene::leaf::shown;
 use crate::scene::{self, Fingers, Loading, Motion, Scene, Stepper};
-use crate::shape::Shape;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -152,7 +151,7 @@ impl Model {
         let needs = Needs::of(scene);
         // Friction makes the answer depend on the path of a quasi-static load, nothing else does.
         let depends = scene.gripper.friction.get() > 0.0 && dynamics.is_none() && !fingers.is_empty();
-        let auditor = needs.audit.then(|| Auditor::new(&scene.object, &object, &fingers));
+        let auditor = needs.audit.then(|| Auditor::new(&scene.object, &object, &fingers, (offset, spec.density)));
         let mut model = Self {
             release: 0.0,
             path_error: depends.then(|| fem.path.get()),

@@ -3,11 +3,11 @@
 //!
 //! Nodes and tetrahedra of the pads are concatenated, left first; `pad_of_node` tells them apart and `tets` counts nodes over both pads.
 
-use super::files::replace_durable;
 use super::frame::{Frame, PadTopology};
 use super::names;
 use crate::error::{Error, Result};
-use crate::grasp::GraspPose;
+use crate::files::atomic::replace_durable;
+use crate::gripper::GraspPose;
 use glam::DVec3;
 use ndarray::{ArrayView, Dimension, ShapeBuilder, StrideShape};
 use ndarray_npy::{NpzWriter, WritableElement};

@@ -1,7 +1,7 @@
 //! What may be written: sizes that match and numbers that are finite. A file with a NaN ruins a training set silently.
 
 use super::frame::{Frame, PadFrame, PadTopology, pad_name};
-use crate::mesh::TriMesh;
+use crate::geometry::mesh::TriMesh;
 use glam::DVec3;
 use std::borrow::Borrow;
 

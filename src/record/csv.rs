@@ -1,9 +1,9 @@
 //! `frames.csv`: one row of numbers per frame, on disk as soon as the frame is recorded.
 
-use super::files::cannot_write;
 use super::frame::{Frame, pad_name};
 use super::names;
 use crate::error::Result;
+use crate::files::atomic::cannot_write;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 //!
 //! Everything is in the hand frame and in SI unless a field says otherwise.
 
-use crate::mesh::quality::EDGES;
+use crate::geometry::mesh::quality::EDGES;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;

@@ -3,11 +3,11 @@
 
 use super::arrays::{io_error, put};
 use super::check;
-use super::files::replace;
 use super::frame::{Elements, PadTopology};
 use super::names;
 use crate::error::{Error, Result};
-use crate::mesh::TriMesh;
+use crate::files::atomic::replace;
+use crate::geometry::mesh::TriMesh;
 use glam::DVec3;
 use ndarray::{Array, Ix1, Ix2};
 use ndarray_npy::{NpzReader, NpzWriter, ReadableElement};

@@ -1,7 +1,7 @@
 //! ParaView collection (`.pvd`): which `.vtu` files belong to which applied force or time.
 
-use super::files::write_atomic;
 use crate::error::Result;
+use crate::files::atomic::write_atomic;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

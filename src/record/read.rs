@@ -4,7 +4,7 @@ use super::frame::{Frame, Moving, PadFrame, Wrench};
 use super::names;
 use super::report::RunReport;
 use crate::error::{Error, Result};
-use crate::grasp::GraspPose;
+use crate::gripper::GraspPose;
 use glam::DVec3;
 use ndarray::{Array, Dimension, Ix1, Ix2, Ix3};
 use ndarray_npy::{NpzReader, ReadNpzError};

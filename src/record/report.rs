@@ -1,10 +1,10 @@
 //! `run.json`: what ran, how every grasp ended, what the scene expected. Keys end in their unit.
 
-use super::files::write_atomic;
 use super::frame::Frame;
 use super::sensitivity::Moved;
 use crate::error::{Error, Result};
-use crate::fem::continuation::Methods;
+use crate::files::atomic::write_atomic;
+use crate::mech::path::continuation::Methods;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -6,7 +6,7 @@
 use super::base64;
 use super::frame::{Elements, Frame, PadTopology};
 use super::names;
-use crate::mesh::TriMesh;
+use crate::geometry::mesh::TriMesh;
 use flate2::{Compression, write::ZlibEncoder};
 use glam::DVec3;
 use std::fmt::Write as _;

@@ -3,6 +3,7 @@
 //! `pads.rs` lays the picture out; `surface.rs` evaluates what is drawn with the shape functions of the elements; `face.rs`
 //! draws a sensing face, `view.rs` the cut-open 3-D view; `raster.rs` is the z-buffer.
 
+pub mod canvas;
 mod colorbar;
 pub mod colormap;
 mod curves;

@@ -8,8 +8,9 @@ use super::style::{HEIGHT, Scalar, Style, WIDTH};
 use super::text::{Align, Label};
 use super::view::View;
 use crate::error::{Error, Result};
-use crate::mesh::TriMesh;
-use crate::record::{Frame, PadTopology, check, files, pad_name};
+use crate::files::atomic;
+use crate::geometry::mesh::TriMesh;
+use crate::record::{Frame, PadTopology, check, pad_name};
 use glam::DVec2;
 use std::path::Path;
 use tiny_skia::Pixmap;
@@ -65,7 +66,7 @@ pub fn encode(picture: &Pixmap) -> Result<Vec<u8>> {
 
 /// Writes the picture to `path`, whole or not at all.
 pub fn save(picture: &Pixmap, path: &Path) -> Result<()> {
-    files::write_atomic(path, &encode(picture)?)
+    atomic::write_atomic(path, &encode(picture)?)
 }
 
 fn color_range(frame: &Frame, scalar: Scalar, given: Option<(f64, f64)>) -> Result<(f64, f64)> {

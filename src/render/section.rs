@@ -2,7 +2,7 @@
 
 use super::raster::Vertex;
 use super::style::Field;
-use crate::element::{EDGES, tet10_values};
+use crate::mech::element::{EDGES, tet10_values};
 use crate::record::Elements;
 use glam::DVec3;
 

@@ -4,10 +4,10 @@
 use super::normals::corner_normals;
 use super::raster::Vertex;
 use super::style::Field;
-use crate::contact::Face;
-use crate::contact::surface::sub_triangles;
-use crate::element::EDGES;
-use crate::fem::term::Stencil;
+use crate::mech::contact::Face;
+use crate::mech::contact::surface::sub_triangles;
+use crate::mech::element::EDGES;
+use crate::mech::potential::term::Stencil;
 use crate::record::{Elements, PadTopology};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};

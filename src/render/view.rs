@@ -8,7 +8,7 @@ use super::section::Plane;
 use super::style::Scalar;
 use super::surface::Surface;
 use super::text::{Align, Label};
-use crate::mesh::TriMesh;
+use crate::geometry::mesh::TriMesh;
 use crate::record::{Frame, PadTopology, pad_name};
 use glam::{DVec2, DVec3};
 use tiny_skia::Pixmap;

@@ -1,10 +1,10 @@
 //! A bench: time against error of every setting, or cost against size.
 
 use super::page::{Block, Page, Section};
-use super::table::Table;
 use crate::bench::report::{Point, Report};
 use crate::bench::sizes::Sizes;
 use crate::error::{Error, Result};
+use crate::table::Table;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 

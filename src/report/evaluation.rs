@@ -6,15 +6,15 @@ use super::page::{Block, Page, Section};
 use super::recording::{Errors, Recording, State};
 use super::run::name;
 use super::source::Wishes;
-use super::table::Table;
 use crate::dataset::inspect::{chosen, frame};
 use crate::dataset::{DataSet, ObjectFile};
 use crate::error::{Error, Result};
-use crate::gnn::eval::table::{Row, ranks, rows};
-use crate::gnn::eval::{Judged, frames, judge};
-use crate::gnn::predict::Predictor;
-use crate::gnn::sample::model_of;
-use crate::gnn::train::data::split;
+use crate::net::eval::table::{Row, ranks, rows};
+use crate::net::eval::{Judged, frames, judge};
+use crate::net::infer::predict::Predictor;
+use crate::net::train::data::split;
+use crate::net::train::sample::model_of;
+use crate::table::Table;
 use std::path::Path;
 
 /// What tables and charts show of the relative errors: name in the rows, name for people.
@@ -163,7 +163,7 @@ fn compared(set: &DataSet, predictor: &Predictor, judged: &Judged, role: &str, m
     let grasp = file.grasp(error.grasp)?;
     let wanted = chosen(grasp.frames, Some(most));
     let [truth, predicted] = frames::both(file, &model_of(file)?, predictor, &grasp, &wanted)?;
-    let at = |pick: fn(&crate::gnn::eval::FrameError) -> f64| {
+    let at = |pick: fn(&crate::net::eval::FrameError) -> f64| {
         let of = |k: &usize| judged.frames.iter().find(|f| f.frame == *k).map_or(f64::NAN, pick);
         wanted.iter().map(of).collect()
     };

@@ -15,13 +15,11 @@ mod page;
 mod recording;
 mod run;
 mod source;
-mod table;
 
 pub use chart::Chart;
 pub use page::{Block, Page, Section};
 pub use recording::{Errors, Recording, State};
 pub use source::Wishes;
-pub use table::Table;
 
 use crate::error::{Error, Result};
 use source::{Source, sources};

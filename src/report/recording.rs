@@ -5,7 +5,7 @@
 
 use super::packed::{indices, numbers};
 use crate::error::{Error, Result};
-use crate::mesh::TriMesh;
+use crate::geometry::mesh::TriMesh;
 use crate::record::{Frame, PadFrame, PadTopology};
 use crate::render::pad_pose;
 use glam::{DMat3, DVec3};

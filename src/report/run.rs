@@ -4,11 +4,11 @@ use super::bench::counted;
 use super::page::{Block, Page, Section};
 use super::recording::{Recording, State};
 use super::source::Wishes;
-use super::table::Table;
 use crate::dataset::inspect::chosen;
 use crate::error::Result;
-use crate::record::grasp::directory;
 use crate::record::{RunReport, meshes, read};
+use crate::run::grasp_files::directory;
+use crate::table::Table;
 use std::path::Path;
 
 /// Adds the run in `dir`.

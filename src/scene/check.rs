@@ -3,13 +3,13 @@
 use super::expect::{Bounds, Expectation};
 use super::grasps::Grasps;
 use super::gripper::Fingers;
-use super::leaf::shown;
 use super::loading::Loading;
 use super::motion;
 use super::object::{Motion, Revolve, Shape};
 use super::pad::{BoxPad, DiscPad, GelSightMini, Pads};
 use super::schema::{Part, Scene};
 use super::stepper::{Fem, Solver, Stepper};
+use crate::number::shown;
 use std::collections::BTreeSet;
 
 /// A field that does not go with the rest of the scene.

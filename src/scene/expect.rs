@@ -140,7 +140,7 @@ impl Expectation {
         }
     }
 
-    /// Whether it is judged by the [`crate::audit`].
+    /// Whether it is judged by the [`crate::judge::audit`].
     pub fn audited(&self) -> bool {
         use Expectation::*;
         matches!(self, Finite | NoInversion | NoPenetration | Penetration(_) | Converged(_))

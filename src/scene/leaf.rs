@@ -4,6 +4,7 @@
 //! number, while a check on the whole struct could only point at its closing parenthesis. A refusal is one
 //! message; lines after the first become the `help:` of the printed error.
 
+use crate::number::shown;
 use serde::de::{Deserialize, Deserializer, Error as _, Unexpected, Visitor};
 use serde::{Serialize, Serializer};
 
@@ -167,21 +168,6 @@ fn ratio(v: f64) -> Result<(), String> {
         return Ok(());
     }
     Err(format!("must be from 1 to {RATIO_LIMIT}, found {}", shown(v)))
-}
-
-/// A number with so many significant digits; what is not finite stays.
-pub(crate) fn rounded(v: f64, digits: usize) -> f64 {
-    if v.is_finite() { format!("{v:.*e}", digits.max(1) - 1).parse().unwrap_or(v) } else { v }
-}
-
-/// A number as a human would write it: at most six significant digits, no trailing `.0`.
-pub(crate) fn shown(v: f64) -> String {
-    let six = rounded(v, 6);
-    if six != 0.0 && six.is_finite() && !(1e-4..1e7).contains(&six.abs()) {
-        return format!("{six:e}");
-    }
-    // The shortest text that reads as the same number has no more digits than were kept.
-    format!("{six}")
 }
 
 /// A whole number from `MIN` to `MAX`.

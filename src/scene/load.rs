@@ -10,9 +10,9 @@ use super::outline::{Outline, VALUE_LIMIT};
 use super::pad::Pads;
 use super::schema::{Part, Scene};
 use super::source::{self, SIZE_LIMIT};
-use super::stepper::Stepper;
+use super::stepper::{SHIPPED_MODELS, Stepper};
 use crate::error::{Error, Result};
-use crate::regular_file::other_kind;
+use crate::files::regular::other_kind;
 use ron::extensions::Extensions;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -377,7 +377,7 @@ fn resolve_paths(part: &mut Part, dir: &Path) -> std::result::Result<(), (String
     }
     if let Some(Stepper::Gnn(gnn)) = &mut part.stepper {
         // whether there is a model is for the engine to say
-        if crate::gnn::shipped::named(&gnn.model).is_none() {
+        if !SHIPPED_MODELS.iter().any(|name| gnn.model.as_os_str() == *name) {
             gnn.model = dir.join(&gnn.model);
         }
     }

@@ -1,7 +1,8 @@
 //! Rotations: `(w, x, y, z)` or `RpyDeg((roll, pitch, yaw))`.
 
-use super::leaf::{Finite, shown};
+use super::leaf::Finite;
 use super::vector::{Tuple, TupleVisitor};
+use crate::number::shown;
 use glam::{DQuat, EulerRot};
 use serde::de::{Deserialize, Deserializer, Error as _, SeqAccess, Visitor};
 use serde::{Serialize, Serializer};

@@ -1,7 +1,7 @@
 //! Gets the text of a scene file, or says why there is none.
 
 use crate::error::{Error, Result};
-use crate::regular_file::other_kind;
+use crate::files::regular::other_kind;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;

@@ -5,6 +5,9 @@ use super::leaf::{Count, Length, Positive};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
+/// Names of the models that ship with tactus: `./NAME` is a folder, a name never is.
+pub const SHIPPED_MODELS: [&str; 2] = ["gelsight_mini", "gelsight_mini_fine"];
+
 /// The backend.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Stepper {

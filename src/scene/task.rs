@@ -1,13 +1,14 @@
 //! The scene as an environment of reinforcement learning: what an agent may do, what it sees, what it is paid for.
 
 use super::defaults;
-use super::leaf::{Count, Depth, Length, NonNegative, Positive, shown};
+use super::leaf::{Count, Depth, Length, NonNegative, Positive};
 use super::loading::Loading;
 use super::object::Motion;
 use super::schema::Scene;
 use super::vector::{Tuple, Vec3};
-use crate::env::observe::Observe;
-use crate::env::reward::Reward;
+use crate::number::shown;
+use crate::scene::Observe;
+use crate::scene::Reward;
 use serde::{Deserialize, Serialize};
 
 /// Least and most.

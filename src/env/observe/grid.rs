@@ -1,33 +1,22 @@
 //! A regular grid of taxels on the sensing face.
 
-use crate::gnn::graph::barycentric;
+use crate::geometry::barycentric::barycentric;
 use crate::record::PadTopology;
-use crate::scene::leaf::Count;
+use crate::scene::Grid;
 use glam::{DVec2, DVec3};
-use serde::{Deserialize, Serialize};
 
-/// Taxels along the pad's x (rows) and y (columns).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Grid {
-    /// Along x of the pad, which is the hand's approach.
-    pub rows: Count<1, 512>,
-    /// Along y.
-    pub cols: Count<1, 512>,
-}
-
-impl Grid {
-    /// Unless said otherwise.
-    pub const USUAL: Grid = Grid { rows: Count::preset(8), cols: Count::preset(8) };
-
-    /// Number of taxels.
-    pub fn taxels(&self) -> usize {
-        self.rows.get() * self.cols.get()
-    }
-
+/// What a grid of taxels reads of a pad.
+pub trait Taxels {
     /// Of every node, the taxels among which its force is shared out: weights are non-negative and sum to one, so the
     /// image sums to the resultant. Bilinear between the taxels' centres; beyond the outermost centres all goes to them.
-    pub fn shares(&self, pad: &PadTopology) -> Vec<[(u32, f64); 4]> {
+    fn shares(&self, pad: &PadTopology) -> Vec<[(u32, f64); 4]>;
+    /// Of every taxel, the nodes of the sensing triangle at its centre with their weights; where the face does not reach,
+    /// of the nearest one.
+    fn samples(&self, pad: &PadTopology) -> Vec<[(u32, f64); 3]>;
+}
+
+impl Taxels for Grid {
+    fn shares(&self, pad: &PadTopology) -> Vec<[(u32, f64); 4]> {
         let (low, size) = extent(pad);
         let along = |x: f64, low: f64, size: f64, n: usize| {
             let at = ((x - low) / size * n as f64 - 0.5).clamp(0.0, (n - 1) as f64);
@@ -43,9 +32,7 @@ impl Grid {
         pad.rest.iter().map(share).collect()
     }
 
-    /// Of every taxel, the nodes of the sensing triangle at its centre with their weights; where the face does not reach,
-    /// of the nearest one.
-    pub fn samples(&self, pad: &PadTopology) -> Vec<[(u32, f64); 3]> {
+    fn samples(&self, pad: &PadTopology) -> Vec<[(u32, f64); 3]> {
         let (low, size) = extent(pad);
         let flat = |n: u32| pad.rest[n as usize].truncate();
         let (rows, cols) = (self.rows.get(), self.cols.get());
@@ -63,12 +50,6 @@ impl Grid {
             [0, 1, 2].map(|k| (t[k], w[k] / sum))
         };
         (0..rows * cols).map(|k| sample(at(k))).collect()
-    }
-}
-
-impl Default for Grid {
-    fn default() -> Self {
-        Self::USUAL
     }
 }
 

@@ -1,8 +1,10 @@
 //! Images of the sensing faces on a regular grid of taxels: (pads, rows, columns, 3), pad frame.
 
-use super::{Grid, Now, Sense, force_bounds};
+use super::grid::Taxels;
+use super::{Now, Sense, force_bounds};
 use crate::env::spec::ArraySpec;
 use crate::model::Model;
+use crate::scene::Grid;
 use crate::scene::Task;
 use glam::DVec3;
 

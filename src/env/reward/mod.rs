@@ -1,18 +1,13 @@
 //! What an agent is paid for: one file per term; a reward is their sum.
 //!
-//! To add one: a file with a struct that implements [`Pay`], a line in `rewards!`.
+//! To add one: its settings and variant in [`crate::scene::reward`], a file that implements [`Pay`], a line in `term`.
 
 mod economy;
 mod hold;
 mod slip;
 mod stress;
 
-pub use economy::Economy;
-pub use hold::Hold;
-pub use slip::Slip;
-pub use stress::Stress;
-
-use serde::{Deserialize, Serialize};
+use crate::scene::Reward;
 
 /// What came of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -48,38 +43,14 @@ pub trait Pay {
     }
 }
 
-macro_rules! rewards {
-    ($($(#[$doc:meta])* $name:ident,)*) => {
-        /// One term.
-        #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-        pub enum Reward {
-            $($(#[$doc])* $name($name),)*
+impl Reward {
+    /// As the trait object that pays.
+    pub fn term(&self) -> &dyn Pay {
+        match self {
+            Reward::Hold(term) => term,
+            Reward::Slip(term) => term,
+            Reward::Stress(term) => term,
+            Reward::Economy(term) => term,
         }
-
-        impl Reward {
-            /// As the trait object that pays.
-            pub fn term(&self) -> &dyn Pay {
-                match self {
-                    $(Reward::$name(term) => term,)*
-                }
-            }
-        }
-    };
-}
-
-rewards! {
-    /// For holding the object.
-    Hold,
-    /// Against slip.
-    Slip,
-    /// Against stress above a limit.
-    Stress,
-    /// Against force.
-    Economy,
-}
-
-impl Default for Reward {
-    fn default() -> Self {
-        Reward::Hold(Hold::default())
     }
 }

@@ -1,23 +1,7 @@
 //! Spare the gel.
 
 use super::{Facts, Pay};
-use crate::scene::leaf::{NonNegative, Positive};
-use serde::{Deserialize, Serialize};
-
-/// Takes `weight` times the part by which the largest von Mises stress exceeds `limit`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Stress {
-    /// Pa.
-    pub limit: Positive,
-    /// For as much again as the limit.
-    #[serde(default = "one")]
-    pub weight: NonNegative,
-}
-
-const fn one() -> NonNegative {
-    NonNegative::preset(1.0)
-}
+use crate::scene::reward::Stress;
 
 impl Pay for Stress {
     fn pay(&self, facts: &Facts) -> f64 {

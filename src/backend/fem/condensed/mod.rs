@@ -1,0 +1,277 @@
+//! The fast mode: pads condensed onto the part of their surface that can touch the object.
+//!
+//! ```text
+//! full pad at x:   stiffness K, forces g(x)        every node, rarely
+//!                  | eliminate all but the patch
+//! patch:           1/2 (x_p - c_p)' S (x_p - c_p)  Newton, contact and friction as ever, on few unknowns
+//!                  | K^-1
+//! full pad:        x = c + K^-1 S (x_p - c_p)      once per load level
+//!                  | c -= K^-1 (g(x) - contact)    what the real law says of x
+//! ```
+//!
+//! `S` is the Schur complement of `K` (static condensation: Guyan 1965), `c` where the unloaded pad would come to rest if
+//! it stayed as stiff as it is. The law of the gel is not linear, so `c` wanders; correcting it once per level with the old
+//! factor is a step of the modified Newton method for the whole pad, and its size, over the displacement, is the error that the
+//! user accepts. Where correcting is not enough, the pad is condensed anew as it then is; where that is not enough either (elements on
+//! the verge of turning inside out), the grasp goes on with whole pads.
+
+mod pad;
+mod patch;
+mod term;
+
+pub use pad::Pad;
+pub use patch::choose;
+pub use term::Condensed;
+
+use super::readout;
+use crate::mech::newton::Failure;
+use crate::mech::path::continuation::Pads;
+use crate::mech::path::{Advanced, Load, Path};
+use crate::mech::potential::state::{Border, State};
+use crate::mech::potential::term::Stencil;
+use crate::model::Model;
+use crate::scales::{CONDENSED_MOTION, FIRST_DEPTH};
+use crate::world::components::ObjectPose;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// The condensed pads of one grasp.
+pub struct Condensation {
+    pads: Vec<Pad>,
+    /// Change of the displacement by a correction, over the displacement, that is small enough.
+    error: f64,
+    /// Levels of the last two accepted states: between them the centres wandered as the pads remember.
+    levels: [Option<f64>; 2],
+}
+
+/// Forces out of balance that a result may leave, over the contact forces, as a part of the error accepted.
+const BALANCE: f64 = 0.1;
+/// Corrections at one level before it counts as failed.
+const CORRECTIONS: u32 = 8;
+/// A correction must fall to this part of the one before, or the stiffness is out of date.
+const CONTRACTION: f64 = 0.3;
+
+impl Condensation {
+    /// Of the pads of `model` under the dead loads `dead` (N per node; empty lists for none), with nothing condensed yet.
+    pub fn new(model: &Model, dead: Vec<Vec<DVec3>>, error: f64) -> Self {
+        let pads = model.fingers.iter().zip(dead).map(|(f, dead)| Pad::new(f, dead)).collect();
+        Self { pads, error, levels: [None; 2] }
+    }
+
+    /// The condensed pad of finger `i`.
+    pub fn pad(&self, i: usize) -> &Pad {
+        &self.pads[i]
+    }
+
+    /// Condenses the pads at the state of `path`, at first contact: onto what the force that makes it may press on.
+    ///
+    /// # Errors
+    /// [`Failure::Singular`].
+    pub fn begin(&mut self, path: &mut Path, model: &Model) -> Result<(), Failure> {
+        let patches = self.patches(path, model, FIRST_DEPTH * model.law.offset);
+        self.condense(path, patches)
+    }
+
+    /// Finds the equilibrium at the level reached once more, under another load on the object, which may take it far from where
+    /// the pads are condensed: they are condensed anew on the way, which is given up when it is longer than the leash.
+    ///
+    /// # Errors
+    /// The last [`Failure`]; the path is then as it was.
+    pub fn follow(&mut self, path: &mut Path, model: &Model) -> Result<Advanced, Failure> {
+        let start = path.checkpoint();
+        let gone = |path: &Path| {
+            let way = path.newton.border.distance(&path.state, start.state());
+            path.leash.is_some_and(|most| way > most)
+        };
+        path.stage = Some(CONDENSED_MOTION * model.law.offset);
+        let mut done = path.advance(Load::Force, path.level, &mut self.of(model));
+        while done.as_ref().err() == Some(&Failure::Underway) && !gone(path) && !path.exhausted() {
+            let renewed = self.follow_on(path, model);
+            done = renewed.and_then(|()| path.advance(Load::Force, path.level, &mut self.of(model)));
+        }
+        path.stage = None;
+        if gone(path) {
+            done = Err(Failure::Astray);
+        }
+        if done.is_err() {
+            path.restore(start);
+        }
+        done
+    }
+
+    /// Condenses the pads anew where they touch now.
+    fn follow_on(&mut self, path: &mut Path, model: &Model) -> Result<(), Failure> {
+        self.correct(path)?;
+        let patches = self.patches(path, model, 0.0);
+        self.condense(path, patches)
+    }
+
+    /// The pads of `model`, for a continuation.
+    pub fn of<'a>(&'a mut self, model: &'a Model) -> CondensedPads<'a> {
+        CondensedPads { pads: self, model, outside: None }
+    }
+
+    /// Corrects the pads at the equilibrium found at `level` until they err no more than they may, and as a `result` leave no force that is
+    /// out of balance.
+    fn settle(&mut self, path: &mut Path, level: f64, result: bool, done: &mut Advanced) -> Result<(), Failure> {
+        let mut last = f64::INFINITY;
+        for _ in 0..CORRECTIONS {
+            let (error, residual) = self.correct(path)?;
+            done.residual = residual;
+            if (0..self.pads.len()).any(|i| self.is_outside(path, i)) {
+                return Err(Failure::Outside);
+            }
+            // Only a result has to be balanced.
+            let balanced = !result || residual <= BALANCE * self.error * path.newton.activity();
+            if error <= self.error && balanced {
+                self.levels = [self.levels[1], Some(level)];
+                self.pads.iter_mut().for_each(Pad::settle);
+                return Ok(());
+            }
+            if error > CONTRACTION * last {
+                let same = self.pads.iter().map(|pad| Some(pad.patch().to_vec())).collect();
+                self.condense(path, same)?;
+            }
+            last = error;
+            done.add(path.polish()?);
+        }
+        Err(Failure::Corrections(last))
+    }
+
+    /// Condenses the pads that `patches` has nodes for onto them, as stiff as they are in the state of `path`.
+    fn condense(&mut self, path: &mut Path, patches: Vec<Option<Vec<u32>>>) -> Result<(), Failure> {
+        let clock = Instant::now();
+        let work = self.pads.par_iter_mut().zip(patches).zip(&path.state.x);
+        let condense = |((pad, patch), x): ((&mut Pad, Option<Vec<u32>>), &Vec<DVec3>)| {
+            patch.map_or(Ok(None), |patch| pad.condense(x, patch))
+        };
+        let bodies: Vec<_> = work.map(condense).collect();
+        for (i, body) in bodies.into_iter().enumerate() {
+            if let Some(body) = body? {
+                path.newton.exchange(i, body).map_err(|_| Failure::Singular)?;
+            }
+        }
+        self.install(path);
+        path.newton.profile.factorization += clock.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Whole pads from patches, and what the real law makes of them: the size of the correction over the displacement, and the
+    /// out-of-balance forces, N.
+    fn correct(&mut self, path: &mut Path) -> Result<(f64, f64), Failure> {
+        let clock = Instant::now();
+        let pads = self.pads.par_iter_mut().zip(path.state.x.par_iter_mut());
+        let corrections: Vec<_> = pads.map(|(pad, x)| pad.correct(x)).collect();
+        let sum = |pick: fn(&pad::Correction) -> f64| corrections.iter().map(pick).sum::<f64>();
+        let error = (sum(|c| c.change) / sum(|c| c.displacement).max(f64::MIN_POSITIVE)).sqrt();
+        let residual = sum(|c| c.residual).sqrt();
+        path.newton.profile.solve += clock.elapsed().as_secs_f64();
+        if !error.is_finite() {
+            return Err(Failure::Singular);
+        }
+        self.install(path);
+        Ok((error, residual))
+    }
+
+    /// Lets the centres wander on to `level` as they did before.
+    fn predict(&mut self, path: &mut Path, level: f64) {
+        let [Some(before), Some(last)] = self.levels else { return };
+        let factor = (level - last) / (last - before);
+        if factor.is_finite() {
+            self.pads.iter_mut().for_each(|pad| pad.predict(factor.clamp(0.0, 2.0)));
+            self.install(path);
+        }
+    }
+
+    /// Hands the pads to the solver.
+    fn install(&self, path: &mut Path) {
+        for (pad, terms) in self.pads.iter().zip(&mut path.newton.terms) {
+            terms[0] = Box::new(pad.term());
+        }
+    }
+
+    /// True if contact has reached nodes of pad `i` that are not in its patch.
+    fn is_outside(&self, path: &Path, i: usize) -> bool {
+        touched(path, i).any(|stencil| !self.pads[i].carries(&stencil))
+    }
+
+    /// New patches for the pads whose contact has outgrown theirs.
+    fn outside(&self, path: &Path, model: &Model) -> Vec<Option<Vec<u32>>> {
+        let patches = self.patches(path, model, 0.0).into_iter().enumerate();
+        patches.map(|(i, patch)| patch.filter(|_| self.is_outside(path, i))).collect()
+    }
+
+    /// The nodes of every pad that may touch the object at the state of `path`, and those that do when it comes `nearer` (m).
+    fn patches(&self, path: &Path, model: &Model, nearer: f64) -> Vec<Option<Vec<u32>>> {
+        let pads = model.fingers.par_iter().enumerate();
+        let of = |(i, finger)| {
+            let view = path.state.view(i, &path.newton.border);
+            Some(choose(finger, &view, &model.object, model.law.offset, nearer, touched(path, i)))
+        };
+        pads.map(of).collect()
+    }
+}
+
+/// The condensed pads of a model, as a continuation has them.
+pub struct CondensedPads<'a> {
+    pads: &'a mut Condensation,
+    model: &'a Model,
+    /// The patches that contact asked for where it outgrew those of the last attempt.
+    outside: Option<Vec<Option<Vec<u32>>>>,
+}
+
+impl Pads for CondensedPads<'_> {
+    fn corrects(&self) -> bool {
+        true
+    }
+
+    fn predict(&mut self, path: &mut Path, level: f64) {
+        self.outside = None;
+        self.pads.predict(path, level);
+    }
+
+    fn correct(&mut self, path: &mut Path, level: f64, result: bool, done: &mut Advanced) -> Result<(), Failure> {
+        self.pads.settle(path, level, result, done)
+    }
+
+    fn fail(&mut self, path: &Path, failure: Failure) {
+        self.outside = (failure == Failure::Outside).then(|| self.pads.outside(path, self.model));
+    }
+
+    fn restore(&mut self) {
+        self.pads.pads.iter_mut().for_each(Pad::restore);
+    }
+
+    fn renew(&mut self, path: &mut Path) -> Result<(), Failure> {
+        let patches = self.outside.take().unwrap_or_else(|| self.pads.patches(path, self.model, 0.0));
+        self.pads.condense(path, patches)
+    }
+}
+
+/// Number of nodes that every pad would be condensed onto at first contact: the object at `pose`, the fingers at `travel` (m).
+pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec<usize> {
+    // Only where the pads are matters.
+    let closing = model.fingers.iter().map(|f| f.placement.closing).collect();
+    let border = Border { closing, ..Border::none(model.fingers.len()) };
+    let state = State {
+        x: model.fingers.iter().map(|f| f.body.rest.clone()).collect(),
+        travel: travel.to_vec(),
+        position: pose.position,
+        rotation: pose.rotation,
+    };
+    let pads = model.fingers.iter().enumerate();
+    let patch = |(i, f)| choose(f, &state.view(i, &border), &model.object, model.law.offset, 0.0, std::iter::empty());
+    pads.map(|pad| patch(pad).len()).collect()
+}
+
+/// Where pad `i` carries contact.
+fn touched(path: &Path, i: usize) -> impl Iterator<Item = Stencil> + '_ {
+    let points = readout::contact(&path.newton, i)
+        .into_iter()
+        .flat_map(|c| c.edges().filter(|(_, e)| e.pressure > 0.0).map(|(k, _)| c.surface().points[k]));
+    let features = readout::features(&path.newton, i)
+        .into_iter()
+        .flat_map(|c| c.edges().filter(|(_, e)| e.pressure > 0.0).map(|(k, _)| c.readout(k).now));
+    points.chain(features)
+}

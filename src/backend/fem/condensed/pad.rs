@@ -1,0 +1,180 @@
+//! One pad, condensed onto a patch and brought back.
+
+use super::term::Condensed;
+use crate::mech::body::Body;
+use crate::mech::body::cholesky::Factor;
+use crate::mech::body::pattern::FIXED;
+use crate::mech::newton::Failure;
+use crate::mech::potential::term::Stencil;
+use crate::part::FingerModel;
+use faer::Mat;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// A pad with the factor of its stiffness.
+pub struct Pad {
+    body: Arc<Body>,
+    dead: Vec<DVec3>,
+    eliminated: Option<(Body, Factor)>,
+    patch: Arc<[u32]>,
+    stiffness: Arc<Mat<f64>>,
+    /// Where every node would rest unloaded, m: now, at the last accepted level, at the one before.
+    center: Vec<DVec3>,
+    settled: [Vec<DVec3>; 2],
+    /// Elastic forces and dead loads of the last corrected state, N per node.
+    gradient: Vec<DVec3>,
+}
+
+/// Sums of squares over the nodes of what a correction did.
+pub(crate) struct Correction {
+    /// Of the change of the displacement, m2.
+    pub change: f64,
+    /// Of the displacement from rest, m2.
+    pub displacement: f64,
+    /// Of the out-of-balance forces before, N2.
+    pub residual: f64,
+}
+
+impl Pad {
+    /// Of `finger` under `dead` loads (N per node; empty for none), not condensed yet.
+    pub fn new(finger: &FingerModel, dead: Vec<DVec3>) -> Self {
+        let rest = finger.body.rest.clone();
+        Self {
+            body: finger.body.clone(),
+            dead,
+            eliminated: None,
+            patch: Arc::from([]),
+            stiffness: Arc::new(Mat::new()),
+            settled: [rest.clone(), rest.clone()],
+            gradient: vec![DVec3::ZERO; rest.len()],
+            center: rest,
+        }
+    }
+
+    /// The whole pad.
+    pub fn body(&self) -> &Arc<Body> {
+        &self.body
+    }
+
+    /// Elastic forces less dead loads at the last corrected state, N per node.
+    pub fn gradient(&self) -> &[DVec3] {
+        &self.gradient
+    }
+
+    /// Potential of the whole pad at positions `x`, J.
+    pub fn energy(&self, x: &[DVec3]) -> f64 {
+        self.body.energy(x) - self.dead.iter().zip(x).map(|(f, x)| f.dot(*x)).sum::<f64>()
+    }
+
+    /// True if a force at `stencil` acts on nodes of the patch, or on bonded ones, alone.
+    pub fn carries(&self, stencil: &Stencil) -> bool {
+        stencil.slices().0.iter().all(|n| self.body.fixed[*n as usize] || self.patch.binary_search(n).is_ok())
+    }
+
+    /// The pad as a term of the potential.
+    pub fn term(&self) -> Condensed {
+        let center = self.patch.iter().map(|&n| self.center[n as usize]).collect();
+        Condensed { center, patch: self.patch.clone(), stiffness: self.stiffness.clone() }
+    }
+
+    /// The nodes that are left, ascending.
+    pub fn patch(&self) -> &[u32] {
+        &self.patch
+    }
+
+    /// Condenses the pad as stiff as it is at positions `x` onto the ascending nodes of `patch`; if they are new ones, the
+    /// body of what is left.
+    ///
+    /// # Errors
+    /// [`Failure::Singular`] when the stiffness cannot be factorised.
+    pub fn condense(&mut self, x: &[DVec3], patch: Vec<u32>) -> Result<Option<Arc<Body>>, Failure> {
+        let mut left = None;
+        if self.eliminated.is_none() || *patch != *self.patch {
+            let body = self.body.eliminating_last(&patch);
+            let factor = Factor::new(body.symbolic().map_err(|_| Failure::Singular)?, 1);
+            left = Some(Arc::new(self.body.condensed(&patch)));
+            (self.eliminated, self.patch) = (Some((body, factor)), patch.into());
+        }
+        let Some((body, factor)) = &mut self.eliminated else { return Err(Failure::Singular) };
+        let mut factorized = false;
+        for project in [false, true] {
+            let mut values = vec![0.0; body.pattern().row_idx.len()];
+            self.gradient = loads(&self.dead, x.len());
+            body.add_stiffness(x, project, &mut self.gradient, &mut values);
+            factorized = factor.factorize(body.pattern(), &values);
+            if factorized {
+                break;
+            }
+        }
+        if !factorized {
+            return Err(Failure::Singular);
+        }
+        self.stiffness = Arc::new(factor.condensed(3 * self.patch.len()));
+        let back = solve(body, factor, &self.gradient);
+        self.center = x.iter().zip(back).map(|(x, w)| *x - w).collect();
+        self.settled = [self.center.clone(), self.center.clone()];
+        Ok(left)
+    }
+
+    /// Brings the whole pad to where the patch of `x` takes it, and the centre to where the real law has it.
+    pub(crate) fn correct(&mut self, x: &mut [DVec3]) -> Correction {
+        let (_, force) = self.term().force(x);
+        let mut contact = vec![DVec3::ZERO; x.len()];
+        for (&n, f) in self.patch.iter().zip(force.chunks_exact(3)) {
+            contact[n as usize] = DVec3::from_slice(f);
+        }
+        let nothing = Correction { change: 0.0, displacement: 0.0, residual: 0.0 };
+        let Some((body, factor)) = &mut self.eliminated else { return nothing };
+        let from_center = solve(body, factor, &contact);
+        x.iter_mut().zip(&self.center).zip(from_center).for_each(|((x, c), u)| *x = *c + u);
+        self.gradient = loads(&self.dead, x.len());
+        body.add_gradient(x, &mut self.gradient);
+        contact.iter_mut().zip(&self.gradient).for_each(|(f, g)| *f = *g - *f);
+        let change = solve(body, factor, &contact);
+        self.center.iter_mut().zip(&change).for_each(|(c, w)| *c -= *w);
+        let free = |(i, f): (usize, &DVec3)| if body.fixed[i] { 0.0 } else { f.length_squared() };
+        Correction {
+            change: change.iter().map(|w| w.length_squared()).sum(),
+            displacement: x.iter().zip(&body.rest).map(|(x, r)| x.distance_squared(*r)).sum(),
+            residual: contact.iter().enumerate().map(free).sum(),
+        }
+    }
+
+    /// Back to the centre of the last accepted level.
+    pub(crate) fn restore(&mut self) {
+        self.center.clone_from(&self.settled[1]);
+    }
+
+    /// The centre is that of an accepted level.
+    pub(crate) fn settle(&mut self) {
+        self.settled.swap(0, 1);
+        self.settled[1].clone_from(&self.center);
+    }
+
+    /// Lets the centre wander on by `factor` times what it did between the last two accepted levels.
+    pub(crate) fn predict(&mut self, factor: f64) {
+        let [before, last] = &self.settled;
+        for ((c, last), before) in self.center.iter_mut().zip(last).zip(before) {
+            *c = *last + (*last - *before) * factor;
+        }
+    }
+}
+
+/// Gradient of the dead loads alone, N.
+fn loads(dead: &[DVec3], nodes: usize) -> Vec<DVec3> {
+    let mut gradient: Vec<DVec3> = dead.iter().map(|f| -*f).collect();
+    gradient.resize(nodes, DVec3::ZERO);
+    gradient
+}
+
+/// Displacements under `force` (N per node), m; zero at fixed nodes.
+fn solve(body: &Body, factor: &mut Factor, force: &[DVec3]) -> Vec<DVec3> {
+    let position = &body.pattern().position;
+    let mut rhs = vec![0.0; body.unknowns()];
+    for (f, &p) in force.iter().zip(position).filter(|(_, p)| **p != FIXED) {
+        rhs[3 * p as usize..3 * p as usize + 3].copy_from_slice(&f.to_array());
+    }
+    factor.solve(&mut rhs, 1);
+    let entry = |p: u32| if p == FIXED { DVec3::ZERO } else { DVec3::from_slice(&rhs[3 * p as usize..]) };
+    position.iter().map(|&p| entry(p)).collect()
+}

@@ -1,0 +1,38 @@
+//! Which nodes of a pad may carry contact.
+
+use crate::geometry::shape::Shape;
+use crate::mech::potential::state::View;
+use crate::mech::potential::term::Stencil;
+use crate::part::FingerModel;
+use crate::scales::{PATCH_MARGIN, SMALL_PATCH_MARGIN};
+use std::collections::BTreeSet;
+
+/// Nodes of a small patch.
+const SMALL: usize = 64;
+
+/// The free nodes that the points of the pad near the object hang on, whose contact has this `offset` (m), once the object comes `nearer`
+/// (m), and those that are `touched`; ascending.
+pub fn choose(
+    finger: &FingerModel,
+    view: &View,
+    object: &Shape,
+    offset: f64,
+    nearer: f64,
+    touched: impl Iterator<Item = Stencil>,
+) -> Vec<u32> {
+    let (turn, reach) = (view.rotation.transpose(), nearer + offset);
+    let mut near: Vec<(f64, Stencil)> = touched.map(|stencil| (f64::NEG_INFINITY, stencil)).collect();
+    for stencil in &finger.surface.points[..finger.surface.vertices] {
+        let q = turn * (stencil.position(view.x) + view.offset - view.position);
+        near.extend(object.distance.closest(q, reach + SMALL_PATCH_MARGIN * offset).map(|c| (c.distance, *stencil)));
+    }
+    near.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut patch = BTreeSet::new();
+    for (distance, stencil) in near {
+        if distance > reach + PATCH_MARGIN * offset && patch.len() >= SMALL {
+            break;
+        }
+        patch.extend(stencil.slices().0.iter().filter(|n| !finger.body.fixed[**n as usize]));
+    }
+    patch.into_iter().collect()
+}

@@ -1,0 +1,70 @@
+//! The energy of a condensed pad, as a term of the potential.
+
+use crate::mech::body::Body;
+use crate::mech::body::pattern::FIXED;
+use crate::mech::potential::state::View;
+use crate::mech::potential::term::{Block, BodyTerm};
+use faer::Mat;
+use glam::DVec3;
+use pulp::Arch;
+use std::any::Any;
+use std::sync::Arc;
+
+/// `1/2 (x - c)' S (x - c)` on the nodes of a patch, which are the free nodes of the body, in its order.
+#[derive(Debug, Clone)]
+pub struct Condensed {
+    /// Where the patch rests unloaded, m, relative to the finger.
+    pub center: Vec<DVec3>,
+    /// The nodes of the patch.
+    pub patch: Arc<[u32]>,
+    /// Stiffness, N/m, symmetric, three rows per node of the patch.
+    pub stiffness: Arc<Mat<f64>>,
+}
+
+impl Condensed {
+    /// A pad of which nothing is left.
+    pub fn nothing() -> Self {
+        Self { center: Vec::new(), patch: Arc::from([]), stiffness: Arc::new(Mat::new()) }
+    }
+
+    /// Displacement from the centre and elastic force, `S (x - c)`, N, three entries per node of the patch.
+    pub fn force(&self, x: &[DVec3]) -> (Vec<f64>, Vec<f64>) {
+        let moved = self.patch.iter().zip(&self.center).flat_map(|(&n, c)| (x[n as usize] - *c).to_array());
+        let moved: Vec<f64> = moved.collect();
+        let mut force = vec![0.0; moved.len()];
+        Arch::new().dispatch(|| {
+            for (column, d) in self.stiffness.col_iter().zip(&moved) {
+                // Columns of a matrix are contiguous.
+                let column = column.try_as_col_major().map_or(&[][..], |c| c.as_slice());
+                force.iter_mut().zip(column).for_each(|(f, s)| *f += s * d);
+            }
+        });
+        (moved, force)
+    }
+}
+
+impl BodyTerm for Condensed {
+    fn energy(&self, _: &Body, view: &View) -> f64 {
+        let (moved, force) = self.force(view.x);
+        0.5 * moved.iter().zip(&force).map(|(d, f)| d * f).sum::<f64>()
+    }
+
+    fn assemble(&mut self, body: &Body, view: &View, _: bool, block: &mut Block) {
+        let (_, force) = self.force(view.x);
+        for (&n, f) in self.patch.iter().zip(force.chunks_exact(3)) {
+            block.gradient[n as usize] += DVec3::from_slice(f);
+        }
+        if block.hessian {
+            debug_assert!(self.patch.iter().all(|&n| body.pattern().position[n as usize] != FIXED));
+            let columns = &body.pattern().col_ptr;
+            for (j, column) in self.stiffness.col_iter().enumerate() {
+                let values = &mut block.values[columns[j]..columns[j + 1]];
+                values.iter_mut().zip(column.iter().skip(j)).for_each(|(v, s)| *v += s);
+            }
+        }
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}

@@ -1,0 +1,43 @@
+//! Where Newton's method starts in a time step.
+
+use crate::mech::newton::Newton;
+use crate::mech::potential::state::State;
+
+/// Most moves towards a prediction.
+const MOVES: usize = 32;
+
+/// The start of a step from `from`, of the states that offer themselves that of lowest potential: where it was, where it
+/// moves on to, or as far on as nothing is touched. A motion of at most `safe` (m) cannot jump over a pad.
+pub fn start(newton: &Newton, from: &State, predicted: State, safe: f64) -> State {
+    let motion = largest_motion(newton, from, &predicted);
+    let (here, there) = (newton.energy(from), newton.energy(&predicted));
+    // Not finite where an element is turned inside out.
+    let better = there <= here;
+    if better && motion <= safe {
+        return predicted;
+    }
+    let near = approach(newton, from, &predicted, motion);
+    if newton.energy(&near) <= here { near } else { from.clone() }
+}
+
+/// From `from` towards `to` until something is touched: conservative advancement (Mirtich & Canny 1995).
+fn approach(newton: &Newton, from: &State, to: &State, motion: f64) -> State {
+    let mut part = 0.0;
+    let mut state = from.clone();
+    for _ in 0..MOVES {
+        let clearance = newton.clearance(&state);
+        if clearance <= 0.0 || part >= 1.0 {
+            break;
+        }
+        part = if motion > 0.0 { (part + clearance / motion).min(1.0) } else { 1.0 };
+        state = to.extrapolated(from, part - 1.0);
+    }
+    state
+}
+
+/// Bound of the motion of any point of pads and object relative to each other, m.
+fn largest_motion(newton: &Newton, from: &State, to: &State) -> f64 {
+    let pairs = from.x.iter().flatten().zip(to.x.iter().flatten());
+    let nodes = pairs.map(|(a, b)| a.distance_squared(*b)).fold(0.0, f64::max).sqrt();
+    nodes + newton.border.difference(to, from).iter().map(|d| d.abs()).sum::<f64>()
+}

@@ -1,0 +1,162 @@
+//! Time steps: predict, solve, accept; or roll back and take a shorter one.
+
+use super::{advance, terms};
+use crate::gripper::GraspPose;
+use crate::mech::newton::effort::most_iterations;
+use crate::mech::newton::{Failure, Tolerance};
+use crate::mech::path::step_size::StepSize;
+use crate::mech::path::{Advanced, Path};
+use crate::mech::potential::state::State;
+use crate::mech::potential::time_step::TimeStep;
+use crate::model::{Dynamics, Model};
+use crate::scales::SAFE_MOTION;
+use crate::scene;
+use crate::scene::motion::Hand;
+use bevy_ecs::prelude::*;
+use glam::DQuat;
+
+/// Time and the history that the predictor needs. Velocities live in the terms, like the sticking points of friction.
+#[derive(Resource, Debug)]
+pub struct Integrator {
+    /// Time reached, s.
+    pub time: f64,
+    /// The hand there.
+    pub hand: Hand,
+    pose: GraspPose,
+    /// The state one step before the accepted one, and that step, s.
+    before: Option<(State, f64)>,
+    /// Size of the next step, s, up to the scene's time step.
+    size: StepSize,
+}
+
+/// The shortest step that is tried before the scene is given up, over the time step.
+const SHORTEST: f64 = 1.0 / 64.0;
+/// Residual of a time step over that of a quasi-static increment: errors of momentum add up over the steps.
+const SHARP: f64 = 1e-2;
+/// Largest motion of any point between pads in an iteration, over that of a quasi-static increment; without pads there is nothing to jump
+/// over.
+const STRIDE: f64 = 2.0;
+
+impl Integrator {
+    /// At time zero of a grasp at `pose`.
+    pub fn new(dynamics: &Dynamics, pose: GraspPose) -> Self {
+        Self { time: 0.0, hand: dynamics.hand(&pose, 0.0), pose, before: None, size: StepSize(f64::INFINITY) }
+    }
+
+    /// Lets time run to `end` (s).
+    ///
+    /// # Errors
+    /// When the shortest step does not converge: the time it was for, and why. The state is the last accepted one.
+    pub fn advance(
+        &mut self,
+        path: &mut Path,
+        model: &Model,
+        dynamics: &Dynamics,
+        settings: &scene::Fem,
+        end: f64,
+    ) -> Result<Advanced, (f64, Failure)> {
+        if self.before.is_none() {
+            self.begin(path, model, dynamics, settings);
+        }
+        let (from, whole) = (self.time, end - self.time);
+        let steps = (whole / dynamics.time_step * (1.0 - 1e-9)).ceil().max(1.0) as u64;
+        let mut done = Advanced::default();
+        for k in 1..=steps {
+            // The last one meets `end` exactly.
+            let to = if k == steps { end } else { from + whole * k as f64 / steps as f64 };
+            let shortest = (to - self.time) * SHORTEST;
+            while self.time < to {
+                let rest = to - self.time;
+                let size = self.size.next(rest);
+                let end = if size >= rest { to } else { self.time + size };
+                let before = done.iterations;
+                match self.step(path, model, dynamics, end, &mut done) {
+                    Ok(()) => self.size.accept(size, done.iterations - before, 0.0, 0.0),
+                    Err(failure) if size <= shortest || failure.is_out_of_effort() => return Err((end, failure)),
+                    Err(_) => self.size.refuse(size, None),
+                }
+            }
+        }
+        Ok(done)
+    }
+
+    /// Adds what moves in time to the solver, and sets its tolerances.
+    fn begin(&mut self, path: &mut Path, model: &Model, dynamics: &Dynamics, settings: &scene::Fem) {
+        if !model.free {
+            hold_in_world(&mut path.state, &self.hand);
+        }
+        terms::add(&mut path.newton, model, dynamics, &path.state, self.hand);
+        let end = model.levels.last().copied().unwrap_or(0.0);
+        let steps = (end / dynamics.time_step).ceil() as usize;
+        path.newton.effort.iterations = most_iterations(settings.max_iterations.get() as u32, steps);
+        let relative = SHARP * settings.tolerance.force.get();
+        let force = dynamics.rated_force + model.mass * dynamics.gravity.length().max(1.0);
+        let usual = Tolerance::new(model.law.offset);
+        path.tolerance = Tolerance {
+            relative,
+            force: 1e-2 * relative * force,
+            length: settings.tolerance.displacement.map_or(usual.length, |length| length.get()),
+            iterations: settings.max_iterations.get() as u32,
+            motion: if model.fingers.is_empty() { f64::INFINITY } else { STRIDE * usual.motion },
+            ..usual
+        };
+        // As if the object had been moving before.
+        let mut before = path.state.clone();
+        if model.free {
+            let (h, back) = (dynamics.time_step, self.hand.rotation.conjugate());
+            let turn = DQuat::from_scaled_axis(back * dynamics.spin * -h);
+            let arm = before.rotation * model.object.mass.center;
+            before.position += arm - turn * arm - back * dynamics.velocity * h;
+            before.rotation = (turn * before.rotation).normalize();
+        }
+        self.before = Some((before, dynamics.time_step));
+    }
+
+    fn step(
+        &mut self,
+        path: &mut Path,
+        model: &Model,
+        dynamics: &Dynamics,
+        end: f64,
+        done: &mut Advanced,
+    ) -> Result<(), Failure> {
+        let size = end - self.time;
+        let hand = dynamics.hand(&self.pose, end);
+        let step = TimeStep { size, hand };
+        let newton = &mut path.newton;
+        newton.terms.iter_mut().flatten().for_each(|t| t.begin(&step));
+        newton.force.fill(hand.force / model.fingers.len().max(1) as f64);
+        let mut here = path.state.clone();
+        let mut predicted = match &self.before {
+            Some((before, earlier)) => here.extrapolated(before, size / earlier),
+            None => here.clone(),
+        };
+        if !model.free {
+            hold_in_world(&mut here, &hand);
+            hold_in_world(&mut predicted, &hand);
+        }
+        let start = advance::start(newton, &here, predicted, SAFE_MOTION * path.tolerance.offset);
+        match newton.solve(&path.state, start, &path.tolerance) {
+            Ok((state, converged)) => {
+                newton.commit(&state);
+                done.iterations += converged.iterations;
+                done.increments += 1;
+                done.residual = converged.residual;
+                self.before = Some((std::mem::replace(&mut path.state, state), size));
+                (self.time, self.hand) = (end, hand);
+                Ok(())
+            }
+            Err(failure) => {
+                newton.rollback();
+                done.iterations += path.tolerance.iterations;
+                Err(failure)
+            }
+        }
+    }
+}
+
+/// A fixed object stays where it is in the world while the hand moves.
+fn hold_in_world(state: &mut State, hand: &Hand) {
+    state.rotation = hand.rotation.conjugate();
+    state.position = hand.to_hand(glam::DVec3::ZERO);
+}

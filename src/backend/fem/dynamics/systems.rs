@@ -1,0 +1,81 @@
+//! The systems of motion in time, beside those of the backend.
+
+use super::integrator::Integrator;
+use crate::backend::fem::stepper::Solver;
+use crate::mech::contact::GroundContact;
+use crate::mech::newton::Newton;
+use crate::mech::potential::rigid_inertia::RigidInertia;
+use crate::mech::potential::term::BodyTerm;
+use crate::world::components::*;
+use crate::world::schedule::{Advance, Next, Phase, Shared};
+use bevy_ecs::prelude::*;
+
+/// Time steps up to that of the frame; on failure the state is the last accepted one and the grasp ends.
+pub fn advance_time(
+    mut solver: ResMut<Solver>,
+    mut integrator: ResMut<Integrator>,
+    shared: Res<Shared>,
+    mut advance: ResMut<Advance>,
+    mut next: ResMut<Next>,
+) {
+    let model = &shared.0;
+    let Some(dynamics) = &model.dynamics else { return };
+    let settings = *solver.settings();
+    match integrator.advance(&mut solver.path, model, dynamics, &settings, advance.level) {
+        Ok(done) => {
+            advance.reached = true;
+            advance.iterations = done.iterations;
+            advance.residual = done.residual;
+        }
+        Err((time, failure)) => next.request(Phase::Fault {
+            reason: format!(
+                "at {time:.6} s: {}; the time step of {:e} s was divided until it was too short to go on; last accepted \
+                 time {:.6} s",
+                failure, dynamics.time_step, integrator.time
+            ),
+        }),
+    }
+}
+
+/// The term of type `T` that the first body hosts for the object.
+fn object_term<T: BodyTerm + 'static>(newton: &Newton) -> Option<&T> {
+    newton.terms.first()?.iter().find_map(|t| t.as_any().downcast_ref())
+}
+
+/// The hand, and how the object moves.
+pub fn measure_motion(
+    solver: Res<Solver>,
+    integrator: Res<Integrator>,
+    mut hand: Single<&mut HandPose>,
+    mut object: Query<(&mut ObjectVelocity, &mut ObjectMomentum, &mut InertialWrench, Option<&mut ObjectWeight>)>,
+) {
+    let at = integrator.hand;
+    **hand = HandPose { position: at.position, rotation: at.rotation };
+    let Some(inertia) = object_term::<RigidInertia>(&solver.path.newton) else { return };
+    let back = at.rotation.conjugate();
+    for (mut velocity, mut momentum, mut wrench, weight) in &mut object {
+        *velocity = ObjectVelocity { linear: inertia.motion().velocity, angular: inertia.spin() };
+        let (linear, angular) = inertia.momenta();
+        *momentum = ObjectMomentum { linear, angular };
+        let (force, torque) = inertia.inertial_wrench();
+        *wrench = InertialWrench { force: back * force, torque: back * torque };
+        if let Some(mut weight) = weight {
+            weight.0 = back * inertia.weight();
+        }
+    }
+}
+
+/// What the ground does to the object.
+pub fn measure_ground(
+    solver: Res<Solver>,
+    shared: Res<Shared>,
+    mut advance: ResMut<Advance>,
+    mut object: Query<&mut GroundWrench>,
+) {
+    let (newton, state) = (&solver.path.newton, &solver.path.state);
+    let Some(ground) = object_term::<GroundContact>(newton) else { return };
+    let center = state.position + state.rotation * shared.0.object.mass.center;
+    let (force, torque) = ground.wrench(&state.view(0, &newton.border), center);
+    object.iter_mut().for_each(|mut wrench| *wrench = GroundWrench { force, torque });
+    advance.min_gap = advance.min_gap.min(ground.min_gap());
+}

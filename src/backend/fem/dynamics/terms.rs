@@ -1,0 +1,48 @@
+//! The terms that motion in time adds to those of a quasi-static scene.
+
+use crate::mech::contact::GroundContact;
+use crate::mech::newton::Newton;
+use crate::mech::potential::drive::Drive;
+use crate::mech::potential::pad_inertia::PadInertia;
+use crate::mech::potential::rigid_inertia::RigidInertia;
+use crate::mech::potential::state::State;
+use crate::mech::potential::viscosity::Viscosity;
+use crate::model::{Dynamics, Model};
+use crate::scales::STROKE_YIELD;
+use crate::scene::motion::Hand;
+
+/// Adds them for a start at rest, but for the object's own velocity, from `state` with the hand at `hand`.
+pub fn add(newton: &mut Newton, model: &Model, dynamics: &Dynamics, state: &State, hand: Hand) {
+    for (i, finger) in model.fingers.iter().enumerate() {
+        let (body, view) = (&finger.body, state.view(i, &newton.border));
+        let terms = &mut newton.terms[i];
+        terms.push(Box::new(PadInertia::new(body, model.gel_density, dynamics.gravity, hand, &view)));
+        if dynamics.damping > 0.0 {
+            terms.push(Box::new(Viscosity::new(body, dynamics.damping, view.x)));
+        }
+        if dynamics.squeezes() {
+            let rated = dynamics.rated_force / model.fingers.len() as f64;
+            let yields = STROKE_YIELD * model.law.offset;
+            terms.push(Box::new(Drive::new(rated, dynamics.closing_speed, model.stroke, yields, state.travel[i])));
+        }
+    }
+    if !model.free {
+        return;
+    }
+    // The first body hosts what belongs to the object.
+    let view = state.view(0, &newton.border);
+    let moving = (dynamics.velocity, dynamics.spin);
+    let density = model.mass / model.object.mass.volume;
+    newton.terms[0].push(Box::new(RigidInertia::new(
+        &model.object.mass,
+        density,
+        dynamics.gravity,
+        moving,
+        hand,
+        &view,
+    )));
+    if let Some(s) = &dynamics.support {
+        let vertices = model.object.surface.vertices.iter().copied().collect();
+        newton.terms[0].push(Box::new(GroundContact::new(vertices, s.law, s.normal, s.height, hand, &view)));
+    }
+}

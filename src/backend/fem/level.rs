@@ -1,0 +1,153 @@
+//! One load level of a grasp: first contact if need be, the load, and whole pads where condensed ones get no further.
+
+use super::stepper::Solver;
+use crate::mech::newton::Failure;
+use crate::mech::newton::effort::most_iterations;
+use crate::mech::path::continuation::Whole;
+use crate::mech::path::{Advanced, Load};
+use crate::model::Model;
+use crate::scales::DROPPED;
+use crate::world::components::ObjectPose;
+use crate::world::schedule::Stop;
+
+/// Steps in which the fingers take an object with weight over from its support.
+const HANDOVER: u32 = 4;
+
+/// Why a level was not reached.
+enum Refusal {
+    /// There is no equilibrium, or no more effort is to be spent.
+    Final(Stop),
+    /// None was found.
+    Unfound(Stop),
+    /// Condensed pads do not get there.
+    Condensed(Stop),
+}
+
+impl Refusal {
+    fn stop(self) -> Stop {
+        let (Refusal::Final(stop) | Refusal::Unfound(stop) | Refusal::Condensed(stop)) = self;
+        stop
+    }
+}
+
+impl Solver {
+    /// Brings the state to `level` (N or m per finger), from first contact the first time.
+    ///
+    /// # Errors
+    /// What stopped it, for the record; the state is then the last accepted one.
+    pub fn advance(&mut self, model: &Model, level: f64) -> std::result::Result<Advanced, Stop> {
+        self.steps += 1;
+        let (each, steps) = (self.settings().max_iterations.get() as u32, model.levels.len().max(self.steps));
+        self.path.newton.effort.iterations = most_iterations(each, steps);
+        let begins = !self.started;
+        let checkpoint = self.condensed.is_some().then(|| self.path.checkpoint());
+        let stuck = match (self.raise(model, level), checkpoint) {
+            (Err(Refusal::Condensed(_)), Some(checkpoint)) => checkpoint,
+            // An object that turns far before it is held may leave what the pads are condensed onto.
+            (Err(Refusal::Unfound(_)), Some(checkpoint)) if begins => checkpoint,
+            (done, _) => return done.map_err(Refusal::stop),
+        };
+        self.path.restore(stuck);
+        self.path.methods.whole += 1;
+        self.started = !begins;
+        self.release(model).map_err(Stop::fault)?;
+        self.raise(model, level).map_err(Refusal::stop)
+    }
+
+    /// One attempt at [`Solver::advance`].
+    fn raise(&mut self, model: &Model, level: f64) -> std::result::Result<Advanced, Refusal> {
+        let before = self.path.state.clone();
+        let load = if model.force_driven { Load::Force } else { Load::Travel };
+        let mut done = Advanced::default();
+        let begins = !std::mem::replace(&mut self.started, true);
+        // Before it is held it may roll to where it rests.
+        self.path.leash = model.leash.filter(|_| !begins);
+        if begins {
+            done.add(self.begin(model, level.min(model.release))?);
+        }
+        if self.path.newton.held && level >= model.release {
+            done.add(self.load(model, load, model.release)?);
+            done.add(self.let_go(model)?);
+        }
+        done.add(self.load(model, load, level)?);
+        if !self.is_upright() {
+            let reason = format!("{}: an element of a condensed pad turns inside out", at(load, level));
+            return Err(Refusal::Condensed(Stop::fault(reason)));
+        }
+        if let Some(reason) = self.lost_grip(model) {
+            self.path.state = before;
+            return Err(Refusal::Final(Stop { dropped: model.free, reason: format!("{}: {reason}", at(load, level)) }));
+        }
+        self.path.recover();
+        Ok(done)
+    }
+
+    /// Makes contact, at a force of at most `most` (N per finger) around an object that is held where it is.
+    fn begin(&mut self, model: &Model, most: f64) -> std::result::Result<Advanced, Refusal> {
+        let stuck = |reason| Refusal::Condensed(Stop::fault(reason));
+        if !model.force_driven {
+            return self.condense(model).map(|()| Advanced::default()).map_err(stuck);
+        }
+        let first = model.contact_force().min(most);
+        self.change_weight(|weight| weight.handed_over(0.0));
+        self.path.tolerance = self.tolerance(model, first);
+        self.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
+        self.back_off(model).map_err(|reason| Refusal::Final(Stop::fault(reason)))?;
+        self.condense(model).map_err(stuck)?;
+        self.path.newton.held = model.free;
+        let made = self.path.establish(first);
+        made.map_err(|f| self.refuse(model, &format!("making contact at {first:.4} N per finger"), f))
+    }
+
+    /// Lets go of the object: its weight, if it has one, comes from its support onto the fingers step by step.
+    fn let_go(&mut self, model: &Model) -> std::result::Result<Advanced, Refusal> {
+        self.path.newton.held = false;
+        let heavy = model.gravity.is_some();
+        let leash = self.path.leash;
+        self.path.leash = heavy.then_some(DROPPED * model.law.offset);
+        let steps = if heavy { HANDOVER } else { 1 };
+        let mut done = Advanced::default();
+        for k in 1..=steps {
+            self.change_weight(|weight| weight.handed_over(f64::from(k) / f64::from(steps)));
+            // What the force did before says nothing of what the weight does.
+            self.path.history = None;
+            let more = match &mut self.condensed {
+                Some(pads) => pads.follow(&mut self.path, model),
+                None => self.path.polish(),
+            };
+            let letting_go = format!("letting go of the object {}", at(Load::Force, self.path.level));
+            done.add(more.map_err(|f| self.refuse(model, &letting_go, f))?);
+        }
+        self.path.leash = leash;
+        Ok(done)
+    }
+
+    fn load(&mut self, model: &Model, load: Load, level: f64) -> std::result::Result<Advanced, Refusal> {
+        self.path.tolerance = self.tolerance(model, level);
+        let done = match &mut self.condensed {
+            None => self.path.advance(load, level, &mut Whole),
+            Some(pads) => self.path.advance(load, level, &mut pads.of(model)),
+        };
+        done.map_err(|f| self.refuse(model, &at(load, level), f))
+    }
+
+    fn refuse(&self, model: &Model, at: &str, failure: Failure) -> Refusal {
+        let dropped = model.free && failure.leaves_the_grasp();
+        let stop = Stop { dropped, reason: self.explain(model, at, failure) };
+        match failure {
+            Failure::Corrections(_) | Failure::Singular | Failure::Outside => Refusal::Condensed(stop),
+            Failure::Iterations(_) | Failure::LineSearch(_) | Failure::Unsettled | Failure::Bent(_) => {
+                Refusal::Unfound(stop)
+            }
+            Failure::Lost | Failure::Astray | Failure::Underway => Refusal::Final(stop),
+            Failure::Effort(_) | Failure::Time(_) | Failure::Interrupted => Refusal::Final(stop),
+        }
+    }
+}
+
+fn at(load: Load, level: f64) -> String {
+    match load {
+        Load::Force => format!("at {level:.4} N per finger"),
+        Load::Travel => format!("at {:.4} mm after contact", level * 1e3),
+    }
+}

@@ -1,0 +1,9 @@
+//! The finite element backend: the solver of a grasp, and its systems in the schedule of a step.
+
+pub mod condensed;
+pub mod dynamics;
+mod level;
+pub mod readout;
+pub mod stepper;
+pub mod systems;
+mod whole;

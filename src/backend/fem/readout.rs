@@ -1,0 +1,87 @@
+//! Reads a converged contact: the one place that knows how the solver stores it.
+
+use crate::mech::contact::{Contact, FeatureContact};
+use crate::mech::newton::Newton;
+use crate::mech::potential::state::State;
+use crate::mech::potential::term::Stencil;
+use glam::DVec3;
+
+/// One contact edge at the converged state.
+#[derive(Debug, Clone, Copy)]
+pub struct Edge {
+    /// Where the force acts, m, hand frame.
+    pub point: DVec3,
+    /// Gap, m; `+inf` where too far to matter.
+    pub gap: f64,
+    /// Outward normal of the object, hand frame.
+    pub normal: DVec3,
+    /// Force on the pad, friction included, N.
+    pub force: DVec3,
+    /// Its tangential part, N.
+    pub friction: DVec3,
+    /// Coulomb's limit is reached.
+    pub slips: bool,
+    /// Nodes among which the force is shared for reporting; the weights are non-negative and sum to one.
+    pub report: Stencil,
+}
+
+impl Edge {
+    /// True while the edge carries force.
+    pub fn active(&self) -> bool {
+        self.force != DVec3::ZERO
+    }
+}
+
+/// The contact term of body `i`.
+pub fn contact(newton: &Newton, i: usize) -> Option<&Contact> {
+    newton.terms[i].iter().find_map(|t| t.as_any().downcast_ref::<Contact>())
+}
+
+/// The feature contact term of body `i`, if the object has features.
+pub fn features(newton: &Newton, i: usize) -> Option<&FeatureContact> {
+    newton.terms[i].iter().find_map(|t| t.as_any().downcast_ref::<FeatureContact>())
+}
+
+/// The edges of body `i` that are not open, with their numbers: those of the pad's points, then those of the object's features.
+pub fn edges<'a>(newton: &'a Newton, state: &'a State, i: usize) -> impl Iterator<Item = (usize, Edge)> + 'a {
+    let carried = newton.border.closing[i] * state.travel[i];
+    let points = contact(newton, i).into_iter().flat_map(move |c| {
+        let surface = c.surface();
+        c.edges().map(move |(k, e)| {
+            let edge = Edge {
+                point: surface.points[k].position(&state.x[i]) + carried,
+                gap: e.gap,
+                normal: e.normal,
+                force: c.force(k),
+                friction: e.traction * surface.area[k],
+                slips: e.slips,
+                report: surface.report[k],
+            };
+            (k, edge)
+        })
+    });
+    let first = contact(newton, i).map_or(0, |c| c.surface().points.len());
+    let features = features(newton, i).into_iter().flat_map(move |c| {
+        c.edges().map(move |(k, e)| {
+            let f = c.readout(k);
+            let edge = Edge {
+                point: f.now.position(&state.x[i]) + carried,
+                gap: e.gap,
+                normal: e.normal,
+                force: f.normal + f.friction,
+                friction: f.friction,
+                slips: e.slips,
+                report: f.report,
+            };
+            (first + k, edge)
+        })
+    });
+    points.chain(features)
+}
+
+/// Smallest gap over all bodies, m.
+pub fn min_gap(newton: &Newton) -> f64 {
+    let points = (0..newton.bodies()).filter_map(|i| contact(newton, i)).map(Contact::min_gap);
+    let features = (0..newton.bodies()).filter_map(|i| features(newton, i)).map(FeatureContact::min_gap);
+    points.chain(features).fold(f64::INFINITY, f64::min)
+}

@@ -1,0 +1,291 @@
+//! The finite element backend: one potential, minimised at every load level.
+
+use super::condensed::{Condensation, Condensed};
+use super::dynamics::integrator::Integrator;
+use super::readout;
+use super::systems;
+use crate::error::{Error, Result};
+use crate::mech::body::{Body, Elements};
+use crate::mech::contact::{Contact, FeatureContact};
+use crate::mech::newton::effort::Effort;
+use crate::mech::newton::{Failure, Newton, Tolerance};
+use crate::mech::path::{Control, Path};
+use crate::mech::potential::inversion_barrier::upright;
+use crate::mech::potential::state::{Border, State};
+use crate::mech::potential::term::{BodyTerm, DeadLoad, Elastic};
+use crate::mech::potential::weight::Weight;
+use crate::model::Model;
+use crate::record::pad_name;
+use crate::scene;
+use crate::world::Stepper;
+use crate::world::components::ObjectPose;
+use crate::world::schedule::{Grasp, Shared};
+use crate::world::spawn::spawn_edges;
+use crate::world::systems::sense::{center, first_contact};
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Settings of the backend.
+#[derive(Debug, Clone, Copy)]
+pub struct Fem {
+    settings: scene::Fem,
+}
+
+impl Fem {
+    /// With the scene's settings.
+    pub fn new(settings: &scene::Fem) -> Self {
+        Self { settings: *settings }
+    }
+}
+
+impl Stepper for Fem {
+    fn name(&self) -> &'static str {
+        "fem"
+    }
+
+    fn settings(&self) -> String {
+        let s = &self.settings;
+        let element = match (s.element, s.mean_dilatation) {
+            (scene::Element::Linear, _) => "linear",
+            (scene::Element::Quadratic, true) => "quadratic, mean dilatation",
+            (scene::Element::Quadratic, false) => "quadratic",
+        };
+        let pads = match s.solver {
+            scene::Solver::Full => String::new(),
+            scene::Solver::Condensed(c) => format!(", condensed to an error of {:e}", c.error.get()),
+        };
+        format!("{element}, force tolerance {:e}{pads}", s.tolerance.force.get())
+    }
+
+    fn prepare(&self, world: &mut World) -> Result<()> {
+        let missing = || Error::Start("the world was not spawned for a grasp".into());
+        let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
+        let grasp = *world.get_resource::<Grasp>().ok_or_else(missing)?;
+        let pose = grasp.0.object_in_hand();
+        let pose = ObjectPose { position: pose.position, rotation: pose.rotation };
+        world.insert_resource(Solver::new(&shared.0, pose, &self.settings)?);
+        world.insert_resource(systems::Edges::default());
+        if let Some(dynamics) = &shared.0.dynamics {
+            world.insert_resource(Integrator::new(dynamics, grasp.0));
+        }
+        Ok(())
+    }
+
+    fn register(&self, schedule: &mut Schedule, world: &mut World, model: &Model) {
+        spawn_edges(world, model);
+        systems::register(schedule, &model.needs, model.force_driven);
+    }
+}
+
+/// The solver of one grasp.
+#[derive(Resource)]
+pub struct Solver {
+    /// Solver, accepted state and predictor.
+    pub path: Path,
+    pub(crate) condensed: Option<Condensation>,
+    settings: scene::Fem,
+    pub(crate) started: bool,
+    /// Load levels so far.
+    pub(crate) steps: usize,
+    /// Pose at first contact.
+    pub(crate) start: ObjectPose,
+}
+
+impl Solver {
+    /// At rest, with the object at `pose`.
+    ///
+    /// # Errors
+    /// When an object alone cannot be set up.
+    pub fn new(model: &Model, pose: ObjectPose, settings: &scene::Fem) -> Result<Self> {
+        let mut bodies: Vec<_> = model.fingers.iter().map(|f| f.body.clone()).collect();
+        let loads: Vec<_> = (0..bodies.len()).map(|i| gel_loads(model, i, pose)).collect();
+        let mut terms: Vec<_> = (0..bodies.len()).map(|i| terms(model, i, pose)).collect();
+        let mut condensed = None;
+        match settings.solver {
+            scene::Solver::Full => {
+                for (terms, loads) in terms.iter_mut().zip(loads) {
+                    terms.splice(0..0, gel(loads));
+                }
+            }
+            scene::Solver::Condensed(c) => {
+                terms.iter_mut().for_each(|terms| terms.insert(0, Box::new(Condensed::nothing())));
+                bodies = bodies.iter().map(|b| Arc::new(b.condensed(&[]))).collect();
+                condensed = Some(Condensation::new(model, loads, c.error.get()));
+            }
+        }
+        let mut closing: Vec<DVec3> = model.fingers.iter().map(|f| f.placement.closing).collect();
+        if bodies.is_empty() {
+            // The terms of an object alone need a host: a body of nothing on a finger that is not there.
+            let nothing = Elements::Linear(Vec::new());
+            bodies.push(Arc::new(Body::new(Vec::new(), nothing, Vec::new(), model.material.clone(), false)));
+            (terms, closing) = (vec![Vec::new()], vec![DVec3::ZERO]);
+        }
+        let layout = if model.geared() { Border::geared } else { Border::new };
+        let border = layout(closing, model.force_driven, model.free, model.object.bounding_radius);
+        // A condensed body has the nodes of the whole one.
+        let state = State {
+            x: bodies.iter().map(|b| b.rest.clone()).collect(),
+            travel: vec![0.0; bodies.len()],
+            position: pose.position,
+            rotation: pose.rotation,
+        };
+        let mut newton = Newton::new(bodies, terms, border)?;
+        newton.effort = Effort::within(settings.max_time.map(|seconds| seconds.get()));
+        let mut path = Path::new(newton, state, Tolerance::new(model.law.offset));
+        path.control = control(model);
+        Ok(Self { path, condensed, settings: *settings, started: false, steps: 0, start: pose })
+    }
+
+    /// The scene's settings.
+    pub fn settings(&self) -> &scene::Fem {
+        &self.settings
+    }
+
+    /// Sets what pulls at the object, N, hand frame.
+    pub fn set_weight(&mut self, force: DVec3) {
+        self.change_weight(|weight| weight.with_force(force));
+    }
+
+    /// Changes what pulls at the object.
+    pub(crate) fn change_weight(&mut self, change: impl Fn(&Weight) -> Weight) {
+        for term in self.path.newton.terms.iter_mut().flatten() {
+            let weight = term.as_any().downcast_ref::<Weight>().map(&change);
+            if let Some(weight) = weight {
+                *term = Box::new(weight);
+            }
+        }
+    }
+
+    /// Convergence criteria at `level`.
+    pub(crate) fn tolerance(&self, model: &Model, level: f64) -> Tolerance {
+        // A press does not know its force: modulus x depth x thickness is its order of magnitude.
+        let force = if model.force_driven { level } else { model.material.moduli().young * level * model.thickness() };
+        let given = self.settings.tolerance;
+        // No sharper than the pads are.
+        let blunt = match self.settings.solver {
+            scene::Solver::Condensed(c) if self.condensed.is_some() => {
+                (BLUNT * c.error.get() / given.force.get()).max(1.0)
+            }
+            _ => 1.0,
+        };
+        let relative = blunt * given.force.get();
+        let usual = Tolerance::new(model.law.offset);
+        Tolerance {
+            relative,
+            // Where nothing touches yet there is no contact force to compare with.
+            force: 1e-2 * relative * force,
+            length: blunt * given.displacement.map_or(usual.length, |length| length.get()),
+            iterations: self.settings.max_iterations.get() as u32,
+            ..usual
+        }
+    }
+
+    /// Moves the fingers to where they begin to press.
+    pub(crate) fn back_off(&mut self, model: &Model) -> std::result::Result<(), String> {
+        let pose = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
+        let clearance = 0.5 * model.law.offset;
+        let state = &mut self.path.state;
+        for i in 0..model.fingers.len() {
+            state.travel[i] = first_contact(model, i, &pose, clearance)?;
+        }
+        state.position += center(model, &mut state.travel);
+        Ok(())
+    }
+
+    /// Why the state, though in equilibrium, is no grasp.
+    pub(crate) fn lost_grip(&self, model: &Model) -> Option<String> {
+        let (newton, state) = (&self.path.newton, &self.path.state);
+        for i in 0..model.fingers.len() {
+            let name = pad_name(i);
+            if state.travel[i] > model.stroke {
+                let stroke = model.stroke * 1e3;
+                return Some(format!(
+                    "the {name} finger ran past its stroke of {stroke:.1} mm: {}",
+                    self.escaped(model)
+                ));
+            }
+            if !readout::edges(newton, state, i).any(|(_, e)| e.active()) {
+                return Some(format!("the {name} finger lost contact: {}", self.escaped(model)));
+            }
+        }
+        None
+    }
+
+    /// What became of what the fingers close on.
+    fn escaped(&self, model: &Model) -> String {
+        match model.free {
+            true => format!("the object was squeezed out (it {})", self.moved()),
+            false => "nothing is left to push against".into(),
+        }
+    }
+
+    /// How far the object has gone since first contact.
+    fn moved(&self) -> String {
+        let state = &self.path.state;
+        let moved = state.position.distance(self.start.position) * 1e3;
+        let turned = (state.rotation * self.start.rotation.inverse()).to_scaled_axis().length().to_degrees();
+        format!("moved {moved:.1} mm and turned {turned:.1} degrees")
+    }
+
+    pub(crate) fn explain(&self, model: &Model, at: &str, failure: Failure) -> String {
+        let state = &self.path.state;
+        let moved = state.position.distance(self.start.position);
+        let far = match model.free && moved > SLIPPING * model.object.bounding_radius {
+            true if failure.leaves_the_grasp() => format!("; {}", self.escaped(model)),
+            // Whether it would have come to rest is not known.
+            true => format!("; the object {} on the way", self.moved()),
+            false => String::new(),
+        };
+        format!("{at}: {failure}; last accepted level {:.4e}{far}", self.path.level)
+    }
+}
+
+/// Part of the error allowed that the path may bend within one increment: the errors of all increments add up.
+const BEND: f64 = 0.5;
+/// Travel of a press over the thickness of the pad with which its path begins.
+const TOUCH: f64 = 0.01;
+
+/// What increments go by.
+fn control(model: &Model) -> Option<Control> {
+    let first = if model.force_driven { model.contact_force() } else { TOUCH * model.thickness() };
+    model.path_error.map(|error| Control { bend: BEND * error, first })
+}
+
+/// Forces out of balance over the contact forces that condensed pads may leave, over their error.
+const BLUNT: f64 = 0.05;
+/// Motion of a free object, over its radius, that is worth a word when the solver gives up.
+const SLIPPING: f64 = 0.1;
+
+/// The terms of a whole gel under dead `loads` (N per node; empty for none).
+pub(crate) fn gel(loads: Vec<DVec3>) -> Vec<Box<dyn BodyTerm>> {
+    let (nodes, centers) = upright();
+    let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(Elastic), Box::new(nodes), Box::new(centers)];
+    terms.extend((!loads.is_empty()).then(|| Box::new(DeadLoad(loads)) as Box<dyn BodyTerm>));
+    terms
+}
+
+/// Weight of the gel of finger `i` on its nodes, N; empty without. Of a dynamic scene, gravity stands with inertia.
+pub(crate) fn gel_loads(model: &Model, i: usize, pose: ObjectPose) -> Vec<DVec3> {
+    let (Some(gravity), None) = (model.gravity, &model.dynamics) else { return Vec::new() };
+    let g = pose.rotation * gravity;
+    model.fingers[i].body.nodal_volume().iter().map(|v| g * (v * model.gel_density)).collect()
+}
+
+/// The terms of body `i` but those of the gel.
+fn terms(model: &Model, i: usize, pose: ObjectPose) -> Vec<Box<dyn BodyTerm>> {
+    let finger = &model.fingers[i];
+    let contact = Contact::new(model.law, finger.surface.clone(), model.object.distance.clone());
+    let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(contact)];
+    if !model.features.is_empty() {
+        terms.push(Box::new(FeatureContact::new(model.law, finger.surface.clone(), model.features.clone())));
+    }
+    // Of a dynamic scene, gravity stands with inertia; an agent's world sets its load step by step.
+    if model.free && i == 0 && model.dynamics.is_none() && (model.needs.task || model.gravity.is_some()) {
+        let center = model.object.mass.center;
+        let start = pose.position + pose.rotation * center;
+        let force = pose.rotation * model.gravity.unwrap_or_default() * model.mass;
+        terms.push(Box::new(Weight::new(force, center, start)));
+    }
+    terms
+}

@@ -1,0 +1,266 @@
+//! The systems of the finite element backend: columns -> solver -> one load level -> columns.
+
+use super::dynamics::systems::{advance_time, measure_ground, measure_motion};
+use super::readout;
+use super::stepper::Solver;
+use crate::mech::path::continuation::Methods;
+use crate::model::Needs;
+use crate::world::components::*;
+use crate::world::schedule::{Advance, Balance, Next, Phase, Shared, StepSet, Timings, ramping, reached};
+use crate::world::systems::apart::keep_pads_apart;
+use crate::world::systems::measure::measure_balance;
+use crate::world::systems::sense::close_to_contact;
+use crate::world::systems::upright::inverted;
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Puts the systems in their sets; those for what the scene does not need are left out.
+pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
+    schedule.add_systems(read_state.run_if(ramping).after(close_to_contact).in_set(StepSet::Sense));
+    if needs.task {
+        schedule.add_systems(read_weight.run_if(ramping).after(read_state).in_set(StepSet::Sense));
+    }
+    if needs.dynamic {
+        schedule.add_systems((advance_time, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
+        schedule.add_systems(measure_motion.run_if(reached).before(measure_balance).in_set(StepSet::Measure));
+    } else {
+        schedule.add_systems((advance_level, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
+    }
+    if needs.ground {
+        let ground = measure_ground.run_if(reached).after(measure_contact).before(measure_balance);
+        let ground = ground.before(measure_stress);
+        schedule.add_systems(ground.in_set(StepSet::Measure));
+    }
+    schedule.add_systems(
+        (read_edges, measure_contact).chain().run_if(reached).before(measure_balance).in_set(StepSet::Measure),
+    );
+    schedule.add_systems(report_timings.run_if(ramping).in_set(StepSet::Measure));
+    if !force_driven && !needs.dynamic {
+        schedule.add_systems(measure_reaction.run_if(reached).before(measure_balance).in_set(StepSet::Measure));
+    }
+    if needs.friction {
+        schedule.add_systems(measure_friction.run_if(reached).after(read_edges).in_set(StepSet::Measure));
+    }
+    if needs.contact_force {
+        schedule.add_systems(measure_nodal_force.run_if(reached).after(read_edges).in_set(StepSet::Measure));
+    }
+    schedule.add_systems(keep_upright.run_if(reached).after(keep_pads_apart).in_set(StepSet::Accept));
+    if needs.stress {
+        schedule.add_systems(measure_stress.run_if(reached).in_set(StepSet::Measure));
+    }
+}
+
+/// Columns -> solver: the world is the state, the solver only works on it.
+pub fn read_state(
+    mut solver: ResMut<Solver>,
+    nodes: Query<(&NodeIndex, &FingerIndex, &Position)>,
+    fingers: Query<(&FingerIndex, &FingerTravel)>,
+    pose: Single<&ObjectPose>,
+) {
+    let state = &mut solver.path.state;
+    for (index, finger, position) in nodes.contiguous_iter().expect(TABLES) {
+        for row in 0..index.len() {
+            state.x[finger[row].0 as usize][index[row].0 as usize] = position[row].0;
+        }
+    }
+    for (finger, travel) in &fingers {
+        state.travel[finger.0 as usize] = travel.0;
+    }
+    (state.position, state.rotation) = (pose.position, pose.rotation);
+}
+
+/// Columns -> solver: what pulls at the object.
+pub fn read_weight(mut solver: ResMut<Solver>, weight: Single<&ObjectWeight>) {
+    solver.set_weight(weight.0);
+}
+
+/// One load level; on failure the state is the last accepted one and the grasp ends.
+pub fn advance_level(
+    mut solver: ResMut<Solver>,
+    shared: Res<Shared>,
+    mut advance: ResMut<Advance>,
+    mut balance: ResMut<Balance>,
+    mut next: ResMut<Next>,
+) {
+    match solver.advance(&shared.0, advance.level) {
+        Ok(done) => {
+            advance.reached = true;
+            balance.held = solver.path.newton.held;
+            advance.iterations = done.iterations;
+            advance.residual = done.residual;
+        }
+        Err(stop) => next.request(stop.into()),
+    }
+}
+
+/// Solver -> columns.
+pub fn write_state(
+    solver: Res<Solver>,
+    mut nodes: Query<(&NodeIndex, &FingerIndex, &mut Position)>,
+    mut fingers: Query<(&FingerIndex, &mut FingerTravel)>,
+    mut pose: Single<&mut ObjectPose>,
+) {
+    let state = &solver.path.state;
+    for (index, finger, mut position) in nodes.contiguous_iter_mut().expect(TABLES) {
+        // Nobody watches single nodes: the change tick of each would cost more than the write.
+        let position = position.bypass_change_detection();
+        for row in 0..index.len() {
+            position[row].0 = state.x[finger[row].0 as usize][index[row].0 as usize];
+        }
+    }
+    for (finger, mut travel) in &mut fingers {
+        travel.0 = state.travel[finger.0 as usize];
+    }
+    **pose = ObjectPose { position: state.position, rotation: state.rotation };
+}
+
+/// The contact edges of every finger that are not open at the level just reached, in order.
+#[derive(Resource, Default)]
+pub struct Edges(Vec<Vec<(usize, readout::Edge)>>);
+
+impl Edges {
+    /// Edge `index` of a finger; None if it is open.
+    fn get(&self, finger: FingerIndex, index: EdgeIndex) -> Option<&readout::Edge> {
+        let edges = &self.0[finger.0 as usize];
+        edges.binary_search_by_key(&(index.0 as usize), |(k, _)| *k).ok().map(|k| &edges[k].1)
+    }
+}
+
+/// Solver -> edges, once for all that look at them.
+pub fn read_edges(solver: Res<Solver>, mut edges: ResMut<Edges>) {
+    let (newton, state) = (&solver.path.newton, &solver.path.state);
+    edges.0.resize_with(newton.bodies(), Vec::new);
+    for (i, edges) in edges.0.iter_mut().enumerate() {
+        edges.clear();
+        edges.extend(readout::edges(newton, state, i));
+    }
+}
+
+/// Contact edges, the wrench on every pad, smallest gap and potential.
+pub fn measure_contact(
+    solver: Res<Solver>,
+    edges: Res<Edges>,
+    shared: Res<Shared>,
+    mut advance: ResMut<Advance>,
+    mut pool: Query<(&EdgeIndex, &FingerIndex, &mut ContactEdge)>,
+    mut fingers: Query<(&FingerIndex, &mut FingerWrench)>,
+) {
+    let (newton, state) = (&solver.path.newton, &solver.path.state);
+    for (index, finger, mut edge) in pool.contiguous_iter_mut().expect(TABLES) {
+        let edge = edge.bypass_change_detection();
+        for row in 0..index.len() {
+            let e = edges.get(finger[row], index[row]);
+            let of =
+                |e: &readout::Edge| ContactEdge { gap: e.gap, normal: e.normal, force: e.force, active: e.active() };
+            edge[row] = e.map_or_else(ContactEdge::default, of);
+        }
+    }
+    for (finger, mut wrench) in &mut fingers {
+        let i = finger.0 as usize;
+        let origin = shared.0.fingers[i].placement.origin + newton.border.closing[i] * state.travel[i];
+        // Summed in edge order: the same bits every time.
+        let mut sum = FingerWrench::default();
+        for (_, e) in &edges.0[i] {
+            sum.force += e.force;
+            sum.torque += (e.point - origin).cross(e.force);
+        }
+        *wrench = sum;
+    }
+    advance.min_gap = readout::min_gap(newton);
+    advance.energy = solver.energy();
+}
+
+/// What the mount of a finger with prescribed travel had to give: the reaction of the bonded nodes along the closing
+/// direction, without the gel's own weight.
+pub fn measure_reaction(
+    solver: Res<Solver>,
+    shared: Res<Shared>,
+    mut fingers: Query<(&FingerIndex, &ClosingDirection, &mut FingerForce)>,
+) {
+    for (finger, closing, mut force) in &mut fingers {
+        let i = finger.0 as usize;
+        force.0 = (solver.mount(i) + solver.gel_weight(&shared.0, i)).dot(closing.0);
+    }
+}
+
+/// Friction on every contact edge.
+pub fn measure_friction(edges: Res<Edges>, mut pool: Query<(&EdgeIndex, &FingerIndex, &mut ContactFriction)>) {
+    for (index, finger, mut column) in pool.contiguous_iter_mut().expect(TABLES) {
+        let column = column.bypass_change_detection();
+        for row in 0..index.len() {
+            let e = edges.get(finger[row], index[row]);
+            let of = |e: &readout::Edge| ContactFriction { force: e.friction, slips: e.slips };
+            column[row] = e.map_or_else(ContactFriction::default, of);
+        }
+    }
+}
+
+/// Contact forces gathered on the nodes; their sum is that of the edges.
+pub fn measure_nodal_force(
+    solver: Res<Solver>,
+    edges: Res<Edges>,
+    mut nodes: Query<(&NodeIndex, &FingerIndex, &mut ContactForce)>,
+) {
+    let mut force: Vec<Vec<DVec3>> = solver.path.state.x.iter().map(|x| vec![DVec3::ZERO; x.len()]).collect();
+    for (edges, force) in edges.0.iter().zip(&mut force) {
+        for (_, e) in edges.iter().filter(|(_, e)| e.active()) {
+            let (nodes, weights) = e.report.slices();
+            nodes.iter().zip(weights).for_each(|(&n, &w)| force[n as usize] += e.force * w);
+        }
+    }
+    for (index, finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
+        let column = column.bypass_change_detection();
+        for row in 0..index.len() {
+            column[row].0 = force[finger[row].0 as usize][index[row].0 as usize];
+        }
+    }
+}
+
+/// Von Mises stress on nodes and tetrahedra.
+pub fn measure_stress(
+    solver: Res<Solver>,
+    mut nodes: Query<(&NodeIndex, &FingerIndex, &mut NodalStress)>,
+    mut tets: Query<(&TetIndex, &FingerIndex, &mut TetStress)>,
+) {
+    let pads = solver.path.state.x.par_iter().enumerate();
+    let stress: Vec<_> = pads.map(|(i, x)| solver.body(i).stress(x)).collect();
+    for (index, finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
+        let column = column.bypass_change_detection();
+        for row in 0..index.len() {
+            column[row].0 = stress[finger[row].0 as usize].node[index[row].0 as usize];
+        }
+    }
+    for (index, finger, mut column) in tets.contiguous_iter_mut().expect(TABLES) {
+        let column = column.bypass_change_detection();
+        for row in 0..index.len() {
+            column[row].0 = stress[finger[row].0 as usize].element[index[row].0 as usize];
+        }
+    }
+}
+
+/// The smallest det F; ends the grasp with a fault, without recording the frame, where an element is turned inside out.
+pub fn keep_upright(solver: Res<Solver>, shared: Res<Shared>, mut advance: ResMut<Advance>, mut next: ResMut<Next>) {
+    let x = &solver.path.state.x;
+    let smallest: Vec<f64> = x.par_iter().enumerate().map(|(i, x)| solver.body(i).min_det_f(x)).collect();
+    advance.min_det_f = smallest.into_iter().fold(f64::INFINITY, f64::min);
+    if advance.min_det_f <= 0.0 {
+        advance.reached = false;
+        let x: Vec<_> = x.iter().map(|x| &x[..]).collect();
+        next.request(Phase::Fault { reason: format!("at load {:.4e}: {}", advance.level, inverted(&shared.0, &x)) });
+    }
+}
+
+/// Hands on where the time went.
+pub fn report_timings(solver: Res<Solver>, mut timings: ResMut<Timings>) {
+    let p = &solver.path.newton.profile;
+    let stages = [
+        ("assembly", p.assembly),
+        ("factorization", p.factorization),
+        ("line_search", p.line_search),
+        ("solve", p.solve),
+    ];
+    timings.stages.extend(stages);
+    timings.iterations = p.iterations;
+    timings.methods = Methods { frozen: p.frozen, projected: p.projections, ..solver.path.methods };
+}

@@ -1,0 +1,74 @@
+//! What the solver of a grasp says of whole pads, condensed or not.
+
+use super::stepper::{Solver, gel, gel_loads};
+use crate::mech::body::Body;
+use crate::mech::potential::inversion_barrier::is_crushed;
+use crate::mech::potential::term::BodyTerm;
+use crate::model::Model;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+impl Solver {
+    /// Condenses the pads at first contact, if they are to be.
+    pub(crate) fn condense(&mut self, model: &Model) -> std::result::Result<(), String> {
+        let begun = self.condensed.as_mut().map_or(Ok(()), |pads| pads.begin(&mut self.path, model));
+        begun.map_err(|f| self.explain(model, "condensing the pads", f))
+    }
+
+    /// Whether no element of condensed pads, which have no barrier against it, is about to turn inside out.
+    pub(crate) fn is_upright(&self) -> bool {
+        let pads = self.condensed.as_ref();
+        pads.is_none_or(|pads| {
+            !self.path.state.x.par_iter().enumerate().any(|(i, x)| is_crushed(pads.pad(i).body(), x))
+        })
+    }
+
+    /// Goes on with whole pads where condensed ones do not get further.
+    ///
+    /// # Errors
+    /// When the stiffness of a whole pad cannot be analysed.
+    pub(crate) fn release(&mut self, model: &Model) -> std::result::Result<(), String> {
+        self.condensed = None;
+        self.path.recover();
+        for (i, finger) in model.fingers.iter().enumerate() {
+            self.path.newton.exchange(i, finger.body.clone()).map_err(|e| e.to_string())?;
+            self.path.newton.terms[i].splice(0..1, gel(gel_loads(model, i, self.start)));
+        }
+        Ok(())
+    }
+
+    /// The whole pad of finger `i`.
+    pub fn body(&self, i: usize) -> &Arc<Body> {
+        self.condensed.as_ref().map_or_else(|| self.path.newton.body(i), |pads| pads.pad(i).body())
+    }
+
+    /// Value of the potential, J.
+    pub fn energy(&self) -> f64 {
+        let (newton, state) = (&self.path.newton, &self.path.state);
+        let Some(pads) = &self.condensed else { return newton.energy(state) };
+        let whole: Vec<f64> = state.x.par_iter().enumerate().map(|(i, x)| pads.pad(i).energy(x)).collect();
+        let condensed = state
+            .x
+            .iter()
+            .enumerate()
+            .map(|(i, _)| pads.pad(i).term().energy(newton.body(i), &state.view(i, &newton.border)));
+        newton.energy(state) + whole.iter().sum::<f64>() - condensed.sum::<f64>()
+    }
+
+    /// Force of the mount of finger `i` on the pad, N, hand frame: reaction of the bonded nodes.
+    pub fn mount(&self, i: usize) -> DVec3 {
+        let bonded = |forces: &[DVec3]| -> DVec3 {
+            forces.iter().zip(&self.body(i).fixed).filter(|(_, fixed)| **fixed).map(|(g, _)| *g).sum()
+        };
+        // Condensed, the solver knows only what contact does to bonded nodes.
+        let elastic = self.condensed.as_ref().map_or(DVec3::ZERO, |pads| bonded(pads.pad(i).gradient()));
+        bonded(self.path.newton.gradient(i)) + elastic
+    }
+
+    /// Weight of the gel of finger `i`, N, hand frame.
+    pub fn gel_weight(&self, model: &Model, i: usize) -> DVec3 {
+        let volume = || model.fingers[i].body.nodal_volume().iter().sum::<f64>();
+        model.gravity.map_or(DVec3::ZERO, |g| self.start.rotation * g * (volume() * model.gel_density))
+    }
+}

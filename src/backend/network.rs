@@ -1,0 +1,311 @@
+//! The network backend: the same phases and the same components as the finite element backend.
+
+use crate::error::{Error, Result};
+use crate::linear::first_contact::Touch;
+use crate::linear::pad_graph::PadGraph;
+use crate::model::{Model, Needs};
+use crate::net::infer::force_ladder::Ladder;
+use crate::net::infer::predict::{PadState, Predictor, Seen};
+use crate::net::train::sample::moved;
+use crate::record::PadTopology;
+use crate::world::Stepper;
+use crate::world::components::*;
+use crate::world::schedule::{Advance, Command, Next, Phase, Shared, StepSet, Timings, ramping, reached};
+use crate::world::systems::sense::close_to_contact;
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::Instant;
+
+/// A trained model as a backend.
+#[derive(Debug)]
+pub struct Gnn {
+    predictor: Arc<Predictor>,
+    /// Its folder or name.
+    model: PathBuf,
+    /// Graphs of the pads met so far: worlds come and go, their pads are the same.
+    graphs: Mutex<Vec<(Arc<PadTopology>, Arc<PadGraph>)>>,
+}
+
+impl Gnn {
+    /// The model in the folder `model`, or the one that ships under this name.
+    ///
+    /// # Errors
+    /// Those of [`Predictor::open`].
+    pub fn open(model: &Path) -> Result<Self> {
+        Ok(Self { predictor: Arc::new(Predictor::open(model)?), model: model.to_path_buf(), graphs: Mutex::default() })
+    }
+
+    /// The graph of the pads of `model`, if the network was trained for it.
+    fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
+        let mut graphs = self.graphs.lock().unwrap_or_else(PoisonError::into_inner);
+        let pad = model.fingers.first().map(|finger| &finger.topology);
+        let fits = |known: &Arc<PadTopology>| pad.is_some_and(|pad| Arc::ptr_eq(known, pad) || known == pad);
+        if let Some((_, graph)) = graphs.iter().find(|(known, _)| fits(known)) {
+            self.predictor.card.range.admits(model, &graph.hash)?;
+            return Ok(graph.clone());
+        }
+        let graph = self.predictor.admit(model)?;
+        graphs.extend(pad.map(|pad| (pad.clone(), graph.clone())));
+        Ok(graph)
+    }
+}
+
+impl Stepper for Gnn {
+    fn name(&self) -> &'static str {
+        "gnn"
+    }
+
+    fn settings(&self) -> String {
+        format!("{}, {} parameters", self.model.display(), self.predictor.card.parameters)
+    }
+
+    fn solves_friction(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, world: &mut World) -> Result<()> {
+        let missing = || Error::Start("the world was not spawned for a grasp".into());
+        let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
+        let graph = self.graph(&shared.0)?;
+        world.insert_resource(Prediction {
+            predictor: self.predictor.clone(),
+            graph,
+            grasp: None,
+            pads: Vec::new(),
+            ahead: VecDeque::new(),
+            ladder: OnceLock::new(),
+        });
+        Ok(())
+    }
+
+    fn register(&self, schedule: &mut Schedule, _: &mut World, model: &Model) {
+        register(schedule, &model.needs);
+    }
+}
+
+/// What the network says of the grasp of this world.
+#[derive(Resource)]
+pub struct Prediction {
+    predictor: Arc<Predictor>,
+    graph: Arc<PadGraph>,
+    /// First contact, and what the network made of it.
+    grasp: Option<(Touch, Seen)>,
+    /// The pads at the load of this step.
+    pads: Vec<PadState>,
+    /// Those of the next steps: loads that are known beforehand are decoded all at once.
+    ahead: VecDeque<Vec<PadState>>,
+    /// Those at any load, for an agent; None where there is no answer to one of its loads.
+    ladder: OnceLock<Option<Ladder>>,
+}
+
+/// Puts the systems in their sets; those for what the scene does not need are left out.
+fn register(schedule: &mut Schedule, needs: &Needs) {
+    schedule.add_systems(look.run_if(ramping).after(close_to_contact).in_set(StepSet::Sense));
+    schedule.add_systems((predict, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
+    if needs.task {
+        schedule.add_systems(carry_load.run_if(ramping).after(predict).before(write_state).in_set(StepSet::Advance));
+    } else {
+        // What the prediction costs in truth is for reports, not for agents.
+        schedule.add_systems(measure_shape.run_if(reached).in_set(StepSet::Measure));
+    }
+    if needs.stress {
+        schedule.add_systems(write_stress.run_if(reached).in_set(StepSet::Measure));
+    }
+    if needs.contact_force {
+        schedule.add_systems(write_contact.run_if(reached).in_set(StepSet::Measure));
+    }
+}
+
+/// Looks at the grasp once, at first contact: travel and pose are still those of `close_to_contact`.
+fn look(
+    phase: Res<Phase>,
+    shared: Res<Shared>,
+    mut prediction: ResMut<Prediction>,
+    mut timings: ResMut<Timings>,
+    fingers: Query<(&FingerIndex, &FingerTravel)>,
+    pose: Single<&ObjectPose>,
+) {
+    if *phase != (Phase::Ramp { frame: 0 }) {
+        return;
+    }
+    let clock = Instant::now();
+    let travel: Vec<(u32, f64)> = fingers.iter().map(|(f, t)| (f.0, t.0)).collect();
+    let touch = Touch::new(&shared.0, **pose, &travel);
+    let seen = prediction.predictor.look(&shared.0, &prediction.graph, &touch);
+    let seen = if shared.0.needs.stress { seen } else { seen.without_stress() };
+    prediction.grasp = Some((touch, seen));
+    prediction.ladder = OnceLock::new();
+    timings.stages.insert("encode", clock.elapsed().as_secs_f64());
+}
+
+/// One load level; numbers that are not finite end the grasp.
+fn predict(
+    phase: Res<Phase>,
+    shared: Res<Shared>,
+    command: Option<Res<Command>>,
+    mut prediction: ResMut<Prediction>,
+    mut advance: ResMut<Advance>,
+    mut next: ResMut<Next>,
+    mut timings: ResMut<Timings>,
+) {
+    let clock = Instant::now();
+    let Prediction { predictor, grasp, ahead, ladder, .. } = &mut *prediction;
+    let asked = match grasp {
+        Some((_, seen)) if command.is_none() => {
+            if *phase == (Phase::Ramp { frame: 0 }) {
+                // Where one of the loads has no answer, each is asked for by itself, as far as they go.
+                *ahead = predictor.ramp(seen, &shared.0.levels).map(VecDeque::from).unwrap_or_default();
+            }
+            ahead.pop_front().map_or_else(|| predictor.at(seen, advance.level), Ok)
+        }
+        Some((_, seen)) => {
+            let known = ladder
+                .get_or_init(|| Ladder::new(predictor, seen, shared.0.levels[0], *shared.0.levels.last()?).ok())
+                .as_ref()
+                .and_then(|ladder| ladder.at(advance.level));
+            known.map_or_else(|| predictor.at(seen, advance.level), Ok)
+        }
+        None => Err(Error::Start("the load rises before first contact".into())),
+    };
+    match asked {
+        Ok(pads) => {
+            prediction.pads = pads;
+            (advance.reached, advance.iterations) = (true, 1);
+            timings.iterations += 1;
+        }
+        Err(error) => next.request(Phase::Fault { reason: error.to_string() }),
+    }
+    *timings.stages.entry("decode").or_insert(0.0) += clock.elapsed().as_secs_f64();
+}
+
+/// Shares a load on the object out among the pads and their nodes like the pressure: what an agent does with an object was
+/// not in the training.
+fn carry_load(mut prediction: ResMut<Prediction>, shared: Res<Shared>, weight: Single<&ObjectWeight>) {
+    let model = &shared.0;
+    let each = weight.0 / model.fingers.len() as f64;
+    for (pad, finger) in prediction.pads.iter_mut().zip(&model.fingers) {
+        let own = finger.placement.rotation.transpose() * each;
+        // The object presses against the pad's outward axis.
+        let whole: f64 = pad.contact.iter().map(|f| -f.z).sum();
+        pad.contact.iter_mut().for_each(|f| *f += own * (-f.z / whole));
+    }
+}
+
+/// Prediction -> columns: positions, travel, pose, wrench.
+fn write_state(
+    prediction: Res<Prediction>,
+    shared: Res<Shared>,
+    advance: Res<Advance>,
+    mut nodes: Query<(&NodeIndex, &FingerIndex, &RestPosition, &mut Position)>,
+    mut fingers: Query<(&FingerIndex, &FirstContact, &mut FingerTravel, &mut FingerWrench)>,
+    mut pose: Single<&mut ObjectPose>,
+) {
+    let (Some((touch, _)), true) = (&prediction.grasp, advance.reached) else { return };
+    let (model, pads) = (&shared.0, &prediction.pads);
+    let axes = |finger: &FingerIndex| model.fingers[finger.0 as usize].placement.rotation;
+    for (index, finger, rest, mut position) in nodes.contiguous_iter_mut().expect(TABLES) {
+        let position = position.bypass_change_detection();
+        for row in 0..index.len() {
+            let u = pads[finger[row].0 as usize].displacement[index[row].0 as usize];
+            position[row].0 = rest[row].0 + axes(&finger[row]) * u;
+        }
+    }
+    for (finger, first, mut travel, mut wrench) in &mut fingers {
+        let (pad, rest) = (&pads[finger.0 as usize], &model.fingers[finger.0 as usize].topology.rest);
+        travel.0 = first.0 + pad.travel;
+        let force: DVec3 = pad.contact.iter().sum();
+        let arms = rest.iter().zip(&pad.displacement).map(|(x, u)| *x + *u);
+        let torque: DVec3 = arms.zip(&pad.contact).map(|(x, f)| x.cross(*f)).sum();
+        *wrench = FingerWrench { force: axes(finger) * force, torque: axes(finger) * torque };
+    }
+    if model.free {
+        // Every pad has its own view of the object's motion: their mean.
+        let mean = |pick: fn(&PadState) -> DVec3| {
+            let all = model.fingers.iter().zip(pads).map(|(f, pad)| f.placement.rotation * pick(pad));
+            all.sum::<DVec3>() / pads.len() as f64
+        };
+        **pose = moved(model, &touch.object, mean(|p| p.shift), mean(|p| p.turn));
+    }
+}
+
+/// Once a node is in the object, only nodes within this of it, m, can be the worst.
+const NEAR: f64 = 1e-9;
+
+/// What the prediction costs in truth: the smallest det F, and the smallest gap of a face node, which may be negative.
+fn measure_shape(
+    prediction: Res<Prediction>,
+    shared: Res<Shared>,
+    mut advance: ResMut<Advance>,
+    nodes: Query<(&NodeIndex, &FingerIndex, &Position)>,
+    fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel)>,
+    object: Single<&ObjectPose>,
+) {
+    let model = &shared.0;
+    let mut x: Vec<Vec<DVec3>> = model.fingers.iter().map(|f| vec![DVec3::ZERO; f.body.rest.len()]).collect();
+    for (index, finger, position) in nodes.contiguous_iter().expect(TABLES) {
+        for row in 0..index.len() {
+            x[finger[row].0 as usize][index[row].0 as usize] = position[row].0;
+        }
+    }
+    let inverse = object.rotation.inverse();
+    let carried: Vec<(usize, DVec3)> = fingers.iter().map(|(f, c, t)| (f.0 as usize, c.0 * t.0)).collect();
+    let worst = |(finger, carried): &(usize, DVec3)| {
+        let own = &x[*finger];
+        let gap = prediction.graph.face.iter().fold(f64::INFINITY, |least, node| {
+            let at = inverse * (own[*node as usize] + *carried - object.position);
+            // Whoever is farther away than the nearest so far need not say how far.
+            let closer = model.object.distance.closest(at, least.max(NEAR));
+            closer.map_or(least, |c| least.min(c.distance))
+        });
+        (model.fingers[*finger].body.min_det_f(own), gap)
+    };
+    let least = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.min(b.1));
+    let least = carried.par_iter().map(worst).reduce(|| (f64::INFINITY, f64::INFINITY), least);
+    (advance.min_det_f, advance.min_gap) = least;
+}
+
+/// Von Mises stress on nodes; a tetrahedron has the mean of its nodes.
+fn write_stress(
+    prediction: Res<Prediction>,
+    shared: Res<Shared>,
+    mut nodes: Query<(&NodeIndex, &FingerIndex, &mut NodalStress)>,
+    mut tets: Query<(&TetIndex, &FingerIndex, &mut TetStress)>,
+) {
+    for (index, finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
+        let column = column.bypass_change_detection();
+        for row in 0..index.len() {
+            column[row].0 = prediction.pads[finger[row].0 as usize].stress[index[row].0 as usize];
+        }
+    }
+    for (index, finger, mut column) in tets.contiguous_iter_mut().expect(TABLES) {
+        let column = column.bypass_change_detection();
+        for row in 0..index.len() {
+            let f = finger[row].0 as usize;
+            let elements = &shared.0.fingers[f].topology.elements;
+            let width = elements.width();
+            let own = &elements.nodes()[width * index[row].0 as usize..][..width];
+            let sum: f64 = own.iter().map(|n| prediction.pads[f].stress[*n as usize]).sum();
+            column[row].0 = sum / width as f64;
+        }
+    }
+}
+
+/// Contact forces on nodes, hand frame.
+fn write_contact(
+    prediction: Res<Prediction>,
+    shared: Res<Shared>,
+    mut nodes: Query<(&NodeIndex, &FingerIndex, &mut ContactForce)>,
+) {
+    for (index, finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
+        let column = column.bypass_change_detection();
+        for row in 0..index.len() {
+            let f = finger[row].0 as usize;
+            let force = prediction.pads[f].contact[index[row].0 as usize];
+            column[row].0 = shared.0.fingers[f].placement.rotation * force;
+        }
+    }
+}

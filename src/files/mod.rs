@@ -1,0 +1,5 @@
+//! Files: read from whoever names them, written whole or not at all, in folders that one process writes at a time.
+
+pub mod atomic;
+pub mod lock;
+pub mod regular;

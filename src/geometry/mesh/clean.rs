@@ -1,0 +1,151 @@
+//! Makes a tetrahedral mesh fit for simulation, telling what it changed, refusing what it must not guess.
+
+use crate::error::{Error, Result};
+use crate::geometry::mesh::{MAX_COUNT, TetMesh, quality, show, signed_volume, surface};
+
+/// Tetrahedra of a mean-ratio quality below this are flat: refused. (A sliver of this quality is some 1e-6 of its
+/// edge high.)
+pub const FLAT: f64 = 1e-4;
+
+/// What [`repair_mapped`] did.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Repair {
+    /// One sentence per kind of change.
+    pub notices: Vec<String>,
+    /// Per node before the repair: its index now, or None if it was unused and removed.
+    pub node_map: Vec<Option<u32>>,
+}
+
+/// Welds exactly equal nodes, removes unused ones, and turns tetrahedra of negative volume; returns a notice for each.
+///
+/// Errors, all naming the tetrahedron (0-based), where it is, and its size: index out of range, repeated node,
+/// non-finite node, flat tetrahedron (quality below [`FLAT`]), face shared by three or more tetrahedra, empty mesh.
+pub fn repair(mesh: &mut TetMesh) -> Result<Vec<String>> {
+    repair_mapped(mesh).map(|r| r.notices)
+}
+
+/// [`repair`] that also returns where every node went.
+///
+/// Errors: those of [`repair`].
+pub fn repair_mapped(mesh: &mut TetMesh) -> Result<Repair> {
+    check_indices(mesh)?;
+    let mut notices = Vec::new();
+    let (node_map, welded, unused) = compact(mesh);
+    if welded > 0 {
+        notices.push(format!("welded {welded} duplicate nodes (exactly equal coordinates)"));
+    }
+    if unused > 0 {
+        notices.push(format!("removed {unused} nodes that no tetrahedron uses"));
+    }
+    for (t, tet) in mesh.tets.iter().enumerate() {
+        for i in 0..4 {
+            if tet[..i].contains(&tet[i]) {
+                let place = show(mesh.nodes[tet[i] as usize]);
+                return Err(Error::Mesh(format!(
+                    "tetrahedron {t} (0-based) uses node {} twice, at {place}; its four corners must be different points: \
+                     remove it or mesh again",
+                    tet[i]
+                )));
+            }
+        }
+    }
+    let mut turned = 0;
+    for t in 0..mesh.tets.len() {
+        if signed_volume(mesh.corners(t)) < 0.0 {
+            mesh.tets[t].swap(2, 3);
+            turned += 1;
+        }
+    }
+    if turned > 0 {
+        notices.push(format!("turned {turned} of {} tetrahedra that had negative volume", mesh.tets.len()));
+    }
+    refuse_flat(mesh)?;
+    surface::refuse_non_manifold(mesh)?;
+    Ok(Repair { notices, node_map })
+}
+
+/// Refuses an empty mesh, indices out of range and non-finite nodes.
+///
+/// Errors: [`Error::Mesh`] naming the first offender.
+pub fn check_indices(mesh: &TetMesh) -> Result<()> {
+    let (n, m) = (mesh.nodes.len(), mesh.tets.len());
+    if n == 0 || m == 0 {
+        return Err(Error::Mesh(format!("the mesh is empty: {n} nodes and {m} tetrahedra")));
+    }
+    if n.max(m) > MAX_COUNT {
+        return Err(Error::Mesh(format!("{n} nodes and {m} tetrahedra; at most {MAX_COUNT} of each are allowed")));
+    }
+    if let Some((i, p)) = mesh.nodes.iter().enumerate().find(|(_, p)| !p.is_finite()) {
+        return Err(Error::Mesh(format!("node {i} (0-based) is {p}; only finite coordinates are allowed")));
+    }
+    for (t, tet) in mesh.tets.iter().enumerate() {
+        if let Some(i) = tet.iter().find(|i| **i as usize >= n) {
+            return Err(Error::Mesh(format!("tetrahedron {t} (0-based) refers to node {i}; allowed: 0..={}", n - 1)));
+        }
+    }
+    Ok(())
+}
+
+/// Welds equal nodes onto the first of them and drops unused ones, keeping the order. Returns the map, the number
+/// welded and the number dropped.
+fn compact(mesh: &mut TetMesh) -> (Vec<Option<u32>>, usize, usize) {
+    let n = mesh.nodes.len();
+    let representative = first_equal(&mesh.nodes);
+    let mut used = vec![false; n];
+    for i in mesh.tets.iter_mut().flatten() {
+        *i = representative[*i as usize];
+        used[*i as usize] = true;
+    }
+    let mut new_index = vec![None; n];
+    let mut kept = Vec::new();
+    for i in 0..n {
+        if used[i] {
+            new_index[i] = Some(kept.len() as u32);
+            kept.push(mesh.nodes[i]);
+        }
+    }
+    // A representative in use is always kept, so the default is never taken.
+    for i in mesh.tets.iter_mut().flatten() {
+        *i = new_index[*i as usize].unwrap_or_default();
+    }
+    let map: Vec<Option<u32>> = representative.iter().map(|r| new_index[*r as usize]).collect();
+    let welded = (0..n).filter(|i| representative[*i] as usize != *i && map[*i].is_some()).count();
+    let unused = map.iter().filter(|m| m.is_none()).count();
+    mesh.nodes = kept;
+    (map, welded, unused)
+}
+
+/// Per point, the index of the first point with exactly the same coordinates (0.0 and -0.0 are the same).
+pub(crate) fn first_equal(points: &[glam::DVec3]) -> Vec<u32> {
+    let key = |i: u32| points[i as usize].to_array().map(|x| x + 0.0);
+    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    order.sort_by(|a, b| {
+        let (p, q) = (key(*a), key(*b));
+        p[0].total_cmp(&q[0]).then(p[1].total_cmp(&q[1])).then(p[2].total_cmp(&q[2])).then(a.cmp(b))
+    });
+    let mut first: Vec<u32> = (0..points.len() as u32).collect();
+    for pair in order.windows(2) {
+        if key(pair[0]) == key(pair[1]) {
+            first[pair[1] as usize] = first[pair[0] as usize];
+        }
+    }
+    first
+}
+
+fn refuse_flat(mesh: &TetMesh) -> Result<()> {
+    for t in 0..mesh.tets.len() {
+        let corners = mesh.corners(t);
+        let ratio = quality::mean_ratio(corners);
+        if ratio < FLAT || ratio.is_nan() {
+            let centre = corners.iter().sum::<glam::DVec3>() / 4.0;
+            return Err(Error::Mesh(format!(
+                "tetrahedron {t} (0-based), nodes {:?}, is flat: volume {:.3e} m^3, quality {ratio:.2e} (a regular one has \
+                 1, at least {FLAT:.0e} is needed), centroid {}; mesh again or remove it",
+                mesh.tets[t],
+                signed_volume(corners),
+                show(centre)
+            )));
+        }
+    }
+    Ok(())
+}

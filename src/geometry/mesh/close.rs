@@ -1,0 +1,73 @@
+//! Welding within a tolerance: what a round trip through 32-bit numbers or a few digits of text has pulled apart.
+
+use std::collections::{BTreeSet, HashMap};
+
+use glam::{DVec3, I64Vec3};
+
+use crate::geometry::mesh::topology::{collapse, sides};
+use crate::geometry::mesh::{TriMesh, facets};
+
+/// Part of an object's largest size within which open corners are one.
+const RELATIVE: f64 = 1e-6;
+
+/// What [`weld_open`] did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Closed {
+    /// Vertices merged into others.
+    pub vertices: usize,
+    /// The tolerance, m.
+    pub tolerance: f64,
+    /// The farthest that a vertex was moved, m.
+    pub moved: f64,
+}
+
+/// The distance within which vertices of `mesh` may be one, m: `1e-6 L + 2^-22 R`, with its largest size `L` and its largest
+/// coordinate `R`, both in m. The second part is what two roundings to 32 bits come to.
+pub fn tolerance(mesh: &TriMesh) -> f64 {
+    let low = mesh.vertices.iter().fold(DVec3::INFINITY, |m, p| m.min(*p));
+    let high = mesh.vertices.iter().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
+    let size = (high - low).max_element().max(0.0);
+    RELATIVE * size + low.abs().max(high.abs()).max_element() * 2.0_f64.powi(-22)
+}
+
+/// Merges vertices at faulty edges (not shared by two triangles in opposite directions) with the first such vertex within
+/// [`tolerance`], and the ends of a triangle without area that are as close; drops what that leaves without extent. A mesh without
+/// faults stays as it is. Indices must be valid.
+pub fn weld_open(mesh: &mut TriMesh) -> Option<Closed> {
+    let mut loose = BTreeSet::new();
+    for group in sides(mesh).chunk_by(|x, y| x.ends == y.ends) {
+        if !matches!(group, [one, two] if one.reversed != two.reversed) {
+            loose.extend(group[0].ends);
+        }
+    }
+    for t in 0..mesh.triangles.len() {
+        if facets::is_flat(mesh.corners(t)) {
+            loose.extend(mesh.triangles[t]);
+        }
+    }
+    if loose.is_empty() {
+        return None;
+    }
+    let tolerance = tolerance(mesh);
+    let mut first: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
+    let mut kept: HashMap<I64Vec3, Vec<u32>> = HashMap::new();
+    let (mut vertices, mut moved) = (0, 0.0_f64);
+    for v in loose {
+        let p = mesh.vertices[v as usize];
+        let cell = (p / tolerance).floor().as_i64vec3();
+        let near = |u: &&u32| mesh.vertices[**u as usize].distance(p) <= tolerance;
+        let cells = (0..27_i64).map(|i| cell.saturating_add(I64Vec3::new(i % 3, i / 3 % 3, i / 9) - 1));
+        match cells.filter_map(|c| kept.get(&c)?.iter().find(near)).min() {
+            Some(u) => {
+                first[v as usize] = *u;
+                vertices += 1;
+                moved = moved.max(mesh.vertices[*u as usize].distance(p));
+            }
+            None => kept.entry(cell).or_default().push(v),
+        }
+    }
+    if vertices > 0 {
+        collapse(mesh, &first);
+    }
+    (vertices > 0).then_some(Closed { vertices, tolerance, moved })
+}

@@ -1,0 +1,194 @@
+//! The ASCII form, line by line.
+
+use std::path::Path;
+
+use super::collect::{Collected, kept_nodes};
+use super::{PARAMETRIC, Version};
+use crate::error::{Error, Result};
+use crate::geometry::mesh::TetMesh;
+use crate::geometry::mesh::io::text::{self, Line};
+
+/// Parses the text of a gmsh file; `path` is for messages.
+pub(crate) fn parse(path: &Path, source: &str) -> Result<(TetMesh, Vec<String>)> {
+    let mut lines = text::lines(source, None);
+    let mut next = |expected: &str| lines.next().ok_or_else(|| text::ended(path, expected));
+    let mut found = Collected::default();
+    let mut version = None;
+    while let Ok(line) = next("a section") {
+        let name = line.first().text;
+        match name {
+            "$MeshFormat" => version = Some(format_version(path, &next("the format line")?)?),
+            "$Nodes" | "$Elements" => {
+                let Some(version) = version else {
+                    let message = "a section stands before `$MeshFormat`; the format version must come first";
+                    return Err(text::at(path, line.first(), message));
+                };
+                match (name, version) {
+                    ("$Nodes", Version::V2) => nodes_v2(&mut found, path, &mut next)?,
+                    ("$Nodes", _) => nodes_v4(&mut found, version, path, &mut next)?,
+                    (_, Version::V2) => elements_v2(&mut found, path, &mut next)?,
+                    _ => elements_v4(&mut found, version, path, &mut next)?,
+                }
+            }
+            "$ParametricNodes" => return Err(text::at(path, line.first(), PARAMETRIC)),
+            _ if name.starts_with('$') => {}
+            other => {
+                let message = format!("expected a section such as `$Nodes`, found {}", text::quote(other));
+                return Err(text::at(path, line.first(), message));
+            }
+        }
+        // Rows of a section that is not needed, and the closing line.
+        let end = format!("$End{}", name.trim_start_matches('$'));
+        loop {
+            let row = next(&text::quote(&end))?;
+            if row.first().text == end {
+                break;
+            }
+            if matches!(name, "$Nodes" | "$Elements" | "$MeshFormat") {
+                let message = format!("expected `{end}`, found more rows than the counts declare");
+                return Err(text::at(path, row.first(), message));
+            }
+        }
+    }
+    if version.is_none() {
+        return Err(Error::file(
+            path,
+            "no `$MeshFormat` section: this is not a gmsh file; allowed: gmsh 2.2, 4.0 or 4.1",
+        ));
+    }
+    found.finish(path)
+}
+
+fn format_version(path: &Path, line: &Line<'_>) -> Result<Version> {
+    text::columns(path, line, &[3], "the `version file-type data-size` line")?;
+    if line.words[1].text != "0" {
+        let message = format!("file type {}; allowed: 0 (ASCII) or 1 (binary)", text::quote(line.words[1].text));
+        return Err(text::at(path, line.words[1], message));
+    }
+    Version::of(line.words[0].text).map_err(|message| text::at(path, line.first(), message))
+}
+
+/// A node of a line that starts with its tag.
+fn node(found: &mut Collected, path: &Path, line: &Line<'_>) -> Result<()> {
+    let tag = text::integer(path, line.first(), "node tag")?;
+    found.node(tag).map_err(|message| text::at(path, line.first(), message))
+}
+
+fn nodes_v2<'a>(found: &mut Collected, path: &Path, next: &mut impl FnMut(&str) -> Result<Line<'a>>) -> Result<()> {
+    let head = next("the number of nodes")?;
+    text::columns(path, &head, &[1], "the number of nodes")?;
+    for _ in 0..text::count(path, head.first(), "the number of nodes")? {
+        let line = next("a node `tag x y z`")?;
+        text::columns(path, &line, &[4], "a node `tag x y z`")?;
+        node(found, path, &line)?;
+        found.place(found.nodes() - 1, text::position(path, &line.words[1..])?);
+    }
+    Ok(())
+}
+
+fn nodes_v4<'a>(
+    found: &mut Collected,
+    version: Version,
+    path: &Path,
+    next: &mut impl FnMut(&str) -> Result<Line<'a>>,
+) -> Result<()> {
+    let head = block_counts(version, path, next, "nodes")?;
+    let total = text::count(path, head.words[1], "the number of nodes")?;
+    for _ in 0..text::count(path, head.first(), "the number of node blocks")? {
+        let block = next("a node block")?;
+        text::columns(path, &block, &[4], "a node block of an entity's two numbers, `parametric`, `count`")?;
+        let n = text::count(path, block.words[3], "the number of nodes of a block")?;
+        if n > total - found.nodes().min(total) {
+            let message = format!("the blocks hold more nodes than the {total} declared");
+            return Err(text::at(path, block.first(), message));
+        }
+        let first = found.nodes();
+        for _ in 0..n {
+            if version == Version::V40 {
+                let line = next("a node `tag x y z`")?;
+                text::columns(path, &line, &[4, 5, 6, 7], "a node `tag x y z`")?;
+                node(found, path, &line)?;
+                found.place(found.nodes() - 1, text::position(path, &line.words[1..4])?);
+            } else {
+                let line = next("a node tag")?;
+                text::columns(path, &line, &[1], "a node tag")?;
+                node(found, path, &line)?;
+            }
+        }
+        if version == Version::V41 {
+            for k in first..first + n {
+                let line = next("node coordinates")?;
+                text::columns(path, &line, &[3, 4, 5, 6], "node coordinates")?;
+                found.place(k, text::position(path, &line.words[..3])?);
+            }
+        }
+    }
+    if found.nodes() < total {
+        let message = format!("{total} nodes declared, but the blocks hold {}", found.nodes());
+        return Err(text::at(path, head.words[1], message));
+    }
+    Ok(())
+}
+
+/// The line that opens a section of blocks: blocks, items, and since 4.1 the smallest and largest tag.
+fn block_counts<'a>(
+    version: Version,
+    path: &Path,
+    next: &mut impl FnMut(&str) -> Result<Line<'a>>,
+    what: &str,
+) -> Result<Line<'a>> {
+    let (columns, names) = match version {
+        Version::V41 => (4, format!("blocks {what} min max")),
+        _ => (2, format!("blocks {what}")),
+    };
+    let head = next(&format!("`{names}`"))?;
+    text::columns(path, &head, &[columns], &format!("the `{names}` line"))?;
+    Ok(head)
+}
+
+fn elements_v2<'a>(found: &mut Collected, path: &Path, next: &mut impl FnMut(&str) -> Result<Line<'a>>) -> Result<()> {
+    let head = next("the number of elements")?;
+    text::columns(path, &head, &[1], "the number of elements")?;
+    for _ in 0..text::count(path, head.first(), "the number of elements")? {
+        let line = next("an element")?;
+        let [_, kind, tags, ..] = line.words[..] else {
+            return Err(text::at(path, line.last(), "an element `id type n-tags ...` has fewer than 3 columns"));
+        };
+        let kind = text::integer(path, kind, "element type")?;
+        let tags = text::count(path, tags, "the number of tags")?;
+        element(found, path, &line, kind, 3 + tags)?;
+    }
+    Ok(())
+}
+
+fn elements_v4<'a>(
+    found: &mut Collected,
+    version: Version,
+    path: &Path,
+    next: &mut impl FnMut(&str) -> Result<Line<'a>>,
+) -> Result<()> {
+    let head = block_counts(version, path, next, "elements")?;
+    for _ in 0..text::count(path, head.first(), "the number of element blocks")? {
+        let block = next("an element block")?;
+        text::columns(path, &block, &[4], "an element block of an entity's two numbers, `type`, `count`")?;
+        let kind = text::integer(path, block.words[2], "element type")?;
+        for _ in 0..text::count(path, block.words[3], "the number of elements of a block")? {
+            element(found, path, &next("an element")?, kind, 1)?;
+        }
+    }
+    Ok(())
+}
+
+/// Keeps a tetrahedron whose node tags start at column `skip`, counts anything else.
+fn element(found: &mut Collected, path: &Path, line: &Line<'_>, kind: u64, skip: usize) -> Result<()> {
+    let Some(n) = kept_nodes(kind) else {
+        found.skip(kind);
+        return Ok(());
+    };
+    text::columns(path, line, &[skip + n], "a tetrahedron")?;
+    let mut tags = [0; 10];
+    for (tag, word) in tags.iter_mut().zip(&line.words[skip..]) {
+        *tag = text::integer(path, *word, "node tag")?;
+    }
+    found.tetrahedron(&tags[..n]).map_err(|(node, message)| text::at(path, line.words[skip + node], message))
+}

@@ -1,0 +1,158 @@
+//! The binary form, in the byte order that the file tells by a 1.
+
+use std::path::Path;
+
+use super::collect::{Collected, kept_nodes};
+use super::cursor::Cursor;
+use super::{PARAMETRIC, Version};
+use crate::error::Result;
+use crate::geometry::mesh::{MAX_COUNT, TetMesh};
+
+/// Nodes of the element types 1 to 31 of gmsh.
+const NODES: [usize; 31] =
+    [2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1, 8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4, 5, 6, 20, 35, 56];
+/// Parses a binary gmsh file; `path` is for messages.
+pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<(TetMesh, Vec<String>)> {
+    let mut file = Cursor::new(path, bytes);
+    let mut found = Collected::default();
+    while let Some(name) = file.section()? {
+        let body = name.trim_start_matches('$').to_string();
+        match (name, file.version) {
+            ("$MeshFormat", _) => file.format()?,
+            ("$Nodes" | "$Elements", None) => {
+                return Err(file.fail("a section stands before `$MeshFormat`; the format version must come first"));
+            }
+            ("$ParametricNodes", _) => return Err(file.fail(PARAMETRIC)),
+            ("$Nodes", Some(Version::V2)) => nodes_v2(&mut file, &mut found)?,
+            ("$Nodes", Some(version)) => nodes_v4(&mut file, &mut found, version)?,
+            ("$Elements", Some(Version::V2)) => elements_v2(&mut file, &mut found)?,
+            ("$Elements", Some(version)) => elements_v4(&mut file, &mut found, version)?,
+            _ => {
+                file.skip_to(&format!("$End{body}"))?;
+                continue;
+            }
+        }
+        let end = format!("$End{body}");
+        if file.section()? != Some(end.as_str()) {
+            return Err(file.fail(&format!("expected `{end}`: the counts of the section do not fit what it holds")));
+        }
+    }
+    found.finish(path)
+}
+
+fn nodes_v2(file: &mut Cursor<'_>, found: &mut Collected) -> Result<()> {
+    for _ in 0..file.text_count("the number of nodes")? {
+        let tag = file.int("node tag")?;
+        node(file, found, tag)?;
+        let position = file.position(0)?;
+        found.place(found.nodes() - 1, position);
+    }
+    Ok(())
+}
+
+fn nodes_v4(file: &mut Cursor<'_>, found: &mut Collected, version: Version) -> Result<()> {
+    let blocks = file.count("the number of node blocks")?;
+    let total = file.count("the number of nodes")?;
+    if version == Version::V41 {
+        file.take(2 * file.wide, "the smallest and largest tag")?;
+    }
+    for _ in 0..blocks {
+        let entity = [file.any_int("an entity's number")?, file.any_int("an entity's number")?];
+        let dimension = if version == Version::V41 { entity[0] } else { entity[1] };
+        let parametric = file.int("`parametric`")? != 0;
+        // Parameters of a node on a curve, surface or volume: as many as dimensions.
+        let extra = if parametric { dimension.clamp(0, 3) as usize } else { 0 };
+        let n = file.count("the number of nodes of a block")?;
+        if found.nodes() + n > total {
+            return Err(file.fail(&format!("the blocks hold more nodes than the {total} declared")));
+        }
+        let first = found.nodes();
+        for k in first..first + n {
+            let tag = if version == Version::V41 { file.size("node tag")? } else { file.int("node tag")? };
+            node(file, found, tag)?;
+            if version == Version::V40 {
+                let position = file.position(extra)?;
+                found.place(k, position);
+            }
+        }
+        if version == Version::V41 {
+            for k in first..first + n {
+                let position = file.position(extra)?;
+                found.place(k, position);
+            }
+        }
+    }
+    if found.nodes() < total {
+        return Err(file.fail(&format!("{total} nodes declared, but the blocks hold {}", found.nodes())));
+    }
+    Ok(())
+}
+
+fn node(file: &Cursor<'_>, found: &mut Collected, tag: u64) -> Result<()> {
+    found.node(tag).map_err(|message| file.fail(&message))
+}
+
+fn elements_v2(file: &mut Cursor<'_>, found: &mut Collected) -> Result<()> {
+    let total = file.text_count("the number of elements")?;
+    let mut read = 0;
+    while read < total {
+        let kind = file.int("element type")?;
+        let follow = file.int("the number of elements of a block")? as usize;
+        let tags = file.int("the number of tags")? as usize;
+        if follow == 0 || follow > total - read {
+            let left = total - read;
+            return Err(file.fail(&format!("a block of {follow} elements, where {left} of {total} are left")));
+        }
+        for _ in 0..follow {
+            file.take(4, "an element's number")?;
+            file.take(4 * tags.min(MAX_COUNT), "an element's tags")?;
+            element(file, found, kind, Cursor::int)?;
+        }
+        read += follow;
+    }
+    Ok(())
+}
+
+fn elements_v4<'a>(file: &mut Cursor<'a>, found: &mut Collected, version: Version) -> Result<()> {
+    let tag: fn(&mut Cursor<'a>, &str) -> Result<u64> =
+        if version == Version::V41 { Cursor::size } else { Cursor::int };
+    let blocks = file.count("the number of element blocks")?;
+    file.count("the number of elements")?;
+    if version == Version::V41 {
+        file.take(2 * file.wide, "the smallest and largest tag")?;
+    }
+    for _ in 0..blocks {
+        file.take(8, "an entity's two numbers")?;
+        let kind = file.int("element type")?;
+        for _ in 0..file.count("the number of elements of a block")? {
+            tag(file, "an element's number")?;
+            element(file, found, kind, tag)?;
+        }
+    }
+    Ok(())
+}
+
+/// Keeps a tetrahedron, counts and passes over anything else; `tag` reads the number of a node.
+fn element<'a>(
+    file: &mut Cursor<'a>,
+    found: &mut Collected,
+    kind: u64,
+    tag: fn(&mut Cursor<'a>, &str) -> Result<u64>,
+) -> Result<()> {
+    let known = (kind as usize).checked_sub(1).and_then(|k| NODES.get(k));
+    let Some(&n) = known else {
+        return Err(file.fail(&format!("element type {kind} is not known; allowed: 1 to {}", NODES.len())));
+    };
+    if kept_nodes(kind).is_none() {
+        for _ in 0..n {
+            tag(file, "node tag")?;
+        }
+        found.skip(kind);
+        return Ok(());
+    }
+    let mut tags = [0; 10];
+    for t in &mut tags[..n] {
+        *t = tag(file, "node tag")?;
+    }
+    found.tetrahedron(&tags[..n]).map_err(|(_, message)| file.fail(&message))
+}

@@ -1,0 +1,150 @@
+//! What both forms of a gmsh file fill: nodes by tag, tetrahedra by the tags of their nodes.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::error::{Error, Result};
+use crate::geometry::mesh::{MAX_COUNT, TetMesh};
+
+/// gmsh's number of the 4-node tetrahedron.
+const LINEAR: u64 = 4;
+/// gmsh's number of the 10-node tetrahedron.
+const QUADRATIC: u64 = 11;
+/// Edges of the 10-node tetrahedron in the order of their middle nodes in gmsh.
+const MIDDLES: [(usize, usize); 6] = [(0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3)];
+/// An edge is straight if its middle node is off the middle by at most this part of its length: rounding of files with
+/// few digits stays below.
+const STRAIGHT: f64 = 1e-3;
+/// A middle node farther off than this part of the edge's length is no middle node: the order of the nodes is another.
+const MISPLACED: f64 = 0.25;
+
+/// A refused element: which of its nodes (0-based), and why.
+pub(crate) type Refused = (usize, String);
+
+/// What is collected while reading.
+#[derive(Default)]
+pub(crate) struct Collected {
+    mesh: TetMesh,
+    /// Node tag -> index; only looked up, never iterated.
+    index_of: HashMap<u64, u32>,
+    /// Element type -> number left out.
+    skipped: BTreeMap<u64, usize>,
+    /// Tetrahedra of second order.
+    quadratic: usize,
+    /// Largest distance of a middle node from the middle of its edge, m, and over the edge's length.
+    bulge: (f64, f64),
+}
+
+/// Nodes of a tetrahedron that is kept; None for other elements.
+pub(crate) fn kept_nodes(kind: u64) -> Option<usize> {
+    match kind {
+        LINEAR => Some(4),
+        QUADRATIC => Some(10),
+        _ => None,
+    }
+}
+
+impl Collected {
+    /// Nodes so far.
+    pub fn nodes(&self) -> usize {
+        self.mesh.nodes.len()
+    }
+
+    /// The next node; its place is at the origin until [`Self::place`] is told.
+    pub fn node(&mut self, tag: u64) -> std::result::Result<(), String> {
+        if self.nodes() >= MAX_COUNT {
+            return Err(format!("more than the {MAX_COUNT} nodes allowed"));
+        }
+        if self.index_of.insert(tag, self.nodes() as u32).is_some() {
+            return Err(format!("node tag {tag} is used twice; tags must be unique"));
+        }
+        self.mesh.nodes.push(DVec3::ZERO);
+        Ok(())
+    }
+
+    /// The position of a node by its index, m.
+    pub fn place(&mut self, index: usize, position: DVec3) {
+        self.mesh.nodes[index] = position;
+    }
+
+    /// Counts an element that is left out.
+    pub fn skip(&mut self, kind: u64) {
+        *self.skipped.entry(kind).or_default() += 1;
+    }
+
+    /// Keeps a tetrahedron of [`kept_nodes`] by its corners; middle nodes are only looked at.
+    pub fn tetrahedron(&mut self, tags: &[u64]) -> std::result::Result<(), Refused> {
+        let element = self.mesh.tets.len();
+        if element >= MAX_COUNT {
+            return Err((0, format!("more than the {MAX_COUNT} tetrahedra allowed")));
+        }
+        let mut indices = [0; 10];
+        for (k, tag) in tags.iter().enumerate() {
+            indices[k] = *self.index_of.get(tag).ok_or_else(|| {
+                let n = self.nodes();
+                (k, format!("tetrahedron {element} refers to node tag {tag}, which is not among the {n} nodes"))
+            })?;
+        }
+        let [a, b, c, d, middles @ ..] = indices;
+        if tags.len() > 4 {
+            self.quadratic += 1;
+            for (k, (middle, (i, j))) in middles.iter().zip(MIDDLES).enumerate() {
+                let [p, q, m] = [indices[i], indices[j], *middle].map(|n| self.mesh.nodes[n as usize]);
+                let (off, length) = ((m - 0.5 * (p + q)).length(), (q - p).length());
+                if off > MISPLACED * length {
+                    let message = format!(
+                        "tetrahedron {element}: node tag {} lies {off:.3e} m off the middle of its edge of {length:.3e} m; the \
+                         nodes stand in another order than gmsh's, or the edge is too curved: mesh to first order",
+                        tags[k + 4]
+                    );
+                    return Err((k + 4, message));
+                }
+                let part = if length > 0.0 { off / length } else { 0.0 };
+                self.bulge = (self.bulge.0.max(off), self.bulge.1.max(part));
+            }
+        }
+        self.mesh.tets.push([a, b, c, d]);
+        Ok(())
+    }
+
+    /// The mesh and what is to be said about it.
+    ///
+    /// Errors: no tetrahedron.
+    pub fn finish(self, path: &Path) -> Result<(TetMesh, Vec<String>)> {
+        let list: Vec<String> = self.skipped.iter().map(|(kind, n)| format!("{n} of type {kind}")).collect();
+        if self.mesh.tets.is_empty() {
+            let found = if list.is_empty() { "no elements".into() } else { list.join(", ") };
+            return Err(Error::file(
+                path,
+                format!(
+                    "the mesh is empty: no tetrahedra of 4 or 10 nodes (types 4, 11), found {found}; mesh the volume \
+                     (gmsh -3) to first or second order"
+                ),
+            ));
+        }
+        let mut notices = Vec::new();
+        if self.quadratic > 0 {
+            let (off, part) = self.bulge;
+            let edges = if part <= STRAIGHT {
+                "their middle nodes lie in the middle of straight edges".to_string()
+            } else {
+                format!(
+                    "their middle nodes lie up to {off:.2e} m ({:.2} % of the edge) off the middle, but edges are taken as straight",
+                    100.0 * part
+                )
+            };
+            notices.push(format!(
+                "{}: {} tetrahedra of 10 nodes are read by their 4 corners; {edges}; quadratic elements get middle nodes anew",
+                path.display(),
+                self.quadratic
+            ));
+        }
+        if !list.is_empty() {
+            let list = list.join(", ");
+            notices.push(format!("{}: ignored elements {list}; only types 4 and 11 are used", path.display()));
+        }
+        Ok((self.mesh, notices))
+    }
+}

@@ -1,0 +1,174 @@
+//! Bytes of a binary gmsh file, read one after the other in the byte order that the file tells.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::{Version, find};
+use crate::error::{Error, Result};
+use crate::geometry::mesh::MAX_COUNT;
+use crate::geometry::mesh::io::text::quote;
+
+/// Longest line of text between the blocks of bytes.
+const LINE: usize = 4096;
+
+/// The bytes of the file and how far they are read.
+pub(crate) struct Cursor<'a> {
+    path: &'a Path,
+    bytes: &'a [u8],
+    at: usize,
+    big_endian: bool,
+    /// Bytes of a `size_t`.
+    pub wide: usize,
+    /// Known once the section `$MeshFormat` is read.
+    pub version: Option<Version>,
+}
+
+impl<'a> Cursor<'a> {
+    /// At the first byte.
+    pub fn new(path: &'a Path, bytes: &'a [u8]) -> Self {
+        Self { path, bytes, at: 0, big_endian: false, wide: 8, version: None }
+    }
+
+    /// An error at this byte.
+    pub fn fail(&self, message: &str) -> Error {
+        Error::file(self.path, format!("byte {}: {message}", self.at))
+    }
+
+    /// The next `n` bytes; `what` names them.
+    pub fn take(&mut self, n: usize, what: &str) -> Result<&'a [u8]> {
+        let Some(taken) = self.bytes.get(self.at..self.at.saturating_add(n)) else {
+            return Err(Error::file(
+                self.path,
+                format!("the file ends where {what} should follow; it is cut short: write or copy it again"),
+            ));
+        };
+        self.at += n;
+        Ok(taken)
+    }
+
+    /// The rest of a line of text.
+    fn line(&mut self) -> Result<&'a str> {
+        let rest = &self.bytes[self.at..];
+        let length = rest.iter().take(LINE).position(|b| *b == b'\n').unwrap_or(rest.len().min(LINE));
+        let text = std::str::from_utf8(&rest[..length]).map_err(|_| self.fail("expected a line of text"))?;
+        self.at = (self.at + length + 1).min(self.bytes.len());
+        Ok(text.trim())
+    }
+
+    /// The next line that is not blank, which names a section or its end; None at the end of the file.
+    pub fn section(&mut self) -> Result<Option<&'a str>> {
+        while self.bytes.get(self.at).is_some_and(u8::is_ascii_whitespace) {
+            self.at += 1;
+        }
+        if self.at == self.bytes.len() {
+            return Ok(None);
+        }
+        let start = self.at;
+        let name = self.line().ok().filter(|name| name.starts_with('$'));
+        match name {
+            Some(name) => Ok(Some(name)),
+            None => {
+                self.at = start;
+                Err(self.fail(
+                    "expected a section such as `$Nodes`, or the end of one: its counts do not fit what it holds",
+                ))
+            }
+        }
+    }
+
+    /// Goes on behind the next `end`.
+    pub fn skip_to(&mut self, end: &str) -> Result<()> {
+        let Some(found) = find(&self.bytes[self.at..], end.as_bytes()) else {
+            return Err(Error::file(
+                self.path,
+                format!("the file ends where `{end}` should follow; it is cut short: write or copy it again"),
+            ));
+        };
+        self.at += found + end.len();
+        Ok(())
+    }
+
+    /// The section `$MeshFormat`: `version 1 size`, and a 1 that tells the byte order.
+    pub fn format(&mut self) -> Result<()> {
+        let line = self.line()?;
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let [version, "1", size] = words[..] else {
+            return Err(self.fail(&format!("expected `version 1 data-size`, found {}", quote(line))));
+        };
+        self.version = Some(Version::of(version).map_err(|message| self.fail(&message))?);
+        self.wide = match size {
+            "4" => 4,
+            "8" => 8,
+            other => return Err(self.fail(&format!("data size {}; allowed: 4 or 8", quote(other)))),
+        };
+        self.big_endian = match self.take(4, "the 1 that tells the byte order")? {
+            [1, 0, 0, 0] => false,
+            [0, 0, 0, 1] => true,
+            other => return Err(self.fail(&format!("the byte order is told by a 1, found the bytes {other:?}"))),
+        };
+        Ok(())
+    }
+
+    /// Eight bytes in the order of the file, the lowest first.
+    fn number(&mut self, n: usize, what: &str) -> Result<[u8; 8]> {
+        let mut lowest_first = [0; 8];
+        let taken = self.take(n, what)?;
+        lowest_first[..n].copy_from_slice(taken);
+        if self.big_endian {
+            lowest_first[..n].reverse();
+        }
+        Ok(lowest_first)
+    }
+
+    /// An `int`.
+    pub fn any_int(&mut self, what: &str) -> Result<i32> {
+        let [a, b, c, d, ..] = self.number(4, what)?;
+        Ok(i32::from_le_bytes([a, b, c, d]))
+    }
+
+    /// An `int` that is no less than 0.
+    pub fn int(&mut self, what: &str) -> Result<u64> {
+        let value = self.any_int(what)?;
+        u64::try_from(value).map_err(|_| self.fail(&format!("{what} is {value}; a number >= 0 is needed")))
+    }
+
+    /// A `size_t`.
+    pub fn size(&mut self, what: &str) -> Result<u64> {
+        self.number(self.wide, what).map(u64::from_le_bytes)
+    }
+
+    /// A declared count, refused above [`MAX_COUNT`].
+    pub fn count(&mut self, what: &str) -> Result<usize> {
+        let value = self.size(what)?;
+        self.capped(value, what)
+    }
+
+    /// A declared count on a line of text.
+    pub fn text_count(&mut self, what: &str) -> Result<usize> {
+        let line = self.line()?;
+        let value =
+            line.parse().map_err(|_| self.fail(&format!("{what} {} is not a whole number >= 0", quote(line))))?;
+        self.capped(value, what)
+    }
+
+    fn capped(&self, value: u64, what: &str) -> Result<usize> {
+        if value > MAX_COUNT as u64 {
+            return Err(self.fail(&format!("{what} {value} is above the {MAX_COUNT} allowed; use a coarser mesh")));
+        }
+        Ok(value as usize)
+    }
+
+    /// A position, m, with `extra` numbers behind it.
+    pub fn position(&mut self, extra: usize) -> Result<DVec3> {
+        let mut p = [0.0; 3];
+        for (value, name) in p.iter_mut().zip(["x", "y", "z"]) {
+            *value = f64::from_le_bytes(self.number(8, name)?);
+            if !value.is_finite() {
+                return Err(self.fail(&format!("{name} is {value}; only finite numbers are allowed")));
+            }
+        }
+        self.take(8 * extra, "the parameters of a node")?;
+        Ok(DVec3::from_array(p))
+    }
+}

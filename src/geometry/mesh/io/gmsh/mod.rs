@@ -1,0 +1,68 @@
+//! gmsh `.msh`, versions 2, 4.0 and 4.1, ASCII and binary: tetrahedra of first and second order. Tags may be sparse.
+//!
+//! Layout of the sections: gmsh reference manual, "MSH file format" and its legacy versions.
+
+mod ascii;
+mod binary;
+mod collect;
+mod cursor;
+
+use std::path::Path;
+
+use super::{convert, text};
+use crate::error::{Error, Result};
+use crate::geometry::mesh::TetMesh;
+
+/// The versions, which differ in the order and width of what a block holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Version {
+    V2,
+    V40,
+    V41,
+}
+
+impl Version {
+    /// From the first word after `$MeshFormat`; the error says what is allowed.
+    fn of(word: &str) -> std::result::Result<Self, String> {
+        match word {
+            "2" | "2.0" | "2.1" | "2.2" => Ok(Self::V2),
+            "4" | "4.0" => Ok(Self::V40),
+            "4.1" => Ok(Self::V41),
+            other => {
+                let found = text::quote(other);
+                Err(format!("gmsh format {found}; allowed: 2.2, 4.0 or 4.1 (gmsh -format msh41 writes 4.1)"))
+            }
+        }
+    }
+}
+
+/// Parses a gmsh file, which says itself whether it is text; `path` is for messages.
+///
+/// Errors: unknown version, declared counts above the cap or not met, doubled or unknown tags, bad numbers, no
+/// tetrahedra; each with line and column of a text, with the byte offset of a binary file.
+pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>)> {
+    // The formats of ANSYS have the same extension and begin so.
+    if bytes.trim_ascii_start().starts_with(b"(") {
+        return Err(Error::file(path, format!("a file of ANSYS, not of gmsh; {}", convert(path))));
+    }
+    if says_binary(&bytes) {
+        return binary::parse(path, &bytes);
+    }
+    ascii::parse(path, &text::decode(path, bytes)?)
+}
+
+/// Says that the nodes come with parameters of the geometry in a section of their own, of version 2.
+const PARAMETRIC: &str =
+    "the nodes stand in `$ParametricNodes`; save them without parameters (Mesh.SaveParametric = 0)";
+
+/// Whether the second word after `$MeshFormat` is the 1 of a binary file.
+fn says_binary(bytes: &[u8]) -> bool {
+    let Some(start) = find(bytes, b"$MeshFormat") else { return false };
+    let line = bytes[start..].split(|b| *b == b'\n').nth(1).unwrap_or_default();
+    line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()).nth(1) == Some(b"1")
+}
+
+/// Where `wanted` begins first.
+fn find(bytes: &[u8], wanted: &[u8]) -> Option<usize> {
+    bytes.windows(wanted.len()).position(|w| w == wanted)
+}

@@ -1,0 +1,154 @@
+//! Reading and writing mesh files, chosen by extension. SI: coordinates are taken as metres, as they stand.
+
+mod gmsh;
+mod medit;
+mod obj;
+mod ply;
+mod stl;
+mod tet;
+mod tetgen;
+pub(crate) mod text;
+mod vtk;
+mod write;
+
+use std::path::Path;
+
+pub use write::{write_obj, write_stl, write_tet};
+
+use crate::error::{Error, Result};
+use crate::files::regular;
+use crate::geometry::mesh::{TetMesh, TriMesh, clean, close, facets, topology};
+
+/// Triangle meshes that are read.
+const SURFACES: &str =
+    ".obj, .stl, .ply (a STEP or IGES solid: export it as STL; glTF, OFF, 3MF, DAE: convert with MeshLab or Blender)";
+
+/// Largest file read, bytes.
+const MAX_BYTES: u64 = 1 << 31;
+
+/// Reads a tetrahedral mesh and repairs it with [`clean::repair`]: `.tet` (Isaac Gym), `.msh` (gmsh 2.2, 4.0 or 4.1, ASCII
+/// or binary, tetrahedra of first or second order), `.mesh` (Medit ASCII), `.vtk` (legacy ASCII) or `.node` with `.ele`
+/// (TetGen). Returns the mesh (m) and notices about everything that was changed or left out.
+///
+/// Errors: missing file, unknown extension (how to convert it, where it is known), bad number, index or column count (with
+/// line and column), empty mesh, more than [`crate::geometry::mesh::MAX_COUNT`] nodes; and those of [`clean::repair`], with the file's name.
+pub fn read_tet_mesh(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>)> {
+    let path = path.as_ref();
+    let (mut mesh, mut notices) = read_tet_mesh_raw(path)?;
+    let repaired = clean::repair(&mut mesh).map_err(|e| Error::file(path, e.to_string()))?;
+    notices.extend(repaired.into_iter().map(|n| format!("{}: {n}", path.display())));
+    Ok((mesh, notices))
+}
+
+/// Like [`read_tet_mesh`] without the repair: nodes and tetrahedra in the order and winding of the file, indices valid
+/// and coordinates finite. For files that come with lists of node numbers.
+///
+/// Errors: those of [`read_tet_mesh`] that concern the file and not the geometry.
+pub fn read_tet_mesh_raw(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>)> {
+    let path = path.as_ref();
+    match extension(path).as_str() {
+        "tet" => tet::parse(path, &read_text(path)?),
+        "msh" => gmsh::parse(path, read_bytes(path)?),
+        "mesh" => medit::parse(path, read_bytes(path)?),
+        "vtk" => vtk::parse(path, read_bytes(path)?),
+        "node" | "ele" => tetgen::read(path),
+        other => {
+            let allowed = ".tet, .msh (gmsh), .mesh (Medit ASCII), .vtk (legacy ASCII), .node with .ele (TetGen)";
+            Err(unknown(path, other, &format!("{allowed}{}", advice(path, other))))
+        }
+    }
+}
+
+/// Reads a triangle mesh: `.obj` (all groups merged, polygons triangulated), `.stl` or `.ply` (binary or ASCII). Welds equal
+/// vertices and, where the surface is not closed, those within [`close::tolerance`]; drops repeated triangles and those without
+/// area. Returns the mesh (m) and notices. Whether it is closed is for [`topology::watertight`] to say.
+///
+/// Errors: missing file, unknown extension, bad content (with line and column where there is one), empty mesh.
+pub fn read_tri_mesh(path: impl AsRef<Path>) -> Result<(TriMesh, Vec<String>)> {
+    let path = path.as_ref();
+    let (mut mesh, mut notices) = match extension(path).as_str() {
+        "obj" => obj::parse(path, &read_text(path)?)?,
+        "stl" => stl::parse(path, read_bytes(path)?)?,
+        "ply" => ply::parse(path, &read_bytes(path)?)?,
+        other => return Err(unknown(path, other, SURFACES)),
+    };
+    let mut told = |text: String| notices.push(format!("{}: {text}", path.display()));
+    // Every facet of an STL file repeats its corners: welding them is no news.
+    let news = extension(path) != "stl";
+    let welded = topology::weld(&mut mesh);
+    if news && welded.vertices > 0 {
+        told(format!("welded {} duplicate or unused vertices", welded.vertices));
+    }
+    if welded.triangles > 0 {
+        told(format!("dropped {} triangles with a repeated vertex", welded.triangles));
+    }
+    if let Some(closed) = close::weld_open(&mut mesh) {
+        told(format!(
+            "welded {} vertices at open edges with others within {:.2e} m (1e-6 of the object's size and the rounding to 32 \
+             bits); none moved by more than {:.2e} m",
+            closed.vertices, closed.tolerance, closed.moved
+        ));
+    }
+    let repeated = facets::drop_repeated(&mut mesh);
+    if repeated > 0 {
+        told(format!("dropped {repeated} repeated triangles"));
+    }
+    let flat = facets::remove_flat(&mut mesh);
+    if flat > 0 {
+        told(format!("removed {flat} triangles without area"));
+    }
+    if mesh.triangles.is_empty() {
+        return Err(Error::file(path, "the mesh is empty: every triangle has a repeated vertex or no area"));
+    }
+    Ok((mesh, notices))
+}
+
+/// The extension in lower case, empty if there is none.
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+fn unknown(path: &Path, extension: &str, allowed: &str) -> Error {
+    Error::file(path, format!("file type `.{}` is not read here; allowed: {allowed}", extension.escape_debug()))
+}
+
+/// How a file of another format becomes one that is read, behind a `; `.
+fn advice(path: &Path, extension: &str) -> String {
+    match extension {
+        "meshb" | "vtu" | "xdmf" | "inp" | "nas" | "bdf" | "med" | "exo" | "e" | "cgns" | "avs" | "su2" | "ugrid" => {
+            format!("; {}", convert(path))
+        }
+        "step" | "stp" | "iges" | "igs" | "brep" | "geo" => {
+            let (name, mesh) = names(path);
+            format!("; mesh it: `gmsh -3 {name} -o {mesh}`")
+        }
+        "stl" | "obj" | "ply" | "off" => "; a surface has no inside: fill it with tetrahedra, by gmsh or TetGen".into(),
+        _ => String::new(),
+    }
+}
+
+/// The command that makes a gmsh file of another. (Without `-o`, meshio takes `.msh` for a format of ANSYS; to write version
+/// 4.1 it asks for more than most files have.)
+fn convert(path: &Path) -> String {
+    let (name, mesh) = names(path);
+    format!("convert it with Python's meshio: `meshio convert -o gmsh22 {name} {mesh}`")
+}
+
+/// Names of a file and of the gmsh file that is made of it.
+fn names(path: &Path) -> (String, String) {
+    let name = |p: &Path| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let mesh = name(&path.with_extension("msh"));
+    let own = name(path);
+    let mesh = if mesh == own { format!("gmsh_{mesh}") } else { mesh };
+    (own, mesh)
+}
+
+/// All bytes of a mesh file.
+fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    regular::read(path, MAX_BYTES)
+}
+
+/// A text file, see [`text::decode`].
+pub(crate) fn read_text(path: &Path) -> Result<String> {
+    text::decode(path, read_bytes(path)?)
+}

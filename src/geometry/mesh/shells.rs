@@ -1,0 +1,162 @@
+//! The closed parts of a surface, each turned the right way.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use crate::geometry::Aabb;
+use crate::geometry::mesh::topology::sides;
+use crate::geometry::mesh::{TriMesh, show};
+
+/// A part of a surface whose triangles are connected across edges.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shell {
+    /// Its triangles, ascending.
+    pub triangles: Vec<u32>,
+    /// Signed volume, m3; positive if it is wound outward.
+    pub volume: f64,
+    /// Box around it, m.
+    pub bounds: Aabb,
+}
+
+/// The shells of `mesh`, in the order of their first triangles. Indices must be valid.
+pub fn shells(mesh: &TriMesh) -> Vec<Shell> {
+    let mut parent: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+    fn root(parent: &mut [u32], mut i: u32) -> u32 {
+        while parent[i as usize] != i {
+            parent[i as usize] = parent[parent[i as usize] as usize];
+            i = parent[i as usize];
+        }
+        i
+    }
+    for pair in sides(mesh).windows(2).filter(|p| p[0].ends == p[1].ends) {
+        let [a, b] = [0, 1].map(|i| root(&mut parent, pair[i].triangle));
+        parent[a.max(b) as usize] = a.min(b);
+    }
+    let mut shell_of = BTreeMap::new();
+    let mut shells: Vec<Shell> = Vec::new();
+    for t in 0..mesh.triangles.len() as u32 {
+        let at = *shell_of.entry(root(&mut parent, t)).or_insert(shells.len());
+        if at == shells.len() {
+            shells.push(Shell { triangles: Vec::new(), volume: 0.0, bounds: Aabb::EMPTY });
+        }
+        shells[at].triangles.push(t);
+    }
+    for shell in &mut shells {
+        let origin = mesh.corners(shell.triangles[0] as usize)[0];
+        for t in &shell.triangles {
+            let corners = mesh.corners(*t as usize);
+            let [a, b, c] = corners.map(|p| p - origin);
+            shell.volume += a.cross(b).dot(c) / 6.0;
+            corners.into_iter().for_each(|p| shell.bounds.include(p));
+        }
+    }
+    shells
+}
+
+/// Turns triangles until all of a shell agree with its first, where that is possible. Returns how many it turned. Indices must be
+/// valid.
+pub fn agree(mesh: &mut TriMesh) -> usize {
+    let sides = sides(mesh);
+    let mut across = vec![[None; 3]; mesh.triangles.len()];
+    for group in sides.chunk_by(|x, y| x.ends == y.ends) {
+        if let [one, two] = group {
+            let agree = one.reversed != two.reversed;
+            across[one.triangle as usize][usize::from(one.corner)] = Some((two.triangle, agree));
+            across[two.triangle as usize][usize::from(two.corner)] = Some((one.triangle, agree));
+        }
+    }
+    let mut turned: Vec<Option<bool>> = vec![None; mesh.triangles.len()];
+    let mut count = 0;
+    for first in 0..mesh.triangles.len() {
+        if turned[first].is_some() {
+            continue;
+        }
+        turned[first] = Some(false);
+        let (mut part, mut next) = (vec![first], 0);
+        while let Some(t) = part.get(next).copied() {
+            next += 1;
+            for (other, agree) in across[t].into_iter().flatten() {
+                let other = other as usize;
+                if turned[other].is_none() {
+                    turned[other] = turned[t].map(|t| t == agree);
+                    part.push(other);
+                }
+            }
+        }
+        // Of the two ways, that of most triangles: a few in a scan are the odd ones out.
+        let odd = part.iter().filter(|t| turned[**t] == Some(true)).count();
+        let most = 2 * odd > part.len();
+        count += if most { part.len() - odd } else { odd };
+        part.into_iter().filter(|t| turned[*t] == Some(!most)).for_each(|t| mesh.triangles[t].swap(1, 2));
+    }
+    count
+}
+
+/// What [`orient`] turned.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Oriented {
+    /// Shells of a solid that were inside out.
+    pub outward: usize,
+    /// Shells that lie in an odd number of others and so bound a hollow, but were wound outward.
+    pub inward: usize,
+}
+
+impl Oriented {
+    /// Whether anything was turned.
+    pub fn any(&self) -> bool {
+        self.outward + self.inward > 0
+    }
+}
+
+/// Turns each shell of a closed, consistently wound mesh as a whole: outward, or inward if it lies in an odd number of others, for
+/// then it bounds a hollow. Shells must not cross each other, and indices must be valid.
+pub fn orient(mesh: &mut TriMesh) -> Oriented {
+    let shells = shells(mesh);
+    let mut done = Oriented::default();
+    for shell in &shells {
+        let around = shells.iter().filter(|other| holds(mesh, other, shell)).count();
+        let hollow = around % 2 == 1;
+        if (shell.volume < 0.0) == hollow || shell.volume == 0.0 {
+            continue;
+        }
+        *(if hollow { &mut done.inward } else { &mut done.outward }) += 1;
+        shell.triangles.iter().for_each(|t| mesh.triangles[*t as usize].swap(1, 2));
+    }
+    done
+}
+
+/// Whether `outer` goes round `inner`, whichever way it is wound.
+fn holds(mesh: &TriMesh, outer: &Shell, inner: &Shell) -> bool {
+    let (o, i) = (&outer.bounds, &inner.bounds);
+    if !(o.min.cmple(i.min).all() && i.max.cmple(o.max).all()) || outer.triangles == inner.triangles {
+        return false;
+    }
+    // A point where the two touch says nothing; most say yes or no, and the first of those counts.
+    let turns =
+        |p: DVec3| outer.triangles.iter().map(|t| solid_angle(mesh.corners(*t as usize), p)).sum::<f64>() / (4.0 * PI);
+    let points = inner.triangles.iter().take(64).map(|t| mesh.corners(*t as usize).into_iter().sum::<DVec3>() / 3.0);
+    let sure = points.map(|p| turns(p).abs()).find(|w| (w - w.round()).abs() < 0.25);
+    sure.is_some_and(|w| w.round() as u64 % 2 == 1)
+}
+
+/// Signed solid angle under which the triangle is seen from `p`, sr (Van Oosterom and Strackee 1983, eq. 8); positive seen from
+/// behind.
+pub(crate) fn solid_angle(corners: [DVec3; 3], p: DVec3) -> f64 {
+    let [a, b, c] = corners.map(|q| q - p);
+    let [x, y, z] = [a, b, c].map(DVec3::length);
+    let below = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
+    2.0 * a.dot(b.cross(c)).atan2(below)
+}
+
+/// Refuses a shell without volume, in one sentence.
+pub(crate) fn flat_shell(mesh: &TriMesh) -> Option<String> {
+    let shells = shells(mesh);
+    let flat = shells.iter().find(|s| s.volume.abs() <= 1e-12 * s.bounds.size().max_element().powi(3))?;
+    let what = if shells.len() == 1 { "it".into() } else { format!("a part of {} triangles", flat.triangles.len()) };
+    Some(format!(
+        "the object's mesh: {what} is closed but encloses no volume, about {}; give it a thickness or remove it",
+        show(flat.bounds.center())
+    ))
+}

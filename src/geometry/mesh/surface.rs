@@ -1,0 +1,88 @@
+//! The boundary of a tetrahedral mesh: the faces that belong to one tetrahedron only.
+
+use crate::error::{Error, Result};
+use crate::geometry::mesh::{TetMesh, TriMesh, show};
+
+/// The faces of a tetrahedron of positive volume, counter-clockwise seen from outside; face k is opposite corner k.
+pub const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+
+/// One face of the boundary.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BoundaryFace {
+    /// Node indices, counter-clockwise seen from outside.
+    pub nodes: [u32; 3],
+    /// The tetrahedron it belongs to.
+    pub tet: u32,
+}
+
+/// Every face with its sorted nodes first, in the order of those.
+fn sorted_faces(mesh: &TetMesh) -> Vec<([u32; 3], u32, u8)> {
+    let mut all = Vec::with_capacity(4 * mesh.tets.len());
+    for (t, tet) in mesh.tets.iter().enumerate() {
+        for (k, face) in FACES.iter().enumerate() {
+            let mut key = face.map(|c| tet[c]);
+            key.sort_unstable();
+            all.push((key, t as u32, k as u8));
+        }
+    }
+    all.sort_unstable();
+    all
+}
+
+/// The boundary faces, in the order of their tetrahedra. Indices must be valid and volumes positive, as
+/// [`crate::geometry::mesh::clean::repair`] leaves them.
+pub fn boundary(mesh: &TetMesh) -> Vec<BoundaryFace> {
+    let mut single: Vec<(u32, u8)> = sorted_faces(mesh)
+        .chunk_by(|a, b| a.0 == b.0)
+        .filter(|group| group.len() == 1)
+        .map(|group| (group[0].1, group[0].2))
+        .collect();
+    single.sort_unstable();
+    single
+        .into_iter()
+        .map(|(t, k)| BoundaryFace { nodes: FACES[k as usize].map(|c| mesh.tets[t as usize][c]), tet: t })
+        .collect()
+}
+
+/// The boundary as a triangle mesh of its own, vertices in the order of the nodes, with the node of each vertex.
+/// Indices must be valid.
+pub fn boundary_mesh(mesh: &TetMesh) -> (TriMesh, Vec<u32>) {
+    let faces = boundary(mesh);
+    let mut new_index = vec![u32::MAX; mesh.nodes.len()];
+    for i in faces.iter().flat_map(|f| f.nodes) {
+        new_index[i as usize] = 0;
+    }
+    let mut surface = TriMesh::default();
+    let mut node_of = Vec::new();
+    for (i, slot) in new_index.iter_mut().enumerate() {
+        if *slot == 0 {
+            *slot = node_of.len() as u32;
+            node_of.push(i as u32);
+            surface.vertices.push(mesh.nodes[i]);
+        }
+    }
+    surface.triangles = faces.iter().map(|f| f.nodes.map(|i| new_index[i as usize])).collect();
+    (surface, node_of)
+}
+
+/// Refuses a face shared by three or more tetrahedra.
+///
+/// Errors: [`Error::Mesh`] naming the face's nodes, its tetrahedra and where it is.
+pub(crate) fn refuse_non_manifold(mesh: &TetMesh) -> Result<()> {
+    let faces = sorted_faces(mesh);
+    match faces.chunk_by(|a, b| a.0 == b.0).find(|group| group.len() > 2) {
+        None => Ok(()),
+        Some(group) => {
+            let corners = group[0].0.map(|i| mesh.nodes[i as usize]);
+            let tets: Vec<String> = group.iter().take(6).map(|g| g.1.to_string()).collect();
+            Err(Error::Mesh(format!(
+                "the face of nodes {:?} at {} is shared by {} tetrahedra ({}); at most 2 are allowed: the mesh overlaps \
+                 itself or holds a tetrahedron twice",
+                group[0].0,
+                show(corners.iter().sum::<glam::DVec3>() / 3.0),
+                group.len(),
+                tets.join(", ")
+            )))
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! Is a triangle mesh a closed, oriented surface? And what can be put right without guessing.
+
+use glam::DVec3;
+
+use crate::geometry::mesh::{TriMesh, clean};
+
+/// What the edges of a triangle mesh say. An edge is fine if exactly two triangles share it and run along it in opposite
+/// directions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Watertight {
+    /// Edges with one triangle: the rims of holes.
+    pub open: Faulty,
+    /// Edges with three or more triangles.
+    pub crowded: Faulty,
+    /// Edges along which both triangles run in the same direction.
+    pub twisted: Faulty,
+    /// Number of triangles.
+    pub triangles: usize,
+    /// Number of pieces connected through shared vertices.
+    pub components: usize,
+    /// Signed volume, m^3: positive if the triangles are counter-clockwise seen from outside. Only a closed mesh has
+    /// a volume.
+    pub signed_volume: f64,
+}
+
+/// Edges with the same fault.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Faulty {
+    /// How many.
+    pub count: usize,
+    /// End points of the first, m.
+    pub first: Option<[DVec3; 2]>,
+}
+
+impl Faulty {
+    fn add(&mut self, ends: [DVec3; 2]) {
+        self.count += 1;
+        self.first.get_or_insert(ends);
+    }
+}
+
+impl Watertight {
+    /// Closed and consistently oriented, facing outwards.
+    pub fn is_solid(&self) -> bool {
+        self.complaint().is_none()
+    }
+
+    /// One sentence for a message, None for a solid.
+    pub fn complaint(&self) -> Option<String> {
+        let (open, crowded, twisted) = (&self.open, &self.crowded, &self.twisted);
+        let faults = [
+            (open, "is open: {} with one triangle only", "fill the holes, or weld vertices that are repeated"),
+            (
+                crowded,
+                "is not that of a solid: {} with three or more triangles",
+                "separate parts that touch along an edge",
+            ),
+            (twisted, "is not oriented consistently: {} whose triangles disagree", "make all normals point outward"),
+        ];
+        for (edges, what, cure) in faults {
+            if let Some([a, b]) = edges.first {
+                let number = format!("{} edge{}", edges.count, if edges.count == 1 { "" } else { "s" });
+                let (what, a, b) = (what.replace("{}", &number), super::show(a), super::show(b));
+                return Some(format!("the surface {what}, the first from {a} to {b}; {cure}"));
+            }
+        }
+        if self.triangles == 0 {
+            Some("the surface has no triangles".into())
+        } else if self.signed_volume <= 0.0 || self.signed_volume.is_nan() {
+            Some(format!("the surface encloses {:.3e} m^3: it is inside out or flat", self.signed_volume))
+        } else {
+            None
+        }
+    }
+}
+
+/// A side of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Side {
+    /// The edge it runs along: smaller vertex first.
+    pub ends: [u32; 2],
+    /// It runs from the larger vertex to the smaller.
+    pub reversed: bool,
+    /// Its triangle.
+    pub triangle: u32,
+    /// It starts at this corner of the triangle.
+    pub corner: u8,
+}
+
+/// The sides of all triangles, sorted: those along the same edge are neighbours.
+pub(crate) fn sides(mesh: &TriMesh) -> Vec<Side> {
+    let mut sides = Vec::with_capacity(3 * mesh.triangles.len());
+    for (c, triangle) in mesh.triangles.iter().zip(0..) {
+        for corner in 0..3_u8 {
+            let (a, b) = (c[usize::from(corner)], c[(usize::from(corner) + 1) % 3]);
+            sides.push(Side { ends: [a.min(b), a.max(b)], reversed: a > b, triangle, corner });
+        }
+    }
+    sides.sort_unstable();
+    sides
+}
+
+/// Examines the edges of `mesh`. Indices must be valid.
+pub fn watertight(mesh: &TriMesh) -> Watertight {
+    let mut report = Watertight {
+        open: Faulty::default(),
+        crowded: Faulty::default(),
+        twisted: Faulty::default(),
+        triangles: mesh.triangles.len(),
+        components: components(mesh),
+        signed_volume: signed_volume(mesh),
+    };
+    for group in sides(mesh).chunk_by(|x, y| x.ends == y.ends) {
+        let ends = group[0].ends.map(|v| mesh.vertices[v as usize]);
+        match group {
+            [_] => report.open.add(ends),
+            [one, two] if one.reversed == two.reversed => report.twisted.add(ends),
+            [_, _] => {}
+            _ => report.crowded.add(ends),
+        }
+    }
+    report
+}
+
+/// Number of pieces connected through shared vertices. Indices must be valid.
+fn components(mesh: &TriMesh) -> usize {
+    let mut parent: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
+    fn root(parent: &mut [u32], mut i: u32) -> u32 {
+        while parent[i as usize] != i {
+            parent[i as usize] = parent[parent[i as usize] as usize];
+            i = parent[i as usize];
+        }
+        i
+    }
+    let mut used = vec![false; mesh.vertices.len()];
+    for [a, b, c] in &mesh.triangles {
+        for i in [a, b, c] {
+            used[*i as usize] = true;
+        }
+        let r = root(&mut parent, *a);
+        for i in [b, c] {
+            let s = root(&mut parent, *i);
+            parent[s as usize] = r;
+        }
+    }
+    (0..parent.len()).filter(|i| used[*i] && parent[*i] == *i as u32).count()
+}
+
+/// Signed volume, m^3: a sum of tetrahedra from the first vertex, so that a distant origin costs no digits.
+fn signed_volume(mesh: &TriMesh) -> f64 {
+    let Some(o) = mesh.vertices.first().copied() else { return 0.0 };
+    (0..mesh.triangles.len())
+        .map(|t| {
+            let [a, b, c] = mesh.corners(t);
+            (a - o).cross(b - o).dot(c - o) / 6.0
+        })
+        .sum()
+}
+
+/// What [`weld`] removed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Welded {
+    /// Vertices that were equal to an earlier one, or unused.
+    pub vertices: usize,
+    /// Triangles with a repeated vertex.
+    pub triangles: usize,
+}
+
+/// Merges exactly equal vertices into the first of them, drops triangles left with a repeated vertex, then unused
+/// vertices; order is kept. Indices must be valid.
+pub fn weld(mesh: &mut TriMesh) -> Welded {
+    let (vertices, triangles) = (mesh.vertices.len(), mesh.triangles.len());
+    let first = clean::first_equal(&mesh.vertices);
+    collapse(mesh, &first);
+    Welded { vertices: vertices - mesh.vertices.len(), triangles: triangles - mesh.triangles.len() }
+}
+
+/// Puts vertex `first[v]` in the place of each vertex `v`, and drops triangles left with a repeated vertex, then unused vertices.
+pub(crate) fn collapse(mesh: &mut TriMesh, first: &[u32]) {
+    for i in mesh.triangles.iter_mut().flatten() {
+        *i = first[*i as usize];
+    }
+    mesh.triangles.retain(|[a, b, c]| a != b && b != c && c != a);
+    drop_unused(mesh);
+}
+
+/// Removes vertices that no triangle uses; returns whether there were any. Indices must be valid.
+pub fn drop_unused(mesh: &mut TriMesh) -> bool {
+    let mut new_index = vec![u32::MAX; mesh.vertices.len()];
+    for i in mesh.triangles.iter().flatten() {
+        new_index[*i as usize] = 0;
+    }
+    let mut kept = Vec::new();
+    for (slot, p) in new_index.iter_mut().zip(&mesh.vertices) {
+        if *slot == 0 {
+            *slot = kept.len() as u32;
+            kept.push(*p);
+        }
+    }
+    let spare = kept.len() < mesh.vertices.len();
+    for i in mesh.triangles.iter_mut().flatten() {
+        *i = new_index[*i as usize];
+    }
+    mesh.vertices = kept;
+    spare
+}

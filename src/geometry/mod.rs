@@ -1,0 +1,9 @@
+//! Geometry: meshes and their files, shapes with their signed distance, meshes of pads.
+
+pub mod aabb;
+pub mod barycentric;
+pub mod mesh;
+pub mod pad;
+pub mod shape;
+
+pub use aabb::Aabb;

@@ -1,0 +1,50 @@
+//! A soft pad: a tetrahedral mesh in the pad frame with its bonded back face.
+//!
+//! [`generate`] makes box, disc and GelSight Mini pads; [`place`] takes a mesh from a file.
+
+pub mod dome;
+pub mod generate;
+pub mod place;
+pub mod resolution;
+
+pub use generate::{GELSIGHT_MINI, GelShape, box_pad, disc_pad, gelsight_mini};
+pub use place::{Bonding, Placement, from_mesh, read_pad};
+pub use resolution::{Density, Resolution};
+
+use glam::DVec3;
+
+use crate::geometry::mesh::TetMesh;
+use crate::geometry::mesh::surface::{self, BoundaryFace};
+
+/// A face belongs to the sensing face if the z component of its outward unit normal is above this.
+pub const SENSING_SLOPE: f64 = 0.5;
+
+/// A pad at rest in the pad frame: origin at the centre of the sensing face, +z out of the gel towards the
+/// object, back face bonded to the finger.
+#[derive(Debug, Clone)]
+pub struct Pad {
+    /// Rest mesh in the pad frame, m.
+    pub mesh: TetMesh,
+    /// Per node: true if glued to the finger.
+    pub bonded: Vec<bool>,
+}
+
+/// The faces of the pad that can touch something: all boundary faces but those with three bonded nodes.
+pub fn free_surface(pad: &Pad) -> Vec<BoundaryFace> {
+    free_faces(&pad.mesh, &pad.bonded)
+}
+
+/// The faces that look at the object: those of [`free_surface`] whose outward unit normal has z > [`SENSING_SLOPE`].
+pub fn sensing_faces(pad: &Pad) -> Vec<BoundaryFace> {
+    free_surface(pad).into_iter().filter(|f| looks_along(&pad.mesh, f, DVec3::Z)).collect()
+}
+
+fn free_faces(mesh: &TetMesh, bonded: &[bool]) -> Vec<BoundaryFace> {
+    let glued = |f: &BoundaryFace| f.nodes.iter().all(|i| bonded.get(*i as usize).copied().unwrap_or(false));
+    surface::boundary(mesh).into_iter().filter(|f| !glued(f)).collect()
+}
+
+fn looks_along(mesh: &TetMesh, face: &BoundaryFace, axis: DVec3) -> bool {
+    let [a, b, c] = face.nodes.map(|i| mesh.nodes[i as usize]);
+    (b - a).cross(c - a).normalize_or_zero().dot(axis) > SENSING_SLOPE
+}

@@ -1,0 +1,224 @@
+//! Pads from mesh files: which way is out, which nodes are glued, and the move into the pad frame.
+
+use std::path::Path;
+
+use glam::{DMat3, DVec3};
+
+use crate::error::{Error, Result};
+use crate::geometry::mesh::io::{self, text};
+use crate::geometry::mesh::{TetMesh, clean};
+use crate::geometry::pad::{Pad, free_faces, looks_along};
+use crate::number::shown;
+
+/// A pad larger than this, m, gets a notice: its file is probably in millimetres.
+pub const UNLIKELY_SIZE: f64 = 0.5;
+
+/// Which nodes are glued to the finger.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Bonding {
+    /// Nodes at most this far, m, above the lowest node along `outward`.
+    AttachDistance(f64),
+    /// Node indices, 0-based.
+    Nodes(Vec<usize>),
+}
+
+/// How a mesh of an arbitrary frame becomes a pad.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placement {
+    /// Unit vector out of the gel, in the frame of the mesh; becomes +z of the pad.
+    pub outward: DVec3,
+    /// Direction that becomes +x of the pad, in the frame of the mesh; its part along `outward` is dropped. None takes
+    /// the mesh's +x, or its +y if `outward` is nearly along x.
+    pub across: Option<DVec3>,
+    /// Which nodes are glued.
+    pub bonding: Bonding,
+}
+
+/// Moves a mesh into the pad frame: origin at the centre of the bounding rectangle of the sensing face (the free faces
+/// within 60 degrees of `outward`), at its highest point. Node order is kept, the mesh must be repaired already.
+///
+/// Errors: [`Error::Mesh`] if the mesh is empty or has bad indices, `outward` is not a unit vector, `across` is along
+/// it, a node index is out of range, no node or every node is glued, or no free face looks outwards.
+pub fn from_mesh(mesh: TetMesh, placement: &Placement) -> Result<Pad> {
+    clean::check_indices(&mesh)?;
+    let [x, y, z] = axes(placement)?;
+    // Rows are the pad's axes: from the mesh's frame to the pad's.
+    let rotation = DMat3::from_cols(x, y, z).transpose();
+    let mut mesh = mesh;
+    for p in &mut mesh.nodes {
+        *p = rotation * *p;
+    }
+    let bonded = glued(&mesh, &placement.bonding)?;
+    let face: Vec<DVec3> = free_faces(&mesh, &bonded)
+        .iter()
+        .filter(|f| looks_along(&mesh, f, DVec3::Z))
+        .flat_map(|f| f.nodes.map(|i| mesh.nodes[i as usize]))
+        .collect();
+    if face.is_empty() {
+        return Err(Error::Mesh(format!(
+            "no free face of the pad looks along outward = {}; check its direction and that the sensing face is not glued",
+            vector(placement.outward)
+        )));
+    }
+    let low = face.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = face.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let origin = DVec3::new(0.5 * (low.x + high.x), 0.5 * (low.y + high.y), high.z);
+    for p in &mut mesh.nodes {
+        *p -= origin;
+    }
+    Ok(Pad { mesh, bonded })
+}
+
+/// Reads, repairs and places a pad. `nodes_file`, if given, replaces `placement.bonding`; its numbers mean the nodes of
+/// the mesh file as they stand there. Returns the pad and notices.
+///
+/// The file holds whole numbers separated by blanks or lines, `#` starts a comment: either the 0-based indices of the
+/// glued nodes, or one 0 or 1 per node of the mesh (1 = glued).
+///
+/// Errors: those of [`io::read_tet_mesh`] and [`from_mesh`]; a bad or repeated number in `nodes_file`, with its place.
+pub fn read_pad(
+    mesh_file: impl AsRef<Path>,
+    placement: &Placement,
+    nodes_file: Option<&Path>,
+) -> Result<(Pad, Vec<String>)> {
+    let path = mesh_file.as_ref();
+    let in_file = |e: Error| match e {
+        Error::Mesh(message) => Error::file(path, message),
+        other => other,
+    };
+    let (mut mesh, mut notices) = io::read_tet_mesh_raw(path)?;
+    let count = mesh.nodes.len();
+    let repair = clean::repair_mapped(&mut mesh).map_err(in_file)?;
+    notices.extend(repair.notices.iter().map(|n| format!("{}: {n}", path.display())));
+    let listed = match (nodes_file, &placement.bonding) {
+        (Some(file), _) => Some(read_nodes(file, count)?),
+        (None, Bonding::Nodes(list)) => Some(list.clone()),
+        (None, Bonding::AttachDistance(_)) => None,
+    };
+    let mut placement = placement.clone();
+    if let Some(list) = listed {
+        if let Some(i) = list.iter().find(|i| **i >= count) {
+            let message = format!("glued node index {i}, but the mesh has {count} nodes; allowed: 0..={}", count - 1);
+            return Err(Error::file(path, message));
+        }
+        // Nodes removed as unused need no glue.
+        let now = list.into_iter().filter_map(|i| repair.node_map[i].map(|i| i as usize));
+        placement.bonding = Bonding::Nodes(now.collect());
+    }
+    let pad = from_mesh(mesh, &placement).map_err(in_file)?;
+    let low = pad.mesh.nodes.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = pad.mesh.nodes.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let size = (high - low).max_element();
+    if size > UNLIKELY_SIZE {
+        notices.push(format!(
+            "{}: the pad is {} m long; coordinates are taken as metres: is it in mm?",
+            path.display(),
+            shown(size)
+        ));
+    }
+    Ok((pad, notices))
+}
+
+/// The indices of a list of nodes, see [`read_pad`]; `count` is the number of nodes of the mesh file.
+///
+/// Errors: not a whole number, out of range, repeated, with line and column; empty list.
+pub fn read_nodes(path: impl AsRef<Path>, count: usize) -> Result<Vec<usize>> {
+    let path = path.as_ref();
+    let source = io::read_text(path)?;
+    let words: Vec<text::Word<'_>> = text::lines(&source, Some('#')).flat_map(|l| l.words).collect();
+    let mut values = Vec::with_capacity(words.len());
+    for word in &words {
+        values.push(text::integer(path, *word, "node index")?);
+    }
+    if values.len() == count && values.iter().all(|v| *v <= 1) {
+        return Ok((0..count).filter(|i| values[*i] == 1).collect());
+    }
+    let mut seen = vec![false; count];
+    for (word, value) in words.iter().zip(&values) {
+        match usize::try_from(*value).ok().and_then(|i| seen.get_mut(i)) {
+            None => {
+                let allowed = count.saturating_sub(1);
+                let message = format!("node index {value}, but the mesh has {count} nodes; allowed: 0..={allowed}");
+                return Err(text::at(path, *word, message));
+            }
+            Some(s) if *s => {
+                let message = format!(
+                    "node index {value} stands twice; give each glued node once, or one 0 or 1 for each of the {count} \
+                     nodes (found {} numbers)",
+                    values.len()
+                );
+                return Err(text::at(path, *word, message));
+            }
+            Some(s) => *s = true,
+        }
+    }
+    if values.is_empty() {
+        return Err(Error::file(path, "the list of glued nodes is empty"));
+    }
+    Ok((0..count).filter(|i| seen[*i]).collect())
+}
+
+/// A direction as text for messages.
+fn vector(v: DVec3) -> String {
+    format!("({}, {}, {})", shown(v.x), shown(v.y), shown(v.z))
+}
+
+/// The pad's unit axes in the frame of the mesh.
+fn axes(placement: &Placement) -> Result<[DVec3; 3]> {
+    let outward = placement.outward;
+    let off = (outward.length() - 1.0).abs();
+    if off > 1e-6 || off.is_nan() {
+        let found = vector(outward);
+        return Err(Error::Mesh(format!("outward = {found} of the pad must be a unit vector, such as (0, 0, 1)")));
+    }
+    let z = outward.normalize();
+    let wish = placement.across.unwrap_or(if z.x.abs() < 0.9 { DVec3::X } else { DVec3::Y });
+    let part = wish - z * wish.dot(z);
+    if !wish.is_finite() || part.length() <= 1e-6 * wish.length() {
+        let message =
+            format!("across = {} of the pad must not be zero or along outward = {}", vector(wish), vector(outward));
+        return Err(Error::Mesh(message));
+    }
+    let x = part.normalize();
+    Ok([x, z.cross(x), z])
+}
+
+/// Per node of a mesh whose +z points out of the gel: glued or not.
+fn glued(mesh: &TetMesh, bonding: &Bonding) -> Result<Vec<bool>> {
+    let count = mesh.nodes.len();
+    let bonded = match bonding {
+        Bonding::AttachDistance(distance) => {
+            if !(distance.is_finite() && *distance >= 0.0) {
+                let message = format!("attach distance is {} m; a length of 0 or more is needed", shown(*distance));
+                return Err(Error::Mesh(message));
+            }
+            let low = mesh.nodes.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+            let high = mesh.nodes.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
+            // Rounding of the rotation must not decide.
+            let reach = low + distance + 1e-9 * (high - low);
+            mesh.nodes.iter().map(|p| p.z <= reach).collect::<Vec<bool>>()
+        }
+        Bonding::Nodes(list) => {
+            let mut bonded = vec![false; count];
+            for i in list {
+                match bonded.get_mut(*i) {
+                    Some(b) => *b = true,
+                    None => {
+                        let message = format!("glued node index {i} is outside the mesh; allowed: 0..={}", count - 1);
+                        return Err(Error::Mesh(message));
+                    }
+                }
+            }
+            bonded
+        }
+    };
+    match bonded.iter().filter(|b| **b).count() {
+        0 => Err(Error::Mesh(
+            "no node of the pad is glued to the finger; give an attach distance or a list of nodes".into(),
+        )),
+        n if n == count => Err(Error::Mesh(format!(
+            "all {count} nodes of the pad are glued to the finger: nothing could deform; reduce the attach distance or list"
+        ))),
+        _ => Ok(bonded),
+    }
+}

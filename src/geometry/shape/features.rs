@@ -1,0 +1,283 @@
+//! Vertices and sharp edges of an object, to be held against the faces of a pad that is coarser than they are.
+
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::shape::polygon::Profile;
+use crate::geometry::shape::ring::Ring;
+use crate::geometry::shape::rod::Rod;
+use crate::geometry::shape::topology::Topology;
+use crate::scales::EDGE_CUT;
+use glam::{DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// An edge is sharp if its two faces' normals differ by more than this, rad (20 degrees).
+pub const SHARP: f64 = 20.0 / 180.0 * std::f64::consts::PI;
+
+/// A point of the surface that may press into a pad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeaturePoint {
+    /// Position, m.
+    pub position: DVec3,
+    /// Unit outward pseudo-normal.
+    pub normal: DVec3,
+    /// Whether a sharp convex edge or tip passes through it.
+    pub sharp: bool,
+}
+
+/// A convex edge; sharp if its faces' normals differ by more than [`SHARP`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ridge {
+    /// One end, m.
+    pub a: DVec3,
+    /// The other end, m.
+    pub b: DVec3,
+    /// Unit mean of the two faces' normals at `a`.
+    pub normal: DVec3,
+    /// Angle between the two faces' normals, rad.
+    pub angle: f64,
+    /// An arc about the z axis (the rim of a round object) rather than a straight line.
+    pub round: bool,
+}
+
+impl Ridge {
+    /// Length, m; of the chord, for an arc.
+    pub fn length(&self) -> f64 {
+        self.a.distance(self.b)
+    }
+
+    /// The point at `t` in 0..=1, on the edge itself also if that is an arc.
+    pub fn point(&self, t: f64) -> FeaturePoint {
+        let mut position = self.a.lerp(self.b, t);
+        let mut normal = self.normal;
+        if self.round {
+            let flat = DVec2::new(self.a.x, self.a.y);
+            let chord = DVec2::new(position.x, position.y).normalize_or(DVec2::X);
+            let tilt = normal.dot(DVec3::new(flat.x, flat.y, 0.0).normalize_or(DVec3::X));
+            position = (chord * flat.length()).extend(position.z);
+            normal = (chord * tilt).extend(normal.z).normalize_or(normal);
+        }
+        FeaturePoint { position, normal, sharp: self.angle > SHARP }
+    }
+
+    /// Points between the ends, at most `spacing` m apart.
+    fn sample(&self, spacing: f64) -> impl Iterator<Item = FeaturePoint> {
+        let (edge, count) = (*self, parts(self.length(), spacing));
+        (1..count).map(move |i| edge.point(f64::from(i) / f64::from(count)))
+    }
+
+    /// Its stretches, at most `length` m long.
+    fn stretches(&self, length: f64) -> impl Iterator<Item = Stretch> {
+        let (ridge, count) = (*self, parts(self.length(), length));
+        let at = move |i: u32| f64::from(i) / f64::from(count);
+        (0..count).map(move |i| Stretch { ridge, from: at(i), to: at(i + 1) })
+    }
+}
+
+/// A stretch of a ridge, on which a point may be where a pad comes nearest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stretch {
+    /// All of it.
+    pub ridge: Ridge,
+    /// Where the stretch begins, in 0..1.
+    pub from: f64,
+    /// Where it ends, in 0..=1.
+    pub to: f64,
+}
+
+impl Stretch {
+    /// The point at `t` in 0..=1 of the stretch, m.
+    pub fn point(&self, t: f64) -> DVec3 {
+        self.ridge.point(self.from + t * (self.to - self.from)).position
+    }
+
+    /// Length, m; of the chord, for an arc.
+    pub fn length(&self) -> f64 {
+        self.ridge.length() * (self.to - self.from)
+    }
+}
+
+/// The features of an object: nothing, for one that is smooth everywhere.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Features {
+    /// All vertices of an object that is a mesh, the sharp corners of one that is not.
+    pub vertices: Vec<FeaturePoint>,
+    /// Sharp convex edges; a rim is a closed chain of arcs.
+    pub sharp_edges: Vec<Ridge>,
+    /// Convex edges between facets of a mesh that are not sharp but steep enough to be felt.
+    pub blunt_edges: Vec<Ridge>,
+    /// Straight convex edges with a radius.
+    pub rounded_edges: Vec<RoundedEdge>,
+    /// Circles on the smooth convex parts of a round solid, in the order of its profile.
+    pub rings: Vec<Ring>,
+    /// What a ball, a capsule or the side of a cylinder is, if it is thin for the pad.
+    pub rod: Option<Rod>,
+}
+
+/// A straight convex edge that is rounded: a strip of a cylinder, which a pad coarser than its radius would cut into between two
+/// of its own points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoundedEdge {
+    /// Ends of the axis, m.
+    pub axis: [DVec3; 2],
+    /// m.
+    pub radius: f64,
+    /// Unit normals of the two faces that it joins.
+    pub normals: [DVec3; 2],
+}
+
+/// Angle between two faces, rad, up to which they are one.
+const FLAT: f64 = 1e-6;
+/// Radius, over the distance of the points on it, from which on the points of a pad see a rounded edge: between them the pad is then
+/// a fiftieth of their distance in it.
+const ROUND: f64 = 12.0;
+
+/// Into how many parts of at most `spacing` m a length is cut; one if the spacing is not positive.
+fn parts(length: f64, spacing: f64) -> u32 {
+    if spacing > 0.0 { (length / spacing).ceil().clamp(1.0, 1e4) as u32 } else { 1 }
+}
+
+impl RoundedEdge {
+    /// Points at most `spacing` m apart along the edge and around it, without those where it meets the two faces.
+    fn sample(&self, spacing: f64) -> impl Iterator<Item = FeaturePoint> {
+        let [a, b] = self.axis;
+        let angle = self.normals[0].angle_between(self.normals[1]);
+        let (along, around) = (parts(a.distance(b), spacing), parts(angle * self.radius, spacing).max(2));
+        let edge = *self;
+        (1..around).flat_map(move |j| {
+            let normal = edge.normals[0].slerp(edge.normals[1], f64::from(j) / f64::from(around));
+            let at = move |i| a.lerp(b, f64::from(i) / f64::from(along)) + normal * edge.radius;
+            (0..=along).map(move |i| FeaturePoint { position: at(i), normal, sharp: false })
+        })
+    }
+}
+
+impl Features {
+    /// The vertices, then points on the sharp edges between their ends such that neighbours are at most `spacing` m apart
+    /// (no points on edges if it is not positive; at most 10,000 points an edge), as many on the rounded edges whose
+    /// radius is not large to it, on the tight parts of a round solid, and all over a thin rod. No point occurs twice. Contact has this
+    /// `offset` (m).
+    pub fn sample(&self, spacing: f64, offset: f64) -> Vec<FeaturePoint> {
+        let mut points = self.vertices.clone();
+        points.extend(self.sharp_edges.iter().flat_map(|e| e.sample(spacing)));
+        let tight = self.rounded_edges.iter().filter(|e| e.radius < ROUND * spacing);
+        points.extend(tight.flat_map(|e| e.sample(spacing)));
+        points.extend(Ring::sample(&self.rings, spacing, offset));
+        points.extend(self.rod.iter().flat_map(|rod| rod.sample(spacing, offset)));
+        points
+    }
+
+    /// All edges between facets in stretches of at most `length` m: where a pad whose points are half as far apart could come through
+    /// by more than a part of the contact `offset` (m), because it meets them crosswise with an edge of its own.
+    pub fn stretches(&self, length: f64, offset: f64) -> impl Iterator<Item = Stretch> {
+        let blunt = self.blunt(length, offset);
+        self.sharp_edges.iter().chain(blunt).flat_map(move |e| e.stretches(length))
+    }
+
+    /// The blunt edges that are felt if a pad may miss `length` (m) of them: an eighth of that times the angle between the faces is how
+    /// deep it would come.
+    fn blunt(&self, length: f64, offset: f64) -> impl Iterator<Item = &Ridge> {
+        let cuts = move |e: &&Ridge| e.angle * e.length().min(length) / 8.0 > EDGE_CUT * offset;
+        self.blunt_edges.iter().filter(cuts)
+    }
+
+    /// How many vertices, points on sharp edges and stretches there are for points of a pad `spacing` m apart.
+    pub fn count(&self, spacing: f64, offset: f64) -> u64 {
+        let along = |e: &Ridge, spacing: f64| u64::from(parts(e.length(), spacing));
+        let sharp = self.sharp_edges.iter().map(|e| along(e, 0.5 * spacing) + along(e, spacing)).sum::<u64>();
+        let blunt = self.blunt(spacing, offset).map(|e| along(e, spacing)).sum::<u64>();
+        self.vertices.len() as u64 + sharp + blunt
+    }
+
+    pub(crate) fn of_rod(radius: f64, half: f64) -> Self {
+        Self { rod: Some(Rod { radius, half, capped: true }), ..Self::default() }
+    }
+
+    pub(crate) fn of_mesh(mesh: &TriMesh, topology: &Topology) -> Self {
+        let mut sharp = vec![false; mesh.vertices.len()];
+        let (mut sharp_edges, mut blunt_edges) = (Vec::new(), Vec::new());
+        for (edge, &normal) in topology.edges.iter().zip(&topology.edge_normals) {
+            let [l, r] = edge.triangles.map(|t| topology.normals[t as usize]);
+            let [a, b] = edge.ends.map(|v| mesh.vertices[v as usize]);
+            // Seen along the edge, with the left face on the left: over a ridge the normal turns from left to right.
+            let angle = l.cross(r).length().atan2(l.dot(r));
+            let convex = l.cross(r).dot(b - a) > 0.0;
+            let ridge = Ridge { a, b, normal, angle, round: false };
+            if convex && angle > SHARP {
+                edge.ends.iter().for_each(|&v| sharp[v as usize] = true);
+                sharp_edges.push(ridge);
+            } else if convex && angle > FLAT {
+                blunt_edges.push(ridge);
+            }
+        }
+        mark_tips(mesh, topology, &mut sharp);
+        let used = |v: &usize| topology.vertex_normals[*v] != DVec3::ZERO;
+        let vertices = (0..mesh.vertices.len())
+            .filter(used)
+            .map(|v| FeaturePoint { position: mesh.vertices[v], normal: topology.vertex_normals[v], sharp: sharp[v] })
+            .collect();
+        Self { vertices, sharp_edges, blunt_edges, ..Self::default() }
+    }
+
+    /// The rims of a round solid, each in `segments` arcs, and its tips on the axis.
+    pub(crate) fn of_profile(profile: &Profile, segments: u32) -> Self {
+        let mut features = Self::default();
+        for (i, &p) in profile.points().iter().enumerate() {
+            let (before, after) = profile.around(i);
+            let turn = before.perp_dot(after).atan2(before.dot(after));
+            let normal = (before + after).try_normalize().unwrap_or(after);
+            if turn <= SHARP {
+                if turn > 0.0 {
+                    features.rings.push(Ring::new(profile, i, turn, normal));
+                }
+                continue;
+            }
+            if p.x == 0.0 {
+                let position = DVec3::new(0.0, 0.0, p.y);
+                features.vertices.push(FeaturePoint { position, normal: DVec3::Z * normal.y.signum(), sharp: true });
+                continue;
+            }
+            let ring = |k: u32| {
+                let (sin, cos) = (TAU * f64::from(k % segments) / f64::from(segments)).sin_cos();
+                (DVec3::new(p.x * cos, p.x * sin, p.y), DVec3::new(normal.x * cos, normal.x * sin, normal.y))
+            };
+            for k in 0..segments {
+                let ((a, n), (b, _)) = (ring(k), ring(k + 1));
+                features.vertices.push(FeaturePoint { position: a, normal: n, sharp: true });
+                features.sharp_edges.push(Ridge { a, b, normal: n, angle: turn, round: true });
+            }
+        }
+        features
+    }
+
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        scaled.vertices.iter_mut().for_each(|v| v.position *= factor);
+        scaled.rings = scaled.rings.iter().map(|r| r.scaled(factor)).collect();
+        scaled.rod = scaled.rod.map(|rod| rod.scaled(factor));
+        let ridges = scaled.sharp_edges.iter_mut().chain(&mut scaled.blunt_edges);
+        ridges.for_each(|e| (e.a, e.b) = (factor * e.a, factor * e.b));
+        scaled
+            .rounded_edges
+            .iter_mut()
+            .for_each(|e| (e.axis, e.radius) = (e.axis.map(|p| p * factor), e.radius * factor));
+        scaled
+    }
+}
+
+/// The tip of a finely faceted cone has no sharp edge: a convex vertex is also sharp if a face there leans away from the
+/// pseudo-normal by more than [`SHARP`].
+fn mark_tips(mesh: &TriMesh, topology: &Topology, sharp: &mut [bool]) {
+    let mut leans = vec![false; sharp.len()];
+    let mut convex = vec![true; sharp.len()];
+    for (t, corners) in mesh.triangles.iter().enumerate() {
+        for i in 0..3 {
+            let v = corners[i] as usize;
+            let n = topology.vertex_normals[v];
+            leans[v] |= n.dot(topology.normals[t]) < SHARP.cos();
+            let along = mesh.vertices[corners[(i + 1) % 3] as usize] - mesh.vertices[v];
+            convex[v] &= n.dot(along) < 0.0;
+        }
+    }
+    for v in 0..sharp.len() {
+        sharp[v] |= leans[v] && convex[v];
+    }
+}

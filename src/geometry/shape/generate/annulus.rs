@@ -1,0 +1,20 @@
+//! Rings: hollow cylinders.
+
+use crate::error::Result;
+use crate::geometry::shape::Shape;
+use crate::geometry::shape::generate::revolve;
+use crate::geometry::shape::params::{length, require};
+use glam::DVec2;
+
+/// A ring of rectangular section about z; radii and height in m.
+pub fn annulus(outer: f64, inner: f64, height: f64, segments: u32) -> Result<Shape> {
+    length("annulus", "outer_radius", outer)?;
+    length("annulus", "inner_radius", inner)?;
+    length("annulus", "height", height)?;
+    require("annulus", inner <= 0.999 * outer, || {
+        format!("inner_radius {inner} m must be less than 0.999 of outer_radius {outer} m")
+    })?;
+    let h = height / 2.0;
+    let points = [(inner, -h), (outer, -h), (outer, h), (inner, h)].map(DVec2::from);
+    revolve("annulus", points.to_vec(), true, segments)
+}

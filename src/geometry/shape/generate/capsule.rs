@@ -1,0 +1,31 @@
+//! Capsules.
+
+use crate::error::Result;
+use crate::geometry::shape::capsule::Capsule;
+use crate::geometry::shape::generate::{revolved_mesh, sphere};
+use crate::geometry::shape::params::{length as check, require, segments as turn};
+use crate::geometry::shape::polygon::Profile;
+use crate::geometry::shape::{Features, MassProperties, Shape};
+use glam::DVec2;
+use std::f64::consts::PI;
+
+/// A capsule: radius and overall length (at least the diameter) in m.
+pub fn capsule(radius: f64, length: f64, segments: u32) -> Result<Shape> {
+    check("capsule", "radius", radius)?;
+    check("capsule", "length", length)?;
+    let half = length / 2.0 - radius;
+    require("capsule", half >= 0.0, || format!("length {length} m must be at least twice the radius {radius} m"))?;
+    if half < 1e-6 * radius {
+        return Ok(sphere(radius, segments)?.named("capsule"));
+    }
+    let n = turn("capsule", segments)? / 4;
+    let arc = |i: u32, side: f64| {
+        let (sin, cos) = (PI / 2.0 * f64::from(i) / f64::from(n)).sin_cos();
+        DVec2::new(if i == n { 0.0 } else { radius * cos }, side * (half + radius * sin))
+    };
+    let points = (0..=n).rev().map(|i| arc(i, -1.0)).chain((0..=n).map(|i| arc(i, 1.0))).collect();
+    let mesh = revolved_mesh(&Profile::new("capsule", points, false)?, segments);
+    let mass = MassProperties::of_capsule(radius, half);
+    let features = Features::of_rod(radius, half);
+    Ok(Shape::closed_form("capsule", Capsule { radius, half }, mesh, features, mass, half + radius))
+}

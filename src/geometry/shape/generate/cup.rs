@@ -1,0 +1,21 @@
+//! Cups.
+
+use crate::error::Result;
+use crate::geometry::shape::Shape;
+use crate::geometry::shape::generate::revolve;
+use crate::geometry::shape::params::{length, require};
+use glam::DVec2;
+
+/// A straight cup open at +z; outer radius, outer height, thickness of wall and floor in m.
+pub fn cup(radius: f64, height: f64, wall: f64, segments: u32) -> Result<Shape> {
+    length("cup", "radius", radius)?;
+    length("cup", "height", height)?;
+    length("cup", "wall", wall)?;
+    require("cup", wall <= 0.9 * radius.min(height), || {
+        format!("wall {wall} m must be at most 0.9 of the radius {radius} m and of the height {height} m")
+    })?;
+    let h = height / 2.0;
+    let r = radius - wall;
+    let points = [(0.0, -h), (radius, -h), (radius, h), (r, h), (r, wall - h), (0.0, wall - h)];
+    revolve("cup", points.map(DVec2::from).to_vec(), false, segments)
+}

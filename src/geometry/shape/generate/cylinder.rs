@@ -1,0 +1,24 @@
+//! Cylinders.
+
+use crate::error::Result;
+use crate::geometry::shape::cylinder::Cylinder;
+use crate::geometry::shape::generate::revolved_mesh;
+use crate::geometry::shape::params::{length, segments as turn};
+use crate::geometry::shape::polygon::Profile;
+use crate::geometry::shape::rod::Rod;
+use crate::geometry::shape::{Features, MassProperties, Shape};
+use glam::DVec2;
+
+/// A cylinder with sharp rims; radius and height in m.
+pub fn cylinder(radius: f64, height: f64, segments: u32) -> Result<Shape> {
+    length("cylinder", "radius", radius)?;
+    length("cylinder", "height", height)?;
+    let half = height / 2.0;
+    let points = [(0.0, -half), (radius, -half), (radius, half), (0.0, half)].map(DVec2::from);
+    let profile = Profile::new("cylinder", points.to_vec(), false)?;
+    let mesh = revolved_mesh(&profile, turn("cylinder", segments)?);
+    let rod = Some(Rod { radius, half, capped: false });
+    let features = Features { rod, ..Features::of_profile(&profile, segments) };
+    let mass = MassProperties::of_profile(&profile);
+    Ok(Shape::closed_form("cylinder", Cylinder { radius, half }, mesh, features, mass, radius.hypot(half)))
+}

@@ -1,0 +1,22 @@
+//! Ellipsoids.
+
+use crate::error::Result;
+use crate::geometry::shape::ellipsoid::Ellipsoid;
+use crate::geometry::shape::generate::icosphere;
+use crate::geometry::shape::params::{length, require, segments as turn};
+use crate::geometry::shape::{Features, MassProperties, Shape};
+use glam::DVec3;
+
+/// An ellipsoid with the given semi-axes along x, y, z, m; the longest at most 1,000 times the shortest.
+pub fn ellipsoid(semi: DVec3, segments: u32) -> Result<Shape> {
+    for (axis, value) in ["x", "y", "z"].into_iter().zip(semi.to_array()) {
+        length("ellipsoid", &format!("semi-axis {axis}"), value)?;
+    }
+    require("ellipsoid", semi.max_element() <= 1e3 * semi.min_element(), || {
+        format!("semi-axes {semi} m differ by more than a factor of 1000")
+    })?;
+    let mut mesh = icosphere(turn("ellipsoid", segments)?);
+    mesh.vertices.iter_mut().for_each(|p| *p *= semi);
+    let mass = MassProperties::of_ellipsoid(semi);
+    Ok(Shape::closed_form("ellipsoid", Ellipsoid { semi }, mesh, Features::default(), mass, semi.max_element()))
+}

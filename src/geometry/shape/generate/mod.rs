@@ -1,0 +1,56 @@
+//! Generated families of objects: one file each, every one a closed, outward-wound mesh, with a distance in closed form
+//! where there is one.
+
+mod annulus;
+mod banana;
+mod capsule;
+mod cuboid;
+mod cup;
+mod cylinder;
+mod ellipsoid;
+mod icosphere;
+mod lemon;
+mod pear;
+mod potato;
+mod prism;
+mod revolve;
+mod sphere;
+mod strawberry;
+mod sweep;
+
+pub use annulus::annulus;
+pub use banana::banana;
+pub use capsule::capsule;
+pub use cuboid::cuboid;
+pub use cup::cup;
+pub use cylinder::cylinder;
+pub use ellipsoid::ellipsoid;
+pub use icosphere::icosphere;
+pub use lemon::lemon;
+pub use pear::pear;
+pub use potato::potato;
+pub use prism::prism;
+pub use revolve::{revolve, revolved_mesh};
+pub use sphere::sphere;
+pub use strawberry::strawberry;
+pub use sweep::{sweep, swept_mesh};
+
+use crate::error::Result;
+use crate::geometry::shape::Shape;
+use crate::geometry::shape::params::{length as check, segments as turn};
+use glam::DVec2;
+
+/// A fruit: `profile(s)` for s in 0..=1 along z, zero at both ends, is scaled to the given length and diameter, m. Points crowd
+/// towards the ends, where the profile is steep; as many along the profile as around it leave corners too flat for a pad to feel.
+fn fruit(name: &str, length: f64, diameter: f64, segments: u32, profile: impl Fn(f64) -> f64) -> Result<Shape> {
+    check(name, "length", length)?;
+    check(name, "diameter", diameter)?;
+    turn(name, segments)?;
+    let largest = (0..=1000).map(|i| profile(f64::from(i) / 1000.0)).fold(f64::MIN_POSITIVE, f64::max);
+    let point = |i: u32| {
+        let s = 0.5 - 0.5 * (std::f64::consts::PI * f64::from(i) / f64::from(segments)).cos();
+        let rho = if i == 0 || i == segments { 0.0 } else { 0.5 * diameter * profile(s) / largest };
+        DVec2::new(rho, length * (s - 0.5))
+    };
+    revolve(name, (0..=segments).map(point).collect(), false, segments)
+}

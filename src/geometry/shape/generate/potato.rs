@@ -1,0 +1,42 @@
+//! Potatoes.
+
+use crate::error::Result;
+use crate::geometry::shape::Shape;
+use crate::geometry::shape::generate::icosphere;
+use crate::geometry::shape::params::{length, require, segments as turn};
+use crate::random::Random;
+use glam::DVec3;
+
+/// Number of bumps that are added up.
+const WAVES: usize = 12;
+
+/// A potato: an ellipsoid of the given semi-axes, m, with smooth bumps of about `roughness` (0 to 0.3) of its local radius.
+/// The seed decides the bumps: equal seeds give equal potatoes.
+pub fn potato(semi: DVec3, roughness: f64, seed: u64, segments: u32) -> Result<Shape> {
+    for (axis, value) in ["x", "y", "z"].into_iter().zip(semi.to_array()) {
+        length("potato", &format!("semi-axis {axis}"), value)?;
+    }
+    require("potato", semi.max_element() <= 100.0 * semi.min_element(), || {
+        format!("semi-axes {semi} m differ by more than a factor of 100")
+    })?;
+    require("potato", (0.0..=0.3).contains(&roughness), || {
+        format!("roughness is {roughness}; it must be between 0 and 0.3")
+    })?;
+    let mut mesh = icosphere(turn("potato", segments)?);
+    let mut numbers = Random::new(seed);
+    let mut random = || 2.0 * numbers.unit() - 1.0;
+    let waves: Vec<(DVec3, f64)> = (0..WAVES)
+        .map(|_| {
+            // Plane waves of a wave number of 1 to 4 per radius, seen on the sphere only.
+            let direction = DVec3::new(random(), random(), random()).normalize_or(DVec3::X);
+            (direction * (2.5 + 1.5 * random()), std::f64::consts::PI * random())
+        })
+        .collect();
+    // The sum of independent waves of random phase has the variance WAVES / 2; the bound keeps every radius positive.
+    let scale = roughness / (WAVES as f64 / 2.0).sqrt();
+    for p in &mut mesh.vertices {
+        let bump: f64 = waves.iter().map(|(k, phase)| (k.dot(*p) + phase).sin()).sum();
+        *p *= semi * (1.0 + (scale * bump).clamp(-0.8, 0.8));
+    }
+    Ok(Shape::from_mesh(mesh)?.named("potato"))
+}

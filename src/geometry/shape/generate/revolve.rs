@@ -1,0 +1,55 @@
+//! Solids of revolution.
+
+use crate::error::Result;
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::shape::params::segments as turn;
+use crate::geometry::shape::polygon::Profile;
+use crate::geometry::shape::revolved::Revolved;
+use crate::geometry::shape::{Features, MassProperties, Shape};
+use glam::{DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// The solid that a profile of points (rho, z), m, sweeps about z: either a line from the axis to the axis, or a loop off it
+/// (`closed`, first point not repeated), in either sense. The distance is that of the round solid, not of the mesh.
+pub fn revolve(name: &str, profile: Vec<DVec2>, closed: bool, segments: u32) -> Result<Shape> {
+    turn(name, segments)?;
+    let profile = Profile::new(name, profile, closed)?;
+    let mesh = revolved_mesh(&profile, segments);
+    let features = Features::of_profile(&profile, segments);
+    let mass = MassProperties::of_profile(&profile);
+    let reach = profile.points().iter().fold(0.0, |r: f64, p| r.max(p.length()));
+    Ok(Shape::closed_form(name, Revolved::new(profile), mesh, features, mass, reach))
+}
+
+/// The surface of the solid, a ring of `segments` vertices for each profile point off the axis.
+pub fn revolved_mesh(profile: &Profile, segments: u32) -> TriMesh {
+    let mut mesh = TriMesh::default();
+    let rings: Vec<u32> = profile
+        .points()
+        .iter()
+        .map(|p| {
+            let first = mesh.vertices.len() as u32;
+            let count = if p.x == 0.0 { 1 } else { segments };
+            mesh.vertices.extend((0..count).map(|k| {
+                let (sin, cos) = (TAU * f64::from(k) / f64::from(segments)).sin_cos();
+                DVec3::new(p.x * cos, p.x * sin, p.y)
+            }));
+            first
+        })
+        .collect();
+    for i in 0..profile.segments() {
+        let j = (i + 1) % rings.len();
+        let pole = |r: usize| profile.points()[r].x == 0.0;
+        let at = |r: usize, k: u32| rings[r] + if pole(r) { 0 } else { k % segments };
+        for k in 0..segments {
+            let (a, b, c, d) = (at(i, k), at(i, k + 1), at(j, k + 1), at(j, k));
+            if !pole(i) {
+                mesh.triangles.push([a, b, if pole(j) { d } else { c }]);
+            }
+            if !pole(j) {
+                mesh.triangles.push([a, c, d]);
+            }
+        }
+    }
+    mesh
+}

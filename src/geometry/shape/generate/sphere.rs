@@ -1,0 +1,17 @@
+//! Spheres.
+
+use crate::error::Result;
+use crate::geometry::shape::generate::icosphere;
+use crate::geometry::shape::params::{length, segments as turn};
+use crate::geometry::shape::sphere::Sphere;
+use crate::geometry::shape::{Features, MassProperties, Shape};
+use glam::DVec3;
+
+/// A sphere; radius in m.
+pub fn sphere(radius: f64, segments: u32) -> Result<Shape> {
+    length("sphere", "radius", radius)?;
+    let mut mesh = icosphere(turn("sphere", segments)?);
+    mesh.vertices.iter_mut().for_each(|p| *p *= radius);
+    let mass = MassProperties::of_ellipsoid(DVec3::splat(radius));
+    Ok(Shape::closed_form("sphere", Sphere { radius }, mesh, Features::of_rod(radius, 0.0), mass, radius))
+}

@@ -1,0 +1,195 @@
+//! Exact signed distance to a closed triangle mesh.
+//!
+//! The magnitude comes from a bounding-volume tree, the sign from the pseudo-normal of the closest face, edge or vertex
+//! (Baerentzen and Aanaes 2005). A lattice of distances over the mesh's box starts each search next to its answer and
+//! rejects far points by the Lipschitz bound, without touching the tree.
+
+use crate::error::Result;
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::mesh::rings::{Part, Place, Rings, View};
+use crate::geometry::shape::bvh::Bvh;
+use crate::geometry::shape::facet::Facet;
+use crate::geometry::shape::lattice::Lattice;
+use crate::geometry::shape::topology::Topology;
+use crate::geometry::shape::{Closest, Hit, SignedDistance, Touch, outer};
+use glam::{DMat3, DVec3};
+use std::sync::Arc;
+
+/// Distances below this are roundings, m: the gradient there is the pseudo-normal.
+const TOUCHING: f64 = 1e-12;
+
+/// Signed distance to a closed, outward-wound triangle mesh.
+#[derive(Debug)]
+pub struct MeshDistance {
+    mesh: Arc<TriMesh>,
+    topology: Topology,
+    rings: Rings,
+    bvh: Bvh,
+    /// The facet of each triangle.
+    facet: Vec<u32>,
+    lattice: Lattice,
+}
+
+impl MeshDistance {
+    /// Refuses a mesh that is open, inconsistently wound or degenerate. Does not look at the sense of the winding:
+    /// an inside-out mesh gives the distance of its outside.
+    pub fn new(mesh: Arc<TriMesh>) -> Result<Self> {
+        let topology = Topology::new(&mesh)?;
+        Ok(Self::with_topology(mesh, topology))
+    }
+
+    pub(crate) fn with_topology(mesh: Arc<TriMesh>, topology: Topology) -> Self {
+        let corners = |t: [u32; 3]| t.map(|v| mesh.vertices[v as usize]);
+        // `Topology` has refused every triangle for which there is no facet.
+        let facets = mesh.triangles.iter().zip(0..).filter_map(|(&t, i)| Facet::new(corners(t), i)).collect();
+        let bvh = Bvh::new(facets);
+        let mut facet = vec![0; mesh.triangles.len()];
+        bvh.facets.iter().zip(0..).for_each(|(f, i)| facet[f.triangle as usize] = i);
+        let rings = Rings::new(mesh.triangles.clone());
+        let mut lattice = Lattice::over(bvh.bounds());
+        let this = Self { mesh, topology, rings, bvh, facet, lattice: Lattice::over(Default::default()) };
+        lattice.fill(|q, seed| {
+            let (_, i) = this.bvh.nearest(q, (this.bvh.facets[seed as usize].nearest(q).0, seed));
+            (this.signed(q, i).distance, i)
+        });
+        Self { lattice, ..this }
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<TriMesh> {
+        &self.mesh
+    }
+
+    /// Distance and gradient, given the facet that `q` is closest to.
+    #[inline]
+    fn signed(&self, q: DVec3, facet: u32) -> Closest {
+        let f = &self.bvh.facets[facet as usize];
+        let corners = self.mesh.triangles[f.triangle as usize];
+        let corner = |i: usize| corners[(i + f.turn as usize) % 3] as usize;
+        let (point, pseudo) = match f.nearest(q).1 {
+            // On a face the plane's own distance and normal are exact.
+            Part::Face => {
+                return Closest { distance: f.n.dot(q - f.origin), normal: f.n, curvature: DMat3::ZERO };
+            }
+            Part::Edge(i) => {
+                let (a, b) = (self.mesh.vertices[corner(i)], self.mesh.vertices[corner(i + 1)]);
+                let e = b - a;
+                let t = ((q - a).dot(e) / e.length_squared()).clamp(0.0, 1.0);
+                let edge = self.topology.triangle_edges[f.triangle as usize][(i + f.turn as usize) % 3];
+                (a + t * e, self.topology.edge_normals[edge as usize])
+            }
+            Part::Corner(i) => (self.mesh.vertices[corner(i)], self.topology.vertex_normals[corner(i)]),
+        };
+        let away = q - point;
+        let (length, inside) = (away.length(), away.dot(pseudo) < 0.0);
+        let distance = if inside { -length } else { length };
+        let normal = if length < TOUCHING { pseudo } else { away / distance };
+        Closest { distance, normal, curvature: DMat3::ZERO }
+    }
+
+    /// The closest point of the surface if its signed distance is below `max`, and its facet.
+    #[inline]
+    fn signed_within(&self, q: DVec3, max: f64) -> Option<(Closest, u32)> {
+        let (seed, limit) = match self.lattice.look(q) {
+            Some(cell) if cell.at_least >= max => return None,
+            // Surely outside: nothing beyond `max` matters. Elsewhere `q` may be deep inside, below any `max`.
+            Some(cell) => (cell.seed, if cell.at_least > 0.0 { max } else { f64::INFINITY }),
+            None => {
+                let gap = self.bvh.bounds().distance_squared(q);
+                if !(gap < max * max && max > 0.0) {
+                    return None;
+                }
+                (0, max)
+            }
+        };
+        let start = self.bvh.facets[seed as usize].nearest(q).0;
+        // The margin keeps a point at `max` to within rounding from being lost to the squaring.
+        let limit = limit * limit * (1.0 + 1e-12);
+        let best = self.bvh.nearest(q, if start < limit { (start, seed) } else { (limit, u32::MAX) });
+        if best.1 == u32::MAX {
+            return None;
+        }
+        let closest = self.signed(q, best.1);
+        (closest.distance < max).then_some((closest, best.1))
+    }
+
+    /// What else than the nearest point, which is on `facet`, presses on `q` from within `felt` (m): beside a valley its other flank.
+    fn beside(&self, q: DVec3, facet: u32, felt: f64) -> Vec<(Closest, f64)> {
+        let f = &self.bvh.facets[facet as usize];
+        let (_, nearest) = f.nearest(q);
+        if nearest == Part::Face && f.margin(q) > 2.0 * felt {
+            return Vec::new();
+        }
+        let view = |t: u32| {
+            let other = &self.bvh.facets[self.facet[t as usize] as usize];
+            match other.nearest_within(q, felt * felt) {
+                (squared, _) if squared >= felt * felt => View::Beyond,
+                (_, Part::Face) if other.n.dot(q - other.origin) < 0.0 => View::Behind,
+                (_, part) => View::At(other.in_mesh(part)),
+            }
+        };
+        let along = |t, i| self.along(q, t, i).1;
+        let others = self.rings.beside(f.triangle, f.in_mesh(nearest), view, along).into_iter();
+        others.filter_map(|(place, weight)| Some((self.outside(q, place)?, weight))).collect()
+    }
+
+    /// The point of edge `i` of triangle `t` that is closest to `q`, and the part of the triangle it is.
+    fn along(&self, q: DVec3, t: u32, i: usize) -> (DVec3, Part) {
+        let [a, b] = [i, (i + 1) % 3].map(|k| self.mesh.corners(t as usize)[k]);
+        let s = (q - a).dot(b - a) / (b - a).length_squared();
+        let part = if s <= 0.0 {
+            Part::Corner(i)
+        } else if s >= 1.0 {
+            Part::Corner((i + 1) % 3)
+        } else {
+            Part::Edge(i)
+        };
+        (a.lerp(b, s.clamp(0.0, 1.0)), part)
+    }
+
+    /// Distance to a place of the surface that faces `q`.
+    fn outside(&self, q: DVec3, place: Place) -> Option<Closest> {
+        let (point, turning) = match place {
+            Place::Face(t) => {
+                let f = &self.bvh.facets[self.facet[t as usize] as usize];
+                let distance = f.n.dot(q - f.origin);
+                return Some(Closest { distance, normal: f.n, curvature: DMat3::ZERO });
+            }
+            Place::Edge(e) => {
+                let (t, i) = self.rings.owner(e);
+                let [a, b] = [i, (i + 1) % 3].map(|k| self.mesh.corners(t as usize)[k]);
+                (self.along(q, t, i).0, DMat3::IDENTITY - outer((b - a).normalize()))
+            }
+            Place::Corner(v) => (self.mesh.vertices[v as usize], DMat3::IDENTITY),
+        };
+        let distance = q.distance(point);
+        let normal = (q - point).try_normalize()?;
+        Some(Closest { distance, normal, curvature: (turning - outer(normal)) * distance.recip() })
+    }
+}
+
+impl SignedDistance for MeshDistance {
+    fn distance(&self, q: DVec3) -> f64 {
+        self.closest(q, f64::INFINITY).map_or(f64::NAN, |c| c.distance)
+    }
+
+    fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
+        Some(self.signed_within(q, max)?.0)
+    }
+
+    fn touch(&self, q: DVec3, max: f64, felt: f64) -> Option<Touch> {
+        let (nearest, facet) = self.signed_within(q, max)?;
+        let beside = if nearest.distance < felt { self.beside(q, facet, felt) } else { Vec::new() };
+        Some(Touch { nearest, beside })
+    }
+
+    fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        let d = direction.try_normalize().filter(|_| origin.is_finite())?;
+        let (t, i) = self.bvh.enter(origin, d)?;
+        Some(Hit { t, normal: self.bvh.facets[i as usize].n })
+    }
+
+    fn support(&self, direction: DVec3) -> Option<DVec3> {
+        self.mesh.vertices.iter().copied().max_by(|a, b| a.dot(direction).total_cmp(&b.dot(direction)))
+    }
+}

@@ -1,0 +1,107 @@
+//! Rigid object shapes: exact signed distance, surface mesh, mass properties, sharp features, rays.
+//!
+//! [`Shape`] bundles them; [`ShapeKind`] names every generated family, and [`Shape::from_mesh`] takes any closed mesh.
+//! All lengths are metres, in the object's own frame.
+
+#![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a value that is not a number must fail every test")]
+
+use glam::{DMat3, DVec3};
+
+mod bvh;
+pub mod capsule;
+pub mod cuboid;
+pub mod cylinder;
+pub mod ellipsoid;
+mod facet;
+mod family;
+pub mod features;
+pub mod generate;
+mod lattice;
+pub mod mass;
+pub mod mesh_distance;
+pub(crate) mod overlap;
+mod params;
+pub mod plane;
+pub mod polygon;
+mod ray;
+mod repair;
+pub mod revolved;
+mod ring;
+mod rod;
+mod scaled;
+mod solid;
+mod sound;
+pub mod sphere;
+mod topology;
+pub(crate) mod winding;
+
+pub use family::ShapeKind;
+pub use features::{FeaturePoint, Features, Ridge, RoundedEdge, Stretch};
+pub use mass::MassProperties;
+pub use mesh_distance::MeshDistance;
+pub use params::{DEFAULT_SEGMENTS, MAX_SEGMENTS, MIN_SEGMENTS};
+pub use ray::{Hit, trace, trace_convex};
+pub use solid::Shape;
+pub(crate) use sound::sound;
+
+/// The closest surface point of a query point `q`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Closest {
+    /// Signed distance, m; negative inside.
+    pub distance: f64,
+    /// Gradient of the signed distance at `q`: unit outward normal.
+    pub normal: DVec3,
+    /// Hessian of the signed distance at `q`, 1/m (surface curvature). Zero where the closest feature is a flat
+    /// facet; also zero at the edges and vertices of a mesh, where the true curvature 1/distance is unbounded and
+    /// useless to a Newton method.
+    pub curvature: DMat3,
+}
+
+/// All that a point is held against: the closest point of the surface and, in a valley, those of its other flanks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Touch {
+    /// The closest point.
+    pub nearest: Closest,
+    /// Others that are within reach, with the weight (-1 where the flanks meet) of each in a sum over all, in which that of the closest
+    /// is 1. Their distances are positive.
+    pub beside: Vec<(Closest, f64)>,
+}
+
+impl Touch {
+    /// All places with their weights, the closest first.
+    pub fn places(&self) -> impl Iterator<Item = (&Closest, f64)> {
+        std::iter::once((&self.nearest, 1.0)).chain(self.beside.iter().map(|(c, weight)| (c, *weight)))
+    }
+
+    /// Weighted sum over all places.
+    pub fn sum(&self, of: impl Fn(&Closest) -> f64) -> f64 {
+        self.places().map(|(c, weight)| weight * of(c)).sum()
+    }
+}
+
+/// Exact signed distance to a closed surface, in the object's own frame.
+pub trait SignedDistance: Send + Sync + std::fmt::Debug {
+    /// Signed distance, m. 1-Lipschitz: never larger than the true distance in magnitude.
+    fn distance(&self, q: DVec3) -> f64;
+    /// Closest point data if the signed distance at `q` is below `max`, else None.
+    fn closest(&self, q: DVec3, max: f64) -> Option<Closest>;
+    /// The closest point if its signed distance is below `max`, and what else is felt from within `felt`. Default: nothing else, which is
+    /// right for a surface without creases.
+    fn touch(&self, q: DVec3, max: f64, _felt: f64) -> Option<Touch> {
+        self.closest(q, max).map(|nearest| Touch { nearest, beside: Vec::new() })
+    }
+    /// Where the ray from `origin` along `direction` (any length > 0) first enters the object, at `t >= 0` metres.
+    /// None if it misses, starts inside and never re-enters, or is not finite. Default: sphere tracing.
+    fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        trace(self, origin, direction)
+    }
+    /// A point of the surface farthest along `direction`, m, where it is known in closed form.
+    fn support(&self, _direction: DVec3) -> Option<DVec3> {
+        None
+    }
+}
+
+/// `n n^T`, the projection onto the unit vector `n`.
+pub(crate) fn outer(n: DVec3) -> DMat3 {
+    DMat3::from_cols(n * n.x, n * n.y, n * n.z)
+}

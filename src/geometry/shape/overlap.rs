@@ -1,0 +1,142 @@
+//! Where a closed surface overlaps itself.
+
+use crate::geometry::Aabb;
+use crate::geometry::mesh::close::tolerance;
+use crate::geometry::mesh::shells::shells;
+use crate::geometry::mesh::{TriMesh, show};
+use crate::geometry::shape::facet::Facet;
+use crate::geometry::shape::winding::Winding;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// An overlap is refused if it is deeper than this part of the object's largest size: 3 um of a lemon. Shallower ones, as folds
+/// in scans, are below what a pad feels.
+pub(crate) const DEPTH: f64 = 1e-4;
+
+/// A place where two triangles meet and the surface does not go round once or not at all beside them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Crossing {
+    /// The two triangles.
+    pub triangles: [u32; 2],
+    /// Amid their common points, m.
+    pub place: DVec3,
+}
+
+/// The overlaps of a surface.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Overlaps {
+    /// The first that is deeper than [`DEPTH`].
+    pub deep: Option<Crossing>,
+    /// How many pairs of triangles overlap less deeply.
+    pub shallow: usize,
+}
+
+/// Looks at all pairs of triangles that meet apart from common corners and edges. They overlap if the winding number beside the
+/// place is neither 0 nor 1; parts that only touch do not. `mesh` must be closed and each shell turned right.
+pub(crate) fn overlaps(mesh: &TriMesh) -> Overlaps {
+    let winding = Winding::new(mesh);
+    let bounds = winding.bvh.bounds();
+    let (deep, shallow) = (DEPTH * bounds.size().max_element(), 4.0 * tolerance(mesh));
+    let found: Vec<(Option<Crossing>, usize)> = (0..winding.bvh.facets.len())
+        .into_par_iter()
+        .map(|i| {
+            let (one, mut worst, mut count) = (&winding.bvh.facets[i], None, 0);
+            winding.bvh.overlapping(&one.aabb(), |j| {
+                // Each pair once.
+                if worst.is_some() || j as usize <= i {
+                    return;
+                }
+                let other = &winding.bvh.facets[j as usize];
+                let triangles = [one.triangle, other.triangle];
+                let Some(place) = meeting(mesh, triangles) else { return };
+                if astray(&winding, place, [one.n, other.n], deep) {
+                    worst = Some(Crossing { triangles, place });
+                } else if astray(&winding, place, [one.n, other.n], shallow) {
+                    count += 1;
+                }
+            });
+            (worst, count)
+        })
+        .collect();
+    Overlaps {
+        deep: found.iter().filter_map(|f| f.0).min_by_key(|c| c.triangles),
+        shallow: found.iter().map(|f| f.1).sum(),
+    }
+}
+
+impl Overlaps {
+    /// One sentence for a surface that is refused.
+    pub fn complaint(&self, mesh: &TriMesh) -> Option<String> {
+        let Crossing { mut triangles, place } = self.deep?;
+        triangles.sort_unstable();
+        let shells = shells(mesh);
+        let part = |t: &u32| shells.iter().position(|s| s.triangles.binary_search(t).is_ok());
+        let what = if part(&triangles[0]) == part(&triangles[1]) {
+            "the surface passes through itself"
+        } else {
+            "two parts of the surface overlap"
+        };
+        Some(format!(
+            "{what}: its triangles {} and {} (0-based) cross near {}; unite its parts in the program that made it",
+            triangles[0],
+            triangles[1],
+            show(place)
+        ))
+    }
+}
+
+/// Whether the winding number is neither 0 nor 1 at `away` (m) from a place where two facets with the normals `n` meet, in one of
+/// the four wedges between them.
+fn astray(winding: &Winding, place: DVec3, n: [DVec3; 2], away: f64) -> bool {
+    let wedges = [-n[0] - n[1], n[0] + n[1], n[0] - n[1], n[1] - n[0]];
+    wedges.into_iter().filter(|d| d.length() > 1e-3).any(|d| {
+        let q = place + away * d.normalize();
+        // On the surface itself, as beside faces in one plane, the number says nothing.
+        let clear = winding.bvh.nearest(q, (f64::INFINITY, u32::MAX)).0 > (1e-3 * away).powi(2);
+        clear && !(-0.5..=1.5).contains(&winding.at(q))
+    })
+}
+
+/// The middle of what two triangles have in common apart from a corner; None if that is nothing, or if they share an edge.
+fn meeting(mesh: &TriMesh, pair: [u32; 2]) -> Option<DVec3> {
+    let [s, t] = pair.map(|t| mesh.triangles[t as usize]);
+    let shared: Vec<u32> = s.into_iter().filter(|v| t.contains(v)).collect();
+    let [p, q] = pair.map(|t| mesh.corners(t as usize));
+    let size = Aabb::of(p.into_iter().chain(q)).size().max_element();
+    let rounding = 1e-12 * size;
+    let mut points = common(p, q, rounding);
+    points.extend(common(q, p, rounding));
+    match shared[..] {
+        [] => {}
+        [corner] => {
+            let corner = mesh.vertices[corner as usize];
+            points.retain(|x| x.distance(corner) > 1e-6 * size);
+        }
+        _ => return None,
+    }
+    (!points.is_empty()).then(|| points.iter().sum::<DVec3>() / points.len() as f64)
+}
+
+/// Points that the sides of triangle `p` have in common with triangle `q`: where they cross it, or the ends of what lies in it.
+fn common(p: [DVec3; 3], q: [DVec3; 3], rounding: f64) -> Vec<DVec3> {
+    let Some(facet) = Facet::new(q, 0) else { return Vec::new() };
+    let height = p.map(|x| {
+        let h = facet.n.dot(x - facet.origin);
+        if h.abs() <= rounding { 0.0 } else { h }
+    });
+    let mut points = Vec::new();
+    for i in 0..3 {
+        let (a, b, h, k) = (p[i], p[(i + 1) % 3], height[i], height[(i + 1) % 3]);
+        if h == 0.0 && k == 0.0 {
+            if let Some((from, to)) = facet.clip(a, b, rounding) {
+                points.extend([a.lerp(b, from), a.lerp(b, to)]);
+            }
+        } else if h * k <= 0.0 {
+            let x = a.lerp(b, h / (h - k));
+            if facet.margin(x) >= -rounding {
+                points.push(x);
+            }
+        }
+    }
+    points
+}

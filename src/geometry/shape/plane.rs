@@ -1,0 +1,40 @@
+//! Signed distance to a half-space.
+
+use crate::error::{Error, Result};
+use crate::geometry::shape::{Closest, Hit, SignedDistance, trace_convex};
+use glam::{DMat3, DVec3};
+
+/// The half-space `n . q <= offset`. It is unbounded, so there is no `Shape` of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane {
+    normal: DVec3,
+    offset: f64,
+}
+
+impl Plane {
+    /// The half-space behind the plane through `point`; `normal` points out of it and may have any length.
+    pub fn new(point: DVec3, normal: DVec3) -> Result<Self> {
+        match normal.try_normalize() {
+            Some(n) if point.is_finite() => Ok(Self { normal: n, offset: n.dot(point) }),
+            _ => Err(Error::Mesh(format!(
+                "plane: point {point} and normal {normal} must be finite, the normal not zero"
+            ))),
+        }
+    }
+}
+
+impl SignedDistance for Plane {
+    fn distance(&self, q: DVec3) -> f64 {
+        self.normal.dot(q) - self.offset
+    }
+
+    #[inline]
+    fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
+        let distance = self.distance(q);
+        (distance < max).then_some(Closest { distance, normal: self.normal, curvature: DMat3::ZERO })
+    }
+
+    fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        trace_convex(self, origin, direction)
+    }
+}

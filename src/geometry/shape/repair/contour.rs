@@ -1,0 +1,162 @@
+//! The surface between the inside and the outside nodes of a grid, by dual contouring (Ju et al. 2002) with a vertex for each sheet
+//! of the surface in a cell (Nielson 2004, "Dual marching cubes"): closed, and a manifold.
+
+use super::field::Field;
+use crate::geometry::Aabb;
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::shape::facet::Facet;
+use crate::geometry::shape::outer;
+use crate::geometry::shape::winding::Winding;
+use glam::{DMat3, DVec3, USizeVec3};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// Weight of the middle of a sheet beside the planes of the surface: it decides where they leave a vertex free.
+const SLACK: f64 = 1e-3;
+/// A vertex stays this part of a cell away from its sides.
+const MARGIN: f64 = 0.02;
+
+/// Where an edge of the grid crosses the surface, m, and the normal there.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    point: DVec3,
+    normal: DVec3,
+}
+
+/// The surface; with its corners and creases if `sharp`, else each vertex is amid the crossings of its cell.
+pub(crate) fn surface(field: &Field, winding: &Winding, sharp: bool) -> TriMesh {
+    let crossings = crossings(field, winding);
+    let mut mesh = TriMesh::default();
+    let mut vertices: HashMap<USizeVec3, [u32; 12]> = HashMap::new();
+    for cell in field.cells() {
+        let corners: Vec<bool> = (0..8).map(|i| field.inside(cell + corner(i))).collect();
+        if corners.iter().all(|c| *c == corners[0]) {
+            continue;
+        }
+        let mut vertex = [u32::MAX; 12];
+        for sheet in sheets(&corners) {
+            let met: Vec<Crossing> = sheet.iter().map(|e| crossings[&(cell + start(*e), e / 4)]).collect();
+            sheet.iter().for_each(|e| vertex[*e] = mesh.vertices.len() as u32);
+            mesh.vertices.push(place(field, cell, &met, sharp));
+        }
+        vertices.insert(cell, vertex);
+    }
+    for cell in field.cells() {
+        for k in 0..3 {
+            let inside = field.inside(cell);
+            if inside == field.inside(cell + USizeVec3::AXES[k]) {
+                continue;
+            }
+            // The four cells around the edge, counter-clockwise seen from its end; it is inside the grid, whose border is outside.
+            let (u, v) = (USizeVec3::AXES[(k + 1) % 3], USizeVec3::AXES[(k + 2) % 3]);
+            let around = [(cell - u - v, 3), (cell - v, 2), (cell, 0), (cell - u, 1)];
+            let mut quad = around.map(|(c, edge)| vertices[&c][4 * k + edge]);
+            if !inside {
+                quad.reverse();
+            }
+            let p = quad.map(|v| mesh.vertices[v as usize]);
+            let [a, b, c, d] = quad;
+            let pair = if p[0].distance(p[2]) <= p[1].distance(p[3]) {
+                [[a, b, c], [a, c, d]]
+            } else {
+                [[a, b, d], [b, c, d]]
+            };
+            mesh.triangles.extend(pair);
+        }
+    }
+    mesh
+}
+
+/// Corner `i` of a cell.
+fn corner(i: usize) -> USizeVec3 {
+    USizeVec3::new(i & 1, i >> 1 & 1, i >> 2 & 1)
+}
+
+/// The corner from which edge `4 k + i` of a cell runs along axis `k`.
+fn start(edge: usize) -> USizeVec3 {
+    let (k, i) = (edge / 4, edge % 4);
+    USizeVec3::AXES[(k + 1) % 3] * (i & 1) + USizeVec3::AXES[(k + 2) % 3] * (i >> 1)
+}
+
+/// The crossed edges of a cell, in groups that the surface connects through its faces. Each face has two crossed edges or none.
+fn sheets(inside: &[bool]) -> Vec<Vec<usize>> {
+    let at = |n: USizeVec3| inside[n.x | n.y << 1 | n.z << 2];
+    let crossed: Vec<usize> = (0..12).filter(|e| at(start(*e)) != at(start(*e) + USizeVec3::AXES[e / 4])).collect();
+    let mut group: Vec<usize> = (0..12).collect();
+    for axis in 0..3 {
+        for side in 0..2 {
+            // The edges of this face run along the other axes.
+            let on = |e: &usize| e / 4 != axis && start(*e)[axis] == side;
+            let face: Vec<usize> = crossed.iter().copied().filter(on).collect();
+            if let [a, b] = face[..] {
+                let (from, to) = (group[a].max(group[b]), group[a].min(group[b]));
+                group.iter_mut().filter(|g| **g == from).for_each(|g| *g = to);
+            }
+        }
+    }
+    let mut sheets: Vec<Vec<usize>> = vec![Vec::new(); 12];
+    crossed.into_iter().for_each(|e| sheets[group[e]].push(e));
+    sheets.into_iter().filter(|s| !s.is_empty()).collect()
+}
+
+/// The vertex of a sheet, m: nearest to the planes of the surface at its crossings.
+fn place(field: &Field, cell: USizeVec3, met: &[Crossing], sharp: bool) -> DVec3 {
+    let middle = met.iter().map(|c| c.point).sum::<DVec3>() / met.len() as f64;
+    if !sharp {
+        return middle;
+    }
+    let (mut a, mut b) = (SLACK * DMat3::IDENTITY, DVec3::ZERO);
+    for c in met {
+        a += outer(c.normal);
+        b += c.normal * c.normal.dot(c.point - middle);
+    }
+    let low = field.position(cell) + MARGIN * field.step;
+    (middle + a.inverse() * b).clamp(low, low + (1.0 - 2.0 * MARGIN) * field.step)
+}
+
+/// The crossings of the surface with the edges of the grid, by the node from which an edge runs and its axis.
+fn crossings(field: &Field, winding: &Winding) -> HashMap<(USizeVec3, usize), Crossing> {
+    let edges = field.cells().flat_map(|n| (0..3).map(move |k| (n, k)));
+    let crossed: Vec<_> = edges.filter(|(n, k)| field.inside(*n) != field.inside(*n + USizeVec3::AXES[*k])).collect();
+    let found = |&(node, k): &(USizeVec3, usize)| {
+        let ends = [node, node + USizeVec3::AXES[k]].map(|n| field.position(n));
+        let [a, b] = if field.inside(node) { ends } else { [ends[1], ends[0]] };
+        ((node, k), crossing(winding, a, b, field.step))
+    };
+    crossed.par_iter().map(found).collect::<Vec<_>>().into_iter().collect()
+}
+
+/// The crossing on the way from `a` inside to `b` outside: where a triangle is passed from inside to outside, else where the winding
+/// number becomes one half.
+fn crossing(winding: &Winding, a: DVec3, b: DVec3, step: f64) -> Crossing {
+    let mut passed: Vec<(f64, DVec3)> = Vec::new();
+    winding.bvh.overlapping(&Aabb::of([a, b]), |i| {
+        let facet = &winding.bvh.facets[i as usize];
+        passed.extend(pass(facet, a, b).map(|t| (t, facet.n)));
+    });
+    passed.sort_by(|x, y| x.0.total_cmp(&y.0));
+    let within = |t: f64| winding.at(a.lerp(b, t)) > 0.5;
+    let leaves = |i: &usize| {
+        let (before, after) = (i.checked_sub(1).map_or(0.0, |j| passed[j].0), passed.get(i + 1).map_or(1.0, |p| p.0));
+        passed.len() == 1 || (within(0.5 * (before + passed[*i].0)) && !within(0.5 * (after + passed[*i].0)))
+    };
+    if let Some(i) = (0..passed.len()).find(leaves) {
+        return Crossing { point: a.lerp(b, passed[i].0), normal: passed[i].1 };
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..16 {
+        let t = 0.5 * (low + high);
+        *(if within(t) { &mut low } else { &mut high }) = t;
+    }
+    let point = a.lerp(b, 0.5 * (low + high));
+    let slope = DVec3::AXES.map(|e| winding.at(point - 0.5 * step * e) - winding.at(point + 0.5 * step * e));
+    Crossing { point, normal: DVec3::from_array(slope).normalize_or((b - a).normalize()) }
+}
+
+/// Where the way from `a` to `b` passes the facet, in 0..=1.
+fn pass(facet: &Facet, a: DVec3, b: DVec3) -> Option<f64> {
+    let [from, to] = [a, b].map(|p| facet.n.dot(p - facet.origin));
+    let t = from / (from - to);
+    let met = from * to <= 0.0 && t.is_finite() && facet.margin(a.lerp(b, t)) >= -1e-9 * a.distance(b);
+    met.then_some(t)
+}

@@ -1,0 +1,52 @@
+//! Holes closed by triangles between their rims.
+
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::mesh::polygon::triangulate;
+use crate::geometry::mesh::topology::sides;
+use std::collections::BTreeMap;
+
+/// What [`fill`] added.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Filled {
+    pub holes: usize,
+    pub triangles: usize,
+    /// m2.
+    pub area: f64,
+}
+
+/// Closes every hole whose rim is a simple loop that has a simple outline seen from the front. None if a hole is left or an edge
+/// has more than two triangles.
+pub(crate) fn fill(mesh: &mut TriMesh) -> Option<Filled> {
+    let mut after = BTreeMap::new();
+    for group in sides(mesh).chunk_by(|x, y| x.ends == y.ends) {
+        match group {
+            [side] => {
+                // The rim runs against the only triangle.
+                let [a, b] = if side.reversed { [side.ends[1], side.ends[0]] } else { side.ends };
+                if after.insert(b, a).is_some() {
+                    return None;
+                }
+            }
+            [one, two] if one.reversed != two.reversed => {}
+            _ => return None,
+        }
+    }
+    let mut filled = Filled::default();
+    while let Some((first, mut next)) = after.pop_first() {
+        let mut rim = vec![first];
+        while next != first {
+            rim.push(next);
+            next = after.remove(&next)?;
+        }
+        let points: Vec<_> = rim.iter().map(|v| mesh.vertices[*v as usize]).collect();
+        let lid = triangulate(&points)?;
+        filled.holes += 1;
+        filled.triangles += lid.len();
+        for t in lid {
+            mesh.triangles.push(t.map(|i| rim[i]));
+            let [a, b, c] = mesh.corners(mesh.triangles.len() - 1);
+            filled.area += 0.5 * (b - a).cross(c - a).length();
+        }
+    }
+    Some(filled)
+}

@@ -1,0 +1,116 @@
+//! Repair of surfaces that bound no solid: open, crossing, non-manifold.
+
+mod contour;
+mod field;
+mod fill;
+
+use crate::error::{Error, Result};
+use crate::geometry::Aabb;
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::mesh::shells::{agree, orient, shells};
+use crate::geometry::mesh::topology::drop_unused;
+use crate::geometry::shape::sound::judge;
+use crate::geometry::shape::winding::Winding;
+use field::Field;
+use glam::DVec3;
+
+/// Closed parts of less than this of the volume of the whole are dust.
+const DUST: f64 = 1e-3;
+
+/// The surface as a solid: with its holes filled, if that is all it lacks, else the surface on which its generalized winding number
+/// is one half, sampled on a grid. Returns it with what was done and how far it moved.
+pub(crate) fn repair(mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
+    let mut whole = mesh.clone();
+    agree(&mut whole);
+    let filled = fill::fill(&mut whole);
+    if let (Some(filled), Ok(news)) = (filled, judge(&mut whole)) {
+        let done = format!(
+            "filled {} holes with {} triangles of {:.3e} m2 in all; nothing else moved",
+            filled.holes, filled.triangles, filled.area
+        );
+        return Ok((whole, [vec![done], news].concat()));
+    }
+    resample(mesh)
+}
+
+fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
+    agree(&mut mesh);
+    orient(&mut mesh);
+    if mesh.triangles.iter().enumerate().all(|(t, _)| crate::geometry::mesh::facets::is_flat(mesh.corners(t))) {
+        return Err(Error::Mesh("the surface has no area: there is nothing to repair".into()));
+    }
+    let winding = Winding::new(&mesh);
+    let field = Field::new(&winding);
+    // Corners where the surface has them; if that makes it cross itself, rounded by a cell.
+    let attempt = |sharp: bool| {
+        let mut surface = contour::surface(&field, &winding, sharp);
+        let dust = drop_dust(&mut surface);
+        judge(&mut surface).map(|_| (surface, dust))
+    };
+    let nothing = |_| {
+        let advice =
+            "the surface encloses no volume that could be sampled: give it a thickness, or close it in a mesh program";
+        Error::Mesh(advice.into())
+    };
+    let (surface, dust) = attempt(true).or_else(|_| attempt(false)).map_err(nothing)?;
+    let moved = Moved::of(&surface, &winding, field.step);
+    let mut done = format!(
+        "sampled its winding number anew, on a grid of {:.2e} m: {} triangles; the surface moved by at most {:.2e} m, by {:.2e} m on \
+         average",
+        field.step,
+        surface.triangles.len(),
+        moved.most,
+        moved.mean
+    );
+    if moved.new > 0.0 {
+        done += &format!("; {:.1} % of it is new, where there were holes", 100.0 * moved.new);
+    }
+    if dust > 0 {
+        done += &format!("; dropped {dust} closed parts of less than {DUST} of its volume");
+    }
+    Ok((surface, vec![done]))
+}
+
+/// Drops shells that are small beside the whole; returns how many.
+fn drop_dust(mesh: &mut TriMesh) -> usize {
+    let shells = shells(mesh);
+    let whole: f64 = shells.iter().map(|s| s.volume).sum();
+    let small: Vec<_> = shells.into_iter().filter(|s| s.volume.abs() < DUST * whole.abs()).collect();
+    let mut gone = vec![false; mesh.triangles.len()];
+    small.iter().flat_map(|s| &s.triangles).for_each(|t| gone[*t as usize] = true);
+    let mut keep = gone.into_iter().map(|g| !g);
+    mesh.triangles.retain(|_| keep.next().unwrap_or(true));
+    drop_unused(mesh);
+    small.len()
+}
+
+/// How far a new surface is from the old one.
+struct Moved {
+    /// m.
+    most: f64,
+    /// m.
+    mean: f64,
+    /// Part of the new surface that is farther from the old one than a cell.
+    new: f64,
+}
+
+impl Moved {
+    fn of(surface: &TriMesh, old: &Winding, cell: f64) -> Self {
+        let middle = |t: usize| surface.corners(t).into_iter().sum::<DVec3>() / 3.0;
+        let points = surface.vertices.iter().copied().chain((0..surface.triangles.len()).map(middle));
+        let away: Vec<f64> = points.map(|p| old.bvh.nearest(p, (f64::INFINITY, u32::MAX)).0.sqrt()).collect();
+        let near: Vec<f64> = away.iter().copied().filter(|d| *d <= cell).collect();
+        Self {
+            most: near.iter().copied().fold(0.0, f64::max),
+            mean: near.iter().sum::<f64>() / near.len().max(1) as f64,
+            new: 1.0 - near.len() as f64 / away.len().max(1) as f64,
+        }
+    }
+}
+
+/// The box around a surface with no side shorter than a twentieth of its longest, m.
+fn room(bounds: Aabb) -> Aabb {
+    let size = bounds.size();
+    let half = 0.5 * size.max(DVec3::splat(0.05 * size.max_element()));
+    Aabb { min: bounds.center() - half, max: bounds.center() + half }
+}

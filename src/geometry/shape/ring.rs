@@ -1,0 +1,70 @@
+//! Where a round solid is bent so tightly that a pad, which feels it at points of its own, would come through between them.
+
+use super::features::FeaturePoint;
+use super::polygon::Profile;
+use crate::scales::{CORNER_CUT, SAMPLE_CUT};
+use glam::{DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// Radius, over the distance of the points that are asked for, from which on a pad's own points are enough.
+const ROUND: f64 = 24.0;
+
+/// A circle about the z axis on a smooth convex part of a round solid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ring {
+    /// (rho, z), m.
+    point: DVec2,
+    /// Outward unit normal in that plane.
+    normal: DVec2,
+    /// The smaller of the two radii of curvature, m.
+    radius: f64,
+    /// Length of the segments that meet there, m, and how the normal turns from one to the other, rad.
+    corner: (f64, f64),
+}
+
+impl Ring {
+    /// The ring of point `i` of a profile, where the normal turns by `turn` (rad) over the two segments that meet there.
+    pub(crate) fn new(profile: &Profile, i: usize, turn: f64, normal: DVec2) -> Self {
+        let (points, point) = (profile.points(), profile.points()[i]);
+        let n = points.len();
+        let [before, after] = [points[(i + n - 1) % n], points[(i + 1) % n]].map(|p| p.distance(point));
+        // On the axis a profile ends: one of the two is its other end, and the true neighbour has its mirror image there.
+        let on_axis = point.x == 0.0;
+        let length = if on_axis { before.min(after) } else { 0.5 * (before + after) };
+        let around = if !on_axis && normal.x > 0.0 { point.x / normal.x } else { f64::INFINITY };
+        Self { point, normal, radius: around.min(length / turn), corner: (length, turn) }
+    }
+
+    /// Points on those of `rings`, which follow each other along a profile, that are tight for a pad whose points are `spacing` (m)
+    /// apart: bent in less than [`ROUND`] times that, or a corner. Contact has this `offset` (m).
+    pub(crate) fn sample(rings: &[Self], spacing: f64, offset: f64) -> Vec<FeaturePoint> {
+        let (mut points, mut last) = (Vec::new(), None::<DVec2>);
+        let is_tight = |ring: &&Self| ring.radius < ROUND * spacing || ring.cut(2.0 * spacing) > CORNER_CUT * offset;
+        for ring in rings.iter().filter(is_tight) {
+            let apart = (8.0 * ring.radius * SAMPLE_CUT * offset).sqrt();
+            if last.is_some_and(|last| last.distance(ring.point) < 0.5 * apart) {
+                continue;
+            }
+            last = Some(ring.point);
+            let count = (TAU * ring.point.x / apart).ceil().clamp(1.0, 1e4) as u32;
+            points.extend((0..count).map(|k| {
+                let (sin, cos) = (TAU * f64::from(k) / f64::from(count)).sin_cos();
+                let at = |p: DVec2| DVec3::new(p.x * cos, p.x * sin, p.y);
+                FeaturePoint { position: at(ring.point), normal: at(ring.normal), sharp: false }
+            }));
+        }
+        points
+    }
+
+    /// How far a pad comes over the corner between two of its points that are `apart`, m.
+    fn cut(&self, apart: f64) -> f64 {
+        let (length, turn) = self.corner;
+        turn * length.min(apart) / 8.0
+    }
+
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let (length, turn) = self.corner;
+        let corner = (length * factor, turn);
+        Self { point: self.point * factor, radius: self.radius * factor, corner, ..*self }
+    }
+}

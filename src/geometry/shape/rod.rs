@@ -1,0 +1,52 @@
+//! A ball, pin or capsule so thin that a pad, which feels it at points of its own, would come through between them.
+
+use super::features::FeaturePoint;
+use crate::scales::{ROD_CUT, SAMPLE_CUT};
+use glam::{DVec2, DVec3};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// All points within a radius of a segment of the z axis about the origin; a ball if that has no length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rod {
+    /// m.
+    pub radius: f64,
+    /// Half the length of the straight part, m.
+    pub half: f64,
+    /// Whether half balls close it; else only its straight part counts.
+    pub capped: bool,
+}
+
+impl Rod {
+    /// Points all over it, if a pad whose points are twice `spacing` (m) apart would miss it: places between them and the middles of
+    /// their triangles are up to two fifths of that from the next, and over a length `a` a ball of radius `r` falls by `a^2 / (2 r)`.
+    /// Contact has this `offset` (m).
+    pub(crate) fn sample(&self, spacing: f64, offset: f64) -> Vec<FeaturePoint> {
+        let fall = |a: f64| a * a / (2.0 * self.radius);
+        if fall(0.8 * spacing) <= ROD_CUT * offset {
+            return Vec::new();
+        }
+        // Rings along the meridian, from the middle of a square of four points as far as the pad may come in between.
+        let apart = 2.0 * (self.radius * SAMPLE_CUT * offset).sqrt();
+        let cap = if self.capped { self.radius * FRAC_PI_2 } else { 0.0 };
+        let reach = self.half + cap;
+        let rings = (2.0 * reach / apart).ceil().clamp(2.0, 1e3) as u32;
+        let ring = |k: u32| {
+            let s = reach * (2.0 * f64::from(k) / f64::from(rings) - 1.0);
+            let axial = s.clamp(-self.half, self.half);
+            let normal = DVec2::from_angle((s - axial) / self.radius);
+            let around = (TAU * self.radius * normal.x / apart).ceil().clamp(1.0, 1e3) as u32;
+            (0..around).map(move |j| {
+                let (sin, cos) = (TAU * f64::from(j) / f64::from(around)).sin_cos();
+                let normal = DVec3::new(normal.x * cos, normal.x * sin, normal.y);
+                FeaturePoint { position: self.radius * normal + axial * DVec3::Z, normal, sharp: false }
+            })
+        };
+        // The ends of a straight part are rims, which are felt as such.
+        let ends = u32::from(!self.capped);
+        (ends..=rings - ends).flat_map(ring).collect()
+    }
+
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        Self { radius: factor * self.radius, half: factor * self.half, ..*self }
+    }
+}

@@ -1,0 +1,124 @@
+//! The rigid object: everything the solver, the recorder and the renderer ask of it.
+
+use crate::error::{Error, Result};
+use crate::geometry::Aabb;
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::mesh::shells::{flat_shell, orient};
+use crate::geometry::mesh::topology::drop_unused;
+use crate::geometry::shape::mesh_distance::MeshDistance;
+use crate::geometry::shape::params::{length, require};
+use crate::geometry::shape::scaled::Scaled;
+use crate::geometry::shape::topology::Topology;
+use crate::geometry::shape::{Features, Hit, MassProperties, SignedDistance};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// A rigid object in its own frame. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Shape {
+    /// What it is called in messages and records.
+    pub name: String,
+    /// Exact signed distance to its surface.
+    pub distance: Arc<dyn SignedDistance>,
+    /// Its surface; if `exact`, a drawing of it with vertices on the true surface, else the surface itself.
+    pub surface: Arc<TriMesh>,
+    /// Its vertices and sharp edges.
+    pub features: Arc<Features>,
+    /// Volume, centre of mass and inertia at unit density; closed forms if `exact`.
+    pub mass: MassProperties,
+    /// Whether the distance is that of the smooth ideal shape in closed form, rather than that of the facets of `surface`.
+    pub exact: bool,
+    /// Box around the true surface, m.
+    pub aabb: Aabb,
+    /// Largest distance of the true surface from the frame's origin, m.
+    pub bounding_radius: f64,
+}
+
+impl Shape {
+    /// An object whose surface is `mesh`: closed, consistently wound, without degenerate triangles, else refused with the first
+    /// place that is wrong. Shells are turned by [`orient`]; vertices that no triangle uses are dropped.
+    pub fn from_mesh(mut mesh: TriMesh) -> Result<Self> {
+        let mut topology = Topology::new(&mesh)?;
+        if drop_unused(&mut mesh) | orient(&mut mesh).any() {
+            topology = Topology::new(&mesh)?;
+        }
+        let mass = MassProperties::of_mesh(&mesh);
+        let aabb = Aabb::of(mesh.vertices.iter().copied());
+        let bounding_radius = mesh.vertices.iter().fold(0.0, |r: f64, p| r.max(p.length()));
+        if let Some(message) = flat_shell(&mesh) {
+            return Err(Error::Mesh(message));
+        }
+        let features = Arc::new(Features::of_mesh(&mesh, &topology));
+        let surface = Arc::new(mesh);
+        let distance = Arc::new(MeshDistance::with_topology(surface.clone(), topology));
+        Ok(Self { name: "mesh".into(), distance, surface, features, mass, exact: false, aabb, bounding_radius })
+    }
+
+    /// An object with a distance in closed form, which must know its `support`.
+    pub(crate) fn closed_form(
+        name: &str,
+        distance: impl SignedDistance + 'static,
+        surface: TriMesh,
+        features: Features,
+        mass: MassProperties,
+        bounding_radius: f64,
+    ) -> Self {
+        let ends = DVec3::AXES.into_iter().flat_map(|a| [distance.support(a), distance.support(-a)]).flatten();
+        let aabb = Aabb::of(ends);
+        Self {
+            name: name.into(),
+            distance: Arc::new(distance),
+            surface: Arc::new(surface),
+            features: Arc::new(features),
+            mass,
+            exact: true,
+            aabb,
+            bounding_radius,
+        }
+    }
+
+    /// The same object under another name.
+    pub fn named(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
+    /// The object magnified by `factor` about its origin.
+    pub fn scaled(&self, factor: f64) -> Result<Self> {
+        require(&self.name, factor > 0.0 && factor.is_finite(), || {
+            format!("the scale is {factor}; it must be positive and finite")
+        })?;
+        length(&self.name, "the scaled size", factor * self.bounding_radius)?;
+        let mut surface = TriMesh::clone(&self.surface);
+        surface.vertices.iter_mut().for_each(|p| *p *= factor);
+        Ok(Self {
+            name: self.name.clone(),
+            distance: Arc::new(Scaled { inner: self.distance.clone(), factor }),
+            surface: Arc::new(surface),
+            features: Arc::new(self.features.scaled(factor)),
+            mass: self.mass.scaled(factor),
+            exact: self.exact,
+            aabb: Aabb { min: factor * self.aabb.min, max: factor * self.aabb.max },
+            bounding_radius: factor * self.bounding_radius,
+        })
+    }
+
+    /// Where the ray first enters the object; see [`SignedDistance::ray`].
+    pub fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        self.distance.ray(origin, direction)
+    }
+
+    /// A surface point farthest along `direction`, m.
+    pub fn support(&self, direction: DVec3) -> DVec3 {
+        let of_mesh = || {
+            let ahead = |a: &DVec3, b: &DVec3| a.dot(direction).total_cmp(&b.dot(direction));
+            self.surface.vertices.iter().copied().max_by(ahead).unwrap_or_default()
+        };
+        self.distance.support(direction).unwrap_or_else(of_mesh)
+    }
+
+    /// The interval that the object covers along the unit vector `direction`, m.
+    pub fn extent(&self, direction: DVec3) -> (f64, f64) {
+        (self.support(-direction).dot(direction), self.support(direction).dot(direction))
+    }
+}

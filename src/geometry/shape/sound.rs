@@ -1,0 +1,75 @@
+//! Whether the surface of a file bounds a solid, and what can be put right without moving it.
+
+use crate::error::{Error, Result};
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::mesh::facets::drop_back_to_back;
+use crate::geometry::mesh::shells::{agree, flat_shell, orient, shells};
+use crate::geometry::mesh::topology::watertight;
+use crate::geometry::shape::overlap::overlaps;
+use crate::geometry::shape::repair::repair;
+use crate::geometry::shape::topology::Topology;
+
+/// Turns triangles and shells of `mesh` the right way and refuses what bounds no solid, with the place; with `mend` repairs it
+/// instead. Returns the surface and a notice for each change.
+pub(crate) fn sound(mesh: TriMesh, mend: bool) -> Result<(TriMesh, Vec<String>)> {
+    let mut turned = mesh.clone();
+    match judge(&mut turned) {
+        Ok(news) => Ok((turned, news)),
+        Err(Error::Mesh(fault)) if mend => {
+            let (mesh, news) = repair(mesh)?;
+            let fault = fault.split(';').next().unwrap_or_default();
+            Ok((mesh, [vec![format!("repaired, for {fault}")], news].concat()))
+        }
+        Err(Error::Mesh(fault)) => Err(Error::Mesh(format!("{fault}, or let `repair: true` do it"))),
+        Err(other) => Err(other),
+    }
+}
+
+/// Turns triangles and shells the right way, and refuses what bounds no solid.
+pub(crate) fn judge(mesh: &mut TriMesh) -> Result<Vec<String>> {
+    let mut news = Vec::new();
+    let pairs = drop_back_to_back(mesh);
+    if mesh.triangles.is_empty() {
+        return Err(Error::Mesh(
+            "the object's mesh: it is a sheet, which encloses no volume; give it a thickness".into(),
+        ));
+    }
+    if pairs > 0 {
+        news.push(format!("dropped {pairs} pairs of triangles back to back, between which there is nothing"));
+    }
+    let odd = agree(mesh);
+    if odd > 0 {
+        news.push(format!("turned {odd} triangles that disagreed with their neighbours"));
+    }
+    let edges = watertight(mesh);
+    if [&edges.open, &edges.crowded, &edges.twisted].iter().any(|f| f.count > 0) {
+        return Err(Error::Mesh(edges.complaint().unwrap_or_default()));
+    }
+    Topology::new(mesh)?;
+    if let Some(fault) = flat_shell(mesh) {
+        return Err(Error::Mesh(fault));
+    }
+    let turned = orient(mesh);
+    let parts = shells(mesh).len();
+    if turned.outward > 0 {
+        news.push(format!("turned {} of {parts} closed parts of the surface, which were inside out", turned.outward));
+    }
+    if turned.inward > 0 {
+        news.push(format!(
+            "turned {} of {parts} closed parts of the surface inward: they lie inside others and bound hollows",
+            turned.inward
+        ));
+    }
+    let overlaps = overlaps(mesh);
+    if let Some(fault) = overlaps.complaint(mesh) {
+        return Err(Error::Mesh(fault));
+    }
+    if overlaps.shallow > 0 {
+        let n = overlaps.shallow;
+        news.push(format!(
+            "{n} pairs of triangles cross, none by more than {:e} of the object's size",
+            super::overlap::DEPTH
+        ));
+    }
+    Ok(news)
+}

@@ -1,0 +1,48 @@
+//! Whether a recorded state is in equilibrium: elastic forces of its node positions against what may act on each node.
+
+use super::penetration::PadSurface;
+use crate::mech::potential::inversion_barrier::add_upright_gradient;
+use crate::part::FingerModel;
+use crate::record::Frame;
+use glam::DVec3;
+
+/// Largest unbalanced force over the force of a finger, of three kinds, none of which asks the contact of the solver:
+/// forces on nodes that can touch nothing (norm over all of them); the reaction of the mount against the load of the finger;
+/// what the free surface feels against the recorded contact force. Of quasi-static frames. `weight` is that of a volume of
+/// gel, N/m3, hand frame.
+pub fn imbalance(fingers: &[FingerModel], surfaces: &[PadSurface], frame: &Frame, weight: DVec3) -> f64 {
+    let load = frame.applied_force / frame.pads.len().max(1) as f64;
+    let (mut worst, mut missing) = (0.0_f64, 0.0);
+    for ((finger, pad), surface) in fingers.iter().zip(&frame.pads).zip(surfaces) {
+        let body = &finger.body;
+        let mut force = vec![DVec3::ZERO; body.rest.len()];
+        body.add_gradient(&pad.position, &mut force);
+        add_upright_gradient(body, &pad.position, &mut force);
+        if weight != DVec3::ZERO {
+            force.iter_mut().zip(body.nodal_volume()).for_each(|(f, volume)| *f -= weight * volume);
+        }
+        let (mut inside, mut touching, mut mount) = (0.0, DVec3::ZERO, DVec3::ZERO);
+        for (i, f) in force.iter().enumerate() {
+            match (body.fixed[i], surface.free[i]) {
+                (true, _) => mount += *f,
+                (false, true) => touching += *f,
+                (false, false) => inside += f.length_squared(),
+            }
+        }
+        // All forces of the gel sum to its weight, so the mount gives what the contact takes.
+        let whole = weight * body.nodal_volume().iter().sum::<f64>();
+        // Contact on glued nodes of the rim goes straight to the mount.
+        let on_mount = pad.contact_force.iter().zip(&body.fixed).filter(|(_, fixed)| **fixed).map(|(f, _)| *f);
+        let on_mount: DVec3 = on_mount.sum();
+        let closes = (mount + whole - on_mount).dot(finger.placement.closing);
+        let contact = pad.wrench.force - on_mount;
+        worst = worst.max(inside.sqrt()).max((touching - contact).length());
+        if !frame.held {
+            worst = worst.max((closes - load).abs());
+        }
+        missing += closes - load;
+    }
+    // While the object is held, the fingers together carry what both are loaded with.
+    let worst = worst.max(missing.abs());
+    if worst == 0.0 { 0.0 } else { worst / load }
+}

@@ -1,0 +1,145 @@
+//! An independent judge of recorded frames: what a scene promises about inversion, penetration and equilibrium is checked
+//! from the node positions alone, by code that shares nothing with the contact of the solver.
+//!
+//! | promise | checked by |
+//! |---|---|
+//! | finite | every number of the frame |
+//! | no inversion | [`inversion`]: det F at corners, edge midpoints, quadrature points and centre of every tetrahedron |
+//! | no penetration | [`penetration`]: points of the pads against [`solid`], of the object and of the other pad against the tetrahedra |
+//! | converged | [`equilibrium`]: elastic forces of the recorded positions against the loads |
+//!
+//! A scene that promises none of it pays nothing.
+
+pub mod columns;
+pub mod equilibrium;
+pub mod inversion;
+pub mod penetration;
+pub mod solid;
+pub mod tetrahedra;
+pub mod triangle;
+
+use crate::geometry::shape::Shape;
+use crate::part::FingerModel;
+use crate::record::Frame;
+use crate::scene;
+use glam::DVec3;
+use penetration::{ObjectPoints, PadSurface};
+use rayon::prelude::*;
+use serde::Serialize;
+use solid::Solid;
+use tetrahedra::Tetrahedra;
+
+/// What the audit of a frame, or of all frames of a grasp, found.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Findings {
+    /// Every number is finite.
+    pub finite: bool,
+    /// Smallest det F; positive where nothing is inverted.
+    pub min_det_f: f64,
+    /// How deep pads and object are in each other at the worst point, m; zero if they are not.
+    pub penetration: f64,
+    /// Offset of the contact law, m: down to that nothing is resolved.
+    pub offset: f64,
+    /// Largest force that nothing balances, over the force of a finger.
+    pub imbalance: f64,
+}
+
+impl Findings {
+    /// Whether such a state can be: every number is finite and no element is turned inside out.
+    pub fn is_sound(&self) -> bool {
+        self.finite && self.min_det_f > 0.0
+    }
+
+    /// The worse of both in every respect; NaN, which is not known to be good, is worse than any number.
+    pub fn worst(self, other: Self) -> Self {
+        let pick =
+            |a: f64, b: f64, worse: fn(f64, f64) -> f64| if a.is_nan() || b.is_nan() { f64::NAN } else { worse(a, b) };
+        Self {
+            finite: self.finite && other.finite,
+            min_det_f: pick(self.min_det_f, other.min_det_f, f64::min),
+            penetration: pick(self.penetration, other.penetration, f64::max),
+            offset: self.offset.max(other.offset),
+            imbalance: pick(self.imbalance, other.imbalance, f64::max),
+        }
+    }
+}
+
+/// What the audit of a scene needs and no frame changes.
+#[derive(Debug)]
+pub struct Auditor {
+    solid: Solid,
+    object: ObjectPoints,
+    pads: Vec<PadSurface>,
+    /// Contact offset, m.
+    offset: f64,
+    /// Density of the gel, kg/m3.
+    gel_density: f64,
+}
+
+impl Auditor {
+    /// For the scene's object, which is `shape`, and its fingers, whose gel has `gel_density` (kg/m3); contact has this `offset` (m).
+    pub fn new(
+        object: &scene::Object,
+        shape: &Shape,
+        fingers: &[FingerModel],
+        (offset, gel_density): (f64, f64),
+    ) -> Self {
+        let pads: Vec<_> = fingers.iter().map(|f| PadSurface::new(&f.topology)).collect();
+        let spacing = pads.iter().map(|p| p.spacing).fold(f64::INFINITY, f64::min);
+        let (solid, object) = (Solid::new(object, shape), ObjectPoints::new(&shape.surface, shape.exact, spacing));
+        Self { solid, object, pads, offset, gel_density }
+    }
+
+    /// Judges a frame of the same fingers; `gravity` in the hand frame, m/s2.
+    pub fn judge(&self, fingers: &[FingerModel], frame: &Frame, gravity: DVec3) -> Findings {
+        let offset = self.offset;
+        if !finite(frame) {
+            let nan = f64::NAN;
+            return Findings { finite: false, min_det_f: nan, penetration: nan, offset, imbalance: nan };
+        }
+        let (penetration, (min_det_f, imbalance)) = rayon::join(
+            || self.penetration(fingers, frame),
+            || {
+                let pads = fingers.iter().zip(&frame.pads);
+                let det = pads.map(|(f, pad)| inversion::min_det_f(&f.topology, &pad.position));
+                (
+                    det.fold(f64::INFINITY, f64::min),
+                    equilibrium::imbalance(fingers, &self.pads, frame, gravity * self.gel_density),
+                )
+            },
+        );
+        Findings { finite: true, min_det_f, penetration, offset, imbalance }
+    }
+
+    /// How deep pads and object are in each other at the worst point, m.
+    fn penetration(&self, fingers: &[FingerModel], frame: &Frame) -> f64 {
+        let inverse = frame.object_rotation.inverse();
+        let placed = |p: &DVec3| inverse * (*p - frame.object_position);
+        let x: Vec<Vec<DVec3>> = frame.pads.iter().map(|pad| pad.position.iter().map(placed).collect()).collect();
+        let depth = |(i, (finger, pad)): (usize, (&FingerModel, &PadSurface))| {
+            let tets = Tetrahedra::new(&finger.topology, &x[i]);
+            let mut depth = pad.depth(&tets, &self.solid, &self.object);
+            for j in (0..x.len()).filter(|j| *j != i) {
+                let surface = x[j].iter().zip(&self.pads[j].free).filter(|(_, free)| **free).map(|(p, _)| *p);
+                depth = depth.max(pad.depth_of_nodes(&tets, surface));
+            }
+            depth
+        };
+        fingers.par_iter().zip(&self.pads).enumerate().map(depth).reduce(|| 0.0, f64::max)
+    }
+}
+
+/// Whether every number of the frame is finite.
+fn finite(frame: &Frame) -> bool {
+    let scalars =
+        [frame.applied_force, frame.time, frame.energy, frame.residual, frame.force_balance, frame.torque_balance];
+    let rigid = frame.object_position.is_finite() && frame.object_rotation.is_finite();
+    let pad = |p: &crate::record::PadFrame| {
+        let vectors = p.position.iter().chain(&p.displacement).chain(&p.contact_force);
+        vectors.into_iter().all(|v| v.is_finite())
+            && p.von_mises_node.iter().chain(&p.von_mises_element).chain(&p.gap).all(|v| v.is_finite())
+            && p.wrench.force.is_finite()
+            && p.wrench.torque.is_finite()
+    };
+    rigid && scalars.iter().chain(&frame.travel).all(|v| v.is_finite()) && frame.pads.iter().all(pad)
+}

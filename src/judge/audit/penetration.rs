@@ -1,0 +1,219 @@
+//! How deep bodies are in each other: points of a pad inside the object, of the object inside a pad, of a pad inside the other.
+
+use super::inversion::position;
+use super::solid::Solid;
+use super::tetrahedra::Tetrahedra;
+use super::triangle;
+use crate::geometry::mesh::TriMesh;
+use crate::record::{Elements, PadTopology};
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// Parts that an edge of a boundary face is cut into: other points than those at which the solver feels contact.
+const PARTS: usize = 6;
+
+/// The free surface of a pad: boundary faces that are not glued to the finger.
+#[derive(Debug)]
+pub struct PadSurface {
+    /// Corners and, of 10-node tetrahedra, the middles of (0,1), (1,2), (2,0); else the corners again.
+    faces: Vec<[u32; 6]>,
+    quadratic: bool,
+    /// Per node: on a free face.
+    pub free: Vec<bool>,
+    /// Mean edge of the parts that a face is cut into, m.
+    pub spacing: f64,
+}
+
+/// Points of the object's surface in its own frame: vertices, and points along its edges.
+#[derive(Debug)]
+pub struct ObjectPoints(Vec<DVec3>);
+
+/// Cosine of the angle between two triangles from which on their edge counts as round: the pad's own points see it.
+const ROUND: f64 = 0.985;
+
+impl ObjectPoints {
+    /// Vertices of `surface`, and points along its edges at most `spacing` (m) apart: along creases only if it is the `drawing`
+    /// of a round shape, whose other edges are chords inside.
+    pub fn new(surface: &TriMesh, drawing: bool, spacing: f64) -> Self {
+        let mut points = surface.vertices.clone();
+        let mut normals = BTreeMap::new();
+        for (t, corners) in surface.triangles.iter().enumerate() {
+            let [a, b, c] = surface.corners(t);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            for k in 0..3 {
+                let (i, j) = (corners[k], corners[(k + 1) % 3]);
+                // The other triangle runs along the edge the other way.
+                let Some(other) = normals.remove(&(j, i)) else {
+                    normals.insert((i, j), normal);
+                    continue;
+                };
+                if !drawing || normal.dot(other) < ROUND {
+                    let (a, b) = (surface.vertices[i as usize], surface.vertices[j as usize]);
+                    let parts = (a.distance(b) / spacing).ceil().clamp(1.0, 1000.0) as usize;
+                    points.extend((1..parts).map(|i| a.lerp(b, i as f64 / parts as f64)));
+                }
+            }
+        }
+        Self(points)
+    }
+}
+
+impl PadSurface {
+    /// Of a recorded pad.
+    pub fn new(topology: &PadTopology) -> Self {
+        let mut middle = BTreeMap::new();
+        if let Elements::Quadratic(tets) = &topology.elements {
+            for n in tets {
+                for (e, [i, j]) in [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]].into_iter().enumerate() {
+                    middle.insert((n[i].min(n[j]), n[i].max(n[j])), n[4 + e]);
+                }
+            }
+        }
+        let quadratic = !middle.is_empty();
+        let mut free = vec![false; topology.rest.len()];
+        let (mut faces, mut length) = (Vec::new(), 0.0);
+        for &[a, b, c] in &topology.surface {
+            if [a, b, c].iter().all(|&i| topology.bonded[i as usize]) {
+                continue;
+            }
+            let between = |i: u32, j: u32| middle.get(&(i.min(j), i.max(j))).copied().unwrap_or(i);
+            let face = [a, b, c, between(a, b), between(b, c), between(c, a)];
+            face.iter().for_each(|&i| free[i as usize] = true);
+            length += topology.rest[a as usize].distance(topology.rest[b as usize]);
+            faces.push(face);
+        }
+        let spacing = length / (faces.len().max(1) * PARTS) as f64;
+        Self { faces, quadratic, free, spacing }
+    }
+
+    /// Depth of the worst point of pad or object in the other, m; zero if nothing penetrates. `tets` are those of the pad in
+    /// the object's frame.
+    pub fn depth(&self, tets: &Tetrahedra, solid: &Solid, object: &ObjectPoints) -> f64 {
+        let x = tets.x;
+        let points = x.iter().copied().chain(self.points(x)).chain(centers(tets.elements, x));
+        let of_pad = points.map(|p| solid.depth(p)).fold(0.0, f64::max);
+        let of_object = object.0.iter().copied().filter(|p| tets.contains(*p) && self.between(*p, solid));
+        self.below_skin(of_object, x).max(of_pad)
+    }
+
+    /// Depth of the worst surface node of another pad, at `others`, in this one, m.
+    pub fn depth_of_nodes(&self, tets: &Tetrahedra, others: impl Iterator<Item = DVec3>) -> f64 {
+        self.below_skin(others.filter(|p| tets.contains(*p)), tets.x)
+    }
+
+    /// Largest distance to the free surface of points that are inside the pad, m.
+    fn below_skin(&self, inside: impl Iterator<Item = DVec3>, x: &[DVec3]) -> f64 {
+        let mut inside = inside.peekable();
+        if inside.peek().is_none() {
+            return 0.0;
+        }
+        let spheres: Vec<(DVec3, f64)> = self.faces.iter().map(|face| self.sphere(face, x)).collect();
+        inside.map(|p| self.distance(p, &spheres, x)).fold(0.0, f64::max)
+    }
+
+    /// Distance of `p` to the free surface, whose faces are in `spheres`, m. Where a curved face is folded its flat pieces miss it by
+    /// more than matters: those that are near are cut into four until they do not.
+    fn distance(&self, p: DVec3, spheres: &[(DVec3, f64)], x: &[DVec3]) -> f64 {
+        let away = |pieces: &[Piece]| -> Vec<f64> {
+            pieces.iter().map(|piece| triangle::distance(&[piece.flat], p)).collect()
+        };
+        let least = |distances: &[f64]| distances.iter().copied().fold(f64::INFINITY, f64::min);
+        let mut slack = 0.5 * self.spacing;
+        let farthest = spheres.iter().map(|(center, radius)| center.distance(p) + radius).fold(f64::INFINITY, f64::min);
+        let reached = |i: usize| spheres[i].0.distance(p) - spheres[i].1 <= farthest + slack;
+        let faces = (0..self.faces.len()).filter(|i| reached(*i)).map(|i| &self.faces[i]);
+        let mut near: Vec<Piece> =
+            faces.flat_map(|face| parts().map(|part| Piece::new(self, *face, part, x))).collect();
+        let mut distances = away(&near);
+        for _ in 0..if self.quadratic { CUTS } else { 0 } {
+            let close = least(&distances) + slack;
+            let pieces = near.iter().zip(&distances).filter(|(_, d)| **d <= close);
+            near = pieces.flat_map(|(piece, _)| piece.quarters(self, x)).collect();
+            distances = away(&near);
+            slack *= 0.25;
+        }
+        least(&distances)
+    }
+
+    /// A sphere around a face.
+    fn sphere(&self, face: &[u32; 6], x: &[DVec3]) -> (DVec3, f64) {
+        let n = face.map(|i| x[i as usize]);
+        let center = n.iter().sum::<DVec3>() / 6.0;
+        // The control points of a quadratic face are around it.
+        let middle =
+            |m: usize, i: usize, j: usize| if self.quadratic { n[m] * 2.0 - (n[i] + n[j]) * 0.5 } else { n[m] };
+        let around = [n[0], n[1], n[2], middle(3, 0, 1), middle(4, 1, 2), middle(5, 2, 0)];
+        (center, around.iter().map(|p| p.distance(center)).fold(0.0, f64::max))
+    }
+
+    /// Whether a point of the drawing belongs to the object: chords over a hollow do not.
+    fn between(&self, p: DVec3, solid: &Solid) -> bool {
+        match solid {
+            Solid::Surface(_) => true,
+            _ => solid.depth(p * (1.0 - 1e-9)) > 0.0 || solid.depth(p * (1.0 + 1e-9)) > 0.0,
+        }
+    }
+
+    /// Points of the free surface itself, one for each of its triangles, m.
+    fn points<'a>(&'a self, x: &'a [DVec3]) -> impl Iterator<Item = DVec3> + 'a {
+        let center = |part: [[f64; 3]; 3]| [0, 1, 2].map(|k| (part[0][k] + part[1][k] + part[2][k]) / 3.0);
+        self.faces.iter().flat_map(move |face| parts().map(move |part| self.point(face, center(part), x)))
+    }
+
+    /// The point of a face at barycentric coordinates `l`, m.
+    fn point(&self, face: &[u32; 6], l: [f64; 3], x: &[DVec3]) -> DVec3 {
+        let n = face.map(|i| x[i as usize]);
+        if !self.quadratic {
+            return n[0] * l[0] + n[1] * l[1] + n[2] * l[2];
+        }
+        let corners: DVec3 = (0..3).map(|k| n[k] * (l[k] * (2.0 * l[k] - 1.0))).sum();
+        corners + n[3] * (4.0 * l[0] * l[1]) + n[4] * (4.0 * l[1] * l[2]) + n[5] * (4.0 * l[2] * l[0])
+    }
+}
+
+/// Every part of a face, given by the barycentric coordinates of its corners.
+fn parts() -> impl Iterator<Item = [[f64; 3]; 3]> {
+    let at = |i: usize, j: usize| [PARTS - i - j, i, j].map(|k| k as f64 / PARTS as f64);
+    let row = move |i: usize| {
+        (0..PARTS - i).flat_map(move |j| {
+            let under = (i + j + 1 < PARTS).then(|| [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+            std::iter::once([at(i, j), at(i + 1, j), at(i, j + 1)]).chain(under)
+        })
+    };
+    (0..PARTS).flat_map(row)
+}
+
+/// How often pieces are cut to find the distance to them: until they bulge by a thousandth of what they did.
+const CUTS: usize = 5;
+
+/// A piece of a face: the barycentric coordinates of its corners and, between them, a flat triangle.
+#[derive(Clone, Copy)]
+struct Piece {
+    face: [u32; 6],
+    part: [[f64; 3]; 3],
+    /// m.
+    flat: [DVec3; 3],
+}
+
+impl Piece {
+    fn new(surface: &PadSurface, face: [u32; 6], part: [[f64; 3]; 3], x: &[DVec3]) -> Self {
+        Self { face, part, flat: part.map(|l| surface.point(&face, l, x)) }
+    }
+
+    /// The four pieces between its corners and the middles of its sides.
+    fn quarters(&self, surface: &PadSurface, x: &[DVec3]) -> [Self; 4] {
+        let [a, b, c] = self.part;
+        let middle = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
+        let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]].map(|part| Self::new(surface, self.face, part, x))
+    }
+}
+
+/// The material centre of every tetrahedron, m. Of a bent one it is not the mean of its corners, which may lie outside.
+fn centers(elements: &Elements, x: &[DVec3]) -> Vec<DVec3> {
+    let node = |i: u32| x[i as usize];
+    match elements {
+        Elements::Linear(tets) => tets.iter().map(|n| n.map(node).iter().sum::<DVec3>() / 4.0).collect(),
+        Elements::Quadratic(tets) => tets.iter().map(|n| position(&n.map(node), &[0.25; 4])).collect(),
+    }
+}

@@ -1,0 +1,129 @@
+//! The object as a set of points: inside or not, and how deep. From the scene's numbers where the shape is round, else from
+//! its surface; never from the distance functions that the contact uses.
+
+use super::columns::Columns;
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::shape::Shape;
+use crate::scene::{self, object as o};
+use glam::{DVec2, DVec3};
+
+/// A rigid object in its own frame.
+#[derive(Debug)]
+pub enum Solid {
+    /// `|q / semi| < 1`; half axes, m.
+    Ellipsoid(DVec3),
+    /// Points within `radius` of a box about the origin, m.
+    RoundBox {
+        /// Half edges of the box.
+        core: DVec3,
+        /// Rounding.
+        radius: f64,
+    },
+    /// What a section in the half-plane (rho, z) sweeps about z.
+    Revolved {
+        /// Of the section, m.
+        outline: Vec<[DVec2; 2]>,
+        /// Nothing is farther from the axis, m.
+        reach: f64,
+    },
+    /// A closed triangle surface.
+    Surface(Columns),
+}
+
+impl Solid {
+    /// The scene's object, which is `shape`.
+    pub fn new(object: &scene::Object, shape: &Shape) -> Self {
+        let scale = object.scale.get();
+        match &object.shape {
+            o::Shape::Sphere(s) => Self::Ellipsoid(DVec3::splat(scale * s.radius.get())),
+            o::Shape::Ellipsoid(s) => Self::Ellipsoid(scale * s.radii.size()),
+            o::Shape::Cuboid(s) => {
+                let radius = scale * s.edge_radius.get();
+                Self::RoundBox { core: 0.5 * scale * s.size.size() - radius, radius }
+            }
+            o::Shape::Capsule(s) => {
+                Self::RoundBox { core: DVec3::Z * (0.5 * scale * s.height.get()), radius: scale * s.radius.get() }
+            }
+            o::Shape::Cylinder(_)
+            | o::Shape::Annulus(_)
+            | o::Shape::Cup(_)
+            | o::Shape::Lemon(_)
+            | o::Shape::Strawberry(_)
+            | o::Shape::Pear(_)
+            | o::Shape::Revolve(_) => {
+                let outline = section(&shape.surface);
+                let reach = outline.iter().flatten().fold(0.0, |reach, p| f64::max(reach, p.x)) * (1.0 + 1e-9);
+                Self::Revolved { outline, reach }
+            }
+            o::Shape::Mesh(_) | o::Shape::Prism(_) | o::Shape::Banana(_) | o::Shape::Potato(_) | o::Shape::Sweep(_) => {
+                Self::Surface(Columns::new(&shape.surface))
+            }
+        }
+    }
+
+    /// How deep `q` is inside, m; zero outside. Of an ellipsoid to first order.
+    pub fn depth(&self, q: DVec3) -> f64 {
+        match self {
+            Self::Ellipsoid(semi) => {
+                let level = (q / *semi).length();
+                let slope = (q / (*semi * *semi)).length() / level;
+                if level < 1e-6 { semi.min_element() } else { ((1.0 - level) / slope).max(0.0) }
+            }
+            Self::RoundBox { core, radius } => {
+                let d = q.abs() - *core;
+                (radius - d.max(DVec3::ZERO).length() - d.max_element().min(0.0)).max(0.0)
+            }
+            Self::Revolved { outline, reach } => {
+                let p = DVec2::new(q.x.hypot(q.y), q.z);
+                // Most points of a pad are out of reach.
+                if p.x <= *reach && crossings(outline, p) {
+                    outline.iter().map(|s| apart(*s, p)).fold(f64::INFINITY, f64::min)
+                } else {
+                    0.0
+                }
+            }
+            Self::Surface(columns) => {
+                if columns.inside(q) {
+                    columns.distance(q)
+                } else {
+                    0.0
+                }
+            }
+        }
+    }
+}
+
+/// The outline of a solid of revolution in the half-plane y = 0, x >= 0, where its drawing has vertices on the true surface.
+fn section(drawing: &TriMesh) -> Vec<[DVec2; 2]> {
+    let size = drawing.vertices.iter().fold(0.0, |m: f64, p| m.max(p.length()));
+    let on = |p: DVec3| p.y.abs() < 1e-9 * size && p.x > -1e-9 * size;
+    let mut outline = Vec::new();
+    for t in 0..drawing.triangles.len() {
+        let corners = drawing.corners(t);
+        for k in 0..3 {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            // Each edge once: its two triangles run along it in opposite senses, one of them lies at y > 0.
+            if on(a) && on(b) && corners[(k + 2) % 3].y > 0.0 {
+                outline.push([a, b].map(|p| DVec2::new(p.x, p.z)));
+            }
+        }
+    }
+    outline
+}
+
+/// Whether a ray from `p` away from the axis crosses the outline an odd number of times.
+fn crossings(outline: &[[DVec2; 2]], p: DVec2) -> bool {
+    let mut odd = false;
+    for &[a, b] in outline {
+        if (a.y > p.y) != (b.y > p.y) {
+            odd ^= p.x < a.x + (p.y - a.y) * (b.x - a.x) / (b.y - a.y);
+        }
+    }
+    odd
+}
+
+/// Distance of `p` to a line segment, m.
+fn apart([a, b]: [DVec2; 2], p: DVec2) -> f64 {
+    let e = b - a;
+    (p - a - e * ((p - a).dot(e) / e.length_squared()).clamp(0.0, 1.0)).length()
+}

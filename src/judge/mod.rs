@@ -1,0 +1,7 @@
+//! What becomes of the promises of a scene: an audit of recorded frames, and the verdict.
+
+pub mod audit;
+pub mod verdict;
+
+pub use audit::{Auditor, Findings};
+pub use verdict::{Held, Measured, evaluate, evaluate_all};

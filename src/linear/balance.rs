@@ -1,0 +1,181 @@
+//! The balance of a free object: the forces of both pads on it add up to its weight, and so do their moments.
+//!
+//! Two forces on a body without weight lie on one line. Where the pads press therefore says how hard friction pulls each of
+//! them sideways, and sideways pull is most of how a pad is sheared. Pressure stays as it is: each pad is pulled along x,
+//! along y and twisted, shared out among its nodes as the settled gel presses, and as little as balances (least squares over
+//! the pressure). About the closing direction small contacts hold little: there the balance is soft.
+//!
+//! Dimensionless, hand axes, as in [`super::rigid_equilibrium`].
+
+use crate::kernel::Number;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use glam::{DMat3, DVec2, DVec3};
+
+/// Equations of balance; as many as pulls and twists of two pads.
+pub const EQUATIONS: usize = 6;
+/// Part of the largest stiffness of the balance below which it has none: along the closing direction the fingers' forces stay.
+const SLACK: f64 = 1e-7;
+/// Radius of gyration of a contact, over the thickness, below which it hardly resists being twisted: forces of any size at next
+/// to a single point would not balance a twist about the closing direction.
+const POINT: f64 = 0.3;
+/// Row of that twist among the equations: fingers close along x.
+const TWIST: usize = 3;
+
+/// A pad under a load.
+#[derive(Debug, Clone)]
+pub struct Pressed {
+    /// What it presses with.
+    pub force: f64,
+    /// From its axes to those of the hand.
+    pub rotation: DMat3,
+    /// Of each face node: where its force acts, and the share of the force that the settled gel carries there.
+    pub nodes: Vec<(DVec3, f64)>,
+}
+
+impl Pressed {
+    /// Of each node: what a pull along x or y takes there, and a twist (x and y of its arm over the radius of gyration).
+    fn modes(&self) -> Vec<[f64; 3]> {
+        let whole = self.nodes.iter().map(|n| n.1).sum::<f64>().max(f64::MIN_POSITIVE);
+        let at = |place: DVec3| (self.rotation.transpose() * place).truncate();
+        let middle = self.nodes.iter().map(|n| at(n.0) * (n.1 / whole)).sum::<DVec2>();
+        let square = self.nodes.iter().map(|n| at(n.0).distance_squared(middle) * (n.1 / whole)).sum::<f64>();
+        let arm = |place: DVec3| (at(place) - middle) / square.sqrt().max(SLACK);
+        let mode = |n: &(DVec3, f64)| {
+            let twist = arm(n.0) * (n.1 / whole);
+            [n.1 / whole, twist.x, twist.y]
+        };
+        self.nodes.iter().map(mode).collect()
+    }
+}
+
+/// The balance of an object between two pads under one load.
+#[derive(Debug, Clone)]
+pub struct Balance {
+    /// Of each pad: the force of a unit of each component of contact (against the closing direction, along x, along y).
+    axes: [[[f32; 3]; 3]; 2],
+    /// Of each node, one pad after the other: where its force acts.
+    place: Vec<[f32; 3]>,
+    /// Of each node: see [`Pressed::modes`].
+    modes: Vec<[f32; 3]>,
+    /// From what is out of balance to pulls and twists.
+    inverse: [[f32; EQUATIONS]; EQUATIONS],
+    /// Force and moment that the pads carry.
+    load: [f32; EQUATIONS],
+}
+
+impl Balance {
+    /// Between `pads`; `weight` is the object's, and where it acts.
+    pub fn new(pads: &[Pressed; 2], weight: [DVec3; 2]) -> Self {
+        let axes = pads.each_ref().map(|pad| {
+            let [x, y, z] =
+                [pad.rotation.x_axis, pad.rotation.y_axis, pad.rotation.z_axis].map(|axis| axis * pad.force);
+            [-z, x, y]
+        });
+        let modes: Vec<[f64; 3]> = pads.iter().flat_map(Pressed::modes).collect();
+        let place: Vec<DVec3> = pads.iter().flat_map(|pad| pad.nodes.iter().map(|n| n.0)).collect();
+        // What each pull and twist adds to force and moment.
+        let mut given = Mat::<f64>::zeros(EQUATIONS, EQUATIONS);
+        for (i, (mode, at)) in modes.iter().zip(&place).enumerate() {
+            let pad = i / pads[0].nodes.len();
+            for (force, mode) in axes[pad][1..].iter().zip(taken(mode)) {
+                for (k, w) in wrench(*force, *at).iter().enumerate() {
+                    (0..3).for_each(|m| given[(k, 3 * pad + m)] += w * mode[m]);
+                }
+            }
+        }
+        let mut square = &given * given.transpose();
+        let small = SLACK * (0..EQUATIONS).map(|k| square[(k, k)]).fold(f64::MIN_POSITIVE, f64::max);
+        (0..EQUATIONS).for_each(|k| square[(k, k)] += small);
+        square[(TWIST, TWIST)] += (POINT * pads[0].force.max(pads[1].force)).powi(2);
+        let solved = square.llt(Side::Lower).map(|factor| factor.solve(&given));
+        // Numbers that are not finite: whoever asked for them is told by what comes out.
+        let solved = solved.unwrap_or_else(|_| Mat::full(EQUATIONS, EQUATIONS, f64::NAN));
+        Self {
+            axes: axes.map(|pad| pad.map(|axis| axis.to_array().map(|v| v as f32))),
+            place: place.iter().map(|x| x.to_array().map(|v| v as f32)).collect(),
+            modes: modes.iter().map(|m| m.map(|v| v as f32)).collect(),
+            inverse: std::array::from_fn(|m| std::array::from_fn(|k| solved[(k, m)] as f32)),
+            load: wrench(weight[0], weight[1]).map(|v| v as f32),
+        }
+    }
+
+    /// Number of contact forces: nodes of both pads.
+    pub fn nodes(&self) -> usize {
+        self.place.len()
+    }
+
+    /// Force and moment of a unit of each component of contact at node `i`.
+    pub fn wrenches(&self, i: usize) -> [[f32; EQUATIONS]; 3] {
+        let [x, y, z] = self.place[i];
+        self.axes[self.pad(i)].map(|[a, b, c]| [a, b, c, y * c - z * b, z * a - x * c, x * b - y * a])
+    }
+
+    /// What a unit of each pull and twist adds along x and y at node `i`: [`EQUATIONS`] each.
+    pub fn pulls(&self, i: usize) -> [[f32; EQUATIONS]; 2] {
+        let mut all = [[0.0; EQUATIONS]; 2];
+        for (all, own) in all.iter_mut().zip(taken(&self.modes[i])) {
+            all[3 * self.pad(i)..][..3].copy_from_slice(&own);
+        }
+        all
+    }
+
+    /// From what is out of balance to pulls and twists, and what is carried.
+    pub fn solution(&self) -> (&[[f32; EQUATIONS]; EQUATIONS], &[f32; EQUATIONS]) {
+        (&self.inverse, &self.load)
+    }
+
+    fn pad(&self, i: usize) -> usize {
+        i / (self.place.len() / 2).max(1)
+    }
+
+    /// Balances `contact`, (nodes, 3), whose components along x and y have the signs `mirror` of those of the pads.
+    pub fn balance<T: Number>(&self, contact: &mut [T], mirror: [f32; 2]) {
+        let [x, y] = mirror.map(T::from);
+        let mut left = self.load.map(T::from);
+        for (i, c) in contact.as_chunks::<3>().0.iter().enumerate() {
+            for (wrench, c) in self.wrenches(i).iter().zip([c[0], x * c[1], y * c[2]]) {
+                left.iter_mut().zip(wrench).for_each(|(left, w)| *left += -(T::from(*w) * c));
+            }
+        }
+        let pulls = self.inverse.map(|row| row.iter().zip(&left).map(|(k, v)| T::from(*k) * *v).sum::<T>());
+        for (i, c) in contact.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+            let own = &pulls[3 * self.pad(i)..][..3];
+            let [along_x, along_y] =
+                taken(&self.modes[i]).map(|mode| mode.iter().zip(own).map(|(m, p)| T::from(*m) * *p).sum::<T>());
+            c[1] += x * along_x;
+            c[2] += y * along_y;
+        }
+    }
+
+    /// The gradient by what [`Self::balance`] was given, from that by what it gave.
+    pub fn gradient<T: Number>(&self, gradient: &mut [T], mirror: [f32; 2]) {
+        let [x, y] = mirror.map(T::from);
+        let mut pulls = [T::from(0.0); EQUATIONS];
+        for (i, g) in gradient.as_chunks::<3>().0.iter().enumerate() {
+            let own = &mut pulls[3 * self.pad(i)..][..3];
+            for (mode, g) in taken(&self.modes[i]).iter().zip([x * g[1], y * g[2]]) {
+                own.iter_mut().zip(mode).for_each(|(p, m)| *p += T::from(*m) * g);
+            }
+        }
+        let left: [T; EQUATIONS] =
+            std::array::from_fn(|k| self.inverse.iter().zip(&pulls).map(|(row, p)| T::from(row[k]) * *p).sum::<T>());
+        for (i, g) in gradient.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+            let by = self.wrenches(i).map(|wrench| wrench.iter().zip(&left).map(|(w, v)| T::from(*w) * *v).sum::<T>());
+            g[0] += -by[0];
+            g[1] += -(x * by[1]);
+            g[2] += -(y * by[2]);
+        }
+    }
+}
+
+/// Force and moment of a force at a place.
+fn wrench(force: DVec3, at: DVec3) -> [f64; EQUATIONS] {
+    let moment = at.cross(force);
+    [force.x, force.y, force.z, moment.x, moment.y, moment.z]
+}
+
+/// What the pulls along x and y and the twist of a pad add along x and y at a node with these modes.
+fn taken<T: Copy + Default + std::ops::Neg<Output = T>>([share, x, y]: &[T; 3]) -> [[T; 3]; 2] {
+    [[*share, T::default(), -*y], [T::default(), *share, *x]]
+}

@@ -1,0 +1,171 @@
+//! The linear response of a pad: how all its nodes give to small forces on its sensing face.
+//!
+//! One factorisation of the stiffness at rest and a solve per force component, once per pad: the network learns what large
+//! strains and the true pressure change. Over the thickness per `E t^2`, pad frame. Bonded nodes do not move, and stress is
+//! local: it follows from how the neighbours of a node move.
+
+use super::deviator::{Deviator, deviators};
+use crate::error::{Error, Result};
+use crate::kernel::numbers::Numbers;
+use crate::kernel::product::{LANES, Packed, Rows, respond};
+use crate::mech::body::cholesky::Factor;
+use crate::part::FingerModel;
+use crate::record::PadTopology;
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// Right-hand sides that are solved for at once.
+const COLUMNS: usize = 96;
+
+/// Responses to unit forces, spread on the face around the node they are meant for.
+#[derive(Debug, Clone)]
+pub struct Compliance {
+    /// Number of nodes of the pad.
+    pub nodes: usize,
+    /// Number of force components: three per face node.
+    pub forces: usize,
+    /// Of each node that can move, where its three rows begin in `response`, over three; those of the face are first.
+    pub slot: Vec<Option<u32>>,
+    /// (moving nodes * 3, forces): how every component gives to each force component.
+    pub response: Numbers,
+    /// Deviatoric stress of every node over `E`.
+    pub deviator: Deviator,
+}
+
+impl Compliance {
+    /// Of the pad of `finger` to forces on its nodes `face`; `thickness` in m.
+    ///
+    /// # Errors
+    /// A stiffness that is not positive definite.
+    pub fn new(finger: &FingerModel, face: &[u32], thickness: f64) -> Result<Self> {
+        let (body, turn) = (&finger.body, finger.placement.rotation);
+        let pattern = body.pattern();
+        let (free, n) = (pattern.unknowns(), body.rest.len());
+        let mut values = vec![0.0; pattern.row_idx.len()];
+        body.add_stiffness(&body.rest, true, &mut vec![DVec3::ZERO; n], &mut values);
+        let mut factor = Factor::new(body.symbolic()?, COLUMNS);
+        if !factor.factorize(pattern, &values) {
+            return Err(Error::Mesh("the pad has no stiffness at rest: is any of its nodes bonded?".into()));
+        }
+        let place = |node: usize| pattern.position[node] as usize;
+        let held = |node: usize| place(node) >= free / 3;
+        let order: Vec<usize> = face.iter().map(|i| *i as usize).chain(0..n).collect();
+        let (mut slot, mut moving) = (vec![None; n], Vec::new());
+        for node in order {
+            if !held(node) && slot[node].is_none() {
+                slot[node] = Some(moving.len() as u32);
+                moving.push(node);
+            }
+        }
+        let unit = body.material.moduli().young * thickness;
+        let width = 3 * moving.len();
+        let mut rows = Vec::with_capacity(3 * face.len() * width);
+        let forces: Vec<(usize, DVec3)> =
+            face.iter().flat_map(|i| [turn.x_axis, turn.y_axis, turn.z_axis].map(|axis| (*i as usize, axis))).collect();
+        for some in forces.chunks(COLUMNS) {
+            let mut solved = vec![0.0; free * some.len()];
+            for (column, (node, axis)) in solved.chunks_exact_mut(free).zip(some).filter(|(_, f)| !held(f.0)) {
+                column[3 * place(*node)..][..3].copy_from_slice(&axis.to_array());
+            }
+            factor.solve(&mut solved, some.len());
+            for column in solved.chunks_exact(free) {
+                let moved = moving.iter().map(|node| DVec3::from_slice(&column[3 * place(*node)..]));
+                rows.extend(moved.flat_map(|u| (turn.transpose() * u * unit).to_array().map(|v| v as f32)));
+            }
+        }
+        let rows = spread(&finger.topology, face, &rows, width);
+        let mut response = vec![0.0; rows.len()];
+        for (f, row) in rows.chunks_exact(width.max(1)).enumerate() {
+            row.iter().enumerate().for_each(|(c, v)| response[c * forces.len() + f] = *v);
+        }
+        let deviator = deviators(finger, &slot, thickness);
+        Ok(Self::from_parts(slot, response.into(), forces.len(), deviator))
+    }
+
+    /// One that was found earlier.
+    pub fn from_parts(slot: Vec<Option<u32>>, response: Numbers, forces: usize, deviator: Deviator) -> Self {
+        Self { nodes: slot.len(), forces, slot, response, deviator }
+    }
+
+    /// Number of displacement components: three per node that can move.
+    pub fn moving(&self) -> usize {
+        self.response.len() / self.forces.max(1)
+    }
+
+    /// How component `a` of a node gives to the force components: (forces); None if it is bonded.
+    pub fn row(&self, node: u32, a: usize) -> Option<&[f32]> {
+        let row = 3 * self.slot[node as usize]? as usize + a;
+        Some(&self.response[row * self.forces..(row + 1) * self.forces])
+    }
+
+    /// Displacement of the nodes `face` under forces on them, for each of at most [`LANES`] loads.
+    pub fn on_face(&self, face: &[u32], loads: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> {
+        let mut forces = Packed::default();
+        let of = |r: usize, load: usize| loads.get(load).map_or(0.0, |forces| forces[r / 3][r % 3] as f32);
+        forces.fill(self.forces, LANES, of);
+        // The nodes of the face come first.
+        let rows = 3 * face.iter().filter(|node| self.slot[**node as usize].is_some()).count();
+        let mut moved = vec![0.0; rows * LANES];
+        let a = Rows { data: &self.response, stride: self.forces, count: rows };
+        respond(a, &forces, loads.len(), &mut moved);
+        let given = |node: &u32, load: usize| match self.slot[*node as usize] {
+            Some(slot) => {
+                DVec3::from_array([0, 1, 2].map(|c| f64::from(moved[(3 * slot as usize + c) * LANES + load])))
+            }
+            None => DVec3::ZERO,
+        };
+        (0..loads.len()).map(|load| face.iter().map(|node| given(node, load)).collect()).collect()
+    }
+}
+
+/// Responses to forces that are spread on the face around their node, instead of acting on the node alone: on a face of
+/// 6-node triangles an even pressure loads no corner.
+fn spread(pad: &PadTopology, face: &[u32], rows: &[f32], width: usize) -> Vec<f32> {
+    if pad.elements.width() == 4 {
+        return rows.to_vec();
+    }
+    let own: BTreeMap<u32, usize> = face.iter().enumerate().map(|(i, n)| (*n, i)).collect();
+    // Per node: area, and how much of a unit traction there each node takes.
+    let (mut area, mut taken) = (vec![0.0; face.len()], vec![BTreeMap::new(); face.len()]);
+    // A 6-node triangle is listed as its four parts: those at the corners, then the middle.
+    for parts in pad.sensing.as_chunks::<4>().0 {
+        let [a, b, c] = [parts[0][0], parts[1][1], parts[2][2]];
+        let [ab, bc, ca] = parts[3];
+        for (part, at) in parts.iter().zip(CENTRES) {
+            let [p, q, r] = part.map(|n| pad.rest[n as usize]);
+            let third = (q - p).cross(r - p).length() / 6.0;
+            let [u, v, w] = at;
+            let shape = [
+                (a, u * (2.0 * u - 1.0)),
+                (b, v * (2.0 * v - 1.0)),
+                (c, w * (2.0 * w - 1.0)),
+                (ab, 4.0 * u * v),
+                (bc, 4.0 * v * w),
+                (ca, 4.0 * w * u),
+            ];
+            for from in part.map(|n| own[&n]) {
+                area[from] += third;
+                shape.iter().for_each(|(n, s)| *taken[from].entry(own[n]).or_insert(0.0) += third * s);
+            }
+        }
+    }
+    let mut out = vec![0.0; rows.len()];
+    for (i, (area, taken)) in area.iter().zip(&taken).enumerate() {
+        for (j, part) in taken {
+            let part = (part / area) as f32;
+            for k in 0..3 {
+                let target = &mut out[(3 * i + k) * width..(3 * i + k + 1) * width];
+                target.iter_mut().zip(&rows[(3 * j + k) * width..]).for_each(|(t, r)| *t += part * r);
+            }
+        }
+    }
+    out
+}
+
+/// Barycentric coordinates of the centres of the four parts of a triangle.
+const CENTRES: [[f64; 3]; 4] = [
+    [2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0],
+    [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0],
+    [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0],
+    [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
+];

@@ -1,0 +1,170 @@
+//! Linear responses of pads, kept in the user's cache folder: solving for one takes far longer than a prediction.
+//!
+//! `KEY.pad` is made by who needs it first and can be deleted at any time; KEY says for which mesh, gel and version. Its content
+//! is a safetensors file and the BLAKE3 of it. Two processes may make one at once: both write the same. A folder that cannot be
+//! written costs time and nothing else; a file that is not as it was written is thrown away and made anew.
+
+use super::compliance::Compliance;
+use super::deviator::{Deviator, PARTS};
+use crate::files::atomic::{create_dir, write_atomic};
+use crate::kernel::numbers::Map;
+use crate::part::FingerModel;
+use etcetera::BaseStrategy;
+use pulp::bytemuck::{AnyBitPattern, NoUninit, cast_slice};
+use safetensors::tensor::{Dtype, Metadata, TensorView, serialize};
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::fs::File;
+use std::path::PathBuf;
+use std::time::SystemTime;
+
+/// Version of the responses: another one is computed anew.
+const VERSION: u32 = 3;
+
+/// All kept files together take no more, bytes: 100 pads of the usual mesh. The ones that were not used for longest go first.
+pub const MOST: u64 = 2 << 30;
+
+/// Bonded nodes have no slot.
+const NONE: u32 = u32::MAX;
+/// Bytes of the hash at the end of a file.
+const SUM: usize = blake3::OUT_LEN;
+/// Where the key stands in the head of a file.
+const KEY: &str = "key";
+
+/// A folder of responses.
+#[derive(Debug, Clone)]
+pub struct Cache {
+    dir: PathBuf,
+}
+
+/// What a response is for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Key(String);
+
+impl Key {
+    /// For the pad of `finger` with the sensing nodes `face`, whose mesh has this hash.
+    pub fn of(finger: &FingerModel, face: &[u32], mesh: &str) -> Self {
+        let (body, material) = (&finger.body, &finger.body.material);
+        let mut hasher = blake3::Hasher::new();
+        let (law, poisson, dilatation) = (material.name(), material.moduli().poisson, body.mean_dilatation);
+        hasher
+            .update(format!("{mesh} {law} {poisson} {dilatation} {VERSION} {}", env!("CARGO_PKG_VERSION")).as_bytes());
+        let fixed: Vec<u8> = body.fixed.iter().map(|f| u8::from(*f)).collect();
+        Self(hasher.update(&fixed).update(&bytes(face)).finalize().to_hex().to_string())
+    }
+}
+
+impl Cache {
+    /// That of the user: `tactus` in `$XDG_CACHE_HOME` (`~/.cache`), `~/Library/Caches` or `%LOCALAPPDATA%`. None where there is
+    /// no such folder.
+    pub fn of_user() -> Option<Self> {
+        let base = etcetera::base_strategy::choose_native_strategy().ok()?;
+        Some(Self::at(base.cache_dir().join("tactus")))
+    }
+
+    /// In the folder `dir`, which need not exist.
+    pub fn at(dir: impl Into<PathBuf>) -> Self {
+        Self { dir: dir.into() }
+    }
+
+    /// The file of a response.
+    pub fn path(&self, key: &Key) -> PathBuf {
+        self.dir.join(format!("{:.32}.pad", key.0))
+    }
+
+    /// The response for `key`; None if it is not there. One that is not whole is removed.
+    pub fn read(&self, key: &Key) -> Option<Compliance> {
+        let path = self.path(key);
+        let file = File::open(&path).ok()?;
+        // For who is to go when room is needed; a folder of somebody else keeps its times.
+        let _ = file.set_modified(SystemTime::now());
+        let found = Map::of(&file).and_then(|map| response(&map, key));
+        if found.is_none() {
+            let _ = std::fs::remove_file(&path);
+        }
+        found
+    }
+
+    /// Keeps a response, whole or not at all.
+    pub fn write(&self, key: &Key, compliance: &Compliance) {
+        let Some(content) = content(key, compliance) else { return };
+        if create_dir(&self.dir).is_ok() && self.make_room(content.len() as u64) {
+            // Who cannot keep it solves again next time.
+            let _ = write_atomic(&self.path(key), &content);
+        }
+    }
+
+    /// Removes files, the longest unused first, until there is room for `bytes` more; false if there never is.
+    fn make_room(&self, bytes: u64) -> bool {
+        let entries = std::fs::read_dir(&self.dir).into_iter().flatten().flatten();
+        // Halves of files that killed processes left grow old like all others.
+        let of = |e: std::fs::DirEntry| Some((e.metadata().ok()?.modified().ok()?, e.metadata().ok()?.len(), e.path()));
+        let mut files: Vec<(SystemTime, u64, PathBuf)> = entries.filter_map(of).collect();
+        files.sort();
+        let mut held: u64 = files.iter().map(|f| f.1).sum();
+        for (_, size, path) in files {
+            if held + bytes <= MOST {
+                break;
+            }
+            held -= if std::fs::remove_file(path).is_ok() { size } else { 0 };
+        }
+        held + bytes <= MOST
+    }
+}
+
+/// The response in a file that is as it was written, for this key.
+fn response(map: &Map, key: &Key) -> Option<Compliance> {
+    let (body, sum) = map.bytes().split_last_chunk::<SUM>()?;
+    if blake3::hash(body).as_bytes() != sum {
+        return None;
+    }
+    let (size, rest) = body.split_first_chunk::<8>()?;
+    let size = usize::try_from(u64::from_le_bytes(*size)).ok()?;
+    let names: Metadata = serde_json::from_slice(rest.get(..size)?).ok()?;
+    if names.metadata().as_ref()?.get(KEY) != Some(&key.0) {
+        return None;
+    }
+    // Floats are nearly the whole file: they stay there, where the system can map it.
+    let numbers = |name: &str, kind: Dtype| {
+        let info = names.info(name).filter(|i| i.dtype == kind)?;
+        let count = info.shape.iter().try_fold(1, |n: usize, k| n.checked_mul(*k))?;
+        let numbers = map.numbers(8 + size + info.data_offsets.0, count)?;
+        Some((numbers, info.shape.last().copied().unwrap_or(1)))
+    };
+    let (response, forces) = numbers("response", Dtype::F32)?;
+    let (parts, _) = numbers("deviator", Dtype::F32)?;
+    let integers = |name: &str| Some(numbers(name, Dtype::U32)?.0.iter().map(|v| v.to_bits()).collect::<Vec<u32>>());
+    let [slot, start, neighbour] = [integers("slot")?, integers("start")?, integers("neighbour")?];
+    let slot = slot.into_iter().map(|s| (s != NONE).then_some(s)).collect();
+    Some(Compliance::from_parts(slot, response, forces, Deviator { start, slot: neighbour, parts }))
+}
+
+/// The content of the file of a response.
+fn content(key: &Key, compliance: &Compliance) -> Option<Vec<u8>> {
+    let Deviator { start, slot, parts } = &compliance.deviator;
+    let (forces, rows) = (compliance.forces, compliance.moving());
+    let slots: Vec<u32> = compliance.slot.iter().map(|s| s.unwrap_or(NONE)).collect();
+    let all = [
+        ("response", Dtype::F32, vec![rows, forces], bytes(&compliance.response)),
+        ("slot", Dtype::U32, vec![slots.len()], bytes(&slots)),
+        ("start", Dtype::U32, vec![start.len()], bytes(start)),
+        ("neighbour", Dtype::U32, vec![slot.len()], bytes(slot)),
+        ("deviator", Dtype::F32, vec![slot.len(), PARTS], bytes(parts)),
+    ];
+    let views =
+        all.iter().map(|(name, kind, shape, data)| Some((*name, TensorView::new(*kind, shape.clone(), data).ok()?)));
+    let views = views.collect::<Option<Vec<_>>>()?;
+    let mut content = serialize(views, Some(HashMap::from([(KEY.into(), key.0.clone())]))).ok()?;
+    let sum = blake3::hash(&content);
+    content.extend(sum.as_bytes());
+    Some(content)
+}
+
+/// Numbers of four bytes each as they lie in a file, little endian.
+fn bytes<T: NoUninit + AnyBitPattern>(numbers: &[T]) -> Cow<'_, [u8]> {
+    let native: &[u8] = cast_slice(numbers);
+    if cfg!(target_endian = "little") {
+        return native.into();
+    }
+    native.as_chunks::<4>().0.iter().flat_map(|[a, b, c, d]| [*d, *c, *b, *a]).collect()
+}

@@ -1,0 +1,81 @@
+//! A grasp at geometric first contact: all that the network may know of it.
+//!
+//! Training and inference come here by the same way: the schedule's phases `Place` and `Close`, which no stepper takes part
+//! in. Nothing here has seen a finite element.
+
+use crate::error::{Error, Result};
+use crate::gripper::GraspPose;
+use crate::model::Model;
+use crate::world::Stepper;
+use crate::world::components::{FingerIndex, FingerTravel, ObjectPose};
+use crate::world::environment::Environment;
+use crate::world::schedule::Phase;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::Schedule;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Where everything is when the pads first touch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Touch {
+    /// Pose of the object.
+    pub object: ObjectPose,
+    /// Travel of each finger, m.
+    pub travel: Vec<f64>,
+    /// Weight of the object, N, hand frame; zero without gravity or for a fixed object.
+    pub weight: DVec3,
+}
+
+/// A stepper that never steps.
+#[derive(Debug)]
+struct Still;
+
+impl Stepper for Still {
+    fn name(&self) -> &'static str {
+        "still"
+    }
+    fn settings(&self) -> String {
+        String::new()
+    }
+    fn prepare(&self, _: &mut World) -> Result<()> {
+        Ok(())
+    }
+    fn register(&self, _: &mut Schedule, _: &mut World, _: &Model) {}
+}
+
+impl Touch {
+    /// Closes the fingers of a grasp at `pose`.
+    ///
+    /// # Errors
+    /// A grasp that cannot start, with the reason.
+    pub fn find(model: &Arc<Model>, pose: GraspPose) -> Result<Self> {
+        let mut environment = Environment::new(model, &Still, pose)?;
+        loop {
+            match environment.step() {
+                Phase::Ramp { .. } => break,
+                Phase::Infeasible { reason } | Phase::Dropped { reason } | Phase::Fault { reason } => {
+                    return Err(Error::Start(reason));
+                }
+                Phase::Done => return Err(Error::Start("the grasp ended before it began".into())),
+                Phase::Place | Phase::Close => {}
+            }
+        }
+        let world = environment.world_mut();
+        let object = *world.query::<&ObjectPose>().single(world).map_err(|e| Error::Start(e.to_string()))?;
+        let fingers =
+            world.query::<(&FingerIndex, &FingerTravel)>().iter(world).map(|(f, t)| (f.0, t.0)).collect::<Vec<_>>();
+        Ok(Self::new(model, object, &fingers))
+    }
+
+    /// From the columns of a world whose fingers have just closed: finger numbers with their travel.
+    pub fn new(model: &Model, object: ObjectPose, fingers: &[(u32, f64)]) -> Self {
+        let mut travel = vec![0.0; fingers.len()];
+        fingers.iter().for_each(|(finger, t)| travel[*finger as usize] = *t);
+        // First contact moves the object, but does not turn it.
+        let weight = match (model.gravity, model.free) {
+            (Some(gravity), true) => object.rotation * gravity * model.mass,
+            _ => DVec3::ZERO,
+        };
+        Self { object, travel, weight }
+    }
+}

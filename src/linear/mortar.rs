@@ -1,0 +1,118 @@
+//! How a sensing face is pressed: forces that act as hats around the corners of its triangles.
+//!
+//! A pressure given node by node is finer than what the elements below can follow, and oscillates; linear between corners it
+//! does not (mortar contact: Bernardi, Maday and Patera 1994).
+
+use crate::linear::compliance::Compliance;
+use crate::mech::element::EDGES;
+use crate::record::{Elements, PadTopology};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// What a hat gives to its own force beyond the linear response: within it, too, the pressure is not even.
+const LOCAL: f64 = 0.4;
+
+/// Hats on a face, pad frame.
+#[derive(Debug, Clone)]
+pub struct Hats {
+    /// Parts of a hat's force by face node; they sum to one.
+    pub parts: Vec<Vec<(u32, f64)>>,
+    /// Where each acts at rest, m.
+    pub rest: Vec<DVec3>,
+    /// (hats * 3, hats * 3), symmetric: mean displacement under a hat by force components, over the thickness per `E t^2`.
+    compliance: Vec<f64>,
+}
+
+impl Hats {
+    /// On the nodes `face` of `pad`, at `rest`, each standing for an `area` of the face.
+    pub fn new(pad: &PadTopology, face: &[u32], rest: &[DVec3], area: &[f64], response: &Compliance) -> Self {
+        let own: BTreeMap<u32, u32> = face.iter().enumerate().map(|(i, n)| (*n, i as u32)).collect();
+        // The two corners that a node in the middle of an edge lies between.
+        let mut between = BTreeMap::new();
+        if let Elements::Quadratic(tets) = &pad.elements {
+            for t in tets {
+                between.extend((0..6).map(|k| (t[4 + k], EDGES[k].map(|corner| t[corner]))));
+            }
+        }
+        let mut parts: BTreeMap<u32, Vec<(u32, f64)>> = BTreeMap::new();
+        for (i, node) in face.iter().enumerate() {
+            let corners = between.get(node).copied().unwrap_or([*node; 2]);
+            for corner in corners {
+                parts.entry(own.get(&corner).copied().unwrap_or(i as u32)).or_default().push((i as u32, 0.5 * area[i]));
+            }
+        }
+        let mut parts: Vec<_> = parts.into_values().collect();
+        for part in &mut parts {
+            let whole: f64 = part.iter().map(|p| p.1).sum();
+            part.iter_mut().for_each(|p| p.1 /= whole);
+        }
+        let n = parts.len();
+        let mut compliance = vec![0.0; 9 * n * n];
+        compliance.par_chunks_exact_mut(9 * n.max(1)).zip(&parts).for_each(|(own, to)| {
+            for (k, own) in own.chunks_exact_mut(3 * n).enumerate() {
+                // How the mean displacement under the hat depends on the forces on the nodes.
+                let mut row = vec![0.0; 3 * face.len()];
+                for (i, part) in to {
+                    let given = response.row(face[*i as usize], k).unwrap_or_default();
+                    row.iter_mut().zip(given).for_each(|(r, v)| *r += part * f64::from(*v));
+                }
+                for (own, from) in own.as_chunks_mut::<3>().0.iter_mut().zip(&parts) {
+                    for (j, part) in from {
+                        (0..3).for_each(|c| own[c] += part * row[3 * *j as usize + c]);
+                    }
+                }
+            }
+        });
+        for r in 0..3 * n {
+            for c in 0..r {
+                let mean = 0.5 * (compliance[r * 3 * n + c] + compliance[c * 3 * n + r]);
+                (compliance[r * 3 * n + c], compliance[c * 3 * n + r]) = (mean, mean);
+            }
+        }
+        for a in 0..n {
+            for at in (0..9).map(|k| (3 * a + k / 3) * 3 * n + 3 * a + k % 3) {
+                compliance[at] *= 1.0 + LOCAL;
+            }
+        }
+        let mean = |part: &Vec<(u32, f64)>| part.iter().map(|(i, w)| rest[*i as usize] * *w).sum();
+        Self { rest: parts.iter().map(mean).collect(), parts, compliance }
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// Row of the compliance: component `k` under hat `hat`, by force components.
+    pub fn row(&self, hat: usize, k: usize) -> &[f64] {
+        let n = 3 * self.count();
+        &self.compliance[(3 * hat + k) * n..][..n]
+    }
+
+    /// How a hat gives to its own force, the mean over all directions.
+    pub fn own(&self, hat: usize) -> f64 {
+        let [x, y, z] = [0, 1, 2].map(|k| self.row(hat, k)[3 * hat + k]);
+        (x + y + z) / 3.0
+    }
+
+    /// Mean displacement under every hat when they press with `forces`.
+    pub fn respond(&self, forces: &[DVec3]) -> Vec<DVec3> {
+        let pressing: Vec<usize> = (0..forces.len()).filter(|hat| forces[*hat] != DVec3::ZERO).collect();
+        let component = |hat: usize, k: usize| {
+            let row = self.row(hat, k);
+            let of = |j: &usize| DVec3::from_slice(&row[3 * j..]).dot(forces[*j]);
+            pressing.iter().map(of).sum()
+        };
+        (0..self.count()).map(|hat| DVec3::from_array([0, 1, 2].map(|k| component(hat, k)))).collect()
+    }
+
+    /// Forces on `nodes` face nodes when the hats press with `forces`.
+    pub fn on_face(&self, forces: &[DVec3], nodes: usize) -> Vec<DVec3> {
+        let mut out = vec![DVec3::ZERO; nodes];
+        for (part, force) in self.parts.iter().zip(forces) {
+            part.iter().for_each(|(i, w)| out[*i as usize] += *force * *w);
+        }
+        out
+    }
+}

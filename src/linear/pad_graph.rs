@@ -1,0 +1,208 @@
+//! The graph of a pad: message passing runs on the nodes of the sensing face, all other nodes hang on them.
+//!
+//! ```text
+//! face nodes o--o--o   edges of the sensing triangles, both directions
+//!            :  :  :   depth channels: values at fixed parts of the way down from a face node
+//! node deep  x         interpolated: its face triangle x its two nearest channels
+//! ```
+
+use super::compliance::Compliance;
+use super::compliance_cache::{Cache, Key};
+use super::edges::Edges;
+use super::mortar::Hats;
+use crate::error::{Error, Result};
+use crate::geometry::barycentric::barycentric;
+use crate::kernel::Sparse;
+use crate::part::FingerModel;
+use crate::record::PadTopology;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// Where a network passes messages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layout {
+    /// On the sensing faces, with this many depth channels below them.
+    Face {
+        /// From the face to the bonded side.
+        depths: usize,
+    },
+    /// Through whole pads and on the object: [`crate::net::features::volume`].
+    Volume,
+}
+
+/// What never changes of a pad, as the network sees it. Lengths in m, pad frame.
+#[derive(Debug, Clone)]
+pub struct PadGraph {
+    /// What it was made for.
+    pub layout: Layout,
+    /// Thickness of the pad: the length that the network measures in, m.
+    pub thickness: f64,
+    /// Number of nodes of the pad.
+    pub node_count: usize,
+    /// Nodes of the sensing face, ascending.
+    pub face: Vec<u32>,
+    /// Their rest positions.
+    pub rest: Vec<DVec3>,
+    /// Area of the face that each stands for, m2.
+    pub area: Vec<f64>,
+    /// Edges between face nodes.
+    pub edges: Edges,
+    /// Rows (face node, depth channel) -> nodes of the pad.
+    pub interpolate: Arc<Sparse>,
+    /// The same with no entry for bonded nodes: what it makes is exactly zero there.
+    pub interpolate_free: Arc<Sparse>,
+    /// Its linear response.
+    pub compliance: Arc<Compliance>,
+    /// How its face is pressed.
+    pub hats: Hats,
+    /// BLAKE3 of the pad's mesh.
+    pub hash: String,
+    /// Poisson's ratio of its gel.
+    poisson: f64,
+}
+
+impl PadGraph {
+    /// The graph of the pad of `finger` for a network of this layout.
+    ///
+    /// # Errors
+    /// A pad without a sensing face.
+    pub fn new(finger: &FingerModel, layout: Layout) -> Result<Self> {
+        Self::keeping(finger, layout, None)
+    }
+
+    /// The same with the linear response kept in `cache`: taken from there, or put there.
+    ///
+    /// # Errors
+    /// A pad without a sensing face.
+    pub fn keeping(finger: &FingerModel, layout: Layout, cache: Option<&Cache>) -> Result<Self> {
+        let pad = &finger.topology;
+        let face: Vec<u32> = pad.sensing.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
+        let thickness = pad.thickness();
+        if face.is_empty() || thickness <= 0.0 {
+            return Err(Error::Mesh("the pad has no sensing face above its bonded side".into()));
+        }
+        let own: BTreeMap<u32, u32> = face.iter().enumerate().map(|(i, n)| (*n, i as u32)).collect();
+        let triangles: Vec<[u32; 3]> = pad.sensing.iter().map(|t| t.map(|n| own[&n])).collect();
+        let rest: Vec<DVec3> = face.iter().map(|n| pad.rest[*n as usize]).collect();
+        let mut area = vec![0.0; face.len()];
+        let mut edges = Vec::new();
+        for t in &triangles {
+            let [a, b, c] = t.map(|i| rest[i as usize]);
+            let third = (b - a).cross(c - a).length() / 6.0;
+            for k in 0..3 {
+                let (i, j) = (t[k], t[(k + 1) % 3]);
+                area[i as usize] += third;
+                edges.push((i, j));
+            }
+        }
+        let (n, hash) = (face.len(), mesh_hash(pad));
+        let depths = match layout {
+            Layout::Face { depths } => depths,
+            Layout::Volume => 1,
+        };
+        let rows = hanging(&pad.rest, &rest, &triangles, thickness, depths);
+        let free: Vec<_> =
+            rows.iter().zip(&pad.bonded).map(|(row, bonded)| if *bonded { Vec::new() } else { row.clone() }).collect();
+        let compliance = Arc::new(response(finger, &face, thickness, &hash, cache)?);
+        Ok(Self {
+            hats: Hats::new(pad, &face, &rest, &area, &compliance),
+            compliance,
+            layout,
+            thickness,
+            node_count: pad.rest.len(),
+            interpolate: Sparse::new(&rows, n * depths),
+            interpolate_free: Sparse::new(&free, n * depths),
+            face,
+            rest,
+            area,
+            edges: Edges::new(edges, n, 6.0),
+            hash,
+            poisson: finger.body.material.moduli().poisson,
+        })
+    }
+
+    /// Whether the pad of `finger` has this graph.
+    pub fn fits(&self, finger: &FingerModel) -> bool {
+        self.poisson == finger.body.material.moduli().poisson && self.hash == mesh_hash(&finger.topology)
+    }
+}
+
+/// The linear response of a pad whose mesh has this hash, kept in `cache`.
+fn response(
+    finger: &FingerModel,
+    face: &[u32],
+    thickness: f64,
+    hash: &str,
+    cache: Option<&Cache>,
+) -> Result<Compliance> {
+    let Some(cache) = cache else { return Compliance::new(finger, face, thickness) };
+    let key = Key::of(finger, face, hash);
+    if let Some(known) = cache.read(&key) {
+        return Ok(known);
+    }
+    let found = Compliance::new(finger, face, thickness)?;
+    cache.write(&key, &found);
+    Ok(found)
+}
+
+/// BLAKE3 of a pad's mesh, by which a network knows its pads.
+pub fn mesh_hash(pad: &PadTopology) -> String {
+    let mut hash = blake3::Hasher::new();
+    pad.rest.iter().flat_map(|x| x.to_array()).for_each(|v| {
+        hash.update(&v.to_le_bytes());
+    });
+    pad.elements.nodes().iter().for_each(|v| {
+        hash.update(&v.to_le_bytes());
+    });
+    hash.finalize().to_hex().to_string()
+}
+
+/// For every node of the pad: (face node * depths + channel, weight), non-negative and summing to one.
+fn hanging(
+    nodes: &[DVec3],
+    face: &[DVec3],
+    triangles: &[[u32; 3]],
+    thickness: f64,
+    depths: usize,
+) -> Vec<Vec<(u32, f32)>> {
+    let flat = |x: DVec3| DVec2::new(x.x, x.y);
+    let bounds = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|i| flat(face[i as usize]));
+        [a.min(b).min(c), a.max(b).max(c)]
+    };
+    let bounds: Vec<[DVec2; 2]> = triangles.iter().map(bounds).collect();
+    let above = |x: DVec3| {
+        let weights = |t: &[u32; 3]| barycentric(flat(x), t.map(|i| flat(face[i as usize])));
+        // The triangle that the node is most inside of; beside the face, the least outside.
+        let inside = |w: &[f64; 3]| w.iter().copied().fold(f64::INFINITY, f64::min);
+        let among = |near: &dyn Fn(&[DVec2; 2]) -> bool| {
+            let some = triangles.iter().zip(&bounds).filter(|(_, bounds)| near(bounds)).map(|(t, _)| (t, weights(t)));
+            some.max_by(|a, b| inside(&a.1).total_cmp(&inside(&b.1)))
+        };
+        let (p, margin) = (flat(x), DVec2::splat(1e-6 * thickness));
+        // Whoever is in a triangle is within its bounds.
+        let best = among(&|[low, high]| p.cmpge(*low - margin).all() && p.cmple(*high + margin).all());
+        let best = best.filter(|(_, w)| inside(w) > -1e-9).or_else(|| among(&|_| true));
+        let (t, w) = best.unwrap_or((&[0, 0, 0], [1.0, 0.0, 0.0]));
+        let w = w.map(|w| w.max(0.0));
+        let sum: f64 = w.iter().sum();
+        [0, 1, 2].map(|k| (t[k], w[k] / sum))
+    };
+    let row = |x: &DVec3| {
+        let corners = above(*x);
+        let top: f64 = corners.iter().map(|(i, w)| w * face[*i as usize].z).sum();
+        let part = ((top - x.z) / (top + thickness)).clamp(0.0, 1.0) * (depths - 1) as f64;
+        let upper = (part.floor() as usize).min(depths.saturating_sub(2));
+        let lower = part - upper as f64;
+        let channels = [(upper, 1.0 - lower), ((upper + 1).min(depths - 1), lower)];
+        let mut row = Vec::new();
+        for (i, w) in corners {
+            let entries = channels.map(|(k, v)| (i * depths as u32 + k as u32, (w * v) as f32));
+            row.extend(entries.into_iter().filter(|(_, w)| *w > 1e-7));
+        }
+        row
+    };
+    nodes.par_iter().map(row).collect()
+}

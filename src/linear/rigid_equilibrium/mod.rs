@@ -1,0 +1,264 @@
+//! The grasp on pads that give linearly: what geometry, friction and equilibrium alone say about travel, contact and the
+//! motion of the object.
+//!
+//! The object is rigid and free, or held; the pads answer to contact forces by their linear response at rest. Force rises
+//! step by step: at each, the object's distance and normal are looked up where the pads are, and `step.rs` solves for
+//! contact forces, travel and pose together. The network learns what large strains do differently.
+//!
+//! Dimensionless: lengths over the thickness t, forces over `E t^2`; hand axes, origin amid the pads; of a pad in its frame.
+
+mod step;
+
+use crate::linear::amid;
+use crate::linear::around;
+use crate::linear::first_contact::Touch;
+use crate::linear::pad_graph::PadGraph;
+use crate::model::Model;
+use crate::world::components::ObjectPose;
+use glam::{DMat3, DQuat, DVec3};
+use std::sync::Arc;
+
+/// Each step of the path has this many times the force of the one before.
+const STEP: f64 = 1.5;
+/// Force of the first.
+const FIRST: f64 = 1e-3;
+/// Part of its force that a finger presses with at least, however heavy the object.
+const LEAST: f64 = 0.05;
+/// Face nodes farther from the object than this do not see it.
+const FAR: f64 = 2.5;
+
+/// A grasp, and its path from first contact to its largest force.
+#[derive(Debug, Clone)]
+pub struct Grip {
+    fingers: Vec<Finger>,
+    graph: Arc<PadGraph>,
+    /// Coulomb's coefficient.
+    friction: f64,
+    /// Weight of the object, and where it acts at first contact.
+    weight: [DVec3; 2],
+    /// Whether the object may move.
+    pub(crate) free: bool,
+    /// Whether it is still held where it is.
+    held: bool,
+    /// Distance of each pad's nearest hat at first contact.
+    nearest: Vec<f64>,
+    /// At first contact, then at the forces `FIRST * STEP^k` until the largest is among them; with these forces.
+    path: Vec<(f64, Rest)>,
+    /// What every face node of each pad sees of the object at the end of the path.
+    faces: Vec<Vec<Seen>>,
+}
+
+/// Where a finger is.
+#[derive(Debug, Clone)]
+struct Finger {
+    closing: DVec3,
+    /// From its pad to the hand.
+    rotation: DMat3,
+    /// Origin of its pad at first contact.
+    origin: DVec3,
+}
+
+/// What a point of a pad sees of the object.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Seen {
+    /// Distance; negative is inside.
+    gap: f64,
+    /// Outward normal of the object, pad frame; zero if it is out of reach.
+    normal: DVec3,
+    /// Where the point is on the object: hand axes, as the object was at first contact.
+    place: DVec3,
+}
+
+/// The grasp at rest under a force.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rest {
+    /// Travel of each finger since first contact.
+    pub travel: [f64; 2],
+    /// Translation of the point of the object amid the pads.
+    pub shift: DVec3,
+    /// Rotation of the object.
+    pub rotation: DQuat,
+    /// Force on each hat of each pad.
+    pub force: Vec<Vec<DVec3>>,
+    /// Displacement under each hat.
+    pub moved: Vec<Vec<DVec3>>,
+    /// What each hat sees; empty between two states of the path.
+    seen: Vec<Vec<Seen>>,
+}
+
+impl Rest {
+    /// A part of the way to another state.
+    fn towards(&self, other: &Self, part: f64) -> Self {
+        let all = |from: &[Vec<DVec3>], to: &[Vec<DVec3>]| {
+            let pads = from.iter().zip(to);
+            pads.map(|(from, to)| from.iter().zip(to).map(|(a, b)| a.lerp(*b, part)).collect()).collect()
+        };
+        Self {
+            travel: [0, 1].map(|k| self.travel[k] + part * (other.travel[k] - self.travel[k])),
+            shift: self.shift.lerp(other.shift, part),
+            rotation: self.rotation.lerp(other.rotation, part),
+            force: all(&self.force, &other.force),
+            moved: all(&self.moved, &other.moved),
+            seen: Vec::new(),
+        }
+    }
+}
+
+impl Grip {
+    /// A grasp of `model` at first contact `touch`, and its path to the model's largest force.
+    pub fn new(model: &Model, graph: &Arc<PadGraph>, touch: &Touch) -> Self {
+        let (t, amid) = (graph.thickness, amid(model));
+        let unit = model.material.moduli().young * t * t;
+        let finger = |(finger, travel): (&crate::part::FingerModel, &f64)| {
+            let place = &finger.placement;
+            let origin = (place.place(DVec3::ZERO) + place.closing * *travel - amid) / t;
+            Finger { closing: place.closing, rotation: place.rotation, origin }
+        };
+        let center = touch.object.position + touch.object.rotation * model.object.mass.center;
+        let mut grip = Self {
+            fingers: model.fingers.iter().zip(&touch.travel).map(finger).collect(),
+            graph: graph.clone(),
+            friction: model.law.friction,
+            weight: [touch.weight / unit, (center - amid) / t],
+            free: model.free,
+            held: true,
+            nearest: vec![0.0; model.fingers.len()],
+            path: Vec::new(),
+            faces: Vec::new(),
+        };
+        let object = Object { model, pose: touch.object, amid, thickness: t };
+        let most = model.levels.iter().copied().fold(0.0, f64::max) / unit;
+        let start = grip.at_touch(&object);
+        // First contact is of the whole face and keeps a small distance: the hats of each pad start from there.
+        let nearest = |seen: &Vec<Seen>| seen.iter().map(|s| s.gap).fold(f64::INFINITY, f64::min);
+        grip.nearest = start.seen.iter().map(nearest).collect();
+        let (mut force, mut rest) = (0.0, grip.looked(start, &object));
+        // The object is held, and its support carries it, until it is let go.
+        let heavy = grip.weight;
+        let held = model.release / unit;
+        let changes = [(held, grip.free)];
+        grip.weight[0] = DVec3::ZERO;
+        while force < most {
+            let next = f64::max(FIRST, force * STEP);
+            let stops = changes.iter().filter(|(at, used)| *used && force < *at && *at <= next);
+            let next = stops.map(|(at, _)| *at).fold(next, f64::min);
+            let after = grip.looked(grip.follow(&rest, next), &object);
+            grip.path.push((force, std::mem::replace(&mut rest, after)));
+            force = next;
+            if changes.contains(&(force, true)) {
+                grip.held = force < held;
+                grip.weight = if grip.held { grip.weight } else { heavy };
+                let after = grip.looked(grip.follow(&rest, force), &object);
+                grip.path.push((force.next_down(), std::mem::replace(&mut rest, after)));
+            }
+        }
+        (grip.held, grip.weight) = (false, heavy);
+        grip.faces = (0..grip.fingers.len()).map(|p| grip.face(p, &rest, &object)).collect();
+        grip.path.push((force, rest));
+        grip
+    }
+
+    /// What `finger` presses with at `force` per finger: one carries more of a free object's weight than the other.
+    pub fn carried_by(&self, finger: usize, force: f64) -> f64 {
+        let share = self.weight[0].dot(self.fingers[finger].closing) / self.fingers.len() as f64;
+        if self.free { (force - share).max(LEAST * force) } else { force }
+    }
+
+    /// Weight of the object, and where it acts at `rest`.
+    pub fn hangs(&self, rest: &Rest) -> [DVec3; 2] {
+        let [weight, at] = self.weight;
+        [weight, rest.rotation * at + rest.shift]
+    }
+
+    /// At `force` per finger: between two states of the path.
+    pub fn rest(&self, force: f64) -> Rest {
+        match (around(&self.path, force), self.path.last()) {
+            (Some((before, after, part)), _) => before.towards(after, part),
+            (None, Some((most, last))) if *most < force => self.follow(last, force),
+            _ => self.path[0].1.clone(),
+        }
+    }
+
+    /// How far the object asks each face node of `pad` in along its normal, which is given with it; negative is a gap.
+    pub fn pressed(&self, pad: usize, rest: &Rest) -> Vec<(f64, DVec3)> {
+        let inverse = self.fingers[pad].rotation.transpose();
+        let along = |(seen, x): (&Seen, &DVec3)| {
+            let apart = self.place(pad, *x, DVec3::ZERO, rest) - rest.rotation * seen.place - rest.shift;
+            let apart = inverse * apart;
+            (-seen.gap - seen.normal.dot(apart), seen.normal)
+        };
+        self.faces[pad].iter().zip(&self.graph.rest).map(along).collect()
+    }
+
+    /// Where a point of `pad` is that lies `at` (m, pad frame) at rest and is displaced by `moved`.
+    pub fn place(&self, pad: usize, at: DVec3, moved: DVec3, rest: &Rest) -> DVec3 {
+        let Finger { closing, rotation, origin } = &self.fingers[pad];
+        *rotation * (at / self.graph.thickness + moved) + *origin + *closing * rest.travel[pad]
+    }
+
+    /// What a point of `pad` at `place` sees when the grasp is at `rest`.
+    fn see(&self, pad: usize, place: DVec3, rest: &Rest, object: &Object) -> Seen {
+        let place = rest.rotation.inverse() * (place - rest.shift);
+        let (gap, normal) = object.look(place);
+        Seen {
+            gap: gap - self.nearest[pad],
+            normal: self.fingers[pad].rotation.transpose() * (rest.rotation * normal),
+            place,
+        }
+    }
+
+    /// At first contact, when nothing presses yet.
+    fn at_touch(&self, object: &Object) -> Rest {
+        let hats = &self.graph.hats;
+        let all = || vec![vec![DVec3::ZERO; hats.count()]; self.fingers.len()];
+        let rest = Rest {
+            travel: [0.0; 2],
+            shift: DVec3::ZERO,
+            rotation: DQuat::IDENTITY,
+            force: all(),
+            moved: all(),
+            seen: Vec::new(),
+        };
+        self.looked(rest, object)
+    }
+
+    /// `rest`, with what its hats see.
+    fn looked(&self, mut rest: Rest, object: &Object) -> Rest {
+        let hats = &self.graph.hats.rest;
+        let of = |pad: usize| {
+            let points = hats.iter().zip(&rest.moved[pad]);
+            points.map(|(x, u)| self.see(pad, self.place(pad, *x, *u, &rest), &rest, object)).collect()
+        };
+        rest.seen = (0..self.fingers.len()).map(of).collect();
+        rest
+    }
+
+    /// What the face nodes of `pad` see at `rest`.
+    fn face(&self, pad: usize, rest: &Rest, object: &Object) -> Vec<Seen> {
+        let graph = &self.graph;
+        let forces = graph.hats.on_face(&rest.force[pad], graph.face.len());
+        let moved = graph.compliance.on_face(&graph.face, &[forces]).remove(0);
+        let see = |(x, u): (&DVec3, &DVec3)| {
+            let seen = self.see(pad, self.place(pad, *x, *u, rest), rest, object);
+            if seen.gap < FAR { seen } else { Seen { normal: DVec3::ZERO, ..seen } }
+        };
+        graph.rest.iter().zip(&moved).map(see).collect()
+    }
+}
+
+/// The object where it was at first contact.
+struct Object<'a> {
+    model: &'a Model,
+    pose: ObjectPose,
+    amid: DVec3,
+    thickness: f64,
+}
+
+impl Object<'_> {
+    /// Signed distance of a point, and normal in hand axes.
+    fn look(&self, place: DVec3) -> (f64, DVec3) {
+        let at = self.pose.rotation.inverse() * (place * self.thickness + self.amid - self.pose.position);
+        let closest = self.model.object.distance.closest(at, f64::INFINITY);
+        closest.map_or((f64::MAX, DVec3::ZERO), |c| (c.distance / self.thickness, self.pose.rotation * c.normal))
+    }
+}

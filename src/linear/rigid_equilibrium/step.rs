@@ -1,0 +1,231 @@
+//! One step of a [`Grip`]: contact forces, travel and pose of the object in equilibrium under a given force.
+//!
+//! For hats that touch, `C f + J q = a`: their displacement `C f` and the rigid motions `q` close what the object asks for
+//! (`a`). `J' f = l` balances the object and the fingers. Hats that would pull leave, hats that would be inside join
+//! (primal-dual active set: Hintermueller, Ito and Kunisch 2002). Where friction would exceed Coulomb's limit, the hat slips
+//! against a spring along the face that is as soft as the limit asks (secant iteration).
+
+use super::{Grip, Rest, Seen};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::{Mat, Par};
+use glam::{DQuat, DVec3};
+use rayon::prelude::*;
+
+/// Unknowns of rigid motion: the travel of two fingers (of both, if they are geared, in the first), translation and rotation
+/// of the object.
+const RIGID: usize = 8;
+/// Most iterations of a step.
+const ITERATIONS: usize = 16;
+/// From this one on, springs of slipping hats change by half of what they should: no two of them chase each other.
+const CALM: usize = 6;
+/// A step with larger rigid motions than this has lost the object: nothing holds it.
+const LARGEST: [f64; RIGID] = [1.0, 1.0, 0.5, 0.5, 0.5, 0.2, 0.2, 0.2];
+/// Stiffness against a rigid motion that nothing holds, over the largest of all.
+const HELD: f64 = 1e-7;
+/// Hats this near to the nearest begin to touch when a pad does.
+const NEAR: f64 = 1e-3;
+/// A slipping hat has settled if its spring changes by less than this part.
+const SETTLED: f64 = 0.02;
+
+type Rigid = [f64; RIGID];
+
+/// The hats of a pad during a step.
+struct Contact {
+    touching: Vec<bool>,
+    /// How soft the spring is that a hat slips against; zero sticks.
+    give: Vec<f64>,
+    force: Vec<DVec3>,
+}
+
+/// `f = f0 - F q` of the touching hats of a pad, still multiplied by the factor of `C`.
+struct Solved {
+    hats: Vec<usize>,
+    factor: Mat<f64>,
+    /// The columns of `J`, then `a`, after the forward substitution.
+    columns: Mat<f64>,
+}
+
+impl Grip {
+    /// Equilibrium under `force` per finger after `before`. What its hats see is not looked up. An object that nothing holds
+    /// stays where it was, and the fingers close on it: whether it slips away is not for linear pads to say.
+    pub(crate) fn follow(&self, before: &Rest, force: f64) -> Rest {
+        let moving = if self.free && !self.held { self.moved(before, force, true) } else { None };
+        moving.or_else(|| self.moved(before, force, false)).unwrap_or_else(|| before.clone())
+    }
+
+    /// Equilibrium, with an object that moves or stays; None if rigid motions are larger than [`LARGEST`].
+    fn moved(&self, before: &Rest, force: f64, moves: bool) -> Option<Rest> {
+        let mut contacts: Vec<Contact> = (0..self.fingers.len()).map(|p| Contact::new(before, p)).collect();
+        let (mut rigid, mut now) = ([0.0; RIGID], before.clone());
+        for iteration in 0..ITERATIONS {
+            let solve = |(p, contact): (usize, &Contact)| self.solve(p, before, contact);
+            let Some(solved) = contacts.par_iter().enumerate().map(solve).collect::<Option<Vec<_>>>() else { break };
+            rigid = self.balance(before, &solved, force, moves);
+            let part = if iteration < CALM { 1.0 } else { 0.5 };
+            let settle =
+                |(p, contact): (usize, &mut Contact)| self.settle(p, before, contact, &solved[p], &rigid, part);
+            // All of them, whatever the first one says.
+            let settled: Vec<bool> = contacts.par_iter_mut().enumerate().map(settle).collect();
+            if settled.into_iter().all(|settled| settled) {
+                break;
+            }
+        }
+        if rigid.iter().zip(LARGEST).any(|(q, most)| q.abs() >= most) {
+            return None;
+        }
+        (0..self.fingers.len()).for_each(|p| now.travel[p] += rigid[self.travel(p)]);
+        now.shift += DVec3::from_slice(&rigid[2..5]);
+        now.rotation = (DQuat::from_scaled_axis(DVec3::from_slice(&rigid[5..8])) * now.rotation).normalize();
+        for (p, contact) in contacts.iter().enumerate() {
+            let held = |(hat, force): (usize, &DVec3)| {
+                let normal = before.seen[p][hat].normal;
+                let push = force.dot(normal).max(0.0);
+                // Friction carries no more than Coulomb's limit.
+                let along = (*force - normal * force.dot(normal)).clamp_length_max(self.friction * push);
+                if contact.touching[hat] { normal * push + along } else { DVec3::ZERO }
+            };
+            now.force[p] = contact.force.iter().enumerate().map(held).collect();
+            now.moved[p] = self.graph.hats.respond(&now.force[p]);
+        }
+        Some(now)
+    }
+
+    /// Which unknown is the travel of `finger`: fingers around a free object are geared, as in the finite elements.
+    fn travel(&self, finger: usize) -> usize {
+        if self.free { 0 } else { finger }
+    }
+
+    /// How a point of `pad` at `seen` moves relative to the object by each rigid motion, along a direction of the pad.
+    fn moves(&self, pad: usize, before: &Rest, seen: &Seen, direction: DVec3) -> Rigid {
+        let finger = &self.fingers[pad];
+        let direction = finger.rotation * direction;
+        let turned = (before.rotation * seen.place).cross(direction);
+        let mut row = [0.0; RIGID];
+        row[self.travel(pad)] = direction.dot(finger.closing);
+        for k in 0..3 {
+            row[2 + k] = -direction[k];
+            row[5 + k] = -turned[k];
+        }
+        row
+    }
+
+    /// Factorises the compliance of the touching hats of `pad`; None if it is not positive definite.
+    fn solve(&self, pad: usize, before: &Rest, contact: &Contact) -> Option<Solved> {
+        let hats: Vec<usize> = (0..contact.touching.len()).filter(|hat| contact.touching[*hat]).collect();
+        let n = 3 * hats.len();
+        let mut factor = Mat::<f64>::zeros(n, n);
+        let mut columns = Mat::<f64>::zeros(n, RIGID + 1);
+        for (b, from) in hats.iter().enumerate() {
+            let seen = &before.seen[pad][*from];
+            let asked = before.moved[pad][*from] - seen.normal * seen.gap;
+            for k in 0..3 {
+                // The compliance is symmetric: its rows are its columns.
+                let row = self.graph.hats.row(*from, k);
+                let mut column = factor.col_mut(3 * b + k);
+                for (a, to) in hats.iter().enumerate().skip(b) {
+                    (0..3).for_each(|c| column[3 * a + c] = row[3 * to + c]);
+                }
+                for c in 0..3 {
+                    let along = f64::from(u8::from(k == c)) - seen.normal[k] * seen.normal[c];
+                    column[3 * b + c] += contact.give[*from] * along;
+                }
+                let moves = self.moves(pad, before, seen, DVec3::AXES[k]);
+                (0..RIGID).for_each(|m| columns[(3 * b + k, m)] = moves[m]);
+                columns[(3 * b + k, RIGID)] = asked[k];
+            }
+        }
+        let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default()));
+        let stack = MemStack::new(&mut memory);
+        cholesky_in_place(factor.as_mut(), Default::default(), Par::Seq, stack, Default::default()).ok()?;
+        solve_lower_triangular_in_place(factor.as_ref(), columns.as_mut(), Par::Seq);
+        Some(Solved { hats, factor, columns })
+    }
+
+    /// The rigid motions under which the object, if it moves, and the fingers are in balance.
+    fn balance(&self, before: &Rest, solved: &[Solved], force: f64, moves: bool) -> Rigid {
+        let (mut stiffness, mut right) = ([[0.0; RIGID]; RIGID], [0.0; RIGID]);
+        for (p, solved) in solved.iter().enumerate() {
+            let dot = |a: usize, b: usize| solved.columns.col(a).transpose() * solved.columns.col(b);
+            for a in 0..RIGID {
+                (0..RIGID).for_each(|b| stiffness[a][b] += dot(a, b));
+                right[a] += dot(a, RIGID);
+            }
+            right[self.travel(p)] += force;
+        }
+        let [weight, at] = self.weight;
+        let torque = (before.rotation * at).cross(weight);
+        for k in 0..3 {
+            right[2 + k] += weight[k];
+            right[5 + k] += torque[k];
+        }
+        let used = |a: usize| if a < 2 { (0..solved.len()).any(|p| self.travel(p) == a) } else { moves };
+        let scale = (0..RIGID).map(|a| stiffness[a][a]).fold(1e-9, f64::max);
+        let matrix = Mat::<f64>::from_fn(RIGID, RIGID, |a, b| match (used(a) && used(b), a == b) {
+            (true, same) => stiffness[a][b] + if same { HELD * scale } else { 0.0 },
+            (false, same) => f64::from(u8::from(same)),
+        });
+        let right = Mat::<f64>::from_fn(RIGID, 1, |a, _| if used(a) { right[a] } else { 0.0 });
+        let motions = matrix.llt(faer::Side::Lower).map(|factor| faer::linalg::solvers::Solve::solve(&factor, &right));
+        motions.map_or([0.0; RIGID], |x| std::array::from_fn(|a| x[(a, 0)].clamp(-LARGEST[a], LARGEST[a])))
+    }
+
+    /// The forces on the hats of `pad` under the rigid motions, and who touches and slips then; whether all stays as it was.
+    /// The springs of slipping hats change by `part` of what they should.
+    fn settle(
+        &self,
+        pad: usize,
+        before: &Rest,
+        contact: &mut Contact,
+        solved: &Solved,
+        rigid: &Rigid,
+        part: f64,
+    ) -> bool {
+        let Solved { hats, factor, columns } = solved;
+        let mut forces = Mat::<f64>::from_fn(factor.nrows(), 1, |r, _| {
+            columns[(r, RIGID)] - (0..RIGID).map(|m| columns[(r, m)] * rigid[m]).sum::<f64>()
+        });
+        solve_upper_triangular_in_place(factor.transpose(), forces.as_mut(), Par::Seq);
+        contact.force.fill(DVec3::ZERO);
+        for (a, hat) in hats.iter().enumerate() {
+            contact.force[*hat] = DVec3::from_array([0, 1, 2].map(|k| forces[(3 * a + k, 0)]));
+        }
+        let moved = self.graph.hats.respond(&contact.force);
+        let mut same = true;
+        for (hat, seen) in before.seen[pad].iter().enumerate() {
+            let Seen { gap, normal, .. } = *seen;
+            if !contact.touching[hat] {
+                let moves = self.moves(pad, before, seen, normal);
+                let by: f64 = moves.iter().zip(rigid).map(|(m, q)| m * q).sum();
+                let inside = gap + by + normal.dot(moved[hat] - before.moved[pad][hat]) < -1e-9;
+                (contact.touching[hat], same) = (inside, same && !inside);
+                continue;
+            }
+            let (force, give) = (contact.force[hat], contact.give[hat]);
+            let push = force.dot(normal);
+            if push < 0.0 {
+                (contact.touching[hat], contact.give[hat], same) = (false, 0.0, false);
+                continue;
+            }
+            let own = self.graph.hats.own(hat);
+            let beyond = (force - normal * push).length() / (self.friction * push).max(1e-12);
+            let softer = ((own + give) * beyond - own).clamp(0.0, 1e6);
+            same &= (softer - give).abs() <= SETTLED * (own + softer);
+            contact.give[hat] += part * (softer - give);
+        }
+        same
+    }
+}
+
+impl Contact {
+    /// The hats of pad `p` at the begin of a step.
+    fn new(before: &Rest, p: usize) -> Self {
+        let mut touching: Vec<bool> = before.force[p].iter().map(|f| *f != DVec3::ZERO).collect();
+        if !touching.contains(&true) {
+            let nearest = before.seen[p].iter().map(|s| s.gap).fold(f64::INFINITY, f64::min);
+            touching = before.seen[p].iter().map(|s| s.gap <= nearest + NEAR && s.normal != DVec3::ZERO).collect();
+        }
+        Self { give: vec![0.0; touching.len()], force: before.force[p].clone(), touching }
+    }
+}

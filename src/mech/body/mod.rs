@@ -1,0 +1,302 @@
+//! One soft body: mesh and law. Immutable and shared; the state lives with the caller.
+
+mod analysis;
+pub mod cholesky;
+pub mod locking;
+pub mod pattern;
+
+use self::analysis::Analysis;
+use self::pattern::{Pattern, Slot};
+use crate::mech::element::{Kernel, RestTet, Shape, Stiffness, TET4, TET10, TET10_CENTER, TET10_NODES};
+use crate::mech::material::{Material, von_mises};
+use glam::{DMat3, DVec3};
+use pulp::{Arch, NullaryFnOnce};
+use std::sync::Arc;
+
+/// Node lists of the elements.
+#[derive(Debug, Clone)]
+pub enum Elements {
+    /// 4-node tetrahedra.
+    Linear(Vec<[u32; 4]>),
+    /// 10-node tetrahedra: corners, then mid-edges (0,1) (1,2) (2,0) (0,3) (1,3) (2,3).
+    Quadratic(Vec<[u32; 10]>),
+}
+
+impl Elements {
+    /// The nodes of each element.
+    pub(crate) fn lists(&self) -> Vec<&[u32]> {
+        match self {
+            Elements::Linear(e) => e.iter().map(|n| n.as_slice()).collect(),
+            Elements::Quadratic(e) => e.iter().map(|n| n.as_slice()).collect(),
+        }
+    }
+}
+
+/// A discretised soft body at rest.
+#[derive(Debug)]
+pub struct Body {
+    /// Rest position of every node, m.
+    pub rest: Vec<DVec3>,
+    /// Node lists.
+    pub elements: Elements,
+    /// Nodes without unknowns.
+    pub fixed: Vec<bool>,
+    /// The law of the gel.
+    pub material: Arc<dyn Material>,
+    /// One pressure per element.
+    pub mean_dilatation: bool,
+    pub(crate) analysis: Arc<Analysis>,
+    tets: Vec<RestTet>,
+}
+
+/// Stress recovered from a configuration.
+#[derive(Debug, Clone, Default)]
+pub struct Stress {
+    /// Von Mises stress of the element-averaged Cauchy tensor, Pa.
+    pub element: Vec<f64>,
+    /// Von Mises stress of the nodal Cauchy tensor (extrapolated from the quadrature points, volume-weighted), Pa.
+    pub node: Vec<f64>,
+}
+
+/// Runs `$body` with `$nodes`, `$shape` bound to the element tables of the mesh's order.
+macro_rules! per_order {
+    ($self:expr, $nodes:ident, $kernel:ident, $body:expr) => {
+        match &$self.elements {
+            Elements::Linear($nodes) => {
+                let $kernel = $self.kernel(&TET4);
+                $body
+            }
+            Elements::Quadratic($nodes) => {
+                let $kernel = $self.kernel(&TET10);
+                $body
+            }
+        }
+    };
+}
+
+fn gather<const N: usize>(nodes: &[u32; N], x: &[DVec3]) -> [DVec3; N] {
+    nodes.map(|i| x[i as usize])
+}
+
+impl Body {
+    /// The body whose nodes lie at `rest`.
+    pub fn new(
+        rest: Vec<DVec3>,
+        elements: Elements,
+        fixed: Vec<bool>,
+        material: Arc<dyn Material>,
+        mean_dilatation: bool,
+    ) -> Self {
+        let tet = |n: &[u32]| RestTet::new(std::array::from_fn(|k| rest[n[k] as usize]));
+        let tets = elements.lists().into_iter().map(tet).collect();
+        Self { rest, elements, fixed, material, mean_dilatation, analysis: Arc::default(), tets }
+    }
+
+    fn kernel<'a, const N: usize, const Q: usize>(&'a self, shape: &'a Shape<N, Q>) -> Kernel<'a, N, Q> {
+        Kernel { shape, material: self.material.as_ref(), mean_dilatation: self.mean_dilatation }
+    }
+
+    /// Number of elements.
+    pub fn element_count(&self) -> usize {
+        self.tets.len()
+    }
+
+    /// Element `e`, if it has 10 nodes: its rest geometry, where its nodes are among the positions `x`, and the nodes.
+    pub fn quadratic(&self, e: usize, x: &[DVec3]) -> Option<(&RestTet, [DVec3; 10], &[u32; 10])> {
+        match &self.elements {
+            Elements::Quadratic(nodes) => Some((&self.tets[e], gather(&nodes[e], x), &nodes[e])),
+            Elements::Linear(_) => None,
+        }
+    }
+
+    /// Elastic energy at positions `x`, J; `+inf` when an element is inverted under a law that refuses it.
+    pub fn energy(&self, x: &[DVec3]) -> f64 {
+        Arch::new().dispatch(|| {
+            per_order!(self, nodes, kernel, {
+                nodes.iter().zip(&self.tets).map(|(n, rest)| kernel.energy(rest, &gather(n, x))).sum()
+            })
+        })
+    }
+
+    /// Adds the gradient of the elastic energy, N, per node.
+    pub fn add_gradient(&self, x: &[DVec3], gradient: &mut [DVec3]) {
+        Arch::new().dispatch(|| {
+            per_order!(self, nodes, kernel, {
+                for (n, rest) in nodes.iter().zip(&self.tets) {
+                    let mut local = n.map(|_| DVec3::ZERO);
+                    kernel.add_gradient(rest, &gather(n, x), &mut local);
+                    for (&i, g) in n.iter().zip(local) {
+                        gradient[i as usize] += g;
+                    }
+                }
+            })
+        })
+    }
+
+    /// Adds gradient (N, per node) and stiffness (N/m, in [`Pattern`] storage). `project` makes every point's tangent
+    /// positive semidefinite.
+    pub fn add_stiffness(&self, x: &[DVec3], project: bool, gradient: &mut [DVec3], values: &mut [f64]) {
+        per_order!(self, nodes, kernel, {
+            let (tets, slots) = (&self.tets[..], self.slots());
+            Arch::new().dispatch(AddStiffness { kernel, nodes, tets, slots, x, project, gradient, values });
+        });
+    }
+
+    /// Smallest determinant of the deformation gradient at positions `x`: over all quadrature points, and of 10-node elements over
+    /// their corners, the middles of their edges and their centres too, where one may be turned inside out unseen.
+    pub fn min_det_f(&self, x: &[DVec3]) -> f64 {
+        let points = Arch::new()
+            .dispatch(|| per_order!(self, nodes, kernel, kernel.min_det_f(&self.tets, |e, a| x[nodes[e][a] as usize])));
+        points.min(self.min_det_f_at(&TET10_NODES, x)).min(self.min_det_f_at(&TET10_CENTER, x))
+    }
+
+    /// The element with that determinant; None of a body without elements.
+    pub fn most_inverted(&self, x: &[DVec3]) -> Option<usize> {
+        let least = |f: &[DMat3]| f.iter().map(DMat3::determinant).fold(f64::INFINITY, f64::min);
+        let mut det: Vec<f64> = per_order!(self, nodes, kernel, {
+            let of = |(n, rest)| least(&kernel.deformation(rest, &gather(n, x)));
+            nodes.iter().zip(&self.tets).map(of).collect()
+        });
+        for (e, det) in det.iter_mut().enumerate() {
+            if let Some((rest, x, _)) = self.quadratic(e, x) {
+                let nodes = self.kernel(&TET10_NODES).deformation(rest, &x);
+                *det = det.min(least(&nodes)).min(least(&self.kernel(&TET10_CENTER).deformation(rest, &x)));
+            }
+        }
+        (0..det.len()).min_by(|a, b| det[*a].total_cmp(&det[*b]))
+    }
+
+    /// Smallest determinant of the deformation gradient of 10-node elements at the points of `shape`, at positions `x`; `+inf` if there
+    /// are none.
+    pub fn min_det_f_at<const Q: usize>(&self, shape: &Shape<10, Q>, x: &[DVec3]) -> f64 {
+        let Elements::Quadratic(nodes) = &self.elements else { return f64::INFINITY };
+        let material = self.material.as_ref();
+        let kernel = Kernel { shape, material, mean_dilatation: false };
+        Arch::new().dispatch(|| kernel.min_det_f(&self.tets, |e, a| x[nodes[e][a] as usize]))
+    }
+
+    /// Stress at positions `x`.
+    pub fn stress(&self, x: &[DVec3]) -> Stress {
+        let [element, node] = self.cauchy(x).map(|all| all.iter().map(von_mises).collect());
+        Stress { element, node }
+    }
+
+    /// Cauchy stress at positions `x`, Pa: mean of every element, and of every node, extrapolated from the quadrature points
+    /// and weighted with the volume.
+    pub fn cauchy(&self, x: &[DVec3]) -> [Vec<DMat3>; 2] {
+        let mut node = vec![(DMat3::ZERO, 0.0); x.len()];
+        let mut element = Vec::with_capacity(self.tets.len());
+        per_order!(self, nodes, kernel, {
+            for (n, rest) in nodes.iter().zip(&self.tets) {
+                let cauchy = kernel.stress(rest, &gather(n, x));
+                let mean = cauchy.iter().fold(DMat3::ZERO, |s, c| s + *c) * (1.0 / cauchy.len() as f64);
+                element.push(mean);
+                for (a, &i) in n.iter().enumerate() {
+                    let (sum, weight) = &mut node[i as usize];
+                    *sum += extrapolate(&cauchy, &mean, a) * rest.volume;
+                    *weight += rest.volume;
+                }
+            }
+        });
+        let mean = |(s, w): &(DMat3, f64)| if *w > 0.0 { *s * (1.0 / w) } else { DMat3::ZERO };
+        [element, node.iter().map(mean).collect()]
+    }
+
+    /// Volume that each node carries, positive and with the body's sum: the diagonal of the consistent mass matrix, scaled
+    /// per element (Hinton, Rock & Zienkiewicz 1976), m3.
+    pub fn lumped_volume(&self) -> Vec<f64> {
+        let mut volume = vec![0.0; self.rest.len()];
+        let mut share = |nodes: &[u32], tet: &RestTet, part: &dyn Fn(usize) -> f64| {
+            nodes.iter().enumerate().for_each(|(a, &i)| volume[i as usize] += tet.volume * part(a));
+        };
+        match &self.elements {
+            Elements::Linear(e) => e.iter().zip(&self.tets).for_each(|(n, t)| share(n, t, &|_| 0.25)),
+            Elements::Quadratic(e) => {
+                let part = |a: usize| if a < 4 { 1.0 / 36.0 } else { 4.0 / 27.0 };
+                e.iter().zip(&self.tets).for_each(|(n, t)| share(n, t, &part));
+            }
+        }
+        volume
+    }
+
+    /// Total mass per unit density that each node carries (row sums of the mass matrix are not positive for 10-node
+    /// tetrahedra; this is the element volume shared by diagonal scaling), m3.
+    pub fn nodal_volume(&self) -> Vec<f64> {
+        let mut volume = vec![0.0; self.rest.len()];
+        match &self.elements {
+            Elements::Linear(e) => {
+                for (n, t) in e.iter().zip(&self.tets) {
+                    n.iter().for_each(|&i| volume[i as usize] += t.volume / 4.0);
+                }
+            }
+            Elements::Quadratic(e) => {
+                // Consistent body-force weights: -1/20 at corners, 1/5 at mid-edges.
+                for (n, t) in e.iter().zip(&self.tets) {
+                    for (a, &i) in n.iter().enumerate() {
+                        volume[i as usize] += t.volume * if a < 4 { -0.05 } else { 0.2 };
+                    }
+                }
+            }
+        }
+        volume
+    }
+}
+
+/// Linear extrapolation of quadrature-point tensors to local node `a` (exact for linear fields).
+fn extrapolate<const Q: usize>(point: &[DMat3; Q], mean: &DMat3, a: usize) -> DMat3 {
+    if Q != 4 {
+        return *mean;
+    }
+    // Point q sits at barycentric coordinate 0.585 of corner q: scale its deviation from the mean out to the corner.
+    let scale = 1.0 / (0.585_410_196_624_968_5 - 0.138_196_601_125_010_5);
+    let corner = |k: usize| *mean + (point[k] - *mean) * scale;
+    if a < 4 {
+        corner(a)
+    } else {
+        let [i, j] = crate::mech::element::EDGES[a - 4];
+        (corner(i) + corner(j)) * 0.5
+    }
+}
+
+/// Elements whose stiffness is computed side by side.
+const SIDE: usize = 8;
+
+/// [`Body::add_stiffness`], as what takes all of a processor's registers: a closure of this size would not.
+struct AddStiffness<'a, const N: usize, const Q: usize> {
+    kernel: Kernel<'a, N, Q>,
+    nodes: &'a [[u32; N]],
+    tets: &'a [RestTet],
+    slots: &'a [Slot],
+    x: &'a [DVec3],
+    project: bool,
+    gradient: &'a mut [DVec3],
+    values: &'a mut [f64],
+}
+
+impl<const N: usize, const Q: usize> NullaryFnOnce for AddStiffness<'_, N, Q> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { kernel, nodes, tets, slots, x, project, gradient, values } = self;
+        let pairs = slots.len() / nodes.len().max(1);
+        let mut sum = Box::<Stiffness<N, SIDE>>::default();
+        for start in (0..nodes.len()).step_by(SIDE) {
+            // The last one stands in for those that the last row lacks.
+            let own: [usize; SIDE] = std::array::from_fn(|l| (start + l).min(nodes.len() - 1));
+            let at = own.map(|e| gather(&nodes[e], x));
+            kernel.stiffness(own.map(|e| &tets[e]), &at, project, &mut sum);
+            for (l, e) in (start..nodes.len()).take(SIDE).enumerate() {
+                for (&i, g) in nodes[e].iter().zip(sum.gradient[l]) {
+                    gradient[i as usize] += g;
+                }
+                let mut slot = slots[e * pairs..(e + 1) * pairs].iter();
+                for a in 0..N {
+                    for (b, &s) in (a..N).zip(&mut slot) {
+                        Pattern::add(values, s, &sum.block(l, a, b));
+                    }
+                }
+            }
+        }
+    }
+}

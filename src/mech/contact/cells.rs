@@ -1,0 +1,91 @@
+//! Which faces of a deformed surface may be near a point: the box around them cut into cells, each with the faces close to it.
+
+use glam::{DVec3, UVec3};
+
+/// Faces by cell.
+#[derive(Debug, Clone)]
+pub(crate) struct Cells {
+    /// A cell lists all faces that come nearer than this to any of its points, m: not much farther than a face is wide.
+    pub near: f64,
+    reach: f64,
+    low: DVec3,
+    size: f64,
+    count: UVec3,
+    /// Where the faces of each cell begin in `faces`; one more entry than cells.
+    first: Vec<u32>,
+    faces: Vec<u32>,
+}
+
+/// Most cells along an axis.
+const MOST: f64 = 64.0;
+
+impl Cells {
+    /// No faces yet; the cells will list those nearer than `reach` (m), or than a face is wide.
+    pub fn new(reach: f64) -> Self {
+        Self {
+            near: reach,
+            reach,
+            low: DVec3::ZERO,
+            size: 1.0,
+            count: UVec3::ZERO,
+            first: Vec::new(),
+            faces: Vec::new(),
+        }
+    }
+
+    /// Sorts faces, given by the ends of boxes around them (m), into cells half as wide as a face; the box from `low` to `high` is
+    /// around them all.
+    pub fn update(&mut self, boxes: &[[DVec3; 2]], low: DVec3, high: DVec3) {
+        let widths: f64 = boxes.iter().map(|[low, high]| (*high - *low).max_element()).sum();
+        let width = widths / boxes.len().max(1) as f64;
+        self.near = self.reach.min(width);
+        let extent = (high - low).max(DVec3::ZERO) + 2.0 * self.near;
+        self.low = low - self.near;
+        self.size = (0.5 * width).max(extent.max_element() / MOST);
+        self.count = (extent / self.size).as_uvec3() + 1;
+        let mut next = vec![0; (self.count.x * self.count.y * self.count.z) as usize + 1];
+        for face in boxes {
+            self.covered(face, |cell| next[cell + 1] += 1);
+        }
+        (1..next.len()).for_each(|c| next[c] += next[c - 1]);
+        self.first.clone_from(&next);
+        let mut faces = std::mem::take(&mut self.faces);
+        faces.resize(next[next.len() - 1] as usize, 0);
+        for (face, i) in boxes.iter().zip(0..) {
+            self.covered(face, |cell| {
+                faces[next[cell] as usize] = i;
+                next[cell] += 1;
+            });
+        }
+        self.faces = faces;
+    }
+
+    /// The faces that may be nearer than `near` to `y`, ascending; perhaps others.
+    pub fn at(&self, y: DVec3) -> &[u32] {
+        let place = (y - self.low) / self.size;
+        let outside = self.first.is_empty() || place.cmplt(DVec3::ZERO).any();
+        let at = place.as_uvec3();
+        if outside || at.cmpge(self.count).any() {
+            return &[];
+        }
+        let cell = self.index(at);
+        &self.faces[self.first[cell] as usize..self.first[cell + 1] as usize]
+    }
+
+    fn index(&self, at: UVec3) -> usize {
+        ((at.x * self.count.y + at.y) * self.count.z + at.z) as usize
+    }
+
+    /// The cells that a face with this box comes near to.
+    fn covered(&self, [low, high]: &[DVec3; 2], mut visit: impl FnMut(usize)) {
+        let place = |p: DVec3| ((p - self.low) / self.size).max(DVec3::ZERO).as_uvec3().min(self.count - 1);
+        let (from, to) = (place(*low - self.near), place(*high + self.near));
+        for x in from.x..=to.x {
+            for y in from.y..=to.y {
+                for z in from.z..=to.z {
+                    visit(self.index(UVec3::new(x, y, z)));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! Which features of the object are too far from a pad to be looked for, and on which side of it the others are: neither they nor
+//! the pad move faster than they move.
+
+use super::flanks::Flank;
+use super::foot::Foot;
+use super::project::FaceBounds;
+use super::surface::ContactSurface;
+use crate::mech::potential::state::View;
+use crate::scales::{DISTANCES_STALE, FACE_KEPT, FEATURES_LISTED};
+use glam::{DMat3, DVec3};
+use std::sync::Arc;
+
+/// What is known of the distances of all features to the pad.
+#[derive(Debug, Clone)]
+pub(crate) struct Far {
+    /// Contact offset, m.
+    offset: f64,
+    /// From the last time that all were taken.
+    looked: Arc<Seen>,
+    /// From the last assembly, of those that were near.
+    last: Arc<Seen>,
+    nearby: Arc<Nearby>,
+}
+
+/// Distances of all features to the pad at an earlier state.
+#[derive(Debug, Clone, Default)]
+struct Seen {
+    /// Node positions then, m.
+    x: Vec<DVec3>,
+    features: Vec<Bounds>,
+}
+
+/// The features that alone can matter while pad and object have not moved far.
+#[derive(Debug, Clone, Default)]
+struct Nearby {
+    /// Ascending.
+    features: Vec<usize>,
+    /// Node positions when they were listed, m.
+    x: Vec<DVec3>,
+    /// Where the object was then, relative to the finger, m, and its orientation.
+    object: (DVec3, DMat3),
+    /// Largest distance of a feature from the origin of the object, m.
+    radius: f64,
+}
+
+/// Where a feature was, relative to the finger, and how far outside the pad at least and at most, m.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bounds {
+    pub at: DVec3,
+    least: f64,
+    most: f64,
+}
+
+/// Largest motion of a node of the pad since its features were looked for, and since the last assembly, m; `+inf` if that never was.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Moved {
+    looked: f64,
+    last: f64,
+}
+
+impl Seen {
+    fn moved(&self, x: &[DVec3]) -> f64 {
+        motion(&self.x, x)
+    }
+
+    /// Bounds of the signed distance of feature `i`, now at `y`, to the pad, which has `moved` by up to that (m).
+    fn bounds(&self, i: usize, y: DVec3, moved: f64) -> Bounds {
+        match self.features.get(i) {
+            Some(then) => {
+                let change = BULGE * moved + then.at.distance(y);
+                Bounds { at: y, least: then.least - change, most: then.most + change }
+            }
+            None => Bounds { at: y, ..Bounds::UNKNOWN },
+        }
+    }
+}
+
+impl Bounds {
+    /// Of a feature of which nothing is known.
+    pub const UNKNOWN: Self = Self { at: DVec3::ZERO, least: f64::NEG_INFINITY, most: f64::INFINITY };
+
+    /// Whether the feature may be nearer than `reach` (m) to the pad.
+    pub fn within(&self, reach: f64) -> bool {
+        self.least <= reach
+    }
+
+    /// With what `flanks` say, those within `reach` (m).
+    pub fn narrowed(self, flanks: &[Flank], reach: f64) -> Self {
+        match flanks.first() {
+            Some((foot, ..)) => Self { least: foot.gap, most: foot.gap, ..self },
+            None => Self { least: self.least.max(reach), most: f64::INFINITY, ..self },
+        }
+    }
+
+    /// `foot` on the side that is possible: where a face is folded over or a crease is closed, the surface passes through
+    /// itself, and what is outside looks as if it were inside, or the other way round. Contact has this `offset` (m).
+    pub fn sided(&self, foot: Foot, offset: f64) -> Foot {
+        let slack = FACE_KEPT * offset;
+        let possible = |gap: f64| self.least - slack <= gap && gap <= self.most + slack;
+        if possible(foot.gap) || !possible(-foot.gap) { foot } else { foot.flipped() }
+    }
+}
+
+impl Far {
+    /// Nothing is known; contact has this `offset` (m).
+    pub fn new(offset: f64) -> Self {
+        Self { offset, looked: Arc::default(), last: Arc::default(), nearby: Arc::default() }
+    }
+
+    /// Takes the distances of `count` features anew if the pad at `x` has moved too far since the last time; `place` says where
+    /// each of them is.
+    pub fn update(
+        &mut self,
+        surface: &ContactSurface,
+        x: &[DVec3],
+        bounds: &FaceBounds,
+        count: usize,
+        place: impl Fn(usize) -> DVec3,
+    ) {
+        let moved = self.moved(x);
+        if moved.looked > DISTANCES_STALE * self.offset {
+            let away = |i: usize| {
+                let y = place(i);
+                let near = self.bounds(i, y, moved);
+                let least = bounds.outside(surface, x, y, |foot| near.sided(foot, self.offset));
+                Bounds { at: y, least, most: f64::INFINITY }
+            };
+            let features = (0..count).map(away).collect();
+            self.looked = Arc::new(Seen { features, x: x.to_vec() });
+        }
+    }
+
+    /// Takes over what an assembly at node positions `x` found out of each feature.
+    pub fn remember(&mut self, x: &[DVec3], features: Vec<Bounds>) {
+        self.last = Arc::new(Seen { x: x.to_vec(), features });
+    }
+
+    /// Lists the features that are near, as the last assembly found them, and those that `matter` wherever they are, of an object that
+    /// reaches as far as `radius` (m) from its origin.
+    pub fn list(&mut self, view: &View, radius: f64, matter: impl Fn(usize) -> bool) {
+        let all = self.last.features.iter().enumerate();
+        let features = all
+            .filter(|(i, bounds)| bounds.within(FEATURES_LISTED * self.offset) || matter(*i))
+            .map(|(i, _)| i)
+            .collect();
+        self.nearby = Arc::new(Nearby { features, x: view.x.to_vec(), object: object(view), radius });
+    }
+
+    /// Lists feature `i` too, whose place is another from now on, `distance` (m) from the origin of the object.
+    pub fn add(&mut self, i: usize, distance: f64) {
+        let listed = Arc::make_mut(&mut self.nearby);
+        if let Err(k) = listed.features.binary_search(&i) {
+            listed.features.insert(k, i);
+        }
+        listed.radius = listed.radius.max(distance);
+    }
+
+    /// The listed features, ascending, if under `view` no other one can be nearer than `reach` (m).
+    pub fn nearby(&self, view: &View, reach: f64) -> Option<&[usize]> {
+        let listed = &self.nearby;
+        let ((place, turn), (then, turned)) = (object(view), listed.object);
+        let turn = turn - turned;
+        let turn = [turn.x_axis, turn.y_axis, turn.z_axis].map(|c| c.length_squared()).iter().sum::<f64>().sqrt();
+        let moved = BULGE * motion(&listed.x, view.x) + place.distance(then) + turn * listed.radius;
+        (moved + reach <= FEATURES_LISTED * self.offset).then_some(&listed.features)
+    }
+
+    /// How far the nodes of the pad at `x` have moved.
+    pub fn moved(&self, x: &[DVec3]) -> Moved {
+        Moved { looked: self.looked.moved(x), last: self.last.moved(x) }
+    }
+
+    /// Bounds of the signed distance of feature `i`, now at `y`.
+    pub fn bounds(&self, i: usize, y: DVec3, moved: Moved) -> Bounds {
+        let (looked, last) = (self.looked.bounds(i, y, moved.looked), self.last.bounds(i, y, moved.last));
+        Bounds { at: y, least: looked.least.max(last.least), most: looked.most.min(last.most) }
+    }
+}
+
+/// Largest distance between two positions of a node, m; `+inf` if they are not of the same mesh.
+fn motion(before: &[DVec3], x: &[DVec3]) -> f64 {
+    if before.len() != x.len() {
+        return f64::INFINITY;
+    }
+    before.iter().zip(x).map(|(a, b)| a.distance_squared(*b)).fold(0.0, f64::max).sqrt()
+}
+
+/// Where the object is, relative to the finger, m, and its orientation.
+fn object(view: &View) -> (DVec3, DMat3) {
+    (view.position - view.offset, view.rotation)
+}
+
+/// A point of a quadratic face moves at most this many times as far as its nodes: the sum of the magnitudes of its shape functions.
+const BULGE: f64 = 5.0 / 3.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A feature 10 um outside that moved by 1 um, and the pad not at all, is where it can be: 9 to 11 um outside.
+    #[test]
+    fn a_feature_stays_on_the_side_where_it_can_be() {
+        let then = Bounds { at: DVec3::ZERO, least: 1e-5, most: 1e-5 };
+        let seen = Seen { x: vec![DVec3::ZERO], features: vec![then] };
+        let now = seen.bounds(0, DVec3::X * 1e-6, 0.0);
+        let gap = |gap: f64| now.sided(Foot::at(0, [1.0, 0.0, 0.0], gap, DVec3::Z), 1e-5).gap;
+        assert_eq!([gap(9.5e-6), gap(-9.5e-6)], [9.5e-6; 2], "m");
+        // Neither side is possible: what the surface says stands.
+        assert_eq!(gap(-5e-5), -5e-5, "m");
+    }
+}

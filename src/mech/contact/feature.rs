@@ -1,0 +1,334 @@
+//! Contact of the object's features (vertices, points along sharp edges) with a pad's faces, as a term of the potential:
+//! what keeps a needle or a knife edge from slipping between the sample points of the pad.
+
+use super::bend::bend;
+use super::crossing::deepest;
+use super::edge::ContactEdge;
+use super::far::{Bounds, Far};
+use super::flanks::Flank;
+use super::law::Law;
+use super::pair::{feature_pair, friction_pair, slip, weighed};
+use super::pool::EdgePool;
+use super::project::FaceBounds;
+use super::site::Site;
+use super::surface::ContactSurface;
+use crate::geometry::shape::Stretch;
+use crate::mech::body::Body;
+use crate::mech::potential::state::{Departure, Motion, View};
+use crate::mech::potential::term::{Block, BodyTerm, Pair, Stencil};
+use crate::scales::FEATURE_MOVES;
+use glam::DVec3;
+use std::any::Any;
+use std::sync::Arc;
+
+/// A point of the object that must not slip between the sample points of a pad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Feature {
+    /// Position in the object frame, m.
+    pub position: DVec3,
+    /// On a sharp edge or corner; else a vertex of a smooth surface.
+    pub sharp: bool,
+    /// The stretch of an edge that it may move along.
+    pub along: Option<Stretch>,
+}
+
+impl Feature {
+    /// One that moves to where a pad is deepest on a stretch of an edge, so that it does not come through between fixed points. It begins at
+    /// a third, where no fixed one is.
+    pub fn along(stretch: Stretch) -> Self {
+        Self { position: stretch.point(1.0 / 3.0), sharp: false, along: Some(stretch) }
+    }
+
+    /// The law of this one. Vertices of a smooth surface are felt late: the pad's own points carry that contact.
+    fn law(&self, law: &Law) -> Law {
+        if self.sharp { *law } else { law.late() }
+    }
+}
+
+/// Contact and friction between the object's features and a pad.
+#[derive(Debug, Clone)]
+pub struct FeatureContact {
+    /// One edge per feature. The anchor of an edge is the drag of its sticking point, hand frame.
+    pool: EdgePool,
+    surface: Arc<ContactSurface>,
+    features: Arc<[Feature]>,
+    /// Area a feature stands for, m2: that of a sample point of the pad, which it replaces.
+    area: f64,
+    sites: Vec<Site>,
+    bounds: FaceBounds,
+    far: Far,
+    accepted: Accepted,
+    /// Where the increment departed from.
+    from: Option<Departure>,
+    /// Whether the Hessian says how faces bend and turn.
+    sharp: bool,
+}
+
+/// What a rollback goes back to.
+#[derive(Debug, Clone)]
+struct Accepted {
+    sites: Vec<Site>,
+    far: Far,
+}
+
+/// Force of a feature on a pad.
+#[derive(Debug, Clone, Copy)]
+pub struct FeatureForce {
+    /// Normal part, N, hand frame.
+    pub normal: DVec3,
+    /// Friction, N, hand frame.
+    pub friction: DVec3,
+    /// Where the pad is touched.
+    pub now: Stencil,
+    /// Nodes that share the force for reporting, with non-negative weights.
+    pub report: Stencil,
+}
+
+impl FeatureContact {
+    /// All edges open. `features` are points of the object.
+    pub fn new(law: Law, surface: Arc<ContactSurface>, features: Arc<[Feature]>) -> Self {
+        let pool = EdgePool::new(law, features.len());
+        let sites: Vec<Site> = features.iter().map(|f| Site::new(f.position)).collect();
+        let area = surface.spacing * surface.spacing;
+        let (bounds, far) = (FaceBounds::new(law.offset), Far::new(law.offset));
+        let accepted = Accepted { sites: sites.clone(), far: far.clone() };
+        Self { pool, surface, features, area, accepted, sites, bounds, far, from: None, sharp: true }
+    }
+
+    /// The edges of the features that are near the pad, with the features: in their order once accepted.
+    pub fn edges(&self) -> impl Iterator<Item = (usize, &ContactEdge)> {
+        self.pool.near()
+    }
+
+    /// The edge of feature `i`.
+    pub fn edge(&self, i: usize) -> &ContactEdge {
+        self.pool.edge(i)
+    }
+
+    /// Smallest gap of the last assembly, m; `+inf` if no feature is near.
+    pub fn min_gap(&self) -> f64 {
+        self.pool.min_gap()
+    }
+
+    /// What feature `i` does to the pad.
+    pub fn readout(&self, i: usize) -> FeatureForce {
+        let (e, touch) = (self.pool.edge(i), &self.sites[i].touch);
+        FeatureForce {
+            normal: e.normal * (e.pressure * self.area),
+            friction: e.traction * self.area,
+            now: touch.as_ref().map_or(Stencil::NONE, |touch| touch.now),
+            report: touch.as_ref().map_or(Stencil::NONE, |touch| touch.report),
+        }
+    }
+
+    /// The law of feature `i`.
+    fn law_of(&self, i: usize) -> Law {
+        self.features[i].law(&self.pool.law)
+    }
+
+    /// The features that may matter under `view`, if known.
+    fn nearby(&self, view: &View) -> Option<Vec<usize>> {
+        self.far.nearby(view, self.pool.law.offset).map(<[usize]>::to_vec)
+    }
+
+    fn all(&self) -> Vec<usize> {
+        (0..self.features.len()).collect()
+    }
+
+    /// What feature `i`, which is `near`, presses on, on a surface with nodes at `x`. Whether one face or a whole fold counts
+    /// `stays` as it was, or may change.
+    fn flanks(&self, faces: &FaceBounds, i: usize, x: &[DVec3], near: Bounds, stays: bool) -> Vec<Flank> {
+        let reach = self.law_of(i).offset;
+        if !near.within(reach) {
+            return Vec::new();
+        }
+        faces.flanks(&self.surface, x, near.at, reach, self.sites[i].last(stays), |foot| near.sided(foot, faces.offset))
+    }
+
+    /// Where feature `i` sticks to the pad, and how far that point is from the feature, plus its `drag`, m.
+    fn stretch(&self, i: usize, drag: Option<DVec3>, view: &View) -> Option<(&Stencil, DVec3)> {
+        let (drag, site) = (drag?, &self.sites[i]);
+        let stick = &site.touch.as_ref()?.stick;
+        let arm = view.rotation * site.position;
+        Some((stick, stick.position(view.x) + view.offset - view.position - arm + drag))
+    }
+}
+
+impl BodyTerm for FeatureContact {
+    fn energy(&self, _: &Body, view: &View) -> f64 {
+        let mut bounds = FaceBounds::new(self.pool.law.offset);
+        bounds.update(&self.surface, view.x);
+        let moved = self.far.moved(view.x);
+        let mut energy = 0.0;
+        for i in self.nearby(view).unwrap_or_else(|| self.all()) {
+            let e = self.pool.edge(i);
+            let near = self.far.bounds(i, self.sites[i].place(view), moved);
+            let law = self.law_of(i);
+            let flanks = self.flanks(&bounds, i, view.x, near, true);
+            let energies = flanks.iter().map(|(foot, weight, _)| weight * law.normal_energy(foot.gap, e.scale));
+            energy += self.area * energies.sum::<f64>();
+            if let Some((_, stretch)) = self.stretch(i, e.sticks(), view) {
+                let s = slip(stretch, e.plane);
+                energy += self.area * e.friction_energy(&self.pool.law, s);
+            }
+        }
+        energy
+    }
+
+    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
+        self.bounds.update(&self.surface, view.x);
+        let sites = &self.sites;
+        self.far.update(&self.surface, view.x, &self.bounds, sites.len(), |i| sites[i].place(view));
+        let moved = self.far.moved(view.x);
+        let nearby = self.nearby(view);
+        let anew = nearby.is_none();
+        let mut seen = vec![Bounds::UNKNOWN; self.features.len()];
+        for i in nearby.unwrap_or_else(|| self.all()) {
+            let near = self.far.bounds(i, self.sites[i].place(view), moved);
+            block.lag += (self.area * self.update(i, view, near)).powi(2);
+            let (e, law) = (*self.pool.edge(i), self.law_of(i));
+            seen[i] = near.narrowed(self.sites[i].flanks(), law.offset);
+            let arm = view.rotation * self.sites[i].position;
+            for (foot, weight, curvature) in self.sites[i].flanks() {
+                let e = e.on(&law, foot.gap, -foot.normal);
+                if e.pressure > 0.0 {
+                    let pair = feature_pair(&law, &e, weight * self.area, arm, curvature, project);
+                    let place = self.surface.faces[foot.face].stencil(foot.l);
+                    block.add_pair(body, view, &place, &weighed(pair, *weight, project));
+                    let force = e.pressure * weight * self.area;
+                    let bent = (self.sharp && block.hessian && !project)
+                        .then(|| bend(&self.surface.faces[foot.face], view.x, foot, force))
+                        .flatten();
+                    if let Some(form) = bent {
+                        block.add_form(body, view, &form, arm);
+                    }
+                }
+            }
+            if let Some((stick, s)) = self.stretch(i, e.sticks(), view) {
+                let pair = friction_pair(&self.pool.law, &e, self.area, s, arm, project);
+                block.add_pair(body, view, stick, &pair);
+            }
+        }
+        self.far.remember(view.x, seen);
+        if anew {
+            let radius = self.sites.iter().map(|site| site.position.length()).fold(0.0, f64::max);
+            let pool = &self.pool;
+            self.far.list(view, radius, |i| pool.edge(i).sticks().is_some());
+        }
+    }
+
+    fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
+        for (i, site) in self.sites.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).sticks().is_some()) {
+            let (r, Some(touch)) = (view.rotation * site.position, &site.touch) else { continue };
+            if let Some(drag) = self.pool.drag(i, &self.law_of(i), motion.relative(&touch.now, r)) {
+                change.add_pair(body, view, &touch.stick, &Pair::force(drag * -self.area, r));
+            }
+        }
+    }
+
+    fn depart(&mut self, from: &Departure) {
+        self.from = Some(from.clone());
+    }
+
+    fn commit(&mut self, _: &Body, view: &View) {
+        let (sites, tangential) = (&mut self.sites, self.pool.law.tangential);
+        self.pool.commit(|i, e| {
+            let place = sites[i].place(view);
+            sites[i].touch.as_mut().map_or(DVec3::ZERO, |touch| {
+                touch.stick = touch.now;
+                place - touch.now.position(view.x) - e.traction * (1.0 / tangential)
+            })
+        });
+        for (i, site) in self.sites.iter_mut().enumerate() {
+            site.moves = 0;
+            if self.pool.edge(i).anchor.is_none() && site.flanks().is_empty() {
+                site.touch = None;
+            }
+        }
+        self.accepted.sites.clone_from(&self.sites);
+        self.accepted.far.clone_from(&self.far);
+    }
+
+    fn rollback(&mut self) {
+        self.pool.rollback();
+        self.sites.clone_from(&self.accepted.sites);
+        self.far.clone_from(&self.accepted.far);
+    }
+
+    fn satisfied(&mut self, _: &Body, view: &View) -> bool {
+        let (features, law) = (&self.features, self.pool.law);
+        let stiff = self.pool.satisfied(|i| features[i].law(&law).least());
+        self.follow(view) && stiff
+    }
+
+    fn damp(&mut self, damping: f64) {
+        self.pool.damping = damping;
+    }
+
+    fn sharpen(&mut self, sharp: bool) {
+        self.sharp = sharp;
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}
+
+/// Moves of a feature along its edge in one increment, at most.
+const MOVES: u32 = 2;
+
+impl FeatureContact {
+    /// Moves features along their edges to where the pad is deepest; true if none had to.
+    fn follow(&mut self, view: &View) -> bool {
+        let moved = self.far.moved(view.x);
+        let mut stay = true;
+        for (i, (feature, site)) in self.features.iter().zip(&mut self.sites).enumerate() {
+            let Some(stretch) = &feature.along else { continue };
+            // If one that is pressed leaves its place, the pad comes through there: for little it stays.
+            let most = self.pool.law.offset * FEATURE_MOVES[usize::from(self.pool.edge(i).pressure > 0.0)];
+            let near = self.far.bounds(i, site.place(view), moved).within(stretch.length());
+            let free = near && site.moves < MOVES;
+            let Some(deepest) = free.then(|| deepest(&self.bounds, &self.surface, view, stretch, most)).flatten()
+            else {
+                continue;
+            };
+            site.position = deepest;
+            site.touch = None;
+            site.moves += 1;
+            self.pool.renew(i);
+            self.far.add(i, deepest.length());
+            stay = false;
+        }
+        stay
+    }
+
+    /// Refreshes gap, pressure and friction of edge `i`, whose feature is `near`; returns how far its friction limit lags, Pa.
+    fn update(&mut self, i: usize, view: &View, near: Bounds) -> f64 {
+        let law = self.law_of(i);
+        let flanks = self.flanks(&self.bounds, i, view.x, near, false);
+        // The object's outward normal at the contact is the pad's inward one.
+        let places = flanks.iter().map(|(foot, weight, _)| (foot.gap, -foot.normal, *weight));
+        let lag = self.pool.press(i, &law, places);
+        let site = &mut self.sites[i];
+        site.press(flanks, &self.surface);
+        let Some(touch) = &mut site.touch else { return 0.0 };
+        let Some(lag) = lag else {
+            if let Some(accepted) = &self.accepted.sites[i].touch {
+                touch.stick = accepted.stick;
+            }
+            return 0.0;
+        };
+        if self.pool.is_fresh(i) {
+            touch.stick = touch.now;
+            let normal = self.pool.edge(i).normal;
+            let away = near.at - touch.now.position(view.x);
+            let start = self.from.as_ref().map_or(away, |from| from.of_object(site.position) - from.point(&touch.now));
+            // Along the normal it is where it is now.
+            let drag = start + normal * normal.dot(away - start);
+            // The normal is that of the object.
+            self.pool.touch(i, &law, drag, || -normal.dot(start));
+        }
+        let stretch = self.stretch(i, self.pool.edge(i).anchor, view).map(|(_, stretch)| stretch);
+        lag.hypot(stretch.map_or(0.0, |stretch| self.pool.rub(i, &law, stretch)))
+    }
+}

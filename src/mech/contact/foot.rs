@@ -1,0 +1,226 @@
+//! Closest point of one face of a deformed pad surface.
+
+use super::folds;
+use super::surface::{Face, face_frame};
+use glam::DVec3;
+
+/// Closest point of the surface to a query point.
+#[derive(Debug, Clone, Copy)]
+pub struct Foot {
+    /// Face it lies on.
+    pub face: usize,
+    /// Barycentric coordinates on the face.
+    pub l: [f64; 3],
+    /// Signed distance of the query point, m; negative inside the gel.
+    pub gap: f64,
+    /// Unit direction of growing distance: the pad's outward normal.
+    pub normal: DVec3,
+    /// How squarely the query point lies over the face: cosine of its direction with the face's normal.
+    pub(crate) facing: f64,
+    /// On the face carried on beyond its rim, not the nearest of all points.
+    pub(crate) carried: bool,
+}
+
+impl Foot {
+    /// A foot that is known.
+    pub(crate) fn at(face: usize, l: [f64; 3], gap: f64, normal: DVec3) -> Self {
+        Self { face, l, gap, normal, facing: 1.0, carried: false }
+    }
+
+    /// The same foot of a point that is on the other side.
+    pub(crate) fn flipped(self) -> Self {
+        Self { gap: -self.gap, normal: -self.normal, ..self }
+    }
+}
+
+/// Barycentric coordinate below which a point lies on the rim of its face.
+pub(crate) const ON_RIM: f64 = 1e-9;
+
+/// Closest point of one face: Gauss-Newton on the barycentric coordinates, kept inside the triangle; with more care where the face
+/// is folded or that does not settle.
+pub(crate) fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3) -> Foot {
+    let [a, b, c] = face.corners.map(|n| x[n as usize]);
+    let mut l = clamp_to_triangle(project_flat(a, b, c, y), a, b, c, y);
+    if folded(face, x) {
+        l = folds::closest(face, x, y);
+    } else if face.mids.is_some() {
+        for _ in 0..6 {
+            let Some((s, t)) = gauss_newton(face, x, l, y) else { break };
+            let mut next = [l[0] - s - t, l[1] + s, l[2] + t];
+            if next.iter().any(|v| *v < 0.0) {
+                let at = restrict(next);
+                let k = (0..3).min_by(|a, b| at[*a].total_cmp(&at[*b])).unwrap_or(0);
+                next = along_rim(face, x, at, k, y);
+            }
+            let moved = (next[1] - l[1]).abs() + (next[2] - l[2]).abs();
+            l = next;
+            if moved < 1e-12 {
+                break;
+            }
+        }
+        // On a bent rim the steps over the face keep disturbing each other: the last ones go along it.
+        if let Some(k) = (0..3).find(|k| l[*k] <= 0.0) {
+            l = along_edge(face, x, k, y, l);
+        }
+        if !settled(face, x, l, y) {
+            l = folds::closest(face, x, y);
+        }
+    }
+    let (p, face_normal) = face_frame(face, x, l);
+    let away = y - p;
+    let distance = away.length();
+    let side = if away.dot(face_normal) < 0.0 { -1.0 } else { 1.0 };
+    let interior = l.iter().all(|v| *v > ON_RIM);
+    // On the rim of a face the direction to the point is the normal; on its inside both agree, and the frame is exact
+    // also at distance zero.
+    let normal = if interior || face.touches(x, distance) { face_normal } else { away * (side / distance) };
+    let gap = if interior { away.dot(face_normal) } else { side * distance };
+    let facing = if interior || distance == 0.0 { 1.0 } else { away.dot(face_normal).abs() / distance };
+    Foot { face: index, l, gap, normal, facing, carried: false }
+}
+
+/// Sagitta of an edge over its chord from which a face is folded: its ends are at about 70 degrees.
+const FOLDED: f64 = 0.15;
+/// Sine of the angle to the normal up to which the direction to a foot is along it.
+const ASKEW: f64 = 1e-3;
+
+/// Whether the face is bent so much that it may come near a point in several places.
+fn folded(face: &Face, x: &[DVec3]) -> bool {
+    let Some(mids) = face.mids else { return false };
+    (0..3).any(|k| {
+        let [a, b] = [k, (k + 1) % 3].map(|i| x[face.corners[i] as usize]);
+        x[mids[k] as usize].distance_squared((a + b) * 0.5) > FOLDED * FOLDED * a.distance_squared(b)
+    })
+}
+
+/// Whether no point of the face beside `l` is nearer to `y`.
+fn settled(face: &Face, x: &[DVec3], l: [f64; 3], y: DVec3) -> bool {
+    let (p, d1, d2) = tangents(face, x, l);
+    let away = y - p;
+    let reach = ASKEW * away.length();
+    // Along the three edges: as far as the foot is from the ends, that must not lead nearer.
+    let along = [d1, d2 - d1, -d2];
+    (0..3).all(|k| {
+        let (slope, most) = (away.dot(along[k]), reach * along[k].length());
+        let (back, forth) = (l[k], l[(k + 1) % 3]);
+        (slope <= most || back <= ON_RIM) && (slope >= -most || forth <= ON_RIM)
+    })
+}
+
+/// How far a face is carried on beyond its rim, in barycentric coordinates.
+const BEYOND: f64 = 0.05;
+
+/// The foot of `y` on a face carried on a little beyond its rim; None where that is not enough.
+pub(crate) fn carried_on(index: usize, face: &Face, x: &[DVec3], y: DVec3) -> Option<Foot> {
+    let [a, b, c] = face.corners.map(|n| x[n as usize]);
+    let mut l = project_flat(a, b, c, y);
+    let near = |l: &[f64; 3]| l.iter().all(|v| *v > -BEYOND);
+    if face.mids.is_some() {
+        l = clamp_to_triangle(l, a, b, c, y);
+        for _ in 0..6 {
+            let Some((s, t)) = gauss_newton(face, x, l, y).filter(|_| near(&l)) else { break };
+            l = [l[0] - s - t, l[1] + s, l[2] + t];
+            if s.abs() + t.abs() < 1e-12 {
+                break;
+            }
+        }
+    }
+    let (p, normal) = face_frame(face, x, l);
+    near(&l).then(|| Foot { carried: true, ..Foot::at(index, l, (y - p).dot(normal), normal) })
+}
+
+/// Change of `l1` and `l2` towards the foot of `y`; None where the face is degenerate.
+fn gauss_newton(face: &Face, x: &[DVec3], l: [f64; 3], y: DVec3) -> Option<(f64, f64)> {
+    let (p, d1, d2) = tangents(face, x, l);
+    let (g11, g12, g22) = (d1.dot(d1), d1.dot(d2), d2.dot(d2));
+    let (r1, r2) = (d1.dot(y - p), d2.dot(y - p));
+    let det = g11 * g22 - g12 * g12;
+    (det > 0.0).then(|| ((g22 * r1 - g12 * r2) / det, (g11 * r2 - g12 * r1) / det))
+}
+
+/// One Gauss-Newton step along the edge opposite to corner `k`, on which `l` lies.
+fn along_rim(face: &Face, x: &[DVec3], l: [f64; 3], k: usize, y: DVec3) -> [f64; 3] {
+    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+    let (p, d1, d2) = tangents(face, x, l);
+    let d = [DVec3::ZERO, d1, d2];
+    let tangent = d[j] - d[i];
+    let by = (tangent.dot(y - p) / tangent.length_squared()).clamp(-l[j], l[i]);
+    let mut next = l;
+    (next[i], next[j]) = (l[i] - by, l[j] + by);
+    next
+}
+
+/// Coordinates of the point of the edge opposite to corner `k` that is closest to `y`.
+pub(crate) fn on_edge(face: &Face, x: &[DVec3], k: usize, y: DVec3) -> [f64; 3] {
+    let mut middle = [0.5; 3];
+    middle[k] = 0.0;
+    along_edge(face, x, k, y, middle)
+}
+
+/// The same from a point `l` on the edge.
+fn along_edge(face: &Face, x: &[DVec3], k: usize, y: DVec3, mut l: [f64; 3]) -> [f64; 3] {
+    for _ in 0..8 {
+        let next = along_rim(face, x, l, k, y);
+        let moved = (0..3).map(|i| (next[i] - l[i]).abs()).fold(0.0, f64::max);
+        l = next;
+        if moved < 1e-12 {
+            break;
+        }
+    }
+    l
+}
+
+/// Position and derivatives in `l1`, `l2` (with `l0 = 1 - l1 - l2`) of a quadratic face.
+pub(crate) fn tangents(face: &Face, x: &[DVec3], l: [f64; 3]) -> (DVec3, DVec3, DVec3) {
+    let at = |n: u32| x[n as usize];
+    let [a, b, c] = face.corners.map(at);
+    match face.mids.map(|m| m.map(at)) {
+        None => (face.stencil(l).position(x), b - a, c - a),
+        Some([ab, bc, ca]) => {
+            let corners =
+                a * (l[0] * (2.0 * l[0] - 1.0)) + b * (l[1] * (2.0 * l[1] - 1.0)) + c * (l[2] * (2.0 * l[2] - 1.0));
+            let p = corners + ab * (4.0 * l[0] * l[1]) + bc * (4.0 * l[1] * l[2]) + ca * (4.0 * l[2] * l[0]);
+            let d0 = a * (4.0 * l[0] - 1.0) + (ab * l[1] + ca * l[2]) * 4.0;
+            let d1 = b * (4.0 * l[1] - 1.0) + (ab * l[0] + bc * l[2]) * 4.0;
+            let d2 = c * (4.0 * l[2] - 1.0) + (bc * l[1] + ca * l[0]) * 4.0;
+            (p, d1 - d0, d2 - d0)
+        }
+    }
+}
+
+/// Barycentric coordinates of the projection of `y` onto the plane of a triangle.
+pub(crate) fn project_flat(a: DVec3, b: DVec3, c: DVec3, y: DVec3) -> [f64; 3] {
+    let (u, v, w) = (b - a, c - a, y - a);
+    let (uu, uv, vv, wu, wv) = (u.dot(u), u.dot(v), v.dot(v), w.dot(u), w.dot(v));
+    let det = uu * vv - uv * uv;
+    let (s, t) = ((vv * wu - uv * wv) / det, (uu * wv - uv * wu) / det);
+    [1.0 - s - t, s, t]
+}
+
+/// The closest point inside a flat triangle, from the projection onto its plane (Ericson 2005, section 5.1.5).
+pub(crate) fn clamp_to_triangle(l: [f64; 3], a: DVec3, b: DVec3, c: DVec3, y: DVec3) -> [f64; 3] {
+    if l.iter().all(|v| *v >= 0.0) {
+        return l;
+    }
+    let corners = [a, b, c];
+    let mut best = ([1.0, 0.0, 0.0], f64::INFINITY);
+    for i in 0..3 {
+        let j = (i + 1) % 3;
+        let edge = corners[j] - corners[i];
+        let t = ((y - corners[i]).dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
+        let distance = (corners[i] + edge * t).distance_squared(y);
+        if distance < best.1 {
+            let mut l = [0.0; 3];
+            (l[i], l[j]) = (1.0 - t, t);
+            best = (l, distance);
+        }
+    }
+    best.0
+}
+
+/// Cuts negative coordinates and restores their sum.
+fn restrict(l: [f64; 3]) -> [f64; 3] {
+    let l = l.map(|v| v.max(0.0));
+    let sum: f64 = l.iter().sum();
+    if sum > 0.0 { l.map(|v| v / sum) } else { [1.0, 0.0, 0.0] }
+}

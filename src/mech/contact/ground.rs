@@ -1,0 +1,170 @@
+//! Contact and friction of a free object's vertices with a fixed plane, as a term of the potential.
+
+use super::edge::ContactEdge;
+use super::law::Law;
+use super::pair::{feature_pair, friction_pair, slip};
+use super::pool::EdgePool;
+use crate::mech::body::Body;
+use crate::mech::potential::state::object_only;
+use crate::mech::potential::state::{Motion, View};
+use crate::mech::potential::term::{Block, BodyTerm, Pair, Stencil};
+use crate::mech::potential::time_step::TimeStep;
+use crate::scene::motion::Hand;
+use glam::{DMat3, DVec3};
+use std::any::Any;
+use std::iter;
+use std::sync::Arc;
+
+/// Contact of the object with the half-space `normal . x <= height` of the world. Edges are per vertex, with forces in N
+/// where those of pads have pressures in Pa; the sticking point is in world axes.
+#[derive(Debug, Clone)]
+pub struct GroundContact {
+    /// One edge per vertex.
+    pool: EdgePool,
+    vertices: Arc<[DVec3]>,
+    normal: DVec3,
+    height: f64,
+    hand: Hand,
+    /// World position of each vertex at the last accepted state, m: where a vertex that touches starts to stick, so that a
+    /// step in which it slides on has the friction of all its way.
+    last: Vec<DVec3>,
+}
+
+impl GroundContact {
+    /// All edges open. `vertices` are points of the object (object frame, m), `law` is per vertex (stiffness in N/m).
+    pub fn new(vertices: Arc<[DVec3]>, law: Law, normal: DVec3, height: f64, hand: Hand, view: &View) -> Self {
+        // Forces, not pressures: no limit is too small to matter.
+        let mut pool = EdgePool::new(law, vertices.len());
+        pool.negligible = 0.0;
+        let last = vertices.iter().map(|v| hand.to_world(view.position + view.rotation * *v)).collect();
+        Self { pool, vertices, normal, height, hand, last }
+    }
+
+    /// The edges of the vertices near the ground, with the vertices.
+    pub fn edges(&self) -> impl Iterator<Item = (usize, &ContactEdge)> {
+        self.pool.near()
+    }
+
+    /// Force of the ground on the object, N, and its torque about `center` (hand frame, m), N m; both in hand axes.
+    pub fn wrench(&self, view: &View, center: DVec3) -> (DVec3, DVec3) {
+        let mut sum = (DVec3::ZERO, DVec3::ZERO);
+        for (i, v) in self.vertices.iter().enumerate() {
+            let e = self.pool.edge(i);
+            if e.pressure <= 0.0 {
+                continue;
+            }
+            // The edge has the force on the ground.
+            let force = -(e.normal * e.pressure + e.traction);
+            sum.0 += force;
+            sum.1 += (view.position + view.rotation * *v - center).cross(force);
+        }
+        sum
+    }
+
+    /// Smallest gap of the last assembly, m.
+    pub fn min_gap(&self) -> f64 {
+        self.pool.min_gap()
+    }
+
+    fn gap(&self, world: DVec3) -> f64 {
+        self.normal.dot(world) - self.height
+    }
+
+    /// Refreshes gap, force and friction of edge `i`; returns how far its friction limit lags, N.
+    fn update(&mut self, i: usize, view: &View) -> f64 {
+        let arm = view.rotation * self.vertices[i];
+        let gap = self.gap(self.hand.to_world(view.position + arm));
+        let (law, last) = (self.pool.law, self.last[i]);
+        // The outward normal of the object is the inward one of the ground.
+        let normal = -(self.hand.rotation.conjugate() * self.normal);
+        let Some(lag) = self.pool.press(i, &law, iter::once((gap, normal, 1.0))) else { return 0.0 };
+        if self.pool.is_fresh(i) {
+            let clear = self.gap(last);
+            self.pool.touch(i, &law, last, || clear);
+        }
+        let anchor = self.pool.edge(i).anchor.unwrap_or(last);
+        let behind = self.pool.rub(i, &law, self.hand.to_hand(anchor) - view.position - arm);
+        lag.hypot(behind)
+    }
+}
+
+impl BodyTerm for GroundContact {
+    fn energy(&self, _: &Body, view: &View) -> f64 {
+        let mut energy = 0.0;
+        for (i, v) in self.vertices.iter().enumerate() {
+            let e = self.pool.edge(i);
+            let point = view.position + view.rotation * *v;
+            energy += self.pool.law.normal_energy(self.gap(self.hand.to_world(point)), e.scale);
+            if let Some(anchor) = e.sticks() {
+                energy += e.friction_energy(&self.pool.law, slip(self.hand.to_hand(anchor) - point, e.plane));
+            }
+        }
+        energy
+    }
+
+    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
+        let (view, nowhere) = (object_only(view), Stencil::new(std::iter::empty()));
+        for i in 0..self.vertices.len() {
+            block.lag += self.update(i, &view).powi(2);
+            let e = *self.pool.edge(i);
+            let arm = view.rotation * self.vertices[i];
+            if e.pressure > 0.0 {
+                block.add_pair(
+                    body,
+                    &view,
+                    &nowhere,
+                    &feature_pair(&self.pool.law, &e, 1.0, arm, &DMat3::ZERO, project),
+                );
+            }
+            if let Some(anchor) = e.sticks() {
+                let s = self.hand.to_hand(anchor) - view.position - arm;
+                block.add_pair(body, &view, &nowhere, &friction_pair(&self.pool.law, &e, 1.0, s, arm, project));
+            }
+        }
+    }
+
+    fn begin(&mut self, step: &TimeStep) {
+        self.hand = step.hand;
+    }
+
+    fn clearance(&self, _: &Body, view: &View) -> f64 {
+        let gap = |v: &DVec3| self.gap(self.hand.to_world(view.position + view.rotation * *v));
+        self.vertices.iter().map(gap).fold(f64::INFINITY, f64::min) - 0.5 * self.pool.law.offset
+    }
+
+    fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
+        let (view, nowhere) = (object_only(view), Stencil::new(std::iter::empty()));
+        for (i, v) in self.vertices.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).sticks().is_some()) {
+            let r = view.rotation * *v;
+            let away = -motion.position - motion.rotation.cross(r);
+            if let Some(drag) = self.pool.drag(i, &self.pool.law, away) {
+                change.add_pair(body, &view, &nowhere, &Pair::force(-drag, r));
+            }
+        }
+    }
+
+    fn commit(&mut self, _: &Body, view: &View) {
+        for (last, v) in self.last.iter_mut().zip(self.vertices.iter()) {
+            *last = self.hand.to_world(view.position + view.rotation * *v);
+        }
+        let (last, hand, tangential) = (&self.last, &self.hand, self.pool.law.tangential);
+        self.pool.commit(|i, e| last[i] - hand.rotation * e.traction * (1.0 / tangential));
+    }
+
+    fn rollback(&mut self) {
+        self.pool.rollback();
+    }
+
+    fn satisfied(&mut self, _: &Body, _: &View) -> bool {
+        let least = self.pool.law.least();
+        self.pool.satisfied(|_| least)
+    }
+
+    fn damp(&mut self, damping: f64) {
+        self.pool.damping = damping;
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}

@@ -1,0 +1,189 @@
+//! What the contact edges of a pad share, whichever side is sampled: law, history, friction.
+
+use super::edge::ContactEdge;
+use super::law::Law;
+use super::pair::slip;
+use crate::scales::NO_FRICTION;
+use glam::DVec3;
+
+/// The edges of one contact term, as they are and as last accepted. Of thousands of points a few hundred are near anything: only they
+/// have an edge, the others are open.
+#[derive(Debug, Clone)]
+pub(crate) struct EdgePool {
+    /// Edges that are not open, by their points: in the order of these once accepted.
+    near: Vec<(usize, ContactEdge)>,
+    /// Per point, where its edge is in `near`.
+    slot: Vec<u32>,
+    /// Edges as last accepted, in the order of their points.
+    committed: Vec<(usize, ContactEdge)>,
+    /// The law of every edge.
+    pub law: Law,
+    /// Part of the way that lagged friction goes per iteration.
+    pub damping: f64,
+    /// Friction limit that counts as none, in the unit of the pressure.
+    pub negligible: f64,
+}
+
+/// Slot of a point without an edge.
+const NOWHERE: u32 = u32::MAX;
+
+impl EdgePool {
+    /// `count` open edges.
+    pub fn new(law: Law, count: usize) -> Self {
+        let slot = vec![NOWHERE; count];
+        Self {
+            near: Vec::new(),
+            slot,
+            committed: Vec::new(),
+            law,
+            damping: 1.0,
+            negligible: NO_FRICTION * law.stiffness * law.offset,
+        }
+    }
+
+    /// The edge of point `i`.
+    #[inline(always)]
+    pub fn edge(&self, i: usize) -> &ContactEdge {
+        self.near.get(self.slot[i] as usize).map_or(&ContactEdge::OPEN, |(_, e)| e)
+    }
+
+    /// The edge of point `i`, to be changed.
+    pub fn edge_mut(&mut self, i: usize) -> &mut ContactEdge {
+        if self.slot[i] == NOWHERE {
+            self.slot[i] = self.near.len() as u32;
+            self.near.push((i, ContactEdge::OPEN));
+        }
+        &mut self.near[self.slot[i] as usize].1
+    }
+
+    /// The edges that are not open with their points: in the order of these once accepted.
+    pub fn near(&self) -> impl Iterator<Item = (usize, &ContactEdge)> {
+        self.near.iter().map(|(i, e)| (*i, e))
+    }
+
+    /// Smallest gap, m; `+inf` if nothing is near.
+    pub fn min_gap(&self) -> f64 {
+        self.near().map(|(_, e)| e.gap).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Accepts the edges as they are. Those without pressure forget where they stuck; of those that slip or touch since the increment
+    /// began `dragged` says where they stick now, so that the whole spring carries the same traction.
+    pub fn commit(&mut self, mut dragged: impl FnMut(usize, &ContactEdge) -> DVec3) {
+        for (i, e) in &mut self.near {
+            if e.pressure <= 0.0 {
+                e.anchor = None;
+            } else if e.slips || e.share < 1.0 {
+                e.anchor = Some(dragged(*i, e));
+            }
+            (e.clear, e.share) = (None, 1.0);
+        }
+        self.sort();
+        self.committed.clone_from(&self.near);
+    }
+
+    /// Drops the edges that are open, and puts the others in the order of their points.
+    fn sort(&mut self) {
+        let slot = &mut self.slot;
+        self.near.iter().for_each(|(i, _)| slot[*i] = NOWHERE);
+        self.near.retain(|(_, e)| !e.is_open());
+        self.near.sort_unstable_by_key(|(i, _)| *i);
+        self.near.iter().zip(0..).for_each(|((i, _), k)| slot[*i] = k);
+    }
+
+    /// Opens edge `i`, whose point is another from now on.
+    pub fn renew(&mut self, i: usize) {
+        if self.slot[i] != NOWHERE {
+            *self.edge_mut(i) = ContactEdge::OPEN;
+        }
+        self.committed.retain(|(k, _)| *k != i);
+    }
+
+    /// Back to the edges last accepted.
+    pub fn rollback(&mut self) {
+        let slot = &mut self.slot;
+        self.near.iter().for_each(|(i, _)| slot[*i] = NOWHERE);
+        self.near.clone_from(&self.committed);
+        self.near.iter().zip(0..).for_each(|((i, _), k)| slot[*i] = k);
+    }
+
+    /// Stiffens the edges that come closer than they may, `least(i)` (m); true if there were none.
+    pub fn satisfied(&mut self, least: impl Fn(usize) -> f64) -> bool {
+        let mut held = true;
+        for (i, e) in &mut self.near {
+            if e.gap < least(*i) {
+                e.scale *= 4.0;
+                held = false;
+            }
+        }
+        held
+    }
+
+    /// Sets gap, normal and pressure of edge `i` under `law` from the places that it touches (gap, m, normal and weight of each, the
+    /// nearest first) and relaxes its friction limit. Some if friction acts: how far the limit lags, Pa; [`EdgePool::rub`] must follow.
+    pub fn press(&mut self, i: usize, law: &Law, places: impl Iterator<Item = (f64, DVec3, f64)>) -> Option<f64> {
+        let mut places = places.peekable();
+        if places.peek().is_none() && self.slot[i] == NOWHERE {
+            return None;
+        }
+        let (damping, negligible) = (self.damping, self.negligible);
+        let e = self.edge_mut(i);
+        e.press(law, places);
+        e.traction = DVec3::ZERO;
+        e.slips = false;
+        if law.friction == 0.0 {
+            return None;
+        }
+        let lag = e.relax_limit(law.friction, damping);
+        if e.pressure <= 0.0 && (e.limit <= negligible || e.anchor.is_none()) {
+            // A point that touched only on the way to this iterate has not stuck anywhere yet.
+            e.limit = 0.0;
+            let known = self.committed.binary_search_by_key(&i, |(k, _)| *k);
+            let anchor = known.ok().and_then(|k| self.committed[k].1.anchor);
+            let e = self.edge_mut(i);
+            (e.anchor, e.clear, e.share) = (anchor, None, 1.0);
+            return None;
+        }
+        Some(lag)
+    }
+
+    /// Whether edge `i` touches since the increment began; [`EdgePool::touch`] must follow.
+    pub fn is_fresh(&self, i: usize) -> bool {
+        let e = self.edge(i);
+        e.anchor.is_none() || e.clear.is_some()
+    }
+
+    /// Edge `i` has touched since the increment began: then its point was at `start`, at the gap `clear()` (m).
+    pub fn touch(&mut self, i: usize, law: &Law, start: DVec3, clear: impl FnOnce() -> f64) {
+        let e = self.edge_mut(i);
+        e.anchor = Some(start);
+        if e.clear.is_none() {
+            e.clear = Some(clear());
+            e.share = e.past_touch(law.offset);
+        }
+    }
+
+    /// How the friction of edge `i` on the pad changes per area when its points move by `u` (m) against each other, Pa, beyond what its
+    /// potential says: where it slips the limit follows the pressure, where it touches within the increment the spring takes up more of
+    /// the motion the deeper it gets.
+    pub fn drag(&self, i: usize, law: &Law, u: DVec3) -> Option<DVec3> {
+        let e = self.edge(i);
+        let stiffness = law.pressure(e.gap, e.scale).1;
+        let rate = match e.slips {
+            true => e.traction.normalize_or_zero() * (law.friction * stiffness),
+            false => e.traction * ((1.0 - e.share) / (law.offset - e.gap)),
+        };
+        (stiffness > 0.0 && rate != DVec3::ZERO).then(|| rate * -e.normal.dot(u))
+    }
+
+    /// Sets the traction of edge `i`, whose points have moved apart by `s` (m) since they stuck, or since the increment began; returns
+    /// how far the part of it that the spring takes up lags, Pa.
+    pub fn rub(&mut self, i: usize, law: &Law, s: DVec3) -> f64 {
+        let damping = self.damping;
+        let e = self.edge_mut(i);
+        let s = slip(s, e.plane);
+        let missing = e.past_touch(law.offset) - e.share;
+        e.share += damping * missing;
+        (e.traction, e.slips) = law.engaged(e.share).traction(s, e.limit);
+        (law.tangential * s.length() * (1.0 - damping) * missing.abs()).min(e.limit)
+    }
+}

@@ -1,0 +1,158 @@
+//! Closest point of a deformed pad surface.
+
+use super::cells::Cells;
+pub use super::foot::Foot;
+use super::foot::{clamp_to_triangle, on_face, project_flat};
+use super::surface::{ContactSurface, Face};
+use crate::scales::LOOK_AHEAD;
+use glam::DVec3;
+
+/// Bounds of the faces of a deformed surface, to skip most of them.
+#[derive(Debug, Clone)]
+pub struct FaceBounds {
+    /// Contact offset, m.
+    pub(crate) offset: f64,
+    boxes: Vec<[DVec3; 2]>,
+    /// How far each face bulges from its flat triangle, m.
+    bulges: Vec<f64>,
+    cells: Cells,
+    min: DVec3,
+    max: DVec3,
+}
+
+impl FaceBounds {
+    /// Of no face yet, for contact with this `offset` (m).
+    pub fn new(offset: f64) -> Self {
+        let cells = Cells::new(LOOK_AHEAD * offset);
+        Self { offset, boxes: Vec::new(), bulges: Vec::new(), cells, min: DVec3::ZERO, max: DVec3::ZERO }
+    }
+
+    /// Distance up to which the nearest face is found at once, m.
+    pub(crate) fn at_once(&self) -> f64 {
+        self.cells.near
+    }
+
+    /// Bounds of every face at node positions `x`.
+    pub fn update(&mut self, surface: &ContactSurface, x: &[DVec3]) {
+        self.boxes.clear();
+        self.bulges.clear();
+        (self.min, self.max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for face in surface.faces.iter() {
+            let mut nodes = [DVec3::ZERO; 6];
+            let (mut count, mut sagitta) = (3, 0.0_f64);
+            for (k, n) in face.corners.iter().enumerate() {
+                nodes[k] = x[*n as usize];
+            }
+            if let Some(mids) = face.mids {
+                for (k, n) in mids.iter().enumerate() {
+                    // The Bezier control point of the edge bounds the curve: 2 m - (a + b) / 2.
+                    let middle = (nodes[k] + nodes[(k + 1) % 3]) * 0.5;
+                    nodes[3 + k] = x[*n as usize] * 2.0 - middle;
+                    sagitta = sagitta.max(x[*n as usize].distance(middle));
+                }
+                count = 6;
+            }
+            self.bulges.push(BULGE * sagitta);
+            let around =
+                nodes[..count].iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |b, p| [b[0].min(*p), b[1].max(*p)]);
+            (self.min, self.max) = (self.min.min(around[0]), self.max.max(around[1]));
+            self.boxes.push(around);
+        }
+        self.cells.update(&self.boxes, self.min, self.max);
+    }
+
+    /// Closest point of the surface to `y` if nearer than `reach` outside, or anywhere inside the gel near the surface.
+    pub fn closest(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, reach: f64) -> Option<Foot> {
+        self.closest_as(surface, x, y, reach, |foot| foot)
+    }
+
+    /// The same, where `side` knows better on which side of the surface `y` is.
+    pub(crate) fn closest_as(
+        &self,
+        surface: &ContactSurface,
+        x: &[DVec3],
+        y: DVec3,
+        reach: f64,
+        side: impl Fn(Foot) -> Foot,
+    ) -> Option<Foot> {
+        if y.cmplt(self.min - reach).any() || y.cmpgt(self.max + reach).any() {
+            return None;
+        }
+        let best = self.near(surface, x, y, self.at_once());
+        let best = best.or_else(|| self.nearest(surface, x, y, 0..self.boxes.len(), f64::INFINITY));
+        best.map(side).filter(|foot| foot.gap < reach)
+    }
+
+    /// Closest point of the surface to `y` if nearer than `limit`, up to the reach of the cells, inside or outside.
+    pub(crate) fn near(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, limit: f64) -> Option<Foot> {
+        let faces = self.cells.at(y).iter().map(|i| *i as usize);
+        self.nearest(surface, x, y, faces, limit)
+    }
+
+    /// How far `y` is outside the surface at least, m; exact where that is near, not positive inside. `side` knows better on which
+    /// side it is.
+    pub(crate) fn outside(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, side: impl Fn(Foot) -> Foot) -> f64 {
+        let beyond = y.clamp(self.min, self.max).distance(y);
+        if beyond > self.at_once() {
+            return beyond;
+        }
+        self.closest_as(surface, x, y, f64::INFINITY, side).map_or(f64::INFINITY, |foot| foot.gap)
+    }
+
+    /// Closest point on those of `faces` that are nearer than `limit`.
+    fn nearest(
+        &self,
+        surface: &ContactSurface,
+        x: &[DVec3],
+        y: DVec3,
+        faces: impl Iterator<Item = usize> + Clone,
+        limit: f64,
+    ) -> Option<Foot> {
+        // The face that promises to be nearest goes first: it leaves few others that could win.
+        let (mut first, mut least) = (None, limit);
+        for i in faces.clone() {
+            let away = self.away(i, &surface.faces[i], x, y, least);
+            if away < least {
+                (first, least) = (Some(i), away);
+            }
+        }
+        let (mut best, mut nearest): (Option<Foot>, f64) = (None, limit);
+        for i in first.into_iter().chain(faces.filter(|i| Some(*i) != first)) {
+            let most = nearest * (1.0 + TIE);
+            if self.away(i, &surface.faces[i], x, y, most) > most {
+                continue;
+            }
+            let foot = on_face(i, &surface.faces[i], x, y);
+            let distance = foot.gap.abs();
+            // On the edge that two faces share only the one that the point lies over knows on which side it is.
+            let better = match best {
+                Some(Foot { facing, .. }) if (distance - nearest).abs() <= TIE * nearest => foot.facing > facing,
+                _ => distance < nearest,
+            };
+            if better {
+                nearest = distance;
+                best = Some(foot);
+            }
+        }
+        best.map(|foot| foot.signed(surface, x, y))
+    }
+
+    /// How far face `i` is from `y` at least, m: its flat triangle, less how far it bulges from it. No more is found out than that it is
+    /// beyond `limit` (m), where its box is.
+    pub(crate) fn away(&self, i: usize, face: &Face, x: &[DVec3], y: DVec3, limit: f64) -> f64 {
+        let [low, high] = self.boxes[i];
+        let beyond = y.clamp(low, high).distance(y);
+        if beyond > limit {
+            return beyond;
+        }
+        let [a, b, c] = face.corners.map(|n| x[n as usize]);
+        let l = clamp_to_triangle(project_flat(a, b, c, y), a, b, c, y);
+        ((a * l[0] + b * l[1] + c * l[2]).distance(y) - self.bulges[i]).max(beyond)
+    }
+}
+
+/// How far a quadratic face may be from its flat triangle over how far the middles of its edges are: the most that the sum of their
+/// shape functions can be.
+const BULGE: f64 = 4.0 / 3.0;
+/// Relative difference of distances that is rounding.
+const TIE: f64 = 1e-9;

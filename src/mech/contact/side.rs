@@ -1,0 +1,57 @@
+//! On which side of a pad's surface a point is whose foot lies where faces meet.
+//!
+//! The normal of one of the faces does not tell: at a fold as sharp as that over the edge of an object the point may be behind
+//! one face and yet outside. The angle-weighted pseudo-normal of all faces that meet there tells it (Baerentzen and Aanaes 2005).
+
+use super::foot::{Foot, ON_RIM, tangents};
+use super::surface::{ContactSurface, Face, face_frame};
+use crate::geometry::mesh::rings::Part;
+use glam::DVec3;
+
+impl Foot {
+    /// The foot of `y` with the sign of the whole surface at node positions `x`, not of its face alone.
+    pub(crate) fn signed(self, surface: &ContactSurface, x: &[DVec3], y: DVec3) -> Self {
+        if self.l.iter().all(|v| *v > ON_RIM) {
+            return self;
+        }
+        let face = &surface.faces[self.face];
+        let away = y - face.stencil(self.l).position(x);
+        let distance = away.length();
+        let pseudo = pseudo_normal(surface, x, &self);
+        if face.touches(x, distance) {
+            return Self { normal: pseudo, gap: away.dot(pseudo), ..self };
+        }
+        let side = if away.dot(pseudo) < 0.0 { -1.0 } else { 1.0 };
+        Self { normal: away * (side / distance), gap: side * distance, ..self }
+    }
+}
+
+/// Sum of the normals of the faces that meet at a foot, at a corner weighted by their angles there; unit.
+fn pseudo_normal(surface: &ContactSurface, x: &[DVec3], foot: &Foot) -> DVec3 {
+    let mut sum = DVec3::ZERO;
+    for (face, l) in meeting(surface, foot) {
+        let (_, d1, d2) = tangents(face, x, l);
+        let angle = match l.iter().position(|v| *v > 1.0 - ON_RIM) {
+            Some(0) => d1.angle_between(d2),
+            Some(1) => (-d1).angle_between(d2 - d1),
+            Some(_) => (-d2).angle_between(d1 - d2),
+            None => 1.0,
+        };
+        sum += face_frame(face, x, l).1 * angle;
+    }
+    sum.normalize_or(foot.normal)
+}
+
+/// The faces that meet at a foot on the rim of its face, each with its own coordinates of that point.
+fn meeting<'a>(surface: &'a ContactSurface, foot: &Foot) -> impl Iterator<Item = (&'a Face, [f64; 3])> {
+    let (corners, l) = (surface.faces[foot.face].corners, foot.l);
+    let own = foot.face as u32;
+    let faces = match foot.part() {
+        Part::Corner(k) => surface.rings.around(corners[k]).to_vec(),
+        Part::Edge(k) => surface.rings.sides(own, k).map_or(vec![own], |sides| sides.to_vec()),
+        Part::Face => vec![own],
+    };
+    // A coordinate belongs to a node; of nodes that a face does not have it is zero here.
+    let of = move |node: u32| corners.iter().position(|n| *n == node).map_or(0.0, |k| l[k].max(0.0));
+    faces.into_iter().map(move |i| &surface.faces[i as usize]).map(move |face| (face, face.corners.map(of)))
+}

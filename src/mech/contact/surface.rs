@@ -1,0 +1,254 @@
+//! Contact points on the free surface of a pad: the vertices of its subdivided faces, with the area they stand for, and the middles of
+//! their parts, which are felt late: only where something would come through between the vertices.
+
+use crate::geometry::mesh::rings::Rings;
+use crate::mech::body::{Body, Elements};
+use crate::mech::element::EDGES;
+use crate::mech::potential::term::Stencil;
+use crate::scales::ROUNDING;
+use glam::{DVec2, DVec3};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A boundary face: three corners, and three mid-edge nodes ((0,1), (1,2), (2,0)) of a quadratic mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Face {
+    /// Corner nodes, counter-clockwise from outside.
+    pub corners: [u32; 3],
+    /// Mid-edge nodes; None for linear elements.
+    pub mids: Option<[u32; 3]>,
+}
+
+/// Sample points of a pad's free surface.
+#[derive(Debug, Clone)]
+pub struct ContactSurface {
+    /// Faces not entirely fixed.
+    pub faces: Arc<Vec<Face>>,
+    /// Which faces meet.
+    pub rings: Arc<Rings>,
+    /// Where each point sits: nodes and shape function values. The vertices, then the middles.
+    pub points: Arc<Vec<Stencil>>,
+    /// How many of the points are vertices.
+    pub vertices: usize,
+    /// Rest area each point stands for, m2; the middles share it out among themselves once more.
+    pub area: Vec<f64>,
+    /// Mean spacing of the vertices, m.
+    pub spacing: f64,
+    /// Per point: nearest node with an unknown of its own for reporting forces (weights of the linear interpolation on the
+    /// nodal sub-triangles: non-negative, so that reported nodal forces have the sign of the pressure).
+    pub report: Arc<Vec<Stencil>>,
+    /// Per face, the points at the corners of its parts.
+    parts: Arc<Vec<u32>>,
+}
+
+/// Sub-edges per face edge of a linear and of a quadratic mesh: contact is felt between the nodes too.
+const SUBDIVISION: [usize; 2] = [4, 4];
+
+impl ContactSurface {
+    /// Samples the boundary faces of `body` that are not entirely fixed, each face edge cut into 4 parts.
+    pub fn new(body: &Body) -> Self {
+        Self::with_subdivision(body, SUBDIVISION[usize::from(matches!(body.elements, Elements::Quadratic(_)))])
+    }
+
+    /// Samples the boundary faces of `body` that are not entirely fixed, each face edge cut into `m` parts.
+    pub fn with_subdivision(body: &Body, m: usize) -> Self {
+        let faces: Vec<Face> = boundary(body)
+            .into_iter()
+            .filter(|f| {
+                let mut nodes = f.corners.to_vec();
+                nodes.extend(f.mids.into_iter().flatten());
+                !nodes.iter().all(|&n| body.fixed[n as usize])
+            })
+            .collect();
+        // A lattice point shared by faces is one point: keyed by its corner weights, in node order.
+        let mut index: BTreeMap<[(u32, u32); 3], u32> = BTreeMap::new();
+        let cuts = sub_triangles(m);
+        // About half as many vertices as parts of faces.
+        let (mut points, mut report) = (Vec::with_capacity(faces.len() * m * m * 13 / 8), Vec::new());
+        report.reserve(points.capacity());
+        let mut parts = Vec::with_capacity(faces.len() * cuts.len() * 3);
+        let mut known = vec![None; (m + 1) * (m + 1)];
+        for face in &faces {
+            known.fill(None);
+            for lattice in cuts.iter().flatten() {
+                // Most corners have been met before on this face.
+                let known = &mut known[lattice[1] * (m + 1) + lattice[2]];
+                let point = known.get_or_insert_with(|| {
+                    let mut key = [0, 1, 2]
+                        .map(|k| (face.corners[k], lattice[k] as u32))
+                        .map(|(n, w)| if w == 0 { (u32::MAX, 0) } else { (n, w) });
+                    key.sort_unstable();
+                    *index.entry(key).or_insert_with(|| {
+                        let l = lattice.map(|i| i as f64 / m as f64);
+                        points.push(face.stencil(l));
+                        report.push(face.report_stencil(l));
+                        points.len() as u32 - 1
+                    })
+                });
+                parts.push(*point);
+            }
+        }
+        let vertices = points.len();
+        for face in &faces {
+            let middles = cuts.iter().map(|[a, b, c]| [0, 1, 2].map(|k| (a[k] + b[k] + c[k]) as f64 / (3 * m) as f64));
+            for l in middles {
+                points.push(face.stencil(l));
+                report.push(face.report_stencil(l));
+            }
+        }
+        let rings = Arc::new(Rings::new(faces.iter().map(|f| f.corners).collect()));
+        let (faces, points, report, parts) = (Arc::new(faces), Arc::new(points), Arc::new(report), Arc::new(parts));
+        Self { faces, rings, points, vertices, report, parts, area: Vec::new(), spacing: 0.0 }.placed(&body.rest)
+    }
+
+    /// The vertices around middle `i`.
+    pub fn around(&self, i: usize) -> [usize; 3] {
+        let first = 3 * (i - self.vertices);
+        [0, 1, 2].map(|k| self.parts[first + k] as usize)
+    }
+
+    /// The surface of the same body with its nodes at `rest`, m.
+    pub fn placed(&self, rest: &[DVec3]) -> Self {
+        let mut area = vec![0.0; self.vertices];
+        let own = self.parts.len() / self.faces.len().max(1);
+        for (face, parts) in self.faces.iter().zip(self.parts.chunks_exact(own.max(1))) {
+            let [a, b, c] = face.corners.map(|n| rest[n as usize]);
+            let part = 0.5 * (b - a).cross(c - a).length() / (own / 3) as f64;
+            parts.iter().for_each(|point| area[*point as usize] += part / 3.0);
+            area.extend(std::iter::repeat_n(part, own / 3));
+        }
+        let total: f64 = area[..self.vertices].iter().sum();
+        let spacing = (total / self.vertices.max(1) as f64).sqrt();
+        Self { area, spacing, ..self.clone() }
+    }
+}
+
+impl Face {
+    /// Whether a point at `distance` (m) from the face, with nodes at `x`, is on it but for rounding: the direction to it says nothing.
+    pub(crate) fn touches(&self, x: &[DVec3], distance: f64) -> bool {
+        let [a, b, _] = self.corners.map(|n| x[n as usize]);
+        distance < ROUNDING * a.distance(b)
+    }
+
+    /// The flat triangles between its nodes, turned as it is: itself, or those at the corners and then the middle.
+    pub fn flat_parts(&self) -> Vec<[u32; 3]> {
+        let [a, b, c] = self.corners;
+        match self.mids {
+            None => vec![[a, b, c]],
+            Some([ab, bc, ca]) => vec![[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]],
+        }
+    }
+
+    /// Shape functions of the face at barycentric coordinates `l`.
+    pub fn stencil(&self, l: [f64; 3]) -> Stencil {
+        let [a, b, c] = self.corners;
+        match self.mids {
+            None => Stencil::new([(a, l[0]), (b, l[1]), (c, l[2])].into_iter()),
+            Some([ab, bc, ca]) => Stencil::new(
+                [
+                    (a, l[0] * (2.0 * l[0] - 1.0)),
+                    (b, l[1] * (2.0 * l[1] - 1.0)),
+                    (c, l[2] * (2.0 * l[2] - 1.0)),
+                    (ab, 4.0 * l[0] * l[1]),
+                    (bc, 4.0 * l[1] * l[2]),
+                    (ca, 4.0 * l[2] * l[0]),
+                ]
+                .into_iter(),
+            ),
+        }
+    }
+
+    /// The nodes with their shape functions at `l` and the derivatives of these in `l1`, `l2` (with `l0 = 1 - l1 - l2`).
+    pub(crate) fn shape(&self, l: [f64; 3]) -> impl Iterator<Item = (u32, f64, DVec2)> {
+        let [l0, l1, l2] = l;
+        let corner = |l: f64| if self.mids.is_some() { (l * (2.0 * l - 1.0), 4.0 * l - 1.0) } else { (l, 1.0) };
+        let along = [DVec2::NEG_ONE, DVec2::X, DVec2::Y];
+        let corners = std::array::from_fn::<_, 3, _>(|k| {
+            let (value, slope) = corner(l[k]);
+            (self.corners[k], value, along[k] * slope)
+        });
+        let mids = self.mids.map(|[ab, bc, ca]| {
+            [
+                (ab, 4.0 * l0 * l1, DVec2::new(l0 - l1, -l1) * 4.0),
+                (bc, 4.0 * l1 * l2, DVec2::new(l2, l1) * 4.0),
+                (ca, 4.0 * l2 * l0, DVec2::new(-l2, l0 - l2) * 4.0),
+            ]
+        });
+        corners.into_iter().chain(mids.into_iter().flatten())
+    }
+
+    /// Linear interpolation on the sub-triangle of nodes that contains `l`.
+    pub(crate) fn report_stencil(&self, l: [f64; 3]) -> Stencil {
+        let [a, b, c] = self.corners;
+        // A foot may lie a little beyond the rim of its face.
+        let l = l.map(|v| v.max(0.0));
+        let sum: f64 = l.iter().sum();
+        let l = l.map(|v| v / sum);
+        let Some([ab, bc, ca]) = self.mids else { return self.stencil(l) };
+        let (corner, k) = if l[0] >= 0.5 {
+            ([a, ab, ca], [2.0 * l[0] - 1.0, 2.0 * l[1], 2.0 * l[2]])
+        } else if l[1] >= 0.5 {
+            ([b, bc, ab], [2.0 * l[1] - 1.0, 2.0 * l[2], 2.0 * l[0]])
+        } else if l[2] >= 0.5 {
+            ([c, ca, bc], [2.0 * l[2] - 1.0, 2.0 * l[0], 2.0 * l[1]])
+        } else {
+            ([bc, ca, ab], [1.0 - 2.0 * l[0], 1.0 - 2.0 * l[1], 1.0 - 2.0 * l[2]])
+        };
+        Stencil::new(corner.into_iter().zip(k))
+    }
+}
+
+/// Lattice triangles of a face whose edges are cut into `m` parts, as integer barycentric coordinates.
+pub(crate) fn sub_triangles(m: usize) -> Vec<[[usize; 3]; 3]> {
+    let mut triangles = Vec::new();
+    for i in 0..m {
+        for j in 0..m - i {
+            let p = |i: usize, j: usize| [m - i - j, i, j];
+            triangles.push([p(i, j), p(i + 1, j), p(i, j + 1)]);
+            if i + j + 1 < m {
+                triangles.push([p(i + 1, j), p(i + 1, j + 1), p(i, j + 1)]);
+            }
+        }
+    }
+    triangles
+}
+
+/// Faces that belong to one element only, outward.
+fn boundary(body: &Body) -> Vec<Face> {
+    // Face k is opposite to corner k; vertices counter-clockwise from outside for positive volume.
+    const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+    let mid = |i: usize, j: usize| 4 + EDGES.iter().position(|e| *e == [i, j] || *e == [j, i]).unwrap_or(0);
+    let mut seen: BTreeMap<[u32; 3], (usize, Face)> = BTreeMap::new();
+    let mut add = |corner: &[u32], nodes: &[u32]| {
+        for f in FACES {
+            let corners = f.map(|k| corner[k]);
+            let mids =
+                (nodes.len() == 10).then(|| [mid(f[0], f[1]), mid(f[1], f[2]), mid(f[2], f[0])].map(|k| nodes[k]));
+            let mut key = corners;
+            key.sort_unstable();
+            seen.entry(key).or_insert((0, Face { corners, mids })).0 += 1;
+        }
+    };
+    match &body.elements {
+        Elements::Linear(e) => e.iter().for_each(|n| add(&n[..4], n)),
+        Elements::Quadratic(e) => e.iter().for_each(|n| add(&n[..4], n)),
+    }
+    seen.into_values().filter(|(count, _)| *count == 1).map(|(_, face)| face).collect()
+}
+
+/// Position and unit outward normal of a face at barycentric coordinates `l`, for node positions `x`.
+pub fn face_frame(face: &Face, x: &[DVec3], l: [f64; 3]) -> (DVec3, DVec3) {
+    let at = |n: u32| x[n as usize];
+    let [a, b, c] = face.corners.map(at);
+    match face.mids.map(|m| m.map(at)) {
+        None => (a * l[0] + b * l[1] + c * l[2], (b - a).cross(c - a).normalize_or_zero()),
+        Some([ab, bc, ca]) => {
+            let p = face.stencil(l).position(x);
+            // Derivatives in l1 and l2 with l0 = 1 - l1 - l2.
+            let d0 = a * (4.0 * l[0] - 1.0) + (ab * l[1] + ca * l[2]) * 4.0;
+            let d1 = b * (4.0 * l[1] - 1.0) + (ab * l[0] + bc * l[2]) * 4.0;
+            let d2 = c * (4.0 * l[2] - 1.0) + (bc * l[1] + ca * l[0]) * 4.0;
+            (p, (d1 - d0).cross(d2 - d0).normalize_or_zero())
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! Contact of one pad's surface points with the object, as a term of the potential.
+
+use super::edge::ContactEdge;
+use super::law::Law;
+use super::pair::{friction_pair, normal_pair, slip, weighed};
+use super::pool::EdgePool;
+use super::surface::ContactSurface;
+use crate::geometry::shape::{SignedDistance, Touch};
+use crate::mech::body::Body;
+use crate::mech::potential::state::{Departure, Motion, View};
+use crate::mech::potential::term::{Block, BodyTerm, Pair, Stencil};
+use crate::scales::{LOOK_AHEAD, MIDDLE_CUT};
+use glam::DVec3;
+use std::any::Any;
+use std::sync::Arc;
+
+/// Contact and friction between a pad and the object.
+#[derive(Debug, Clone)]
+pub struct Contact {
+    pool: EdgePool,
+    /// What is known of the distance of every point.
+    seen: Arc<Vec<Seen>>,
+    /// Which points are felt: all vertices, and the middles where vertices carry contact or the object would come through; and as last
+    /// accepted.
+    felt: Vec<bool>,
+    committed: Vec<bool>,
+    surface: Arc<ContactSurface>,
+    object: Arc<dyn SignedDistance>,
+    /// Where the increment departed from.
+    from: Option<Departure>,
+}
+
+/// How far a point was from the object when that was last looked up. It holds whatever is accepted or taken back.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    /// Where it was, object frame, m.
+    at: DVec3,
+    /// Lower bound of the distance there, m.
+    bound: f64,
+}
+
+impl Seen {
+    /// A lower bound of the distance of the point, now at `q`: it changes no faster than the point moves, m.
+    #[inline(always)]
+    fn bound(&self, q: DVec3) -> f64 {
+        self.bound - q.distance(self.at)
+    }
+}
+
+impl Contact {
+    /// All edges open.
+    pub fn new(law: Law, surface: Arc<ContactSurface>, object: Arc<dyn SignedDistance>) -> Self {
+        let felt: Vec<bool> = (0..surface.points.len()).map(|i| i < surface.vertices).collect();
+        let seen = Arc::new(vec![Seen { at: DVec3::ZERO, bound: f64::NEG_INFINITY }; felt.len()]);
+        Self { pool: EdgePool::new(law, felt.len()), seen, committed: felt.clone(), felt, surface, object, from: None }
+    }
+
+    /// The edges of the points that are near the object, with the points: in their order once accepted.
+    pub fn edges(&self) -> impl Iterator<Item = (usize, &ContactEdge)> {
+        self.pool.near()
+    }
+
+    /// The edge of point `i`.
+    pub fn edge(&self, i: usize) -> &ContactEdge {
+        self.pool.edge(i)
+    }
+
+    /// The sample points of the pad.
+    pub fn surface(&self) -> &ContactSurface {
+        &self.surface
+    }
+
+    /// Smallest gap of the edges that were evaluated exactly in the last assembly, m.
+    pub fn min_gap(&self) -> f64 {
+        self.pool.min_gap()
+    }
+
+    /// Force on the pad at point `i`, N, hand frame.
+    pub fn force(&self, i: usize) -> DVec3 {
+        let e = self.pool.edge(i);
+        (e.normal * e.pressure + e.traction) * self.surface.area[i]
+    }
+}
+
+/// Position of a point in the hand frame and in the object's frame.
+fn locate(stencil: &Stencil, view: &View) -> (DVec3, DVec3) {
+    let world = stencil.position(view.x) + view.offset;
+    (world, view.rotation.transpose() * (world - view.position))
+}
+
+impl BodyTerm for Contact {
+    fn energy(&self, _: &Body, view: &View) -> f64 {
+        let mut energy = 0.0;
+        for i in self.felt() {
+            let (e, stencil, area, law) =
+                (self.pool.edge(i), &self.surface.points[i], self.surface.area[i], self.law_of(i));
+            let (world, q) = locate(stencil, view);
+            if self.seen[i].bound(q) < law.offset
+                && let Some(touch) = self.object.touch(q, law.offset, law.offset)
+            {
+                energy += area * touch.sum(|c| law.normal_energy(c.distance, e.scale));
+            }
+            if let Some(anchor) = e.sticks() {
+                let s = slip(world - view.position - view.rotation * anchor, e.plane);
+                energy += area * e.friction_energy(&law, s);
+            }
+        }
+        energy
+    }
+
+    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
+        for i in 0..self.felt.len() {
+            if !self.felt[i] {
+                continue;
+            }
+            let stencil = self.surface.points[i];
+            let area = self.surface.area[i];
+            let (lag, touch) = self.update(i, &stencil, view);
+            block.lag += (area * lag).powi(2);
+            let (law, e) = (&self.law_of(i), self.pool.edge(i));
+            let (world, _) = locate(&stencil, view);
+            for (c, weight) in touch.iter().flat_map(Touch::places) {
+                let e = e.on(law, c.distance, view.rotation * c.normal);
+                if e.pressure > 0.0 {
+                    let curvature = view.rotation * c.curvature * view.rotation.transpose();
+                    let pair = normal_pair(law, &e, area * weight, world - view.position, &curvature, project);
+                    block.add_pair(body, view, &stencil, &weighed(pair, weight, project));
+                }
+            }
+            if let Some(anchor) = e.sticks() {
+                let arm = view.rotation * anchor;
+                let pair = friction_pair(law, e, area, world - view.position - arm, arm, project);
+                block.add_pair(body, view, &stencil, &pair);
+            }
+        }
+    }
+
+    fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
+        for (i, (stencil, area)) in self.surface.points.iter().zip(&self.surface.area).enumerate() {
+            let e = self.pool.edge(i);
+            if e.sticks().is_none() {
+                continue;
+            }
+            let r = locate(stencil, view).0 - view.position;
+            if let (Some(drag), Some(anchor)) =
+                (self.pool.drag(i, &self.law_of(i), motion.relative(stencil, r)), e.anchor)
+            {
+                change.add_pair(body, view, stencil, &Pair::force(drag * -area, view.rotation * anchor));
+            }
+        }
+    }
+
+    fn clearance(&self, _: &Body, view: &View) -> f64 {
+        let mut nearest = f64::INFINITY;
+        for i in self.felt() {
+            let (_, q) = locate(&self.surface.points[i], view);
+            // The bound of the last query spares most of the others.
+            if self.seen[i].bound(q) < nearest {
+                nearest = nearest.min(self.object.distance(q));
+            }
+        }
+        nearest - 0.5 * self.pool.law.offset
+    }
+
+    fn depart(&mut self, from: &Departure) {
+        self.from = Some(from.clone());
+    }
+
+    fn commit(&mut self, _: &Body, view: &View) {
+        let (points, tangential) = (&self.surface.points, self.pool.law.tangential);
+        self.pool.commit(|i, e| {
+            let (_, q) = locate(&points[i], view);
+            let drag = e.traction * (1.0 / tangential) - e.normal * e.gap;
+            q + view.rotation.transpose() * drag
+        });
+        for i in self.surface.vertices..self.felt.len() {
+            let pressed = |i: usize| self.pool.edge(i).pressure > 0.0;
+            let patch = pressed(i) || self.surface.around(i).into_iter().any(pressed);
+            if self.felt[i] && !patch {
+                self.pool.renew(i);
+            }
+            self.felt[i] = patch;
+        }
+        self.committed.clone_from(&self.felt);
+    }
+
+    fn rollback(&mut self) {
+        self.pool.rollback();
+        self.felt.clone_from(&self.committed);
+    }
+
+    fn satisfied(&mut self, _: &Body, view: &View) -> bool {
+        let (vertices, least) = (self.surface.vertices, self.pool.law.least());
+        let stiff = self.pool.satisfied(|i| if i < vertices { least } else { 0.0 });
+        self.feel(view) && stiff
+    }
+
+    fn damp(&mut self, damping: f64) {
+        self.pool.damping = damping;
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}
+
+impl Contact {
+    /// The points that are felt.
+    pub fn felt(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.felt.len()).filter(|i| self.felt[*i])
+    }
+
+    /// Feels the middles at which the object comes through between vertices; true if there were none.
+    fn feel(&mut self, view: &View) -> bool {
+        let mut none = true;
+        let offset = self.pool.law.offset;
+        let (ahead, through) = (LOOK_AHEAD * offset, MIDDLE_CUT * offset);
+        for i in self.surface.vertices..self.felt.len() {
+            if self.felt[i] {
+                continue;
+            }
+            let (_, q) = locate(&self.surface.points[i], view);
+            if self.seen[i].bound(q) > -through {
+                continue;
+            }
+            let distance = self.object.closest(q, ahead).map_or(ahead, |c| c.distance);
+            Arc::make_mut(&mut self.seen)[i] = Seen { at: q, bound: distance };
+            if distance < -through {
+                (self.felt[i], none) = (true, false);
+            }
+        }
+        none
+    }
+
+    /// The law of point `i`.
+    pub fn law_of(&self, i: usize) -> Law {
+        if i < self.surface.vertices { self.pool.law } else { self.pool.law.late() }
+    }
+
+    /// Refreshes gap, pressure and friction of edge `i`; returns how far its friction limit lags, Pa, and where it touches the object,
+    /// object axes.
+    fn update(&mut self, i: usize, stencil: &Stencil, view: &View) -> (f64, Option<Touch>) {
+        let law = self.law_of(i);
+        let (world, q) = locate(stencil, view);
+        let mut touch = None;
+        // Far points are skipped without a query.
+        if self.seen[i].bound(q) < law.offset {
+            // Look farther than needed, so that the bound spares the next queries.
+            let reach = LOOK_AHEAD * self.pool.law.offset;
+            touch = self.object.touch(q, reach, law.offset);
+            let bound = touch.as_ref().map_or(reach, |t| t.nearest.distance);
+            Arc::make_mut(&mut self.seen)[i] = Seen { at: q, bound };
+        }
+        let places = touch.iter().flat_map(Touch::places);
+        let places = places.map(|(c, weight)| (c.distance, view.rotation * c.normal, weight));
+        let Some(lag) = self.pool.press(i, &law, places) else { return (0.0, touch) };
+        let e = *self.pool.edge(i);
+        let mut anchor = e.anchor.unwrap_or(q);
+        if self.pool.is_fresh(i) {
+            let start = self.from.as_ref().map_or(q, |from| from.in_object(stencil));
+            // On the surface, where it touches now; one that is far off again has no gap.
+            let normal = view.rotation.transpose() * e.normal;
+            anchor = start + normal * (normal.dot(q - start) - e.gap.min(law.offset));
+            self.pool.touch(i, &law, anchor, || self.object.distance(start));
+        }
+        let behind = self.pool.rub(i, &law, world - view.position - view.rotation * anchor);
+        (lag.hypot(behind), touch)
+    }
+}

@@ -1,0 +1,69 @@
+//! The Newton direction: the symmetric system through its factorisation, and what makes it nonsymmetric by iteration.
+//!
+//! The Hessian of frozen friction is symmetric, but the friction limit grows with the pressure: where a point slips, a motion
+//! against the object also changes the force along it. That part has no potential. It is put on the right-hand side a few
+//! times, which costs a triangular solve each instead of a nonsymmetric factorisation, and restores the fast convergence of
+//! Newton's method where points slip.
+
+use super::Newton;
+use super::arrow;
+use crate::mech::potential::state::{MAX_BORDER, State, Step};
+use rayon::prelude::*;
+
+/// Most corrections of one direction.
+const CORRECTIONS: usize = 4;
+/// The corrections must shrink at least this fast, or the plain direction is taken.
+const CONTRACTION: f64 = 0.7;
+/// Corrections below this part of the direction are not worth another solve.
+const ENOUGH: f64 = 0.03;
+
+impl Newton {
+    /// The step from the assembled and factorised state `now`, and the border gradient it answers; no step in the border is
+    /// longer than `cap` (m) along an axis of its own. `anew`: the factorisation is new. `follow`: friction limits follow.
+    pub(crate) fn direction(&mut self, now: &State, cap: f64, anew: bool, follow: bool) -> (Step, [f64; MAX_BORDER]) {
+        self.blocks.par_iter_mut().for_each(|b| {
+            b.extra.clear(false);
+            b.solve(anew);
+        });
+        let gradient = self.border_gradient(now);
+        let extra = self.proximal.as_ref().map_or(0.0, |springs| springs.border);
+        let columns = [self.unknowns(), self.border.size];
+        let plain = arrow::step(&self.blocks, &gradient, columns, extra, cap);
+        if !follow {
+            return (plain, gradient);
+        }
+        let (mut step, mut last) = (plain.clone(), plain.norm());
+        for _ in 0..CORRECTIONS {
+            if !self.couple(now, &step) {
+                break;
+            }
+            self.blocks.par_iter_mut().for_each(|b| b.solve(false));
+            let mut g = gradient;
+            for b in &self.blocks {
+                g.iter_mut().zip(b.extra.border_gradient).for_each(|(g, e)| *g += e);
+            }
+            let next = arrow::step(&self.blocks, &g, columns, extra, cap);
+            let change = next.distance(&step);
+            if change.total_cmp(&(CONTRACTION * last)).is_gt() {
+                return (plain, gradient);
+            }
+            (step, last) = (next, change);
+            if change <= ENOUGH * step.norm() {
+                break;
+            }
+        }
+        // What has no potential may lead uphill in the one that the line search goes by.
+        if self.slope(&step, &gradient) < 0.0 { (step, gradient) } else { (plain, gradient) }
+    }
+
+    /// Collects how the forces change along `step` beyond what the Hessian says; false if they do not.
+    fn couple(&mut self, now: &State, step: &Step) -> bool {
+        let (border, terms) = (&self.border, &self.terms);
+        self.blocks.par_iter_mut().enumerate().for_each(|(i, b)| {
+            b.extra.clear(false);
+            let view = now.view(i, border);
+            terms[i].iter().for_each(|t| t.couple(&b.body, &view, &step.motion(i, &view), &mut b.extra));
+        });
+        self.blocks.iter().any(|b| b.extra.activity > 0.0)
+    }
+}

@@ -1,0 +1,165 @@
+//! Newton's method with line search on the incremental potential.
+
+use super::lagging::Lagging;
+use super::{Converged, Failure, Newton, Tolerance};
+use crate::mech::potential::state::{MAX_BORDER, State, Step};
+use crate::mech::potential::term::BodyTerm;
+use crate::scales::SHARP_MOTION;
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// Iterations without motion after which a state counts as at rest, and by how much its residual may then miss the goal.
+const RESTING: u32 = 4;
+const RESTING_FACTOR: f64 = 2.0;
+/// A residual that stays above this part of the one before falls no further.
+const FALLING: f64 = 0.9;
+/// Iterations without any contact after which a driven finger counts as closing on nothing.
+const UNTOUCHED: u32 = 10;
+/// Longest stride of the border in one iteration, as a part of the largest motion.
+const STRIDE: f64 = 0.2;
+/// Iterations with the longest stride allowed after which an object counts as rolling or sliding away.
+const CRAWLING: u32 = 8;
+/// A residual that falls below this part of the one before lets the factorisation serve another iteration.
+const QUICK: f64 = 0.2;
+/// How many times as many iterations a solution has at most whose terms strengthen themselves.
+const RENEWALS: u32 = 4;
+/// Part of a step below which only rounding moves.
+const STUCK: f64 = 1e-9;
+
+impl Newton {
+    /// Minimises the potential from `start`, in an increment that departs from the accepted state `from`.
+    ///
+    /// # Errors
+    /// [`Failure`] says why; the terms' history is untouched, so a smaller increment can be tried.
+    pub fn solve(&mut self, from: &State, start: State, tolerance: &Tolerance) -> Result<(State, Converged), Failure> {
+        self.depart(from);
+        let mut now = start;
+        let mut limit = tolerance.iterations;
+        let mut last_motion = f64::INFINITY;
+        let (mut iterations, mut resting, mut untouched, mut crawled) = (0, 0, 0, 0);
+        let mut history = [f64::INFINITY; 2];
+        let mut lagging = Lagging::new(tolerance.passing);
+        loop {
+            let damping = lagging.damping();
+            self.profile.frozen += u64::from(lagging.freezes());
+            self.damp(damping);
+            self.sharpen(last_motion <= SHARP_MOTION * tolerance.offset);
+            let clock = Instant::now();
+            // The last factorisation may do once more where it did well.
+            let fresh = history[0].is_infinite() || history[1] >= QUICK * history[0];
+            self.assemble_some(&now, false, fresh);
+            self.profile.assembly += clock.elapsed().as_secs_f64();
+            let (residual, lag) = self.residual(&now);
+            if !residual.is_finite() {
+                return Err(Failure::Singular);
+            }
+            let allowed = tolerance.force + tolerance.relative * self.activity();
+            lagging.note(residual, lag, allowed);
+            let residual = lagging.out_of_balance(residual, lag);
+            untouched = if self.untouched() { untouched + 1 } else { 0 };
+            if untouched >= UNTOUCHED {
+                return Err(Failure::Lost);
+            }
+            // Where a point of contact sits on a crease its normal, and so the residual, is not continuous: nothing moves any
+            // more, but the residual stays a few times above, and falls no further.
+            let rests = last_motion <= 0.1 * tolerance.length && residual >= FALLING * history[1];
+            resting = if rests { resting + 1 } else { 0 };
+            let at_rest = resting >= RESTING && residual <= RESTING_FACTOR * allowed;
+            if at_rest || residual <= allowed && (last_motion <= tolerance.length || residual <= 0.01 * allowed) {
+                let (border, blocks) = (&self.border, &self.blocks);
+                // Every term must be asked: each may strengthen itself.
+                let ask = |(i, terms): (usize, &mut Vec<Box<dyn BodyTerm>>)| {
+                    let view = now.view(i, border);
+                    terms.iter_mut().map(|t| t.satisfied(&blocks[i].body, &view)).filter(|held| !held).count() == 0
+                };
+                let held: Vec<bool> = self.terms.par_iter_mut().enumerate().map(ask).collect();
+                if held.into_iter().all(|held| held) {
+                    return Ok((now, Converged { iterations, residual }));
+                }
+                last_motion = f64::INFINITY;
+                iterations += 1;
+                // What has changed is small: it gets as many again, as long as it does not go on for ever.
+                limit = (iterations + tolerance.iterations).min(RENEWALS * tolerance.iterations);
+                if iterations >= limit {
+                    return Err(Failure::Iterations(residual));
+                }
+                continue;
+            }
+            if iterations >= limit {
+                return Err(Failure::Iterations(residual));
+            }
+            if let Some(failure) = self.effort.exceeded(self.profile.iterations) {
+                return Err(failure);
+            }
+            let factorize = fresh || residual >= QUICK * history[1];
+            if factorize && !fresh {
+                self.damp(0.0);
+                self.assemble_some(&now, false, true);
+            }
+            if factorize && !self.factorize(&now) {
+                return Err(Failure::Singular);
+            }
+            let clock = Instant::now();
+            let (step, gradient) = self.direction(&now, STRIDE * tolerance.motion, factorize, damping == 1.0);
+            self.profile.solve += clock.elapsed().as_secs_f64();
+            // A residual that stays may be a cycle between two states, each a minimum for what the other lags: half a step
+            // leads out of it.
+            let cycles = damping == 1.0 && (residual - history[0]).abs() < 0.05 * residual;
+            history = [history[1], residual];
+            let longest = if cycles { 0.5 } else { 1.0 };
+            let clock = Instant::now();
+            let searched = self.line_search(&now, &step, &gradient, tolerance.motion, longest);
+            self.profile.line_search += clock.elapsed().as_secs_f64();
+            iterations += 1;
+            self.profile.iterations += 1;
+            match searched {
+                // A step that rounding swallows: the state sits on a crease of the object, where no direction descends.
+                Some((_, _, alpha)) if alpha < STUCK && residual > allowed => {
+                    return Err(Failure::LineSearch(residual));
+                }
+                Some((next, motion, alpha)) => {
+                    let stride = alpha * step.border.iter().map(|d| d * d).sum::<f64>().sqrt();
+                    let crawls = self.proximal.is_none() && stride > 0.95 * STRIDE * tolerance.motion;
+                    crawled = if crawls { crawled + 1 } else { 0 };
+                    if crawled >= CRAWLING {
+                        return Err(Failure::Unsettled);
+                    }
+                    now = next;
+                    last_motion = motion;
+                }
+                // At rounding level no step lowers the energy any more: that is as converged as doubles get.
+                None if residual <= allowed => last_motion = 0.0,
+                None => return Err(Failure::LineSearch(residual)),
+            }
+        }
+    }
+
+    /// Backtracks from the fraction `longest` of the step until the energy falls (Armijo); the new state and its largest
+    /// motion, m, which is at most `cap`, and the fraction that was taken.
+    fn line_search(
+        &self,
+        now: &State,
+        step: &Step,
+        border: &[f64; MAX_BORDER],
+        cap: f64,
+        longest: f64,
+    ) -> Option<(State, f64, f64)> {
+        let motion = self.motion(step);
+        let slope = self.slope(step, border);
+        if !motion.is_finite() || !slope.is_finite() {
+            return None;
+        }
+        let start = self.energy(now);
+        let mut alpha = (cap / motion.max(f64::MIN_POSITIVE)).min(longest);
+        for trial in 0..30 {
+            let next = now.moved(&self.border, step, alpha);
+            let energy = self.energy(&next);
+            // Rounding of the sum over elements is about 1e-14 of the energy.
+            if energy <= start + 1e-4 * alpha * slope + 1e-14 * start.abs() {
+                return Some((next, alpha * motion, alpha));
+            }
+            alpha *= if trial < 2 { 0.5 } else { 0.25 };
+        }
+        None
+    }
+}

@@ -1,0 +1,238 @@
+//! The continuation: increments of the load, and what is tried where one fails.
+//!
+//! An attempt at a level is accepted, or the increment shrinks, or the method changes:
+//!
+//! | what an attempt ends with | answer |
+//! |---|---|
+//! | the path bends too far | a smaller increment, by the error (`step_size.rs`) |
+//! | no equilibrium | half the increment, three times with an object that is free, else twelve |
+//! | none in the smallest increment either | pseudo-time from the accepted state (`pseudo_transient.rs`) |
+//! | none in pseudo-time; corrections of condensed pads do not settle | pads condensed anew as they are, half the increment, ten times |
+//! | contact outgrows the patch of a condensed pad | condensed anew onto a larger one, the same increment |
+//! | condensed pads get no further | whole pads, from the level accepted last (`backend/fem/level.rs`) |
+//! | the object left the grasp; no effort is left | the grasp ends |
+//! | a time step finds no equilibrium (`backend/fem/dynamics/integrator.rs`) | half the step, down to a 64th of the scene's |
+//!
+//! [`Methods`] counts how often each was needed.
+
+use super::{Advanced, Load, Path};
+use crate::mech::newton::Failure;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::ops::AddAssign;
+
+/// How often each method of the continuation was used.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Methods {
+    /// Accepted increments.
+    pub increments: u64,
+    /// Increments that the path bent too far for.
+    pub bent: u64,
+    /// Increments halved because no equilibrium was found.
+    pub halved: u64,
+    /// Solutions in which friction swung and was frozen.
+    pub frozen: u64,
+    /// Iterations whose stiffness had to be projected.
+    pub projected: u64,
+    /// Walks in pseudo-time.
+    pub walks: u64,
+    /// Pads condensed anew on the way to a level.
+    pub condensed_anew: u64,
+    /// Grasps that went on with whole pads where condensed ones got no further.
+    pub whole: u64,
+}
+
+impl Methods {
+    /// The counts, with what each is of.
+    pub fn counts(&self) -> [(&'static str, u64); 8] {
+        [
+            ("increments", self.increments),
+            ("bent too far", self.bent),
+            ("halved", self.halved),
+            ("with friction frozen", self.frozen),
+            ("with projected stiffness", self.projected),
+            ("walks", self.walks),
+            ("condensed anew", self.condensed_anew),
+            ("gone on whole", self.whole),
+        ]
+    }
+}
+
+impl AddAssign for Methods {
+    fn add_assign(&mut self, more: Self) {
+        self.increments += more.increments;
+        self.bent += more.bent;
+        self.halved += more.halved;
+        self.frozen += more.frozen;
+        self.projected += more.projected;
+        self.walks += more.walks;
+        self.condensed_anew += more.condensed_anew;
+        self.whole += more.whole;
+    }
+}
+
+/// What was used, like `57 increments, 3 halved`.
+impl fmt::Display for Methods {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let used = self.counts().into_iter().filter(|(_, count)| *count > 0);
+        let used: Vec<_> = used.map(|(what, count)| format!("{count} {what}")).collect();
+        f.write_str(&used.join(", "))
+    }
+}
+
+/// How the pads are discretised: what an attempt takes beyond an equilibrium.
+pub trait Pads {
+    /// Whether an attempt may fail after its equilibrium was accepted, and whether the pads may be discretised anew.
+    fn corrects(&self) -> bool {
+        false
+    }
+    /// An attempt at `level` begins.
+    fn predict(&mut self, _path: &mut Path, _level: f64) {}
+    /// Makes the equilibrium found at `level` that of the whole pads, to the last digit asked for if it is a `result`.
+    ///
+    /// # Errors
+    /// Why it is none.
+    fn correct(&mut self, _path: &mut Path, _level: f64, _result: bool, _done: &mut Advanced) -> Result<(), Failure> {
+        Ok(())
+    }
+    /// The attempt ended in the state of `path` with `failure`.
+    fn fail(&mut self, _path: &Path, _failure: Failure) {}
+    /// `path` is back at the accepted state.
+    fn restore(&mut self) {}
+    /// Discretises the pads anew there.
+    ///
+    /// # Errors
+    /// [`Failure::Singular`].
+    fn renew(&mut self, _path: &mut Path) -> Result<(), Failure> {
+        Ok(())
+    }
+}
+
+/// Pads of which every node is an unknown.
+pub struct Whole;
+
+impl Pads for Whole {}
+
+/// Halvings of an increment before another method: of a path with nothing but bodies, and of one that can walk.
+const HALVINGS: [u32; 2] = [12, 3];
+/// Changes of the method on the way to one level.
+const CHANGES: u32 = 10;
+/// Largest increment of a force over the force reached.
+const GROWTH: f64 = 3.0;
+
+impl Path {
+    /// Raises the load to `target` in as many increments as convergence and error ask for; at `target` already, finds the equilibrium
+    /// there once more.
+    ///
+    /// # Errors
+    /// The last [`Failure`] when no method is left. State, history and level are then those of the last accepted increment, or, after
+    /// [`Failure::Underway`], those at the end of a stage.
+    pub fn advance(&mut self, load: Load, target: f64, pads: &mut dyn Pads) -> Result<Advanced, Failure> {
+        let walks = self.newton.border.size > 0;
+        let (mut done, mut halvings, mut changes) = (Advanced::default(), 0, 0);
+        loop {
+            let rest = target - self.level;
+            let size = self.step.next(rest).clamp(-self.longest(load), self.longest(load));
+            let next = if size.abs() >= rest.abs() { target } else { self.level + size };
+            // An object on a leash is followed at once: smaller increments would only find out later that it slides.
+            let most = if self.leash.is_some() || size == 0.0 { 0 } else { HALVINGS[usize::from(walks)] };
+            let last_resort = halvings >= most || self.exhausted();
+            let cost = done.iterations;
+            let failure = match self.attempt(load, next, next == target, last_resort && walks, pads, &mut done) {
+                Ok(error) => {
+                    self.methods.increments += 1;
+                    if size != 0.0 {
+                        let shortest = self.control.map_or(0.0, |control| self.shortest(control.first));
+                        self.step.accept(size, done.iterations - cost, error, shortest);
+                    }
+                    halvings = 0;
+                    if next == target {
+                        return Ok(done);
+                    }
+                    continue;
+                }
+                Err(failure) => failure,
+            };
+            match failure {
+                Failure::Bent(error) => {
+                    self.methods.bent += 1;
+                    self.step.refuse(size, Some(error));
+                }
+                Failure::Underway | Failure::Astray => return Err(failure),
+                _ if failure.is_out_of_effort() => return Err(failure),
+                Failure::Iterations(_)
+                | Failure::LineSearch(_)
+                | Failure::Singular
+                | Failure::Lost
+                | Failure::Unsettled
+                    if !last_resort =>
+                {
+                    (halvings, self.methods.halved) = (halvings + 1, self.methods.halved + 1);
+                    self.step.refuse(size, None);
+                }
+                _ if !pads.corrects() || changes >= CHANGES || self.exhausted() => return Err(failure),
+                _ => {
+                    pads.renew(self)?;
+                    (halvings, changes, self.methods.condensed_anew) =
+                        (0, changes + 1, self.methods.condensed_anew + 1);
+                    if failure != Failure::Outside && size != 0.0 {
+                        self.step.refuse(size, None);
+                    }
+                }
+            }
+        }
+    }
+
+    /// One attempt at level `next`, which is a `result` or only on the way to one; the error of the increment over the error allowed.
+    fn attempt(
+        &mut self,
+        load: Load,
+        next: f64,
+        result: bool,
+        walk: bool,
+        pads: &mut dyn Pads,
+        done: &mut Advanced,
+    ) -> Result<f64, Failure> {
+        let saved = pads.corrects().then(|| self.checkpoint());
+        pads.predict(self, next);
+        if load == Load::Force {
+            self.newton.force.fill(next);
+        }
+        let before = (self.state.clone(), self.level);
+        let start = self.start(load, next);
+        let to = (next != self.level).then_some(next);
+        let settled = self.settle(start, to, walk, done);
+        match settled.and_then(|error| pads.correct(self, next, result, done).map(|()| error)) {
+            Ok(error) => {
+                if to.is_some() {
+                    (self.history, self.level) = (Some(before), next);
+                }
+                Ok(error)
+            }
+            Err(Failure::Underway) => Err(Failure::Underway),
+            Err(failure) => {
+                pads.fail(self, failure);
+                if load == Load::Force {
+                    self.newton.force.fill(self.level);
+                }
+                if let Some(saved) = saved {
+                    self.restore(saved);
+                    pads.restore();
+                }
+                Err(failure)
+            }
+        }
+    }
+
+    /// The longest increment from here.
+    fn longest(&self, load: Load) -> f64 {
+        // From a small load on, contact spreads fast: a load many times as large is not near.
+        let near = if load == Load::Force && self.level > 0.0 { GROWTH * self.level } else { f64::INFINITY };
+        match self.control {
+            // Nothing is known of the path yet.
+            Some(control) if self.history.is_none() => near.min(control.first.max(self.level)),
+            _ => near,
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! A quasi-static loading path: the accepted state, and what it takes to get to the next one.
+
+pub mod checkpoint;
+pub mod continuation;
+mod path_error;
+mod pseudo_transient;
+pub mod step_size;
+
+use self::continuation::Methods;
+use self::step_size::{REFUSED, StepSize};
+use super::newton::{Converged, Failure, Newton, Tolerance};
+use super::potential::state::State;
+
+/// A quasi-static loading path: solver, accepted state, and the history its predictor needs. [`Path::advance`](self::continuation) goes along it.
+pub struct Path {
+    /// The solver with its terms.
+    pub newton: Newton,
+    /// The last accepted state.
+    pub state: State,
+    /// Load level of `state`: force per finger (N) or prescribed travel (m), whatever [`Load`] says.
+    pub level: f64,
+    /// Convergence criteria.
+    pub tolerance: Tolerance,
+    /// How far the path may bend away from a straight increment, over the displacement, and the load with which it begins (N or m); None
+    /// where the answer does not depend on the path.
+    pub control: Option<Control>,
+    /// Motion of the object in one walk at which it counts as lost, m; None follows it however far it goes.
+    pub leash: Option<f64>,
+    /// Motion of the object after which a walk halts on its way, m; None walks on to where the object rests.
+    pub stage: Option<f64>,
+    /// How often each method was used.
+    pub methods: Methods,
+    /// A walk has halted in `state`, which is no equilibrium: the next one goes on there.
+    pub(crate) underway: bool,
+    /// The accepted state before `state`, with its level.
+    pub(crate) history: Option<(State, f64)>,
+    /// Size of the next increment.
+    pub(crate) step: StepSize,
+    /// Iterations of walks and of increments that failed.
+    spent: u32,
+}
+
+/// What increments go by where friction makes the answer depend on the path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Control {
+    /// How far the path may bend away from a straight increment, over the displacement.
+    pub bend: f64,
+    /// The load with which the path begins, N or m.
+    pub first: f64,
+}
+
+/// Cost of one advance.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Advanced {
+    /// Newton iterations, failed increments included.
+    pub iterations: u32,
+    /// Accepted increments.
+    pub increments: u32,
+    /// Residual of the last one, N.
+    pub residual: f64,
+}
+
+impl Advanced {
+    /// Adds what followed.
+    pub fn add(&mut self, more: Advanced) {
+        self.iterations += more.iterations;
+        self.increments += more.increments;
+        if more.increments > 0 {
+            self.residual = more.residual;
+        }
+    }
+
+    pub(crate) fn accept(&mut self, converged: Converged) {
+        self.iterations += converged.iterations;
+        self.increments += 1;
+        self.residual = converged.residual;
+    }
+}
+
+/// How a load level acts on solver and state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Load {
+    /// The level is the force on every finger, N.
+    Force,
+    /// The level is the travel of every finger since the start, m.
+    Travel,
+}
+
+/// How much looser intermediate states may be than results.
+pub(crate) const LOOSE: f64 = 20.0;
+/// Iterations that walks and failed increments may take before the path is given up.
+const ENDURANCE: u32 = 4000;
+
+impl Path {
+    /// Starts at `state`, which must be in equilibrium at level zero.
+    pub fn new(newton: Newton, state: State, tolerance: Tolerance) -> Self {
+        Self {
+            newton,
+            state,
+            level: 0.0,
+            tolerance,
+            control: None,
+            leash: None,
+            stage: None,
+            methods: Methods::default(),
+            underway: false,
+            history: None,
+            step: StepSize(f64::INFINITY),
+            spent: 0,
+        }
+    }
+
+    /// True once so much was spent on walks and on increments that failed that the next failure ends the path.
+    pub fn exhausted(&self) -> bool {
+        self.spent >= ENDURANCE
+    }
+
+    /// A level was reached: half of what was spent is forgiven.
+    pub fn recover(&mut self) {
+        self.spent /= 2;
+    }
+
+    /// Brings the fingers from first touch to the small force `force` (N), around an object that is held where it is. Touched by
+    /// single points it would have next to no stiffness against rotation, and turn to wherever a solver takes it; between patches that
+    /// stick it moves as little as these give.
+    ///
+    /// # Errors
+    /// The last [`Failure`]; the state is then that of the start.
+    pub fn establish(&mut self, force: f64) -> Result<Advanced, Failure> {
+        // A stepping stone, not a result: nobody needs it sharp. `advance` or `polish` come next.
+        let sharp = self.tolerance;
+        self.tolerance.relative *= LOOSE;
+        self.newton.force.fill(force);
+        let mut done = Advanced::default();
+        let closed = self.settle(self.state.clone(), None, true, &mut done);
+        self.tolerance = sharp;
+        closed?;
+        (self.level, self.history) = (force, None);
+        Ok(done)
+    }
+
+    /// Solves once more at the level reached, to the full tolerance.
+    ///
+    /// # Errors
+    /// The [`Failure`]; the state stays as it was, or after [`Failure::Underway`] is where the walk halted.
+    pub fn polish(&mut self) -> Result<Advanced, Failure> {
+        let mut done = Advanced::default();
+        self.settle(self.state.clone(), None, true, &mut done).map(|_| done)
+    }
+
+    /// Solves from `start`, which is at level `to` if that is another one, and accepts the result; if that fails and `walk` is set, walks
+    /// there from the accepted state. Returns the error of the increment over the error allowed.
+    pub(crate) fn settle(
+        &mut self,
+        start: State,
+        to: Option<f64>,
+        walk: bool,
+        done: &mut Advanced,
+    ) -> Result<f64, Failure> {
+        if !std::mem::take(&mut self.underway) {
+            let failure = match self.newton.solve(&self.state, start, &self.tolerance) {
+                Ok((state, converged)) => {
+                    let error = to.map_or(0.0, |to| self.bend(&state, to));
+                    if error > REFUSED {
+                        self.newton.rollback();
+                        done.iterations += converged.iterations;
+                        return Err(Failure::Bent(error));
+                    }
+                    self.newton.commit(&state);
+                    self.state = state;
+                    done.accept(converged);
+                    return Ok(error);
+                }
+                Err(failure) => failure,
+            };
+            self.newton.rollback();
+            done.iterations += self.tolerance.iterations;
+            self.spent += self.tolerance.iterations;
+            if !walk || self.newton.border.size == 0 || self.exhausted() || failure.is_out_of_effort() {
+                return Err(failure);
+            }
+        }
+        self.methods.walks += 1;
+        let saved = self.newton.save();
+        let before = done.iterations;
+        let walked = self.walk(done);
+        self.spent += done.iterations - before;
+        self.newton.proximal = None;
+        match walked {
+            Ok(state) => {
+                (self.state, self.history) = (state, None);
+                Ok(0.0)
+            }
+            Err(failure) => {
+                if failure != Failure::Underway {
+                    self.newton.terms = saved;
+                }
+                Err(failure)
+            }
+        }
+    }
+
+    /// Where to start the increment to `level`, under whose load the solver is: extrapolated from the last two accepted
+    /// states. The prediction may overshoot, into deep contact or infeasible territory; then it is the accepted state.
+    pub(crate) fn start(&self, load: Load, level: f64) -> State {
+        let mut plain = self.state.clone();
+        if load == Load::Travel {
+            plain.travel.iter_mut().for_each(|t| *t = *t + level - self.level);
+        }
+        let Some((before, at)) = &self.history else { return plain };
+        let factor = (level - self.level) / (self.level - at);
+        let near = factor > 0.0 && factor <= 2.0;
+        if !near {
+            return plain;
+        }
+        let mut predicted = self.state.extrapolated(before, factor);
+        match load {
+            Load::Travel => predicted.travel.clone_from(&plain.travel),
+            Load::Force => plain.travel.clone_from(&predicted.travel),
+        }
+        let worse = self.newton.energy(&predicted).total_cmp(&self.newton.energy(&plain)).is_gt();
+        if worse { plain } else { predicted }
+    }
+}

@@ -1,0 +1,48 @@
+//! The error of an increment: how far the path bends away from the straight way that friction takes it for.
+//!
+//! Within an increment a point that touches is taken to have moved along a straight line from where it was to where it is, and so is
+//! one that slips. Three states in a row say how the path bends: of the parabola through them, the last part is
+//! `h1^2 |x''| / 8 = (d1 - q d0) q / (4 (1 + q))` from its chord in the middle, with the increments `d0` and `d1` of the state and `q` the
+//! ratio of those of the load. That over the displacement is the error; it falls with the square of the increment.
+
+use super::Path;
+use crate::mech::potential::state::State;
+
+impl Path {
+    /// How far the path to `next` at level `to` bends away from a straight increment, over what is allowed. Zero where no error is asked
+    /// for, nothing is known of the path yet, or the increment is so small that the path jumps rather than bends.
+    pub(crate) fn bend(&self, next: &State, to: f64) -> f64 {
+        let (Some(control), Some((before, at))) = (self.control, &self.history) else { return 0.0 };
+        let [h0, h1] = [self.level - at, to - self.level];
+        let q = h1 / h0;
+        if !(q.is_finite() && q > 0.0) || h1.abs() < self.shortest(control.first) {
+            return 0.0;
+        }
+        let part = q / (4.0 * (1.0 + q));
+        let (mut bent, mut moved, mut largest) = (0.0, 0.0, 0.0_f64);
+        for (body, next) in next.x.iter().enumerate() {
+            let (x0, x1, rest) = (&before.x[body], &self.state.x[body], &self.newton.body(body).rest);
+            for (((x2, x1), x0), rest) in next.iter().zip(x1).zip(x0).zip(rest) {
+                bent += ((*x2 - *x1) - (*x1 - *x0) * q).length_squared();
+                let u = x2.distance_squared(*rest);
+                moved += u;
+                largest = largest.max(u);
+            }
+        }
+        let border = &self.newton.border;
+        let [d0, d1] = [border.difference(&self.state, before), border.difference(next, &self.state)];
+        let turned = d1.iter().zip(d0).map(|(d1, d0)| (d1 - q * d0).powi(2)).sum::<f64>();
+        if moved == 0.0 {
+            return 0.0;
+        }
+        part * (bent / moved).max(turned / largest).sqrt() / control.bend
+    }
+
+    /// The shortest increment that is looked at.
+    pub(crate) fn shortest(&self, first: f64) -> f64 {
+        (SHORTEST[0] * first).max(SHORTEST[1] * self.level.abs())
+    }
+}
+
+/// Shortest increment over the load with which the path begins, and over the load reached.
+const SHORTEST: [f64; 2] = [0.25, 1.0 / 32.0];

@@ -1,0 +1,63 @@
+//! The drive of a finger: what limits its speed and its travel.
+
+use super::time_step::TimeStep;
+use crate::mech::body::Body;
+use crate::mech::potential::state::View;
+use crate::mech::potential::term::{Block, BodyTerm};
+use std::any::Any;
+
+/// `c / 2 h (t - t0)2 + k / 2 max(t - end, 0)2` of the travel `t`: a motor whose force falls with its speed, and the end of
+/// the stroke. The force itself is the solver's.
+#[derive(Debug, Clone)]
+pub struct Drive {
+    /// Largest force of this finger, N.
+    rated: f64,
+    /// N s/m.
+    damping: f64,
+    /// Largest travel, m, and the stiffness of its stop, N/m.
+    end: f64,
+    stop: f64,
+    /// Travel at the last accepted state, m.
+    travel: f64,
+    size: f64,
+}
+
+impl Drive {
+    /// A finger at `travel` (m) that closes with `speed` (m/s) on nothing under the `rated` force (N), up to `end` (m), where the rated
+    /// force pushes it into the stop by `yields` (m).
+    pub fn new(rated: f64, speed: f64, end: f64, yields: f64, travel: f64) -> Self {
+        Self { rated, damping: rated / speed, end, stop: rated / yields, travel, size: 1.0 }
+    }
+}
+
+/// Travel of the finger that `view` is of.
+fn travel(view: &View) -> f64 {
+    view.offset.dot(view.closing)
+}
+
+impl BodyTerm for Drive {
+    fn energy(&self, _: &Body, view: &View) -> f64 {
+        let (moved, past) = (travel(view) - self.travel, (travel(view) - self.end).max(0.0));
+        0.5 * (self.damping / self.size * moved * moved + self.stop * past * past)
+    }
+
+    fn assemble(&mut self, _: &Body, view: &View, _: bool, block: &mut Block) {
+        let Some(c) = view.travel_column else { return };
+        let (moved, past) = (travel(view) - self.travel, (travel(view) - self.end).max(0.0));
+        block.border_gradient[c] += self.damping / self.size * moved + self.stop * past;
+        block.border_hessian[c][c] += self.damping / self.size + if past > 0.0 { self.stop } else { 0.0 };
+        block.activity += self.rated;
+    }
+
+    fn begin(&mut self, step: &TimeStep) {
+        self.size = step.size;
+    }
+
+    fn commit(&mut self, _: &Body, view: &View) {
+        self.travel = travel(view);
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}

@@ -1,0 +1,162 @@
+//! Keeps elements from turning inside out where no quadrature point looks.
+//!
+//! The elastic energy is summed over points inside an element. Pressed hard by an edge, a 10-node tetrahedron may be sound at all of
+//! them and yet inverted at a corner or in its middle. One with a small det F at a node gets a barrier at its nodes, one with a small det F
+//! at its centre a barrier there, a part of the law of the gel that is zero from `FELT` on; the others pay nothing.
+
+use super::state::View;
+use super::term::{Block, BodyTerm};
+use crate::mech::body::Body;
+use crate::mech::body::pattern::Pattern;
+use crate::mech::element::{Kernel, Shape, Stiffness, TET10_CENTER, TET10_NODES};
+use crate::mech::material::{Dilatation, Material, Moduli, Tangent};
+use glam::{DMat3, DVec3};
+use std::any::Any;
+use std::collections::BTreeSet;
+
+/// The elements that have a barrier at the points of `shape`.
+#[derive(Debug, Clone)]
+pub struct Upright<const Q: usize> {
+    shape: &'static Shape<10, Q>,
+    elements: BTreeSet<usize>,
+}
+
+/// The terms that keep elements from turning inside out at their nodes and at their centres; no element has a barrier yet.
+pub fn upright() -> (Upright<10>, Upright<1>) {
+    (Upright::at(&TET10_NODES), Upright::at(&TET10_CENTER))
+}
+
+/// Whether an element of `body` needs a barrier at positions `x`, m.
+pub fn is_crushed(body: &Body, x: &[DVec3]) -> bool {
+    let (nodes, centers) = upright();
+    nodes.is_needed(body, x) || centers.is_needed(body, x)
+}
+
+/// Adds the gradient (N per node) of the barriers that the elements of `body` need at positions `x`, m.
+pub fn add_upright_gradient(body: &Body, x: &[DVec3], gradient: &mut [DVec3]) {
+    let (mut nodes, mut centers) = upright();
+    nodes.extend(body, x);
+    centers.extend(body, x);
+    nodes.add_gradient(body, x, gradient);
+    centers.add_gradient(body, x, gradient);
+}
+
+/// det F at a node below which the barrier of its element resists.
+const FELT: f64 = 0.02;
+/// Stiffness of the barrier over the shear modulus of the gel.
+const STIFFNESS: f64 = 1.0;
+
+/// `k/2 (1 - J/FELT)^2` below [`FELT`].
+#[derive(Debug)]
+struct Barrier(Moduli);
+
+impl Material for Barrier {
+    fn name(&self) -> &'static str {
+        "barrier"
+    }
+
+    fn dilatation(&self) -> Dilatation {
+        Dilatation::Determinant
+    }
+
+    fn distortional_energy(&self, _: &DMat3) -> f64 {
+        0.0
+    }
+
+    fn distortional_stress(&self, _: &DMat3) -> DMat3 {
+        DMat3::ZERO
+    }
+
+    fn distortional_tangent(&self, _: &DMat3) -> Tangent {
+        [[0.0; 9]; 9]
+    }
+
+    fn volumetric(&self, theta: f64) -> [f64; 3] {
+        // The dilatation is J - 1.
+        let missing = (1.0 - (1.0 + theta) / FELT).max(0.0);
+        let (k, bends) = (STIFFNESS * self.0.mu, f64::from(missing > 0.0));
+        [0.5 * k * missing * missing, -k * missing / FELT, bends * k / (FELT * FELT)]
+    }
+
+    fn moduli(&self) -> &Moduli {
+        &self.0
+    }
+}
+
+impl<const Q: usize> Upright<Q> {
+    fn at(shape: &'static Shape<10, Q>) -> Self {
+        Self { shape, elements: BTreeSet::new() }
+    }
+
+    /// Whether an element of `body` needs one at positions `x`, m.
+    fn is_needed(&self, body: &Body, x: &[DVec3]) -> bool {
+        body.min_det_f_at(self.shape, x) < FELT
+    }
+
+    fn kernel<'a>(&'a self, barrier: &'a Barrier) -> Kernel<'a, 10, Q> {
+        Kernel { shape: self.shape, material: barrier, mean_dilatation: false }
+    }
+
+    /// Adds the gradient of the barriers' energy at positions `x` (m), N per node.
+    fn add_gradient(&self, body: &Body, x: &[DVec3], gradient: &mut [DVec3]) {
+        let barrier = barrier(body);
+        for (rest, x, nodes) in self.elements.iter().filter_map(|e| body.quadratic(*e, x)) {
+            let mut local = [DVec3::ZERO; 10];
+            self.kernel(&barrier).add_gradient(rest, &x, &mut local);
+            nodes.iter().zip(local).for_each(|(&i, g)| gradient[i as usize] += g);
+        }
+    }
+
+    /// Gives a barrier to the elements that need one at positions `x`; true if none is new.
+    fn extend(&mut self, body: &Body, x: &[DVec3]) -> bool {
+        if !self.is_needed(body, x) {
+            return true;
+        }
+        let (barrier, before) = (barrier(body), self.elements.len());
+        let kernel = self.kernel(&barrier);
+        let small = |e: &usize| {
+            let nodes = body.quadratic(*e, x).map(|(rest, x, _)| kernel.deformation(rest, &x));
+            nodes.is_some_and(|f| f.iter().any(|f| f.determinant() < FELT))
+        };
+        let crushed: Vec<usize> = (0..body.element_count()).filter(small).collect();
+        self.elements.extend(crushed);
+        self.elements.len() == before
+    }
+}
+
+fn barrier(body: &Body) -> Barrier {
+    Barrier(*body.material.moduli())
+}
+
+impl<const Q: usize> BodyTerm for Upright<Q> {
+    fn energy(&self, body: &Body, view: &View) -> f64 {
+        let barrier = barrier(body);
+        let elements = self.elements.iter().filter_map(|e| body.quadratic(*e, view.x));
+        elements.map(|(rest, x, _)| self.kernel(&barrier).energy(rest, &x)).sum()
+    }
+
+    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
+        self.add_gradient(body, view.x, &mut block.gradient);
+        if !block.hessian {
+            return;
+        }
+        let barrier = barrier(body);
+        for (rest, x, nodes) in self.elements.iter().filter_map(|e| body.quadratic(*e, view.x)) {
+            let mut sum = Stiffness::default();
+            self.kernel(&barrier).stiffness([rest], &[x], project, &mut sum);
+            for a in 0..10 {
+                for b in a..10 {
+                    Pattern::add(&mut block.values, body.pattern().slot(nodes[a], nodes[b]), &sum.block(0, a, b));
+                }
+            }
+        }
+    }
+
+    fn satisfied(&mut self, body: &Body, view: &View) -> bool {
+        self.extend(body, view.x)
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}

@@ -1,0 +1,12 @@
+//! The incremental potential: its state, its terms, and what they add to gradient and Hessian.
+
+pub mod cross;
+pub mod drive;
+pub mod inversion_barrier;
+pub mod pad_inertia;
+pub mod rigid_inertia;
+pub mod state;
+pub mod term;
+pub mod time_step;
+pub mod viscosity;
+pub mod weight;

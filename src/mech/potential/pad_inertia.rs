@@ -1,0 +1,91 @@
+//! Inertia and weight of the gel.
+
+use super::time_step::TimeStep;
+use crate::mech::body::Body;
+use crate::mech::body::pattern::{FIXED, Pattern};
+use crate::mech::potential::state::View;
+use crate::mech::potential::term::{Block, BodyTerm};
+use crate::scene::motion::Hand;
+use glam::{DMat3, DVec3};
+use std::any::Any;
+
+/// Masses at the nodes: `m / 2 h2 |x - target|2` with the target `x0 + h v0 + h2 g` of each node, in the world.
+#[derive(Debug, Clone)]
+pub struct PadInertia {
+    /// Per node, kg.
+    mass: Vec<f64>,
+    total: f64,
+    /// World, m/s2.
+    gravity: DVec3,
+    /// World position at the last accepted state, m, and velocity there, m/s.
+    position: Vec<DVec3>,
+    velocity: Vec<DVec3>,
+    step: TimeStep,
+    /// Hand frame at the end of the step, m.
+    target: Vec<DVec3>,
+}
+
+impl PadInertia {
+    /// At rest in the world. `view` is the state, `hand` where the hand is.
+    pub fn new(body: &Body, density: f64, gravity: DVec3, hand: Hand, view: &View) -> Self {
+        let mass: Vec<f64> = body.lumped_volume().into_iter().map(|v| v * density).collect();
+        let position: Vec<DVec3> = view.x.iter().map(|x| hand.to_world(*x + view.offset)).collect();
+        let target = vec![DVec3::ZERO; position.len()];
+        let velocity = target.clone();
+        let step = TimeStep { size: 1.0, hand };
+        Self { total: mass.iter().sum(), mass, gravity, position, velocity, step, target }
+    }
+}
+
+impl BodyTerm for PadInertia {
+    fn energy(&self, _: &Body, view: &View) -> f64 {
+        let each = self.mass.iter().zip(view.x).zip(&self.target);
+        let sum: f64 = each.map(|((m, x), t)| m * (*x + view.offset - *t).length_squared()).sum();
+        0.5 * sum / (self.step.size * self.step.size)
+    }
+
+    fn assemble(&mut self, body: &Body, view: &View, _: bool, block: &mut Block) {
+        let pattern = body.pattern();
+        let unknowns = pattern.unknowns();
+        let scale = 1.0 / (self.step.size * self.step.size);
+        for (i, (mass, x)) in self.mass.iter().zip(view.x).enumerate() {
+            let (stiffness, force) = (mass * scale, (*x + view.offset - self.target[i]) * (mass * scale));
+            block.gradient[i] += force;
+            let position = pattern.position[i];
+            if position != FIXED {
+                let slot = pattern.slot(i as u32, i as u32);
+                Pattern::add(&mut block.values, slot, &(DMat3::IDENTITY * stiffness));
+            }
+            if let Some(c) = view.travel_column {
+                if position != FIXED {
+                    let row = c * unknowns + 3 * position as usize;
+                    let column = view.closing * stiffness;
+                    block.coupling[row..row + 3].iter_mut().zip(column.to_array()).for_each(|(a, b)| *a += b);
+                }
+                block.border_gradient[c] += force.dot(view.closing);
+                block.border_hessian[c][c] += stiffness;
+            }
+        }
+        block.activity += self.total * self.gravity.length();
+    }
+
+    fn begin(&mut self, step: &TimeStep) {
+        self.step = *step;
+        let h = step.size;
+        for ((target, x), v) in self.target.iter_mut().zip(&self.position).zip(&self.velocity) {
+            *target = step.hand.to_hand(*x + *v * h + self.gravity * (h * h));
+        }
+    }
+
+    fn commit(&mut self, _: &Body, view: &View) {
+        for ((x, v), now) in self.position.iter_mut().zip(&mut self.velocity).zip(view.x) {
+            let now = self.step.hand.to_world(*now + view.offset);
+            *v = (now - *x) / self.step.size;
+            *x = now;
+        }
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}

@@ -1,0 +1,206 @@
+//! Inertia and weight of a free rigid object.
+
+use super::time_step::TimeStep;
+use crate::geometry::shape::MassProperties;
+use crate::mech::body::Body;
+use crate::mech::potential::cross::{cross_matrix, rotation_hessian};
+use crate::mech::potential::state::View;
+use crate::mech::potential::state::object_only;
+use crate::mech::potential::term::{Block, BodyTerm, Pair, Stencil};
+use crate::scene::motion::Hand;
+use glam::{DMat3, DQuat, DVec3};
+use std::any::Any;
+
+/// `m / 2 h2 |c - target|2` of the centre of mass `c`, and for the rotation `R`, with the second moments
+/// `J = integral of r r^T dm` in body axes,
+///
+/// ```text
+/// |R - R0|2_J / 2 h2  -  L0 . log(R Rk^T) / h        |A|2_J = trace(A J A^T)
+/// ```
+///
+/// Its gradient in a rotation of `R` is `(L(R0, R) - L0) / h` with the angular momentum
+/// `L(R0, R) = axial(R J R0^T - R0 J R^T) / h` of the step (Moser & Veselov 1991), which is exactly conserved without
+/// torque. No potential has the constant gradient `L0` on the rotation group, so `Rk`, the last iterate, lags: at the
+/// solution the balance is exact. L must not ask for more than about a radian per step.
+#[derive(Debug, Clone)]
+pub struct RigidInertia {
+    /// kg.
+    mass: f64,
+    /// Centre of mass, object frame, m.
+    center: DVec3,
+    /// Second moments about it, object axes, kg m2.
+    second: DMat3,
+    /// World, m/s2.
+    gravity: DVec3,
+    /// At the last accepted state.
+    state: Motion,
+    /// What the last accepted step changed the velocity and the angular momentum by, over its length.
+    rate: (DVec3, DVec3),
+    step: TimeStep,
+    /// Centre of mass without forces but the weight, hand frame, m.
+    target: DVec3,
+    /// Rotation and angular momentum at the start, hand axes at the end of the step.
+    from: DMat3,
+    momentum: DVec3,
+    /// Rotation at the last assembly.
+    iterate: DMat3,
+}
+
+/// Motion of a rigid body in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// Centre of mass, m.
+    pub position: DVec3,
+    /// Object axes to world axes.
+    pub rotation: DQuat,
+    /// Of the centre of mass, m/s.
+    pub velocity: DVec3,
+    /// About the centre of mass, kg m2/s.
+    pub momentum: DVec3,
+}
+
+impl RigidInertia {
+    /// An object of `density` (kg/m3) that moves with `velocity` (m/s) and `spin` (rad/s), world axes.
+    pub fn new(
+        mass: &MassProperties,
+        density: f64,
+        gravity: DVec3,
+        (velocity, spin): (DVec3, DVec3),
+        hand: Hand,
+        view: &View,
+    ) -> Self {
+        let inertia = mass.inertia * density;
+        let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
+        let rotation = (hand.rotation * DQuat::from_mat3(&view.rotation)).normalize();
+        let turn = DMat3::from_quat(rotation);
+        let position = hand.to_world(view.position + view.rotation * mass.center);
+        let momentum = turn * (inertia * (turn.transpose() * spin));
+        Self {
+            mass: mass.volume * density,
+            center: mass.center,
+            second: DMat3::IDENTITY * (0.5 * trace) - inertia,
+            gravity,
+            state: Motion { position, rotation, velocity, momentum },
+            rate: (DVec3::ZERO, DVec3::ZERO),
+            step: TimeStep { size: 1.0, hand },
+            target: DVec3::ZERO,
+            from: view.rotation,
+            momentum: DVec3::ZERO,
+            iterate: view.rotation,
+        }
+    }
+
+    /// At the last accepted state.
+    pub fn motion(&self) -> &Motion {
+        &self.state
+    }
+
+    /// Angular velocity at the last accepted state, world axes, rad/s.
+    pub fn spin(&self) -> DVec3 {
+        let turn = DMat3::from_quat(self.state.rotation);
+        let second = turn * self.second * turn.transpose();
+        (DMat3::IDENTITY * trace(&second) - second).inverse() * self.state.momentum
+    }
+
+    /// Linear momentum, kg m/s, and angular momentum about the centre of mass, kg m2/s, world axes.
+    pub fn momenta(&self) -> (DVec3, DVec3) {
+        (self.state.velocity * self.mass, self.state.momentum)
+    }
+
+    /// Minus the rates of the momenta over the last accepted step: forces of inertia, N and N m, world axes.
+    pub fn inertial_wrench(&self) -> (DVec3, DVec3) {
+        (self.rate.0 * -self.mass, -self.rate.1)
+    }
+
+    /// Weight, N, world axes.
+    pub fn weight(&self) -> DVec3 {
+        self.gravity * self.mass
+    }
+
+    /// Angular momentum of the rotation from `from` to `to` within a step.
+    fn step_momentum(&self, to: &DMat3) -> DVec3 {
+        axial(&(*to * self.second * self.from.transpose())) * (1.0 / self.step.size)
+    }
+}
+
+fn trace(m: &DMat3) -> f64 {
+    m.x_axis.x + m.y_axis.y + m.z_axis.z
+}
+
+/// Axial vector of `a - a^T`.
+fn axial(a: &DMat3) -> DVec3 {
+    DVec3::new(a.y_axis.z - a.z_axis.y, a.z_axis.x - a.x_axis.z, a.x_axis.y - a.y_axis.x)
+}
+
+/// Rotation vector of a rotation below half a turn.
+fn log(r: &DMat3) -> DVec3 {
+    let sine = axial(r) * 0.5;
+    let (s, c) = (sine.length(), 0.5 * (trace(r) - 1.0));
+    if s == 0.0 { sine } else { sine * (s.atan2(c) / s) }
+}
+
+impl BodyTerm for RigidInertia {
+    fn energy(&self, _: &Body, view: &View) -> f64 {
+        let h = self.step.size;
+        let off = view.position + view.rotation * self.center - self.target;
+        let d = view.rotation - self.from;
+        let spread = trace(&(d * self.second * d.transpose()));
+        let turn = log(&(view.rotation * self.iterate.transpose()));
+        // The constant is the size of the terms that cancel in `d`: the line search takes its allowance for rounding from it.
+        let constant = trace(&self.second);
+        0.5 * (self.mass * off.length_squared() + spread + constant) / (h * h) - self.momentum.dot(turn) / h
+    }
+
+    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
+        if view.pose_column.is_none() {
+            return;
+        }
+        let h = self.step.size;
+        self.iterate = view.rotation;
+        let arm = view.rotation * self.center;
+        let stiffness = self.mass / (h * h);
+        let force = (view.position + arm - self.target) * stiffness;
+        let torque = (self.step_momentum(&view.rotation) - self.momentum) / h;
+        let mut a = view.rotation * self.second * self.from.transpose();
+        let cross = cross_matrix(arm);
+        let mut ww = cross.transpose() * cross * stiffness;
+        if project {
+            a = self.from * self.second * self.from.transpose();
+        } else {
+            ww += rotation_hessian(force, arm);
+        }
+        ww += (DMat3::IDENTITY * trace(&a) - (a + a.transpose()) * 0.5) * (1.0 / (h * h));
+        let pair = Pair {
+            force: -force,
+            torque: arm.cross(force) + torque,
+            dd: DMat3::IDENTITY * stiffness,
+            dw: cross * stiffness,
+            ww,
+        };
+        block.add_pair(body, &object_only(view), &Stencil::new(std::iter::empty()), &pair);
+        block.activity += self.mass * self.gravity.length();
+    }
+
+    fn begin(&mut self, step: &TimeStep) {
+        self.step = *step;
+        let (h, m) = (step.size, &self.state);
+        self.target = step.hand.to_hand(m.position + m.velocity * h + self.gravity * (h * h));
+        let back = step.hand.rotation.conjugate();
+        self.from = DMat3::from_quat((back * m.rotation).normalize());
+        self.momentum = back * m.momentum;
+    }
+
+    fn commit(&mut self, _: &Body, view: &View) {
+        let (h, hand) = (self.step.size, &self.step.hand);
+        let position = hand.to_world(view.position + view.rotation * self.center);
+        let velocity = (position - self.state.position) / h;
+        let momentum = hand.rotation * self.step_momentum(&view.rotation);
+        self.rate = ((velocity - self.state.velocity) / h, (momentum - self.state.momentum) / h);
+        let rotation = (hand.rotation * DQuat::from_mat3(&view.rotation)).normalize();
+        self.state = Motion { position, rotation, velocity, momentum };
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}

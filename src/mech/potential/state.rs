@@ -1,0 +1,271 @@
+//! The unknowns of a grasp and the small dense border they share.
+
+use super::term::Stencil;
+use glam::{DMat3, DQuat, DVec3};
+use std::sync::Arc;
+
+/// Most border unknowns a scene can have: two travels and six of a free object.
+pub const MAX_BORDER: usize = 8;
+
+/// Configuration of all bodies. Pad nodes are stored relative to their finger, in hand axes: the position in the
+/// hand frame is `x + travel * closing`, so that elasticity never sees the fingers move.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// Node positions of each body, m, relative to the finger.
+    pub x: Vec<Vec<DVec3>>,
+    /// Travel of each finger along its closing direction, m.
+    pub travel: Vec<f64>,
+    /// Object origin in the hand frame, m.
+    pub position: DVec3,
+    /// Object orientation in the hand frame.
+    pub rotation: DQuat,
+}
+
+/// Layout of the border: which travels and whether the object's pose are unknowns.
+#[derive(Debug, Clone)]
+pub struct Border {
+    /// Closing direction of each body's finger, unit, hand frame.
+    pub closing: Vec<DVec3>,
+    /// Column of each finger's travel; None where it is prescribed.
+    pub travel: Vec<Option<usize>>,
+    /// First of the six columns of the object's pose (translation, then rotation); None for a fixed object.
+    pub pose: Option<usize>,
+    /// Length that turns rotations into metres of surface motion, m: the object's bounding radius.
+    pub length: f64,
+    /// Number of columns.
+    pub size: usize,
+}
+
+impl Border {
+    /// No border: bodies alone, fingers at rest.
+    pub fn none(bodies: usize) -> Self {
+        Self { closing: vec![DVec3::ZERO; bodies], travel: vec![None; bodies], pose: None, length: 1.0, size: 0 }
+    }
+
+    /// Border for fingers with the given closing directions; `driven` are pushed by a force, else by prescribed travel.
+    pub fn new(closing: Vec<DVec3>, driven: bool, free_object: bool, length: f64) -> Self {
+        let fingers = if driven { closing.len() } else { 0 };
+        let travel = (0..closing.len()).map(|i| driven.then_some(i)).collect();
+        let size = fingers + if free_object { 6 } else { 0 };
+        Self { closing, travel, pose: free_object.then_some(fingers), length, size }
+    }
+}
+
+impl Border {
+    /// Border for geared fingers, which travel alike.
+    pub fn geared(closing: Vec<DVec3>, driven: bool, free_object: bool, length: f64) -> Self {
+        let travels = usize::from(driven && !closing.is_empty());
+        let travel = closing.iter().map(|_| driven.then_some(0)).collect();
+        let size = travels + if free_object { 6 } else { 0 };
+        Self { closing, travel, pose: free_object.then_some(travels), length, size }
+    }
+
+    /// How far the border unknowns of `to` are from those of `from`, m per column.
+    pub fn difference(&self, to: &State, from: &State) -> [f64; MAX_BORDER] {
+        let mut d = [0.0; MAX_BORDER];
+        for (i, column) in self.travel.iter().enumerate() {
+            if let Some(c) = column {
+                d[*c] = to.travel[i] - from.travel[i];
+            }
+        }
+        if let Some(c) = self.pose {
+            let turn = turn(to.rotation * from.rotation.inverse()) * self.length;
+            d[c..c + 3].copy_from_slice(&(to.position - from.position).to_array());
+            d[c + 3..c + 6].copy_from_slice(&turn.to_array());
+        }
+        d
+    }
+
+    /// Norm of that, m.
+    pub fn distance(&self, to: &State, from: &State) -> f64 {
+        self.difference(to, from).iter().map(|d| d * d).sum::<f64>().sqrt()
+    }
+}
+
+/// The rotation as a vector along its axis, rad; sharp also where it is tiny, which glam takes for none.
+fn turn(q: DQuat) -> DVec3 {
+    let (half, cosine) = (q.xyz(), q.w);
+    let sine = half.length();
+    if sine < 1e-8 { half * (2.0 * cosine.signum()) } else { q.to_scaled_axis() }
+}
+
+/// A Newton step: increments of every unknown.
+#[derive(Debug, Clone)]
+pub struct Step {
+    /// Per body and node, m.
+    pub x: Vec<Vec<DVec3>>,
+    /// Per border column, m.
+    pub border: [f64; MAX_BORDER],
+}
+
+impl Step {
+    /// Euclidean norm over all unknowns, m.
+    pub fn norm(&self) -> f64 {
+        let nodes = self.x.iter().flatten().map(|d| d.length_squared()).sum::<f64>();
+        (nodes + self.border.iter().map(|b| b * b).sum::<f64>()).sqrt()
+    }
+
+    /// Norm of the difference to `other`, m.
+    pub fn distance(&self, other: &Step) -> f64 {
+        let pairs = self.x.iter().flatten().zip(other.x.iter().flatten());
+        let border = self.border.iter().zip(&other.border).map(|(a, b)| (a - b) * (a - b));
+        (pairs.map(|(a, b)| a.distance_squared(*b)).sum::<f64>() + border.sum::<f64>()).sqrt()
+    }
+
+    /// What the step does to body `index` and to the frames it touches.
+    pub fn motion<'a>(&'a self, index: usize, view: &View) -> Motion<'a> {
+        let three = |c: usize| DVec3::new(self.border[c], self.border[c + 1], self.border[c + 2]);
+        let pose = view.pose_column.map(|c| (three(c), three(c + 3) / view.length));
+        let (position, rotation) = pose.unwrap_or_default();
+        let offset = view.travel_column.map_or(DVec3::ZERO, |c| view.closing * self.border[c]);
+        Motion { x: &self.x[index], offset, position, rotation }
+    }
+}
+
+/// A small motion of a body, its finger and the object.
+#[derive(Debug, Clone, Copy)]
+pub struct Motion<'a> {
+    /// Of the nodes relative to the finger, m.
+    pub x: &'a [DVec3],
+    /// Of the finger, m.
+    pub offset: DVec3,
+    /// Of the object's origin, m.
+    pub position: DVec3,
+    /// Of the object about its origin, rad.
+    pub rotation: DVec3,
+}
+
+impl Motion<'_> {
+    /// Motion of the point of the body at `stencil` relative to the object's point at arm `r` (m from the origin), m.
+    pub fn relative(&self, stencil: &Stencil, r: DVec3) -> DVec3 {
+        stencil.position(self.x) + self.offset - self.position - self.rotation.cross(r)
+    }
+}
+
+impl State {
+    /// This state moved by `alpha * step`; rotations are updated multiplicatively.
+    pub fn moved(&self, border: &Border, step: &Step, alpha: f64) -> State {
+        let mut next = self.clone();
+        for (x, d) in next.x.iter_mut().zip(&step.x) {
+            for (x, d) in x.iter_mut().zip(d) {
+                *x += *d * alpha;
+            }
+        }
+        for (t, column) in next.travel.iter_mut().zip(&border.travel) {
+            if let Some(c) = column {
+                *t += alpha * step.border[*c];
+            }
+        }
+        if let Some(c) = border.pose {
+            let b = &step.border[c..];
+            next.position += DVec3::new(b[0], b[1], b[2]) * alpha;
+            let rotation = DVec3::new(b[3], b[4], b[5]) * (alpha / border.length);
+            next.rotation = (DQuat::from_scaled_axis(rotation) * self.rotation).normalize();
+        }
+        next
+    }
+
+    /// Linear extrapolation `self + factor (self - before)`.
+    pub fn extrapolated(&self, before: &State, factor: f64) -> State {
+        let mut next = self.clone();
+        for (body, (now, old)) in next.x.iter_mut().zip(self.x.iter().zip(&before.x)) {
+            for (x, (a, b)) in body.iter_mut().zip(now.iter().zip(old)) {
+                *x = *a + (*a - *b) * factor;
+            }
+        }
+        for (t, (a, b)) in next.travel.iter_mut().zip(self.travel.iter().zip(&before.travel)) {
+            *t = a + (a - b) * factor;
+        }
+        next.position = self.position + (self.position - before.position) * factor;
+        let turn = (self.rotation * before.rotation.inverse()).to_scaled_axis();
+        next.rotation = (DQuat::from_scaled_axis(turn * factor) * self.rotation).normalize();
+        next
+    }
+
+    /// What body `index` sees of the state.
+    pub fn view<'a>(&'a self, index: usize, border: &'a Border) -> View<'a> {
+        View {
+            x: &self.x[index],
+            offset: border.closing[index] * self.travel[index],
+            closing: border.closing[index],
+            position: self.position,
+            rotation: DMat3::from_quat(self.rotation),
+            travel_column: border.travel[index],
+            pose_column: border.pose,
+            length: border.length,
+        }
+    }
+}
+
+/// The accepted state from which an increment departs, as one body has it.
+#[derive(Debug, Clone)]
+pub struct Departure {
+    state: Arc<State>,
+    index: usize,
+    offset: DVec3,
+    turn: DMat3,
+}
+
+impl Departure {
+    /// From `state` of body `index`.
+    pub fn new(state: Arc<State>, index: usize, border: &Border) -> Self {
+        let view = state.view(index, border);
+        let (offset, turn) = (view.offset, view.rotation);
+        Self { state, index, offset, turn }
+    }
+
+    /// Where a point of the body was, relative to its finger, m.
+    pub fn point(&self, stencil: &Stencil) -> DVec3 {
+        stencil.position(&self.state.x[self.index])
+    }
+
+    /// Where it was in the object's frame, m.
+    pub fn in_object(&self, stencil: &Stencil) -> DVec3 {
+        self.turn.transpose() * (self.point(stencil) + self.offset - self.state.position)
+    }
+
+    /// Where the point `p` of the object (object frame, m) was, relative to the finger, m.
+    pub fn of_object(&self, p: DVec3) -> DVec3 {
+        self.state.position + self.turn * p - self.offset
+    }
+}
+
+/// A body's view of the state: its nodes and the rigid frames it touches.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// Node positions relative to the finger, m.
+    pub x: &'a [DVec3],
+    /// Finger displacement, m, hand frame.
+    pub offset: DVec3,
+    /// Closing direction, unit.
+    pub closing: DVec3,
+    /// Object origin, m.
+    pub position: DVec3,
+    /// Object orientation.
+    pub rotation: DMat3,
+    /// Border column of the travel.
+    pub travel_column: Option<usize>,
+    /// First border column of the pose.
+    pub pose_column: Option<usize>,
+    /// Length scale of rotations, m.
+    pub length: f64,
+}
+
+/// Only the object takes part, not the finger that hosts the term.
+pub fn object_only<'a>(view: &View<'a>) -> View<'a> {
+    View { travel_column: None, ..*view }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiny_rotations_are_felt() {
+        for angle in [1e-14, 1e-9, 1e-3, 2.0] {
+            let vector = DVec3::new(0.6, 0.0, -0.8) * angle;
+            let felt = turn(DQuat::from_scaled_axis(vector));
+            assert!(felt.distance(vector) <= 1e-12 * angle, "{felt} rad, not {vector} rad");
+        }
+    }
+}

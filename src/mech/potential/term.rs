@@ -1,0 +1,336 @@
+//! The terms of the incremental potential. A physical effect is one file that implements [`BodyTerm`]; the solver sees
+//! only the sum.
+
+use super::state::{Departure, MAX_BORDER, Motion, View};
+use super::time_step::TimeStep;
+use crate::mech::body::Body;
+use crate::mech::body::pattern::{FIXED, Pattern};
+use crate::mech::potential::cross::outer;
+use glam::{DMat3, DVec3};
+
+/// Gradient and Hessian of one body's terms, with its share of the border.
+#[derive(Debug, Clone)]
+pub struct Block {
+    /// Energy gradient per node, N.
+    pub gradient: Vec<DVec3>,
+    /// Lower triangle of the body's Hessian in [`Pattern`] storage, N/m.
+    pub values: Vec<f64>,
+    /// Columns of d2E / dx dborder in elimination order, one after the other, N/m.
+    pub coupling: Vec<f64>,
+    /// Border gradient, N.
+    pub border_gradient: [f64; MAX_BORDER],
+    /// Border Hessian, N/m.
+    pub border_hessian: [[f64; MAX_BORDER]; MAX_BORDER],
+    /// Sum of squares of what lagged quantities still miss, N2.
+    pub lag: f64,
+    /// Sum of the norms of the forces that meet at the border (scale of the balance), N.
+    pub activity: f64,
+    /// Whether Hessians are wanted; else those of the last time stay as they are.
+    pub hessian: bool,
+}
+
+impl Block {
+    /// Zeroed storage for `body` with `columns` border columns.
+    pub fn new(body: &Body, columns: usize) -> Self {
+        Self {
+            values: vec![0.0; body.pattern().row_idx.len()],
+            coupling: vec![0.0; columns * body.unknowns()],
+            hessian: true,
+            ..Self::gradients(body)
+        }
+    }
+
+    /// Storage for gradients alone.
+    pub fn gradients(body: &Body) -> Self {
+        let gradient = vec![DVec3::ZERO; body.rest.len()];
+        Self {
+            gradient,
+            values: Vec::new(),
+            coupling: Vec::new(),
+            border_gradient: [0.0; MAX_BORDER],
+            border_hessian: [[0.0; MAX_BORDER]; MAX_BORDER],
+            lag: 0.0,
+            activity: 0.0,
+            hessian: false,
+        }
+    }
+
+    /// Sets gradients to zero, and Hessians if they are wanted anew.
+    pub fn clear(&mut self, hessian: bool) {
+        self.hessian = hessian;
+        self.gradient.fill(DVec3::ZERO);
+        self.border_gradient = [0.0; MAX_BORDER];
+        if hessian {
+            self.values.fill(0.0);
+            self.coupling.fill(0.0);
+            self.border_hessian = [[0.0; MAX_BORDER]; MAX_BORDER];
+        }
+        self.lag = 0.0;
+        self.activity = 0.0;
+    }
+
+    /// Adds a term that acts between a material point of the body (`sum phi_a x_a`) and the rigid object.
+    ///
+    /// `force` is the gradient in the relative displacement `delta` of the point to the object, `torque` the gradient in
+    /// the object's rotation; `dd`, `dw`, `ww` are the second derivatives (delta-delta, delta-rotation, rotation-rotation).
+    pub fn add_pair(&mut self, body: &Body, view: &View, stencil: &Stencil, pair: &Pair) {
+        let pattern = body.pattern();
+        let unknowns = pattern.unknowns();
+        let (nodes, phi) = stencil.slices();
+        for (&a, &pa) in nodes.iter().zip(phi) {
+            self.gradient[a as usize] += pair.force * pa;
+            let position = pattern.position[a as usize];
+            if position == FIXED || !self.hessian {
+                continue;
+            }
+            for (&b, &pb) in nodes.iter().zip(phi) {
+                // Each unordered pair once: the pattern stores the lower triangle only.
+                if pattern.position[b as usize] != FIXED && pattern.position[b as usize] <= position {
+                    Pattern::add(&mut self.values, pattern.slot(a, b), &(pair.dd * (pa * pb)));
+                }
+            }
+            let row = 3 * position as usize;
+            let mut column = |c: usize, v: DVec3| {
+                let start = c * unknowns + row;
+                let target = &mut self.coupling[start..start + 3];
+                target[0] += v.x;
+                target[1] += v.y;
+                target[2] += v.z;
+            };
+            if let Some(c) = view.travel_column {
+                column(c, pair.dd * view.closing * pa);
+            }
+            if let Some(c) = view.pose_column {
+                for k in 0..3 {
+                    column(c + k, pair.dd.col(k) * -pa);
+                    column(c + 3 + k, pair.dw.col(k) * (pa / view.length));
+                }
+            }
+        }
+        self.add_border(view, pair);
+    }
+
+    /// Adds the second derivatives `form` of an interaction with the object's point at arm `r` (m from the origin).
+    pub fn add_form<const K: usize>(&mut self, body: &Body, view: &View, form: &Form<K>, r: DVec3) {
+        let pattern = body.pattern();
+        let unknowns = pattern.unknowns();
+        let (columns, count) = border_columns(view);
+        let border = columns.map(|(c, d, w)| (c, form.delta.map(|f| f.dot(d - w.cross(r)))));
+        let free = form.nodes.iter().filter(|(node, _)| pattern.position[*node as usize] != FIXED);
+        for (a, forms_a) in free.clone() {
+            let position = pattern.position[*a as usize];
+            let rows: [DVec3; K] = std::array::from_fn(|j| (0..K).map(|i| forms_a[i] * form.matrix[i][j]).sum());
+            for (b, forms_b) in free.clone().filter(|(b, _)| pattern.position[*b as usize] <= position) {
+                let block = rows.iter().zip(forms_b).map(|(row, f)| outer(*row, *f)).sum();
+                Pattern::add(&mut self.values, pattern.slot(*a, *b), &block);
+            }
+            for (c, forms) in &border[..count] {
+                let start = c * unknowns + 3 * position as usize;
+                let v: DVec3 = rows.iter().zip(forms).map(|(row, f)| *row * *f).sum();
+                self.coupling[start..start + 3].iter_mut().zip(v.to_array()).for_each(|(target, v)| *target += v);
+            }
+        }
+        for (i, forms_i) in &border[..count] {
+            for (j, forms_j) in &border[..count] {
+                let along = |k: usize| (0..K).map(|l| form.matrix[k][l] * forms_j[l]).sum::<f64>();
+                self.border_hessian[*i][*j] += (0..K).map(|k| forms_i[k] * along(k)).sum::<f64>();
+            }
+        }
+    }
+
+    /// The border-border part of [`Block::add_pair`].
+    fn add_border(&mut self, view: &View, pair: &Pair) {
+        let (columns, count) = border_columns(view);
+        for (i, di, wi) in &columns[..count] {
+            self.border_gradient[*i] += pair.force.dot(*di) + pair.torque.dot(*wi);
+            if !self.hessian {
+                continue;
+            }
+            let (left_d, left_w) = (pair.dd * *di + pair.dw * *wi, pair.dw.transpose() * *di + pair.ww * *wi);
+            for (j, dj, wj) in &columns[..count] {
+                self.border_hessian[*i][*j] += left_d.dot(*dj) + left_w.dot(*wj);
+            }
+        }
+        self.activity += pair.force.length();
+    }
+}
+
+/// Columns of the border that a point of a body and the object feel: its index, how the point moves relative to the object's along
+/// it, and how the object turns; and their number.
+fn border_columns(view: &View) -> ([(usize, DVec3, DVec3); 7], usize) {
+    let mut columns = [(usize::MAX, DVec3::ZERO, DVec3::ZERO); 7];
+    let mut count = 0;
+    let mut push = |entry| {
+        columns[count] = entry;
+        count += 1;
+    };
+    if let Some(c) = view.travel_column {
+        push((c, view.closing, DVec3::ZERO));
+    }
+    if let Some(c) = view.pose_column {
+        for k in 0..3 {
+            push((c + k, -DVec3::AXES[k], DVec3::ZERO));
+        }
+        for k in 0..3 {
+            push((c + 3 + k, DVec3::ZERO, DVec3::AXES[k] / view.length));
+        }
+    }
+    (columns, count)
+}
+
+/// Second derivatives `sum matrix_ij f_i f_j` in linear forms `f` of the motion of nodes and of a point of a body relative to the object.
+#[derive(Debug, Clone)]
+pub struct Form<const K: usize> {
+    /// What the motion of each node adds to each form.
+    pub nodes: Vec<(u32, [DVec3; K])>,
+    /// What a motion of finger and object adds, by the relative displacement (m) that it makes.
+    pub delta: [DVec3; K],
+    /// Symmetric.
+    pub matrix: [[f64; K]; K],
+}
+
+/// First and second derivatives of an interaction between a point of a pad and the object.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair {
+    /// Gradient in the point's displacement relative to the object, N.
+    pub force: DVec3,
+    /// Gradient in the object's rotation (hand axes), N m.
+    pub torque: DVec3,
+    /// Displacement-displacement, N/m, symmetric.
+    pub dd: DMat3,
+    /// Displacement (rows) - rotation (columns), N.
+    pub dw: DMat3,
+    /// Rotation-rotation, N m, symmetric.
+    pub ww: DMat3,
+}
+
+impl Pair {
+    /// A force alone: `force` is the gradient in the relative displacement (N), `r` the arm of the object's point (m).
+    pub fn force(force: DVec3, r: DVec3) -> Self {
+        Self { force, torque: -r.cross(force), dd: DMat3::ZERO, dw: DMat3::ZERO, ww: DMat3::ZERO }
+    }
+}
+
+/// A material point of a body's surface: nodes and their shape function values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stencil {
+    nodes: [u32; 6],
+    phi: [f64; 6],
+    len: u8,
+}
+
+impl Stencil {
+    /// Nowhere.
+    pub const NONE: Self = Self { nodes: [0; 6], phi: [0.0; 6], len: 0 };
+
+    /// From at most six nodes and weights; weights of zero are dropped.
+    pub fn new(entries: impl Iterator<Item = (u32, f64)>) -> Self {
+        let mut s = Self::NONE;
+        for (node, phi) in entries.filter(|(_, phi)| *phi != 0.0).take(6) {
+            s.nodes[s.len as usize] = node;
+            s.phi[s.len as usize] = phi;
+            s.len += 1;
+        }
+        s
+    }
+
+    /// Nodes and shape function values.
+    #[inline]
+    pub fn slices(&self) -> (&[u32], &[f64]) {
+        (&self.nodes[..self.len as usize], &self.phi[..self.len as usize])
+    }
+
+    /// Position of the point for node positions `x`.
+    #[inline]
+    pub fn position(&self, x: &[DVec3]) -> DVec3 {
+        let (nodes, phi) = self.slices();
+        nodes.iter().zip(phi).fold(DVec3::ZERO, |s, (&n, &p)| s + x[n as usize] * p)
+    }
+}
+
+/// Copies a term behind its trait object; every term that is `Clone` has it.
+pub trait TermClone {
+    /// A copy with the same history.
+    fn boxed_clone(&self) -> Box<dyn BodyTerm>;
+}
+
+impl<T: BodyTerm + Clone + 'static> TermClone for T {
+    fn boxed_clone(&self) -> Box<dyn BodyTerm> {
+        Box::new(self.clone())
+    }
+}
+
+/// One physical effect on one body: value, gradient, Hessian, and what it must remember between accepted states.
+pub trait BodyTerm: TermClone + Send + Sync {
+    /// Energy, J; `+inf` where the state is not feasible. Quantities lagged by [`BodyTerm::assemble`] stay frozen.
+    fn energy(&self, body: &Body, view: &View) -> f64;
+    /// Adds gradient and Hessian to `block`; refreshes lagged quantities. `project`: positive semidefinite parts only.
+    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block);
+    /// Adds to the gradients of `change` how the term's forces change along a small `motion` beyond what its (symmetric)
+    /// Hessian says.
+    fn couple(&self, _body: &Body, _view: &View, _motion: &Motion, _change: &mut Block) {}
+    /// An increment begins: the next solves depart from this accepted state.
+    fn depart(&mut self, _from: &Departure) {}
+    /// A time step begins: the next solves are for its end.
+    fn begin(&mut self, _step: &TimeStep) {}
+    /// A distance that every point may move before the term must be looked at again, m.
+    fn clearance(&self, _body: &Body, _view: &View) -> f64 {
+        f64::INFINITY
+    }
+    /// The increment was accepted: take over history.
+    fn commit(&mut self, _body: &Body, _view: &View) {}
+    /// The increment was rejected: forget what was learnt since the last commit.
+    fn rollback(&mut self) {}
+    /// Whether the converged state satisfies what the term promises beyond equilibrium (no penetration); if not, the
+    /// term has strengthened itself and the solve goes on.
+    fn satisfied(&mut self, _body: &Body, _view: &View) -> bool {
+        true
+    }
+    /// Lagged quantities move by the fraction `damping` towards their goal in each assembly (1 = all the way).
+    fn damp(&mut self, _damping: f64) {}
+    /// Whether Hessians have all second derivatives, or leave out those that lead far from a solution astray.
+    fn sharpen(&mut self, _sharp: bool) {}
+    /// For reading results back by type.
+    fn as_any(&self) -> &dyn std::any::Any;
+}
+
+/// Elastic energy of the gel.
+#[derive(Debug, Clone, Default)]
+pub struct Elastic;
+
+impl BodyTerm for Elastic {
+    fn energy(&self, body: &Body, view: &View) -> f64 {
+        body.energy(view.x)
+    }
+
+    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
+        match block.hessian {
+            true => body.add_stiffness(view.x, project, &mut block.gradient, &mut block.values),
+            false => body.add_gradient(view.x, &mut block.gradient),
+        }
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}
+
+/// Dead loads on nodes: potential `-sum f . x`.
+#[derive(Debug, Clone)]
+pub struct DeadLoad(pub Vec<DVec3>);
+
+impl BodyTerm for DeadLoad {
+    fn energy(&self, _: &Body, view: &View) -> f64 {
+        -self.0.iter().zip(view.x).map(|(f, x)| f.dot(*x)).sum::<f64>()
+    }
+
+    fn assemble(&mut self, _: &Body, _: &View, _: bool, block: &mut Block) {
+        for (g, f) in block.gradient.iter_mut().zip(&self.0) {
+            *g -= *f;
+        }
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}

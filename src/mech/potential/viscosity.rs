@@ -1,0 +1,84 @@
+//! Viscosity of the gel.
+
+use super::time_step::TimeStep;
+use crate::mech::body::Body;
+use crate::mech::body::pattern::FIXED;
+use crate::mech::potential::state::View;
+use crate::mech::potential::term::{Block, BodyTerm};
+use glam::DVec3;
+use std::any::Any;
+use std::sync::Arc;
+
+/// `tau / 2 h (x - x0)^T K (x - x0)` with the stiffness `K` of the gel at rest: a Kelvin-Voigt solid whose stress is
+/// `C (strain + tau rate)` for small strains. Nodes are relative to their finger, so moving the hand costs nothing.
+#[derive(Debug, Clone)]
+pub struct Viscosity {
+    /// s.
+    tau: f64,
+    /// Lower triangle of K in the body's pattern, N/m.
+    stiffness: Arc<[f64]>,
+    /// At the last accepted state, m.
+    last: Vec<DVec3>,
+    size: f64,
+}
+
+impl Viscosity {
+    /// Of a gel with retardation time `tau`, s, at rest at positions `x` (m).
+    pub fn new(body: &Body, tau: f64, x: &[DVec3]) -> Self {
+        let mut values = vec![0.0; body.pattern().row_idx.len()];
+        body.add_stiffness(&body.rest, true, &mut vec![DVec3::ZERO; body.rest.len()], &mut values);
+        Self { tau, stiffness: values.into(), last: x.to_vec(), size: 1.0 }
+    }
+
+    /// `K (x - x0)` and `x - x0` by unknown.
+    fn product(&self, body: &Body, x: &[DVec3]) -> (Vec<f64>, Vec<f64>) {
+        let pattern = body.pattern();
+        let mut moved = vec![0.0; pattern.unknowns()];
+        for ((now, before), &p) in x.iter().zip(&self.last).zip(&pattern.position) {
+            if p != FIXED {
+                moved[3 * p as usize..3 * p as usize + 3].copy_from_slice(&(*now - *before).to_array());
+            }
+        }
+        let mut force = vec![0.0; moved.len()];
+        for c in 0..moved.len() {
+            for k in pattern.col_ptr[c]..pattern.col_ptr[c + 1] {
+                let (r, v) = (pattern.row_idx[k], self.stiffness[k]);
+                force[r] += v * moved[c];
+                if r != c {
+                    force[c] += v * moved[r];
+                }
+            }
+        }
+        (force, moved)
+    }
+}
+
+impl BodyTerm for Viscosity {
+    fn energy(&self, body: &Body, view: &View) -> f64 {
+        let (force, moved) = self.product(body, view.x);
+        0.5 * self.tau / self.size * force.iter().zip(&moved).map(|(f, u)| f * u).sum::<f64>()
+    }
+
+    fn assemble(&mut self, body: &Body, view: &View, _: bool, block: &mut Block) {
+        let scale = self.tau / self.size;
+        let (force, _) = self.product(body, view.x);
+        for (g, &p) in block.gradient.iter_mut().zip(&body.pattern().position) {
+            if p != FIXED {
+                *g += DVec3::from_slice(&force[3 * p as usize..]) * scale;
+            }
+        }
+        block.values.iter_mut().zip(self.stiffness.iter()).for_each(|(v, k)| *v += scale * k);
+    }
+
+    fn begin(&mut self, step: &TimeStep) {
+        self.size = step.size;
+    }
+
+    fn commit(&mut self, _: &Body, view: &View) {
+        self.last.copy_from_slice(view.x);
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}

@@ -1,0 +1,74 @@
+//! Weight of a free object, as a term of the potential.
+
+use super::state::View;
+use super::term::{Block, BodyTerm};
+use crate::mech::body::Body;
+use glam::{DMat3, DVec3};
+use std::any::Any;
+
+/// A dead load at the object's centre of mass: potential `-f . c`. Belongs to one body of the solver, whichever, because
+/// the border is assembled with the bodies. A support carries as much of it as it has not handed over yet.
+#[derive(Debug, Clone, Copy)]
+pub struct Weight {
+    /// Weight, N, hand frame.
+    pub force: DVec3,
+    /// Centre of mass in the object frame, m.
+    pub center: DVec3,
+    /// Where it is at the start, hand frame, m: the potential counts from there, which keeps its digits.
+    pub start: DVec3,
+    /// Part of it that the support has handed over.
+    part: f64,
+}
+
+impl Weight {
+    /// The weight of `force` N at `center` (object frame, m), which is at `start` (hand frame, m).
+    pub fn new(force: DVec3, center: DVec3, start: DVec3) -> Self {
+        Self { force, center, start, part: 1.0 }
+    }
+
+    /// The same object under another load.
+    pub fn with_force(&self, force: DVec3) -> Self {
+        Self { force, ..*self }
+    }
+
+    /// The same of which the support has handed over a part.
+    pub fn handed_over(&self, part: f64) -> Self {
+        Self { part, ..*self }
+    }
+
+    /// What the pads have to hold, N.
+    fn hanging(&self) -> DVec3 {
+        self.force * self.part
+    }
+}
+
+impl BodyTerm for Weight {
+    fn energy(&self, _: &Body, view: &View) -> f64 {
+        -self.hanging().dot(view.position + view.rotation * self.center - self.start)
+    }
+
+    fn assemble(&mut self, _: &Body, view: &View, project: bool, block: &mut Block) {
+        let (f, r) = (self.hanging(), view.rotation * self.center);
+        let (Some(c), true) = (view.pose_column, f != DVec3::ZERO) else { return };
+        let torque = r.cross(f).to_array();
+        for (k, (f, t)) in f.to_array().into_iter().zip(torque).enumerate() {
+            block.border_gradient[c + k] -= f;
+            block.border_gradient[c + 3 + k] -= t / view.length;
+        }
+        if !project {
+            // -f . (w x (w x r)) / 2 twice differentiated in w.
+            let half = DMat3::from_cols(f * r.x + r * f.x, f * r.y + r * f.y, f * r.z + r * f.z) * 0.5;
+            let h = (half - DMat3::IDENTITY * f.dot(r)) * (-1.0 / (view.length * view.length));
+            for i in 0..3 {
+                for j in 0..3 {
+                    block.border_hessian[c + 3 + i][c + 3 + j] += h.col(j)[i];
+                }
+            }
+        }
+        block.activity += f.length();
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}

@@ -1,0 +1,26 @@
+//! Contact forces on a free object, in balance.
+
+use crate::linear::balance::Balance;
+use crate::net::autodiff::real::Real;
+use crate::net::autodiff::tape::{Matrix, Tape};
+use std::sync::Arc;
+
+/// Contact forces x (levels * pads * nodes, 3), each level in the balance of its own; with none of them, x itself. Their
+/// components along x and y have the signs `mirror` of those of the pads.
+pub fn balanced<T: Real>(tape: &Tape<T>, x: &Matrix<T>, balances: &[Arc<Balance>], mirror: [f32; 2]) -> Matrix<T> {
+    if balances.is_empty() {
+        return x.clone();
+    }
+    let size = 3 * balances[0].nodes();
+    assert!(x.cols == 3 && x.rows * 3 == size * balances.len(), "a balance is of all contact forces of a level");
+    let mut y = x.value().to_vec();
+    y.chunks_exact_mut(size).zip(balances).for_each(|(y, own)| own.balance(y, mirror));
+    let (x, balances) = (x.clone(), balances.to_vec());
+    let input = x.clone();
+    tape.result(&[&input], (x.rows, 3), y, move |grads, out| {
+        let Some(dx) = grads.of(&x) else { return };
+        let mut back = out.to_vec();
+        back.chunks_exact_mut(size).zip(&balances).for_each(|(back, own)| own.gradient(back, mirror));
+        dx.iter_mut().zip(back).for_each(|(d, g)| *d += g);
+    })
+}

@@ -1,0 +1,221 @@
+//! The linear response of a pad on a tape: how its nodes move under forces on its face, and the stress that comes with it.
+//!
+//! The matrix is far larger than the caches, so it is read once for [`LANES`] loads side by side; stress is local and comes
+//! from how the neighbours of a node have moved.
+
+use crate::linear::compliance::Compliance;
+use crate::linear::deviator::PARTS;
+use crate::net::autodiff::real::Real;
+use crate::net::autodiff::tape::{Matrix, Tape};
+use pulp::{Arch, Simd, WithSimd};
+use std::sync::Arc;
+
+/// Loads that share the reading of the matrix.
+const LANES: usize = 8;
+/// A number of each of them.
+type Lanes<T> = [T; LANES];
+
+/// Forces (n, forces) -> how the nodes move that can (n, moving nodes * 3), in the order of their slots.
+pub fn respond<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, force: &Matrix<T>) -> Matrix<T> {
+    let (n, k, m) = (force.rows, pad.forces, pad.moving());
+    let (x, mut y) = (side_by_side(force.value(), k), zeros(n, m));
+    Arch::new().dispatch(Times { pad, x: &x, y: &mut y });
+    let y = one_by_one(&y, m, n);
+    let (pad, input) = (pad.clone(), force.clone());
+    tape.result(&[force], (n, m), y, move |grads, out| {
+        let Some(dx) = grads.of(&input) else { return };
+        let (dy, mut sum) = (side_by_side(out, m), zeros(n, k));
+        Arch::new().dispatch(TimesTransposed { pad: &pad, y: &dy, x: &mut sum });
+        dx.iter_mut().zip(one_by_one(&sum, k, n)).for_each(|(dx, v)| *dx += v);
+    })
+}
+
+/// How they move -> displacement of all nodes (n * nodes, 3); zero where bonded.
+pub fn displaced<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, moved: &Matrix<T>) -> Matrix<T> {
+    let (n, m, nodes) = (moved.rows, moved.cols, pad.nodes);
+    let mut u = vec![T::of(0.0); n * nodes * 3];
+    for (u, moved) in u.chunks_exact_mut(3 * nodes).zip(moved.value().chunks_exact(m)) {
+        for (u, slot) in u.as_chunks_mut::<3>().0.iter_mut().zip(&pad.slot) {
+            *u = slot.map_or(*u, |slot| moved.as_chunks::<3>().0[slot as usize]);
+        }
+    }
+    let (pad, input) = (pad.clone(), moved.clone());
+    tape.result(&[moved], (n * nodes, 3), u, move |grads, out| {
+        let Some(d) = grads.of(&input) else { return };
+        for (d, out) in d.chunks_exact_mut(m).zip(out.chunks_exact(3 * nodes)) {
+            for (slot, u) in pad.slot.iter().zip(out.as_chunks::<3>().0) {
+                let Some(slot) = slot else { continue };
+                d.as_chunks_mut::<3>().0[*slot as usize].iter_mut().zip(u).for_each(|(d, v)| *d += *v);
+            }
+        }
+    })
+}
+
+/// How they move -> deviatoric stress of all nodes (n * nodes, 5): xx, yy, xy, yz, zx.
+pub fn deviated<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, moved: &Matrix<T>) -> Matrix<T> {
+    let (n, m, nodes) = (moved.rows, moved.cols, pad.nodes);
+    let (u, mut s) = (side_by_side(moved.value(), m), zeros(n, 5 * nodes));
+    Arch::new().dispatch(Deviate { pad, u: &u, s: &mut s });
+    let s = one_by_one(&s, 5 * nodes, n);
+    let (pad, input) = (pad.clone(), moved.clone());
+    tape.result(&[moved], (n * nodes, 5), s, move |grads, out| {
+        let Some(du) = grads.of(&input) else { return };
+        let (ds, mut sum) = (side_by_side(out, 5 * nodes), zeros(n, m));
+        Arch::new().dispatch(DeviateTransposed { pad: &pad, s: &ds, u: &mut sum });
+        du.iter_mut().zip(one_by_one(&sum, m, n)).for_each(|(du, v)| *du += v);
+    })
+}
+
+/// Displacement `y` from forces `x`.
+struct Times<'a, T> {
+    pad: &'a Compliance,
+    x: &'a [Lanes<T>],
+    y: &'a mut [Lanes<T>],
+}
+
+impl<T: Real> WithSimd for Times<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { pad, x, y } = self;
+        let (k, m) = (pad.forces, pad.moving());
+        // Three rows are a node.
+        for (node, rows) in pad.response.chunks_exact(3 * k).enumerate() {
+            let (a, rest) = rows.split_at(k);
+            let (b, c) = rest.split_at(k);
+            let rows = a.as_chunks::<3>().0.iter().zip(b.as_chunks::<3>().0).zip(c.as_chunks::<3>().0);
+            for (x, y) in x.chunks_exact(k).zip(y.chunks_exact_mut(m)) {
+                // Nine sums: fewer would wait for themselves.
+                let mut sum = [[[T::of(0.0); LANES]; 3]; 3];
+                for (((a, b), c), x) in rows.clone().zip(x.as_chunks::<3>().0) {
+                    for k in 0..3 {
+                        add(&mut sum[0][k], a[k], &x[k]);
+                        add(&mut sum[1][k], b[k], &x[k]);
+                        add(&mut sum[2][k], c[k], &x[k]);
+                    }
+                }
+                for (y, [p, q, r]) in y[3 * node..3 * node + 3].iter_mut().zip(&sum) {
+                    for l in 0..LANES {
+                        y[l] = p[l] + q[l] + r[l];
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What the gradient of the displacement says of the forces.
+struct TimesTransposed<'a, T> {
+    pad: &'a Compliance,
+    y: &'a [Lanes<T>],
+    x: &'a mut [Lanes<T>],
+}
+
+impl<T: Real> WithSimd for TimesTransposed<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { pad, y, x } = self;
+        let (k, m) = (pad.forces, pad.moving());
+        for (node, rows) in pad.response.chunks_exact(3 * k).enumerate() {
+            let (a, rest) = rows.split_at(k);
+            let (b, c) = rest.split_at(k);
+            for (x, y) in x.chunks_exact_mut(k).zip(y.chunks_exact(m)) {
+                let [p, q, r] = [0, 1, 2].map(|i| y[3 * node + i]);
+                for (((a, b), c), x) in a.iter().zip(b).zip(c).zip(x) {
+                    add(x, *a, &p);
+                    add(x, *b, &q);
+                    add(x, *c, &r);
+                }
+            }
+        }
+    }
+}
+
+/// Component of the stress and of the displacement that each part of a neighbour connects ([`PARTS`]).
+const ENTRIES: [(usize, usize); PARTS] =
+    [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0), (2, 1), (3, 1), (3, 2), (4, 2), (4, 0)];
+
+/// Stress from displacement.
+struct Deviate<'a, T> {
+    pad: &'a Compliance,
+    u: &'a [Lanes<T>],
+    s: &'a mut [Lanes<T>],
+}
+
+impl<T: Real> WithSimd for Deviate<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { pad, u, s } = self;
+        for (u, s) in u.chunks_exact(pad.moving()).zip(s.chunks_exact_mut(5 * pad.nodes)) {
+            for (node, s) in s.as_chunks_mut::<5>().0.iter_mut().enumerate() {
+                let (slots, parts) = pad.deviator.of(node);
+                for (slot, part) in slots.iter().zip(parts) {
+                    let u = &u.as_chunks::<3>().0[*slot as usize];
+                    ENTRIES.iter().zip(part).for_each(|((row, column), part)| add(&mut s[*row], *part, &u[*column]));
+                }
+            }
+        }
+    }
+}
+
+/// What the gradient of the stress says of the displacement.
+struct DeviateTransposed<'a, T> {
+    pad: &'a Compliance,
+    s: &'a [Lanes<T>],
+    u: &'a mut [Lanes<T>],
+}
+
+impl<T: Real> WithSimd for DeviateTransposed<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { pad, s, u } = self;
+        for (s, u) in s.chunks_exact(5 * pad.nodes).zip(u.chunks_exact_mut(pad.moving())) {
+            let u = u.as_chunks_mut::<3>().0;
+            for (node, s) in s.as_chunks::<5>().0.iter().enumerate() {
+                let (slots, parts) = pad.deviator.of(node);
+                for (slot, part) in slots.iter().zip(parts) {
+                    let u = &mut u[*slot as usize];
+                    ENTRIES.iter().zip(part).for_each(|((row, column), part)| add(&mut u[*column], *part, &s[*row]));
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn add<T: Real>(sum: &mut Lanes<T>, factor: f32, x: &Lanes<T>) {
+    let factor = T::of(factor);
+    for l in 0..LANES {
+        sum[l] += factor * x[l];
+    }
+}
+
+fn zeros<T: Real>(rows: usize, cols: usize) -> Vec<Lanes<T>> {
+    vec![[T::of(0.0); LANES]; rows.div_ceil(LANES) * cols]
+}
+
+/// Rows of `cols` numbers -> [`LANES`] rows side by side, the last ones filled up with zeros.
+fn side_by_side<T: Real>(x: &[T], cols: usize) -> Vec<Lanes<T>> {
+    let mut out = zeros(x.len() / cols.max(1), cols);
+    for (r, row) in x.chunks_exact(cols.max(1)).enumerate() {
+        let own = &mut out[r / LANES * cols..][..cols];
+        own.iter_mut().zip(row).for_each(|(lanes, v)| lanes[r % LANES] = *v);
+    }
+    out
+}
+
+/// The inverse of [`side_by_side`], `rows` of them.
+fn one_by_one<T: Real>(lanes: &[Lanes<T>], cols: usize, rows: usize) -> Vec<T> {
+    let mut out = vec![T::of(0.0); rows * cols];
+    for (r, row) in out.chunks_exact_mut(cols).enumerate() {
+        row.iter_mut().zip(&lanes[r / LANES * cols..]).for_each(|(v, lanes)| *v = lanes[r % LANES]);
+    }
+    out
+}

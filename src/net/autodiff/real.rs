@@ -1,0 +1,54 @@
+//! The numbers that a network computes with: f32 in use, f64 where gradients are checked.
+
+use super::tape::Matrix;
+use dfdx::prelude::Dtype;
+
+/// A floating-point number.
+pub trait Real: Dtype + From<f32> + std::ops::Neg<Output = Self> + std::iter::Sum {
+    /// `x` itself.
+    fn of(x: f32) -> Self;
+    /// The nearest f64.
+    fn f64(self) -> f64;
+    /// The nearest number to `x`.
+    fn nearest(x: f64) -> Self;
+    /// A matrix of f32 as one of these.
+    fn matrix(x: &Matrix) -> Matrix<Self>;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Exponential.
+    fn exp(self) -> Self;
+}
+
+macro_rules! real {
+    ($float:ty, $matrix:expr) => {
+        impl Real for $float {
+            #[inline(always)]
+            fn of(x: f32) -> Self {
+                x.into()
+            }
+            #[inline(always)]
+            fn f64(self) -> f64 {
+                self.into()
+            }
+            #[inline(always)]
+            fn nearest(x: f64) -> Self {
+                x as $float
+            }
+            fn matrix(x: &Matrix) -> Matrix<Self> {
+                $matrix(x)
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                <$float>::sqrt(self)
+            }
+            #[inline(always)]
+            fn exp(self) -> Self {
+                <$float>::exp(self)
+            }
+        }
+    };
+}
+
+// The same numbers are shared, not copied.
+real!(f32, Matrix::clone);
+real!(f64, |x: &Matrix| Matrix::constant(x.rows, x.cols, x.value().iter().map(|v| f64::from(*v)).collect()));

@@ -1,0 +1,138 @@
+//! Matrices on a dfdx tape. Every operation of the network records its own backward kernel here.
+//!
+//! dfdx keeps the tape and the gradients; a [`Matrix`] shares its numbers, so that kernels read them as a slice without a
+//! copy, and carries an empty dfdx tensor, which is its name among the gradients. There is one tape per pass, owned by
+//! [`Tape`] and never by a tensor: no operation can end up on a tape that nobody runs backwards.
+
+use super::real::Real;
+use dfdx::prelude::{Backward, Cpu, Gradients, OwnedTape, PutTape, Tape as _, Tensor, TensorFromVec};
+use std::cell::RefCell;
+use std::sync::Arc;
+
+/// A dense matrix, row-major.
+#[derive(Debug, Clone)]
+pub struct Matrix<T: Real = f32> {
+    /// Number of rows.
+    pub rows: usize,
+    /// Number of columns.
+    pub cols: usize,
+    value: Arc<Vec<T>>,
+    name: Tensor<(usize, usize), T, Cpu>,
+    tracked: bool,
+}
+
+impl<T: Real> Matrix<T> {
+    /// A matrix that no gradient is wanted of.
+    pub fn constant(rows: usize, cols: usize, value: Vec<T>) -> Self {
+        assert_eq!(value.len(), rows * cols, "a matrix holds rows x cols numbers");
+        Self { rows, cols, value: Arc::new(value), name: name(cols), tracked: false }
+    }
+
+    /// A matrix that gradients are wanted of.
+    pub fn parameter(rows: usize, cols: usize, value: Vec<T>) -> Self {
+        Self { tracked: true, ..Self::constant(rows, cols, value) }
+    }
+
+    /// Its numbers.
+    pub fn value(&self) -> &[T] {
+        &self.value
+    }
+
+    /// Its numbers, to change; it stays the same matrix to the tape.
+    pub fn value_mut(&mut self) -> &mut Vec<T> {
+        Arc::make_mut(&mut self.value)
+    }
+
+    /// Whether a gradient reaches it.
+    pub fn tracked(&self) -> bool {
+        self.tracked
+    }
+
+    /// The same numbers in another shape: rows one after the other.
+    pub(crate) fn shaped(&self, rows: usize, cols: usize, tracked: bool) -> Self {
+        assert_eq!(rows * cols, self.rows * self.cols, "a reshaped matrix keeps its numbers");
+        Self { rows, cols, value: self.value.clone(), name: name(cols), tracked }
+    }
+}
+
+fn name<T: Real>(cols: usize) -> Tensor<(usize, usize), T, Cpu> {
+    thread_local!(static DEVICE: Cpu = Cpu::default());
+    DEVICE.with(|device| device.tensor_from_vec(Vec::new(), (0, cols)))
+}
+
+/// The gradients of a pass.
+pub struct Grads<'a, T: Real = f32>(&'a mut Gradients<T, Cpu>);
+
+impl<T: Real> Grads<'_, T> {
+    /// The gradient of `matrix`, to add to; None if none is wanted.
+    pub fn of(&mut self, matrix: &Matrix<T>) -> Option<&mut [T]> {
+        if !matrix.tracked {
+            return None;
+        }
+        // An allocation of the CPU device fails only with the process.
+        let slot = self.0.get_or_alloc_mut(&matrix.name).ok()?;
+        slot.resize(matrix.rows * matrix.cols, T::of(0.0));
+        Some(slot)
+    }
+}
+
+/// What a pass records.
+pub struct Tape<T: Real = f32>(Option<RefCell<OwnedTape<T, Cpu>>>);
+
+impl<T: Real> Tape<T> {
+    /// For training: operations are recorded.
+    pub fn recording() -> Self {
+        Self(Some(RefCell::default()))
+    }
+
+    /// For inference: nothing is recorded.
+    pub fn silent() -> Self {
+        Self(None)
+    }
+
+    /// Whether the result of an operation on `inputs` has a gradient.
+    pub fn tracks(&self, inputs: &[&Matrix<T>]) -> bool {
+        self.0.is_some() && inputs.iter().any(|m| m.tracked)
+    }
+
+    /// The result of an operation on `inputs`. `backward` gets the gradient of the result and adds to those of the inputs.
+    pub fn result(
+        &self,
+        inputs: &[&Matrix<T>],
+        (rows, cols): (usize, usize),
+        value: Vec<T>,
+        backward: impl FnOnce(&mut Grads<T>, &[T]) + 'static,
+    ) -> Matrix<T> {
+        let out = Matrix { tracked: self.tracks(inputs), ..Matrix::constant(rows, cols, value) };
+        self.record(&out, backward);
+        out
+    }
+
+    /// Records how the gradient of `out` goes on.
+    pub(crate) fn record(&self, out: &Matrix<T>, backward: impl FnOnce(&mut Grads<T>, &[T]) + 'static) {
+        let (Some(tape), true) = (&self.0, out.tracked) else { return };
+        let name = out.name.clone();
+        tape.borrow_mut().add_backward_op(move |gradients| {
+            // The operation that made a matrix runs after all that used it: its gradient is complete, and not needed again.
+            let own = std::mem::take(&mut **gradients.get_or_alloc_mut(&name)?);
+            if !own.is_empty() {
+                backward(&mut Grads(gradients), &own);
+            }
+            Ok(())
+        });
+    }
+
+    /// Gradients of the 1 x 1 matrix `loss` with respect to `parameters`, in their order; zeros where none arrived.
+    pub fn backward(self, loss: &Matrix<T>, parameters: &[Matrix<T>]) -> Vec<Vec<T>> {
+        let mut tape = self.0.map(RefCell::into_inner).unwrap_or_default();
+        let name = loss.name.clone();
+        tape.add_backward_op(move |gradients| {
+            **gradients.get_or_alloc_mut(&name)? = vec![T::of(1.0)];
+            Ok(())
+        });
+        let end = Cpu::default().tensor_from_vec(vec![loss.value[0]], ());
+        let mut gradients = end.put_tape(tape).backward();
+        let mut of = |p: &Matrix<T>| Grads(&mut gradients).of(p).map_or_else(Vec::new, |g| g.to_vec());
+        parameters.iter().map(&mut of).collect()
+    }
+}

@@ -1,0 +1,68 @@
+//! Truth and prediction of a grasp of a data set, as frames of the hand frame.
+
+use crate::dataset::inspect::frame;
+use crate::dataset::{Grasp, ObjectFile};
+use crate::error::Result;
+use crate::gripper::GraspPose;
+use crate::linear::first_contact::Touch;
+use crate::model::Model;
+use crate::net::infer::predict::{PadState, Predictor};
+use crate::net::train::sample::moved;
+use crate::record::{Frame, PadFrame, Wrench};
+use crate::world::components::ObjectPose;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Frames `wanted` of `grasp` as finite elements found them, and as `predictor` sees them from first contact; `model` is
+/// that of `file`.
+///
+/// # Errors
+/// First contact that can no longer be found, numbers that are not finite.
+pub fn both(
+    file: &ObjectFile,
+    model: &Arc<Model>,
+    predictor: &Predictor,
+    grasp: &Grasp,
+    wanted: &[usize],
+) -> Result<[Vec<Frame>; 2]> {
+    let touch = Touch::find(model, GraspPose::from_row(&grasp.grasp_pose))?;
+    let seen = predictor.look(model, &predictor.graph(model)?, &touch);
+    let forces: Vec<f64> = wanted.iter().map(|k| grasp.force[*k] / file.sizes.pads as f64).collect();
+    let states = predictor.ramp(&seen, &forces)?;
+    let truth: Vec<Frame> = wanted.iter().map(|k| frame(file, grasp, *k)).collect();
+    let predicted = truth.iter().zip(&states).map(|(truth, states)| {
+        let (first, pad) = (&states[0], model.fingers[0].placement.rotation);
+        let object = moved(model, &touch.object, pad * first.shift, pad * first.turn);
+        predicted(file, truth, grasp, states, object)
+    });
+    let predicted = predicted.collect();
+    Ok([truth, predicted])
+}
+
+/// The prediction as a frame of the hand frame.
+fn predicted(file: &ObjectFile, truth: &Frame, grasp: &Grasp, states: &[PadState], object: ObjectPose) -> Frame {
+    let pads = file.sizes.pads;
+    let pad = |(i, state): (usize, &PadState)| {
+        let (pose, at) = (&file.pad_poses[i], truth.index * pads + i);
+        let touch = grasp.finger_position[at] - grasp.travel[at];
+        let carried = pose.position + file.closing[i] * (touch + state.travel);
+        let displacement: Vec<DVec3> = state.displacement.iter().map(|u| pose.rotation * *u).collect();
+        PadFrame {
+            position: file.pad.rest.iter().zip(&displacement).map(|(x, u)| pose.rotation * *x + carried + *u).collect(),
+            displacement,
+            contact_force: state.contact.iter().map(|f| pose.rotation * *f).collect(),
+            von_mises_node: state.stress.clone(),
+            wrench: Wrench::default(),
+            ..PadFrame::default()
+        }
+    };
+    Frame {
+        index: truth.index,
+        applied_force: truth.applied_force,
+        travel: states.iter().map(|s| s.travel).collect(),
+        object_position: object.position,
+        object_rotation: object.rotation,
+        pads: states.iter().enumerate().map(pad).collect(),
+        ..Frame::default()
+    }
+}

@@ -1,0 +1,87 @@
+//! Medians, 90th percentiles and worst values, over all frames and by object, load and frame.
+
+use super::{FrameError, Judged};
+use crate::net::eval::rank::kendall;
+use crate::stats::Spread;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Frames below this part of the last force are left out of the tables that do not go by load: next to nothing is
+/// deformed there, and relative errors say little.
+pub const FROM_LOAD: f64 = 0.2;
+
+/// One quantity over one group of frames.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// Split that was judged.
+    pub split: String,
+    /// Group: `all`, `object NAME`, `load 20-40 %`, `frame K`.
+    pub group: String,
+    /// Quantity; a name without unit is relative.
+    pub quantity: &'static str,
+    /// Median.
+    pub median: f64,
+    /// 90th percentile.
+    pub p90: f64,
+    /// Largest.
+    pub worst: f64,
+    /// Frames.
+    pub samples: usize,
+}
+
+/// A quantity and how to get it.
+type Quantity = (&'static str, fn(&FrameError) -> f64);
+
+const QUANTITIES: [Quantity; 10] = [
+    ("displacement", |e| e.displacement),
+    ("displacement_mm", |e| e.displacement_mm),
+    ("displacement_worst_mm", |e| e.displacement_worst_mm),
+    ("stress", |e| e.stress),
+    ("stress_kpa", |e| e.stress_kpa),
+    ("contact_force", |e| e.contact_force),
+    ("travel", |e| e.travel),
+    ("travel_mm", |e| e.travel_mm),
+    ("object_mm", |e| e.object_mm),
+    ("object_deg", |e| e.object_deg),
+];
+
+/// All rows of a split.
+pub fn rows(split: &str, judged: &[Judged]) -> Vec<Row> {
+    let frames: Vec<&FrameError> = judged.iter().flat_map(|j| &j.frames).collect();
+    let mut groups: BTreeMap<(u8, String), Vec<&FrameError>> = BTreeMap::new();
+    for frame in frames {
+        let fifth = ((frame.load * 5.0 - 1e-9).floor() as usize).min(4);
+        let loaded = frame.load >= FROM_LOAD - 1e-9;
+        let names = [
+            loaded.then(|| (0, "all".to_string())),
+            loaded.then(|| (1, format!("object {}", frame.object))),
+            Some((2, format!("load {}-{} %", 20 * fifth, 20 * fifth + 20))),
+            Some((3, format!("frame {:03}", frame.frame))),
+        ];
+        names.into_iter().flatten().for_each(|name| groups.entry(name).or_default().push(frame));
+    }
+    let row = |(group, frames): (&(u8, String), &Vec<&FrameError>)| {
+        let of = |(quantity, pick): &Quantity| {
+            let Spread { median, p90, worst } = Spread::of(frames.iter().map(|f| pick(f)))?;
+            Some(Row {
+                split: split.into(),
+                group: group.1.clone(),
+                quantity,
+                median,
+                p90,
+                worst,
+                samples: frames.len(),
+            })
+        };
+        QUANTITIES.iter().filter_map(of).collect::<Vec<_>>()
+    };
+    groups.iter().flat_map(row).collect()
+}
+
+/// Kendall's tau of the grasps by peak stress and by peak displacement of their last frame.
+pub fn ranks(judged: &[Judged]) -> (f64, f64) {
+    let list =
+        |which: usize, pick: fn(&super::Peak) -> f64| judged.iter().map(|j| pick(&j.peaks[which])).collect::<Vec<_>>();
+    let tau = |pick: fn(&super::Peak) -> f64| kendall(&list(0, pick), &list(1, pick));
+    (tau(|p| p.stress), tau(|p| p.displacement))
+}

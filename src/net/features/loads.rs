@@ -1,0 +1,189 @@
+//! What the network sees of a load: the grip at rest under it, and the contact forces that settle node by node.
+
+use super::Features;
+use super::Parity::{self, Even, X, XY, Y};
+use crate::linear::balance::{Balance, Pressed};
+use crate::linear::projected_gradient::{LANES, Touching, settle};
+use crate::linear::rigid_equilibrium::Rest;
+use crate::net::features::rows;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Features of a node at a load. From the grip: pressed over depth (negative is a gap), pressed, share of the force,
+/// displacement over depth. Settled: share of the force, how much of that acts along the
+/// face, and the linear response over depth.
+pub const NODE_LOAD: [Parity; 12] = [Even, Even, Even, X, Y, Even, Even, X, Y, X, Y, Even];
+/// Features of a pad at a load: logarithm and cube root of the force, depth, touching area, centre of pressure, pull along
+/// the face and twist over the force, travel over depth, what settling adds to it, motion of the object over depth.
+pub const PAD_LOAD: [Parity; 17] = [Even, Even, Even, Even, X, Y, X, Y, XY, Even, Even, X, Y, Even, Y, X, XY];
+
+/// Share of the force below which a node hardly touches.
+const FAINT: f64 = 1e-3;
+/// Most that a force acts along the face, over what it presses: of a wall that stands on the face it would have no bound.
+const STEEPEST: f64 = 3.0;
+
+/// What the network sees of some load levels of a grasp; levels one after the other, then pads, then nodes.
+#[derive(Debug, Clone, Default)]
+pub struct Loads {
+    /// (levels * pads * face nodes, [`NODE_LOAD`]).
+    pub node: Vec<f32>,
+    /// (levels * pads, [`PAD_LOAD`]).
+    pub pad: Vec<f32>,
+    /// Force per finger over `E t^2`: (levels).
+    pub force: Vec<f64>,
+    /// What each pad presses with over `E t^2`: (levels * pads).
+    pub pressing: Vec<f64>,
+    /// Mean displacement where the force acts, m: (levels * pads).
+    pub depth: Vec<f64>,
+    /// Travel of the grip, m: (levels * pads).
+    pub travel: Vec<f64>,
+    /// Motion of the object in the grip, m and rad, axes of each pad: (levels * pads, 6).
+    pub motion: Vec<f64>,
+    /// Of a free object between two pads: (levels), none otherwise.
+    pub balance: Vec<Arc<Balance>>,
+}
+
+impl Loads {
+    /// Those of the levels that `wanted` numbers.
+    pub fn levels(&self, wanted: &[usize]) -> Self {
+        let count = self.force.len();
+        Self {
+            node: rows(&self.node, count, wanted),
+            pad: rows(&self.pad, count, wanted),
+            force: rows(&self.force, count, wanted),
+            pressing: rows(&self.pressing, count, wanted),
+            depth: rows(&self.depth, count, wanted),
+            travel: rows(&self.travel, count, wanted),
+            motion: rows(&self.motion, count, wanted),
+            balance: wanted.iter().filter_map(|level| self.balance.get(*level)).cloned().collect(),
+        }
+    }
+
+    /// What presses over `E t^2` over depth over thickness: (levels * pads).
+    pub fn scale(&self, features: &Features) -> Vec<f32> {
+        let t = features.graph.thickness;
+        self.pressing.iter().zip(&self.depth).map(|(force, depth)| (force * t / depth) as f32).collect()
+    }
+}
+
+/// A pad whose gel has settled under a load; of each face node, over the thickness and `E t^2`.
+struct Settled {
+    /// What the grip asks for.
+    touching: Vec<Touching>,
+    /// How it gives to the forces of the grip.
+    moved: Vec<DVec3>,
+    /// Settled force.
+    force: Vec<DVec3>,
+    /// How much farther the pad must be closed for these forces.
+    closer: f64,
+    /// How it gives to them.
+    given: Vec<DVec3>,
+}
+
+impl Features {
+    /// The features at loads given as force per finger, N.
+    pub fn loads(&self, forces: &[f64]) -> Loads {
+        let t = self.graph.thickness;
+        let mut loads = Loads::default();
+        for some in forces.chunks(LANES) {
+            let some: Vec<f64> = some.iter().map(|force| force / self.unit_force()).collect();
+            let rests: Vec<Rest> = some.par_iter().map(|force| self.grip.rest(*force)).collect();
+            let settled: Vec<Vec<Settled>> = (0..self.pads).into_par_iter().map(|p| self.settled(p, &rests)).collect();
+            for (k, (force, rest)) in some.iter().zip(&rests).enumerate() {
+                loads.force.push(*force);
+                (0..self.pads).for_each(|p| self.load_pad(p, rest, &settled[p][k], &mut loads));
+            }
+            if let (true, [left, right]) = (self.grip.free, &settled[..]) {
+                let of = |k: usize| {
+                    let pads = [(0, &left[k]), (1, &right[k])].map(|(p, gel)| self.pressed(p, some[k], &rests[k], gel));
+                    Arc::new(Balance::new(&pads, self.grip.hangs(&rests[k])))
+                };
+                loads.balance.par_extend((0..some.len()).into_par_iter().map(of));
+            }
+        }
+        loads.depth.iter_mut().chain(&mut loads.travel).for_each(|d| *d *= t);
+        loads
+    }
+
+    /// What the gel of pad `p` makes of the forces of the grip.
+    fn settled(&self, p: usize, rests: &[Rest]) -> Vec<Settled> {
+        let graph = &self.graph;
+        let count = graph.face.len();
+        let pressing: Vec<Vec<DVec3>> = rests.iter().map(|rest| graph.hats.on_face(&rest.force[p], count)).collect();
+        let moved = graph.compliance.on_face(&graph.face, &pressing);
+        let touching = |load: usize| -> Vec<Touching> {
+            let asked = self.grip.pressed(p, &rests[load]);
+            let of = |i: usize| {
+                let (force, moved, (pressed, normal)) = (pressing[load][i], moved[load][i], asked[i]);
+                let dragged = if force == DVec3::ZERO { force } else { moved - normal * moved.dot(normal) };
+                Touching { node: graph.face[i] as usize, normal, pressed, dragged, force }
+            };
+            (0..count).map(of).collect()
+        };
+        let touching: Vec<Vec<Touching>> = (0..rests.len()).map(touching).collect();
+        let (force, closer): (Vec<Vec<DVec3>>, Vec<f64>) = settle(&graph.compliance, &touching).into_iter().unzip();
+        let given = graph.compliance.on_face(&graph.face, &force);
+        let parts = touching.into_iter().zip(moved).zip(force.into_iter().zip(closer)).zip(given);
+        parts
+            .map(|(((touching, moved), (force, closer)), given)| Settled { touching, moved, force, closer, given })
+            .collect()
+    }
+
+    /// Where the forces of pad `p` act.
+    fn pressed(&self, p: usize, force: f64, rest: &Rest, gel: &Settled) -> Pressed {
+        let places = self.graph.rest.iter().zip(&gel.given).map(|(at, moved)| self.grip.place(p, *at, *moved, rest));
+        Pressed {
+            force: self.grip.carried_by(p, force),
+            rotation: self.to_pad[p].transpose(),
+            nodes: places.zip(gel.force.iter().map(|push| -push.z.min(0.0))).collect(),
+        }
+    }
+
+    /// Adds pad `p` under the last force, all over the thickness and `E t^2`.
+    fn load_pad(&self, p: usize, rest: &Rest, gel: &Settled, loads: &mut Loads) {
+        let (t, to_pad) = (self.graph.thickness, self.to_pad[p]);
+        let force = self.grip.carried_by(p, loads.force[loads.force.len() - 1]);
+        let Settled { touching, moved, force: settled, closer, given } = gel;
+        let carried: Vec<f64> = touching.iter().map(|t| t.force.length()).collect();
+        let whole = carried.iter().sum::<f64>().max(1e-12);
+        let depth = carried.iter().zip(moved).map(|(c, u)| c / whole * u.length()).sum::<f64>().max(1e-9);
+        let (mut center, mut area, mut pull, mut twist) = (DVec3::ZERO, 0.0, DVec3::ZERO, 0.0);
+        for (i, push) in settled.iter().enumerate() {
+            let (at, hats, pressed) = (self.graph.rest[i] / t, touching[i].force / force, touching[i].pressed);
+            // Next to nothing where next to nothing presses: the edge of the contact is not sharp.
+            let sideways = *push / (-push.z.min(0.0) + FAINT * force);
+            let sideways = sideways.truncate().clamp_length_max(STEEPEST);
+            let [x, y, z] = (moved[i] / depth).to_array();
+            center += at * (carried[i] / whole);
+            area += if hats.z < 0.0 { self.graph.area[i] / (t * t) } else { 0.0 };
+            pull += hats;
+            twist += at.x * hats.y - at.y * hats.x;
+            let row = [(pressed / depth).max(-4.0), pressed.max(0.0), carried[i] / whole, x, y, z];
+            let share = [-push.z.min(0.0) / force, sideways.x, sideways.y];
+            let given = given[i].to_array().map(|u| u / depth);
+            loads.node.extend(row.into_iter().chain(share).chain(given).map(|v| v as f32));
+        }
+        let travel = rest.travel[p];
+        let (shift, turn) = (to_pad * rest.shift, to_pad * rest.rotation.to_scaled_axis());
+        let row = [
+            force.ln(),
+            force.cbrt(),
+            depth,
+            area,
+            center.x,
+            center.y,
+            pull.x,
+            pull.y,
+            twist,
+            travel / depth,
+            *closer / depth,
+        ];
+        let motion = shift.to_array().into_iter().chain(turn.to_array());
+        loads.pad.extend(row.into_iter().chain(motion.map(|v| v / depth)).map(|v| v as f32));
+        loads.pressing.push(force);
+        loads.depth.push(depth);
+        loads.travel.push(travel);
+        loads.motion.extend((shift * t).to_array().into_iter().chain(turn.to_array()));
+    }
+}

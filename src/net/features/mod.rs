@@ -1,0 +1,214 @@
+//! What the network sees of a grasp. The one place where features are made, for training and inference alike.
+//!
+//! All numbers are dimensionless: lengths over the pad's thickness t, forces over `E t^2`, stresses over E; quasi-static
+//! elasticity knows no other scale, so modulus and thickness need not be learnt. Every pad looks at the world from its own
+//! frame. Each feature says how it changes when the scene is mirrored (x -> -x or y -> -y of the pad): see [`Parity`].
+
+pub mod loads;
+pub mod normalise;
+pub mod range;
+pub mod volume;
+
+use self::volume::Volume;
+use crate::kernel::Sparse;
+use crate::linear::first_contact::Touch;
+use crate::linear::pad_graph::{Layout, PadGraph};
+use crate::linear::rigid_equilibrium::Grip;
+use crate::model::Model;
+use glam::{DMat3, DVec3};
+use std::sync::Arc;
+
+/// Signs under x -> -x and y -> -y.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Parity {
+    /// Neither changes it.
+    Even,
+    /// Changes sign with x.
+    X,
+    /// Changes sign with y.
+    Y,
+    /// Changes sign with either.
+    XY,
+}
+
+impl Parity {
+    /// Sign under the mirrors `x` and `y`.
+    pub fn sign(self, (x, y): (bool, bool)) -> f32 {
+        let flips = match self {
+            Parity::Even => false,
+            Parity::X => x,
+            Parity::Y => y,
+            Parity::XY => x != y,
+        };
+        if flips { -1.0 } else { 1.0 }
+    }
+}
+
+use Parity::{Even, X, XY, Y};
+
+/// Of a vector: (x, y, z).
+pub const VECTOR: [Parity; 3] = [X, Y, Even];
+/// Of a rotation vector: a mirror turns around what lies in it.
+pub const ROTATION: [Parity; 3] = [Y, X, XY];
+
+/// Raised whenever a feature changes its meaning: a network reads only those that it was trained on.
+pub const VERSION: u32 = 3;
+
+/// Features of a face node: x, y; three gap scales and the gap; object normal where the finger meets it; the object's
+/// distance and normal when the undeformed pad has closed by 0, 0.25 and 0.6 thicknesses.
+pub const NODE: [Parity; 21] =
+    [X, Y, Even, Even, Even, Even, X, Y, Even, Even, X, Y, Even, Even, X, Y, Even, Even, X, Y, Even];
+/// Features of an edge: relative position and its length.
+pub const EDGE: [Parity; 4] = [X, Y, Even, Even];
+/// Features of a pad: Poisson's ratio, friction, the object's weight on it.
+pub const PAD: [Parity; 5] = [Even, Even, X, Y, Even];
+/// How far the undeformed pad is closed into the object, over its thickness.
+const DEPTHS: [f64; 3] = [0.0, 0.25, 0.6];
+/// Gaps beyond this many thicknesses are all the same to the pad.
+const FAR: f64 = 2.5;
+/// Lengths over which a gap fades, over the thickness.
+const FADES: [f64; 3] = [0.05, 0.2, 0.8];
+
+/// A grasp as the network sees it; pads one after the other, left first.
+#[derive(Debug, Clone)]
+pub struct Features {
+    /// The pad's graph; both pads are alike.
+    pub graph: Arc<PadGraph>,
+    /// Number of pads.
+    pub pads: usize,
+    /// (pads * face nodes, [`NODE`]).
+    pub node: Vec<f32>,
+    /// (pads * edges, [`EDGE`]).
+    pub edge: Vec<f32>,
+    /// (pads, [`PAD`]).
+    pub pad: Vec<f32>,
+    /// Mean over the face of each pad: (pads, pads * face nodes).
+    pub mean: Arc<Sparse>,
+    /// Mean weighted by nearness to the object.
+    pub near: Arc<Sparse>,
+    /// The whole pads and the object, for a network that passes messages there.
+    pub volume: Option<Arc<Volume>>,
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// The grasp on pads that give linearly.
+    pub grip: Arc<Grip>,
+    /// From hand axes to those of each pad.
+    pub to_pad: Vec<DMat3>,
+}
+
+impl Features {
+    /// The features of a grasp of `model` at first contact.
+    pub fn new(model: &Model, graph: &Arc<PadGraph>, touch: &Touch) -> Self {
+        let (t, n, pads) = (graph.thickness, graph.face.len(), model.fingers.len());
+        let moduli = model.material.moduli();
+        let mut node = Vec::with_capacity(pads * n * NODE.len());
+        let (mut gaps, mut pad) = (Vec::new(), Vec::new());
+        let area: Vec<f64> = graph.area.iter().map(|a| a / (t * t)).collect();
+        for (finger, travel) in model.fingers.iter().zip(&touch.travel) {
+            let placement = &finger.placement;
+            let view = View::new(model, touch, placement.rotation, placement.closing);
+            let mut own = Vec::with_capacity(n);
+            for x in &graph.rest {
+                let place = placement.place(*x) + placement.closing * *travel;
+                let at = view.to_object(place);
+                let gap = view.gap(at, FAR * t) / t;
+                let normal = view.look(at + view.closing * (gap.min(FAR) * t)).1;
+                let normal = if gap < FAR { normal } else { DVec3::ZERO };
+                let mut row = vec![x.x / t, x.y / t, gap];
+                row.extend(FADES.map(|f| (-gap / f).exp()));
+                row.extend(normal.to_array());
+                for depth in DEPTHS {
+                    let (distance, normal) = view.look(at + view.closing * (depth * t));
+                    row.push((distance / t).min(FAR));
+                    row.extend(normal.to_array());
+                }
+                node.extend(row.into_iter().map(|v| v as f32));
+                own.push(gap);
+            }
+            let weight = placement.rotation.transpose() * touch.weight / (moduli.young * t * t);
+            pad.extend([moduli.poisson, model.law.friction, weight.x, weight.y, weight.z].map(|v| v as f32));
+            gaps.push(own);
+        }
+        let edge = graph.edges.list.iter().flat_map(|(s, r)| {
+            let d = (graph.rest[*s as usize] - graph.rest[*r as usize]) / t;
+            [d.x, d.y, d.z, d.length()].map(|v| v as f32)
+        });
+        let edge: Vec<f32> = edge.collect::<Vec<_>>().repeat(pads);
+        let pool = |weight: &dyn Fn(usize, usize) -> f64| {
+            let row = |p: usize| {
+                let sum: f64 = (0..n).map(|i| weight(p, i)).sum();
+                (0..n).map(|i| ((p * n + i) as u32, (weight(p, i) / sum) as f32)).collect::<Vec<_>>()
+            };
+            Sparse::new(&(0..pads).map(row).collect::<Vec<_>>(), pads * n)
+        };
+        Self {
+            mean: pool(&|_, i| area[i]),
+            near: pool(&|p, i| area[i] * (-gaps[p][i] / FADES[1]).exp()),
+            volume: (graph.layout == Layout::Volume).then(|| Arc::new(Volume::new(model, graph, touch))),
+            graph: graph.clone(),
+            pads,
+            node,
+            edge,
+            pad,
+            young: moduli.young,
+            grip: Arc::new(Grip::new(model, graph, touch)),
+            to_pad: model.fingers.iter().map(|f| f.placement.rotation.transpose()).collect(),
+        }
+    }
+
+    /// The force that the network measures in, N.
+    pub fn unit_force(&self) -> f64 {
+        self.young * self.graph.thickness.powi(2)
+    }
+}
+
+/// The object as a pad sees it.
+struct View<'a> {
+    model: &'a Model,
+    inverse: DMat3,
+    position: DVec3,
+    /// From the object frame to the pad frame.
+    to_pad: DMat3,
+    /// Closing direction in the object frame.
+    closing: DVec3,
+}
+
+impl<'a> View<'a> {
+    fn new(model: &'a Model, touch: &Touch, pad: DMat3, closing: DVec3) -> Self {
+        let rotation = DMat3::from_quat(touch.object.rotation);
+        let inverse = rotation.transpose();
+        let position = touch.object.position;
+        Self { model, inverse, position, to_pad: pad.transpose() * rotation, closing: inverse * closing }
+    }
+
+    fn to_object(&self, x: DVec3) -> DVec3 {
+        self.inverse * (x - self.position)
+    }
+
+    /// Signed distance, m, and normal in the pad frame.
+    fn look(&self, at: DVec3) -> (f64, DVec3) {
+        let closest = self.model.object.distance.closest(at, f64::INFINITY);
+        closest.map_or((f64::MAX, DVec3::ZERO), |c| (c.distance, self.to_pad * c.normal))
+    }
+
+    /// Way along the closing direction to the object, at most `far`, m (sphere tracing, Hart 1996).
+    fn gap(&self, from: DVec3, far: f64) -> f64 {
+        let distance = |t: f64| self.model.object.distance.distance(from + self.closing * t);
+        let mut t = 0.0;
+        // A grazing ray is close enough when the cap ends it.
+        for _ in 0..64 {
+            let d = distance(t);
+            t += d;
+            if d < 1e-4 * far || t >= far {
+                break;
+            }
+        }
+        t.min(far)
+    }
+}
+
+/// Those of `count` equal rows that `wanted` numbers.
+pub(crate) fn rows<T: Copy>(all: &[T], count: usize, wanted: &[usize]) -> Vec<T> {
+    let width = all.len() / count;
+    wanted.iter().flat_map(|l| &all[l * width..(l + 1) * width]).copied().collect()
+}

@@ -1,0 +1,199 @@
+//! What a model was trained on. Outside of it a network is not asked.
+
+use super::Features;
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::net::features::normalise::MOST;
+use crate::record::{Elements, PadTopology};
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// What the training set holds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TrainedRange {
+    /// Hash of the pad's mesh.
+    pub pad: String,
+    /// The pad in numbers, for messages; cards of earlier times have none.
+    #[serde(default)]
+    pub sensor: Option<Sensor>,
+    /// Law of the gel.
+    pub material: String,
+    /// Poisson's ratio, from and to.
+    pub poisson: [f64; 2],
+    /// Friction, from and to.
+    pub friction: [f64; 2],
+    /// Force per finger over `E thickness^2`, from and to.
+    pub force: [f64; 2],
+    /// Weight of the object over `E thickness^2`, at most.
+    pub weight: f64,
+    /// Whether the object was free.
+    pub free: bool,
+    /// Number of fingers.
+    pub fingers: usize,
+}
+
+/// A pad in numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Sensor {
+    /// Along the approach, along the finger's width, through the gel with its dome, m.
+    pub size: [f64; 3],
+    /// Mean edge of the elements on the sensing face, m.
+    pub spacing: f64,
+    /// Number of nodes.
+    pub nodes: usize,
+}
+
+impl Sensor {
+    /// Of a pad.
+    pub fn of(pad: &PadTopology) -> Self {
+        let ends =
+            |pick: fn(DVec3, DVec3) -> DVec3, start: f64| pad.rest.iter().copied().fold(DVec3::splat(start), pick);
+        let size = (ends(DVec3::max, f64::NEG_INFINITY) - ends(DVec3::min, f64::INFINITY)).max(DVec3::ZERO);
+        let area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|n| pad.rest[n as usize]);
+            0.5 * (b - a).cross(c - a).length()
+        };
+        let mean = pad.sensing.iter().map(area).sum::<f64>() / pad.sensing.len().max(1) as f64;
+        // A cell of the face is two triangles; of a 6-node triangle, its four parts are listed.
+        let parts = if matches!(pad.elements, Elements::Quadratic(_)) { 2.0 } else { 1.0 };
+        Self { size: size.to_array(), spacing: parts * (2.0 * mean).sqrt(), nodes: pad.rest.len() }
+    }
+}
+
+impl fmt::Display for Sensor {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let [a, b, c] = self.size.map(|v| v * 1e3);
+        write!(f, "{a:.2} x {b:.2} x {c:.2} mm, spacing {:.2} mm, {} nodes", self.spacing * 1e3, self.nodes)
+    }
+}
+
+/// Room for rounding at the ends of a range.
+const SLACK: f64 = 1e-6;
+
+impl TrainedRange {
+    /// That of one grasp with these forces per finger, N.
+    pub fn of(model: &Model, features: &Features, forces: &[f64]) -> Self {
+        let unit = features.unit_force();
+        let moduli = model.material.moduli();
+        let (low, high) = forces.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), f| (l.min(f / unit), h.max(f / unit)));
+        Self {
+            pad: features.graph.hash.clone(),
+            sensor: model.fingers.first().map(|f| Sensor::of(&f.topology)),
+            material: model.material.name().into(),
+            poisson: [moduli.poisson; 2],
+            friction: [model.law.friction; 2],
+            force: [low, high],
+            weight: weight(model, unit),
+            free: model.free,
+            fingers: model.fingers.len(),
+        }
+    }
+
+    /// Takes in `other`.
+    ///
+    /// # Errors
+    /// Another pad, law, number of fingers or kind of object: one model is for one of each.
+    pub fn extend(&mut self, other: &Self) -> Result<()> {
+        let kind = |r: &Self| (r.pad.clone(), r.material.clone(), r.free, r.fingers);
+        if kind(self) != kind(other) {
+            let message = "the data set mixes pads, gel laws, fixed and free objects or numbers of fingers; train one model for each";
+            return Err(Error::Start(message.into()));
+        }
+        let join = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        self.poisson = join(self.poisson, other.poisson);
+        self.friction = join(self.friction, other.friction);
+        self.force = join(self.force, other.force);
+        self.weight = self.weight.max(other.weight);
+        Ok(())
+    }
+
+    /// Whether the network knows this pad, whose mesh has this hash.
+    ///
+    /// # Errors
+    /// Another pad, with both in numbers.
+    pub fn admits_pad(&self, pad: &PadTopology, hash: &str) -> Result<()> {
+        if hash == self.pad {
+            return Ok(());
+        }
+        let own = Sensor::of(pad).to_string();
+        let unknown = || format!("a pad whose mesh has the hash {:.8}", self.pad);
+        let known = self.sensor.map_or_else(unknown, |sensor| sensor.to_string());
+        let alike = if own == known { ", at other places" } else { "" };
+        refuse(format!("its pads are another sensor or another mesh: {own}; trained was {known}{alike}"))
+    }
+
+    /// Whether a grasp of `model` may be asked about, whose pads have a mesh of this hash. Takes no time.
+    ///
+    /// # Errors
+    /// What lies outside, by how much, and what to do.
+    pub fn admits(&self, model: &Model, hash: &str) -> Result<()> {
+        let moduli = model.material.moduli();
+        let outside = |v: f64, [low, high]: [f64; 2]| v < low - SLACK * low.abs() || v > high + SLACK * high.abs();
+        if model.dynamics.is_some() {
+            return refuse("it moves in time, the network knows squeezes at rest".into());
+        }
+        if !model.force_driven {
+            return refuse("it presses by travel, the network squeezes by force".into());
+        }
+        let kind =
+            |free: bool, n: usize| format!("a {} object between {n} finger(s)", if free { "free" } else { "fixed" });
+        let (own, known) = ((model.free, model.fingers.len()), (self.free, self.fingers));
+        let Some(finger) = model.fingers.first().filter(|_| own == known) else {
+            return refuse(format!("{}, trained was {}", kind(own.0, own.1), kind(known.0, known.1)));
+        };
+        self.admits_pad(&finger.topology, hash)?;
+        if model.material.name() != self.material || outside(moduli.poisson, self.poisson) {
+            let (own, [a, b]) = (model.material.name(), self.poisson);
+            return refuse(format!(
+                "its gel is {own} with nu = {}, trained was {} with nu {a} to {b}",
+                moduli.poisson, self.material
+            ));
+        }
+        if outside(model.law.friction, self.friction) {
+            let [a, b] = self.friction;
+            return refuse(format!("friction is {}, trained was {a} to {b}", model.law.friction));
+        }
+        let unit = moduli.young * finger.topology.thickness().powi(2);
+        let own = weight(model, unit);
+        if own > self.weight * (1.0 + SLACK) {
+            let most = self.weight * unit;
+            return refuse(format!("the object weighs {:.3} N, trained was up to {most:.3} N", own * unit));
+        }
+        let [low, high] = self.force.map(|f| f * unit);
+        match model.levels.iter().find(|l| outside(**l, [low, high])) {
+            Some(level) => refuse(format!("{level:.4} N per finger is outside the trained {low:.4} to {high:.4} N")),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether all numbers are such as training gives; what is wrong, with the field.
+    pub(crate) fn check(&self) -> std::result::Result<(), String> {
+        for (name, [low, high]) in [("poisson", self.poisson), ("friction", self.friction), ("force", self.force)] {
+            if !(0.0 <= low && low <= high && high <= MOST) {
+                return Err(format!(
+                    "`range.{name}` goes from {low} to {high}; allowed: from 0, ascending, to {MOST:e}"
+                ));
+            }
+        }
+        if !(0.0..=MOST).contains(&self.weight) {
+            return Err(format!("`range.weight` is {}; allowed: 0 to {MOST:e}", self.weight));
+        }
+        let sizes = self.sensor.map(|s| [s.size[0], s.size[1], s.size[2], s.spacing]).unwrap_or_default();
+        match sizes.iter().find(|v| !(0.0..=MOST).contains(*v)) {
+            Some(bad) => Err(format!("`range.sensor` holds {bad}; allowed: 0 to {MOST:e}")),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Why the network is not asked.
+fn refuse(what: String) -> Result<()> {
+    Err(Error::Start(format!(
+        "the network was not trained for this scene: {what}; use stepper: Fem(), or train on such a data set"
+    )))
+}
+
+fn weight(model: &Model, unit: f64) -> f64 {
+    model.gravity.filter(|_| model.free).map_or(0.0, |g| g.length() * model.mass / unit)
+}

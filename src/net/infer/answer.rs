@@ -1,0 +1,99 @@
+//! What the network says of a grasp at some loads, in SI where somebody asks.
+
+use super::predict::PadState;
+use crate::linear::pad_graph::PadGraph;
+use crate::net::autodiff::tape::Matrix;
+use crate::net::features::loads::Loads;
+use crate::net::network::{Normalisers, Output};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// The network's answer to some load levels of a grasp.
+#[derive(Debug)]
+pub struct Answer {
+    pub(crate) loads: Loads,
+    pub(crate) out: Output,
+    pub(crate) norms: Normalisers,
+    pub(crate) graph: Arc<PadGraph>,
+    pub(crate) pads: usize,
+    /// Whether stress is wanted.
+    pub(crate) stress: bool,
+    /// Young's modulus of the gel, Pa.
+    pub(crate) young: f64,
+    /// The force that the network measures in, N.
+    pub(crate) unit_force: f64,
+}
+
+/// Rows of one pad at one level: the `at`th `rows` rows of a matrix.
+fn own(m: &Matrix, at: usize, rows: usize) -> &[f32] {
+    &m.value()[at * rows * m.cols..(at + 1) * rows * m.cols]
+}
+
+fn vector(v: &[f32; 3]) -> DVec3 {
+    DVec3::new(v[0].into(), v[1].into(), v[2].into())
+}
+
+impl Answer {
+    /// Whether all numbers of a level are finite.
+    pub(crate) fn is_finite(&self, level: usize) -> bool {
+        let (out, loads) = (&self.out, &self.loads);
+        let (nodes, face) = (self.graph.node_count, self.graph.face.len());
+        let stressed = if self.stress { nodes } else { 0 };
+        (level * self.pads..(level + 1) * self.pads).all(|at| {
+            let fields = [
+                own(&out.displacement, at, nodes),
+                own(&out.stress, at, stressed),
+                own(&out.contact, at, face),
+                own(&out.travel, at, 1),
+                own(&out.motion, at, 1),
+            ];
+            // What is not finite stays so in a sum.
+            let all = |v: &[f32]| v.iter().map(|v| v * 0.0).sum::<f32>() == 0.0;
+            let given = [loads.depth[at], loads.travel[at], loads.pressing[at]];
+            fields.into_iter().all(all) && given.iter().chain(&loads.motion[6 * at..6 * at + 6]).all(|v| v.is_finite())
+        })
+    }
+
+    /// The pads at a mean of levels, each given with its weight.
+    pub(crate) fn mixed(&self, levels: &[(usize, f64)]) -> Vec<PadState> {
+        (0..self.pads).map(|pad| self.pad(pad, levels)).collect()
+    }
+
+    fn pad(&self, pad: usize, levels: &[(usize, f64)]) -> PadState {
+        let Self { loads, out, norms, graph, .. } = self;
+        let (t, nodes, face) = (graph.thickness, graph.node_count, graph.face.len());
+        let stressed = if self.stress { nodes } else { 0 };
+        let [travel_mean, travel_scale] = norms.travel.map(f64::from);
+        let mut state = PadState {
+            displacement: vec![DVec3::ZERO; nodes],
+            stress: vec![0.0; stressed],
+            contact: vec![DVec3::ZERO; nodes],
+            travel: 0.0,
+            shift: DVec3::ZERO,
+            turn: DVec3::ZERO,
+        };
+        for &(level, weight) in levels {
+            // Rows are levels, then pads.
+            let at = level * self.pads + pad;
+            let depth = loads.depth[at] * weight;
+            let unit = depth * f64::from(norms.displacement);
+            let moved = own(&out.displacement, at, nodes).as_chunks().0;
+            state.displacement.iter_mut().zip(moved).for_each(|(u, v)| *u += vector(v) * unit);
+            let unit = self.young * depth / t * f64::from(norms.stress);
+            let stress = own(&out.stress, at, stressed);
+            state.stress.iter_mut().zip(stress).for_each(|(s, v)| *s += f64::from(*v) * unit);
+            let unit = loads.pressing[at] * self.unit_force * weight;
+            for (i, c) in graph.face.iter().zip(own(&out.contact, at, face).as_chunks::<3>().0) {
+                // Shares are of a force against the closing direction, friction in the same unit.
+                state.contact[*i as usize] += vector(&[c[1], c[2], -c[0]]) * unit;
+            }
+            let motion = own(&out.motion, at, 1).as_chunks().0;
+            let given = |k: usize| DVec3::from_slice(&loads.motion[6 * at + k..]) * weight;
+            state.travel +=
+                loads.travel[at] * weight + depth * (travel_mean + travel_scale * f64::from(out.travel.value()[at]));
+            state.shift += given(0) + vector(&motion[0]) * (depth * f64::from(norms.motion[0]));
+            state.turn += given(3) + vector(&motion[1]) * (depth / t * f64::from(norms.motion[1]));
+        }
+        state
+    }
+}

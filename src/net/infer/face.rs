@@ -1,0 +1,265 @@
+//! The face network with packed weights and memory of its own.
+
+use super::heads::{Channels, Heads};
+use super::message::{BLOCK, Incoming, Project, Receive, Sizes, project, receive};
+use super::response::{self, respond};
+use crate::kernel::activation::Act;
+use crate::kernel::product::{Packed, Product, Rows, padded};
+use crate::net::autodiff::tape::Matrix;
+use crate::net::features::loads::Loads;
+use crate::net::features::{EDGE, Features, NODE, PAD};
+use crate::net::network::parameters::Parameters;
+use crate::net::network::spec::Face;
+use crate::net::network::{Normalisers, Output};
+use pulp::Arch;
+use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
+
+/// What the pass over a grasp leaves for every load: the part of the decoder's first layer that no load changes.
+#[derive(Debug, Clone, Default)]
+pub struct Code {
+    /// (pads * face nodes, padded decoder).
+    pub node: Vec<f32>,
+    /// (pads, padded decoder).
+    pub pad: Vec<f32>,
+}
+
+/// Means over a pad and the other one, with a layer on top.
+#[derive(Debug)]
+struct Pools {
+    weights: Packed,
+    bias: Vec<f32>,
+}
+
+#[derive(Debug)]
+struct Round {
+    project: Project,
+    pools: Pools,
+    global: Packed,
+    receive: Receive,
+}
+
+/// The network.
+#[derive(Debug)]
+pub struct FaceEngine {
+    latent: usize,
+    start: Packed,
+    start_bias: Vec<f32>,
+    start_pad: Packed,
+    rounds: Vec<Round>,
+    last: Project,
+    pools: Pools,
+    pad: Packed,
+    pad_bias: Vec<f32>,
+    heads: Heads,
+    normalisers: Normalisers,
+    /// Memory of passes that have ended.
+    workspaces: Mutex<Vec<Workspace>>,
+}
+
+/// Memory of a pass.
+#[derive(Debug, Default)]
+struct Workspace {
+    h: Vec<f32>,
+    scratch: Vec<f32>,
+    parts: Vec<f32>,
+    blocks: Vec<f32>,
+    pooled: Vec<f32>,
+    joined: Vec<f32>,
+    pool: Vec<f32>,
+    global: Vec<f32>,
+    response: response::Memory,
+    channels: Channels,
+}
+
+/// A row, padded with zeros.
+pub(crate) fn row(of: &[f32]) -> Vec<f32> {
+    let mut row = of.to_vec();
+    row.resize(padded(row.len()), 0.0);
+    row
+}
+
+/// Several (rows, cols) side by side, each padded.
+pub(crate) fn beside(parts: &[(&[f32], usize)]) -> (Vec<f32>, usize) {
+    let rows = parts[0].0.len() / parts[0].1;
+    let all = (0..rows).flat_map(|r| parts.iter().flat_map(move |(w, cols)| row(&w[r * cols..(r + 1) * cols])));
+    let all: Vec<f32> = all.collect();
+    let cols = all.len() / rows;
+    (all, cols)
+}
+
+impl FaceEngine {
+    /// Loads to decode together: some share the reading of the weights, more do not fit into the caches.
+    pub const LOADS: usize = 32;
+
+    /// From the parameters of a [`crate::net::network::face::FaceNetwork`] of these sizes.
+    pub fn new(sizes: &Face, parameters: &Parameters, normalisers: &Normalisers) -> Self {
+        let h = sizes.latent.get();
+        let get = |name: &str| parameters.named(name).value();
+        let packed = |name: &str| {
+            let matrix = parameters.named(name);
+            Packed::new(matrix.value(), matrix.cols)
+        };
+        let norm = |name: &str| [row(get(&format!("{name}.gain"))), row(get(&format!("{name}.shift")))];
+        let pools = |name: &str| {
+            let parts = ["mean", "near", "other_mean", "other_near"];
+            let all: Vec<f32> = parts.iter().flat_map(|k| get(&format!("{name}.{k}"))).copied().collect();
+            Pools { weights: Packed::new(&all, h), bias: row(get(&format!("{name}.bias"))) }
+        };
+        let round = |r: usize| {
+            let name = |part: &str| format!("round{r}.{part}");
+            let [sender, receiver, own] = ["sender", "receiver", "own.weight"].map(|k| (get(&name(k)), h));
+            let (weights, cols) = beside(&[sender, receiver, own]);
+            // The bias of an edge goes to its receiver.
+            let bias = [vec![0.0; padded(h)], row(get(&name("edge.bias"))), row(get(&name("own.bias")))].concat();
+            Round {
+                project: Project { norm: norm(&name("norm")), weights: Packed::new(&weights, cols), bias },
+                pools: pools(&name("pool")),
+                global: packed(&name("global")),
+                receive: Receive {
+                    edge: beside(&[(get(&name("edge.weight")), h)]).0,
+                    messages: packed(&name("messages")),
+                    out: packed(&name("out.weight")),
+                    out_bias: row(get(&name("out.bias"))),
+                },
+            }
+        };
+        Self {
+            latent: h,
+            start: packed("start.node.weight"),
+            start_bias: row(get("start.node.bias")),
+            start_pad: packed("start.pad"),
+            rounds: (0..sizes.rounds.get()).map(round).collect(),
+            last: Project { norm: norm("last.norm"), weights: packed("node.latent"), bias: row(get("node.bias")) },
+            pools: pools("last.pool"),
+            pad: packed("pad.latent"),
+            pad_bias: row(get("pad.bias")),
+            heads: Heads::new(sizes, parameters),
+            normalisers: normalisers.clone(),
+            workspaces: Mutex::default(),
+        }
+    }
+
+    /// The one pass of message passing.
+    pub fn encode(&self, f: &Features) -> Code {
+        let mut own = self.take();
+        let code = self.pass(f, &mut own);
+        self.put(own);
+        code
+    }
+
+    /// Multiplications and additions of [`Self::encode`]'s message passing; activations and norms are not counted.
+    pub fn operations(&self, f: &Features) -> f64 {
+        let (h, pads) = (self.latent as f64, f.pads as f64);
+        let (nodes, edges) = (pads * f.graph.face.len() as f64, pads * f.graph.edges.list.len() as f64);
+        // Five square layers to a node; four features, two sums and the sum of the messages to an edge; two pools.
+        let round =
+            nodes * (5.0 * 2.0 * h * h + 2.0 * 2.0 * h) + edges * (2.0 * 4.0 + 3.0) * h + pads * 5.0 * 2.0 * h * h;
+        let ends = nodes * (2.0 * NODE.len() as f64 * h + 2.0 * h * self.last.weights.cols as f64);
+        self.rounds.len() as f64 * round + ends
+    }
+
+    fn take(&self) -> Workspace {
+        self.workspaces.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default()
+    }
+
+    fn put(&self, own: Workspace) {
+        self.workspaces.lock().unwrap_or_else(PoisonError::into_inner).push(own);
+    }
+
+    fn pass(&self, f: &Features, own: &mut Workspace) -> Code {
+        let (n, s, pads) = (f.graph.face.len(), padded(self.latent), f.pads);
+        let sizes = Sizes { nodes: n, latent: self.latent };
+        let norms = &self.normalisers;
+        let even = (false, false);
+        let node = norms.node.apply(&f.node, &NODE, even);
+        let pad = norms.pad.apply(&f.pad, &PAD, even);
+        // Both pads have the same edges.
+        let edge = norms.edge.apply(&f.edge[..f.edge.len() / pads], &EDGE, even);
+        let edges = Incoming::new(&f.graph.edges, n, edge);
+        let pool_weights = [&f.mean, &f.near].map(|m| m.entries().map(|e| e.1).collect::<Vec<f32>>());
+        let pool_weights = pool_weights.each_ref().map(|w| w.as_slice());
+        let Workspace { h, scratch, parts, blocks, pooled, joined, pool, global, .. } = own;
+        let size = |v: &mut Vec<f32>, n: usize| v.resize(n, 0.0);
+        size(h, pads * n * s);
+        size(scratch, 2 * pads * n * s);
+        size(parts, 3 * pads * n * s);
+        size(blocks, pads * n.div_ceil(BLOCK) * 2 * s);
+        size(pooled, pads * 2 * s);
+        size(joined, pads * 4 * self.latent);
+        size(pool, pads * s);
+        size(global, pads * s);
+
+        for p in 0..pads {
+            let a = |data, stride, count| Rows { data, stride, count };
+            let mut bias = self.start_bias.clone();
+            let row = a(&pad[p * PAD.len()..], PAD.len(), 1);
+            multiply(row, &self.start_pad, true, None, Act::None, &mut bias);
+            let rows = a(&node[p * n * NODE.len()..], NODE.len(), n);
+            multiply(rows, &self.start, false, Some(&bias), Act::None, &mut h[p * n * s..(p + 1) * n * s]);
+        }
+        for round in &self.rounds {
+            project(sizes, &round.project, h, pool_weights, &mut scratch[..pads * n * s], parts, blocks, pooled);
+            self.pool(&round.pools, pooled, joined, pool);
+            let rows = Rows { data: &*pool, stride: s, count: pads };
+            multiply(rows, &round.global, false, None, Act::None, global);
+            receive(sizes, &round.receive, &edges, parts, global, scratch, h);
+        }
+        let d = self.last.weights.cols;
+        let mut code = Code { node: vec![0.0; pads * n * d], pad: vec![0.0; pads * d] };
+        project(sizes, &self.last, h, pool_weights, &mut scratch[..pads * n * s], &mut code.node, blocks, pooled);
+        self.pool(&self.pools, pooled, joined, pool);
+        let rows = Rows { data: &*pool, stride: s, count: pads };
+        multiply(rows, &self.pad, false, Some(&self.pad_bias), Act::None, &mut code.pad);
+        code
+    }
+
+    /// From the sums (pads, 2, padded) to a row per pad.
+    fn pool(&self, pools: &Pools, pooled: &[f32], joined: &mut [f32], out: &mut [f32]) {
+        let (h, s) = (self.latent, padded(self.latent));
+        let pads = pooled.len() / (2 * s);
+        for (p, row) in joined.chunks_exact_mut(4 * h).enumerate() {
+            for (k, part) in row.chunks_exact_mut(h).enumerate() {
+                let from = if k < 2 { Some(p) } else { (pads == 2).then_some(1 - p.min(1)) };
+                match from {
+                    Some(from) => part.copy_from_slice(&pooled[(2 * from + k % 2) * s..][..h]),
+                    // With one finger there is no other pad.
+                    None => part.fill(0.0),
+                }
+            }
+        }
+        let rows = Rows { data: &*joined, stride: 4 * h, count: pads };
+        multiply(rows, &pools.weights, false, Some(&pools.bias), Act::Gated, out);
+    }
+
+    /// The answers at some loads, in the units of the network; stress is empty where it is not wanted.
+    pub fn decode(&self, f: &Features, code: &Code, loads: &Loads, stress: bool) -> Output {
+        let (n, nodes) = (f.graph.face.len(), f.graph.node_count);
+        let mut own = self.take();
+        let Workspace { channels, response: memory, .. } = &mut own;
+        self.heads.run(n, f.pads, &self.normalisers, code, loads, channels);
+        if !loads.balance.is_empty() {
+            let levels = channels.contact.par_chunks_exact_mut(3 * f.pads * n).zip(&loads.balance);
+            levels.for_each(|(contact, balance)| balance.balance(contact, [1.0; 2]));
+        }
+        let given = respond(&f.graph, &channels.contact, &loads.scale(f), stress, memory);
+        let (displacement, stress) = given.correct(channels, &self.normalisers);
+        let [contact, travel, motion] =
+            [&mut channels.contact, &mut channels.travel, &mut channels.motion].map(std::mem::take);
+        self.put(own);
+        let items = loads.depth.len();
+        Output {
+            displacement: Matrix::constant(items * nodes, 3, displacement),
+            stress: Matrix::constant(stress.len(), 1, stress),
+            contact: Matrix::constant(items * n, 3, contact),
+            travel: Matrix::constant(items, 1, travel),
+            motion: Matrix::constant(items, 6, motion),
+        }
+    }
+}
+
+/// A product with rows of the result as long as those of the weights.
+pub(crate) fn multiply(a: Rows, w: &Packed, keep: bool, bias: Option<&[f32]>, act: Act, out: &mut [f32]) {
+    let stride = w.cols;
+    Arch::new().dispatch(Product { a, w, keep, bias, act, out, stride });
+}

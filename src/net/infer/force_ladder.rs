@@ -1,0 +1,39 @@
+//! Answers at forces that nobody knows beforehand: an agent asks for one after the other.
+//!
+//! Several loads side by side cost the network little more than one. So a grasp is answered once at a ladder of forces, and
+//! what lies between two rungs is taken linearly: contact forces still sum to what the finger presses with.
+
+use super::answer::Answer;
+use super::predict::{PadState, Predictor, Seen};
+use crate::error::Result;
+use crate::linear::around;
+
+/// Rungs; neighbours differ by a third of their force where an agent may press seven times as hard as it must.
+const RUNGS: i32 = 8;
+
+/// The pads of a grasp at rising forces per finger, N.
+#[derive(Debug)]
+pub struct Ladder {
+    /// Forces, with the number of their level.
+    rungs: Vec<(f64, usize)>,
+    answer: Answer,
+}
+
+impl Ladder {
+    /// From the force `low` to `high`, N per finger.
+    ///
+    /// # Errors
+    /// Numbers that are not finite.
+    pub fn new(predictor: &Predictor, seen: &Seen, low: f64, high: f64) -> Result<Self> {
+        let step = (high / low).powf(1.0 / f64::from(RUNGS - 1));
+        let forces: Vec<f64> = (0..RUNGS).map(|k| low * step.powi(k)).collect();
+        let answer = predictor.answer(seen, &forces)?;
+        Ok(Self { rungs: forces.into_iter().zip(0..).collect(), answer })
+    }
+
+    /// The pads at `force` per finger, N; None beyond the ladder.
+    pub fn at(&self, force: f64) -> Option<Vec<PadState>> {
+        let (before, after, part) = around(&self.rungs, force)?;
+        Some(self.answer.mixed(&[(*before, 1.0 - part), (*after, part)]))
+    }
+}

@@ -1,0 +1,243 @@
+//! The decoder at the face nodes: what a load makes of the code of a grasp.
+//!
+//! One product gives all channels of a node: contact force, factor and rest of the stress by depth, then displacement and
+//! the scale of its linear response by depth.
+
+use super::face::{Code, beside, multiply, row};
+use super::message::BLOCK;
+use crate::kernel::activation::{Act, positive};
+use crate::kernel::product::{Packed, Product, Rows, padded, product};
+use crate::net::features::loads::{Loads, NODE_LOAD, PAD_LOAD};
+use crate::net::network::Normalisers;
+use crate::net::network::face::LITTLE;
+use crate::net::network::parameters::Parameters;
+use crate::net::network::spec::Face;
+use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
+
+/// Weights of the decoder.
+#[derive(Debug)]
+pub struct Heads {
+    depths: usize,
+    load: Packed,
+    pad_load: Packed,
+    node: Packed,
+    node_bias: Vec<f32>,
+    /// Channels of a node before those of the displacement, padded.
+    first: usize,
+    own_pad_load: Packed,
+    middle: Packed,
+    middle_bias: Vec<f32>,
+    pad: Packed,
+    pad_bias: Vec<f32>,
+}
+
+/// What it gives; rows are levels, then pads, then face nodes.
+#[derive(Debug, Clone, Default)]
+pub struct Channels {
+    /// (items * face nodes, 3): shares of the force of the finger.
+    pub contact: Vec<f32>,
+    /// (items * face nodes, width).
+    channels: Vec<f32>,
+    width: usize,
+    first: usize,
+    depths: usize,
+    /// (items).
+    pub travel: Vec<f32>,
+    /// (items, 6).
+    pub motion: Vec<f32>,
+}
+
+/// One depth channel of a node.
+#[derive(Debug, Clone, Copy)]
+pub struct Channel<'a> {
+    /// Factor and rest of the stress.
+    pub stress: [f32; 2],
+    /// Rest of the displacement (3), scale of its linear response (3).
+    pub displacement: &'a [f32; 6],
+}
+
+impl Channels {
+    /// Channels of one item: (face nodes, width).
+    pub fn item(&self, item: usize, nodes: usize) -> &[f32] {
+        &self.channels[item * nodes * self.width..(item + 1) * nodes * self.width]
+    }
+
+    /// Channel `at` (node * depths + depth) of [`Self::item`].
+    #[inline(always)]
+    pub fn channel<'a>(&self, item: &'a [f32], at: usize) -> Channel<'a> {
+        let (node, k) = (at / self.depths, at % self.depths);
+        let row = &item[node * self.width..(node + 1) * self.width];
+        let displacement = row[self.first + 6 * k..].first_chunk().expect("six numbers to a depth");
+        Channel { stress: [row[3 + k], row[3 + self.depths + k]], displacement }
+    }
+}
+
+impl Heads {
+    /// From the parameters of the network.
+    pub fn new(sizes: &Face, parameters: &Parameters) -> Self {
+        let (d, depths) = (sizes.decoder.get(), sizes.depths.get());
+        let packed = |name: &str| {
+            let matrix = parameters.named(name);
+            Packed::new(matrix.value(), matrix.cols)
+        };
+        let both = |name: &str| {
+            [("weight", d), ("bias", 1)].map(|(k, rows)| (parameters.named(&format!("{name}.{k}")).value(), rows))
+        };
+        // Columns of several layers, as `pick` orders them, of the weights (part 0) or the biases (part 1).
+        let [contact, factor, stress, displacement, scale] =
+            ["contact", "factor", "stress", "displacement", "scale"].map(both);
+        let side = |part: usize| {
+            let (w, rows) = (|l: &[(&[f32], usize); 2]| l[part].0.to_vec(), contact[part].1);
+            let cut = |m: Vec<f32>, r: usize, from: usize, n: usize| {
+                let cols = m.len() / rows;
+                m[r * cols + from..r * cols + from + n].to_vec()
+            };
+            let mut all = Vec::new();
+            for r in 0..rows {
+                let first = [cut(w(&contact), r, 0, 3), cut(w(&factor), r, 0, depths), cut(w(&stress), r, 0, depths)];
+                all.extend(row(&first.concat()));
+                let deep = (0..depths)
+                    .flat_map(|k| [cut(w(&displacement), r, 3 * k, 3), cut(w(&scale), r, 3 * k, 3)].concat());
+                all.extend(row(&deep.collect::<Vec<_>>()));
+            }
+            let cols = all.len() / rows;
+            (all, cols)
+        };
+        let (weights, width) = side(0);
+        let [travel, motion] = ["travel", "motion"].map(both);
+        let (pad, pad_width) = beside(&[(travel[0].0, 1), (motion[0].0, 6)]);
+        Self {
+            depths,
+            load: packed("node.load"),
+            pad_load: packed("node.pad_load"),
+            node: Packed::new(&weights, width),
+            node_bias: side(1).0,
+            first: padded(3 + 2 * depths),
+            own_pad_load: packed("pad.load"),
+            middle: packed("pad.middle.weight"),
+            middle_bias: row(parameters.named("pad.middle.bias").value()),
+            pad: Packed::new(&pad, pad_width),
+            pad_bias: beside(&[(travel[1].0, 1), (motion[1].0, 6)]).0,
+        }
+    }
+
+    /// All channels at some loads; `nodes` of a face, `pads` of a grasp. `channels` may be those of a run that has ended.
+    pub fn run(
+        &self,
+        nodes: usize,
+        pads: usize,
+        norms: &Normalisers,
+        code: &Code,
+        loads: &Loads,
+        channels: &mut Channels,
+    ) {
+        let items = loads.depth.len();
+        let (width, d) = (self.node.cols, self.load.cols);
+        let even = (false, false);
+        let at_pad = norms.pad_load.apply(&loads.pad, &PAD_LOAD, even);
+        let pad_rows = Rows { data: &at_pad, stride: PAD_LOAD.len(), count: items };
+        let mut bias = vec![0.0; items * d];
+        multiply(pad_rows, &self.pad_load, false, None, Act::None, &mut bias);
+
+        let mut y = vec![0.0; items * d];
+        y.chunks_exact_mut(code.pad.len()).for_each(|y| y.copy_from_slice(&code.pad));
+        multiply(pad_rows, &self.own_pad_load, true, None, Act::Gated, &mut y);
+        let mut inner = vec![0.0; items * self.middle.cols];
+        let rows = |data, stride| Rows { data, stride, count: items };
+        multiply(rows(&y, d), &self.middle, false, Some(&self.middle_bias), Act::Gated, &mut inner);
+        let mut out = vec![0.0; items * self.pad.cols];
+        multiply(rows(&inner, self.middle.cols), &self.pad, false, Some(&self.pad_bias), Act::None, &mut out);
+        let of_pad = out.chunks_exact(self.pad.cols);
+        // Each layer has columns of its own, padded.
+        let motion_at = padded(1);
+
+        let mut numbers = std::mem::take(&mut channels.channels);
+        numbers.resize(items * nodes * width, 0.0);
+        *channels = Channels {
+            contact: vec![0.0; items * nodes * 3],
+            channels: numbers,
+            width,
+            first: self.first,
+            depths: self.depths,
+            travel: of_pad.clone().map(|row| row[0]).collect(),
+            motion: of_pad.flat_map(|row| &row[motion_at..motion_at + 6]).copied().collect(),
+        };
+        let each = channels
+            .contact
+            .par_chunks_exact_mut(3 * nodes)
+            .zip(channels.channels.par_chunks_exact_mut(width * nodes))
+            .zip(bias.par_chunks_exact(d).zip(loads.node.par_chunks_exact(NODE_LOAD.len() * nodes)));
+        each.enumerate().for_each_init(
+            || vec![0.0; BLOCK * (d + padded(NODE_LOAD.len()))],
+            |memory, (item, ((contact, out), (bias, load)))| {
+                let code = &code.node[item % pads * nodes * d..][..nodes * d];
+                for (b, out) in out.chunks_mut(BLOCK * width).enumerate() {
+                    let rows = b * BLOCK..b * BLOCK + out.len() / width;
+                    let load = &load[rows.start * NODE_LOAD.len()..rows.end * NODE_LOAD.len()];
+                    let code = &code[rows.start * d..rows.end * d];
+                    Arch::new().dispatch(NodeBlock { heads: self, norms, load, code, bias, memory, out });
+                }
+                share(out, width, load, contact);
+            },
+        );
+    }
+}
+
+struct NodeBlock<'a> {
+    heads: &'a Heads,
+    norms: &'a Normalisers,
+    load: &'a [f32],
+    code: &'a [f32],
+    bias: &'a [f32],
+    memory: &'a mut [f32],
+    out: &'a mut [f32],
+}
+
+impl WithSimd for NodeBlock<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { heads, norms, load, code, bias, memory, out } = self;
+        let (d, width, wide) = (heads.load.cols, heads.node.cols, padded(NODE_LOAD.len()));
+        let count = out.len() / width;
+        let (z, features) = memory.split_at_mut(BLOCK * d);
+        let (z, features) = (&mut z[..count * d], &mut features[..count * wide]);
+        norms.node_load.apply_to(load, features, wide);
+        z.copy_from_slice(code);
+        let rows = |data, stride| Rows { data, stride, count };
+        let (a, w) = (rows(&*features, wide), &heads.load);
+        product(simd, Product { a, w, keep: true, bias: Some(bias), act: Act::Gated, out: &mut *z, stride: d });
+        let (a, w, bias) = (rows(&*z, d), &heads.node, Some(heads.node_bias.as_slice()));
+        product(simd, Product { a, w, keep: false, bias, act: Act::None, out: &mut *out, stride: width });
+        for row in out.chunks_exact_mut(width) {
+            let contact = [row[0], row[1], row[2]];
+            for v in S::as_mut_simd_f32s(&mut row[..heads.first]).0 {
+                *v = positive(simd, *v);
+            }
+            row[..3].copy_from_slice(&contact);
+        }
+    }
+}
+
+/// Contact forces of a pad from its channels, on top of the settled ones: [`crate::net::autodiff::ops::share`].
+fn share(channels: &[f32], width: usize, load: &[f32], contact: &mut [f32]) {
+    let rows = channels.chunks_exact(width).zip(load.chunks_exact(NODE_LOAD.len()));
+    let mut top = f32::NEG_INFINITY;
+    for (out, (row, load)) in contact.chunks_exact_mut(3).zip(rows) {
+        out[0] = row[0] + (load[6] + LITTLE).ln();
+        (out[1], out[2]) = (row[1] + load[7], row[2] + load[8]);
+        top = top.max(out[0]);
+    }
+    let mut total = 0.0;
+    for out in contact.chunks_exact_mut(3) {
+        out[0] = (out[0] - top).exp();
+        total += out[0];
+    }
+    for out in contact.chunks_exact_mut(3) {
+        out[0] /= total;
+        out[1] *= out[0];
+        out[2] *= out[0];
+    }
+}

@@ -1,0 +1,297 @@
+//! Message passing on the sensing faces, block of nodes by block of nodes.
+//!
+//! ```text
+//! project   x = norm(h);  sender | receiver | own parts = x W;  parts of the pools          per block of nodes
+//! pool      g = act(W [mean x, near x, those of the other pad]) W                           per pad
+//! receive   m = sum over incoming edges of act(W e + sender + receiver);  h += W act(own + W m + g)
+//! ```
+//! Edges are sorted by receiver: each node adds up its own messages, without a list of messages and without atomics. Blocks
+//! do not depend on threads, and the pools are added up in the order of the blocks.
+
+use crate::kernel::activation::{Act, gated};
+use crate::kernel::product::{LANES, Packed, Product, Rows, padded, product};
+use crate::linear::edges::Edges;
+use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
+
+/// Nodes that are worked on together: their rows stay in the first-level cache from one operation to the next.
+pub const BLOCK: usize = 24;
+
+/// LayerNorm and what is made of its result.
+#[derive(Debug)]
+pub struct Project {
+    /// Gain and shift, padded.
+    pub norm: [Vec<f32>; 2],
+    /// Weights.
+    pub weights: Packed,
+    /// Bias, padded.
+    pub bias: Vec<f32>,
+}
+
+/// What nodes do with their messages.
+#[derive(Debug)]
+pub struct Receive {
+    /// Weights of the features of an edge: (features, padded latent).
+    pub edge: Vec<f32>,
+    /// Of the sum of the messages.
+    pub messages: Packed,
+    /// Of the sum of all.
+    pub out: Packed,
+    /// Bias, padded.
+    pub out_bias: Vec<f32>,
+}
+
+/// Directed edges by receiver.
+#[derive(Debug, Clone, Default)]
+pub struct Incoming {
+    /// Where those of each node start; one more at the end.
+    start: Vec<u32>,
+    sender: Vec<u32>,
+    /// Features of each, normalised.
+    pub features: Vec<f32>,
+    /// What a sum of messages is divided by.
+    usual: f32,
+}
+
+impl Incoming {
+    /// The edges of a pad with `nodes` face nodes.
+    pub fn new(edges: &Edges, nodes: usize, features: Vec<f32>) -> Self {
+        let mut start = vec![0; nodes + 1];
+        edges.list.iter().for_each(|(_, receiver)| start[*receiver as usize + 1] += 1);
+        (0..nodes).for_each(|i| start[i + 1] += start[i]);
+        let sender = edges.list.iter().map(|e| e.0).collect();
+        let usual = edges.gather.entries().next().map_or(1.0, |e| e.1);
+        Self { start, sender, features, usual }
+    }
+}
+
+/// Sizes of a pass.
+#[derive(Debug, Clone, Copy)]
+pub struct Sizes {
+    /// Face nodes of a pad.
+    pub nodes: usize,
+    /// Numbers per node.
+    pub latent: usize,
+}
+
+impl Sizes {
+    /// Floats per node.
+    pub fn stride(self) -> usize {
+        padded(self.latent)
+    }
+}
+
+/// `out = norm(h) W + b` for all pads, and the sums over the nodes of each pad of `norm(h)` weighted with each row of
+/// `weights` (rows, pads * nodes): `pooled` is (pads, rows, stride). `scratch` has room for h, `parts` for all blocks.
+#[allow(clippy::too_many_arguments)]
+pub fn project(
+    sizes: Sizes,
+    layer: &Project,
+    h: &[f32],
+    weights: [&[f32]; 2],
+    scratch: &mut [f32],
+    out: &mut [f32],
+    parts: &mut [f32],
+    pooled: &mut [f32],
+) {
+    let (n, s, cols) = (sizes.nodes, sizes.stride(), layer.weights.cols);
+    let blocks = n.div_ceil(BLOCK);
+    let pads = h
+        .par_chunks_exact(n * s)
+        .zip(scratch.par_chunks_exact_mut(n * s))
+        .zip(out.par_chunks_exact_mut(n * cols))
+        .zip(parts.par_chunks_exact_mut(blocks * 2 * s).zip(pooled.par_chunks_exact_mut(2 * s)));
+    pads.enumerate().for_each(|(pad, (((h, x), out), (parts, pooled)))| {
+        let own = weights.map(|w| &w[pad * n..(pad + 1) * n]);
+        let blocks = h
+            .par_chunks(BLOCK * s)
+            .zip(x.par_chunks_mut(BLOCK * s))
+            .zip(out.par_chunks_mut(BLOCK * cols).zip(parts.par_chunks_exact_mut(2 * s)));
+        blocks.enumerate().for_each(|(b, ((h, x), (out, part)))| {
+            let rows = b * BLOCK..(b * BLOCK + BLOCK).min(n);
+            let weights = own.map(|w| &w[rows.clone()]);
+            Arch::new().dispatch(ProjectBlock { latent: sizes.latent, layer, h, weights, x, out, part });
+        });
+        pooled.fill(0.0);
+        parts.chunks_exact(2 * s).for_each(|part| pooled.iter_mut().zip(part).for_each(|(p, v)| *p += v));
+    });
+}
+
+struct ProjectBlock<'a> {
+    latent: usize,
+    layer: &'a Project,
+    h: &'a [f32],
+    weights: [&'a [f32]; 2],
+    x: &'a mut [f32],
+    out: &'a mut [f32],
+    part: &'a mut [f32],
+}
+
+impl WithSimd for ProjectBlock<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { latent, layer, h, weights, x, out, part } = self;
+        let s = padded(latent);
+        norm(simd, layer, latent, h, x);
+        for (part, weights) in part.chunks_exact_mut(s).zip(weights) {
+            let sum = S::as_mut_simd_f32s(part).0;
+            sum.fill(simd.splat_f32s(0.0));
+            for (row, w) in x.chunks_exact(s).zip(weights) {
+                let w = simd.splat_f32s(*w);
+                for (sum, x) in sum.iter_mut().zip(S::as_simd_f32s(row).0) {
+                    *sum = simd.mul_add_e_f32s(w, *x, *sum);
+                }
+            }
+        }
+        let a = Rows { data: x, stride: s, count: x.len() / s };
+        let (w, bias, stride) = (&layer.weights, Some(layer.bias.as_slice()), layer.weights.cols);
+        product(simd, Product { a, w, keep: false, bias, act: Act::None, out, stride });
+    }
+}
+
+/// Added to the variance, as in [`crate::net::autodiff::ops::layer_norm`].
+const EPSILON: f32 = 1e-5;
+
+#[inline(always)]
+fn norm<S: Simd>(simd: S, layer: &Project, latent: usize, h: &[f32], x: &mut [f32]) {
+    let [gain, shift] = layer.norm.each_ref().map(|v| S::as_simd_f32s(v).0);
+    let each = 1.0 / latent as f32;
+    let s = padded(latent);
+    for (h, x) in h.chunks_exact(s).zip(x.chunks_exact_mut(s)) {
+        let (h, x) = (S::as_simd_f32s(h).0, S::as_mut_simd_f32s(x).0);
+        let sum = h.iter().fold(simd.splat_f32s(0.0), |sum, v| simd.add_f32s(sum, *v));
+        let average = simd.reduce_sum_f32s(sum) * each;
+        let mean = simd.splat_f32s(average);
+        let mut square = simd.splat_f32s(0.0);
+        for (x, h) in x.iter_mut().zip(h) {
+            *x = simd.sub_f32s(*h, mean);
+            square = simd.mul_add_e_f32s(*x, *x, square);
+        }
+        // Padding is zero: it has added the square of the mean.
+        let extra = (s - latent) as f32 * average * average;
+        let variance = (simd.reduce_sum_f32s(square) - extra) * each;
+        let scale = simd.splat_f32s(1.0 / (variance + EPSILON).sqrt());
+        for ((x, gain), shift) in x.iter_mut().zip(gain).zip(shift) {
+            // Gain and shift of the padding are zero, and with them what it becomes.
+            *x = simd.mul_add_e_f32s(simd.mul_f32s(*x, scale), *gain, *shift);
+        }
+    }
+}
+
+/// One round's update of `h`: `parts` are the sender, receiver and own parts of every node, `global` a row per pad.
+/// `scratch` is twice as long as `h`.
+pub fn receive(
+    sizes: Sizes,
+    layer: &Receive,
+    edges: &Incoming,
+    parts: &[f32],
+    global: &[f32],
+    scratch: &mut [f32],
+    h: &mut [f32],
+) {
+    let (n, s) = (sizes.nodes, sizes.stride());
+    let pads = h
+        .par_chunks_exact_mut(n * s)
+        .zip(scratch.par_chunks_exact_mut(2 * n * s))
+        .zip(parts.par_chunks_exact(3 * n * s).zip(global.par_chunks_exact(s)));
+    pads.for_each(|((h, scratch), (parts, global))| {
+        let blocks = h.par_chunks_mut(BLOCK * s).zip(scratch.par_chunks_mut(2 * BLOCK * s));
+        blocks.enumerate().for_each(|(b, (h, scratch))| {
+            let (messages, inner) = scratch.split_at_mut(h.len());
+            let first = b * BLOCK;
+            Arch::new().dispatch(ReceiveBlock { layer, edges, first, stride: s, parts, global, messages, inner, h });
+        });
+    });
+}
+
+struct ReceiveBlock<'a> {
+    layer: &'a Receive,
+    edges: &'a Incoming,
+    first: usize,
+    stride: usize,
+    parts: &'a [f32],
+    global: &'a [f32],
+    messages: &'a mut [f32],
+    inner: &'a mut [f32],
+    h: &'a mut [f32],
+}
+
+impl WithSimd for ReceiveBlock<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { layer, edges, first, stride: s, parts, global, messages, inner, h } = self;
+        let count = h.len() / s;
+        let mut gather = Gather { layer, edges, first, s, parts, messages: &mut *messages, start: 0 };
+        // As many columns at once as leave registers for the weights of the features.
+        while gather.start < s {
+            let left = (s - gather.start) / LANES;
+            match (S::F32_LANES, left) {
+                (16, 3..) => gather.run::<S, 3>(simd, count),
+                (16, _) => gather.run::<S, 1>(simd, count),
+                (8, _) => gather.run::<S, 2>(simd, count),
+                (4, _) => gather.run::<S, 4>(simd, count),
+                _ => gather.run::<S, 16>(simd, count),
+            }
+        }
+        for (i, row) in inner.chunks_exact_mut(s).enumerate() {
+            row.copy_from_slice(&parts[(first + i) * 3 * s + 2 * s..][..s]);
+        }
+        let rows = |data| Rows { data, stride: s, count };
+        let (a, w, bias) = (rows(&*messages), &layer.messages, Some(global));
+        product(simd, Product { a, w, keep: true, bias, act: Act::Gated, out: inner, stride: s });
+        let (a, w, bias) = (rows(&*inner), &layer.out, Some(layer.out_bias.as_slice()));
+        product(simd, Product { a, w, keep: true, bias, act: Act::None, out: h, stride: s });
+    }
+}
+
+/// The sums of the messages of a block, some columns of them from `start` on.
+struct Gather<'a, 'b> {
+    layer: &'a Receive,
+    edges: &'a Incoming,
+    first: usize,
+    s: usize,
+    parts: &'a [f32],
+    messages: &'b mut [f32],
+    start: usize,
+}
+
+impl Gather<'_, '_> {
+    #[inline(always)]
+    fn run<S: Simd, const N: usize>(&mut self, simd: S, count: usize) {
+        let Self { layer, edges, first, s, parts, start, .. } = *self;
+        let width = N * S::F32_LANES;
+        let load =
+            |from: &[f32]| -> [S::f32s; N] { *S::as_simd_f32s(&from[..width]).0.first_chunk().expect("N registers") };
+        // Four features of an edge.
+        let weights: [[S::f32s; N]; 4] = std::array::from_fn(|c| load(&layer.edge[c * s + start..]));
+        let usual = simd.splat_f32s(edges.usual);
+        for i in 0..count {
+            let node = first + i;
+            let own = load(&parts[node * 3 * s + s + start..]);
+            let mut sum = [simd.splat_f32s(0.0); N];
+            for e in edges.start[node] as usize..edges.start[node + 1] as usize {
+                let from = load(&parts[edges.sender[e] as usize * 3 * s + start..]);
+                let features = &edges.features[4 * e..4 * e + 4];
+                let mut z: [S::f32s; N] = std::array::from_fn(|j| simd.add_f32s(own[j], from[j]));
+                for c in 0..4 {
+                    let feature = simd.splat_f32s(features[c]);
+                    for j in 0..N {
+                        z[j] = simd.mul_add_e_f32s(feature, weights[c][j], z[j]);
+                    }
+                }
+                for j in 0..N {
+                    sum[j] = simd.add_f32s(sum[j], gated(simd, z[j]));
+                }
+            }
+            let out = &mut self.messages[i * s + start..][..width];
+            for (out, sum) in S::as_mut_simd_f32s(out).0.iter_mut().zip(sum) {
+                *out = simd.mul_f32s(sum, usual);
+            }
+        }
+        self.start += width;
+    }
+}

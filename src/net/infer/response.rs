@@ -1,0 +1,156 @@
+//! The linear response of a pad as it is used: displacement of its free nodes under forces on its face, and the stress that
+//! comes with it.
+//!
+//! Loads lie side by side, a register of them at a time.
+
+use super::heads::Channels;
+use crate::kernel::product::{self, Packed, Rows, padded};
+use crate::linear::compliance::Compliance;
+use crate::linear::pad_graph::PadGraph;
+use crate::net::autodiff::ops::LITTLE;
+use crate::net::network::Normalisers;
+use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
+
+/// Nodes whose response is found together.
+const BLOCK: usize = 16;
+/// Memory of a pass.
+#[derive(Debug, Default)]
+pub struct Memory {
+    forces: Packed,
+    moved: Vec<f32>,
+    at_nodes: Vec<f32>,
+}
+
+/// The response of a pad of this graph to `contact` (items, face nodes, 3: share, friction along x and y) times `scale`
+/// (items), with its `stress` if that is wanted.
+pub fn respond<'a>(
+    graph: &'a PadGraph,
+    contact: &[f32],
+    scale: &[f32],
+    stress: bool,
+    memory: &'a mut Memory,
+) -> Given<'a> {
+    let pad = &graph.compliance;
+    let (items, k) = (scale.len(), pad.forces);
+    let wide = padded(items);
+    let Memory { forces, moved, at_nodes } = memory;
+    // From (against the closing direction, x, y) to (x, y, z) of the pad.
+    let turn = [(1, 1.0), (2, 1.0), (0, -1.0)];
+    forces.fill(k, items, |r, item| {
+        let (from, sign) = turn[r % 3];
+        sign * scale[item] * contact[item * k + r - r % 3 + from]
+    });
+    moved.resize(pad.moving() * wide, 0.0);
+    let rows = 3 * BLOCK;
+    moved.par_chunks_mut(rows * wide).zip(pad.response.par_chunks(rows * k)).for_each(|(out, response)| {
+        let a = Rows { data: response, stride: k, count: out.len() / wide };
+        product::respond(a, forces, items, out);
+    });
+    at_nodes.resize(pad.nodes.div_ceil(BLOCK) * BLOCK * items * 4, 0.0);
+    at_nodes.par_chunks_exact_mut(BLOCK * items * 4).enumerate().for_each(|(block, out)| {
+        Arch::new().dispatch(NodeBlock { pad, first: block * BLOCK, items, moved, stress, out });
+    });
+    Given { graph, pad, items, stress, at_nodes }
+}
+
+/// Displacement and von Mises' norm of the stress of some nodes, from how all have moved.
+struct NodeBlock<'a> {
+    pad: &'a Compliance,
+    first: usize,
+    items: usize,
+    moved: &'a [f32],
+    stress: bool,
+    /// (items, [`BLOCK`], 4).
+    out: &'a mut [f32],
+}
+
+impl WithSimd for NodeBlock<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { pad, first, items, moved, stress, out } = self;
+        let wide = padded(items);
+        let lanes = S::F32_LANES;
+        let load = |row: usize, at: usize| S::as_simd_f32s(&moved[row * wide + at..][..lanes]).0[0];
+        let mut buffer = [0.0_f32; 4 * 16];
+        for node in first..(first + BLOCK).min(pad.nodes) {
+            let (slots, parts) = if stress { pad.deviator.of(node) } else { (&[][..], &[][..]) };
+            for at in (0..items).step_by(lanes) {
+                let mut s = [simd.splat_f32s(0.0); 5];
+                for (slot, parts) in slots.iter().zip(parts) {
+                    let row = 3 * *slot as usize;
+                    let [x, y, z] = [load(row, at), load(row + 1, at), load(row + 2, at)];
+                    let add = |sum, part: f32, u| simd.mul_add_e_f32s(simd.splat_f32s(part), u, sum);
+                    s[0] = add(add(add(s[0], parts[0], x), parts[1], y), parts[2], z);
+                    s[1] = add(add(add(s[1], parts[3], x), parts[4], y), parts[5], z);
+                    s[2] = add(add(s[2], parts[6], x), parts[7], y);
+                    s[3] = add(add(s[3], parts[8], y), parts[9], z);
+                    s[4] = add(add(s[4], parts[10], z), parts[11], x);
+                }
+                // a2 + b2 + a b + c2 + d2 + e2
+                let square = simd.mul_f32s(s[0], simd.add_f32s(s[0], s[1]));
+                let square = s[1..].iter().fold(square, |sum, v| simd.mul_add_e_f32s(*v, *v, sum));
+                let u = pad.slot[node]
+                    .map_or([simd.splat_f32s(0.0); 3], |slot| [0, 1, 2].map(|k| load(3 * slot as usize + k, at)));
+                let rows = [u[0], u[1], u[2], simd.mul_f32s(square, simd.splat_f32s(3.0))];
+                for (own, row) in buffer.chunks_exact_mut(16).zip(rows) {
+                    S::as_mut_simd_f32s(&mut own[..lanes]).0[0] = row;
+                }
+                for lane in 0..lanes.min(items - at) {
+                    let to = ((at + lane) * BLOCK + node - first) * 4;
+                    for k in 0..4 {
+                        out[to + k] = buffer[16 * k + lane];
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The response of all nodes at all loads.
+#[derive(Debug)]
+pub struct Given<'a> {
+    graph: &'a PadGraph,
+    pad: &'a Compliance,
+    items: usize,
+    stress: bool,
+    /// (blocks of nodes, items, [`BLOCK`], 4): displacement and the square of the stress.
+    at_nodes: &'a [f32],
+}
+
+impl Given<'_> {
+    /// Corrected by the network, in its units: displacement (items, nodes, 3) and stress (items, nodes), empty where
+    /// it is not wanted.
+    pub fn correct(&self, heads: &Channels, norms: &Normalisers) -> (Vec<f32>, Vec<f32>) {
+        let (n, items, face) = (self.pad.nodes, self.items, self.graph.face.len());
+        let stresses = if self.stress { n } else { 0 };
+        let (mut displacement, mut stress) = (vec![0.0; items * n * 3], vec![0.0; items * stresses]);
+        let [length, force] = [1.0 / norms.displacement, 1.0 / (norms.stress * norms.stress)];
+        let mut stress_of: Vec<&mut [f32]> = stress.chunks_mut(stresses.max(1)).collect();
+        stress_of.resize_with(items, Default::default);
+        let each = displacement.par_chunks_exact_mut(3 * n).zip(stress_of);
+        each.enumerate().for_each(|(item, (displacement, stress))| {
+            let own = heads.item(item, face);
+            for (node, u) in displacement.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+                let at = ((node / BLOCK * items + item) * BLOCK + node % BLOCK) * 4;
+                let given = &self.at_nodes[at..at + 4];
+                let (mut factor, mut more, mut beyond) = (0.0, 0.0, [0.0; 6]);
+                for (channel, weight) in self.graph.interpolate.row(node) {
+                    let channel = heads.channel(own, *channel as usize);
+                    factor += weight * channel.stress[0];
+                    more += weight * channel.stress[1];
+                    beyond.iter_mut().zip(channel.displacement).for_each(|(b, v)| *b += weight * v);
+                }
+                if let Some(s) = stress.get_mut(node) {
+                    *s = (given[3] * force + LITTLE * LITTLE).sqrt() * factor + more;
+                }
+                if self.pad.slot[node].is_some() {
+                    *u = [0, 1, 2].map(|k| given[k] * length * beyond[3 + k] + beyond[k]);
+                }
+            }
+        });
+        (displacement, stress)
+    }
+}

@@ -1,0 +1,176 @@
+//! The networks: one per file, each behind [`Network`].
+//!
+//! To add one: a file that implements [`Network`], its sizes in [`NetworkSpec`], a line in [`build`].
+
+pub mod card;
+pub mod face;
+pub mod paper;
+pub mod parameters;
+pub mod shipped;
+pub mod spec;
+
+use self::parameters::{Maker, Parameters};
+use self::spec::NetworkSpec;
+use super::autodiff::real::Real;
+use super::autodiff::tape::{Matrix, Tape};
+use super::features::loads::{Loads, NODE_LOAD, PAD_LOAD};
+use super::features::normalise::MOST;
+use super::features::normalise::Normaliser;
+use super::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE};
+use super::features::{self, Features, VECTOR};
+use crate::kernel::Sparse;
+use crate::linear::pad_graph::Layout;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Statistics of the training set.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Normalisers {
+    /// Of [`features::NODE`].
+    pub node: Normaliser,
+    /// Of [`features::EDGE`].
+    pub edge: Normaliser,
+    /// Of [`features::PAD`].
+    pub pad: Normaliser,
+    /// Of [`super::features::loads::NODE_LOAD`].
+    pub node_load: Normaliser,
+    /// Of [`super::features::loads::PAD_LOAD`].
+    pub pad_load: Normaliser,
+    /// Of a network that sees whole pads.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub volume: Option<VolumeNormalisers>,
+    /// Root mean square of what the displacement is beyond the linear response to the contact, over the depth.
+    pub displacement: f32,
+    /// Root mean square stress over Young's modulus times depth over thickness.
+    pub stress: f32,
+    /// Mean and deviation of what the travel is beyond that of the grip, over that depth.
+    pub travel: [f32; 2],
+    /// Root mean square of what the object's translation is beyond that in the grip, over the depth, and of its rotation,
+    /// over depth over thickness.
+    pub motion: [f32; 2],
+}
+
+impl Normalisers {
+    /// Whether all are such as training gives, those of whole pads where a network sees `whole` pads; else what is wrong.
+    pub(crate) fn check(&self, whole: bool) -> Result<(), String> {
+        self.node.check("node", features::NODE.len())?;
+        self.edge.check("edge", features::EDGE.len())?;
+        self.pad.check("pad", features::PAD.len())?;
+        self.node_load.check("node_load", NODE_LOAD.len())?;
+        self.pad_load.check("pad_load", PAD_LOAD.len())?;
+        match &self.volume {
+            Some(volume) if whole => {
+                volume.node.check("volume.node", VOLUME_NODE.len())?;
+                volume.mesh.check("volume.mesh", MESH_EDGE.len())?;
+                volume.contact.check("volume.contact", CONTACT_EDGE.len())?;
+            }
+            None if !whole => {}
+            _ => return Err("`normalisers.volume` does not belong to this `spec.network`".into()),
+        }
+        let [mean, deviation] = self.travel;
+        for (name, value) in [
+            ("displacement", self.displacement),
+            ("stress", self.stress),
+            ("travel", deviation),
+            ("motion", self.motion[0]),
+            ("motion", self.motion[1]),
+        ] {
+            if !(value > 0.0 && f64::from(value) <= MOST) {
+                return Err(format!("`normalisers.{name}` is {value}; allowed: above 0, to {MOST:e}"));
+            }
+        }
+        if !(mean.is_finite() && f64::from(mean.abs()) <= MOST) {
+            return Err(format!("`normalisers.travel` is {mean}; allowed: up to {MOST:e}"));
+        }
+        Ok(())
+    }
+}
+
+/// Statistics of [`super::features::volume`].
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct VolumeNormalisers {
+    /// Of [`super::features::volume::VOLUME_NODE`].
+    pub node: Normaliser,
+    /// Of [`super::features::volume::MESH_EDGE`].
+    pub mesh: Normaliser,
+    /// Of [`super::features::volume::CONTACT_EDGE`].
+    pub contact: Normaliser,
+}
+
+/// The inputs of a pass: features, normalised the same way everywhere.
+pub struct Inputs<'a> {
+    /// The grasp.
+    pub features: &'a Features,
+    /// Statistics.
+    pub normalisers: &'a Normalisers,
+    /// Mirrored along x, y.
+    pub mirror: (bool, bool),
+}
+
+impl Inputs<'_> {
+    /// Signs of a vector's components (x, y) under the mirror.
+    pub(crate) fn signs(&self) -> [f32; 2] {
+        [VECTOR[0], VECTOR[1]].map(|parity| parity.sign(self.mirror))
+    }
+
+    pub(crate) fn matrix<T: Real>(
+        &self,
+        rows: &[f32],
+        normaliser: &Normaliser,
+        parity: &[features::Parity],
+    ) -> Matrix<T> {
+        constant(parity.len(), normaliser.apply(rows, parity, self.mirror))
+    }
+}
+
+/// Numbers that no gradient is wanted of, `cols` to a row.
+fn constant<T: Real>(cols: usize, rows: Vec<f32>) -> Matrix<T> {
+    Matrix::constant(rows.len() / cols, cols, rows.into_iter().map(T::of).collect())
+}
+
+/// `times` copies of `rows` rows, one after the other.
+fn repeat(times: usize, rows: usize) -> Arc<Sparse> {
+    Sparse::gather((0..times).flat_map(|_| 0..rows), rows)
+}
+
+/// What a network predicts at some load levels, in units of [`Normalisers`]; rows are levels, then pads, then nodes.
+#[derive(Debug, Clone)]
+pub struct Output<T: Real = f32> {
+    /// (levels * pads * nodes, 3).
+    pub displacement: Matrix<T>,
+    /// (levels * pads * nodes, 1), non-negative.
+    pub stress: Matrix<T>,
+    /// (levels * pads * face nodes, 3): share of the finger's force, and friction along x and y in that unit.
+    pub contact: Matrix<T>,
+    /// (levels * pads, 1).
+    pub travel: Matrix<T>,
+    /// (levels * pads, 6): translation and rotation vector of the object in the frame of each pad.
+    pub motion: Matrix<T>,
+}
+
+/// A network.
+pub trait Network<T: Real = f32>: Send + Sync + std::fmt::Debug {
+    /// Where it passes messages.
+    fn layout(&self) -> Layout;
+    /// The pass that happens once per grasp. What it returns is for [`Network::decode`] alone.
+    fn encode(&self, tape: &Tape<T>, parameters: &Parameters<T>, inputs: &Inputs) -> Vec<Matrix<T>>;
+    /// The pass for some load levels.
+    fn decode(
+        &self,
+        tape: &Tape<T>,
+        parameters: &Parameters<T>,
+        inputs: &Inputs,
+        code: &[Matrix<T>],
+        loads: &Loads,
+    ) -> Output<T>;
+}
+
+/// The network of a description and its start values; without a seed for them, all weights are zero.
+pub fn build<T: Real>(spec: &NetworkSpec, seed: Option<u64>) -> (Box<dyn Network<T>>, Parameters<T>) {
+    let mut maker = Maker::new(seed);
+    let network: Box<dyn Network<T>> = match spec {
+        NetworkSpec::Face(sizes) => Box::new(face::FaceNetwork::new(sizes, &mut maker)),
+        NetworkSpec::Paper(sizes) => Box::new(paper::PaperNetwork::new(sizes, &mut maker)),
+    };
+    (network, maker.finish())
+}

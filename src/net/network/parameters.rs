@@ -1,0 +1,123 @@
+//! The parameters of a network: named matrices in a fixed order, their start values, and their file.
+
+use crate::error::{Error, Result};
+use crate::net::autodiff::real::Real;
+use crate::net::autodiff::tape::Matrix;
+use crate::random::Random;
+use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
+use std::path::Path;
+
+/// Named matrices. The order is that in which the network asked for them.
+#[derive(Debug, Clone)]
+pub struct Parameters<T: Real = f32> {
+    names: Vec<String>,
+    /// The matrices.
+    pub matrices: Vec<Matrix<T>>,
+}
+
+/// Number of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Id(usize);
+
+/// Makes the parameters of a network, with random start values.
+#[derive(Debug)]
+pub struct Maker<T: Real = f32> {
+    random: Option<Random>,
+    parameters: Parameters<T>,
+}
+
+impl<T: Real> Maker<T> {
+    /// Equal seeds give equal parameters; none is for those whose values come from a file.
+    pub fn new(seed: Option<u64>) -> Self {
+        Self { random: seed.map(Random::new), parameters: Parameters { names: Vec::new(), matrices: Vec::new() } }
+    }
+
+    fn add(&mut self, name: String, rows: usize, cols: usize, value: Vec<T>) -> Id {
+        self.parameters.names.push(name);
+        self.parameters.matrices.push(Matrix::parameter(rows, cols, value));
+        Id(self.parameters.matrices.len() - 1)
+    }
+
+    /// A weight (rows, cols), uniform with variance `gain / rows` (He et al. 2015 for gain 2).
+    pub fn weight(&mut self, name: &str, rows: usize, cols: usize, gain: f64) -> Id {
+        let limit = (3.0 * gain / rows as f64).sqrt();
+        let mut one = || self.random.as_mut().map_or(0.0, |random| 2.0 * random.unit() - 1.0);
+        let value = (0..rows * cols).map(|_| T::nearest(one() * limit)).collect();
+        self.add(name.into(), rows, cols, value)
+    }
+
+    /// A row of equal numbers.
+    pub fn row(&mut self, name: &str, cols: usize, value: f32) -> Id {
+        self.add(name.into(), 1, cols, vec![T::of(value); cols])
+    }
+
+    /// All parameters made.
+    pub fn finish(self) -> Parameters<T> {
+        self.parameters
+    }
+}
+
+impl<T: Real> Parameters<T> {
+    /// The matrix `id`.
+    pub fn get(&self, id: Id) -> &Matrix<T> {
+        &self.matrices[id.0]
+    }
+
+    /// The matrix of a name that the network asked for.
+    ///
+    /// # Panics
+    /// Without such a parameter.
+    pub fn named(&self, name: &str) -> &Matrix<T> {
+        let at = self.names.iter().position(|n| n == name);
+        &self.matrices[at.unwrap_or_else(|| panic!("the network has no parameter `{name}`"))]
+    }
+
+    /// Names, in order.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Number of numbers.
+    pub fn count(&self) -> usize {
+        self.matrices.iter().map(|m| m.value().len()).sum()
+    }
+}
+
+impl Parameters {
+    /// As a safetensors file: f32, row-major, (rows, cols).
+    pub fn to_bytes(&self) -> Result<Vec<u8>> {
+        let fail = |e: safetensors::SafeTensorError| Error::Solver(format!("the weights cannot be written: {e}"));
+        let bytes: Vec<Vec<u8>> =
+            self.matrices.iter().map(|m| m.value().iter().flat_map(|v| v.to_le_bytes()).collect()).collect();
+        let views = self.names.iter().zip(&self.matrices).zip(&bytes).map(|((name, m), bytes)| {
+            TensorView::new(Dtype::F32, vec![m.rows, m.cols], bytes).map(|view| (name.clone(), view))
+        });
+        let views = views.collect::<std::result::Result<Vec<_>, _>>().map_err(fail)?;
+        serialize(views, None).map_err(fail)
+    }
+
+    /// Takes the values from `bytes`, the content of a file at `path` that holds exactly these parameters.
+    ///
+    /// # Errors
+    /// A file that is not safetensors, or whose names, shapes or numbers are not those of this network.
+    pub fn load(&mut self, bytes: &[u8], path: &Path) -> Result<()> {
+        let fail = |message: String| Error::file(path, message);
+        let file = SafeTensors::deserialize(bytes).map_err(|e| fail(format!("is no safetensors file: {e}")))?;
+        if file.len() != self.names.len() {
+            return Err(fail(format!("holds {} tensors, the network has {}", file.len(), self.names.len())));
+        }
+        for (name, matrix) in self.names.iter().zip(&mut self.matrices) {
+            let view = file.tensor(name).map_err(|_| fail(format!("has no tensor `{name}`")))?;
+            if view.dtype() != Dtype::F32 || view.shape() != [matrix.rows, matrix.cols] {
+                let shape = (matrix.rows, matrix.cols);
+                return Err(fail(format!("`{name}` is {:?} {:?}, not F32 {shape:?}", view.dtype(), view.shape())));
+            }
+            let value: Vec<f32> = view.data().as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
+            if let Some(bad) = value.iter().find(|v| !v.is_finite()) {
+                return Err(fail(format!("`{name}` holds {bad}; weights must be finite")));
+            }
+            *matrix.value_mut() = value;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,128 @@
+//! The RON description of a model: which network, and how it is trained.
+
+use crate::error::{Error, Result};
+use crate::scene::leaf::{Count, Fraction, Positive};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A model file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "Model", deny_unknown_fields)]
+pub struct Spec {
+    /// The network.
+    pub network: NetworkSpec,
+    /// How it is trained.
+    #[serde(default)]
+    pub training: Training,
+}
+
+/// The networks there are, with their sizes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum NetworkSpec {
+    /// Message passing on the sensing face, the whole force ramp from one pass: [`super::face`].
+    Face(Face),
+    /// The tactile paper's, through whole pads, once per load: [`super::paper`].
+    Paper(Paper),
+}
+
+/// Sizes of the face network.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Face {
+    /// Numbers per node while messages pass.
+    pub latent: Count<1, 1024>,
+    /// Rounds of message passing.
+    pub rounds: Count<1, 64>,
+    /// Numbers per node while a load level is decoded.
+    pub decoder: Count<1, 1024>,
+    /// Depth channels from the face to the bonded side.
+    pub depths: Count<2, 64>,
+}
+
+impl Default for Face {
+    fn default() -> Self {
+        Self {
+            latent: Count::preset(48),
+            rounds: Count::preset(5),
+            decoder: Count::preset(64),
+            depths: Count::preset(5),
+        }
+    }
+}
+
+/// Sizes of the tactile paper's network.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Paper {
+    /// Numbers per node and edge.
+    pub latent: Count<1, 1024>,
+    /// Rounds of message passing, all with the same weights.
+    pub rounds: Count<1, 64>,
+}
+
+impl Default for Paper {
+    fn default() -> Self {
+        Self { latent: Count::preset(128), rounds: Count::preset(15) }
+    }
+}
+
+/// How a network is trained.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Training {
+    /// Passes over the training set at most.
+    pub epochs: Count<1, 1000000>,
+    /// Grasps per step.
+    pub batch: Count<1, 4096>,
+    /// Load levels of a grasp that a step looks at, drawn anew each time.
+    pub levels: Count<1, 10000>,
+    /// Frames of a grasp that are kept in memory, evenly spread from the first to the last.
+    pub frames: Count<1, 10000>,
+    /// Largest step of Adam (Kingma and Ba 2015); it rises over the first 2 % of the steps, then falls as a cosine.
+    pub learning_rate: Positive,
+    /// Norm that the gradient is cut to.
+    pub clip: Positive,
+    /// Part of the training grasps that is kept to decide when to stop.
+    pub validation: Fraction,
+    /// Epochs without a better validation error after which training stops.
+    pub patience: Count<1, 1000000>,
+    /// Weights of stress, contact force, travel and object motion in the loss; displacement has 1.
+    pub weights: [f32; 4],
+    /// Mirror grasps at random: four times the data.
+    pub mirror: bool,
+    /// Seed of the start values, the order of the grasps, levels and mirrors.
+    pub seed: u64,
+}
+
+impl Default for Training {
+    fn default() -> Self {
+        Self {
+            epochs: Count::preset(200),
+            batch: Count::preset(4),
+            levels: Count::preset(4),
+            frames: Count::preset(10),
+            learning_rate: Positive::preset(2e-3),
+            clip: Positive::preset(1.0),
+            validation: Fraction::preset(0.1),
+            patience: Count::preset(60),
+            weights: [1.0, 0.3, 3.0, 0.1],
+            mirror: true,
+            seed: 1,
+        }
+    }
+}
+
+impl Spec {
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// With file, line and column.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).map_err(|e| Error::file(path, format!("cannot be read: {e}")))?;
+        let bad = |e: ron::error::SpannedError| {
+            let at = e.span.start;
+            Error::Scene(format!("error: {}:{}:{}: {}", path.display(), at.line, at.col, e.code))
+        };
+        crate::scene::load::options().from_str(&text).map_err(bad)
+    }
+}

@@ -1,0 +1,108 @@
+//! The state of a training run on disk, in one file, so that it is whole or not there.
+
+use super::State;
+use super::curves::Epoch;
+use crate::error::{Error, Result};
+use crate::files::atomic::write_durable;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Name of the file; it is gone once the model is finished.
+const CHECKPOINT: &str = "checkpoint.bin";
+
+/// What stands before the numbers.
+#[derive(Serialize, Deserialize)]
+struct Header {
+    plan: String,
+    step: u64,
+    epochs: Vec<Epoch>,
+    /// Length of each parameter.
+    lengths: Vec<usize>,
+}
+
+fn path(dir: &Path) -> PathBuf {
+    dir.join(CHECKPOINT)
+}
+
+/// Writes the state: a line of RON (which gives numbers back to the bit), then weights, best weights and both moments, f32, little-endian, and a checksum.
+pub fn write(dir: &Path, plan: &str, state: &State) -> Result<()> {
+    let header = Header {
+        plan: plan.into(),
+        step: state.adam.step,
+        epochs: state.epochs.clone(),
+        lengths: state.parameters.matrices.iter().map(|m| m.value().len()).collect(),
+    };
+    let mut bytes = ron::to_string(&header).map_err(|e| Error::file(path(dir), e.to_string()))?.into_bytes();
+    bytes.push(b'\n');
+    let weights = [&state.parameters, &state.best].into_iter().flat_map(|p| &p.matrices).map(|m| m.value());
+    let moments = [&state.adam.first, &state.adam.second].into_iter().flatten().map(Vec::as_slice);
+    weights.chain(moments).flatten().for_each(|v| bytes.extend(v.to_le_bytes()));
+    bytes.extend(blake3::hash(&bytes).as_bytes());
+    write_durable(&path(dir), &bytes)
+}
+
+/// What an earlier run left.
+pub enum Left {
+    /// No file.
+    Nothing,
+    /// A file that is not as it was written.
+    Damaged(PathBuf),
+    /// Its state.
+    State(Box<State>),
+}
+
+/// What an earlier run of the same plan left. `like` has the shapes.
+///
+/// # Errors
+/// A file of another plan, or one that cannot be read.
+pub fn read(dir: &Path, plan: &str, like: &State) -> Result<Left> {
+    let path = path(dir);
+    let fail = |message: &str| Error::file(&path, message);
+    let bytes = match std::fs::read(&path) {
+        Ok(bytes) => bytes,
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Left::Nothing),
+        Err(e) => return Err(fail(&format!("cannot be read: {e}"))),
+    };
+    let whole = bytes.split_last_chunk::<32>().filter(|(body, sum)| blake3::hash(body).as_bytes() == *sum);
+    let header = |body: &[u8]| {
+        let end = body.iter().position(|b| *b == b'\n')?;
+        Some((ron::de::from_bytes::<Header>(&body[..end]).ok()?, end))
+    };
+    let Some((body, (header, end))) = whole.and_then(|(body, _)| Some((body, header(body)?))) else {
+        return Ok(Left::Damaged(path));
+    };
+    if header.plan != plan {
+        return Err(fail("is of another training (data, split, model file or version differ); choose another folder"));
+    }
+    let lengths: Vec<usize> = like.parameters.matrices.iter().map(|m| m.value().len()).collect();
+    let numbers: Vec<f32> = body[end + 1..].as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
+    let total: usize = lengths.iter().sum();
+    if header.lengths != lengths || numbers.len() != 4 * total {
+        return Ok(Left::Damaged(path));
+    }
+    let mut state = like.clone();
+    let mut rest = numbers.as_slice();
+    let mut next = |n: usize| {
+        let (own, tail) = rest.split_at(n);
+        rest = tail;
+        own.to_vec()
+    };
+    for parameters in [&mut state.parameters, &mut state.best] {
+        parameters.matrices.iter_mut().for_each(|m| *m.value_mut() = next(m.value().len()));
+    }
+    for moments in [&mut state.adam.first, &mut state.adam.second] {
+        moments.iter_mut().for_each(|m| *m = next(m.len()));
+    }
+    (state.adam.step, state.epochs) = (header.step, header.epochs);
+    Ok(Left::State(Box::new(state)))
+}
+
+/// Removes the file of a finished run.
+pub fn remove(dir: &Path) -> Result<()> {
+    match std::fs::remove_file(path(dir)) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+            Err(Error::file(path(dir), format!("cannot be removed: {e}")))
+        }
+        _ => Ok(()),
+    }
+}

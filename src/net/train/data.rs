@@ -1,0 +1,191 @@
+//! What is trained on: grasps of a data set, their statistics and range, and the part that decides when to stop.
+
+use crate::dataset::split::Poses;
+use crate::dataset::{DataSet, Splits};
+use crate::error::{Error, Result};
+use crate::interrupt;
+use crate::linear::compliance_cache::Cache;
+use crate::linear::pad_graph::{Layout, PadGraph};
+use crate::model::Model;
+use crate::net::autodiff::ops::{displaced, respond};
+use crate::net::autodiff::tape::{Matrix, Tape};
+use crate::net::features::loads::{Loads, NODE_LOAD, PAD_LOAD};
+use crate::net::features::normalise::Normaliser;
+use crate::net::features::range::TrainedRange;
+use crate::net::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
+use crate::net::features::{EDGE, NODE, PAD, Parity};
+use crate::net::network::{Normalisers, VolumeNormalisers};
+use crate::net::train::sample::{Sample, model_of};
+use crate::random::Random;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Training and test poses by the name of a split: `poses`, `all`, `single:OBJECT`, `without:OBJECT`.
+///
+/// # Errors
+/// A name that the data set does not have, with those that it has.
+pub fn split(splits: &Splits, name: &str) -> Result<crate::dataset::split::Sets> {
+    let sets = match name.split_once(':') {
+        None if name == "poses" => Some(splits.poses.clone()),
+        None if name == "all" => Some(splits.all()),
+        Some(("single", object)) => splits.single_object.get(object).cloned(),
+        Some(("without", object)) => splits.leave_one_object_out.get(object).cloned(),
+        _ => None,
+    };
+    sets.ok_or_else(|| {
+        let objects: Vec<&str> = splits.single_object.keys().map(String::as_str).collect();
+        let objects = objects.join(", ");
+        Error::Start(format!(
+            "--split {name}: there are poses, all, single:OBJECT and without:OBJECT; objects: {objects}"
+        ))
+    })
+}
+
+/// The grasps that `poses` names, with the range that they span; at most `frames` frames of each.
+///
+/// # Errors
+/// Damaged files or grasps, a mix that one model cannot serve, no grasp at all.
+pub fn read(set: &DataSet, poses: &Poses, layout: Layout, frames: usize) -> Result<(Vec<Sample>, TrainedRange)> {
+    if let Some(damaged) = set.damaged.first() {
+        return Err(Error::Start(format!("the data set is damaged: {damaged}")));
+    }
+    let models = set.objects.iter().map(model_of).collect::<Result<Vec<Arc<Model>>>>()?;
+    let mut graphs: Vec<Arc<PadGraph>> = Vec::new();
+    for model in &models {
+        // Equal pads share one graph.
+        let finger = model.finger()?;
+        let known = graphs.iter().find(|g| g.fits(finger)).cloned();
+        let made = || PadGraph::keeping(finger, layout, Cache::of_user().as_ref()).map(Arc::new);
+        graphs.push(known.map_or_else(made, Ok)?);
+    }
+    let chosen = set.select(poses);
+    let samples = chosen
+        .par_iter()
+        .map(|&(o, grasp)| {
+            interrupt::check()?;
+            Sample::read(&set.objects[o], &models[o], &graphs[o], grasp, frames)
+        })
+        .collect::<Result<Vec<_>>>()?;
+    let mut range: Option<TrainedRange> = None;
+    for (sample, (o, _)) in samples.iter().zip(&chosen) {
+        let own = TrainedRange::of(&models[*o], &sample.features, &sample.forces);
+        match &mut range {
+            Some(range) => range.extend(&own)?,
+            None => range = Some(own),
+        }
+    }
+    let empty = || Error::Start("the split has no grasp that reached its load".into());
+    range.map(|range| (samples, range)).ok_or_else(empty)
+}
+
+/// Takes `part` of `samples` out, by a permutation of `seed`: (kept, taken out). At least one stays; one is taken out of two.
+pub fn set_aside(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Sample>, Vec<Sample>) {
+    let count = ((samples.len() as f64 * part).round() as usize).clamp(1, samples.len().max(2) - 1);
+    let mut random = Random::new(seed);
+    let mut order: Vec<usize> = (0..samples.len()).collect();
+    random.shuffle(&mut order);
+    let taken: Vec<usize> = order.into_iter().take(count).collect();
+    let (mut kept, mut out) = (Vec::new(), Vec::new());
+    for (i, sample) in samples.into_iter().enumerate() {
+        if taken.contains(&i) { out.push(sample) } else { kept.push(sample) }
+    }
+    (kept, out)
+}
+
+/// Statistics of a training set; what training is stopped by lies within the bounds of features, too.
+pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
+    let loads: Vec<&Loads> = samples.iter().map(|s| &s.loads).collect();
+    let rms = |values: &mut dyn Iterator<Item = f64>| {
+        let (n, square) = values.fold((0.0, 0.0), |(n, s), v| (n + 1.0, s + v * v));
+        (square / f64::max(n, 1.0)).sqrt().max(1e-12) as f32
+    };
+    let fit = |pick: fn(&Sample) -> &[f32], parity: &[Parity]| {
+        Normaliser::fit(samples.iter().map(pick), parity).reaching(validation.iter().map(pick), parity)
+    };
+    // Values of a field, each over the depth of its level and pad.
+    let over_depth = |pick: fn(&Sample) -> &[f32]| {
+        let of = |(s, l): (&Sample, &&Loads)| {
+            let all = pick(s);
+            let width = all.len() / l.depth.len();
+            all.chunks_exact(width)
+                .zip(&l.depth)
+                .flat_map(|(own, d)| own.iter().map(|v| f64::from(*v) / d).collect::<Vec<_>>())
+                .collect::<Vec<_>>()
+        };
+        let mut values = samples.iter().zip(&loads).flat_map(of);
+        rms(&mut values)
+    };
+    let young = samples[0].features.young;
+    let thickness = samples[0].features.graph.thickness;
+    let travel: Vec<f64> = samples
+        .iter()
+        .zip(&loads)
+        .flat_map(|(s, l)| s.travel.iter().zip(&l.travel).zip(&l.depth).map(|((x, prior), d)| (x - prior) / d))
+        .collect();
+    let mean = travel.iter().sum::<f64>() / travel.len() as f64;
+    let motion = |turn: bool| {
+        let of = |(s, l): (&Sample, &&Loads)| {
+            let value = |(i, v): (usize, &f64)| {
+                let d = l.depth[i / 6] / if turn { thickness } else { 1.0 };
+                ((i % 6 >= 3) == turn).then_some((v - l.motion[i]) / d)
+            };
+            s.motion.iter().enumerate().filter_map(value).collect::<Vec<_>>()
+        };
+        let mut values = samples.iter().zip(&loads).flat_map(of);
+        rms(&mut values)
+    };
+    Normalisers {
+        node: fit(|s| &s.features.node, &NODE),
+        edge: fit(|s| &s.features.edge, &EDGE),
+        pad: fit(|s| &s.features.pad, &PAD),
+        node_load: fit(|s| &s.loads.node, &NODE_LOAD),
+        pad_load: fit(|s| &s.loads.pad, &PAD_LOAD),
+        volume: volume(samples, validation),
+        displacement: beyond_response(samples, &loads),
+        stress: over_depth(|s| &s.stress) / (young / thickness) as f32,
+        travel: [mean as f32, rms(&mut travel.iter().map(|v| v - mean))],
+        motion: [motion(false), motion(true)],
+    }
+}
+
+/// Whole pads, and their contact edges at all forces.
+type Whole = (Arc<Volume>, Vec<f32>);
+
+/// Those of the whole pads, if the samples have them.
+fn volume(samples: &[Sample], validation: &[Sample]) -> Option<VolumeNormalisers> {
+    let of = |s: &Sample| {
+        let volume = s.features.volume.clone()?;
+        let contact = s.loads.force.iter().flat_map(|f| volume.contact_edge(*f)).collect();
+        Some((volume, contact))
+    };
+    let all = |set: &[Sample]| set.iter().map(of).collect::<Option<Vec<Whole>>>();
+    let (own, beside) = (all(samples)?, all(validation)?);
+    let fit = |pick: fn(&Whole) -> &[f32], parity: &[Parity]| {
+        Normaliser::fit(own.iter().map(pick), parity).reaching(beside.iter().map(pick), parity)
+    };
+    Some(VolumeNormalisers {
+        node: fit(|(volume, _)| &volume.node, &VOLUME_NODE),
+        mesh: fit(|(volume, _)| &volume.mesh_edge, &MESH_EDGE),
+        contact: fit(|(_, contact)| contact, &CONTACT_EDGE),
+    })
+}
+
+/// Root mean square of what the displacement is beyond the linear response to the true contact forces, over the depth.
+fn beyond_response(samples: &[Sample], loads: &[&Loads]) -> f32 {
+    let (mut count, mut square) = (0.0, 0.0);
+    for (s, l) in samples.iter().zip(loads) {
+        let (graph, width) = (&s.features.graph, s.displacement.len() / l.depth.len());
+        let force = s.contact.iter().map(|f| f / s.features.unit_force() as f32).collect();
+        let force = Matrix::constant(l.depth.len(), 3 * graph.face.len(), force);
+        // A network of whole pads gives the displacement by itself.
+        let (pad, tape) = (&graph.compliance, Tape::silent());
+        let given =
+            matches!(graph.layout, Layout::Face { .. }).then(|| displaced(&tape, pad, &respond(&tape, pad, &force)));
+        for (i, u) in s.displacement.iter().enumerate() {
+            let given = given.as_ref().map_or(0.0, |g| f64::from(g.value()[i]) * graph.thickness);
+            square += ((f64::from(*u) - given) / l.depth[i / width]).powi(2);
+            count += 1.0;
+        }
+    }
+    f64::sqrt(square / f64::max(count, 1.0)).max(1e-12) as f32
+}

@@ -1,0 +1,317 @@
+//! Training: data-parallel over the cores, the same bits on any number of threads, resumable after any kill.
+//!
+//! All that is random comes from (seed, epoch, grasp), so that an epoch needs no memory of the ones before it: weights and
+//! moments after an epoch are the whole state (`checkpoint.rs`).
+
+pub mod adam;
+mod checkpoint;
+pub mod curves;
+pub mod data;
+pub mod sample;
+
+use self::sample::Sample;
+use super::autodiff::real::Real;
+use super::autodiff::tape::Tape;
+use super::features::VERSION;
+use super::features::range::TrainedRange;
+use super::network::card::{CARD, Card};
+use super::network::parameters::Parameters;
+use super::network::spec::{Spec, Training};
+use super::network::{Inputs, Network, Normalisers, build};
+use crate::dataset::DataSet;
+use crate::error::{Error, Result};
+use crate::files::lock::FolderLock;
+use crate::interrupt;
+use crate::random::Random;
+use adam::Adam;
+use checkpoint::Left;
+use curves::Epoch;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+
+/// A training run.
+#[derive(Debug)]
+pub struct Trainer {
+    dir: PathBuf,
+    card: Card,
+    network: Box<dyn Network>,
+    samples: Vec<Sample>,
+    validation: Vec<Sample>,
+    /// The state: weights, those of the best epoch, moments, and all epochs so far.
+    state: State,
+    /// What to know about the start.
+    pub notice: Option<String>,
+    _lock: FolderLock,
+}
+
+/// All that an epoch leaves to the next.
+#[derive(Debug, Clone)]
+pub struct State {
+    /// Weights.
+    pub parameters: Parameters,
+    /// Weights of the epoch with the smallest validation loss.
+    pub best: Parameters,
+    /// The optimiser.
+    pub adam: Adam,
+    /// The loss curve.
+    pub epochs: Vec<Epoch>,
+}
+
+impl State {
+    /// The epoch with the smallest validation loss, and that loss.
+    pub fn best_epoch(&self) -> Option<(usize, f64)> {
+        let losses = self.epochs.iter().map(|e| e.validation).enumerate();
+        losses.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// All epochs are done.
+    Epochs,
+    /// The validation loss has not fallen for long enough.
+    Patience,
+}
+
+impl Trainer {
+    /// Reads the training grasps of `split`, and the state of an earlier run of the same plan in `dir`, which is held until the end.
+    ///
+    /// # Errors
+    /// Data that cannot be used; a folder that another training holds, or that holds another model.
+    pub fn new(set: &DataSet, spec: &Spec, split: &str, dir: &Path) -> Result<Self> {
+        let sets = data::split(&set.splits, split)?;
+        // Before anything long: what another one writes meanwhile must not be replaced at the end.
+        let lock = FolderLock::alone(dir, "tactus train")?;
+        let (network, parameters) = build(&spec.network, Some(spec.training.seed));
+        let (samples, range) = data::read(set, &sets.train, network.layout(), spec.training.frames.get())?;
+        if samples.len() < 2 {
+            return Err(Error::Start("training needs two grasps at least: one to learn from, one to stop by".into()));
+        }
+        let (samples, validation) = data::set_aside(samples, spec.training.validation.get(), spec.training.seed);
+        let card = card(spec, set, split, [&samples, &validation], range, &parameters);
+        let adam = Adam::new(&parameters);
+        let state = State { best: parameters.clone(), parameters, adam, epochs: Vec::new() };
+        let mut trainer =
+            Self { dir: dir.to_path_buf(), card, network, samples, validation, state, notice: None, _lock: lock };
+        match checkpoint::read(dir, &trainer.plan()?, &trainer.state)? {
+            Left::State(state) => trainer.state = *state,
+            Left::Nothing | Left::Damaged(_) if dir.join(CARD).exists() => {
+                let message = "holds a trained model already; choose another folder, or remove this one";
+                return Err(Error::file(dir, message));
+            }
+            Left::Nothing => {}
+            Left::Damaged(path) => {
+                trainer.notice = Some(format!("{}: is damaged; training starts afresh", path.display()));
+            }
+        }
+        Ok(trainer)
+    }
+
+    /// What decides every bit of the result.
+    fn plan(&self) -> Result<String> {
+        let spec = ron::to_string(&self.card.spec).map_err(|e| Error::Solver(e.to_string()))?;
+        let Card { tactus, features, data, split, .. } = &self.card;
+        Ok(format!("{tactus} features {features} {data} {split} {spec}"))
+    }
+
+    /// What is trained.
+    pub fn card(&self) -> &Card {
+        &self.card
+    }
+
+    /// The loss curve so far.
+    pub fn epochs(&self) -> &[Epoch] {
+        &self.state.epochs
+    }
+
+    /// Training and validation grasps.
+    pub fn counts(&self) -> (usize, usize) {
+        (self.samples.len(), self.validation.len())
+    }
+
+    /// Trains to the end; `watch` is told every epoch. Every epoch is kept on disk before the next one starts.
+    ///
+    /// # Errors
+    /// A loss that is not finite: the last good epoch stays on disk. Files that cannot be written.
+    pub fn run(&mut self, mut watch: impl FnMut(&Self)) -> Result<End> {
+        let training = self.card.spec.training;
+        let plan = self.plan()?;
+        let end = loop {
+            let done = self.state.epochs.len();
+            let since = self.state.best_epoch().map_or(0, |(best, _)| done - 1 - best);
+            if done >= training.epochs.get() {
+                break End::Epochs;
+            }
+            if since >= training.patience.get() {
+                break End::Patience;
+            }
+            self.epoch(done)?;
+            checkpoint::write(&self.dir, &plan, &self.state)?;
+            watch(self);
+        };
+        self.finish()?;
+        Ok(end)
+    }
+
+    fn epoch(&mut self, number: usize) -> Result<()> {
+        let training = self.card.spec.training;
+        let mut order: Vec<usize> = (0..self.samples.len()).collect();
+        let mut random = Random::new(key(training.seed, number, usize::MAX));
+        random.shuffle(&mut order);
+        let batches = order.len().div_ceil(training.batch.get());
+        let mut state = self.state.clone();
+        let mut total = 0.0;
+        for (k, batch) in order.chunks(training.batch.get()).enumerate() {
+            // In the order of the batch, whichever thread was first.
+            let parts: Vec<(f64, Vec<Vec<f32>>)> = batch
+                .par_iter()
+                .map(|&i| interrupt::check().map(|()| self.gradient(&state.parameters, i, number)))
+                .collect::<Result<_>>()?;
+            let loss = parts.iter().map(|p| p.0).sum::<f64>() / batch.len() as f64;
+            let mut gradients = parts.into_iter().map(|p| p.1).reduce(add).unwrap_or_default();
+            let square = gradients.iter().flatten().map(|g| f64::from(*g).powi(2)).sum::<f64>();
+            let norm = square.sqrt() / batch.len() as f64;
+            if !loss.is_finite() || !norm.is_finite() {
+                let kept = self.state.epochs.len();
+                return Err(Error::Solver(format!(
+                    "the loss is not finite in epoch {number}; the {kept} epochs before it are kept in {}; lower `learning_rate`",
+                    self.dir.display()
+                )));
+            }
+            let scale = ((training.clip.get() / norm).min(1.0) / batch.len() as f64) as f32;
+            gradients.iter_mut().flatten().for_each(|g| *g *= scale);
+            let rate = schedule(&training, number * batches + k, batches);
+            state.adam.update(&mut state.parameters, &gradients, rate);
+            total += loss * batch.len() as f64;
+        }
+        let validation =
+            loss(self.network.as_ref(), &state.parameters, &self.card.normalisers, &training, &self.validation);
+        interrupt::check()?;
+        if !validation.is_finite() {
+            return Err(Error::Solver(format!(
+                "the validation loss is not finite in epoch {number}; lower `learning_rate`"
+            )));
+        }
+        if state.best_epoch().is_none_or(|(_, best)| validation < best) {
+            state.best = state.parameters.clone();
+        }
+        let rate = schedule(&training, number * batches, batches);
+        state.epochs.push(Epoch { training: total / order.len() as f64, validation, rate });
+        self.state = state;
+        Ok(())
+    }
+
+    /// Loss of training grasp `i`, and its gradient.
+    fn gradient(&self, parameters: &Parameters, i: usize, epoch: usize) -> (f64, Vec<Vec<f32>>) {
+        let training = &self.card.spec.training;
+        let mut random = Random::new(key(training.seed, epoch, i));
+        let sample = &self.samples[i];
+        let mut levels: Vec<usize> = (0..sample.forces.len()).collect();
+        random.shuffle(&mut levels);
+        levels.truncate(training.levels.get());
+        levels.sort_unstable();
+        let mut coin = || training.mirror && random.below(2) == 1;
+        let mirror = (coin(), coin());
+        let tape = Tape::recording();
+        let loss = pass(
+            &tape,
+            self.network.as_ref(),
+            parameters,
+            &self.card.normalisers,
+            training,
+            &sample.levels(&levels),
+            mirror,
+        );
+        (f64::from(loss.value()[0]), tape.backward(&loss, &parameters.matrices))
+    }
+
+    /// Writes the model: card, best weights, curves.
+    fn finish(&mut self) -> Result<()> {
+        let Some((best, loss)) = self.state.best_epoch() else { return Ok(()) };
+        (self.card.epochs, self.card.validation_loss) = (best + 1, loss);
+        curves::write(&self.dir, &self.state.epochs)?;
+        self.card.write(&self.dir, &self.state.best.to_bytes()?)?;
+        checkpoint::remove(&self.dir)
+    }
+}
+
+/// The loss of a sample as training sees it.
+pub fn pass<T: Real>(
+    tape: &Tape<T>,
+    network: &dyn Network<T>,
+    parameters: &Parameters<T>,
+    normalisers: &Normalisers,
+    training: &Training,
+    sample: &Sample,
+    mirror: (bool, bool),
+) -> super::autodiff::tape::Matrix<T> {
+    let inputs = Inputs { features: &sample.features, normalisers, mirror };
+    let code = network.encode(tape, parameters, &inputs);
+    let out = network.decode(tape, parameters, &inputs, &code, &sample.loads);
+    sample.loss(tape, &out, normalisers, mirror, &training.weights)
+}
+
+/// Mean loss over all levels of `samples`, not mirrored.
+pub fn loss(
+    network: &dyn Network,
+    parameters: &Parameters,
+    normalisers: &Normalisers,
+    training: &Training,
+    samples: &[Sample],
+) -> f64 {
+    let of = |s: &Sample| {
+        // Nobody asks for the loss any more.
+        if interrupt::requested() {
+            return f64::NAN;
+        }
+        f64::from(pass(&Tape::silent(), network, parameters, normalisers, training, s, (false, false)).value()[0])
+    };
+    let losses: Vec<f64> = samples.par_iter().map(of).collect();
+    losses.iter().sum::<f64>() / losses.len().max(1) as f64
+}
+
+/// Learning rate of step `step`.
+fn schedule(training: &Training, step: usize, per_epoch: usize) -> f64 {
+    let total = (training.epochs.get() * per_epoch) as f64;
+    let (at, warm) = ((step as f64 + 0.5) / total, 0.02);
+    let fall = 0.5 * (1.0 + (std::f64::consts::PI * (at - warm).max(0.0) / (1.0 - warm)).cos());
+    training.learning_rate.get() * if at < warm { at / warm } else { fall }
+}
+
+/// A seed of its own for every grasp of every epoch.
+fn key(seed: u64, epoch: usize, grasp: usize) -> u64 {
+    let mut random = Random::new(seed ^ (epoch as u64).rotate_left(32));
+    random.bits() ^ Random::new(grasp as u64).bits()
+}
+
+fn add(mut a: Vec<Vec<f32>>, b: Vec<Vec<f32>>) -> Vec<Vec<f32>> {
+    let pairs = a.iter_mut().flatten().zip(b.iter().flatten());
+    pairs.for_each(|(a, b)| *a += b);
+    a
+}
+
+fn card(
+    spec: &Spec,
+    set: &DataSet,
+    split: &str,
+    [samples, validation]: [&[Sample]; 2],
+    range: TrainedRange,
+    parameters: &Parameters,
+) -> Card {
+    Card {
+        tactus: env!("CARGO_PKG_VERSION").into(),
+        features: VERSION,
+        spec: spec.clone(),
+        data: set.manifest.plan.clone(),
+        split: split.into(),
+        grasps: samples.len(),
+        parameters: parameters.count(),
+        units: "displacement, travel, shift: m; stress: Pa; contact force: N; turn: rad; frame of each pad".into(),
+        validation_loss: f64::NAN,
+        epochs: 0,
+        normalisers: data::normalisers(samples, validation),
+        range,
+        checksum: String::new(),
+    }
+}

@@ -1,0 +1,233 @@
+//! One grasp of a data set: features from its stored scene, and what FEM found.
+
+use crate::dataset::{Grasp, ObjectFile};
+use crate::error::{Error, Result};
+use crate::gripper::GraspPose;
+use crate::linear::amid;
+use crate::linear::first_contact::Touch;
+use crate::linear::pad_graph::PadGraph;
+use crate::model::Model;
+use crate::net::autodiff::ops::{product, root_error};
+use crate::net::autodiff::real::Real;
+use crate::net::autodiff::tape::{Matrix, Tape};
+use crate::net::features::loads::Loads;
+use crate::net::features::rows;
+use crate::net::features::{Features, ROTATION, VECTOR};
+use crate::net::network::{Normalisers, Output};
+use crate::scene::from_ron;
+use crate::world::components::ObjectPose;
+use glam::{DMat3, DQuat, DVec3};
+use std::sync::Arc;
+
+/// A grasp to learn from or to be judged on. Fields are SI, pad frames; levels, then pads, then nodes.
+#[derive(Debug, Clone)]
+pub struct Sample {
+    /// Name of the object.
+    pub object: String,
+    /// Number of the grasp.
+    pub grasp: usize,
+    /// Numbers of the frames kept.
+    pub frames: Vec<usize>,
+    /// What the network sees.
+    pub features: Features,
+    /// What it sees of each level.
+    pub loads: Loads,
+    /// Force per finger of each level, N.
+    pub forces: Vec<f64>,
+    /// (levels, pads, nodes, 3), m.
+    pub displacement: Vec<f32>,
+    /// (levels, pads, nodes), Pa.
+    pub stress: Vec<f32>,
+    /// (levels, pads, face nodes, 3), N.
+    pub contact: Vec<f32>,
+    /// (levels, pads), m.
+    pub travel: Vec<f64>,
+    /// (levels, pads, 6): translation (m) of the point of the object amid the pads, rotation vector, from first contact.
+    pub motion: Vec<f64>,
+}
+
+/// The model that a file of a data set was made with.
+///
+/// # Errors
+/// A scene that no longer builds.
+pub fn model_of(file: &ObjectFile) -> Result<Arc<Model>> {
+    let bad = |e| Error::file(&file.path, format!("its scene cannot be read: {e}"));
+    Model::build(&from_ron(&file.scene).map_err(bad)?)
+}
+
+impl Sample {
+    /// Reads a grasp, at most `most` frames of it, evenly spread from the first to the last.
+    ///
+    /// # Errors
+    /// A damaged grasp; one whose first contact can no longer be found.
+    pub fn read(
+        file: &ObjectFile,
+        model: &Arc<Model>,
+        graph: &Arc<PadGraph>,
+        grasp: usize,
+        most: usize,
+    ) -> Result<Self> {
+        Self::of(file, model, graph, grasp, &file.grasp(grasp)?, most)
+    }
+
+    /// The same of a grasp that has been read. Of what FEM found, nothing gets into the features.
+    ///
+    /// # Errors
+    /// First contact that can no longer be found.
+    pub fn of(
+        file: &ObjectFile,
+        model: &Arc<Model>,
+        graph: &Arc<PadGraph>,
+        grasp: usize,
+        data: &Grasp,
+        most: usize,
+    ) -> Result<Self> {
+        let touch = Touch::find(model, GraspPose::from_row(&data.grasp_pose))?;
+        let count = data.frames.min(most);
+        let last = data.frames.saturating_sub(1);
+        let frames = (0..count).map(|i| if count > 1 { i * last / (count - 1) } else { last });
+        let frames: Vec<usize> = frames.collect();
+        let (pads, nodes) = (file.sizes.pads, file.sizes.nodes);
+        let features = Features::new(model, graph, &touch);
+        let forces: Vec<f64> = frames.iter().map(|k| data.force[*k] / pads as f64).collect();
+        let mut sample = Self {
+            object: file.name.clone(),
+            grasp,
+            loads: features.loads(&forces),
+            features,
+            forces,
+            displacement: Vec::new(),
+            stress: Vec::new(),
+            contact: Vec::new(),
+            travel: Vec::new(),
+            motion: Vec::new(),
+            frames: frames.clone(),
+        };
+        for k in frames {
+            let own = k * pads * nodes..(k + 1) * pads * nodes;
+            sample.displacement.extend(&data.displacement[3 * own.start..3 * own.end]);
+            sample.stress.extend(&data.von_mises[own.clone()]);
+            for pad in 0..pads {
+                let force = &data.contact_force[3 * (own.start + pad * nodes)..];
+                sample.contact.extend(graph.face.iter().flat_map(|i| &force[3 * *i as usize..3 * *i as usize + 3]));
+            }
+            sample.travel.extend(&data.travel[k * pads..(k + 1) * pads]);
+            let GraspPose { position, rotation } = GraspPose::from_row(&data.object_pose[7 * k..]);
+            let now = ObjectPose { position, rotation };
+            for finger in &model.fingers {
+                let (shift, turn) = motion(model, &touch.object, &now, finger.placement.rotation);
+                sample.motion.extend(shift.to_array().into_iter().chain(turn.to_array()));
+            }
+        }
+        Ok(sample)
+    }
+
+    /// A part of it: these levels only.
+    pub fn levels(&self, levels: &[usize]) -> Self {
+        let count = self.forces.len();
+        Self {
+            object: self.object.clone(),
+            grasp: self.grasp,
+            frames: levels.iter().map(|l| self.frames[*l]).collect(),
+            features: self.features.clone(),
+            loads: self.loads.levels(levels),
+            forces: rows(&self.forces, count, levels),
+            displacement: rows(&self.displacement, count, levels),
+            stress: rows(&self.stress, count, levels),
+            contact: rows(&self.contact, count, levels),
+            travel: rows(&self.travel, count, levels),
+            motion: rows(&self.motion, count, levels),
+        }
+    }
+
+    /// How wrong `output` is: relative errors (L2) of each level, averaged over the levels, weighted and added; 1 x 1.
+    ///
+    /// Travel and motion count in the units of [`Normalisers`].
+    pub fn loss<T: Real>(
+        &self,
+        tape: &Tape<T>,
+        output: &Output<T>,
+        norms: &Normalisers,
+        mirror: (bool, bool),
+        weights: &[f32; 4],
+    ) -> Matrix<T> {
+        let (pads, levels, loads) = (self.features.pads, self.forces.len(), &self.loads);
+        let depth = &loads.depth;
+        let t = self.features.graph.thickness;
+        // Per row of a field: target in the network's unit, and one over the square of the field's norm at that level.
+        let field = |all: &[f32], cols: usize, signs: &[f32], unit: &dyn Fn(usize) -> f64| {
+            let per_pad = all.len() / (levels * pads);
+            let mut target: Vec<f32> = Vec::with_capacity(all.len());
+            for (at, own) in all.chunks_exact(per_pad).enumerate() {
+                let unit = unit(at);
+                target.extend(own.iter().enumerate().map(|(i, v)| (f64::from(*v) / unit) as f32 * signs[i % cols]));
+            }
+            let mut rows = Vec::with_capacity(all.len() / cols);
+            for level in target.chunks_exact(per_pad * pads) {
+                let square: f64 = level.iter().map(|v| f64::from(*v).powi(2)).sum();
+                rows.extend(std::iter::repeat_n((1.0 / square.max(1e-12)) as f32, level.len() / cols));
+            }
+            (target, rows)
+        };
+        let sign = |parity: &[crate::net::features::Parity]| parity.iter().map(|p| p.sign(mirror)).collect::<Vec<_>>();
+        let (u, u_rows) = field(&self.displacement, 3, &sign(&VECTOR), &|at| depth[at] * f64::from(norms.displacement));
+        let stress_unit = |at: usize| self.features.young * depth[at] / t * f64::from(norms.stress);
+        let (s, s_rows) = field(&self.stress, 1, &[1.0], &stress_unit);
+        // On the pad, the object presses against the closing direction.
+        let turned: Vec<f32> = self.contact.as_chunks::<3>().0.iter().flat_map(|f| [-f[2], f[0], f[1]]).collect();
+        let mirrored = [1.0, VECTOR[0].sign(mirror), VECTOR[1].sign(mirror)];
+        let (c, c_rows) = field(&turned, 3, &mirrored, &|at| loads.pressing[at] * self.features.unit_force());
+        let travel = self.travel.iter().zip(&loads.travel).zip(depth).map(|((x, prior), d)| {
+            (((x - prior) / d - f64::from(norms.travel[0])) / f64::from(norms.travel[1])) as f32
+        });
+        let travel: Vec<f32> = travel.collect();
+        let each = 1.0 / pads as f32;
+        let signs: Vec<f32> = sign(&VECTOR).into_iter().chain(sign(&ROTATION)).collect();
+        let motion: Vec<f32> = (self.motion.iter().enumerate())
+            .map(|(i, v)| {
+                let d = depth[i / 6];
+                let unit = if i % 6 < 3 { d * f64::from(norms.motion[0]) } else { d / t * f64::from(norms.motion[1]) };
+                ((v - loads.motion[i]) / unit) as f32 * signs[i % 6]
+            })
+            .collect();
+        // A deviation of the travel counts as much as it matters: over the mean travel.
+        let travel_rows: Vec<f32> = (0..levels * pads)
+            .map(|i| {
+                let own = &self.travel[i / pads * pads..][..pads];
+                let mean = (own.iter().sum::<f64>() / pads as f64).abs().max(1e-9);
+                each * (f64::from(norms.travel[1]) * depth[i] / mean).powi(2) as f32
+            })
+            .collect();
+        let motion_rows = vec![each / 6.0; levels * pads];
+        let part = |x: &Matrix<T>, target: &[f32], rows: &[f32], weight: f32| {
+            product(tape, &root_error(tape, x, target, rows, levels), &Matrix::constant(1, 1, vec![T::of(weight)]))
+        };
+        let parts = [
+            part(&output.displacement, &u, &u_rows, 1.0),
+            part(&output.stress, &s, &s_rows, weights[0]),
+            part(&output.contact, &c, &c_rows, weights[1]),
+            part(&output.travel, &travel, &travel_rows, weights[2]),
+            part(&output.motion, &motion, &motion_rows, weights[3]),
+        ];
+        crate::net::autodiff::ops::sum(tape, &parts.each_ref(), crate::net::autodiff::ops::Activation::None)
+    }
+}
+
+/// Motion of the object from `start` to `now`, in the axes of a pad: of its point amid the pads, m, and rotation vector.
+pub fn motion(model: &Model, start: &ObjectPose, now: &ObjectPose, pad: DMat3) -> (DVec3, DVec3) {
+    let turn = (now.rotation * start.rotation.inverse()).normalize();
+    let turn = if turn.w < 0.0 { -turn } else { turn };
+    let point = amid(model);
+    let shift = turn * (point - start.position) + now.position - point;
+    (pad.transpose() * shift, pad.transpose() * turn.to_scaled_axis())
+}
+
+/// The pose that [`motion`] leads to from `start`; shift (m) and rotation vector in hand axes.
+pub fn moved(model: &Model, start: &ObjectPose, shift: DVec3, turn: DVec3) -> ObjectPose {
+    let point = amid(model);
+    let turn = DQuat::from_scaled_axis(turn);
+    ObjectPose {
+        position: point + shift - turn * (point - start.position),
+        rotation: (turn * start.rotation).normalize(),
+    }
+}

@@ -1,0 +1,16 @@
+//! Numbers as a reader wants them.
+
+/// A number with so many significant digits; what is not finite stays.
+pub fn rounded(v: f64, digits: usize) -> f64 {
+    if v.is_finite() { format!("{v:.*e}", digits.max(1) - 1).parse().unwrap_or(v) } else { v }
+}
+
+/// A number as a human would write it: at most six significant digits, no trailing `.0`.
+pub fn shown(v: f64) -> String {
+    let six = rounded(v, 6);
+    if six != 0.0 && six.is_finite() && !(1e-4..1e7).contains(&six.abs()) {
+        return format!("{six:e}");
+    }
+    // The shortest text that reads as the same number has no more digits than were kept.
+    format!("{six}")
+}

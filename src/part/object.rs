@@ -1,0 +1,132 @@
+//! The rigid object of a scene.
+
+use crate::error::{Error, Result};
+use crate::geometry::Aabb;
+use crate::geometry::mesh::io::read_tri_mesh;
+use crate::geometry::mesh::{TriMesh, show};
+use crate::geometry::shape::{Shape, ShapeKind, sound};
+use crate::mech::contact::Feature;
+use crate::scene::leaf::LENGTH_LIMIT;
+use crate::scene::{self, object as o};
+use std::sync::Arc;
+
+/// Farthest that a point of the object may be from the origin of its frame, m.
+const FARTHEST: f64 = 1e3;
+
+/// Most points of the object that are held against a pad: some 1.5 GB of them.
+const MAX_FEATURES: u64 = 1_000_000;
+
+/// Reads or generates the object, at its scale; repairs of a file go to `notices`.
+///
+/// # Errors
+/// An unreadable file, a size that no gripper holds, or a surface that does not enclose a volume, with the file's name.
+pub fn build(object: &scene::Object, notices: &mut Vec<String>) -> Result<Shape> {
+    let scale = object.scale.get();
+    let shape = match &object.shape {
+        o::Shape::Mesh(path) => {
+            let (mesh, news) = read_tri_mesh(path)?;
+            notices.extend(news);
+            let stem = path.file_stem().map_or("mesh".into(), |s| s.to_string_lossy().into_owned());
+            let read = || {
+                within_limits(&mesh, scale)?;
+                let (mesh, news) = sound(mesh, object.repair)?;
+                notices.extend(news.into_iter().map(|n| format!("{}: {n}", path.display())));
+                Shape::from_mesh(mesh)
+            };
+            let shape = read().map_err(|e| match e {
+                Error::Mesh(message) => Error::file(path, message),
+                other => other,
+            })?;
+            shape.named(stem)
+        }
+        generated => kind(generated).build(object.segments.get() as u32)?,
+    };
+    let shape = if scale == 1.0 { shape } else { shape.scaled(scale)? };
+    if !shape.exact {
+        let n = shape.surface.triangles.len();
+        notices.push(format!("the {} is its surface mesh of {n} triangles, facets included", shape.name));
+    }
+    Ok(shape)
+}
+
+/// Refuses an object that is too large, or too far from its origin, once scaled.
+fn within_limits(mesh: &TriMesh, scale: f64) -> Result<()> {
+    let size = scale * Aabb::of(mesh.vertices.iter().copied()).size().max_element();
+    if size > LENGTH_LIMIT {
+        let (unit, factor) = if size < 5.0 { ("centimetres", 1e-2) } else { ("millimetres", 1e-3) };
+        return Err(Error::Mesh(format!(
+            "the object is {} m wide, at most {LENGTH_LIMIT} m is simulated: is the file in {unit}? then write `scale: {:e}`",
+            (size * 1e3).round() / 1e3,
+            scale * factor
+        )));
+    }
+    let far = mesh.vertices.iter().find(|p| scale * p.abs().max_element() > FARTHEST);
+    far.map_or(Ok(()), |p| {
+        Err(Error::Mesh(format!(
+            "the object is {} from the origin of its file; coordinates must be within {FARTHEST} m: move it there",
+            show(scale * *p)
+        )))
+    })
+}
+
+/// The generator of a shape that is not a file.
+fn kind(shape: &o::Shape) -> ShapeKind {
+    match shape {
+        // A mesh never gets here; a unit ball is the harmless answer.
+        o::Shape::Mesh(_) => ShapeKind::Sphere { radius: 1.0 },
+        o::Shape::Sphere(s) => ShapeKind::Sphere { radius: s.radius.get() },
+        o::Shape::Cuboid(s) => ShapeKind::Cuboid { size: s.size.size(), edge_radius: s.edge_radius.get() },
+        o::Shape::Ellipsoid(s) => ShapeKind::Ellipsoid { semi_axes: s.radii.size() },
+        o::Shape::Cylinder(s) => ShapeKind::Cylinder { radius: s.radius.get(), height: s.height.get() },
+        // A scene gives the height of the cylindrical part, the generator takes the whole length.
+        o::Shape::Capsule(s) => {
+            ShapeKind::Capsule { radius: s.radius.get(), length: s.height.get() + 2.0 * s.radius.get() }
+        }
+        o::Shape::Prism(s) => {
+            ShapeKind::Prism { sides: s.sides.get() as u32, radius: s.radius.get(), height: s.height.get() }
+        }
+        o::Shape::Annulus(s) => {
+            ShapeKind::Annulus { outer_radius: s.outer.get(), inner_radius: s.inner.get(), height: s.height.get() }
+        }
+        o::Shape::Cup(s) => ShapeKind::Cup { radius: s.radius.get(), height: s.height.get(), wall: s.wall.get() },
+        o::Shape::Lemon(s) => ShapeKind::Lemon { length: s.length.get(), diameter: s.diameter.get() },
+        o::Shape::Strawberry(s) => ShapeKind::Strawberry { length: s.length.get(), diameter: s.diameter.get() },
+        o::Shape::Pear(s) => ShapeKind::Pear { length: s.length.get(), diameter: s.diameter.get() },
+        o::Shape::Banana(s) => ShapeKind::Banana {
+            length: s.length.get(),
+            diameter: s.diameter.get(),
+            bend: s.bend_deg.get().to_radians(),
+        },
+        o::Shape::Potato(s) => {
+            ShapeKind::Potato { semi_axes: s.radii.size(), roughness: s.roughness.get(), seed: s.seed }
+        }
+        o::Shape::Revolve(s) => ShapeKind::Revolve {
+            profile: s.profile.iter().map(|p| glam::DVec2::from_array(p.pair())).collect(),
+            closed: s.closed,
+        },
+        o::Shape::Sweep(s) => ShapeKind::Sweep {
+            path: s.path.iter().map(|p| p.dvec3()).collect(),
+            // One radius is that of all points.
+            radii: (0..s.path.len()).filter_map(|i| s.radii.get(i).or(s.radii.first())).map(|r| r.get()).collect(),
+        },
+    }
+}
+
+/// Features of the object for a pad whose points lie `spacing` (m) apart: half of it along sharp edges, and one on every stretch of
+/// an edge between facets that is as long as that. Contact has this `offset` (m).
+///
+/// # Errors
+/// More of them than are held against a pad.
+pub fn features(shape: &Shape, spacing: f64, offset: f64) -> Result<Arc<[Feature]>> {
+    let count = shape.features.count(spacing, offset);
+    if count > MAX_FEATURES {
+        return Err(Error::Mesh(format!(
+            "the {} has {count} vertices and points on edges at the pad's spacing of {spacing:.2e} m, at most {MAX_FEATURES} are held \
+             against a pad: simplify its mesh, or write a larger `spacing`",
+            shape.name
+        )));
+    }
+    let points = shape.features.sample(0.5 * spacing, offset).into_iter();
+    let fixed = points.map(|f| Feature { position: f.position, sharp: f.sharp, along: None });
+    Ok(fixed.chain(shape.features.stretches(spacing, offset).map(Feature::along)).collect())
+}

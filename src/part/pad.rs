@@ -1,0 +1,210 @@
+//! The pads of a scene, meshed in the pad frame and placed on their fingers in the hand frame.
+
+use crate::error::{Error, Result};
+use crate::geometry::Aabb;
+use crate::geometry::mesh::quality::{Quality, quality};
+use crate::geometry::mesh::{quadratic, surface};
+use crate::geometry::pad::{self, Bonding, Density, Pad, Resolution};
+use crate::gripper::Placement;
+use crate::limits::PadSize;
+use crate::mech::body::{self, Body};
+use crate::mech::contact::{ContactSurface, Face};
+use crate::mech::material::Material;
+use crate::record::{self, PadTopology};
+use crate::scene::{self, Element, Gripper, Pads};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// One finger: its pad in hand axes, and what the solver and the recorder need of it.
+#[derive(Debug)]
+pub struct FingerModel {
+    /// Rest mesh in the hand frame at zero travel, and law.
+    pub body: Arc<Body>,
+    /// Points of the pad's free surface that can touch the object.
+    pub surface: Arc<ContactSurface>,
+    /// The pad as it is recorded, in the pad frame.
+    pub topology: Arc<PadTopology>,
+    /// Where the pad sits in the hand frame at zero travel.
+    pub placement: Placement,
+    /// Kind of element, for reports.
+    pub element: String,
+}
+
+/// Size of a generated pad along x, y and z, m; None for one from a file.
+pub fn extent(pads: &Pads) -> Option<[f64; 3]> {
+    grid(pads).map(|(_, size)| size)
+}
+
+/// How a generated pad is meshed, and its size along x, y and z, m; None for one from a file. An accuracy asks for nothing here: see
+/// [`crate::model::accuracy`].
+fn grid(pads: &Pads) -> Option<(Resolution, [f64; 3])> {
+    let fine = |density, grading: scene::leaf::Ratio, focus: scene::leaf::Ratio| Resolution {
+        density,
+        grading: grading.get(),
+        focus: focus.get(),
+    };
+    match pads {
+        Pads::GelSightMini(g) => {
+            let spacing = g.mesh_spacing().get();
+            Some((fine(Density::Spacing(spacing), g.grading, g.focus), pad::GELSIGHT_MINI))
+        }
+        Pads::Box(b) => {
+            let spacing = b.mesh_spacing().get();
+            let density = b.cells.map_or(Density::Spacing(spacing), |c| Density::Cells(c.counts()));
+            Some((fine(density, b.grading, b.focus), b.size.size().to_array()))
+        }
+        Pads::Disc(d) => {
+            let (across, thickness) = (2.0 * d.radius.get(), d.thickness.get());
+            let spacing = d.mesh_spacing().get();
+            Some((fine(Density::Spacing(spacing), d.grading, d.focus), [across, across, thickness]))
+        }
+        Pads::File(_) => None,
+    }
+}
+
+/// Size of a generated pad before it is meshed; None for one from a file.
+///
+/// # Errors
+/// What the generators refuse of cells.
+pub fn size(pads: &Pads, element: Element) -> Result<Option<PadSize>> {
+    let Some((resolution, size)) = grid(pads) else { return Ok(None) };
+    Ok(Some(PadSize::of_cells(resolution.cells_for(size)?, element)))
+}
+
+/// Meshes or reads the pad; repairs and assumptions go to `notices`.
+///
+/// # Errors
+/// What the generators and readers refuse, and a mesh without tetrahedra.
+pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(Pad, Quality)> {
+    let pad = match (pads, grid(pads)) {
+        (Pads::GelSightMini(g), Some((fine, _))) => {
+            let shape = match g.shape {
+                scene::pad::GelShape::Flat => pad::GelShape::Flat,
+                scene::pad::GelShape::Domed => pad::GelShape::Domed,
+            };
+            pad::gelsight_mini(shape, &fine)?
+        }
+        (Pads::Disc(d), Some((fine, _))) => pad::disc_pad(d.radius.get(), d.thickness.get(), &fine)?,
+        (_, Some((fine, [x, y, z]))) => pad::box_pad(x, y, z, &fine)?,
+        (Pads::File(file), _) => read(file, notices)?,
+        (_, None) => return Err(Error::Mesh("the pad is neither generated nor from a file".into())),
+    };
+    let quality = quality(&pad.mesh).ok_or_else(|| Error::Mesh("the pad has no tetrahedron".into()))?;
+    if quality.worst < POOR {
+        notices.push(format!(
+            "the pad's tetrahedron {} (0-based) is poor: mean ratio {:.3} at {:.6}",
+            quality.worst_index, quality.worst, quality.worst_centroid
+        ));
+    }
+    Ok((pad, quality))
+}
+
+/// Mean ratio below which an element is named in a notice.
+const POOR: f64 = 0.1;
+
+fn read(file: &scene::pad::FilePad, notices: &mut Vec<String>) -> Result<Pad> {
+    let scale = file.scale.get();
+    let placement = pad::Placement {
+        outward: file.outward.dvec3().normalize(),
+        across: file.across.map(|a| a.dvec3()),
+        // The reader bonds in the file's unit.
+        bonding: Bonding::AttachDistance(file.attach_distance.map_or(0.0, |d| d.get()) / scale),
+    };
+    let (mut pad, news) = pad::read_pad(&file.path, &placement, None)?;
+    // The reader takes coordinates as metres, which `scale` says they are not.
+    notices.extend(news.into_iter().filter(|n| scale == 1.0 || !n.contains("taken as metres")));
+    pad.mesh.nodes.iter_mut().for_each(|p| *p *= scale);
+    let bonded = pad.bonded.iter().filter(|b| **b).count();
+    notices.push(format!("{}: {bonded} nodes are bonded to the finger", file.path.display()));
+    Ok(pad)
+}
+
+impl FingerModel {
+    /// Box around the pad at rest, pad frame, m.
+    pub fn bounds(&self) -> Aabb {
+        Aabb::of(self.topology.rest.iter().copied())
+    }
+
+    /// Places `pad` on the left finger.
+    ///
+    /// # Errors
+    /// A pad without a free surface.
+    pub fn build(pad: &Pad, gripper: &Gripper, fem: &scene::Fem, material: Arc<dyn Material>) -> Result<Self> {
+        let placement = placement(0, gripper);
+        let corner_count = pad.mesh.nodes.len();
+        let (nodes, elements, bonded, mean_dilatation) = match fem.element {
+            Element::Linear => {
+                (pad.mesh.nodes.clone(), body::Elements::Linear(pad.mesh.tets.clone()), pad.bonded.clone(), false)
+            }
+            Element::Quadratic => {
+                let promoted = quadratic::promote(&pad.mesh);
+                let mut bonded = pad.bonded.clone();
+                // The middle of an edge is glued where both its ends are.
+                let glued = |[a, b]: [u32; 2]| pad.bonded[a as usize] && pad.bonded[b as usize];
+                bonded.extend(quadratic::midpoint_edges(&pad.mesh).into_iter().map(glued));
+                (promoted.nodes, body::Elements::Quadratic(promoted.tets), bonded, fem.mean_dilatation)
+            }
+        };
+        let topology = topology(pad, &nodes, &elements, &bonded, corner_count);
+        let rest: Vec<DVec3> = nodes.iter().map(|x| placement.place(*x)).collect();
+        let body = Arc::new(Body::new(rest, elements, bonded, material, mean_dilatation));
+        let surface = Arc::new(ContactSurface::new(&body));
+        if surface.points.is_empty() {
+            return Err(Error::Mesh("the pad has no free surface: every boundary face is bonded to the finger".into()));
+        }
+        let element = match (fem.element, mean_dilatation) {
+            (Element::Linear, _) => "linear".into(),
+            (Element::Quadratic, true) => "quadratic, mean dilatation".into(),
+            (Element::Quadratic, false) => "quadratic".into(),
+        };
+        Ok(Self { body, surface, topology: Arc::new(topology), placement, element })
+    }
+
+    /// The same pad on finger `side` (0 left, 1 right): all but where it lies is shared.
+    pub fn on(&self, side: usize, gripper: &Gripper) -> Self {
+        let placement = placement(side, gripper);
+        let rest: Vec<DVec3> = self.topology.rest.iter().map(|x| placement.place(*x)).collect();
+        let surface = Arc::new(self.surface.placed(&rest));
+        let (topology, element) = (self.topology.clone(), self.element.clone());
+        Self { body: Arc::new(self.body.placed(rest)), surface, topology, placement, element }
+    }
+}
+
+/// Where a pad sits on finger `side`.
+fn placement(side: usize, gripper: &Gripper) -> Placement {
+    let mut placement = Placement::new(side, gripper.opening.get(), gripper.placement.z.get());
+    placement.origin.y += gripper.placement.y.get();
+    placement
+}
+
+/// The pad as it is recorded.
+fn topology(
+    pad: &Pad,
+    nodes: &[DVec3],
+    elements: &body::Elements,
+    bonded: &[bool],
+    corner_count: usize,
+) -> PadTopology {
+    let edges = quadratic::midpoint_edges(&pad.mesh);
+    let middle = |a: u32, b: u32| {
+        let k = edges.partition_point(|e| *e < [a.min(b), a.max(b)]);
+        (corner_count + k) as u32
+    };
+    let quadratic = matches!(elements, body::Elements::Quadratic(_));
+    let face = |[a, b, c]: [u32; 3]| {
+        let mids = quadratic.then(|| [middle(a, b), middle(b, c), middle(c, a)]);
+        Face { corners: [a, b, c], mids }
+    };
+    let elements = match elements {
+        body::Elements::Linear(tets) => record::Elements::Linear(tets.clone()),
+        body::Elements::Quadratic(tets) => record::Elements::Quadratic(tets.clone()),
+    };
+    PadTopology {
+        rest: nodes.to_vec(),
+        corner_count,
+        elements,
+        surface: surface::boundary(&pad.mesh).into_iter().map(|f| f.nodes).collect(),
+        sensing: pad::sensing_faces(pad).into_iter().flat_map(|f| face(f.nodes).flat_parts()).collect(),
+        bonded: bonded.to_vec(),
+    }
+}

@@ -1,0 +1,137 @@
+//! A chart as PNG and as SVG, from one drawing.
+
+use crate::error::{Error, Result};
+use crate::files::atomic::write_atomic;
+use crate::render::{Pixmap, save};
+use plotters::coord::Shift;
+use plotters::coord::combinators::LogCoord;
+use plotters::coord::ranged1d::ValueFormatter;
+use plotters::prelude::*;
+use plotters::style::{FontStyle, register_font};
+use std::ops::Range;
+use std::path::Path;
+
+/// Width and height, pixels.
+pub const SIZE: (u32, u32) = (1200, 640);
+/// Width of the list beside the plot, pixels.
+pub const LIST: u32 = 400;
+const FONT: &str = "sans-serif";
+/// Axes, labels.
+pub const INK: RGBColor = RGBColor(38, 42, 51);
+/// What stands back.
+pub const MUTED: RGBColor = RGBColor(106, 114, 128);
+/// Lines and points of two kinds.
+pub const KINDS: [RGBColor; 2] = [RGBColor(31, 119, 180), RGBColor(214, 96, 20)];
+
+/// Where a chart is drawn.
+pub type Area<B> = DrawingArea<B, Shift>;
+/// What drawing gives.
+pub type Drawn<B> = std::result::Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
+
+/// A drawing for any kind of file.
+pub trait Picture {
+    /// The plot itself.
+    ///
+    /// # Errors
+    /// Those of the file.
+    fn plot<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B>;
+
+    /// What stands beside it, line by line.
+    fn list(&self) -> Vec<(String, RGBColor)>;
+}
+
+/// Writes `name.png` and `name.svg` into `dir`.
+///
+/// # Errors
+/// Files that cannot be written; a picture without a single point.
+pub fn save_picture(picture: &impl Picture, dir: &Path, name: &str) -> Result<()> {
+    let png = dir.join(name).with_extension("png");
+    let refuse = |message: String| Error::file(&png, message);
+    register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT)
+        .map_err(|_| refuse("the embedded font cannot be read".into()))?;
+    let mut svg = String::new();
+    draw(&SVGBackend::with_string(&mut svg, SIZE).into_drawing_area(), picture).map_err(refuse)?;
+    write_atomic(&png.with_extension("svg"), svg.as_bytes())?;
+    let mut rgb = vec![0; 3 * (SIZE.0 * SIZE.1) as usize];
+    draw(&BitMapBackend::with_buffer(&mut rgb, SIZE).into_drawing_area(), picture).map_err(refuse)?;
+    let mut page = Pixmap::new(SIZE.0, SIZE.1).ok_or_else(|| refuse("no memory for the picture".into()))?;
+    let opaque = rgb.as_chunks::<3>().0.iter().flat_map(|[r, g, b]| [*r, *g, *b, 255]);
+    page.data_mut().iter_mut().zip(opaque).for_each(|(slot, value)| *slot = value);
+    save(&page, &png)
+}
+
+fn draw<B: DrawingBackend>(page: &Area<B>, picture: &impl Picture) -> std::result::Result<(), String> {
+    page.fill(&RGBColor(252, 252, 250)).map_err(|e| e.to_string())?;
+    let (plot, list) = page.split_horizontally(SIZE.0 - LIST);
+    picture.plot(&plot).map_err(|e| e.to_string())?;
+    for ((text, color), y) in picture.list().into_iter().zip((30..).step_by(22)) {
+        list.draw(&Text::new(text, (8, y), text_style(15, &color))).map_err(|e| e.to_string())?;
+    }
+    page.present().map_err(|e| e.to_string())
+}
+
+/// Letters of `size` pixels.
+pub fn text_style(size: u32, color: &RGBColor) -> TextStyle<'static> {
+    (FONT, size).into_font().color(color)
+}
+
+/// A plane with two logarithmic axes.
+type Plane<'a, B> = ChartContext<'a, B, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
+
+/// Draws the axes and the grid of a plot: the range and the name of each axis.
+///
+/// # Errors
+/// Those of the file.
+pub fn axes<'a, B: DrawingBackend>(
+    area: &'a Area<B>,
+    (x, x_name): (Range<f64>, String),
+    (y, y_name): (Range<f64>, String),
+) -> std::result::Result<Plane<'a, B>, DrawingAreaErrorKind<B::ErrorType>> {
+    let mut plane = ChartBuilder::on(area)
+        .margin(18)
+        .x_label_area_size(52)
+        .y_label_area_size(72)
+        .build_cartesian_2d(x.log_scale(), y.log_scale())?;
+    label(&mut plane, [&x_name, &y_name], &number)?;
+    Ok(plane)
+}
+
+/// Draws grid and axes of a plane with their names and numbers.
+///
+/// # Errors
+/// Those of the file.
+pub fn label<B: DrawingBackend, X, Y>(
+    plane: &mut ChartContext<B, Cartesian2d<X, Y>>,
+    [x_name, y_name]: [&str; 2],
+    number: &dyn Fn(&f64) -> String,
+) -> Drawn<B>
+where
+    X: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
+    plane
+        .configure_mesh()
+        .bold_line_style(MUTED.mix(0.35))
+        .light_line_style(TRANSPARENT)
+        .axis_style(INK)
+        .label_style(text_style(15, &INK))
+        .axis_desc_style(text_style(17, &INK))
+        .x_desc(x_name)
+        .y_desc(y_name)
+        .x_label_formatter(number)
+        .y_label_formatter(number)
+        .draw()
+}
+
+/// A range for a logarithmic axis that has room for all that is positive of `values`.
+pub fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
+    let (low, high) = values
+        .filter(|v| v.is_finite() && *v > 0.0)
+        .fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+    if low <= high { (low / 1.6)..(high * 1.6) } else { 0.1..10.0 }
+}
+
+/// A number on an axis.
+fn number(v: &f64) -> String {
+    if *v < 0.01 { format!("{v:.0e}") } else { format!("{v}") }
+}

@@ -1,0 +1,54 @@
+//! What the expectations of a dynamic scene are judged on.
+
+use crate::judge::Measured;
+use crate::model::Model;
+use crate::record::{Frame, Moving};
+use glam::{DQuat, DVec3};
+
+/// Follows an object through the frames of a grasp.
+#[derive(Debug, Default)]
+pub struct Motion {
+    /// Pose of the object, in the frame of what holds it, from which slip counts.
+    held: Option<(DVec3, DQuat)>,
+}
+
+impl Motion {
+    /// Takes over a frame.
+    pub fn observe(&mut self, m: &mut Measured, model: &Model, frame: &Frame, moving: &Moving) {
+        let Some(dynamics) = &model.dynamics else { return };
+        let (position, rotation) = (frame.object_position, frame.object_rotation);
+        let center = model.object.mass.center;
+        let world = moving.hand_position + moving.hand_rotation * (position + rotation * center);
+        m.position_m = world.to_array();
+        m.speed_m_s = moving.velocity.length();
+        m.ground_force_n = dynamics.support.map_or(f64::NAN, |s| moving.ground_force.dot(s.normal));
+        let about = |i: usize| frame.pads[i].wrench.torque.dot(model.fingers[0].placement.closing);
+        let torque = (0..frame.pads.len()).map(about).sum::<f64>().abs();
+        m.torque_n_m = torque.max(if m.torque_n_m.is_nan() { 0.0 } else { m.torque_n_m });
+        m.momentum_drift = drift(model, moving).max(if m.momentum_drift.is_nan() { 0.0 } else { m.momentum_drift });
+        // The hand holds an object once it has squeezed it; without fingers the world does, from the start.
+        let now = match model.fingers.is_empty() {
+            true => (world, moving.hand_rotation * rotation),
+            false => (position + rotation * center, rotation),
+        };
+        if model.fingers.is_empty() {
+            self.held.get_or_insert((center, DQuat::IDENTITY));
+        } else if dynamics.gripped.is_none_or(|t| frame.time >= t * (1.0 - 1e-9)) {
+            self.held.get_or_insert(now);
+        }
+        if let Some((from, turn)) = self.held {
+            let angle = (now.1 * turn.inverse()).to_scaled_axis().length();
+            m.last_slip_m = now.0.distance(from) + 2.0 * (0.5 * angle).sin() * model.object.bounding_radius;
+            m.slip_m = m.last_slip_m.max(if m.slip_m.is_nan() { 0.0 } else { m.slip_m });
+        }
+    }
+}
+
+/// Change of the momenta since the start over their size there, the larger of the two; NaN where the start has none.
+fn drift(model: &Model, moving: &Moving) -> f64 {
+    let Some(dynamics) = &model.dynamics else { return f64::NAN };
+    let inertia = model.object.mass.inertia * (model.mass / model.object.mass.volume);
+    let pairs = [(moving.momentum, dynamics.velocity * model.mass), (moving.angular_momentum, inertia * dynamics.spin)];
+    let each = pairs.into_iter().filter(|(_, start)| *start != DVec3::ZERO);
+    each.map(|(now, start)| now.distance(start) / start.length()).reduce(f64::max).unwrap_or(f64::NAN)
+}

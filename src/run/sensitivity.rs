@@ -1,0 +1,140 @@
+//! How well posed a grasp is: how far pads and object move when what nobody knows exactly is a little different.
+//!
+//! A ball hardly cares; a capsule on its edge turns elsewhere when friction changes by a tenth. Errors of a solver or a network below that
+//! spread are not worth anything, and say nothing of who is right.
+
+use super::{Observer, Outcome, run_grasps};
+use crate::distance::{Distance, Points, Probe};
+use crate::error::Result;
+use crate::gripper::GraspPose;
+use crate::model::Model;
+use crate::record::sensitivity::{Change, Moved};
+use crate::record::{Frame, PadTopology, Status};
+use crate::scene::leaf::{NonNegative, Positive};
+use crate::scene::{Loading, Scene};
+use crate::world::Stepper;
+use glam::{DQuat, DVec3};
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// All changes, in the order of the report.
+pub const CHANGES: [Change; 4] = [Change::Friction, Change::Turn, Change::Shift, Change::Release];
+
+/// By how much friction changes.
+const FRICTION: f64 = 0.1;
+/// By how much the hand turns, rad, and moves, m.
+const TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
+const SHIFT: f64 = 2e-4;
+
+/// Whether a change means anything for `model`.
+fn applies(change: Change, model: &Model) -> bool {
+    change != Change::Release || model.lets_go()
+}
+
+/// The scene with a change.
+fn changed_scene(change: Change, scene: &Scene, model: &Model) -> Scene {
+    let mut scene = scene.clone();
+    match (change, &mut scene.loading) {
+        (Change::Friction, _) => {
+            let more = NonNegative::new(scene.gripper.friction.get() + FRICTION);
+            scene.gripper.friction = more.unwrap_or(scene.gripper.friction);
+        }
+        (Change::Release, Loading::Squeeze(squeeze)) => {
+            squeeze.release = Positive::new(0.5 * model.release * model.fingers.len() as f64).ok();
+        }
+        _ => {}
+    }
+    scene
+}
+
+/// The grasp with a change.
+fn changed_pose(change: Change, mut pose: GraspPose) -> GraspPose {
+    match change {
+        Change::Turn => {
+            // About the point between the pads, which stays where it is.
+            let turn = DQuat::from_axis_angle(DVec3::Y, TURN);
+            let grip = DVec3::Z * crate::scene::defaults::PLACEMENT_Z.get();
+            pose.position += pose.rotation * (grip - turn * grip);
+            pose.rotation *= turn;
+        }
+        Change::Shift => pose.position += pose.rotation * (DVec3::Z * SHIFT),
+        _ => {}
+    }
+    pose
+}
+
+/// Keeps the last frame of every grasp.
+#[derive(Debug, Default)]
+pub struct LastFrames(Mutex<BTreeMap<usize, Frame>>);
+
+impl Observer for LastFrames {
+    fn frame(&self, index: usize, frame: &Frame) -> Result<()> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(index, frame.clone());
+        Ok(())
+    }
+}
+
+/// How grasps ended: status and last frame by number.
+#[derive(Debug, Default)]
+pub struct Ends(BTreeMap<usize, (Status, Option<Frame>)>);
+
+impl Ends {
+    /// Of the outcomes of grasps and what was kept while they ran.
+    pub fn of(outcomes: &[Outcome], last: LastFrames) -> Self {
+        let mut frames = last.0.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let end = |o: &Outcome| (o.summary.grasp, (o.summary.status, frames.remove(&o.summary.grasp)));
+        Self(outcomes.iter().map(end).collect())
+    }
+}
+
+/// Runs `grasps` of `scene`, which ended as `base` says, with every change; what each does, per grasp. Four times the work of a run.
+///
+/// # Errors
+/// Those of building a model and of running grasps.
+pub fn sensitivity(
+    scene: &Scene,
+    model: &Arc<Model>,
+    stepper: &dyn Stepper,
+    (grasps, base): (&[(usize, GraspPose)], &Ends),
+    threads: usize,
+) -> Result<Vec<Vec<Moved>>> {
+    let none = PadTopology::default();
+    let pad = model.fingers.first().map_or(&none, |f| &f.topology);
+    let points = Points::of(pad);
+    let probe = Probe::new(&points, pad);
+    let mut answers = vec![Vec::new(); grasps.len()];
+    for change in CHANGES.into_iter().filter(|change| applies(*change, model)) {
+        let changed = match change {
+            Change::Turn | Change::Shift => model.clone(),
+            Change::Friction | Change::Release => Model::build(&changed_scene(change, scene, model))?,
+        };
+        let posed: Vec<_> = grasps.iter().map(|(index, pose)| (*index, changed_pose(change, *pose))).collect();
+        let last = LastFrames::default();
+        let outcomes = run_grasps(&changed, stepper, &posed, threads, &last)?;
+        let mut other = Ends::of(&outcomes, last).0;
+        for (answer, ((index, pose), (_, posed))) in answers.iter_mut().zip(grasps.iter().zip(&posed)) {
+            let (Some((was, before)), Some((status, after))) = (base.0.get(index), other.remove(index)) else {
+                continue;
+            };
+            let reached = (*was, status) == (Status::Reached, Status::Reached);
+            let pair = before.as_ref().zip(after.as_ref()).filter(|_| reached);
+            answer.push(Moved {
+                change,
+                status,
+                displacement: pair.map(|(a, b)| Distance::of(&points, &probe.fields(b), &probe.fields(a)).displacement),
+                object_m: pair.map(|(a, b)| {
+                    let ([p, turn], [q, other]) = (motion(a, pose), motion(b, posed));
+                    p.distance(q) + model.object.bounding_radius * turn.distance(other)
+                }),
+            });
+        }
+    }
+    Ok(answers)
+}
+
+/// Motion of the object since first contact: translation, m, and rotation, rad, as a vector.
+fn motion(frame: &Frame, grasp: &GraspPose) -> [DVec3; 2] {
+    let start = grasp.object_in_hand();
+    let turn = frame.object_rotation * start.rotation.inverse();
+    [frame.object_position - start.position, turn.to_scaled_axis()]
+}

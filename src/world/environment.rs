@@ -1,0 +1,125 @@
+//! One environment: a world and its schedule. Environments share the [`Model`] and nothing else, so any number may run
+//! side by side.
+
+use crate::error::{Error, Result};
+use crate::gripper::GraspPose;
+use crate::judge::Findings;
+use crate::model::Model;
+use crate::record::Frame;
+use crate::world::Stepper;
+use crate::world::schedule::{Phase, Recorded, Shared, StepSet, Timings, schedule};
+use crate::world::spawn::{begin, spawn};
+use crate::world::systems::audit::Audited;
+use bevy_ecs::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A grasp being simulated.
+pub struct Environment {
+    world: World,
+    schedule: Schedule,
+}
+
+impl Environment {
+    /// The grasp of `model` at `pose`, advanced by `stepper`; the object is not placed yet.
+    ///
+    /// # Errors
+    /// When the stepper refuses the scene, or systems touch the same data in no order.
+    pub fn new(model: &Arc<Model>, stepper: &dyn Stepper, pose: GraspPose) -> Result<Self> {
+        let mut world = spawn(model, pose);
+        let mut schedule = schedule(&model.needs);
+        stepper.prepare(&mut world)?;
+        stepper.register(&mut schedule, &mut world, model);
+        schedule.initialize(&mut world).map_err(|e| {
+            Error::Start(format!("the schedule of a step is not sound: {}", e.to_string(schedule.graph(), &world)))
+        })?;
+        Ok(Self { world, schedule })
+    }
+
+    /// Begins anew with another grasp of the same model and the same stepper, as if just made.
+    ///
+    /// # Errors
+    /// When the stepper refuses the scene.
+    pub fn restart(&mut self, stepper: &dyn Stepper, pose: GraspPose) -> Result<()> {
+        let model = self.model().clone();
+        begin(&mut self.world, &model, pose);
+        stepper.prepare(&mut self.world)
+    }
+
+    /// What it is a grasp of.
+    pub fn model(&self) -> &Arc<Model> {
+        &self.world.resource::<Shared>().0
+    }
+
+    /// One step of the procedure; does nothing once [`Phase::is_final`]. Returns the phase of the next step.
+    pub fn step(&mut self) -> Phase {
+        if !self.phase().is_final() {
+            self.world.resource_mut::<Recorded>().0 = None;
+            self.schedule.run(&mut self.world);
+        }
+        self.phase()
+    }
+
+    /// The phase of the next step.
+    pub fn phase(&self) -> Phase {
+        self.world.resource::<Phase>().clone()
+    }
+
+    /// The frame that the last step made, if it made one.
+    pub fn frame(&self) -> Option<&Frame> {
+        self.world.resource::<Recorded>().0.as_ref()
+    }
+
+    /// Takes that frame out.
+    pub fn take_frame(&mut self) -> Option<Frame> {
+        self.world.resource_mut::<Recorded>().0.take()
+    }
+
+    /// What the audit found in the frame that the last step made; None if the scene promises nothing that it judges.
+    pub fn findings(&self) -> Option<Findings> {
+        self.frame().and(self.world.get_resource::<Audited>()?.0)
+    }
+
+    /// Where the stepper spent its time so far.
+    pub fn timings(&self) -> &Timings {
+        self.world.resource::<Timings>()
+    }
+
+    /// The world, to look at.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The world, to query or to change between steps: the next step starts from what its columns hold.
+    pub fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    /// Names of the systems that run, in their order, per set.
+    pub fn systems(&self) -> Vec<(StepSet, Vec<String>)> {
+        let mut sets = Vec::new();
+        for set in StepSet::ALL {
+            let keys = self.schedule.graph().systems_in_set(set.intern());
+            let named = self.schedule.systems().into_iter().flatten().filter_map(|(key, system)| {
+                let inside = keys.as_ref().is_ok_and(|keys| keys.contains(&key));
+                inside.then(|| system.name().to_string().trim_start_matches("tactus::").to_string())
+            });
+            sets.push((set, named.collect()));
+        }
+        sets
+    }
+
+    /// Number of entities with each component of [`crate::world::components`].
+    pub fn components(&self) -> BTreeMap<String, usize> {
+        let mut counts = BTreeMap::new();
+        for archetype in self.world.archetypes().iter().filter(|a| !a.is_empty()) {
+            for &id in archetype.components() {
+                let name = self.world.components().get_name(id).map(|n| n.to_string()).unwrap_or_default();
+                if let Some(name) = name.strip_prefix("tactus::world::components::") {
+                    *counts.entry(name.to_string()).or_insert(0) += archetype.len() as usize;
+                }
+            }
+        }
+        counts
+    }
+}

@@ -1,0 +1,11 @@
+//! The world of a grasp: components, the schedule of a step, the systems that every stepper shares.
+
+pub mod components;
+pub mod environment;
+pub mod schedule;
+pub mod spawn;
+pub mod stepper;
+pub mod systems;
+
+pub use environment::Environment;
+pub use stepper::{Choose, Stepper};

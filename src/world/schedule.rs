@@ -1,0 +1,211 @@
+//! What happens in a step, in which order, decided once; and the resources that a step hands from set to set.
+//!
+//! ```text
+//! Control  -> Sense            -> Advance        -> Accept   -> Measure                 -> Record
+//! pose,       first contact,      FEM or network:   do the      contact, stress, energy,   frame,
+//! load level  columns -> solver   state -> columns  pads meet   balance, wrench            next phase
+//! ```
+//!
+//! A run of the schedule is one step of the published procedure, which is an explicit state ([`Phase`]):
+//! place the object in the hand, close to first contact, then one recorded load level per step.
+
+use crate::gripper::GraspPose;
+use crate::mech::path::continuation::Methods;
+use crate::model::{Model, Needs};
+use crate::record::Frame;
+use crate::world::systems;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The sets of a step, run in this order.
+#[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum StepSet {
+    /// What the gripper wants: pose at the start, then the load of the next frame.
+    Control,
+    /// What is there: first contact; the solver takes its state from the columns.
+    Sense,
+    /// The stepper brings the state to the new load.
+    Advance,
+    /// Whether the model covers the state just reached.
+    Accept,
+    /// What came of it: contact forces, stress, energy, balance.
+    Measure,
+    /// The frame, and the phase of the next step.
+    Record,
+}
+
+impl StepSet {
+    /// All sets in their order.
+    pub const ALL: [StepSet; 6] =
+        [StepSet::Control, StepSet::Sense, StepSet::Advance, StepSet::Accept, StepSet::Measure, StepSet::Record];
+}
+
+/// Where a grasp is in the procedure. Constant during a step; `turn_phase` moves it on at the end.
+#[derive(Resource, Debug, Clone, PartialEq)]
+pub enum Phase {
+    /// The object goes to its pose in the open hand.
+    Place,
+    /// The fingers close until their pads touch.
+    Close,
+    /// The load rises; the step makes this frame.
+    Ramp {
+        /// Number of the frame, from 0.
+        frame: usize,
+    },
+    /// All frames are recorded.
+    Done,
+    /// The object left the grasp; the state is the last accepted one.
+    Dropped {
+        /// How, and at which load.
+        reason: String,
+    },
+    /// The stepper gave up; the state is the last accepted one.
+    Fault {
+        /// What happened and at which load.
+        reason: String,
+    },
+    /// The grasp cannot start.
+    Infeasible {
+        /// Why, and what would help.
+        reason: String,
+    },
+}
+
+impl Phase {
+    /// True when no further step changes anything.
+    pub fn is_final(&self) -> bool {
+        matches!(self, Phase::Done | Phase::Dropped { .. } | Phase::Fault { .. } | Phase::Infeasible { .. })
+    }
+}
+
+/// Why a grasp ends before its loading is reached.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Stop {
+    /// The object has left the grasp, as a real one would; else nothing was found, or the grasp could not start.
+    pub dropped: bool,
+    /// What happened and at which load.
+    pub reason: String,
+}
+
+impl Stop {
+    /// The solver gave up.
+    pub fn fault(reason: impl Into<String>) -> Self {
+        Self { dropped: false, reason: reason.into() }
+    }
+}
+
+impl From<Stop> for Phase {
+    fn from(Stop { dropped, reason }: Stop) -> Self {
+        if dropped { Phase::Dropped { reason } } else { Phase::Fault { reason } }
+    }
+}
+
+/// The phase of the next step, if a system of this step asked for one. The first to ask is heard.
+#[derive(Resource, Debug, Default)]
+pub struct Next(Option<Phase>);
+
+impl Next {
+    /// Asks for `phase`.
+    pub fn request(&mut self, phase: Phase) {
+        self.0.get_or_insert(phase);
+    }
+
+    /// What was asked for.
+    pub fn take(&mut self) -> Option<Phase> {
+        self.0.take()
+    }
+}
+
+/// What never changes, shared with all other worlds of the scene.
+#[derive(Resource, Debug, Clone)]
+pub struct Shared(pub Arc<Model>);
+
+/// Pose of the hand in the object frame.
+#[derive(Resource, Debug, Clone, Copy)]
+pub struct Grasp(pub GraspPose);
+
+/// A load given from outside, step by step; without it the levels of the scene apply, one after the other.
+#[derive(Resource, Debug, Clone, Copy, PartialEq)]
+pub struct Command {
+    /// Force per finger, N.
+    pub force: f64,
+}
+
+/// What the stepper says about the level it has just reached.
+#[derive(Resource, Debug, Clone, Copy, Default)]
+pub struct Advance {
+    /// Load per finger of this step, N or m after first contact; in a dynamic scene the time, s. Written by `set_load`.
+    pub level: f64,
+    /// The level was reached in this step.
+    pub reached: bool,
+    /// Newton iterations (network passes) of this step.
+    pub iterations: u32,
+    /// Norm of the out-of-balance forces, N.
+    pub residual: f64,
+    /// Value of the potential, J.
+    pub energy: f64,
+    /// Smallest det F, see [`crate::mech::body::Body::min_det_f`].
+    pub min_det_f: f64,
+    /// Smallest gap between pads and object, m.
+    pub min_gap: f64,
+}
+
+/// Whether the forces of a frame add up.
+#[derive(Resource, Debug, Clone, Copy, Default)]
+pub struct Balance {
+    /// The object is held where it is, by what is not part of the scene: then only the fingers' forces have to add up.
+    pub held: bool,
+    /// Sum over the fingers of the closing force, N.
+    pub applied: f64,
+    /// Unbalanced force over `applied`.
+    pub force: f64,
+    /// Unbalanced torque on a free object over `applied` times the object's bounding radius; 0 for a fixed object.
+    pub torque: f64,
+}
+
+/// Where the stepper spent its time, since the start of the grasp.
+#[derive(Resource, Debug, Clone, Default)]
+pub struct Timings {
+    /// Wall time by stage, s.
+    pub stages: BTreeMap<&'static str, f64>,
+    /// Newton iterations, those of rejected increments included.
+    pub iterations: u64,
+    /// How often each method of the continuation was used.
+    pub methods: Methods,
+}
+
+/// The last recorded frame.
+#[derive(Resource, Debug, Default)]
+pub struct Recorded(pub Option<Frame>);
+
+/// Label of the one schedule of a world.
+#[derive(ScheduleLabel, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Step;
+
+/// Condition: the step makes a frame.
+pub fn ramping(phase: Res<Phase>) -> bool {
+    matches!(*phase, Phase::Ramp { .. })
+}
+
+/// Condition: the stepper reached the level of this step.
+pub fn reached(advance: Res<Advance>) -> bool {
+    advance.reached
+}
+
+/// The schedule with everything but a stepper. Two systems that touch the same data without an order are an error.
+pub fn schedule(needs: &Needs) -> Schedule {
+    let mut schedule = Schedule::new(Step);
+    schedule.set_build_settings(ScheduleBuildSettings {
+        ambiguity_detection: LogLevel::Error,
+        hierarchy_detection: LogLevel::Error,
+        ..ScheduleBuildSettings::new()
+    });
+    // Worlds run side by side; within one, threads would only cost.
+    schedule.set_executor(SingleThreadedExecutor::new());
+    use StepSet::*;
+    schedule.configure_sets((Control, Sense, Advance, Accept, Measure, Record).chain());
+    systems::register(&mut schedule, needs);
+    schedule
+}

@@ -1,0 +1,36 @@
+//! The interface of the backends: systems in [`StepSet::Advance`](crate::world::schedule::StepSet::Advance) (and the sets
+//! around it) that bring the components of [`crate::world::components`] to the load of the step.
+//!
+//! A stepper must, in a step where [`Phase`](crate::world::schedule::Phase) is `Ramp`: read `Advance::level`, write `Position`,
+//! `FingerTravel`, `ObjectPose`, `FingerWrench`, the stress and force columns that exist, the contact edges if it has any
+//! (the network knows forces on nodes, not between points), and all of
+//! [`Advance`](crate::world::schedule::Advance) with `reached = true`; or leave the last accepted state in place and request
+//! `Phase::Fault`.
+
+use crate::error::Result;
+use crate::model::Model;
+use crate::scene::Scene;
+use bevy_ecs::schedule::Schedule;
+use bevy_ecs::world::World;
+
+/// A backend.
+pub trait Stepper: std::fmt::Debug + Send + Sync {
+    /// Its name in reports: `fem`, `gnn`.
+    fn name(&self) -> &'static str;
+    /// Its settings in one line, for reports.
+    fn settings(&self) -> String;
+    /// Whether friction may fail to hold an object in it; if not, [`crate::env::grip`] judges that.
+    fn solves_friction(&self) -> bool {
+        true
+    }
+    /// Puts its resources into `world`, at the begin of a grasp.
+    ///
+    /// # Errors
+    /// When it cannot serve the world's scene.
+    fn prepare(&self, world: &mut World) -> Result<()>;
+    /// Puts its systems into `schedule`, and the entities that it alone needs into `world`, of `model`.
+    fn register(&self, schedule: &mut Schedule, world: &mut World, model: &Model);
+}
+
+/// How the backend that a scene names is opened.
+pub type Choose = fn(&Scene) -> Result<Box<dyn Stepper>>;

@@ -1,0 +1,85 @@
+//! Pads that meet beside a thin object are refused: contact between the pads is not modelled.
+
+use crate::mech::contact::{ContactSurface, Face};
+use crate::scales::FACE_BULGE;
+use crate::world::components::{ClosingDirection, FingerIndex, FingerTravel, NodeIndex, Position, TABLES};
+use crate::world::schedule::{Advance, Next, Phase, Shared};
+use bevy_ecs::prelude::*;
+use glam::{DVec2, DVec3};
+
+/// Ends the grasp with a fault, without recording the frame, if the pads overlap at the state just reached.
+pub fn keep_pads_apart(
+    shared: Res<Shared>,
+    mut advance: ResMut<Advance>,
+    mut next: ResMut<Next>,
+    nodes: Query<(&NodeIndex, &FingerIndex, &Position)>,
+    fingers: Query<(&FingerIndex, &FingerTravel, &ClosingDirection)>,
+) {
+    let [first, second] = shared.0.fingers.as_slice() else { return };
+    let mut carried = [DVec3::ZERO; 2];
+    for (finger, travel, closing) in &fingers {
+        carried[finger.0 as usize] = closing.0 * travel.0;
+    }
+    let axis = first.placement.closing;
+    // How far the first pad comes along the axis, and from where on the second is: mostly they do not meet there.
+    let (mut tip, mut lowest) = (f64::NEG_INFINITY, f64::INFINITY);
+    for (_, finger, position) in nodes.contiguous_iter().expect(TABLES) {
+        for (finger, position) in finger.iter().zip(position) {
+            let height = (position.0 + carried[finger.0 as usize]).dot(axis);
+            if finger.0 == 0 { tip = tip.max(height) } else { lowest = lowest.min(height) }
+        }
+    }
+    let offset = shared.0.law.offset;
+    if tip + FACE_BULGE * offset <= lowest {
+        return;
+    }
+    let mut x = [first, second].map(|f| vec![DVec3::ZERO; f.body.rest.len()]);
+    for (index, finger, position) in nodes.contiguous_iter().expect(TABLES) {
+        for row in 0..index.len() {
+            let f = finger[row].0 as usize;
+            x[f][index[row].0 as usize] = position[row].0 + carried[f];
+        }
+    }
+    let depth = overlap(&first.surface, &x[0], &second.surface, &x[1], axis);
+    // Below the offset of contact an object would feel nothing either.
+    if depth > offset {
+        advance.reached = false;
+        next.request(Phase::Fault {
+            reason: format!(
+                "the pads meet beside the object and would overlap by {:.3} mm at load {:.4e}: contact between the pads is \
+                 not modelled; use less force, smaller pads or a thicker object",
+                depth * 1e3,
+                advance.level
+            ),
+        });
+    }
+}
+
+/// How far two surfaces that face each other along the unit vector `axis`, from the first to the second, are past each other
+/// at the worst point of the second, m; zero if they are apart. `x`, `y`: node positions, m.
+pub fn overlap(first: &ContactSurface, x: &[DVec3], second: &ContactSurface, y: &[DVec3], axis: DVec3) -> f64 {
+    let nodes = first.faces.iter().flat_map(|f| f.corners.into_iter().chain(f.mids.into_iter().flatten()));
+    let tip = nodes.map(|n| x[n as usize].dot(axis)).fold(f64::NEG_INFINITY, f64::max);
+    let u = axis.any_orthonormal_vector();
+    let v = axis.cross(u);
+    let plane = |p: DVec3| (DVec2::new(p.dot(u), p.dot(v)), p.dot(axis));
+    let behind: Vec<_> = second.points.iter().map(|s| plane(s.position(y))).filter(|(_, h)| *h < tip).collect();
+    let lowest = behind.iter().map(|(_, h)| *h).fold(f64::INFINITY, f64::min);
+    let mut worst = 0.0_f64;
+    for triangle in first.faces.iter().flat_map(Face::flat_parts) {
+        let [a, b, c] = triangle.map(|n| plane(x[n as usize]));
+        // Seen from the other pad, front sides turn counter-clockwise.
+        let area = (b.0 - a.0).perp_dot(c.0 - a.0);
+        if a.1.max(b.1).max(c.1) <= lowest || area <= 0.0 {
+            continue;
+        }
+        for (q, h) in &behind {
+            let weight = |from: DVec2, to: DVec2| (to - from).perp_dot(*q - from) / area;
+            let (wa, wb, wc) = (weight(b.0, c.0), weight(c.0, a.0), weight(a.0, b.0));
+            if wa >= 0.0 && wb >= 0.0 && wc >= 0.0 {
+                worst = worst.max(wa * a.1 + wb * b.1 + wc * c.1 - h);
+            }
+        }
+    }
+    worst
+}

@@ -1,0 +1,27 @@
+//! The audit as a system: there only if the scene promises something that it judges.
+
+use crate::judge::Findings;
+use crate::world::schedule::{Grasp, Recorded, Shared, Timings};
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use std::time::Instant;
+
+/// Findings on the last recorded frame.
+#[derive(Resource, Debug, Default)]
+pub struct Audited(pub Option<Findings>);
+
+/// Judges the frame of this step.
+pub fn audit_frame(
+    shared: Res<Shared>,
+    grasp: Res<Grasp>,
+    recorded: Res<Recorded>,
+    mut audited: ResMut<Audited>,
+    mut timings: ResMut<Timings>,
+) {
+    let model = &shared.0;
+    let (Some(auditor), Some(frame)) = (&model.auditor, &recorded.0) else { return };
+    let clock = Instant::now();
+    let gravity = model.gravity.map_or(DVec3::ZERO, |g| grasp.0.object_in_hand().rotation * g);
+    audited.0 = Some(auditor.judge(&model.fingers, frame, gravity));
+    *timings.stages.entry("audit").or_insert(0.0) += clock.elapsed().as_secs_f64();
+}

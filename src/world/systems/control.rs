@@ -1,0 +1,66 @@
+//! The gripper's wishes: where the object is at the start, and how hard to squeeze next.
+
+use crate::world::components::{FingerForce, FingerTravel, ObjectPose, ObjectWeight};
+use crate::world::schedule::{Advance, Command, Grasp, Next, Phase, Shared};
+use bevy_ecs::prelude::*;
+
+/// Puts the object at its grasp pose in the open hand.
+pub fn place_object(
+    phase: Res<Phase>,
+    grasp: Res<Grasp>,
+    mut next: ResMut<Next>,
+    mut pose: Single<&mut ObjectPose>,
+    mut travel: Query<&mut FingerTravel>,
+) {
+    if *phase != Phase::Place {
+        return;
+    }
+    let start = grasp.0.object_in_hand();
+    **pose = ObjectPose { position: start.position, rotation: start.rotation };
+    travel.iter_mut().for_each(|mut t| t.0 = 0.0);
+    next.request(Phase::Close);
+}
+
+/// Refuses a weight that the squeeze cannot carry along the closing direction: geared fingers share its force, and the one
+/// under the object gets what it weighs from the other.
+pub fn refuse_weight(phase: Res<Phase>, shared: Res<Shared>, mut next: ResMut<Next>, weight: Single<&ObjectWeight>) {
+    let model = &shared.0;
+    let squeezed = model.force_driven && model.dynamics.is_none();
+    if *phase != Phase::Place || !squeezed {
+        return;
+    }
+    let Some(finger) = model.fingers.first() else { return };
+    let along = weight.0.dot(finger.placement.closing).abs();
+    let total = model.levels.last().copied().unwrap_or(0.0) * model.fingers.len() as f64;
+    if along > total {
+        next.request(Phase::Infeasible {
+            reason: format!(
+                "gravity pulls the object with {along:.3} N along the closing direction; fingers that squeeze it with \
+                 {total:.3} N together cannot hold that: raise the force, or turn the hand or gravity"
+            ),
+        });
+    }
+}
+
+/// Sets the load of the frame that this step makes.
+pub fn set_load(
+    phase: Res<Phase>,
+    shared: Res<Shared>,
+    grasp: Res<Grasp>,
+    command: Option<Res<Command>>,
+    mut advance: ResMut<Advance>,
+    mut forces: Query<&mut FingerForce>,
+) {
+    let Phase::Ramp { frame } = *phase else { return };
+    let model = &shared.0;
+    let level = command.map_or_else(|| model.levels[frame], |command| command.force);
+    *advance = Advance { level, ..Advance::default() };
+    match &model.dynamics {
+        Some(dynamics) => {
+            let each = dynamics.hand(&grasp.0, level).force / model.fingers.len().max(1) as f64;
+            forces.iter_mut().for_each(|mut f| f.0 = each);
+        }
+        None if model.force_driven => forces.iter_mut().for_each(|mut f| f.0 = level),
+        None => {}
+    }
+}

@@ -1,0 +1,82 @@
+//! Do the forces of a frame add up? From the wrenches alone, whatever stepper wrote them.
+
+use crate::world::components::*;
+use crate::world::schedule::{Balance, Shared};
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+
+/// What acts on the object but the pads.
+type Loads<'a> = (&'a ObjectPose, Option<&'a ObjectWeight>, Option<&'a GroundWrench>, Option<&'a InertialWrench>);
+
+/// Force and torque balance. Of a free object: contact forces, weight, support and inertia must cancel. Of a fixed one: each finger's
+/// contact must carry the force that closes it; of one that is still held, their contacts together.
+pub fn measure_balance(
+    shared: Res<Shared>,
+    mut balance: ResMut<Balance>,
+    fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel, &FingerForce, &FingerWrench)>,
+    object: Single<Loads>,
+) {
+    let model = &shared.0;
+    let (pose, weight, ground, inertia) = *object;
+    let weight = weight.map_or(DVec3::ZERO, |w| w.0);
+    let center = pose.position + pose.rotation * model.object.mass.center;
+    let (mut applied, mut worst, mut pushed, mut carried) = (0.0, 0.0_f64, 0.0, 0.0);
+    let (mut force, mut torque) = (weight, DVec3::ZERO);
+    let ground = ground.copied().unwrap_or_default();
+    let inertia = inertia.copied().unwrap_or_default();
+    force += ground.force + inertia.force;
+    torque += ground.torque + inertia.torque;
+    for (index, closing, travel, given, wrench) in &fingers {
+        let normal = -wrench.force.dot(closing.0);
+        applied += given.0;
+        carried += normal;
+        pushed += wrench.force.length();
+        worst = worst.max((given.0 - normal).abs());
+        force -= wrench.force;
+        let origin = model.fingers[index.0 as usize].placement.origin + closing.0 * travel.0;
+        torque -= wrench.torque + (origin - center).cross(wrench.force);
+    }
+    let unbalanced = match (model.free, &model.dynamics) {
+        (true, _) if balance.held => (applied - carried).abs(),
+        (true, _) => force.length(),
+        (false, None) => worst,
+        // Inertia of pads and drive lies between a finger's force and that of its contact.
+        (false, Some(_)) => 0.0,
+    };
+    // Where nothing pushes, as in free flight, there is nothing to compare with.
+    let alone = |value: f64, scale: f64| value == 0.0 || scale == 0.0 && model.dynamics.is_some();
+    let relative = |value: f64, scale: f64| if alone(value, scale) { 0.0 } else { value / scale };
+    let torque = if model.free && !balance.held { torque.length() } else { 0.0 };
+    // Without motion in time the fingers' force is the scale, however heavy the object.
+    let scale = match model.dynamics {
+        None => applied,
+        Some(_) => applied + weight.length() + ground.force.length() + pushed,
+    };
+    *balance = Balance {
+        held: balance.held,
+        applied,
+        force: relative(unbalanced, scale),
+        torque: relative(torque, scale * model.object.bounding_radius),
+    };
+}
+
+/// Distance of every node to the object.
+pub fn measure_gap(
+    shared: Res<Shared>,
+    fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel)>,
+    object: Single<&ObjectPose>,
+    mut nodes: Query<(&FingerIndex, &Position, &mut NodeGap)>,
+) {
+    let mut carried = vec![DVec3::ZERO; shared.0.fingers.len()];
+    for (index, closing, travel) in &fingers {
+        carried[index.0 as usize] = closing.0 * travel.0;
+    }
+    let (inverse, distance) = (object.rotation.inverse(), &shared.0.object.distance);
+    for (finger, position, mut gap) in nodes.contiguous_iter_mut().expect("components are stored in tables") {
+        let gap = gap.bypass_change_detection();
+        for row in 0..finger.len() {
+            let x = position[row].0 + carried[finger[row].0 as usize] - object.position;
+            gap[row].0 = distance.distance(inverse * x);
+        }
+    }
+}

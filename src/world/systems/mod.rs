@@ -1,0 +1,36 @@
+//! The systems that every stepper shares: what the gripper wants, whether the forces add up, the frame.
+
+pub(crate) mod apart;
+pub mod audit;
+mod control;
+pub(crate) mod measure;
+mod record;
+pub(crate) mod sense;
+pub(crate) mod upright;
+
+use crate::model::Needs;
+use crate::world::schedule::{StepSet, ramping, reached};
+use crate::world::systems::audit::audit_frame;
+use bevy_ecs::prelude::*;
+
+/// Puts the shared systems in their sets.
+pub fn register(schedule: &mut Schedule, needs: &Needs) {
+    schedule.add_systems((control::place_object, control::set_load.run_if(ramping)).chain().in_set(StepSet::Control));
+    if needs.gravity && needs.free_object {
+        // The first to ask for a phase is heard.
+        schedule.add_systems(control::refuse_weight.before(control::place_object).in_set(StepSet::Control));
+    }
+    schedule.add_systems(sense::close_to_contact.in_set(StepSet::Sense));
+    if needs.pads_apart {
+        schedule.add_systems(apart::keep_pads_apart.run_if(reached).in_set(StepSet::Accept));
+    }
+    schedule.add_systems(measure::measure_balance.run_if(reached).in_set(StepSet::Measure));
+    if needs.gap {
+        schedule.add_systems(measure::measure_gap.run_if(reached).in_set(StepSet::Measure));
+    }
+    if needs.audit {
+        let judge = audit_frame.run_if(reached).after(record::record_frame).before(record::turn_phase);
+        schedule.add_systems(judge.in_set(StepSet::Record));
+    }
+    schedule.add_systems((record::record_frame.run_if(reached), record::turn_phase).chain().in_set(StepSet::Record));
+}

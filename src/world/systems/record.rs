@@ -1,0 +1,138 @@
+//! The frame of a step, read from the columns, and the phase of the next step.
+
+use crate::record::{Frame, Moving, PadFrame, Wrench};
+use crate::world::components::*;
+use crate::world::schedule::{Advance, Balance, Command, Next, Phase, Recorded, Shared};
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+
+/// Node columns of a frame; optional ones are empty where the scene does not record them.
+type Nodes<'a> = (
+    &'a NodeIndex,
+    &'a FingerIndex,
+    &'a RestPosition,
+    &'a Position,
+    Option<&'a NodalStress>,
+    Option<&'a ContactForce>,
+    Option<&'a NodeGap>,
+);
+/// Finger columns of a frame.
+type Fingers<'a> = (&'a FingerIndex, &'a ClosingDirection, &'a FirstContact, &'a FingerTravel, &'a FingerWrench);
+
+/// Columns of the object; all but the pose only where it moves in time.
+type Object<'a> = (&'a ObjectPose, Option<(&'a ObjectVelocity, &'a ObjectMomentum)>, Option<&'a GroundWrench>);
+
+/// Builds the frame of this step.
+#[allow(clippy::too_many_arguments)]
+pub fn record_frame(
+    phase: Res<Phase>,
+    shared: Res<Shared>,
+    advance: Res<Advance>,
+    balance: Res<Balance>,
+    mut recorded: ResMut<Recorded>,
+    nodes: Query<Nodes>,
+    tets: Query<(&TetIndex, &FingerIndex, &TetStress)>,
+    fingers: Query<Fingers>,
+    object: Single<Object>,
+    hand: Query<&HandPose>,
+) {
+    let Phase::Ramp { frame: index } = *phase else { return };
+    let needs = &shared.0.needs;
+    let zeros = |asked: bool, n: usize| vec![0.0; if asked { n } else { 0 }];
+    let blank = |f: &crate::part::FingerModel| {
+        let n = f.body.rest.len();
+        PadFrame {
+            position: vec![DVec3::ZERO; n],
+            displacement: vec![DVec3::ZERO; n],
+            contact_force: vec![DVec3::ZERO; if needs.contact_force { n } else { 0 }],
+            von_mises_node: zeros(needs.stress, n),
+            von_mises_element: zeros(needs.stress, f.body.element_count()),
+            gap: zeros(needs.gap, n),
+            wrench: Wrench::default(),
+        }
+    };
+    let mut pads: Vec<PadFrame> = shared.0.fingers.iter().map(blank).collect();
+    let mut travel = vec![0.0; pads.len()];
+    let mut carried = vec![DVec3::ZERO; pads.len()];
+    for (finger, closing, first, now, wrench) in &fingers {
+        let f = finger.0 as usize;
+        travel[f] = now.0 - first.0;
+        carried[f] = closing.0 * now.0;
+        pads[f].wrench = Wrench { force: wrench.force, torque: wrench.torque };
+    }
+    // Columns of one table: slices, without a look-up per node.
+    for (index, finger, rest, position, stress, force, gap) in nodes.contiguous_iter().expect(TABLES) {
+        for row in 0..index.len() {
+            let (f, i) = (finger[row].0 as usize, index[row].0 as usize);
+            let pad = &mut pads[f];
+            pad.position[i] = position[row].0 + carried[f];
+            pad.displacement[i] = position[row].0 - rest[row].0;
+            if let Some(stress) = &stress {
+                pad.von_mises_node[i] = stress[row].0;
+            }
+            if let Some(force) = &force {
+                pad.contact_force[i] = force[row].0;
+            }
+            if let Some(gap) = &gap {
+                pad.gap[i] = gap[row].0;
+            }
+        }
+    }
+    for (index, finger, stress) in tets.contiguous_iter().expect(TABLES) {
+        for row in 0..index.len() {
+            pads[finger[row].0 as usize].von_mises_element[index[row].0 as usize] = stress[row].0;
+        }
+    }
+    let (object, motion, ground) = *object;
+    let moving = hand.iter().next().map(|hand| {
+        let (velocity, momentum) = motion.map_or_else(Default::default, |(v, m)| (*v, *m));
+        Moving {
+            hand_position: hand.position,
+            hand_rotation: hand.rotation,
+            velocity: velocity.linear,
+            spin: velocity.angular,
+            momentum: momentum.linear,
+            angular_momentum: momentum.angular,
+            ground_force: ground.map_or(DVec3::ZERO, |g| hand.rotation * g.force),
+        }
+    });
+    recorded.0 = Some(Frame {
+        index,
+        applied_force: balance.applied,
+        time: if moving.is_some() { advance.level } else { 0.0 },
+        travel,
+        object_position: object.position,
+        object_rotation: object.rotation,
+        pads,
+        moving,
+        energy: advance.energy,
+        newton_iterations: advance.iterations,
+        held: balance.held,
+        min_det_f: advance.min_det_f,
+        min_gap: advance.min_gap,
+        force_balance: balance.force,
+        torque_balance: balance.torque,
+        residual: advance.residual,
+    });
+}
+
+/// Moves the procedure on: to what a system asked for, else to the next frame.
+pub fn turn_phase(
+    mut phase: ResMut<Phase>,
+    mut next: ResMut<Next>,
+    mut advance: ResMut<Advance>,
+    shared: Res<Shared>,
+    command: Option<Res<Command>>,
+) {
+    let asked = next.take();
+    if let (Phase::Ramp { frame }, None) = (&*phase, &asked)
+        && advance.reached
+    {
+        let frame = frame + 1;
+        *phase = if command.is_some() || frame < shared.0.levels.len() { Phase::Ramp { frame } } else { Phase::Done };
+    } else if let Some(asked) = asked {
+        *phase = asked;
+    }
+    // The conditions of the next step must not see this one's success.
+    advance.reached = false;
+}

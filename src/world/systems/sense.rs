@@ -1,0 +1,124 @@
+//! First contact, found geometrically on the undeformed pads.
+
+use crate::gripper::{Approach, approach};
+use crate::model::Model;
+use crate::part::FingerModel;
+use crate::record::pad_name;
+use crate::world::components::{FingerIndex, FingerTravel, FirstContact, ObjectPose};
+use crate::world::schedule::{Next, Phase, Shared};
+use crate::world::systems::apart::overlap;
+use bevy_ecs::prelude::*;
+use glam::{DMat3, DVec3};
+
+/// Closes every finger until its pad touches the object, or says why it cannot.
+///
+/// The fingers of a parallel gripper travel together: the one that touches first pushes a free object along until the other
+/// touches too. Without weight and with nothing else in the way that is a translation along the closing direction.
+pub fn close_to_contact(
+    phase: Res<Phase>,
+    shared: Res<Shared>,
+    mut next: ResMut<Next>,
+    mut pose: Single<&mut ObjectPose>,
+    mut fingers: Query<(&FingerIndex, &mut FingerTravel, &mut FirstContact)>,
+) {
+    if *phase != Phase::Close {
+        return;
+    }
+    let model = &shared.0;
+    if let Some(dynamics) = &model.dynamics {
+        let meets = if dynamics.squeezes() { close_together(model, &pose) } else { Ok(0.0) };
+        let apart = |t| keep_apart(model, &vec![t; model.fingers.len()]).map(|()| t);
+        match meets.and_then(apart) {
+            Ok(t) => fingers.iter_mut().for_each(|(_, mut now, mut first)| (now.0, first.0) = (t, t)),
+            Err(reason) => return next.request(Phase::Infeasible { reason }),
+        }
+        return next.request(Phase::Ramp { frame: 0 });
+    }
+    let mut travel = Vec::new();
+    for index in 0..model.fingers.len() {
+        match first_contact(model, index, &pose, model.law.offset) {
+            Ok(t) => travel.push(t),
+            Err(reason) => return next.request(Phase::Infeasible { reason }),
+        }
+    }
+    pose.position += center(model, &mut travel);
+    if let Some((index, t)) = travel.iter().enumerate().find(|(_, t)| **t > model.stroke) {
+        let (t, stroke) = (t * 1e3, model.stroke * 1e3);
+        let name = pad_name(index);
+        let reason = format!("the {name} finger would touch after {t:.1} mm, past its `stroke` of {stroke:.1} mm");
+        return next.request(Phase::Infeasible { reason });
+    }
+    if let Err(reason) = keep_apart(model, &travel) {
+        return next.request(Phase::Infeasible { reason });
+    }
+    for (index, mut now, mut first) in &mut fingers {
+        (now.0, first.0) = (travel[index.0 as usize], travel[index.0 as usize]);
+    }
+    next.request(Phase::Ramp { frame: 0 });
+}
+
+/// Makes the travels at which two fingers touch a free object alike: how far they push it to the middle, m.
+pub fn center(model: &Model, travel: &mut [f64]) -> DVec3 {
+    let (true, [first, second]) = (model.free, travel) else { return DVec3::ZERO };
+    let pushed = model.fingers[0].placement.closing * (0.5 * (*second - *first));
+    let mean = 0.5 * (*first + *second);
+    (*first, *second) = (mean, mean);
+    pushed
+}
+
+/// Refuses pads that are past each other where they first touch the object: no load brings them apart again.
+fn keep_apart(model: &Model, travel: &[f64]) -> Result<(), String> {
+    let ([first, second], [t, u]) = (model.fingers.as_slice(), travel) else { return Ok(()) };
+    let axis = first.placement.closing;
+    if t + u < model.opening {
+        return Ok(());
+    }
+    let moved = |finger: &FingerModel, t: f64| -> Vec<DVec3> {
+        finger.body.rest.iter().map(|x| *x + finger.placement.closing * t).collect()
+    };
+    let depth = overlap(&first.surface, &moved(first, *t), &second.surface, &moved(second, *u), axis);
+    if depth <= model.law.offset {
+        return Ok(());
+    }
+    Err(format!(
+        "the pads meet beside the object before both touch it and would overlap by {:.3} mm: contact between the pads is not \
+         modelled; use smaller pads, a thicker object or another grasp",
+        depth * 1e3
+    ))
+}
+
+/// Common travel of geared fingers until the first pad touches the object.
+fn close_together(model: &Model, pose: &ObjectPose) -> Result<f64, String> {
+    let mut each = (0..model.fingers.len()).map(|i| first_contact(model, i, pose, model.law.offset));
+    each.try_fold(model.stroke, |first, travel| Ok(first.min(travel?)))
+}
+
+/// Travel of finger `index` until its undeformed pad is `clearance` (m) from the object at `pose`, m.
+pub fn first_contact(model: &Model, index: usize, pose: &ObjectPose, clearance: f64) -> Result<f64, String> {
+    let finger = &model.fingers[index];
+    let met = approach(
+        &finger.surface,
+        &finger.body.rest,
+        finger.placement.closing,
+        model.object.distance.as_ref(),
+        &model.features,
+        pose.position,
+        DMat3::from_quat(pose.rotation),
+        // A free object is brought to the middle: seen from there a finger may have to reach farther than its stroke.
+        if model.free { 2.0 * model.stroke } else { model.stroke },
+        clearance,
+    );
+    let name = pad_name(index);
+    match met {
+        Approach::Contact(travel) => Ok(travel),
+        Approach::Overlap(depth) => Err(format!(
+            "the {name} pad overlaps the object by {:.2} mm in the open hand; widen `opening` ({:.1} mm) or move the grasp",
+            depth * 1e3,
+            model.opening * 1e3
+        )),
+        Approach::Misses => Err(format!(
+            "the {name} finger meets nothing within its stroke of {:.1} mm; move the grasp or lengthen `stroke`",
+            model.stroke * 1e3
+        )),
+    }
+}

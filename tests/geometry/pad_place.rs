@@ -1,0 +1,140 @@
+//! Pads from files land in the pad frame with the right nodes glued.
+
+use std::fs;
+use std::path::PathBuf;
+
+use glam::DVec3;
+use tactus::geometry::mesh::{TetMesh, io};
+use tactus::geometry::pad::{self, Bonding, Pad, Placement, Resolution};
+
+fn data(name: &str) -> Option<PathBuf> {
+    let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data")).join(name);
+    if !path.exists() {
+        eprintln!("skipped: {} is not here", path.display());
+        return None;
+    }
+    Some(path)
+}
+
+fn placement(outward: DVec3, attach_distance: f64) -> Placement {
+    Placement { outward, across: None, bonding: Bonding::AttachDistance(attach_distance) }
+}
+
+fn count(pad: &Pad) -> usize {
+    pad.bonded.iter().filter(|b| **b).count()
+}
+
+fn small() -> Pad {
+    pad::box_pad(0.03, 0.02, 0.004, &Resolution::cells([4, 2, 2])).expect("pad")
+}
+
+/// The export frame of the paper's data: pad (x, y, z) -> (x, z, -y), gel outwards along +y.
+#[test]
+fn a_pad_moved_elsewhere_comes_back() {
+    let original = small();
+    let moved = TetMesh {
+        nodes: original.mesh.nodes.iter().map(|p| DVec3::new(p.x, p.z, -p.y) + DVec3::new(0.5, 1.0, -2.0)).collect(),
+        tets: original.mesh.tets.clone(),
+    };
+    let back = pad::from_mesh(moved, &placement(DVec3::Y, 0.0)).expect("placed");
+    assert_eq!(back.bonded, original.bonded);
+    for (p, q) in back.mesh.nodes.iter().zip(&original.mesh.nodes) {
+        assert!((*p - *q).length() < 1e-15, "{p} m instead of {q} m");
+    }
+}
+
+#[test]
+fn any_outward_direction_gives_a_right_handed_frame() {
+    let original = small();
+    for outward in [DVec3::X, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z, DVec3::new(0.6, 0.0, 0.8)] {
+        let turn = glam::DQuat::from_rotation_arc(DVec3::Z, outward);
+        let nodes = original.mesh.nodes.iter().map(|p| turn * *p).collect();
+        let moved = TetMesh { nodes, tets: original.mesh.tets.clone() };
+        let across = Some(turn * DVec3::X);
+        let back = pad::from_mesh(moved, &Placement { across, ..placement(outward, 1e-6) }).expect("placed");
+        assert_eq!(back.bonded, original.bonded);
+        for (p, q) in back.mesh.nodes.iter().zip(&original.mesh.nodes) {
+            assert!((*p - *q).length() < 1e-14, "{outward}: {p} m instead of {q} m");
+        }
+    }
+}
+
+#[test]
+fn unusable_placements_are_refused() {
+    let message = |p: Placement| pad::from_mesh(small().mesh, &p).expect_err("refused").to_string();
+    assert!(message(placement(DVec3::Z, 1.0)).contains("all 45 nodes of the pad are glued"));
+    assert!(message(placement(DVec3::Z, f64::NAN)).contains("attach distance is NaN"));
+    assert!(message(placement(DVec3::ZERO, 0.0)).contains("must be a unit vector"));
+    assert!(message(placement(DVec3::NAN, 0.0)).contains("must be a unit vector"));
+    let along = Placement { across: Some(DVec3::Z), ..placement(DVec3::Z, 0.0) };
+    assert!(message(along).contains("along outward"));
+    let nodes = |list: Vec<usize>| Placement { bonding: Bonding::Nodes(list), ..placement(DVec3::Z, 0.0) };
+    assert!(message(nodes(vec![])).contains("no node of the pad is glued"));
+    assert!(message(nodes(vec![45])).contains("allowed: 0..=44"));
+    assert!(message(nodes((30..45).collect())).contains("no free face of the pad looks along outward"));
+    assert!(pad::from_mesh(TetMesh::default(), &placement(DVec3::Z, 0.0)).is_err());
+}
+
+#[test]
+fn lists_of_nodes_are_indices_or_a_mask() {
+    let dir = tempfile::tempdir().expect("temporary folder");
+    let path = dir.path().join("list.txt");
+    let read = |text: &str| {
+        fs::write(&path, text).expect("write");
+        pad::place::read_nodes(&path, 4).map_err(|e| e.to_string())
+    };
+    assert_eq!(read("# glued\n3 1\n"), Ok(vec![1, 3]));
+    assert_eq!(read("1\n0\n0\n1\n"), Ok(vec![0, 3]));
+    let message = |text: &str| read(text).expect_err("refused");
+    assert!(message("0\n4\n").contains("line 2, column 1: node index 4, but the mesh has 4 nodes; allowed: 0..=3"));
+    assert!(message("2 2\n").contains("line 1, column 3: node index 2 stands twice"));
+    assert!(message("x\n").contains("line 1, column 1: node index `x`"));
+    assert!(message("").contains("the list of glued nodes is empty"));
+}
+
+/// Lists number the nodes of the file, also when repair removes or welds some.
+#[test]
+fn lists_survive_the_repair_of_the_mesh() {
+    let dir = tempfile::tempdir().expect("temporary folder");
+    let (mesh, list) = (dir.path().join("m.tet"), dir.path().join("l.txt"));
+    fs::write(&mesh, "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nt 1 2 3 4\n").expect("write");
+    fs::write(&list, "0 1 2 3").expect("write");
+    let (pad, notices) = pad::read_pad(&mesh, &placement(DVec3::Z, 0.0), Some(&list)).expect("pad");
+    assert_eq!((pad.bonded, notices.len()), (vec![true, true, true, false], 2));
+    assert!(notices[1].contains("the pad is 1 m long") && notices[1].contains("is it in mm?"), "{notices:?}");
+    let listed = Placement { bonding: Bonding::Nodes(vec![5]), ..placement(DVec3::Z, 0.0) };
+    let message = pad::read_pad(&mesh, &listed, None).expect_err("refused").to_string();
+    assert!(message.contains("glued node index 5, but the mesh has 5 nodes; allowed: 0..=4"), "{message}");
+    let message = pad::read_pad(&mesh, &placement(DVec3::Z, 7.0), None).expect_err("refused").to_string();
+    assert!(message.contains("m.tet: all 4 nodes"), "{message}");
+}
+
+#[test]
+fn real_pads() {
+    if let (Some(mesh), Some(list)) =
+        (data("pads/gelsight_mini_e430/tet.msh"), data("pads/gelsight_mini_e430/active.txt"))
+    {
+        let (pad, _) = pad::read_pad(&mesh, &placement(DVec3::Z, 0.0), Some(&list)).expect("pad");
+        for (p, bonded) in pad.mesh.nodes.iter().zip(&pad.bonded) {
+            assert!(p.z < 1e-9 && p.z > -4e-3 - 1e-9);
+            assert_eq!(*bonded, p.z < -4e-3 + 1e-6, "the list glues the back face, 4 mm below the sensing face: {p} m");
+        }
+        let by_distance = pad::read_pad(&mesh, &placement(DVec3::Z, 1e-6), None).expect("pad").0;
+        assert_eq!(by_distance.bonded, pad.bonded);
+    }
+    if let Some(mesh) = data("pads/round_pad/round_pad.tet") {
+        let (pad, _) = pad::read_pad(&mesh, &placement(DVec3::Z, 1e-6), None).expect("pad");
+        let low = pad.mesh.nodes.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = pad.mesh.nodes.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        eprintln!("round pad: {low} .. {high}, {} of {} glued", count(&pad), pad.bonded.len());
+        assert!((low.z + 3e-3).abs() < 1e-9 && high.z == 0.0);
+        assert!((low.x + high.x).abs() < 1e-9, "centred");
+        // One node half way down the side wall of this file bulges by 18 um.
+        assert!((low.y + high.y).abs() < 2e-5, "centred on the sensing face");
+    }
+    if let Some(mesh) = data("pads/biotac/int_ext_skin_combined_ftw.tet") {
+        let (mesh, _) = io::read_tet_mesh(&mesh).expect("mesh");
+        let pad = pad::from_mesh(mesh, &placement(DVec3::Z, 1e-3)).expect("pad");
+        assert!(count(&pad) > 0 && !pad::sensing_faces(&pad).is_empty());
+    }
+}

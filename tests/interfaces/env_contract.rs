@@ -1,0 +1,260 @@
+//! What a batch of environments promises, for every backend, bit for bit.
+
+use crate::env_made::*;
+use tactus::env::{Autoreset, BatchConfig, BatchEnv, Snapshot};
+use tactus::scene::NamedScene;
+use tactus::world::schedule::{Next, Phase};
+
+/// Runs a test for each backend.
+macro_rules! for_each {
+    ($($name:ident)*) => {
+        mod fem_backend {
+            $(#[test]
+            fn $name() {
+                super::$name(&super::fem());
+            })*
+        }
+        mod condensed_backend {
+            $(#[test]
+            fn $name() {
+                super::$name(&super::condensed());
+            })*
+        }
+        mod gnn_backend {
+            $(#[test]
+            fn $name() {
+                super::$name(&super::gnn(super::fem(), &crate::gnn_made::made().model));
+            })*
+        }
+    };
+}
+
+for_each! {
+    threads_and_batch_size_change_no_bit
+    a_masked_reset_leaves_the_others_alone
+    truncation_keeps_the_final_observation
+    episodes_differ_and_start_like_fresh_ones
+    a_restored_environment_replays_exactly
+    a_snapshot_that_does_not_fit_is_refused
+    seeds_of_their_own_start_the_episodes_of_single_environments
+    a_bad_action_names_its_environment_and_changes_nothing
+    a_fault_stays_in_its_environment
+    taxels_sum_to_the_wrench
+}
+
+fn threads_and_batch_size_change_no_bit(set: &[NamedScene]) {
+    let all = play(&mut batch(set, config(4)), STEPS + 2);
+    let serial = BatchConfig { threads: Some(1), ..config(4) };
+    assert_eq!(all, play(&mut batch(set, serial), STEPS + 2), "on one thread");
+    let part = BatchConfig { first_env: 2, ..config(2) };
+    let part = play(&mut batch(set, part), STEPS + 2);
+    for (all, part) in all.iter().zip(&part) {
+        assert_eq!(all[2..4], part[..], "two of the four environments alone");
+    }
+}
+
+fn a_masked_reset_leaves_the_others_alone(set: &[NamedScene]) {
+    let run = |mask: Option<&[bool]>| {
+        let mut env = batch(set, config(3));
+        env.reset(None, None).unwrap();
+        env.step(&actions(0, 3, 0)).unwrap();
+        if let Some(mask) = mask {
+            env.reset(None, Some(mask)).unwrap();
+        }
+        let view = env.step(&actions(0, 3, 1)).unwrap();
+        [0, 1, 2].map(|i| bits(view, i))
+    };
+    let (plain, masked) = (run(None), run(Some(&[false, true, false])));
+    assert_eq!((&plain[0], &plain[2]), (&masked[0], &masked[2]));
+    assert_ne!(plain[1], masked[1], "the one in the middle is in another episode");
+    assert!(batch(set, config(3)).reset(None, Some(&[true])).unwrap_err().to_string().contains("1 entries for 3"));
+}
+
+fn truncation_keeps_the_final_observation(set: &[NamedScene]) {
+    let (mut same, mut next) = (batch(set, with(Autoreset::SameStep, 1)), batch(set, with(Autoreset::NextStep, 1)));
+    same.reset(None, None).unwrap();
+    next.reset(None, None).unwrap();
+    for step in 0..STEPS {
+        let action = [0.5];
+        let (a, b) = (same.step(&action).unwrap(), next.step(&action).unwrap());
+        assert_eq!((a.reward(), a.terminated(), a.truncated()), (b.reward(), b.terminated(), b.truncated()));
+        assert_eq!(a.truncated()[0], step + 1 == STEPS, "no object is lost");
+        for name in NAMES {
+            let seen = if a.ended()[0] { a.final_obs(name) } else { a.obs(name) };
+            assert_eq!(seen, b.obs(name), "step {step}: {name}");
+        }
+    }
+    let next_episode = save_of_next(set);
+    let fresh: Vec<_> =
+        NAMES.iter().map(|name| same.restore(0, &next_episode).unwrap().obs(name).unwrap().to_vec()).collect();
+    let after = next.step(&[-1.0]).unwrap();
+    assert_eq!((after.reward()[0], after.truncated()[0]), (0.0, false), "the action of this step is not taken");
+    for (name, fresh) in NAMES.iter().zip(fresh) {
+        assert_eq!(after.obs(name).unwrap(), fresh, "the next episode starts: {name}");
+    }
+}
+
+/// The start of the second episode of the first environment.
+fn save_of_next(set: &[NamedScene]) -> tactus::env::Snapshot {
+    let mut env = batch(set, config(1));
+    env.reset(None, None).unwrap();
+    env.reset(None, None).unwrap();
+    env.save(0)
+}
+
+fn episodes_differ_and_start_like_fresh_ones(set: &[NamedScene]) {
+    let mut env = batch(set, config(2));
+    let first = env.reset(None, None).unwrap();
+    let first = [bits(first, 0), bits(first, 1)];
+    assert_ne!(first[0], first[1], "environments differ");
+    env.step(&[0.0, 0.0]).unwrap();
+    let second = env.reset(None, None).unwrap();
+    assert_ne!(first[0], bits(second, 0), "episodes differ");
+    let again = env.reset(Some(7), None).unwrap();
+    assert_eq!(first, [bits(again, 0), bits(again, 1)], "the same seed starts the same episodes");
+    let other = env.reset(Some(8), None).unwrap();
+    assert_ne!(first[0], bits(other, 0), "another seed, another episode");
+}
+
+fn a_restored_environment_replays_exactly(set: &[NamedScene]) {
+    let mut env = batch(set, config(2));
+    env.reset(None, None).unwrap();
+    for step in 0..2 {
+        env.step(&actions(0, 2, step)).unwrap();
+    }
+    let saved: tactus::env::Snapshot = {
+        let text = serde_json::to_string(&env.save(1)).unwrap();
+        serde_json::from_str(&text).unwrap()
+    };
+    let rest = |env: &mut BatchEnv, at: usize| {
+        (2..STEPS).map(|s| bits(env.step(&actions(0, 2, s)).unwrap(), at)).collect::<Vec<_>>()
+    };
+    let truth = rest(&mut env, 1);
+    env.restore(1, &saved).unwrap();
+    assert_eq!(truth, rest(&mut env, 1), "in the same batch");
+    let mut other = batch(set, BatchConfig { seed: 99, ..config(2) });
+    other.reset(None, None).unwrap();
+    other.restore(1, &saved).unwrap();
+    assert_eq!(truth, rest(&mut other, 1), "in another batch");
+}
+
+fn a_snapshot_that_does_not_fit_is_refused(set: &[NamedScene]) {
+    let mut env = batch(set, config(2));
+    env.reset(None, None).unwrap();
+    let before = bits(env.step(&actions(0, 2, 0)).unwrap(), 1);
+    let good = env.save(1);
+    let text = good.to_json();
+    for cut in [0, 1, text.len() / 2, text.len() - 1] {
+        let error = Snapshot::from_json(&text[..cut]).unwrap_err();
+        assert!(error.starts_with("the snapshot cannot be read"), "{error}");
+    }
+    assert_eq!(Snapshot::from_json(&text).unwrap(), good);
+    let changed = |change: &dyn Fn(&mut Snapshot)| {
+        let mut bad = good.clone();
+        change(&mut bad);
+        bad
+    };
+    let other = {
+        let slower = set.iter().cloned().map(|mut named| {
+            named.scene.task.as_mut().unwrap().lift = tactus::scene::leaf::Count::new(3).unwrap();
+            named
+        });
+        let mut env = batch(&slower.collect::<Vec<_>>(), config(2));
+        env.reset(None, None).unwrap();
+        env.save(1)
+    };
+    let cases = [
+        (changed(&|s| s.actions[0] = f32::NAN), "environment 1: the snapshot holds NaN in its action of step 1"),
+        (changed(&|s| s.actions = vec![0.0; STEPS + 1]), "environment 1: the snapshot holds 6 numbers of actions"),
+        (changed(&|s| s.actions[0] = 0.25), "environment 1: the snapshot was changed or damaged"),
+        (changed(&|s| s.key.episode += 1), "environment 1: the snapshot was changed or damaged"),
+        (changed(&|s| s.format = 7), "environment 1: the snapshot has format 7"),
+        (other, "environment 1: the snapshot is of another scene"),
+    ];
+    for (bad, said) in cases {
+        let error = env.restore(1, &bad).unwrap_err();
+        assert!(error.to_string().starts_with(said), "{error}");
+    }
+    assert!(env.restore(2, &good).unwrap_err().to_string().contains("environment 2 of 2"));
+    assert_eq!(before, bits(env.view(), 1), "nothing has changed");
+    assert_eq!(before, bits(env.restore(1, &good).unwrap(), 1));
+}
+
+fn seeds_of_their_own_start_the_episodes_of_single_environments(set: &[NamedScene]) {
+    let mut env = batch(set, config(3));
+    env.reset(None, None).unwrap();
+    let view = env.reset_each(&[Some(3), None, Some(4)], None).unwrap();
+    let rows = [0, 1, 2].map(|i| bits(view, i));
+    assert_eq!([0, 1, 2].map(|i| (env.key(i).seed, env.key(i).episode)), [(3, 0), (7, 1), (4, 0)]);
+    let mut alone = batch(set, config(1));
+    assert_eq!(rows[0], bits(alone.reset(Some(3), None).unwrap(), 0));
+    assert_eq!(rows[2], bits(alone.reset(Some(4), None).unwrap(), 0));
+    assert!(env.reset_each(&[None], None).unwrap_err().to_string().contains("1 seeds for 3 environments"));
+    // A seed for all gives every environment its own number again.
+    let all = env.reset(Some(3), None).unwrap();
+    let all = [0, 1, 2].map(|i| bits(all, i));
+    let mut fresh = batch(set, config(3));
+    let fresh = fresh.reset(Some(3), None).unwrap();
+    assert_eq!(all, [0, 1, 2].map(|i| bits(fresh, i)));
+}
+
+fn a_bad_action_names_its_environment_and_changes_nothing(set: &[NamedScene]) {
+    let mut env = batch(set, config(3));
+    let early = env.step(&[0.0; 3]).unwrap_err();
+    assert_eq!(early.env, Some(0), "{early}");
+    env.reset(None, None).unwrap();
+    let error = env.step(&[0.0, f32::NAN, 0.0]).unwrap_err();
+    assert_eq!(error.env, Some(1));
+    assert_eq!(error.to_string(), "environment 1: its action holds NaN; allowed: -1 to 1");
+    assert!(env.step(&[0.0; 2]).unwrap_err().to_string().contains("2 numbers for 3 environments with 1 each"));
+    let view = env.step(&actions(0, 3, 0)).unwrap();
+    let after = [0, 1, 2].map(|i| bits(view, i));
+    assert_eq!(play(&mut batch(set, config(3)), 1)[1], after, "as if nobody had asked");
+}
+
+fn a_fault_stays_in_its_environment(set: &[NamedScene]) {
+    let run = |poison: bool| {
+        let mut env = batch(set, config(3));
+        env.reset(None, None).unwrap();
+        if poison {
+            let world = env.environment(1).unwrap().world_mut();
+            world.resource_mut::<Next>().request(Phase::Fault { reason: "poisoned".into() });
+        }
+        let views: Vec<_> = (1..4)
+            .map(|step| {
+                let view = env.step(&actions(0, 3, step)).unwrap();
+                assert!(NAMES.iter().all(|name| view.obs(name).unwrap().iter().all(|v| v.is_finite())));
+                ([0, 1, 2].map(|i| bits(view, i)), view.fault(1).map(str::to_string), view.terminated()[1])
+            })
+            .collect();
+        views
+    };
+    let (clean, poisoned) = (run(false), run(true));
+    for (a, b) in clean.iter().zip(&poisoned) {
+        assert_eq!((&a.0[0], &a.0[2]), (&b.0[0], &b.0[2]), "the neighbours");
+    }
+    assert!(clean.iter().all(|step| step.1.is_none()));
+    let fault: Vec<_> = poisoned.iter().find(|step| step.1.is_some()).into_iter().collect();
+    assert_eq!((fault[0].1.as_deref(), fault[0].2), (Some("poisoned"), true), "flagged, and the episode ends");
+    assert_eq!((&poisoned[2].1, poisoned[2].2), (&None, false), "and the next one runs");
+}
+
+fn taxels_sum_to_the_wrench(set: &[NamedScene]) {
+    let mut env = batch(set, config(2));
+    env.reset(None, None).unwrap();
+    for step in 0..STEPS {
+        let view = env.step(&actions(0, 2, step)).unwrap();
+        let forces = view.obs("force").unwrap();
+        let taxels = view.obs("taxel_force").unwrap().chunks_exact(5 * 4 * 3);
+        for (pad, (image, wrench)) in taxels.zip(view.obs("wrench").unwrap().chunks_exact(6)).enumerate() {
+            let sum = |axis: usize| image.iter().skip(axis).step_by(3).map(|v| f64::from(*v)).sum::<f64>();
+            for axis in 0..3 {
+                let off = (sum(axis) - f64::from(wrench[axis])).abs();
+                assert!(off < 1e-5, "taxels of pad {pad} miss the wrench by {off} N along {axis}");
+            }
+            let applied = f64::from(forces[pad / 2]) / 2.0;
+            let carried = -sum(2);
+            assert!((carried - applied).abs() < 1e-3 * applied, "pad {pad}: {carried} N against {applied} N");
+        }
+    }
+}

@@ -1,0 +1,23 @@
+//! Interfaces: the command line, files of runs and data sets, environments, reports.
+
+#[path = "../fixtures/dataset_tiny.rs"]
+mod dataset_tiny;
+#[path = "../fixtures/env_made.rs"]
+mod env_made;
+#[path = "../fixtures/gnn_made.rs"]
+mod gnn_made;
+#[path = "../fixtures/synthetic.rs"]
+mod synthetic;
+
+mod bench_cli;
+mod dataset;
+mod dataset_resume;
+mod env_contract;
+mod env_task;
+mod fit;
+mod integrity;
+mod record_run;
+mod record_vtu;
+mod render_pads;
+mod report;
+mod run_cli;

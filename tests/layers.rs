@@ -1,0 +1,137 @@
+//! The plan of the house: a folder imports only what stands before it in this list. So no circle crosses a folder.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Files and folders of `src`, from the ground up.
+const LAYERS: [&str; 33] = [
+    "error",
+    "number",
+    "stats",
+    "table",
+    "random",
+    "interrupt",
+    "files",
+    "scales",
+    "geometry",
+    "scene",
+    "limits",
+    "mech",
+    "kernel",
+    "gripper",
+    "record",
+    "distance",
+    "render",
+    "part",
+    "grasp",
+    "judge",
+    "model",
+    "world",
+    "run",
+    "linear",
+    "dataset",
+    "net",
+    "backend",
+    "env",
+    "bench",
+    "fit",
+    "report",
+    "cli",
+    "main",
+];
+
+/// Folders of `src/mech`, of the mechanics alone.
+const MECH: [&str; 7] = ["material", "element", "body", "potential", "contact", "newton", "path"];
+
+/// Folders of `src/net`.
+const NET: [&str; 6] = ["autodiff", "features", "network", "infer", "train", "eval"];
+
+fn sources(dir: &Path) -> Vec<PathBuf> {
+    let mut found: Vec<_> = std::fs::read_dir(dir).unwrap().map(|entry| entry.unwrap().path()).collect();
+    found.sort();
+    let nested = found.into_iter().flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] });
+    nested.filter(|path| path.extension().is_some_and(|e| e == "rs")).collect()
+}
+
+/// What a file imports from the crate, with the line: the names behind `prefix`, those of a list in braces among them.
+fn imports(text: &str, prefix: &str) -> Vec<(String, usize)> {
+    let code: Vec<_> = text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect();
+    let mut found: Vec<(String, usize)> = Vec::new();
+    for (i, line) in code.iter().enumerate() {
+        for (at, _) in line.match_indices(prefix) {
+            let rest = &line[at + prefix.len()..];
+            let name = |text: &str| text.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            match rest.strip_prefix('{') {
+                None => found.push((name(rest), i + 1)),
+                Some(list) => {
+                    let list = format!("{list}{}", code[i + 1..].concat());
+                    let list = list.split(';').next().unwrap_or_default();
+                    let mut depth = 0;
+                    let outer = list.split(|c: char| {
+                        depth += i32::from(c == '{') - i32::from(c == '}');
+                        c == ',' && depth == 0
+                    });
+                    found.extend(outer.map(|item| (name(item), i + 1)));
+                }
+            }
+        }
+    }
+    found.retain(|(name, _)| !name.is_empty() && name != "self");
+    found
+}
+
+/// Imports that go up in `order`, as `file:line: ...`; files of folders that are not in it are named, too.
+fn violations(root: &Path, prefix: &str, order: &[&str]) -> Vec<String> {
+    let rank: BTreeMap<_, _> = order.iter().zip(0..).collect();
+    let mut wrong = Vec::new();
+    for path in sources(root) {
+        let inside = path.strip_prefix(root).unwrap();
+        let own = inside.iter().next().unwrap().to_str().unwrap().trim_end_matches(".rs");
+        if matches!(own, "lib" | "mod") {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        let Some(at) = rank.get(&own) else {
+            wrong.push(format!("{}: `{own}` has no place in the list of layers", path.display()));
+            continue;
+        };
+        // From a file that lies so deep, as many `super::` lead to the layers.
+        let depth = inside.iter().count() - usize::from(inside.ends_with("mod.rs"));
+        let up = imports(&text, &"super::".repeat(depth)).into_iter().filter(|(name, _)| name != "super");
+        for (name, line) in imports(&text, prefix).into_iter().chain(up) {
+            if rank.get(&name.as_str()).is_some_and(|other| other > at) {
+                wrong.push(format!("{}:{line}: `{own}` imports `{name}`, which stands above it", path.display()));
+            }
+        }
+    }
+    wrong
+}
+
+#[test]
+fn a_folder_imports_only_what_stands_before_it() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut wrong = violations(&src, "crate::", &LAYERS);
+    wrong.extend(violations(&src.join("mech"), "crate::mech::", &MECH));
+    wrong.extend(violations(&src.join("net"), "crate::net::", &NET));
+    assert!(wrong.is_empty(), "{} imports go up:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn an_import_that_goes_up_is_named_with_its_line() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::create_dir(dir.path().join("scene")).unwrap();
+    let lines = [
+        "use crate::error::Error;",
+        "use crate::{",
+        "    error,",
+        "    world::{Stepper, spawn},",
+        "};",
+        "fn f() -> crate::cli::Cli { todo!() }",
+    ];
+    let text = lines.join("\n");
+    std::fs::write(dir.path().join("scene/mod.rs"), text).unwrap();
+    let wrong = violations(dir.path(), "crate::", &LAYERS);
+    let says = |line: &str| wrong.iter().any(|w| w.contains(line));
+    assert_eq!(wrong.len(), 2, "{wrong:?}");
+    assert!(says("mod.rs:2: `scene` imports `world`") && says("mod.rs:6: `scene` imports `cli`"), "{wrong:?}");
+}

@@ -1,0 +1,865 @@
+//! Every energy has the gradient and the Hessian it claims: differences of high order, to 1e-7 of the largest entry.
+
+use crate::common::{Random, elements};
+use glam::{DMat3, DQuat, DVec3};
+use std::sync::Arc;
+use tactus::backend::fem::condensed::Condensed;
+use tactus::geometry::mesh::TetMesh;
+use tactus::geometry::shape::cuboid::Cuboid;
+use tactus::geometry::shape::ellipsoid::Ellipsoid;
+use tactus::geometry::shape::sphere::Sphere;
+use tactus::geometry::shape::{MassProperties, SignedDistance};
+use tactus::mech::body::{Body, Elements};
+use tactus::mech::contact::law::Law;
+use tactus::mech::contact::surface::{Face, face_frame};
+use tactus::mech::contact::{Contact, ContactEdge, ContactSurface, Feature, FeatureContact, GroundContact};
+use tactus::mech::element::{Kernel, RestTet, Shape, Stiffness, TET4, TET10};
+use tactus::mech::material::{Dilatation, FixedCorotated, Linear, Material, NeoHookean, Tangent};
+use tactus::mech::potential::drive::Drive;
+use tactus::mech::potential::inversion_barrier::upright;
+use tactus::mech::potential::pad_inertia::PadInertia;
+use tactus::mech::potential::rigid_inertia::RigidInertia;
+use tactus::mech::potential::state::{Border, Departure, MAX_BORDER, State, Step};
+use tactus::mech::potential::term::{Block, BodyTerm, DeadLoad, Elastic, Stencil};
+use tactus::mech::potential::time_step::TimeStep;
+use tactus::mech::potential::viscosity::Viscosity;
+use tactus::mech::potential::weight::Weight;
+use tactus::scene::motion::Hand;
+
+/// Every law is tested by every test of this file. A new law is one line here.
+fn laws() -> Vec<Arc<dyn Material>> {
+    vec![
+        Arc::new(NeoHookean::new(3.0, 0.45)),
+        Arc::new(FixedCorotated::new(3.0, 0.45)),
+        Arc::new(Linear::new(3.0, 0.45)),
+    ]
+}
+
+/// Relative to the largest entry.
+const TOLERANCE: f64 = 1e-7;
+
+/// Derivative at 0 of `f`, by central differences of fourth order.
+fn slope(step: f64, f: impl Fn(f64) -> f64) -> f64 {
+    (8.0 * (f(step) - f(-step)) - (f(2.0 * step) - f(-2.0 * step))) / (12.0 * step)
+}
+
+/// Second derivative at 0 of `f`, sixth order.
+fn bend(step: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let pair = |k: f64| f(k * step) + f(-k * step);
+    (270.0 * pair(1.0) - 27.0 * pair(2.0) + 2.0 * pair(3.0) - 490.0 * f(0.0)) / (180.0 * step * step)
+}
+
+/// Largest difference over the largest entry of `b`, and of `floor`.
+fn deviation(a: &[f64], b: &[f64], floor: f64) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let scale = b.iter().fold(floor, |m, v| m.max(v.abs()));
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / scale
+}
+
+/// The deformation gradients a law is tested at: (name, strain, F with det F > 0.1, rotated).
+fn gradients() -> Vec<(String, f64, DMat3)> {
+    let mut random = Random(1);
+    let mut list = Vec::new();
+    for (name, strain) in [("near identity", 1e-3), ("small", 2e-2), ("moderate", 0.2), ("large", 0.6)] {
+        let mut count = 0;
+        while count < 6 {
+            let f = DMat3::IDENTITY + random.matrix() * strain;
+            let turned = DMat3::from_quat(random.rotation()) * f;
+            if f.determinant() > 0.2 {
+                // Half of them turned by a large rotation.
+                list.push((format!("{name} {count}"), strain, if count % 2 == 0 { f } else { turned }));
+                count += 1;
+            }
+        }
+    }
+    list
+}
+
+/// `f` with entry `c` (column-major) changed by `d`.
+fn changed(f: &DMat3, c: usize, d: f64) -> DMat3 {
+    let mut entries = f.to_cols_array();
+    entries[c] += d;
+    DMat3::from_cols_array(&entries)
+}
+
+/// Steps are powers of two, so that `x + step` is exact, and a fraction of the strain.
+fn step_for(strain: f64) -> f64 {
+    if strain < 0.01 { 2f64.powi(-12) } else { 2f64.powi(-9) }
+}
+
+#[test]
+fn stress_is_the_gradient_of_the_distortional_energy_and_the_tangent_that_of_the_stress() {
+    for law in laws() {
+        for (name, strain, f) in gradients() {
+            let h = step_for(strain);
+            let stress = law.distortional_stress(&f).to_cols_array();
+            let numeric: [f64; 9] = std::array::from_fn(|c| slope(h, |d| law.distortional_energy(&changed(&f, c, d))));
+            // A stress of E * strain is what this F can cause; rotations alone cause none.
+            let error = deviation(&numeric, &stress, law.moduli().young * strain);
+            assert!(error < TOLERANCE, "{}, {name}: stress off by {error:.1e}", law.name());
+
+            let tangent = law.distortional_tangent(&f);
+            let column =
+                |b: usize, a: usize| slope(h, |d| law.distortional_stress(&changed(&f, b, d)).to_cols_array()[a]);
+            let numeric: Vec<f64> = (0..81).map(|k| column(k % 9, k / 9)).collect();
+            let error = deviation(&numeric, &tangent.concat(), 0.0);
+            assert!(error < TOLERANCE, "{}, {name}: tangent off by {error:.1e}", law.name());
+            for (a, b) in (0..9).flat_map(|a| (0..a).map(move |b| (a, b))) {
+                let asymmetry = (tangent[a][b] - tangent[b][a]).abs();
+                assert!(
+                    asymmetry < 1e-12 * law.moduli().young,
+                    "{}, {name}: asymmetric by {asymmetry:.1e}",
+                    law.name()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn volumetric_energy_has_its_pressure_and_modulus() {
+    for law in laws() {
+        for theta in [-0.7, -0.2, -1e-3, 0.0, 1e-3, 0.3, 1.5] {
+            let h = 2f64.powi(-9);
+            let [_, pressure, modulus] = law.volumetric(theta);
+            let numeric = [slope(h, |d| law.volumetric(theta + d)[0]), slope(h, |d| law.volumetric(theta + d)[1])];
+            let error = (numeric[0] - pressure).abs().max((numeric[1] - modulus).abs()) / modulus;
+            assert!(error < TOLERANCE, "{} at theta = {theta}: {error:.1e} of the modulus", law.name());
+        }
+        assert_eq!(law.volumetric(0.0)[..2], [0.0, 0.0], "{}: no energy and no pressure at rest", law.name());
+    }
+}
+
+#[test]
+fn dilatations_have_their_gradient_and_hessian() {
+    for kind in [Dilatation::Determinant, Dilatation::Trace] {
+        for (name, _, f) in gradients() {
+            let h = 2f64.powi(-8);
+            let numeric: [f64; 9] = std::array::from_fn(|c| slope(h, |d| kind.value(&changed(&f, c, d))));
+            let error = deviation(&numeric, &kind.gradient(&f).to_cols_array(), 0.0);
+            assert!(error < TOLERANCE, "{kind:?}, {name}: gradient off by {error:.1e}");
+            let mut hessian: Tangent = [[0.5; 9]; 9];
+            kind.add_hessian(&f, 3.0, &mut hessian);
+            let column = |b: usize, a: usize| slope(h, |d| kind.gradient(&changed(&f, b, d)).to_cols_array()[a]);
+            let numeric: Vec<f64> = (0..81).map(|k| 0.5 + 3.0 * column(k % 9, k / 9)).collect();
+            let error = deviation(&numeric, &hessian.concat(), 0.0);
+            assert!(error < TOLERANCE, "{kind:?}, {name}: hessian off by {error:.1e}");
+        }
+    }
+}
+
+/// Checks one element type under one law, with and without mean dilatation.
+fn check_element<const N: usize, const Q: usize>(shape: &Shape<N, Q>, law: &dyn Material) {
+    let mut random = Random(N as u64);
+    // A crooked tetrahedron; mid-edge nodes where they belong.
+    let corners = [[0.1, 0.0, -0.1], [1.1, 0.2, 0.1], [0.2, 0.9, 0.0], [0.3, 0.1, 1.2]].map(DVec3::from_array);
+    let rest = RestTet::new(corners);
+    let straight: [DVec3; N] = std::array::from_fn(|a| match a.checked_sub(4) {
+        None => corners[a],
+        Some(e) => (corners[tactus::mech::element::EDGES[e][0]] + corners[tactus::mech::element::EDGES[e][1]]) * 0.5,
+    });
+    for mean_dilatation in [false, true] {
+        for (strain, trial) in [(1e-2, 0), (0.1, 1), (0.1, 2), (0.2, 3)] {
+            let what = format!("{}, {N} nodes, mean dilatation {mean_dilatation}, case {trial}", law.name());
+            let kernel = Kernel { shape, material: law, mean_dilatation };
+            let turn = random.rotation();
+            let x = straight.map(|p| turn * (p + random.vector() * strain) + DVec3::new(1.0, 2.0, 3.0));
+            assert!(kernel.energy(&rest, &x).is_finite(), "{what}");
+            let moved = |c: usize, d: f64| {
+                let mut x = x;
+                x[c / 3][c % 3] += d;
+                x
+            };
+            let gradient_at = |x: &[DVec3; N]| {
+                let mut g = [DVec3::ZERO; N];
+                kernel.add_gradient(&rest, x, &mut g);
+                g
+            };
+            let h = 2f64.powi(-10);
+            let gradient = gradient_at(&x);
+            let flat: Vec<f64> = gradient.iter().flat_map(|g| g.to_array()).collect();
+            let numeric: Vec<f64> = (0..3 * N).map(|c| slope(h, |d| kernel.energy(&rest, &moved(c, d)))).collect();
+            let error = deviation(&numeric, &flat, 0.0);
+            assert!(error < TOLERANCE, "{what}: gradient off by {error:.1e}");
+
+            for project in [false, true] {
+                let mut sum = Stiffness::default();
+                kernel.stiffness([&rest], &[x], project, &mut sum);
+                let difference =
+                    sum.gradient[0].iter().zip(&gradient).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
+                assert!(difference < 1e-12 * law.moduli().young, "{what}: two gradients");
+                let entry = |r: usize, c: usize| {
+                    let (r, c) = if r / 3 <= c / 3 { (r, c) } else { (c, r) };
+                    sum.block(0, r / 3, c / 3).col(c % 3)[r % 3]
+                };
+                let stiffness: Vec<f64> = (0..9 * N * N).map(|k| entry(k / (3 * N), k % (3 * N))).collect();
+                if project {
+                    assert_positive(&what, 3 * N, &stiffness);
+                    continue;
+                }
+                let column = |c: usize, r: usize| slope(h, |d| gradient_at(&moved(c, d))[r / 3][r % 3]);
+                let numeric: Vec<f64> = (0..9 * N * N).map(|k| column(k % (3 * N), k / (3 * N))).collect();
+                let error = deviation(&numeric, &stiffness, 0.0);
+                assert!(error < TOLERANCE, "{what}: stiffness off by {error:.1e}");
+            }
+        }
+    }
+}
+
+/// An element has the same bits alone and beside others.
+#[test]
+fn stiffness_does_not_depend_on_the_elements_beside() {
+    let mut random = Random(11);
+    let corners = [[0.1, 0.0, -0.1], [1.1, 0.2, 0.1], [0.2, 0.9, 0.0], [0.3, 0.1, 1.2]].map(DVec3::from_array);
+    let rest = RestTet::new(corners);
+    let straight: [DVec3; 10] = std::array::from_fn(|a| match a.checked_sub(4) {
+        None => corners[a],
+        Some(e) => corners[tactus::mech::element::EDGES[e][0]].midpoint(corners[tactus::mech::element::EDGES[e][1]]),
+    });
+    for law in laws() {
+        let kernel = Kernel { shape: &TET10, material: law.as_ref(), mean_dilatation: true };
+        let x: [[DVec3; 10]; 5] = std::array::from_fn(|_| straight.map(|p| p + random.vector() * 0.05));
+        let mut beside = Stiffness::default();
+        kernel.stiffness([&rest; 5], &x, false, &mut beside);
+        for l in 0..5 {
+            let mut alone = Stiffness::default();
+            kernel.stiffness([&rest], &[x[l]], false, &mut alone);
+            assert_eq!(alone.gradient[0], beside.gradient[l], "{}: N", law.name());
+            for (a, b) in (0..10).flat_map(|a| (a..10).map(move |b| (a, b))) {
+                assert_eq!(alone.block(0, a, b), beside.block(l, a, b), "{}, nodes {a} and {b}: N/m", law.name());
+            }
+        }
+    }
+}
+
+/// No eigenvalue below -1e-10 of the largest.
+fn assert_positive(what: &str, n: usize, matrix: &[f64]) {
+    let matrix = faer::Mat::<f64>::from_fn(n, n, |i, j| matrix[n * i + j]);
+    let eigen = matrix.self_adjoint_eigenvalues(faer::Side::Lower).expect("eigenvalues");
+    let (low, high) = (eigen[0], eigen[n - 1]);
+    assert!(low >= -1e-10 * high, "{what}: the projected Hessian has the eigenvalue {low:.2e}, largest {high:.2e}");
+}
+
+#[test]
+fn nodal_forces_are_the_gradient_of_the_element_energy_and_the_stiffness_that_of_the_forces() {
+    for law in laws() {
+        check_element(&TET4, law.as_ref());
+        check_element(&TET10, law.as_ref());
+    }
+}
+
+/// A block with two fixed nodes, one finger whose travel is an unknown, and a free object: every coordinate there is.
+struct Scene {
+    body: Body,
+    border: Border,
+    state: State,
+}
+
+impl Scene {
+    fn new(quadratic: bool, random: &mut Random) -> Self {
+        let corners = [[-1.0, -1.0, 0.0], [1.0, -0.9, 0.1], [0.1, 1.0, -0.1], [0.0, 0.1, -1.0], [0.1, 0.2, 1.1]];
+        let mesh = TetMesh { nodes: corners.map(DVec3::from_array).to_vec(), tets: vec![[0, 2, 1, 3], [0, 1, 2, 4]] };
+        let (rest, elements) = elements(&mesh, quadratic);
+        let fixed = (0..rest.len()).map(|i| i == 3 || i == 8).collect();
+        let body = Body::new(rest, elements, fixed, laws().remove(0), true);
+        let border = Border::new(vec![DVec3::new(0.6, 0.0, 0.8)], true, true, 0.7);
+        let x = body.rest.iter().map(|p| *p + random.vector() * 0.05).collect();
+        let position = DVec3::new(0.3, -0.2, 1.2) + random.vector() * 0.2;
+        let state = State { x: vec![x], travel: vec![0.1], position, rotation: random.rotation() };
+        Self { body, border, state }
+    }
+
+    /// The state as one that an increment departs from.
+    fn departure(&self) -> Departure {
+        Departure::new(Arc::new(self.state.clone()), 0, &self.border)
+    }
+
+    /// Moves every coordinate at random, those of nodes less.
+    fn shake(&mut self, drag: f64, random: &mut Random) {
+        let n = 3 * self.body.rest.len();
+        for c in 0..self.size() {
+            let by = random.number() * if c < n { 0.2 * drag } else { drag };
+            self.state = self.moved(c, by, c, 0.0);
+        }
+    }
+
+    /// Number of coordinates: every node, free or fixed, then the border.
+    fn size(&self) -> usize {
+        3 * self.body.rest.len() + self.border.size
+    }
+
+    /// Moves coordinate `a` by `d` and `b` by `e`, as the solver would.
+    fn moved(&self, a: usize, d: f64, b: usize, e: f64) -> State {
+        self.state.moved(&self.border, &self.step(a, d, b, e), 1.0)
+    }
+
+    /// The step of coordinate `a` by `d` and of `b` by `e`.
+    fn step(&self, a: usize, d: f64, b: usize, e: f64) -> Step {
+        let n = 3 * self.body.rest.len();
+        let mut step = Step { x: vec![vec![DVec3::ZERO; n / 3]], border: [0.0; MAX_BORDER] };
+        for (c, by) in [(a, d), (b, e)] {
+            if c < n { step.x[0][c / 3][c % 3] += by } else { step.border[c - n] += by }
+        }
+        step
+    }
+
+    fn energy(&self, term: &dyn BodyTerm, state: &State) -> f64 {
+        term.energy(&self.body, &state.view(0, &self.border))
+    }
+
+    fn assemble(&self, term: &mut dyn BodyTerm, project: bool) -> Block {
+        let mut block = Block::new(&self.body, self.border.size);
+        term.assemble(&self.body, &self.state.view(0, &self.border), project, &mut block);
+        block
+    }
+
+    /// Gradient in all coordinates.
+    fn gradient(&self, block: &Block) -> Vec<f64> {
+        let nodes = block.gradient.iter().flat_map(|g| g.to_array());
+        nodes.chain(block.border_gradient[..self.border.size].iter().copied()).collect()
+    }
+
+    /// Coordinates that are unknowns: those of free nodes and the border.
+    fn unknowns(&self) -> Vec<usize> {
+        let n = 3 * self.body.rest.len();
+        (0..self.size()).filter(|c| *c >= n || !self.body.fixed[c / 3]).collect()
+    }
+
+    /// Hessian between all unknowns, row-major.
+    fn hessian(&self, block: &Block) -> Vec<f64> {
+        let (n, pattern) = (3 * self.body.rest.len(), self.body.pattern());
+        let row = |c: usize| 3 * pattern.position[c / 3] as usize + c % 3;
+        let inner = |a: usize, b: usize| {
+            let (r, c) = (row(a).max(row(b)), row(a).min(row(b)));
+            let range = pattern.col_ptr[c]..pattern.col_ptr[c + 1];
+            pattern.row_idx[range.clone()].binary_search(&r).map_or(0.0, |k| block.values[range.start + k])
+        };
+        let entry = |a: usize, b: usize| match (a.checked_sub(n), b.checked_sub(n)) {
+            (None, None) => inner(a, b),
+            (Some(a), None) => block.coupling[a * pattern.unknowns() + row(b)],
+            (None, Some(b)) => block.coupling[b * pattern.unknowns() + row(a)],
+            (Some(a), Some(b)) => block.border_hessian[a][b],
+        };
+        let unknowns = self.unknowns();
+        unknowns.iter().flat_map(|a| unknowns.iter().map(move |b| entry(*a, *b))).collect()
+    }
+
+    /// Second derivatives of `energy` between the coordinates `columns`, row-major.
+    fn second_differences(&self, columns: &[usize], energy: &dyn Fn(&State) -> f64) -> Vec<f64> {
+        let h = STEP;
+        let at = |a, d, b, e| energy(&self.moved(a, d, b, e));
+        // 2 H_ab = E'' along a + b minus E'' along a and along b.
+        let along: Vec<f64> = columns.iter().map(|&a| bend(h, |d| at(a, d, a, 0.0))).collect();
+        let mut numeric = vec![0.0; columns.len() * columns.len()];
+        for (i, &a) in columns.iter().enumerate() {
+            for (j, &b) in columns.iter().enumerate().take(i + 1) {
+                let mixed = || 0.5 * (bend(h, |d| at(a, d, b, d)) - along[i] - along[j]);
+                let value = if i == j { along[i] } else { mixed() };
+                (numeric[i * columns.len() + j], numeric[j * columns.len() + i]) = (value, value);
+            }
+        }
+        numeric
+    }
+
+    /// The gradient of a term against differences of its energy, with what it lags frozen by one assembly.
+    fn check_gradient(&self, what: &str, term: &mut dyn BodyTerm) {
+        let gradient = self.gradient(&self.assemble(term, false));
+        let energy = |c, d| self.energy(term, &self.moved(c, d, c, 0.0));
+        let numeric: Vec<f64> = (0..self.size()).map(|c| slope(STEP, |d| energy(c, d))).collect();
+        let error = deviation(&numeric, &gradient, 0.0);
+        assert!(error < TOLERANCE, "{what}: gradient off by {error:.1e}");
+    }
+
+    /// Gradient and Hessian. With `project`, the Hessian must be positive semidefinite and the gradient the same.
+    fn check(&self, what: &str, term: &mut dyn BodyTerm) {
+        let unknowns = self.unknowns();
+        let projected = self.assemble(term, true);
+        assert_positive(what, unknowns.len(), &self.hessian(&projected));
+        self.check_gradient(what, term);
+        let block = self.assemble(term, false);
+        let difference = deviation(&self.gradient(&projected), &self.gradient(&block), 0.0);
+        assert!(difference < 1e-13, "{what}: projection changes the gradient");
+        let numeric = self.second_differences(&unknowns, &|state| self.energy(term, state));
+        let error = deviation(&numeric, &self.hessian(&block), 0.0);
+        assert!(error < TOLERANCE, "{what}: Hessian off by {error:.1e}");
+    }
+}
+
+#[test]
+fn elastic_energy_and_dead_loads_have_their_derivatives_in_the_solvers_storage() {
+    let mut random = Random(5);
+    for quadratic in [false, true] {
+        let scene = Scene::new(quadratic, &mut random);
+        scene.check("elastic", &mut Elastic);
+        let load = (0..scene.body.rest.len()).map(|_| random.vector()).collect();
+        let mut term = DeadLoad(load);
+        let gradient = scene.gradient(&scene.assemble(&mut term, false));
+        let slope_at = |c| slope(0.25, |d| scene.energy(&term, &scene.moved(c, d, c, 0.0)));
+        let numeric: Vec<f64> = (0..scene.size()).map(slope_at).collect();
+        assert!(deviation(&numeric, &gradient, 0.0) < 1e-12, "dead load");
+    }
+}
+
+#[test]
+fn barriers_of_crushed_elements_have_their_derivatives() {
+    let mut random = Random(7);
+    let mut scene = Scene::new(true, &mut random);
+    let (nodes, centers) = upright();
+    let mut terms: [Box<dyn BodyTerm>; 2] = [Box::new(nodes), Box::new(centers)];
+    for term in &mut terms {
+        assert!(term.satisfied(&scene.body, &scene.state.view(0, &scene.border)), "nothing is crushed");
+    }
+    // Inside out, so that no difference crosses the kink where the barrier ends.
+    scene.state.x[0].iter_mut().for_each(|x| x.z *= -0.2);
+    for term in &mut terms {
+        assert!(!term.satisfied(&scene.body, &scene.state.view(0, &scene.border)), "both elements are crushed");
+        assert!(term.satisfied(&scene.body, &scene.state.view(0, &scene.border)), "both have their barrier");
+        assert!(scene.energy(term.as_ref(), &scene.state) > 0.0);
+        scene.check("barrier", term.as_mut());
+    }
+}
+
+#[test]
+fn the_energy_of_a_condensed_pad_has_its_derivatives() {
+    let mut random = Random(6);
+    let mut scene = Scene::new(true, &mut random);
+    let patch: Vec<u32> = (0..scene.body.rest.len() as u32).filter(|n| n % 2 == 1 && *n != 3).collect();
+    scene.body = scene.body.condensed(&patch);
+    let size = 3 * patch.len();
+    let root = faer::Mat::<f64>::from_fn(size, size, |_, _| random.number());
+    let center = patch.iter().map(|&n| scene.body.rest[n as usize] + random.vector() * 0.1).collect();
+    let mut term = Condensed { center, patch: patch.into(), stiffness: Arc::new(&root * root.transpose()) };
+    scene.check("condensed", &mut term);
+}
+
+/// Step of differences of energies of scenes.
+const STEP: f64 = 1.0 / 1024.0;
+/// Three steps in each of two coordinates move a point by less than this.
+const MARGIN: f64 = 0.02;
+
+/// Pressure, its two branches (the second from a quarter of the offset on) and friction in lengths of order one.
+fn contact_law(offset: f64, friction: f64) -> Law {
+    Law { stiffness: 4.0, offset, friction, tangential: 3.0 }
+}
+
+/// Whether a gap is near one of the two kinks of the pressure.
+fn near_kink(law: &Law, gap: f64) -> bool {
+    (gap - law.offset).abs() < MARGIN || (gap - 0.25 * law.offset).abs() < MARGIN
+}
+
+/// Whether an edge that touches is near the limit of friction, at `slip` from its anchor.
+fn near_slip(law: &Law, e: &ContactEdge, slip: DVec3) -> bool {
+    let limit = law.friction * e.pressure / law.tangential;
+    law.friction > 0.0 && e.pressure > 0.0 && (slip.length() - limit).abs() < MARGIN
+}
+
+/// Whether a point of the pad is near a change of its state (touch, branch, slip), where the second derivative jumps.
+fn near_jump(scene: &Scene, contact: &Contact, law: &Law, object: &dyn SignedDistance) -> bool {
+    let view = scene.state.view(0, &scene.border);
+    contact.felt().any(|i| {
+        let (e, own) = (contact.edge(i), contact.law_of(i));
+        let relative = contact.surface().points[i].position(view.x) + view.offset - view.position;
+        let slip = across(relative - view.rotation * e.anchor.unwrap_or_default(), e.normal) * e.share;
+        // A skipped edge does not know its gap.
+        let gap = object.distance(view.rotation.transpose() * relative);
+        // Deep inside the object the closest point jumps.
+        near_kink(&own, gap) || near_slip(&own, e, slip) || gap < -law.offset
+    })
+}
+
+/// Numbers of edges that a check covered.
+#[derive(Debug, Default, Clone, Copy)]
+struct Covered {
+    soft: usize,
+    hard: usize,
+    stuck: usize,
+    slipping: usize,
+}
+
+impl Covered {
+    fn add<'a>(&mut self, law: &Law, edges: impl Iterator<Item = (usize, &'a ContactEdge)>) {
+        for (_, e) in edges.filter(|(_, e)| e.pressure > 0.0) {
+            let branch = if e.gap > 0.25 * law.offset { &mut self.soft } else { &mut self.hard };
+            *branch += 1;
+            let friction = if e.slips { &mut self.slipping } else { &mut self.stuck };
+            *friction += usize::from(law.friction > 0.0);
+        }
+    }
+}
+
+/// Runs the contact check on random scenes with no point within reach of a change of its state (touch, branch, slip),
+/// where the second derivative jumps. `friction` is the coefficient, `drag` the motion after sticking, m.
+fn check_contact(friction: f64, drag: f64) -> Covered {
+    let objects: [Arc<dyn SignedDistance>; 2] =
+        [Arc::new(Sphere { radius: 0.8 }), Arc::new(Ellipsoid { semi: DVec3::new(0.9, 0.7, 0.8) })];
+    let mut covered = Covered::default();
+    for (seed, object) in (0..90).flat_map(|s| objects.iter().map(move |o| (s, o))) {
+        let mut random = Random(seed);
+        let mut scene = Scene::new(seed % 2 == 1, &mut random);
+        let surface = Arc::new(ContactSurface::with_subdivision(&scene.body, 2));
+        let law = contact_law(0.4, friction);
+        let mut contact = Contact::new(law, surface, object.clone());
+        // Stick here, then move on; points that went deep are stiffened.
+        scene.assemble(&mut contact, false);
+        contact.satisfied(&scene.body, &scene.state.view(0, &scene.border));
+        contact.commit(&scene.body, &scene.state.view(0, &scene.border));
+        contact.depart(&scene.departure());
+        scene.shake(drag, &mut random);
+        scene.assemble(&mut contact, false);
+        let kink = near_jump(&scene, &contact, &law, object.as_ref());
+        if kink || !contact.edges().any(|(_, e)| e.pressure > 0.0) {
+            continue;
+        }
+        contact.edges().for_each(|edge| covered.add(&contact.law_of(edge.0), std::iter::once(edge)));
+        scene.check(&format!("contact, friction {friction}, seed {seed}, {object:?}"), &mut contact);
+    }
+    println!("friction {friction}: {covered:?}");
+    covered
+}
+
+/// The part of `s` across `normal`.
+fn across(s: DVec3, normal: DVec3) -> DVec3 {
+    s - normal * normal.dot(s)
+}
+
+/// Exact Hessian including the curvature of the object and the second order of the rotation `exp(w) R` at `w = 0`.
+#[test]
+fn contact_pressure_has_its_derivatives_in_nodes_travel_and_pose() {
+    let covered = check_contact(0.0, 0.05);
+    assert!(covered.soft > 30 && covered.hard > 30, "{covered:?}");
+}
+
+/// The limit `mu p` and the normal are lagged by design: assembly freezes them, and gradient and Hessian are those of
+/// the frozen potential, which `energy` returns until the next assembly. That the true friction force also changes
+/// with the pressure is what `couple` adds.
+#[test]
+fn sticking_friction_has_its_derivatives_in_nodes_travel_and_pose() {
+    let covered = check_contact(5.0, 0.03);
+    assert!(covered.stuck > 50 && covered.slipping == 0, "{covered:?}");
+}
+
+#[test]
+fn slipping_friction_has_its_derivatives_in_nodes_travel_and_pose() {
+    let covered = check_contact(0.02, 0.2);
+    assert!(covered.slipping > 50, "{covered:?}");
+}
+
+/// How the true gradient changes along every coordinate that does not turn the object: the Hessian of the frozen potential plus what
+/// `couple` adds, which is that friction limits follow the pressure, and that a point that touches within the increment sticks for more of
+/// it the deeper it gets. The object is a slab, whose normal does not turn.
+#[test]
+fn forces_of_slipping_and_of_touching_points_follow_the_pressure() {
+    let object: Arc<dyn SignedDistance> = Arc::new(Cuboid { core: DVec3::new(9.0, 9.0, 0.8), radius: 0.0 });
+    let (mut covered, mut touching) = (Covered::default(), 0);
+    for seed in 0..10000 {
+        let mut random = Random(seed);
+        let mut scene = Scene::new(seed % 2 == 1, &mut random);
+        let surface = Arc::new(ContactSurface::with_subdivision(&scene.body, 1));
+        let law = contact_law(0.4, 0.3);
+        let mut contact = Contact::new(law, surface.clone(), object.clone());
+        scene.assemble(&mut contact, false);
+        contact.commit(&scene.body, &scene.state.view(0, &scene.border));
+        let here = scene.state.clone();
+        if seed % 3 == 0 {
+            // Nothing has been touched yet: the slab was farther off.
+            contact = Contact::new(law, surface, object.clone());
+            scene.state.position.z += if seed % 2 == 0 { 0.5 } else { -0.5 };
+        }
+        contact.depart(&scene.departure());
+        scene.state = here;
+        scene.shake(0.2, &mut random);
+        let block = scene.assemble(&mut contact, false);
+        let view = scene.state.view(0, &scene.border);
+        let kink = near_jump(&scene, &contact, &law, object.as_ref());
+        // Differences are sharp only where gap and slip are well above what they step.
+        let small = |e: &ContactEdge| {
+            e.slips && e.limit < 0.05 * law.tangential
+                || e.clear.is_some_and(|clear| clear > law.offset && clear - e.gap < 0.15)
+        };
+        if contact.edges().any(|(_, e)| small(e)) {
+            continue;
+        }
+        let is_touching = |e: &ContactEdge| e.pressure > 0.0 && e.share > 0.0 && e.share < 1.0 && !e.slips;
+        if kink || !contact.edges().any(|(_, e)| e.slips || is_touching(e)) {
+            continue;
+        }
+        covered.add(&law, contact.edges());
+        touching += contact.edges().filter(|(_, e)| is_touching(e)).count();
+        let (unknowns, hessian) = (scene.unknowns(), scene.hessian(&block));
+        let turning = scene.size() - 3;
+        for (j, &c) in unknowns.iter().enumerate().filter(|(_, c)| **c < turning) {
+            let step = scene.step(c, 1.0, c, 0.0);
+            let mut change = Block::new(&scene.body, scene.border.size);
+            contact.couple(&scene.body, &view, &step.motion(0, &view), &mut change);
+            let coupled = scene.gradient(&change);
+            let expected: Vec<f64> =
+                unknowns.iter().enumerate().map(|(i, &r)| hessian[i * unknowns.len() + j] + coupled[r]).collect();
+            let gradient = |d: f64| {
+                let mut block = Block::new(&scene.body, scene.border.size);
+                let state = scene.moved(c, d, c, 0.0);
+                contact.clone().assemble(&scene.body, &state.view(0, &scene.border), false, &mut block);
+                scene.gradient(&block)
+            };
+            let numeric: Vec<f64> = unknowns.iter().map(|&r| slope(STEP, |d| gradient(d)[r])).collect();
+            let error = deviation(&numeric, &expected, 1e-3);
+            assert!(error < TOLERANCE, "seed {seed}, coordinate {c}: off by {error:.1e}");
+        }
+    }
+    println!("{covered:?}, {touching} touching");
+    assert!(covered.slipping > 30 && touching > 10, "{covered:?}, {touching} touching");
+}
+
+/// Features of the object over inner points of the pad's faces, so that each presses on one of them alone, in scenes away
+/// from kinks: the scene, the law, the term after one assembly at the state it stuck at and one where it is now,
+/// and the same term without friction.
+fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, Law, FeatureContact, FeatureContact)> {
+    let mut scenes = Vec::new();
+    for seed in 0..60 {
+        let mut random = Random(1000 + seed);
+        let mut scene = Scene::new(seed % 2 == 1, &mut random);
+        let surface = Arc::new(ContactSurface::new(&scene.body));
+        let felt = contact_law(0.4, friction);
+        // A smooth vertex is felt from a fraction of the offset only.
+        let law = Law { offset: if sharp { felt.offset } else { felt.offset / 0.3 }, ..felt };
+        let view = scene.state.view(0, &scene.border);
+        let mut feature = |face: &Face| {
+            let l = [0, 1, 2].map(|_| 1.0 + 0.25 * random.number());
+            let l = l.map(|v| v / l.iter().sum::<f64>());
+            let (foot, normal) = face_frame(face, view.x, l);
+            let point = foot + normal * felt.offset * random.number() + view.offset;
+            Feature { position: view.rotation.transpose() * (point - view.position), sharp, along: None }
+        };
+        let features: Arc<[Feature]> = surface.faces.iter().map(&mut feature).collect();
+        let mut terms = [friction, 0.0]
+            .map(|friction| FeatureContact::new(Law { friction, ..law }, surface.clone(), features.clone()));
+        for term in &mut terms {
+            scene.assemble(term, false);
+            term.commit(&scene.body, &scene.state.view(0, &scene.border));
+            term.depart(&scene.departure());
+        }
+        let [mut with, mut without] = terms;
+        let stuck: Vec<Stencil> = (0..features.len()).map(|i| with.readout(i).now).collect();
+        scene.shake(drag, &mut random);
+        scene.assemble(&mut with, false);
+        scene.assemble(&mut without, false);
+        let view = scene.state.view(0, &scene.border);
+        let kink = with.edges().any(|(i, e)| {
+            let arm = view.rotation * features[i].position;
+            let relative = stuck[i].position(view.x) + view.offset - view.position - arm;
+            let slip = across(relative + e.anchor.unwrap_or_default(), e.normal) * e.share;
+            near_kink(&felt, e.gap) || near_slip(&law, e, slip) || e.gap < -0.8 * felt.offset
+        });
+        if !kink && with.edges().any(|(_, e)| e.pressure > 0.0) {
+            scenes.push((scene, felt, with, without));
+        }
+    }
+    scenes
+}
+
+/// The pad's surface may bend: gap and normal come from the closest point of its faces.
+#[test]
+fn pressure_at_features_is_the_gradient_of_its_energy() {
+    for sharp in [true, false] {
+        let mut covered = Covered::default();
+        for (scene, law, mut term, _) in feature_scenes(sharp, 0.0, 0.03) {
+            covered.add(&law, term.edges());
+            scene.check_gradient("pressure at features", &mut term);
+        }
+        println!("sharp {sharp}: {covered:?}");
+        assert!(covered.soft > 20 && covered.hard > 20, "sharp {sharp}: {covered:?}");
+    }
+}
+
+/// `H = k dg dg - p d2g` with the gap `g`, of which the second part says how the pad's face bends and turns, and how the feature
+/// slides over it.
+#[test]
+fn hessian_of_pressure_at_features_is_exact() {
+    for sharp in [true, false] {
+        let mut quadratic = 0;
+        for (scene, _, mut term, _) in feature_scenes(sharp, 0.0, 0.03) {
+            quadratic += usize::from(matches!(scene.body.elements, Elements::Quadratic(_)));
+            scene.check("pressure at features", &mut term);
+        }
+        assert!(quadratic > 5, "{quadratic} scenes with bent faces");
+    }
+}
+
+#[test]
+fn projected_hessian_of_pressure_at_features_is_that_of_gauss_and_newton() {
+    for (scene, law, mut term, _) in feature_scenes(true, 0.0, 0.03) {
+        let unknowns = scene.unknowns();
+        let block = scene.assemble(&mut term, true);
+        assert_positive("features", unknowns.len(), &scene.hessian(&block));
+        let mut expected = vec![0.0; unknowns.len() * unknowns.len()];
+        for (i, e) in term.edges().filter(|(_, e)| e.pressure > 0.0) {
+            let gap = |state: &State| {
+                let mut moved = term.clone();
+                moved.assemble(
+                    &scene.body,
+                    &state.view(0, &scene.border),
+                    false,
+                    &mut Block::new(&scene.body, scene.border.size),
+                );
+                moved.edge(i).gap
+            };
+            let slopes: Vec<f64> = unknowns.iter().map(|&c| slope(STEP, |d| gap(&scene.moved(c, d, c, 0.0)))).collect();
+            let area = term.readout(i).normal.dot(e.normal) / e.pressure;
+            let stiffness = law.pressure(e.gap, e.scale).1 * area;
+            for (k, value) in expected.iter_mut().enumerate() {
+                *value += stiffness * slopes[k / unknowns.len()] * slopes[k % unknowns.len()];
+            }
+        }
+        let error = deviation(&expected, &scene.hessian(&block), 0.0);
+        assert!(error < TOLERANCE, "Hessian off by {error:.1e}");
+    }
+}
+
+/// Friction at features alone: what the term with friction has more than the same term without.
+fn check_feature_friction(friction: f64, drag: f64) -> Covered {
+    let mut covered = Covered::default();
+    for (scene, law, mut with, mut without) in feature_scenes(true, friction, drag) {
+        covered.add(&law, with.edges());
+        let projected = [&mut with, &mut without].map(|t| scene.hessian(&scene.assemble(t, true)));
+        let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>();
+        let unknowns = scene.unknowns();
+        assert_positive("friction at features", unknowns.len(), &difference(&projected[0], &projected[1]));
+        let blocks = [&mut with, &mut without].map(|t| scene.assemble(t, false));
+        let [gradient, gradient_without] = [0, 1].map(|k| scene.gradient(&blocks[k]));
+        let [hessian, hessian_without] = [0, 1].map(|k| scene.hessian(&blocks[k]));
+        let energy = |state: &State| scene.energy(&with, state) - scene.energy(&without, state);
+        let numeric: Vec<f64> =
+            (0..scene.size()).map(|c| slope(STEP, |d| energy(&scene.moved(c, d, c, 0.0)))).collect();
+        let error = deviation(&numeric, &difference(&gradient, &gradient_without), 0.0);
+        assert!(error < TOLERANCE, "gradient off by {error:.1e}");
+        let numeric = scene.second_differences(&unknowns, &energy);
+        let error = deviation(&numeric, &difference(&hessian, &hessian_without), 0.0);
+        assert!(error < TOLERANCE, "Hessian off by {error:.1e}");
+    }
+    println!("friction {friction}: {covered:?}");
+    covered
+}
+
+/// Lagged as at the pad's points; the sticking point and the normal being frozen, the Hessian is exact on bent faces
+/// too.
+#[test]
+fn sticking_friction_at_features_has_its_derivatives() {
+    let covered = check_feature_friction(5.0, 0.03);
+    assert!(covered.stuck > 20 && covered.slipping == 0, "{covered:?}");
+}
+
+#[test]
+fn slipping_friction_at_features_has_its_derivatives() {
+    let covered = check_feature_friction(0.02, 0.15);
+    assert!(covered.slipping > 20, "{covered:?}");
+}
+
+/// A hand anywhere.
+fn hand(random: &mut Random) -> Hand {
+    Hand { position: random.vector(), rotation: random.rotation(), force: 0.0 }
+}
+
+/// A scene, and a term that was made at its state with the hand somewhere, in a step that ends with the hand elsewhere
+/// and the state moved on by about `drag`.
+fn stepped<T: BodyTerm>(seed: u64, drag: f64, term: impl Fn(&Scene, Hand, &mut Random) -> T) -> (Scene, T, TimeStep) {
+    let mut random = Random(seed);
+    let mut scene = Scene::new(seed % 2 == 1, &mut random);
+    let start = hand(&mut random);
+    let mut term = term(&scene, start, &mut random);
+    let turn = DQuat::from_scaled_axis(random.vector() * drag);
+    let moved = Hand { position: start.position + random.vector() * drag, rotation: start.rotation * turn, force: 0.0 };
+    let step = TimeStep { size: 0.7, hand: moved };
+    term.begin(&step);
+    scene.shake(drag, &mut random);
+    (scene, term, step)
+}
+
+#[test]
+fn weight_has_its_derivatives() {
+    for seed in 0..6 {
+        let make = |scene: &Scene, _: Hand, random: &mut Random| {
+            Weight::new(random.vector(), random.vector(), scene.state.position)
+        };
+        let (scene, mut term, _) = stepped(seed, 0.2, make);
+        scene.check("weight", &mut term);
+    }
+}
+
+#[test]
+fn inertia_of_pads_viscosity_and_drive_have_their_derivatives() {
+    for seed in 0..6 {
+        let make = |scene: &Scene, hand: Hand, random: &mut Random| {
+            PadInertia::new(&scene.body, 0.4, random.vector(), hand, &scene.state.view(0, &scene.border))
+        };
+        let (scene, mut term, _) = stepped(seed, 0.2, make);
+        scene.check("inertia of pads", &mut term);
+        let make = |scene: &Scene, _: Hand, _: &mut Random| Viscosity::new(&scene.body, 0.3, &scene.state.x[0]);
+        let (scene, mut term, _) = stepped(seed, 0.2, make);
+        scene.check("viscosity", &mut term);
+        // Within the stroke, and past its end.
+        for end in [5.0, -5.0] {
+            let make = |scene: &Scene, _: Hand, _: &mut Random| Drive::new(1e-5, 2.0, end, 1e-5, scene.state.travel[0]);
+            let (scene, mut term, _) = stepped(seed, 0.2, make);
+            scene.check("drive", &mut term);
+        }
+    }
+}
+
+/// The rotation counts from the last assembly, where the check starts.
+#[test]
+fn inertia_of_a_rigid_object_has_its_derivatives() {
+    for seed in 0..12 {
+        let make = |scene: &Scene, hand: Hand, random: &mut Random| {
+            let mut mass = MassProperties::of_ellipsoid(DVec3::new(0.9, 0.7, 0.4));
+            mass.center = random.vector();
+            let moving = (random.vector(), random.vector());
+            RigidInertia::new(&mass, 0.5, random.vector(), moving, hand, &scene.state.view(0, &scene.border))
+        };
+        let (scene, mut term, _) = stepped(seed, 0.3, make);
+        scene.check("rigid inertia", &mut term);
+    }
+}
+
+/// Contact of 6 points of the object with a plane of the world among them, none within reach of a change of its state.
+fn check_ground(friction: f64, drag: f64) -> Covered {
+    let mut covered = Covered::default();
+    for seed in 0..400 {
+        let law = contact_law(0.4, friction);
+        let mut scatter = Random(9000 + seed);
+        let vertices: Arc<[DVec3]> = (0..6).map(|_| scatter.vector() * 0.5).collect();
+        let make = |scene: &Scene, hand: Hand, random: &mut Random| {
+            let view = scene.state.view(0, &scene.border);
+            let normal = random.vector().normalize();
+            let lowest = vertices.iter().map(|v| normal.dot(hand.to_world(view.position + view.rotation * *v)));
+            let height = lowest.fold(f64::INFINITY, f64::min) - 0.1;
+            let mut term = GroundContact::new(vertices.clone(), law, normal, height, hand, &view);
+            // Stick here, then move on.
+            scene.assemble(&mut term, false);
+            term.commit(&scene.body, &view);
+            term
+        };
+        let (scene, mut term, step) = stepped(seed, drag, make);
+        scene.assemble(&mut term, false);
+        let kink = term.edges().any(|(i, e)| {
+            let point = scene.state.position + scene.state.rotation * vertices[i];
+            let slip = across(step.hand.to_hand(e.anchor.unwrap_or_default()) - point, e.normal) * e.share;
+            near_kink(&law, e.gap) || near_slip(&law, e, slip)
+        });
+        if kink || !term.edges().any(|(_, e)| e.pressure > 0.0) {
+            continue;
+        }
+        covered.add(&law, term.edges());
+        scene.check(&format!("ground, friction {friction}, seed {seed}"), &mut term);
+    }
+    println!("ground, friction {friction}: {covered:?}");
+    covered
+}
+
+#[test]
+fn contact_with_the_ground_has_its_derivatives() {
+    let covered = check_ground(0.0, 0.1);
+    assert!(covered.soft > 20 && covered.hard > 5, "{covered:?}");
+    let covered = check_ground(8.0, 0.02);
+    assert!(covered.stuck > 20 && covered.slipping == 0, "{covered:?}");
+    let covered = check_ground(0.2, 0.2);
+    assert!(covered.slipping > 10, "{covered:?}");
+}

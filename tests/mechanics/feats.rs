@@ -1,0 +1,106 @@
+//! The real sensor: a rigid sphere of radius 7.5 mm pressed on the apex of a GelSight Mini gel, measured by FEATS.
+//!
+//! Ours is the gel preset: the domed gel of the CAD, its back fixed, C10 = 0.0725 MPa, nu = 0.49, friction 0.8 as a
+//! gel on plastic has. Nothing is fitted. FEATS fitted C10 to these four forces (least squares in newtons, so that
+//! the last two decide) with a model of its own: CalculiX, nu = 0.475 (the default where none is given), surfaces
+//! tied by springs whose stiffness it does not state. The zero of the measured depth and the compliance of the rig
+//! are not known.
+//!
+//! Deviations in percent at 0.5 / 1.0 / 1.5 / 2.0 mm with 3213 nodes, each half millimetre in 5 to 20 increments (5
+//! give up to 2 % less force than 20):
+//!
+//! | friction | nu 0.49 | nu 0.475 |
+//! |---|---|---|
+//! | none | -15 / -10 / -9 / -2 | -19 / -15 / -14 / -7 |
+//! | 0.1 | | -18 / -12 / -9 / +1 |
+//! | 0.3 | -14 / -3 / +7 / +25 | -19 / -10 / -2 / +14 |
+//! | 0.8 | -14 / -3 / +7 / +29 | -18 / -9 / -1 / +17 |
+//! | 20 (tied) | -14 / -3 / +7 / +29 | -20 / -11 / -3 / +15 |
+//!
+//! So with friction as it is 12 % hold at 1.0 and 1.5 mm only. At 0.5 mm all are low by what 0.04 mm of depth would
+//! make. At 2 mm, half the thickness, friction adds a third to the force, and the measured one lies near that without
+//! friction.
+
+use crate::common::{Press, Setup, pad_body};
+use glam::DVec3;
+use std::sync::Arc;
+use tactus::geometry::pad::{GelShape, Resolution, gelsight_mini};
+use tactus::geometry::shape::sphere::Sphere;
+use tactus::mech::material::NeoHookean;
+use tactus::mech::newton::Tolerance;
+
+const C10: f64 = 0.0725e6;
+const RADIUS: f64 = 7.5e-3;
+const FRICTION: f64 = 0.8;
+/// Depth, m, and measured force, N.
+const HARDWARE: [(f64, f64); 4] = [(0.5e-3, 1.6503), (1.0e-3, 5.9641), (1.5e-3, 13.5257), (2.0e-3, 23.2532)];
+/// 2499 nodes; the forces are within 2.5 % of those of 6525 nodes and twice as many increments.
+const CELLS: [usize; 3] = [10, 8, 3];
+
+/// Forces, N, at the depths of [`HARDWARE`], each reached in `steps` increments.
+fn curve(shape: GelShape, cells: [usize; 3], poisson: f64, friction: f64, steps: u32) -> [f64; 4] {
+    let resolution = Resolution::cells(cells).with_grading(1.3).with_focus(4.0);
+    let pad = gelsight_mini(shape, &resolution).expect("pad");
+    let body = pad_body(&pad, true, Arc::new(NeoHookean::from_c10(C10, poisson)));
+    let object = Arc::new(Sphere { radius: RADIUS });
+    let mut press = Press::new(Setup { body, object, start: DVec3::Z * RADIUS, friction });
+    press.path.tolerance = Tolerance { iterations: 60, ..press.path.tolerance };
+    let forces = HARDWARE.map(|(depth, _)| press.to(depth, steps));
+    let off = |k: usize| 100.0 * (forces[k] / HARDWARE[k].1 - 1.0);
+    let text: Vec<String> = (0..4).map(|k| format!("{:.3} N ({:+.1} %)", forces[k], off(k))).collect();
+    println!("{shape:?} {cells:?} nu {poisson} friction {friction}: {}", text.join(", "));
+    forces
+}
+
+/// The depth, m, at which a curve reaches `force`: a power law between the samples.
+fn depth_at(curve: &[f64; 4], force: f64) -> f64 {
+    let k = curve[1..3].iter().filter(|f| **f < force).count();
+    let (d, f) = ([HARDWARE[k].0, HARDWARE[k + 1].0], [curve[k], curve[k + 1]]);
+    let exponent = (d[1] / d[0]).ln() / (f[1] / f[0]).ln();
+    d[0] * (force / f[0]).powf(exponent)
+}
+
+/// Asserts relative deviations from the measured forces, and prints the depths that would make up for them.
+fn check(ours: &[f64; 4], allowed: [f64; 4]) {
+    for ((depth, real), (force, allowed)) in HARDWARE.into_iter().zip(ours.iter().zip(allowed)) {
+        let shift = depth_at(ours, real) - depth;
+        println!("{:.1} mm: the measured force is reached {:+.3} mm deeper", depth * 1e3, shift * 1e3);
+        assert!((force / real - 1.0).abs() < allowed, "{force} against {real} N at {depth} m");
+    }
+}
+
+#[test]
+fn the_domed_gel_carries_what_the_real_sensor_measured() {
+    let sticky = curve(GelShape::Domed, CELLS, 0.49, FRICTION, 10);
+    check(&sticky, [0.17, 0.12, 0.12, 0.31]);
+    let slippery = curve(GelShape::Domed, CELLS, 0.49, 0.0, 2);
+    check(&slippery, [0.17, 0.12, 0.12, 0.12]);
+    for k in 2..4 {
+        let real = HARDWARE[k].1;
+        assert!(slippery[k] < real && real < sticky[k], "{real} N between no friction and friction");
+    }
+    for (k, (depth, real)) in HARDWARE.into_iter().enumerate().take(3) {
+        let shift = depth_at(&sticky, real) - depth;
+        assert!(shift.abs() < 0.06e-3, "sample {k}: the measured force is reached {shift} m off");
+    }
+}
+
+/// What the answer depends on: mesh, nu, shape of the face.
+#[test]
+fn mesh_compressibility_and_dome_shift_the_curve_as_they_should() {
+    let cells = [8, 6, 3];
+    let base = curve(GelShape::Domed, cells, 0.49, 0.0, 2);
+    let finer = curve(GelShape::Domed, CELLS, 0.49, 0.0, 2);
+    // At 0.5 mm the contact is only a few cells wide.
+    for (k, allowed) in [0.04, 0.015, 0.015, 0.015].into_iter().enumerate() {
+        assert!((base[k] / finer[k] - 1.0).abs() < allowed, "mesh: {} against {} N", base[k], finer[k]);
+    }
+    let soft = curve(GelShape::Domed, cells, 0.475, 0.0, 2);
+    let stiff = curve(GelShape::Domed, cells, 0.495, 0.0, 2);
+    let flat = curve(GelShape::Flat, cells, 0.49, 0.0, 2);
+    for k in 0..4 {
+        assert!(soft[k] < base[k] && base[k] < stiff[k], "a less compressible gel is stiffer");
+        assert!((stiff[k] / soft[k] - 1.0) < 0.1, "nu from 0.475 to 0.495 changes the force by less than 10 %");
+        assert!(flat[k] > base[k], "a flat face meets the sphere sooner than a dome");
+    }
+}

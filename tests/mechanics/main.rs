@@ -1,0 +1,19 @@
+//! Mechanics: laws, elements, contact, equilibrium, paths and motion in time, held against closed forms, derivatives and other codes.
+
+#[path = "../fixtures/common.rs"]
+mod common;
+
+mod condensed;
+mod contact_fold;
+mod contact_project;
+mod derivatives;
+mod dynamics;
+mod engine;
+mod feats;
+mod path;
+mod press;
+mod reference;
+mod scales;
+mod verification_convergence;
+mod verification_hertz;
+mod verification_scene;

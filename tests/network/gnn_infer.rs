@@ -1,0 +1,71 @@
+//! The network without a tape against the same network on a tape, which is the reference.
+
+use crate::gnn_made::{ball, made};
+use tactus::linear::first_contact::Touch;
+use tactus::net::infer::predict::{PadState, Predictor};
+
+/// Relative difference of two lists of numbers, in their L2 norms.
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    let norm = |v: &mut dyn Iterator<Item = f64>| v.map(|x| x * x).sum::<f64>().sqrt();
+    norm(&mut a.iter().zip(b).map(|(a, b)| a - b)) / norm(&mut b.iter().copied()).max(1e-300)
+}
+
+/// Every kind of answer as a plain list.
+fn lists(pads: &[PadState]) -> [(&'static str, Vec<f64>); 5] {
+    let vectors =
+        |of: fn(&PadState) -> &Vec<glam::DVec3>| pads.iter().flat_map(of).flat_map(|v| v.to_array()).collect();
+    [
+        ("displacement", vectors(|p| &p.displacement)),
+        ("contact force", vectors(|p| &p.contact)),
+        ("stress", pads.iter().flat_map(|p| &p.stress).copied().collect()),
+        ("travel", pads.iter().map(|p| p.travel).collect()),
+        ("object motion", pads.iter().flat_map(|p| [p.shift.to_array(), p.turn.to_array()].concat()).collect()),
+    ]
+}
+
+const FORCES: [f64; 7] = [0.5, 0.55, 0.6, 0.7, 0.8, 0.9, 1.0];
+
+fn answer(predictor: &Predictor) -> Vec<Vec<PadState>> {
+    let (model, pose) = ball(made());
+    let touch = Touch::find(&model, pose).unwrap();
+    let graph = predictor.admit(&model).unwrap();
+    predictor.ramp(&predictor.look(&model, &graph, &touch), &FORCES).unwrap()
+}
+
+#[test]
+fn the_answers_are_those_of_the_tape() {
+    let open = || Predictor::open(&made().model).unwrap();
+    let (fast, tape) = (answer(&open()), answer(&open().on_tape()));
+    for (level, (fast, tape)) in fast.iter().zip(&tape).enumerate() {
+        for ((name, a), (_, b)) in lists(fast).iter().zip(&lists(tape)) {
+            assert!(apart(a, b) < 1e-5, "{name} at {} N: {:e} relative", FORCES[level], apart(a, b));
+        }
+    }
+}
+
+#[test]
+fn one_load_at_a_time_is_the_same_as_all_at_once() {
+    let predictor = Predictor::open(&made().model).unwrap();
+    let (model, pose) = ball(made());
+    let touch = Touch::find(&model, pose).unwrap();
+    let seen = predictor.look(&model, &predictor.admit(&model).unwrap(), &touch);
+    for (force, together) in FORCES.iter().zip(predictor.ramp(&seen, &FORCES).unwrap()) {
+        let alone = predictor.at(&seen, *force).unwrap();
+        for ((name, a), (_, b)) in lists(&alone).iter().zip(&lists(&together)) {
+            assert!(apart(a, b) < 1e-5, "{name} at {force} N: {:e} relative", apart(a, b));
+        }
+    }
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let predictor = Predictor::open(&made().model).unwrap();
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| answer(&predictor))
+    };
+    let one = on(1);
+    for threads in [2, 3, 8] {
+        assert_eq!(on(threads), one, "{threads} threads");
+    }
+}

@@ -1,0 +1,196 @@
+//! The mechanics that the network starts from: the grip in equilibrium, the linear response, settled forces, balance.
+
+use glam::{DQuat, DVec3};
+use std::sync::Arc;
+use tactus::gripper::GraspPose;
+use tactus::linear::compliance::Compliance;
+use tactus::linear::first_contact::Touch;
+use tactus::linear::pad_graph::{Layout, PadGraph};
+use tactus::linear::projected_gradient::{Touching, settle};
+use tactus::model::Model;
+use tactus::net::features::Features;
+use tactus::part::FingerModel;
+use tactus::random::Random;
+use tactus::scene::from_ron;
+
+const SCENE: &str = r#"Scene(
+    object: (shape: Ellipsoid(radii: (0.02, 0.025, 0.03))),
+    gripper: (pads: GelSightMini(spacing: 6e-3)),
+    grasps: List([(position: (0, 0, -0.1))]),
+    loading: Squeeze(force: 8.0, frames: 2),
+)"#;
+
+fn model() -> Arc<Model> {
+    Model::build(&from_ron(SCENE).unwrap()).unwrap()
+}
+
+/// A grasp beside the middle of the object, turned: nothing about it is symmetric.
+fn features(model: &Arc<Model>) -> Features {
+    let turn = DQuat::from_scaled_axis(DVec3::new(0.1, 0.2, 0.15));
+    let pose = GraspPose { position: turn * DVec3::new(0.0, 0.003, -0.102), rotation: turn };
+    let graph = Arc::new(PadGraph::new(&model.fingers[0], Layout::Face { depths: 3 }).unwrap());
+    Features::new(model, &graph, &Touch::find(model, pose).unwrap())
+}
+
+#[test]
+fn the_grip_carries_the_force_of_each_finger_and_holds_the_object_still() {
+    let model = model();
+    let features = features(&model);
+    let (grip, hats) = (&features.grip, &features.graph.hats);
+    for force in [0.03, 0.1, 0.5] {
+        let rest = grip.rest(force);
+        let (mut sum, mut torque) = (DVec3::ZERO, DVec3::ZERO);
+        for (p, finger) in model.fingers.iter().enumerate() {
+            let turn = finger.placement.rotation;
+            let mut carried = 0.0;
+            for ((x, u), push) in hats.rest.iter().zip(&rest.moved[p]).zip(&rest.force[p]) {
+                let push = turn * *push;
+                carried -= push.dot(finger.placement.closing);
+                (sum, torque) = (sum + push, torque + (grip.place(p, *x, *u, &rest) - rest.shift).cross(push));
+            }
+            assert!((carried - force).abs() < 1e-2 * force, "a finger closed by {force} E t2 is held by {carried}");
+        }
+        assert!(sum.length() < 1e-2 * force, "the object feels {sum} E t2 in all, closed by {force}");
+        // The arms are those of the step before.
+        assert!(torque.length() < 5e-2 * force, "the object is turned by {torque} E t3, closed by {force}");
+        assert!(rest.rotation.to_scaled_axis().length() > 0.0, "an oblique grasp turns the object");
+        assert!(rest.travel[0] == rest.travel[1], "fingers around a free object are geared");
+    }
+}
+
+/// What holds the object takes what one finger presses more than the other; together they press with all of their force.
+#[test]
+fn an_object_that_is_held_stays_where_it_is() {
+    let model = model();
+    let features = features(&model);
+    let force = 0.01;
+    let rest = features.grip.rest(force);
+    let pressed = |(p, finger): (usize, &FingerModel)| -> f64 {
+        let closing = finger.placement.rotation.transpose() * finger.placement.closing;
+        rest.force[p].iter().map(|push| -push.dot(closing)).sum()
+    };
+    let both: f64 = model.fingers.iter().enumerate().map(pressed).sum();
+    assert!((both - 2.0 * force).abs() < 1e-2 * force, "two fingers closed by {force} E t2 press with {both}");
+    assert!(rest.shift == DVec3::ZERO && rest.rotation == DQuat::IDENTITY, "{} {}", rest.shift, rest.rotation);
+}
+
+/// Whatever a network makes of the pressure: friction holds the object and its weight, and the pressure stays to the bit.
+#[test]
+fn friction_takes_up_what_pressure_leaves_over() {
+    let heavy =
+        SCENE.replace("0.03)))", "0.03)), density: 2000.0)").replace("loading", "gravity: (1.0, 2.0, -9.0), loading");
+    for scene in [SCENE, heavy.as_str()] {
+        let model = Model::build(&from_ron(scene).unwrap()).unwrap();
+        let features = features(&model);
+        let loads = features.loads(&[0.5, 4.0]);
+        let face = features.graph.face.len();
+        for (level, balance) in loads.balance.iter().enumerate() {
+            let mut random = Random::new(1);
+            let mut contact: Vec<f64> = (0..6 * face).map(|_| random.unit() / face as f64).collect();
+            for pad in contact.chunks_exact_mut(3 * face) {
+                let whole: f64 = pad.iter().step_by(3).sum();
+                pad.iter_mut().step_by(3).for_each(|c| *c /= whole);
+            }
+            let before = contact.clone();
+            balance.balance(&mut contact, [1.0; 2]);
+            let pressure = |c: &[f64]| c.iter().step_by(3).copied().collect::<Vec<_>>();
+            assert_eq!(pressure(&before), pressure(&contact));
+            let (mut sum, mut moment) = (DVec3::ZERO, DVec3::ZERO);
+            for (i, c) in contact.as_chunks::<3>().0.iter().enumerate() {
+                for (w, c) in balance.wrenches(i).map(|w| w.map(f64::from)).iter().zip(c) {
+                    sum += DVec3::new(w[0], w[1], w[2]) * *c;
+                    moment += DVec3::new(w[3], w[4], w[5]) * *c;
+                }
+            }
+            let force = loads.force[level];
+            let [weight, at] = features.grip.hangs(&features.grip.rest(force));
+            assert_eq!(weight != DVec3::ZERO, scene != SCENE);
+            assert!((sum - weight).length() < 1e-4 * force, "the pads carry {sum} E t2 of {weight}, closed by {force}");
+            // A contact resists being twisted only so far.
+            let off = (moment - at.cross(weight)).reject_from(DVec3::X).length();
+            assert!(off < 1e-4 * force, "the object is turned by {off} E t3, closed by {force}");
+        }
+        assert_eq!(loads.balance.len(), 2);
+    }
+}
+
+#[test]
+fn hats_share_out_their_force_and_give_alike_to_each_other() {
+    let graph = PadGraph::new(&model().fingers[0], Layout::Face { depths: 3 }).unwrap();
+    let hats = &graph.hats;
+    assert!(hats.count() < graph.face.len(), "hats stand on corners, not in the middle of edges");
+    for part in &hats.parts {
+        assert!((part.iter().map(|p| p.1).sum::<f64>() - 1.0).abs() < 1e-12, "a hat spreads all of its force");
+    }
+    for (a, b) in [(0, 1), (0, hats.count() / 2), (hats.count() / 3, hats.count() - 1)] {
+        for (k, c) in [(0, 0), (2, 2), (0, 2), (1, 2)] {
+            let (there, back) = (hats.row(a, k)[3 * b + c], hats.row(b, c)[3 * a + k]);
+            // Betti (1872).
+            assert_eq!(there.to_bits(), back.to_bits(), "hats {a} and {b}: {there} and {back} t per E t2");
+        }
+    }
+}
+
+#[test]
+fn the_linear_response_is_in_equilibrium_with_its_force() {
+    let model = model();
+    let finger = &model.fingers[0];
+    let graph = PadGraph::new(finger, Layout::Face { depths: 3 }).unwrap();
+    let (body, thickness) = (&finger.body, graph.thickness);
+    let compliance = Compliance::new(finger, &graph.face, thickness).unwrap();
+    let unit = body.material.moduli().young * thickness * thickness;
+    let small = 1e-5;
+    for component in [0, 1, 2] {
+        let row = 3 * (graph.face.len() / 2) + component;
+        let at = |r: usize| f64::from(compliance.response[r * compliance.forces + row]);
+        let given = |slot: u32| DVec3::from_array([0, 1, 2].map(|c| at(3 * slot as usize + c)));
+        let turn = finger.placement.rotation;
+        let moved = body
+            .rest
+            .iter()
+            .zip(&compliance.slot)
+            .map(|(x, slot)| *x + turn * slot.map_or(DVec3::ZERO, given) * (small * thickness));
+        let mut gradient = vec![DVec3::ZERO; body.rest.len()];
+        body.add_gradient(&moved.collect::<Vec<_>>(), &mut gradient);
+        let on_face = |i: usize| graph.face.binary_search(&(i as u32)).is_ok();
+        let (mut sum, mut elsewhere) = (DVec3::ZERO, 0.0_f64);
+        for (i, g) in gradient.iter().enumerate().filter(|(i, _)| !body.fixed[*i]) {
+            if on_face(i) { sum += *g } else { elsewhere = elsewhere.max(g.length()) }
+        }
+        let force = turn.col(component) * (small * unit);
+        assert!(sum.distance(force) < 1e-3 * force.length(), "{sum} N against {force} N");
+        assert!(elsewhere < 1e-3 * force.length(), "{elsewhere} N where nothing pushes");
+    }
+}
+
+#[test]
+fn settled_forces_push_only_and_keep_their_sum() {
+    let model = model();
+    let graph = PadGraph::new(&model.fingers[0], Layout::Face { depths: 3 }).unwrap();
+    let compliance = &graph.compliance;
+    // A ball pressed into the middle of the pad, and dragged along it.
+    let touching = |(x, node, area): (DVec3, u32, f64)| {
+        let pressed = 0.2 - x.truncate().length_squared() / (2.0 * 5.0);
+        let dragged = if pressed > 0.0 { DVec3::X * 0.02 } else { DVec3::ZERO };
+        let force = (DVec3::NEG_Z * 2.0 * pressed.max(0.0) + dragged * 0.6) * area;
+        Touching { node: node as usize, normal: DVec3::NEG_Z, pressed, dragged, force }
+    };
+    let t = graph.thickness;
+    let nodes = graph.rest.iter().zip(&graph.face).zip(&graph.area);
+    let face: Vec<Touching> = nodes.map(|((x, node), area)| touching((*x / t, *node, area / (t * t)))).collect();
+    let (forces, _) = settle(compliance, std::slice::from_ref(&face)).remove(0);
+    let before: DVec3 = face.iter().map(|n| n.force).sum();
+    let after: DVec3 = forces.iter().sum();
+    assert!(before.distance(after) < 1e-6 * before.length(), "{before} became {after}, E t2");
+    assert!(forces.iter().all(|f| f.z <= 0.0), "a pad never pulls");
+    // Along the normal, touching nodes follow the object better than at the start.
+    let lacks = |forces: &[DVec3]| {
+        let u = compliance.on_face(&graph.face, &[forces.to_vec()]).remove(0);
+        let touching: Vec<f64> =
+            (0..face.len()).filter(|i| forces[*i].z < 0.0).map(|i| face[i].pressed + u[i].z).collect();
+        let mean = touching.iter().sum::<f64>() / touching.len() as f64;
+        (touching.iter().map(|l| (l - mean).powi(2)).sum::<f64>() / touching.len() as f64).sqrt()
+    };
+    let start: Vec<DVec3> = face.iter().map(|n| n.force).collect();
+    assert!(lacks(&forces) < 0.5 * lacks(&start), "{} of {} thicknesses", lacks(&forces), lacks(&start));
+}

@@ -1,0 +1,34 @@
+//! The same weights run by PyTorch (`tests/network/torch_check.py`): a second implementation agrees to 1e-5, relative.
+//!
+//! Needs a `python3` with torch, safetensors and numpy, or one named by TACTUS_PYTHON; else it says that it skips.
+
+use crate::gnn_made::{PAPER, SPEC, made};
+use std::process::Command;
+
+#[test]
+fn pytorch_gives_the_same_answers() {
+    let python = std::env::var("TACTUS_PYTHON").unwrap_or_else(|_| "python3".into());
+    let there = Command::new(&python).args(["-c", "import torch, safetensors, numpy"]).output();
+    if !there.is_ok_and(|o| o.status.success()) {
+        println!("skipped: {python} has no torch, safetensors and numpy; name one that has by TACTUS_PYTHON");
+        return;
+    }
+    let made = made();
+    for (name, spec) in [("face", SPEC), ("paper", PAPER)] {
+        let (file, model, dump) =
+            (made.tiny.out(name), made.tiny.out(&format!("{name}_model")), made.tiny.out(&format!("{name}.npz")));
+        std::fs::write(&file, spec).unwrap();
+        let data = made.tiny.out("data");
+        let run = |command: &mut Command| {
+            let done = command.output().unwrap();
+            let text = String::from_utf8_lossy(&done.stdout).into_owned();
+            assert!(done.status.success(), "{name}: {text}{}", String::from_utf8_lossy(&done.stderr));
+            text
+        };
+        let tactus = || Command::new(env!("CARGO_BIN_EXE_tactus"));
+        run(tactus().arg("train").arg(&data).arg("--model").arg(&file).arg("-o").arg(&model));
+        run(tactus().arg("eval").arg(&data).arg("--model").arg(&model).arg("--dump").arg(&dump));
+        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/network/torch_check.py");
+        println!("{name}\n{}", run(Command::new(&python).arg(script).arg(&model).arg(&dump)));
+    }
+}

@@ -1,0 +1,13 @@
+//! The network: gradients, training, inference, and the mechanics of pads that give linearly.
+
+#[path = "../fixtures/dataset_tiny.rs"]
+mod dataset_tiny;
+#[path = "../fixtures/gnn_made.rs"]
+mod gnn_made;
+
+mod gnn;
+mod gnn_gradients;
+mod gnn_infer;
+mod gnn_mechanics;
+mod gnn_torch;
+mod gnn_train;

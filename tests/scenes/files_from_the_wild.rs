@@ -1,0 +1,807 @@
+//! Tetrahedral meshes and grasp files as other programs write them: read with the right value, or refused with what to do.
+
+use glam::{DMat3, DQuat, DVec3};
+use hdf5_pure::FileBuilder;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::mpsc;
+use std::time::Duration;
+use tactus::geometry::mesh::{TetMesh, io, quadratic, signed_volume};
+use tactus::geometry::pad::{Resolution, box_pad};
+use tactus::grasp::{poses_of, read_grasps_h5, write_grasps_h5};
+use tactus::gripper::GraspPose;
+use tactus::random::Random;
+use tactus::scene::{Convention, HandAxis, QuaternionOrder, load};
+
+/// Size of the block of gel that all mesh files hold, m.
+const SIZE: [f64; 3] = [0.02, 0.016, 0.004];
+/// Longer than anything here takes: beyond it something hangs.
+const HANG: Duration = Duration::from_secs(20);
+
+/// The block: 4 x 4 x 2 cells of six tetrahedra.
+fn block() -> TetMesh {
+    box_pad(SIZE[0], SIZE[1], SIZE[2], &Resolution::cells([4, 4, 2])).unwrap().mesh
+}
+
+/// Asserts that `mesh` is the block: as many tetrahedra, its volume to 1e-12 of itself, its nodes within 1e-9 m.
+#[track_caller]
+fn is_block(mesh: &TetMesh) {
+    let whole = block();
+    assert_eq!((mesh.nodes.len(), mesh.tets.len()), (whole.nodes.len(), whole.tets.len()), "nodes and tetrahedra");
+    let volume: f64 = (0..mesh.tets.len()).map(|t| signed_volume(mesh.corners(t))).sum();
+    let expected: f64 = SIZE.iter().product();
+    assert!((volume / expected - 1.0).abs() < 1e-12, "volume {volume} m3, expected {expected} m3");
+    for (a, b) in mesh.nodes.iter().zip(&whole.nodes) {
+        assert!((*a - *b).length() < 1e-9, "{a} is not {b}");
+    }
+}
+
+/// Writes `bytes` under `name` and reads them as a tetrahedral mesh.
+fn read(name: &str, bytes: &[u8]) -> Result<(TetMesh, Vec<String>), String> {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join(name);
+    std::fs::write(&path, bytes).unwrap();
+    io::read_tet_mesh(&path).map_err(|e| e.to_string())
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form {
+    Text,
+    Little,
+    Big,
+}
+
+/// A gmsh file in the making.
+struct Out(Form, Vec<u8>);
+
+impl Out {
+    fn text(&mut self, text: &str) {
+        self.1.extend(text.as_bytes());
+    }
+    fn word(&mut self, text: String, little: &[u8]) {
+        match self.0 {
+            Form::Text => self.text(&format!("{text} ")),
+            Form::Little => self.1.extend(little),
+            Form::Big => self.1.extend(little.iter().rev()),
+        }
+    }
+    fn int(&mut self, v: usize) {
+        self.word(v.to_string(), &(v as i32).to_le_bytes());
+    }
+    fn size(&mut self, v: usize) {
+        self.word(v.to_string(), &(v as u64).to_le_bytes());
+    }
+    fn real(&mut self, v: f64) {
+        self.word(format!("{v:.17e}"), &v.to_le_bytes());
+    }
+    fn point(&mut self, p: DVec3) {
+        p.to_array().into_iter().for_each(|x| self.real(x));
+    }
+    /// The end of a line, which only text has.
+    fn end(&mut self) {
+        if self.0 == Form::Text {
+            self.text("\n");
+        }
+    }
+}
+
+/// A gmsh file: sections that are not needed, the nodes, a triangle that is left out, and tetrahedra of 4 or 10 nodes. Node
+/// tags are 10, 13, 16 ...
+fn gmsh(version: &str, form: Form, nodes: &[DVec3], cells: &[Vec<u32>]) -> Vec<u8> {
+    let tag = |i: usize| 10 + 3 * i;
+    let kind = if cells[0].len() == 10 { 11 } else { 4 };
+    let (v2, v41) = (version.starts_with('2'), version == "4.1");
+    let mut o = Out(form, Vec::new());
+    o.text(&format!("$MeshFormat\n{version} {} 8\n", i32::from(form != Form::Text)));
+    if form != Form::Text {
+        o.int(1);
+        o.text("\n");
+    }
+    o.text("$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"gel\"\n$EndPhysicalNames\n");
+    if !v2 {
+        // Passed over, whatever bytes it holds.
+        o.text("$Entities\n");
+        (0..40).for_each(|k| o.int(if form == Form::Text { k } else { 0x0a24_0a00 + k }));
+        o.end();
+        o.text("\n$EndEntities\n");
+    }
+    let size = |o: &mut Out, v| if v41 { o.size(v) } else { o.int(v) };
+    o.text("$Nodes\n");
+    if v2 {
+        o.text(&format!("{}\n", nodes.len()));
+        for (i, p) in nodes.iter().enumerate() {
+            o.int(tag(i));
+            o.point(*p);
+            o.end();
+        }
+    } else {
+        // Two blocks: one on a surface without parameters, one on a curve with one for each node.
+        o.size(2);
+        o.size(nodes.len());
+        if v41 {
+            o.size(tag(0));
+            o.size(tag(nodes.len() - 1));
+        }
+        o.end();
+        for (dim, range) in [(2, 0..5), (1, 5..nodes.len())] {
+            let parametric = dim == 1;
+            if v41 {
+                o.int(dim);
+                o.int(7);
+            } else {
+                o.int(7);
+                o.int(dim);
+            }
+            o.int(usize::from(parametric));
+            o.size(range.len());
+            o.end();
+            if v41 {
+                for i in range.clone() {
+                    o.size(tag(i));
+                    o.end();
+                }
+            }
+            for i in range {
+                if !v41 {
+                    o.int(tag(i));
+                }
+                o.point(nodes[i]);
+                if parametric {
+                    o.real(0.5);
+                }
+                o.end();
+            }
+        }
+    }
+    o.text(if form == Form::Text { "$EndNodes\n$Elements\n" } else { "\n$EndNodes\n$Elements\n" });
+    let triangle = vec![0, 1, 2];
+    let groups = [(2, std::slice::from_ref(&triangle)), (kind, cells)];
+    let mut id = 1;
+    if v2 {
+        o.text(&format!("{}\n", cells.len() + 1));
+    } else {
+        o.size(2);
+        o.size(cells.len() + 1);
+        if v41 {
+            o.size(1);
+            o.size(cells.len() + 1);
+        }
+        o.end();
+    }
+    for (kind, group) in groups {
+        if v2 && form != Form::Text {
+            [kind, group.len(), 2].into_iter().for_each(|v| o.int(v));
+        } else if !v2 {
+            [3, 1, kind].into_iter().for_each(|v| o.int(v));
+            o.size(group.len());
+            o.end();
+        }
+        for cell in group {
+            size(&mut o, id);
+            id += 1;
+            if v2 {
+                if form == Form::Text {
+                    [kind, 2].into_iter().for_each(|v| o.int(v));
+                }
+                [1, 1].into_iter().for_each(|v| o.int(v));
+            }
+            cell.iter().for_each(|n| size(&mut o, tag(*n as usize)));
+            o.end();
+        }
+    }
+    o.text(if form == Form::Text { "$EndElements\n" } else { "\n$EndElements\n" });
+    o.1
+}
+
+/// The tetrahedra of the block as lists of nodes.
+fn linear() -> (Vec<DVec3>, Vec<Vec<u32>>) {
+    let mesh = block();
+    (mesh.nodes, mesh.tets.iter().map(|t| t.to_vec()).collect())
+}
+
+/// The block with middle nodes, in the order of gmsh: the last two edges are the other way round.
+fn with_middles() -> (Vec<DVec3>, Vec<Vec<u32>>) {
+    let ten = quadratic::promote(&block());
+    let gmsh = |t: &[u32; 10]| {
+        let mut t = t.to_vec();
+        t.swap(8, 9);
+        t
+    };
+    (ten.nodes, ten.tets.iter().map(gmsh).collect())
+}
+
+const FORMS: [(&str, Form); 9] = [
+    ("2.2", Form::Text),
+    ("2.2", Form::Little),
+    ("2.2", Form::Big),
+    ("4", Form::Text),
+    ("4", Form::Little),
+    ("4", Form::Big),
+    ("4.1", Form::Text),
+    ("4.1", Form::Little),
+    ("4.1", Form::Big),
+];
+
+#[test]
+fn gmsh_files_of_every_version_and_form_hold_the_same_block() {
+    for (version, form) in FORMS {
+        for second_order in [false, true] {
+            let (nodes, cells) = if second_order { with_middles() } else { linear() };
+            let (mesh, notices) = read("a.msh", &gmsh(version, form, &nodes, &cells))
+                .unwrap_or_else(|e| panic!("gmsh {version} {form:?} of second order {second_order}: {e}"));
+            is_block(&mesh);
+            let told = notices.join("\n");
+            assert!(told.contains("ignored elements 1 of type 2"), "{version} {form:?}: {told}");
+            let straight =
+                "192 tetrahedra of 10 nodes are read by their 4 corners; their middle nodes lie in the middle";
+            assert_eq!(told.contains(straight), second_order, "{version} {form:?}: {told}");
+        }
+    }
+}
+
+#[test]
+fn curved_edges_are_told_and_a_foreign_order_of_nodes_is_refused() {
+    let (mut nodes, cells) = with_middles();
+    let corners = block().nodes.len();
+    let sound = nodes.clone();
+    // The upper face is bulged by 0.1 mm between its corners, 2 to 3 % of their distance.
+    nodes[corners..].iter_mut().filter(|p| p.z > -1e-9).for_each(|p| p.z += 1e-4);
+    let (mesh, notices) = read("a.msh", &gmsh("4.1", Form::Little, &nodes, &cells)).unwrap();
+    is_block(&mesh);
+    let told = notices.join("\n");
+    assert!(told.contains("lie up to 1.00e-4 m") && told.contains("edges are taken as straight"), "{told}");
+    // VTK's order of the middle nodes in a gmsh file.
+    let vtk: Vec<Vec<u32>> = quadratic::promote(&block()).tets.iter().map(|t| t.to_vec()).collect();
+    let error = read("a.msh", &gmsh("2.2", Form::Text, &sound, &vtk)).unwrap_err();
+    assert!(error.contains("another order than gmsh's") && error.contains("line "), "{error}");
+}
+
+#[test]
+fn damaged_binary_gmsh_files_say_where() {
+    let (nodes, cells) = linear();
+    let whole = gmsh("4.1", Form::Little, &nodes, &cells);
+    let refused = |bytes: &[u8], says: &str| {
+        let error = read("a.msh", bytes).unwrap_err();
+        assert!(error.contains("a.msh: ") && error.contains(says), "expected {says:?} in: {error}");
+    };
+    refused(&whole[..whole.len() / 2], "the file ends where");
+    let mut other = whole.clone();
+    other[20..24].copy_from_slice(&[7, 7, 7, 7]);
+    refused(&other, "byte 24: the byte order is told by a 1, found the bytes [7, 7, 7, 7]");
+    refused(b"$MeshFormat\n3.0 1 8\n", "gmsh format `3.0`; allowed: 2.2, 4.0 or 4.1");
+    let mut huge = b"$MeshFormat\n4.1 1 8\n\x01\0\0\0\n$EndMeshFormat\n$Nodes\n".to_vec();
+    huge.extend([1_u64, 1 << 60, 1, 2].iter().flat_map(|v| v.to_le_bytes()));
+    refused(&huge, "the number of nodes 1152921504606846976 is above the 5000000 allowed");
+}
+
+/// A Medit file of the block with the sections of mmg before and after the tetrahedra.
+fn medit() -> String {
+    let mesh = block();
+    let mut text = "MeshVersionFormatted 2\n\nDimension 3\n\nVertices\n".to_string();
+    text += &format!("{}\n", mesh.nodes.len());
+    mesh.nodes.iter().for_each(|p| text += &format!("{} {} {} 0\n", p.x, p.y, p.z));
+    text += "\nCorners\n2\n1\n2\n\nRequiredVertices\n1\n1\n\nEdges\n2\n1 2 5\n2 3 5\n\nRidges\n1\n1\n\nRequiredEdges\n1\n2\n";
+    text += &format!("\nTetrahedra\n{}\n", mesh.tets.len());
+    mesh.tets.iter().for_each(|t| text += &format!("{} {} {} {} 1\n", t[0] + 1, t[1] + 1, t[2] + 1, t[3] + 1));
+    text += "\nRequiredTetrahedra\n1\n3\nNormals\n2\n0 0 1\n-0.1 1.0e-3 -1\n\nNormalAtVertices\n2\n1 1\n2 2\n";
+    text += "\nTangents\n1\n1 0 0\n\nTangentAtVertices\n1\n1 1\n\nNormalAtTriangleVertices\n1\n1 1 1\n\nEnd\n";
+    text
+}
+
+#[test]
+fn medit_files_of_mmg_hold_the_same_block() {
+    let (mesh, notices) = read("a.mesh", medit().as_bytes()).unwrap();
+    is_block(&mesh);
+    let told = notices.join("\n");
+    for section in ["2 `Normals`", "1 `RequiredEdges`", "2 `NormalAtVertices`", "1 `TangentAtVertices`"] {
+        assert!(told.contains(section), "{section} is not in {told}");
+    }
+    let ten = quadratic::promote(&block());
+    let mut second = format!("MeshVersionFormatted 2\nDimension 3\nVertices {}\n", ten.nodes.len());
+    ten.nodes.iter().for_each(|p| second += &format!("{} {} {} 0\n", p.x, p.y, p.z));
+    second += &format!("TetrahedraP2 {}\n", ten.tets.len());
+    ten.tets.iter().for_each(|t| second += &format!("{} 1\n", t.map(|n| (n + 1).to_string()).join(" ")));
+    is_block(&read("a.mesh", second.as_bytes()).unwrap().0);
+    let error = read("a.meshb", b"\x01\0\0\0").unwrap_err();
+    assert!(error.contains("`meshio convert -o gmsh22 a.meshb a.msh`"), "{error}");
+    let error = read("a.mesh", b"\x01\0\0\0\x02\0\0\0").unwrap_err();
+    assert!(error.contains("binary Medit") && error.contains("meshio convert"), "{error}");
+    let shared = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/cases/d_normals.mesh"));
+    if !shared.exists() {
+        eprintln!("skipped: {} is not there", shared.display());
+        return;
+    }
+    let (mesh, notices) = io::read_tet_mesh(shared).unwrap();
+    assert_eq!(mesh.nodes.len(), 126);
+    assert!(notices.join("\n").contains("Normals"), "{notices:?}");
+}
+
+/// A legacy VTK file of the block, old (one list of cells) or of version 5.1 (offsets and connectivity).
+fn vtk(five: bool) -> String {
+    let mesh = block();
+    let n = mesh.tets.len();
+    let mut text =
+        format!("# vtk DataFile Version {}\n\nASCII\nDATASET UNSTRUCTURED_GRID\n", if five { 5.1 } else { 3.0 });
+    text += &format!("POINTS {} double\n", mesh.nodes.len());
+    mesh.nodes.iter().for_each(|p| text += &format!("{} {} {}\n", p.x, p.y, p.z));
+    if five {
+        text += &format!("METADATA\nINFORMATION 0\n\nCELLS {} {}\nOFFSETS vtktypeint64\n0 3", n + 2, 4 * n + 3);
+        (1..=n).for_each(|t| text += &format!(" {}", 3 + 4 * t));
+        text += "\nCONNECTIVITY vtktypeint64\n0 1 2\n";
+        mesh.tets.iter().for_each(|t| text += &format!("{} {} {} {}\n", t[0], t[1], t[2], t[3]));
+    } else {
+        text += &format!("CELLS {} {}\n3 0 1 2\n", n + 1, 5 * n + 4);
+        mesh.tets.iter().for_each(|t| text += &format!("4 {} {} {} {}\n", t[0], t[1], t[2], t[3]));
+    }
+    text += &format!("CELL_TYPES {}\n5\n{}", n + 1, "10\n".repeat(n));
+    text + "POINT_DATA 75\nSCALARS u float\n"
+}
+
+/// The two files of TetGen, nodes counted from `first`.
+fn tetgen(first: u32) -> (String, String) {
+    let mesh = block();
+    let mut node = format!("# Generated\n{} 3 0 1\n", mesh.nodes.len());
+    let number = |i: usize| i as u32 + first;
+    let points = mesh.nodes.iter().enumerate();
+    points.for_each(|(i, p)| node += &format!("  {}  {} {} {}  0\n", number(i), p.x, p.y, p.z));
+    let mut ele = format!("{} 4 0\n", mesh.tets.len());
+    let tets = mesh.tets.iter().enumerate();
+    tets.for_each(|(i, t)| {
+        let [a, b, c, d] = t.map(|n| n + first);
+        ele += &format!("{} {a} {b} {c} {d}\n", number(i));
+    });
+    (node, ele)
+}
+
+#[test]
+fn vtk_and_tetgen_files_hold_the_same_block_and_others_say_how_to_convert() {
+    for five in [false, true] {
+        let (mesh, notices) = read("a.vtk", vtk(five).as_bytes()).unwrap();
+        is_block(&mesh);
+        assert!(notices.join("\n").contains("ignored 1 cells"), "{notices:?}");
+    }
+    let binary = read("a.vtk", b"# vtk DataFile Version 3.0\ntitle\nBINARY\n\0\0").unwrap_err();
+    assert!(binary.contains("binary VTK is not read") && binary.contains("meshio convert"), "{binary}");
+    let dir = tempfile::tempdir().unwrap();
+    for first in [0, 1] {
+        let (node, ele) = tetgen(first);
+        std::fs::write(dir.path().join("a.1.node"), node).unwrap();
+        std::fs::write(dir.path().join("a.1.ele"), ele).unwrap();
+        for name in ["a.1.node", "a.1.ele"] {
+            is_block(&io::read_tet_mesh(dir.path().join(name)).unwrap().0);
+        }
+    }
+    std::fs::remove_file(dir.path().join("a.1.node")).unwrap();
+    let alone = io::read_tet_mesh(dir.path().join("a.1.ele")).unwrap_err().to_string();
+    assert!(alone.contains("a.1.node is missing") && alone.contains("belong together"), "{alone}");
+    for (name, says) in [
+        ("a.vtu", "`meshio convert -o gmsh22 a.vtu a.msh`"),
+        ("a.inp", "`meshio convert -o gmsh22 a.inp a.msh`"),
+        ("part.step", "`gmsh -3 part.step -o part.msh`"),
+        ("a.stl", "fill it with tetrahedra"),
+        // A .msh of ANSYS.
+        ("a.msh", "`meshio convert -o gmsh22 a.msh gmsh_a.msh`"),
+    ] {
+        let error = read(name, b"(1 x)\n").unwrap_err();
+        assert!(error.contains(says), "{error}");
+    }
+}
+
+#[test]
+fn a_line_of_a_megabyte_is_read_in_the_time_of_its_length() {
+    // 400,000 words in one line; counted anew for each, their columns took 20 s.
+    let long = format!("v 0 0 0\n{}\n", "1 ".repeat(400_000));
+    within(HANG, "a long line", move || {
+        let error = read("a.tet", long.as_bytes()).unwrap_err();
+        assert!(error.contains("line 2, column 1"), "{error}");
+    });
+    let longer = format!("# {}\n", "1 ".repeat(4_000_000));
+    let error = read("a.tet", longer.as_bytes()).unwrap_err();
+    assert!(error.contains("line 1 has 8000002 bytes; at most 4194304 are read"), "{error}");
+    let word = read("a.tet", "x".repeat(100_000).as_bytes()).unwrap_err();
+    assert!(word.len() < 400, "a word of 100,000 letters is quoted in {} letters", word.len());
+}
+
+/// Runs `work` on a thread of its own and fails if it is not done in time.
+fn within(limit: Duration, what: &str, work: impl FnOnce() + Send + 'static) {
+    let (done, wait) = mpsc::channel();
+    let worker = std::thread::spawn(move || {
+        work();
+        let _ = done.send(());
+    });
+    if let Err(mpsc::RecvTimeoutError::Timeout) = wait.recv_timeout(limit) {
+        panic!("{what} is not done after {limit:?}");
+    }
+    worker.join().unwrap();
+}
+
+/// Grasps of an object at the origin: the pads around it, the hand from all sides.
+fn around() -> Vec<GraspPose> {
+    (0..20)
+        .map(|i| {
+            let a = f64::from(i);
+            let rotation = DQuat::from_rotation_z(0.7 * a) * DQuat::from_rotation_x(0.3 + 0.11 * a);
+            GraspPose { position: -(rotation * DVec3::new(0.0, 0.0, 0.1)), rotation }
+        })
+        .collect()
+}
+
+/// A scene of a ball and pads of few cells with this grasp file.
+fn scene(dir: &Path, grasps: &str) -> PathBuf {
+    let path = dir.join("s.ron");
+    let text = format!(
+        "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: Box(size: (0.02, 0.02, 0.004), cells: (2, 2, 2))),\n\
+         grasps: {grasps},\nloading: Squeeze(force: 1, frames: 1))"
+    );
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn tactus(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_tactus")).args(args).output().unwrap()
+}
+
+fn both(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
+
+#[track_caller]
+fn alike(read: &[GraspPose], expected: &[GraspPose], slack: f64) {
+    assert_eq!(read.len(), expected.len());
+    for (a, b) in read.iter().zip(expected) {
+        let off = (a.position - b.position).length().max(1.0 - a.rotation.dot(b.rotation).abs());
+        assert!(off < slack, "{a:?} is not {b:?}: {off:e}");
+    }
+}
+
+#[test]
+fn grasps_of_other_conventions_are_the_same_grasps() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("g.h5");
+    let wanted = around();
+    let cases = [
+        ("(quaternion: Xyzw)", Convention { quaternion: QuaternionOrder::Xyzw, ..Convention::default() }),
+        (
+            "(quaternion: Xyzw, closing: Y, approach: Z)",
+            Convention { quaternion: QuaternionOrder::Xyzw, closing: HandAxis::Y, approach: HandAxis::Z },
+        ),
+        (
+            "(closing: Y, approach: X)",
+            Convention { closing: HandAxis::Y, approach: HandAxis::X, ..Convention::default() },
+        ),
+        ("(approach: MinusZ)", Convention { approach: HandAxis::MinusZ, ..Convention::default() }),
+    ];
+    for (text, convention) in cases {
+        // Their hand frame F: a point with hand coordinates x has the coordinates C x in F.
+        let c = convention.from_hand();
+        assert!((c.determinant() - 1.0).abs() < 1e-15, "{text} mirrors");
+        assert_eq!((c * DVec3::X, c * DVec3::Z), (convention.closing.vector(), convention.approach.vector()));
+        let theirs: Vec<DMat3> = wanted.iter().map(|p| DMat3::from_quat(p.rotation) * c.transpose()).collect();
+        let rows = wanted.iter().zip(&theirs).flat_map(|(p, r)| {
+            let (x, q) = (p.position, DQuat::from_mat3(r));
+            match convention.quaternion {
+                QuaternionOrder::Wxyz => [x.x, x.y, x.z, q.w, q.x, q.y, q.z],
+                QuaternionOrder::Xyzw => [x.x, x.y, x.z, q.x, q.y, q.z, q.w],
+            }
+        });
+        let matrices = wanted.iter().zip(&theirs).flat_map(|(p, r)| {
+            let (x, row) = (p.position, |k: usize| r.row(k));
+            let line = |k: usize, at: f64| [row(k).x, row(k).y, row(k).z, at];
+            [line(0, x.x), line(1, x.y), line(2, x.z), [0.0, 0.0, 0.0, 1.0]].concat()
+        });
+        let n = wanted.len() as u64;
+        for (values, shape) in [(rows.collect::<Vec<_>>(), vec![n, 7]), (matrices.collect(), vec![n, 4, 4])] {
+            let mut builder = FileBuilder::new();
+            builder.create_dataset("poses").with_f64_data(&values).with_shape(&shape);
+            builder.write(&path).unwrap();
+            let loaded = load(scene(dir.path(), &format!("File(path: \"g.h5\", convention: {text})"))).unwrap();
+            alike(&poses_of(&loaded.scene).unwrap(), &wanted, 1e-12);
+            // What `check` prints loads as the same scene.
+            let again = tactus::scene::from_ron(&tactus::scene::to_ron(&loaded.scene).unwrap()).unwrap();
+            assert_eq!(again, loaded.scene);
+        }
+    }
+}
+
+#[test]
+fn a_convention_that_is_none_is_refused_with_its_place() {
+    let dir = tempfile::tempdir().unwrap();
+    write_grasps_h5(dir.path().join("g.h5"), &around()).unwrap();
+    for (text, says) in [
+        ("(quaternion: Zyxw)", "allowed: Wxyz, Xyzw"),
+        ("(closing: W)", "allowed: X, Y, Z, MinusX, MinusY, MinusZ"),
+        ("(order: Xyzw)", "allowed: quaternion, closing, approach"),
+        ("(closing: Z)", "closing and approach lie along one axis"),
+    ] {
+        let path = scene(dir.path(), &format!("File(path: \"g.h5\", convention: {text})"));
+        let error = load(path).unwrap_err().to_string();
+        assert!(error.contains("s.ron:2:") && error.contains(says), "expected {says:?} in: {error}");
+    }
+}
+
+#[test]
+fn matrices_that_are_no_poses_are_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("g.h5");
+    let refused = |matrix: [f64; 16], says: &str| {
+        let mut builder = FileBuilder::new();
+        builder.create_dataset("poses").with_f64_data(&matrix).with_shape(&[1, 4, 4]);
+        builder.write(&path).unwrap();
+        let error = read_grasps_h5(&path).unwrap_err().to_string();
+        assert!(error.contains("row 0") && error.contains(says), "expected {says:?} in: {error}");
+    };
+    let unit: [f64; 16] = std::array::from_fn(|k| f64::from(u8::from(k % 5 == 0)));
+    let with = |k: usize, v: f64| {
+        let mut m = unit;
+        m[k] = v;
+        m
+    };
+    refused(with(10, -1.0), "determinant -1");
+    refused(with(0, 1.01), "not orthonormal: off by 2.01e-2");
+    refused(with(12, 0.1), "last row is [0.1, 0.0, 0.0, 1.0]");
+    refused(with(3, f64::NAN), "column 3 is NaN");
+}
+
+#[test]
+fn every_command_tells_of_grasps_that_miss() {
+    let dir = tempfile::tempdir().unwrap();
+    // Quaternions x y z w in a file that is read as w x y z.
+    let swapped: Vec<f64> = around()
+        .iter()
+        .flat_map(|p| {
+            [p.position.x, p.position.y, p.position.z, p.rotation.x, p.rotation.y, p.rotation.z, p.rotation.w]
+        })
+        .collect();
+    let mut builder = FileBuilder::new();
+    builder.create_dataset("poses").with_f64_data(&swapped).with_shape(&[20, 7]);
+    builder.write(dir.path().join("g.h5")).unwrap();
+    let (out, notice) = (dir.path().join("out"), "miss the object");
+    for (grasps, tells) in [("File(\"g.h5\")", true), ("File(path: \"g.h5\", convention: (quaternion: Xyzw))", false)] {
+        let path = scene(dir.path(), grasps);
+        let path = path.to_str().unwrap();
+        let said = [
+            both(&tactus(&["check", path])),
+            both(&tactus(&["run", path, "--grasp", "0", "--no-pictures"])),
+            both(&tactus(&["dataset", path, "-o", out.to_str().unwrap(), "--dry-run"])),
+        ];
+        for text in &said {
+            let told = text.contains(notice) && text.contains("convention: (quaternion: Xyzw");
+            assert_eq!(told, tells, "{grasps}: {text}");
+        }
+    }
+}
+
+#[test]
+fn check_and_run_say_the_same_of_what_cannot_start() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("s.ron");
+    // A leaf of 0.4 mm at the rim of domed pads, whose middles meet before it is touched; a block wider than the opening.
+    for (object, pads, says) in [
+        (
+            "shape: Cuboid(size: (0.0004, 0.03, 0.004))",
+            "GelSightMini(shape: Domed, spacing: 3.0e-3)",
+            "meet beside the object",
+        ),
+        ("shape: Cuboid(size: (0.1, 0.03, 0.03))", "GelSightMini(spacing: 3.0e-3)", "overlaps the object by"),
+    ] {
+        let text = format!(
+            "(object: ({object}), gripper: (pads: {pads}, stroke: 0.045), grasps: List([(position: (0, 0, -0.111))]),\n\
+             loading: Squeeze(force: 1, frames: 1))"
+        );
+        std::fs::write(&path, text).unwrap();
+        let check = both(&tactus(&["check", path.to_str().unwrap()]));
+        let run = both(&tactus(&["run", path.to_str().unwrap(), "--no-pictures"]));
+        let reason = check.lines().find_map(|l| l.split_once("problem: grasp 0: ")).expect(&check).1;
+        assert!(reason.contains(says), "{reason}");
+        assert!(check.contains("0 of 1 grasps can start"), "{check}");
+        assert!(run.contains(reason) && run.contains("infeasible"), "{run}");
+    }
+}
+
+#[test]
+fn what_is_no_regular_file_is_refused_at_once() {
+    if !cfg!(unix) {
+        eprintln!("skipped: no devices or fifos here");
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let fifo = dir.path().join("pipe.h5");
+    assert!(Command::new("mkfifo").arg(&fifo).status().unwrap().success());
+    let (fifo, folder) = (fifo.to_str().unwrap().to_string(), dir.path().to_path_buf());
+    within(HANG, "a file that never ends", move || {
+        for (file, says) in [("/dev/zero", "is a device"), (fifo.as_str(), "is a fifo"), ("/", "is a directory")] {
+            let error = match load(scene(&folder, &format!("File({file:?})"))) {
+                Ok(loaded) => poses_of(&loaded.scene).unwrap_err(),
+                Err(error) => error,
+            };
+            assert!(error.to_string().contains(says), "{error}");
+            let link = folder.join("pad.tet");
+            let _ = std::fs::remove_file(&link);
+            std::os::unix::fs::symlink(file, &link).unwrap();
+            let error = io::read_tet_mesh(&link).unwrap_err().to_string();
+            assert!(error.contains(says) && error.contains("not a regular file"), "{error}");
+        }
+    });
+}
+
+/// Runs a Python script with h5py in `dir`; false, and a word about it, where there is none.
+fn h5py(dir: &Path, script: &str) -> bool {
+    let out = Command::new("python3").arg("-c").arg(script).current_dir(dir).output();
+    match out {
+        Ok(out) if out.status.success() => true,
+        Ok(out) if String::from_utf8_lossy(&out.stderr).contains("ModuleNotFoundError") => {
+            eprintln!("skipped: python3 has no h5py");
+            false
+        }
+        Ok(out) => panic!("{}", String::from_utf8_lossy(&out.stderr)),
+        Err(error) => {
+            eprintln!("skipped: no python3 ({error})");
+            false
+        }
+    }
+}
+
+#[test]
+fn files_of_h5py_are_read_or_say_how_to_write_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let script = r#"
+import h5py, numpy as np, math
+n = 50
+p = np.zeros((n, 7)); p[:, 0] = np.arange(n) * 1e-3; p[:, 2] = -0.1
+p[:, 3] = np.cos(np.arange(n) * 0.1); p[:, 6] = np.sin(np.arange(n) * 0.1)
+def write(name, make, **kw):
+    with h5py.File(name, 'w', **kw) as f: make(f)
+def data(name='poses', values=p, **kw): return lambda f: f.create_dataset(name, data=values, **kw)
+packed = dict(compression='gzip', shuffle=True, chunks=(16, 7))
+for bound in ['earliest', 'v108', 'v110', 'v112', 'v114', 'latest']:
+    write(f'plain_{bound}.h5', data(), libver=bound)
+    write(f'packed_{bound}.h5', data(**packed), libver=bound)
+    write(f'grows_{bound}.h5', data(maxshape=(None, 7), chunks=(16, 7)), libver=bound)
+    write(f'both_{bound}.h5', data(maxshape=(None, None), chunks=(16, 7)), libver=bound)
+write('single.h5', data(values=p.astype('f4'), **packed))
+write('big.h5', data(values=p.astype('>f8')))
+write('half.h5', data(values=p.astype('f2')))
+write('lzf.h5', data(compression='lzf'))
+write('sums.h5', data(fletcher32=True))
+def soft(f): data('grasps/data')(f); f['poses'] = h5py.SoftLink('/grasps/data')
+write('soft.h5', soft)
+write('soft_latest.h5', soft, libver='latest')
+write('claims.h5', lambda f: f.create_dataset('poses', shape=(38_000_000, 7), dtype='f8', chunks=(100000, 7), compression='gzip'))
+write('chunk.h5', lambda f: f.create_dataset('poses', shape=(10, 7), maxshape=(None, 7), dtype='f8', chunks=(60_000_000, 7), compression='gzip'))
+"#;
+    if !h5py(dir.path(), script) {
+        return;
+    }
+    let expected: Vec<GraspPose> = (0..50)
+        .map(|i| GraspPose {
+            position: DVec3::new(f64::from(i) * 1e-3, 0.0, -0.1),
+            rotation: DQuat::from_rotation_z(2.0 * f64::from(i) * 0.1),
+        })
+        .collect();
+    let read = |name: &str| read_grasps_h5(dir.path().join(name)).map_err(|e| e.to_string());
+    let (mut good, mut told) = (0, 0);
+    for bound in ["earliest", "v108", "v110", "v112", "v114", "latest"] {
+        for kind in ["plain", "packed", "grows", "both"] {
+            match read(&format!("{kind}_{bound}.h5")) {
+                Ok(poses) => {
+                    alike(&poses, &expected, 1e-12);
+                    good += 1;
+                }
+                Err(error) => {
+                    assert!(error.contains("libver=\"earliest\""), "{kind} {bound}: {error}");
+                    assert!(bound == "latest" || kind == "both", "{kind} {bound} is refused: {error}");
+                    told += 1;
+                }
+            }
+        }
+    }
+    eprintln!("{good} of {} files of h5py are read, the others say how to write them", good + told);
+    assert!(good >= 17, "only {good} are read");
+    alike(&read("single.h5").unwrap(), &expected, 1e-7);
+    for name in ["big.h5", "lzf.h5", "sums.h5"] {
+        alike(&read(name).unwrap(), &expected, 1e-12);
+    }
+    // Old files with a soft link cannot be listed.
+    for (name, says) in [("soft.h5", "dataset: \"group/name\""), ("soft_latest.h5", "dataset: \"grasps/data\"")] {
+        let error = read(name).unwrap_err();
+        assert!(error.contains("links are not followed") && error.contains(says), "{error}");
+    }
+    let error = read("half.h5").unwrap_err();
+    assert!(error.contains("allowed: float64, float32"), "{error}");
+    std::fs::copy(dir.path().join("soft.h5"), dir.path().join("g.h5")).unwrap();
+    let loaded = load(scene(dir.path(), "File(path: \"g.h5\", dataset: \"grasps/data\")")).unwrap();
+    alike(&poses_of(&loaded.scene).unwrap(), &expected, 1e-12);
+    let error = read("claims.h5").unwrap_err();
+    assert!(error.contains("claims 38000000 grasps; at most 1000000 are read"), "{error}");
+    let error = read("chunk.h5").unwrap_err();
+    assert!(error.contains("chunks of 3204 MiB"), "{error}");
+}
+
+/// One damage: flipped bytes, a cut, doubled bytes, a number made huge, bytes of another kind.
+fn damage(random: &mut Random, bytes: &mut Vec<u8>) {
+    let at = random.below(bytes.len());
+    match random.below(6) {
+        0 => (0..1 + random.below(8)).for_each(|_| {
+            let k = random.below(bytes.len());
+            bytes[k] ^= 1 << random.below(8);
+        }),
+        1 => bytes.truncate(at),
+        2 => {
+            let end = (at + 1 + random.below(200)).min(bytes.len());
+            let copy = bytes[at..end].to_vec();
+            drop(bytes.splice(at..at, copy));
+        }
+        3 => {
+            let digits = bytes.iter().skip(at).position(u8::is_ascii_digit).map_or(at, |k| at + k);
+            drop(bytes.splice(digits..digits, *b"99999999999"));
+        }
+        4 => {
+            let end = (at + 8).min(bytes.len());
+            bytes[at..end].fill(0xff);
+        }
+        _ => {
+            let end = (at + 1 + random.below(40)).min(bytes.len());
+            bytes.drain(at..end);
+        }
+    }
+    if bytes.is_empty() {
+        bytes.push(b'0');
+    }
+}
+
+#[test]
+fn damaged_meshes_and_grasp_files_are_read_or_refused_by_name() {
+    let dir = tempfile::tempdir().unwrap();
+    let (nodes, cells) = linear();
+    let mut files: Vec<(String, Vec<u8>)> = FORMS
+        .iter()
+        .map(|(version, form)| (format!("{version}{form:?}.msh"), gmsh(version, *form, &nodes, &cells)))
+        .collect();
+    let (nodes, cells) = with_middles();
+    files.push(("ten.msh".into(), gmsh("4.1", Form::Little, &nodes, &cells)));
+    files.push(("a.mesh".into(), medit().into_bytes()));
+    files.push(("old.vtk".into(), vtk(false).into_bytes()));
+    files.push(("new.vtk".into(), vtk(true).into_bytes()));
+    let (node, ele) = tetgen(1);
+    std::fs::write(dir.path().join("a.node"), node).unwrap();
+    files.push(("a.ele".into(), ele.into_bytes()));
+    let grasps = dir.path().join("g.h5");
+    write_grasps_h5(&grasps, &around()).unwrap();
+    files.push(("g.h5".into(), std::fs::read(&grasps).unwrap()));
+    let mut builder = FileBuilder::new();
+    let values: Vec<f64> = around().iter().flat_map(|p| [p.position.x, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]).collect();
+    builder.create_dataset("poses").with_f64_data(&values).with_shape(&[20, 7]).with_chunks(&[8, 7]).with_deflate(6);
+    files.push(("packed.h5".into(), builder.finish().unwrap()));
+    let each = 40;
+    let mut random = Random::new(8);
+    let mut refused = 0;
+    for (name, whole) in &files {
+        for k in 0..each {
+            let mut bytes = whole.clone();
+            (0..1 + k % 3).for_each(|_| damage(&mut random, &mut bytes));
+            let path = dir.path().join(name);
+            std::fs::write(&path, &bytes).unwrap();
+            let (ask, answer) = mpsc::channel();
+            let file = path.clone();
+            std::thread::spawn(move || {
+                let result = match file.extension().and_then(|e| e.to_str()) {
+                    Some("h5") => read_grasps_h5(&file).map(|_| ()),
+                    _ => io::read_tet_mesh(&file).map(|_| ()),
+                };
+                let _ = ask.send(result.map_err(|e| e.to_string()));
+            });
+            match answer.recv_timeout(HANG) {
+                Ok(Ok(())) => {}
+                Ok(Err(error)) => {
+                    refused += 1;
+                    assert!(error.contains(dir.path().to_str().unwrap()), "{name}, damage {k}: no file in {error}");
+                    assert!(error.len() < 1000, "{name}, damage {k}: {} letters", error.len());
+                }
+                Err(mpsc::RecvTimeoutError::Timeout) => panic!("{name}, damage {k}: not done after {HANG:?}"),
+                Err(mpsc::RecvTimeoutError::Disconnected) => panic!("{name}, damage {k}: panics"),
+            }
+        }
+    }
+    let all = each * files.len();
+    assert!(all >= 500 && refused > all / 3, "{refused} of {all} damages are refused");
+}

@@ -1,0 +1,24 @@
+//! Scenes: how they are read, and what every shipped one promises.
+
+#[path = "../fixtures/common.rs"]
+mod common;
+#[path = "../fixtures/walk.rs"]
+mod walk;
+
+mod audit;
+mod campaign;
+mod certified;
+mod files_from_the_wild;
+#[cfg(unix)]
+mod mutations;
+mod outcomes;
+mod real_grasps;
+mod scene_cli;
+mod scene_errors;
+mod scene_expect;
+mod scene_include;
+mod scene_load;
+mod scenes_checked;
+mod shipped;
+mod torture;
+mod torture_meshes;
