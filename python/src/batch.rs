@@ -1,7 +1,7 @@
 //! `tactus::env::BatchEnv` for Python: writes into arrays that the caller owns, with the interpreter's lock released.
 
-use tactus::refused;
-use tactus::supervise::supervise;
+use crate::refused;
+use crate::supervise::supervise;
 use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1, ToPyArray};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;

@@ -1,7 +1,7 @@
 //! Data sets as numpy arrays, one grasp at a time.
 
-use tactus::refused;
-use tactus::supervise::supervise;
+use crate::refused;
+use crate::supervise::supervise;
 use numpy::{Element, PyArrayMethods, ToPyArray};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
@@ -109,7 +109,7 @@ pub fn make(
     threads: usize,
 ) -> PyResult<usize> {
     supervise(py, Some(threads), move || {
-        let campaign = Campaign::plan(&load_set(scene)?, &out)?;
+        let mut campaign = Campaign::plan(&load_set(scene)?, &out, tactus::backend::choose)?;
         let left = campaign.manifest().grasps - campaign.finished();
         match part {
             Some((part, parts)) => campaign.run_part(part, parts.max(1), threads.max(1), &()),

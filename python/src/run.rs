@@ -1,18 +1,18 @@
 //! Scenes for Python: what they resolve to, and what their grasps do.
 
-use tactus::refused;
-use tactus::supervise::supervise;
+use crate::refused;
+use crate::supervise::supervise;
 use numpy::{PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Mutex;
+use tactus::backend::choose;
 use tactus::error::Result;
 use tactus::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::{Frame, names};
 use tactus::run::{Observer, run_grasps};
 use tactus::scene::{Gnn, Stepper, load_object, load_set, to_ron};
-use tactus::backend::choose;
 
 /// Names of the objects of a scene file.
 #[pyfunction]

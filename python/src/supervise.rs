@@ -1,7 +1,7 @@
 //! Long work for Python: on a thread of its own, without the interpreter's lock. What a signal handler raises in the
 //! meantime, as Ctrl-C does, ends it.
 
-use tactus::refused;
+use crate::refused;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError};
 use pyo3::prelude::*;
 use std::any::Any;
