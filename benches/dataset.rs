@@ -5,7 +5,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::path::Path;
 use tactus::dataset::ObjectFile;
-use tactus::dataset::arrays::Sizes;
+use tactus::dataset::arrays::FileSizes;
 use tactus::dataset::compatible::World;
 use tactus::dataset::file::{Writer, lay_out};
 use tactus::dataset::rows::Encoder;
@@ -41,7 +41,7 @@ fn file(dir: &Path) -> tactus::error::Result<ObjectFile> {
     let set = load_set("scenes/paper.ron")?;
     let named = &set.scenes[0];
     let model = Model::build(&named.scene)?;
-    let sizes = Sizes::of(&model, GRASPS)?;
+    let sizes = FileSizes::of(&model, GRASPS)?;
     let encoder = Encoder::new(&model, sizes, World::new(&named.scene.gripper.placement));
     let path = dir.join("sphere.h5");
     lay_out(&path, named, &model, &sizes, encoder.mirrored)?;

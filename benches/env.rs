@@ -7,7 +7,7 @@ use mimalloc::MiMalloc;
 use std::path::PathBuf;
 use tactus::env::{BatchConfig, BatchEnv};
 use tactus::random::Random;
-use tactus::scene::{Gnn, Stepper, load_set};
+use tactus::scene::{Gnn, StepperChoice, load_set};
 
 /// As in the program and the Python package.
 #[global_allocator]
@@ -18,7 +18,7 @@ const SCENE: &str = "scenes/tasks/hold.ron";
 fn batch(num_envs: usize, model: Option<PathBuf>) -> Option<BatchEnv> {
     let mut set = load_set(SCENE).ok()?.scenes;
     if let Some(model) = model {
-        set.iter_mut().for_each(|s| s.scene.stepper = Stepper::Gnn(Gnn { model: model.clone() }));
+        set.iter_mut().for_each(|s| s.scene.stepper = StepperChoice::Gnn(Gnn { model: model.clone() }));
     }
     let mut env = BatchEnv::new(&set, BatchConfig { num_envs, ..BatchConfig::default() }).ok()?;
     env.reset(None, None).ok()?;

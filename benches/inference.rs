@@ -11,13 +11,13 @@ use std::time::Instant;
 use tactus::error::{Error, Result};
 use tactus::grasp::poses_of;
 use tactus::linear::edges::Edges;
-use tactus::linear::first_contact::Touch;
+use tactus::linear::first_contact::GeometricContact;
 use tactus::linear::pad_graph::{Layout, PadGraph};
 use tactus::model::Model;
 use tactus::net::autodiff::tape::Tape;
-use tactus::net::features::loads::{Loads, NODE_LOAD, PAD_LOAD};
+use tactus::net::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use tactus::net::features::normalise::Normaliser;
-use tactus::net::features::{EDGE, Features, NODE, PAD};
+use tactus::net::features::{EDGE, GraspFeatures, NODE, PAD};
 use tactus::net::infer::FaceEngine;
 use tactus::net::infer::predict::Predictor;
 use tactus::net::network::parameters::Parameters;
@@ -39,10 +39,10 @@ fn best(mut work: impl FnMut()) -> f64 {
 
 /// A grasp, its loads and the network.
 struct Case {
-    features: Features,
-    loads: Loads,
+    features: GraspFeatures,
+    loads: LoadFeatures,
     /// The loads as they are decoded together.
-    pieces: Vec<Loads>,
+    pieces: Vec<LoadFeatures>,
     norms: Normalisers,
     network: Box<dyn Network>,
     parameters: Parameters,
@@ -60,11 +60,11 @@ impl Case {
         let pose = *poses_of(&scene)?.first().ok_or_else(|| Error::Start("no grasp".into()))?;
         let sizes = Face::default();
         let graph = PadGraph::new(&model.fingers[0], Layout::Face { depths: sizes.depths.get() })?;
-        let features = Features::new(&model, &Arc::new(graph), &Touch::find(&model, pose)?);
+        let features = GraspFeatures::new(&model, &Arc::new(graph), &GeometricContact::find(&model, pose)?);
         Ok(Self::of(features, sizes, &model.levels))
     }
 
-    fn of(features: Features, sizes: Face, forces: &[f64]) -> Self {
+    fn of(features: GraspFeatures, sizes: Face, forces: &[f64]) -> Self {
         let loads = features.loads(forces);
         let fit = |rows: &[f32], parity: &[_]| Normaliser::fit(std::iter::once(rows), parity);
         let norms = Normalisers {
@@ -111,7 +111,7 @@ impl Case {
         let code = self.network.encode(&tape, &self.parameters, &inputs);
         let encode = best(|| drop(black_box(self.network.encode(&tape, &self.parameters, &inputs))));
         let decode =
-            |loads: &Loads| drop(black_box(self.network.decode(&tape, &self.parameters, &inputs, &code, loads)));
+            |loads: &LoadFeatures| drop(black_box(self.network.decode(&tape, &self.parameters, &inputs, &code, loads)));
         [encode, best(|| decode(&self.loads))]
     }
 }

@@ -6,16 +6,16 @@ use tactus::backend::choose;
 use tactus::error::Result;
 use tactus::grasp::poses_of;
 use tactus::model::Model;
-use tactus::scene::{Motion, Scene, from_ron};
+use tactus::scene::{ObjectMotion, Scene, from_ron};
 use tactus::world::environment::Environment;
 
 /// A squeeze in twenty frames between condensed pads, of which recording is a part that can be told from noise.
-fn scene(friction: f64, more: &str, motion: Motion) -> Result<Scene> {
+fn scene(friction: f64, more: &str, motion: ObjectMotion) -> Result<Scene> {
     solved("Condensed()", friction, more, motion)
 }
 
 /// The same by `solver`.
-fn solved(solver: &str, friction: f64, more: &str, motion: Motion) -> Result<Scene> {
+fn solved(solver: &str, friction: f64, more: &str, motion: ObjectMotion) -> Result<Scene> {
     let mut scene = from_ron(&format!(
         "(object: (shape: Ellipsoid(radii: (0.014, 0.02, 0.017)), density: 900.0),
           gripper: (pads: GelSightMini(spacing: 4e-3), friction: {friction}),
@@ -28,17 +28,17 @@ fn solved(solver: &str, friction: f64, more: &str, motion: Motion) -> Result<Sce
 fn squeeze(c: &mut Criterion) {
     let (weight, nothing) = ("gravity: (0, 0, 9.81),", "record: (fields: []),");
     let scenes = [
-        ("everything", scene(0.8, weight, Motion::Free)),
-        ("without gravity", scene(0.8, "", Motion::Free)),
+        ("everything", scene(0.8, weight, ObjectMotion::Free)),
+        ("without gravity", scene(0.8, "", ObjectMotion::Free)),
         // Nothing slick holds a weight.
-        ("without gravity and friction", scene(0.0, "", Motion::Free)),
-        ("without a free object", scene(0.8, weight, Motion::Fixed)),
-        ("without recording", scene(0.8, &format!("{weight} {nothing}"), Motion::Free)),
-        ("without any of them", scene(0.0, nothing, Motion::Fixed)),
+        ("without gravity and friction", scene(0.0, "", ObjectMotion::Free)),
+        ("without a free object", scene(0.8, weight, ObjectMotion::Fixed)),
+        ("without recording", scene(0.8, &format!("{weight} {nothing}"), ObjectMotion::Free)),
+        ("without any of them", scene(0.0, nothing, ObjectMotion::Fixed)),
         // A slick object that is free turns for longer before it rests, and condensed pads cost too little to tell: what friction
         // costs shows on whole pads about an object that cannot turn.
-        ("whole pads, fixed object", solved("Full", 0.8, "", Motion::Fixed)),
-        ("whole pads, fixed object, without friction", solved("Full", 0.0, "", Motion::Fixed)),
+        ("whole pads, fixed object", solved("Full", 0.8, "", ObjectMotion::Fixed)),
+        ("whole pads, fixed object, without friction", solved("Full", 0.0, "", ObjectMotion::Fixed)),
     ];
     let mut group = c.benchmark_group("squeeze in 20 frames");
     for (name, scene) in scenes {

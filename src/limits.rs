@@ -3,8 +3,8 @@
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::quadratic::midpoint_edges;
-use crate::geometry::pad::Pad;
-use crate::scene::{Element, Scene, Stepper};
+use crate::geometry::pad::PadMesh;
+use crate::scene::{Element, Scene, StepperChoice};
 use std::path::Path;
 
 /// Size of one pad.
@@ -33,7 +33,7 @@ impl PadSize {
     }
 
     /// Of a mesh.
-    pub fn of_pad(pad: &Pad, element: Element) -> Self {
+    pub fn of_pad(pad: &PadMesh, element: Element) -> Self {
         let bonded = pad.bonded.iter().filter(|b| **b).count();
         let middles: Vec<[u32; 2]> = match element {
             Element::Linear => Vec::new(),
@@ -64,8 +64,8 @@ const MESHED: f64 = 2500.0;
 /// Memory that a grasp of `scene` takes with pads of this size, about, bytes; `sides` are its fingers.
 pub fn memory(scene: &Scene, pad: PadSize, sides: usize) -> u64 {
     let each = match scene.stepper {
-        Stepper::Fem(_) => pad.solving(),
-        Stepper::Gnn(_) => MESHED * pad.nodes as f64,
+        StepperChoice::Fem(_) => pad.solving(),
+        StepperChoice::Gnn(_) => MESHED * pad.nodes as f64,
     };
     (each * sides as f64).max(MESHED * pad.nodes as f64) as u64
 }

@@ -37,11 +37,11 @@ pub const DISPLACEMENT_TOLERANCE: f64 = 0.5;
 pub const SHARP_MOTION: f64 = 0.5;
 /// Largest motion of a point in one iteration: less than half of the thinnest object, a quarter of the pad. `tests/scenes/torture.rs`.
 pub const LARGEST_MOTION: f64 = 100.0;
-/// Motion of the border that the first pseudo-time step allows under the full load: below [`LARGEST_MOTION`].
-pub const WALK_BEGINS: f64 = 20.0;
-/// Motion of the border in one pseudo-time step that is far enough: [`LARGEST_MOTION`].
-pub const WALK_REACH: f64 = 100.0;
-/// Way of a finger without any contact after which the object counts as gone: more than one step of a walk.
+/// Motion of the rigid unknowns that the first pseudo-time step allows under the full load: below [`LARGEST_MOTION`].
+pub const PSEUDO_TIME_BEGINS: f64 = 20.0;
+/// Motion of the rigid unknowns in one pseudo-time step that is far enough: [`LARGEST_MOTION`].
+pub const PSEUDO_TIME_REACH: f64 = 100.0;
+/// Way of a finger without any contact after which the object counts as gone: more than one step of one pseudo-transient continuation.
 pub const GONE: f64 = 100.0;
 /// Motion at which an object that is let go counts as dropped: more than a thickness. `scenes/torture/heavy_object.ron`.
 pub const DROPPED: f64 = 1000.0;

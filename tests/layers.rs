@@ -135,3 +135,31 @@ fn an_import_that_goes_up_is_named_with_its_line() {
     assert_eq!(wrong.len(), 2, "{wrong:?}");
     assert!(says("mod.rs:2: `scene` imports `world`") && says("mod.rs:6: `scene` imports `cli`"), "{wrong:?}");
 }
+
+/// Names of the types that a file defines outside its tests, with a visibility.
+fn public_types(text: &str) -> Vec<String> {
+    let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+    let name = |line: &str| {
+        let rest = line.trim_start().strip_prefix("pub")?;
+        let rest = if rest.starts_with('(') { rest.split_once(')')?.1 } else { rest };
+        let (kind, rest) = rest.trim_start().split_once(' ')?;
+        let defines = ["struct", "enum", "trait", "type", "union"].contains(&kind);
+        defines.then(|| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect())
+    };
+    code.lines().filter_map(name).collect()
+}
+
+/// A name has one meaning: it is understood without the path of its module.
+#[test]
+fn no_public_type_name_is_defined_twice() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut places: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
+    for path in sources(&src) {
+        for name in public_types(&std::fs::read_to_string(&path).unwrap()) {
+            places.entry(name).or_default().push(path.clone());
+        }
+    }
+    assert!(places.len() > 300, "{} types are found", places.len());
+    let twice: Vec<_> = places.iter().filter(|(_, files)| files.len() > 1).collect();
+    assert!(twice.is_empty(), "defined more than once: {twice:#?}");
+}

@@ -7,7 +7,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex, MutexGuard};
 use tactus::env::{Autoreset, BatchConfig, BatchEnv, Snapshot};
-use tactus::scene::{Gnn, Stepper, load_set};
+use tactus::scene::{Gnn, StepperChoice, load_set};
 
 /// Environments of one scene.
 #[pyclass(frozen)]
@@ -47,7 +47,7 @@ impl Batch {
         let open = move || {
             let mut set = load_set(scene)?.scenes;
             if let Some(model) = model {
-                set.iter_mut().for_each(|s| s.scene.stepper = Stepper::Gnn(Gnn { model: model.clone().into() }));
+                set.iter_mut().for_each(|s| s.scene.stepper = StepperChoice::Gnn(Gnn { model: model.clone().into() }));
             }
             BatchEnv::new(&set, config)
         };

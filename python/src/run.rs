@@ -12,7 +12,7 @@ use tactus::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::{Frame, names};
 use tactus::run::{Observer, run_grasps};
-use tactus::scene::{Gnn, Stepper, load_object, load_set, to_ron};
+use tactus::scene::{Gnn, StepperChoice, load_object, load_set, to_ron};
 
 /// Names of the objects of a scene file.
 #[pyfunction]
@@ -51,7 +51,7 @@ pub fn run<'py>(
     let simulate = move || -> Result<_> {
         let mut scene = load_object(scene, object.as_deref())?.scene;
         if let Some(model) = model {
-            scene.stepper = Stepper::Gnn(Gnn { model: model.into() });
+            scene.stepper = StepperChoice::Gnn(Gnn { model: model.into() });
         }
         let (built, stepper) = (Model::build(&scene)?, choose(&scene)?);
         let poses: Vec<_> = poses_of(&scene)?.into_iter().enumerate().collect();

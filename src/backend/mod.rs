@@ -13,7 +13,7 @@ use crate::world::Stepper;
 /// A trained model that cannot be read.
 pub fn choose(scene: &scene::Scene) -> Result<Box<dyn Stepper>> {
     match &scene.stepper {
-        scene::Stepper::Fem(fem) => Ok(Box::new(fem::stepper::Fem::new(fem))),
-        scene::Stepper::Gnn(gnn) => Ok(Box::new(network::Gnn::open(&gnn.model)?)),
+        scene::StepperChoice::Fem(fem) => Ok(Box::new(fem::stepper::FemStepper::new(fem))),
+        scene::StepperChoice::Gnn(gnn) => Ok(Box::new(network::NetworkStepper::open(&gnn.model)?)),
     }
 }

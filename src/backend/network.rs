@@ -1,16 +1,16 @@
 //! The network backend: the same phases and the same components as the finite element backend.
 
 use crate::error::{Error, Result};
-use crate::linear::first_contact::Touch;
+use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::PadGraph;
 use crate::model::{Model, Needs};
-use crate::net::infer::force_ladder::Ladder;
+use crate::net::infer::force_ladder::ForceLadder;
 use crate::net::infer::predict::{PadState, Predictor, Seen};
 use crate::net::train::sample::moved;
 use crate::record::PadTopology;
 use crate::world::Stepper;
 use crate::world::components::*;
-use crate::world::schedule::{Advance, Command, Next, Phase, Shared, StepSet, Timings, ramping, reached};
+use crate::world::schedule::{Advance, ForceCommand, Next, Phase, Shared, StepSet, Timings, ramping, reached};
 use crate::world::systems::sense::close_to_contact;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
@@ -22,7 +22,7 @@ use std::time::Instant;
 
 /// A trained model as a backend.
 #[derive(Debug)]
-pub struct Gnn {
+pub struct NetworkStepper {
     predictor: Arc<Predictor>,
     /// Its folder or name.
     model: PathBuf,
@@ -30,7 +30,7 @@ pub struct Gnn {
     graphs: Mutex<Vec<(Arc<PadTopology>, Arc<PadGraph>)>>,
 }
 
-impl Gnn {
+impl NetworkStepper {
     /// The model in the folder `model`, or the one that ships under this name.
     ///
     /// # Errors
@@ -54,7 +54,7 @@ impl Gnn {
     }
 }
 
-impl Stepper for Gnn {
+impl Stepper for NetworkStepper {
     fn name(&self) -> &'static str {
         "gnn"
     }
@@ -93,13 +93,13 @@ pub struct Prediction {
     predictor: Arc<Predictor>,
     graph: Arc<PadGraph>,
     /// First contact, and what the network made of it.
-    grasp: Option<(Touch, Seen)>,
+    grasp: Option<(GeometricContact, Seen)>,
     /// The pads at the load of this step.
     pads: Vec<PadState>,
     /// Those of the next steps: loads that are known beforehand are decoded all at once.
     ahead: VecDeque<Vec<PadState>>,
     /// Those at any load, for an agent; None where there is no answer to one of its loads.
-    ladder: OnceLock<Option<Ladder>>,
+    ladder: OnceLock<Option<ForceLadder>>,
 }
 
 /// Puts the systems in their sets; those for what the scene does not need are left out.
@@ -134,7 +134,7 @@ fn look(
     }
     let clock = Instant::now();
     let travel: Vec<(u32, f64)> = fingers.iter().map(|(f, t)| (f.0, t.0)).collect();
-    let touch = Touch::new(&shared.0, **pose, &travel);
+    let touch = GeometricContact::new(&shared.0, **pose, &travel);
     let seen = prediction.predictor.look(&shared.0, &prediction.graph, &touch);
     let seen = if shared.0.needs.stress { seen } else { seen.without_stress() };
     prediction.grasp = Some((touch, seen));
@@ -146,7 +146,7 @@ fn look(
 fn predict(
     phase: Res<Phase>,
     shared: Res<Shared>,
-    command: Option<Res<Command>>,
+    command: Option<Res<ForceCommand>>,
     mut prediction: ResMut<Prediction>,
     mut advance: ResMut<Advance>,
     mut next: ResMut<Next>,
@@ -164,7 +164,7 @@ fn predict(
         }
         Some((_, seen)) => {
             let known = ladder
-                .get_or_init(|| Ladder::new(predictor, seen, shared.0.levels[0], *shared.0.levels.last()?).ok())
+                .get_or_init(|| ForceLadder::new(predictor, seen, shared.0.levels[0], *shared.0.levels.last()?).ok())
                 .as_ref()
                 .and_then(|ladder| ladder.at(advance.level));
             known.map_or_else(|| predictor.at(seen, advance.level), Ok)

@@ -1,10 +1,10 @@
 //! A table of references: values of single grasps, each with its error as a ladder estimates it, for others to be compared with.
 
 use super::contest::{Climb, Rules};
-use super::ladder::{Estimate, Ladder, Role};
-use super::report::Name;
+use super::ladder::{ErrorEstimate, MeshLadder, Role};
+use super::report::QuantityName;
 use super::sweep::Sweep;
-use super::values::Values;
+use super::values::FrameValues;
 use crate::error::{Error, Result};
 use crate::grasp::poses_of;
 use crate::number::{rounded, shown};
@@ -18,12 +18,12 @@ use std::path::Path;
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct References {
     /// One row per object.
-    pub rows: Vec<Row>,
+    pub rows: Vec<Reference>,
 }
 
 /// The reference of one grasp at its last frame.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Row {
+pub struct Reference {
     /// Name of the object.
     pub name: String,
     /// File of the scene, whose first grasp it is.
@@ -35,11 +35,11 @@ pub struct Row {
     /// Wall time of the reference, s.
     pub time_s: Option<f64>,
     /// Values with their errors, in SI; the unit ends the name.
-    pub values: BTreeMap<Name, Certified>,
+    pub values: BTreeMap<QuantityName, Certified>,
     /// Errors of the reference's fields over the frames of the grasp, relative.
-    pub fields: BTreeMap<Name, Estimate>,
-    /// Distances of all pairs of meshes, as [`Ladder::distances`], of displacement and stress.
-    pub distances: BTreeMap<Name, Vec<Vec<Option<f64>>>>,
+    pub fields: BTreeMap<QuantityName, ErrorEstimate>,
+    /// Distances of all pairs of meshes, as [`MeshLadder::distances`], of displacement and stress.
+    pub distances: BTreeMap<QuantityName, Vec<Vec<Option<f64>>>>,
     /// What to know.
     pub findings: Vec<String>,
 }
@@ -63,7 +63,7 @@ pub fn certify(
     scene: &Path,
     rules: &Rules,
     mut progress: impl FnMut(&str),
-) -> Result<(Row, Ladder)> {
+) -> Result<(Reference, MeshLadder)> {
     let mut sweep = Sweep::new(&named.scene)?;
     if !sweep.scene.record.fields.contains(&Field::ContactForce) {
         sweep.scene.record.fields.push(Field::ContactForce);
@@ -76,8 +76,8 @@ pub fn certify(
     let Some(own) = of(Role::Reference) else {
         return Err(Error::Solver(format!("{name}: {}", climb.notices.join("; "))));
     };
-    let certified = |(name, value): (&Name, &f64)| {
-        let change = |other: Option<&Values>| other.and_then(|v| v.get(name)).map(|v| (v - value).abs());
+    let certified = |(name, value): (&QuantityName, &f64)| {
+        let change = |other: Option<&FrameValues>| other.and_then(|v| v.get(name)).map(|v| (v - value).abs());
         let mesh = change(of(Role::Rung)).into_iter().chain(change(of(Role::Other))).reduce(f64::max);
         let path = change(of(Role::HalfPath)).map(|c| 2.0 * c);
         let error = mesh.into_iter().chain(path).reduce(f64::hypot).unwrap_or(f64::NAN);
@@ -85,7 +85,7 @@ pub fn certify(
     };
     let values = own.iter().map(certified).collect();
     let (ladder, reference) = (climb.ladder(), climb.reference());
-    let row = Row {
+    let row = Reference {
         name: name.into(),
         scene: scene.display().to_string(),
         reference: reference.configuration.label.clone(),
@@ -95,7 +95,7 @@ pub fn certify(
         fields: ladder.errors.clone(),
         distances: ["displacement", "stress"]
             .into_iter()
-            .filter_map(|name| Some((Name::from(name), ladder.distances.get(name)?.clone())))
+            .filter_map(|name| Some((QuantityName::from(name), ladder.distances.get(name)?.clone())))
             .collect(),
         findings: climb.notices.iter().chain(&ladder.findings).cloned().collect(),
     };
@@ -128,7 +128,7 @@ impl References {
     }
 
     /// Adds a row, in the place of one of the same name.
-    pub fn put(&mut self, row: Row) {
+    pub fn put(&mut self, row: Reference) {
         match self.rows.iter_mut().find(|r| r.name == row.name) {
             Some(old) => *old = row,
             None => self.rows.push(row),
@@ -164,7 +164,7 @@ impl References {
 
 const HEAD: &str = "# References
 
-Values of single grasps at their last frame, over both pads, each with an estimate of its own error, written by
+FrameValues of single grasps at their last frame, over both pads, each with an estimate of its own error, written by
 `tactus bench SCENE --certify -o docs`; `references.json` has the same in SI. An error is what the last refinement or a mesh of another kind
 changes, whichever is more, and twice what half the tolerance of the path changes. The last two columns are errors of the reference's whole
 fields, L2 over the volume, relative.

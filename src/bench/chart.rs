@@ -1,6 +1,6 @@
 //! Time against error, both logarithmic, as PNG and as SVG: points, the Pareto front, what is dominated.
 
-use super::report::{Point, Report};
+use super::report::{BenchReport, Point};
 use crate::error::Result;
 use crate::render::canvas::{Area, Drawn, INK, KINDS, MUTED, Picture, axes, range, save_picture, text_style};
 use plotters::prelude::*;
@@ -11,11 +11,11 @@ use std::path::Path;
 ///
 /// # Errors
 /// Files that cannot be written; a contest without a single time and error.
-pub fn save_chart(report: &Report, dir: &Path) -> Result<()> {
+pub fn save_chart(report: &BenchReport, dir: &Path) -> Result<()> {
     save_picture(report, dir, "bench")
 }
 
-impl Picture for Report {
+impl Picture for BenchReport {
     fn plot<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B> {
         pareto(area, self)
     }
@@ -26,7 +26,7 @@ impl Picture for Report {
 }
 
 /// Points that have a place, with their numbers in the list.
-fn placed(report: &Report) -> Vec<(usize, &Point, (f64, f64))> {
+fn placed(report: &BenchReport) -> Vec<(usize, &Point, (f64, f64))> {
     let all = report.points.iter().enumerate();
     all.filter_map(|(i, p)| p.place().map(|(time, error)| (i + 1, p, (time, 100.0 * error)))).collect()
 }
@@ -35,7 +35,7 @@ fn color(point: &Point) -> RGBColor {
     KINDS[usize::from(point.contender)]
 }
 
-fn pareto<B: DrawingBackend>(area: &Area<B>, report: &Report) -> Drawn<B> {
+fn pareto<B: DrawingBackend>(area: &Area<B>, report: &BenchReport) -> Drawn<B> {
     let placed = placed(report);
     let own = report.reference_error.map(|e| 100.0 * e).filter(|e| *e > 0.0);
     let times = range(placed.iter().map(|p| p.2.0));
@@ -81,7 +81,7 @@ fn labels(placed: &[(usize, &Point, (f64, f64))]) -> Vec<((f64, f64), String)> {
 }
 
 /// What the numbers mean.
-fn names(report: &Report) -> Vec<(String, RGBColor)> {
+fn names(report: &BenchReport) -> Vec<(String, RGBColor)> {
     let point = |(number, point, _): (usize, &Point, _)| {
         let beaten = if point.dominated { ", dominated" } else { "" };
         (format!("{number}  {}{beaten}", point.label), color(point))

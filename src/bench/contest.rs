@@ -1,10 +1,10 @@
 //! All configurations over the same grasps, taking turns, so that a busy machine slows them alike.
 
 use super::clock::{forget_peak_memory, peak_memory, processor_time};
-use super::ladder::{self, Ladder, Member, Role, Tally};
-use super::report::Report;
+use super::ladder::{self, Member, MeshLadder, Role, Tally};
+use super::report::BenchReport;
 use super::sweep::{Configuration, Sweep};
-use super::values::{Values, values};
+use super::values::{FrameValues, values};
 use crate::backend::choose;
 use crate::distance::{Distance, Fields, Points, Probe};
 use crate::error::{Error, Result};
@@ -38,7 +38,7 @@ pub struct Rules {
 
 /// One configuration and what it did.
 #[derive(Debug)]
-pub struct Entry {
+pub struct ContestEntry {
     /// What it is.
     pub configuration: Configuration,
     /// What is needed to run it, once its first turn has come.
@@ -89,14 +89,19 @@ impl Observer for Keep {
 ///
 /// # Errors
 /// A scene that cannot be compared or built, a network that refuses it, a reference that reaches the end of no grasp.
-pub fn contest(scene: &Scene, models: &[PathBuf], rules: &Rules, mut progress: impl FnMut(&str)) -> Result<Report> {
+pub fn contest(
+    scene: &Scene,
+    models: &[PathBuf],
+    rules: &Rules,
+    mut progress: impl FnMut(&str),
+) -> Result<BenchReport> {
     let sweep = Sweep::new(scene)?;
     let mut climb = Climb::new(&sweep, rules)?;
-    let mut entries: Vec<Entry> = sweep.configurations(models)?.into_iter().map(Entry::new).collect();
+    let mut entries: Vec<ContestEntry> = sweep.configurations(models)?.into_iter().map(ContestEntry::new).collect();
     let mut grasps = sample(&poses_of(scene)?, rules.grasps);
     if let Some((_, pose)) = grasps.first() {
         // From small to large: what the allocator keeps of one serves the next.
-        let mut all: Vec<&mut Entry> = entries.iter_mut().chain([climb.reference()]).collect();
+        let mut all: Vec<&mut ContestEntry> = entries.iter_mut().chain([climb.reference()]).collect();
         all.sort_by_key(|e| e.configuration.nodes);
         for entry in all {
             progress(&format!("memory: {}", entry.configuration.label));
@@ -134,24 +139,24 @@ pub fn contest(scene: &Scene, models: &[PathBuf], rules: &Rules, mut progress: i
     }
     let numbers = grasps.iter().map(|(index, _)| *index).collect();
     let (ladder, notices) = (climb.ladder(), std::mem::take(&mut climb.notices));
-    Ok(Report::new(rules, numbers, (climb.reference(), ladder), &entries, notices))
+    Ok(BenchReport::new(rules, numbers, (climb.reference(), ladder), &entries, notices))
 }
 
 /// What a member of a ladder makes of a grasp.
 #[derive(Debug)]
-pub struct Step {
+pub struct RungResult {
     /// What the member is there for.
     pub role: Role,
     /// Its frames at the common points.
     pub fields: Vec<Fields>,
     /// Its last frame.
-    pub values: Values,
+    pub values: FrameValues,
 }
 
 /// The members of a ladder, and how far they are apart on the grasps so far.
 #[derive(Debug)]
 pub struct Climb {
-    members: Vec<(Role, Entry)>,
+    members: Vec<(Role, ContestEntry)>,
     reference: usize,
     tally: Tally,
     /// Where fields are compared.
@@ -169,7 +174,7 @@ impl Climb {
     /// A pad that cannot be meshed so finely; threads that cannot be started.
     pub fn new(sweep: &Sweep, rules: &Rules) -> Result<Self> {
         let members: Vec<_> =
-            ladder::members(sweep, rules.rungs)?.into_iter().map(|(role, c)| (role, Entry::new(c))).collect();
+            ladder::members(sweep, rules.rungs)?.into_iter().map(|(role, c)| (role, ContestEntry::new(c))).collect();
         let reference = members.iter().position(|(role, _)| *role == Role::Reference).unwrap_or(0);
         // Where the mesh before the last one is integrated: its elements see the edge of a patch, and there are not too many of them.
         let (_, sampled) = &members[reference.saturating_sub(1)];
@@ -182,7 +187,7 @@ impl Climb {
     }
 
     /// The reference.
-    pub fn reference(&mut self) -> &mut Entry {
+    pub fn reference(&mut self) -> &mut ContestEntry {
         &mut self.members[self.reference].1
     }
 
@@ -190,15 +195,15 @@ impl Climb {
     ///
     /// # Errors
     /// Those of running a grasp.
-    pub fn grasp(&mut self, index: usize, pose: GraspPose, progress: &mut impl FnMut(&str)) -> Result<Vec<Step>> {
+    pub fn grasp(&mut self, index: usize, pose: GraspPose, progress: &mut impl FnMut(&str)) -> Result<Vec<RungResult>> {
         let (mut steps, mut levels) = (Vec::new(), Vec::new());
         for (role, entry) in &mut self.members {
             progress(&format!("grasp {index}: {}", entry.configuration.label));
             let frames = entry.simulate(&self.pool, index, pose, &self.points)?;
             let model = entry.prepared.as_ref().map(|p| p.model.clone());
             let last = model.as_ref().zip(frames.last());
-            let values = last.map_or_else(Values::new, |(model, frame)| values(model, frame));
-            steps.push(Step { role: *role, fields: entry.fields(&frames), values });
+            let values = last.map_or_else(FrameValues::new, |(model, frame)| values(model, frame));
+            steps.push(RungResult { role: *role, fields: entry.fields(&frames), values });
             if let Some(reason) = entry.failed.pop() {
                 let whose =
                     if *role == Role::Reference { "the reference: left out" } else { &entry.configuration.label };
@@ -210,7 +215,7 @@ impl Climb {
                 entry.prepared = None;
             }
         }
-        let fails = |s: &Step| s.fields.is_empty();
+        let fails = |s: &RungResult| s.fields.is_empty();
         if steps.iter().any(|s| s.role == Role::Reference && fails(s)) {
             return Ok(Vec::new());
         }
@@ -221,14 +226,14 @@ impl Climb {
     }
 
     /// What the grasps so far say.
-    pub fn ladder(&self) -> Ladder {
-        let member = |(role, entry): &(Role, Entry)| Member {
+    pub fn ladder(&self) -> MeshLadder {
+        let member = |(role, entry): &(Role, ContestEntry)| Member {
             label: entry.configuration.label.clone(),
             role: *role,
             nodes: entry.configuration.nodes,
             time_per_grasp_s: Some(entry.time_per_grasp()).filter(|t| t.is_finite()),
         };
-        Ladder::new(self.members.iter().map(member).collect(), &self.tally)
+        MeshLadder::new(self.members.iter().map(member).collect(), &self.tally)
     }
 }
 
@@ -239,7 +244,7 @@ fn sample(poses: &[GraspPose], wanted: usize) -> Vec<(usize, GraspPose)> {
     numbers.filter_map(|i| poses.get(i).map(|p| (i, *p))).collect()
 }
 
-impl Entry {
+impl ContestEntry {
     fn new(configuration: Configuration) -> Self {
         Self {
             configuration,

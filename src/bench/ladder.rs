@@ -4,11 +4,11 @@
 //!
 //! Nothing here knows the truth, but two distances bracket it. What the last refinement changed holds the larger error of the mesh before
 //! and is too much; a mesh of another kind shares a part of the error and is too little. Their geometric mean is the estimate
-//! (docs/verification.md holds it against meshes twice as fine). The order that the rungs show is told, and [`Ladder::findings`] say where it,
+//! (docs/verification.md holds it against meshes twice as fine). The order that the rungs show is told, and [`MeshLadder::findings`] say where it,
 //! the two distances or the path do not go together.
 
 use super::density::{coarser, other_kind};
-use super::report::{Name, QUANTITIES};
+use super::report::{QUANTITIES, QuantityName};
 use super::sweep::{Configuration, Sweep};
 use crate::distance::{Distance, Fields, Points};
 use crate::error::Result;
@@ -115,20 +115,20 @@ pub struct Member {
 
 /// A ladder that has been climbed.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Ladder {
+pub struct MeshLadder {
     /// Its members.
     pub members: Vec<Member>,
     /// Per quantity: how far member i is from member j > i, over the norm of j, median over grasps and frames; null elsewhere.
-    pub distances: BTreeMap<Name, Vec<Vec<Option<f64>>>>,
+    pub distances: BTreeMap<QuantityName, Vec<Vec<Option<f64>>>>,
     /// Per relative quantity: error of the reference.
-    pub errors: BTreeMap<Name, Estimate>,
+    pub errors: BTreeMap<QuantityName, ErrorEstimate>,
     /// Where the estimates do not agree, or something is missing, in sentences.
     pub findings: Vec<String>,
 }
 
 /// Error of the reference, relative, and where it is from.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Estimate {
+pub struct ErrorEstimate {
     /// That of the mesh and that of the path together, as the parts of a right angle; null if neither is known.
     pub error: Option<f64>,
     /// Order of convergence in the width of the cells that the last three rungs show; null without three, or where they do not converge.
@@ -141,18 +141,18 @@ pub struct Estimate {
     pub by_path: Option<f64>,
 }
 
-impl Ladder {
+impl MeshLadder {
     /// Of the distances of its members.
     pub fn new(members: Vec<Member>, tally: &Tally) -> Self {
         let table = |pick: fn(&Distance) -> f64| -> Vec<Vec<Option<f64>>> {
             let middle = |d: &Vec<Distance>| Some(median(d.iter().map(pick))).filter(|m| m.is_finite());
             tally.0.iter().map(|row| row.iter().map(middle).collect()).collect()
         };
-        let distances: BTreeMap<Name, _> =
-            QUANTITIES.iter().map(|(name, pick)| (Name::from(*name), table(*pick))).collect();
+        let distances: BTreeMap<QuantityName, _> =
+            QUANTITIES.iter().map(|(name, pick)| (QuantityName::from(*name), table(*pick))).collect();
         let relative = distances.iter().filter(|(name, _)| !name.contains("_max_"));
-        let errors: BTreeMap<Name, Estimate> =
-            relative.map(|(name, table)| (name.clone(), Estimate::of(&members, table))).collect();
+        let errors: BTreeMap<QuantityName, ErrorEstimate> =
+            relative.map(|(name, table)| (name.clone(), ErrorEstimate::of(&members, table))).collect();
         let mut ladder = Self { members, distances, errors, findings: Vec::new() };
         ladder.findings = ["displacement", "stress"].into_iter().flat_map(|name| ladder.finding(name)).collect();
         if ladder.members.iter().filter(|m| matches!(m.role, Role::Rung | Role::Reference)).count() < 2 {
@@ -195,7 +195,7 @@ impl Ladder {
     }
 }
 
-impl Estimate {
+impl ErrorEstimate {
     fn of(members: &[Member], table: &[Vec<Option<f64>>]) -> Self {
         let find = |role: Role| members.iter().position(|m| m.role == role);
         let Some(reference) = find(Role::Reference) else { return Self::default() };
@@ -225,12 +225,12 @@ mod tests {
     use super::*;
 
     /// A ladder whose fields are numbers.
-    fn ladder(values: &[(Role, f64)]) -> Estimate {
+    fn ladder(values: &[(Role, f64)]) -> ErrorEstimate {
         let member = |role| Member { label: String::new(), role, nodes: 0, time_per_grasp_s: None };
         let members: Vec<Member> = values.iter().map(|(role, _)| member(*role)).collect();
         let table: Vec<Vec<_>> =
             values.iter().map(|(_, a)| values.iter().map(|(_, b)| Some((a - b).abs())).collect()).collect();
-        Estimate::of(&members, &table)
+        ErrorEstimate::of(&members, &table)
     }
 
     #[test]

@@ -25,6 +25,6 @@ pub mod values;
 
 pub use certify::certify;
 pub use contest::contest;
-pub use report::Report;
+pub use report::BenchReport;
 pub use rollout::rollouts;
 pub use sizes::cost_by_size;

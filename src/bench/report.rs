@@ -1,8 +1,8 @@
 //! What a contest comes to: a point per configuration, the Pareto front, the speed-up at equal error.
 
-use super::contest::{Entry, Rules};
+use super::contest::{ContestEntry, Rules};
 use super::front::{Rival, time_at};
-use super::ladder::Ladder;
+use super::ladder::MeshLadder;
 use crate::distance::Distance;
 use crate::stats::Spread;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -10,7 +10,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Name of a quantity or a stage; owned if it was read from `bench.json`.
-pub type Name = Cow<'static, str>;
+pub type QuantityName = Cow<'static, str>;
 
 /// Time and error of one configuration. Times are wall times unless they say otherwise; relative errors have no unit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -47,7 +47,7 @@ pub struct Point {
     /// Travel of the fingers, median.
     pub travel_error: Option<f64>,
     /// Median, 90th percentile and worst of every quantity over grasps and frames.
-    pub errors: BTreeMap<Name, Spread>,
+    pub errors: BTreeMap<QuantityName, Spread>,
     /// Grasps that did not reach their end, with the reason.
     pub failed: Vec<String>,
     /// Another point is as fast and as accurate, or some grasp failed.
@@ -61,7 +61,7 @@ pub struct Point {
     #[serde(default)]
     pub speedup_is_bound: bool,
     /// Share of each stage in the time.
-    pub profile: BTreeMap<Name, f64>,
+    pub profile: BTreeMap<QuantityName, f64>,
     /// Largest resident memory of the process with this configuration alone, up to its first frame; null where the system
     /// does not tell.
     pub peak_memory_bytes: Option<u64>,
@@ -87,7 +87,7 @@ pub const QUANTITIES: [Quantity; 6] = [
 
 /// A contest.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Report {
+pub struct BenchReport {
     /// Numbers of the grasps.
     pub grasps: Vec<usize>,
     /// Threads of each grasp.
@@ -101,20 +101,20 @@ pub struct Report {
     /// Error of the reference's displacement, as the ladder estimates it; errors below it are not told apart.
     pub reference_error: Option<f64>,
     /// What the error of the reference is estimated from.
-    pub ladder: Ladder,
+    pub ladder: MeshLadder,
     /// The largest of the contenders; null without any, or if nothing reaches their error.
     pub speedup_at_equal_error: Option<f64>,
     /// What to know before reading the numbers.
     pub notices: Vec<String>,
 }
 
-impl Report {
+impl BenchReport {
     /// Of the entries of a contest.
     pub fn new(
         rules: &Rules,
         grasps: Vec<usize>,
-        (reference, ladder): (&Entry, Ladder),
-        entries: &[Entry],
+        (reference, ladder): (&ContestEntry, MeshLadder),
+        entries: &[ContestEntry],
         notices: Vec<String>,
     ) -> Self {
         let mut points: Vec<Point> = entries.iter().map(Point::new).collect();
@@ -153,9 +153,9 @@ pub fn mark_dominated(points: &mut [Point]) {
 }
 
 impl Point {
-    fn new(entry: &Entry) -> Self {
+    fn new(entry: &ContestEntry) -> Self {
         let spread =
-            |(name, pick): &Quantity| Spread::of(entry.errors.iter().map(pick)).map(|s| (Name::from(*name), s));
+            |(name, pick): &Quantity| Spread::of(entry.errors.iter().map(pick)).map(|s| (QuantityName::from(*name), s));
         let errors: BTreeMap<_, _> = QUANTITIES.iter().filter_map(spread).collect();
         let middle = |name: &str| errors.get(name).map(|s| s.median);
         let whole: f64 = entry.stages.values().sum();
@@ -184,7 +184,7 @@ impl Point {
             speedup_at_equal_error: None,
             equal_error_label: None,
             speedup_is_bound: false,
-            profile: entry.stages.iter().map(|(stage, s)| (Name::from(*stage), s / whole)).collect(),
+            profile: entry.stages.iter().map(|(stage, s)| (QuantityName::from(*stage), s / whole)).collect(),
             peak_memory_bytes: entry.peak_memory,
         }
     }

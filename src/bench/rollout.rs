@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::random::Random;
 use crate::render::canvas::{Area, Drawn, INK, KINDS, Picture, axes, range, save_picture, text_style};
-use crate::scene::{Gnn, NamedScene, Stepper};
+use crate::scene::{Gnn, NamedScene, StepperChoice};
 use crate::stats::median;
 use plotters::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -69,7 +69,7 @@ pub fn rollouts(
     for model in std::iter::once(None).chain(models.iter().map(Some)) {
         let mut set = set.to_vec();
         if let Some(model) = model {
-            set.iter_mut().for_each(|s| s.scene.stepper = Stepper::Gnn(Gnn { model: model.clone() }));
+            set.iter_mut().for_each(|s| s.scene.stepper = StepperChoice::Gnn(Gnn { model: model.clone() }));
         }
         let own = || choose(&set[0].scene).map(|stepper| stepper.name().to_string());
         let backend = model.map_or_else(own, |m| Ok(m.display().to_string()))?;

@@ -9,14 +9,14 @@ use crate::grasp::poses_of;
 use crate::model::{Model, accuracy};
 use crate::record::Status;
 use crate::run::run_grasp;
-use crate::scene::{Element, Pads, Scene, Stepper};
+use crate::scene::{Element, Pads, Scene, StepperChoice};
 use crate::stats::median;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// One size of pad.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Size {
+pub struct SizePoint {
     /// Spacing or cells of the pads.
     pub density: String,
     /// Nodes of one pad.
@@ -37,9 +37,9 @@ pub struct Size {
 
 /// Sizes and how their cost grows.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Sizes {
+pub struct SizeStudy {
     /// From small to large.
-    pub sizes: Vec<Size>,
+    pub sizes: Vec<SizePoint>,
     /// Power of the unknowns that the time of an iteration grows with, fitted; null with fewer than two sizes.
     pub iteration_exponent: Option<f64>,
     /// The same of the time of a frame.
@@ -62,8 +62,8 @@ pub fn cost_by_size(
     threads: usize,
     repeats: usize,
     mut progress: impl FnMut(&str),
-) -> Result<Sizes> {
-    let Stepper::Fem(fem) = scene.stepper else {
+) -> Result<SizeStudy> {
+    let StepperChoice::Fem(fem) = scene.stepper else {
         return Err(Error::Start("cost against size is for finite elements; the scene's stepper is a network".into()));
     };
     let scene = &accuracy::meshed(scene)?;
@@ -76,7 +76,7 @@ pub fn cost_by_size(
         .num_threads(threads)
         .build()
         .map_err(|e| Error::Start(format!("cannot start {threads} threads: {e}")))?;
-    let mut turns: Vec<Vec<Size>> = vec![Vec::new(); pads.len()];
+    let mut turns: Vec<Vec<SizePoint>> = vec![Vec::new(); pads.len()];
     for turn in 0..repeats {
         for (pads, sizes) in pads.iter().zip(&mut turns) {
             let mut scene = scene.clone();
@@ -99,7 +99,7 @@ pub fn cost_by_size(
             let newton: f64 =
                 ["assembly", "factorization", "solve", "line_search"].iter().filter_map(|s| stages.get(s)).sum();
             let (frames, iterations) = (outcome.summary.frames as f64, outcome.timings.iterations as f64);
-            sizes.push(Size {
+            sizes.push(SizePoint {
                 density,
                 nodes: model.finger()?.body.rest.len(),
                 unknowns: model.unknowns().total,
@@ -111,11 +111,11 @@ pub fn cost_by_size(
             });
         }
     }
-    let sizes: Vec<Size> = turns.iter().filter_map(|t| middle(t)).collect();
-    let fit = |pick: fn(&Size) -> Option<f64>| {
+    let sizes: Vec<SizePoint> = turns.iter().filter_map(|t| middle(t)).collect();
+    let fit = |pick: fn(&SizePoint) -> Option<f64>| {
         exponent(sizes.iter().filter_map(|s| pick(s).map(|v| (s.unknowns as f64, v))).collect())
     };
-    Ok(Sizes {
+    Ok(SizeStudy {
         iteration_exponent: fit(|s| Some(s.time_per_iteration_s)),
         frame_exponent: fit(|s| Some(s.time_per_frame_s)),
         memory_exponent: fit(|s| s.peak_memory_bytes.map(|b| b as f64)),
@@ -126,9 +126,9 @@ pub fn cost_by_size(
 }
 
 /// Median times of the turns of one size, and the largest memory.
-fn middle(turns: &[Size]) -> Option<Size> {
-    let of = |pick: fn(&Size) -> f64| median(turns.iter().map(pick));
-    Some(Size {
+fn middle(turns: &[SizePoint]) -> Option<SizePoint> {
+    let of = |pick: fn(&SizePoint) -> f64| median(turns.iter().map(pick));
+    Some(SizePoint {
         time_per_iteration_s: of(|s| s.time_per_iteration_s),
         time_per_frame_s: of(|s| s.time_per_frame_s),
         processor_time_per_frame_s: Some(of(|s| s.processor_time_per_frame_s.unwrap_or(f64::NAN)))
@@ -175,9 +175,9 @@ fn exponent(points: Vec<(f64, f64)>) -> Option<f64> {
 }
 
 /// Table for humans.
-pub fn text(report: &Sizes) -> String {
+pub fn text(report: &SizeStudy) -> String {
     let head = "density    nodes  unknowns  iterations/frame  ms/iteration  s/frame  cpu s/frame  memory MB\n";
-    let row = |s: &Size| {
+    let row = |s: &SizePoint| {
         format!(
             "{:<8} {:>7}  {:>8}  {:>16.1}  {:>12.2}  {:>7.3}  {:>11}  {:>9}\n",
             s.density,

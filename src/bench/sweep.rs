@@ -6,7 +6,7 @@ use crate::linear::pad_graph::mesh_hash;
 use crate::model::{Model, accuracy};
 use crate::net::network::card::Trained;
 use crate::scene::leaf::Positive;
-use crate::scene::{Condensed, Element, Fem, Field, Fingers, Gnn, Loading, Pads, Scene, Solver, Stepper};
+use crate::scene::{Condensed, Element, Fem, Field, Fingers, Gnn, Loading, Pads, Scene, Solver, StepperChoice};
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use std::path::{Path, PathBuf};
 
@@ -90,10 +90,10 @@ impl Sweep {
             }
         }
         let fem = match scene.stepper {
-            Stepper::Fem(Fem { tolerance, path, max_iterations, .. }) => {
+            StepperChoice::Fem(Fem { tolerance, path, max_iterations, .. }) => {
                 Fem { tolerance, path, max_iterations, ..Fem::default() }
             }
-            Stepper::Gnn(_) => Fem::default(),
+            StepperChoice::Gnn(_) => Fem::default(),
         };
         Ok(Self { scene, fem, made: Vec::new() })
     }
@@ -119,7 +119,7 @@ impl Sweep {
     /// there are none.
     fn network(&self, folder: &Path) -> Result<Configuration> {
         let trained = Trained::read(folder)?.card.range.pad;
-        let mut scene = Scene { stepper: Stepper::Gnn(Gnn { model: folder.into() }), ..self.scene.clone() };
+        let mut scene = Scene { stepper: StepperChoice::Gnn(Gnn { model: folder.into() }), ..self.scene.clone() };
         for factor in self.cells(&SETTINGS[0]) {
             let mut other = scene.clone();
             other.gripper.pads = coarser(&self.scene.gripper.pads, *factor)?;
@@ -160,7 +160,7 @@ impl Sweep {
         let nodes = nodes(&pads, fem.element)?;
         let label = format!("{name} {}", describe(&pads));
         let mut scene = self.scene.clone();
-        (scene.gripper.pads, scene.stepper) = (pads, Stepper::Fem(fem));
+        (scene.gripper.pads, scene.stepper) = (pads, StepperChoice::Fem(fem));
         Ok(Configuration { label, scene, nodes, contender: false })
     }
 }

@@ -1,11 +1,11 @@
 //! A contest as text and as CSV.
 
-use super::ladder::Ladder;
-use super::report::{Point, QUANTITIES, Report};
+use super::ladder::MeshLadder;
+use super::report::{BenchReport, Point, QUANTITIES};
 use std::fmt::Write;
 
 /// Table, profiles and headline, for humans.
-pub fn text(report: &Report) -> String {
+pub fn text(report: &BenchReport) -> String {
     let width = report.points.iter().chain([&report.reference]).map(|p| p.label.len()).max().unwrap_or(0);
     let mut out = format!(
         "grasps: {}, turns: {}, threads: {}; errors in % against the reference, median / p90 / worst\n\n",
@@ -58,7 +58,7 @@ pub fn text(report: &Report) -> String {
 }
 
 /// The members of a ladder, how far each is from each, and what that says of the reference.
-pub fn ladder(ladder: &Ladder) -> String {
+pub fn ladder(ladder: &MeshLadder) -> String {
     let width = ladder.members.iter().map(|m| m.label.len()).max().unwrap_or(0);
     let percent = |v: Option<f64>| v.map_or("-".into(), |v| format!("{:.2}", 100.0 * v));
     let mut out = String::from("\nhow far the meshes of the ladder are apart, %: displacement, stress, force\n");
@@ -104,7 +104,7 @@ fn profile(out: &mut String, p: &Point, width: usize) {
     );
 }
 
-fn headline(out: &mut String, report: &Report) {
+fn headline(out: &mut String, report: &BenchReport) {
     out.push('\n');
     let mut contenders = report.points.iter().filter(|p| p.contender).peekable();
     if contenders.peek().is_none() {
@@ -119,7 +119,7 @@ fn headline(out: &mut String, report: &Report) {
 }
 
 /// One row per configuration, the reference last; SI, units in the names.
-pub fn csv(report: &Report) -> String {
+pub fn csv(report: &BenchReport) -> String {
     let mut columns: Vec<String> =
         ["label", "backend", "nodes", "unknowns", "cold_s", "time_per_grasp_s", "time_per_frame_s"]
             .map(String::from)

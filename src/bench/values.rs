@@ -1,6 +1,6 @@
 //! Numbers that a frame comes to, whatever its mesh: what a table of references lists.
 
-use super::report::Name;
+use super::report::QuantityName;
 use crate::distance::{Points, Probe};
 use crate::model::Model;
 use crate::part::FingerModel;
@@ -9,13 +9,13 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// Values by name; the unit ends the name.
-pub type Values = BTreeMap<Name, f64>;
+pub type FrameValues = BTreeMap<QuantityName, f64>;
 
 /// The values of a frame over all pads; those of fields that are not recorded are left out.
-pub fn values(model: &Model, frame: &Frame) -> Values {
-    let mut values = Values::new();
+pub fn values(model: &Model, frame: &Frame) -> FrameValues {
+    let mut values = FrameValues::new();
     let mut put = |name: &'static str, value: f64| {
-        values.insert(Name::from(name), value);
+        values.insert(QuantityName::from(name), value);
     };
     let pads = || model.fingers.iter().zip(&frame.pads);
     let mean = |sum: f64| sum / frame.pads.len().max(1) as f64;

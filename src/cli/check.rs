@@ -10,7 +10,7 @@ use crate::geometry::mesh::topology::watertight;
 use crate::grasp::{aim_notice, grasps_of, write_grasps_h5};
 use crate::gripper::GraspPose;
 use crate::gripper::Hand;
-use crate::gripper::hand::Part;
+use crate::gripper::hand::HandPart;
 use crate::model::{Model, Unknowns};
 use crate::number::shown;
 use crate::part::FingerModel;
@@ -139,7 +139,7 @@ fn examine(scene: &Scene) -> Result<Found> {
     for (index, pose) in poses.iter().enumerate().take(TRIED) {
         // Only pads are simulated, so this is to be known and no problem.
         let part = hand.as_ref().and_then(|h| h.obstacle(model.object.distance.as_ref(), pose, 0.0, 0.0));
-        if let Some(part @ (Part::Palm | Part::Finger)) = part {
+        if let Some(part @ (HandPart::Palm | HandPart::Finger)) = part {
             let part = part.name();
             found.notices.push(format!("grasp {index}: the {part} of a real hand would collide with the object"));
         }
@@ -170,7 +170,7 @@ impl Found {
 
     /// Takes over the unknowns of condensed pads, which only a grasp at first contact has.
     fn condense(&mut self, scene: &Scene, grasp: usize, mut environment: Environment) {
-        let scene::Stepper::Fem(scene::Fem { solver: scene::Solver::Condensed(_), .. }) = scene.stepper else {
+        let scene::StepperChoice::Fem(scene::Fem { solver: scene::Solver::Condensed(_), .. }) = scene.stepper else {
             return;
         };
         let world = environment.world_mut();

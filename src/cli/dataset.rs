@@ -3,7 +3,7 @@
 use super::{Format, NOT_HELD, OK, inspect, kept, print, say};
 use crate::backend;
 use crate::dataset::progress::Finished;
-use crate::dataset::sensitivity::Spread;
+use crate::dataset::sensitivity::SensitivityRow;
 use crate::dataset::{Campaign, Manifest, Watcher};
 use crate::error::{Error, Result};
 use crate::grasp::keep_first;
@@ -222,7 +222,7 @@ fn report(manifest: &Manifest, resumed: usize, wall: f64) -> String {
 }
 
 /// What each change does to the grasps that both reach.
-fn spread(spreads: &[Spread]) -> String {
+fn spread(spreads: &[SensitivityRow]) -> String {
     let mut out = String::new();
     for change in CHANGES {
         let moved = spreads.iter().filter(|s| s.change == change).filter_map(|s| s.displacement.zip(s.object_m));

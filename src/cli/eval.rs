@@ -5,7 +5,7 @@ use crate::dataset::DataSet;
 use crate::error::{Error, Result};
 use crate::files::atomic::create_dir;
 use crate::net::eval::dump;
-use crate::net::eval::table::{Row, ranks, rows};
+use crate::net::eval::table::{ErrorRow, ranks, rows};
 use crate::net::eval::{Judged, frames, judge, picture, test_grasps};
 use crate::net::infer::predict::Predictor;
 use crate::net::train::sample::model_of;
@@ -84,7 +84,12 @@ pub fn eval(args: &EvalArgs) -> Result<ExitCode> {
     Ok(ExitCode::from(OK))
 }
 
-fn report(table: &[Row], grasps: usize, (stress, displacement): (f64, f64), (encode, decode): (f64, f64)) -> String {
+fn report(
+    table: &[ErrorRow],
+    grasps: usize,
+    (stress, displacement): (f64, f64),
+    (encode, decode): (f64, f64),
+) -> String {
     let mut out = format!("{grasps} grasps; relative errors in %\n");
     out += "group                 quantity                  median       p90     worst  frames\n";
     // Writing to a String cannot fail.

@@ -14,10 +14,10 @@ use crate::record::{ExpectationReport, RunReport, Status};
 use crate::render::Scalar;
 use crate::run::sensitivity::{Ends, LastFrames, sensitivity};
 use crate::run::{Observer, Outcome, run_grasps};
-use crate::run::{Options, Recorder};
+use crate::run::{Options, RunRecorder};
 use crate::scene::leaf::{Count, Positive};
 use crate::scene::recheck;
-use crate::scene::{Condensed, Fem, Gnn, LoadedSet, Scene, Solver, Stepper, load_set};
+use crate::scene::{Condensed, Fem, Gnn, LoadedSet, Scene, Solver, StepperChoice, load_set};
 use clap::ValueEnum;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -93,23 +93,23 @@ impl RunArgs {
     fn change(&self, scene: &mut Scene) -> Result<()> {
         match (self.backend, &scene.stepper) {
             (Some(Backend::Fem | Backend::Condensed), stepper) => {
-                let mut fem = if let Stepper::Fem(fem) = stepper { *fem } else { Fem::default() };
+                let mut fem = if let StepperChoice::Fem(fem) = stepper { *fem } else { Fem::default() };
                 fem.solver = match (self.backend, fem.solver) {
                     (Some(Backend::Fem), _) => Solver::Full,
                     (_, Solver::Full) => Solver::Condensed(Condensed::default()),
                     (_, given) => given,
                 };
-                scene.stepper = Stepper::Fem(fem);
+                scene.stepper = StepperChoice::Fem(fem);
             }
-            (Some(Backend::Gnn), Stepper::Fem(_)) => {
+            (Some(Backend::Gnn), StepperChoice::Fem(_)) => {
                 let model = self.model.clone().unwrap_or_else(|| SHIPPED.into());
-                scene.stepper = Stepper::Gnn(Gnn { model });
+                scene.stepper = StepperChoice::Gnn(Gnn { model });
             }
             _ => {}
         }
         if let Some(threads) = self.threads {
             let threads = Count::new(threads).map_err(|m| refused(&format!("--threads {m}")))?;
-            if let Stepper::Fem(Fem { threads: own, .. }) = &mut scene.stepper {
+            if let StepperChoice::Fem(Fem { threads: own, .. }) = &mut scene.stepper {
                 *own = Some(threads);
             }
         }
@@ -127,11 +127,11 @@ impl RunArgs {
 }
 
 /// Takes over `--max-time`.
-pub(super) fn limit_time(stepper: &mut Stepper, seconds: f64) -> Result<()> {
+pub(super) fn limit_time(stepper: &mut StepperChoice, seconds: f64) -> Result<()> {
     let seconds = Positive::new(seconds).map_err(|m| refused(&format!("--max-time {m}")))?;
     match stepper {
-        Stepper::Fem(fem) => fem.max_time = Some(seconds),
-        Stepper::Gnn(_) => {
+        StepperChoice::Fem(fem) => fem.max_time = Some(seconds),
+        StepperChoice::Gnn(_) => {
             return Err(refused("--max-time is for finite elements: a network takes the same time for every grasp"));
         }
     }
@@ -200,7 +200,7 @@ fn run_object(args: &RunArgs, scene: &Scene, out: Option<&Path>, last: bool) -> 
     report.pads = model.pad_reports();
     report.promised_in = scene.promised_in().into();
     let recorder = match out {
-        Some(dir) => Some(Recorder::create(dir, options(args, scene, &model), report.clone())?),
+        Some(dir) => Some(RunRecorder::create(dir, options(args, scene, &model), report.clone())?),
         None => None,
     };
     for notice in model.notices.iter().chain(&model.pad_notice).chain(&aim) {
@@ -275,8 +275,8 @@ fn select(poses: &[GraspPose], wanted: &[usize]) -> Result<Vec<(usize, GraspPose
 /// Threads of the scene, else all that the machine has.
 fn threads(scene: &Scene) -> usize {
     let own = match &scene.stepper {
-        Stepper::Fem(fem) => fem.threads.map(|t| t.get()),
-        Stepper::Gnn(_) => None,
+        StepperChoice::Fem(fem) => fem.threads.map(|t| t.get()),
+        StepperChoice::Gnn(_) => None,
     };
     own.unwrap_or_else(machine_threads)
 }

@@ -6,7 +6,7 @@ use crate::mech::path::continuation::Methods;
 use crate::number::shown;
 use crate::record::RunReport;
 use crate::run::Outcome;
-use crate::scene::{Expectation, Scene, Stepper};
+use crate::scene::{Expectation, Scene, StepperChoice};
 use std::fmt::Write;
 
 /// Heading, a row per grasp, expectations and the profile.
@@ -37,7 +37,7 @@ pub fn render(
     rows(&mut out, grasps, outcomes);
     if !held.is_empty() {
         out.push('\n');
-        if let Stepper::Gnn(_) = scene.stepper {
+        if let StepperChoice::Gnn(_) = scene.stepper {
             let _ = writeln!(out, "judged by {}:", scene.promised_in());
         }
         scene.promises().iter().zip(held).for_each(|(e, h)| expectation(&mut out, e, h));

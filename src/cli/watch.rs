@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::record::{Frame, PadTopology};
 use crate::run::GraspRecorder;
-use crate::run::Recorder;
+use crate::run::RunRecorder;
 use crate::run::{Observer, Outcome};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::collections::BTreeMap;
@@ -16,7 +16,7 @@ use std::time::Instant;
 pub struct Watch {
     model: Arc<Model>,
     topologies: Vec<PadTopology>,
-    recorder: Option<Mutex<Recorder>>,
+    recorder: Option<Mutex<RunRecorder>>,
     /// Grasps being recorded.
     open: Mutex<BTreeMap<usize, GraspRecorder>>,
     bar: ProgressBar,
@@ -26,7 +26,7 @@ pub struct Watch {
 
 impl Watch {
     /// For a run of `grasps` grasps. The bar is drawn on stderr, and only where that is a terminal.
-    pub fn new(model: &Arc<Model>, recorder: Option<Recorder>, grasps: usize) -> Self {
+    pub fn new(model: &Arc<Model>, recorder: Option<RunRecorder>, grasps: usize) -> Self {
         let bar = ProgressBar::new((grasps * model.levels.len()) as u64);
         // The template is a constant; if it were wrong the default style would do.
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} frame {pos}/{len}  {msg}  {elapsed}") {
@@ -50,7 +50,7 @@ impl Watch {
     }
 
     /// Takes the bar away and hands the recorder back.
-    pub fn finish(self) -> Option<Recorder> {
+    pub fn finish(self) -> Option<RunRecorder> {
         self.bar.finish_and_clear();
         self.recorder.map(|r| r.into_inner().unwrap_or_else(PoisonError::into_inner))
     }

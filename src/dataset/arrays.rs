@@ -9,7 +9,7 @@ pub const FORMAT: u64 = 2;
 
 /// Type of the numbers, little-endian.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum NumberKind {
     /// Unsigned byte.
     U8,
     /// Unsigned 32-bit integer.
@@ -20,20 +20,20 @@ pub enum Kind {
     F64,
 }
 
-impl Kind {
+impl NumberKind {
     /// Bytes of a number.
     pub fn size(self) -> usize {
         match self {
-            Kind::U8 => 1,
-            Kind::U32 | Kind::F32 => 4,
-            Kind::F64 => 8,
+            NumberKind::U8 => 1,
+            NumberKind::U32 | NumberKind::F32 => 4,
+            NumberKind::F64 => 8,
         }
     }
 }
 
 /// Numbers that fix all shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Sizes {
+pub struct FileSizes {
     /// Grasps of the object.
     pub grasps: usize,
     /// Frames of a grasp.
@@ -48,7 +48,7 @@ pub struct Sizes {
     pub tets: usize,
 }
 
-impl Sizes {
+impl FileSizes {
     /// The sizes of `grasps` grasps of `model`.
     ///
     /// # Errors
@@ -73,26 +73,26 @@ impl Sizes {
 
 /// An array with one row per grasp.
 #[derive(Debug, Clone, Copy)]
-pub struct Array {
+pub struct ArrayLayout {
     /// Name of the dataset.
     pub name: &'static str,
     /// Type.
-    pub kind: Kind,
+    pub kind: NumberKind,
     /// Shape of a row.
-    shape: fn(&Sizes) -> Vec<usize>,
+    shape: fn(&FileSizes) -> Vec<usize>,
     /// Unit.
     pub unit: &'static str,
     /// What it holds.
     pub about: &'static str,
 }
 
-impl Array {
+impl ArrayLayout {
     /// Shape of a row.
-    pub fn row_shape(&self, sizes: &Sizes) -> Vec<usize> {
+    pub fn row_shape(&self, sizes: &FileSizes) -> Vec<usize> {
         (self.shape)(sizes)
     }
     /// Bytes of a row.
-    pub fn row_bytes(&self, sizes: &Sizes) -> usize {
+    pub fn row_bytes(&self, sizes: &FileSizes) -> usize {
         self.row_shape(sizes).iter().product::<usize>() * self.kind.size()
     }
 }
@@ -104,14 +104,14 @@ macro_rules! arrays {
     ($($row:ident $name:tt $kind:ident $sizes:ident $shape:tt $unit:literal $about:literal;)*) => {
         /// The arrays by name; `row as usize` is the place in [`ARRAYS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        pub enum Row {
+        pub enum RowName {
             $(#[doc = $about] $row,)*
         }
 
         /// All arrays with one row per grasp, in the order of the file.
-        pub const ARRAYS: &[Array] = &[$(Array {
+        pub const ARRAYS: &[ArrayLayout] = &[$(ArrayLayout {
             name: $name,
-            kind: Kind::$kind,
+            kind: NumberKind::$kind,
             #[allow(unused_variables)]
             shape: |$sizes| arrays!(@shape $shape),
             unit: $unit,

@@ -1,14 +1,14 @@
 //! Makes a data set: object by object, all grasps in parallel, going on where an earlier run was stopped.
 
-use super::arrays::{FORMAT, Sizes};
+use super::arrays::{FORMAT, FileSizes};
 use super::compatible::{World, sensor};
 use super::file::{Writer, lay_out};
 use super::manifest::{MANIFEST, Manifest, ObjectEntry};
 use super::plan::{file_name, fixed_bytes, plan_hash};
 use super::progress::{self, Finished, Progress};
-use super::recorder::{Recorder, Watcher};
+use super::recorder::{DatasetRecorder, Watcher};
 use super::rows::Encoder;
-use super::sensitivity::{self, Spread};
+use super::sensitivity::{self, SensitivityRow};
 use super::split::Splits;
 use crate::error::{Error, Result};
 use crate::files::atomic::{cannot_write, create_dir, remove_left_over, sync_folder, write_durable};
@@ -42,7 +42,7 @@ pub struct Campaign {
 struct Planned {
     named: NamedScene,
     poses: Vec<GraspPose>,
-    sizes: Sizes,
+    sizes: FileSizes,
     file: PathBuf,
     /// Bytes of all its files at most.
     limit: u64,
@@ -68,14 +68,14 @@ impl Campaign {
                 None => {
                     let model = Model::build(&named.scene).map_err(place)?;
                     let pad = model.finger()?.bounds();
-                    *pads.insert((Sizes::of(&model, 0)?, pad))
+                    *pads.insert((FileSizes::of(&model, 0)?, pad))
                 }
             };
             let mut grasps = grasps_of(&named.scene).map_err(place)?;
             let shape =
                 object::build(&named.scene.object, &mut Vec::new()).map_err(|e| place(e.about("object.shape")))?;
             grasps.notices.extend(aim_notice(&named.scene, &shape, pad, &grasps.poses));
-            let sizes = Sizes { grasps: grasps.poses.len(), ..base };
+            let sizes = FileSizes { grasps: grasps.poses.len(), ..base };
             let file = Path::new("dgs_output").join(file_name(&named));
             entries.push(ObjectEntry {
                 name: named.name.as_str().into(),
@@ -211,7 +211,7 @@ impl Campaign {
     ///
     /// # Errors
     /// What cannot be written or set up; a folder in use.
-    pub fn sensitivity(&self, most: usize, threads: usize) -> Result<Vec<Spread>> {
+    pub fn sensitivity(&self, most: usize, threads: usize) -> Result<Vec<SensitivityRow>> {
         let _lock = FolderLock::alone(&self.dir, COMMAND)?;
         let plan = self.manifest.plan.as_str();
         let mut table = sensitivity::read(&self.dir, plan)?;
@@ -330,7 +330,8 @@ impl Campaign {
         let open_grasps = (0..object.poses.len()).filter(|g| wanted(*g) && !done.contains_key(g));
         let grasps: Vec<_> = open_grasps.map(|g| (g, object.poses[g])).collect();
         let stepper = (self.choose)(scene)?;
-        let recorder = Recorder::new(&object.named, &object.poses, &model, (encoder, writer), &progress, watcher);
+        let recorder =
+            DatasetRecorder::new(&object.named, &object.poses, &model, (encoder, writer), &progress, watcher);
         run_grasps(&model, stepper.as_ref(), &grasps, threads, &recorder)?;
         Ok(grasps.len())
     }

@@ -6,7 +6,7 @@
 //! node at the mirrored place, and the loader's rest shapes fit.
 
 use crate::geometry::mesh::TetMesh;
-use crate::record::{Elements, PadTopology};
+use crate::record::{ElementNodes, PadTopology};
 use crate::scene::Placement;
 use glam::{DMat3, DVec3};
 use std::collections::HashMap;
@@ -46,10 +46,10 @@ pub fn sensor(pad: &PadTopology) -> TetMesh {
 }
 
 /// Corners of the tetrahedra.
-fn corner_tets(elements: &Elements) -> Vec<[u32; 4]> {
+fn corner_tets(elements: &ElementNodes) -> Vec<[u32; 4]> {
     match elements {
-        Elements::Linear(tets) => tets.clone(),
-        Elements::Quadratic(tets) => tets.iter().map(|t| [t[0], t[1], t[2], t[3]]).collect(),
+        ElementNodes::Linear(tets) => tets.clone(),
+        ElementNodes::Quadratic(tets) => tets.iter().map(|t| [t[0], t[1], t[2], t[3]]).collect(),
     }
 }
 

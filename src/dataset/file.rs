@@ -3,10 +3,10 @@
 //! Its arrays are contiguous and uncompressed: a row has its place before it is known, so a grasp is written by seeking
 //! there, memory holds one grasp per thread however many there are, and reading is as fast as the disk.
 
-use super::arrays::{ARRAYS, FORMAT, Kind, Row, Sizes};
+use super::arrays::{ARRAYS, FORMAT, FileSizes, NumberKind, RowName};
 use super::places::{Places, Seal, vouched_for};
 use super::progress::Finished;
-use super::rows::{Rows, checksum, code};
+use super::rows::{GraspRows, checksum, code};
 use crate::error::{Error, Result};
 use crate::files::atomic::{cannot_write, replace_durable};
 use crate::model::Model;
@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// What cannot be written.
-pub fn lay_out(path: &Path, named: &NamedScene, model: &Model, sizes: &Sizes, mirrored: bool) -> Result<()> {
+pub fn lay_out(path: &Path, named: &NamedScene, model: &Model, sizes: &FileSizes, mirrored: bool) -> Result<()> {
     let scene = to_ron(&named.scene)?;
     replace_durable(path, |temporary| {
         let mut builder = FileBuilder::new();
@@ -47,12 +47,12 @@ pub fn lay_out(path: &Path, named: &NamedScene, model: &Model, sizes: &Sizes, mi
     })
 }
 
-fn datatype(kind: Kind) -> Datatype {
+fn datatype(kind: NumberKind) -> Datatype {
     match kind {
-        Kind::U8 => hdf5_pure::make_u8_type(),
-        Kind::U32 => hdf5_pure::make_u32_type(),
-        Kind::F32 => hdf5_pure::make_f32_type(),
-        Kind::F64 => hdf5_pure::make_f64_type(),
+        NumberKind::U8 => hdf5_pure::make_u8_type(),
+        NumberKind::U32 => hdf5_pure::make_u32_type(),
+        NumberKind::F32 => hdf5_pure::make_f32_type(),
+        NumberKind::F64 => hdf5_pure::make_f64_type(),
     }
 }
 
@@ -182,7 +182,7 @@ impl Writer {
     ///
     /// # Errors
     /// A file that cannot be read or is laid out differently.
-    pub fn open(path: &Path, sizes: Sizes) -> Result<Self> {
+    pub fn open(path: &Path, sizes: FileSizes) -> Result<Self> {
         let file = File::open_streaming(path).map_err(|e| Error::file(path, e.to_string()))?;
         Ok(Self { path: path.to_path_buf(), places: Places::find(path, &file, sizes)? })
     }
@@ -199,12 +199,12 @@ impl Writer {
     pub fn holds(&self, record: &Finished) -> bool {
         let rows = std::fs::File::open(&self.path).and_then(|mut file| self.places.read(&mut file, record.grasp));
         rows.is_ok_and(|rows| {
-            let row = |name: Row| rows[name as usize].as_slice();
+            let row = |name: RowName| rows[name as usize].as_slice();
             let sum = checksum(&rows);
-            sum.as_bytes() == row(Row::Checksum)
+            sum.as_bytes() == row(RowName::Checksum)
                 && sum.to_hex().as_str() == record.checksum
-                && row(Row::Status) == [code(record.status)]
-                && row(Row::RecordedFrames) == (record.frames as u32).to_le_bytes()
+                && row(RowName::Status) == [code(record.status)]
+                && row(RowName::RecordedFrames) == (record.frames as u32).to_le_bytes()
         })
     }
 
@@ -217,7 +217,7 @@ impl Writer {
     }
 
     /// Writes the rows of a grasp and waits until they are on disk.
-    pub fn write(&self, grasp: usize, rows: &Rows) -> Result<()> {
+    pub fn write(&self, grasp: usize, rows: &GraspRows) -> Result<()> {
         let write = || {
             // A handle of its own: several grasps may end at once.
             let mut file = std::fs::OpenOptions::new().write(true).open(&self.path)?;

@@ -1,7 +1,7 @@
 //! What is in a data set: counts, ranges, histograms, pictures.
 
-use super::manifest::Failure;
-use super::reader::{Grasp, ObjectFile};
+use super::manifest::FailedGrasp;
+use super::reader::{ObjectFile, StoredGrasp};
 use super::set::{DataSet, hash};
 use crate::error::{Error, Result};
 use crate::gripper::GraspPose;
@@ -44,7 +44,7 @@ pub struct ObjectSummary {
     /// Those that reached their load.
     pub reached: usize,
     /// The others, with reasons.
-    pub failures: Vec<Failure>,
+    pub failures: Vec<FailedGrasp>,
     /// Grasps and frames that were looked at.
     pub read_grasps: usize,
     /// Frames that were looked at.
@@ -145,7 +145,7 @@ fn range(name: &'static str, values: &[f64]) -> Option<Range> {
     Some(Range { name, min, mean: values.iter().sum::<f64>() / values.len() as f64, max, histogram })
 }
 
-fn quantities(file: &ObjectFile, grasp: &Grasp, k: usize) -> [f64; 6] {
+fn quantities(file: &ObjectFile, grasp: &StoredGrasp, k: usize) -> [f64; 6] {
     let s = &file.sizes;
     let longest = |all: &[f32]| {
         let frame = &all[k * s.pads * s.nodes * 3..(k + 1) * s.pads * s.nodes * 3];
@@ -171,7 +171,7 @@ fn quantities(file: &ObjectFile, grasp: &Grasp, k: usize) -> [f64; 6] {
 }
 
 /// Draws a frame as a run would.
-fn draw(file: &ObjectFile, grasp: &Grasp, number: usize, k: usize, dir: &Path) -> Result<()> {
+fn draw(file: &ObjectFile, grasp: &StoredGrasp, number: usize, k: usize, dir: &Path) -> Result<()> {
     let topologies = vec![file.pad.clone(); file.sizes.pads];
     let title = format!("{}, grasp {number:03}", file.name);
     let style = Style { title, ..Style::default() };
@@ -180,7 +180,7 @@ fn draw(file: &ObjectFile, grasp: &Grasp, number: usize, k: usize, dir: &Path) -
 }
 
 /// Frame `k` of a grasp in the hand frame, as it was recorded.
-pub fn frame(file: &ObjectFile, grasp: &Grasp, k: usize) -> Frame {
+pub fn frame(file: &ObjectFile, grasp: &StoredGrasp, k: usize) -> Frame {
     let s = &file.sizes;
     let vector = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from));
     let pad = |i: usize| {

@@ -67,7 +67,7 @@ pub struct ObjectEntry {
     /// How the grasps were found, and what was assumed or repaired.
     pub notices: Vec<String>,
     /// Every grasp that did not reach its load, with the reason.
-    pub failures: Vec<Failure>,
+    pub failures: Vec<FailedGrasp>,
     /// What the scene promises of every recorded frame.
     #[serde(default)]
     pub promises: Vec<Promise>,
@@ -84,7 +84,7 @@ pub struct Promise {
 
 /// A grasp that did not reach its load.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Failure {
+pub struct FailedGrasp {
     /// Its number, from 0.
     pub grasp: usize,
     /// How it ended.
@@ -168,7 +168,7 @@ impl ObjectEntry {
             }
             if f.status != Status::Reached {
                 let reason = f.reason.clone().unwrap_or_default();
-                self.failures.push(Failure { grasp: f.grasp, status: f.status, reason, frames: f.frames });
+                self.failures.push(FailedGrasp { grasp: f.grasp, status: f.status, reason, frames: f.frames });
             }
             f.promises.iter().for_each(|held| self.judge(f.grasp, held));
         }

@@ -33,7 +33,7 @@ pub mod split;
 
 pub use campaign::Campaign;
 pub use manifest::Manifest;
-pub use reader::{Grasp, ObjectFile};
+pub use reader::{ObjectFile, StoredGrasp};
 pub use recorder::Watcher;
 pub use set::DataSet;
 pub use split::Splits;

@@ -1,7 +1,7 @@
 //! Where the rows of a file are, and what vouches for its bytes: those of a grasp have a checksum in the file, all others one
 //! in the manifest, so that a reader need not read what it does not ask for.
 
-use super::arrays::{ARRAYS, Array, Row, Sizes};
+use super::arrays::{ARRAYS, ArrayLayout, FileSizes, RowName};
 use crate::error::{Error, Result};
 use hdf5_pure::{File, Layout};
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ use std::path::Path;
 /// Where the rows of each array start, bytes from the start of the file, in the order of [`ARRAYS`].
 #[derive(Debug, Clone)]
 pub struct Places {
-    sizes: Sizes,
+    sizes: FileSizes,
     start: Vec<u64>,
 }
 
@@ -20,8 +20,8 @@ impl Places {
     ///
     /// # Errors
     /// A file that is not laid out for `sizes`, with the array.
-    pub fn find(path: &Path, file: &File, sizes: Sizes) -> Result<Self> {
-        let place = |array: &Array| {
+    pub fn find(path: &Path, file: &File, sizes: FileSizes) -> Result<Self> {
+        let place = |array: &ArrayLayout| {
             let fail = |message: String| Error::file(path, format!("array `{}`: {message}", array.name));
             let dataset = file.dataset(array.name).map_err(|e| fail(e.to_string()))?;
             let wanted = sizes.grasps as u64 * array.row_bytes(&sizes) as u64;
@@ -75,7 +75,7 @@ impl Places {
 /// Arrays whose rows the checksum of their grasp vouches for whenever they are read. Who reads a status or a checksum reads
 /// those of all grasps, without their rows.
 pub fn vouched_for(array: usize) -> bool {
-    array != Row::Status as usize && array != Row::Checksum as usize
+    array != RowName::Status as usize && array != RowName::Checksum as usize
 }
 
 /// All of a file but the rows that have checksums of their own: quickly read, and whole only together.

@@ -1,6 +1,6 @@
 //! What of a data set is fixed before anything runs: names and sizes of its files, and a hash of all that decides their content.
 
-use super::arrays::{REASON, Sizes};
+use super::arrays::{FileSizes, REASON};
 use super::split::Splits;
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TriMesh;
@@ -21,7 +21,7 @@ pub(super) fn file_name(named: &NamedScene) -> String {
 }
 
 /// Bytes of what does not grow with frames, at most: headers and scene, pad, object (HDF5 and STL), poses and records.
-pub(super) fn fixed_bytes(sizes: &Sizes, surface: &TriMesh) -> u64 {
+pub(super) fn fixed_bytes(sizes: &FileSizes, surface: &TriMesh) -> u64 {
     let pad = 25 * sizes.nodes + 2 * 120 * sizes.tets;
     let object = 24 * surface.vertices.len() + (12 + 50) * surface.triangles.len();
     (pad + object + (56 + REASON + 512) * sizes.grasps + 65_536) as u64

@@ -1,12 +1,12 @@
 //! Reads the file of one object by the grasp: nothing but what is asked for is in memory.
 
-use super::arrays::{FORMAT, Row, Sizes};
+use super::arrays::{FORMAT, FileSizes, RowName};
 use super::places::Places;
 use super::rows::checksum;
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TriMesh;
 use crate::gripper::GraspPose;
-use crate::record::{Elements, PadTopology, names};
+use crate::record::{ElementNodes, PadTopology, names};
 use glam::DVec3;
 use hdf5_pure::{AttrValue, File, Layout};
 use std::collections::HashMap;
@@ -21,7 +21,7 @@ pub struct ObjectFile {
     /// Name of the object.
     pub name: String,
     /// All shapes.
-    pub sizes: Sizes,
+    pub sizes: FileSizes,
     /// The scene with every default, RON: [`crate::model::Model::build`] makes the same model of it.
     pub scene: String,
     /// The pads: rest positions, tetrahedra, faces; pad frame.
@@ -42,7 +42,7 @@ pub struct ObjectFile {
 
 /// All frames of one grasp. Arrays are row-major, pads left first; see [`ARRAYS`](super::arrays::ARRAYS) for units and frames.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Grasp {
+pub struct StoredGrasp {
     /// Valid frames; all arrays are cut to them.
     pub frames: usize,
     /// (frames, pads, nodes, 3), m, pad frame.
@@ -121,7 +121,7 @@ impl ObjectFile {
             )));
         };
         let per_pad = |n: usize| n / (*pads).max(1);
-        let sizes = Sizes {
+        let sizes = FileSizes {
             grasps: *grasps,
             frames: *frames,
             pads: *pads,
@@ -134,8 +134,8 @@ impl ObjectFile {
         let width = shape("pad/tets")?.get(1).copied().unwrap_or(0);
         let nodes_of_tets = integers("pad/tets")?;
         let elements = match width {
-            4 => Elements::Linear(nodes_of_tets.as_chunks::<4>().0.to_vec()),
-            10 => Elements::Quadratic(nodes_of_tets.as_chunks::<10>().0.to_vec()),
+            4 => ElementNodes::Linear(nodes_of_tets.as_chunks::<4>().0.to_vec()),
+            10 => ElementNodes::Quadratic(nodes_of_tets.as_chunks::<10>().0.to_vec()),
             other => return Err(fail(format!("`pad/tets` has {other} nodes per tetrahedron; it must be 4 or 10"))),
         };
         let triangles = |name: &str| Ok::<_, Error>(integers(name)?.as_chunks::<3>().0.to_vec());
@@ -197,14 +197,14 @@ impl ObjectFile {
     ///
     /// # Errors
     /// A grasp that does not exist, or whose rows are not those that were written.
-    pub fn grasp(&self, grasp: usize) -> Result<Grasp> {
+    pub fn grasp(&self, grasp: usize) -> Result<StoredGrasp> {
         if grasp >= self.sizes.grasps {
             let message = format!("has no grasp {grasp}; its {} grasps start at 0", self.sizes.grasps);
             return Err(Error::file(&self.path, message));
         }
         let rows =
             self.rows(grasp).map_err(|e| Error::file(&self.path, format!("grasp {grasp} cannot be read: {e}")))?;
-        if checksum(&rows).as_bytes() != rows[Row::Checksum as usize].as_slice() {
+        if checksum(&rows).as_bytes() != rows[RowName::Checksum as usize].as_slice() {
             let message = format!(
                 "grasp {grasp} is damaged: its rows do not have its checksum; leave it out, or make the file again"
             );
@@ -223,28 +223,28 @@ impl ObjectFile {
         rows
     }
 
-    fn decode(&self, rows: &[Vec<u8>]) -> Grasp {
-        let row = |name: Row| rows[name as usize].as_slice();
-        let frames = row(Row::RecordedFrames).as_chunks().0.first().map_or(0, |b| u32::from_le_bytes(*b) as usize);
+    fn decode(&self, rows: &[Vec<u8>]) -> StoredGrasp {
+        let row = |name: RowName| rows[name as usize].as_slice();
+        let frames = row(RowName::RecordedFrames).as_chunks().0.first().map_or(0, |b| u32::from_le_bytes(*b) as usize);
         let frames = frames.min(self.sizes.frames);
-        let cut = |name: Row| {
+        let cut = |name: RowName| {
             let row = row(name);
             &row[..row.len() / self.sizes.frames.max(1) * frames]
         };
-        let singles = |name: Row| cut(name).as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
-        let doubles = |name: Row| cut(name).as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
-        let reason = row(Row::Reason).split(|b| *b == 0).next().unwrap_or_default();
-        Grasp {
+        let singles = |name: RowName| cut(name).as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
+        let doubles = |name: RowName| cut(name).as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
+        let reason = row(RowName::Reason).split(|b| *b == 0).next().unwrap_or_default();
+        StoredGrasp {
             frames,
-            displacement: singles(Row::Displacement),
-            contact_force: singles(Row::ContactForce),
-            von_mises: singles(Row::VonMises),
-            force: doubles(Row::Force),
-            travel: doubles(Row::Travel),
-            finger_position: doubles(Row::FingerPosition),
-            object_pose: doubles(Row::ObjectPose),
-            wrench: doubles(Row::Wrench),
-            grasp_pose: row(Row::GraspPose).as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect(),
+            displacement: singles(RowName::Displacement),
+            contact_force: singles(RowName::ContactForce),
+            von_mises: singles(RowName::VonMises),
+            force: doubles(RowName::Force),
+            travel: doubles(RowName::Travel),
+            finger_position: doubles(RowName::FingerPosition),
+            object_pose: doubles(RowName::ObjectPose),
+            wrench: doubles(RowName::Wrench),
+            grasp_pose: row(RowName::GraspPose).as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect(),
             reason: String::from_utf8_lossy(reason).into_owned(),
         }
     }

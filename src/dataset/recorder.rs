@@ -2,7 +2,7 @@
 
 use super::file::Writer;
 use super::progress::{Finished, Progress};
-use super::rows::{Encoder, Rows};
+use super::rows::{Encoder, GraspRows};
 use crate::error::{Error, Result};
 use crate::gripper::GraspPose;
 use crate::judge::evaluate;
@@ -25,7 +25,7 @@ pub trait Watcher: Sync {
 impl Watcher for () {}
 
 /// Takes the frames of the grasps of one object.
-pub struct Recorder<'a> {
+pub struct DatasetRecorder<'a> {
     name: &'a str,
     expect: Vec<Expectation>,
     poses: &'a [GraspPose],
@@ -35,10 +35,10 @@ pub struct Recorder<'a> {
     progress: &'a Progress,
     watcher: &'a dyn Watcher,
     /// Rows of the grasps that run.
-    open: Mutex<BTreeMap<usize, Rows>>,
+    open: Mutex<BTreeMap<usize, GraspRows>>,
 }
 
-impl<'a> Recorder<'a> {
+impl<'a> DatasetRecorder<'a> {
     /// For the grasps at `poses` of an object.
     pub fn new(
         object: &'a NamedScene,
@@ -56,13 +56,13 @@ impl<'a> Recorder<'a> {
         Self { name, expect, poses, topologies, encoder, writer, progress, watcher, open: Mutex::default() }
     }
 
-    fn take(&self, grasp: usize) -> Rows {
+    fn take(&self, grasp: usize) -> GraspRows {
         let open = self.open.lock().unwrap_or_else(PoisonError::into_inner).remove(&grasp);
         open.unwrap_or_else(|| self.encoder.rows(&self.poses[grasp]))
     }
 }
 
-impl Observer for Recorder<'_> {
+impl Observer for DatasetRecorder<'_> {
     fn frame(&self, index: usize, frame: &Frame) -> Result<()> {
         // A number that is not finite would ruin a training set silently.
         record::check::frame(&self.topologies, frame)

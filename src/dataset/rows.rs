@@ -1,6 +1,6 @@
 //! The rows of one grasp, filled frame by frame.
 
-use super::arrays::{ARRAYS, REASON, Row, Sizes};
+use super::arrays::{ARRAYS, FileSizes, REASON, RowName};
 use super::compatible::{Mirror, World};
 use crate::gripper::GraspPose;
 use crate::model::Model;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Encoder {
     model: Arc<Model>,
-    sizes: Sizes,
+    sizes: FileSizes,
     world: World,
     /// Per pad.
     mirrors: Vec<Mirror>,
@@ -22,11 +22,11 @@ pub struct Encoder {
 
 /// The rows of one grasp: bytes by array, in the order of [`ARRAYS`].
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rows(pub Vec<Vec<u8>>);
+pub struct GraspRows(pub Vec<Vec<u8>>);
 
 impl Encoder {
     /// For grasps of `model`.
-    pub fn new(model: &Arc<Model>, sizes: Sizes, world: World) -> Self {
+    pub fn new(model: &Arc<Model>, sizes: FileSizes, world: World) -> Self {
         let pad = &model.fingers[0].topology;
         let mirror = Mirror::of(pad);
         let identity = Mirror::identity(pad);
@@ -36,70 +36,70 @@ impl Encoder {
     }
 
     /// Empty rows of a grasp at `pose`.
-    pub fn rows(&self, pose: &GraspPose) -> Rows {
-        let mut rows = Rows(ARRAYS.iter().map(|a| vec![0; a.row_bytes(&self.sizes)]).collect());
-        rows.doubles(Row::GraspPose, 0, pose_row(pose.position, pose.rotation));
+    pub fn rows(&self, pose: &GraspPose) -> GraspRows {
+        let mut rows = GraspRows(ARRAYS.iter().map(|a| vec![0; a.row_bytes(&self.sizes)]).collect());
+        rows.doubles(RowName::GraspPose, 0, pose_row(pose.position, pose.rotation));
         rows
     }
 
     /// Takes a frame.
-    pub fn frame(&self, rows: &mut Rows, frame: &Frame) {
+    pub fn frame(&self, rows: &mut GraspRows, frame: &Frame) {
         let s = &self.sizes;
         let (k, pads) = (frame.index, s.pads);
-        rows.singles(Row::StackedForces, k, [frame.applied_force]);
+        rows.singles(RowName::StackedForces, k, [frame.applied_force]);
         let object = DMat4::from_rotation_translation(frame.object_rotation, frame.object_position);
         let world = DMat4::from_mat3(World::rotation());
         let mut matrix = world * object;
         matrix.w_axis = self.world.point(frame.object_position).extend(1.0);
         // Row-major, as NumPy reads it.
-        rows.singles(Row::StackedObjectFrame, k * 16, matrix.transpose().to_cols_array());
+        rows.singles(RowName::StackedObjectFrame, k * 16, matrix.transpose().to_cols_array());
         for (i, (pad, finger)) in frame.pads.iter().zip(&self.model.fingers).enumerate() {
             let to_pad = finger.placement.rotation.transpose();
             let (mirror, at) = (&self.mirrors[i], k * pads + i);
             let positions = mirror.nodes.iter().flat_map(|&n| self.world.point(pad.position[n]).to_array());
-            rows.singles(Row::StackedPositions, 3 * s.corners * at, positions);
-            rows.singles(Row::StackedStresses, s.tets * at, mirror.tets.iter().map(|&t| pad.von_mises_element[t]));
+            rows.singles(RowName::StackedPositions, 3 * s.corners * at, positions);
+            rows.singles(RowName::StackedStresses, s.tets * at, mirror.tets.iter().map(|&t| pad.von_mises_element[t]));
             let vectors = |v: &[DVec3]| v.iter().flat_map(|v| (to_pad * *v).to_array()).collect::<Vec<_>>();
-            rows.singles(Row::Displacement, 3 * s.nodes * at, vectors(&pad.displacement));
-            rows.singles(Row::ContactForce, 3 * s.nodes * at, vectors(&pad.contact_force));
-            rows.singles(Row::VonMises, s.nodes * at, pad.von_mises_node.iter().copied());
+            rows.singles(RowName::Displacement, 3 * s.nodes * at, vectors(&pad.displacement));
+            rows.singles(RowName::ContactForce, 3 * s.nodes * at, vectors(&pad.contact_force));
+            rows.singles(RowName::VonMises, s.nodes * at, pad.von_mises_node.iter().copied());
             let wrench = vectors(&[pad.wrench.force, pad.wrench.torque]);
-            rows.doubles(Row::Wrench, 6 * at, wrench);
-            rows.doubles(Row::Travel, at, [frame.travel[i]]);
+            rows.doubles(RowName::Wrench, 6 * at, wrench);
+            rows.doubles(RowName::Travel, at, [frame.travel[i]]);
             // Any node tells: it is where its finger carried it, and displaced.
             let carried = pad.position[0] - pad.displacement[0] - finger.body.rest[0];
-            rows.doubles(Row::FingerPosition, at, [carried.dot(finger.placement.closing)]);
+            rows.doubles(RowName::FingerPosition, at, [carried.dot(finger.placement.closing)]);
         }
-        rows.doubles(Row::ObjectPose, 7 * k, pose_row(frame.object_position, frame.object_rotation));
+        rows.doubles(RowName::ObjectPose, 7 * k, pose_row(frame.object_position, frame.object_rotation));
         for (name, value) in [
-            (Row::Force, frame.applied_force),
-            (Row::Energy, frame.energy),
-            (Row::Residual, frame.residual),
-            (Row::ForceBalance, frame.force_balance),
-            (Row::TorqueBalance, frame.torque_balance),
-            (Row::MinDetF, frame.min_det_f),
-            (Row::MinGap, frame.min_gap),
+            (RowName::Force, frame.applied_force),
+            (RowName::Energy, frame.energy),
+            (RowName::Residual, frame.residual),
+            (RowName::ForceBalance, frame.force_balance),
+            (RowName::TorqueBalance, frame.torque_balance),
+            (RowName::MinDetF, frame.min_det_f),
+            (RowName::MinGap, frame.min_gap),
         ] {
             rows.doubles(name, k, [value]);
         }
-        rows.integer(Row::NewtonIterations, k, frame.newton_iterations);
+        rows.integer(RowName::NewtonIterations, k, frame.newton_iterations);
     }
 
     /// Closes the rows: how the grasp ended, and the checksum, which is returned.
-    pub fn finish(&self, rows: &mut Rows, status: Status, reason: &str, frames: usize) -> blake3::Hash {
+    pub fn finish(&self, rows: &mut GraspRows, status: Status, reason: &str, frames: usize) -> blake3::Hash {
         if status != Status::Reached {
             // The loader skips a grasp without forces, and must: it takes every frame as valid.
             for (index, _) in ARRAYS.iter().enumerate().filter(|(_, a)| a.name.starts_with("_1_")) {
                 rows.0[index].fill(0);
             }
         }
-        rows.integer(Row::RecordedFrames, 0, frames as u32);
-        rows.0[Row::Status as usize][0] = code(status);
+        rows.integer(RowName::RecordedFrames, 0, frames as u32);
+        rows.0[RowName::Status as usize][0] = code(status);
         // Cut at a character, so that the text stays valid.
         let end = (0..=REASON.min(reason.len())).rev().find(|&i| reason.is_char_boundary(i)).unwrap_or(0);
-        rows.0[Row::Reason as usize][..end].copy_from_slice(&reason.as_bytes()[..end]);
+        rows.0[RowName::Reason as usize][..end].copy_from_slice(&reason.as_bytes()[..end]);
         let hash = checksum(&rows.0);
-        rows.0[Row::Checksum as usize].copy_from_slice(hash.as_bytes());
+        rows.0[RowName::Checksum as usize].copy_from_slice(hash.as_bytes());
         hash
     }
 }
@@ -127,18 +127,18 @@ fn pose_row(p: DVec3, q: glam::DQuat) -> [f64; 7] {
     [p.x, p.y, p.z, q.w, q.x, q.y, q.z]
 }
 
-impl Rows {
-    fn singles(&mut self, name: Row, first: usize, values: impl IntoIterator<Item = f64>) {
+impl GraspRows {
+    fn singles(&mut self, name: RowName, first: usize, values: impl IntoIterator<Item = f64>) {
         let row = &mut self.0[name as usize][4 * first..];
         row.chunks_exact_mut(4).zip(values).for_each(|(b, v)| b.copy_from_slice(&(v as f32).to_le_bytes()));
     }
 
-    fn doubles(&mut self, name: Row, first: usize, values: impl IntoIterator<Item = f64>) {
+    fn doubles(&mut self, name: RowName, first: usize, values: impl IntoIterator<Item = f64>) {
         let row = &mut self.0[name as usize][8 * first..];
         row.chunks_exact_mut(8).zip(values).for_each(|(b, v)| b.copy_from_slice(&v.to_le_bytes()));
     }
 
-    fn integer(&mut self, name: Row, at: usize, value: u32) {
+    fn integer(&mut self, name: RowName, at: usize, value: u32) {
         self.0[name as usize][4 * at..4 * at + 4].copy_from_slice(&value.to_le_bytes());
     }
 }

@@ -19,7 +19,7 @@ pub const SENSITIVITY: &str = "sensitivity.csv";
 
 /// What a change does to a grasp of the data set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Spread {
+pub struct SensitivityRow {
     /// Name of the object.
     pub object: String,
     /// Number of the grasp, from 0.
@@ -38,7 +38,7 @@ pub struct Spread {
 ///
 /// # Errors
 /// A file that is no such table.
-pub fn read(dir: &Path, plan: &str) -> Result<Vec<Spread>> {
+pub fn read(dir: &Path, plan: &str) -> Result<Vec<SensitivityRow>> {
     let path = dir.join(SENSITIVITY);
     let text = match std::fs::read_to_string(&path) {
         Ok(text) => text,
@@ -56,7 +56,7 @@ pub fn read(dir: &Path, plan: &str) -> Result<Vec<Spread>> {
 /// Those of building a model, of running grasps and of writing.
 pub fn add(
     (dir, plan): (&Path, &str),
-    table: &mut Vec<Spread>,
+    table: &mut Vec<SensitivityRow>,
     (object, poses): (&NamedScene, &[GraspPose]),
     choose: Choose,
     threads: usize,
@@ -74,7 +74,7 @@ pub fn add(
     let ends = Ends::of(&outcomes, last);
     let answers = sensitivity(&object.scene, &model, stepper.as_ref(), (&grasps, &ends), threads)?;
     for ((grasp, _), moved) in grasps.iter().zip(answers) {
-        table.extend(moved.into_iter().map(|Moved { change, status, displacement, object_m }| Spread {
+        table.extend(moved.into_iter().map(|Moved { change, status, displacement, object_m }| SensitivityRow {
             object: name.into(),
             grasp: *grasp,
             change,

@@ -159,7 +159,7 @@ fn shape_functions(l: [f64; 4], nodes: &[u32]) -> Vec<(u32, f64)> {
 mod tests {
     use super::*;
     use crate::geometry::mesh::{grid, quadratic};
-    use crate::record::{Elements, PadFrame};
+    use crate::record::{ElementNodes, PadFrame};
 
     #[test]
     fn quadratic_fields_are_reproduced_and_volumes_add_up() {
@@ -167,7 +167,7 @@ mod tests {
         let coarse = grid::structured([&line(2), &line(2), &line(1)]).unwrap();
         let fine = quadratic::promote(&grid::structured([&line(3), &line(5), &line(4)]).unwrap());
         let coarse =
-            PadTopology { rest: coarse.nodes, elements: Elements::Linear(coarse.tets), ..PadTopology::default() };
+            PadTopology { rest: coarse.nodes, elements: ElementNodes::Linear(coarse.tets), ..PadTopology::default() };
         let points = Points::of(&coarse);
         assert!((points.volume.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         let field = |x: DVec3| 1.0 + x.x * x.y - 0.5 * x.z * x.z + 2.0 * x.y;
@@ -179,7 +179,8 @@ mod tests {
             }],
             ..Frame::default()
         };
-        let pad = PadTopology { rest: fine.nodes, elements: Elements::Quadratic(fine.tets), ..PadTopology::default() };
+        let pad =
+            PadTopology { rest: fine.nodes, elements: ElementNodes::Quadratic(fine.tets), ..PadTopology::default() };
         let fields = Probe::new(&points, &pad).fields(&frame);
         for (k, x) in points.position.iter().enumerate() {
             assert!((fields.stress[k] - field(*x)).abs() < 1e-12);

@@ -1,15 +1,15 @@
 //! N environments, stepped together.
 
 use super::action;
-use super::arena::Arena;
-use super::cell::Cell;
 use super::config::{Autoreset, BatchConfig};
-use super::draw::{Draw, Key};
+use super::draw::{Draw, EpisodeKey};
+use super::environment::Env;
 use super::pool::Pool;
-use super::reward::Facts;
+use super::reward::StepInfo;
+use super::shared::EnvShared;
 use super::snapshot::Snapshot;
 use super::spec::ArraySpec;
-use super::view::{Array, Outputs, StepError, StepView};
+use super::view::{EnvArray, Outputs, StepError, StepView};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::render::Pixmap;
@@ -20,8 +20,8 @@ use std::path::Path;
 
 /// Environments of one scene.
 pub struct BatchEnv {
-    arena: Arena,
-    cells: Vec<Cell>,
+    arena: EnvShared,
+    cells: Vec<Env>,
     config: BatchConfig,
     pool: Pool,
     outputs: Outputs,
@@ -46,7 +46,7 @@ impl BatchEnv {
         }
         let mut pool = Pool::new(config.threads)?;
         let open = || {
-            let arena = Arena::new(set, config.objects.as_deref(), config.max_steps)?;
+            let arena = EnvShared::new(set, config.objects.as_deref(), config.max_steps)?;
             for kind in &arena.kinds {
                 for variant in &kind.variants {
                     interrupt::check()?;
@@ -58,10 +58,10 @@ impl BatchEnv {
         // On its own threads: in a forked process those that all share are gone.
         let arena = pool.install(open)??;
         let n = config.num_envs;
-        let key = |i: usize| Key { seed: config.seed, env: config.first_env + i as u64, episode: 0 };
+        let key = |i: usize| EpisodeKey { seed: config.seed, env: config.first_env + i as u64, episode: 0 };
         let array = |spec: ArraySpec| {
             let zeros = vec![0.0; n * spec.size()];
-            Array { spec, now: zeros.clone(), last: zeros }
+            EnvArray { spec, now: zeros.clone(), last: zeros }
         };
         let outputs = Outputs {
             arrays: arena.senses.iter().map(|s| array(s.spec())).collect(),
@@ -70,13 +70,13 @@ impl BatchEnv {
             truncated: vec![false; n],
             ended: vec![false; n],
             faults: vec![None; n],
-            facts: vec![Facts::default(); n],
+            facts: vec![StepInfo::default(); n],
         };
-        Ok(Self { cells: (0..n).map(|i| Cell::new(key(i))).collect(), arena, config, pool, outputs })
+        Ok(Self { cells: (0..n).map(|i| Env::new(key(i))).collect(), arena, config, pool, outputs })
     }
 
     /// The same with a reward of the user's own instead of the scene's.
-    pub fn with_reward(mut self, reward: impl Fn(&Facts) -> f64 + Send + Sync + 'static) -> Self {
+    pub fn with_reward(mut self, reward: impl Fn(&StepInfo) -> f64 + Send + Sync + 'static) -> Self {
         self.arena.custom = Some(Box::new(reward));
         self
     }
@@ -107,7 +107,7 @@ impl BatchEnv {
     /// A mask of another length; an interruption.
     pub fn reset(&mut self, seed: Option<u64>, mask: Option<&[bool]>) -> std::result::Result<StepView<'_>, StepError> {
         let first = self.config.first_env;
-        self.begin(mask, |i| seed.map(|seed| Key { seed, env: first + i as u64, episode: 0 }))
+        self.begin(mask, |i| seed.map(|seed| EpisodeKey { seed, env: first + i as u64, episode: 0 }))
     }
 
     /// The same with a seed of its own for every environment: it starts the first episode that the only environment of a batch
@@ -124,14 +124,14 @@ impl BatchEnv {
             let message = format!("{} seeds for {} environments", seeds.len(), self.cells.len());
             return Err(StepError::call(message));
         }
-        self.begin(mask, |i| seeds[i].map(|seed| Key { seed, env: 0, episode: 0 }))
+        self.begin(mask, |i| seeds[i].map(|seed| EpisodeKey { seed, env: 0, episode: 0 }))
     }
 
     /// Starts the episode `key` says of the environments in `mask`; the next one where it says none.
     fn begin(
         &mut self,
         mask: Option<&[bool]>,
-        key: impl Fn(usize) -> Option<Key> + Sync,
+        key: impl Fn(usize) -> Option<EpisodeKey> + Sync,
     ) -> std::result::Result<StepView<'_>, StepError> {
         if let Some(mask) = mask
             && mask.len() != self.cells.len()
@@ -239,14 +239,14 @@ impl BatchEnv {
     }
 
     /// The episode that environment `env` is in, or starts next.
-    pub fn key(&self, env: usize) -> Key {
+    pub fn key(&self, env: usize) -> EpisodeKey {
         self.cells[env].key
     }
 
     /// Goes on if the work of all environments was `done`; else none of them has an episode any more.
     fn whole(&mut self, done: Result<()>) -> std::result::Result<(), StepError> {
         if interrupt::requested() {
-            self.cells.iter_mut().for_each(Cell::abandon);
+            self.cells.iter_mut().for_each(Env::abandon);
             return Err(StepError::interrupted());
         }
         done.map_err(|e| StepError::call(e.to_string()))

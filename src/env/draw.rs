@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 /// Names an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Key {
+pub struct EpisodeKey {
     /// Seed of the batch.
     pub seed: u64,
     /// Number of the environment.
@@ -18,7 +18,7 @@ pub struct Key {
     pub episode: u64,
 }
 
-impl Key {
+impl EpisodeKey {
     /// The numbers of this episode; `attempt` counts starts that were not feasible.
     pub fn random(&self, attempt: u64) -> Random {
         let words = [self.seed, self.env, self.episode, attempt];

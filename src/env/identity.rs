@@ -1,16 +1,16 @@
 //! What tells the environments of one scene from those of another: all that decides the bits of an episode, whatever the
 //! files are called that it came from.
 
-use super::arena::Kind;
+use super::shared::ObjectKind;
 use crate::error::{Error, Result};
 use crate::net::network::card::WEIGHTS;
 use crate::net::network::shipped;
-use crate::scene::{Fem, Pads, Scene, Stepper, Task};
+use crate::scene::{Fem, Pads, Scene, StepperChoice, Task};
 use glam::DVec3;
 use serde::Serialize;
 
 /// BLAKE3, hexadecimal, of task, backend and gripper of `scene`, and of the objects and grasps of `kinds`.
-pub(crate) fn identity(scene: &Scene, task: &Task, kinds: &[Kind]) -> Result<String> {
+pub(crate) fn identity(scene: &Scene, task: &Task, kinds: &[ObjectKind]) -> Result<String> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(text(task)?.as_bytes());
     let mut gripper = scene.gripper.clone();
@@ -18,9 +18,9 @@ pub(crate) fn identity(scene: &Scene, task: &Task, kinds: &[Kind]) -> Result<Str
     gripper.pads = Pads::default();
     hasher.update(text(&gripper)?.as_bytes());
     match &scene.stepper {
-        Stepper::Fem(fem) => hasher.update(text(&Fem { threads: None, ..*fem })?.as_bytes()),
+        StepperChoice::Fem(fem) => hasher.update(text(&Fem { threads: None, ..*fem })?.as_bytes()),
         // A network is its weights, wherever they lie.
-        Stepper::Gnn(gnn) => match (shipped::named(&gnn.model), std::fs::read(gnn.model.join(WEIGHTS))) {
+        StepperChoice::Gnn(gnn) => match (shipped::named(&gnn.model), std::fs::read(gnn.model.join(WEIGHTS))) {
             (Some(shipped), _) => hasher.update(shipped.weights),
             (None, Ok(weights)) => hasher.update(&weights),
             (None, Err(_)) => hasher.update(gnn.model.as_os_str().as_encoded_bytes()),

@@ -38,7 +38,7 @@ pub fn pushes(task: &Task, random: &mut Random) -> Vec<Push> {
 
 /// The loads of an episode.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Loads {
+pub struct EpisodeLoads {
     /// Whole weight of the object, N, hand frame.
     pub weight: DVec3,
     /// Steps in which it comes on.
@@ -47,7 +47,7 @@ pub struct Loads {
     pub pushes: Vec<Push>,
 }
 
-impl Loads {
+impl EpisodeLoads {
     /// Force on the object's centre of mass at step `step` with the hand turned by `twist` (rad) about the closing
     /// direction, N, hand frame. What points along the closing direction is left out: the fingers are geared.
     pub fn at(&self, step: usize, twist: f64) -> DVec3 {
@@ -65,7 +65,7 @@ mod tests {
     #[test]
     fn weight_comes_on_and_pushes_come_and_go() {
         let push = Push { begin: 4, lasts: 3, force: DVec3::Y };
-        let loads = Loads { weight: DVec3::new(5.0, 0.0, -2.0), lift: 2, pushes: vec![push] };
+        let loads = EpisodeLoads { weight: DVec3::new(5.0, 0.0, -2.0), lift: 2, pushes: vec![push] };
         assert_eq!(loads.at(0, 0.0), DVec3::ZERO);
         assert_eq!(
             loads.at(1, 0.0),

@@ -22,25 +22,25 @@
 //! where the limit surface of the grip is passed (grip.rs).
 
 pub mod action;
-pub mod arena;
 pub mod batch;
-mod cell;
 pub mod config;
 pub mod draw;
-pub mod grip;
+mod environment;
 mod identity;
 pub mod load;
 pub mod observe;
 mod picture;
 mod pool;
 pub mod reward;
+pub mod shared;
+pub mod slip;
 pub mod snapshot;
 pub mod spec;
 pub mod view;
 
 pub use batch::BatchEnv;
 pub use config::{Autoreset, BatchConfig};
-pub use reward::Facts;
+pub use reward::StepInfo;
 pub use snapshot::Snapshot;
 pub use spec::ArraySpec;
 pub use view::{StepError, StepView};

@@ -1,6 +1,6 @@
 //! A saved environment.
 
-use super::draw::Key;
+use super::draw::EpisodeKey;
 use serde::{Deserialize, Serialize};
 
 /// Version of what a snapshot holds.
@@ -14,7 +14,7 @@ pub struct Snapshot {
     /// BLAKE3 of all of the scene that decides an episode, hexadecimal.
     pub scene: String,
     /// The episode.
-    pub key: Key,
+    pub key: EpisodeKey,
     /// Name of the object in the hand; None where the episode has no feasible start, and before the first reset.
     pub object: Option<String>,
     /// All actions since its start, one after the other.
@@ -24,7 +24,7 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    pub(crate) fn new(scene: &str, key: Key, object: Option<&str>, actions: &[f32]) -> Self {
+    pub(crate) fn new(scene: &str, key: EpisodeKey, object: Option<&str>, actions: &[f32]) -> Self {
         let mut snapshot = Self {
             format: FORMAT,
             scene: scene.into(),
@@ -80,7 +80,7 @@ impl Snapshot {
     fn sum(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         hasher.update(self.scene.as_bytes());
-        let Key { seed, env, episode } = self.key;
+        let EpisodeKey { seed, env, episode } = self.key;
         [u64::from(self.format), seed, env, episode].iter().for_each(|word| {
             hasher.update(&word.to_le_bytes());
         });

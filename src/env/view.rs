@@ -1,11 +1,11 @@
 //! What a step gives: borrowed from the batch, so that nobody keeps arrays that the next step writes.
 
-use super::reward::Facts;
+use super::reward::StepInfo;
 use super::spec::ArraySpec;
 
 /// An array of all environments: (environments, shape of the spec).
 #[derive(Debug, Clone)]
-pub(crate) struct Array {
+pub(crate) struct EnvArray {
     pub spec: ArraySpec,
     pub now: Vec<f32>,
     pub last: Vec<f32>,
@@ -14,13 +14,13 @@ pub(crate) struct Array {
 /// What all environments gave.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Outputs {
-    pub arrays: Vec<Array>,
+    pub arrays: Vec<EnvArray>,
     pub reward: Vec<f32>,
     pub terminated: Vec<bool>,
     pub truncated: Vec<bool>,
     pub ended: Vec<bool>,
     pub faults: Vec<Option<String>>,
-    pub facts: Vec<Facts>,
+    pub facts: Vec<StepInfo>,
 }
 
 /// Results of a reset or step.
@@ -66,7 +66,7 @@ impl<'a> StepView<'a> {
     }
 
     /// What the rewards were made of.
-    pub fn facts(&self) -> &'a [Facts] {
+    pub fn facts(&self) -> &'a [StepInfo] {
         &self.0.facts
     }
 }

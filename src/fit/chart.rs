@@ -1,6 +1,6 @@
 //! The fits as a picture: forces against depth above, what is left over below.
 
-use super::Report;
+use super::FitReport;
 use super::report::{four, two};
 use crate::error::Result;
 use crate::number::shown;
@@ -25,7 +25,7 @@ const UPPER: u32 = 270;
 ///
 /// # Errors
 /// Files that cannot be written.
-pub fn save_chart(report: &Report, dir: &Path) -> Result<()> {
+pub fn save_chart(report: &FitReport, dir: &Path) -> Result<()> {
     save_picture(report, dir, "fit")
 }
 
@@ -36,7 +36,7 @@ struct Line<'a> {
     name: String,
 }
 
-impl Report {
+impl FitReport {
     /// The scene as it is, each parameter alone, the best pair, all.
     fn lines(&self) -> Vec<Line<'_>> {
         let given = Line { residuals: &self.given, color: MUTED, name: name("as the scene has it", self.given_rms) };
@@ -59,7 +59,7 @@ fn name(what: &str, rms: f64) -> String {
     format!("{what}: {:.1} % rms", 100.0 * rms)
 }
 
-impl Picture for Report {
+impl Picture for FitReport {
     fn plot<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B> {
         let (upper, lower) = area.split_vertically(UPPER);
         let (depths, lines) = (self.depths(), self.lines());

@@ -14,12 +14,12 @@ mod press;
 pub mod report;
 
 pub use curve::Curve;
-pub use parameter::{Parameter, Ranges, Values};
-pub use report::{Estimate, Fit, Report};
+pub use parameter::{Parameter, ParameterValues, Ranges};
+pub use report::{Fit, FitReport, FittedParameter};
 
 use crate::error::Result;
 use crate::scene::Scene;
-use press::Press;
+use press::PressRuns;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -34,15 +34,15 @@ pub fn fit(
     ranges: &Ranges,
     threads: usize,
     progress: impl Fn(&str) + Sync,
-) -> Result<Report> {
-    let press = Press::new(scene, curve, threads)?;
+) -> Result<FitReport> {
+    let press = PressRuns::new(scene, curve, threads)?;
     let ranges = ranges.above_surface(curve);
     let start = press.start();
     ranges.must_hold(&start)?;
     progress("the press as the scene has it");
     let given = press.residuals_of(&start)?;
     let sets: Vec<_> = sets().into_iter().filter(|free| free.len() <= curve.points.len()).collect();
-    let values = |free: &[Parameter], units: &[Vec<f64>]| -> Vec<Values> {
+    let values = |free: &[Parameter], units: &[Vec<f64>]| -> Vec<ParameterValues> {
         units.iter().map(|u| ranges.values(&start, free, u)).collect()
     };
     // All fits begin with these.
@@ -56,7 +56,7 @@ pub fn fit(
         Ok(Fit::new(free, &start, &ranges, &minimum))
     };
     let fits = press.pool().install(|| sets.par_iter().map(one).collect::<Result<Vec<_>>>())?;
-    Ok(Report::new(curve, &start, &ranges, given, fits, press.simulations()))
+    Ok(FitReport::new(curve, &start, &ranges, given, fits, press.simulations()))
 }
 
 /// Which parameters are free together: each alone, each pair, all.

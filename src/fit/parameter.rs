@@ -21,7 +21,7 @@ pub enum Parameter {
 }
 
 /// A value of each parameter, in the order of [`Parameter::ALL`].
-pub type Values = [f64; 4];
+pub type ParameterValues = [f64; 4];
 
 /// Largest shift of the zero upwards, over the least depth of the table: a press has a depth.
 const ABOVE: f64 = 0.9;
@@ -128,7 +128,7 @@ impl Ranges {
     }
 
     /// Refuses values outside.
-    pub(super) fn must_hold(&self, values: &Values) -> Result<()> {
+    pub(super) fn must_hold(&self, values: &ParameterValues) -> Result<()> {
         for (p, (value, [low, high])) in Parameter::ALL.into_iter().zip(values.iter().zip(self.0)) {
             if !(low..=high).contains(value) {
                 return Err(Error::Scene(format!(
@@ -145,12 +145,12 @@ impl Ranges {
     }
 
     /// Where the free ones of `values` lie in their ranges, 0 to 1.
-    pub(super) fn units(&self, values: &Values, free: &[Parameter]) -> Vec<f64> {
+    pub(super) fn units(&self, values: &ParameterValues, free: &[Parameter]) -> Vec<f64> {
         free.iter().map(|p| *p as usize).map(|i| (values[i] - self.0[i][0]) / self.width(i)).collect()
     }
 
     /// `start` with the free ones at the given parts of their ranges.
-    pub(super) fn values(&self, start: &Values, free: &[Parameter], units: &[f64]) -> Values {
+    pub(super) fn values(&self, start: &ParameterValues, free: &[Parameter], units: &[f64]) -> ParameterValues {
         let mut values = *start;
         for (p, u) in free.iter().zip(units) {
             let i = *p as usize;

@@ -1,6 +1,6 @@
 //! The press with given constants: one simulation per set of them, kept.
 
-use super::{Curve, Parameter, Values};
+use super::{Curve, Parameter, ParameterValues};
 use crate::backend::choose;
 use crate::error::{Error, Result};
 use crate::grasp::poses_of;
@@ -20,7 +20,7 @@ use std::sync::{Mutex, PoisonError};
 type Key = [u64; 3];
 
 /// A press at the depths of a curve.
-pub struct Press<'a> {
+pub struct PressRuns<'a> {
     scene: Scene,
     stepper: Box<dyn Stepper>,
     pose: GraspPose,
@@ -30,7 +30,7 @@ pub struct Press<'a> {
     known: Mutex<BTreeMap<Key, Option<Vec<f64>>>>,
 }
 
-impl<'a> Press<'a> {
+impl<'a> PressRuns<'a> {
     /// Takes a scene over; presses run on `threads` threads, each on one.
     ///
     /// # Errors
@@ -58,7 +58,7 @@ impl<'a> Press<'a> {
     }
 
     /// The scene's own values.
-    pub fn start(&self) -> Values {
+    pub fn start(&self) -> ParameterValues {
         let spec = self.scene.gripper.material.spec();
         [spec.young, spec.poisson, self.scene.gripper.friction.get(), 0.0]
     }
@@ -77,19 +77,19 @@ impl<'a> Press<'a> {
     ///
     /// # Errors
     /// Those of building a model and of running it.
-    pub fn residuals(&self, values: &[Values]) -> Result<Vec<Option<Vec<f64>>>> {
-        let missing: BTreeMap<Key, Values> = {
+    pub fn residuals(&self, values: &[ParameterValues]) -> Result<Vec<Option<Vec<f64>>>> {
+        let missing: BTreeMap<Key, ParameterValues> = {
             let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
             values.iter().map(|v| (key(v), *v)).filter(|(k, _)| !known.contains_key(k)).collect()
         };
-        let missing: Vec<(Key, Values)> = missing.into_iter().collect();
-        let run = |(key, values): &(Key, Values)| self.simulate(values).map(|forces| (*key, forces));
+        let missing: Vec<(Key, ParameterValues)> = missing.into_iter().collect();
+        let run = |(key, values): &(Key, ParameterValues)| self.simulate(values).map(|forces| (*key, forces));
         let new: Vec<(Key, Option<Vec<f64>>)> =
             self.pool.install(|| missing.par_iter().map(run).collect::<Result<_>>())?;
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         known.extend(new);
         let young = self.start()[Parameter::Young as usize];
-        let of = |v: &Values| {
+        let of = |v: &ParameterValues| {
             let forces = known.get(&key(v)).cloned().flatten()?;
             let scale = v[Parameter::Young as usize] / young;
             Some(forces.iter().zip(&self.curve.points).map(|(f, (_, measured))| scale * f / measured - 1.0).collect())
@@ -101,7 +101,7 @@ impl<'a> Press<'a> {
     ///
     /// # Errors
     /// A press that fails, too.
-    pub fn residuals_of(&self, values: &Values) -> Result<Vec<f64>> {
+    pub fn residuals_of(&self, values: &ParameterValues) -> Result<Vec<f64>> {
         let of = self.residuals(&[*values])?.into_iter().flatten().next();
         of.ok_or_else(|| {
             Error::Solver("the press of the scene fails at the depths of the table; see `tactus run`".into())
@@ -109,7 +109,7 @@ impl<'a> Press<'a> {
     }
 
     /// Forces, N, at the depths of the curve with the scene's Young's modulus; None where the press fails.
-    fn simulate(&self, [_, poisson, friction, zero]: &Values) -> Result<Option<Vec<f64>>> {
+    fn simulate(&self, [_, poisson, friction, zero]: &ParameterValues) -> Result<Option<Vec<f64>>> {
         let leaf = |message: String| Error::Start(format!("the press cannot be fitted: {message}"));
         let mut scene = self.scene.clone();
         let young = self.start()[Parameter::Young as usize];
@@ -125,7 +125,7 @@ impl<'a> Press<'a> {
     }
 }
 
-fn key(values: &Values) -> Key {
+fn key(values: &ParameterValues) -> Key {
     let [_, poisson, friction, zero] = values.map(f64::to_bits);
     [poisson, friction, zero]
 }

@@ -1,7 +1,7 @@
 //! What the fits found, as numbers and for human eyes.
 
 use super::least_squares::{Minimum, rms};
-use super::{Curve, Parameter, Ranges, Values};
+use super::{Curve, Parameter, ParameterValues, Ranges};
 use crate::number::{rounded, shown};
 use serde::Serialize;
 use std::fmt::Write;
@@ -13,7 +13,7 @@ const LISTED: usize = 8;
 
 /// A fitted parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Estimate {
+pub struct FittedParameter {
     /// Which.
     pub parameter: Parameter,
     /// Its value, SI.
@@ -28,9 +28,9 @@ pub struct Estimate {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fit {
     /// The free ones.
-    pub free: Vec<Estimate>,
+    pub free: Vec<FittedParameter>,
     /// All values, SI, in the order of [`Parameter::ALL`].
-    pub values: Values,
+    pub values: ParameterValues,
     /// Simulated over measured force, minus one, at each depth.
     pub residuals: Vec<f64>,
     /// Root mean square of the residuals.
@@ -44,9 +44,9 @@ pub struct Fit {
 }
 
 impl Fit {
-    pub(super) fn new(free: &[Parameter], start: &Values, ranges: &Ranges, minimum: &Minimum) -> Self {
+    pub(super) fn new(free: &[Parameter], start: &ParameterValues, ranges: &Ranges, minimum: &Minimum) -> Self {
         let values = ranges.values(start, free, &minimum.at);
-        let estimate = |((p, u), interval): ((&Parameter, &f64), Option<f64>)| Estimate {
+        let estimate = |((p, u), interval): ((&Parameter, &f64), Option<f64>)| FittedParameter {
             parameter: *p,
             value: values[*p as usize],
             interval: interval.map(|half| half * ranges.width(*p as usize)),
@@ -84,7 +84,7 @@ fn largest(residuals: &[f64]) -> f64 {
 
 /// The fits of a curve.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Report {
+pub struct FitReport {
     /// Depths of the table, m.
     pub depths_m: Vec<f64>,
     /// Measured forces, N.
@@ -92,7 +92,7 @@ pub struct Report {
     /// Names of the parameters: the order of `start`, `ranges` and the values of a fit.
     pub parameters: [Parameter; 4],
     /// Values of the scene, SI.
-    pub start: Values,
+    pub start: ParameterValues,
     /// Least and largest value allowed, SI.
     pub ranges: [[f64; 2]; 4],
     /// Relative residuals of the scene as it is.
@@ -107,10 +107,10 @@ pub struct Report {
     pub simulations: usize,
 }
 
-impl Report {
+impl FitReport {
     pub(super) fn new(
         curve: &Curve,
-        start: &Values,
+        start: &ParameterValues,
         ranges: &Ranges,
         given: Vec<f64>,
         fits: Vec<Fit>,
@@ -217,7 +217,7 @@ impl Report {
 }
 
 /// What stands behind a fitted value.
-fn note(estimate: &Estimate) -> String {
+fn note(estimate: &FittedParameter) -> String {
     match estimate.interval {
         Some(half) => format!(" +-{}", two(half * estimate.parameter.shown_as().1)),
         None if estimate.at_edge => " edge".into(),

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::shape::Shape;
 use crate::gripper::Hand;
-use crate::gripper::hand::Part;
+use crate::gripper::hand::HandPart;
 use crate::gripper::pose::GraspPose;
 use crate::random::Random;
 use crate::scene::Antipodal;
@@ -150,9 +150,9 @@ fn attempt(
 /// Whether the hand gets there and closes.
 fn clear(object: &Shape, hand: &Hand, pose: &GraspPose, stroke: f64) -> std::result::Result<(), Rejection> {
     let blocked = |part| match part {
-        Part::Palm => Rejection::Palm,
-        Part::Finger => Rejection::Finger,
-        Part::Pad => Rejection::TooWide,
+        HandPart::Palm => Rejection::Palm,
+        HandPart::Finger => Rejection::Finger,
+        HandPart::Pad => Rejection::TooWide,
     };
     let distance = object.distance.as_ref();
     hand.obstacle(distance, pose, 0.0, 0.0).map_or(Ok(()), |part| Err(blocked(part)))?;
@@ -164,7 +164,7 @@ fn clear(object: &Shape, hand: &Hand, pose: &GraspPose, stroke: f64) -> std::res
     }
     // The pads touch there; what counts is the rest of the hand.
     match hand.obstacle(distance, pose, travel, shift) {
-        Some(part @ (Part::Palm | Part::Finger)) => Err(blocked(part)),
+        Some(part @ (HandPart::Palm | HandPart::Finger)) => Err(blocked(part)),
         _ => Ok(()),
     }
 }

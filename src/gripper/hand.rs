@@ -27,7 +27,7 @@ pub struct Hand {
 
 /// A part of the hand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum HandPart {
     /// The body that carries the fingers.
     Palm,
     /// A finger behind and below its pad.
@@ -36,13 +36,13 @@ pub enum Part {
     Pad,
 }
 
-impl Part {
+impl HandPart {
     /// In words.
     pub fn name(self) -> &'static str {
         match self {
-            Part::Palm => "palm",
-            Part::Finger => "finger",
-            Part::Pad => "pad",
+            HandPart::Palm => "palm",
+            HandPart::Finger => "finger",
+            HandPart::Pad => "pad",
         }
     }
 }
@@ -66,14 +66,14 @@ impl Hand {
 
     /// The part that meets the object when each finger has travelled by `travel` (m) from the open hand: palm first,
     /// then fingers, then pads. `shift` moves the object along hand x, m.
-    pub fn obstacle(&self, object: &dyn SignedDistance, pose: &GraspPose, travel: f64, shift: f64) -> Option<Part> {
+    pub fn obstacle(&self, object: &dyn SignedDistance, pose: &GraspPose, travel: f64, shift: f64) -> Option<HandPart> {
         let meets =
             |b: Aabb| overlaps(object, pose, Aabb { min: b.min - DVec3::X * shift, max: b.max - DVec3::X * shift });
         let (fingers, pads) = (self.fingers(travel), self.pads(travel));
         match () {
-            () if meets(palm()) => Some(Part::Palm),
-            () if fingers.into_iter().any(meets) => Some(Part::Finger),
-            () if pads.into_iter().any(meets) => Some(Part::Pad),
+            () if meets(palm()) => Some(HandPart::Palm),
+            () if fingers.into_iter().any(meets) => Some(HandPart::Finger),
+            () if pads.into_iter().any(meets) => Some(HandPart::Pad),
             () => None,
         }
     }

@@ -7,5 +7,5 @@ pub mod pose;
 
 pub use approach::{Approach, approach};
 pub use hand::Hand;
-pub use placement::{Placement, SIDES};
+pub use placement::{FingerPlacement, SIDES};
 pub use pose::GraspPose;

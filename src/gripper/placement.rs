@@ -11,7 +11,7 @@ pub const SIDES: usize = 2;
 
 /// Rigid placement of one pad at zero travel, and the direction its finger closes in.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Placement {
+pub struct FingerPlacement {
     /// Pad axes in hand axes: pad x (long side) along the approach, pad z (out of the gel) along the closing direction.
     pub rotation: DMat3,
     /// Centre of the sensing face, m.
@@ -20,7 +20,7 @@ pub struct Placement {
     pub closing: DVec3,
 }
 
-impl Placement {
+impl FingerPlacement {
     /// Pad of finger `side` (0 left, 1 right) for an aperture `opening` (m, between the sensing faces) with the centre of
     /// the sensing faces at height `height` (m) along the approach.
     pub fn new(side: usize, opening: f64, height: f64) -> Self {
@@ -51,7 +51,7 @@ mod tests {
     #[test]
     fn pads_face_each_other_as_proper_rotations() {
         for side in 0..SIDES {
-            let p = Placement::new(side, 0.08, 0.1);
+            let p = FingerPlacement::new(side, 0.08, 0.1);
             assert_eq!(p.rotation.determinant(), 1.0, "side {side} is not mirrored");
             assert_eq!(p.rotation.z_axis, p.closing, "the gel faces the closing direction");
             assert_eq!(p.place(DVec3::ZERO).x.abs(), 0.04, "half the opening from the middle, m");

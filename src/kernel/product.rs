@@ -68,7 +68,7 @@ fn panels(cols: usize) -> impl Iterator<Item = (usize, usize)> {
 
 /// Rows of a row-major matrix.
 #[derive(Debug, Clone, Copy)]
-pub struct Rows<'a> {
+pub struct RowsView<'a> {
     /// The numbers; row i starts at `i * stride`.
     pub data: &'a [f32],
     /// From one row to the next.
@@ -81,7 +81,7 @@ pub struct Rows<'a> {
 #[derive(Debug)]
 pub struct Product<'a> {
     /// Rows as long as `w` has rows, or longer.
-    pub a: Rows<'a>,
+    pub a: RowsView<'a>,
     /// Weights.
     pub w: &'a Packed,
     /// Whether to add to what `out` holds.
@@ -136,7 +136,7 @@ pub fn product<S: Simd>(simd: S, p: Product) {
 
 /// One panel of a product.
 struct Panel<'a, 'b> {
-    a: Rows<'a>,
+    a: RowsView<'a>,
     k: usize,
     panel: &'a [f32],
     keep: bool,
@@ -198,7 +198,7 @@ impl Panel<'_, '_> {
 }
 
 /// `out = a w` for `w` of [`LANES`] columns of which only the first `used` matter.
-pub fn respond(a: Rows, w: &Packed, used: usize, out: &mut [f32]) {
+pub fn respond(a: RowsView, w: &Packed, used: usize, out: &mut [f32]) {
     if used <= FEW {
         return Arch::new().dispatch(Dots { a, w, used, out });
     }
@@ -211,7 +211,7 @@ const FEW: usize = 4;
 
 /// A product with few columns: along the rows.
 struct Dots<'a> {
-    a: Rows<'a>,
+    a: RowsView<'a>,
     w: &'a Packed,
     used: usize,
     out: &'a mut [f32],
@@ -260,7 +260,7 @@ mod tests {
             let packed = Packed::new(&w, n);
             let mut out = vec![1.0; m * packed.cols];
             let stride = packed.cols;
-            let rows = Rows { data: &a, stride: k, count: m };
+            let rows = RowsView { data: &a, stride: k, count: m };
             Arch::new().dispatch(Product {
                 a: rows,
                 w: &packed,

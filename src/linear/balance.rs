@@ -51,7 +51,7 @@ impl Pressed {
 
 /// The balance of an object between two pads under one load.
 #[derive(Debug, Clone)]
-pub struct Balance {
+pub struct ObjectBalance {
     /// Of each pad: the force of a unit of each component of contact (against the closing direction, along x, along y).
     axes: [[[f32; 3]; 3]; 2],
     /// Of each node, one pad after the other: where its force acts.
@@ -64,7 +64,7 @@ pub struct Balance {
     load: [f32; EQUATIONS],
 }
 
-impl Balance {
+impl ObjectBalance {
     /// Between `pads`; `weight` is the object's, and where it acts.
     pub fn new(pads: &[Pressed; 2], weight: [DVec3; 2]) -> Self {
         let axes = pads.each_ref().map(|pad| {

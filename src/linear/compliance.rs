@@ -7,7 +7,7 @@
 use super::deviator::{Deviator, deviators};
 use crate::error::{Error, Result};
 use crate::kernel::numbers::Numbers;
-use crate::kernel::product::{LANES, Packed, Rows, respond};
+use crate::kernel::product::{LANES, Packed, RowsView, respond};
 use crate::mech::body::cholesky::Factor;
 use crate::part::FingerModel;
 use crate::record::PadTopology;
@@ -106,7 +106,7 @@ impl Compliance {
         // The nodes of the face come first.
         let rows = 3 * face.iter().filter(|node| self.slot[**node as usize].is_some()).count();
         let mut moved = vec![0.0; rows * LANES];
-        let a = Rows { data: &self.response, stride: self.forces, count: rows };
+        let a = RowsView { data: &self.response, stride: self.forces, count: rows };
         respond(a, &forces, loads.len(), &mut moved);
         let given = |node: &u32, load: usize| match self.slot[*node as usize] {
             Some(slot) => {

@@ -33,15 +33,15 @@ const KEY: &str = "key";
 
 /// A folder of responses.
 #[derive(Debug, Clone)]
-pub struct Cache {
+pub struct ComplianceCache {
     dir: PathBuf,
 }
 
 /// What a response is for.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Key(String);
+pub struct ComplianceKey(String);
 
-impl Key {
+impl ComplianceKey {
     /// For the pad of `finger` with the sensing nodes `face`, whose mesh has this hash.
     pub fn of(finger: &FingerModel, face: &[u32], mesh: &str) -> Self {
         let (body, material) = (&finger.body, &finger.body.material);
@@ -54,7 +54,7 @@ impl Key {
     }
 }
 
-impl Cache {
+impl ComplianceCache {
     /// That of the user: `tactus` in `$XDG_CACHE_HOME` (`~/.cache`), `~/Library/Caches` or `%LOCALAPPDATA%`. None where there is
     /// no such folder.
     pub fn of_user() -> Option<Self> {
@@ -68,12 +68,12 @@ impl Cache {
     }
 
     /// The file of a response.
-    pub fn path(&self, key: &Key) -> PathBuf {
+    pub fn path(&self, key: &ComplianceKey) -> PathBuf {
         self.dir.join(format!("{:.32}.pad", key.0))
     }
 
     /// The response for `key`; None if it is not there. One that is not whole is removed.
-    pub fn read(&self, key: &Key) -> Option<Compliance> {
+    pub fn read(&self, key: &ComplianceKey) -> Option<Compliance> {
         let path = self.path(key);
         let file = File::open(&path).ok()?;
         // For who is to go when room is needed; a folder of somebody else keeps its times.
@@ -86,7 +86,7 @@ impl Cache {
     }
 
     /// Keeps a response, whole or not at all.
-    pub fn write(&self, key: &Key, compliance: &Compliance) {
+    pub fn write(&self, key: &ComplianceKey, compliance: &Compliance) {
         let Some(content) = content(key, compliance) else { return };
         if create_dir(&self.dir).is_ok() && self.make_room(content.len() as u64) {
             // Who cannot keep it solves again next time.
@@ -113,7 +113,7 @@ impl Cache {
 }
 
 /// The response in a file that is as it was written, for this key.
-fn response(map: &Map, key: &Key) -> Option<Compliance> {
+fn response(map: &Map, key: &ComplianceKey) -> Option<Compliance> {
     let (body, sum) = map.bytes().split_last_chunk::<SUM>()?;
     if blake3::hash(body).as_bytes() != sum {
         return None;
@@ -140,7 +140,7 @@ fn response(map: &Map, key: &Key) -> Option<Compliance> {
 }
 
 /// The content of the file of a response.
-fn content(key: &Key, compliance: &Compliance) -> Option<Vec<u8>> {
+fn content(key: &ComplianceKey, compliance: &Compliance) -> Option<Vec<u8>> {
     let Deviator { start, slot, parts } = &compliance.deviator;
     let (forces, rows) = (compliance.forces, compliance.moving());
     let slots: Vec<u32> = compliance.slot.iter().map(|s| s.unwrap_or(NONE)).collect();

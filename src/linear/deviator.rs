@@ -1,9 +1,9 @@
 //! Deviatoric stress of the nodes of a pad from small displacements, as [`crate::mech::body::Body::cauchy`] recovers it.
 
 use crate::kernel::numbers::Numbers;
-use crate::mech::element::{EDGES, RestTet, Shape, TET4, TET10};
+use crate::mech::element::{EDGES, RestTet, ShapeFunctions, TET4, TET10};
 use crate::part::FingerModel;
-use crate::record::Elements;
+use crate::record::ElementNodes;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -38,8 +38,8 @@ pub fn deviators(finger: &FingerModel, slot: &[Option<u32>], thickness: f64) -> 
     let scale = thickness / (1.0 + finger.body.material.moduli().poisson);
     let mut sums = vec![(BTreeMap::new(), 0.0); pad.rest.len()];
     match &pad.elements {
-        Elements::Linear(tets) => tets.iter().for_each(|t| add(&TET4, t, &pad.rest, &mut sums)),
-        Elements::Quadratic(tets) => tets.iter().for_each(|t| add(&TET10, t, &pad.rest, &mut sums)),
+        ElementNodes::Linear(tets) => tets.iter().for_each(|t| add(&TET4, t, &pad.rest, &mut sums)),
+        ElementNodes::Quadratic(tets) => tets.iter().for_each(|t| add(&TET10, t, &pad.rest, &mut sums)),
     }
     let (mut start, mut near, mut all) = (vec![0], Vec::new(), Vec::new());
     for (neighbours, volume) in &sums {
@@ -56,7 +56,7 @@ pub fn deviators(finger: &FingerModel, slot: &[Option<u32>], thickness: f64) -> 
 
 /// Adds, for every node of a tetrahedron, the gradients of the shape functions there times the volume.
 fn add<const N: usize, const Q: usize>(
-    shape: &Shape<N, Q>,
+    shape: &ShapeFunctions<N, Q>,
     nodes: &[u32; N],
     rest: &[DVec3],
     sums: &mut [(BTreeMap<u32, DVec3>, f64)],

@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// Where everything is when the pads first touch.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Touch {
+pub struct GeometricContact {
     /// Pose of the object.
     pub object: ObjectPose,
     /// Travel of each finger, m.
@@ -43,7 +43,7 @@ impl Stepper for Still {
     fn register(&self, _: &mut Schedule, _: &mut World, _: &Model) {}
 }
 
-impl Touch {
+impl GeometricContact {
     /// Closes the fingers of a grasp at `pose`.
     ///
     /// # Errors

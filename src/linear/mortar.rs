@@ -1,36 +1,36 @@
-//! How a sensing face is pressed: forces that act as hats around the corners of its triangles.
+//! How a sensing face is pressed: forces that act as basis functions around the corners of its triangles.
 //!
 //! A pressure given node by node is finer than what the elements below can follow, and oscillates; linear between corners it
 //! does not (mortar contact: Bernardi, Maday and Patera 1994).
 
 use crate::linear::compliance::Compliance;
 use crate::mech::element::EDGES;
-use crate::record::{Elements, PadTopology};
+use crate::record::{ElementNodes, PadTopology};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// What a hat gives to its own force beyond the linear response: within it, too, the pressure is not even.
+/// What a basis function gives to its own force beyond the linear response: within it, too, the pressure is not even.
 const LOCAL: f64 = 0.4;
 
 /// Hats on a face, pad frame.
 #[derive(Debug, Clone)]
-pub struct Hats {
-    /// Parts of a hat's force by face node; they sum to one.
+pub struct MortarBasis {
+    /// Parts of a basis function's force by face node; they sum to one.
     pub parts: Vec<Vec<(u32, f64)>>,
     /// Where each acts at rest, m.
     pub rest: Vec<DVec3>,
-    /// (hats * 3, hats * 3), symmetric: mean displacement under a hat by force components, over the thickness per `E t^2`.
+    /// (basis functions * 3, basis functions * 3), symmetric: mean displacement under a basis function by force components, over the thickness per `E t^2`.
     compliance: Vec<f64>,
 }
 
-impl Hats {
+impl MortarBasis {
     /// On the nodes `face` of `pad`, at `rest`, each standing for an `area` of the face.
     pub fn new(pad: &PadTopology, face: &[u32], rest: &[DVec3], area: &[f64], response: &Compliance) -> Self {
         let own: BTreeMap<u32, u32> = face.iter().enumerate().map(|(i, n)| (*n, i as u32)).collect();
         // The two corners that a node in the middle of an edge lies between.
         let mut between = BTreeMap::new();
-        if let Elements::Quadratic(tets) = &pad.elements {
+        if let ElementNodes::Quadratic(tets) = &pad.elements {
             for t in tets {
                 between.extend((0..6).map(|k| (t[4 + k], EDGES[k].map(|corner| t[corner]))));
             }
@@ -51,7 +51,7 @@ impl Hats {
         let mut compliance = vec![0.0; 9 * n * n];
         compliance.par_chunks_exact_mut(9 * n.max(1)).zip(&parts).for_each(|(own, to)| {
             for (k, own) in own.chunks_exact_mut(3 * n).enumerate() {
-                // How the mean displacement under the hat depends on the forces on the nodes.
+                // How the mean displacement under the basis function depends on the forces on the nodes.
                 let mut row = vec![0.0; 3 * face.len()];
                 for (i, part) in to {
                     let given = response.row(face[*i as usize], k).unwrap_or_default();
@@ -84,30 +84,30 @@ impl Hats {
         self.parts.len()
     }
 
-    /// Row of the compliance: component `k` under hat `hat`, by force components.
-    pub fn row(&self, hat: usize, k: usize) -> &[f64] {
+    /// Row of the compliance: component `k` under basis function `basis function`, by force components.
+    pub fn row(&self, function: usize, k: usize) -> &[f64] {
         let n = 3 * self.count();
-        &self.compliance[(3 * hat + k) * n..][..n]
+        &self.compliance[(3 * function + k) * n..][..n]
     }
 
-    /// How a hat gives to its own force, the mean over all directions.
-    pub fn own(&self, hat: usize) -> f64 {
-        let [x, y, z] = [0, 1, 2].map(|k| self.row(hat, k)[3 * hat + k]);
+    /// How a basis function gives to its own force, the mean over all directions.
+    pub fn own(&self, function: usize) -> f64 {
+        let [x, y, z] = [0, 1, 2].map(|k| self.row(function, k)[3 * function + k]);
         (x + y + z) / 3.0
     }
 
-    /// Mean displacement under every hat when they press with `forces`.
+    /// Mean displacement under every basis function when they press with `forces`.
     pub fn respond(&self, forces: &[DVec3]) -> Vec<DVec3> {
-        let pressing: Vec<usize> = (0..forces.len()).filter(|hat| forces[*hat] != DVec3::ZERO).collect();
-        let component = |hat: usize, k: usize| {
-            let row = self.row(hat, k);
+        let pressing: Vec<usize> = (0..forces.len()).filter(|function| forces[*function] != DVec3::ZERO).collect();
+        let component = |function: usize, k: usize| {
+            let row = self.row(function, k);
             let of = |j: &usize| DVec3::from_slice(&row[3 * j..]).dot(forces[*j]);
             pressing.iter().map(of).sum()
         };
-        (0..self.count()).map(|hat| DVec3::from_array([0, 1, 2].map(|k| component(hat, k)))).collect()
+        (0..self.count()).map(|function| DVec3::from_array([0, 1, 2].map(|k| component(function, k)))).collect()
     }
 
-    /// Forces on `nodes` face nodes when the hats press with `forces`.
+    /// Forces on `nodes` face nodes when the basis functions press with `forces`.
     pub fn on_face(&self, forces: &[DVec3], nodes: usize) -> Vec<DVec3> {
         let mut out = vec![DVec3::ZERO; nodes];
         for (part, force) in self.parts.iter().zip(forces) {

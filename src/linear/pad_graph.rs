@@ -7,9 +7,9 @@
 //! ```
 
 use super::compliance::Compliance;
-use super::compliance_cache::{Cache, Key};
+use super::compliance_cache::{ComplianceCache, ComplianceKey};
 use super::edges::Edges;
-use super::mortar::Hats;
+use super::mortar::MortarBasis;
 use crate::error::{Error, Result};
 use crate::geometry::barycentric::barycentric;
 use crate::kernel::Sparse;
@@ -56,7 +56,7 @@ pub struct PadGraph {
     /// Its linear response.
     pub compliance: Arc<Compliance>,
     /// How its face is pressed.
-    pub hats: Hats,
+    pub basis: MortarBasis,
     /// BLAKE3 of the pad's mesh.
     pub hash: String,
     /// Poisson's ratio of its gel.
@@ -76,7 +76,7 @@ impl PadGraph {
     ///
     /// # Errors
     /// A pad without a sensing face.
-    pub fn keeping(finger: &FingerModel, layout: Layout, cache: Option<&Cache>) -> Result<Self> {
+    pub fn keeping(finger: &FingerModel, layout: Layout, cache: Option<&ComplianceCache>) -> Result<Self> {
         let pad = &finger.topology;
         let face: Vec<u32> = pad.sensing.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
         let thickness = pad.thickness();
@@ -107,7 +107,7 @@ impl PadGraph {
             rows.iter().zip(&pad.bonded).map(|(row, bonded)| if *bonded { Vec::new() } else { row.clone() }).collect();
         let compliance = Arc::new(response(finger, &face, thickness, &hash, cache)?);
         Ok(Self {
-            hats: Hats::new(pad, &face, &rest, &area, &compliance),
+            basis: MortarBasis::new(pad, &face, &rest, &area, &compliance),
             compliance,
             layout,
             thickness,
@@ -135,10 +135,10 @@ fn response(
     face: &[u32],
     thickness: f64,
     hash: &str,
-    cache: Option<&Cache>,
+    cache: Option<&ComplianceCache>,
 ) -> Result<Compliance> {
     let Some(cache) = cache else { return Compliance::new(finger, face, thickness) };
-    let key = Key::of(finger, face, hash);
+    let key = ComplianceKey::of(finger, face, hash);
     if let Some(known) = cache.read(&key) {
         return Ok(known);
     }

@@ -1,6 +1,6 @@
 //! Contact forces node by node, for which the pad's linear response follows the object.
 //!
-//! The forces of a grip are smooth between corners. They are relaxed towards those under which every touching node gives as
+//! The forces of a equilibrium are smooth between corners. They are relaxed towards those under which every touching node gives as
 //! the object asks, none pulls, and their sums stay: projected gradient steps with momentum (Beck and Teboulle 2009). A few
 //! are enough, the network learns the rest.
 //!
@@ -8,7 +8,7 @@
 //! product of matrices.
 
 use super::compliance::Compliance;
-use crate::kernel::product::{Packed, Rows, respond};
+use crate::kernel::product::{Packed, RowsView, respond};
 use glam::DVec3;
 use pulp::Arch;
 
@@ -179,7 +179,7 @@ impl Settling {
     fn respond(&mut self) {
         let nodes = &self.nodes;
         self.forces.fill(3 * nodes.len(), LANES, |r, load| nodes[r / 3].ahead[r % 3][load] as f32);
-        let a = Rows { data: &self.matrix, stride: 3 * nodes.len(), count: 3 * nodes.len() };
+        let a = RowsView { data: &self.matrix, stride: 3 * nodes.len(), count: 3 * nodes.len() };
         respond(a, &self.forces, self.loads, &mut self.moved);
     }
 

@@ -2,8 +2,8 @@
 
 use crate::geometry::shape::Shape;
 use crate::gripper::GraspPose;
-use crate::mech::contact::law::Law;
-use crate::scene::motion::{self, Hand, Motion, Stage};
+use crate::mech::contact::law::ContactLaw;
+use crate::scene::motion::{self, HandState, Motion, Stage};
 use crate::scene::{Ground, Loading, Scene};
 use glam::DVec3;
 
@@ -40,7 +40,7 @@ pub struct Support {
     /// m.
     pub height: f64,
     /// Contact law of one vertex of the object, stiffness in N/m.
-    pub law: Law,
+    pub law: ContactLaw,
 }
 
 /// Least stiffness of a vertex against the ground, over the object's mass times standard gravity over the contact offset: under its
@@ -79,7 +79,12 @@ impl Dynamics {
                 Support {
                     normal,
                     height: plane.height.map_or_else(|| lowest() - offset, |h| h.get()),
-                    law: Law { stiffness, offset, friction: plane.friction.get(), tangential: STICKING * stiffness },
+                    law: ContactLaw {
+                        stiffness,
+                        offset,
+                        friction: plane.friction.get(),
+                        tangential: STICKING * stiffness,
+                    },
                 }
             }),
             motions: dynamic.motions.clone(),
@@ -96,8 +101,8 @@ impl Dynamics {
     }
 
     /// The hand at `time` (s) of a grasp that starts at `pose`.
-    pub fn hand(&self, pose: &GraspPose, time: f64) -> Hand {
-        let start = Hand { position: pose.position, rotation: pose.rotation, force: 0.0 };
+    pub fn hand(&self, pose: &GraspPose, time: f64) -> HandState {
+        let start = HandState { position: pose.position, rotation: pose.rotation, force: 0.0 };
         motion::follow(&self.motions, &start, time, &self.stage)
     }
 }

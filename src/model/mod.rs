@@ -21,13 +21,13 @@ use crate::judge::Auditor;
 use crate::limits::{self, PadSize};
 use crate::mech::body::locking::locking_notice;
 use crate::mech::contact::Feature;
-use crate::mech::contact::law::Law;
+use crate::mech::contact::law::ContactLaw;
 use crate::mech::material::{FixedCorotated, Linear, Material, NeoHookean};
 use crate::number::shown;
 use crate::part::{FingerModel, object, pad};
 use crate::record::{PadReport, pad_name};
 use crate::scales::{self, CONTACT_FORCE};
-use crate::scene::{self, Fingers, Loading, Motion, Scene, Stepper};
+use crate::scene::{self, Fingers, Loading, ObjectMotion, Scene, StepperChoice};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -51,7 +51,7 @@ pub struct Model {
     /// Density of the gel, kg/m3.
     pub gel_density: f64,
     /// The contact law.
-    pub law: Law,
+    pub law: ContactLaw,
     /// Largest travel of a finger, m.
     pub stroke: f64,
     /// Distance of the open sensing faces, m.
@@ -70,7 +70,7 @@ pub struct Model {
     /// Motion in time; None is quasi-static.
     pub dynamics: Option<Dynamics>,
     /// Motion of a free object at one load level, once held, at which it counts as lost, m; None follows it however far it goes.
-    pub leash: Option<f64>,
+    pub largest_drift: Option<f64>,
     /// Memory that a grasp takes, about, bytes.
     pub memory: u64,
     /// What the scene needs in its world.
@@ -101,8 +101,8 @@ impl Model {
             scene::Law::Linear => Arc::new(Linear::new(spec.young, spec.poisson)),
         };
         let fem = match &scene.stepper {
-            Stepper::Fem(fem) => *fem,
-            Stepper::Gnn(_) => scene::Fem::default(),
+            StepperChoice::Fem(fem) => *fem,
+            StepperChoice::Gnn(_) => scene::Fem::default(),
         };
         let sides = match scene.gripper.fingers {
             Fingers::Both => 2,
@@ -147,7 +147,7 @@ impl Model {
             }
         }
         let spacing = fingers.iter().map(|f| f.surface.spacing).fold(f64::INFINITY, f64::min);
-        let free = scene.object.motion == Motion::Free;
+        let free = scene.object.motion == ObjectMotion::Free;
         let needs = Needs::of(scene);
         // Friction makes the answer depend on the path of a quasi-static load, nothing else does.
         let depends = scene.gripper.friction.get() > 0.0 && dynamics.is_none() && !fingers.is_empty();
@@ -161,7 +161,7 @@ impl Model {
             pad_notice: fingers.first().and_then(|f| locking_notice(&f.body)),
             fingers,
             quality,
-            law: Law::new(spec.young, spacing, scene.gripper.friction.get(), offset),
+            law: ContactLaw::new(spec.young, spacing, scene.gripper.friction.get(), offset),
             material,
             gel_density: spec.density,
             stroke: scene.gripper.stroke.get(),
@@ -170,7 +170,7 @@ impl Model {
             force_driven,
             levels,
             dynamics,
-            leash: None,
+            largest_drift: None,
             memory,
             needs,
             auditor,

@@ -1,6 +1,6 @@
 //! What a scene needs in its world: nothing is spawned, computed or solved for that nobody asked for.
 
-use crate::scene::{Expectation, Field, Fingers, Loading, Motion, Scene};
+use crate::scene::{Expectation, Field, Fingers, Loading, ObjectMotion, Scene};
 use serde::Serialize;
 
 /// Parts of the world that are there only if the scene asks for them.
@@ -46,7 +46,7 @@ impl Needs {
             dynamic: matches!(scene.loading, Loading::Dynamic(_)),
             ground: scene.ground.is_some(),
             task: false,
-            free_object: scene.object.motion == Motion::Free,
+            free_object: scene.object.motion == ObjectMotion::Free,
         }
     }
 }

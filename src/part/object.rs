@@ -23,7 +23,7 @@ const MAX_FEATURES: u64 = 1_000_000;
 pub fn build(object: &scene::Object, notices: &mut Vec<String>) -> Result<Shape> {
     let scale = object.scale.get();
     let shape = match &object.shape {
-        o::Shape::Mesh(path) => {
+        o::ObjectShape::Mesh(path) => {
             let (mesh, news) = read_tri_mesh(path)?;
             notices.extend(news);
             let stem = path.file_stem().map_or("mesh".into(), |s| s.to_string_lossy().into_owned());
@@ -70,41 +70,41 @@ fn within_limits(mesh: &TriMesh, scale: f64) -> Result<()> {
 }
 
 /// The generator of a shape that is not a file.
-fn kind(shape: &o::Shape) -> ShapeKind {
+fn kind(shape: &o::ObjectShape) -> ShapeKind {
     match shape {
         // A mesh never gets here; a unit ball is the harmless answer.
-        o::Shape::Mesh(_) => ShapeKind::Sphere { radius: 1.0 },
-        o::Shape::Sphere(s) => ShapeKind::Sphere { radius: s.radius.get() },
-        o::Shape::Cuboid(s) => ShapeKind::Cuboid { size: s.size.size(), edge_radius: s.edge_radius.get() },
-        o::Shape::Ellipsoid(s) => ShapeKind::Ellipsoid { semi_axes: s.radii.size() },
-        o::Shape::Cylinder(s) => ShapeKind::Cylinder { radius: s.radius.get(), height: s.height.get() },
+        o::ObjectShape::Mesh(_) => ShapeKind::Sphere { radius: 1.0 },
+        o::ObjectShape::Sphere(s) => ShapeKind::Sphere { radius: s.radius.get() },
+        o::ObjectShape::Cuboid(s) => ShapeKind::Cuboid { size: s.size.size(), edge_radius: s.edge_radius.get() },
+        o::ObjectShape::Ellipsoid(s) => ShapeKind::Ellipsoid { semi_axes: s.radii.size() },
+        o::ObjectShape::Cylinder(s) => ShapeKind::Cylinder { radius: s.radius.get(), height: s.height.get() },
         // A scene gives the height of the cylindrical part, the generator takes the whole length.
-        o::Shape::Capsule(s) => {
+        o::ObjectShape::Capsule(s) => {
             ShapeKind::Capsule { radius: s.radius.get(), length: s.height.get() + 2.0 * s.radius.get() }
         }
-        o::Shape::Prism(s) => {
+        o::ObjectShape::Prism(s) => {
             ShapeKind::Prism { sides: s.sides.get() as u32, radius: s.radius.get(), height: s.height.get() }
         }
-        o::Shape::Annulus(s) => {
+        o::ObjectShape::Annulus(s) => {
             ShapeKind::Annulus { outer_radius: s.outer.get(), inner_radius: s.inner.get(), height: s.height.get() }
         }
-        o::Shape::Cup(s) => ShapeKind::Cup { radius: s.radius.get(), height: s.height.get(), wall: s.wall.get() },
-        o::Shape::Lemon(s) => ShapeKind::Lemon { length: s.length.get(), diameter: s.diameter.get() },
-        o::Shape::Strawberry(s) => ShapeKind::Strawberry { length: s.length.get(), diameter: s.diameter.get() },
-        o::Shape::Pear(s) => ShapeKind::Pear { length: s.length.get(), diameter: s.diameter.get() },
-        o::Shape::Banana(s) => ShapeKind::Banana {
+        o::ObjectShape::Cup(s) => ShapeKind::Cup { radius: s.radius.get(), height: s.height.get(), wall: s.wall.get() },
+        o::ObjectShape::Lemon(s) => ShapeKind::Lemon { length: s.length.get(), diameter: s.diameter.get() },
+        o::ObjectShape::Strawberry(s) => ShapeKind::Strawberry { length: s.length.get(), diameter: s.diameter.get() },
+        o::ObjectShape::Pear(s) => ShapeKind::Pear { length: s.length.get(), diameter: s.diameter.get() },
+        o::ObjectShape::Banana(s) => ShapeKind::Banana {
             length: s.length.get(),
             diameter: s.diameter.get(),
             bend: s.bend_deg.get().to_radians(),
         },
-        o::Shape::Potato(s) => {
+        o::ObjectShape::Potato(s) => {
             ShapeKind::Potato { semi_axes: s.radii.size(), roughness: s.roughness.get(), seed: s.seed }
         }
-        o::Shape::Revolve(s) => ShapeKind::Revolve {
+        o::ObjectShape::Revolve(s) => ShapeKind::Revolve {
             profile: s.profile.iter().map(|p| glam::DVec2::from_array(p.pair())).collect(),
             closed: s.closed,
         },
-        o::Shape::Sweep(s) => ShapeKind::Sweep {
+        o::ObjectShape::Sweep(s) => ShapeKind::Sweep {
             path: s.path.iter().map(|p| p.dvec3()).collect(),
             // One radius is that of all points.
             radii: (0..s.path.len()).filter_map(|i| s.radii.get(i).or(s.radii.first())).map(|r| r.get()).collect(),

@@ -4,11 +4,11 @@ use crate::error::{Error, Result};
 use crate::geometry::Aabb;
 use crate::geometry::mesh::quality::{Quality, quality};
 use crate::geometry::mesh::{quadratic, surface};
-use crate::geometry::pad::{self, Bonding, Density, Pad, Resolution};
-use crate::gripper::Placement;
+use crate::geometry::pad::{self, Bonding, Density, PadMesh, Resolution};
+use crate::gripper::FingerPlacement;
 use crate::limits::PadSize;
 use crate::mech::body::{self, Body};
-use crate::mech::contact::{ContactSurface, Face};
+use crate::mech::contact::{ContactSurface, SurfaceFace};
 use crate::mech::material::Material;
 use crate::record::{self, PadTopology};
 use crate::scene::{self, Element, Gripper, Pads};
@@ -25,7 +25,7 @@ pub struct FingerModel {
     /// The pad as it is recorded, in the pad frame.
     pub topology: Arc<PadTopology>,
     /// Where the pad sits in the hand frame at zero travel.
-    pub placement: Placement,
+    pub placement: FingerPlacement,
     /// Kind of element, for reports.
     pub element: String,
 }
@@ -75,12 +75,12 @@ pub fn size(pads: &Pads, element: Element) -> Result<Option<PadSize>> {
 ///
 /// # Errors
 /// What the generators and readers refuse, and a mesh without tetrahedra.
-pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(Pad, Quality)> {
+pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(PadMesh, Quality)> {
     let pad = match (pads, grid(pads)) {
         (Pads::GelSightMini(g), Some((fine, _))) => {
             let shape = match g.shape {
-                scene::pad::GelShape::Flat => pad::GelShape::Flat,
-                scene::pad::GelShape::Domed => pad::GelShape::Domed,
+                scene::pad::GelShape::Flat => pad::GelProfile::Flat,
+                scene::pad::GelShape::Domed => pad::GelProfile::Domed,
             };
             pad::gelsight_mini(shape, &fine)?
         }
@@ -102,9 +102,9 @@ pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(Pad, Quality)> {
 /// Mean ratio below which an element is named in a notice.
 const POOR: f64 = 0.1;
 
-fn read(file: &scene::pad::FilePad, notices: &mut Vec<String>) -> Result<Pad> {
+fn read(file: &scene::pad::FilePad, notices: &mut Vec<String>) -> Result<PadMesh> {
     let scale = file.scale.get();
-    let placement = pad::Placement {
+    let placement = pad::PadPlacement {
         outward: file.outward.dvec3().normalize(),
         across: file.across.map(|a| a.dvec3()),
         // The reader bonds in the file's unit.
@@ -129,7 +129,7 @@ impl FingerModel {
     ///
     /// # Errors
     /// A pad without a free surface.
-    pub fn build(pad: &Pad, gripper: &Gripper, fem: &scene::Fem, material: Arc<dyn Material>) -> Result<Self> {
+    pub fn build(pad: &PadMesh, gripper: &Gripper, fem: &scene::Fem, material: Arc<dyn Material>) -> Result<Self> {
         let placement = placement(0, gripper);
         let corner_count = pad.mesh.nodes.len();
         let (nodes, elements, bonded, mean_dilatation) = match fem.element {
@@ -171,15 +171,15 @@ impl FingerModel {
 }
 
 /// Where a pad sits on finger `side`.
-fn placement(side: usize, gripper: &Gripper) -> Placement {
-    let mut placement = Placement::new(side, gripper.opening.get(), gripper.placement.z.get());
+fn placement(side: usize, gripper: &Gripper) -> FingerPlacement {
+    let mut placement = FingerPlacement::new(side, gripper.opening.get(), gripper.placement.z.get());
     placement.origin.y += gripper.placement.y.get();
     placement
 }
 
 /// The pad as it is recorded.
 fn topology(
-    pad: &Pad,
+    pad: &PadMesh,
     nodes: &[DVec3],
     elements: &body::Elements,
     bonded: &[bool],
@@ -193,11 +193,11 @@ fn topology(
     let quadratic = matches!(elements, body::Elements::Quadratic(_));
     let face = |[a, b, c]: [u32; 3]| {
         let mids = quadratic.then(|| [middle(a, b), middle(b, c), middle(c, a)]);
-        Face { corners: [a, b, c], mids }
+        SurfaceFace { corners: [a, b, c], mids }
     };
     let elements = match elements {
-        body::Elements::Linear(tets) => record::Elements::Linear(tets.clone()),
-        body::Elements::Quadratic(tets) => record::Elements::Quadratic(tets.clone()),
+        body::Elements::Linear(tets) => record::ElementNodes::Linear(tets.clone()),
+        body::Elements::Quadratic(tets) => record::ElementNodes::Quadratic(tets.clone()),
     };
     PadTopology {
         rest: nodes.to_vec(),

@@ -14,9 +14,9 @@ use ndarray_npy::{NpzWriter, WritableElement};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// The arrays of one grasp, in memory until [`Arrays::write`].
+/// The arrays of one grasp, in memory until [`GraspArrays::write`].
 #[derive(Debug)]
-pub struct Arrays {
+pub struct GraspArrays {
     path: PathBuf,
     pads: usize,
     pad_pose: Vec<f64>,
@@ -44,7 +44,7 @@ pub struct Arrays {
     ground_force: Vec<f64>,
 }
 
-impl Arrays {
+impl GraspArrays {
     /// Arrays of a grasp with these pads, at `poses` at zero travel (none if not known), to be written to `path`. All pads must have one
     /// kind of element.
     pub fn new(path: PathBuf, topologies: &[PadTopology], poses: &[GraspPose]) -> Result<Self> {
@@ -55,7 +55,7 @@ impl Arrays {
                 "linear and quadratic pads do not fit one `tets` array; switch off the arrays",
             ));
         }
-        let mut arrays = Arrays {
+        let mut arrays = GraspArrays {
             path,
             pads: topologies.len(),
             pad_pose: poses.iter().flat_map(GraspPose::row).collect(),

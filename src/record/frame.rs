@@ -111,25 +111,25 @@ impl Frame {
 
 /// Tetrahedra of a pad, node indices 0-based.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub enum Elements {
+pub enum ElementNodes {
     /// Four corners.
     Linear(Vec<[u32; 4]>),
     /// Four corners, then the mid-edge nodes (0,1) (1,2) (2,0) (0,3) (1,3) (2,3): the order of `VTK_QUADRATIC_TETRA`.
     Quadratic(Vec<[u32; 10]>),
 }
 
-impl Default for Elements {
+impl Default for ElementNodes {
     fn default() -> Self {
-        Elements::Linear(Vec::new())
+        ElementNodes::Linear(Vec::new())
     }
 }
 
-impl Elements {
+impl ElementNodes {
     /// Number of tetrahedra.
     pub fn len(&self) -> usize {
         match self {
-            Elements::Linear(tets) => tets.len(),
-            Elements::Quadratic(tets) => tets.len(),
+            ElementNodes::Linear(tets) => tets.len(),
+            ElementNodes::Quadratic(tets) => tets.len(),
         }
     }
 
@@ -141,24 +141,24 @@ impl Elements {
     /// Nodes per tetrahedron: 4 or 10.
     pub fn width(&self) -> usize {
         match self {
-            Elements::Linear(_) => 4,
-            Elements::Quadratic(_) => 10,
+            ElementNodes::Linear(_) => 4,
+            ElementNodes::Quadratic(_) => 10,
         }
     }
 
     /// `"linear"` or `"quadratic"`.
     pub fn name(&self) -> &'static str {
         match self {
-            Elements::Linear(_) => "linear",
-            Elements::Quadratic(_) => "quadratic",
+            ElementNodes::Linear(_) => "linear",
+            ElementNodes::Quadratic(_) => "quadratic",
         }
     }
 
     /// The nodes of all tetrahedra one after the other, [`Self::width`] each.
     pub fn nodes(&self) -> &[u32] {
         match self {
-            Elements::Linear(tets) => tets.as_flattened(),
-            Elements::Quadratic(tets) => tets.as_flattened(),
+            ElementNodes::Linear(tets) => tets.as_flattened(),
+            ElementNodes::Quadratic(tets) => tets.as_flattened(),
         }
     }
 }
@@ -171,7 +171,7 @@ pub struct PadTopology {
     /// The first `corner_count` nodes are element corners, the others mid-edge nodes.
     pub corner_count: usize,
     /// The tetrahedra.
-    pub elements: Elements,
+    pub elements: ElementNodes,
     /// Corner triangles of the whole outer surface, counter-clockwise seen from outside.
     pub surface: Vec<[u32; 3]>,
     /// Triangles of the sensing face, counter-clockwise seen from outside; may use mid-edge nodes.
@@ -193,7 +193,7 @@ impl PadTopology {
         self.sensing.as_flattened().iter().for_each(|&n| sensing[n as usize] = true);
         let edge = |a: u32, b: u32| [a.min(b), a.max(b)];
         let mut middle = HashMap::new();
-        if let Elements::Quadratic(tets) = &self.elements {
+        if let ElementNodes::Quadratic(tets) = &self.elements {
             let edges = tets.iter().flat_map(|t| EDGES.iter().zip(&t[4..]).map(|((a, b), m)| (edge(t[*a], t[*b]), *m)));
             middle.extend(edges.filter(|(_, m)| sensing[*m as usize]));
         }

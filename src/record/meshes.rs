@@ -3,7 +3,7 @@
 
 use super::arrays::{io_error, put};
 use super::check;
-use super::frame::{Elements, PadTopology};
+use super::frame::{ElementNodes, PadTopology};
 use super::names;
 use crate::error::{Error, Result};
 use crate::files::atomic::replace;
@@ -56,8 +56,8 @@ pub fn read(dir: &Path) -> Result<(PadTopology, TriMesh)> {
     let width = tets.ncols();
     let nodes: Vec<u32> = tets.into_iter().collect();
     let elements = match width {
-        4 => Elements::Linear(nodes.as_chunks::<4>().0.to_vec()),
-        10 => Elements::Quadratic(nodes.as_chunks::<10>().0.to_vec()),
+        4 => ElementNodes::Linear(nodes.as_chunks::<4>().0.to_vec()),
+        10 => ElementNodes::Quadratic(nodes.as_chunks::<10>().0.to_vec()),
         other => return Err(fail(format!("has {other} nodes per tetrahedron; it must be 4 or 10"))),
     };
     // Corners come first.

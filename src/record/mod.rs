@@ -27,5 +27,5 @@ pub mod report;
 pub mod sensitivity;
 pub mod vtu;
 
-pub use frame::{Elements, Frame, Moving, PadFrame, PadTopology, Wrench, pad_name};
+pub use frame::{ElementNodes, Frame, Moving, PadFrame, PadTopology, Wrench, pad_name};
 pub use report::{ExpectationReport, GraspSummary, PadReport, RunReport, Status};

@@ -4,7 +4,7 @@
 //! stays well-formed XML, which every reader accepts. Bytes depend on the data alone.
 
 use super::base64;
-use super::frame::{Elements, Frame, PadTopology};
+use super::frame::{ElementNodes, Frame, PadTopology};
 use super::names;
 use crate::geometry::mesh::TriMesh;
 use flate2::{Compression, write::ZlibEncoder};
@@ -24,8 +24,8 @@ pub fn pads(topologies: &[PadTopology], frame: &Frame) -> String {
     let mut first_node = 0;
     for (index, topology) in topologies.iter().enumerate() {
         let kind = match topology.elements {
-            Elements::Linear(_) => TETRA,
-            Elements::Quadratic(_) => QUADRATIC_TETRA,
+            ElementNodes::Linear(_) => TETRA,
+            ElementNodes::Quadratic(_) => QUADRATIC_TETRA,
         };
         cells.add(topology.elements.nodes(), topology.elements.width(), kind, first_node);
         first_node += topology.rest.len() as i64;

@@ -16,7 +16,7 @@ use tiny_skia::Pixmap;
 const MARKER_SPACING: f64 = 2.0e-3;
 
 /// The sensing face of a pad in its own frame, at points between the nodes.
-pub struct Face {
+pub struct SensingFace {
     triangles: Vec<[u32; 3]>,
     values: Vec<f64>,
     /// Positions at rest in the pad frame, m.
@@ -45,12 +45,12 @@ impl Panel {
     }
 }
 
-impl Face {
+impl SensingFace {
     /// Takes the frame apart: `pose` is the pad frame in the hand frame.
     pub fn new(topology: &PadTopology, pad: &PadFrame, scalar: Scalar, pose: (DMat3, DVec3)) -> Self {
         let [surface, _] = Surface::both(topology, scalar.is_field());
         let back = pose.0.transpose();
-        Face {
+        SensingFace {
             values: surface.values(&scalar.field(pad)),
             rest: surface.positions(&topology.rest),
             now: surface.positions(&pad.position).into_iter().map(|p| back * (p - pose.1)).collect(),

@@ -2,11 +2,11 @@
 
 use super::colorbar;
 use super::draw::{INK, LINE, MUTED, PAPER, clear, polyline};
-use super::face::{Face, Panel};
+use super::face::{Panel, SensingFace};
 use super::pose::pad_pose;
 use super::style::{HEIGHT, Scalar, Style, WIDTH};
 use super::text::{Align, Label};
-use super::view::View;
+use super::view::CutView;
 use crate::error::{Error, Result};
 use crate::files::atomic;
 use crate::geometry::mesh::TriMesh;
@@ -50,7 +50,7 @@ pub fn render_pads(
     for (x, scalar, range) in [(BAR_X[0], style.face, face_range), (BAR_X[1], style.scalar, range)] {
         colorbar::draw(&mut page, &label, (x, BODY_Y.0), (20.0, BODY_Y.1 - BODY_Y.0), range, scalar.label());
     }
-    let view = View { topologies, frame, scalar: style.scalar, range, object, cut: style.cut };
+    let view = CutView { topologies, frame, scalar: style.scalar, range, object, cut: style.cut };
     view.draw(&mut page, &label, (VIEW_X.0, 150.0), (VIEW_X.1, 556.0));
     if style.cut {
         let note = "hand frame, cut open through the middle of the pads";
@@ -106,11 +106,11 @@ fn faces(
 ) {
     let drawn =
         |(pad, topology): (usize, &'_ PadTopology)| pad_pose(topology, &frame.pads[pad]).map(|pose| (pad, pose));
-    let faces: Vec<(usize, Face)> = topologies
+    let faces: Vec<(usize, SensingFace)> = topologies
         .iter()
         .enumerate()
         .filter_map(drawn)
-        .map(|(pad, pose)| (pad, Face::new(&topologies[pad], &frame.pads[pad], style.face, pose)))
+        .map(|(pad, pose)| (pad, SensingFace::new(&topologies[pad], &frame.pads[pad], style.face, pose)))
         .collect();
     let bounds = faces.iter().filter_map(|(_, face)| face.bounds()).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
     let Some((low, high)) = bounds else { return };

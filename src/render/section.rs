@@ -1,21 +1,21 @@
 //! Cutting things open: triangles against a plane, and the face the plane makes through the tetrahedra.
 
 use super::raster::Vertex;
-use super::style::Field;
+use super::style::NodalValues;
 use crate::mech::element::{EDGES, tet10_values};
-use crate::record::Elements;
+use crate::record::ElementNodes;
 use glam::DVec3;
 
 /// Keeps the points `x` with `normal . x >= offset`.
 #[derive(Debug, Clone, Copy)]
-pub struct Plane {
+pub struct CutPlane {
     /// Unit normal, towards what is kept.
     pub normal: DVec3,
     /// Distance from the origin along the normal, m.
     pub offset: f64,
 }
 
-impl Plane {
+impl CutPlane {
     fn distance(&self, point: DVec3) -> f64 {
         self.normal.dot(point) - self.offset
     }
@@ -38,7 +38,7 @@ impl Plane {
 
     /// The cut through the tetrahedra: triangles whose normal points out of what is kept. Positions in m. Between its nodes a quadratic
     /// tetrahedron is what its shape functions say.
-    pub(super) fn cut(&self, elements: &Elements, positions: &[DVec3], field: &Field) -> Vec<[Vertex; 3]> {
+    pub(super) fn cut(&self, elements: &ElementNodes, positions: &[DVec3], field: &NodalValues) -> Vec<[Vertex; 3]> {
         let at = |nodes: &[u32], phi: &[f64]| Vertex {
             position: nodes.iter().zip(phi).map(|(n, w)| *w * positions[*n as usize]).sum(),
             value: field.at((nodes, phi)),
@@ -46,12 +46,12 @@ impl Plane {
         };
         let mut triangles = Vec::new();
         match elements {
-            Elements::Linear(tets) => {
+            ElementNodes::Linear(tets) => {
                 for tet in tets {
                     self.cut_tet(tet.map(|n| at(&[n], &[1.0])), &mut triangles);
                 }
             }
-            Elements::Quadratic(tets) => {
+            ElementNodes::Quadratic(tets) => {
                 for tet in tets {
                     let above = tet.iter().filter(|n| self.distance(positions[**n as usize]) >= 0.0).count();
                     if (1..tet.len()).contains(&above) {
@@ -131,13 +131,14 @@ mod tests {
         let mids = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)].map(|(i, j)| (corners[i] + corners[j]) / 2.0);
         let nodes = [&corners[..], &mids[..]].concat();
         for z in [0.1, 0.3, 0.5, 0.8] {
-            let plane = Plane { normal: DVec3::Z, offset: z };
+            let plane = CutPlane { normal: DVec3::Z, offset: z };
             let exact = (1.0 - z) * (1.0 - z) / 2.0;
-            let linear = plane.cut(&Elements::Linear(vec![[0, 1, 2, 3]]), &nodes, &Field::Numbers(vec![0.0; 10]));
+            let linear =
+                plane.cut(&ElementNodes::Linear(vec![[0, 1, 2, 3]]), &nodes, &NodalValues::Numbers(vec![0.0; 10]));
             let quadratic = plane.cut(
-                &Elements::Quadratic(vec![[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]]),
+                &ElementNodes::Quadratic(vec![[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]]),
                 &nodes,
-                &Field::Numbers(vec![0.0; 10]),
+                &NodalValues::Numbers(vec![0.0; 10]),
             );
             assert!((area(&linear) - exact).abs() < 1e-12);
             assert!((area(&quadratic) - exact).abs() < 1e-12);
@@ -148,8 +149,8 @@ mod tests {
     fn the_two_halves_of_a_clipped_triangle_make_the_whole() {
         let corner = |p: DVec3| Vertex { position: p, ..Vertex::default() };
         let triangle = [DVec3::ZERO, DVec3::X, DVec3::new(0.2, 0.9, 0.4)].map(corner);
-        let plane = Plane { normal: DVec3::X, offset: 0.3 };
-        let other = Plane { normal: -DVec3::X, offset: -0.3 };
+        let plane = CutPlane { normal: DVec3::X, offset: 0.3 };
+        let other = CutPlane { normal: -DVec3::X, offset: -0.3 };
         let sum = area(&plane.clip(triangle)) + area(&other.clip(triangle));
         assert!((sum - area(&[triangle])).abs() < 1e-12);
     }

@@ -33,16 +33,16 @@ impl Scalar {
     /// Value per node: kPa, mm or mN.
     pub fn values(self, pad: &PadFrame) -> Vec<f64> {
         match self.field(pad) {
-            Field::Numbers(numbers) => numbers,
-            Field::Vectors(vectors) => vectors.into_iter().map(DVec3::length).collect(),
+            NodalValues::Numbers(numbers) => numbers,
+            NodalValues::Vectors(vectors) => vectors.into_iter().map(DVec3::length).collect(),
         }
     }
 
     /// What the values between the nodes come from, in the same unit.
-    pub(super) fn field(self, pad: &PadFrame) -> Field {
-        let scaled = |vectors: &[DVec3]| Field::Vectors(vectors.iter().map(|v| *v * 1e3).collect());
+    pub(super) fn field(self, pad: &PadFrame) -> NodalValues {
+        let scaled = |vectors: &[DVec3]| NodalValues::Vectors(vectors.iter().map(|v| *v * 1e3).collect());
         match self {
-            Scalar::Stress => Field::Numbers(pad.von_mises_node.iter().map(|v| v * 1e-3).collect()),
+            Scalar::Stress => NodalValues::Numbers(pad.von_mises_node.iter().map(|v| v * 1e-3).collect()),
             Scalar::Displacement => scaled(&pad.displacement),
             Scalar::ContactForce => scaled(&pad.contact_force),
         }
@@ -56,20 +56,20 @@ impl Scalar {
 }
 
 /// Nodal values.
-pub(super) enum Field {
+pub(super) enum NodalValues {
     /// One number per node.
     Numbers(Vec<f64>),
     /// A vector per node, whose length is drawn.
     Vectors(Vec<DVec3>),
 }
 
-impl Field {
+impl NodalValues {
     /// The value where the nodes have these shape function values.
     pub fn at(&self, (nodes, phi): (&[u32], &[f64])) -> f64 {
         let pairs = || nodes.iter().zip(phi).map(|(n, w)| (*n as usize, *w));
         match self {
-            Field::Numbers(numbers) => pairs().map(|(n, w)| w * numbers[n]).sum(),
-            Field::Vectors(vectors) => pairs().map(|(n, w)| w * vectors[n]).sum::<DVec3>().length(),
+            NodalValues::Numbers(numbers) => pairs().map(|(n, w)| w * numbers[n]).sum(),
+            NodalValues::Vectors(vectors) => pairs().map(|(n, w)| w * vectors[n]).sum::<DVec3>().length(),
         }
     }
 }

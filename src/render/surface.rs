@@ -3,12 +3,12 @@
 
 use super::normals::corner_normals;
 use super::raster::Vertex;
-use super::style::Field;
-use crate::mech::contact::Face;
+use super::style::NodalValues;
+use crate::mech::contact::SurfaceFace;
 use crate::mech::contact::surface::sub_triangles;
 use crate::mech::element::EDGES;
 use crate::mech::potential::term::Stencil;
-use crate::record::{Elements, PadTopology};
+use crate::record::{ElementNodes, PadTopology};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 
@@ -27,7 +27,7 @@ pub struct Surface {
 impl Surface {
     /// The sensing face and the rest of the outer surface: curved where the elements are, or flat between the nodes.
     pub fn both(topology: &PadTopology, curved: bool) -> [Self; 2] {
-        let flat = |triangles: &[[u32; 3]]| triangles.iter().map(|t| Face { corners: *t, mids: None }).collect();
+        let flat = |triangles: &[[u32; 3]]| triangles.iter().map(|t| SurfaceFace { corners: *t, mids: None }).collect();
         let [sensing, outside] = curved
             .then(|| faces(topology))
             .flatten()
@@ -35,7 +35,7 @@ impl Surface {
         [Self::of(&sensing), Self::of(&outside)]
     }
 
-    fn of(faces: &[Face]) -> Self {
+    fn of(faces: &[SurfaceFace]) -> Self {
         let (mut surface, mut known) = (Self::default(), HashMap::new());
         for face in faces {
             let parts = if face.mids.is_some() { PARTS } else { 1 };
@@ -62,12 +62,12 @@ impl Surface {
     }
 
     /// The values of a field at the points.
-    pub fn values(&self, field: &Field) -> Vec<f64> {
+    pub fn values(&self, field: &NodalValues) -> Vec<f64> {
         self.points.iter().map(|point| field.at(point.slices())).collect()
     }
 
     /// The triangles with positions, values and shading normals for nodes at `x`.
-    pub fn shaded(&self, x: &[DVec3], field: &Field) -> Vec<[Vertex; 3]> {
+    pub fn shaded(&self, x: &[DVec3], field: &NodalValues) -> Vec<[Vertex; 3]> {
         let (positions, values) = (self.positions(x), self.values(field));
         let normals = corner_normals(&positions, &self.triangles);
         let vertex = |(triangle, normals): (&[u32; 3], [DVec3; 3])| {
@@ -81,18 +81,18 @@ impl Surface {
 }
 
 /// Sensing and other faces with their mid-edge nodes; None for linear elements, and where they do not make up the sensing face.
-fn faces(topology: &PadTopology) -> Option<[Vec<Face>; 2]> {
-    let Elements::Quadratic(tets) = &topology.elements else { return None };
+fn faces(topology: &PadTopology) -> Option<[Vec<SurfaceFace>; 2]> {
+    let ElementNodes::Quadratic(tets) = &topology.elements else { return None };
     let edge = |a: u32, b: u32| [a.min(b), a.max(b)];
     let middle: HashMap<[u32; 2], u32> =
         tets.iter().flat_map(|t| (0..6).map(|e| (edge(t[EDGES[e][0]], t[EDGES[e][1]]), t[4 + e]))).collect();
     let face = |&[a, b, c]: &[u32; 3]| {
         let mids = [*middle.get(&edge(a, b))?, *middle.get(&edge(b, c))?, *middle.get(&edge(c, a))?];
-        Some(Face { corners: [a, b, c], mids: Some(mids) })
+        Some(SurfaceFace { corners: [a, b, c], mids: Some(mids) })
     };
     let nodes: HashSet<u32> = topology.sensing.as_flattened().iter().copied().collect();
-    let all: Vec<Face> = topology.surface.iter().map(face).collect::<Option<_>>()?;
-    let (sensing, outside): (Vec<Face>, Vec<Face>) =
+    let all: Vec<SurfaceFace> = topology.surface.iter().map(face).collect::<Option<_>>()?;
+    let (sensing, outside): (Vec<SurfaceFace>, Vec<SurfaceFace>) =
         all.into_iter().partition(|f| f.corners.iter().chain(f.mids.iter().flatten()).all(|n| nodes.contains(n)));
     (4 * sensing.len() == topology.sensing.len()).then_some([sensing, outside])
 }
@@ -104,8 +104,10 @@ mod tests {
     /// Two faces of a pad, one with a curved edge between them: no point twice, and the middle of the edge on the parabola.
     #[test]
     fn a_curved_edge_is_a_parabola_and_faces_share_its_points() {
-        let faces =
-            [Face { corners: [0, 1, 2], mids: Some([4, 5, 6]) }, Face { corners: [1, 0, 3], mids: Some([4, 7, 8]) }];
+        let faces = [
+            SurfaceFace { corners: [0, 1, 2], mids: Some([4, 5, 6]) },
+            SurfaceFace { corners: [1, 0, 3], mids: Some([4, 7, 8]) },
+        ];
         let mut x =
             [(0., 0.), (1., 0.), (0., 1.), (0., -1.), (0.5, 0.), (0.5, 0.5), (0., 0.5), (0., -0.5), (0.5, -0.5)]
                 .map(|(x, y)| DVec3::new(x, y, 0.0));

@@ -4,7 +4,7 @@ use super::colormap::{color, fraction};
 use super::draw::{INK, MUTED, arrow, polyline};
 use super::normals::corner_normals;
 use super::raster::{Raster, Vertex};
-use super::section::Plane;
+use super::section::CutPlane;
 use super::style::Scalar;
 use super::surface::Surface;
 use super::text::{Align, Label};
@@ -26,7 +26,7 @@ const HAIR: f64 = 1e-6;
 const ASIDE: f64 = 1e-7;
 
 /// Everything the view shows.
-pub struct View<'a> {
+pub struct CutView<'a> {
     /// The pads.
     pub topologies: &'a [PadTopology],
     /// Their state.
@@ -71,7 +71,7 @@ impl Camera {
     }
 
     /// Depth of the point of a plane that is seen at a position on the raster.
-    fn depth(&self, plane: Plane, at: DVec2) -> f64 {
+    fn depth(&self, plane: CutPlane, at: DVec2) -> f64 {
         let aside = (at - self.middle) / self.scale;
         let p = self.center + self.right * aside.x - self.up * aside.y;
         (plane.normal.dot(p) - plane.offset) / plane.normal.dot(self.towards)
@@ -101,7 +101,7 @@ impl Camera {
     }
 }
 
-impl View<'_> {
+impl CutView<'_> {
     /// Draws into the rectangle of the page; axes and scale take the 60 pixels below it.
     pub fn draw(&self, page: &mut Pixmap, label: &Label, at: (f32, f32), size: (f32, f32)) {
         let pads: Vec<DVec3> = self.frame.pads.iter().flat_map(|pad| pad.position.iter().copied()).collect();
@@ -110,7 +110,7 @@ impl View<'_> {
         let mut camera = Camera::new();
         camera.fit(&pads, &object, DVec2::new(f64::from(size.0), f64::from(size.1)));
         let middle = pads.iter().map(|p| p.y).sum::<f64>() / pads.len().max(1) as f64;
-        let plane = self.cut.then_some(Plane { normal: -DVec3::Y, offset: ASIDE - middle });
+        let plane = self.cut.then_some(CutPlane { normal: -DVec3::Y, offset: ASIDE - middle });
         let mut raster = Raster::new(size.0 as usize, size.1 as usize);
         for index in 0..self.topologies.len() {
             self.pad(&mut raster, &camera, plane, index);
@@ -131,7 +131,7 @@ impl View<'_> {
         scale_bar(page, label, &camera, (at.0 + size.0 - 20.0, at.1 + size.1 + 38.0));
     }
 
-    fn pad(&self, raster: &mut Raster, camera: &Camera, plane: Option<Plane>, index: usize) {
+    fn pad(&self, raster: &mut Raster, camera: &Camera, plane: Option<CutPlane>, index: usize) {
         let (topology, pad) = (&self.topologies[index], &self.frame.pads[index]);
         let field = self.scalar.field(pad);
         let body = u8::try_from(2 * index + 1).unwrap_or(199).min(199);
@@ -164,7 +164,13 @@ impl View<'_> {
     }
 }
 
-fn draw_object(raster: &mut Raster, camera: &Camera, plane: Option<Plane>, vertices: &[DVec3], triangles: &[[u32; 3]]) {
+fn draw_object(
+    raster: &mut Raster,
+    camera: &Camera,
+    plane: Option<CutPlane>,
+    vertices: &[DVec3],
+    triangles: &[[u32; 3]],
+) {
     let normals = corner_normals(vertices, triangles);
     for (triangle, normals) in triangles.iter().zip(normals) {
         let [a, b, c] = triangle.map(|n| vertices[n as usize]);
@@ -186,7 +192,7 @@ fn draw_object(raster: &mut Raster, camera: &Camera, plane: Option<Plane>, verti
     }
 }
 
-fn each_visible(corners: [Vertex; 3], plane: Option<Plane>, mut draw: impl FnMut([Vertex; 3])) {
+fn each_visible(corners: [Vertex; 3], plane: Option<CutPlane>, mut draw: impl FnMut([Vertex; 3])) {
     match plane {
         None => draw(corners),
         Some(plane) => plane.clip(corners).into_iter().for_each(draw),

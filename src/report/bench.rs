@@ -1,8 +1,8 @@
 //! A bench: time against error of every setting, or cost against size.
 
-use super::page::{Block, Page, Section};
-use crate::bench::report::{Point, Report};
-use crate::bench::sizes::Sizes;
+use super::page::{Page, PageBlock, Section};
+use crate::bench::report::{BenchReport, Point};
+use crate::bench::sizes::SizeStudy;
 use crate::error::{Error, Result};
 use crate::table::Table;
 use serde::de::DeserializeOwned;
@@ -13,26 +13,28 @@ use std::path::Path;
 /// # Errors
 /// Files that cannot be read or are not those of `tactus bench`.
 pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
-    let report: Report = read(&dir.join("bench.json"))?;
+    let report: BenchReport = read(&dir.join("bench.json"))?;
     let mut blocks = Vec::new();
     let chart = dir.join("bench.svg");
     if let Ok(svg) = std::fs::read_to_string(&chart) {
         // An XML declaration has no place inside a page.
         let svg = svg.find("<svg").map(|at| svg[at..].to_string());
         let svg = svg.ok_or_else(|| Error::file(&chart, "is no SVG picture"))?;
-        blocks
-            .push(Block::Picture(svg, "Time against error, both logarithmic; what lies lower left is better.".into()));
+        blocks.push(PageBlock::Picture(
+            svg,
+            "Time against error, both logarithmic; what lies lower left is better.".into(),
+        ));
     }
-    blocks.push(Block::Table(points(&report)));
+    blocks.push(PageBlock::Table(points(&report)));
     for point in report.points.iter().filter(|p| p.contender) {
         let text = match point.speedup() {
             Some(speedup) => format!("{}: speed-up at equal error {speedup}.", point.label),
             None => format!("{}: no rival here reaches its error.", point.label),
         };
-        blocks.push(Block::Note(text));
+        blocks.push(PageBlock::Note(text));
     }
-    blocks.extend(report.notices.iter().map(|notice| Block::Note(notice.clone())));
-    blocks.push(Block::Table(stages(&report)));
+    blocks.extend(report.notices.iter().map(|notice| PageBlock::Note(notice.clone())));
+    blocks.push(PageBlock::Table(stages(&report)));
     let lead = format!(
         "{}, {} of each setting on each grasp in turn, {} a grasp. Errors are against {}, and relative to the field's norm.",
         counted(report.grasps.len(), "grasp"),
@@ -49,7 +51,7 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
 /// # Errors
 /// Those of [`contest`].
 pub fn sizes(dir: &Path, page: &mut Page) -> Result<()> {
-    let report: Sizes = read(&dir.join("sizes.json"))?;
+    let report: SizeStudy = read(&dir.join("sizes.json"))?;
     let columns =
         ["pad", "nodes", "unknowns", "ms an iteration", "iterations a frame", "s a frame", "processor s", "MB"];
     let mut table = Table::new("Cost of a frame", &columns);
@@ -73,11 +75,11 @@ pub fn sizes(dir: &Path, page: &mut Page) -> Result<()> {
         power(report.memory_exponent),
         counted(report.threads, "thread")
     );
-    page.sections.push(Section { title: "Cost against size".into(), lead, blocks: vec![Block::Table(table)] });
+    page.sections.push(Section { title: "Cost against size".into(), lead, blocks: vec![PageBlock::Table(table)] });
     Ok(())
 }
 
-fn points(report: &Report) -> Table {
+fn points(report: &BenchReport) -> Table {
     let columns =
         ["setting", "nodes", "s a grasp", "processor s", "displacement %", "stress %", "force %", "travel %", "MB", ""];
     let mut table = Table::new("Every setting", &columns);
@@ -119,7 +121,7 @@ fn remark(p: &Point) -> String {
 }
 
 /// Where the time goes.
-fn stages(report: &Report) -> Table {
+fn stages(report: &BenchReport) -> Table {
     let mut table = Table::new("Where the time goes", &["setting", "iterations a frame", "share of the stages"]);
     table.folded = true;
     for p in report.points.iter().chain([&report.reference]) {

@@ -2,14 +2,14 @@
 
 use super::bench::counted;
 use super::chart::{Chart, Over, Quantity};
-use super::page::{Block, Page, Section};
-use super::recording::{Errors, Recording, State};
+use super::page::{Page, PageBlock, Section};
+use super::recording::{Errors, RecordedState, Recording};
 use super::run::name;
 use super::source::Wishes;
 use crate::dataset::inspect::{chosen, frame};
 use crate::dataset::{DataSet, ObjectFile};
 use crate::error::{Error, Result};
-use crate::net::eval::table::{Row, ranks, rows};
+use crate::net::eval::table::{ErrorRow, ranks, rows};
 use crate::net::eval::{Judged, frames, judge};
 use crate::net::infer::predict::Predictor;
 use crate::net::train::data::split;
@@ -47,8 +47,8 @@ pub fn data_set(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
             Vec::new()
         }
     };
-    blocks.push(Block::Table(objects(&set)));
-    blocks.extend(set.damaged.iter().map(|damaged| Block::Note(damaged.to_string())));
+    blocks.push(PageBlock::Table(objects(&set)));
+    blocks.extend(set.damaged.iter().map(|damaged| PageBlock::Note(damaged.to_string())));
     let m = &set.manifest;
     let lead = format!(
         "{} {}, {}, {} each.",
@@ -85,13 +85,13 @@ fn truth(file: &ObjectFile, number: usize, most: usize) -> Result<Recording> {
         about: String::new(),
         pad: file.pad.clone(),
         object: file.object.clone(),
-        states: vec![State { label: "finite elements".into(), frames }],
+        states: vec![RecordedState { label: "finite elements".into(), frames }],
         errors: None,
     })
 }
 
 /// Tables and charts of the network; grasps from the best to the worst go to the page.
-fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Result<Vec<Block>> {
+fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Result<Vec<PageBlock>> {
     let predictor = Predictor::open(model)?;
     let split = wishes.split.clone().unwrap_or_else(|| predictor.card.split.clone());
     let judged = judge(set, &predictor, &split)?;
@@ -102,7 +102,7 @@ fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Resu
         page.recordings.push(compared(set, &predictor, ranked[at], &role, wishes.frames)?);
     }
     let (stress, displacement) = ranks(&judged);
-    let mut notes = vec![Block::Note(format!(
+    let mut notes = vec![PageBlock::Note(format!(
         "Network {}, {} parameters, split {split}: {}. Kendall's tau of the order of the grasps: {stress:.3} by peak stress, \
          {displacement:.3} by peak displacement.",
         name(model),
@@ -111,7 +111,7 @@ fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Resu
     ))];
     if set.manifest.plan == predictor.card.data && split != predictor.card.split {
         let own = &predictor.card.split;
-        notes.push(Block::Note(format!(
+        notes.push(PageBlock::Note(format!(
             "It was trained on split {own} of this data set: {split} may hold grasps it has seen."
         )));
     }
@@ -120,14 +120,14 @@ fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Resu
     let by = |title: &str, prefix: &'static str| {
         let mut own = errors(title, &table, prefix);
         own.note = note.into();
-        Block::Table(own)
+        PageBlock::Table(own)
     };
     notes.extend([
-        Block::Chart(by_object(&table)),
+        PageBlock::Chart(by_object(&table)),
         by("Error by object, in numbers", "object "),
-        Block::Chart(by_force(set, &table, &judged)),
-        Block::Table(errors("Error by part of the load", &table, "load ")),
-        Block::Table(worst(&ranked)),
+        PageBlock::Chart(by_force(set, &table, &judged)),
+        PageBlock::Table(errors("Error by part of the load", &table, "load ")),
+        PageBlock::Table(worst(&ranked)),
     ]);
     Ok(notes)
 }
@@ -173,8 +173,8 @@ fn compared(set: &DataSet, predictor: &Predictor, judged: &Judged, role: &str, m
         pad: file.pad.clone(),
         object: file.object.clone(),
         states: vec![
-            State { label: "finite elements".into(), frames: truth },
-            State { label: "network".into(), frames: predicted },
+            RecordedState { label: "finite elements".into(), frames: truth },
+            RecordedState { label: "network".into(), frames: predicted },
         ],
         errors: Some(Errors {
             displacement: at(|f| f.displacement),
@@ -185,7 +185,7 @@ fn compared(set: &DataSet, predictor: &Predictor, judged: &Judged, role: &str, m
 }
 
 /// The groups whose names start with `prefix`, and all together.
-fn errors(title: &str, table: &[Row], prefix: &str) -> Table {
+fn errors(title: &str, table: &[ErrorRow], prefix: &str) -> Table {
     let relative = RELATIVE.map(|(_, name)| format!("{name}, %"));
     let columns: Vec<&str> = ["group", "frames"]
         .into_iter()
@@ -213,9 +213,9 @@ fn errors(title: &str, table: &[Row], prefix: &str) -> Table {
 }
 
 /// Relative errors of `groups` in percent, for a chart.
-fn quantities(table: &[Row], groups: &[String]) -> Vec<Quantity> {
+fn quantities(table: &[ErrorRow], groups: &[String]) -> Vec<Quantity> {
     let of = |(quantity, name): &(&str, &str)| {
-        let pick = |value: fn(&Row) -> f64| {
+        let pick = |value: fn(&ErrorRow) -> f64| {
             let of = |group: &String| table.iter().find(|r| r.group == *group && r.quantity == *quantity);
             groups.iter().map(|g| of(g).map_or(f64::NAN, |r| 100.0 * value(r))).collect()
         };
@@ -230,14 +230,14 @@ fn quantities(table: &[Row], groups: &[String]) -> Vec<Quantity> {
     RELATIVE.iter().map(of).collect()
 }
 
-fn by_object(table: &[Row]) -> Chart {
+fn by_object(table: &[ErrorRow]) -> Chart {
     let names = table.iter().filter(|r| r.quantity == "displacement").filter_map(|r| r.group.strip_prefix("object "));
     let names: Vec<String> = names.map(String::from).collect();
     let groups: Vec<String> = names.iter().map(|n| format!("object {n}")).collect();
     Chart { title: "Error by object".into(), quantities: quantities(table, &groups), over: Over::Names(names) }
 }
 
-fn by_force(set: &DataSet, table: &[Row], judged: &[Judged]) -> Chart {
+fn by_force(set: &DataSet, table: &[ErrorRow], judged: &[Judged]) -> Chart {
     let pads = set.objects.first().map_or(1, |o| o.sizes.pads) as f64;
     // Every grasp is loaded alike: the frame tells the force.
     let frames = judged.first().map_or(&[][..], |j| &j.frames);

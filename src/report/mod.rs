@@ -17,8 +17,8 @@ mod run;
 mod source;
 
 pub use chart::Chart;
-pub use page::{Block, Page, Section};
-pub use recording::{Errors, Recording, State};
+pub use page::{Page, PageBlock, Section};
+pub use recording::{Errors, RecordedState, Recording};
 pub use source::Wishes;
 
 use crate::error::{Error, Result};

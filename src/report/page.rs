@@ -40,12 +40,12 @@ pub struct Section {
     /// What it is about, in a sentence or two.
     pub lead: String,
     /// Its content.
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<PageBlock>,
 }
 
 /// A part of a section.
 #[derive(Debug, Clone)]
-pub enum Block {
+pub enum PageBlock {
     /// A table.
     Table(Table),
     /// A chart that the page draws.
@@ -71,12 +71,12 @@ impl Page {
             );
             for block in &section.blocks {
                 body += &match block {
-                    Block::Table(table) => table.html(),
-                    Block::Note(text) => format!("<p class=\"note\">{}</p>\n", escape(text)),
-                    Block::Picture(svg, about) => {
+                    PageBlock::Table(table) => table.html(),
+                    PageBlock::Note(text) => format!("<p class=\"note\">{}</p>\n", escape(text)),
+                    PageBlock::Picture(svg, about) => {
                         format!("<figure class=\"picture\">{svg}<figcaption>{}</figcaption></figure>\n", escape(about))
                     }
-                    Block::Chart(chart) => {
+                    PageBlock::Chart(chart) => {
                         charts.push(chart);
                         format!("<figure class=\"chart\" data-chart=\"{}\"></figure>\n", charts.len() - 1)
                     }
@@ -106,7 +106,9 @@ impl Page {
     pub fn markdown(&self) -> String {
         let of = |section: &Section| {
             let tables = section.blocks.iter().filter_map(|block| match block {
-                Block::Table(table) if !table.folded => Some(format!("**{}**\n\n{}\n", table.title, table.markdown())),
+                PageBlock::Table(table) if !table.folded => {
+                    Some(format!("**{}**\n\n{}\n", table.title, table.markdown()))
+                }
                 _ => None,
             });
             format!("## {}\n\n{}", section.title, tables.collect::<String>())

@@ -24,14 +24,14 @@ pub struct Recording {
     /// Surface of the object, object frame, m.
     pub object: TriMesh,
     /// The truth, then a prediction if there is one: equal frames.
-    pub states: Vec<State>,
+    pub states: Vec<RecordedState>,
     /// How wrong the prediction is, frame by frame.
     pub errors: Option<Errors>,
 }
 
 /// The frames as one backend sees them.
 #[derive(Debug, Clone)]
-pub struct State {
+pub struct RecordedState {
     /// Who says so: `finite elements`, `network`.
     pub label: String,
     /// The frames.
@@ -133,7 +133,7 @@ impl Surface {
     }
 
     /// A state: fields of the seen nodes, frames then pads then nodes; places of pads and object in the hand frame.
-    fn state(&self, pad: &PadTopology, rotations: &[DMat3], state: &State) -> Value {
+    fn state(&self, pad: &PadTopology, rotations: &[DMat3], state: &RecordedState) -> Value {
         let (frames, pads, nodes) = (state.frames.len(), rotations.len(), self.nodes.len());
         let all = || state.frames.iter().flat_map(|f| f.pads.iter().zip(rotations));
         let vectors = |pick: fn(&PadFrame) -> &Vec<DVec3>| -> Option<Vec<DVec3>> {

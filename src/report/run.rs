@@ -1,8 +1,8 @@
 //! A run: how its grasps went, what it promised, its frames.
 
 use super::bench::counted;
-use super::page::{Block, Page, Section};
-use super::recording::{Recording, State};
+use super::page::{Page, PageBlock, Section};
+use super::recording::{RecordedState, Recording};
 use super::source::Wishes;
 use crate::dataset::inspect::chosen;
 use crate::error::Result;
@@ -17,17 +17,17 @@ use std::path::Path;
 /// A folder without a readable `run.json`. Frames that cannot be shown are a remark in the page.
 pub fn run(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
     let report = read::run_report(dir)?;
-    let mut blocks = vec![Block::Table(grasps(&report))];
+    let mut blocks = vec![PageBlock::Table(grasps(&report))];
     if !report.expectations.is_empty() {
-        blocks.push(Block::Table(expectations(&report)));
+        blocks.push(PageBlock::Table(expectations(&report)));
     }
-    blocks.extend(report.pads.first().and_then(|p| p.notice.clone()).map(Block::Note));
+    blocks.extend(report.pads.first().and_then(|p| p.notice.clone()).map(PageBlock::Note));
     if !report.finished {
-        blocks.push(Block::Note("The run did not finish: this is what it left.".into()));
+        blocks.push(PageBlock::Note("The run did not finish: this is what it left.".into()));
     }
     match recordings(dir, &report, wishes) {
         Ok(found) => page.recordings.extend(found),
-        Err(error) => blocks.push(Block::Note(format!("No grasp in 3-D: {error}"))),
+        Err(error) => blocks.push(PageBlock::Note(format!("No grasp in 3-D: {error}"))),
     }
     let about = report.scene.get("about").and_then(|v| v.as_str()).unwrap_or_default();
     let pad = report.pads.first().map_or("no pads".into(), |p| format!("pads of {} nodes ({})", p.nodes, p.element));
@@ -61,7 +61,7 @@ fn recordings(dir: &Path, report: &RunReport, wishes: &Wishes) -> Result<Vec<Rec
             about: String::new(),
             pad: pad.clone(),
             object: object.clone(),
-            states: vec![State { label: label.into(), frames }],
+            states: vec![RecordedState { label: label.into(), frames }],
             errors: None,
         })
     };

@@ -4,7 +4,7 @@ use super::recorder::Options;
 use crate::error::{Error, Result};
 use crate::files::atomic::{create_dir, write_atomic};
 use crate::geometry::mesh::TriMesh;
-use crate::record::arrays::Arrays;
+use crate::record::arrays::GraspArrays;
 use crate::record::csv::FramesCsv;
 use crate::record::frame::{Frame, PadTopology};
 use crate::record::pvd::Collection;
@@ -23,7 +23,7 @@ pub struct GraspRecorder {
     object: TriMesh,
     csv: Option<FramesCsv>,
     collection: Option<Collection>,
-    arrays: Option<Arrays>,
+    arrays: Option<GraspArrays>,
     /// The object's latest file, and its pose there.
     shown: Option<(String, (DVec3, DQuat))>,
     last: Option<Frame>,
@@ -51,7 +51,7 @@ impl GraspRecorder {
             .then(|| FramesCsv::create(&dir.join("frames.csv"), topologies.len(), options.moving))
             .transpose()?;
         let arrays =
-            options.arrays.then(|| Arrays::new(dir.join("arrays.npz"), topologies, &options.pads)).transpose()?;
+            options.arrays.then(|| GraspArrays::new(dir.join("arrays.npz"), topologies, &options.pads)).transpose()?;
         let collection = options.vtu.then(|| Collection::new(dir.join("run.pvd")));
         Ok(GraspRecorder {
             index,

@@ -16,9 +16,9 @@ use crate::record::{Frame, GraspSummary, Status};
 use crate::world::Stepper;
 use crate::world::environment::Environment;
 use crate::world::schedule::{Phase, Timings};
-use crate::world::systems::upright::inverted;
+use crate::world::systems::inversion::inverted;
 pub use grasp_files::GraspRecorder;
-pub use recorder::{Options, Recorder};
+pub use recorder::{Options, RunRecorder};
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -189,7 +189,7 @@ pub fn run_grasp(
 struct Tally {
     measured: Option<Measured>,
     summary: Option<GraspSummary>,
-    motion: motion::Motion,
+    motion: motion::MotionTally,
     /// What is wrong with the first frame that cannot be: not every backend stops there.
     unsound: Option<String>,
 }

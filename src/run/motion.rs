@@ -7,12 +7,12 @@ use glam::{DQuat, DVec3};
 
 /// Follows an object through the frames of a grasp.
 #[derive(Debug, Default)]
-pub struct Motion {
+pub struct MotionTally {
     /// Pose of the object, in the frame of what holds it, from which slip counts.
     held: Option<(DVec3, DQuat)>,
 }
 
-impl Motion {
+impl MotionTally {
     /// Takes over a frame.
     pub fn observe(&mut self, m: &mut Measured, model: &Model, frame: &Frame, moving: &Moving) {
         let Some(dynamics) = &model.dynamics else { return };

@@ -55,7 +55,7 @@ impl Default for Options {
 
 /// A run being recorded.
 #[derive(Debug)]
-pub struct Recorder {
+pub struct RunRecorder {
     dir: PathBuf,
     options: Options,
     report: RunReport,
@@ -63,7 +63,7 @@ pub struct Recorder {
     _lock: FolderLock,
 }
 
-impl Recorder {
+impl RunRecorder {
     /// Creates `dir`, holds it until the end, and writes a first `run.json`, so that a directory that cannot be written fails
     /// before anything is computed.
     ///
@@ -79,7 +79,7 @@ impl Recorder {
             remove_grasps(dir)?;
             remove_meshes(dir)?;
         }
-        let recorder = Recorder { dir: dir.to_path_buf(), options, report, grasps: BTreeMap::new(), _lock: lock };
+        let recorder = RunRecorder { dir: dir.to_path_buf(), options, report, grasps: BTreeMap::new(), _lock: lock };
         recorder.report.write(&recorder.dir.join("run.json"))?;
         Ok(recorder)
     }

@@ -5,10 +5,10 @@ use super::grasps::Grasps;
 use super::gripper::Fingers;
 use super::loading::Loading;
 use super::motion;
-use super::object::{Motion, Revolve, Shape};
+use super::object::{ObjectMotion, ObjectShape, Revolve};
 use super::pad::{BoxPad, DiscPad, GelSightMini, Pads};
-use super::schema::{Part, Scene};
-use super::stepper::{Fem, Solver, Stepper};
+use super::schema::{Scene, ScenePart};
+use super::stepper::{Fem, Solver, StepperChoice};
 use crate::number::shown;
 use std::collections::BTreeSet;
 
@@ -32,7 +32,7 @@ pub const SHARED: usize = 256 << 20;
 
 /// Names of objects that stand twice, files that give both one object and several, and more than anyone means. `shared` is
 /// the length of the text beside the list of objects.
-pub(super) fn objects(part: &Part, shared: usize) -> Result<(), Problem> {
+pub(super) fn objects(part: &ScenePart, shared: usize) -> Result<(), Problem> {
     let Some(objects) = &part.objects else { return Ok(()) };
     if part.object.is_some() {
         return refuse("objects", "object and objects are both given\ngive one of them");
@@ -65,7 +65,7 @@ pub(super) fn objects(part: &Part, shared: usize) -> Result<(), Problem> {
 /// The first problem of the scene, if any.
 pub(super) fn check(scene: &Scene) -> Result<(), Problem> {
     shape(&scene.object.shape)?;
-    if scene.object.repair && !matches!(scene.object.shape, Shape::Mesh(_)) {
+    if scene.object.repair && !matches!(scene.object.shape, ObjectShape::Mesh(_)) {
         return refuse(
             "object.repair",
             "only the surface of a file is repaired\nleave it out, or give `shape: Mesh(\"file\")`",
@@ -97,7 +97,7 @@ fn refuse<T>(path: impl Into<String>, message: impl Into<String>) -> Result<T, P
     Err(Problem { path: path.into(), message: message.into() })
 }
 
-fn shape(shape: &Shape) -> Result<(), Problem> {
+fn shape(shape: &ObjectShape) -> Result<(), Problem> {
     let rounding = |edge: f64, most: f64| {
         if edge <= most {
             return Ok(());
@@ -108,25 +108,25 @@ fn shape(shape: &Shape) -> Result<(), Problem> {
         )
     };
     match shape {
-        Shape::Cuboid(c) => rounding(c.edge_radius.get(), c.size.size().min_element() / 2.0),
-        Shape::Annulus(a) if a.inner.get() >= a.outer.get() => refuse(
+        ObjectShape::Cuboid(c) => rounding(c.edge_radius.get(), c.size.size().min_element() / 2.0),
+        ObjectShape::Annulus(a) if a.inner.get() >= a.outer.get() => refuse(
             "object.shape.inner",
             format!("the hole ({} m) must be narrower than outer ({} m)", shown(a.inner.get()), shown(a.outer.get())),
         ),
-        Shape::Cup(c) if c.wall.get() >= c.radius.get().min(c.height.get()) => refuse(
+        ObjectShape::Cup(c) if c.wall.get() >= c.radius.get().min(c.height.get()) => refuse(
             "object.shape.wall",
             format!("wall {} m leaves no hollow\nallowed: below radius and height", shown(c.wall.get())),
         ),
-        Shape::Banana(b) if !(1.0..=170.0).contains(&b.bend_deg.get()) => refuse(
+        ObjectShape::Banana(b) if !(1.0..=170.0).contains(&b.bend_deg.get()) => refuse(
             "object.shape.bend_deg",
             format!("a banana bends by 1 to 170 degrees, found {}", shown(b.bend_deg.get())),
         ),
-        Shape::Potato(p) if p.roughness.get() > 0.3 => refuse(
+        ObjectShape::Potato(p) if p.roughness.get() > 0.3 => refuse(
             "object.shape.roughness",
             format!("roughness must be at most 0.3, found {}", shown(p.roughness.get())),
         ),
-        Shape::Revolve(r) => profile(r),
-        Shape::Sweep(s) => {
+        ObjectShape::Revolve(r) => profile(r),
+        ObjectShape::Sweep(s) => {
             if s.path.len() < 2 {
                 return refuse("object.shape.path", "a sweep needs at least two points");
             }
@@ -229,7 +229,7 @@ fn loading(scene: &Scene) -> Result<(), Problem> {
     if scene.gripper.fingers == Fingers::None {
         return refuse("gripper.fingers", "nothing to load without fingers\nuse Both or One, or loading: Dynamic");
     }
-    if scene.gripper.fingers == Fingers::One && scene.object.motion == Motion::Free {
+    if scene.gripper.fingers == Fingers::One && scene.object.motion == ObjectMotion::Free {
         return refuse(
             "gripper.fingers",
             "one finger only pushes a free object away\nuse motion: Fixed in object, or fingers: Both",
@@ -295,14 +295,14 @@ fn dynamic(scene: &Scene) -> Result<(), Problem> {
         }
         return Ok(());
     };
-    if let Stepper::Fem(Fem { solver: Solver::Condensed(_), .. }) = scene.stepper {
+    if let StepperChoice::Fem(Fem { solver: Solver::Condensed(_), .. }) = scene.stepper {
         return refuse(
             "stepper.solver",
             "condensed pads have no inertia\nuse solver: Full in a scene that moves in time",
         );
     }
     let moves = scene.object.velocity.is_some() || scene.object.spin.is_some();
-    if moves && scene.object.motion == Motion::Fixed {
+    if moves && scene.object.motion == ObjectMotion::Fixed {
         return refuse("object.motion", "a fixed object has neither velocity nor spin");
     }
     if dynamic.motions.is_empty() {

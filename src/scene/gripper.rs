@@ -2,7 +2,7 @@
 
 use super::defaults;
 use super::leaf::{Finite, Length, NonNegative};
-use super::material::Material;
+use super::material::MaterialChoice;
 use super::pad::Pads;
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +13,7 @@ pub struct Gripper {
     /// The soft pads: the same on both fingers.
     pub pads: Pads,
     /// What the pads are made of.
-    pub material: Material,
+    pub material: MaterialChoice,
     /// Distance of the two sensing faces when open, m.
     pub opening: Length,
     /// Largest travel of each finger, m. May be less than half the opening: then the pads never meet.
@@ -30,7 +30,7 @@ impl Default for Gripper {
     fn default() -> Self {
         Self {
             pads: Pads::default(),
-            material: Material::default(),
+            material: MaterialChoice::default(),
             opening: defaults::OPENING,
             stroke: defaults::STROKE,
             friction: defaults::FRICTION,

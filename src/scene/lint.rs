@@ -1,7 +1,7 @@
 //! Checks on the text of a scene: what RON lets through and we do not.
 
 use super::diagnose::Diagnosis;
-use super::outline::{Entry, Outline};
+use super::outline::{Outline, OutlineEntry};
 
 /// The first refusal, if any.
 pub(super) fn lint(text: &str, outline: &Outline) -> Result<(), Diagnosis> {
@@ -15,8 +15,13 @@ pub(super) fn lint(text: &str, outline: &Outline) -> Result<(), Diagnosis> {
 }
 
 /// RON drops the name in `RpyDeg((r, p, y))`, so `RpyRad((r, p, y))` would be taken for degrees.
-fn rotation(text: &str, outline: &Outline, entry: &Entry, inner: Option<&Entry>) -> Result<(), Diagnosis> {
-    let inside = |e: &&Entry| entry.value.start < e.value.start;
+fn rotation(
+    text: &str,
+    outline: &Outline,
+    entry: &OutlineEntry,
+    inner: Option<&OutlineEntry>,
+) -> Result<(), Diagnosis> {
+    let inside = |e: &&OutlineEntry| entry.value.start < e.value.start;
     let angles = inner.filter(inside).is_some_and(|e| text[e.value.clone()].starts_with(['(', '[']));
     let (what, at) = match &entry.name {
         None if angles => ("a rotation by angles needs a name".to_string(), entry.value.clone()),
@@ -32,7 +37,7 @@ fn rotation(text: &str, outline: &Outline, entry: &Entry, inner: Option<&Entry>)
 }
 
 /// RON reads `0..=9` and `0..9` as the same two numbers.
-fn select(text: &str, outline: &Outline, entry: &Entry) -> Result<(), Diagnosis> {
+fn select(text: &str, outline: &Outline, entry: &OutlineEntry) -> Result<(), Diagnosis> {
     if text[entry.value.clone()].contains("..=") {
         let message = format!("{}: a range here has no `=`\nwrite 0..10 for rows 0 to 9", outline.path(entry));
         return Err(Diagnosis::new(&message, entry.value.clone()));

@@ -4,13 +4,13 @@ use super::check;
 use super::diagnose::{Diagnosis, clipped, explain};
 use super::grasps::Grasps;
 use super::lint::lint;
-use super::object::{Object, Shape};
+use super::object::{Object, ObjectShape};
 use super::objects::{Name, NamedScene, Split};
 use super::outline::{Outline, VALUE_LIMIT};
 use super::pad::Pads;
-use super::schema::{Part, Scene};
+use super::schema::{Scene, ScenePart};
 use super::source::{self, SIZE_LIMIT};
-use super::stepper::{SHIPPED_MODELS, Stepper};
+use super::stepper::{SHIPPED_MODELS, StepperChoice};
 use crate::error::{Error, Result};
 use crate::files::regular::other_kind;
 use ron::extensions::Extensions;
@@ -180,7 +180,7 @@ impl Places {
 }
 
 /// Reads the text of one scene file.
-fn parse(text: &str) -> std::result::Result<Part, ron::error::SpannedError> {
+fn parse(text: &str) -> std::result::Result<ScenePart, ron::error::SpannedError> {
     options().from_str(text)
 }
 
@@ -214,10 +214,10 @@ pub fn from_ron(text: &str) -> Result<Scene> {
 /// # Errors
 /// A value that is no complete scene.
 pub fn from_json(value: &serde_json::Value) -> Result<Scene> {
-    complete(Part::deserialize(value).map_err(|e| Error::Scene(format!("error: no scene: {e}")))?)
+    complete(ScenePart::deserialize(value).map_err(|e| Error::Scene(format!("error: no scene: {e}")))?)
 }
 
-fn complete(part: Part) -> Result<Scene> {
+fn complete(part: ScenePart) -> Result<Scene> {
     let mut scenes = part
         .complete(&Name::near("scene"))
         .map_err(|field| Error::Scene(format!("error: no complete scene: missing field `{field}`")))?;
@@ -266,7 +266,12 @@ struct Loader {
 
 impl Loader {
     /// The file with all that it includes. `chain` holds the files being read, outermost first.
-    fn tree(&mut self, path: &Path, chain: &mut Vec<PathBuf>, from: Option<(usize, usize)>) -> Result<(Part, Origins)> {
+    fn tree(
+        &mut self,
+        path: &Path,
+        chain: &mut Vec<PathBuf>,
+        from: Option<(usize, usize)>,
+    ) -> Result<(ScenePart, Origins)> {
         let text = match (source::read(path), from) {
             (Ok(text), _) => text,
             (Err(e), None) => return Err(e),
@@ -288,7 +293,7 @@ impl Loader {
         resolve_paths(&mut own, &dir).map_err(|(field, message)| source.error_at(&field, &message))?;
 
         chain.push(path.canonicalize().unwrap_or_else(|_| path.to_path_buf()));
-        let (mut whole, mut origins) = (Part::default(), Origins::new());
+        let (mut whole, mut origins) = (ScenePart::default(), Origins::new());
         for (i, name) in std::mem::take(&mut own.include).iter().enumerate() {
             let included = dir.join(name);
             self.may_include(&included, chain)
@@ -325,7 +330,7 @@ impl Loader {
 }
 
 /// Reads one file, not its includes.
-fn read_part(source: &Source) -> Result<Part> {
+fn read_part(source: &Source) -> Result<ScenePart> {
     let outline = Outline::of(&source.text);
     if outline.is_empty() {
         let message = "the scene is empty\na smallest scene: (object: (shape: Sphere(radius: 0.02)), loading: Squeeze(force: 15))";
@@ -343,7 +348,7 @@ fn read_part(source: &Source) -> Result<Part> {
 }
 
 /// Makes paths start at the file that names them, and refuses those that lead nowhere.
-fn resolve_paths(part: &mut Part, dir: &Path) -> std::result::Result<(), (String, String)> {
+fn resolve_paths(part: &mut ScenePart, dir: &Path) -> std::result::Result<(), (String, String)> {
     let file = |path: &mut PathBuf, field: String| {
         *path = dir.join(&*path);
         match path.metadata() {
@@ -357,7 +362,7 @@ fn resolve_paths(part: &mut Part, dir: &Path) -> std::result::Result<(), (String
         }
     };
     let object = |object: &mut Object, field: &str| match &mut object.shape {
-        Shape::Mesh(path) => file(path, format!("{field}.shape")),
+        ObjectShape::Mesh(path) => file(path, format!("{field}.shape")),
         _ => Ok(()),
     };
     let grasps = |grasps: &mut Grasps, field: &str| match grasps {
@@ -375,7 +380,7 @@ fn resolve_paths(part: &mut Part, dir: &Path) -> std::result::Result<(), (String
     {
         file(&mut pad.path, "gripper.pads.path".into())?;
     }
-    if let Some(Stepper::Gnn(gnn)) = &mut part.stepper {
+    if let Some(StepperChoice::Gnn(gnn)) = &mut part.stepper {
         // whether there is a model is for the engine to say
         if !SHIPPED_MODELS.iter().any(|name| gnn.model.as_os_str() == *name) {
             gnn.model = dir.join(&gnn.model);

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize, Serializer};
 
 /// A soft material by law and constants, or by the name of a preset.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub enum Material {
+#[serde(rename = "Material")]
+pub enum MaterialChoice {
     /// A named material: `"gelsight_mini"`, `"tacgrasp"` or `"biotac"`.
     Preset(Preset),
     /// Compressible neo-Hookean by E and nu.
@@ -20,9 +21,9 @@ pub enum Material {
     Linear(Elastic),
 }
 
-impl Default for Material {
+impl Default for MaterialChoice {
     fn default() -> Self {
-        Material::Preset(Preset::GelSightMini)
+        MaterialChoice::Preset(Preset::GelSightMini)
     }
 }
 
@@ -128,7 +129,7 @@ pub struct MaterialSpec {
     pub density: f64,
 }
 
-impl Material {
+impl MaterialChoice {
     /// Law and constants.
     pub fn spec(self) -> MaterialSpec {
         let of = |law, e: Elastic| MaterialSpec {
@@ -138,11 +139,11 @@ impl Material {
             density: e.density.get(),
         };
         match self {
-            Material::Preset(preset) => preset.spec(),
-            Material::NeoHookean(e) => of(Law::NeoHookean, e),
-            Material::Corotational(e) => of(Law::Corotational, e),
-            Material::Linear(e) => of(Law::Linear, e),
-            Material::NeoHookeanC10(e) => MaterialSpec {
+            MaterialChoice::Preset(preset) => preset.spec(),
+            MaterialChoice::NeoHookean(e) => of(Law::NeoHookean, e),
+            MaterialChoice::Corotational(e) => of(Law::Corotational, e),
+            MaterialChoice::Linear(e) => of(Law::Linear, e),
+            MaterialChoice::NeoHookeanC10(e) => MaterialSpec {
                 law: Law::NeoHookean,
                 young: young_of_c10(e.c10.get(), e.poisson.get()),
                 poisson: e.poisson.get(),
@@ -152,7 +153,7 @@ impl Material {
     }
 }
 
-impl Material {
+impl MaterialChoice {
     /// The same law and density with other elastic constants (Pa and none); the error is what a scene file would be told.
     pub fn with(self, young: f64, poisson: f64) -> Result<Self, String> {
         let spec = self.spec();
@@ -162,9 +163,9 @@ impl Material {
             density: Positive::new(spec.density)?,
         };
         Ok(match spec.law {
-            Law::NeoHookean => Material::NeoHookean(elastic),
-            Law::Corotational => Material::Corotational(elastic),
-            Law::Linear => Material::Linear(elastic),
+            Law::NeoHookean => MaterialChoice::NeoHookean(elastic),
+            Law::Corotational => MaterialChoice::Corotational(elastic),
+            Law::Linear => MaterialChoice::Linear(elastic),
         })
     }
 }

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 #[serde(deny_unknown_fields)]
 pub struct Object {
     /// Its shape, in the object frame.
-    pub shape: Shape,
+    pub shape: ObjectShape,
     /// Factor on all lengths of the shape.
     #[serde(default = "defaults::scale")]
     pub scale: Positive,
@@ -27,7 +27,7 @@ pub struct Object {
     pub segments: Count<8, 512>,
     /// Whether it may move.
     #[serde(default)]
-    pub motion: Motion,
+    pub motion: ObjectMotion,
     /// Velocity of its centre of mass at the start of a dynamic scene, world axes, m/s.
     #[serde(default)]
     pub velocity: Option<Vec3>,
@@ -38,7 +38,8 @@ pub struct Object {
 
 /// Whether the object may move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum Motion {
+#[serde(rename = "Motion")]
+pub enum ObjectMotion {
     /// Moves as a rigid body under contact, friction and gravity.
     #[default]
     Free,
@@ -48,7 +49,8 @@ pub enum Motion {
 
 /// A shape, centred on its frame's origin unless said otherwise, its axis along z where it has one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub enum Shape {
+#[serde(rename = "Shape")]
+pub enum ObjectShape {
     /// A closed surface from an OBJ, STL or PLY file, in metres (else use `scale`), in the file's own frame.
     Mesh(PathBuf),
     /// A ball.

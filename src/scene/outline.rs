@@ -8,7 +8,7 @@ use std::ops::Range;
 
 /// A field or list element and where it stands.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Entry {
+pub(super) struct OutlineEntry {
     /// Its place in the tree of the text.
     node: usize,
     /// Byte range of the key, or of the value where there is no key.
@@ -43,7 +43,7 @@ struct Node {
 pub(super) struct Outline<'a> {
     text: &'a str,
     nodes: Vec<Node>,
-    entries: Vec<Entry>,
+    entries: Vec<OutlineEntry>,
 }
 
 /// Most values of a scene file: far above any scene.
@@ -76,12 +76,12 @@ impl<'a> Outline<'a> {
     }
 
     /// All entries.
-    pub fn entries(&self) -> &[Entry] {
+    pub fn entries(&self) -> &[OutlineEntry] {
         &self.entries
     }
 
     /// The entry of this path, or of the nearest parent that is written out.
-    pub fn find(&self, path: &str) -> Option<&Entry> {
+    pub fn find(&self, path: &str) -> Option<&OutlineEntry> {
         let mut path = path;
         loop {
             // of several values of one path (`Mesh("a.obj")` and `"a.obj"`) the innermost ends first
@@ -97,7 +97,7 @@ impl<'a> Outline<'a> {
     }
 
     /// Path of an entry, like `gripper.pads.spacing` or `grasps[2].rotation`; enum names do not count, the whole file is "".
-    pub fn path(&self, entry: &Entry) -> String {
+    pub fn path(&self, entry: &OutlineEntry) -> String {
         let (mut steps, mut node) = (Vec::new(), &self.nodes[entry.node]);
         while !matches!(node.step, Step::Root) {
             steps.push(&node.step);
@@ -118,7 +118,7 @@ impl<'a> Outline<'a> {
     }
 
     /// The last field of an entry's path; None for elements of lists and the whole file.
-    pub fn field(&self, entry: &Entry) -> Option<&'a str> {
+    pub fn field(&self, entry: &OutlineEntry) -> Option<&'a str> {
         match &self.nodes[entry.node].step {
             Step::Key(key) => Some(&self.text[key.clone()]),
             _ => None,
@@ -156,8 +156,8 @@ impl<'a> Outline<'a> {
         self.innermost(at).map(|e| e.value.clone())
     }
 
-    fn innermost(&self, at: usize) -> Option<&Entry> {
-        let covering = |e: &&Entry| e.key.start <= at && at < e.value.end.max(e.key.end);
+    fn innermost(&self, at: usize) -> Option<&OutlineEntry> {
+        let covering = |e: &&OutlineEntry| e.key.start <= at && at < e.value.end.max(e.key.end);
         self.entries.iter().filter(covering).min_by_key(|e| e.value.end - e.key.start)
     }
 }
@@ -169,7 +169,7 @@ struct Scan<'a> {
     text: &'a str,
     at: usize,
     nodes: Vec<Node>,
-    entries: Vec<Entry>,
+    entries: Vec<OutlineEntry>,
 }
 
 impl Scan<'_> {
@@ -258,7 +258,7 @@ impl Scan<'_> {
             _ => self.skip_while(|c| !c.is_whitespace() && !matches!(c, ',' | ')' | ']' | '}' | '(' | '[' | '{' | '"')),
         }
         let value = start..self.at;
-        self.entries.push(Entry { node, key: key.unwrap_or(value.clone()), value, name });
+        self.entries.push(OutlineEntry { node, key: key.unwrap_or(value.clone()), value, name });
     }
 
     /// Reads what stands between brackets. The only positional value after a name (`Sphere(0.1)`, `List([...])`) is the

@@ -7,32 +7,33 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Reward {
     /// For holding the object.
-    Hold(Hold),
+    Hold(HoldReward),
     /// Against slip.
-    Slip(Slip),
+    Slip(SlipReward),
     /// Against stress above a limit.
-    Stress(Stress),
+    Stress(StressReward),
     /// Against force.
-    Economy(Economy),
+    Economy(EconomyReward),
 }
 
 impl Default for Reward {
     fn default() -> Self {
-        Reward::Hold(Hold::default())
+        Reward::Hold(HoldReward::default())
     }
 }
 
 /// Pays `weight` per step that the object is held, takes `drop` when it is lost.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Hold {
+#[serde(rename = "Hold")]
+pub struct HoldReward {
     /// Per step.
     pub weight: NonNegative,
     /// Once.
     pub drop: NonNegative,
 }
 
-impl Default for Hold {
+impl Default for HoldReward {
     fn default() -> Self {
         Self { weight: NonNegative::preset(1.0), drop: NonNegative::preset(10.0) }
     }
@@ -41,12 +42,13 @@ impl Default for Hold {
 /// Takes `weight` per millimetre that the object slides over the pads.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Slip {
+#[serde(rename = "Slip")]
+pub struct SlipReward {
     /// Per mm.
     pub weight: NonNegative,
 }
 
-impl Default for Slip {
+impl Default for SlipReward {
     fn default() -> Self {
         Self { weight: NonNegative::preset(1.0) }
     }
@@ -55,7 +57,8 @@ impl Default for Slip {
 /// Takes `weight` times the part by which the largest von Mises stress exceeds `limit`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Stress {
+#[serde(rename = "Stress")]
+pub struct StressReward {
     /// Pa.
     pub limit: Positive,
     /// For as much again as the limit.
@@ -70,12 +73,13 @@ const fn one() -> NonNegative {
 /// Takes `weight` per step at the largest force, and less in proportion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Economy {
+#[serde(rename = "Economy")]
+pub struct EconomyReward {
     /// Per step at the largest force.
     pub weight: NonNegative,
 }
 
-impl Default for Economy {
+impl Default for EconomyReward {
     fn default() -> Self {
         Self { weight: NonNegative::preset(1.0) }
     }

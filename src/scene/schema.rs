@@ -8,7 +8,7 @@ use super::loading::Loading;
 use super::object::Object;
 use super::objects::{Entry, Name, NamedScene, Split};
 use super::output::Record;
-use super::stepper::Stepper;
+use super::stepper::StepperChoice;
 use super::task::Task;
 use super::vector::Vec3;
 use serde::{Deserialize, Serialize};
@@ -28,7 +28,7 @@ pub struct Scene {
     /// How the grasp is loaded.
     pub loading: Loading,
     /// What advances the scene.
-    pub stepper: Stepper,
+    pub stepper: StepperChoice,
     /// Gravity in the world, which is the object frame at the start of each grasp, m/s2; None is none.
     pub gravity: Option<Vec3>,
     /// What the object may rest on in a dynamic scene; None is nothing.
@@ -49,18 +49,18 @@ impl Scene {
     /// The promises that a run is held to: those of its backend.
     pub fn promises(&self) -> Cow<'_, [Expectation]> {
         match (&self.stepper, &self.expect_network) {
-            (Stepper::Fem(_), _) => Cow::Borrowed(&self.expect),
-            (Stepper::Gnn(_), Some(own)) => Cow::Borrowed(own),
-            (Stepper::Gnn(_), None) => self.expect.iter().filter(|e| e.by_network()).cloned().collect(),
+            (StepperChoice::Fem(_), _) => Cow::Borrowed(&self.expect),
+            (StepperChoice::Gnn(_), Some(own)) => Cow::Borrowed(own),
+            (StepperChoice::Gnn(_), None) => self.expect.iter().filter(|e| e.by_network()).cloned().collect(),
         }
     }
 
     /// The field that [`Scene::promises`] are from, in words.
     pub fn promised_in(&self) -> &'static str {
         match (&self.stepper, &self.expect_network) {
-            (Stepper::Fem(_), _) => "expect",
-            (Stepper::Gnn(_), Some(_)) => "expect_network",
-            (Stepper::Gnn(_), None) => "expect, what a network keeps by its making",
+            (StepperChoice::Fem(_), _) => "expect",
+            (StepperChoice::Gnn(_), Some(_)) => "expect_network",
+            (StepperChoice::Gnn(_), None) => "expect, what a network keeps by its making",
         }
     }
 
@@ -76,20 +76,20 @@ impl Scene {
     }
 }
 
-/// Declares [`Part`] and all that is done field by field, so that a new field is added in one place.
+/// Declares [`ScenePart`] and all that is done field by field, so that a new field is added in one place.
 macro_rules! part {
     ($($field:ident: $type:ty,)*) => {
         /// One scene file as written: any field may be missing, an include or the default gives it.
         #[derive(Debug, Clone, Default, Deserialize)]
         #[serde(rename = "Scene", default, deny_unknown_fields)]
-        pub(super) struct Part {
+        pub(super) struct ScenePart {
             pub include: Vec<String>,
             $(pub $field: Option<$type>,)*
         }
 
-        impl Part {
+        impl ScenePart {
             /// Takes over every field that `other` gives.
-            pub fn take_over(&mut self, other: Part) {
+            pub fn take_over(&mut self, other: ScenePart) {
                 $(if other.$field.is_some() {
                     self.$field = other.$field;
                 })*
@@ -115,7 +115,7 @@ part! {
     gripper: Gripper,
     grasps: Grasps,
     loading: Loading,
-    stepper: Stepper,
+    stepper: StepperChoice,
     gravity: Vec3,
     ground: Ground,
     record: Record,
@@ -124,7 +124,7 @@ part! {
     task: Task,
 }
 
-impl Part {
+impl ScenePart {
     /// One complete scene per object, or the name of the field that is missing. An object without a name gets `name`.
     pub fn complete(self, name: &Name) -> Result<Vec<NamedScene>, &'static str> {
         let entries = match (self.object, self.objects) {

@@ -10,16 +10,17 @@ pub const SHIPPED_MODELS: [&str; 2] = ["gelsight_mini", "gelsight_mini_fine"];
 
 /// The backend.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub enum Stepper {
+#[serde(rename = "Stepper")]
+pub enum StepperChoice {
     /// Finite elements: the reference.
     Fem(Fem),
     /// A trained network.
     Gnn(Gnn),
 }
 
-impl Default for Stepper {
+impl Default for StepperChoice {
     fn default() -> Self {
-        Stepper::Fem(Fem::default())
+        StepperChoice::Fem(Fem::default())
     }
 }
 

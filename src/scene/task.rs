@@ -3,7 +3,7 @@
 use super::defaults;
 use super::leaf::{Count, Depth, Length, NonNegative, Positive};
 use super::loading::Loading;
-use super::object::Motion;
+use super::object::ObjectMotion;
 use super::schema::Scene;
 use super::vector::{Tuple, Vec3};
 use crate::number::shown;
@@ -172,7 +172,7 @@ pub(super) fn problem(scene: &Scene) -> Option<(String, String)> {
             "gravity of a task stands in the task, which withdraws the support little by little\nmove `gravity` into `task`",
         );
     }
-    let free = scene.object.motion == Motion::Free;
+    let free = scene.object.motion == ObjectMotion::Free;
     match &scene.loading {
         Loading::Squeeze(_) if free => None,
         Loading::Squeeze(_) => field("", "there is nothing to hold: the object is fixed\nuse motion: Free"),

@@ -124,11 +124,11 @@ pub struct Shared(pub Arc<Model>);
 
 /// Pose of the hand in the object frame.
 #[derive(Resource, Debug, Clone, Copy)]
-pub struct Grasp(pub GraspPose);
+pub struct CurrentGrasp(pub GraspPose);
 
 /// A load given from outside, step by step; without it the levels of the scene apply, one after the other.
 #[derive(Resource, Debug, Clone, Copy, PartialEq)]
-pub struct Command {
+pub struct ForceCommand {
     /// Force per finger, N.
     pub force: f64,
 }
@@ -154,7 +154,7 @@ pub struct Advance {
 
 /// Whether the forces of a frame add up.
 #[derive(Resource, Debug, Clone, Copy, Default)]
-pub struct Balance {
+pub struct BalanceReport {
     /// The object is held where it is, by what is not part of the scene: then only the fingers' forces have to add up.
     pub held: bool,
     /// Sum over the fingers of the closing force, N.
@@ -182,7 +182,7 @@ pub struct Recorded(pub Option<Frame>);
 
 /// Label of the one schedule of a world.
 #[derive(ScheduleLabel, Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Step;
+pub struct StepLabel;
 
 /// Condition: the step makes a frame.
 pub fn ramping(phase: Res<Phase>) -> bool {
@@ -196,7 +196,7 @@ pub fn reached(advance: Res<Advance>) -> bool {
 
 /// The schedule with everything but a stepper. Two systems that touch the same data without an order are an error.
 pub fn schedule(needs: &Needs) -> Schedule {
-    let mut schedule = Schedule::new(Step);
+    let mut schedule = Schedule::new(StepLabel);
     schedule.set_build_settings(ScheduleBuildSettings {
         ambiguity_detection: LogLevel::Error,
         hierarchy_detection: LogLevel::Error,

@@ -4,7 +4,9 @@ use crate::gripper::GraspPose;
 use crate::model::Model;
 use crate::part::FingerModel;
 use crate::world::components::*;
-use crate::world::schedule::{Advance, Balance, Command, Grasp, Next, Phase, Recorded, Shared, Timings};
+use crate::world::schedule::{
+    Advance, BalanceReport, CurrentGrasp, ForceCommand, Next, Phase, Recorded, Shared, Timings,
+};
 use crate::world::systems::audit::Audited;
 use bevy_ecs::bundle::{Bundle, NoBundleEffect};
 use bevy_ecs::component::{Component, Mutable};
@@ -67,13 +69,13 @@ pub fn begin(world: &mut World, model: &Arc<Model>, pose: GraspPose) {
     fill(world, InertialWrench::default());
     fill(world, GroundWrench::default());
     fill(world, HandPose { position: pose.position, rotation: pose.rotation });
-    world.remove_resource::<Command>();
+    world.remove_resource::<ForceCommand>();
     world.insert_resource(Shared(model.clone()));
-    world.insert_resource(Grasp(pose));
+    world.insert_resource(CurrentGrasp(pose));
     world.insert_resource(Phase::Place);
     world.insert_resource(Next::default());
     world.insert_resource(Advance::default());
-    world.insert_resource(Balance::default());
+    world.insert_resource(BalanceReport::default());
     world.insert_resource(Recorded::default());
     world.insert_resource(Timings::default());
     if model.needs.audit {

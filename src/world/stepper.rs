@@ -19,7 +19,7 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
     fn name(&self) -> &'static str;
     /// Its settings in one line, for reports.
     fn settings(&self) -> String;
-    /// Whether friction may fail to hold an object in it; if not, [`crate::env::grip`] judges that.
+    /// Whether friction may fail to hold an object in it; if not, [`crate::env::slip`] judges that.
     fn solves_friction(&self) -> bool {
         true
     }

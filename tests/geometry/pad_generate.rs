@@ -8,10 +8,10 @@ use approx::assert_relative_eq;
 use glam::DVec3;
 use proptest::prelude::*;
 use tactus::geometry::mesh::{clean, quality, surface, topology};
-use tactus::geometry::pad::{self, GelShape, Pad, Resolution, dome};
+use tactus::geometry::pad::{self, GelProfile, PadMesh, Resolution, dome};
 
 /// What every pad must hold; returns its volume, m^3, and its worst quality.
-fn sound(pad: &Pad, thickness: f64) -> (f64, f64) {
+fn sound(pad: &PadMesh, thickness: f64) -> (f64, f64) {
     let mut mesh = pad.mesh.clone();
     assert!(clean::repair(&mut mesh).expect("sound").is_empty(), "a generated pad needs no repair");
     assert!(topology::watertight(&surface::boundary_mesh(&mesh).0).is_solid());
@@ -25,7 +25,7 @@ fn sound(pad: &Pad, thickness: f64) -> (f64, f64) {
 }
 
 /// Every node has its mirror image about x = 0 and about y = 0, to the last bit.
-fn assert_symmetric(pad: &Pad) {
+fn assert_symmetric(pad: &PadMesh) {
     for sign in [DVec3::new(-1.0, 1.0, 1.0), DVec3::new(1.0, -1.0, 1.0)] {
         let sorted = |s: DVec3| {
             let mut all: Vec<[f64; 3]> = pad.mesh.nodes.iter().map(|p| (*p * s + 0.0).to_array()).collect();
@@ -114,16 +114,16 @@ fn a_disc_pad_is_a_polygon_in_the_circle_without_slivers() {
 #[test]
 fn the_gelsight_mini_is_a_box_or_a_dome() {
     let resolution = Resolution::spacing(1e-3);
-    let flat = pad::gelsight_mini(GelShape::Flat, &resolution).expect("pad");
+    let flat = pad::gelsight_mini(GelProfile::Flat, &resolution).expect("pad");
     assert_relative_eq!(sound(&flat, 4e-3).0, 25.25e-3 * 20.75e-3 * 4e-3, max_relative = 1e-12);
 
-    let domed = pad::gelsight_mini(GelShape::Domed, &resolution.with_focus(1.5)).expect("pad");
+    let domed = pad::gelsight_mini(GelProfile::Domed, &resolution.with_focus(1.5)).expect("pad");
     assert_symmetric(&domed);
     let (_, worst) = sound(&domed, 4e-3);
     eprintln!("domed: {} nodes, {} tets, worst {worst:.3}", domed.mesh.nodes.len(), domed.mesh.tets.len());
     // The CAD solid, meshed by FEATS, has 1896.5 mm^3; its corners are rounded (1.5 mm), those here are not.
     // Flat facets cut the dome: fine cells keep that below a thousandth.
-    let fine = pad::gelsight_mini(GelShape::Domed, &Resolution::cells([80, 80, 4])).expect("pad");
+    let fine = pad::gelsight_mini(GelProfile::Domed, &Resolution::cells([80, 80, 4])).expect("pad");
     let (volume, _) = sound(&fine, 4e-3);
     let rounding = (4.0 - PI) * 1.5e-3_f64.powi(2) * 2.75e-3;
     assert_relative_eq!(volume - rounding, 1896.5e-9, max_relative = 2e-3);
@@ -215,7 +215,7 @@ fn the_dome_follows_the_cad_everywhere_but_at_the_corners() {
 #[test]
 fn unusable_requests_are_refused() {
     let fine = Resolution::spacing(1e-3);
-    let message = |r: tactus::error::Result<Pad>| r.expect_err("refused").to_string();
+    let message = |r: tactus::error::Result<PadMesh>| r.expect_err("refused").to_string();
     assert!(message(pad::box_pad(0.0, 1.0, 1.0, &fine)).contains("size_x is 0 m; allowed: above 0"));
     assert!(message(pad::box_pad(1.0, f64::NAN, 1.0, &fine)).contains("size_y is NaN m"));
     assert!(message(pad::disc_pad(-1.0, 1.0, &fine)).contains("radius is -1 m"));

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 use tactus::geometry::mesh::{TetMesh, io};
-use tactus::geometry::pad::{self, Bonding, Pad, Placement, Resolution};
+use tactus::geometry::pad::{self, Bonding, PadMesh, PadPlacement, Resolution};
 
 fn data(name: &str) -> Option<PathBuf> {
     let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data")).join(name);
@@ -16,15 +16,15 @@ fn data(name: &str) -> Option<PathBuf> {
     Some(path)
 }
 
-fn placement(outward: DVec3, attach_distance: f64) -> Placement {
-    Placement { outward, across: None, bonding: Bonding::AttachDistance(attach_distance) }
+fn placement(outward: DVec3, attach_distance: f64) -> PadPlacement {
+    PadPlacement { outward, across: None, bonding: Bonding::AttachDistance(attach_distance) }
 }
 
-fn count(pad: &Pad) -> usize {
+fn count(pad: &PadMesh) -> usize {
     pad.bonded.iter().filter(|b| **b).count()
 }
 
-fn small() -> Pad {
+fn small() -> PadMesh {
     pad::box_pad(0.03, 0.02, 0.004, &Resolution::cells([4, 2, 2])).expect("pad")
 }
 
@@ -51,7 +51,7 @@ fn any_outward_direction_gives_a_right_handed_frame() {
         let nodes = original.mesh.nodes.iter().map(|p| turn * *p).collect();
         let moved = TetMesh { nodes, tets: original.mesh.tets.clone() };
         let across = Some(turn * DVec3::X);
-        let back = pad::from_mesh(moved, &Placement { across, ..placement(outward, 1e-6) }).expect("placed");
+        let back = pad::from_mesh(moved, &PadPlacement { across, ..placement(outward, 1e-6) }).expect("placed");
         assert_eq!(back.bonded, original.bonded);
         for (p, q) in back.mesh.nodes.iter().zip(&original.mesh.nodes) {
             assert!((*p - *q).length() < 1e-14, "{outward}: {p} m instead of {q} m");
@@ -61,14 +61,14 @@ fn any_outward_direction_gives_a_right_handed_frame() {
 
 #[test]
 fn unusable_placements_are_refused() {
-    let message = |p: Placement| pad::from_mesh(small().mesh, &p).expect_err("refused").to_string();
+    let message = |p: PadPlacement| pad::from_mesh(small().mesh, &p).expect_err("refused").to_string();
     assert!(message(placement(DVec3::Z, 1.0)).contains("all 45 nodes of the pad are glued"));
     assert!(message(placement(DVec3::Z, f64::NAN)).contains("attach distance is NaN"));
     assert!(message(placement(DVec3::ZERO, 0.0)).contains("must be a unit vector"));
     assert!(message(placement(DVec3::NAN, 0.0)).contains("must be a unit vector"));
-    let along = Placement { across: Some(DVec3::Z), ..placement(DVec3::Z, 0.0) };
+    let along = PadPlacement { across: Some(DVec3::Z), ..placement(DVec3::Z, 0.0) };
     assert!(message(along).contains("along outward"));
-    let nodes = |list: Vec<usize>| Placement { bonding: Bonding::Nodes(list), ..placement(DVec3::Z, 0.0) };
+    let nodes = |list: Vec<usize>| PadPlacement { bonding: Bonding::Nodes(list), ..placement(DVec3::Z, 0.0) };
     assert!(message(nodes(vec![])).contains("no node of the pad is glued"));
     assert!(message(nodes(vec![45])).contains("allowed: 0..=44"));
     assert!(message(nodes((30..45).collect())).contains("no free face of the pad looks along outward"));
@@ -102,7 +102,7 @@ fn lists_survive_the_repair_of_the_mesh() {
     let (pad, notices) = pad::read_pad(&mesh, &placement(DVec3::Z, 0.0), Some(&list)).expect("pad");
     assert_eq!((pad.bonded, notices.len()), (vec![true, true, true, false], 2));
     assert!(notices[1].contains("the pad is 1 m long") && notices[1].contains("is it in mm?"), "{notices:?}");
-    let listed = Placement { bonding: Bonding::Nodes(vec![5]), ..placement(DVec3::Z, 0.0) };
+    let listed = PadPlacement { bonding: Bonding::Nodes(vec![5]), ..placement(DVec3::Z, 0.0) };
     let message = pad::read_pad(&mesh, &listed, None).expect_err("refused").to_string();
     assert!(message.contains("glued node index 5, but the mesh has 5 nodes; allowed: 0..=4"), "{message}");
     let message = pad::read_pad(&mesh, &placement(DVec3::Z, 7.0), None).expect_err("refused").to_string();

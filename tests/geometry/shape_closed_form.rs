@@ -6,7 +6,7 @@ use tactus::geometry::shape::capsule::Capsule;
 use tactus::geometry::shape::cuboid::Cuboid;
 use tactus::geometry::shape::cylinder::Cylinder;
 use tactus::geometry::shape::ellipsoid::Ellipsoid;
-use tactus::geometry::shape::plane::Plane;
+use tactus::geometry::shape::plane::HalfSpace;
 use tactus::geometry::shape::polygon::Profile;
 use tactus::geometry::shape::revolved::Revolved;
 use tactus::geometry::shape::sphere::Sphere;
@@ -23,7 +23,7 @@ fn all() -> Vec<Box<dyn SignedDistance>> {
         Box::new(Cuboid { core: DVec3::new(0.01, 0.005, 0.015), radius: 0.01 }),
         Box::new(Cylinder { radius: 0.02, half: 0.015 }),
         Box::new(Capsule { radius: 0.012, half: 0.015 }),
-        Box::new(Plane::new(DVec3::new(0.01, 0.0, 0.0), DVec3::new(1.0, 2.0, -1.0)).unwrap()),
+        Box::new(HalfSpace::new(DVec3::new(0.01, 0.0, 0.0), DVec3::new(1.0, 2.0, -1.0)).unwrap()),
         Box::new(Revolved::new(Profile::new("ring", ring, true).unwrap())),
         Box::new(Revolved::new(Profile::new("cone", cone, false).unwrap())),
     ]

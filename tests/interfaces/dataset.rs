@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::process::{Command, Output};
 use tactus::backend::choose;
-use tactus::dataset::arrays::{ARRAYS, Kind};
+use tactus::dataset::arrays::{ARRAYS, NumberKind};
 use tactus::dataset::inspect::frame;
 use tactus::dataset::{DataSet, Manifest, ObjectFile};
 use tactus::grasp::poses_of;
@@ -189,10 +189,10 @@ fn another_hdf5_reader_finds_what_is_documented() {
         let arrays = ARRAYS.iter().map(|a| {
             let shape: Vec<_> = std::iter::once(object.sizes.grasps).chain(a.row_shape(&object.sizes)).collect();
             let kind = match a.kind {
-                Kind::U8 => "uint8",
-                Kind::U32 => "uint32",
-                Kind::F32 => "float32",
-                Kind::F64 => "float64",
+                NumberKind::U8 => "uint8",
+                NumberKind::U32 => "uint32",
+                NumberKind::F32 => "float32",
+                NumberKind::F64 => "float64",
             };
             (a.name.to_string(), json!({"shape": shape, "dtype": kind, "unit": a.unit}))
         });

@@ -1,11 +1,11 @@
 //! The task of a scene: its mistakes are reported in place, its rewards pay what they say, its grip holds what friction holds.
 
 use crate::env_made::{batch, changed, config, fem};
-use tactus::env::Facts;
-use tactus::env::reward::Pay;
+use tactus::env::StepInfo;
+use tactus::env::reward::RewardTerm;
 use tactus::scene::Reward;
 use tactus::scene::load;
-use tactus::scene::reward::{Economy, Hold, Slip};
+use tactus::scene::reward::{EconomyReward, HoldReward, SlipReward};
 
 #[test]
 fn mistakes_in_a_task_are_reported_in_place() {
@@ -30,11 +30,11 @@ fn mistakes_in_a_task_are_reported_in_place() {
 
 #[test]
 fn rewards_pay_what_they_say() {
-    let facts = Facts { held: true, slip: 2e-3, force: 5.0, most: 10.0, stress: 3e4, ..Facts::default() };
-    let hold = Hold::default();
-    assert_eq!((hold.pay(&facts), hold.pay(&Facts { held: false, ..facts })), (1.0, -10.0));
-    assert_eq!(Slip::default().pay(&facts), -2.0, "per mm");
-    assert_eq!(Economy::default().pay(&facts), -0.5);
+    let facts = StepInfo { held: true, slip: 2e-3, force: 5.0, most: 10.0, stress: 3e4, ..StepInfo::default() };
+    let hold = HoldReward::default();
+    assert_eq!((hold.pay(&facts), hold.pay(&StepInfo { held: false, ..facts })), (1.0, -10.0));
+    assert_eq!(SlipReward::default().pay(&facts), -2.0, "per mm");
+    assert_eq!(EconomyReward::default().pay(&facts), -0.5);
     let stress: Reward = tactus::scene::load::options().from_str("Stress(limit: 2e4)").unwrap();
     assert!((stress.term().pay(&facts) + 0.5).abs() < 1e-12, "half as much again as the limit");
     assert!(stress.term().needs_stress() && !hold.needs_stress());

@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use tactus::backend::choose;
-use tactus::fit::{Curve, Fit, Parameter, Ranges, Report, fit};
+use tactus::fit::{Curve, Fit, FitReport, Parameter, Ranges, fit};
 use tactus::grasp::poses_of;
 use tactus::model::Model;
 use tactus::run::run_grasps;
@@ -52,14 +52,14 @@ fn curve(made: Made) -> Curve {
     Curve { points: DEPTHS.into_iter().zip(forces).collect() }
 }
 
-fn fitted(made: Made) -> Report {
+fn fitted(made: Made) -> FitReport {
     let report = fit(&scene(START), &curve(made), &Ranges::default(), 2, |_| ()).expect("fit");
     println!("{}", report.text());
     assert!(report.converged());
     report
 }
 
-fn of<'a>(report: &'a Report, free: &[Parameter]) -> &'a Fit {
+fn of<'a>(report: &'a FitReport, free: &[Parameter]) -> &'a Fit {
     let is = |f: &&Fit| f.free.iter().map(|e| e.parameter).eq(free.iter().copied());
     report.fits.iter().find(is).expect("every parameter, pair and all")
 }

@@ -15,14 +15,14 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::{Duration, SystemTime};
-use tactus::dataset::arrays::{ARRAYS, FORMAT, Kind, Sizes};
-use tactus::dataset::{DataSet, Grasp, ObjectFile};
+use tactus::dataset::arrays::{ARRAYS, FORMAT, FileSizes, NumberKind};
+use tactus::dataset::{DataSet, ObjectFile, StoredGrasp};
 use tactus::files::atomic::write_atomic;
 use tactus::files::lock::FolderLock;
-use tactus::linear::compliance_cache::{Cache, Key, MOST};
-use tactus::linear::first_contact::Touch;
+use tactus::linear::compliance_cache::{ComplianceCache, ComplianceKey, MOST};
+use tactus::linear::first_contact::GeometricContact;
 use tactus::linear::pad_graph::{Layout, PadGraph, mesh_hash};
-use tactus::net::features::Features;
+use tactus::net::features::GraspFeatures;
 use tactus::net::infer::predict::{PadState, Predictor};
 use tactus::net::network::spec::Spec;
 use tactus::net::train::Trainer;
@@ -135,9 +135,9 @@ fn models_that_ship_work_in_any_folder_with_any_cache_and_number_of_threads() {
     assert!(errors(&missing).contains("these ship: gelsight_mini, gelsight_mini_fine"), "{}", errors(&missing));
 }
 
-fn key(finger: &FingerModel) -> Key {
+fn key(finger: &FingerModel) -> ComplianceKey {
     let face: std::collections::BTreeSet<u32> = finger.topology.sensing.iter().flatten().copied().collect();
-    Key::of(finger, &face.into_iter().collect::<Vec<_>>(), &mesh_hash(&finger.topology))
+    ComplianceKey::of(finger, &face.into_iter().collect::<Vec<_>>(), &mesh_hash(&finger.topology))
 }
 
 #[test]
@@ -145,7 +145,7 @@ fn kept_responses_are_bounded_and_shared_by_those_that_make_them_at_once() {
     let (model, _) = ball(made());
     let finger = &model.fingers[0];
     let dir = tempfile::tempdir().unwrap();
-    let cache = Cache::at(dir.path());
+    let cache = ComplianceCache::at(dir.path());
     let fresh = PadGraph::new(finger, LAYOUT).unwrap().compliance;
     std::thread::scope(|scope| {
         for _ in 0..4 {
@@ -370,16 +370,16 @@ fn an_unfinished_data_set_goes_on_from_its_plan_whatever_its_files_say() {
 
 #[test]
 fn an_array_that_claims_more_than_its_file_holds_is_refused_unread() {
-    let sizes = Sizes { grasps: 1, frames: 1, pads: 1, nodes: 4, corners: 4, tets: 1 };
+    let sizes = FileSizes { grasps: 1, frames: 1, pads: 1, nodes: 4, corners: 4, tets: 1 };
     let mut builder = FileBuilder::new();
     builder.set_attr("format", AttrValue::U64(FORMAT));
     for array in ARRAYS {
         let shape: Vec<u64> = std::iter::once(1).chain(array.row_shape(&sizes)).map(|n| n as u64).collect();
         let kind = match array.kind {
-            Kind::U8 => hdf5_pure::make_u8_type(),
-            Kind::U32 => hdf5_pure::make_u32_type(),
-            Kind::F32 => hdf5_pure::make_f32_type(),
-            Kind::F64 => hdf5_pure::make_f64_type(),
+            NumberKind::U8 => hdf5_pure::make_u8_type(),
+            NumberKind::U32 => hdf5_pure::make_u32_type(),
+            NumberKind::F32 => hdf5_pure::make_f32_type(),
+            NumberKind::F64 => hdf5_pure::make_f64_type(),
         };
         let (bytes, count) = (vec![0; array.row_bytes(&sizes)], shape.iter().product());
         builder.create_dataset(array.name).with_raw_data(kind, bytes, count).with_shape(&shape);
@@ -400,7 +400,7 @@ fn an_array_that_claims_more_than_its_file_holds_is_refused_unread() {
 }
 
 /// What a data set gives to a reader.
-type Told = Vec<(String, String, Vec<u8>, Vec<(String, Vec<f64>)>, Vec<Grasp>)>;
+type Told = Vec<(String, String, Vec<u8>, Vec<(String, Vec<f64>)>, Vec<StoredGrasp>)>;
 
 /// All that a reader gets of a data set; None where anything is refused.
 fn told(dir: &Path) -> Option<Told> {
@@ -476,10 +476,11 @@ fn no_change_of_a_file_changes_an_answer_silently() {
     trainer.run(|_| own.push(std::fs::read(again.join("checkpoint.bin")).unwrap())).unwrap();
     std::fs::write(begun.join("checkpoint.bin"), &own[1]).unwrap();
     let (ball, pose) = ball(made);
-    let cache = Cache::at(dir.path().join("kept"));
+    let cache = ComplianceCache::at(dir.path().join("kept"));
     let graph = PadGraph::keeping(&ball.fingers[0], LAYOUT, Some(&cache)).unwrap();
     let kept = cache.path(&key(&ball.fingers[0]));
-    let features = Features::new(&ball, &std::sync::Arc::new(graph.clone()), &Touch::find(&ball, pose).unwrap());
+    let features =
+        GraspFeatures::new(&ball, &std::sync::Arc::new(graph.clone()), &GeometricContact::find(&ball, pose).unwrap());
     let answer = || -> Option<(String, Vec<PadState>)> {
         let predictor = Predictor::open(&model).ok()?;
         let states = predictor.at(&predictor.encode(features.clone()), 0.5).ok()?;

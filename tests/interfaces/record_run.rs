@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fs::{File, read, read_to_string};
 use std::path::Path;
 use tactus::record::{Frame, GraspSummary, PadTopology, RunReport, Status};
-use tactus::run::{Options, Recorder};
+use tactus::run::{Options, RunRecorder};
 
 fn report() -> RunReport {
     RunReport::new("fem", 2, serde_json::json!({ "about": "test" }))
@@ -24,7 +24,7 @@ fn ramp(pads: &[PadTopology], frames: usize) -> Vec<Frame> {
 
 /// Records a whole run of one grasp into `dir`.
 fn record(dir: &Path, pads: &[PadTopology], frames: &[Frame]) -> RunReport {
-    let mut recorder = Recorder::create(dir, options(), report()).expect("created");
+    let mut recorder = RunRecorder::create(dir, options(), report()).expect("created");
     let mut grasp = recorder.begin_grasp(0, pads, &sphere(12, crate::synthetic::RADIUS)).expect("begun");
     let mut summary = GraspSummary::new(Status::Reached, None);
     for frame in frames {
@@ -122,7 +122,7 @@ fn run_json_has_the_promised_keys() {
 fn an_interrupted_run_leaves_readable_files() {
     let dir = tempfile::tempdir().expect("temporary directory");
     let pads = pads(false);
-    let recorder = Recorder::create(dir.path(), options(), report()).expect("created");
+    let recorder = RunRecorder::create(dir.path(), options(), report()).expect("created");
     let mut grasp = recorder.begin_grasp(0, &pads, &sphere(8, crate::synthetic::RADIUS)).expect("begun");
     for frame in ramp(&pads, 3) {
         grasp.frame(&frame).expect("recorded");
@@ -160,7 +160,7 @@ fn an_interrupted_run_leaves_readable_files() {
 fn what_is_not_finite_or_does_not_fit_is_refused_by_name() {
     let dir = tempfile::tempdir().expect("temporary directory");
     let pads = pads(false);
-    let mut recorder = Recorder::create(dir.path(), options(), report()).expect("created");
+    let mut recorder = RunRecorder::create(dir.path(), options(), report()).expect("created");
     let mut grasp = recorder.begin_grasp(0, &pads, &sphere(8, crate::synthetic::RADIUS)).expect("begun");
     let good = frame(&pads, 0, 1e-3);
     let mut refused = |change: &dyn Fn(&mut Frame), words: &[&str]| {
@@ -191,9 +191,9 @@ fn earlier_runs_are_not_overwritten_unless_asked_and_then_completely() {
     let pads = pads(false);
     record(dir.path(), &pads, &ramp(&pads, 1));
     std::fs::write(dir.path().join("grasp_notes"), "mine").expect("written");
-    let message = Recorder::create(dir.path(), options(), report()).expect_err("refused").to_string();
+    let message = RunRecorder::create(dir.path(), options(), report()).expect_err("refused").to_string();
     assert!(message.contains("earlier run"), "{message}");
-    Recorder::create(dir.path(), Options { overwrite: true, ..options() }, report()).expect("created");
+    RunRecorder::create(dir.path(), Options { overwrite: true, ..options() }, report()).expect("created");
     assert!(!dir.path().join("grasp_000").exists());
     assert!(dir.path().join("grasp_notes").exists());
 }
@@ -204,7 +204,7 @@ fn a_file_in_the_way_is_an_actionable_error() {
     let file = dir.path().join("out");
     std::fs::write(&file, "").expect("written");
     for target in [file.clone(), file.join("deeper")] {
-        let message = Recorder::create(&target, options(), report()).expect_err("refused").to_string();
+        let message = RunRecorder::create(&target, options(), report()).expect_err("refused").to_string();
         assert!(message.contains("choose another output directory"), "{message}");
     }
 }

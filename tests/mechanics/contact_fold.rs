@@ -7,12 +7,12 @@ use std::sync::Arc;
 use tactus::geometry::mesh::{TetMesh, grid};
 use tactus::geometry::shape::{Ridge, Stretch};
 use tactus::mech::body::Body;
-use tactus::mech::contact::law::Law;
+use tactus::mech::contact::law::ContactLaw;
 use tactus::mech::contact::project::FaceBounds;
 use tactus::mech::contact::{ContactSurface, Feature, FeatureContact};
 use tactus::mech::material::NeoHookean;
-use tactus::mech::potential::state::{Border, State};
-use tactus::mech::potential::term::{Block, BodyTerm};
+use tactus::mech::potential::state::{RigidUnknowns, State};
+use tactus::mech::potential::term::{BodyBlock, BodyTerm};
 
 /// A slab of 3 x 3 x 1 cells of length one on a fixed back.
 fn slab(quadratic: bool) -> Body {
@@ -64,15 +64,15 @@ fn distance_to_a_folded_pad_changes_no_faster_than_the_point_moves() {
 /// A feature over a pad with nodes at `x`: the force on the object (N) with the feature at `y`, and the energy (J) of points at
 /// `others`.
 fn press(body: &Body, x: &[DVec3], y: DVec3, others: &[DVec3]) -> (DVec3, Vec<f64>) {
-    let law = Law { stiffness: 1.0, offset: 0.05, friction: 0.0, tangential: 1.0 };
+    let law = ContactLaw { stiffness: 1.0, offset: 0.05, friction: 0.0, tangential: 1.0 };
     let features = Arc::from([Feature { position: DVec3::ZERO, sharp: true, along: None }]);
     let mut term = FeatureContact::new(law, Arc::new(ContactSurface::new(body)), features);
-    let border = Border::new(vec![DVec3::Z], false, true, 1.0);
+    let rigid = RigidUnknowns::new(vec![DVec3::Z], false, true, 1.0);
     let at = |position| State { x: vec![x.to_vec()], travel: vec![0.0], position, rotation: DQuat::IDENTITY };
-    let (state, mut block) = (at(y), Block::new(body, border.size));
-    term.assemble(body, &state.view(0, &border), false, &mut block);
-    let energies = others.iter().map(|y| term.energy(body, &at(*y).view(0, &border))).collect();
-    (-DVec3::from_slice(&block.border_gradient[..3]), energies)
+    let (state, mut block) = (at(y), BodyBlock::new(body, rigid.size));
+    term.assemble(body, &state.view(0, &rigid), false, &mut block);
+    let energies = others.iter().map(|y| term.energy(body, &at(*y).view(0, &rigid))).collect();
+    (-DVec3::from_slice(&block.rigid_gradient[..3]), energies)
 }
 
 /// Heights are those of half the offset over a flank; between them, in the fold, the feature is nearer to both.
@@ -124,13 +124,13 @@ fn a_feature_moves_along_its_edge_to_where_a_ridge_of_the_pad_crosses_it() {
         let (a, b) = (DVec3::new(0.9, 1.5, height), DVec3::new(1.8, 1.6, height));
         let ridge = Ridge { a, b, normal: -DVec3::Z, angle: 0.2, round: false };
         let stretch = Stretch { ridge, from: 0.0, to: 1.0 };
-        let law = Law { stiffness: 1.0, offset, friction: 0.0, tangential: 1.0 };
+        let law = ContactLaw { stiffness: 1.0, offset, friction: 0.0, tangential: 1.0 };
         let surface = Arc::new(ContactSurface::new(&body));
         let mut term = FeatureContact::new(law, surface, Arc::from([Feature::along(stretch)]));
-        let border = Border::new(vec![DVec3::Z], false, true, 1.0);
+        let rigid = RigidUnknowns::new(vec![DVec3::Z], false, true, 1.0);
         let state = State { x: vec![x.clone()], travel: vec![0.0], position: DVec3::ZERO, rotation: DQuat::IDENTITY };
-        let view = state.view(0, &border);
-        let mut block = Block::new(&body, border.size);
+        let view = state.view(0, &rigid);
+        let mut block = BodyBlock::new(&body, rigid.size);
         term.assemble(&body, &view, false, &mut block);
         assert!(!term.satisfied(&body, &view), "the edge is in the pad");
         term.assemble(&body, &view, false, &mut block);

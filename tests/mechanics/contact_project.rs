@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tactus::geometry::mesh::{TetMesh, grid};
 use tactus::mech::body::Body;
 use tactus::mech::contact::ContactSurface;
-use tactus::mech::contact::project::{FaceBounds, Foot};
+use tactus::mech::contact::project::{ClosestPoint, FaceBounds};
 use tactus::mech::contact::surface::face_frame;
 use tactus::mech::material::NeoHookean;
 
@@ -58,7 +58,7 @@ fn search(surface: &ContactSurface, x: &[DVec3], y: DVec3) -> f64 {
 }
 
 /// A foot lies where it says, as far and in the direction it says.
-fn consistent(surface: &ContactSurface, x: &[DVec3], y: DVec3, foot: &Foot) {
+fn consistent(surface: &ContactSurface, x: &[DVec3], y: DVec3, foot: &ClosestPoint) {
     let face = &surface.faces[foot.face];
     let (p, frame) = face_frame(face, x, foot.l);
     assert!((foot.l.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{:?}", foot.l);

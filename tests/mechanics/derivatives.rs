@@ -3,28 +3,28 @@
 use crate::common::{Random, elements};
 use glam::{DMat3, DQuat, DVec3};
 use std::sync::Arc;
-use tactus::backend::fem::condensed::Condensed;
+use tactus::backend::fem::condensed::CondensedEnergy;
 use tactus::geometry::mesh::TetMesh;
 use tactus::geometry::shape::cuboid::Cuboid;
 use tactus::geometry::shape::ellipsoid::Ellipsoid;
 use tactus::geometry::shape::sphere::Sphere;
 use tactus::geometry::shape::{MassProperties, SignedDistance};
 use tactus::mech::body::{Body, Elements};
-use tactus::mech::contact::law::Law;
-use tactus::mech::contact::surface::{Face, face_frame};
-use tactus::mech::contact::{Contact, ContactEdge, ContactSurface, Feature, FeatureContact, GroundContact};
-use tactus::mech::element::{Kernel, RestTet, Shape, Stiffness, TET4, TET10};
+use tactus::mech::contact::law::ContactLaw;
+use tactus::mech::contact::surface::{SurfaceFace, face_frame};
+use tactus::mech::contact::{ContactSurface, EdgeState, Feature, FeatureContact, GroundContact, PointContact};
+use tactus::mech::element::{Kernel, RestTet, ShapeFunctions, Stiffness, TET4, TET10};
 use tactus::mech::material::{Dilatation, FixedCorotated, Linear, Material, NeoHookean, Tangent};
 use tactus::mech::potential::drive::Drive;
-use tactus::mech::potential::inversion_barrier::upright;
+use tactus::mech::potential::inversion_barrier::inversion_barrier;
 use tactus::mech::potential::pad_inertia::PadInertia;
 use tactus::mech::potential::rigid_inertia::RigidInertia;
-use tactus::mech::potential::state::{Border, Departure, MAX_BORDER, State, Step};
-use tactus::mech::potential::term::{Block, BodyTerm, DeadLoad, Elastic, Stencil};
+use tactus::mech::potential::state::{Departure, MAX_RIGID, NewtonStep, RigidUnknowns, State};
+use tactus::mech::potential::term::{BodyBlock, BodyTerm, DeadLoad, ElasticEnergy, Stencil};
 use tactus::mech::potential::time_step::TimeStep;
 use tactus::mech::potential::viscosity::Viscosity;
 use tactus::mech::potential::weight::Weight;
-use tactus::scene::motion::Hand;
+use tactus::scene::motion::HandState;
 
 /// Every law is tested by every test of this file. A new law is one line here.
 fn laws() -> Vec<Arc<dyn Material>> {
@@ -149,7 +149,7 @@ fn dilatations_have_their_gradient_and_hessian() {
 }
 
 /// Checks one element type under one law, with and without mean dilatation.
-fn check_element<const N: usize, const Q: usize>(shape: &Shape<N, Q>, law: &dyn Material) {
+fn check_element<const N: usize, const Q: usize>(shape: &ShapeFunctions<N, Q>, law: &dyn Material) {
     let mut random = Random(N as u64);
     // A crooked tetrahedron; mid-edge nodes where they belong.
     let corners = [[0.1, 0.0, -0.1], [1.1, 0.2, 0.1], [0.2, 0.9, 0.0], [0.3, 0.1, 1.2]].map(DVec3::from_array);
@@ -251,7 +251,7 @@ fn nodal_forces_are_the_gradient_of_the_element_energy_and_the_stiffness_that_of
 /// A block with two fixed nodes, one finger whose travel is an unknown, and a free object: every coordinate there is.
 struct Scene {
     body: Body,
-    border: Border,
+    rigid: RigidUnknowns,
     state: State,
 }
 
@@ -262,16 +262,16 @@ impl Scene {
         let (rest, elements) = elements(&mesh, quadratic);
         let fixed = (0..rest.len()).map(|i| i == 3 || i == 8).collect();
         let body = Body::new(rest, elements, fixed, laws().remove(0), true);
-        let border = Border::new(vec![DVec3::new(0.6, 0.0, 0.8)], true, true, 0.7);
+        let rigid = RigidUnknowns::new(vec![DVec3::new(0.6, 0.0, 0.8)], true, true, 0.7);
         let x = body.rest.iter().map(|p| *p + random.vector() * 0.05).collect();
         let position = DVec3::new(0.3, -0.2, 1.2) + random.vector() * 0.2;
         let state = State { x: vec![x], travel: vec![0.1], position, rotation: random.rotation() };
-        Self { body, border, state }
+        Self { body, rigid, state }
     }
 
     /// The state as one that an increment departs from.
     fn departure(&self) -> Departure {
-        Departure::new(Arc::new(self.state.clone()), 0, &self.border)
+        Departure::new(Arc::new(self.state.clone()), 0, &self.rigid)
     }
 
     /// Moves every coordinate at random, those of nodes less.
@@ -283,50 +283,50 @@ impl Scene {
         }
     }
 
-    /// Number of coordinates: every node, free or fixed, then the border.
+    /// Number of coordinates: every node, free or fixed, then the rigid unknowns.
     fn size(&self) -> usize {
-        3 * self.body.rest.len() + self.border.size
+        3 * self.body.rest.len() + self.rigid.size
     }
 
     /// Moves coordinate `a` by `d` and `b` by `e`, as the solver would.
     fn moved(&self, a: usize, d: f64, b: usize, e: f64) -> State {
-        self.state.moved(&self.border, &self.step(a, d, b, e), 1.0)
+        self.state.moved(&self.rigid, &self.step(a, d, b, e), 1.0)
     }
 
     /// The step of coordinate `a` by `d` and of `b` by `e`.
-    fn step(&self, a: usize, d: f64, b: usize, e: f64) -> Step {
+    fn step(&self, a: usize, d: f64, b: usize, e: f64) -> NewtonStep {
         let n = 3 * self.body.rest.len();
-        let mut step = Step { x: vec![vec![DVec3::ZERO; n / 3]], border: [0.0; MAX_BORDER] };
+        let mut step = NewtonStep { x: vec![vec![DVec3::ZERO; n / 3]], rigid: [0.0; MAX_RIGID] };
         for (c, by) in [(a, d), (b, e)] {
-            if c < n { step.x[0][c / 3][c % 3] += by } else { step.border[c - n] += by }
+            if c < n { step.x[0][c / 3][c % 3] += by } else { step.rigid[c - n] += by }
         }
         step
     }
 
     fn energy(&self, term: &dyn BodyTerm, state: &State) -> f64 {
-        term.energy(&self.body, &state.view(0, &self.border))
+        term.energy(&self.body, &state.view(0, &self.rigid))
     }
 
-    fn assemble(&self, term: &mut dyn BodyTerm, project: bool) -> Block {
-        let mut block = Block::new(&self.body, self.border.size);
-        term.assemble(&self.body, &self.state.view(0, &self.border), project, &mut block);
+    fn assemble(&self, term: &mut dyn BodyTerm, project: bool) -> BodyBlock {
+        let mut block = BodyBlock::new(&self.body, self.rigid.size);
+        term.assemble(&self.body, &self.state.view(0, &self.rigid), project, &mut block);
         block
     }
 
     /// Gradient in all coordinates.
-    fn gradient(&self, block: &Block) -> Vec<f64> {
+    fn gradient(&self, block: &BodyBlock) -> Vec<f64> {
         let nodes = block.gradient.iter().flat_map(|g| g.to_array());
-        nodes.chain(block.border_gradient[..self.border.size].iter().copied()).collect()
+        nodes.chain(block.rigid_gradient[..self.rigid.size].iter().copied()).collect()
     }
 
-    /// Coordinates that are unknowns: those of free nodes and the border.
+    /// Coordinates that are unknowns: those of free nodes and the rigid unknowns.
     fn unknowns(&self) -> Vec<usize> {
         let n = 3 * self.body.rest.len();
         (0..self.size()).filter(|c| *c >= n || !self.body.fixed[c / 3]).collect()
     }
 
     /// Hessian between all unknowns, row-major.
-    fn hessian(&self, block: &Block) -> Vec<f64> {
+    fn hessian(&self, block: &BodyBlock) -> Vec<f64> {
         let (n, pattern) = (3 * self.body.rest.len(), self.body.pattern());
         let row = |c: usize| 3 * pattern.position[c / 3] as usize + c % 3;
         let inner = |a: usize, b: usize| {
@@ -338,7 +338,7 @@ impl Scene {
             (None, None) => inner(a, b),
             (Some(a), None) => block.coupling[a * pattern.unknowns() + row(b)],
             (None, Some(b)) => block.coupling[b * pattern.unknowns() + row(a)],
-            (Some(a), Some(b)) => block.border_hessian[a][b],
+            (Some(a), Some(b)) => block.rigid_hessian[a][b],
         };
         let unknowns = self.unknowns();
         unknowns.iter().flat_map(|a| unknowns.iter().map(move |b| entry(*a, *b))).collect()
@@ -390,7 +390,7 @@ fn elastic_energy_and_dead_loads_have_their_derivatives_in_the_solvers_storage()
     let mut random = Random(5);
     for quadratic in [false, true] {
         let scene = Scene::new(quadratic, &mut random);
-        scene.check("elastic", &mut Elastic);
+        scene.check("elastic", &mut ElasticEnergy);
         let load = (0..scene.body.rest.len()).map(|_| random.vector()).collect();
         let mut term = DeadLoad(load);
         let gradient = scene.gradient(&scene.assemble(&mut term, false));
@@ -404,16 +404,16 @@ fn elastic_energy_and_dead_loads_have_their_derivatives_in_the_solvers_storage()
 fn barriers_of_crushed_elements_have_their_derivatives() {
     let mut random = Random(7);
     let mut scene = Scene::new(true, &mut random);
-    let (nodes, centers) = upright();
+    let (nodes, centers) = inversion_barrier();
     let mut terms: [Box<dyn BodyTerm>; 2] = [Box::new(nodes), Box::new(centers)];
     for term in &mut terms {
-        assert!(term.satisfied(&scene.body, &scene.state.view(0, &scene.border)), "nothing is crushed");
+        assert!(term.satisfied(&scene.body, &scene.state.view(0, &scene.rigid)), "nothing is crushed");
     }
     // Inside out, so that no difference crosses the kink where the barrier ends.
     scene.state.x[0].iter_mut().for_each(|x| x.z *= -0.2);
     for term in &mut terms {
-        assert!(!term.satisfied(&scene.body, &scene.state.view(0, &scene.border)), "both elements are crushed");
-        assert!(term.satisfied(&scene.body, &scene.state.view(0, &scene.border)), "both have their barrier");
+        assert!(!term.satisfied(&scene.body, &scene.state.view(0, &scene.rigid)), "both elements are crushed");
+        assert!(term.satisfied(&scene.body, &scene.state.view(0, &scene.rigid)), "both have their barrier");
         assert!(scene.energy(term.as_ref(), &scene.state) > 0.0);
         scene.check("barrier", term.as_mut());
     }
@@ -428,7 +428,7 @@ fn the_energy_of_a_condensed_pad_has_its_derivatives() {
     let size = 3 * patch.len();
     let root = faer::Mat::<f64>::from_fn(size, size, |_, _| random.number());
     let center = patch.iter().map(|&n| scene.body.rest[n as usize] + random.vector() * 0.1).collect();
-    let mut term = Condensed { center, patch: patch.into(), stiffness: Arc::new(&root * root.transpose()) };
+    let mut term = CondensedEnergy { center, patch: patch.into(), stiffness: Arc::new(&root * root.transpose()) };
     scene.check("condensed", &mut term);
 }
 
@@ -438,24 +438,24 @@ const STEP: f64 = 1.0 / 1024.0;
 const MARGIN: f64 = 0.02;
 
 /// Pressure, its two branches (the second from a quarter of the offset on) and friction in lengths of order one.
-fn contact_law(offset: f64, friction: f64) -> Law {
-    Law { stiffness: 4.0, offset, friction, tangential: 3.0 }
+fn contact_law(offset: f64, friction: f64) -> ContactLaw {
+    ContactLaw { stiffness: 4.0, offset, friction, tangential: 3.0 }
 }
 
 /// Whether a gap is near one of the two kinks of the pressure.
-fn near_kink(law: &Law, gap: f64) -> bool {
+fn near_kink(law: &ContactLaw, gap: f64) -> bool {
     (gap - law.offset).abs() < MARGIN || (gap - 0.25 * law.offset).abs() < MARGIN
 }
 
 /// Whether an edge that touches is near the limit of friction, at `slip` from its anchor.
-fn near_slip(law: &Law, e: &ContactEdge, slip: DVec3) -> bool {
+fn near_slip(law: &ContactLaw, e: &EdgeState, slip: DVec3) -> bool {
     let limit = law.friction * e.pressure / law.tangential;
     law.friction > 0.0 && e.pressure > 0.0 && (slip.length() - limit).abs() < MARGIN
 }
 
 /// Whether a point of the pad is near a change of its state (touch, branch, slip), where the second derivative jumps.
-fn near_jump(scene: &Scene, contact: &Contact, law: &Law, object: &dyn SignedDistance) -> bool {
-    let view = scene.state.view(0, &scene.border);
+fn near_jump(scene: &Scene, contact: &PointContact, law: &ContactLaw, object: &dyn SignedDistance) -> bool {
+    let view = scene.state.view(0, &scene.rigid);
     contact.felt().any(|i| {
         let (e, own) = (contact.edge(i), contact.law_of(i));
         let relative = contact.surface().points[i].position(view.x) + view.offset - view.position;
@@ -477,7 +477,7 @@ struct Covered {
 }
 
 impl Covered {
-    fn add<'a>(&mut self, law: &Law, edges: impl Iterator<Item = (usize, &'a ContactEdge)>) {
+    fn add<'a>(&mut self, law: &ContactLaw, edges: impl Iterator<Item = (usize, &'a EdgeState)>) {
         for (_, e) in edges.filter(|(_, e)| e.pressure > 0.0) {
             let branch = if e.gap > 0.25 * law.offset { &mut self.soft } else { &mut self.hard };
             *branch += 1;
@@ -498,11 +498,11 @@ fn check_contact(friction: f64, drag: f64) -> Covered {
         let mut scene = Scene::new(seed % 2 == 1, &mut random);
         let surface = Arc::new(ContactSurface::with_subdivision(&scene.body, 2));
         let law = contact_law(0.4, friction);
-        let mut contact = Contact::new(law, surface, object.clone());
+        let mut contact = PointContact::new(law, surface, object.clone());
         // Stick here, then move on; points that went deep are stiffened.
         scene.assemble(&mut contact, false);
-        contact.satisfied(&scene.body, &scene.state.view(0, &scene.border));
-        contact.commit(&scene.body, &scene.state.view(0, &scene.border));
+        contact.satisfied(&scene.body, &scene.state.view(0, &scene.rigid));
+        contact.commit(&scene.body, &scene.state.view(0, &scene.rigid));
         contact.depart(&scene.departure());
         scene.shake(drag, &mut random);
         scene.assemble(&mut contact, false);
@@ -556,30 +556,30 @@ fn forces_of_slipping_and_of_touching_points_follow_the_pressure() {
         let mut scene = Scene::new(seed % 2 == 1, &mut random);
         let surface = Arc::new(ContactSurface::with_subdivision(&scene.body, 1));
         let law = contact_law(0.4, 0.3);
-        let mut contact = Contact::new(law, surface.clone(), object.clone());
+        let mut contact = PointContact::new(law, surface.clone(), object.clone());
         scene.assemble(&mut contact, false);
-        contact.commit(&scene.body, &scene.state.view(0, &scene.border));
+        contact.commit(&scene.body, &scene.state.view(0, &scene.rigid));
         let here = scene.state.clone();
         if seed % 3 == 0 {
             // Nothing has been touched yet: the slab was farther off.
-            contact = Contact::new(law, surface, object.clone());
+            contact = PointContact::new(law, surface, object.clone());
             scene.state.position.z += if seed % 2 == 0 { 0.5 } else { -0.5 };
         }
         contact.depart(&scene.departure());
         scene.state = here;
         scene.shake(0.2, &mut random);
         let block = scene.assemble(&mut contact, false);
-        let view = scene.state.view(0, &scene.border);
+        let view = scene.state.view(0, &scene.rigid);
         let kink = near_jump(&scene, &contact, &law, object.as_ref());
         // Differences are sharp only where gap and slip are well above what they step.
-        let small = |e: &ContactEdge| {
+        let small = |e: &EdgeState| {
             e.slips && e.limit < 0.05 * law.tangential
                 || e.clear.is_some_and(|clear| clear > law.offset && clear - e.gap < 0.15)
         };
         if contact.edges().any(|(_, e)| small(e)) {
             continue;
         }
-        let is_touching = |e: &ContactEdge| e.pressure > 0.0 && e.share > 0.0 && e.share < 1.0 && !e.slips;
+        let is_touching = |e: &EdgeState| e.pressure > 0.0 && e.share > 0.0 && e.share < 1.0 && !e.slips;
         if kink || !contact.edges().any(|(_, e)| e.slips || is_touching(e)) {
             continue;
         }
@@ -589,15 +589,15 @@ fn forces_of_slipping_and_of_touching_points_follow_the_pressure() {
         let turning = scene.size() - 3;
         for (j, &c) in unknowns.iter().enumerate().filter(|(_, c)| **c < turning) {
             let step = scene.step(c, 1.0, c, 0.0);
-            let mut change = Block::new(&scene.body, scene.border.size);
+            let mut change = BodyBlock::new(&scene.body, scene.rigid.size);
             contact.couple(&scene.body, &view, &step.motion(0, &view), &mut change);
             let coupled = scene.gradient(&change);
             let expected: Vec<f64> =
                 unknowns.iter().enumerate().map(|(i, &r)| hessian[i * unknowns.len() + j] + coupled[r]).collect();
             let gradient = |d: f64| {
-                let mut block = Block::new(&scene.body, scene.border.size);
+                let mut block = BodyBlock::new(&scene.body, scene.rigid.size);
                 let state = scene.moved(c, d, c, 0.0);
-                contact.clone().assemble(&scene.body, &state.view(0, &scene.border), false, &mut block);
+                contact.clone().assemble(&scene.body, &state.view(0, &scene.rigid), false, &mut block);
                 scene.gradient(&block)
             };
             let numeric: Vec<f64> = unknowns.iter().map(|&r| slope(STEP, |d| gradient(d)[r])).collect();
@@ -612,7 +612,7 @@ fn forces_of_slipping_and_of_touching_points_follow_the_pressure() {
 /// Features of the object over inner points of the pad's faces, so that each presses on one of them alone, in scenes away
 /// from kinks: the scene, the law, the term after one assembly at the state it stuck at and one where it is now,
 /// and the same term without friction.
-fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, Law, FeatureContact, FeatureContact)> {
+fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, ContactLaw, FeatureContact, FeatureContact)> {
     let mut scenes = Vec::new();
     for seed in 0..60 {
         let mut random = Random(1000 + seed);
@@ -620,9 +620,9 @@ fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, Law, Fea
         let surface = Arc::new(ContactSurface::new(&scene.body));
         let felt = contact_law(0.4, friction);
         // A smooth vertex is felt from a fraction of the offset only.
-        let law = Law { offset: if sharp { felt.offset } else { felt.offset / 0.3 }, ..felt };
-        let view = scene.state.view(0, &scene.border);
-        let mut feature = |face: &Face| {
+        let law = ContactLaw { offset: if sharp { felt.offset } else { felt.offset / 0.3 }, ..felt };
+        let view = scene.state.view(0, &scene.rigid);
+        let mut feature = |face: &SurfaceFace| {
             let l = [0, 1, 2].map(|_| 1.0 + 0.25 * random.number());
             let l = l.map(|v| v / l.iter().sum::<f64>());
             let (foot, normal) = face_frame(face, view.x, l);
@@ -631,10 +631,10 @@ fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, Law, Fea
         };
         let features: Arc<[Feature]> = surface.faces.iter().map(&mut feature).collect();
         let mut terms = [friction, 0.0]
-            .map(|friction| FeatureContact::new(Law { friction, ..law }, surface.clone(), features.clone()));
+            .map(|friction| FeatureContact::new(ContactLaw { friction, ..law }, surface.clone(), features.clone()));
         for term in &mut terms {
             scene.assemble(term, false);
-            term.commit(&scene.body, &scene.state.view(0, &scene.border));
+            term.commit(&scene.body, &scene.state.view(0, &scene.rigid));
             term.depart(&scene.departure());
         }
         let [mut with, mut without] = terms;
@@ -642,7 +642,7 @@ fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, Law, Fea
         scene.shake(drag, &mut random);
         scene.assemble(&mut with, false);
         scene.assemble(&mut without, false);
-        let view = scene.state.view(0, &scene.border);
+        let view = scene.state.view(0, &scene.rigid);
         let kink = with.edges().any(|(i, e)| {
             let arm = view.rotation * features[i].position;
             let relative = stuck[i].position(view.x) + view.offset - view.position - arm;
@@ -696,9 +696,9 @@ fn projected_hessian_of_pressure_at_features_is_that_of_gauss_and_newton() {
                 let mut moved = term.clone();
                 moved.assemble(
                     &scene.body,
-                    &state.view(0, &scene.border),
+                    &state.view(0, &scene.rigid),
                     false,
-                    &mut Block::new(&scene.body, scene.border.size),
+                    &mut BodyBlock::new(&scene.body, scene.rigid.size),
                 );
                 moved.edge(i).gap
             };
@@ -754,19 +754,24 @@ fn slipping_friction_at_features_has_its_derivatives() {
 }
 
 /// A hand anywhere.
-fn hand(random: &mut Random) -> Hand {
-    Hand { position: random.vector(), rotation: random.rotation(), force: 0.0 }
+fn hand(random: &mut Random) -> HandState {
+    HandState { position: random.vector(), rotation: random.rotation(), force: 0.0 }
 }
 
 /// A scene, and a term that was made at its state with the hand somewhere, in a step that ends with the hand elsewhere
 /// and the state moved on by about `drag`.
-fn stepped<T: BodyTerm>(seed: u64, drag: f64, term: impl Fn(&Scene, Hand, &mut Random) -> T) -> (Scene, T, TimeStep) {
+fn stepped<T: BodyTerm>(
+    seed: u64,
+    drag: f64,
+    term: impl Fn(&Scene, HandState, &mut Random) -> T,
+) -> (Scene, T, TimeStep) {
     let mut random = Random(seed);
     let mut scene = Scene::new(seed % 2 == 1, &mut random);
     let start = hand(&mut random);
     let mut term = term(&scene, start, &mut random);
     let turn = DQuat::from_scaled_axis(random.vector() * drag);
-    let moved = Hand { position: start.position + random.vector() * drag, rotation: start.rotation * turn, force: 0.0 };
+    let moved =
+        HandState { position: start.position + random.vector() * drag, rotation: start.rotation * turn, force: 0.0 };
     let step = TimeStep { size: 0.7, hand: moved };
     term.begin(&step);
     scene.shake(drag, &mut random);
@@ -776,7 +781,7 @@ fn stepped<T: BodyTerm>(seed: u64, drag: f64, term: impl Fn(&Scene, Hand, &mut R
 #[test]
 fn weight_has_its_derivatives() {
     for seed in 0..6 {
-        let make = |scene: &Scene, _: Hand, random: &mut Random| {
+        let make = |scene: &Scene, _: HandState, random: &mut Random| {
             Weight::new(random.vector(), random.vector(), scene.state.position)
         };
         let (scene, mut term, _) = stepped(seed, 0.2, make);
@@ -787,17 +792,18 @@ fn weight_has_its_derivatives() {
 #[test]
 fn inertia_of_pads_viscosity_and_drive_have_their_derivatives() {
     for seed in 0..6 {
-        let make = |scene: &Scene, hand: Hand, random: &mut Random| {
-            PadInertia::new(&scene.body, 0.4, random.vector(), hand, &scene.state.view(0, &scene.border))
+        let make = |scene: &Scene, hand: HandState, random: &mut Random| {
+            PadInertia::new(&scene.body, 0.4, random.vector(), hand, &scene.state.view(0, &scene.rigid))
         };
         let (scene, mut term, _) = stepped(seed, 0.2, make);
         scene.check("inertia of pads", &mut term);
-        let make = |scene: &Scene, _: Hand, _: &mut Random| Viscosity::new(&scene.body, 0.3, &scene.state.x[0]);
+        let make = |scene: &Scene, _: HandState, _: &mut Random| Viscosity::new(&scene.body, 0.3, &scene.state.x[0]);
         let (scene, mut term, _) = stepped(seed, 0.2, make);
         scene.check("viscosity", &mut term);
         // Within the stroke, and past its end.
         for end in [5.0, -5.0] {
-            let make = |scene: &Scene, _: Hand, _: &mut Random| Drive::new(1e-5, 2.0, end, 1e-5, scene.state.travel[0]);
+            let make =
+                |scene: &Scene, _: HandState, _: &mut Random| Drive::new(1e-5, 2.0, end, 1e-5, scene.state.travel[0]);
             let (scene, mut term, _) = stepped(seed, 0.2, make);
             scene.check("drive", &mut term);
         }
@@ -808,11 +814,11 @@ fn inertia_of_pads_viscosity_and_drive_have_their_derivatives() {
 #[test]
 fn inertia_of_a_rigid_object_has_its_derivatives() {
     for seed in 0..12 {
-        let make = |scene: &Scene, hand: Hand, random: &mut Random| {
+        let make = |scene: &Scene, hand: HandState, random: &mut Random| {
             let mut mass = MassProperties::of_ellipsoid(DVec3::new(0.9, 0.7, 0.4));
             mass.center = random.vector();
             let moving = (random.vector(), random.vector());
-            RigidInertia::new(&mass, 0.5, random.vector(), moving, hand, &scene.state.view(0, &scene.border))
+            RigidInertia::new(&mass, 0.5, random.vector(), moving, hand, &scene.state.view(0, &scene.rigid))
         };
         let (scene, mut term, _) = stepped(seed, 0.3, make);
         scene.check("rigid inertia", &mut term);
@@ -826,8 +832,8 @@ fn check_ground(friction: f64, drag: f64) -> Covered {
         let law = contact_law(0.4, friction);
         let mut scatter = Random(9000 + seed);
         let vertices: Arc<[DVec3]> = (0..6).map(|_| scatter.vector() * 0.5).collect();
-        let make = |scene: &Scene, hand: Hand, random: &mut Random| {
-            let view = scene.state.view(0, &scene.border);
+        let make = |scene: &Scene, hand: HandState, random: &mut Random| {
+            let view = scene.state.view(0, &scene.rigid);
             let normal = random.vector().normalize();
             let lowest = vertices.iter().map(|v| normal.dot(hand.to_world(view.position + view.rotation * *v)));
             let height = lowest.fold(f64::INFINITY, f64::min) - 0.1;

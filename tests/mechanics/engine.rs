@@ -126,7 +126,7 @@ fn what_nobody_asks_for_is_not_there() {
     let (expected, _, _) = count(&scene("friction: 0.0", "record: (fields: []), expect: [MaxStress(at_most: 1e6)]"));
     assert!(expected.contains_key("NodalStress"), "a bound on the stress needs the stress");
     let mut fixed = scene("", "");
-    fixed.object.motion = tactus::scene::Motion::Fixed;
+    fixed.object.motion = tactus::scene::ObjectMotion::Fixed;
     assert_eq!(count(&fixed).2 + 5, full_unknowns, "a fixed object has no pose; its fingers are not geared");
 }
 
@@ -141,7 +141,7 @@ fn every_word_that_a_scene_leaves_out_makes_it_strictly_smaller() {
     let weight = "gravity: (0, 0, 9.81)";
     let full = count(&scene("friction: 0.8", weight));
     let mut fixed = scene("friction: 0.8", weight);
-    fixed.object.motion = tactus::scene::Motion::Fixed;
+    fixed.object.motion = tactus::scene::ObjectMotion::Fixed;
     let silent = scene("friction: 0.8", &format!("{weight}, record: (fields: [])"));
     // Of these four only the object's pose has unknowns: six, less one because fingers that hold a free object are geared.
     for (left_out, scene, unknowns) in [
@@ -156,7 +156,7 @@ fn every_word_that_a_scene_leaves_out_makes_it_strictly_smaller() {
         assert_eq!(less.2 + unknowns, full.2, "unknowns without {left_out}");
     }
     let mut least = scene("friction: 0.0", "record: (fields: [])");
-    least.object.motion = tactus::scene::Motion::Fixed;
+    least.object.motion = tactus::scene::ObjectMotion::Fixed;
     assert!(count(&least).0 + 4 <= full.0, "each of them takes its own systems with it");
 }
 

@@ -24,10 +24,10 @@
 use crate::common::{Press, Setup, pad_body};
 use glam::DVec3;
 use std::sync::Arc;
-use tactus::geometry::pad::{GelShape, Resolution, gelsight_mini};
+use tactus::geometry::pad::{GelProfile, Resolution, gelsight_mini};
 use tactus::geometry::shape::sphere::Sphere;
 use tactus::mech::material::NeoHookean;
-use tactus::mech::newton::Tolerance;
+use tactus::mech::newton::NewtonTolerance;
 
 const C10: f64 = 0.0725e6;
 const RADIUS: f64 = 7.5e-3;
@@ -38,13 +38,13 @@ const HARDWARE: [(f64, f64); 4] = [(0.5e-3, 1.6503), (1.0e-3, 5.9641), (1.5e-3, 
 const CELLS: [usize; 3] = [10, 8, 3];
 
 /// Forces, N, at the depths of [`HARDWARE`], each reached in `steps` increments.
-fn curve(shape: GelShape, cells: [usize; 3], poisson: f64, friction: f64, steps: u32) -> [f64; 4] {
+fn curve(shape: GelProfile, cells: [usize; 3], poisson: f64, friction: f64, steps: u32) -> [f64; 4] {
     let resolution = Resolution::cells(cells).with_grading(1.3).with_focus(4.0);
     let pad = gelsight_mini(shape, &resolution).expect("pad");
     let body = pad_body(&pad, true, Arc::new(NeoHookean::from_c10(C10, poisson)));
     let object = Arc::new(Sphere { radius: RADIUS });
     let mut press = Press::new(Setup { body, object, start: DVec3::Z * RADIUS, friction });
-    press.path.tolerance = Tolerance { iterations: 60, ..press.path.tolerance };
+    press.path.tolerance = NewtonTolerance { iterations: 60, ..press.path.tolerance };
     let forces = HARDWARE.map(|(depth, _)| press.to(depth, steps));
     let off = |k: usize| 100.0 * (forces[k] / HARDWARE[k].1 - 1.0);
     let text: Vec<String> = (0..4).map(|k| format!("{:.3} N ({:+.1} %)", forces[k], off(k))).collect();
@@ -71,9 +71,9 @@ fn check(ours: &[f64; 4], allowed: [f64; 4]) {
 
 #[test]
 fn the_domed_gel_carries_what_the_real_sensor_measured() {
-    let sticky = curve(GelShape::Domed, CELLS, 0.49, FRICTION, 10);
+    let sticky = curve(GelProfile::Domed, CELLS, 0.49, FRICTION, 10);
     check(&sticky, [0.17, 0.12, 0.12, 0.31]);
-    let slippery = curve(GelShape::Domed, CELLS, 0.49, 0.0, 2);
+    let slippery = curve(GelProfile::Domed, CELLS, 0.49, 0.0, 2);
     check(&slippery, [0.17, 0.12, 0.12, 0.12]);
     for k in 2..4 {
         let real = HARDWARE[k].1;
@@ -89,15 +89,15 @@ fn the_domed_gel_carries_what_the_real_sensor_measured() {
 #[test]
 fn mesh_compressibility_and_dome_shift_the_curve_as_they_should() {
     let cells = [8, 6, 3];
-    let base = curve(GelShape::Domed, cells, 0.49, 0.0, 2);
-    let finer = curve(GelShape::Domed, CELLS, 0.49, 0.0, 2);
+    let base = curve(GelProfile::Domed, cells, 0.49, 0.0, 2);
+    let finer = curve(GelProfile::Domed, CELLS, 0.49, 0.0, 2);
     // At 0.5 mm the contact is only a few cells wide.
     for (k, allowed) in [0.04, 0.015, 0.015, 0.015].into_iter().enumerate() {
         assert!((base[k] / finer[k] - 1.0).abs() < allowed, "mesh: {} against {} N", base[k], finer[k]);
     }
-    let soft = curve(GelShape::Domed, cells, 0.475, 0.0, 2);
-    let stiff = curve(GelShape::Domed, cells, 0.495, 0.0, 2);
-    let flat = curve(GelShape::Flat, cells, 0.49, 0.0, 2);
+    let soft = curve(GelProfile::Domed, cells, 0.475, 0.0, 2);
+    let stiff = curve(GelProfile::Domed, cells, 0.495, 0.0, 2);
+    let flat = curve(GelProfile::Flat, cells, 0.49, 0.0, 2);
     for k in 0..4 {
         assert!(soft[k] < base[k] && base[k] < stiff[k], "a less compressible gel is stiffer");
         assert!((stiff[k] / soft[k] - 1.0) < 0.1, "nu from 0.475 to 0.495 changes the force by less than 10 %");

@@ -7,7 +7,7 @@ use tactus::geometry::pad::{Resolution, box_pad};
 use tactus::geometry::shape::sphere::Sphere;
 use tactus::mech::body::Body;
 use tactus::mech::contact::ContactSurface;
-use tactus::mech::contact::law::Law;
+use tactus::mech::contact::law::ContactLaw;
 use tactus::mech::material::NeoHookean;
 
 const RADIUS: f64 = 6e-3;
@@ -127,7 +127,7 @@ fn linear_tetrahedra_with_the_contact_law_of_calculix_give_its_force_and_face() 
     let Some(body) = linear_pad(0.45) else { return };
     let surface = Arc::new(ContactSurface::with_subdivision(&body, 16));
     // The law starts `offset` outside a sphere that is smaller by as much, and stays on its first branch.
-    let law = Law { stiffness: 200e9, offset: 40e-6, friction: 0.0, tangential: 200e9 };
+    let law = ContactLaw { stiffness: 200e9, offset: 40e-6, friction: 0.0, tangential: 200e9 };
     let setup = Setup { start: DVec3::Z * (RADIUS - law.offset), ..setup(body, RADIUS - law.offset) };
     let mut press = Press::with_law(setup, law, surface);
     check_linear(&mut press, 1, 0.005, 0.01);

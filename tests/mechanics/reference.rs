@@ -10,9 +10,9 @@ use tactus::mech::body::pattern::Pattern;
 use tactus::mech::body::{Body, Elements};
 use tactus::mech::element::{Kernel, RestTet, TET4, TET10};
 use tactus::mech::material::{Linear, Material, NeoHookean, von_mises};
-use tactus::mech::newton::{Newton, Tolerance};
-use tactus::mech::potential::state::{Border, State, View};
-use tactus::mech::potential::term::{Block, BodyTerm, DeadLoad, Elastic};
+use tactus::mech::newton::{Newton, NewtonTolerance};
+use tactus::mech::potential::state::{BodyView, RigidUnknowns, State};
+use tactus::mech::potential::term::{BodyBlock, BodyTerm, DeadLoad, ElasticEnergy};
 
 const YOUNG: f64 = 0.3;
 const POISSON: f64 = 0.45;
@@ -59,9 +59,9 @@ struct Solver {
 impl Solver {
     fn new(body: Body, load: Option<Box<dyn BodyTerm>>) -> Self {
         let x = body.rest.clone();
-        let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(Elastic)];
+        let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(ElasticEnergy)];
         terms.extend(load);
-        let newton = Newton::new(vec![Arc::new(body)], vec![terms], Border::none(1)).expect("solver");
+        let newton = Newton::new(vec![Arc::new(body)], vec![terms], RigidUnknowns::none(1)).expect("solver");
         Self {
             newton,
             state: State { x: vec![x], travel: vec![0.0], position: DVec3::ZERO, rotation: DQuat::IDENTITY },
@@ -69,7 +69,7 @@ impl Solver {
     }
 
     fn solve(&mut self) {
-        let tolerance = Tolerance {
+        let tolerance = NewtonTolerance {
             relative: 0.0,
             force: 1e-10,
             length: 1e-7,
@@ -169,19 +169,19 @@ impl Rollers {
         Self { force: vec![0.0; held.len()], held }
     }
 
-    fn off(&self, view: &View, k: usize) -> f64 {
+    fn off(&self, view: &BodyView, k: usize) -> f64 {
         let (node, axis, value) = self.held[k];
         view.x[node][axis] - value
     }
 }
 
 impl BodyTerm for Rollers {
-    fn energy(&self, _: &Body, view: &View) -> f64 {
+    fn energy(&self, _: &Body, view: &BodyView) -> f64 {
         let spring = |k| self.force[k] * self.off(view, k) + 0.5 * ROLLER * self.off(view, k).powi(2);
         (0..self.held.len()).map(spring).sum()
     }
 
-    fn assemble(&mut self, body: &Body, view: &View, _: bool, block: &mut Block) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, _: bool, block: &mut BodyBlock) {
         for (k, &(node, axis, _)) in self.held.iter().enumerate() {
             block.gradient[node][axis] += self.force[k] + ROLLER * self.off(view, k);
             let mut diagonal = DVec3::ZERO;
@@ -191,7 +191,7 @@ impl BodyTerm for Rollers {
         }
     }
 
-    fn satisfied(&mut self, _: &Body, view: &View) -> bool {
+    fn satisfied(&mut self, _: &Body, view: &BodyView) -> bool {
         let off: Vec<f64> = (0..self.held.len()).map(|k| self.off(view, k)).collect();
         if off.iter().all(|o| o.abs() < 1e-9) {
             return true;

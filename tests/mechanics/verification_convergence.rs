@@ -9,9 +9,9 @@ use tactus::geometry::mesh::grid;
 use tactus::mech::body::{Body, Elements};
 use tactus::mech::element::{EDGES, RestTet};
 use tactus::mech::material::{Material, NeoHookean};
-use tactus::mech::newton::{Newton, Tolerance};
-use tactus::mech::potential::state::{Border, State};
-use tactus::mech::potential::term::{BodyTerm, DeadLoad, Elastic};
+use tactus::mech::newton::{Newton, NewtonTolerance};
+use tactus::mech::potential::state::{RigidUnknowns, State};
+use tactus::mech::potential::term::{BodyTerm, DeadLoad, ElasticEnergy};
 
 /// A displacement, m, at a point of the unit cube.
 type Field = fn(DVec3) -> DVec3;
@@ -108,11 +108,11 @@ fn error(field: Field, n: usize, quadratic: bool, mean_dilatation: bool, poisson
     let outside = |p: &DVec3| p.min_element() < 1e-9 || p.max_element() > 1.0 - 1e-9;
     let fixed = rest.iter().map(outside).collect();
     let body = Body::new(rest.clone(), elements, fixed, law.clone(), mean_dilatation);
-    let terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(Elastic), Box::new(DeadLoad(load))];
-    let mut newton = Newton::new(vec![Arc::new(body)], vec![terms], Border::none(1)).expect("solver");
+    let terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(ElasticEnergy), Box::new(DeadLoad(load))];
+    let mut newton = Newton::new(vec![Arc::new(body)], vec![terms], RigidUnknowns::none(1)).expect("solver");
     let x = rest.iter().map(|p| *p + field(*p)).collect();
     let start = State { x: vec![x], travel: vec![0.0], position: DVec3::ZERO, rotation: DQuat::IDENTITY };
-    let tolerance = Tolerance {
+    let tolerance = NewtonTolerance {
         relative: 0.0,
         force: 1e-9,
         length: 1e-8,

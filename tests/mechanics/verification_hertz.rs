@@ -9,7 +9,7 @@ use tactus::geometry::pad::{Resolution, box_pad};
 use tactus::geometry::shape::sphere::Sphere;
 use tactus::mech::body::Body;
 use tactus::mech::material::{Linear, Material, NeoHookean};
-use tactus::mech::newton::Tolerance;
+use tactus::mech::newton::NewtonTolerance;
 
 const YOUNG: f64 = 0.3e6;
 const RADIUS: f64 = 20e-3;
@@ -70,7 +70,7 @@ fn a_ball_on_a_block_follows_hertz() {
 fn shear(press: &mut Press, step: f64) -> (f64, f64) {
     let mut start = press.path.state.clone();
     start.position.x += step;
-    let tolerance = Tolerance { length: 1e-6, iterations: 80, ..Tolerance::new(OFFSET) };
+    let tolerance = NewtonTolerance { length: 1e-6, iterations: 80, ..NewtonTolerance::new(OFFSET) };
     let (state, _) = press.path.newton.solve(&press.path.state, start, &tolerance).expect("converges");
     press.path.newton.commit(&state);
     press.path.state = state;

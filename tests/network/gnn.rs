@@ -4,13 +4,13 @@ use crate::dataset_tiny::TINY;
 use crate::gnn_made::{Made, ball, made, set};
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
-use tactus::backend::network::Gnn;
+use tactus::backend::network::NetworkStepper;
 use tactus::gripper::GraspPose;
-use tactus::linear::first_contact::Touch;
+use tactus::linear::first_contact::GeometricContact;
 use tactus::linear::pad_graph::{Layout, PadGraph};
 use tactus::mech::body::{Body, Elements};
 use tactus::model::Model;
-use tactus::net::infer::force_ladder::Ladder;
+use tactus::net::infer::force_ladder::ForceLadder;
 use tactus::net::infer::predict::Predictor;
 use tactus::part::FingerModel;
 use tactus::random::Random;
@@ -22,7 +22,7 @@ use tactus::world::schedule::Phase;
 
 /// All frames of a grasp; `spoil` changes the world before every step under load.
 fn frames(made: &Made, model: &Arc<Model>, pose: GraspPose, spoil: impl Fn(&mut Environment)) -> Vec<Frame> {
-    let gnn = Gnn::open(&made.model).unwrap();
+    let gnn = NetworkStepper::open(&made.model).unwrap();
     let mut environment = Environment::new(model, &gnn, pose).unwrap();
     let mut frames = Vec::new();
     loop {
@@ -119,7 +119,7 @@ fn numbering_the_nodes_otherwise_numbers_the_answer_otherwise() {
     renumbered.sensing = pad.sensing.iter().map(|t| t.map(|i| to[i as usize] as u32)).collect();
     let Elements::Quadratic(tets) = &finger.body.elements else { panic!("the pads are quadratic") };
     let tets: Vec<[u32; 10]> = tets.iter().map(|t| t.map(|i| to[i as usize] as u32)).collect();
-    renumbered.elements = tactus::record::Elements::Quadratic(tets.clone());
+    renumbered.elements = tactus::record::ElementNodes::Quadratic(tets.clone());
     let (fixed, law) = (renumbered.bonded.clone(), finger.body.material.clone());
     let body = Body::new(rest, Elements::Quadratic(tets), fixed, law, finger.body.mean_dilatation);
     let other = FingerModel {
@@ -129,7 +129,7 @@ fn numbering_the_nodes_otherwise_numbers_the_answer_otherwise() {
         placement: finger.placement,
         element: finger.element.clone(),
     };
-    let touch = Touch::find(&model, pose).unwrap();
+    let touch = GeometricContact::find(&model, pose).unwrap();
     let answer = |finger: &FingerModel| {
         let graph = Arc::new(PadGraph::new(finger, Layout::Face { depths: 3 }).unwrap());
         predictor.at(&predictor.look(&model, &graph, &touch), 0.5).unwrap()
@@ -207,10 +207,11 @@ fn a_ladder_of_forces_answers_an_agent_as_the_network_does() {
     let made = made();
     let predictor = Predictor::open(&made.model).unwrap();
     let (model, pose) = ball(made);
-    let seen = predictor.look(&model, &predictor.graph(&model).unwrap(), &Touch::find(&model, pose).unwrap());
+    let seen =
+        predictor.look(&model, &predictor.graph(&model).unwrap(), &GeometricContact::find(&model, pose).unwrap());
     let high = predictor.card.range.force[1] * seen.unit_force();
     let low = high / 7.0;
-    let ladder = Ladder::new(&predictor, &seen, low, high).unwrap();
+    let ladder = ForceLadder::new(&predictor, &seen, low, high).unwrap();
     for part in [0.03, 0.21, 0.5, 0.77, 0.99] {
         let force = low + part * (high - low);
         let (own, known) = (predictor.at(&seen, force).unwrap(), ladder.at(force).unwrap());

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 use tactus::kernel::Sparse;
-use tactus::linear::balance::{Balance, Pressed};
+use tactus::linear::balance::{ObjectBalance, Pressed};
 use tactus::linear::compliance::Compliance;
 use tactus::linear::deviator::{Deviator, PARTS};
 use tactus::net::autodiff::ops::{
@@ -109,7 +109,7 @@ fn balances() {
             Pressed { force, rotation, nodes: (0..4).map(|_| node()).collect() }
         };
         let pads = [pad(-3.0, DMat3::from_rotation_y(1.5)), pad(3.0, DMat3::from_rotation_y(-1.6))];
-        Arc::new(Balance::new(&pads, [DVec3::new(0.1, 0.2, 0.3), DVec3::Y]))
+        Arc::new(ObjectBalance::new(&pads, [DVec3::new(0.1, 0.2, 0.3), DVec3::Y]))
     };
     let two = [balance(0.5), balance(2.0)];
     for mirror in [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]] {

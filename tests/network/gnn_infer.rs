@@ -1,7 +1,7 @@
 //! The network without a tape against the same network on a tape, which is the reference.
 
 use crate::gnn_made::{ball, made};
-use tactus::linear::first_contact::Touch;
+use tactus::linear::first_contact::GeometricContact;
 use tactus::net::infer::predict::{PadState, Predictor};
 
 /// Relative difference of two lists of numbers, in their L2 norms.
@@ -27,7 +27,7 @@ const FORCES: [f64; 7] = [0.5, 0.55, 0.6, 0.7, 0.8, 0.9, 1.0];
 
 fn answer(predictor: &Predictor) -> Vec<Vec<PadState>> {
     let (model, pose) = ball(made());
-    let touch = Touch::find(&model, pose).unwrap();
+    let touch = GeometricContact::find(&model, pose).unwrap();
     let graph = predictor.admit(&model).unwrap();
     predictor.ramp(&predictor.look(&model, &graph, &touch), &FORCES).unwrap()
 }
@@ -47,7 +47,7 @@ fn the_answers_are_those_of_the_tape() {
 fn one_load_at_a_time_is_the_same_as_all_at_once() {
     let predictor = Predictor::open(&made().model).unwrap();
     let (model, pose) = ball(made());
-    let touch = Touch::find(&model, pose).unwrap();
+    let touch = GeometricContact::find(&model, pose).unwrap();
     let seen = predictor.look(&model, &predictor.admit(&model).unwrap(), &touch);
     for (force, together) in FORCES.iter().zip(predictor.ramp(&seen, &FORCES).unwrap()) {
         let alone = predictor.at(&seen, *force).unwrap();

@@ -1,14 +1,14 @@
-//! The mechanics that the network starts from: the grip in equilibrium, the linear response, settled forces, balance.
+//! The mechanics that the network starts from: the equilibrium in equilibrium, the linear response, settled forces, balance.
 
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 use tactus::gripper::GraspPose;
 use tactus::linear::compliance::Compliance;
-use tactus::linear::first_contact::Touch;
+use tactus::linear::first_contact::GeometricContact;
 use tactus::linear::pad_graph::{Layout, PadGraph};
 use tactus::linear::projected_gradient::{Touching, settle};
 use tactus::model::Model;
-use tactus::net::features::Features;
+use tactus::net::features::GraspFeatures;
 use tactus::part::FingerModel;
 use tactus::random::Random;
 use tactus::scene::from_ron;
@@ -25,28 +25,28 @@ fn model() -> Arc<Model> {
 }
 
 /// A grasp beside the middle of the object, turned: nothing about it is symmetric.
-fn features(model: &Arc<Model>) -> Features {
+fn features(model: &Arc<Model>) -> GraspFeatures {
     let turn = DQuat::from_scaled_axis(DVec3::new(0.1, 0.2, 0.15));
     let pose = GraspPose { position: turn * DVec3::new(0.0, 0.003, -0.102), rotation: turn };
     let graph = Arc::new(PadGraph::new(&model.fingers[0], Layout::Face { depths: 3 }).unwrap());
-    Features::new(model, &graph, &Touch::find(model, pose).unwrap())
+    GraspFeatures::new(model, &graph, &GeometricContact::find(model, pose).unwrap())
 }
 
 #[test]
 fn the_grip_carries_the_force_of_each_finger_and_holds_the_object_still() {
     let model = model();
     let features = features(&model);
-    let (grip, hats) = (&features.grip, &features.graph.hats);
+    let (equilibrium, basis) = (&features.equilibrium, &features.graph.basis);
     for force in [0.03, 0.1, 0.5] {
-        let rest = grip.rest(force);
+        let rest = equilibrium.rest(force);
         let (mut sum, mut torque) = (DVec3::ZERO, DVec3::ZERO);
         for (p, finger) in model.fingers.iter().enumerate() {
             let turn = finger.placement.rotation;
             let mut carried = 0.0;
-            for ((x, u), push) in hats.rest.iter().zip(&rest.moved[p]).zip(&rest.force[p]) {
+            for ((x, u), push) in basis.rest.iter().zip(&rest.moved[p]).zip(&rest.force[p]) {
                 let push = turn * *push;
                 carried -= push.dot(finger.placement.closing);
-                (sum, torque) = (sum + push, torque + (grip.place(p, *x, *u, &rest) - rest.shift).cross(push));
+                (sum, torque) = (sum + push, torque + (equilibrium.place(p, *x, *u, &rest) - rest.shift).cross(push));
             }
             assert!((carried - force).abs() < 1e-2 * force, "a finger closed by {force} E t2 is held by {carried}");
         }
@@ -64,7 +64,7 @@ fn an_object_that_is_held_stays_where_it_is() {
     let model = model();
     let features = features(&model);
     let force = 0.01;
-    let rest = features.grip.rest(force);
+    let rest = features.equilibrium.rest(force);
     let pressed = |(p, finger): (usize, &FingerModel)| -> f64 {
         let closing = finger.placement.rotation.transpose() * finger.placement.closing;
         rest.force[p].iter().map(|push| -push.dot(closing)).sum()
@@ -103,7 +103,7 @@ fn friction_takes_up_what_pressure_leaves_over() {
                 }
             }
             let force = loads.force[level];
-            let [weight, at] = features.grip.hangs(&features.grip.rest(force));
+            let [weight, at] = features.equilibrium.hangs(&features.equilibrium.rest(force));
             assert_eq!(weight != DVec3::ZERO, scene != SCENE);
             assert!((sum - weight).length() < 1e-4 * force, "the pads carry {sum} E t2 of {weight}, closed by {force}");
             // A contact resists being twisted only so far.
@@ -117,16 +117,16 @@ fn friction_takes_up_what_pressure_leaves_over() {
 #[test]
 fn hats_share_out_their_force_and_give_alike_to_each_other() {
     let graph = PadGraph::new(&model().fingers[0], Layout::Face { depths: 3 }).unwrap();
-    let hats = &graph.hats;
-    assert!(hats.count() < graph.face.len(), "hats stand on corners, not in the middle of edges");
-    for part in &hats.parts {
-        assert!((part.iter().map(|p| p.1).sum::<f64>() - 1.0).abs() < 1e-12, "a hat spreads all of its force");
+    let basis = &graph.basis;
+    assert!(basis.count() < graph.face.len(), "basis stand on corners, not in the middle of edges");
+    for part in &basis.parts {
+        assert!((part.iter().map(|p| p.1).sum::<f64>() - 1.0).abs() < 1e-12, "a function spreads all of its force");
     }
-    for (a, b) in [(0, 1), (0, hats.count() / 2), (hats.count() / 3, hats.count() - 1)] {
+    for (a, b) in [(0, 1), (0, basis.count() / 2), (basis.count() / 3, basis.count() - 1)] {
         for (k, c) in [(0, 0), (2, 2), (0, 2), (1, 2)] {
-            let (there, back) = (hats.row(a, k)[3 * b + c], hats.row(b, c)[3 * a + k]);
+            let (there, back) = (basis.row(a, k)[3 * b + c], basis.row(b, c)[3 * a + k]);
             // Betti (1872).
-            assert_eq!(there.to_bits(), back.to_bits(), "hats {a} and {b}: {there} and {back} t per E t2");
+            assert_eq!(there.to_bits(), back.to_bits(), "basis {a} and {b}: {there} and {back} t per E t2");
         }
     }
 }

@@ -12,7 +12,7 @@ use tactus::judge::audit::solid::Solid;
 use tactus::mech::element::TET10;
 use tactus::model::Model;
 use tactus::part::object;
-use tactus::record::{Elements, Frame};
+use tactus::record::{ElementNodes, Frame};
 use tactus::run::{Observer, run_grasps};
 use tactus::scene::{Scene, load};
 
@@ -102,7 +102,7 @@ fn a_spoilt_frame_is_found_out() {
 #[test]
 fn a_folded_corner_is_an_inversion() {
     let (model, mut frame) = squeezed();
-    let Elements::Quadratic(tets) = &model.fingers[0].topology.elements else { panic!("10-node tetrahedra") };
+    let ElementNodes::Quadratic(tets) = &model.fingers[0].topology.elements else { panic!("10-node tetrahedra") };
     let n = tets[0].map(|i| i as usize);
     let x = &mut frame.pads[0].position;
     x[n[4]] = x[n[0]] + (x[n[1]] - x[n[0]]) * 0.22;

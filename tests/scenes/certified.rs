@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::sync::{Arc, Mutex};
 use tactus::backend::choose;
-use tactus::bench::certify::{References, Row};
+use tactus::bench::certify::{Reference, References};
 use tactus::bench::density::coarser;
-use tactus::bench::values::{Values, values};
+use tactus::bench::values::{FrameValues, values};
 use tactus::distance::{Distance, Points, Probe};
 use tactus::error::Result;
 use tactus::grasp::poses_of;
@@ -62,7 +62,7 @@ const MISSED: [(&str, &str, f64); 8] = [
 ];
 
 /// Prints how far the values are from the reference; those beyond their bar, or that are missed by more than is known.
-fn judge(row: &Row, own: &Values) -> Vec<String> {
+fn judge(row: &Reference, own: &FrameValues) -> Vec<String> {
     let mut beyond = Vec::new();
     for (name, bar) in BARS {
         let reference = row.values[name];
@@ -82,7 +82,7 @@ fn scenes(path: &str) -> Vec<NamedScene> {
     load_set(root().join(path)).unwrap().scenes
 }
 
-fn row(name: &str) -> Row {
+fn row(name: &str) -> Reference {
     let all = References::read(&root().join("docs")).unwrap();
     all.rows.into_iter().find(|r| r.name == name).unwrap_or_else(|| panic!("docs/references.json has no {name}"))
 }

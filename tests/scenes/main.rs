@@ -2,8 +2,8 @@
 
 #[path = "../fixtures/common.rs"]
 mod common;
-#[path = "../fixtures/walk.rs"]
-mod walk;
+#[path = "../fixtures/promises.rs"]
+mod promises;
 
 mod audit;
 mod campaign;

@@ -211,8 +211,8 @@ fn mutated_scenes_end_by_themselves_and_say_where() {
     let first =
         std::env::var("TACTUS_MUTATIONS_FROM").ok().map_or(0, |n| n.parse().expect("TACTUS_MUTATIONS_FROM: a number"));
     let dir = tempfile::tempdir().unwrap();
-    copy(&crate::walk::shipped(), &dir.path().join("scenes"));
-    let scenes: Vec<PathBuf> = crate::walk::scenes(&dir.path().join("scenes"), &["slow", "meshes"])
+    copy(&crate::promises::shipped(), &dir.path().join("scenes"));
+    let scenes: Vec<PathBuf> = crate::promises::scenes(&dir.path().join("scenes"), &["slow", "meshes"])
         .into_iter()
         .filter(|path| !LARGE.iter().any(|large| path.ends_with(large)))
         .collect();

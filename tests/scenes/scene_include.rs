@@ -1,7 +1,7 @@
 //! Includes: merging, who wins, and what is refused.
 
 use std::path::Path;
-use tactus::scene::{Loading, Pads, Shape, load};
+use tactus::scene::{Loading, ObjectShape, Pads, load};
 
 fn write(dir: &Path, name: &str, text: &str) {
     std::fs::write(dir.join(name), text).unwrap();
@@ -15,7 +15,7 @@ fn the_including_file_wins_and_later_includes_win_over_earlier_ones() {
     write(dir.path(), "main.ron", "(include: [\"a.ron\", \"b.ron\"], about: \"main\")");
     let loaded = load(dir.path().join("main.ron")).unwrap();
     assert_eq!(loaded.scene.about, "main");
-    assert!(matches!(loaded.scene.object.shape, Shape::Sphere(s) if s.radius.get() == 0.01));
+    assert!(matches!(loaded.scene.object.shape, ObjectShape::Sphere(s) if s.radius.get() == 0.01));
     assert!(matches!(loaded.scene.loading, Loading::Squeeze(s) if s.force.get() == 2.0));
     let names: Vec<_> = loaded.sources.iter().map(|p| p.file_name().unwrap().to_str().unwrap()).collect();
     assert_eq!(names, ["main.ron", "a.ron", "b.ron"]);

@@ -73,7 +73,7 @@ fn defaults_survive_being_written_out() {
     let text = to_ron(&scene).unwrap();
     assert_eq!(scene, scene_of(&text), "{text}");
     assert_eq!(scene.gripper, Gripper::default());
-    assert_eq!(scene.stepper, Stepper::Fem(Fem::default()));
+    assert_eq!(scene.stepper, StepperChoice::Fem(Fem::default()));
     assert_eq!(
         (scene.grasps.clone(), scene.gravity, scene.record.clone()),
         (Grasps::Identity, None, Record::default())
@@ -126,7 +126,7 @@ fn vectors_and_rotations_have_two_spellings() {
 #[test]
 fn materials_come_down_to_young_and_poisson() {
     let close = |a: f64, b: f64| assert!((a - b).abs() <= 1e-9 * b, "{a} {b}");
-    let gel = Material::default().spec();
+    let gel = MaterialChoice::default().spec();
     assert_eq!((gel.law, gel.poisson), (Law::NeoHookean, 0.49));
     // E = 6 C10 for an incompressible gel; here nu is a little less
     close(gel.young, 0.435e6 * 1.49 / 1.5);

@@ -47,7 +47,7 @@ fn refused_at_once(arguments: &[&str], says: &[&str]) {
 }
 
 fn all() -> Vec<PathBuf> {
-    crate::walk::scenes(&crate::walk::shipped(), &["meshes"])
+    crate::promises::scenes(&crate::promises::shipped(), &["meshes"])
 }
 
 /// Calls `each` with every scene, two at a time, and gathers what it complains about.
@@ -88,17 +88,18 @@ fn every_shipped_scene_is_checked() {
 /// Those of `torture` and `dynamic` run whole in the tests `torture` and `scenes`.
 #[test]
 fn every_shipped_scene_runs_one_frame() {
-    let found = complaints(crate::walk::scenes(&crate::walk::shipped(), &["meshes", "torture", "dynamic"]), |scene| {
-        // Of a large set one object: that `run` takes one after the other is said below.
-        let set = load_set(scene).unwrap();
-        let object = set.scenes[0].name.as_str();
-        let first = if set.scenes.len() > 3 { &["--object", object][..] } else { &[] };
-        let out = tactus(&[&["run", scene, "--frames", "1", "--grasp", "0", "--no-pictures"], first].concat());
-        if errors(&out).contains("--frames does not go with a press at given `depths`") {
-            return other(&out, &[2]);
-        }
-        other(&out, &[0, 1])
-    });
+    let found =
+        complaints(crate::promises::scenes(&crate::promises::shipped(), &["meshes", "torture", "dynamic"]), |scene| {
+            // Of a large set one object: that `run` takes one after the other is said below.
+            let set = load_set(scene).unwrap();
+            let object = set.scenes[0].name.as_str();
+            let first = if set.scenes.len() > 3 { &["--object", object][..] } else { &[] };
+            let out = tactus(&[&["run", scene, "--frames", "1", "--grasp", "0", "--no-pictures"], first].concat());
+            if errors(&out).contains("--frames does not go with a press at given `depths`") {
+                return other(&out, &[2]);
+            }
+            other(&out, &[0, 1])
+        });
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 

@@ -2,8 +2,8 @@
 
 #[test]
 fn every_scene_keeps_its_promises() {
-    let all = crate::walk::scenes(&crate::walk::shipped(), &["torture"]);
+    let all = crate::promises::scenes(&crate::promises::shipped(), &["torture"]);
     assert!(all.len() >= 8, "the shipped scenes are found: {all:?}");
-    let broken: Vec<_> = all.iter().flat_map(|path| crate::walk::broken(path, 2)).collect();
+    let broken: Vec<_> = all.iter().flat_map(|path| crate::promises::broken(path, 2)).collect();
     assert!(broken.is_empty(), "{}", broken.join("\n"));
 }

@@ -10,9 +10,9 @@ fn all() -> bool {
 #[test]
 fn hard_scenes_keep_their_promises() {
     let without: &[&str] = if all() { &[] } else { &["slow"] };
-    let scenes = crate::walk::scenes(&crate::walk::shipped().join("torture"), without);
+    let scenes = crate::promises::scenes(&crate::promises::shipped().join("torture"), without);
     assert!(scenes.len() >= 32, "{} torture scenes are found", scenes.len());
-    let broken = crate::walk::all_broken(&scenes);
+    let broken = crate::promises::all_broken(&scenes);
     assert!(broken.is_empty(), "{}", broken.join("\n"));
 }
 
@@ -53,6 +53,6 @@ fn real_pads_hold_a_ball() {
         std::fs::write(&path, text).unwrap();
         scenes.push(path);
     }
-    let broken = crate::walk::all_broken(&scenes);
+    let broken = crate::promises::all_broken(&scenes);
     assert!(broken.is_empty(), "{}", broken.join("\n"));
 }

@@ -1,9 +1,9 @@
 //! One load level of a grasp: first contact if need be, the load, and whole pads where condensed ones get no further.
 
-use super::stepper::Solver;
+use super::stepper::GraspSolver;
 use crate::mech::newton::Failure;
 use crate::mech::newton::effort::most_iterations;
-use crate::mech::path::continuation::Whole;
+use crate::mech::path::continuation::WholePads;
 use crate::mech::path::{Advanced, Load};
 use crate::model::Model;
 use crate::scales::DROPPED;
@@ -30,7 +30,7 @@ impl Refusal {
     }
 }
 
-impl Solver {
+impl GraspSolver {
     /// Brings the state to `level` (N or m per finger), from first contact the first time.
     ///
     /// # Errors
@@ -54,14 +54,14 @@ impl Solver {
         self.raise(model, level).map_err(Refusal::stop)
     }
 
-    /// One attempt at [`Solver::advance`].
+    /// One attempt at [`GraspSolver::advance`].
     fn raise(&mut self, model: &Model, level: f64) -> std::result::Result<Advanced, Refusal> {
         let before = self.path.state.clone();
         let load = if model.force_driven { Load::Force } else { Load::Travel };
         let mut done = Advanced::default();
         let begins = !std::mem::replace(&mut self.started, true);
         // Before it is held it may roll to where it rests.
-        self.path.leash = model.leash.filter(|_| !begins);
+        self.path.largest_drift = model.largest_drift.filter(|_| !begins);
         if begins {
             done.add(self.begin(model, level.min(model.release))?);
         }
@@ -103,8 +103,8 @@ impl Solver {
     fn let_go(&mut self, model: &Model) -> std::result::Result<Advanced, Refusal> {
         self.path.newton.held = false;
         let heavy = model.gravity.is_some();
-        let leash = self.path.leash;
-        self.path.leash = heavy.then_some(DROPPED * model.law.offset);
+        let largest_drift = self.path.largest_drift;
+        self.path.largest_drift = heavy.then_some(DROPPED * model.law.offset);
         let steps = if heavy { HANDOVER } else { 1 };
         let mut done = Advanced::default();
         for k in 1..=steps {
@@ -118,14 +118,14 @@ impl Solver {
             let letting_go = format!("letting go of the object {}", at(Load::Force, self.path.level));
             done.add(more.map_err(|f| self.refuse(model, &letting_go, f))?);
         }
-        self.path.leash = leash;
+        self.path.largest_drift = largest_drift;
         Ok(done)
     }
 
     fn load(&mut self, model: &Model, load: Load, level: f64) -> std::result::Result<Advanced, Refusal> {
         self.path.tolerance = self.tolerance(model, level);
         let done = match &mut self.condensed {
-            None => self.path.advance(load, level, &mut Whole),
+            None => self.path.advance(load, level, &mut WholePads),
             Some(pads) => self.path.advance(load, level, &mut pads.of(model)),
         };
         done.map_err(|f| self.refuse(model, &at(load, level), f))

@@ -1,6 +1,6 @@
 //! Reads a converged contact: the one place that knows how the solver stores it.
 
-use crate::mech::contact::{Contact, FeatureContact};
+use crate::mech::contact::{FeatureContact, PointContact};
 use crate::mech::newton::Newton;
 use crate::mech::potential::state::State;
 use crate::mech::potential::term::Stencil;
@@ -8,7 +8,7 @@ use glam::DVec3;
 
 /// One contact edge at the converged state.
 #[derive(Debug, Clone, Copy)]
-pub struct Edge {
+pub struct EdgeReading {
     /// Where the force acts, m, hand frame.
     pub point: DVec3,
     /// Gap, m; `+inf` where too far to matter.
@@ -25,7 +25,7 @@ pub struct Edge {
     pub report: Stencil,
 }
 
-impl Edge {
+impl EdgeReading {
     /// True while the edge carries force.
     pub fn active(&self) -> bool {
         self.force != DVec3::ZERO
@@ -33,8 +33,8 @@ impl Edge {
 }
 
 /// The contact term of body `i`.
-pub fn contact(newton: &Newton, i: usize) -> Option<&Contact> {
-    newton.terms[i].iter().find_map(|t| t.as_any().downcast_ref::<Contact>())
+pub fn contact(newton: &Newton, i: usize) -> Option<&PointContact> {
+    newton.terms[i].iter().find_map(|t| t.as_any().downcast_ref::<PointContact>())
 }
 
 /// The feature contact term of body `i`, if the object has features.
@@ -43,12 +43,12 @@ pub fn features(newton: &Newton, i: usize) -> Option<&FeatureContact> {
 }
 
 /// The edges of body `i` that are not open, with their numbers: those of the pad's points, then those of the object's features.
-pub fn edges<'a>(newton: &'a Newton, state: &'a State, i: usize) -> impl Iterator<Item = (usize, Edge)> + 'a {
-    let carried = newton.border.closing[i] * state.travel[i];
+pub fn edges<'a>(newton: &'a Newton, state: &'a State, i: usize) -> impl Iterator<Item = (usize, EdgeReading)> + 'a {
+    let carried = newton.rigid.closing[i] * state.travel[i];
     let points = contact(newton, i).into_iter().flat_map(move |c| {
         let surface = c.surface();
         c.edges().map(move |(k, e)| {
-            let edge = Edge {
+            let edge = EdgeReading {
                 point: surface.points[k].position(&state.x[i]) + carried,
                 gap: e.gap,
                 normal: e.normal,
@@ -64,7 +64,7 @@ pub fn edges<'a>(newton: &'a Newton, state: &'a State, i: usize) -> impl Iterato
     let features = features(newton, i).into_iter().flat_map(move |c| {
         c.edges().map(move |(k, e)| {
             let f = c.readout(k);
-            let edge = Edge {
+            let edge = EdgeReading {
                 point: f.now.position(&state.x[i]) + carried,
                 gap: e.gap,
                 normal: e.normal,
@@ -81,7 +81,7 @@ pub fn edges<'a>(newton: &'a Newton, state: &'a State, i: usize) -> impl Iterato
 
 /// Smallest gap over all bodies, m.
 pub fn min_gap(newton: &Newton) -> f64 {
-    let points = (0..newton.bodies()).filter_map(|i| contact(newton, i)).map(Contact::min_gap);
+    let points = (0..newton.bodies()).filter_map(|i| contact(newton, i)).map(PointContact::min_gap);
     let features = (0..newton.bodies()).filter_map(|i| features(newton, i)).map(FeatureContact::min_gap);
     points.chain(features).fold(f64::INFINITY, f64::min)
 }

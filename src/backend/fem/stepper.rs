@@ -1,25 +1,25 @@
 //! The finite element backend: one potential, minimised at every load level.
 
-use super::condensed::{Condensation, Condensed};
+use super::condensed::{Condensation, CondensedEnergy};
 use super::dynamics::integrator::Integrator;
 use super::readout;
 use super::systems;
 use crate::error::{Error, Result};
 use crate::mech::body::{Body, Elements};
-use crate::mech::contact::{Contact, FeatureContact};
+use crate::mech::contact::{FeatureContact, PointContact};
 use crate::mech::newton::effort::Effort;
-use crate::mech::newton::{Failure, Newton, Tolerance};
-use crate::mech::path::{Control, Path};
-use crate::mech::potential::inversion_barrier::upright;
-use crate::mech::potential::state::{Border, State};
-use crate::mech::potential::term::{BodyTerm, DeadLoad, Elastic};
+use crate::mech::newton::{Failure, Newton, NewtonTolerance};
+use crate::mech::path::{Path, PathControl};
+use crate::mech::potential::inversion_barrier::inversion_barrier;
+use crate::mech::potential::state::{RigidUnknowns, State};
+use crate::mech::potential::term::{BodyTerm, DeadLoad, ElasticEnergy};
 use crate::mech::potential::weight::Weight;
 use crate::model::Model;
 use crate::record::pad_name;
 use crate::scene;
 use crate::world::Stepper;
 use crate::world::components::ObjectPose;
-use crate::world::schedule::{Grasp, Shared};
+use crate::world::schedule::{CurrentGrasp, Shared};
 use crate::world::spawn::spawn_edges;
 use crate::world::systems::sense::{center, first_contact};
 use bevy_ecs::prelude::*;
@@ -28,18 +28,18 @@ use std::sync::Arc;
 
 /// Settings of the backend.
 #[derive(Debug, Clone, Copy)]
-pub struct Fem {
+pub struct FemStepper {
     settings: scene::Fem,
 }
 
-impl Fem {
+impl FemStepper {
     /// With the scene's settings.
     pub fn new(settings: &scene::Fem) -> Self {
         Self { settings: *settings }
     }
 }
 
-impl Stepper for Fem {
+impl Stepper for FemStepper {
     fn name(&self) -> &'static str {
         "fem"
     }
@@ -61,11 +61,11 @@ impl Stepper for Fem {
     fn prepare(&self, world: &mut World) -> Result<()> {
         let missing = || Error::Start("the world was not spawned for a grasp".into());
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
-        let grasp = *world.get_resource::<Grasp>().ok_or_else(missing)?;
+        let grasp = *world.get_resource::<CurrentGrasp>().ok_or_else(missing)?;
         let pose = grasp.0.object_in_hand();
         let pose = ObjectPose { position: pose.position, rotation: pose.rotation };
-        world.insert_resource(Solver::new(&shared.0, pose, &self.settings)?);
-        world.insert_resource(systems::Edges::default());
+        world.insert_resource(GraspSolver::new(&shared.0, pose, &self.settings)?);
+        world.insert_resource(systems::EdgeReadings::default());
         if let Some(dynamics) = &shared.0.dynamics {
             world.insert_resource(Integrator::new(dynamics, grasp.0));
         }
@@ -80,7 +80,7 @@ impl Stepper for Fem {
 
 /// The solver of one grasp.
 #[derive(Resource)]
-pub struct Solver {
+pub struct GraspSolver {
     /// Solver, accepted state and predictor.
     pub path: Path,
     pub(crate) condensed: Option<Condensation>,
@@ -92,7 +92,7 @@ pub struct Solver {
     pub(crate) start: ObjectPose,
 }
 
-impl Solver {
+impl GraspSolver {
     /// At rest, with the object at `pose`.
     ///
     /// # Errors
@@ -109,7 +109,7 @@ impl Solver {
                 }
             }
             scene::Solver::Condensed(c) => {
-                terms.iter_mut().for_each(|terms| terms.insert(0, Box::new(Condensed::nothing())));
+                terms.iter_mut().for_each(|terms| terms.insert(0, Box::new(CondensedEnergy::nothing())));
                 bodies = bodies.iter().map(|b| Arc::new(b.condensed(&[]))).collect();
                 condensed = Some(Condensation::new(model, loads, c.error.get()));
             }
@@ -121,8 +121,8 @@ impl Solver {
             bodies.push(Arc::new(Body::new(Vec::new(), nothing, Vec::new(), model.material.clone(), false)));
             (terms, closing) = (vec![Vec::new()], vec![DVec3::ZERO]);
         }
-        let layout = if model.geared() { Border::geared } else { Border::new };
-        let border = layout(closing, model.force_driven, model.free, model.object.bounding_radius);
+        let layout = if model.geared() { RigidUnknowns::geared } else { RigidUnknowns::new };
+        let rigid = layout(closing, model.force_driven, model.free, model.object.bounding_radius);
         // A condensed body has the nodes of the whole one.
         let state = State {
             x: bodies.iter().map(|b| b.rest.clone()).collect(),
@@ -130,9 +130,9 @@ impl Solver {
             position: pose.position,
             rotation: pose.rotation,
         };
-        let mut newton = Newton::new(bodies, terms, border)?;
+        let mut newton = Newton::new(bodies, terms, rigid)?;
         newton.effort = Effort::within(settings.max_time.map(|seconds| seconds.get()));
-        let mut path = Path::new(newton, state, Tolerance::new(model.law.offset));
+        let mut path = Path::new(newton, state, NewtonTolerance::new(model.law.offset));
         path.control = control(model);
         Ok(Self { path, condensed, settings: *settings, started: false, steps: 0, start: pose })
     }
@@ -158,7 +158,7 @@ impl Solver {
     }
 
     /// Convergence criteria at `level`.
-    pub(crate) fn tolerance(&self, model: &Model, level: f64) -> Tolerance {
+    pub(crate) fn tolerance(&self, model: &Model, level: f64) -> NewtonTolerance {
         // A press does not know its force: modulus x depth x thickness is its order of magnitude.
         let force = if model.force_driven { level } else { model.material.moduli().young * level * model.thickness() };
         let given = self.settings.tolerance;
@@ -170,8 +170,8 @@ impl Solver {
             _ => 1.0,
         };
         let relative = blunt * given.force.get();
-        let usual = Tolerance::new(model.law.offset);
-        Tolerance {
+        let usual = NewtonTolerance::new(model.law.offset);
+        NewtonTolerance {
             relative,
             // Where nothing touches yet there is no contact force to compare with.
             force: 1e-2 * relative * force,
@@ -247,9 +247,9 @@ const BEND: f64 = 0.5;
 const TOUCH: f64 = 0.01;
 
 /// What increments go by.
-fn control(model: &Model) -> Option<Control> {
+fn control(model: &Model) -> Option<PathControl> {
     let first = if model.force_driven { model.contact_force() } else { TOUCH * model.thickness() };
-    model.path_error.map(|error| Control { bend: BEND * error, first })
+    model.path_error.map(|error| PathControl { bend: BEND * error, first })
 }
 
 /// Forces out of balance over the contact forces that condensed pads may leave, over their error.
@@ -259,8 +259,8 @@ const SLIPPING: f64 = 0.1;
 
 /// The terms of a whole gel under dead `loads` (N per node; empty for none).
 pub(crate) fn gel(loads: Vec<DVec3>) -> Vec<Box<dyn BodyTerm>> {
-    let (nodes, centers) = upright();
-    let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(Elastic), Box::new(nodes), Box::new(centers)];
+    let (nodes, centers) = inversion_barrier();
+    let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(ElasticEnergy), Box::new(nodes), Box::new(centers)];
     terms.extend((!loads.is_empty()).then(|| Box::new(DeadLoad(loads)) as Box<dyn BodyTerm>));
     terms
 }
@@ -275,7 +275,7 @@ pub(crate) fn gel_loads(model: &Model, i: usize, pose: ObjectPose) -> Vec<DVec3>
 /// The terms of body `i` but those of the gel.
 fn terms(model: &Model, i: usize, pose: ObjectPose) -> Vec<Box<dyn BodyTerm>> {
     let finger = &model.fingers[i];
-    let contact = Contact::new(model.law, finger.surface.clone(), model.object.distance.clone());
+    let contact = PointContact::new(model.law, finger.surface.clone(), model.object.distance.clone());
     let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(contact)];
     if !model.features.is_empty() {
         terms.push(Box::new(FeatureContact::new(model.law, finger.surface.clone(), model.features.clone())));

@@ -2,15 +2,15 @@
 
 use super::dynamics::systems::{advance_time, measure_ground, measure_motion};
 use super::readout;
-use super::stepper::Solver;
+use super::stepper::GraspSolver;
 use crate::mech::path::continuation::Methods;
 use crate::model::Needs;
 use crate::world::components::*;
-use crate::world::schedule::{Advance, Balance, Next, Phase, Shared, StepSet, Timings, ramping, reached};
+use crate::world::schedule::{Advance, BalanceReport, Next, Phase, Shared, StepSet, Timings, ramping, reached};
 use crate::world::systems::apart::keep_pads_apart;
+use crate::world::systems::inversion::inverted;
 use crate::world::systems::measure::measure_balance;
 use crate::world::systems::sense::close_to_contact;
-use crate::world::systems::upright::inverted;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -45,7 +45,7 @@ pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
     if needs.contact_force {
         schedule.add_systems(measure_nodal_force.run_if(reached).after(read_edges).in_set(StepSet::Measure));
     }
-    schedule.add_systems(keep_upright.run_if(reached).after(keep_pads_apart).in_set(StepSet::Accept));
+    schedule.add_systems(refuse_inversion.run_if(reached).after(keep_pads_apart).in_set(StepSet::Accept));
     if needs.stress {
         schedule.add_systems(measure_stress.run_if(reached).in_set(StepSet::Measure));
     }
@@ -53,7 +53,7 @@ pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
 
 /// Columns -> solver: the world is the state, the solver only works on it.
 pub fn read_state(
-    mut solver: ResMut<Solver>,
+    mut solver: ResMut<GraspSolver>,
     nodes: Query<(&NodeIndex, &FingerIndex, &Position)>,
     fingers: Query<(&FingerIndex, &FingerTravel)>,
     pose: Single<&ObjectPose>,
@@ -71,16 +71,16 @@ pub fn read_state(
 }
 
 /// Columns -> solver: what pulls at the object.
-pub fn read_weight(mut solver: ResMut<Solver>, weight: Single<&ObjectWeight>) {
+pub fn read_weight(mut solver: ResMut<GraspSolver>, weight: Single<&ObjectWeight>) {
     solver.set_weight(weight.0);
 }
 
 /// One load level; on failure the state is the last accepted one and the grasp ends.
 pub fn advance_level(
-    mut solver: ResMut<Solver>,
+    mut solver: ResMut<GraspSolver>,
     shared: Res<Shared>,
     mut advance: ResMut<Advance>,
-    mut balance: ResMut<Balance>,
+    mut balance: ResMut<BalanceReport>,
     mut next: ResMut<Next>,
 ) {
     match solver.advance(&shared.0, advance.level) {
@@ -96,7 +96,7 @@ pub fn advance_level(
 
 /// Solver -> columns.
 pub fn write_state(
-    solver: Res<Solver>,
+    solver: Res<GraspSolver>,
     mut nodes: Query<(&NodeIndex, &FingerIndex, &mut Position)>,
     mut fingers: Query<(&FingerIndex, &mut FingerTravel)>,
     mut pose: Single<&mut ObjectPose>,
@@ -117,18 +117,18 @@ pub fn write_state(
 
 /// The contact edges of every finger that are not open at the level just reached, in order.
 #[derive(Resource, Default)]
-pub struct Edges(Vec<Vec<(usize, readout::Edge)>>);
+pub struct EdgeReadings(Vec<Vec<(usize, readout::EdgeReading)>>);
 
-impl Edges {
+impl EdgeReadings {
     /// Edge `index` of a finger; None if it is open.
-    fn get(&self, finger: FingerIndex, index: EdgeIndex) -> Option<&readout::Edge> {
+    fn get(&self, finger: FingerIndex, index: EdgeIndex) -> Option<&readout::EdgeReading> {
         let edges = &self.0[finger.0 as usize];
         edges.binary_search_by_key(&(index.0 as usize), |(k, _)| *k).ok().map(|k| &edges[k].1)
     }
 }
 
 /// Solver -> edges, once for all that look at them.
-pub fn read_edges(solver: Res<Solver>, mut edges: ResMut<Edges>) {
+pub fn read_edges(solver: Res<GraspSolver>, mut edges: ResMut<EdgeReadings>) {
     let (newton, state) = (&solver.path.newton, &solver.path.state);
     edges.0.resize_with(newton.bodies(), Vec::new);
     for (i, edges) in edges.0.iter_mut().enumerate() {
@@ -139,8 +139,8 @@ pub fn read_edges(solver: Res<Solver>, mut edges: ResMut<Edges>) {
 
 /// Contact edges, the wrench on every pad, smallest gap and potential.
 pub fn measure_contact(
-    solver: Res<Solver>,
-    edges: Res<Edges>,
+    solver: Res<GraspSolver>,
+    edges: Res<EdgeReadings>,
     shared: Res<Shared>,
     mut advance: ResMut<Advance>,
     mut pool: Query<(&EdgeIndex, &FingerIndex, &mut ContactEdge)>,
@@ -151,14 +151,18 @@ pub fn measure_contact(
         let edge = edge.bypass_change_detection();
         for row in 0..index.len() {
             let e = edges.get(finger[row], index[row]);
-            let of =
-                |e: &readout::Edge| ContactEdge { gap: e.gap, normal: e.normal, force: e.force, active: e.active() };
+            let of = |e: &readout::EdgeReading| ContactEdge {
+                gap: e.gap,
+                normal: e.normal,
+                force: e.force,
+                active: e.active(),
+            };
             edge[row] = e.map_or_else(ContactEdge::default, of);
         }
     }
     for (finger, mut wrench) in &mut fingers {
         let i = finger.0 as usize;
-        let origin = shared.0.fingers[i].placement.origin + newton.border.closing[i] * state.travel[i];
+        let origin = shared.0.fingers[i].placement.origin + newton.rigid.closing[i] * state.travel[i];
         // Summed in edge order: the same bits every time.
         let mut sum = FingerWrench::default();
         for (_, e) in &edges.0[i] {
@@ -174,7 +178,7 @@ pub fn measure_contact(
 /// What the mount of a finger with prescribed travel had to give: the reaction of the bonded nodes along the closing
 /// direction, without the gel's own weight.
 pub fn measure_reaction(
-    solver: Res<Solver>,
+    solver: Res<GraspSolver>,
     shared: Res<Shared>,
     mut fingers: Query<(&FingerIndex, &ClosingDirection, &mut FingerForce)>,
 ) {
@@ -185,12 +189,12 @@ pub fn measure_reaction(
 }
 
 /// Friction on every contact edge.
-pub fn measure_friction(edges: Res<Edges>, mut pool: Query<(&EdgeIndex, &FingerIndex, &mut ContactFriction)>) {
+pub fn measure_friction(edges: Res<EdgeReadings>, mut pool: Query<(&EdgeIndex, &FingerIndex, &mut ContactFriction)>) {
     for (index, finger, mut column) in pool.contiguous_iter_mut().expect(TABLES) {
         let column = column.bypass_change_detection();
         for row in 0..index.len() {
             let e = edges.get(finger[row], index[row]);
-            let of = |e: &readout::Edge| ContactFriction { force: e.friction, slips: e.slips };
+            let of = |e: &readout::EdgeReading| ContactFriction { force: e.friction, slips: e.slips };
             column[row] = e.map_or_else(ContactFriction::default, of);
         }
     }
@@ -198,8 +202,8 @@ pub fn measure_friction(edges: Res<Edges>, mut pool: Query<(&EdgeIndex, &FingerI
 
 /// Contact forces gathered on the nodes; their sum is that of the edges.
 pub fn measure_nodal_force(
-    solver: Res<Solver>,
-    edges: Res<Edges>,
+    solver: Res<GraspSolver>,
+    edges: Res<EdgeReadings>,
     mut nodes: Query<(&NodeIndex, &FingerIndex, &mut ContactForce)>,
 ) {
     let mut force: Vec<Vec<DVec3>> = solver.path.state.x.iter().map(|x| vec![DVec3::ZERO; x.len()]).collect();
@@ -219,7 +223,7 @@ pub fn measure_nodal_force(
 
 /// Von Mises stress on nodes and tetrahedra.
 pub fn measure_stress(
-    solver: Res<Solver>,
+    solver: Res<GraspSolver>,
     mut nodes: Query<(&NodeIndex, &FingerIndex, &mut NodalStress)>,
     mut tets: Query<(&TetIndex, &FingerIndex, &mut TetStress)>,
 ) {
@@ -240,7 +244,12 @@ pub fn measure_stress(
 }
 
 /// The smallest det F; ends the grasp with a fault, without recording the frame, where an element is turned inside out.
-pub fn keep_upright(solver: Res<Solver>, shared: Res<Shared>, mut advance: ResMut<Advance>, mut next: ResMut<Next>) {
+pub fn refuse_inversion(
+    solver: Res<GraspSolver>,
+    shared: Res<Shared>,
+    mut advance: ResMut<Advance>,
+    mut next: ResMut<Next>,
+) {
     let x = &solver.path.state.x;
     let smallest: Vec<f64> = x.par_iter().enumerate().map(|(i, x)| solver.body(i).min_det_f(x)).collect();
     advance.min_det_f = smallest.into_iter().fold(f64::INFINITY, f64::min);
@@ -252,7 +261,7 @@ pub fn keep_upright(solver: Res<Solver>, shared: Res<Shared>, mut advance: ResMu
 }
 
 /// Hands on where the time went.
-pub fn report_timings(solver: Res<Solver>, mut timings: ResMut<Timings>) {
+pub fn report_timings(solver: Res<GraspSolver>, mut timings: ResMut<Timings>) {
     let p = &solver.path.newton.profile;
     let stages = [
         ("assembly", p.assembly),

@@ -1,6 +1,6 @@
 //! What the solver of a grasp says of whole pads, condensed or not.
 
-use super::stepper::{Solver, gel, gel_loads};
+use super::stepper::{GraspSolver, gel, gel_loads};
 use crate::mech::body::Body;
 use crate::mech::potential::inversion_barrier::is_crushed;
 use crate::mech::potential::term::BodyTerm;
@@ -9,7 +9,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-impl Solver {
+impl GraspSolver {
     /// Condenses the pads at first contact, if they are to be.
     pub(crate) fn condense(&mut self, model: &Model) -> std::result::Result<(), String> {
         let begun = self.condensed.as_mut().map_or(Ok(()), |pads| pads.begin(&mut self.path, model));
@@ -52,7 +52,7 @@ impl Solver {
             .x
             .iter()
             .enumerate()
-            .map(|(i, _)| pads.pad(i).term().energy(newton.body(i), &state.view(i, &newton.border)));
+            .map(|(i, _)| pads.pad(i).term().energy(newton.body(i), &state.view(i, &newton.rigid)));
         newton.energy(state) + whole.iter().sum::<f64>() - condensed.sum::<f64>()
     }
 

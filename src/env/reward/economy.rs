@@ -1,10 +1,10 @@
 //! Squeeze no harder than it takes.
 
-use super::{Facts, Pay};
-use crate::scene::reward::Economy;
+use super::{RewardTerm, StepInfo};
+use crate::scene::reward::EconomyReward;
 
-impl Pay for Economy {
-    fn pay(&self, facts: &Facts) -> f64 {
+impl RewardTerm for EconomyReward {
+    fn pay(&self, facts: &StepInfo) -> f64 {
         -self.weight.get() * facts.force / facts.most
     }
 }

@@ -1,10 +1,10 @@
 //! Keep it.
 
-use super::{Facts, Pay};
-use crate::scene::reward::Hold;
+use super::{RewardTerm, StepInfo};
+use crate::scene::reward::HoldReward;
 
-impl Pay for Hold {
-    fn pay(&self, facts: &Facts) -> f64 {
+impl RewardTerm for HoldReward {
+    fn pay(&self, facts: &StepInfo) -> f64 {
         if facts.held { self.weight.get() } else { -self.drop.get() }
     }
 }

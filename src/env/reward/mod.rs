@@ -1,6 +1,6 @@
 //! What an agent is paid for: one file per term; a reward is their sum.
 //!
-//! To add one: its settings and variant in [`crate::scene::reward`], a file that implements [`Pay`], a line in `term`.
+//! To add one: its settings and variant in [`crate::scene::reward`], a file that implements [`RewardTerm`], a line in `term`.
 
 mod economy;
 mod hold;
@@ -11,14 +11,14 @@ use crate::scene::Reward;
 
 /// What came of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Facts {
+pub struct StepInfo {
     /// The object is still in the hand.
     pub held: bool,
     /// Way of the object over the pads in this step, m.
     pub slip: f64,
     /// The same since the start of the episode, m.
     pub slipped: f64,
-    /// Part of the grip's limit that the load leaves: 0 is about to slip, 1 is without load, see [`super::grip`].
+    /// Part of the grip's limit that the load leaves: 0 is about to slip, 1 is without load, see [`super::slip`].
     pub margin: f64,
     /// Largest von Mises stress of a node, Pa; 0 if no term asks for it.
     pub stress: f64,
@@ -31,12 +31,12 @@ pub struct Facts {
 }
 
 /// A reward of the user's own.
-pub type Custom = dyn Fn(&Facts) -> f64 + Send + Sync;
+pub type Custom = dyn Fn(&StepInfo) -> f64 + Send + Sync;
 
 /// A term of the reward.
-pub trait Pay {
+pub trait RewardTerm {
     /// What it pays for a step.
-    fn pay(&self, facts: &Facts) -> f64;
+    fn pay(&self, facts: &StepInfo) -> f64;
     /// Whether it looks at the stress.
     fn needs_stress(&self) -> bool {
         false
@@ -45,7 +45,7 @@ pub trait Pay {
 
 impl Reward {
     /// As the trait object that pays.
-    pub fn term(&self) -> &dyn Pay {
+    pub fn term(&self) -> &dyn RewardTerm {
         match self {
             Reward::Hold(term) => term,
             Reward::Slip(term) => term,

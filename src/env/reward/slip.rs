@@ -1,10 +1,10 @@
 //! Do not let it slide.
 
-use super::{Facts, Pay};
-use crate::scene::reward::Slip;
+use super::{RewardTerm, StepInfo};
+use crate::scene::reward::SlipReward;
 
-impl Pay for Slip {
-    fn pay(&self, facts: &Facts) -> f64 {
+impl RewardTerm for SlipReward {
+    fn pay(&self, facts: &StepInfo) -> f64 {
         -self.weight.get() * facts.slip / 1e-3
     }
 }

@@ -1,10 +1,10 @@
 //! Spare the gel.
 
-use super::{Facts, Pay};
-use crate::scene::reward::Stress;
+use super::{RewardTerm, StepInfo};
+use crate::scene::reward::StressReward;
 
-impl Pay for Stress {
-    fn pay(&self, facts: &Facts) -> f64 {
+impl RewardTerm for StressReward {
+    fn pay(&self, facts: &StepInfo) -> f64 {
         -self.weight.get() * (facts.stress / self.limit.get() - 1.0).max(0.0)
     }
 

@@ -2,7 +2,7 @@
 
 /// A part of one triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Part {
+pub enum TrianglePart {
     /// Its inside.
     Face,
     /// Edge `i`, from corner `i` to corner `i + 1`.
@@ -13,7 +13,7 @@ pub enum Part {
 
 /// A part of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Place {
+pub enum SurfacePart {
     /// Inside of a triangle.
     Face(u32),
     /// An edge.
@@ -24,13 +24,13 @@ pub enum Place {
 
 /// How a point sees a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum View {
+pub enum TriangleView {
     /// It is out of reach.
     Beyond,
     /// It is nearest from its back: the other side of a thin ridge.
     Behind,
     /// This part of it is nearest.
-    At(Part),
+    At(TrianglePart),
 }
 
 /// What the triangles of a surface share.
@@ -116,12 +116,12 @@ impl Rings {
     }
 
     /// The place of a part of a triangle.
-    pub fn place(&self, triangle: u32, part: Part) -> Place {
+    pub fn place(&self, triangle: u32, part: TrianglePart) -> SurfacePart {
         let t = triangle as usize;
         match part {
-            Part::Face => Place::Face(triangle),
-            Part::Edge(i) => Place::Edge(self.edges[t][i]),
-            Part::Corner(i) => Place::Corner(self.corners[t][i]),
+            TrianglePart::Face => SurfacePart::Face(triangle),
+            TrianglePart::Edge(i) => SurfacePart::Edge(self.edges[t][i]),
+            TrianglePart::Corner(i) => SurfacePart::Corner(self.corners[t][i]),
         }
     }
 
@@ -131,17 +131,17 @@ impl Rings {
     pub fn beside(
         &self,
         own: u32,
-        nearest: Part,
-        view: impl Fn(u32) -> View,
-        along: impl Fn(u32, usize) -> Part,
-    ) -> Vec<(Place, f64)> {
+        nearest: TrianglePart,
+        view: impl Fn(u32) -> TriangleView,
+        along: impl Fn(u32, usize) -> TrianglePart,
+    ) -> Vec<(SurfacePart, f64)> {
         let mut found = Vec::new();
         for t in self.ring(own) {
-            match if t == own { View::At(nearest) } else { view(t) } {
-                View::Beyond => {}
-                View::At(part) => found.push((t, part)),
+            match if t == own { TriangleView::At(nearest) } else { view(t) } {
+                TriangleView::Beyond => {}
+                TriangleView::At(part) => found.push((t, part)),
                 // There nothing but the closest place counts.
-                View::Behind => return Vec::new(),
+                TriangleView::Behind => return Vec::new(),
             }
         }
         if found.len() < 2 {
@@ -156,15 +156,19 @@ impl Rings {
 
     /// The places that a point presses against, with weights, when energies of its distances add up.
     ///
-    /// In a valley a point touches both flanks, and the sum over triangles is smooth where the least of their distances has a
+    /// In a valley a point touches both incident faces, and the sum over triangles is smooth where the least of their distances has a
     /// kink. On flat ground and over ridges the triangles at an edge are equally near, and would count twice there: so edges
     /// within reach are taken off and vertices added again, and the sum is that of one touch (inclusion and exclusion; Li,
     /// Ferguson, Schneider et al. 2023, "Convergent incremental potential contact", section 4).
     ///
     /// `found` are the triangles within reach and the part of each that is closest.
-    fn weights(&self, found: &[(u32, Part)], along: impl Fn(u32, usize) -> Part) -> Vec<(Place, f64)> {
-        let mut weights: Vec<(Place, f64)> = Vec::new();
-        let mut add = |place: Place, weight: f64| match weights.iter_mut().find(|(p, _)| *p == place) {
+    fn weights(
+        &self,
+        found: &[(u32, TrianglePart)],
+        along: impl Fn(u32, usize) -> TrianglePart,
+    ) -> Vec<(SurfacePart, f64)> {
+        let mut weights: Vec<(SurfacePart, f64)> = Vec::new();
+        let mut add = |place: SurfacePart, weight: f64| match weights.iter_mut().find(|(p, _)| *p == place) {
             Some(known) => known.1 += weight,
             None => weights.push((place, weight)),
         };
@@ -183,7 +187,7 @@ impl Rings {
                 let vertex = self.corners[t as usize][i];
                 let ring = self.around(vertex);
                 if self.closed[vertex as usize] && ring[0] == t && ring.iter().all(within) {
-                    add(Place::Corner(vertex), 1.0);
+                    add(SurfacePart::Corner(vertex), 1.0);
                 }
             }
         }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{TetMesh, grid};
-use crate::geometry::pad::{Density, Pad, Resolution, dome};
+use crate::geometry::pad::{Density, PadMesh, Resolution, dome};
 use crate::number::shown;
 
 /// Largest side of a generated pad, m.
@@ -15,7 +15,7 @@ pub const GELSIGHT_MINI: [f64; 3] = [2.0 * dome::HALF[0], 2.0 * dome::HALF[1], d
 
 /// The sensing face of the GelSight Mini gel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-pub enum GelShape {
+pub enum GelProfile {
     /// 25.25 x 20.75 x 4 mm box, as most simulators take it.
     #[default]
     Flat,
@@ -26,7 +26,7 @@ pub enum GelShape {
 /// A box of `size_x` x `size_y` x `thickness`, m.
 ///
 /// Errors: a length that is not in (0, [`MAX_SIZE`]], a bad resolution.
-pub fn box_pad(size_x: f64, size_y: f64, thickness: f64, resolution: &Resolution) -> Result<Pad> {
+pub fn box_pad(size_x: f64, size_y: f64, thickness: f64, resolution: &Resolution) -> Result<PadMesh> {
     check_lengths(&[("size_x", size_x), ("size_y", size_y), ("thickness", thickness)])?;
     let cells = resolution.cells_for([size_x, size_y, thickness])?;
     let scaled = |lines: Vec<f64>, by: f64| lines.into_iter().map(|t| t * by).collect::<Vec<f64>>();
@@ -43,7 +43,7 @@ pub fn box_pad(size_x: f64, size_y: f64, thickness: f64, resolution: &Resolution
 /// worst tetrahedra lie where the corners of the square were; their mean ratio is 0.58 at n = 20, 0.45 at n = 60.
 ///
 /// Errors: a length that is not in (0, [`MAX_SIZE`]], a bad resolution, odd or unequal numbers of cells.
-pub fn disc_pad(radius: f64, thickness: f64, resolution: &Resolution) -> Result<Pad> {
+pub fn disc_pad(radius: f64, thickness: f64, resolution: &Resolution) -> Result<PadMesh> {
     check_lengths(&[("radius", radius), ("thickness", thickness)])?;
     if let Density::Cells([nx, ny, _]) = resolution.density
         && (nx != ny || nx % 2 == 1)
@@ -67,10 +67,10 @@ pub fn disc_pad(radius: f64, thickness: f64, resolution: &Resolution) -> Result<
 /// The gel of a GelSight Mini: 25.25 (x) x 20.75 (y) x 4.0 mm.
 ///
 /// Errors: a bad resolution.
-pub fn gelsight_mini(shape: GelShape, resolution: &Resolution) -> Result<Pad> {
+pub fn gelsight_mini(shape: GelProfile, resolution: &Resolution) -> Result<PadMesh> {
     let [x, y, z] = GELSIGHT_MINI;
     let mut pad = box_pad(x, y, z, resolution)?;
-    if shape == GelShape::Domed {
+    if shape == GelProfile::Domed {
         for p in &mut pad.mesh.nodes {
             // Columns shrink towards the flat back face, whose z stays exact.
             let above_back = p.z + dome::THICKNESS;
@@ -93,10 +93,10 @@ fn square_to_disc(u: f64, v: f64) -> (f64, f64) {
 }
 
 /// Glues the lowest layer of grid nodes, which come first.
-fn bonded_at_back(mesh: TetMesh, cells: [usize; 3]) -> Pad {
+fn bonded_at_back(mesh: TetMesh, cells: [usize; 3]) -> PadMesh {
     let back = (cells[0] + 1) * (cells[1] + 1);
     let bonded = (0..mesh.nodes.len()).map(|i| i < back).collect();
-    Pad { mesh, bonded }
+    PadMesh { mesh, bonded }
 }
 
 fn check_lengths(lengths: &[(&str, f64)]) -> Result<()> {

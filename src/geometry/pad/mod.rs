@@ -7,8 +7,8 @@ pub mod generate;
 pub mod place;
 pub mod resolution;
 
-pub use generate::{GELSIGHT_MINI, GelShape, box_pad, disc_pad, gelsight_mini};
-pub use place::{Bonding, Placement, from_mesh, read_pad};
+pub use generate::{GELSIGHT_MINI, GelProfile, box_pad, disc_pad, gelsight_mini};
+pub use place::{Bonding, PadPlacement, from_mesh, read_pad};
 pub use resolution::{Density, Resolution};
 
 use glam::DVec3;
@@ -22,7 +22,7 @@ pub const SENSING_SLOPE: f64 = 0.5;
 /// A pad at rest in the pad frame: origin at the centre of the sensing face, +z out of the gel towards the
 /// object, back face bonded to the finger.
 #[derive(Debug, Clone)]
-pub struct Pad {
+pub struct PadMesh {
     /// Rest mesh in the pad frame, m.
     pub mesh: TetMesh,
     /// Per node: true if glued to the finger.
@@ -30,12 +30,12 @@ pub struct Pad {
 }
 
 /// The faces of the pad that can touch something: all boundary faces but those with three bonded nodes.
-pub fn free_surface(pad: &Pad) -> Vec<BoundaryFace> {
+pub fn free_surface(pad: &PadMesh) -> Vec<BoundaryFace> {
     free_faces(&pad.mesh, &pad.bonded)
 }
 
 /// The faces that look at the object: those of [`free_surface`] whose outward unit normal has z > [`SENSING_SLOPE`].
-pub fn sensing_faces(pad: &Pad) -> Vec<BoundaryFace> {
+pub fn sensing_faces(pad: &PadMesh) -> Vec<BoundaryFace> {
     free_surface(pad).into_iter().filter(|f| looks_along(&pad.mesh, f, DVec3::Z)).collect()
 }
 

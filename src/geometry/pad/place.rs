@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::io::{self, text};
 use crate::geometry::mesh::{TetMesh, clean};
-use crate::geometry::pad::{Pad, free_faces, looks_along};
+use crate::geometry::pad::{PadMesh, free_faces, looks_along};
 use crate::number::shown;
 
 /// A pad larger than this, m, gets a notice: its file is probably in millimetres.
@@ -24,7 +24,7 @@ pub enum Bonding {
 
 /// How a mesh of an arbitrary frame becomes a pad.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Placement {
+pub struct PadPlacement {
     /// Unit vector out of the gel, in the frame of the mesh; becomes +z of the pad.
     pub outward: DVec3,
     /// Direction that becomes +x of the pad, in the frame of the mesh; its part along `outward` is dropped. None takes
@@ -39,7 +39,7 @@ pub struct Placement {
 ///
 /// Errors: [`Error::Mesh`] if the mesh is empty or has bad indices, `outward` is not a unit vector, `across` is along
 /// it, a node index is out of range, no node or every node is glued, or no free face looks outwards.
-pub fn from_mesh(mesh: TetMesh, placement: &Placement) -> Result<Pad> {
+pub fn from_mesh(mesh: TetMesh, placement: &PadPlacement) -> Result<PadMesh> {
     clean::check_indices(&mesh)?;
     let [x, y, z] = axes(placement)?;
     // Rows are the pad's axes: from the mesh's frame to the pad's.
@@ -66,7 +66,7 @@ pub fn from_mesh(mesh: TetMesh, placement: &Placement) -> Result<Pad> {
     for p in &mut mesh.nodes {
         *p -= origin;
     }
-    Ok(Pad { mesh, bonded })
+    Ok(PadMesh { mesh, bonded })
 }
 
 /// Reads, repairs and places a pad. `nodes_file`, if given, replaces `placement.bonding`; its numbers mean the nodes of
@@ -78,9 +78,9 @@ pub fn from_mesh(mesh: TetMesh, placement: &Placement) -> Result<Pad> {
 /// Errors: those of [`io::read_tet_mesh`] and [`from_mesh`]; a bad or repeated number in `nodes_file`, with its place.
 pub fn read_pad(
     mesh_file: impl AsRef<Path>,
-    placement: &Placement,
+    placement: &PadPlacement,
     nodes_file: Option<&Path>,
-) -> Result<(Pad, Vec<String>)> {
+) -> Result<(PadMesh, Vec<String>)> {
     let path = mesh_file.as_ref();
     let in_file = |e: Error| match e {
         Error::Mesh(message) => Error::file(path, message),
@@ -164,7 +164,7 @@ fn vector(v: DVec3) -> String {
 }
 
 /// The pad's unit axes in the frame of the mesh.
-fn axes(placement: &Placement) -> Result<[DVec3; 3]> {
+fn axes(placement: &PadPlacement) -> Result<[DVec3; 3]> {
     let outward = placement.outward;
     let off = (outward.length() - 1.0).abs();
     if off > 1e-6 || off.is_nan() {

@@ -14,7 +14,7 @@ const STACK: usize = 80;
 
 /// A leaf has `count > 0` facets from `first`; an inner node has the children `first` and `first + 1`.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Node {
+pub(crate) struct BvhNode {
     pub bounds: Aabb,
     pub first: u32,
     pub count: u32,
@@ -23,7 +23,7 @@ pub(crate) struct Node {
 /// The tree and its facets, in the order of the leaves.
 #[derive(Debug, Clone)]
 pub(crate) struct Bvh {
-    pub(crate) nodes: Vec<Node>,
+    pub(crate) nodes: Vec<BvhNode>,
     pub facets: Vec<Facet>,
 }
 
@@ -31,7 +31,7 @@ impl Bvh {
     pub fn new(mut facets: Vec<Facet>) -> Self {
         let mut items: Vec<(Aabb, DVec3, u32)> =
             facets.iter().zip(0..).map(|(f, i)| (f.aabb(), f.aabb().center(), i)).collect();
-        let mut nodes = vec![Node { bounds: Aabb::EMPTY, first: 0, count: items.len() as u32 }];
+        let mut nodes = vec![BvhNode { bounds: Aabb::EMPTY, first: 0, count: items.len() as u32 }];
         let mut todo = vec![(0_usize, 0_usize)];
         while let Some((at, depth)) = todo.pop() {
             let (first, count) = (nodes[at].first as usize, nodes[at].count as usize);
@@ -41,10 +41,10 @@ impl Bvh {
                 continue;
             }
             let left = split(range, depth);
-            nodes[at] = Node { first: nodes.len() as u32, count: 0, ..nodes[at] };
+            nodes[at] = BvhNode { first: nodes.len() as u32, count: 0, ..nodes[at] };
             for (first, count) in [(first, left), (first + left, count - left)] {
                 todo.push((nodes.len(), depth + 1));
-                nodes.push(Node { bounds: Aabb::EMPTY, first: first as u32, count: count as u32 });
+                nodes.push(BvhNode { bounds: Aabb::EMPTY, first: first as u32, count: count as u32 });
             }
         }
         facets = items.iter().map(|i| facets[i.2 as usize]).collect();

@@ -6,7 +6,7 @@
 
 use crate::geometry::Aabb;
 use crate::geometry::mesh::facets::FLAT;
-use crate::geometry::mesh::rings::Part;
+use crate::geometry::mesh::rings::TrianglePart;
 use glam::DVec3;
 
 /// A triangle: corners a = (0, 0), b = (bx, 0), c = (cx, cy > 0) in the frame (u, v) at `origin`.
@@ -45,36 +45,36 @@ impl Facet {
 
     /// Squared distance to the triangle, m2, and the part it is to. A point above an edge or corner counts as nearest to that.
     #[inline]
-    pub fn nearest(&self, q: DVec3) -> (f64, Part) {
+    pub fn nearest(&self, q: DVec3) -> (f64, TrianglePart) {
         self.nearest_within(q, f64::INFINITY)
     }
 
     /// The same if the squared distance is below `limit`, m2; else it may be infinite.
     #[inline]
-    pub fn nearest_within(&self, q: DVec3, limit: f64) -> (f64, Part) {
+    pub fn nearest_within(&self, q: DVec3, limit: f64) -> (f64, TrianglePart) {
         let w = q - self.origin;
         let h = self.n.dot(w);
         let hh = h * h;
         if hh >= limit {
-            return (f64::INFINITY, Part::Face);
+            return (f64::INFINITY, TrianglePart::Face);
         }
         let (x, y) = (self.u.dot(w), self.v.dot(w));
         let (bx, cx, cy) = (self.bx, self.cx, self.cy);
         let bc = cy * (x - bx) + (bx - cx) * y;
         let ca = cx * y - cy * x;
         if y > 0.0 && bc < 0.0 && ca < 0.0 {
-            return (hh, Part::Face);
+            return (hh, TrianglePart::Face);
         }
-        let mut best = (f64::INFINITY, Part::Face);
+        let mut best = (f64::INFINITY, TrianglePart::Face);
         let mut edge = |i: usize, px: f64, py: f64, ex: f64, ey: f64| {
             let (along, square) = (px * ex + py * ey, ex * ex + ey * ey);
             let (d, part) = if along <= 0.0 {
-                (px * px + py * py, Part::Corner(i))
+                (px * px + py * py, TrianglePart::Corner(i))
             } else if along >= square {
-                ((px - ex) * (px - ex) + (py - ey) * (py - ey), Part::Corner((i + 1) % 3))
+                ((px - ex) * (px - ex) + (py - ey) * (py - ey), TrianglePart::Corner((i + 1) % 3))
             } else {
                 let across = px * ey - py * ex;
-                (across * across / square, Part::Edge(i))
+                (across * across / square, TrianglePart::Edge(i))
             };
             if d < best.0 {
                 best = (d, part);
@@ -93,12 +93,12 @@ impl Facet {
     }
 
     /// A part as the mesh counts corners and edges.
-    pub fn in_mesh(&self, part: Part) -> Part {
+    pub fn in_mesh(&self, part: TrianglePart) -> TrianglePart {
         let turned = |i: usize| (i + self.turn as usize) % 3;
         match part {
-            Part::Face => Part::Face,
-            Part::Edge(i) => Part::Edge(turned(i)),
-            Part::Corner(i) => Part::Corner(turned(i)),
+            TrianglePart::Face => TrianglePart::Face,
+            TrianglePart::Edge(i) => TrianglePart::Edge(turned(i)),
+            TrianglePart::Corner(i) => TrianglePart::Corner(turned(i)),
         }
     }
 

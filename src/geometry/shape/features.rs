@@ -97,7 +97,7 @@ impl Stretch {
 
 /// The features of an object: nothing, for one that is smooth everywhere.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Features {
+pub struct SurfaceFeatures {
     /// All vertices of an object that is a mesh, the sharp corners of one that is not.
     pub vertices: Vec<FeaturePoint>,
     /// Sharp convex edges; a rim is a closed chain of arcs.
@@ -150,7 +150,7 @@ impl RoundedEdge {
     }
 }
 
-impl Features {
+impl SurfaceFeatures {
     /// The vertices, then points on the sharp edges between their ends such that neighbours are at most `spacing` m apart
     /// (no points on edges if it is not positive; at most 10,000 points an edge), as many on the rounded edges whose
     /// radius is not large to it, on the tight parts of a round solid, and all over a thin rod. No point occurs twice. Contact has this

@@ -10,7 +10,7 @@ const CELLS: f64 = 32768.0;
 
 /// What the lattice knows about a point.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Cell {
+pub(crate) struct LatticeCell {
     /// Lower bound of the signed distance, m.
     pub at_least: f64,
     /// The facet closest to the cell's centre.
@@ -58,7 +58,7 @@ impl Lattice {
 
     /// None outside the lattice (and for a point that is not finite).
     #[inline]
-    pub fn look(&self, q: DVec3) -> Option<Cell> {
+    pub fn look(&self, q: DVec3) -> Option<LatticeCell> {
         let at = (q - self.min) / self.step;
         if !(at.min_element() >= 0.0 && at.cmplt(self.counts.as_dvec3()).all()) {
             return None;
@@ -66,6 +66,6 @@ impl Lattice {
         let cell = at.as_uvec3();
         let index = cell.x + self.counts.x * (cell.y + self.counts.y * cell.z);
         let (d, seed) = *self.samples.get(index as usize)?;
-        Some(Cell { at_least: f64::from(d) - self.center(cell).distance(q), seed })
+        Some(LatticeCell { at_least: f64::from(d) - self.center(cell).distance(q), seed })
     }
 }

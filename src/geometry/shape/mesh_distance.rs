@@ -6,12 +6,12 @@
 
 use crate::error::Result;
 use crate::geometry::mesh::TriMesh;
-use crate::geometry::mesh::rings::{Part, Place, Rings, View};
+use crate::geometry::mesh::rings::{Rings, SurfacePart, TrianglePart, TriangleView};
 use crate::geometry::shape::bvh::Bvh;
 use crate::geometry::shape::facet::Facet;
 use crate::geometry::shape::lattice::Lattice;
 use crate::geometry::shape::topology::Topology;
-use crate::geometry::shape::{Closest, Hit, SignedDistance, Touch, outer};
+use crate::geometry::shape::{Closest, Hit, SignedDistance, SurfaceTouch, outer};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
@@ -68,17 +68,17 @@ impl MeshDistance {
         let corner = |i: usize| corners[(i + f.turn as usize) % 3] as usize;
         let (point, pseudo) = match f.nearest(q).1 {
             // On a face the plane's own distance and normal are exact.
-            Part::Face => {
+            TrianglePart::Face => {
                 return Closest { distance: f.n.dot(q - f.origin), normal: f.n, curvature: DMat3::ZERO };
             }
-            Part::Edge(i) => {
+            TrianglePart::Edge(i) => {
                 let (a, b) = (self.mesh.vertices[corner(i)], self.mesh.vertices[corner(i + 1)]);
                 let e = b - a;
                 let t = ((q - a).dot(e) / e.length_squared()).clamp(0.0, 1.0);
                 let edge = self.topology.triangle_edges[f.triangle as usize][(i + f.turn as usize) % 3];
                 (a + t * e, self.topology.edge_normals[edge as usize])
             }
-            Part::Corner(i) => (self.mesh.vertices[corner(i)], self.topology.vertex_normals[corner(i)]),
+            TrianglePart::Corner(i) => (self.mesh.vertices[corner(i)], self.topology.vertex_normals[corner(i)]),
         };
         let away = q - point;
         let (length, inside) = (away.length(), away.dot(pseudo) < 0.0);
@@ -113,19 +113,19 @@ impl MeshDistance {
         (closest.distance < max).then_some((closest, best.1))
     }
 
-    /// What else than the nearest point, which is on `facet`, presses on `q` from within `felt` (m): beside a valley its other flank.
+    /// What else than the nearest point, which is on `facet`, presses on `q` from within `felt` (m): beside a valley its other incident face.
     fn beside(&self, q: DVec3, facet: u32, felt: f64) -> Vec<(Closest, f64)> {
         let f = &self.bvh.facets[facet as usize];
         let (_, nearest) = f.nearest(q);
-        if nearest == Part::Face && f.margin(q) > 2.0 * felt {
+        if nearest == TrianglePart::Face && f.margin(q) > 2.0 * felt {
             return Vec::new();
         }
         let view = |t: u32| {
             let other = &self.bvh.facets[self.facet[t as usize] as usize];
             match other.nearest_within(q, felt * felt) {
-                (squared, _) if squared >= felt * felt => View::Beyond,
-                (_, Part::Face) if other.n.dot(q - other.origin) < 0.0 => View::Behind,
-                (_, part) => View::At(other.in_mesh(part)),
+                (squared, _) if squared >= felt * felt => TriangleView::Beyond,
+                (_, TrianglePart::Face) if other.n.dot(q - other.origin) < 0.0 => TriangleView::Behind,
+                (_, part) => TriangleView::At(other.in_mesh(part)),
             }
         };
         let along = |t, i| self.along(q, t, i).1;
@@ -134,33 +134,33 @@ impl MeshDistance {
     }
 
     /// The point of edge `i` of triangle `t` that is closest to `q`, and the part of the triangle it is.
-    fn along(&self, q: DVec3, t: u32, i: usize) -> (DVec3, Part) {
+    fn along(&self, q: DVec3, t: u32, i: usize) -> (DVec3, TrianglePart) {
         let [a, b] = [i, (i + 1) % 3].map(|k| self.mesh.corners(t as usize)[k]);
         let s = (q - a).dot(b - a) / (b - a).length_squared();
         let part = if s <= 0.0 {
-            Part::Corner(i)
+            TrianglePart::Corner(i)
         } else if s >= 1.0 {
-            Part::Corner((i + 1) % 3)
+            TrianglePart::Corner((i + 1) % 3)
         } else {
-            Part::Edge(i)
+            TrianglePart::Edge(i)
         };
         (a.lerp(b, s.clamp(0.0, 1.0)), part)
     }
 
     /// Distance to a place of the surface that faces `q`.
-    fn outside(&self, q: DVec3, place: Place) -> Option<Closest> {
+    fn outside(&self, q: DVec3, place: SurfacePart) -> Option<Closest> {
         let (point, turning) = match place {
-            Place::Face(t) => {
+            SurfacePart::Face(t) => {
                 let f = &self.bvh.facets[self.facet[t as usize] as usize];
                 let distance = f.n.dot(q - f.origin);
                 return Some(Closest { distance, normal: f.n, curvature: DMat3::ZERO });
             }
-            Place::Edge(e) => {
+            SurfacePart::Edge(e) => {
                 let (t, i) = self.rings.owner(e);
                 let [a, b] = [i, (i + 1) % 3].map(|k| self.mesh.corners(t as usize)[k]);
                 (self.along(q, t, i).0, DMat3::IDENTITY - outer((b - a).normalize()))
             }
-            Place::Corner(v) => (self.mesh.vertices[v as usize], DMat3::IDENTITY),
+            SurfacePart::Corner(v) => (self.mesh.vertices[v as usize], DMat3::IDENTITY),
         };
         let distance = q.distance(point);
         let normal = (q - point).try_normalize()?;
@@ -177,10 +177,10 @@ impl SignedDistance for MeshDistance {
         Some(self.signed_within(q, max)?.0)
     }
 
-    fn touch(&self, q: DVec3, max: f64, felt: f64) -> Option<Touch> {
+    fn touch(&self, q: DVec3, max: f64, felt: f64) -> Option<SurfaceTouch> {
         let (nearest, facet) = self.signed_within(q, max)?;
         let beside = if nearest.distance < felt { self.beside(q, facet, felt) } else { Vec::new() };
-        Some(Touch { nearest, beside })
+        Some(SurfaceTouch { nearest, beside })
     }
 
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {

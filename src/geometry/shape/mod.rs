@@ -36,7 +36,7 @@ mod topology;
 pub(crate) mod winding;
 
 pub use family::ShapeKind;
-pub use features::{FeaturePoint, Features, Ridge, RoundedEdge, Stretch};
+pub use features::{FeaturePoint, Ridge, RoundedEdge, Stretch, SurfaceFeatures};
 pub use mass::MassProperties;
 pub use mesh_distance::MeshDistance;
 pub use params::{DEFAULT_SEGMENTS, MAX_SEGMENTS, MIN_SEGMENTS};
@@ -57,17 +57,17 @@ pub struct Closest {
     pub curvature: DMat3,
 }
 
-/// All that a point is held against: the closest point of the surface and, in a valley, those of its other flanks.
+/// All that a point is held against: the closest point of the surface and, in a valley, those of its other incident faces.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Touch {
+pub struct SurfaceTouch {
     /// The closest point.
     pub nearest: Closest,
-    /// Others that are within reach, with the weight (-1 where the flanks meet) of each in a sum over all, in which that of the closest
+    /// Others that are within reach, with the weight (-1 where the incident faces meet) of each in a sum over all, in which that of the closest
     /// is 1. Their distances are positive.
     pub beside: Vec<(Closest, f64)>,
 }
 
-impl Touch {
+impl SurfaceTouch {
     /// All places with their weights, the closest first.
     pub fn places(&self) -> impl Iterator<Item = (&Closest, f64)> {
         std::iter::once((&self.nearest, 1.0)).chain(self.beside.iter().map(|(c, weight)| (c, *weight)))
@@ -87,8 +87,8 @@ pub trait SignedDistance: Send + Sync + std::fmt::Debug {
     fn closest(&self, q: DVec3, max: f64) -> Option<Closest>;
     /// The closest point if its signed distance is below `max`, and what else is felt from within `felt`. Default: nothing else, which is
     /// right for a surface without creases.
-    fn touch(&self, q: DVec3, max: f64, _felt: f64) -> Option<Touch> {
-        self.closest(q, max).map(|nearest| Touch { nearest, beside: Vec::new() })
+    fn touch(&self, q: DVec3, max: f64, _felt: f64) -> Option<SurfaceTouch> {
+        self.closest(q, max).map(|nearest| SurfaceTouch { nearest, beside: Vec::new() })
     }
     /// Where the ray from `origin` along `direction` (any length > 0) first enters the object, at `t >= 0` metres.
     /// None if it misses, starts inside and never re-enters, or is not finite. Default: sphere tracing.

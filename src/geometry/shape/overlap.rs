@@ -15,7 +15,7 @@ pub(crate) const DEPTH: f64 = 1e-4;
 
 /// A place where two triangles meet and the surface does not go round once or not at all beside them.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Crossing {
+pub(crate) struct Overlap {
     /// The two triangles.
     pub triangles: [u32; 2],
     /// Amid their common points, m.
@@ -26,7 +26,7 @@ pub(crate) struct Crossing {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Overlaps {
     /// The first that is deeper than [`DEPTH`].
-    pub deep: Option<Crossing>,
+    pub deep: Option<Overlap>,
     /// How many pairs of triangles overlap less deeply.
     pub shallow: usize,
 }
@@ -37,7 +37,7 @@ pub(crate) fn overlaps(mesh: &TriMesh) -> Overlaps {
     let winding = Winding::new(mesh);
     let bounds = winding.bvh.bounds();
     let (deep, shallow) = (DEPTH * bounds.size().max_element(), 4.0 * tolerance(mesh));
-    let found: Vec<(Option<Crossing>, usize)> = (0..winding.bvh.facets.len())
+    let found: Vec<(Option<Overlap>, usize)> = (0..winding.bvh.facets.len())
         .into_par_iter()
         .map(|i| {
             let (one, mut worst, mut count) = (&winding.bvh.facets[i], None, 0);
@@ -50,7 +50,7 @@ pub(crate) fn overlaps(mesh: &TriMesh) -> Overlaps {
                 let triangles = [one.triangle, other.triangle];
                 let Some(place) = meeting(mesh, triangles) else { return };
                 if astray(&winding, place, [one.n, other.n], deep) {
-                    worst = Some(Crossing { triangles, place });
+                    worst = Some(Overlap { triangles, place });
                 } else if astray(&winding, place, [one.n, other.n], shallow) {
                     count += 1;
                 }
@@ -67,7 +67,7 @@ pub(crate) fn overlaps(mesh: &TriMesh) -> Overlaps {
 impl Overlaps {
     /// One sentence for a surface that is refused.
     pub fn complaint(&self, mesh: &TriMesh) -> Option<String> {
-        let Crossing { mut triangles, place } = self.deep?;
+        let Overlap { mut triangles, place } = self.deep?;
         triangles.sort_unstable();
         let shells = shells(mesh);
         let part = |t: &u32| shells.iter().position(|s| s.triangles.binary_search(t).is_ok());

@@ -6,12 +6,12 @@ use glam::{DMat3, DVec3};
 
 /// The half-space `n . q <= offset`. It is unbounded, so there is no `Shape` of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Plane {
+pub struct HalfSpace {
     normal: DVec3,
     offset: f64,
 }
 
-impl Plane {
+impl HalfSpace {
     /// The half-space behind the plane through `point`; `normal` points out of it and may have any length.
     pub fn new(point: DVec3, normal: DVec3) -> Result<Self> {
         match normal.try_normalize() {
@@ -23,7 +23,7 @@ impl Plane {
     }
 }
 
-impl SignedDistance for Plane {
+impl SignedDistance for HalfSpace {
     fn distance(&self, q: DVec3) -> f64 {
         self.normal.dot(q) - self.offset
     }

@@ -1,6 +1,6 @@
 //! A shape, uniformly scaled.
 
-use crate::geometry::shape::{Closest, Hit, SignedDistance, Touch};
+use crate::geometry::shape::{Closest, Hit, SignedDistance, SurfaceTouch};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -26,10 +26,10 @@ impl SignedDistance for Scaled {
         self.inner.closest(q / self.factor, max / self.factor).map(|c| self.magnified(c))
     }
 
-    fn touch(&self, q: DVec3, max: f64, felt: f64) -> Option<Touch> {
+    fn touch(&self, q: DVec3, max: f64, felt: f64) -> Option<SurfaceTouch> {
         let touch = self.inner.touch(q / self.factor, max / self.factor, felt / self.factor)?;
         let beside = touch.beside.into_iter().map(|(c, weight)| (self.magnified(c), weight)).collect();
-        Some(Touch { nearest: self.magnified(touch.nearest), beside })
+        Some(SurfaceTouch { nearest: self.magnified(touch.nearest), beside })
     }
 
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {

@@ -9,7 +9,7 @@ use crate::geometry::shape::mesh_distance::MeshDistance;
 use crate::geometry::shape::params::{length, require};
 use crate::geometry::shape::scaled::Scaled;
 use crate::geometry::shape::topology::Topology;
-use crate::geometry::shape::{Features, Hit, MassProperties, SignedDistance};
+use crate::geometry::shape::{Hit, MassProperties, SignedDistance, SurfaceFeatures};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ pub struct Shape {
     /// Its surface; if `exact`, a drawing of it with vertices on the true surface, else the surface itself.
     pub surface: Arc<TriMesh>,
     /// Its vertices and sharp edges.
-    pub features: Arc<Features>,
+    pub features: Arc<SurfaceFeatures>,
     /// Volume, centre of mass and inertia at unit density; closed forms if `exact`.
     pub mass: MassProperties,
     /// Whether the distance is that of the smooth ideal shape in closed form, rather than that of the facets of `surface`.
@@ -48,7 +48,7 @@ impl Shape {
         if let Some(message) = flat_shell(&mesh) {
             return Err(Error::Mesh(message));
         }
-        let features = Arc::new(Features::of_mesh(&mesh, &topology));
+        let features = Arc::new(SurfaceFeatures::of_mesh(&mesh, &topology));
         let surface = Arc::new(mesh);
         let distance = Arc::new(MeshDistance::with_topology(surface.clone(), topology));
         Ok(Self { name: "mesh".into(), distance, surface, features, mass, exact: false, aabb, bounding_radius })
@@ -59,7 +59,7 @@ impl Shape {
         name: &str,
         distance: impl SignedDistance + 'static,
         surface: TriMesh,
-        features: Features,
+        features: SurfaceFeatures,
         mass: MassProperties,
         bounding_radius: f64,
     ) -> Self {

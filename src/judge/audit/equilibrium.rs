@@ -1,7 +1,7 @@
 //! Whether a recorded state is in equilibrium: elastic forces of its node positions against what may act on each node.
 
 use super::penetration::PadSurface;
-use crate::mech::potential::inversion_barrier::add_upright_gradient;
+use crate::mech::potential::inversion_barrier::add_barrier_gradient;
 use crate::part::FingerModel;
 use crate::record::Frame;
 use glam::DVec3;
@@ -17,7 +17,7 @@ pub fn imbalance(fingers: &[FingerModel], surfaces: &[PadSurface], frame: &Frame
         let body = &finger.body;
         let mut force = vec![DVec3::ZERO; body.rest.len()];
         body.add_gradient(&pad.position, &mut force);
-        add_upright_gradient(body, &pad.position, &mut force);
+        add_barrier_gradient(body, &pad.position, &mut force);
         if weight != DVec3::ZERO {
             force.iter_mut().zip(body.nodal_volume()).for_each(|(f, volume)| *f -= weight * volume);
         }

@@ -1,6 +1,6 @@
 //! det F of tetrahedra from their node positions.
 
-use crate::record::{Elements, PadTopology};
+use crate::record::{ElementNodes, PadTopology};
 use glam::{DMat3, DVec3};
 
 /// Ends of the edges whose middles are nodes 4 to 9.
@@ -11,14 +11,14 @@ const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 pub fn min_det_f(topology: &PadTopology, x: &[DVec3]) -> f64 {
     let rest = &topology.rest;
     match &topology.elements {
-        Elements::Linear(tets) => {
+        ElementNodes::Linear(tets) => {
             let edges = |n: &[u32; 4], x: &[DVec3]| {
                 let [a, b, c, d] = n.map(|i| x[i as usize]);
                 DMat3::from_cols(b - a, c - a, d - a).determinant()
             };
             tets.iter().map(|n| edges(n, x) / edges(n, rest)).fold(f64::INFINITY, f64::min)
         }
-        Elements::Quadratic(tets) => {
+        ElementNodes::Quadratic(tets) => {
             let points = points();
             let of = |n: &[u32; 10]| {
                 let (x, rest) = (n.map(|i| x[i as usize]), n.map(|i| rest[i as usize]));

@@ -5,7 +5,7 @@ use super::solid::Solid;
 use super::tetrahedra::Tetrahedra;
 use super::triangle;
 use crate::geometry::mesh::TriMesh;
-use crate::record::{Elements, PadTopology};
+use crate::record::{ElementNodes, PadTopology};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -62,7 +62,7 @@ impl PadSurface {
     /// Of a recorded pad.
     pub fn new(topology: &PadTopology) -> Self {
         let mut middle = BTreeMap::new();
-        if let Elements::Quadratic(tets) = &topology.elements {
+        if let ElementNodes::Quadratic(tets) = &topology.elements {
             for n in tets {
                 for (e, [i, j]) in [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]].into_iter().enumerate() {
                     middle.insert((n[i].min(n[j]), n[i].max(n[j])), n[4 + e]);
@@ -210,10 +210,10 @@ impl Piece {
 }
 
 /// The material centre of every tetrahedron, m. Of a bent one it is not the mean of its corners, which may lie outside.
-fn centers(elements: &Elements, x: &[DVec3]) -> Vec<DVec3> {
+fn centers(elements: &ElementNodes, x: &[DVec3]) -> Vec<DVec3> {
     let node = |i: u32| x[i as usize];
     match elements {
-        Elements::Linear(tets) => tets.iter().map(|n| n.map(node).iter().sum::<DVec3>() / 4.0).collect(),
-        Elements::Quadratic(tets) => tets.iter().map(|n| position(&n.map(node), &[0.25; 4])).collect(),
+        ElementNodes::Linear(tets) => tets.iter().map(|n| n.map(node).iter().sum::<DVec3>() / 4.0).collect(),
+        ElementNodes::Quadratic(tets) => tets.iter().map(|n| position(&n.map(node), &[0.25; 4])).collect(),
     }
 }

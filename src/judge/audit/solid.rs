@@ -35,29 +35,31 @@ impl Solid {
     pub fn new(object: &scene::Object, shape: &Shape) -> Self {
         let scale = object.scale.get();
         match &object.shape {
-            o::Shape::Sphere(s) => Self::Ellipsoid(DVec3::splat(scale * s.radius.get())),
-            o::Shape::Ellipsoid(s) => Self::Ellipsoid(scale * s.radii.size()),
-            o::Shape::Cuboid(s) => {
+            o::ObjectShape::Sphere(s) => Self::Ellipsoid(DVec3::splat(scale * s.radius.get())),
+            o::ObjectShape::Ellipsoid(s) => Self::Ellipsoid(scale * s.radii.size()),
+            o::ObjectShape::Cuboid(s) => {
                 let radius = scale * s.edge_radius.get();
                 Self::RoundBox { core: 0.5 * scale * s.size.size() - radius, radius }
             }
-            o::Shape::Capsule(s) => {
+            o::ObjectShape::Capsule(s) => {
                 Self::RoundBox { core: DVec3::Z * (0.5 * scale * s.height.get()), radius: scale * s.radius.get() }
             }
-            o::Shape::Cylinder(_)
-            | o::Shape::Annulus(_)
-            | o::Shape::Cup(_)
-            | o::Shape::Lemon(_)
-            | o::Shape::Strawberry(_)
-            | o::Shape::Pear(_)
-            | o::Shape::Revolve(_) => {
+            o::ObjectShape::Cylinder(_)
+            | o::ObjectShape::Annulus(_)
+            | o::ObjectShape::Cup(_)
+            | o::ObjectShape::Lemon(_)
+            | o::ObjectShape::Strawberry(_)
+            | o::ObjectShape::Pear(_)
+            | o::ObjectShape::Revolve(_) => {
                 let outline = section(&shape.surface);
                 let reach = outline.iter().flatten().fold(0.0, |reach, p| f64::max(reach, p.x)) * (1.0 + 1e-9);
                 Self::Revolved { outline, reach }
             }
-            o::Shape::Mesh(_) | o::Shape::Prism(_) | o::Shape::Banana(_) | o::Shape::Potato(_) | o::Shape::Sweep(_) => {
-                Self::Surface(Columns::new(&shape.surface))
-            }
+            o::ObjectShape::Mesh(_)
+            | o::ObjectShape::Prism(_)
+            | o::ObjectShape::Banana(_)
+            | o::ObjectShape::Potato(_)
+            | o::ObjectShape::Sweep(_) => Self::Surface(Columns::new(&shape.surface)),
         }
     }
 

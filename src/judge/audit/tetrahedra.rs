@@ -1,13 +1,13 @@
 //! Which tetrahedron of a deformed pad holds a point.
 
 use super::inversion::{jacobian, position};
-use crate::record::{Elements, PadTopology};
+use crate::record::{ElementNodes, PadTopology};
 use glam::DVec3;
 
 /// The tetrahedra of a deformed pad, sorted into the cells of a grid to look up which of them holds a point.
 pub struct Tetrahedra<'a> {
     /// Its elements.
-    pub elements: &'a Elements,
+    pub elements: &'a ElementNodes,
     /// Positions of its nodes, m.
     pub x: &'a [DVec3],
     low: DVec3,
@@ -88,11 +88,11 @@ impl<'a> Tetrahedra<'a> {
     fn holds(&self, t: usize, p: DVec3) -> bool {
         let node = |i: u32| self.x[i as usize];
         let l = match self.elements {
-            Elements::Linear(tets) => {
+            ElementNodes::Linear(tets) => {
                 let [a, b, c, d] = tets[t].map(node);
                 glam::DMat3::from_cols(b - a, c - a, d - a).inverse() * (p - a)
             }
-            Elements::Quadratic(tets) => {
+            ElementNodes::Quadratic(tets) => {
                 let x = tets[t].map(node);
                 let mut l = DVec3::splat(0.25);
                 let full = |l: DVec3| [1.0 - l.element_sum(), l.x, l.y, l.z];

@@ -11,7 +11,7 @@ mod step;
 
 use crate::linear::amid;
 use crate::linear::around;
-use crate::linear::first_contact::Touch;
+use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::PadGraph;
 use crate::model::Model;
 use crate::world::components::ObjectPose;
@@ -29,7 +29,7 @@ const FAR: f64 = 2.5;
 
 /// A grasp, and its path from first contact to its largest force.
 #[derive(Debug, Clone)]
-pub struct Grip {
+pub struct RigidEquilibrium {
     fingers: Vec<Finger>,
     graph: Arc<PadGraph>,
     /// Coulomb's coefficient.
@@ -40,7 +40,7 @@ pub struct Grip {
     pub(crate) free: bool,
     /// Whether it is still held where it is.
     held: bool,
-    /// Distance of each pad's nearest hat at first contact.
+    /// Distance of each pad's nearest basis function at first contact.
     nearest: Vec<f64>,
     /// At first contact, then at the forces `FIRST * STEP^k` until the largest is among them; with these forces.
     path: Vec<(f64, Rest)>,
@@ -78,11 +78,11 @@ pub struct Rest {
     pub shift: DVec3,
     /// Rotation of the object.
     pub rotation: DQuat,
-    /// Force on each hat of each pad.
+    /// Force on each basis function of each pad.
     pub force: Vec<Vec<DVec3>>,
-    /// Displacement under each hat.
+    /// Displacement under each basis function.
     pub moved: Vec<Vec<DVec3>>,
-    /// What each hat sees; empty between two states of the path.
+    /// What each basis function sees; empty between two states of the path.
     seen: Vec<Vec<Seen>>,
 }
 
@@ -104,9 +104,9 @@ impl Rest {
     }
 }
 
-impl Grip {
+impl RigidEquilibrium {
     /// A grasp of `model` at first contact `touch`, and its path to the model's largest force.
-    pub fn new(model: &Model, graph: &Arc<PadGraph>, touch: &Touch) -> Self {
+    pub fn new(model: &Model, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Self {
         let (t, amid) = (graph.thickness, amid(model));
         let unit = model.material.moduli().young * t * t;
         let finger = |(finger, travel): (&crate::part::FingerModel, &f64)| {
@@ -115,7 +115,7 @@ impl Grip {
             Finger { closing: place.closing, rotation: place.rotation, origin }
         };
         let center = touch.object.position + touch.object.rotation * model.object.mass.center;
-        let mut grip = Self {
+        let mut equilibrium = Self {
             fingers: model.fingers.iter().zip(&touch.travel).map(finger).collect(),
             graph: graph.clone(),
             friction: model.law.friction,
@@ -128,34 +128,34 @@ impl Grip {
         };
         let object = Object { model, pose: touch.object, amid, thickness: t };
         let most = model.levels.iter().copied().fold(0.0, f64::max) / unit;
-        let start = grip.at_touch(&object);
-        // First contact is of the whole face and keeps a small distance: the hats of each pad start from there.
+        let start = equilibrium.at_touch(&object);
+        // First contact is of the whole face and keeps a small distance: the basis functions of each pad start from there.
         let nearest = |seen: &Vec<Seen>| seen.iter().map(|s| s.gap).fold(f64::INFINITY, f64::min);
-        grip.nearest = start.seen.iter().map(nearest).collect();
-        let (mut force, mut rest) = (0.0, grip.looked(start, &object));
+        equilibrium.nearest = start.seen.iter().map(nearest).collect();
+        let (mut force, mut rest) = (0.0, equilibrium.looked(start, &object));
         // The object is held, and its support carries it, until it is let go.
-        let heavy = grip.weight;
+        let heavy = equilibrium.weight;
         let held = model.release / unit;
-        let changes = [(held, grip.free)];
-        grip.weight[0] = DVec3::ZERO;
+        let changes = [(held, equilibrium.free)];
+        equilibrium.weight[0] = DVec3::ZERO;
         while force < most {
             let next = f64::max(FIRST, force * STEP);
             let stops = changes.iter().filter(|(at, used)| *used && force < *at && *at <= next);
             let next = stops.map(|(at, _)| *at).fold(next, f64::min);
-            let after = grip.looked(grip.follow(&rest, next), &object);
-            grip.path.push((force, std::mem::replace(&mut rest, after)));
+            let after = equilibrium.looked(equilibrium.follow(&rest, next), &object);
+            equilibrium.path.push((force, std::mem::replace(&mut rest, after)));
             force = next;
             if changes.contains(&(force, true)) {
-                grip.held = force < held;
-                grip.weight = if grip.held { grip.weight } else { heavy };
-                let after = grip.looked(grip.follow(&rest, force), &object);
-                grip.path.push((force.next_down(), std::mem::replace(&mut rest, after)));
+                equilibrium.held = force < held;
+                equilibrium.weight = if equilibrium.held { equilibrium.weight } else { heavy };
+                let after = equilibrium.looked(equilibrium.follow(&rest, force), &object);
+                equilibrium.path.push((force.next_down(), std::mem::replace(&mut rest, after)));
             }
         }
-        (grip.held, grip.weight) = (false, heavy);
-        grip.faces = (0..grip.fingers.len()).map(|p| grip.face(p, &rest, &object)).collect();
-        grip.path.push((force, rest));
-        grip
+        (equilibrium.held, equilibrium.weight) = (false, heavy);
+        equilibrium.faces = (0..equilibrium.fingers.len()).map(|p| equilibrium.face(p, &rest, &object)).collect();
+        equilibrium.path.push((force, rest));
+        equilibrium
     }
 
     /// What `finger` presses with at `force` per finger: one carries more of a free object's weight than the other.
@@ -209,8 +209,8 @@ impl Grip {
 
     /// At first contact, when nothing presses yet.
     fn at_touch(&self, object: &Object) -> Rest {
-        let hats = &self.graph.hats;
-        let all = || vec![vec![DVec3::ZERO; hats.count()]; self.fingers.len()];
+        let basis = &self.graph.basis;
+        let all = || vec![vec![DVec3::ZERO; basis.count()]; self.fingers.len()];
         let rest = Rest {
             travel: [0.0; 2],
             shift: DVec3::ZERO,
@@ -222,11 +222,11 @@ impl Grip {
         self.looked(rest, object)
     }
 
-    /// `rest`, with what its hats see.
+    /// `rest`, with what its basis functions see.
     fn looked(&self, mut rest: Rest, object: &Object) -> Rest {
-        let hats = &self.graph.hats.rest;
+        let basis = &self.graph.basis.rest;
         let of = |pad: usize| {
-            let points = hats.iter().zip(&rest.moved[pad]);
+            let points = basis.iter().zip(&rest.moved[pad]);
             points.map(|(x, u)| self.see(pad, self.place(pad, *x, *u, &rest), &rest, object)).collect()
         };
         rest.seen = (0..self.fingers.len()).map(of).collect();
@@ -236,7 +236,7 @@ impl Grip {
     /// What the face nodes of `pad` see at `rest`.
     fn face(&self, pad: usize, rest: &Rest, object: &Object) -> Vec<Seen> {
         let graph = &self.graph;
-        let forces = graph.hats.on_face(&rest.force[pad], graph.face.len());
+        let forces = graph.basis.on_face(&rest.force[pad], graph.face.len());
         let moved = graph.compliance.on_face(&graph.face, &[forces]).remove(0);
         let see = |(x, u): (&DVec3, &DVec3)| {
             let seen = self.see(pad, self.place(pad, *x, *u, rest), rest, object);

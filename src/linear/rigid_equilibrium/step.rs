@@ -1,11 +1,11 @@
-//! One step of a [`Grip`]: contact forces, travel and pose of the object in equilibrium under a given force.
+//! One step of a [`RigidEquilibrium`]: contact forces, travel and pose of the object in equilibrium under a given force.
 //!
-//! For hats that touch, `C f + J q = a`: their displacement `C f` and the rigid motions `q` close what the object asks for
-//! (`a`). `J' f = l` balances the object and the fingers. Hats that would pull leave, hats that would be inside join
-//! (primal-dual active set: Hintermueller, Ito and Kunisch 2002). Where friction would exceed Coulomb's limit, the hat slips
+//! For basis functions that touch, `C f + J q = a`: their displacement `C f` and the rigid motions `q` close what the object asks for
+//! (`a`). `J' f = l` balances the object and the fingers. Hats that would pull leave, basis functions that would be inside join
+//! (primal-dual active set: Hintermueller, Ito and Kunisch 2002). Where friction would exceed Coulomb's limit, the basis function slips
 //! against a spring along the face that is as soft as the limit asks (secant iteration).
 
-use super::{Grip, Rest, Seen};
+use super::{Rest, RigidEquilibrium, Seen};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 const RIGID: usize = 8;
 /// Most iterations of a step.
 const ITERATIONS: usize = 16;
-/// From this one on, springs of slipping hats change by half of what they should: no two of them chase each other.
+/// From this one on, springs of slipping basis functions change by half of what they should: no two of them chase each other.
 const CALM: usize = 6;
 /// A step with larger rigid motions than this has lost the object: nothing holds it.
 const LARGEST: [f64; RIGID] = [1.0, 1.0, 0.5, 0.5, 0.5, 0.2, 0.2, 0.2];
@@ -26,29 +26,29 @@ const LARGEST: [f64; RIGID] = [1.0, 1.0, 0.5, 0.5, 0.5, 0.2, 0.2, 0.2];
 const HELD: f64 = 1e-7;
 /// Hats this near to the nearest begin to touch when a pad does.
 const NEAR: f64 = 1e-3;
-/// A slipping hat has settled if its spring changes by less than this part.
+/// A slipping basis function has settled if its spring changes by less than this part.
 const SETTLED: f64 = 0.02;
 
 type Rigid = [f64; RIGID];
 
-/// The hats of a pad during a step.
+/// The basis functions of a pad during a step.
 struct Contact {
     touching: Vec<bool>,
-    /// How soft the spring is that a hat slips against; zero sticks.
+    /// How soft the spring is that a basis function slips against; zero sticks.
     give: Vec<f64>,
     force: Vec<DVec3>,
 }
 
-/// `f = f0 - F q` of the touching hats of a pad, still multiplied by the factor of `C`.
+/// `f = f0 - F q` of the touching basis functions of a pad, still multiplied by the factor of `C`.
 struct Solved {
-    hats: Vec<usize>,
+    basis: Vec<usize>,
     factor: Mat<f64>,
     /// The columns of `J`, then `a`, after the forward substitution.
     columns: Mat<f64>,
 }
 
-impl Grip {
-    /// Equilibrium under `force` per finger after `before`. What its hats see is not looked up. An object that nothing holds
+impl RigidEquilibrium {
+    /// Equilibrium under `force` per finger after `before`. What its basis functions see is not looked up. An object that nothing holds
     /// stays where it was, and the fingers close on it: whether it slips away is not for linear pads to say.
     pub(crate) fn follow(&self, before: &Rest, force: f64) -> Rest {
         let moving = if self.free && !self.held { self.moved(before, force, true) } else { None };
@@ -79,15 +79,15 @@ impl Grip {
         now.shift += DVec3::from_slice(&rigid[2..5]);
         now.rotation = (DQuat::from_scaled_axis(DVec3::from_slice(&rigid[5..8])) * now.rotation).normalize();
         for (p, contact) in contacts.iter().enumerate() {
-            let held = |(hat, force): (usize, &DVec3)| {
-                let normal = before.seen[p][hat].normal;
+            let held = |(function, force): (usize, &DVec3)| {
+                let normal = before.seen[p][function].normal;
                 let push = force.dot(normal).max(0.0);
                 // Friction carries no more than Coulomb's limit.
                 let along = (*force - normal * force.dot(normal)).clamp_length_max(self.friction * push);
-                if contact.touching[hat] { normal * push + along } else { DVec3::ZERO }
+                if contact.touching[function] { normal * push + along } else { DVec3::ZERO }
             };
             now.force[p] = contact.force.iter().enumerate().map(held).collect();
-            now.moved[p] = self.graph.hats.respond(&now.force[p]);
+            now.moved[p] = self.graph.basis.respond(&now.force[p]);
         }
         Some(now)
     }
@@ -111,20 +111,20 @@ impl Grip {
         row
     }
 
-    /// Factorises the compliance of the touching hats of `pad`; None if it is not positive definite.
+    /// Factorises the compliance of the touching basis functions of `pad`; None if it is not positive definite.
     fn solve(&self, pad: usize, before: &Rest, contact: &Contact) -> Option<Solved> {
-        let hats: Vec<usize> = (0..contact.touching.len()).filter(|hat| contact.touching[*hat]).collect();
-        let n = 3 * hats.len();
+        let basis: Vec<usize> = (0..contact.touching.len()).filter(|function| contact.touching[*function]).collect();
+        let n = 3 * basis.len();
         let mut factor = Mat::<f64>::zeros(n, n);
         let mut columns = Mat::<f64>::zeros(n, RIGID + 1);
-        for (b, from) in hats.iter().enumerate() {
+        for (b, from) in basis.iter().enumerate() {
             let seen = &before.seen[pad][*from];
             let asked = before.moved[pad][*from] - seen.normal * seen.gap;
             for k in 0..3 {
                 // The compliance is symmetric: its rows are its columns.
-                let row = self.graph.hats.row(*from, k);
+                let row = self.graph.basis.row(*from, k);
                 let mut column = factor.col_mut(3 * b + k);
-                for (a, to) in hats.iter().enumerate().skip(b) {
+                for (a, to) in basis.iter().enumerate().skip(b) {
                     (0..3).for_each(|c| column[3 * a + c] = row[3 * to + c]);
                 }
                 for c in 0..3 {
@@ -140,7 +140,7 @@ impl Grip {
         let stack = MemStack::new(&mut memory);
         cholesky_in_place(factor.as_mut(), Default::default(), Par::Seq, stack, Default::default()).ok()?;
         solve_lower_triangular_in_place(factor.as_ref(), columns.as_mut(), Par::Seq);
-        Some(Solved { hats, factor, columns })
+        Some(Solved { basis, factor, columns })
     }
 
     /// The rigid motions under which the object, if it moves, and the fingers are in balance.
@@ -171,8 +171,8 @@ impl Grip {
         motions.map_or([0.0; RIGID], |x| std::array::from_fn(|a| x[(a, 0)].clamp(-LARGEST[a], LARGEST[a])))
     }
 
-    /// The forces on the hats of `pad` under the rigid motions, and who touches and slips then; whether all stays as it was.
-    /// The springs of slipping hats change by `part` of what they should.
+    /// The forces on the basis functions of `pad` under the rigid motions, and who touches and slips then; whether all stays as it was.
+    /// The springs of slipping basis functions change by `part` of what they should.
     fn settle(
         &self,
         pad: usize,
@@ -182,44 +182,44 @@ impl Grip {
         rigid: &Rigid,
         part: f64,
     ) -> bool {
-        let Solved { hats, factor, columns } = solved;
+        let Solved { basis, factor, columns } = solved;
         let mut forces = Mat::<f64>::from_fn(factor.nrows(), 1, |r, _| {
             columns[(r, RIGID)] - (0..RIGID).map(|m| columns[(r, m)] * rigid[m]).sum::<f64>()
         });
         solve_upper_triangular_in_place(factor.transpose(), forces.as_mut(), Par::Seq);
         contact.force.fill(DVec3::ZERO);
-        for (a, hat) in hats.iter().enumerate() {
-            contact.force[*hat] = DVec3::from_array([0, 1, 2].map(|k| forces[(3 * a + k, 0)]));
+        for (a, function) in basis.iter().enumerate() {
+            contact.force[*function] = DVec3::from_array([0, 1, 2].map(|k| forces[(3 * a + k, 0)]));
         }
-        let moved = self.graph.hats.respond(&contact.force);
+        let moved = self.graph.basis.respond(&contact.force);
         let mut same = true;
-        for (hat, seen) in before.seen[pad].iter().enumerate() {
+        for (function, seen) in before.seen[pad].iter().enumerate() {
             let Seen { gap, normal, .. } = *seen;
-            if !contact.touching[hat] {
+            if !contact.touching[function] {
                 let moves = self.moves(pad, before, seen, normal);
                 let by: f64 = moves.iter().zip(rigid).map(|(m, q)| m * q).sum();
-                let inside = gap + by + normal.dot(moved[hat] - before.moved[pad][hat]) < -1e-9;
-                (contact.touching[hat], same) = (inside, same && !inside);
+                let inside = gap + by + normal.dot(moved[function] - before.moved[pad][function]) < -1e-9;
+                (contact.touching[function], same) = (inside, same && !inside);
                 continue;
             }
-            let (force, give) = (contact.force[hat], contact.give[hat]);
+            let (force, give) = (contact.force[function], contact.give[function]);
             let push = force.dot(normal);
             if push < 0.0 {
-                (contact.touching[hat], contact.give[hat], same) = (false, 0.0, false);
+                (contact.touching[function], contact.give[function], same) = (false, 0.0, false);
                 continue;
             }
-            let own = self.graph.hats.own(hat);
+            let own = self.graph.basis.own(function);
             let beyond = (force - normal * push).length() / (self.friction * push).max(1e-12);
             let softer = ((own + give) * beyond - own).clamp(0.0, 1e6);
             same &= (softer - give).abs() <= SETTLED * (own + softer);
-            contact.give[hat] += part * (softer - give);
+            contact.give[function] += part * (softer - give);
         }
         same
     }
 }
 
 impl Contact {
-    /// The hats of pad `p` at the begin of a step.
+    /// The basis functions of pad `p` at the begin of a step.
     fn new(before: &Rest, p: usize) -> Self {
         let mut touching: Vec<bool> = before.force[p].iter().map(|f| *f != DVec3::ZERO).collect();
         if !touching.contains(&true) {

@@ -7,7 +7,7 @@ pub mod pattern;
 
 use self::analysis::Analysis;
 use self::pattern::{Pattern, Slot};
-use crate::mech::element::{Kernel, RestTet, Shape, Stiffness, TET4, TET10, TET10_CENTER, TET10_NODES};
+use crate::mech::element::{Kernel, RestTet, ShapeFunctions, Stiffness, TET4, TET10, TET10_CENTER, TET10_NODES};
 use crate::mech::material::{Material, von_mises};
 use glam::{DMat3, DVec3};
 use pulp::{Arch, NullaryFnOnce};
@@ -51,7 +51,7 @@ pub struct Body {
 
 /// Stress recovered from a configuration.
 #[derive(Debug, Clone, Default)]
-pub struct Stress {
+pub struct BodyStress {
     /// Von Mises stress of the element-averaged Cauchy tensor, Pa.
     pub element: Vec<f64>,
     /// Von Mises stress of the nodal Cauchy tensor (extrapolated from the quadrature points, volume-weighted), Pa.
@@ -92,7 +92,7 @@ impl Body {
         Self { rest, elements, fixed, material, mean_dilatation, analysis: Arc::default(), tets }
     }
 
-    fn kernel<'a, const N: usize, const Q: usize>(&'a self, shape: &'a Shape<N, Q>) -> Kernel<'a, N, Q> {
+    fn kernel<'a, const N: usize, const Q: usize>(&'a self, shape: &'a ShapeFunctions<N, Q>) -> Kernel<'a, N, Q> {
         Kernel { shape, material: self.material.as_ref(), mean_dilatation: self.mean_dilatation }
     }
 
@@ -168,7 +168,7 @@ impl Body {
 
     /// Smallest determinant of the deformation gradient of 10-node elements at the points of `shape`, at positions `x`; `+inf` if there
     /// are none.
-    pub fn min_det_f_at<const Q: usize>(&self, shape: &Shape<10, Q>, x: &[DVec3]) -> f64 {
+    pub fn min_det_f_at<const Q: usize>(&self, shape: &ShapeFunctions<10, Q>, x: &[DVec3]) -> f64 {
         let Elements::Quadratic(nodes) = &self.elements else { return f64::INFINITY };
         let material = self.material.as_ref();
         let kernel = Kernel { shape, material, mean_dilatation: false };
@@ -176,9 +176,9 @@ impl Body {
     }
 
     /// Stress at positions `x`.
-    pub fn stress(&self, x: &[DVec3]) -> Stress {
+    pub fn stress(&self, x: &[DVec3]) -> BodyStress {
         let [element, node] = self.cauchy(x).map(|all| all.iter().map(von_mises).collect());
-        Stress { element, node }
+        BodyStress { element, node }
     }
 
     /// Cauchy stress at positions `x`, Pa: mean of every element, and of every node, extrapolated from the quadrature points

@@ -4,7 +4,7 @@ use glam::{DVec3, UVec3};
 
 /// Faces by cell.
 #[derive(Debug, Clone)]
-pub(crate) struct Cells {
+pub(crate) struct FaceGrid {
     /// A cell lists all faces that come nearer than this to any of its points, m: not much farther than a face is wide.
     pub near: f64,
     reach: f64,
@@ -19,7 +19,7 @@ pub(crate) struct Cells {
 /// Most cells along an axis.
 const MOST: f64 = 64.0;
 
-impl Cells {
+impl FaceGrid {
     /// No faces yet; the cells will list those nearer than `reach` (m), or than a face is wide.
     pub fn new(reach: f64) -> Self {
         Self {

@@ -1,11 +1,11 @@
 //! The pooled state of one contact edge.
 
-use super::law::Law;
+use super::law::ContactLaw;
 use glam::DVec3;
 
 /// One potential contact between a pad and the object; `pressure > 0` says which carry force.
 #[derive(Debug, Clone, Copy)]
-pub struct ContactEdge {
+pub struct EdgeState {
     /// Gap, m; `+inf` where farther than anything that matters.
     pub gap: f64,
     /// Outward normal of the object at the contact, hand frame.
@@ -31,7 +31,7 @@ pub struct ContactEdge {
     pub scale: f64,
 }
 
-impl ContactEdge {
+impl EdgeState {
     /// The edge of a point that is near nothing.
     pub const OPEN: Self = Self {
         gap: f64::INFINITY,
@@ -47,7 +47,7 @@ impl ContactEdge {
         scale: 1.0,
     };
 
-    /// Whether it is as good as [`ContactEdge::OPEN`]: nothing is near, and nothing is remembered.
+    /// Whether it is as good as [`EdgeState::OPEN`]: nothing is near, and nothing is remembered.
     pub fn is_open(&self) -> bool {
         self.gap == f64::INFINITY
             && self.pressure <= 0.0
@@ -66,7 +66,7 @@ impl ContactEdge {
     }
 
     /// Friction energy per area under `law`, J/m2, at tangential displacement `s` (m) from the sticking point and frozen limit.
-    pub fn friction_energy(&self, law: &Law, s: DVec3) -> f64 {
+    pub fn friction_energy(&self, law: &ContactLaw, s: DVec3) -> f64 {
         law.engaged(self.share).friction_energy(s, self.limit)
     }
 
@@ -76,12 +76,12 @@ impl ContactEdge {
     }
 
     /// The same edge as it is pressed by one of the places that it touches, at `gap` (m) along `normal`.
-    pub fn on(&self, law: &Law, gap: f64, normal: DVec3) -> Self {
+    pub fn on(&self, law: &ContactLaw, gap: f64, normal: DVec3) -> Self {
         Self { gap, normal, pressure: law.pressure(gap, self.scale).0, ..*self }
     }
 
     /// Sets pressure and normal from the places that it touches: gap (m), normal and weight of each, the nearest first.
-    pub fn press(&mut self, law: &Law, mut places: impl Iterator<Item = (f64, DVec3, f64)>) {
+    pub fn press(&mut self, law: &ContactLaw, mut places: impl Iterator<Item = (f64, DVec3, f64)>) {
         let Some((gap, normal, _)) = places.next() else {
             (self.gap, self.pressure) = (f64::INFINITY, 0.0);
             return;

@@ -1,12 +1,12 @@
 //! Contact of the object's features (vertices, points along sharp edges) with a pad's faces, as a term of the potential:
 //! what keeps a needle or a knife edge from slipping between the sample points of the pad.
 
-use super::bend::bend;
-use super::crossing::deepest;
-use super::edge::ContactEdge;
-use super::far::{Bounds, Far};
-use super::flanks::Flank;
-use super::law::Law;
+use super::candidate_list::{CandidateList, GapBounds};
+use super::edge::EdgeState;
+use super::edge_edge::deepest;
+use super::gap_hessian::bend;
+use super::incident_faces::IncidentFace;
+use super::law::ContactLaw;
 use super::pair::{feature_pair, friction_pair, slip, weighed};
 use super::pool::EdgePool;
 use super::project::FaceBounds;
@@ -14,8 +14,8 @@ use super::site::Site;
 use super::surface::ContactSurface;
 use crate::geometry::shape::Stretch;
 use crate::mech::body::Body;
-use crate::mech::potential::state::{Departure, Motion, View};
-use crate::mech::potential::term::{Block, BodyTerm, Pair, Stencil};
+use crate::mech::potential::state::{BodyMotion, BodyView, Departure};
+use crate::mech::potential::term::{BodyBlock, BodyTerm, Pair, Stencil};
 use crate::scales::FEATURE_MOVES;
 use glam::DVec3;
 use std::any::Any;
@@ -40,7 +40,7 @@ impl Feature {
     }
 
     /// The law of this one. Vertices of a smooth surface are felt late: the pad's own points carry that contact.
-    fn law(&self, law: &Law) -> Law {
+    fn law(&self, law: &ContactLaw) -> ContactLaw {
         if self.sharp { *law } else { law.late() }
     }
 }
@@ -56,7 +56,7 @@ pub struct FeatureContact {
     area: f64,
     sites: Vec<Site>,
     bounds: FaceBounds,
-    far: Far,
+    candidates: CandidateList,
     accepted: Accepted,
     /// Where the increment departed from.
     from: Option<Departure>,
@@ -68,7 +68,7 @@ pub struct FeatureContact {
 #[derive(Debug, Clone)]
 struct Accepted {
     sites: Vec<Site>,
-    far: Far,
+    candidates: CandidateList,
 }
 
 /// Force of a feature on a pad.
@@ -86,22 +86,22 @@ pub struct FeatureForce {
 
 impl FeatureContact {
     /// All edges open. `features` are points of the object.
-    pub fn new(law: Law, surface: Arc<ContactSurface>, features: Arc<[Feature]>) -> Self {
+    pub fn new(law: ContactLaw, surface: Arc<ContactSurface>, features: Arc<[Feature]>) -> Self {
         let pool = EdgePool::new(law, features.len());
         let sites: Vec<Site> = features.iter().map(|f| Site::new(f.position)).collect();
         let area = surface.spacing * surface.spacing;
-        let (bounds, far) = (FaceBounds::new(law.offset), Far::new(law.offset));
-        let accepted = Accepted { sites: sites.clone(), far: far.clone() };
-        Self { pool, surface, features, area, accepted, sites, bounds, far, from: None, sharp: true }
+        let (bounds, candidates) = (FaceBounds::new(law.offset), CandidateList::new(law.offset));
+        let accepted = Accepted { sites: sites.clone(), candidates: candidates.clone() };
+        Self { pool, surface, features, area, accepted, sites, bounds, candidates, from: None, sharp: true }
     }
 
     /// The edges of the features that are near the pad, with the features: in their order once accepted.
-    pub fn edges(&self) -> impl Iterator<Item = (usize, &ContactEdge)> {
+    pub fn edges(&self) -> impl Iterator<Item = (usize, &EdgeState)> {
         self.pool.near()
     }
 
     /// The edge of feature `i`.
-    pub fn edge(&self, i: usize) -> &ContactEdge {
+    pub fn edge(&self, i: usize) -> &EdgeState {
         self.pool.edge(i)
     }
 
@@ -122,13 +122,13 @@ impl FeatureContact {
     }
 
     /// The law of feature `i`.
-    fn law_of(&self, i: usize) -> Law {
+    fn law_of(&self, i: usize) -> ContactLaw {
         self.features[i].law(&self.pool.law)
     }
 
     /// The features that may matter under `view`, if known.
-    fn nearby(&self, view: &View) -> Option<Vec<usize>> {
-        self.far.nearby(view, self.pool.law.offset).map(<[usize]>::to_vec)
+    fn nearby(&self, view: &BodyView) -> Option<Vec<usize>> {
+        self.candidates.nearby(view, self.pool.law.offset).map(<[usize]>::to_vec)
     }
 
     fn all(&self) -> Vec<usize> {
@@ -137,16 +137,18 @@ impl FeatureContact {
 
     /// What feature `i`, which is `near`, presses on, on a surface with nodes at `x`. Whether one face or a whole fold counts
     /// `stays` as it was, or may change.
-    fn flanks(&self, faces: &FaceBounds, i: usize, x: &[DVec3], near: Bounds, stays: bool) -> Vec<Flank> {
+    fn incident(&self, faces: &FaceBounds, i: usize, x: &[DVec3], near: GapBounds, stays: bool) -> Vec<IncidentFace> {
         let reach = self.law_of(i).offset;
         if !near.within(reach) {
             return Vec::new();
         }
-        faces.flanks(&self.surface, x, near.at, reach, self.sites[i].last(stays), |foot| near.sided(foot, faces.offset))
+        faces.incident(&self.surface, x, near.at, reach, self.sites[i].last(stays), |closest_point| {
+            near.sided(closest_point, faces.offset)
+        })
     }
 
     /// Where feature `i` sticks to the pad, and how far that point is from the feature, plus its `drag`, m.
-    fn stretch(&self, i: usize, drag: Option<DVec3>, view: &View) -> Option<(&Stencil, DVec3)> {
+    fn stretch(&self, i: usize, drag: Option<DVec3>, view: &BodyView) -> Option<(&Stencil, DVec3)> {
         let (drag, site) = (drag?, &self.sites[i]);
         let stick = &site.touch.as_ref()?.stick;
         let arm = view.rotation * site.position;
@@ -155,17 +157,19 @@ impl FeatureContact {
 }
 
 impl BodyTerm for FeatureContact {
-    fn energy(&self, _: &Body, view: &View) -> f64 {
+    fn energy(&self, _: &Body, view: &BodyView) -> f64 {
         let mut bounds = FaceBounds::new(self.pool.law.offset);
         bounds.update(&self.surface, view.x);
-        let moved = self.far.moved(view.x);
+        let moved = self.candidates.moved(view.x);
         let mut energy = 0.0;
         for i in self.nearby(view).unwrap_or_else(|| self.all()) {
             let e = self.pool.edge(i);
-            let near = self.far.bounds(i, self.sites[i].place(view), moved);
+            let near = self.candidates.bounds(i, self.sites[i].place(view), moved);
             let law = self.law_of(i);
-            let flanks = self.flanks(&bounds, i, view.x, near, true);
-            let energies = flanks.iter().map(|(foot, weight, _)| weight * law.normal_energy(foot.gap, e.scale));
+            let incident = self.incident(&bounds, i, view.x, near, true);
+            let energies = incident
+                .iter()
+                .map(|(closest_point, weight, _)| weight * law.normal_energy(closest_point.gap, e.scale));
             energy += self.area * energies.sum::<f64>();
             if let Some((_, stretch)) = self.stretch(i, e.sticks(), view) {
                 let s = slip(stretch, e.plane);
@@ -175,29 +179,29 @@ impl BodyTerm for FeatureContact {
         energy
     }
 
-    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, project: bool, block: &mut BodyBlock) {
         self.bounds.update(&self.surface, view.x);
         let sites = &self.sites;
-        self.far.update(&self.surface, view.x, &self.bounds, sites.len(), |i| sites[i].place(view));
-        let moved = self.far.moved(view.x);
+        self.candidates.update(&self.surface, view.x, &self.bounds, sites.len(), |i| sites[i].place(view));
+        let moved = self.candidates.moved(view.x);
         let nearby = self.nearby(view);
         let anew = nearby.is_none();
-        let mut seen = vec![Bounds::UNKNOWN; self.features.len()];
+        let mut seen = vec![GapBounds::UNKNOWN; self.features.len()];
         for i in nearby.unwrap_or_else(|| self.all()) {
-            let near = self.far.bounds(i, self.sites[i].place(view), moved);
+            let near = self.candidates.bounds(i, self.sites[i].place(view), moved);
             block.lag += (self.area * self.update(i, view, near)).powi(2);
             let (e, law) = (*self.pool.edge(i), self.law_of(i));
-            seen[i] = near.narrowed(self.sites[i].flanks(), law.offset);
+            seen[i] = near.narrowed(self.sites[i].incident(), law.offset);
             let arm = view.rotation * self.sites[i].position;
-            for (foot, weight, curvature) in self.sites[i].flanks() {
-                let e = e.on(&law, foot.gap, -foot.normal);
+            for (closest_point, weight, curvature) in self.sites[i].incident() {
+                let e = e.on(&law, closest_point.gap, -closest_point.normal);
                 if e.pressure > 0.0 {
                     let pair = feature_pair(&law, &e, weight * self.area, arm, curvature, project);
-                    let place = self.surface.faces[foot.face].stencil(foot.l);
+                    let place = self.surface.faces[closest_point.face].stencil(closest_point.l);
                     block.add_pair(body, view, &place, &weighed(pair, *weight, project));
                     let force = e.pressure * weight * self.area;
                     let bent = (self.sharp && block.hessian && !project)
-                        .then(|| bend(&self.surface.faces[foot.face], view.x, foot, force))
+                        .then(|| bend(&self.surface.faces[closest_point.face], view.x, closest_point, force))
                         .flatten();
                     if let Some(form) = bent {
                         block.add_form(body, view, &form, arm);
@@ -209,15 +213,15 @@ impl BodyTerm for FeatureContact {
                 block.add_pair(body, view, stick, &pair);
             }
         }
-        self.far.remember(view.x, seen);
+        self.candidates.remember(view.x, seen);
         if anew {
             let radius = self.sites.iter().map(|site| site.position.length()).fold(0.0, f64::max);
             let pool = &self.pool;
-            self.far.list(view, radius, |i| pool.edge(i).sticks().is_some());
+            self.candidates.list(view, radius, |i| pool.edge(i).sticks().is_some());
         }
     }
 
-    fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
+    fn couple(&self, body: &Body, view: &BodyView, motion: &BodyMotion, change: &mut BodyBlock) {
         for (i, site) in self.sites.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).sticks().is_some()) {
             let (r, Some(touch)) = (view.rotation * site.position, &site.touch) else { continue };
             if let Some(drag) = self.pool.drag(i, &self.law_of(i), motion.relative(&touch.now, r)) {
@@ -230,7 +234,7 @@ impl BodyTerm for FeatureContact {
         self.from = Some(from.clone());
     }
 
-    fn commit(&mut self, _: &Body, view: &View) {
+    fn commit(&mut self, _: &Body, view: &BodyView) {
         let (sites, tangential) = (&mut self.sites, self.pool.law.tangential);
         self.pool.commit(|i, e| {
             let place = sites[i].place(view);
@@ -241,21 +245,21 @@ impl BodyTerm for FeatureContact {
         });
         for (i, site) in self.sites.iter_mut().enumerate() {
             site.moves = 0;
-            if self.pool.edge(i).anchor.is_none() && site.flanks().is_empty() {
+            if self.pool.edge(i).anchor.is_none() && site.incident().is_empty() {
                 site.touch = None;
             }
         }
         self.accepted.sites.clone_from(&self.sites);
-        self.accepted.far.clone_from(&self.far);
+        self.accepted.candidates.clone_from(&self.candidates);
     }
 
     fn rollback(&mut self) {
         self.pool.rollback();
         self.sites.clone_from(&self.accepted.sites);
-        self.far.clone_from(&self.accepted.far);
+        self.candidates.clone_from(&self.accepted.candidates);
     }
 
-    fn satisfied(&mut self, _: &Body, view: &View) -> bool {
+    fn satisfied(&mut self, _: &Body, view: &BodyView) -> bool {
         let (features, law) = (&self.features, self.pool.law);
         let stiff = self.pool.satisfied(|i| features[i].law(&law).least());
         self.follow(view) && stiff
@@ -279,14 +283,14 @@ const MOVES: u32 = 2;
 
 impl FeatureContact {
     /// Moves features along their edges to where the pad is deepest; true if none had to.
-    fn follow(&mut self, view: &View) -> bool {
-        let moved = self.far.moved(view.x);
+    fn follow(&mut self, view: &BodyView) -> bool {
+        let moved = self.candidates.moved(view.x);
         let mut stay = true;
         for (i, (feature, site)) in self.features.iter().zip(&mut self.sites).enumerate() {
             let Some(stretch) = &feature.along else { continue };
             // If one that is pressed leaves its place, the pad comes through there: for little it stays.
             let most = self.pool.law.offset * FEATURE_MOVES[usize::from(self.pool.edge(i).pressure > 0.0)];
-            let near = self.far.bounds(i, site.place(view), moved).within(stretch.length());
+            let near = self.candidates.bounds(i, site.place(view), moved).within(stretch.length());
             let free = near && site.moves < MOVES;
             let Some(deepest) = free.then(|| deepest(&self.bounds, &self.surface, view, stretch, most)).flatten()
             else {
@@ -296,21 +300,22 @@ impl FeatureContact {
             site.touch = None;
             site.moves += 1;
             self.pool.renew(i);
-            self.far.add(i, deepest.length());
+            self.candidates.add(i, deepest.length());
             stay = false;
         }
         stay
     }
 
     /// Refreshes gap, pressure and friction of edge `i`, whose feature is `near`; returns how far its friction limit lags, Pa.
-    fn update(&mut self, i: usize, view: &View, near: Bounds) -> f64 {
+    fn update(&mut self, i: usize, view: &BodyView, near: GapBounds) -> f64 {
         let law = self.law_of(i);
-        let flanks = self.flanks(&self.bounds, i, view.x, near, false);
+        let incident = self.incident(&self.bounds, i, view.x, near, false);
         // The object's outward normal at the contact is the pad's inward one.
-        let places = flanks.iter().map(|(foot, weight, _)| (foot.gap, -foot.normal, *weight));
+        let places =
+            incident.iter().map(|(closest_point, weight, _)| (closest_point.gap, -closest_point.normal, *weight));
         let lag = self.pool.press(i, &law, places);
         let site = &mut self.sites[i];
-        site.press(flanks, &self.surface);
+        site.press(incident, &self.surface);
         let Some(touch) = &mut site.touch else { return 0.0 };
         let Some(lag) = lag else {
             if let Some(accepted) = &self.accepted.sites[i].touch {

@@ -1,7 +1,7 @@
 //! Closest point of a quadratic face that is folded, where the search from its flat triangle ends anywhere.
 
-use super::foot::{ON_RIM, tangents};
-use super::surface::Face;
+use super::closest_point::{ON_RIM, tangents};
+use super::surface::SurfaceFace;
 use glam::DVec3;
 
 /// Most iterations from one start.
@@ -18,7 +18,7 @@ const OVER: [[f64; 3]; 4] = [
 const ALONG: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
 
 /// Barycentric coordinates of the nearest of all points of `face` where Newton's method from several starts comes to rest.
-pub(crate) fn closest(face: &Face, x: &[DVec3], y: DVec3) -> [f64; 3] {
+pub(crate) fn closest(face: &SurfaceFace, x: &[DVec3], y: DVec3) -> [f64; 3] {
     let over = OVER.into_iter().map(|l| inside(face, x, y, l));
     let along = (0..3).flat_map(|k| ALONG.map(|t| along(face, x, y, k, t)));
     let corners = (0..3).map(|k| {
@@ -28,12 +28,12 @@ pub(crate) fn closest(face: &Face, x: &[DVec3], y: DVec3) -> [f64; 3] {
     over.chain(along).chain(corners).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(OVER[3], |(l, _)| l)
 }
 
-fn distance_squared(face: &Face, x: &[DVec3], y: DVec3, l: [f64; 3]) -> f64 {
+fn distance_squared(face: &SurfaceFace, x: &[DVec3], y: DVec3, l: [f64; 3]) -> f64 {
     face.stencil(l).position(x).distance_squared(y)
 }
 
 /// Where the squared distance is least over the face from `l`, and that; slides along the rim where it is led out.
-fn inside(face: &Face, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> ([f64; 3], f64) {
+fn inside(face: &SurfaceFace, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> ([f64; 3], f64) {
     let [d11, d12, d22] = bends(face, x);
     let mut far = distance_squared(face, x, y, l);
     for _ in 0..ITERATIONS {
@@ -78,7 +78,7 @@ fn inside(face: &Face, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> ([f64; 3], f64
 }
 
 /// The same along the edge opposite to corner `k`, from the part `t` of it on.
-fn along(face: &Face, x: &[DVec3], y: DVec3, k: usize, mut t: f64) -> ([f64; 3], f64) {
+fn along(face: &SurfaceFace, x: &[DVec3], y: DVec3, k: usize, mut t: f64) -> ([f64; 3], f64) {
     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
     let at = |t: f64| {
         let mut l = [0.0; 3];
@@ -119,7 +119,7 @@ fn shorten<T>(mut alpha: f64, far: f64, step: impl Fn(f64) -> (T, f64)) -> Optio
 }
 
 /// Second derivatives of the position in `l1 l1`, `l1 l2` and `l2 l2`: the same everywhere on a face.
-pub(crate) fn bends(face: &Face, x: &[DVec3]) -> [DVec3; 3] {
+pub(crate) fn bends(face: &SurfaceFace, x: &[DVec3]) -> [DVec3; 3] {
     let at = |n: u32| x[n as usize];
     let [a, b, c] = face.corners.map(at);
     let Some([ab, bc, ca]) = face.mids.map(|m| m.map(at)) else { return [DVec3::ZERO; 3] };

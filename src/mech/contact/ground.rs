@@ -1,15 +1,15 @@
 //! Contact and friction of a free object's vertices with a fixed plane, as a term of the potential.
 
-use super::edge::ContactEdge;
-use super::law::Law;
+use super::edge::EdgeState;
+use super::law::ContactLaw;
 use super::pair::{feature_pair, friction_pair, slip};
 use super::pool::EdgePool;
 use crate::mech::body::Body;
 use crate::mech::potential::state::object_only;
-use crate::mech::potential::state::{Motion, View};
-use crate::mech::potential::term::{Block, BodyTerm, Pair, Stencil};
+use crate::mech::potential::state::{BodyMotion, BodyView};
+use crate::mech::potential::term::{BodyBlock, BodyTerm, Pair, Stencil};
 use crate::mech::potential::time_step::TimeStep;
-use crate::scene::motion::Hand;
+use crate::scene::motion::HandState;
 use glam::{DMat3, DVec3};
 use std::any::Any;
 use std::iter;
@@ -24,7 +24,7 @@ pub struct GroundContact {
     vertices: Arc<[DVec3]>,
     normal: DVec3,
     height: f64,
-    hand: Hand,
+    hand: HandState,
     /// World position of each vertex at the last accepted state, m: where a vertex that touches starts to stick, so that a
     /// step in which it slides on has the friction of all its way.
     last: Vec<DVec3>,
@@ -32,7 +32,14 @@ pub struct GroundContact {
 
 impl GroundContact {
     /// All edges open. `vertices` are points of the object (object frame, m), `law` is per vertex (stiffness in N/m).
-    pub fn new(vertices: Arc<[DVec3]>, law: Law, normal: DVec3, height: f64, hand: Hand, view: &View) -> Self {
+    pub fn new(
+        vertices: Arc<[DVec3]>,
+        law: ContactLaw,
+        normal: DVec3,
+        height: f64,
+        hand: HandState,
+        view: &BodyView,
+    ) -> Self {
         // Forces, not pressures: no limit is too small to matter.
         let mut pool = EdgePool::new(law, vertices.len());
         pool.negligible = 0.0;
@@ -41,12 +48,12 @@ impl GroundContact {
     }
 
     /// The edges of the vertices near the ground, with the vertices.
-    pub fn edges(&self) -> impl Iterator<Item = (usize, &ContactEdge)> {
+    pub fn edges(&self) -> impl Iterator<Item = (usize, &EdgeState)> {
         self.pool.near()
     }
 
     /// Force of the ground on the object, N, and its torque about `center` (hand frame, m), N m; both in hand axes.
-    pub fn wrench(&self, view: &View, center: DVec3) -> (DVec3, DVec3) {
+    pub fn wrench(&self, view: &BodyView, center: DVec3) -> (DVec3, DVec3) {
         let mut sum = (DVec3::ZERO, DVec3::ZERO);
         for (i, v) in self.vertices.iter().enumerate() {
             let e = self.pool.edge(i);
@@ -71,7 +78,7 @@ impl GroundContact {
     }
 
     /// Refreshes gap, force and friction of edge `i`; returns how far its friction limit lags, N.
-    fn update(&mut self, i: usize, view: &View) -> f64 {
+    fn update(&mut self, i: usize, view: &BodyView) -> f64 {
         let arm = view.rotation * self.vertices[i];
         let gap = self.gap(self.hand.to_world(view.position + arm));
         let (law, last) = (self.pool.law, self.last[i]);
@@ -89,7 +96,7 @@ impl GroundContact {
 }
 
 impl BodyTerm for GroundContact {
-    fn energy(&self, _: &Body, view: &View) -> f64 {
+    fn energy(&self, _: &Body, view: &BodyView) -> f64 {
         let mut energy = 0.0;
         for (i, v) in self.vertices.iter().enumerate() {
             let e = self.pool.edge(i);
@@ -102,7 +109,7 @@ impl BodyTerm for GroundContact {
         energy
     }
 
-    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, project: bool, block: &mut BodyBlock) {
         let (view, nowhere) = (object_only(view), Stencil::new(std::iter::empty()));
         for i in 0..self.vertices.len() {
             block.lag += self.update(i, &view).powi(2);
@@ -127,12 +134,12 @@ impl BodyTerm for GroundContact {
         self.hand = step.hand;
     }
 
-    fn clearance(&self, _: &Body, view: &View) -> f64 {
+    fn clearance(&self, _: &Body, view: &BodyView) -> f64 {
         let gap = |v: &DVec3| self.gap(self.hand.to_world(view.position + view.rotation * *v));
         self.vertices.iter().map(gap).fold(f64::INFINITY, f64::min) - 0.5 * self.pool.law.offset
     }
 
-    fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
+    fn couple(&self, body: &Body, view: &BodyView, motion: &BodyMotion, change: &mut BodyBlock) {
         let (view, nowhere) = (object_only(view), Stencil::new(std::iter::empty()));
         for (i, v) in self.vertices.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).sticks().is_some()) {
             let r = view.rotation * *v;
@@ -143,7 +150,7 @@ impl BodyTerm for GroundContact {
         }
     }
 
-    fn commit(&mut self, _: &Body, view: &View) {
+    fn commit(&mut self, _: &Body, view: &BodyView) {
         for (last, v) in self.last.iter_mut().zip(self.vertices.iter()) {
             *last = self.hand.to_world(view.position + view.rotation * *v);
         }
@@ -155,7 +162,7 @@ impl BodyTerm for GroundContact {
         self.pool.rollback();
     }
 
-    fn satisfied(&mut self, _: &Body, _: &View) -> bool {
+    fn satisfied(&mut self, _: &Body, _: &BodyView) -> bool {
         let least = self.pool.law.least();
         self.pool.satisfied(|_| least)
     }

@@ -11,7 +11,7 @@ use glam::DVec3;
 
 /// Constants of the law.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Law {
+pub struct ContactLaw {
     /// Stiffness per area in normal direction, Pa/m.
     pub stiffness: f64,
     /// Gap at which the surfaces meet, m.
@@ -31,7 +31,7 @@ const LEAST: f64 = 0.02;
 /// How much stiffer that branch is.
 const STIFFENING: f64 = 30.0;
 
-impl Law {
+impl ContactLaw {
     /// The law for a gel of Young's modulus `young` (Pa) sampled every `spacing` (m) with Coulomb coefficient `friction`, from the gap
     /// `offset` (m) on.
     ///

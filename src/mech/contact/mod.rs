@@ -4,27 +4,27 @@
 //! ([`surface`]), and points of the object's features to the pad ([`feature`]), so that neither a smooth face nor a needle
 //! slips between samples. All edges carry the same [`law`]: a stiff penalty on the gap, and Coulomb friction.
 
-mod bend;
+mod candidate_list;
 mod cells;
-mod crossing;
+mod closest_point;
+mod distance_sign;
 pub mod edge;
-mod far;
+mod edge_edge;
 pub mod feature;
-mod flanks;
 mod folds;
-mod foot;
+mod gap_hessian;
 pub mod ground;
+mod incident_faces;
 pub mod law;
 pub(crate) mod pair;
 mod pool;
 pub mod project;
-mod side;
 mod site;
 pub mod surface;
 pub mod term;
 
-pub use edge::ContactEdge;
+pub use edge::EdgeState;
 pub use feature::{Feature, FeatureContact};
 pub use ground::GroundContact;
-pub use surface::{ContactSurface, Face};
-pub use term::Contact;
+pub use surface::{ContactSurface, SurfaceFace};
+pub use term::PointContact;

@@ -1,14 +1,14 @@
 //! First and second derivatives of contact and friction energies in the motion of a pad point and of the object.
 
-use super::edge::ContactEdge;
-use super::law::Law;
+use super::edge::EdgeState;
+use super::law::ContactLaw;
 use crate::mech::potential::cross::{cross_matrix, outer, rotation_hessian};
 use crate::mech::potential::term::Pair;
 use glam::{DMat3, DVec3};
 
 /// Derivatives of the normal energy. With `g` the gap, `u = delta - w x r` the relative motion and `n` the normal,
 /// `g = n.u + u.H u / 2 + n.(w x (w x r) / 2 - w x delta)` to second order.
-pub(crate) fn normal_pair(law: &Law, e: &ContactEdge, area: f64, r: DVec3, h: &DMat3, project: bool) -> Pair {
+pub(crate) fn normal_pair(law: &ContactLaw, e: &EdgeState, area: f64, r: DVec3, h: &DMat3, project: bool) -> Pair {
     let (n, p, k) = (e.normal, e.pressure * area, law.pressure(e.gap, e.scale).1 * area);
     let tau = -r.cross(n);
     let mut pair =
@@ -24,7 +24,7 @@ pub(crate) fn normal_pair(law: &Law, e: &ContactEdge, area: f64, r: DVec3, h: &D
 
 /// The same for a feature of the object against a pad, whose normal does not turn with the object: with `r` the arm of the
 /// feature, `g = n.(delta - w x r - w x (w x r) / 2) + u.H u / 2`.
-pub(crate) fn feature_pair(law: &Law, e: &ContactEdge, area: f64, r: DVec3, h: &DMat3, project: bool) -> Pair {
+pub(crate) fn feature_pair(law: &ContactLaw, e: &EdgeState, area: f64, r: DVec3, h: &DMat3, project: bool) -> Pair {
     let mut pair = normal_pair(law, e, area, r, &DMat3::ZERO, true);
     if !project {
         let (p, arm) = (e.pressure * area, cross_matrix(r));
@@ -35,7 +35,7 @@ pub(crate) fn feature_pair(law: &Law, e: &ContactEdge, area: f64, r: DVec3, h: &
     pair
 }
 
-/// A contact whose energy is taken off where flanks of a valley meet. Its stiffness is negative: projected, it has none.
+/// A contact whose energy is taken off where incident faces of a valley meet. Its stiffness is negative: projected, it has none.
 pub(crate) fn weighed(pair: Pair, weight: f64, project: bool) -> Pair {
     if weight < 0.0 && project {
         return Pair { dd: DMat3::ZERO, dw: DMat3::ZERO, ww: DMat3::ZERO, ..pair };
@@ -45,7 +45,7 @@ pub(crate) fn weighed(pair: Pair, weight: f64, project: bool) -> Pair {
 
 /// Derivatives of the friction energy at frozen normal and limit; `s` is the displacement of the pad's point from the
 /// sticking point, `r` the arm of the object's point.
-pub(crate) fn friction_pair(law: &Law, e: &ContactEdge, area: f64, s: DVec3, r: DVec3, project: bool) -> Pair {
+pub(crate) fn friction_pair(law: &ContactLaw, e: &EdgeState, area: f64, s: DVec3, r: DVec3, project: bool) -> Pair {
     let n = e.plane;
     let (a, b) = law.engaged(e.share).friction_hessian(slip(s, n), e.limit);
     let t = e.traction.normalize_or_zero();

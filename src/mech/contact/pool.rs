@@ -1,7 +1,7 @@
 //! What the contact edges of a pad share, whichever side is sampled: law, history, friction.
 
-use super::edge::ContactEdge;
-use super::law::Law;
+use super::edge::EdgeState;
+use super::law::ContactLaw;
 use super::pair::slip;
 use crate::scales::NO_FRICTION;
 use glam::DVec3;
@@ -11,13 +11,13 @@ use glam::DVec3;
 #[derive(Debug, Clone)]
 pub(crate) struct EdgePool {
     /// Edges that are not open, by their points: in the order of these once accepted.
-    near: Vec<(usize, ContactEdge)>,
+    near: Vec<(usize, EdgeState)>,
     /// Per point, where its edge is in `near`.
     slot: Vec<u32>,
     /// Edges as last accepted, in the order of their points.
-    committed: Vec<(usize, ContactEdge)>,
+    committed: Vec<(usize, EdgeState)>,
     /// The law of every edge.
-    pub law: Law,
+    pub law: ContactLaw,
     /// Part of the way that lagged friction goes per iteration.
     pub damping: f64,
     /// Friction limit that counts as none, in the unit of the pressure.
@@ -29,7 +29,7 @@ const NOWHERE: u32 = u32::MAX;
 
 impl EdgePool {
     /// `count` open edges.
-    pub fn new(law: Law, count: usize) -> Self {
+    pub fn new(law: ContactLaw, count: usize) -> Self {
         let slot = vec![NOWHERE; count];
         Self {
             near: Vec::new(),
@@ -43,21 +43,21 @@ impl EdgePool {
 
     /// The edge of point `i`.
     #[inline(always)]
-    pub fn edge(&self, i: usize) -> &ContactEdge {
-        self.near.get(self.slot[i] as usize).map_or(&ContactEdge::OPEN, |(_, e)| e)
+    pub fn edge(&self, i: usize) -> &EdgeState {
+        self.near.get(self.slot[i] as usize).map_or(&EdgeState::OPEN, |(_, e)| e)
     }
 
     /// The edge of point `i`, to be changed.
-    pub fn edge_mut(&mut self, i: usize) -> &mut ContactEdge {
+    pub fn edge_mut(&mut self, i: usize) -> &mut EdgeState {
         if self.slot[i] == NOWHERE {
             self.slot[i] = self.near.len() as u32;
-            self.near.push((i, ContactEdge::OPEN));
+            self.near.push((i, EdgeState::OPEN));
         }
         &mut self.near[self.slot[i] as usize].1
     }
 
     /// The edges that are not open with their points: in the order of these once accepted.
-    pub fn near(&self) -> impl Iterator<Item = (usize, &ContactEdge)> {
+    pub fn near(&self) -> impl Iterator<Item = (usize, &EdgeState)> {
         self.near.iter().map(|(i, e)| (*i, e))
     }
 
@@ -68,7 +68,7 @@ impl EdgePool {
 
     /// Accepts the edges as they are. Those without pressure forget where they stuck; of those that slip or touch since the increment
     /// began `dragged` says where they stick now, so that the whole spring carries the same traction.
-    pub fn commit(&mut self, mut dragged: impl FnMut(usize, &ContactEdge) -> DVec3) {
+    pub fn commit(&mut self, mut dragged: impl FnMut(usize, &EdgeState) -> DVec3) {
         for (i, e) in &mut self.near {
             if e.pressure <= 0.0 {
                 e.anchor = None;
@@ -93,7 +93,7 @@ impl EdgePool {
     /// Opens edge `i`, whose point is another from now on.
     pub fn renew(&mut self, i: usize) {
         if self.slot[i] != NOWHERE {
-            *self.edge_mut(i) = ContactEdge::OPEN;
+            *self.edge_mut(i) = EdgeState::OPEN;
         }
         self.committed.retain(|(k, _)| *k != i);
     }
@@ -120,7 +120,12 @@ impl EdgePool {
 
     /// Sets gap, normal and pressure of edge `i` under `law` from the places that it touches (gap, m, normal and weight of each, the
     /// nearest first) and relaxes its friction limit. Some if friction acts: how far the limit lags, Pa; [`EdgePool::rub`] must follow.
-    pub fn press(&mut self, i: usize, law: &Law, places: impl Iterator<Item = (f64, DVec3, f64)>) -> Option<f64> {
+    pub fn press(
+        &mut self,
+        i: usize,
+        law: &ContactLaw,
+        places: impl Iterator<Item = (f64, DVec3, f64)>,
+    ) -> Option<f64> {
         let mut places = places.peekable();
         if places.peek().is_none() && self.slot[i] == NOWHERE {
             return None;
@@ -153,7 +158,7 @@ impl EdgePool {
     }
 
     /// Edge `i` has touched since the increment began: then its point was at `start`, at the gap `clear()` (m).
-    pub fn touch(&mut self, i: usize, law: &Law, start: DVec3, clear: impl FnOnce() -> f64) {
+    pub fn touch(&mut self, i: usize, law: &ContactLaw, start: DVec3, clear: impl FnOnce() -> f64) {
         let e = self.edge_mut(i);
         e.anchor = Some(start);
         if e.clear.is_none() {
@@ -165,7 +170,7 @@ impl EdgePool {
     /// How the friction of edge `i` on the pad changes per area when its points move by `u` (m) against each other, Pa, beyond what its
     /// potential says: where it slips the limit follows the pressure, where it touches within the increment the spring takes up more of
     /// the motion the deeper it gets.
-    pub fn drag(&self, i: usize, law: &Law, u: DVec3) -> Option<DVec3> {
+    pub fn drag(&self, i: usize, law: &ContactLaw, u: DVec3) -> Option<DVec3> {
         let e = self.edge(i);
         let stiffness = law.pressure(e.gap, e.scale).1;
         let rate = match e.slips {
@@ -177,7 +182,7 @@ impl EdgePool {
 
     /// Sets the traction of edge `i`, whose points have moved apart by `s` (m) since they stuck, or since the increment began; returns
     /// how far the part of it that the spring takes up lags, Pa.
-    pub fn rub(&mut self, i: usize, law: &Law, s: DVec3) -> f64 {
+    pub fn rub(&mut self, i: usize, law: &ContactLaw, s: DVec3) -> f64 {
         let damping = self.damping;
         let e = self.edge_mut(i);
         let s = slip(s, e.plane);

@@ -1,9 +1,9 @@
 //! Closest point of a deformed pad surface.
 
-use super::cells::Cells;
-pub use super::foot::Foot;
-use super::foot::{clamp_to_triangle, on_face, project_flat};
-use super::surface::{ContactSurface, Face};
+use super::cells::FaceGrid;
+pub use super::closest_point::ClosestPoint;
+use super::closest_point::{clamp_to_triangle, on_face, project_flat};
+use super::surface::{ContactSurface, SurfaceFace};
 use crate::scales::LOOK_AHEAD;
 use glam::DVec3;
 
@@ -15,7 +15,7 @@ pub struct FaceBounds {
     boxes: Vec<[DVec3; 2]>,
     /// How far each face bulges from its flat triangle, m.
     bulges: Vec<f64>,
-    cells: Cells,
+    cells: FaceGrid,
     min: DVec3,
     max: DVec3,
 }
@@ -23,7 +23,7 @@ pub struct FaceBounds {
 impl FaceBounds {
     /// Of no face yet, for contact with this `offset` (m).
     pub fn new(offset: f64) -> Self {
-        let cells = Cells::new(LOOK_AHEAD * offset);
+        let cells = FaceGrid::new(LOOK_AHEAD * offset);
         Self { offset, boxes: Vec::new(), bulges: Vec::new(), cells, min: DVec3::ZERO, max: DVec3::ZERO }
     }
 
@@ -62,8 +62,8 @@ impl FaceBounds {
     }
 
     /// Closest point of the surface to `y` if nearer than `reach` outside, or anywhere inside the gel near the surface.
-    pub fn closest(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, reach: f64) -> Option<Foot> {
-        self.closest_as(surface, x, y, reach, |foot| foot)
+    pub fn closest(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, reach: f64) -> Option<ClosestPoint> {
+        self.closest_as(surface, x, y, reach, |closest_point| closest_point)
     }
 
     /// The same, where `side` knows better on which side of the surface `y` is.
@@ -73,30 +73,36 @@ impl FaceBounds {
         x: &[DVec3],
         y: DVec3,
         reach: f64,
-        side: impl Fn(Foot) -> Foot,
-    ) -> Option<Foot> {
+        side: impl Fn(ClosestPoint) -> ClosestPoint,
+    ) -> Option<ClosestPoint> {
         if y.cmplt(self.min - reach).any() || y.cmpgt(self.max + reach).any() {
             return None;
         }
         let best = self.near(surface, x, y, self.at_once());
         let best = best.or_else(|| self.nearest(surface, x, y, 0..self.boxes.len(), f64::INFINITY));
-        best.map(side).filter(|foot| foot.gap < reach)
+        best.map(side).filter(|closest_point| closest_point.gap < reach)
     }
 
     /// Closest point of the surface to `y` if nearer than `limit`, up to the reach of the cells, inside or outside.
-    pub(crate) fn near(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, limit: f64) -> Option<Foot> {
+    pub(crate) fn near(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, limit: f64) -> Option<ClosestPoint> {
         let faces = self.cells.at(y).iter().map(|i| *i as usize);
         self.nearest(surface, x, y, faces, limit)
     }
 
     /// How far `y` is outside the surface at least, m; exact where that is near, not positive inside. `side` knows better on which
     /// side it is.
-    pub(crate) fn outside(&self, surface: &ContactSurface, x: &[DVec3], y: DVec3, side: impl Fn(Foot) -> Foot) -> f64 {
+    pub(crate) fn outside(
+        &self,
+        surface: &ContactSurface,
+        x: &[DVec3],
+        y: DVec3,
+        side: impl Fn(ClosestPoint) -> ClosestPoint,
+    ) -> f64 {
         let beyond = y.clamp(self.min, self.max).distance(y);
         if beyond > self.at_once() {
             return beyond;
         }
-        self.closest_as(surface, x, y, f64::INFINITY, side).map_or(f64::INFINITY, |foot| foot.gap)
+        self.closest_as(surface, x, y, f64::INFINITY, side).map_or(f64::INFINITY, |closest_point| closest_point.gap)
     }
 
     /// Closest point on those of `faces` that are nearer than `limit`.
@@ -107,7 +113,7 @@ impl FaceBounds {
         y: DVec3,
         faces: impl Iterator<Item = usize> + Clone,
         limit: f64,
-    ) -> Option<Foot> {
+    ) -> Option<ClosestPoint> {
         // The face that promises to be nearest goes first: it leaves few others that could win.
         let (mut first, mut least) = (None, limit);
         for i in faces.clone() {
@@ -116,30 +122,32 @@ impl FaceBounds {
                 (first, least) = (Some(i), away);
             }
         }
-        let (mut best, mut nearest): (Option<Foot>, f64) = (None, limit);
+        let (mut best, mut nearest): (Option<ClosestPoint>, f64) = (None, limit);
         for i in first.into_iter().chain(faces.filter(|i| Some(*i) != first)) {
             let most = nearest * (1.0 + TIE);
             if self.away(i, &surface.faces[i], x, y, most) > most {
                 continue;
             }
-            let foot = on_face(i, &surface.faces[i], x, y);
-            let distance = foot.gap.abs();
+            let closest_point = on_face(i, &surface.faces[i], x, y);
+            let distance = closest_point.gap.abs();
             // On the edge that two faces share only the one that the point lies over knows on which side it is.
             let better = match best {
-                Some(Foot { facing, .. }) if (distance - nearest).abs() <= TIE * nearest => foot.facing > facing,
+                Some(ClosestPoint { facing, .. }) if (distance - nearest).abs() <= TIE * nearest => {
+                    closest_point.facing > facing
+                }
                 _ => distance < nearest,
             };
             if better {
                 nearest = distance;
-                best = Some(foot);
+                best = Some(closest_point);
             }
         }
-        best.map(|foot| foot.signed(surface, x, y))
+        best.map(|closest_point| closest_point.signed(surface, x, y))
     }
 
     /// How far face `i` is from `y` at least, m: its flat triangle, less how far it bulges from it. No more is found out than that it is
     /// beyond `limit` (m), where its box is.
-    pub(crate) fn away(&self, i: usize, face: &Face, x: &[DVec3], y: DVec3, limit: f64) -> f64 {
+    pub(crate) fn away(&self, i: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3, limit: f64) -> f64 {
         let [low, high] = self.boxes[i];
         let beyond = y.clamp(low, high).distance(y);
         if beyond > limit {

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// A boundary face: three corners, and three mid-edge nodes ((0,1), (1,2), (2,0)) of a quadratic mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Face {
+pub struct SurfaceFace {
     /// Corner nodes, counter-clockwise from outside.
     pub corners: [u32; 3],
     /// Mid-edge nodes; None for linear elements.
@@ -23,7 +23,7 @@ pub struct Face {
 #[derive(Debug, Clone)]
 pub struct ContactSurface {
     /// Faces not entirely fixed.
-    pub faces: Arc<Vec<Face>>,
+    pub faces: Arc<Vec<SurfaceFace>>,
     /// Which faces meet.
     pub rings: Arc<Rings>,
     /// Where each point sits: nodes and shape function values. The vertices, then the middles.
@@ -52,7 +52,7 @@ impl ContactSurface {
 
     /// Samples the boundary faces of `body` that are not entirely fixed, each face edge cut into `m` parts.
     pub fn with_subdivision(body: &Body, m: usize) -> Self {
-        let faces: Vec<Face> = boundary(body)
+        let faces: Vec<SurfaceFace> = boundary(body)
             .into_iter()
             .filter(|f| {
                 let mut nodes = f.corners.to_vec();
@@ -123,7 +123,7 @@ impl ContactSurface {
     }
 }
 
-impl Face {
+impl SurfaceFace {
     /// Whether a point at `distance` (m) from the face, with nodes at `x`, is on it but for rounding: the direction to it says nothing.
     pub(crate) fn touches(&self, x: &[DVec3], distance: f64) -> bool {
         let [a, b, _] = self.corners.map(|n| x[n as usize]);
@@ -180,7 +180,7 @@ impl Face {
     /// Linear interpolation on the sub-triangle of nodes that contains `l`.
     pub(crate) fn report_stencil(&self, l: [f64; 3]) -> Stencil {
         let [a, b, c] = self.corners;
-        // A foot may lie a little beyond the rim of its face.
+        // A closest point may lie a little beyond the rim of its face.
         let l = l.map(|v| v.max(0.0));
         let sum: f64 = l.iter().sum();
         let l = l.map(|v| v / sum);
@@ -214,11 +214,11 @@ pub(crate) fn sub_triangles(m: usize) -> Vec<[[usize; 3]; 3]> {
 }
 
 /// Faces that belong to one element only, outward.
-fn boundary(body: &Body) -> Vec<Face> {
+fn boundary(body: &Body) -> Vec<SurfaceFace> {
     // Face k is opposite to corner k; vertices counter-clockwise from outside for positive volume.
     const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
     let mid = |i: usize, j: usize| 4 + EDGES.iter().position(|e| *e == [i, j] || *e == [j, i]).unwrap_or(0);
-    let mut seen: BTreeMap<[u32; 3], (usize, Face)> = BTreeMap::new();
+    let mut seen: BTreeMap<[u32; 3], (usize, SurfaceFace)> = BTreeMap::new();
     let mut add = |corner: &[u32], nodes: &[u32]| {
         for f in FACES {
             let corners = f.map(|k| corner[k]);
@@ -226,7 +226,7 @@ fn boundary(body: &Body) -> Vec<Face> {
                 (nodes.len() == 10).then(|| [mid(f[0], f[1]), mid(f[1], f[2]), mid(f[2], f[0])].map(|k| nodes[k]));
             let mut key = corners;
             key.sort_unstable();
-            seen.entry(key).or_insert((0, Face { corners, mids })).0 += 1;
+            seen.entry(key).or_insert((0, SurfaceFace { corners, mids })).0 += 1;
         }
     };
     match &body.elements {
@@ -237,7 +237,7 @@ fn boundary(body: &Body) -> Vec<Face> {
 }
 
 /// Position and unit outward normal of a face at barycentric coordinates `l`, for node positions `x`.
-pub fn face_frame(face: &Face, x: &[DVec3], l: [f64; 3]) -> (DVec3, DVec3) {
+pub fn face_frame(face: &SurfaceFace, x: &[DVec3], l: [f64; 3]) -> (DVec3, DVec3) {
     let at = |n: u32| x[n as usize];
     let [a, b, c] = face.corners.map(at);
     match face.mids.map(|m| m.map(at)) {

@@ -1,14 +1,14 @@
 //! Contact of one pad's surface points with the object, as a term of the potential.
 
-use super::edge::ContactEdge;
-use super::law::Law;
+use super::edge::EdgeState;
+use super::law::ContactLaw;
 use super::pair::{friction_pair, normal_pair, slip, weighed};
 use super::pool::EdgePool;
 use super::surface::ContactSurface;
-use crate::geometry::shape::{SignedDistance, Touch};
+use crate::geometry::shape::{SignedDistance, SurfaceTouch};
 use crate::mech::body::Body;
-use crate::mech::potential::state::{Departure, Motion, View};
-use crate::mech::potential::term::{Block, BodyTerm, Pair, Stencil};
+use crate::mech::potential::state::{BodyMotion, BodyView, Departure};
+use crate::mech::potential::term::{BodyBlock, BodyTerm, Pair, Stencil};
 use crate::scales::{LOOK_AHEAD, MIDDLE_CUT};
 use glam::DVec3;
 use std::any::Any;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 /// Contact and friction between a pad and the object.
 #[derive(Debug, Clone)]
-pub struct Contact {
+pub struct PointContact {
     pool: EdgePool,
     /// What is known of the distance of every point.
     seen: Arc<Vec<Seen>>,
@@ -47,21 +47,21 @@ impl Seen {
     }
 }
 
-impl Contact {
+impl PointContact {
     /// All edges open.
-    pub fn new(law: Law, surface: Arc<ContactSurface>, object: Arc<dyn SignedDistance>) -> Self {
+    pub fn new(law: ContactLaw, surface: Arc<ContactSurface>, object: Arc<dyn SignedDistance>) -> Self {
         let felt: Vec<bool> = (0..surface.points.len()).map(|i| i < surface.vertices).collect();
         let seen = Arc::new(vec![Seen { at: DVec3::ZERO, bound: f64::NEG_INFINITY }; felt.len()]);
         Self { pool: EdgePool::new(law, felt.len()), seen, committed: felt.clone(), felt, surface, object, from: None }
     }
 
     /// The edges of the points that are near the object, with the points: in their order once accepted.
-    pub fn edges(&self) -> impl Iterator<Item = (usize, &ContactEdge)> {
+    pub fn edges(&self) -> impl Iterator<Item = (usize, &EdgeState)> {
         self.pool.near()
     }
 
     /// The edge of point `i`.
-    pub fn edge(&self, i: usize) -> &ContactEdge {
+    pub fn edge(&self, i: usize) -> &EdgeState {
         self.pool.edge(i)
     }
 
@@ -83,13 +83,13 @@ impl Contact {
 }
 
 /// Position of a point in the hand frame and in the object's frame.
-fn locate(stencil: &Stencil, view: &View) -> (DVec3, DVec3) {
+fn locate(stencil: &Stencil, view: &BodyView) -> (DVec3, DVec3) {
     let world = stencil.position(view.x) + view.offset;
     (world, view.rotation.transpose() * (world - view.position))
 }
 
-impl BodyTerm for Contact {
-    fn energy(&self, _: &Body, view: &View) -> f64 {
+impl BodyTerm for PointContact {
+    fn energy(&self, _: &Body, view: &BodyView) -> f64 {
         let mut energy = 0.0;
         for i in self.felt() {
             let (e, stencil, area, law) =
@@ -108,7 +108,7 @@ impl BodyTerm for Contact {
         energy
     }
 
-    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, project: bool, block: &mut BodyBlock) {
         for i in 0..self.felt.len() {
             if !self.felt[i] {
                 continue;
@@ -119,7 +119,7 @@ impl BodyTerm for Contact {
             block.lag += (area * lag).powi(2);
             let (law, e) = (&self.law_of(i), self.pool.edge(i));
             let (world, _) = locate(&stencil, view);
-            for (c, weight) in touch.iter().flat_map(Touch::places) {
+            for (c, weight) in touch.iter().flat_map(SurfaceTouch::places) {
                 let e = e.on(law, c.distance, view.rotation * c.normal);
                 if e.pressure > 0.0 {
                     let curvature = view.rotation * c.curvature * view.rotation.transpose();
@@ -135,7 +135,7 @@ impl BodyTerm for Contact {
         }
     }
 
-    fn couple(&self, body: &Body, view: &View, motion: &Motion, change: &mut Block) {
+    fn couple(&self, body: &Body, view: &BodyView, motion: &BodyMotion, change: &mut BodyBlock) {
         for (i, (stencil, area)) in self.surface.points.iter().zip(&self.surface.area).enumerate() {
             let e = self.pool.edge(i);
             if e.sticks().is_none() {
@@ -150,7 +150,7 @@ impl BodyTerm for Contact {
         }
     }
 
-    fn clearance(&self, _: &Body, view: &View) -> f64 {
+    fn clearance(&self, _: &Body, view: &BodyView) -> f64 {
         let mut nearest = f64::INFINITY;
         for i in self.felt() {
             let (_, q) = locate(&self.surface.points[i], view);
@@ -166,7 +166,7 @@ impl BodyTerm for Contact {
         self.from = Some(from.clone());
     }
 
-    fn commit(&mut self, _: &Body, view: &View) {
+    fn commit(&mut self, _: &Body, view: &BodyView) {
         let (points, tangential) = (&self.surface.points, self.pool.law.tangential);
         self.pool.commit(|i, e| {
             let (_, q) = locate(&points[i], view);
@@ -189,7 +189,7 @@ impl BodyTerm for Contact {
         self.felt.clone_from(&self.committed);
     }
 
-    fn satisfied(&mut self, _: &Body, view: &View) -> bool {
+    fn satisfied(&mut self, _: &Body, view: &BodyView) -> bool {
         let (vertices, least) = (self.surface.vertices, self.pool.law.least());
         let stiff = self.pool.satisfied(|i| if i < vertices { least } else { 0.0 });
         self.feel(view) && stiff
@@ -204,14 +204,14 @@ impl BodyTerm for Contact {
     }
 }
 
-impl Contact {
+impl PointContact {
     /// The points that are felt.
     pub fn felt(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.felt.len()).filter(|i| self.felt[*i])
     }
 
     /// Feels the middles at which the object comes through between vertices; true if there were none.
-    fn feel(&mut self, view: &View) -> bool {
+    fn feel(&mut self, view: &BodyView) -> bool {
         let mut none = true;
         let offset = self.pool.law.offset;
         let (ahead, through) = (LOOK_AHEAD * offset, MIDDLE_CUT * offset);
@@ -233,13 +233,13 @@ impl Contact {
     }
 
     /// The law of point `i`.
-    pub fn law_of(&self, i: usize) -> Law {
+    pub fn law_of(&self, i: usize) -> ContactLaw {
         if i < self.surface.vertices { self.pool.law } else { self.pool.law.late() }
     }
 
     /// Refreshes gap, pressure and friction of edge `i`; returns how far its friction limit lags, Pa, and where it touches the object,
     /// object axes.
-    fn update(&mut self, i: usize, stencil: &Stencil, view: &View) -> (f64, Option<Touch>) {
+    fn update(&mut self, i: usize, stencil: &Stencil, view: &BodyView) -> (f64, Option<SurfaceTouch>) {
         let law = self.law_of(i);
         let (world, q) = locate(stencil, view);
         let mut touch = None;
@@ -251,7 +251,7 @@ impl Contact {
             let bound = touch.as_ref().map_or(reach, |t| t.nearest.distance);
             Arc::make_mut(&mut self.seen)[i] = Seen { at: q, bound };
         }
-        let places = touch.iter().flat_map(Touch::places);
+        let places = touch.iter().flat_map(SurfaceTouch::places);
         let places = places.map(|(c, weight)| (c.distance, view.rotation * c.normal, weight));
         let Some(lag) = self.pool.press(i, &law, places) else { return (0.0, touch) };
         let e = *self.pool.edge(i);

@@ -1,6 +1,6 @@
 //! Elastic energy, nodal forces and stiffness of one element.
 
-use super::{RestTet, Shape};
+use super::{RestTet, ShapeFunctions};
 use crate::mech::material::{Dilatation, Material, cauchy, cofactor};
 use glam::{DMat3, DVec3};
 
@@ -11,7 +11,7 @@ use glam::{DMat3, DVec3};
 /// point carries its own pressure, which locks near nu = 0.5.
 pub struct Kernel<'a, const N: usize, const Q: usize> {
     /// Shape functions and quadrature.
-    pub shape: &'a Shape<N, Q>,
+    pub shape: &'a ShapeFunctions<N, Q>,
     /// The law of the gel.
     pub material: &'a dyn Material,
     /// Average the dilatation over the element.

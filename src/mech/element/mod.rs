@@ -8,7 +8,7 @@ mod shape;
 mod stiffness;
 
 pub use kernel::Kernel;
-pub use shape::{EDGES, Shape, TET4, TET10, TET10_CENTER, TET10_NODES, tet10_values};
+pub use shape::{EDGES, ShapeFunctions, TET4, TET10, TET10_CENTER, TET10_NODES, tet10_values};
 pub use stiffness::Stiffness;
 
 use glam::{DMat3, DVec3};

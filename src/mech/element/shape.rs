@@ -2,7 +2,7 @@
 
 /// Shape functions of a tetrahedron with `N` nodes at `Q` quadrature points of equal weight.
 #[derive(Debug, Clone, Copy)]
-pub struct Shape<const N: usize, const Q: usize> {
+pub struct ShapeFunctions<const N: usize, const Q: usize> {
     /// Barycentric coordinates of the quadrature points.
     pub points: [[f64; 4]; Q],
     /// `d[q][a][k]`: derivative of shape function `a` in barycentric coordinate `k` at point `q`.
@@ -10,7 +10,7 @@ pub struct Shape<const N: usize, const Q: usize> {
 }
 
 /// The linear tetrahedron, one point: constant strain.
-pub const TET4: Shape<4, 1> = Shape {
+pub const TET4: ShapeFunctions<4, 1> = ShapeFunctions {
     points: [[0.25; 4]],
     d: [[[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]],
 };
@@ -19,13 +19,13 @@ pub const TET4: Shape<4, 1> = Shape {
 pub const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
 /// The 10-node tetrahedron with the 4-point rule of degree 2 (Keast 1986).
-pub const TET10: Shape<10, 4> = tet10(keast());
+pub const TET10: ShapeFunctions<10, 4> = tet10(keast());
 
 /// The 10-node tetrahedron seen at its nodes, where quadrature does not look.
-pub const TET10_NODES: Shape<10, 10> = tet10(nodes());
+pub const TET10_NODES: ShapeFunctions<10, 10> = tet10(nodes());
 
 /// The 10-node tetrahedron seen at its centre.
-pub const TET10_CENTER: Shape<10, 1> = tet10([[0.25; 4]]);
+pub const TET10_CENTER: ShapeFunctions<10, 1> = tet10([[0.25; 4]]);
 
 const fn keast() -> [[f64; 4]; 4] {
     // a = (5 + 3 sqrt 5) / 20, b = (5 - sqrt 5) / 20
@@ -57,7 +57,7 @@ pub fn tet10_values(l: [f64; 4]) -> [f64; 10] {
     })
 }
 
-const fn tet10<const Q: usize>(points: [[f64; 4]; Q]) -> Shape<10, Q> {
+const fn tet10<const Q: usize>(points: [[f64; 4]; Q]) -> ShapeFunctions<10, Q> {
     let mut d = [[[0.0; 4]; 10]; Q];
     let mut q = 0;
     while q < Q {
@@ -75,7 +75,7 @@ const fn tet10<const Q: usize>(points: [[f64; 4]; Q]) -> Shape<10, Q> {
         }
         q += 1;
     }
-    Shape { points, d }
+    ShapeFunctions { points, d }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 /// Elastic constants and density of a named gel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Preset {
+pub struct GelPreset {
     /// Name used in scenes.
     pub name: &'static str,
     /// Young's modulus at rest, Pa.
@@ -16,8 +16,8 @@ pub struct Preset {
 }
 
 /// All presets.
-pub const PRESETS: [Preset; 3] = [
-    Preset {
+pub const PRESETS: [GelPreset; 3] = [
+    GelPreset {
         name: "gelsight_mini",
         // 4 C10 (1 + nu) with C10 = 0.0725 MPa.
         young: 432_100.0,
@@ -25,14 +25,14 @@ pub const PRESETS: [Preset; 3] = [
         density: 1000.0,
         source: "FEATS (2024): C10 = 0.0725 MPa identified on the real sensor, nearly incompressible",
     },
-    Preset {
+    GelPreset {
         name: "tacgrasp",
         young: 5.0e5,
         poisson: 0.4,
         density: 1000.0,
         source: "values taken by users of the tactile grasp data set of DefGraspNets-like networks",
     },
-    Preset {
+    GelPreset {
         name: "biotac",
         young: 1.552_231e6,
         poisson: 0.316_454,
@@ -42,6 +42,6 @@ pub const PRESETS: [Preset; 3] = [
 ];
 
 /// The preset of this name, if there is one.
-pub fn preset(name: &str) -> Option<Preset> {
+pub fn preset(name: &str) -> Option<GelPreset> {
     PRESETS.into_iter().find(|p| p.name == name)
 }

@@ -1,4 +1,4 @@
-//! The Newton system in arrow form: one sparse block per body, one small dense border.
+//! The Newton system in arrow form: one sparse block per body, one small dense block of rigid unknowns.
 //!
 //! ```text
 //! | K1       B1 | |dx1|     |g1|
@@ -10,8 +10,8 @@ use crate::error::Result;
 use crate::mech::body::Body;
 use crate::mech::body::cholesky::Factor;
 use crate::mech::body::pattern::FIXED;
-use crate::mech::potential::state::{MAX_BORDER, Step};
-use crate::mech::potential::term::Block;
+use crate::mech::potential::state::{MAX_RIGID, NewtonStep};
+use crate::mech::potential::term::BodyBlock;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -20,22 +20,22 @@ pub struct ArrowBlock {
     /// The body.
     pub body: Arc<Body>,
     /// Its gradient and Hessian.
-    pub block: Block,
+    pub block: BodyBlock,
     /// Gradients to be solved for beside those of `block`.
-    pub extra: Block,
+    pub extra: BodyBlock,
     factor: Factor,
     rhs: Vec<f64>,
 }
 
 impl ArrowBlock {
-    /// Storage for `body` with `columns` border columns.
+    /// Storage for `body` with `columns` rigid columns.
     ///
     /// # Errors
     /// When the factorisation cannot be analysed.
     pub fn new(body: Arc<Body>, columns: usize) -> Result<Self> {
-        let block = Block::new(&body, columns);
+        let block = BodyBlock::new(&body, columns);
         let factor = Factor::new(body.symbolic()?, columns + 1);
-        let extra = Block::gradients(&body);
+        let extra = BodyBlock::gradients(&body);
         Ok(Self { body, block, extra, factor, rhs: Vec::new() })
     }
 
@@ -44,7 +44,7 @@ impl ArrowBlock {
         self.factor.factorize(self.body.pattern(), &self.block.values)
     }
 
-    /// Solves for the gradient; for all border columns at once if `columns` are new.
+    /// Solves for the gradient; for all rigid columns at once if `columns` are new.
     pub fn solve(&mut self, columns: bool) {
         let n = self.body.unknowns();
         let coupled = self.block.coupling.len();
@@ -65,9 +65,9 @@ impl ArrowBlock {
     }
 
     /// `B^T K^-1 B` and `B^T K^-1 g` of this body.
-    fn schur(&self, size: usize) -> ([[f64; MAX_BORDER]; MAX_BORDER], [f64; MAX_BORDER]) {
+    fn schur(&self, size: usize) -> ([[f64; MAX_RIGID]; MAX_RIGID], [f64; MAX_RIGID]) {
         let n = self.body.unknowns();
-        let (mut s, mut r) = ([[0.0; MAX_BORDER]; MAX_BORDER], [0.0; MAX_BORDER]);
+        let (mut s, mut r) = ([[0.0; MAX_RIGID]; MAX_RIGID], [0.0; MAX_RIGID]);
         for i in 0..size {
             let b = &self.block.coupling[i * n..(i + 1) * n];
             for (j, target) in s[i].iter_mut().enumerate().take(size) {
@@ -83,30 +83,30 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Combines solved blocks into the full Newton step; `extra` (N/m) is added to the border's diagonal. Negative or tiny
-/// curvature of the border (rigid modes of an object that nothing holds yet) is replaced by its magnitude and shifted so that
-/// the border moves by at most `cap` (m): the step descends and stays finite, does not depend on the basis of modes of equal
-/// stiffness, and the solution is not changed because only the matrix is. Of the `size` columns of the border the first `unknowns`
+/// Combines solved blocks into the full Newton step; `extra` (N/m) is added to the rigid unknowns' diagonal. Negative or tiny
+/// curvature of the rigid unknowns (rigid modes of an object that nothing holds yet) is replaced by its magnitude and shifted so that
+/// the rigid unknowns move by at most `cap` (m): the step descends and stays finite, does not depend on the basis of modes of equal
+/// stiffness, and the solution is not changed because only the matrix is. Of the `size` columns of the rigid the first `unknowns`
 /// move.
 pub fn step(
     blocks: &[ArrowBlock],
-    border_gradient: &[f64; MAX_BORDER],
+    rigid_gradient: &[f64; MAX_RIGID],
     [unknowns, size]: [usize; 2],
     extra: f64,
     cap: f64,
-) -> Step {
-    let (mut s, mut g) = ([[0.0; MAX_BORDER]; MAX_BORDER], *border_gradient);
+) -> NewtonStep {
+    let (mut s, mut g) = ([[0.0; MAX_RIGID]; MAX_RIGID], *rigid_gradient);
     for b in blocks {
         let (schur, reduced) = b.schur(size);
         for i in 0..size {
             for j in 0..size {
-                s[i][j] += b.block.border_hessian[i][j] - schur[i][j];
+                s[i][j] += b.block.rigid_hessian[i][j] - schur[i][j];
             }
             g[i] -= reduced[i];
         }
     }
     (0..size).for_each(|i| s[i][i] += extra);
-    let dy = solve_border(&s, &g, unknowns, cap);
+    let dy = solve_rigid(&s, &g, unknowns, cap);
     let x = blocks
         .iter()
         .map(|b| {
@@ -132,22 +132,17 @@ pub fn step(
                 .collect()
         })
         .collect();
-    Step { x, border: dy }
+    NewtonStep { x, rigid: dy }
 }
 
-/// Smallest border stiffness divided by, over the largest: far below any contact, above rounding.
+/// Smallest stiffness of a rigid unknown divided by, over the largest: far below any contact, above rounding.
 const STIFFNESS_FLOOR: f64 = 1e-10;
 /// Bisections for the shift: it need not be sharp.
 const BISECTIONS: u32 = 30;
 
-/// Solves `|S| dy = -g` through the eigenvalues of the border's Schur complement.
-fn solve_border(
-    s: &[[f64; MAX_BORDER]; MAX_BORDER],
-    g: &[f64; MAX_BORDER],
-    size: usize,
-    cap: f64,
-) -> [f64; MAX_BORDER] {
-    let mut dy = [0.0; MAX_BORDER];
+/// Solves `|S| dy = -g` through the eigenvalues of the rigid unknowns' Schur complement.
+fn solve_rigid(s: &[[f64; MAX_RIGID]; MAX_RIGID], g: &[f64; MAX_RIGID], size: usize, cap: f64) -> [f64; MAX_RIGID] {
+    let mut dy = [0.0; MAX_RIGID];
     if size == 0 {
         return dy;
     }

@@ -7,7 +7,7 @@
 
 use super::Newton;
 use super::arrow;
-use crate::mech::potential::state::{MAX_BORDER, State, Step};
+use crate::mech::potential::state::{MAX_RIGID, NewtonStep, State};
 use rayon::prelude::*;
 
 /// Most corrections of one direction.
@@ -18,16 +18,22 @@ const CONTRACTION: f64 = 0.7;
 const ENOUGH: f64 = 0.03;
 
 impl Newton {
-    /// The step from the assembled and factorised state `now`, and the border gradient it answers; no step in the border is
+    /// The step from the assembled and factorised state `now`, and the gradient of the rigid unknowns it answers; no step in the rigid unknowns is
     /// longer than `cap` (m) along an axis of its own. `anew`: the factorisation is new. `follow`: friction limits follow.
-    pub(crate) fn direction(&mut self, now: &State, cap: f64, anew: bool, follow: bool) -> (Step, [f64; MAX_BORDER]) {
+    pub(crate) fn direction(
+        &mut self,
+        now: &State,
+        cap: f64,
+        anew: bool,
+        follow: bool,
+    ) -> (NewtonStep, [f64; MAX_RIGID]) {
         self.blocks.par_iter_mut().for_each(|b| {
             b.extra.clear(false);
             b.solve(anew);
         });
-        let gradient = self.border_gradient(now);
-        let extra = self.proximal.as_ref().map_or(0.0, |springs| springs.border);
-        let columns = [self.unknowns(), self.border.size];
+        let gradient = self.rigid_gradient(now);
+        let extra = self.proximal.as_ref().map_or(0.0, |springs| springs.rigid);
+        let columns = [self.unknowns(), self.rigid.size];
         let plain = arrow::step(&self.blocks, &gradient, columns, extra, cap);
         if !follow {
             return (plain, gradient);
@@ -40,7 +46,7 @@ impl Newton {
             self.blocks.par_iter_mut().for_each(|b| b.solve(false));
             let mut g = gradient;
             for b in &self.blocks {
-                g.iter_mut().zip(b.extra.border_gradient).for_each(|(g, e)| *g += e);
+                g.iter_mut().zip(b.extra.rigid_gradient).for_each(|(g, e)| *g += e);
             }
             let next = arrow::step(&self.blocks, &g, columns, extra, cap);
             let change = next.distance(&step);
@@ -57,11 +63,11 @@ impl Newton {
     }
 
     /// Collects how the forces change along `step` beyond what the Hessian says; false if they do not.
-    fn couple(&mut self, now: &State, step: &Step) -> bool {
-        let (border, terms) = (&self.border, &self.terms);
+    fn couple(&mut self, now: &State, step: &NewtonStep) -> bool {
+        let (rigid, terms) = (&self.rigid, &self.terms);
         self.blocks.par_iter_mut().enumerate().for_each(|(i, b)| {
             b.extra.clear(false);
-            let view = now.view(i, border);
+            let view = now.view(i, rigid);
             terms[i].iter().for_each(|t| t.couple(&b.body, &view, &step.motion(i, &view), &mut b.extra));
         });
         self.blocks.iter().any(|b| b.extra.activity > 0.0)

@@ -1,4 +1,4 @@
-//! The incremental potential: bodies with their terms, the border that joins them, and the system Newton's method solves.
+//! The incremental potential: bodies with their terms, the rigid unknowns that join them, and the system Newton's method solves.
 
 pub mod arrow;
 mod direction;
@@ -11,7 +11,7 @@ use self::arrow::ArrowBlock;
 use self::effort::Effort;
 use self::proximal::Proximal;
 use super::body::Body;
-use super::potential::state::{Border, Departure, MAX_BORDER, State, Step};
+use super::potential::state::{Departure, MAX_RIGID, NewtonStep, RigidUnknowns, State};
 use super::potential::term::BodyTerm;
 use crate::error::Result;
 use crate::scales::{DISPLACEMENT_TOLERANCE, LARGEST_MOTION};
@@ -21,7 +21,7 @@ use std::time::Instant;
 
 /// When to stop, and how far one iteration may go.
 #[derive(Debug, Clone, Copy)]
-pub struct Tolerance {
+pub struct NewtonTolerance {
     /// Largest norm of the out-of-balance forces relative to the contact forces.
     pub relative: f64,
     /// The same absolutely, where there is no contact, N.
@@ -38,7 +38,7 @@ pub struct Tolerance {
     pub offset: f64,
 }
 
-impl Tolerance {
+impl NewtonTolerance {
     /// The usual one, where contact has this `offset` (m).
     pub fn new(offset: f64) -> Self {
         let [length, motion] = [DISPLACEMENT_TOLERANCE, LARGEST_MOTION].map(|offsets| offsets * offset);
@@ -125,7 +125,7 @@ impl std::fmt::Display for Failure {
 
 /// Wall time by stage, s.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Profile {
+pub struct SolverProfile {
     /// Element and contact gradients and Hessians.
     pub assembly: f64,
     /// Numeric Cholesky factorisation.
@@ -142,16 +142,16 @@ pub struct Profile {
     pub frozen: u64,
 }
 
-/// Bodies with their terms, and the border that joins them.
+/// Bodies with their terms, and the rigid unknowns that join them.
 pub struct Newton {
     /// Terms of each body.
     pub terms: Vec<Vec<Box<dyn BodyTerm>>>,
     /// Border layout.
-    pub border: Border,
+    pub rigid: RigidUnknowns,
     /// Force along each driven travel, N.
     pub force: Vec<f64>,
     /// Timings.
-    pub profile: Profile,
+    pub profile: SolverProfile,
     /// The springs of a pseudo-time step, on paths without stable equilibria.
     pub proximal: Option<Proximal>,
     /// The object is held where it is: its pose is no unknown.
@@ -166,15 +166,15 @@ impl Newton {
     ///
     /// # Errors
     /// When the factorisation of a body cannot be analysed.
-    pub fn new(bodies: Vec<Arc<Body>>, terms: Vec<Vec<Box<dyn BodyTerm>>>, border: Border) -> Result<Self> {
+    pub fn new(bodies: Vec<Arc<Body>>, terms: Vec<Vec<Box<dyn BodyTerm>>>, rigid: RigidUnknowns) -> Result<Self> {
         // Analyses take long the first time.
-        let blocks: Vec<_> = bodies.into_par_iter().map(|b| ArrowBlock::new(b, border.size)).collect::<Result<_>>()?;
+        let blocks: Vec<_> = bodies.into_par_iter().map(|b| ArrowBlock::new(b, rigid.size)).collect::<Result<_>>()?;
         let force = vec![0.0; blocks.len()];
         Ok(Self {
             terms,
-            border,
+            rigid,
             force,
-            profile: Profile::default(),
+            profile: SolverProfile::default(),
             proximal: None,
             held: false,
             effort: Effort::default(),
@@ -192,7 +192,7 @@ impl Newton {
     /// # Errors
     /// When its factorisation cannot be analysed.
     pub fn exchange(&mut self, index: usize, body: Arc<Body>) -> Result<()> {
-        self.blocks[index] = ArrowBlock::new(body, self.border.size)?;
+        self.blocks[index] = ArrowBlock::new(body, self.rigid.size)?;
         Ok(())
     }
 
@@ -206,7 +206,7 @@ impl Newton {
         let bodies: Vec<f64> = (0..self.blocks.len())
             .into_par_iter()
             .map(|i| {
-                let view = state.view(i, &self.border);
+                let view = state.view(i, &self.rigid);
                 self.terms[i].iter().map(|t| t.energy(&self.blocks[i].body, &view)).sum()
             })
             .collect();
@@ -217,7 +217,7 @@ impl Newton {
     /// A distance that every point may move from `state` before anything is touched, m.
     pub fn clearance(&self, state: &State) -> f64 {
         let of = |(i, terms): (usize, &Vec<Box<dyn BodyTerm>>)| {
-            let view = state.view(i, &self.border);
+            let view = state.view(i, &self.rigid);
             terms.iter().map(|t| t.clearance(&self.blocks[i].body, &view)).fold(f64::INFINITY, f64::min)
         };
         self.terms.iter().enumerate().map(of).fold(f64::INFINITY, f64::min)
@@ -225,7 +225,7 @@ impl Newton {
 
     /// Work of the finger forces, J.
     fn work(&self, state: &State) -> f64 {
-        let driven = self.border.travel.iter().enumerate().filter(|(_, c)| c.is_some());
+        let driven = self.rigid.travel.iter().enumerate().filter(|(_, c)| c.is_some());
         driven.map(|(i, _)| self.force[i] * state.travel[i]).sum()
     }
 
@@ -236,10 +236,10 @@ impl Newton {
 
     /// Assembles gradients at `state`, and Hessians if wanted.
     pub(crate) fn assemble_some(&mut self, state: &State, project: bool, hessian: bool) {
-        let (border, proximal) = (&self.border, &self.proximal);
+        let (rigid, proximal) = (&self.rigid, &self.proximal);
         self.blocks.par_iter_mut().zip(self.terms.par_iter_mut()).enumerate().for_each(|(i, (b, terms))| {
             b.block.clear(hessian);
-            let view = state.view(i, border);
+            let view = state.view(i, rigid);
             for t in terms {
                 t.assemble(&b.body, &view, project, &mut b.block);
             }
@@ -255,34 +255,34 @@ impl Newton {
     }
 
     /// Border gradient after [`Newton::assemble`] at `state`, N.
-    pub fn border_gradient(&self, state: &State) -> [f64; MAX_BORDER] {
-        let mut g = [0.0; MAX_BORDER];
+    pub fn rigid_gradient(&self, state: &State) -> [f64; MAX_RIGID] {
+        let mut g = [0.0; MAX_RIGID];
         for b in &self.blocks {
-            for (g, v) in g.iter_mut().zip(b.block.border_gradient) {
+            for (g, v) in g.iter_mut().zip(b.block.rigid_gradient) {
                 *g += v;
             }
         }
-        for (i, column) in self.border.travel.iter().enumerate() {
+        for (i, column) in self.rigid.travel.iter().enumerate() {
             if let Some(c) = column {
                 g[*c] -= self.force[i];
             }
         }
         if let Some(springs) = &self.proximal {
-            g.iter_mut().zip(springs.border_gradient(self, state)).for_each(|(g, pull)| *g += pull);
+            g.iter_mut().zip(springs.rigid_gradient(self, state)).for_each(|(g, pull)| *g += pull);
         }
         // What holds the object answers every force on it.
         g[self.unknowns()..].fill(0.0);
         g
     }
 
-    /// Number of columns of the border that are unknowns: those of the pose come last.
+    /// Number of rigid columns that are unknowns: those of the pose come last.
     pub(crate) fn unknowns(&self) -> usize {
-        self.border.pose.filter(|_| self.held).unwrap_or(self.border.size)
+        self.rigid.pose.filter(|_| self.held).unwrap_or(self.rigid.size)
     }
 
     /// Norm of all out-of-balance forces and of what lagged forces still miss, N.
     pub(crate) fn residual(&self, state: &State) -> (f64, f64) {
-        let border: f64 = self.border_gradient(state)[..self.border.size].iter().map(|v| v * v).sum();
+        let rigid: f64 = self.rigid_gradient(state)[..self.rigid.size].iter().map(|v| v * v).sum();
         let nodes: f64 = self
             .blocks
             .iter()
@@ -292,7 +292,7 @@ impl Newton {
             })
             .sum();
         let lag: f64 = self.blocks.iter().map(|b| b.block.lag).sum();
-        ((border + nodes).sqrt(), lag.sqrt())
+        ((rigid + nodes).sqrt(), lag.sqrt())
     }
 
     /// Largest contact force on a body, N.
@@ -302,7 +302,7 @@ impl Newton {
 
     /// True if some driven finger carries no contact force at all.
     pub(crate) fn untouched(&self) -> bool {
-        let driven = self.blocks.iter().zip(&self.border.travel);
+        let driven = self.blocks.iter().zip(&self.rigid.travel);
         driven.into_iter().any(|(b, column)| column.is_some() && b.block.activity == 0.0)
     }
 
@@ -320,20 +320,20 @@ impl Newton {
     }
 
     /// Largest motion of any node relative to the object in a step, m.
-    pub(crate) fn motion(&self, step: &Step) -> f64 {
+    pub(crate) fn motion(&self, step: &NewtonStep) -> f64 {
         let nodes = step.x.iter().flatten().map(|d| d.length_squared()).fold(0.0, f64::max).sqrt();
-        nodes + step.border[..self.border.size].iter().map(|d| d.abs()).fold(0.0, f64::max)
+        nodes + step.rigid[..self.rigid.size].iter().map(|d| d.abs()).fold(0.0, f64::max)
     }
 
     /// Directional derivative of the energy along the step, J.
-    pub(crate) fn slope(&self, step: &Step, border: &[f64; MAX_BORDER]) -> f64 {
+    pub(crate) fn slope(&self, step: &NewtonStep, rigid: &[f64; MAX_RIGID]) -> f64 {
         let nodes: f64 = self
             .blocks
             .iter()
             .zip(&step.x)
             .map(|(b, d)| b.block.gradient.iter().zip(d).map(|(g, d)| g.dot(*d)).sum::<f64>())
             .sum();
-        nodes + border.iter().zip(&step.border).map(|(g, d)| g * d).sum::<f64>()
+        nodes + rigid.iter().zip(&step.rigid).map(|(g, d)| g * d).sum::<f64>()
     }
 
     /// Sets how far lagged quantities follow in one iteration.
@@ -355,7 +355,7 @@ impl Newton {
     pub(crate) fn depart(&mut self, from: &State) {
         let from = Arc::new(from.clone());
         for (i, terms) in self.terms.iter_mut().enumerate() {
-            let departure = Departure::new(from.clone(), i, &self.border);
+            let departure = Departure::new(from.clone(), i, &self.rigid);
             terms.iter_mut().for_each(|t| t.depart(&departure));
         }
     }
@@ -363,7 +363,7 @@ impl Newton {
     /// Takes over the history of an accepted state.
     pub fn commit(&mut self, state: &State) {
         for (i, (b, terms)) in self.blocks.iter().zip(self.terms.iter_mut()).enumerate() {
-            let view = state.view(i, &self.border);
+            let view = state.view(i, &self.rigid);
             terms.iter_mut().for_each(|t| t.commit(&b.body, &view));
         }
     }

@@ -1,8 +1,8 @@
 //! Newton's method with line search on the incremental potential.
 
 use super::lagging::Lagging;
-use super::{Converged, Failure, Newton, Tolerance};
-use crate::mech::potential::state::{MAX_BORDER, State, Step};
+use super::{Converged, Failure, Newton, NewtonTolerance};
+use crate::mech::potential::state::{MAX_RIGID, NewtonStep, State};
 use crate::mech::potential::term::BodyTerm;
 use crate::scales::SHARP_MOTION;
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ const RESTING_FACTOR: f64 = 2.0;
 const FALLING: f64 = 0.9;
 /// Iterations without any contact after which a driven finger counts as closing on nothing.
 const UNTOUCHED: u32 = 10;
-/// Longest stride of the border in one iteration, as a part of the largest motion.
+/// Longest stride of the rigid unknowns in one iteration, as a part of the largest motion.
 const STRIDE: f64 = 0.2;
 /// Iterations with the longest stride allowed after which an object counts as rolling or sliding away.
 const CRAWLING: u32 = 8;
@@ -31,7 +31,12 @@ impl Newton {
     ///
     /// # Errors
     /// [`Failure`] says why; the terms' history is untouched, so a smaller increment can be tried.
-    pub fn solve(&mut self, from: &State, start: State, tolerance: &Tolerance) -> Result<(State, Converged), Failure> {
+    pub fn solve(
+        &mut self,
+        from: &State,
+        start: State,
+        tolerance: &NewtonTolerance,
+    ) -> Result<(State, Converged), Failure> {
         self.depart(from);
         let mut now = start;
         let mut limit = tolerance.iterations;
@@ -66,10 +71,10 @@ impl Newton {
             resting = if rests { resting + 1 } else { 0 };
             let at_rest = resting >= RESTING && residual <= RESTING_FACTOR * allowed;
             if at_rest || residual <= allowed && (last_motion <= tolerance.length || residual <= 0.01 * allowed) {
-                let (border, blocks) = (&self.border, &self.blocks);
+                let (rigid, blocks) = (&self.rigid, &self.blocks);
                 // Every term must be asked: each may strengthen itself.
                 let ask = |(i, terms): (usize, &mut Vec<Box<dyn BodyTerm>>)| {
-                    let view = now.view(i, border);
+                    let view = now.view(i, rigid);
                     terms.iter_mut().map(|t| t.satisfied(&blocks[i].body, &view)).filter(|held| !held).count() == 0
                 };
                 let held: Vec<bool> = self.terms.par_iter_mut().enumerate().map(ask).collect();
@@ -118,7 +123,7 @@ impl Newton {
                     return Err(Failure::LineSearch(residual));
                 }
                 Some((next, motion, alpha)) => {
-                    let stride = alpha * step.border.iter().map(|d| d * d).sum::<f64>().sqrt();
+                    let stride = alpha * step.rigid.iter().map(|d| d * d).sum::<f64>().sqrt();
                     let crawls = self.proximal.is_none() && stride > 0.95 * STRIDE * tolerance.motion;
                     crawled = if crawls { crawled + 1 } else { 0 };
                     if crawled >= CRAWLING {
@@ -139,20 +144,20 @@ impl Newton {
     fn line_search(
         &self,
         now: &State,
-        step: &Step,
-        border: &[f64; MAX_BORDER],
+        step: &NewtonStep,
+        rigid: &[f64; MAX_RIGID],
         cap: f64,
         longest: f64,
     ) -> Option<(State, f64, f64)> {
         let motion = self.motion(step);
-        let slope = self.slope(step, border);
+        let slope = self.slope(step, rigid);
         if !motion.is_finite() || !slope.is_finite() {
             return None;
         }
         let start = self.energy(now);
         let mut alpha = (cap / motion.max(f64::MIN_POSITIVE)).min(longest);
         for trial in 0..30 {
-            let next = now.moved(&self.border, step, alpha);
+            let next = now.moved(&self.rigid, step, alpha);
             let energy = self.energy(&next);
             // Rounding of the sum over elements is about 1e-14 of the energy.
             if energy <= start + 1e-4 * alpha * slope + 1e-14 * start.abs() {

@@ -35,8 +35,8 @@ pub struct Methods {
     pub frozen: u64,
     /// Iterations whose stiffness had to be projected.
     pub projected: u64,
-    /// Walks in pseudo-time.
-    pub walks: u64,
+    /// Pseudo-transient continuations.
+    pub pseudo_transient: u64,
     /// Pads condensed anew on the way to a level.
     pub condensed_anew: u64,
     /// Grasps that went on with whole pads where condensed ones got no further.
@@ -52,7 +52,7 @@ impl Methods {
             ("halved", self.halved),
             ("with friction frozen", self.frozen),
             ("with projected stiffness", self.projected),
-            ("walks", self.walks),
+            ("in pseudo-time", self.pseudo_transient),
             ("condensed anew", self.condensed_anew),
             ("gone on whole", self.whole),
         ]
@@ -66,7 +66,7 @@ impl AddAssign for Methods {
         self.halved += more.halved;
         self.frozen += more.frozen;
         self.projected += more.projected;
-        self.walks += more.walks;
+        self.pseudo_transient += more.pseudo_transient;
         self.condensed_anew += more.condensed_anew;
         self.whole += more.whole;
     }
@@ -82,7 +82,7 @@ impl fmt::Display for Methods {
 }
 
 /// How the pads are discretised: what an attempt takes beyond an equilibrium.
-pub trait Pads {
+pub trait PadDiscretisation {
     /// Whether an attempt may fail after its equilibrium was accepted, and whether the pads may be discretised anew.
     fn corrects(&self) -> bool {
         false
@@ -110,9 +110,9 @@ pub trait Pads {
 }
 
 /// Pads of which every node is an unknown.
-pub struct Whole;
+pub struct WholePads;
 
-impl Pads for Whole {}
+impl PadDiscretisation for WholePads {}
 
 /// Halvings of an increment before another method: of a path with nothing but bodies, and of one that can walk.
 const HALVINGS: [u32; 2] = [12, 3];
@@ -128,18 +128,18 @@ impl Path {
     /// # Errors
     /// The last [`Failure`] when no method is left. State, history and level are then those of the last accepted increment, or, after
     /// [`Failure::Underway`], those at the end of a stage.
-    pub fn advance(&mut self, load: Load, target: f64, pads: &mut dyn Pads) -> Result<Advanced, Failure> {
-        let walks = self.newton.border.size > 0;
+    pub fn advance(&mut self, load: Load, target: f64, pads: &mut dyn PadDiscretisation) -> Result<Advanced, Failure> {
+        let can_roll = self.newton.rigid.size > 0;
         let (mut done, mut halvings, mut changes) = (Advanced::default(), 0, 0);
         loop {
             let rest = target - self.level;
             let size = self.step.next(rest).clamp(-self.longest(load), self.longest(load));
             let next = if size.abs() >= rest.abs() { target } else { self.level + size };
-            // An object on a leash is followed at once: smaller increments would only find out later that it slides.
-            let most = if self.leash.is_some() || size == 0.0 { 0 } else { HALVINGS[usize::from(walks)] };
+            // An object with a largest drift is followed at once: smaller increments would only find out later that it slides.
+            let most = if self.largest_drift.is_some() || size == 0.0 { 0 } else { HALVINGS[usize::from(can_roll)] };
             let last_resort = halvings >= most || self.exhausted();
             let cost = done.iterations;
-            let failure = match self.attempt(load, next, next == target, last_resort && walks, pads, &mut done) {
+            let failure = match self.attempt(load, next, next == target, last_resort && can_roll, pads, &mut done) {
                 Ok(error) => {
                     self.methods.increments += 1;
                     if size != 0.0 {
@@ -190,8 +190,8 @@ impl Path {
         load: Load,
         next: f64,
         result: bool,
-        walk: bool,
-        pads: &mut dyn Pads,
+        pseudo_time: bool,
+        pads: &mut dyn PadDiscretisation,
         done: &mut Advanced,
     ) -> Result<f64, Failure> {
         let saved = pads.corrects().then(|| self.checkpoint());
@@ -202,7 +202,7 @@ impl Path {
         let before = (self.state.clone(), self.level);
         let start = self.start(load, next);
         let to = (next != self.level).then_some(next);
-        let settled = self.settle(start, to, walk, done);
+        let settled = self.settle(start, to, pseudo_time, done);
         match settled.and_then(|error| pads.correct(self, next, result, done).map(|()| error)) {
             Ok(error) => {
                 if to.is_some() {

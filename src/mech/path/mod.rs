@@ -8,7 +8,7 @@ pub mod step_size;
 
 use self::continuation::Methods;
 use self::step_size::{REFUSED, StepSize};
-use super::newton::{Converged, Failure, Newton, Tolerance};
+use super::newton::{Converged, Failure, Newton, NewtonTolerance};
 use super::potential::state::State;
 
 /// A quasi-static loading path: solver, accepted state, and the history its predictor needs. [`Path::advance`](self::continuation) goes along it.
@@ -20,29 +20,29 @@ pub struct Path {
     /// Load level of `state`: force per finger (N) or prescribed travel (m), whatever [`Load`] says.
     pub level: f64,
     /// Convergence criteria.
-    pub tolerance: Tolerance,
+    pub tolerance: NewtonTolerance,
     /// How far the path may bend away from a straight increment, over the displacement, and the load with which it begins (N or m); None
     /// where the answer does not depend on the path.
-    pub control: Option<Control>,
-    /// Motion of the object in one walk at which it counts as lost, m; None follows it however far it goes.
-    pub leash: Option<f64>,
-    /// Motion of the object after which a walk halts on its way, m; None walks on to where the object rests.
+    pub control: Option<PathControl>,
+    /// Motion of the object in one pseudo-transient continuation at which it counts as lost, m; None follows it however far it goes.
+    pub largest_drift: Option<f64>,
+    /// Motion of the object after which pseudo-transient continuation halts on its way, m; None goes on to where the object rests.
     pub stage: Option<f64>,
     /// How often each method was used.
     pub methods: Methods,
-    /// A walk has halted in `state`, which is no equilibrium: the next one goes on there.
+    /// A pseudo-transient continuation has halted in `state`, which is no equilibrium: the next one goes on there.
     pub(crate) underway: bool,
     /// The accepted state before `state`, with its level.
     pub(crate) history: Option<(State, f64)>,
     /// Size of the next increment.
     pub(crate) step: StepSize,
-    /// Iterations of walks and of increments that failed.
+    /// Iterations of pseudo-transient continuation and of increments that failed.
     spent: u32,
 }
 
 /// What increments go by where friction makes the answer depend on the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Control {
+pub struct PathControl {
     /// How far the path may bend away from a straight increment, over the displacement.
     pub bend: f64,
     /// The load with which the path begins, N or m.
@@ -88,19 +88,19 @@ pub enum Load {
 
 /// How much looser intermediate states may be than results.
 pub(crate) const LOOSE: f64 = 20.0;
-/// Iterations that walks and failed increments may take before the path is given up.
+/// Iterations that pseudo-transient continuations and failed increments may take before the path is given up.
 const ENDURANCE: u32 = 4000;
 
 impl Path {
     /// Starts at `state`, which must be in equilibrium at level zero.
-    pub fn new(newton: Newton, state: State, tolerance: Tolerance) -> Self {
+    pub fn new(newton: Newton, state: State, tolerance: NewtonTolerance) -> Self {
         Self {
             newton,
             state,
             level: 0.0,
             tolerance,
             control: None,
-            leash: None,
+            largest_drift: None,
             stage: None,
             methods: Methods::default(),
             underway: false,
@@ -110,7 +110,7 @@ impl Path {
         }
     }
 
-    /// True once so much was spent on walks and on increments that failed that the next failure ends the path.
+    /// True once so much was spent on pseudo-transient continuations and on increments that failed that the next failure ends the path.
     pub fn exhausted(&self) -> bool {
         self.spent >= ENDURANCE
     }
@@ -142,19 +142,19 @@ impl Path {
     /// Solves once more at the level reached, to the full tolerance.
     ///
     /// # Errors
-    /// The [`Failure`]; the state stays as it was, or after [`Failure::Underway`] is where the walk halted.
+    /// The [`Failure`]; the state stays as it was, or after [`Failure::Underway`] is where pseudo-transient continuation halted.
     pub fn polish(&mut self) -> Result<Advanced, Failure> {
         let mut done = Advanced::default();
         self.settle(self.state.clone(), None, true, &mut done).map(|_| done)
     }
 
-    /// Solves from `start`, which is at level `to` if that is another one, and accepts the result; if that fails and `walk` is set, walks
+    /// Solves from `start`, which is at level `to` if that is another one, and accepts the result; if that fails and `pseudo_time` is set, follows the object
     /// there from the accepted state. Returns the error of the increment over the error allowed.
     pub(crate) fn settle(
         &mut self,
         start: State,
         to: Option<f64>,
-        walk: bool,
+        pseudo_time: bool,
         done: &mut Advanced,
     ) -> Result<f64, Failure> {
         if !std::mem::take(&mut self.underway) {
@@ -176,17 +176,17 @@ impl Path {
             self.newton.rollback();
             done.iterations += self.tolerance.iterations;
             self.spent += self.tolerance.iterations;
-            if !walk || self.newton.border.size == 0 || self.exhausted() || failure.is_out_of_effort() {
+            if !pseudo_time || self.newton.rigid.size == 0 || self.exhausted() || failure.is_out_of_effort() {
                 return Err(failure);
             }
         }
-        self.methods.walks += 1;
+        self.methods.pseudo_transient += 1;
         let saved = self.newton.save();
         let before = done.iterations;
-        let walked = self.walk(done);
+        let followed = self.pseudo_transient(done);
         self.spent += done.iterations - before;
         self.newton.proximal = None;
-        match walked {
+        match followed {
             Ok(state) => {
                 (self.state, self.history) = (state, None);
                 Ok(0.0)

@@ -29,8 +29,8 @@ impl Path {
                 largest = largest.max(u);
             }
         }
-        let border = &self.newton.border;
-        let [d0, d1] = [border.difference(&self.state, before), border.difference(next, &self.state)];
+        let rigid = &self.newton.rigid;
+        let [d0, d1] = [rigid.difference(&self.state, before), rigid.difference(next, &self.state)];
         let turned = d1.iter().zip(d0).map(|(d1, d0)| (d1 - q * d0).powi(2)).sum::<f64>();
         if moved == 0.0 {
             return 0.0;

@@ -2,15 +2,15 @@
 
 use super::{Advanced, LOOSE, Path};
 use crate::mech::newton::proximal::Proximal;
-use crate::mech::newton::{Converged, Failure, Tolerance};
+use crate::mech::newton::{Converged, Failure, NewtonTolerance};
 use crate::mech::potential::state::State;
-use crate::scales::{GONE, WALK_BEGINS, WALK_REACH};
+use crate::scales::{GONE, PSEUDO_TIME_BEGINS, PSEUDO_TIME_REACH};
 
-/// Most iterations of one pseudo-time step, and of one walk; most steps of a walk that fail.
-const WALKING: u32 = 25;
+/// Most iterations of one pseudo-time step, and of one pseudo-transient continuation; most steps of one pseudo-transient continuation that fail.
+const STEP_ITERATIONS: u32 = 25;
 const PATIENCE: u32 = 2000;
 const FAILURES: u32 = 20;
-/// Stiffness of the springs of the nodes over those of the border.
+/// Stiffness of the springs of the nodes over those of the rigid unknowns.
 const NODES: f64 = 0.3;
 /// Forces out of balance that a step may leave, over those that drive it.
 const FOLLOWED: f64 = 0.3;
@@ -28,11 +28,11 @@ impl Path {
     /// Pseudo-time steps at fixed load from the accepted state, each an equilibrium with a spring to the one before, until
     /// an equilibrium without the spring is near: follows an object that rolls or slides to where it comes to rest, or to the
     /// end of a stage, which becomes the accepted state.
-    pub(crate) fn walk(&mut self, done: &mut Advanced) -> Result<State, Failure> {
+    pub(crate) fn pseudo_transient(&mut self, done: &mut Advanced) -> Result<State, Failure> {
         let load = self.newton.force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let full = self.tolerance;
         let floor = full.force.max(full.relative * load);
-        let [begins, reach, gone] = [WALK_BEGINS, WALK_REACH, GONE].map(|offsets| offsets * full.offset);
+        let [begins, reach, gone] = [PSEUDO_TIME_BEGINS, PSEUDO_TIME_REACH, GONE].map(|offsets| offsets * full.offset);
         let mut stiffness = load / begins;
         let mut state = self.state.clone();
         // A step that failed is not tried again soon with a spring as soft.
@@ -41,12 +41,12 @@ impl Path {
         let mut slack = LOOSE;
         let (mut failures, mut apart, mut spent) = (0, 0.0, 0);
         while spent < PATIENCE {
-            let springs = Proximal { center: state.clone(), border: stiffness, nodes: NODES * stiffness };
+            let springs = Proximal { center: state.clone(), rigid: stiffness, nodes: NODES * stiffness };
             self.newton.proximal = Some(springs);
-            let tolerance = Tolerance {
+            let tolerance = NewtonTolerance {
                 relative: slack * full.relative,
                 force: slack * full.force,
-                iterations: full.iterations.min(WALKING),
+                iterations: full.iterations.min(STEP_ITERATIONS),
                 passing: slack > 1.0,
                 ..full
             };
@@ -55,7 +55,7 @@ impl Path {
                     self.newton.commit(&next);
                     spent += converged.iterations;
                     done.iterations += converged.iterations;
-                    let way = |from: &State| self.newton.border.distance(&next, from);
+                    let way = |from: &State| self.newton.rigid.distance(&next, from);
                     let (moved, total) = (way(&state), way(&self.state));
                     let beyond = |most: Option<f64>| most.is_some_and(|most| total > most);
                     let pull = self.newton.proximal.as_ref().map_or(0.0, |springs| springs.pull(&self.newton, &next));
@@ -66,7 +66,7 @@ impl Path {
                         return Ok(state);
                     }
                     slack = (FOLLOWED * pull / floor).clamp(1.0, LOOSE);
-                    if beyond(self.leash) {
+                    if beyond(self.largest_drift) {
                         return Err(Failure::Astray);
                     }
                     if beyond(self.stage) {

@@ -2,8 +2,8 @@
 
 use super::time_step::TimeStep;
 use crate::mech::body::Body;
-use crate::mech::potential::state::View;
-use crate::mech::potential::term::{Block, BodyTerm};
+use crate::mech::potential::state::BodyView;
+use crate::mech::potential::term::{BodyBlock, BodyTerm};
 use std::any::Any;
 
 /// `c / 2 h (t - t0)2 + k / 2 max(t - end, 0)2` of the travel `t`: a motor whose force falls with its speed, and the end of
@@ -31,21 +31,21 @@ impl Drive {
 }
 
 /// Travel of the finger that `view` is of.
-fn travel(view: &View) -> f64 {
+fn travel(view: &BodyView) -> f64 {
     view.offset.dot(view.closing)
 }
 
 impl BodyTerm for Drive {
-    fn energy(&self, _: &Body, view: &View) -> f64 {
+    fn energy(&self, _: &Body, view: &BodyView) -> f64 {
         let (moved, past) = (travel(view) - self.travel, (travel(view) - self.end).max(0.0));
         0.5 * (self.damping / self.size * moved * moved + self.stop * past * past)
     }
 
-    fn assemble(&mut self, _: &Body, view: &View, _: bool, block: &mut Block) {
+    fn assemble(&mut self, _: &Body, view: &BodyView, _: bool, block: &mut BodyBlock) {
         let Some(c) = view.travel_column else { return };
         let (moved, past) = (travel(view) - self.travel, (travel(view) - self.end).max(0.0));
-        block.border_gradient[c] += self.damping / self.size * moved + self.stop * past;
-        block.border_hessian[c][c] += self.damping / self.size + if past > 0.0 { self.stop } else { 0.0 };
+        block.rigid_gradient[c] += self.damping / self.size * moved + self.stop * past;
+        block.rigid_hessian[c][c] += self.damping / self.size + if past > 0.0 { self.stop } else { 0.0 };
         block.activity += self.rated;
     }
 
@@ -53,7 +53,7 @@ impl BodyTerm for Drive {
         self.size = step.size;
     }
 
-    fn commit(&mut self, _: &Body, view: &View) {
+    fn commit(&mut self, _: &Body, view: &BodyView) {
         self.travel = travel(view);
     }
 

@@ -4,11 +4,11 @@
 //! them and yet inverted at a corner or in its middle. One with a small det F at a node gets a barrier at its nodes, one with a small det F
 //! at its centre a barrier there, a part of the law of the gel that is zero from `FELT` on; the others pay nothing.
 
-use super::state::View;
-use super::term::{Block, BodyTerm};
+use super::state::BodyView;
+use super::term::{BodyBlock, BodyTerm};
 use crate::mech::body::Body;
 use crate::mech::body::pattern::Pattern;
-use crate::mech::element::{Kernel, Shape, Stiffness, TET10_CENTER, TET10_NODES};
+use crate::mech::element::{Kernel, ShapeFunctions, Stiffness, TET10_CENTER, TET10_NODES};
 use crate::mech::material::{Dilatation, Material, Moduli, Tangent};
 use glam::{DMat3, DVec3};
 use std::any::Any;
@@ -16,25 +16,25 @@ use std::collections::BTreeSet;
 
 /// The elements that have a barrier at the points of `shape`.
 #[derive(Debug, Clone)]
-pub struct Upright<const Q: usize> {
-    shape: &'static Shape<10, Q>,
+pub struct InversionBarrier<const Q: usize> {
+    shape: &'static ShapeFunctions<10, Q>,
     elements: BTreeSet<usize>,
 }
 
 /// The terms that keep elements from turning inside out at their nodes and at their centres; no element has a barrier yet.
-pub fn upright() -> (Upright<10>, Upright<1>) {
-    (Upright::at(&TET10_NODES), Upright::at(&TET10_CENTER))
+pub fn inversion_barrier() -> (InversionBarrier<10>, InversionBarrier<1>) {
+    (InversionBarrier::at(&TET10_NODES), InversionBarrier::at(&TET10_CENTER))
 }
 
 /// Whether an element of `body` needs a barrier at positions `x`, m.
 pub fn is_crushed(body: &Body, x: &[DVec3]) -> bool {
-    let (nodes, centers) = upright();
+    let (nodes, centers) = inversion_barrier();
     nodes.is_needed(body, x) || centers.is_needed(body, x)
 }
 
 /// Adds the gradient (N per node) of the barriers that the elements of `body` need at positions `x`, m.
-pub fn add_upright_gradient(body: &Body, x: &[DVec3], gradient: &mut [DVec3]) {
-    let (mut nodes, mut centers) = upright();
+pub fn add_barrier_gradient(body: &Body, x: &[DVec3], gradient: &mut [DVec3]) {
+    let (mut nodes, mut centers) = inversion_barrier();
     nodes.extend(body, x);
     centers.extend(body, x);
     nodes.add_gradient(body, x, gradient);
@@ -83,8 +83,8 @@ impl Material for Barrier {
     }
 }
 
-impl<const Q: usize> Upright<Q> {
-    fn at(shape: &'static Shape<10, Q>) -> Self {
+impl<const Q: usize> InversionBarrier<Q> {
+    fn at(shape: &'static ShapeFunctions<10, Q>) -> Self {
         Self { shape, elements: BTreeSet::new() }
     }
 
@@ -128,14 +128,14 @@ fn barrier(body: &Body) -> Barrier {
     Barrier(*body.material.moduli())
 }
 
-impl<const Q: usize> BodyTerm for Upright<Q> {
-    fn energy(&self, body: &Body, view: &View) -> f64 {
+impl<const Q: usize> BodyTerm for InversionBarrier<Q> {
+    fn energy(&self, body: &Body, view: &BodyView) -> f64 {
         let barrier = barrier(body);
         let elements = self.elements.iter().filter_map(|e| body.quadratic(*e, view.x));
         elements.map(|(rest, x, _)| self.kernel(&barrier).energy(rest, &x)).sum()
     }
 
-    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, project: bool, block: &mut BodyBlock) {
         self.add_gradient(body, view.x, &mut block.gradient);
         if !block.hessian {
             return;
@@ -152,7 +152,7 @@ impl<const Q: usize> BodyTerm for Upright<Q> {
         }
     }
 
-    fn satisfied(&mut self, body: &Body, view: &View) -> bool {
+    fn satisfied(&mut self, body: &Body, view: &BodyView) -> bool {
         self.extend(body, view.x)
     }
 

@@ -3,9 +3,9 @@
 use super::time_step::TimeStep;
 use crate::mech::body::Body;
 use crate::mech::body::pattern::{FIXED, Pattern};
-use crate::mech::potential::state::View;
-use crate::mech::potential::term::{Block, BodyTerm};
-use crate::scene::motion::Hand;
+use crate::mech::potential::state::BodyView;
+use crate::mech::potential::term::{BodyBlock, BodyTerm};
+use crate::scene::motion::HandState;
 use glam::{DMat3, DVec3};
 use std::any::Any;
 
@@ -27,7 +27,7 @@ pub struct PadInertia {
 
 impl PadInertia {
     /// At rest in the world. `view` is the state, `hand` where the hand is.
-    pub fn new(body: &Body, density: f64, gravity: DVec3, hand: Hand, view: &View) -> Self {
+    pub fn new(body: &Body, density: f64, gravity: DVec3, hand: HandState, view: &BodyView) -> Self {
         let mass: Vec<f64> = body.lumped_volume().into_iter().map(|v| v * density).collect();
         let position: Vec<DVec3> = view.x.iter().map(|x| hand.to_world(*x + view.offset)).collect();
         let target = vec![DVec3::ZERO; position.len()];
@@ -38,13 +38,13 @@ impl PadInertia {
 }
 
 impl BodyTerm for PadInertia {
-    fn energy(&self, _: &Body, view: &View) -> f64 {
+    fn energy(&self, _: &Body, view: &BodyView) -> f64 {
         let each = self.mass.iter().zip(view.x).zip(&self.target);
         let sum: f64 = each.map(|((m, x), t)| m * (*x + view.offset - *t).length_squared()).sum();
         0.5 * sum / (self.step.size * self.step.size)
     }
 
-    fn assemble(&mut self, body: &Body, view: &View, _: bool, block: &mut Block) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, _: bool, block: &mut BodyBlock) {
         let pattern = body.pattern();
         let unknowns = pattern.unknowns();
         let scale = 1.0 / (self.step.size * self.step.size);
@@ -62,8 +62,8 @@ impl BodyTerm for PadInertia {
                     let column = view.closing * stiffness;
                     block.coupling[row..row + 3].iter_mut().zip(column.to_array()).for_each(|(a, b)| *a += b);
                 }
-                block.border_gradient[c] += force.dot(view.closing);
-                block.border_hessian[c][c] += stiffness;
+                block.rigid_gradient[c] += force.dot(view.closing);
+                block.rigid_hessian[c][c] += stiffness;
             }
         }
         block.activity += self.total * self.gravity.length();
@@ -77,7 +77,7 @@ impl BodyTerm for PadInertia {
         }
     }
 
-    fn commit(&mut self, _: &Body, view: &View) {
+    fn commit(&mut self, _: &Body, view: &BodyView) {
         for ((x, v), now) in self.position.iter_mut().zip(&mut self.velocity).zip(view.x) {
             let now = self.step.hand.to_world(*now + view.offset);
             *v = (now - *x) / self.step.size;

@@ -4,10 +4,10 @@ use super::time_step::TimeStep;
 use crate::geometry::shape::MassProperties;
 use crate::mech::body::Body;
 use crate::mech::potential::cross::{cross_matrix, rotation_hessian};
-use crate::mech::potential::state::View;
+use crate::mech::potential::state::BodyView;
 use crate::mech::potential::state::object_only;
-use crate::mech::potential::term::{Block, BodyTerm, Pair, Stencil};
-use crate::scene::motion::Hand;
+use crate::mech::potential::term::{BodyBlock, BodyTerm, Pair, Stencil};
+use crate::scene::motion::HandState;
 use glam::{DMat3, DQuat, DVec3};
 use std::any::Any;
 
@@ -33,7 +33,7 @@ pub struct RigidInertia {
     /// World, m/s2.
     gravity: DVec3,
     /// At the last accepted state.
-    state: Motion,
+    state: RigidMotion,
     /// What the last accepted step changed the velocity and the angular momentum by, over its length.
     rate: (DVec3, DVec3),
     step: TimeStep,
@@ -48,7 +48,7 @@ pub struct RigidInertia {
 
 /// Motion of a rigid body in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Motion {
+pub struct RigidMotion {
     /// Centre of mass, m.
     pub position: DVec3,
     /// Object axes to world axes.
@@ -66,8 +66,8 @@ impl RigidInertia {
         density: f64,
         gravity: DVec3,
         (velocity, spin): (DVec3, DVec3),
-        hand: Hand,
-        view: &View,
+        hand: HandState,
+        view: &BodyView,
     ) -> Self {
         let inertia = mass.inertia * density;
         let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
@@ -80,7 +80,7 @@ impl RigidInertia {
             center: mass.center,
             second: DMat3::IDENTITY * (0.5 * trace) - inertia,
             gravity,
-            state: Motion { position, rotation, velocity, momentum },
+            state: RigidMotion { position, rotation, velocity, momentum },
             rate: (DVec3::ZERO, DVec3::ZERO),
             step: TimeStep { size: 1.0, hand },
             target: DVec3::ZERO,
@@ -91,7 +91,7 @@ impl RigidInertia {
     }
 
     /// At the last accepted state.
-    pub fn motion(&self) -> &Motion {
+    pub fn motion(&self) -> &RigidMotion {
         &self.state
     }
 
@@ -140,7 +140,7 @@ fn log(r: &DMat3) -> DVec3 {
 }
 
 impl BodyTerm for RigidInertia {
-    fn energy(&self, _: &Body, view: &View) -> f64 {
+    fn energy(&self, _: &Body, view: &BodyView) -> f64 {
         let h = self.step.size;
         let off = view.position + view.rotation * self.center - self.target;
         let d = view.rotation - self.from;
@@ -151,7 +151,7 @@ impl BodyTerm for RigidInertia {
         0.5 * (self.mass * off.length_squared() + spread + constant) / (h * h) - self.momentum.dot(turn) / h
     }
 
-    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, project: bool, block: &mut BodyBlock) {
         if view.pose_column.is_none() {
             return;
         }
@@ -190,14 +190,14 @@ impl BodyTerm for RigidInertia {
         self.momentum = back * m.momentum;
     }
 
-    fn commit(&mut self, _: &Body, view: &View) {
+    fn commit(&mut self, _: &Body, view: &BodyView) {
         let (h, hand) = (self.step.size, &self.step.hand);
         let position = hand.to_world(view.position + view.rotation * self.center);
         let velocity = (position - self.state.position) / h;
         let momentum = hand.rotation * self.step_momentum(&view.rotation);
         self.rate = ((velocity - self.state.velocity) / h, (momentum - self.state.momentum) / h);
         let rotation = (hand.rotation * DQuat::from_mat3(&view.rotation)).normalize();
-        self.state = Motion { position, rotation, velocity, momentum };
+        self.state = RigidMotion { position, rotation, velocity, momentum };
     }
 
     fn as_any(&self) -> &dyn Any {

@@ -1,11 +1,11 @@
-//! The unknowns of a grasp and the small dense border they share.
+//! The unknowns of a grasp and the few rigid unknowns that all bodies share.
 
 use super::term::Stencil;
 use glam::{DMat3, DQuat, DVec3};
 use std::sync::Arc;
 
-/// Most border unknowns a scene can have: two travels and six of a free object.
-pub const MAX_BORDER: usize = 8;
+/// Most rigid unknowns that a scene can have: two travels and six of a free object.
+pub const MAX_RIGID: usize = 8;
 
 /// Configuration of all bodies. Pad nodes are stored relative to their finger, in hand axes: the position in the
 /// hand frame is `x + travel * closing`, so that elasticity never sees the fingers move.
@@ -21,9 +21,9 @@ pub struct State {
     pub rotation: DQuat,
 }
 
-/// Layout of the border: which travels and whether the object's pose are unknowns.
+/// Layout of the rigid unknowns: which travels and whether the object's pose are unknowns.
 #[derive(Debug, Clone)]
-pub struct Border {
+pub struct RigidUnknowns {
     /// Closing direction of each body's finger, unit, hand frame.
     pub closing: Vec<DVec3>,
     /// Column of each finger's travel; None where it is prescribed.
@@ -36,8 +36,8 @@ pub struct Border {
     pub size: usize,
 }
 
-impl Border {
-    /// No border: bodies alone, fingers at rest.
+impl RigidUnknowns {
+    /// No rigid unknowns: bodies alone, fingers at rest.
     pub fn none(bodies: usize) -> Self {
         Self { closing: vec![DVec3::ZERO; bodies], travel: vec![None; bodies], pose: None, length: 1.0, size: 0 }
     }
@@ -51,7 +51,7 @@ impl Border {
     }
 }
 
-impl Border {
+impl RigidUnknowns {
     /// Border for geared fingers, which travel alike.
     pub fn geared(closing: Vec<DVec3>, driven: bool, free_object: bool, length: f64) -> Self {
         let travels = usize::from(driven && !closing.is_empty());
@@ -60,9 +60,9 @@ impl Border {
         Self { closing, travel, pose: free_object.then_some(travels), length, size }
     }
 
-    /// How far the border unknowns of `to` are from those of `from`, m per column.
-    pub fn difference(&self, to: &State, from: &State) -> [f64; MAX_BORDER] {
-        let mut d = [0.0; MAX_BORDER];
+    /// How far the rigid unknowns of `to` are from those of `from`, m per column.
+    pub fn difference(&self, to: &State, from: &State) -> [f64; MAX_RIGID] {
+        let mut d = [0.0; MAX_RIGID];
         for (i, column) in self.travel.iter().enumerate() {
             if let Some(c) = column {
                 d[*c] = to.travel[i] - from.travel[i];
@@ -91,40 +91,40 @@ fn turn(q: DQuat) -> DVec3 {
 
 /// A Newton step: increments of every unknown.
 #[derive(Debug, Clone)]
-pub struct Step {
+pub struct NewtonStep {
     /// Per body and node, m.
     pub x: Vec<Vec<DVec3>>,
-    /// Per border column, m.
-    pub border: [f64; MAX_BORDER],
+    /// Per rigid column, m.
+    pub rigid: [f64; MAX_RIGID],
 }
 
-impl Step {
+impl NewtonStep {
     /// Euclidean norm over all unknowns, m.
     pub fn norm(&self) -> f64 {
         let nodes = self.x.iter().flatten().map(|d| d.length_squared()).sum::<f64>();
-        (nodes + self.border.iter().map(|b| b * b).sum::<f64>()).sqrt()
+        (nodes + self.rigid.iter().map(|b| b * b).sum::<f64>()).sqrt()
     }
 
     /// Norm of the difference to `other`, m.
-    pub fn distance(&self, other: &Step) -> f64 {
+    pub fn distance(&self, other: &NewtonStep) -> f64 {
         let pairs = self.x.iter().flatten().zip(other.x.iter().flatten());
-        let border = self.border.iter().zip(&other.border).map(|(a, b)| (a - b) * (a - b));
-        (pairs.map(|(a, b)| a.distance_squared(*b)).sum::<f64>() + border.sum::<f64>()).sqrt()
+        let rigid = self.rigid.iter().zip(&other.rigid).map(|(a, b)| (a - b) * (a - b));
+        (pairs.map(|(a, b)| a.distance_squared(*b)).sum::<f64>() + rigid.sum::<f64>()).sqrt()
     }
 
     /// What the step does to body `index` and to the frames it touches.
-    pub fn motion<'a>(&'a self, index: usize, view: &View) -> Motion<'a> {
-        let three = |c: usize| DVec3::new(self.border[c], self.border[c + 1], self.border[c + 2]);
+    pub fn motion<'a>(&'a self, index: usize, view: &BodyView) -> BodyMotion<'a> {
+        let three = |c: usize| DVec3::new(self.rigid[c], self.rigid[c + 1], self.rigid[c + 2]);
         let pose = view.pose_column.map(|c| (three(c), three(c + 3) / view.length));
         let (position, rotation) = pose.unwrap_or_default();
-        let offset = view.travel_column.map_or(DVec3::ZERO, |c| view.closing * self.border[c]);
-        Motion { x: &self.x[index], offset, position, rotation }
+        let offset = view.travel_column.map_or(DVec3::ZERO, |c| view.closing * self.rigid[c]);
+        BodyMotion { x: &self.x[index], offset, position, rotation }
     }
 }
 
 /// A small motion of a body, its finger and the object.
 #[derive(Debug, Clone, Copy)]
-pub struct Motion<'a> {
+pub struct BodyMotion<'a> {
     /// Of the nodes relative to the finger, m.
     pub x: &'a [DVec3],
     /// Of the finger, m.
@@ -135,7 +135,7 @@ pub struct Motion<'a> {
     pub rotation: DVec3,
 }
 
-impl Motion<'_> {
+impl BodyMotion<'_> {
     /// Motion of the point of the body at `stencil` relative to the object's point at arm `r` (m from the origin), m.
     pub fn relative(&self, stencil: &Stencil, r: DVec3) -> DVec3 {
         stencil.position(self.x) + self.offset - self.position - self.rotation.cross(r)
@@ -144,22 +144,22 @@ impl Motion<'_> {
 
 impl State {
     /// This state moved by `alpha * step`; rotations are updated multiplicatively.
-    pub fn moved(&self, border: &Border, step: &Step, alpha: f64) -> State {
+    pub fn moved(&self, rigid: &RigidUnknowns, step: &NewtonStep, alpha: f64) -> State {
         let mut next = self.clone();
         for (x, d) in next.x.iter_mut().zip(&step.x) {
             for (x, d) in x.iter_mut().zip(d) {
                 *x += *d * alpha;
             }
         }
-        for (t, column) in next.travel.iter_mut().zip(&border.travel) {
+        for (t, column) in next.travel.iter_mut().zip(&rigid.travel) {
             if let Some(c) = column {
-                *t += alpha * step.border[*c];
+                *t += alpha * step.rigid[*c];
             }
         }
-        if let Some(c) = border.pose {
-            let b = &step.border[c..];
+        if let Some(c) = rigid.pose {
+            let b = &step.rigid[c..];
             next.position += DVec3::new(b[0], b[1], b[2]) * alpha;
-            let rotation = DVec3::new(b[3], b[4], b[5]) * (alpha / border.length);
+            let rotation = DVec3::new(b[3], b[4], b[5]) * (alpha / rigid.length);
             next.rotation = (DQuat::from_scaled_axis(rotation) * self.rotation).normalize();
         }
         next
@@ -183,16 +183,16 @@ impl State {
     }
 
     /// What body `index` sees of the state.
-    pub fn view<'a>(&'a self, index: usize, border: &'a Border) -> View<'a> {
-        View {
+    pub fn view<'a>(&'a self, index: usize, rigid: &'a RigidUnknowns) -> BodyView<'a> {
+        BodyView {
             x: &self.x[index],
-            offset: border.closing[index] * self.travel[index],
-            closing: border.closing[index],
+            offset: rigid.closing[index] * self.travel[index],
+            closing: rigid.closing[index],
             position: self.position,
             rotation: DMat3::from_quat(self.rotation),
-            travel_column: border.travel[index],
-            pose_column: border.pose,
-            length: border.length,
+            travel_column: rigid.travel[index],
+            pose_column: rigid.pose,
+            length: rigid.length,
         }
     }
 }
@@ -208,8 +208,8 @@ pub struct Departure {
 
 impl Departure {
     /// From `state` of body `index`.
-    pub fn new(state: Arc<State>, index: usize, border: &Border) -> Self {
-        let view = state.view(index, border);
+    pub fn new(state: Arc<State>, index: usize, rigid: &RigidUnknowns) -> Self {
+        let view = state.view(index, rigid);
         let (offset, turn) = (view.offset, view.rotation);
         Self { state, index, offset, turn }
     }
@@ -232,7 +232,7 @@ impl Departure {
 
 /// A body's view of the state: its nodes and the rigid frames it touches.
 #[derive(Debug, Clone, Copy)]
-pub struct View<'a> {
+pub struct BodyView<'a> {
     /// Node positions relative to the finger, m.
     pub x: &'a [DVec3],
     /// Finger displacement, m, hand frame.
@@ -245,15 +245,15 @@ pub struct View<'a> {
     pub rotation: DMat3,
     /// Border column of the travel.
     pub travel_column: Option<usize>,
-    /// First border column of the pose.
+    /// First rigid column of the pose.
     pub pose_column: Option<usize>,
     /// Length scale of rotations, m.
     pub length: f64,
 }
 
 /// Only the object takes part, not the finger that hosts the term.
-pub fn object_only<'a>(view: &View<'a>) -> View<'a> {
-    View { travel_column: None, ..*view }
+pub fn object_only<'a>(view: &BodyView<'a>) -> BodyView<'a> {
+    BodyView { travel_column: None, ..*view }
 }
 
 #[cfg(test)]

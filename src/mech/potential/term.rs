@@ -1,16 +1,16 @@
 //! The terms of the incremental potential. A physical effect is one file that implements [`BodyTerm`]; the solver sees
 //! only the sum.
 
-use super::state::{Departure, MAX_BORDER, Motion, View};
+use super::state::{BodyMotion, BodyView, Departure, MAX_RIGID};
 use super::time_step::TimeStep;
 use crate::mech::body::Body;
 use crate::mech::body::pattern::{FIXED, Pattern};
 use crate::mech::potential::cross::outer;
 use glam::{DMat3, DVec3};
 
-/// Gradient and Hessian of one body's terms, with its share of the border.
+/// Gradient and Hessian of one body's terms, with its share of the rigid unknowns.
 #[derive(Debug, Clone)]
-pub struct Block {
+pub struct BodyBlock {
     /// Energy gradient per node, N.
     pub gradient: Vec<DVec3>,
     /// Lower triangle of the body's Hessian in [`Pattern`] storage, N/m.
@@ -18,19 +18,19 @@ pub struct Block {
     /// Columns of d2E / dx dborder in elimination order, one after the other, N/m.
     pub coupling: Vec<f64>,
     /// Border gradient, N.
-    pub border_gradient: [f64; MAX_BORDER],
+    pub rigid_gradient: [f64; MAX_RIGID],
     /// Border Hessian, N/m.
-    pub border_hessian: [[f64; MAX_BORDER]; MAX_BORDER],
+    pub rigid_hessian: [[f64; MAX_RIGID]; MAX_RIGID],
     /// Sum of squares of what lagged quantities still miss, N2.
     pub lag: f64,
-    /// Sum of the norms of the forces that meet at the border (scale of the balance), N.
+    /// Sum of the norms of the forces that meet at the rigid unknowns (scale of the balance), N.
     pub activity: f64,
     /// Whether Hessians are wanted; else those of the last time stay as they are.
     pub hessian: bool,
 }
 
-impl Block {
-    /// Zeroed storage for `body` with `columns` border columns.
+impl BodyBlock {
+    /// Zeroed storage for `body` with `columns` rigid columns.
     pub fn new(body: &Body, columns: usize) -> Self {
         Self {
             values: vec![0.0; body.pattern().row_idx.len()],
@@ -47,8 +47,8 @@ impl Block {
             gradient,
             values: Vec::new(),
             coupling: Vec::new(),
-            border_gradient: [0.0; MAX_BORDER],
-            border_hessian: [[0.0; MAX_BORDER]; MAX_BORDER],
+            rigid_gradient: [0.0; MAX_RIGID],
+            rigid_hessian: [[0.0; MAX_RIGID]; MAX_RIGID],
             lag: 0.0,
             activity: 0.0,
             hessian: false,
@@ -59,11 +59,11 @@ impl Block {
     pub fn clear(&mut self, hessian: bool) {
         self.hessian = hessian;
         self.gradient.fill(DVec3::ZERO);
-        self.border_gradient = [0.0; MAX_BORDER];
+        self.rigid_gradient = [0.0; MAX_RIGID];
         if hessian {
             self.values.fill(0.0);
             self.coupling.fill(0.0);
-            self.border_hessian = [[0.0; MAX_BORDER]; MAX_BORDER];
+            self.rigid_hessian = [[0.0; MAX_RIGID]; MAX_RIGID];
         }
         self.lag = 0.0;
         self.activity = 0.0;
@@ -73,7 +73,7 @@ impl Block {
     ///
     /// `force` is the gradient in the relative displacement `delta` of the point to the object, `torque` the gradient in
     /// the object's rotation; `dd`, `dw`, `ww` are the second derivatives (delta-delta, delta-rotation, rotation-rotation).
-    pub fn add_pair(&mut self, body: &Body, view: &View, stencil: &Stencil, pair: &Pair) {
+    pub fn add_pair(&mut self, body: &Body, view: &BodyView, stencil: &Stencil, pair: &Pair) {
         let pattern = body.pattern();
         let unknowns = pattern.unknowns();
         let (nodes, phi) = stencil.slices();
@@ -107,15 +107,15 @@ impl Block {
                 }
             }
         }
-        self.add_border(view, pair);
+        self.add_rigid(view, pair);
     }
 
     /// Adds the second derivatives `form` of an interaction with the object's point at arm `r` (m from the origin).
-    pub fn add_form<const K: usize>(&mut self, body: &Body, view: &View, form: &Form<K>, r: DVec3) {
+    pub fn add_form<const K: usize>(&mut self, body: &Body, view: &BodyView, form: &Form<K>, r: DVec3) {
         let pattern = body.pattern();
         let unknowns = pattern.unknowns();
-        let (columns, count) = border_columns(view);
-        let border = columns.map(|(c, d, w)| (c, form.delta.map(|f| f.dot(d - w.cross(r)))));
+        let (columns, count) = rigid_columns(view);
+        let rigid = columns.map(|(c, d, w)| (c, form.delta.map(|f| f.dot(d - w.cross(r)))));
         let free = form.nodes.iter().filter(|(node, _)| pattern.position[*node as usize] != FIXED);
         for (a, forms_a) in free.clone() {
             let position = pattern.position[*a as usize];
@@ -124,40 +124,40 @@ impl Block {
                 let block = rows.iter().zip(forms_b).map(|(row, f)| outer(*row, *f)).sum();
                 Pattern::add(&mut self.values, pattern.slot(*a, *b), &block);
             }
-            for (c, forms) in &border[..count] {
+            for (c, forms) in &rigid[..count] {
                 let start = c * unknowns + 3 * position as usize;
                 let v: DVec3 = rows.iter().zip(forms).map(|(row, f)| *row * *f).sum();
                 self.coupling[start..start + 3].iter_mut().zip(v.to_array()).for_each(|(target, v)| *target += v);
             }
         }
-        for (i, forms_i) in &border[..count] {
-            for (j, forms_j) in &border[..count] {
+        for (i, forms_i) in &rigid[..count] {
+            for (j, forms_j) in &rigid[..count] {
                 let along = |k: usize| (0..K).map(|l| form.matrix[k][l] * forms_j[l]).sum::<f64>();
-                self.border_hessian[*i][*j] += (0..K).map(|k| forms_i[k] * along(k)).sum::<f64>();
+                self.rigid_hessian[*i][*j] += (0..K).map(|k| forms_i[k] * along(k)).sum::<f64>();
             }
         }
     }
 
-    /// The border-border part of [`Block::add_pair`].
-    fn add_border(&mut self, view: &View, pair: &Pair) {
-        let (columns, count) = border_columns(view);
+    /// The part between rigid unknowns of [`BodyBlock::add_pair`].
+    fn add_rigid(&mut self, view: &BodyView, pair: &Pair) {
+        let (columns, count) = rigid_columns(view);
         for (i, di, wi) in &columns[..count] {
-            self.border_gradient[*i] += pair.force.dot(*di) + pair.torque.dot(*wi);
+            self.rigid_gradient[*i] += pair.force.dot(*di) + pair.torque.dot(*wi);
             if !self.hessian {
                 continue;
             }
             let (left_d, left_w) = (pair.dd * *di + pair.dw * *wi, pair.dw.transpose() * *di + pair.ww * *wi);
             for (j, dj, wj) in &columns[..count] {
-                self.border_hessian[*i][*j] += left_d.dot(*dj) + left_w.dot(*wj);
+                self.rigid_hessian[*i][*j] += left_d.dot(*dj) + left_w.dot(*wj);
             }
         }
         self.activity += pair.force.length();
     }
 }
 
-/// Columns of the border that a point of a body and the object feel: its index, how the point moves relative to the object's along
+/// Columns of the rigid unknowns that a point of a body and the object feel: its index, how the point moves relative to the object's along
 /// it, and how the object turns; and their number.
-fn border_columns(view: &View) -> ([(usize, DVec3, DVec3); 7], usize) {
+fn rigid_columns(view: &BodyView) -> ([(usize, DVec3, DVec3); 7], usize) {
     let mut columns = [(usize::MAX, DVec3::ZERO, DVec3::ZERO); 7];
     let mut count = 0;
     let mut push = |entry| {
@@ -263,27 +263,27 @@ impl<T: BodyTerm + Clone + 'static> TermClone for T {
 /// One physical effect on one body: value, gradient, Hessian, and what it must remember between accepted states.
 pub trait BodyTerm: TermClone + Send + Sync {
     /// Energy, J; `+inf` where the state is not feasible. Quantities lagged by [`BodyTerm::assemble`] stay frozen.
-    fn energy(&self, body: &Body, view: &View) -> f64;
+    fn energy(&self, body: &Body, view: &BodyView) -> f64;
     /// Adds gradient and Hessian to `block`; refreshes lagged quantities. `project`: positive semidefinite parts only.
-    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block);
+    fn assemble(&mut self, body: &Body, view: &BodyView, project: bool, block: &mut BodyBlock);
     /// Adds to the gradients of `change` how the term's forces change along a small `motion` beyond what its (symmetric)
     /// Hessian says.
-    fn couple(&self, _body: &Body, _view: &View, _motion: &Motion, _change: &mut Block) {}
+    fn couple(&self, _body: &Body, _view: &BodyView, _motion: &BodyMotion, _change: &mut BodyBlock) {}
     /// An increment begins: the next solves depart from this accepted state.
     fn depart(&mut self, _from: &Departure) {}
     /// A time step begins: the next solves are for its end.
     fn begin(&mut self, _step: &TimeStep) {}
     /// A distance that every point may move before the term must be looked at again, m.
-    fn clearance(&self, _body: &Body, _view: &View) -> f64 {
+    fn clearance(&self, _body: &Body, _view: &BodyView) -> f64 {
         f64::INFINITY
     }
     /// The increment was accepted: take over history.
-    fn commit(&mut self, _body: &Body, _view: &View) {}
+    fn commit(&mut self, _body: &Body, _view: &BodyView) {}
     /// The increment was rejected: forget what was learnt since the last commit.
     fn rollback(&mut self) {}
     /// Whether the converged state satisfies what the term promises beyond equilibrium (no penetration); if not, the
     /// term has strengthened itself and the solve goes on.
-    fn satisfied(&mut self, _body: &Body, _view: &View) -> bool {
+    fn satisfied(&mut self, _body: &Body, _view: &BodyView) -> bool {
         true
     }
     /// Lagged quantities move by the fraction `damping` towards their goal in each assembly (1 = all the way).
@@ -296,14 +296,14 @@ pub trait BodyTerm: TermClone + Send + Sync {
 
 /// Elastic energy of the gel.
 #[derive(Debug, Clone, Default)]
-pub struct Elastic;
+pub struct ElasticEnergy;
 
-impl BodyTerm for Elastic {
-    fn energy(&self, body: &Body, view: &View) -> f64 {
+impl BodyTerm for ElasticEnergy {
+    fn energy(&self, body: &Body, view: &BodyView) -> f64 {
         body.energy(view.x)
     }
 
-    fn assemble(&mut self, body: &Body, view: &View, project: bool, block: &mut Block) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, project: bool, block: &mut BodyBlock) {
         match block.hessian {
             true => body.add_stiffness(view.x, project, &mut block.gradient, &mut block.values),
             false => body.add_gradient(view.x, &mut block.gradient),
@@ -320,11 +320,11 @@ impl BodyTerm for Elastic {
 pub struct DeadLoad(pub Vec<DVec3>);
 
 impl BodyTerm for DeadLoad {
-    fn energy(&self, _: &Body, view: &View) -> f64 {
+    fn energy(&self, _: &Body, view: &BodyView) -> f64 {
         -self.0.iter().zip(view.x).map(|(f, x)| f.dot(*x)).sum::<f64>()
     }
 
-    fn assemble(&mut self, _: &Body, _: &View, _: bool, block: &mut Block) {
+    fn assemble(&mut self, _: &Body, _: &BodyView, _: bool, block: &mut BodyBlock) {
         for (g, f) in block.gradient.iter_mut().zip(&self.0) {
             *g -= *f;
         }

@@ -16,7 +16,7 @@
 //! energy of oscillations is lost at a rate that falls with the step (first order), energy of free flight and free spin is
 //! not. Errors of positions are of first order: a free fall is off by `g h t / 2`.
 
-use crate::scene::motion::Hand;
+use crate::scene::motion::HandState;
 
 /// A time step, as the terms see it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,5 +24,5 @@ pub struct TimeStep {
     /// Its length, s.
     pub size: f64,
     /// The hand at its end.
-    pub hand: Hand,
+    pub hand: HandState,
 }

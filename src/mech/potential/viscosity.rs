@@ -3,8 +3,8 @@
 use super::time_step::TimeStep;
 use crate::mech::body::Body;
 use crate::mech::body::pattern::FIXED;
-use crate::mech::potential::state::View;
-use crate::mech::potential::term::{Block, BodyTerm};
+use crate::mech::potential::state::BodyView;
+use crate::mech::potential::term::{BodyBlock, BodyTerm};
 use glam::DVec3;
 use std::any::Any;
 use std::sync::Arc;
@@ -54,12 +54,12 @@ impl Viscosity {
 }
 
 impl BodyTerm for Viscosity {
-    fn energy(&self, body: &Body, view: &View) -> f64 {
+    fn energy(&self, body: &Body, view: &BodyView) -> f64 {
         let (force, moved) = self.product(body, view.x);
         0.5 * self.tau / self.size * force.iter().zip(&moved).map(|(f, u)| f * u).sum::<f64>()
     }
 
-    fn assemble(&mut self, body: &Body, view: &View, _: bool, block: &mut Block) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, _: bool, block: &mut BodyBlock) {
         let scale = self.tau / self.size;
         let (force, _) = self.product(body, view.x);
         for (g, &p) in block.gradient.iter_mut().zip(&body.pattern().position) {
@@ -74,7 +74,7 @@ impl BodyTerm for Viscosity {
         self.size = step.size;
     }
 
-    fn commit(&mut self, _: &Body, view: &View) {
+    fn commit(&mut self, _: &Body, view: &BodyView) {
         self.last.copy_from_slice(view.x);
     }
 

@@ -1,13 +1,13 @@
 //! Weight of a free object, as a term of the potential.
 
-use super::state::View;
-use super::term::{Block, BodyTerm};
+use super::state::BodyView;
+use super::term::{BodyBlock, BodyTerm};
 use crate::mech::body::Body;
 use glam::{DMat3, DVec3};
 use std::any::Any;
 
 /// A dead load at the object's centre of mass: potential `-f . c`. Belongs to one body of the solver, whichever, because
-/// the border is assembled with the bodies. A support carries as much of it as it has not handed over yet.
+/// the rigid unknowns are assembled with the bodies. A support carries as much of it as it has not handed over yet.
 #[derive(Debug, Clone, Copy)]
 pub struct Weight {
     /// Weight, N, hand frame.
@@ -43,17 +43,17 @@ impl Weight {
 }
 
 impl BodyTerm for Weight {
-    fn energy(&self, _: &Body, view: &View) -> f64 {
+    fn energy(&self, _: &Body, view: &BodyView) -> f64 {
         -self.hanging().dot(view.position + view.rotation * self.center - self.start)
     }
 
-    fn assemble(&mut self, _: &Body, view: &View, project: bool, block: &mut Block) {
+    fn assemble(&mut self, _: &Body, view: &BodyView, project: bool, block: &mut BodyBlock) {
         let (f, r) = (self.hanging(), view.rotation * self.center);
         let (Some(c), true) = (view.pose_column, f != DVec3::ZERO) else { return };
         let torque = r.cross(f).to_array();
         for (k, (f, t)) in f.to_array().into_iter().zip(torque).enumerate() {
-            block.border_gradient[c + k] -= f;
-            block.border_gradient[c + 3 + k] -= t / view.length;
+            block.rigid_gradient[c + k] -= f;
+            block.rigid_gradient[c + 3 + k] -= t / view.length;
         }
         if !project {
             // -f . (w x (w x r)) / 2 twice differentiated in w.
@@ -61,7 +61,7 @@ impl BodyTerm for Weight {
             let h = (half - DMat3::IDENTITY * f.dot(r)) * (-1.0 / (view.length * view.length));
             for i in 0..3 {
                 for j in 0..3 {
-                    block.border_hessian[c + 3 + i][c + 3 + j] += h.col(j)[i];
+                    block.rigid_hessian[c + 3 + i][c + 3 + j] += h.col(j)[i];
                 }
             }
         }

@@ -1,12 +1,12 @@
 //! What a network reads and answers for one grasp, as plain arrays (`.npz`): a second implementation checks itself on them.
 //!
-//! Inputs are normalised, answers in the network's units; rows as in [`crate::net::features`] and [`crate::net::network::Output`].
+//! Inputs are normalised, answers in the network's units; rows as in [`crate::net::features`] and [`crate::net::network::NetworkOutput`].
 //! A sparse map NAME is `NAME_at` (entries, 2: row, column) and `NAME_weight`; edges are (edges, 2: sender, receiver).
 
 use crate::error::Result;
 use crate::files::atomic::replace;
 use crate::kernel::Sparse;
-use crate::linear::balance::{Balance, EQUATIONS};
+use crate::linear::balance::{EQUATIONS, ObjectBalance};
 use crate::net::autodiff::ops::{deviated, displaced, reshape, respond};
 use crate::net::autodiff::tape::{Matrix, Tape};
 use crate::net::features::loads::{NODE_LOAD, PAD_LOAD};
@@ -42,17 +42,18 @@ impl Arrays {
 
     /// Of every level: force and moment of each component of contact and what each pull and twist adds to it
     /// (levels * 6, contact), from what is out of balance to these (levels * 6, 6), and what is carried (levels, 6).
-    fn balances(&mut self, balances: &[Arc<Balance>]) {
-        let by_component = |of: &dyn Fn(&Balance, usize) -> [[f32; EQUATIONS]; 3]| {
-            let row = |b: &Balance, k: usize| (0..b.nodes()).flat_map(|i| of(b, i).map(|c| c[k])).collect::<Vec<_>>();
+    fn balances(&mut self, balances: &[Arc<ObjectBalance>]) {
+        let by_component = |of: &dyn Fn(&ObjectBalance, usize) -> [[f32; EQUATIONS]; 3]| {
+            let row =
+                |b: &ObjectBalance, k: usize| (0..b.nodes()).flat_map(|i| of(b, i).map(|c| c[k])).collect::<Vec<_>>();
             balances.iter().flat_map(|b| (0..EQUATIONS).flat_map(|k| row(b, k)).collect::<Vec<_>>()).collect::<Vec<_>>()
         };
-        let pulls = |b: &Balance, i: usize| {
+        let pulls = |b: &ObjectBalance, i: usize| {
             let [x, y] = b.pulls(i);
             [[0.0; EQUATIONS], x, y]
         };
         let rows = EQUATIONS * balances.len();
-        for (name, numbers) in [("wrench", by_component(&Balance::wrenches)), ("pull", by_component(&pulls))] {
+        for (name, numbers) in [("wrench", by_component(&ObjectBalance::wrenches)), ("pull", by_component(&pulls))] {
             self.matrix(&format!("balance_{name}"), &Matrix::constant(rows, numbers.len() / rows.max(1), numbers));
         }
         let inverse = balances.iter().flat_map(|b| b.solution().0.concat()).collect();

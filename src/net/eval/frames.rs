@@ -1,10 +1,10 @@
 //! Truth and prediction of a grasp of a data set, as frames of the hand frame.
 
 use crate::dataset::inspect::frame;
-use crate::dataset::{Grasp, ObjectFile};
+use crate::dataset::{ObjectFile, StoredGrasp};
 use crate::error::Result;
 use crate::gripper::GraspPose;
-use crate::linear::first_contact::Touch;
+use crate::linear::first_contact::GeometricContact;
 use crate::model::Model;
 use crate::net::infer::predict::{PadState, Predictor};
 use crate::net::train::sample::moved;
@@ -22,10 +22,10 @@ pub fn both(
     file: &ObjectFile,
     model: &Arc<Model>,
     predictor: &Predictor,
-    grasp: &Grasp,
+    grasp: &StoredGrasp,
     wanted: &[usize],
 ) -> Result<[Vec<Frame>; 2]> {
-    let touch = Touch::find(model, GraspPose::from_row(&grasp.grasp_pose))?;
+    let touch = GeometricContact::find(model, GraspPose::from_row(&grasp.grasp_pose))?;
     let seen = predictor.look(model, &predictor.graph(model)?, &touch);
     let forces: Vec<f64> = wanted.iter().map(|k| grasp.force[*k] / file.sizes.pads as f64).collect();
     let states = predictor.ramp(&seen, &forces)?;
@@ -40,7 +40,7 @@ pub fn both(
 }
 
 /// The prediction as a frame of the hand frame.
-fn predicted(file: &ObjectFile, truth: &Frame, grasp: &Grasp, states: &[PadState], object: ObjectPose) -> Frame {
+fn predicted(file: &ObjectFile, truth: &Frame, grasp: &StoredGrasp, states: &[PadState], object: ObjectPose) -> Frame {
     let pads = file.sizes.pads;
     let pad = |(i, state): (usize, &PadState)| {
         let (pose, at) = (&file.pad_poses[i], truth.index * pads + i);

@@ -12,7 +12,7 @@ pub const FROM_LOAD: f64 = 0.2;
 
 /// One quantity over one group of frames.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
+pub struct ErrorRow {
     /// Split that was judged.
     pub split: String,
     /// Group: `all`, `object NAME`, `load 20-40 %`, `frame K`.
@@ -46,7 +46,7 @@ const QUANTITIES: [Quantity; 10] = [
 ];
 
 /// All rows of a split.
-pub fn rows(split: &str, judged: &[Judged]) -> Vec<Row> {
+pub fn rows(split: &str, judged: &[Judged]) -> Vec<ErrorRow> {
     let frames: Vec<&FrameError> = judged.iter().flat_map(|j| &j.frames).collect();
     let mut groups: BTreeMap<(u8, String), Vec<&FrameError>> = BTreeMap::new();
     for frame in frames {
@@ -63,7 +63,7 @@ pub fn rows(split: &str, judged: &[Judged]) -> Vec<Row> {
     let row = |(group, frames): (&(u8, String), &Vec<&FrameError>)| {
         let of = |(quantity, pick): &Quantity| {
             let Spread { median, p90, worst } = Spread::of(frames.iter().map(|f| pick(f)))?;
-            Some(Row {
+            Some(ErrorRow {
                 split: split.into(),
                 group: group.1.clone(),
                 quantity,

@@ -1,8 +1,8 @@
-//! What the network sees of a load: the grip at rest under it, and the contact forces that settle node by node.
+//! What the network sees of a load: the equilibrium at rest under it, and the contact forces that settle node by node.
 
-use super::Features;
+use super::GraspFeatures;
 use super::Parity::{self, Even, X, XY, Y};
-use crate::linear::balance::{Balance, Pressed};
+use crate::linear::balance::{ObjectBalance, Pressed};
 use crate::linear::projected_gradient::{LANES, Touching, settle};
 use crate::linear::rigid_equilibrium::Rest;
 use crate::net::features::rows;
@@ -10,7 +10,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Features of a node at a load. From the grip: pressed over depth (negative is a gap), pressed, share of the force,
+/// Features of a node at a load. From the equilibrium: pressed over depth (negative is a gap), pressed, share of the force,
 /// displacement over depth. Settled: share of the force, how much of that acts along the
 /// face, and the linear response over depth.
 pub const NODE_LOAD: [Parity; 12] = [Even, Even, Even, X, Y, Even, Even, X, Y, X, Y, Even];
@@ -25,7 +25,7 @@ const STEEPEST: f64 = 3.0;
 
 /// What the network sees of some load levels of a grasp; levels one after the other, then pads, then nodes.
 #[derive(Debug, Clone, Default)]
-pub struct Loads {
+pub struct LoadFeatures {
     /// (levels * pads * face nodes, [`NODE_LOAD`]).
     pub node: Vec<f32>,
     /// (levels * pads, [`PAD_LOAD`]).
@@ -36,15 +36,15 @@ pub struct Loads {
     pub pressing: Vec<f64>,
     /// Mean displacement where the force acts, m: (levels * pads).
     pub depth: Vec<f64>,
-    /// Travel of the grip, m: (levels * pads).
+    /// Travel of the equilibrium, m: (levels * pads).
     pub travel: Vec<f64>,
-    /// Motion of the object in the grip, m and rad, axes of each pad: (levels * pads, 6).
+    /// Motion of the object in the equilibrium, m and rad, axes of each pad: (levels * pads, 6).
     pub motion: Vec<f64>,
     /// Of a free object between two pads: (levels), none otherwise.
-    pub balance: Vec<Arc<Balance>>,
+    pub balance: Vec<Arc<ObjectBalance>>,
 }
 
-impl Loads {
+impl LoadFeatures {
     /// Those of the levels that `wanted` numbers.
     pub fn levels(&self, wanted: &[usize]) -> Self {
         let count = self.force.len();
@@ -61,7 +61,7 @@ impl Loads {
     }
 
     /// What presses over `E t^2` over depth over thickness: (levels * pads).
-    pub fn scale(&self, features: &Features) -> Vec<f32> {
+    pub fn scale(&self, features: &GraspFeatures) -> Vec<f32> {
         let t = features.graph.thickness;
         self.pressing.iter().zip(&self.depth).map(|(force, depth)| (force * t / depth) as f32).collect()
     }
@@ -69,9 +69,9 @@ impl Loads {
 
 /// A pad whose gel has settled under a load; of each face node, over the thickness and `E t^2`.
 struct Settled {
-    /// What the grip asks for.
+    /// What the equilibrium asks for.
     touching: Vec<Touching>,
-    /// How it gives to the forces of the grip.
+    /// How it gives to the forces of the equilibrium.
     moved: Vec<DVec3>,
     /// Settled force.
     force: Vec<DVec3>,
@@ -81,23 +81,23 @@ struct Settled {
     given: Vec<DVec3>,
 }
 
-impl Features {
+impl GraspFeatures {
     /// The features at loads given as force per finger, N.
-    pub fn loads(&self, forces: &[f64]) -> Loads {
+    pub fn loads(&self, forces: &[f64]) -> LoadFeatures {
         let t = self.graph.thickness;
-        let mut loads = Loads::default();
+        let mut loads = LoadFeatures::default();
         for some in forces.chunks(LANES) {
             let some: Vec<f64> = some.iter().map(|force| force / self.unit_force()).collect();
-            let rests: Vec<Rest> = some.par_iter().map(|force| self.grip.rest(*force)).collect();
+            let rests: Vec<Rest> = some.par_iter().map(|force| self.equilibrium.rest(*force)).collect();
             let settled: Vec<Vec<Settled>> = (0..self.pads).into_par_iter().map(|p| self.settled(p, &rests)).collect();
             for (k, (force, rest)) in some.iter().zip(&rests).enumerate() {
                 loads.force.push(*force);
                 (0..self.pads).for_each(|p| self.load_pad(p, rest, &settled[p][k], &mut loads));
             }
-            if let (true, [left, right]) = (self.grip.free, &settled[..]) {
+            if let (true, [left, right]) = (self.equilibrium.free, &settled[..]) {
                 let of = |k: usize| {
                     let pads = [(0, &left[k]), (1, &right[k])].map(|(p, gel)| self.pressed(p, some[k], &rests[k], gel));
-                    Arc::new(Balance::new(&pads, self.grip.hangs(&rests[k])))
+                    Arc::new(ObjectBalance::new(&pads, self.equilibrium.hangs(&rests[k])))
                 };
                 loads.balance.par_extend((0..some.len()).into_par_iter().map(of));
             }
@@ -106,14 +106,14 @@ impl Features {
         loads
     }
 
-    /// What the gel of pad `p` makes of the forces of the grip.
+    /// What the gel of pad `p` makes of the forces of the equilibrium.
     fn settled(&self, p: usize, rests: &[Rest]) -> Vec<Settled> {
         let graph = &self.graph;
         let count = graph.face.len();
-        let pressing: Vec<Vec<DVec3>> = rests.iter().map(|rest| graph.hats.on_face(&rest.force[p], count)).collect();
+        let pressing: Vec<Vec<DVec3>> = rests.iter().map(|rest| graph.basis.on_face(&rest.force[p], count)).collect();
         let moved = graph.compliance.on_face(&graph.face, &pressing);
         let touching = |load: usize| -> Vec<Touching> {
-            let asked = self.grip.pressed(p, &rests[load]);
+            let asked = self.equilibrium.pressed(p, &rests[load]);
             let of = |i: usize| {
                 let (force, moved, (pressed, normal)) = (pressing[load][i], moved[load][i], asked[i]);
                 let dragged = if force == DVec3::ZERO { force } else { moved - normal * moved.dot(normal) };
@@ -132,33 +132,34 @@ impl Features {
 
     /// Where the forces of pad `p` act.
     fn pressed(&self, p: usize, force: f64, rest: &Rest, gel: &Settled) -> Pressed {
-        let places = self.graph.rest.iter().zip(&gel.given).map(|(at, moved)| self.grip.place(p, *at, *moved, rest));
+        let places =
+            self.graph.rest.iter().zip(&gel.given).map(|(at, moved)| self.equilibrium.place(p, *at, *moved, rest));
         Pressed {
-            force: self.grip.carried_by(p, force),
+            force: self.equilibrium.carried_by(p, force),
             rotation: self.to_pad[p].transpose(),
             nodes: places.zip(gel.force.iter().map(|push| -push.z.min(0.0))).collect(),
         }
     }
 
     /// Adds pad `p` under the last force, all over the thickness and `E t^2`.
-    fn load_pad(&self, p: usize, rest: &Rest, gel: &Settled, loads: &mut Loads) {
+    fn load_pad(&self, p: usize, rest: &Rest, gel: &Settled, loads: &mut LoadFeatures) {
         let (t, to_pad) = (self.graph.thickness, self.to_pad[p]);
-        let force = self.grip.carried_by(p, loads.force[loads.force.len() - 1]);
+        let force = self.equilibrium.carried_by(p, loads.force[loads.force.len() - 1]);
         let Settled { touching, moved, force: settled, closer, given } = gel;
         let carried: Vec<f64> = touching.iter().map(|t| t.force.length()).collect();
         let whole = carried.iter().sum::<f64>().max(1e-12);
         let depth = carried.iter().zip(moved).map(|(c, u)| c / whole * u.length()).sum::<f64>().max(1e-9);
         let (mut center, mut area, mut pull, mut twist) = (DVec3::ZERO, 0.0, DVec3::ZERO, 0.0);
         for (i, push) in settled.iter().enumerate() {
-            let (at, hats, pressed) = (self.graph.rest[i] / t, touching[i].force / force, touching[i].pressed);
+            let (at, basis, pressed) = (self.graph.rest[i] / t, touching[i].force / force, touching[i].pressed);
             // Next to nothing where next to nothing presses: the edge of the contact is not sharp.
             let sideways = *push / (-push.z.min(0.0) + FAINT * force);
             let sideways = sideways.truncate().clamp_length_max(STEEPEST);
             let [x, y, z] = (moved[i] / depth).to_array();
             center += at * (carried[i] / whole);
-            area += if hats.z < 0.0 { self.graph.area[i] / (t * t) } else { 0.0 };
-            pull += hats;
-            twist += at.x * hats.y - at.y * hats.x;
+            area += if basis.z < 0.0 { self.graph.area[i] / (t * t) } else { 0.0 };
+            pull += basis;
+            twist += at.x * basis.y - at.y * basis.x;
             let row = [(pressed / depth).max(-4.0), pressed.max(0.0), carried[i] / whole, x, y, z];
             let share = [-push.z.min(0.0) / force, sideways.x, sideways.y];
             let given = given[i].to_array().map(|u| u / depth);

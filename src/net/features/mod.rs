@@ -11,9 +11,9 @@ pub mod volume;
 
 use self::volume::Volume;
 use crate::kernel::Sparse;
-use crate::linear::first_contact::Touch;
+use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::{Layout, PadGraph};
-use crate::linear::rigid_equilibrium::Grip;
+use crate::linear::rigid_equilibrium::RigidEquilibrium;
 use crate::model::Model;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
@@ -71,7 +71,7 @@ const FADES: [f64; 3] = [0.05, 0.2, 0.8];
 
 /// A grasp as the network sees it; pads one after the other, left first.
 #[derive(Debug, Clone)]
-pub struct Features {
+pub struct GraspFeatures {
     /// The pad's graph; both pads are alike.
     pub graph: Arc<PadGraph>,
     /// Number of pads.
@@ -91,14 +91,14 @@ pub struct Features {
     /// Young's modulus, Pa.
     pub young: f64,
     /// The grasp on pads that give linearly.
-    pub grip: Arc<Grip>,
+    pub equilibrium: Arc<RigidEquilibrium>,
     /// From hand axes to those of each pad.
     pub to_pad: Vec<DMat3>,
 }
 
-impl Features {
+impl GraspFeatures {
     /// The features of a grasp of `model` at first contact.
-    pub fn new(model: &Model, graph: &Arc<PadGraph>, touch: &Touch) -> Self {
+    pub fn new(model: &Model, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Self {
         let (t, n, pads) = (graph.thickness, graph.face.len(), model.fingers.len());
         let moduli = model.material.moduli();
         let mut node = Vec::with_capacity(pads * n * NODE.len());
@@ -151,7 +151,7 @@ impl Features {
             edge,
             pad,
             young: moduli.young,
-            grip: Arc::new(Grip::new(model, graph, touch)),
+            equilibrium: Arc::new(RigidEquilibrium::new(model, graph, touch)),
             to_pad: model.fingers.iter().map(|f| f.placement.rotation.transpose()).collect(),
         }
     }
@@ -174,7 +174,7 @@ struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    fn new(model: &'a Model, touch: &Touch, pad: DMat3, closing: DVec3) -> Self {
+    fn new(model: &'a Model, touch: &GeometricContact, pad: DMat3, closing: DVec3) -> Self {
         let rotation = DMat3::from_quat(touch.object.rotation);
         let inverse = rotation.transpose();
         let position = touch.object.position;

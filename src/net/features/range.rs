@@ -1,10 +1,10 @@
 //! What a model was trained on. Outside of it a network is not asked.
 
-use super::Features;
+use super::GraspFeatures;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::net::features::normalise::MOST;
-use crate::record::{Elements, PadTopology};
+use crate::record::{ElementNodes, PadTopology};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -56,7 +56,7 @@ impl Sensor {
         };
         let mean = pad.sensing.iter().map(area).sum::<f64>() / pad.sensing.len().max(1) as f64;
         // A cell of the face is two triangles; of a 6-node triangle, its four parts are listed.
-        let parts = if matches!(pad.elements, Elements::Quadratic(_)) { 2.0 } else { 1.0 };
+        let parts = if matches!(pad.elements, ElementNodes::Quadratic(_)) { 2.0 } else { 1.0 };
         Self { size: size.to_array(), spacing: parts * (2.0 * mean).sqrt(), nodes: pad.rest.len() }
     }
 }
@@ -73,7 +73,7 @@ const SLACK: f64 = 1e-6;
 
 impl TrainedRange {
     /// That of one grasp with these forces per finger, N.
-    pub fn of(model: &Model, features: &Features, forces: &[f64]) -> Self {
+    pub fn of(model: &Model, features: &GraspFeatures, forces: &[f64]) -> Self {
         let unit = features.unit_force();
         let moduli = model.material.moduli();
         let (low, high) = forces.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), f| (l.min(f / unit), h.max(f / unit)));

@@ -11,11 +11,11 @@ use super::Parity;
 use crate::geometry::Aabb;
 use crate::kernel::Sparse;
 use crate::linear::edges::Edges;
-use crate::linear::first_contact::Touch;
+use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::PadGraph;
 use crate::mech::element::EDGES;
 use crate::model::Model;
-use crate::record::{Elements, PadTopology};
+use crate::record::{ElementNodes, PadTopology};
 use glam::{DMat3, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -58,7 +58,7 @@ pub struct Volume {
 
 impl Volume {
     /// The graph of a grasp of `model` at first contact.
-    pub fn new(model: &Model, graph: &PadGraph, touch: &Touch) -> Self {
+    pub fn new(model: &Model, graph: &PadGraph, touch: &GeometricContact) -> Self {
         let (t, topology) = (graph.thickness, &model.fingers[0].topology);
         let (pads, n) = (model.fingers.len(), topology.rest.len());
         let frame = &model.fingers[0].placement;
@@ -134,7 +134,7 @@ struct Points {
 }
 
 /// The object's surface near the nodes `face` of the pads; `seen` brings points of the hand frame to those of the graph.
-fn object(model: &Model, touch: &Touch, seen: &dyn Fn(DVec3) -> DVec3, face: &[DVec3]) -> Points {
+fn object(model: &Model, touch: &GeometricContact, seen: &dyn Fn(DVec3) -> DVec3, face: &[DVec3]) -> Points {
     let surface = &model.object.surface;
     let pose = &touch.object;
     let vertex: Vec<DVec3> = surface.vertices.iter().map(|v| seen(pose.rotation * *v + pose.position)).collect();
@@ -176,8 +176,8 @@ fn object(model: &Model, touch: &Touch, seen: &dyn Fn(DVec3) -> DVec3, face: &[D
 fn pad_edges(pad: &PadTopology) -> BTreeSet<(u32, u32)> {
     let sorted = |a: u32, b: u32| (a.min(b), a.max(b));
     match &pad.elements {
-        Elements::Linear(tets) => tets.iter().flat_map(|t| EDGES.map(|[i, j]| sorted(t[i], t[j]))).collect(),
-        Elements::Quadratic(tets) => {
+        ElementNodes::Linear(tets) => tets.iter().flat_map(|t| EDGES.map(|[i, j]| sorted(t[i], t[j]))).collect(),
+        ElementNodes::Quadratic(tets) => {
             let halves = |t: &[u32; 10]| {
                 let t = *t;
                 (0..6).flat_map(move |k| EDGES[k].map(|i| sorted(t[i], t[4 + k])))
@@ -190,7 +190,7 @@ fn pad_edges(pad: &PadTopology) -> BTreeSet<(u32, u32)> {
 /// Nodes of the outer surface, mid-edge nodes included.
 fn outside(pad: &PadTopology) -> BTreeSet<u32> {
     let mut nodes: BTreeSet<u32> = pad.surface.iter().flatten().copied().collect();
-    if let Elements::Quadratic(tets) = &pad.elements {
+    if let ElementNodes::Quadratic(tets) = &pad.elements {
         let sides = |t: &[u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
         let sides: BTreeSet<_> = pad.surface.iter().flat_map(sides).flat_map(|(a, b)| [(a, b), (b, a)]).collect();
         for t in tets {

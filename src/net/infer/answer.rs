@@ -3,16 +3,16 @@
 use super::predict::PadState;
 use crate::linear::pad_graph::PadGraph;
 use crate::net::autodiff::tape::Matrix;
-use crate::net::features::loads::Loads;
-use crate::net::network::{Normalisers, Output};
+use crate::net::features::loads::LoadFeatures;
+use crate::net::network::{NetworkOutput, Normalisers};
 use glam::DVec3;
 use std::sync::Arc;
 
 /// The network's answer to some load levels of a grasp.
 #[derive(Debug)]
 pub struct Answer {
-    pub(crate) loads: Loads,
-    pub(crate) out: Output,
+    pub(crate) loads: LoadFeatures,
+    pub(crate) out: NetworkOutput,
     pub(crate) norms: Normalisers,
     pub(crate) graph: Arc<PadGraph>,
     pub(crate) pads: usize,

@@ -1,16 +1,16 @@
 //! The face network with packed weights and memory of its own.
 
 use super::heads::{Channels, Heads};
-use super::message::{BLOCK, Incoming, Project, Receive, Sizes, project, receive};
+use super::message::{BLOCK, Incoming, MessageSizes, Project, Receive, project, receive};
 use super::response::{self, respond};
 use crate::kernel::activation::Act;
-use crate::kernel::product::{Packed, Product, Rows, padded};
+use crate::kernel::product::{Packed, Product, RowsView, padded};
 use crate::net::autodiff::tape::Matrix;
-use crate::net::features::loads::Loads;
-use crate::net::features::{EDGE, Features, NODE, PAD};
+use crate::net::features::loads::LoadFeatures;
+use crate::net::features::{EDGE, GraspFeatures, NODE, PAD};
 use crate::net::network::parameters::Parameters;
 use crate::net::network::spec::Face;
-use crate::net::network::{Normalisers, Output};
+use crate::net::network::{NetworkOutput, Normalisers};
 use pulp::Arch;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
@@ -141,7 +141,7 @@ impl FaceEngine {
     }
 
     /// The one pass of message passing.
-    pub fn encode(&self, f: &Features) -> Code {
+    pub fn encode(&self, f: &GraspFeatures) -> Code {
         let mut own = self.take();
         let code = self.pass(f, &mut own);
         self.put(own);
@@ -149,7 +149,7 @@ impl FaceEngine {
     }
 
     /// Multiplications and additions of [`Self::encode`]'s message passing; activations and norms are not counted.
-    pub fn operations(&self, f: &Features) -> f64 {
+    pub fn operations(&self, f: &GraspFeatures) -> f64 {
         let (h, pads) = (self.latent as f64, f.pads as f64);
         let (nodes, edges) = (pads * f.graph.face.len() as f64, pads * f.graph.edges.list.len() as f64);
         // Five square layers to a node; four features, two sums and the sum of the messages to an edge; two pools.
@@ -167,9 +167,9 @@ impl FaceEngine {
         self.workspaces.lock().unwrap_or_else(PoisonError::into_inner).push(own);
     }
 
-    fn pass(&self, f: &Features, own: &mut Workspace) -> Code {
+    fn pass(&self, f: &GraspFeatures, own: &mut Workspace) -> Code {
         let (n, s, pads) = (f.graph.face.len(), padded(self.latent), f.pads);
-        let sizes = Sizes { nodes: n, latent: self.latent };
+        let sizes = MessageSizes { nodes: n, latent: self.latent };
         let norms = &self.normalisers;
         let even = (false, false);
         let node = norms.node.apply(&f.node, &NODE, even);
@@ -191,7 +191,7 @@ impl FaceEngine {
         size(global, pads * s);
 
         for p in 0..pads {
-            let a = |data, stride, count| Rows { data, stride, count };
+            let a = |data, stride, count| RowsView { data, stride, count };
             let mut bias = self.start_bias.clone();
             let row = a(&pad[p * PAD.len()..], PAD.len(), 1);
             multiply(row, &self.start_pad, true, None, Act::None, &mut bias);
@@ -201,7 +201,7 @@ impl FaceEngine {
         for round in &self.rounds {
             project(sizes, &round.project, h, pool_weights, &mut scratch[..pads * n * s], parts, blocks, pooled);
             self.pool(&round.pools, pooled, joined, pool);
-            let rows = Rows { data: &*pool, stride: s, count: pads };
+            let rows = RowsView { data: &*pool, stride: s, count: pads };
             multiply(rows, &round.global, false, None, Act::None, global);
             receive(sizes, &round.receive, &edges, parts, global, scratch, h);
         }
@@ -209,7 +209,7 @@ impl FaceEngine {
         let mut code = Code { node: vec![0.0; pads * n * d], pad: vec![0.0; pads * d] };
         project(sizes, &self.last, h, pool_weights, &mut scratch[..pads * n * s], &mut code.node, blocks, pooled);
         self.pool(&self.pools, pooled, joined, pool);
-        let rows = Rows { data: &*pool, stride: s, count: pads };
+        let rows = RowsView { data: &*pool, stride: s, count: pads };
         multiply(rows, &self.pad, false, Some(&self.pad_bias), Act::None, &mut code.pad);
         code
     }
@@ -228,12 +228,12 @@ impl FaceEngine {
                 }
             }
         }
-        let rows = Rows { data: &*joined, stride: 4 * h, count: pads };
+        let rows = RowsView { data: &*joined, stride: 4 * h, count: pads };
         multiply(rows, &pools.weights, false, Some(&pools.bias), Act::Gated, out);
     }
 
     /// The answers at some loads, in the units of the network; stress is empty where it is not wanted.
-    pub fn decode(&self, f: &Features, code: &Code, loads: &Loads, stress: bool) -> Output {
+    pub fn decode(&self, f: &GraspFeatures, code: &Code, loads: &LoadFeatures, stress: bool) -> NetworkOutput {
         let (n, nodes) = (f.graph.face.len(), f.graph.node_count);
         let mut own = self.take();
         let Workspace { channels, response: memory, .. } = &mut own;
@@ -248,7 +248,7 @@ impl FaceEngine {
             [&mut channels.contact, &mut channels.travel, &mut channels.motion].map(std::mem::take);
         self.put(own);
         let items = loads.depth.len();
-        Output {
+        NetworkOutput {
             displacement: Matrix::constant(items * nodes, 3, displacement),
             stress: Matrix::constant(stress.len(), 1, stress),
             contact: Matrix::constant(items * n, 3, contact),
@@ -259,7 +259,7 @@ impl FaceEngine {
 }
 
 /// A product with rows of the result as long as those of the weights.
-pub(crate) fn multiply(a: Rows, w: &Packed, keep: bool, bias: Option<&[f32]>, act: Act, out: &mut [f32]) {
+pub(crate) fn multiply(a: RowsView, w: &Packed, keep: bool, bias: Option<&[f32]>, act: Act, out: &mut [f32]) {
     let stride = w.cols;
     Arch::new().dispatch(Product { a, w, keep, bias, act, out, stride });
 }

@@ -13,13 +13,13 @@ const RUNGS: i32 = 8;
 
 /// The pads of a grasp at rising forces per finger, N.
 #[derive(Debug)]
-pub struct Ladder {
+pub struct ForceLadder {
     /// Forces, with the number of their level.
     rungs: Vec<(f64, usize)>,
     answer: Answer,
 }
 
-impl Ladder {
+impl ForceLadder {
     /// From the force `low` to `high`, N per finger.
     ///
     /// # Errors

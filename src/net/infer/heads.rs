@@ -6,8 +6,8 @@
 use super::face::{Code, beside, multiply, row};
 use super::message::BLOCK;
 use crate::kernel::activation::{Act, positive};
-use crate::kernel::product::{Packed, Product, Rows, padded, product};
-use crate::net::features::loads::{Loads, NODE_LOAD, PAD_LOAD};
+use crate::kernel::product::{Packed, Product, RowsView, padded, product};
+use crate::net::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::net::network::Normalisers;
 use crate::net::network::face::LITTLE;
 use crate::net::network::parameters::Parameters;
@@ -129,14 +129,14 @@ impl Heads {
         pads: usize,
         norms: &Normalisers,
         code: &Code,
-        loads: &Loads,
+        loads: &LoadFeatures,
         channels: &mut Channels,
     ) {
         let items = loads.depth.len();
         let (width, d) = (self.node.cols, self.load.cols);
         let even = (false, false);
         let at_pad = norms.pad_load.apply(&loads.pad, &PAD_LOAD, even);
-        let pad_rows = Rows { data: &at_pad, stride: PAD_LOAD.len(), count: items };
+        let pad_rows = RowsView { data: &at_pad, stride: PAD_LOAD.len(), count: items };
         let mut bias = vec![0.0; items * d];
         multiply(pad_rows, &self.pad_load, false, None, Act::None, &mut bias);
 
@@ -144,7 +144,7 @@ impl Heads {
         y.chunks_exact_mut(code.pad.len()).for_each(|y| y.copy_from_slice(&code.pad));
         multiply(pad_rows, &self.own_pad_load, true, None, Act::Gated, &mut y);
         let mut inner = vec![0.0; items * self.middle.cols];
-        let rows = |data, stride| Rows { data, stride, count: items };
+        let rows = |data, stride| RowsView { data, stride, count: items };
         multiply(rows(&y, d), &self.middle, false, Some(&self.middle_bias), Act::Gated, &mut inner);
         let mut out = vec![0.0; items * self.pad.cols];
         multiply(rows(&inner, self.middle.cols), &self.pad, false, Some(&self.pad_bias), Act::None, &mut out);
@@ -206,7 +206,7 @@ impl WithSimd for NodeBlock<'_> {
         let (z, features) = (&mut z[..count * d], &mut features[..count * wide]);
         norms.node_load.apply_to(load, features, wide);
         z.copy_from_slice(code);
-        let rows = |data, stride| Rows { data, stride, count };
+        let rows = |data, stride| RowsView { data, stride, count };
         let (a, w) = (rows(&*features, wide), &heads.load);
         product(simd, Product { a, w, keep: true, bias: Some(bias), act: Act::Gated, out: &mut *z, stride: d });
         let (a, w, bias) = (rows(&*z, d), &heads.node, Some(heads.node_bias.as_slice()));

@@ -9,7 +9,7 @@
 //! do not depend on threads, and the pools are added up in the order of the blocks.
 
 use crate::kernel::activation::{Act, gated};
-use crate::kernel::product::{LANES, Packed, Product, Rows, padded, product};
+use crate::kernel::product::{LANES, Packed, Product, RowsView, padded, product};
 use crate::linear::edges::Edges;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
@@ -67,14 +67,14 @@ impl Incoming {
 
 /// Sizes of a pass.
 #[derive(Debug, Clone, Copy)]
-pub struct Sizes {
+pub struct MessageSizes {
     /// Face nodes of a pad.
     pub nodes: usize,
     /// Numbers per node.
     pub latent: usize,
 }
 
-impl Sizes {
+impl MessageSizes {
     /// Floats per node.
     pub fn stride(self) -> usize {
         padded(self.latent)
@@ -85,7 +85,7 @@ impl Sizes {
 /// `weights` (rows, pads * nodes): `pooled` is (pads, rows, stride). `scratch` has room for h, `parts` for all blocks.
 #[allow(clippy::too_many_arguments)]
 pub fn project(
-    sizes: Sizes,
+    sizes: MessageSizes,
     layer: &Project,
     h: &[f32],
     weights: [&[f32]; 2],
@@ -145,7 +145,7 @@ impl WithSimd for ProjectBlock<'_> {
                 }
             }
         }
-        let a = Rows { data: x, stride: s, count: x.len() / s };
+        let a = RowsView { data: x, stride: s, count: x.len() / s };
         let (w, bias, stride) = (&layer.weights, Some(layer.bias.as_slice()), layer.weights.cols);
         product(simd, Product { a, w, keep: false, bias, act: Act::None, out, stride });
     }
@@ -183,7 +183,7 @@ fn norm<S: Simd>(simd: S, layer: &Project, latent: usize, h: &[f32], x: &mut [f3
 /// One round's update of `h`: `parts` are the sender, receiver and own parts of every node, `global` a row per pad.
 /// `scratch` is twice as long as `h`.
 pub fn receive(
-    sizes: Sizes,
+    sizes: MessageSizes,
     layer: &Receive,
     edges: &Incoming,
     parts: &[f32],
@@ -240,7 +240,7 @@ impl WithSimd for ReceiveBlock<'_> {
         for (i, row) in inner.chunks_exact_mut(s).enumerate() {
             row.copy_from_slice(&parts[(first + i) * 3 * s + 2 * s..][..s]);
         }
-        let rows = |data| Rows { data, stride: s, count };
+        let rows = |data| RowsView { data, stride: s, count };
         let (a, w, bias) = (rows(&*messages), &layer.messages, Some(global));
         product(simd, Product { a, w, keep: true, bias, act: Act::Gated, out: inner, stride: s });
         let (a, w, bias) = (rows(&*inner), &layer.out, Some(layer.out_bias.as_slice()));

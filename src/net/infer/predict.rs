@@ -3,17 +3,17 @@
 use super::answer::Answer;
 use super::{Code, FaceEngine};
 use crate::error::{Error, Result};
-use crate::linear::compliance_cache::Cache;
-use crate::linear::first_contact::Touch;
+use crate::linear::compliance_cache::ComplianceCache;
+use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::{PadGraph, mesh_hash};
 use crate::model::Model;
 use crate::net::autodiff::tape::{Matrix, Tape};
-use crate::net::features::Features;
-use crate::net::features::loads::Loads;
+use crate::net::features::GraspFeatures;
+use crate::net::features::loads::LoadFeatures;
 use crate::net::network::card::{Card, Trained, WEIGHTS};
 use crate::net::network::parameters::Parameters;
 use crate::net::network::spec::NetworkSpec;
-use crate::net::network::{Inputs, Network, Output, build};
+use crate::net::network::{Inputs, Network, NetworkOutput, build};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::path::Path;
@@ -40,7 +40,7 @@ pub struct Predictor {
 /// A grasp that has been looked at: all that a load level needs.
 #[derive(Debug)]
 pub struct Seen {
-    features: Features,
+    features: GraspFeatures,
     code: Encoded,
     /// Whether stress is wanted.
     stress: bool,
@@ -128,18 +128,18 @@ impl Predictor {
         if let Some(graph) = known.iter().find(|g| g.fits(finger)) {
             return Ok(graph.clone());
         }
-        let graph = Arc::new(PadGraph::keeping(finger, self.network.layout(), Cache::of_user().as_ref())?);
+        let graph = Arc::new(PadGraph::keeping(finger, self.network.layout(), ComplianceCache::of_user().as_ref())?);
         known.push(graph.clone());
         Ok(graph)
     }
 
     /// Looks at a grasp at first contact: the one pass of message passing.
-    pub fn look(&self, model: &Model, graph: &Arc<PadGraph>, touch: &Touch) -> Seen {
-        self.encode(Features::new(model, graph, touch))
+    pub fn look(&self, model: &Model, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Seen {
+        self.encode(GraspFeatures::new(model, graph, touch))
     }
 
     /// The same from features made earlier.
-    pub fn encode(&self, features: Features) -> Seen {
+    pub fn encode(&self, features: GraspFeatures) -> Seen {
         let code = match &self.engine {
             Some(engine) => Encoded::Engine(engine.encode(&features)),
             None => Encoded::Tape(self.network.encode(&Tape::silent(), &self.parameters, &self.inputs(&features))),
@@ -147,7 +147,7 @@ impl Predictor {
         Seen { features, code, stress: true }
     }
 
-    fn inputs<'a>(&'a self, features: &'a Features) -> Inputs<'a> {
+    fn inputs<'a>(&'a self, features: &'a GraspFeatures) -> Inputs<'a> {
         Inputs { features, normalisers: &self.card.normalisers, mirror: (false, false) }
     }
 
@@ -173,7 +173,7 @@ impl Predictor {
         Ok(states)
     }
 
-    fn output(&self, seen: &Seen, loads: &Loads) -> Output {
+    fn output(&self, seen: &Seen, loads: &LoadFeatures) -> NetworkOutput {
         match (&seen.code, &self.engine) {
             (Encoded::Engine(code), Some(engine)) => engine.decode(&seen.features, code, loads, seen.stress),
             (Encoded::Tape(code), _) => {

@@ -4,7 +4,7 @@
 //! Loads lie side by side, a register of them at a time.
 
 use super::heads::Channels;
-use crate::kernel::product::{self, Packed, Rows, padded};
+use crate::kernel::product::{self, Packed, RowsView, padded};
 use crate::linear::compliance::Compliance;
 use crate::linear::pad_graph::PadGraph;
 use crate::net::autodiff::ops::LITTLE;
@@ -44,7 +44,7 @@ pub fn respond<'a>(
     moved.resize(pad.moving() * wide, 0.0);
     let rows = 3 * BLOCK;
     moved.par_chunks_mut(rows * wide).zip(pad.response.par_chunks(rows * k)).for_each(|(out, response)| {
-        let a = Rows { data: response, stride: k, count: out.len() / wide };
+        let a = RowsView { data: response, stride: k, count: out.len() / wide };
         product::respond(a, forces, items, out);
     });
     at_nodes.resize(pad.nodes.div_ceil(BLOCK) * BLOCK * items * 4, 0.0);

@@ -11,7 +11,7 @@
 //! ```
 //! The second layer of a message is linear, so it is applied after the sum: edges cost no matrix product.
 
-use super::{Inputs, Network, Output, constant, repeat};
+use super::{Inputs, Network, NetworkOutput, constant, repeat};
 use crate::kernel::Sparse;
 use crate::linear::pad_graph::Layout;
 use crate::net::autodiff::ops::{
@@ -20,7 +20,7 @@ use crate::net::autodiff::ops::{
 };
 use crate::net::autodiff::real::Real;
 use crate::net::autodiff::tape::{Matrix, Tape};
-use crate::net::features::loads::{Loads, NODE_LOAD, PAD_LOAD};
+use crate::net::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::net::features::{EDGE, NODE, PAD};
 use crate::net::network::parameters::{Id, Maker, Parameters};
 use crate::net::network::spec::Face;
@@ -213,8 +213,8 @@ impl<T: Real> Network<T> for FaceNetwork {
         p: &Parameters<T>,
         inputs: &Inputs,
         code: &[Matrix<T>],
-        loads: &Loads,
-    ) -> Output<T> {
+        loads: &LoadFeatures,
+    ) -> NetworkOutput<T> {
         let (f, n, graph) = (inputs.features, inputs.normalisers, &inputs.features.graph);
         let (pads, face) = (f.pads, graph.face.len());
         let levels = loads.force.len();
@@ -243,7 +243,7 @@ impl<T: Real> Network<T> for FaceNetwork {
         // Neither factor nor what is left out is negative.
         let factor = apply(tape, &graph.interpolate, &channel(self.factor, Activation::Positive));
         let more = apply(tape, &graph.interpolate, &channel(self.stress, Activation::Positive));
-        Output {
+        NetworkOutput {
             displacement: sum(tape, &[&beyond, &product(tape, &given, &scale)], none),
             stress: sum(tape, &[&product(tape, &bare, &factor), &more], none),
             contact,
@@ -257,7 +257,7 @@ impl<T: Real> Network<T> for FaceNetwork {
 fn linear_response<T: Real>(
     tape: &Tape<T>,
     inputs: &Inputs,
-    loads: &Loads,
+    loads: &LoadFeatures,
     contact: &Matrix<T>,
 ) -> (Matrix<T>, Matrix<T>) {
     let (f, norms) = (inputs.features, inputs.normalisers);
@@ -278,7 +278,7 @@ fn linear_response<T: Real>(
 }
 
 /// What the settled gel says of the force on each node: its share as a logarithm, and the part along the face.
-fn carried<T: Real>(inputs: &Inputs, loads: &Loads) -> Matrix<T> {
+fn carried<T: Real>(inputs: &Inputs, loads: &LoadFeatures) -> Matrix<T> {
     let [x, y] = inputs.signs();
     let rows = loads.node.chunks_exact(NODE_LOAD.len());
     constant(3, rows.flat_map(|row| [(row[6] + LITTLE).ln(), x * row[7], y * row[8]]).collect())

@@ -13,11 +13,11 @@ use self::parameters::{Maker, Parameters};
 use self::spec::NetworkSpec;
 use super::autodiff::real::Real;
 use super::autodiff::tape::{Matrix, Tape};
-use super::features::loads::{Loads, NODE_LOAD, PAD_LOAD};
+use super::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use super::features::normalise::MOST;
 use super::features::normalise::Normaliser;
 use super::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE};
-use super::features::{self, Features, VECTOR};
+use super::features::{self, GraspFeatures, VECTOR};
 use crate::kernel::Sparse;
 use crate::linear::pad_graph::Layout;
 use serde::{Deserialize, Serialize};
@@ -43,9 +43,9 @@ pub struct Normalisers {
     pub displacement: f32,
     /// Root mean square stress over Young's modulus times depth over thickness.
     pub stress: f32,
-    /// Mean and deviation of what the travel is beyond that of the grip, over that depth.
+    /// Mean and deviation of what the travel is beyond that of the equilibrium, over that depth.
     pub travel: [f32; 2],
-    /// Root mean square of what the object's translation is beyond that in the grip, over the depth, and of its rotation,
+    /// Root mean square of what the object's translation is beyond that in the equilibrium, over the depth, and of its rotation,
     /// over depth over thickness.
     pub motion: [f32; 2],
 }
@@ -100,7 +100,7 @@ pub struct VolumeNormalisers {
 /// The inputs of a pass: features, normalised the same way everywhere.
 pub struct Inputs<'a> {
     /// The grasp.
-    pub features: &'a Features,
+    pub features: &'a GraspFeatures,
     /// Statistics.
     pub normalisers: &'a Normalisers,
     /// Mirrored along x, y.
@@ -135,7 +135,7 @@ fn repeat(times: usize, rows: usize) -> Arc<Sparse> {
 
 /// What a network predicts at some load levels, in units of [`Normalisers`]; rows are levels, then pads, then nodes.
 #[derive(Debug, Clone)]
-pub struct Output<T: Real = f32> {
+pub struct NetworkOutput<T: Real = f32> {
     /// (levels * pads * nodes, 3).
     pub displacement: Matrix<T>,
     /// (levels * pads * nodes, 1), non-negative.
@@ -161,8 +161,8 @@ pub trait Network<T: Real = f32>: Send + Sync + std::fmt::Debug {
         parameters: &Parameters<T>,
         inputs: &Inputs,
         code: &[Matrix<T>],
-        loads: &Loads,
-    ) -> Output<T>;
+        loads: &LoadFeatures,
+    ) -> NetworkOutput<T>;
 }
 
 /// The network of a description and its start values; without a seed for them, all weights are zero.

@@ -9,13 +9,13 @@
 //! MLPs have two hidden layers, ReLU, and a LayerNorm behind them. A stepper needs more than the paper predicts: travel and
 //! motion of the object come from a head on the mean of `h` near the contact, contact forces from a layer on the face.
 
-use super::{Inputs, Network, Output, VolumeNormalisers, repeat};
+use super::{Inputs, Network, NetworkOutput, VolumeNormalisers, repeat};
 use crate::linear::edges::Edges;
 use crate::linear::pad_graph::Layout;
 use crate::net::autodiff::ops::{Activation, apply, layer_norm, linear, reshape, share, sum};
 use crate::net::autodiff::real::Real;
 use crate::net::autodiff::tape::{Matrix, Tape};
-use crate::net::features::loads::Loads;
+use crate::net::features::loads::LoadFeatures;
 use crate::net::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
 use crate::net::network::parameters::{Id, Maker, Parameters};
 use crate::net::network::spec::Paper;
@@ -153,8 +153,8 @@ impl<T: Real> Network<T> for PaperNetwork {
         p: &Parameters<T>,
         inputs: &Inputs,
         code: &[Matrix<T>],
-        loads: &Loads,
-    ) -> Output<T> {
+        loads: &LoadFeatures,
+    ) -> NetworkOutput<T> {
         let ((volume, norms), f) = (seen(inputs), inputs.features);
         let levels = loads.force.len();
         let contact: Vec<f32> = loads.force.iter().flat_map(|force| volume.contact_edge(*force)).collect();
@@ -178,7 +178,7 @@ impl<T: Real> Network<T> for PaperNetwork {
         let displacement = self.displacement.apply(tape, p, &z, none);
         let components = apply(tape, &volume.turned, &reshape(tape, &displacement, 3 * z.rows));
         let rows = components.rows / 3;
-        Output {
+        NetworkOutput {
             displacement: reshape(tape, &components, rows),
             stress: apply(tape, &volume.pads, &self.stress.apply(tape, p, &z, Activation::Relu)),
             contact: share(tape, &self.contact.apply(tape, p, &face, none), f.graph.face.len()),

@@ -1,6 +1,6 @@
 //! The state of a training run on disk, in one file, so that it is whole or not there.
 
-use super::State;
+use super::TrainingState;
 use super::curves::Epoch;
 use crate::error::{Error, Result};
 use crate::files::atomic::write_durable;
@@ -25,7 +25,7 @@ fn path(dir: &Path) -> PathBuf {
 }
 
 /// Writes the state: a line of RON (which gives numbers back to the bit), then weights, best weights and both moments, f32, little-endian, and a checksum.
-pub fn write(dir: &Path, plan: &str, state: &State) -> Result<()> {
+pub fn write(dir: &Path, plan: &str, state: &TrainingState) -> Result<()> {
     let header = Header {
         plan: plan.into(),
         step: state.adam.step,
@@ -48,14 +48,14 @@ pub enum Left {
     /// A file that is not as it was written.
     Damaged(PathBuf),
     /// Its state.
-    State(Box<State>),
+    State(Box<TrainingState>),
 }
 
 /// What an earlier run of the same plan left. `like` has the shapes.
 ///
 /// # Errors
 /// A file of another plan, or one that cannot be read.
-pub fn read(dir: &Path, plan: &str, like: &State) -> Result<Left> {
+pub fn read(dir: &Path, plan: &str, like: &TrainingState) -> Result<Left> {
     let path = path(dir);
     let fail = |message: &str| Error::file(&path, message);
     let bytes = match std::fs::read(&path) {

@@ -4,12 +4,12 @@ use crate::dataset::split::Poses;
 use crate::dataset::{DataSet, Splits};
 use crate::error::{Error, Result};
 use crate::interrupt;
-use crate::linear::compliance_cache::Cache;
+use crate::linear::compliance_cache::ComplianceCache;
 use crate::linear::pad_graph::{Layout, PadGraph};
 use crate::model::Model;
 use crate::net::autodiff::ops::{displaced, respond};
 use crate::net::autodiff::tape::{Matrix, Tape};
-use crate::net::features::loads::{Loads, NODE_LOAD, PAD_LOAD};
+use crate::net::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::net::features::normalise::Normaliser;
 use crate::net::features::range::TrainedRange;
 use crate::net::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
@@ -55,7 +55,7 @@ pub fn read(set: &DataSet, poses: &Poses, layout: Layout, frames: usize) -> Resu
         // Equal pads share one graph.
         let finger = model.finger()?;
         let known = graphs.iter().find(|g| g.fits(finger)).cloned();
-        let made = || PadGraph::keeping(finger, layout, Cache::of_user().as_ref()).map(Arc::new);
+        let made = || PadGraph::keeping(finger, layout, ComplianceCache::of_user().as_ref()).map(Arc::new);
         graphs.push(known.map_or_else(made, Ok)?);
     }
     let chosen = set.select(poses);
@@ -94,7 +94,7 @@ pub fn set_aside(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Sample>, Ve
 
 /// Statistics of a training set; what training is stopped by lies within the bounds of features, too.
 pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
-    let loads: Vec<&Loads> = samples.iter().map(|s| &s.loads).collect();
+    let loads: Vec<&LoadFeatures> = samples.iter().map(|s| &s.loads).collect();
     let rms = |values: &mut dyn Iterator<Item = f64>| {
         let (n, square) = values.fold((0.0, 0.0), |(n, s), v| (n + 1.0, s + v * v));
         (square / f64::max(n, 1.0)).sqrt().max(1e-12) as f32
@@ -104,7 +104,7 @@ pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
     };
     // Values of a field, each over the depth of its level and pad.
     let over_depth = |pick: fn(&Sample) -> &[f32]| {
-        let of = |(s, l): (&Sample, &&Loads)| {
+        let of = |(s, l): (&Sample, &&LoadFeatures)| {
             let all = pick(s);
             let width = all.len() / l.depth.len();
             all.chunks_exact(width)
@@ -124,7 +124,7 @@ pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
         .collect();
     let mean = travel.iter().sum::<f64>() / travel.len() as f64;
     let motion = |turn: bool| {
-        let of = |(s, l): (&Sample, &&Loads)| {
+        let of = |(s, l): (&Sample, &&LoadFeatures)| {
             let value = |(i, v): (usize, &f64)| {
                 let d = l.depth[i / 6] / if turn { thickness } else { 1.0 };
                 ((i % 6 >= 3) == turn).then_some((v - l.motion[i]) / d)
@@ -171,7 +171,7 @@ fn volume(samples: &[Sample], validation: &[Sample]) -> Option<VolumeNormalisers
 }
 
 /// Root mean square of what the displacement is beyond the linear response to the true contact forces, over the depth.
-fn beyond_response(samples: &[Sample], loads: &[&Loads]) -> f32 {
+fn beyond_response(samples: &[Sample], loads: &[&LoadFeatures]) -> f32 {
     let (mut count, mut square) = (0.0, 0.0);
     for (s, l) in samples.iter().zip(loads) {
         let (graph, width) = (&s.features.graph, s.displacement.len() / l.depth.len());

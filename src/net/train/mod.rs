@@ -38,7 +38,7 @@ pub struct Trainer {
     samples: Vec<Sample>,
     validation: Vec<Sample>,
     /// The state: weights, those of the best epoch, moments, and all epochs so far.
-    state: State,
+    state: TrainingState,
     /// What to know about the start.
     pub notice: Option<String>,
     _lock: FolderLock,
@@ -46,7 +46,7 @@ pub struct Trainer {
 
 /// All that an epoch leaves to the next.
 #[derive(Debug, Clone)]
-pub struct State {
+pub struct TrainingState {
     /// Weights.
     pub parameters: Parameters,
     /// Weights of the epoch with the smallest validation loss.
@@ -57,7 +57,7 @@ pub struct State {
     pub epochs: Vec<Epoch>,
 }
 
-impl State {
+impl TrainingState {
     /// The epoch with the smallest validation loss, and that loss.
     pub fn best_epoch(&self) -> Option<(usize, f64)> {
         let losses = self.epochs.iter().map(|e| e.validation).enumerate();
@@ -91,7 +91,7 @@ impl Trainer {
         let (samples, validation) = data::set_aside(samples, spec.training.validation.get(), spec.training.seed);
         let card = card(spec, set, split, [&samples, &validation], range, &parameters);
         let adam = Adam::new(&parameters);
-        let state = State { best: parameters.clone(), parameters, adam, epochs: Vec::new() };
+        let state = TrainingState { best: parameters.clone(), parameters, adam, epochs: Vec::new() };
         let mut trainer =
             Self { dir: dir.to_path_buf(), card, network, samples, validation, state, notice: None, _lock: lock };
         match checkpoint::read(dir, &trainer.plan()?, &trainer.state)? {

@@ -1,19 +1,19 @@
 //! One grasp of a data set: features from its stored scene, and what FEM found.
 
-use crate::dataset::{Grasp, ObjectFile};
+use crate::dataset::{ObjectFile, StoredGrasp};
 use crate::error::{Error, Result};
 use crate::gripper::GraspPose;
 use crate::linear::amid;
-use crate::linear::first_contact::Touch;
+use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::PadGraph;
 use crate::model::Model;
 use crate::net::autodiff::ops::{product, root_error};
 use crate::net::autodiff::real::Real;
 use crate::net::autodiff::tape::{Matrix, Tape};
-use crate::net::features::loads::Loads;
+use crate::net::features::loads::LoadFeatures;
 use crate::net::features::rows;
-use crate::net::features::{Features, ROTATION, VECTOR};
-use crate::net::network::{Normalisers, Output};
+use crate::net::features::{GraspFeatures, ROTATION, VECTOR};
+use crate::net::network::{NetworkOutput, Normalisers};
 use crate::scene::from_ron;
 use crate::world::components::ObjectPose;
 use glam::{DMat3, DQuat, DVec3};
@@ -29,9 +29,9 @@ pub struct Sample {
     /// Numbers of the frames kept.
     pub frames: Vec<usize>,
     /// What the network sees.
-    pub features: Features,
+    pub features: GraspFeatures,
     /// What it sees of each level.
-    pub loads: Loads,
+    pub loads: LoadFeatures,
     /// Force per finger of each level, N.
     pub forces: Vec<f64>,
     /// (levels, pads, nodes, 3), m.
@@ -79,16 +79,16 @@ impl Sample {
         model: &Arc<Model>,
         graph: &Arc<PadGraph>,
         grasp: usize,
-        data: &Grasp,
+        data: &StoredGrasp,
         most: usize,
     ) -> Result<Self> {
-        let touch = Touch::find(model, GraspPose::from_row(&data.grasp_pose))?;
+        let touch = GeometricContact::find(model, GraspPose::from_row(&data.grasp_pose))?;
         let count = data.frames.min(most);
         let last = data.frames.saturating_sub(1);
         let frames = (0..count).map(|i| if count > 1 { i * last / (count - 1) } else { last });
         let frames: Vec<usize> = frames.collect();
         let (pads, nodes) = (file.sizes.pads, file.sizes.nodes);
-        let features = Features::new(model, graph, &touch);
+        let features = GraspFeatures::new(model, graph, &touch);
         let forces: Vec<f64> = frames.iter().map(|k| data.force[*k] / pads as f64).collect();
         let mut sample = Self {
             object: file.name.clone(),
@@ -146,7 +146,7 @@ impl Sample {
     pub fn loss<T: Real>(
         &self,
         tape: &Tape<T>,
-        output: &Output<T>,
+        output: &NetworkOutput<T>,
         norms: &Normalisers,
         mirror: (bool, bool),
         weights: &[f32; 4],

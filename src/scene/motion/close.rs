@@ -1,6 +1,6 @@
 //! Squeeze.
 
-use super::{Hand, Play, Stage};
+use super::{HandState, Play, Stage};
 use crate::scene::leaf::{NonNegative, Seconds};
 use serde::{Deserialize, Serialize};
 
@@ -19,9 +19,9 @@ impl Play for Close {
         self.duration.get()
     }
 
-    fn hand(&self, start: &Hand, time: f64, _: &Stage) -> Hand {
+    fn hand(&self, start: &HandState, time: f64, _: &Stage) -> HandState {
         let s = (time / self.duration()).min(1.0);
-        Hand { force: start.force + s * (self.force.get() - start.force), ..*start }
+        HandState { force: start.force + s * (self.force.get() - start.force), ..*start }
     }
 
     fn squeezes(&self, begin: f64, found: &mut Vec<(f64, f64)>) {

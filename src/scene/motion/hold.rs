@@ -1,6 +1,6 @@
 //! Wait.
 
-use super::{Hand, Play, Stage};
+use super::{HandState, Play, Stage};
 use crate::scene::leaf::Seconds;
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +17,7 @@ impl Play for Hold {
         self.duration.get()
     }
 
-    fn hand(&self, start: &Hand, _: f64, _: &Stage) -> Hand {
+    fn hand(&self, start: &HandState, _: f64, _: &Stage) -> HandState {
         *start
     }
 }

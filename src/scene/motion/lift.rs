@@ -1,6 +1,6 @@
 //! Up.
 
-use super::{Hand, Play, Stage, smooth};
+use super::{HandState, Play, Stage, smooth};
 use crate::scene::leaf::{Finite, Seconds};
 use serde::{Deserialize, Serialize};
 
@@ -19,9 +19,9 @@ impl Play for Lift {
         self.duration.get()
     }
 
-    fn hand(&self, start: &Hand, time: f64, stage: &Stage) -> Hand {
+    fn hand(&self, start: &HandState, time: f64, stage: &Stage) -> HandState {
         let by = stage.up * (self.height.get() * smooth(time / self.duration()));
-        Hand { position: start.position + by, ..*start }
+        HandState { position: start.position + by, ..*start }
     }
 
     fn needs_gravity(&self) -> bool {

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 
 /// Where the hand is and how hard it squeezes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hand {
+pub struct HandState {
     /// Origin of the hand frame in the world, m.
     pub position: DVec3,
     /// Rotation from the hand frame to the world.
@@ -32,7 +32,7 @@ pub struct Hand {
     pub force: f64,
 }
 
-impl Hand {
+impl HandState {
     /// A point of the hand frame in the world, m.
     pub fn to_world(&self, x: DVec3) -> DVec3 {
         self.rotation * x + self.position
@@ -58,7 +58,7 @@ pub trait Play {
     /// How long it takes, s.
     fn duration(&self) -> f64;
     /// The hand after `time` (0 to the duration, s) of a motion that began at `start`.
-    fn hand(&self, start: &Hand, time: f64, stage: &Stage) -> Hand;
+    fn hand(&self, start: &HandState, time: f64, stage: &Stage) -> HandState;
     /// Enters the end (s) and the force (N) of every squeeze of a motion that begins at `begin` (s).
     fn squeezes(&self, _begin: f64, _found: &mut Vec<(f64, f64)>) {}
     /// True if it goes against gravity.
@@ -110,7 +110,7 @@ pub fn duration(motions: &[Motion]) -> f64 {
 }
 
 /// The hand `time` (s) after it began to play `motions` at `start`; at their end afterwards.
-pub fn follow(motions: &[Motion], start: &Hand, time: f64, stage: &Stage) -> Hand {
+pub fn follow(motions: &[Motion], start: &HandState, time: f64, stage: &Stage) -> HandState {
     let (mut hand, mut rest) = (*start, time);
     for motion in motions {
         let motion = motion.play();

@@ -1,6 +1,6 @@
 //! Again and again.
 
-use super::{Hand, Motion, Play, Stage, duration, follow, squeezes};
+use super::{HandState, Motion, Play, Stage, duration, follow, squeezes};
 use crate::scene::leaf::Count;
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +19,7 @@ impl Play for Repeat {
         self.times.get() as f64 * duration(&self.motions)
     }
 
-    fn hand(&self, start: &Hand, time: f64, stage: &Stage) -> Hand {
+    fn hand(&self, start: &HandState, time: f64, stage: &Stage) -> HandState {
         let (mut hand, mut rest, once) = (*start, time, duration(&self.motions));
         for _ in 1..self.times.get() {
             if rest < once {

@@ -1,6 +1,6 @@
 //! Turn.
 
-use super::{Hand, Play, Stage, smooth};
+use super::{HandState, Play, Stage, smooth};
 use crate::scene::leaf::{Finite, Seconds};
 use crate::scene::vector::Direction;
 use glam::DQuat;
@@ -23,11 +23,11 @@ impl Play for Rotate {
         self.duration.get()
     }
 
-    fn hand(&self, start: &Hand, time: f64, stage: &Stage) -> Hand {
+    fn hand(&self, start: &HandState, time: f64, stage: &Stage) -> HandState {
         let angle = self.angle_deg.get().to_radians() * smooth(time / self.duration());
         let rotation = (start.rotation * DQuat::from_axis_angle(self.axis.unit(), angle)).normalize();
         // The middle between the pads stays where it is.
         let position = start.to_world(stage.center) - rotation * stage.center;
-        Hand { position, rotation, ..*start }
+        HandState { position, rotation, ..*start }
     }
 }

@@ -1,6 +1,6 @@
 //! To and fro.
 
-use super::{Hand, Play, Stage, smooth};
+use super::{HandState, Play, Stage, smooth};
 use crate::scene::leaf::{Length, Positive, Seconds};
 use crate::scene::vector::Direction;
 use serde::{Deserialize, Serialize};
@@ -26,11 +26,11 @@ impl Play for Shake {
         self.duration.get()
     }
 
-    fn hand(&self, start: &Hand, time: f64, _: &Stage) -> Hand {
+    fn hand(&self, start: &HandState, time: f64, _: &Stage) -> HandState {
         let (duration, frequency) = (self.duration(), self.frequency.get());
         let fade = (1.0 / frequency).min(0.5 * duration);
         let amplitude = self.amplitude.get() * smooth(time / fade) * smooth((duration - time) / fade);
         let by = self.direction.unit() * (amplitude * (TAU * frequency * time).sin());
-        Hand { position: start.position + by, ..*start }
+        HandState { position: start.position + by, ..*start }
     }
 }

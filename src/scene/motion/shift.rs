@@ -1,6 +1,6 @@
 //! To another place.
 
-use super::{Hand, Play, Stage, smooth};
+use super::{HandState, Play, Stage, smooth};
 use crate::scene::leaf::Seconds;
 use crate::scene::vector::Vec3;
 use serde::{Deserialize, Serialize};
@@ -20,8 +20,8 @@ impl Play for Move {
         self.duration.get()
     }
 
-    fn hand(&self, start: &Hand, time: f64, _: &Stage) -> Hand {
+    fn hand(&self, start: &HandState, time: f64, _: &Stage) -> HandState {
         let by = self.by.dvec3() * smooth(time / self.duration());
-        Hand { position: start.position + by, ..*start }
+        HandState { position: start.position + by, ..*start }
     }
 }

@@ -1,6 +1,6 @@
 //! Pads that meet beside a thin object are refused: contact between the pads is not modelled.
 
-use crate::mech::contact::{ContactSurface, Face};
+use crate::mech::contact::{ContactSurface, SurfaceFace};
 use crate::scales::FACE_BULGE;
 use crate::world::components::{ClosingDirection, FingerIndex, FingerTravel, NodeIndex, Position, TABLES};
 use crate::world::schedule::{Advance, Next, Phase, Shared};
@@ -66,7 +66,7 @@ pub fn overlap(first: &ContactSurface, x: &[DVec3], second: &ContactSurface, y: 
     let behind: Vec<_> = second.points.iter().map(|s| plane(s.position(y))).filter(|(_, h)| *h < tip).collect();
     let lowest = behind.iter().map(|(_, h)| *h).fold(f64::INFINITY, f64::min);
     let mut worst = 0.0_f64;
-    for triangle in first.faces.iter().flat_map(Face::flat_parts) {
+    for triangle in first.faces.iter().flat_map(SurfaceFace::flat_parts) {
         let [a, b, c] = triangle.map(|n| plane(x[n as usize]));
         // Seen from the other pad, front sides turn counter-clockwise.
         let area = (b.0 - a.0).perp_dot(c.0 - a.0);

@@ -1,7 +1,7 @@
 //! The audit as a system: there only if the scene promises something that it judges.
 
 use crate::judge::Findings;
-use crate::world::schedule::{Grasp, Recorded, Shared, Timings};
+use crate::world::schedule::{CurrentGrasp, Recorded, Shared, Timings};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use std::time::Instant;
@@ -13,7 +13,7 @@ pub struct Audited(pub Option<Findings>);
 /// Judges the frame of this step.
 pub fn audit_frame(
     shared: Res<Shared>,
-    grasp: Res<Grasp>,
+    grasp: Res<CurrentGrasp>,
     recorded: Res<Recorded>,
     mut audited: ResMut<Audited>,
     mut timings: ResMut<Timings>,

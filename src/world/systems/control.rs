@@ -1,13 +1,13 @@
 //! The gripper's wishes: where the object is at the start, and how hard to squeeze next.
 
 use crate::world::components::{FingerForce, FingerTravel, ObjectPose, ObjectWeight};
-use crate::world::schedule::{Advance, Command, Grasp, Next, Phase, Shared};
+use crate::world::schedule::{Advance, CurrentGrasp, ForceCommand, Next, Phase, Shared};
 use bevy_ecs::prelude::*;
 
 /// Puts the object at its grasp pose in the open hand.
 pub fn place_object(
     phase: Res<Phase>,
-    grasp: Res<Grasp>,
+    grasp: Res<CurrentGrasp>,
     mut next: ResMut<Next>,
     mut pose: Single<&mut ObjectPose>,
     mut travel: Query<&mut FingerTravel>,
@@ -46,8 +46,8 @@ pub fn refuse_weight(phase: Res<Phase>, shared: Res<Shared>, mut next: ResMut<Ne
 pub fn set_load(
     phase: Res<Phase>,
     shared: Res<Shared>,
-    grasp: Res<Grasp>,
-    command: Option<Res<Command>>,
+    grasp: Res<CurrentGrasp>,
+    command: Option<Res<ForceCommand>>,
     mut advance: ResMut<Advance>,
     mut forces: Query<&mut FingerForce>,
 ) {

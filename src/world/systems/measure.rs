@@ -1,7 +1,7 @@
 //! Do the forces of a frame add up? From the wrenches alone, whatever stepper wrote them.
 
 use crate::world::components::*;
-use crate::world::schedule::{Balance, Shared};
+use crate::world::schedule::{BalanceReport, Shared};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
@@ -12,7 +12,7 @@ type Loads<'a> = (&'a ObjectPose, Option<&'a ObjectWeight>, Option<&'a GroundWre
 /// contact must carry the force that closes it; of one that is still held, their contacts together.
 pub fn measure_balance(
     shared: Res<Shared>,
-    mut balance: ResMut<Balance>,
+    mut balance: ResMut<BalanceReport>,
     fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel, &FingerForce, &FingerWrench)>,
     object: Single<Loads>,
 ) {
@@ -52,7 +52,7 @@ pub fn measure_balance(
         None => applied,
         Some(_) => applied + weight.length() + ground.force.length() + pushed,
     };
-    *balance = Balance {
+    *balance = BalanceReport {
         held: balance.held,
         applied,
         force: relative(unbalanced, scale),

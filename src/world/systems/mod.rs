@@ -3,10 +3,10 @@
 pub(crate) mod apart;
 pub mod audit;
 mod control;
+pub(crate) mod inversion;
 pub(crate) mod measure;
 mod record;
 pub(crate) mod sense;
-pub(crate) mod upright;
 
 use crate::model::Needs;
 use crate::world::schedule::{StepSet, ramping, reached};

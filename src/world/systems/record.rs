@@ -2,7 +2,7 @@
 
 use crate::record::{Frame, Moving, PadFrame, Wrench};
 use crate::world::components::*;
-use crate::world::schedule::{Advance, Balance, Command, Next, Phase, Recorded, Shared};
+use crate::world::schedule::{Advance, BalanceReport, ForceCommand, Next, Phase, Recorded, Shared};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
@@ -28,7 +28,7 @@ pub fn record_frame(
     phase: Res<Phase>,
     shared: Res<Shared>,
     advance: Res<Advance>,
-    balance: Res<Balance>,
+    balance: Res<BalanceReport>,
     mut recorded: ResMut<Recorded>,
     nodes: Query<Nodes>,
     tets: Query<(&TetIndex, &FingerIndex, &TetStress)>,
@@ -122,7 +122,7 @@ pub fn turn_phase(
     mut next: ResMut<Next>,
     mut advance: ResMut<Advance>,
     shared: Res<Shared>,
-    command: Option<Res<Command>>,
+    command: Option<Res<ForceCommand>>,
 ) {
     let asked = next.take();
     if let (Phase::Ramp { frame }, None) = (&*phase, &asked)

@@ -19,15 +19,15 @@ mod pad;
 mod patch;
 mod term;
 
-pub use pad::Pad;
+pub use pad::CondensedPad;
 pub use patch::choose;
-pub use term::Condensed;
+pub use term::CondensedEnergy;
 
 use super::readout;
 use crate::mech::newton::Failure;
-use crate::mech::path::continuation::Pads;
+use crate::mech::path::continuation::PadDiscretisation;
 use crate::mech::path::{Advanced, Load, Path};
-use crate::mech::potential::state::{Border, State};
+use crate::mech::potential::state::{RigidUnknowns, State};
 use crate::mech::potential::term::Stencil;
 use crate::model::Model;
 use crate::scales::{CONDENSED_MOTION, FIRST_DEPTH};
@@ -38,7 +38,7 @@ use std::time::Instant;
 
 /// The condensed pads of one grasp.
 pub struct Condensation {
-    pads: Vec<Pad>,
+    pads: Vec<CondensedPad>,
     /// Change of the displacement by a correction, over the displacement, that is small enough.
     error: f64,
     /// Levels of the last two accepted states: between them the centres wandered as the pads remember.
@@ -55,12 +55,12 @@ const CONTRACTION: f64 = 0.3;
 impl Condensation {
     /// Of the pads of `model` under the dead loads `dead` (N per node; empty lists for none), with nothing condensed yet.
     pub fn new(model: &Model, dead: Vec<Vec<DVec3>>, error: f64) -> Self {
-        let pads = model.fingers.iter().zip(dead).map(|(f, dead)| Pad::new(f, dead)).collect();
+        let pads = model.fingers.iter().zip(dead).map(|(f, dead)| CondensedPad::new(f, dead)).collect();
         Self { pads, error, levels: [None; 2] }
     }
 
     /// The condensed pad of finger `i`.
-    pub fn pad(&self, i: usize) -> &Pad {
+    pub fn pad(&self, i: usize) -> &CondensedPad {
         &self.pads[i]
     }
 
@@ -81,8 +81,8 @@ impl Condensation {
     pub fn follow(&mut self, path: &mut Path, model: &Model) -> Result<Advanced, Failure> {
         let start = path.checkpoint();
         let gone = |path: &Path| {
-            let way = path.newton.border.distance(&path.state, start.state());
-            path.leash.is_some_and(|most| way > most)
+            let way = path.newton.rigid.distance(&path.state, start.state());
+            path.largest_drift.is_some_and(|most| way > most)
         };
         path.stage = Some(CONDENSED_MOTION * model.law.offset);
         let mut done = path.advance(Load::Force, path.level, &mut self.of(model));
@@ -126,7 +126,7 @@ impl Condensation {
             let balanced = !result || residual <= BALANCE * self.error * path.newton.activity();
             if error <= self.error && balanced {
                 self.levels = [self.levels[1], Some(level)];
-                self.pads.iter_mut().for_each(Pad::settle);
+                self.pads.iter_mut().for_each(CondensedPad::settle);
                 return Ok(());
             }
             if error > CONTRACTION * last {
@@ -143,7 +143,7 @@ impl Condensation {
     fn condense(&mut self, path: &mut Path, patches: Vec<Option<Vec<u32>>>) -> Result<(), Failure> {
         let clock = Instant::now();
         let work = self.pads.par_iter_mut().zip(patches).zip(&path.state.x);
-        let condense = |((pad, patch), x): ((&mut Pad, Option<Vec<u32>>), &Vec<DVec3>)| {
+        let condense = |((pad, patch), x): ((&mut CondensedPad, Option<Vec<u32>>), &Vec<DVec3>)| {
             patch.map_or(Ok(None), |patch| pad.condense(x, patch))
         };
         let bodies: Vec<_> = work.map(condense).collect();
@@ -206,7 +206,7 @@ impl Condensation {
     fn patches(&self, path: &Path, model: &Model, nearer: f64) -> Vec<Option<Vec<u32>>> {
         let pads = model.fingers.par_iter().enumerate();
         let of = |(i, finger)| {
-            let view = path.state.view(i, &path.newton.border);
+            let view = path.state.view(i, &path.newton.rigid);
             Some(choose(finger, &view, &model.object, model.law.offset, nearer, touched(path, i)))
         };
         pads.map(of).collect()
@@ -221,7 +221,7 @@ pub struct CondensedPads<'a> {
     outside: Option<Vec<Option<Vec<u32>>>>,
 }
 
-impl Pads for CondensedPads<'_> {
+impl PadDiscretisation for CondensedPads<'_> {
     fn corrects(&self) -> bool {
         true
     }
@@ -240,7 +240,7 @@ impl Pads for CondensedPads<'_> {
     }
 
     fn restore(&mut self) {
-        self.pads.pads.iter_mut().for_each(Pad::restore);
+        self.pads.pads.iter_mut().for_each(CondensedPad::restore);
     }
 
     fn renew(&mut self, path: &mut Path) -> Result<(), Failure> {
@@ -253,7 +253,7 @@ impl Pads for CondensedPads<'_> {
 pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec<usize> {
     // Only where the pads are matters.
     let closing = model.fingers.iter().map(|f| f.placement.closing).collect();
-    let border = Border { closing, ..Border::none(model.fingers.len()) };
+    let rigid = RigidUnknowns { closing, ..RigidUnknowns::none(model.fingers.len()) };
     let state = State {
         x: model.fingers.iter().map(|f| f.body.rest.clone()).collect(),
         travel: travel.to_vec(),
@@ -261,7 +261,7 @@ pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec
         rotation: pose.rotation,
     };
     let pads = model.fingers.iter().enumerate();
-    let patch = |(i, f)| choose(f, &state.view(i, &border), &model.object, model.law.offset, 0.0, std::iter::empty());
+    let patch = |(i, f)| choose(f, &state.view(i, &rigid), &model.object, model.law.offset, 0.0, std::iter::empty());
     pads.map(|pad| patch(pad).len()).collect()
 }
 

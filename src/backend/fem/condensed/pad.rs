@@ -1,6 +1,6 @@
 //! One pad, condensed onto a patch and brought back.
 
-use super::term::Condensed;
+use super::term::CondensedEnergy;
 use crate::mech::body::Body;
 use crate::mech::body::cholesky::Factor;
 use crate::mech::body::pattern::FIXED;
@@ -12,7 +12,7 @@ use glam::DVec3;
 use std::sync::Arc;
 
 /// A pad with the factor of its stiffness.
-pub struct Pad {
+pub struct CondensedPad {
     body: Arc<Body>,
     dead: Vec<DVec3>,
     eliminated: Option<(Body, Factor)>,
@@ -35,7 +35,7 @@ pub(crate) struct Correction {
     pub residual: f64,
 }
 
-impl Pad {
+impl CondensedPad {
     /// Of `finger` under `dead` loads (N per node; empty for none), not condensed yet.
     pub fn new(finger: &FingerModel, dead: Vec<DVec3>) -> Self {
         let rest = finger.body.rest.clone();
@@ -72,9 +72,9 @@ impl Pad {
     }
 
     /// The pad as a term of the potential.
-    pub fn term(&self) -> Condensed {
+    pub fn term(&self) -> CondensedEnergy {
         let center = self.patch.iter().map(|&n| self.center[n as usize]).collect();
-        Condensed { center, patch: self.patch.clone(), stiffness: self.stiffness.clone() }
+        CondensedEnergy { center, patch: self.patch.clone(), stiffness: self.stiffness.clone() }
     }
 
     /// The nodes that are left, ascending.

@@ -1,7 +1,7 @@
 //! Which nodes of a pad may carry contact.
 
 use crate::geometry::shape::Shape;
-use crate::mech::potential::state::View;
+use crate::mech::potential::state::BodyView;
 use crate::mech::potential::term::Stencil;
 use crate::part::FingerModel;
 use crate::scales::{PATCH_MARGIN, SMALL_PATCH_MARGIN};
@@ -14,7 +14,7 @@ const SMALL: usize = 64;
 /// (m), and those that are `touched`; ascending.
 pub fn choose(
     finger: &FingerModel,
-    view: &View,
+    view: &BodyView,
     object: &Shape,
     offset: f64,
     nearer: f64,

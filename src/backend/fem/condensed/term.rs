@@ -2,8 +2,8 @@
 
 use crate::mech::body::Body;
 use crate::mech::body::pattern::FIXED;
-use crate::mech::potential::state::View;
-use crate::mech::potential::term::{Block, BodyTerm};
+use crate::mech::potential::state::BodyView;
+use crate::mech::potential::term::{BodyBlock, BodyTerm};
 use faer::Mat;
 use glam::DVec3;
 use pulp::Arch;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// `1/2 (x - c)' S (x - c)` on the nodes of a patch, which are the free nodes of the body, in its order.
 #[derive(Debug, Clone)]
-pub struct Condensed {
+pub struct CondensedEnergy {
     /// Where the patch rests unloaded, m, relative to the finger.
     pub center: Vec<DVec3>,
     /// The nodes of the patch.
@@ -21,7 +21,7 @@ pub struct Condensed {
     pub stiffness: Arc<Mat<f64>>,
 }
 
-impl Condensed {
+impl CondensedEnergy {
     /// A pad of which nothing is left.
     pub fn nothing() -> Self {
         Self { center: Vec::new(), patch: Arc::from([]), stiffness: Arc::new(Mat::new()) }
@@ -43,13 +43,13 @@ impl Condensed {
     }
 }
 
-impl BodyTerm for Condensed {
-    fn energy(&self, _: &Body, view: &View) -> f64 {
+impl BodyTerm for CondensedEnergy {
+    fn energy(&self, _: &Body, view: &BodyView) -> f64 {
         let (moved, force) = self.force(view.x);
         0.5 * moved.iter().zip(&force).map(|(d, f)| d * f).sum::<f64>()
     }
 
-    fn assemble(&mut self, body: &Body, view: &View, _: bool, block: &mut Block) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, _: bool, block: &mut BodyBlock) {
         let (_, force) = self.force(view.x);
         for (&n, f) in self.patch.iter().zip(force.chunks_exact(3)) {
             block.gradient[n as usize] += DVec3::from_slice(f);

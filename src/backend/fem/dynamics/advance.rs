@@ -39,5 +39,5 @@ fn approach(newton: &Newton, from: &State, to: &State, motion: f64) -> State {
 fn largest_motion(newton: &Newton, from: &State, to: &State) -> f64 {
     let pairs = from.x.iter().flatten().zip(to.x.iter().flatten());
     let nodes = pairs.map(|(a, b)| a.distance_squared(*b)).fold(0.0, f64::max).sqrt();
-    nodes + newton.border.difference(to, from).iter().map(|d| d.abs()).sum::<f64>()
+    nodes + newton.rigid.difference(to, from).iter().map(|d| d.abs()).sum::<f64>()
 }

@@ -3,7 +3,7 @@
 use super::{advance, terms};
 use crate::gripper::GraspPose;
 use crate::mech::newton::effort::most_iterations;
-use crate::mech::newton::{Failure, Tolerance};
+use crate::mech::newton::{Failure, NewtonTolerance};
 use crate::mech::path::step_size::StepSize;
 use crate::mech::path::{Advanced, Path};
 use crate::mech::potential::state::State;
@@ -11,7 +11,7 @@ use crate::mech::potential::time_step::TimeStep;
 use crate::model::{Dynamics, Model};
 use crate::scales::SAFE_MOTION;
 use crate::scene;
-use crate::scene::motion::Hand;
+use crate::scene::motion::HandState;
 use bevy_ecs::prelude::*;
 use glam::DQuat;
 
@@ -21,7 +21,7 @@ pub struct Integrator {
     /// Time reached, s.
     pub time: f64,
     /// The hand there.
-    pub hand: Hand,
+    pub hand: HandState,
     pose: GraspPose,
     /// The state one step before the accepted one, and that step, s.
     before: Option<(State, f64)>,
@@ -91,8 +91,8 @@ impl Integrator {
         path.newton.effort.iterations = most_iterations(settings.max_iterations.get() as u32, steps);
         let relative = SHARP * settings.tolerance.force.get();
         let force = dynamics.rated_force + model.mass * dynamics.gravity.length().max(1.0);
-        let usual = Tolerance::new(model.law.offset);
-        path.tolerance = Tolerance {
+        let usual = NewtonTolerance::new(model.law.offset);
+        path.tolerance = NewtonTolerance {
             relative,
             force: 1e-2 * relative * force,
             length: settings.tolerance.displacement.map_or(usual.length, |length| length.get()),
@@ -156,7 +156,7 @@ impl Integrator {
 }
 
 /// A fixed object stays where it is in the world while the hand moves.
-fn hold_in_world(state: &mut State, hand: &Hand) {
+fn hold_in_world(state: &mut State, hand: &HandState) {
     state.rotation = hand.rotation.conjugate();
     state.position = hand.to_hand(glam::DVec3::ZERO);
 }

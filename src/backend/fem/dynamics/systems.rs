@@ -1,7 +1,7 @@
 //! The systems of motion in time, beside those of the backend.
 
 use super::integrator::Integrator;
-use crate::backend::fem::stepper::Solver;
+use crate::backend::fem::stepper::GraspSolver;
 use crate::mech::contact::GroundContact;
 use crate::mech::newton::Newton;
 use crate::mech::potential::rigid_inertia::RigidInertia;
@@ -12,7 +12,7 @@ use bevy_ecs::prelude::*;
 
 /// Time steps up to that of the frame; on failure the state is the last accepted one and the grasp ends.
 pub fn advance_time(
-    mut solver: ResMut<Solver>,
+    mut solver: ResMut<GraspSolver>,
     mut integrator: ResMut<Integrator>,
     shared: Res<Shared>,
     mut advance: ResMut<Advance>,
@@ -44,7 +44,7 @@ fn object_term<T: BodyTerm + 'static>(newton: &Newton) -> Option<&T> {
 
 /// The hand, and how the object moves.
 pub fn measure_motion(
-    solver: Res<Solver>,
+    solver: Res<GraspSolver>,
     integrator: Res<Integrator>,
     mut hand: Single<&mut HandPose>,
     mut object: Query<(&mut ObjectVelocity, &mut ObjectMomentum, &mut InertialWrench, Option<&mut ObjectWeight>)>,
@@ -67,7 +67,7 @@ pub fn measure_motion(
 
 /// What the ground does to the object.
 pub fn measure_ground(
-    solver: Res<Solver>,
+    solver: Res<GraspSolver>,
     shared: Res<Shared>,
     mut advance: ResMut<Advance>,
     mut object: Query<&mut GroundWrench>,
@@ -75,7 +75,7 @@ pub fn measure_ground(
     let (newton, state) = (&solver.path.newton, &solver.path.state);
     let Some(ground) = object_term::<GroundContact>(newton) else { return };
     let center = state.position + state.rotation * shared.0.object.mass.center;
-    let (force, torque) = ground.wrench(&state.view(0, &newton.border), center);
+    let (force, torque) = ground.wrench(&state.view(0, &newton.rigid), center);
     object.iter_mut().for_each(|mut wrench| *wrench = GroundWrench { force, torque });
     advance.min_gap = advance.min_gap.min(ground.min_gap());
 }

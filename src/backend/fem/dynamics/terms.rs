@@ -9,12 +9,12 @@ use crate::mech::potential::state::State;
 use crate::mech::potential::viscosity::Viscosity;
 use crate::model::{Dynamics, Model};
 use crate::scales::STROKE_YIELD;
-use crate::scene::motion::Hand;
+use crate::scene::motion::HandState;
 
 /// Adds them for a start at rest, but for the object's own velocity, from `state` with the hand at `hand`.
-pub fn add(newton: &mut Newton, model: &Model, dynamics: &Dynamics, state: &State, hand: Hand) {
+pub fn add(newton: &mut Newton, model: &Model, dynamics: &Dynamics, state: &State, hand: HandState) {
     for (i, finger) in model.fingers.iter().enumerate() {
-        let (body, view) = (&finger.body, state.view(i, &newton.border));
+        let (body, view) = (&finger.body, state.view(i, &newton.rigid));
         let terms = &mut newton.terms[i];
         terms.push(Box::new(PadInertia::new(body, model.gel_density, dynamics.gravity, hand, &view)));
         if dynamics.damping > 0.0 {
@@ -30,7 +30,7 @@ pub fn add(newton: &mut Newton, model: &Model, dynamics: &Dynamics, state: &Stat
         return;
     }
     // The first body hosts what belongs to the object.
-    let view = state.view(0, &newton.border);
+    let view = state.view(0, &newton.rigid);
     let moving = (dynamics.velocity, dynamics.spin);
     let density = model.mass / model.object.mass.volume;
     newton.terms[0].push(Box::new(RigidInertia::new(

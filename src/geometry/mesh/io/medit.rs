@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::text::{self, Reference, Word};
+use super::text::{self, VertexReference, Word};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TetMesh;
 
@@ -19,7 +19,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>
     let mut words = text::lines(&source, Some('#')).flat_map(|l| l.words).peekable();
     let mut mesh = TetMesh::default();
     let mut notices = Vec::new();
-    let mut refs: Vec<[Reference; 4]> = Vec::new();
+    let mut refs: Vec<[VertexReference; 4]> = Vec::new();
 
     let head = words.next().ok_or_else(|| text::ended(path, "`MeshVersionFormatted`"))?;
     if head.text != "MeshVersionFormatted" {
@@ -53,7 +53,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>
                 let second_order = kind == "TetrahedraP2";
                 let n = next(path, &mut words, "the number of tetrahedra")?;
                 for e in 0..text::count(path, n, "the number of tetrahedra")? {
-                    let mut four = [Reference { index: 0, line: 0, column: 0 }; 4];
+                    let mut four = [VertexReference { index: 0, line: 0, column: 0 }; 4];
                     for r in &mut four {
                         *r = one_based(path, next(path, &mut words, "a tetrahedron `a b c d tag`")?, e)?;
                     }
@@ -108,9 +108,9 @@ fn next<'a>(path: &Path, words: &mut impl Iterator<Item = Word<'a>>, expected: &
 }
 
 /// A 1-based node index.
-fn one_based(path: &Path, word: Word<'_>, element: usize) -> Result<Reference> {
+fn one_based(path: &Path, word: Word<'_>, element: usize) -> Result<VertexReference> {
     match text::integer(path, word, "node index")?.checked_sub(1) {
-        Some(index) => Ok(Reference { index, line: word.line, column: word.column }),
+        Some(index) => Ok(VertexReference { index, line: word.line, column: word.column }),
         None => {
             let message = format!("tetrahedron {element} refers to node 0; Medit counts nodes from 1");
             Err(text::at(path, word, message))

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::text::{self, Reference};
+use super::text::{self, VertexReference};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{MAX_COUNT, TetMesh};
 
@@ -11,7 +11,7 @@ use crate::geometry::mesh::{MAX_COUNT, TetMesh};
 /// Errors: wrong keyword, column count, number or index, each with line and column; more than [`MAX_COUNT`] items.
 pub(crate) fn parse(path: &Path, source: &str) -> Result<(TetMesh, Vec<String>)> {
     let mut mesh = TetMesh::default();
-    let mut refs: Vec<[Reference; 4]> = Vec::new();
+    let mut refs: Vec<[VertexReference; 4]> = Vec::new();
     for line in text::lines(source, Some('#')) {
         let keyword = line.first();
         match keyword.text {
@@ -24,7 +24,7 @@ pub(crate) fn parse(path: &Path, source: &str) -> Result<(TetMesh, Vec<String>)>
             }
             "t" => {
                 text::columns(path, &line, &[5], "a `t a b c d` line")?;
-                let mut four = [Reference { index: 0, line: line.number, column: 0 }; 4];
+                let mut four = [VertexReference { index: 0, line: line.number, column: 0 }; 4];
                 for (r, word) in four.iter_mut().zip(&line.words[1..]) {
                     r.index = text::integer(path, *word, "node index")?;
                     r.column = word.column;

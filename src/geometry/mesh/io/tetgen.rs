@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::text::{self, Line, Reference};
+use super::text::{self, Line, VertexReference};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TetMesh;
 
@@ -72,7 +72,7 @@ fn tetrahedra(path: &Path, source: &str, first: u64, mesh: &mut TetMesh) -> Resu
     for e in 0..text::count(path, head.first(), "the number of tetrahedra")? {
         let line = next("a tetrahedron")?;
         at_least(path, &line, 1 + width, "a tetrahedron")?;
-        let mut four = [Reference { index: 0, line: line.number, column: 0 }; 4];
+        let mut four = [VertexReference { index: 0, line: line.number, column: 0 }; 4];
         for (r, word) in four.iter_mut().zip(&line.words[1..5]) {
             r.column = word.column;
             r.index = text::integer(path, *word, "node number")?.checked_sub(first).ok_or_else(|| {

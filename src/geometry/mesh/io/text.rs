@@ -157,7 +157,7 @@ pub(crate) fn columns(path: &Path, line: &Line<'_>, allowed: &[usize], what: &st
 
 /// A node index with its place, checked once all nodes are known.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Reference {
+pub(crate) struct VertexReference {
     /// Index as a 0-based number.
     pub index: u64,
     /// Line, 1-based.
@@ -167,7 +167,13 @@ pub(crate) struct Reference {
 }
 
 /// Checks four references of element `element` against `count` nodes; `base` (0 or 1) is the file's first index.
-pub(crate) fn resolve(path: &Path, refs: [Reference; 4], element: usize, count: usize, base: u64) -> Result<[u32; 4]> {
+pub(crate) fn resolve(
+    path: &Path,
+    refs: [VertexReference; 4],
+    element: usize,
+    count: usize,
+    base: u64,
+) -> Result<[u32; 4]> {
     for r in refs {
         if r.index >= count as u64 {
             return Err(at(

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use super::text::{self, Reference, Word};
+use super::text::{self, VertexReference, Word};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{MAX_COUNT, TetMesh};
 
@@ -67,7 +67,12 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>
 }
 
 /// Keeps the tetrahedra among the cells.
-fn collect(path: &Path, mut mesh: TetMesh, cells: &[Vec<Reference>], types: &[u64]) -> Result<(TetMesh, Vec<String>)> {
+fn collect(
+    path: &Path,
+    mut mesh: TetMesh,
+    cells: &[Vec<VertexReference>],
+    types: &[u64],
+) -> Result<(TetMesh, Vec<String>)> {
     let (mut quadratic, mut others) = (0, 0);
     for (cell, kind) in cells.iter().zip(types) {
         if !TETRAHEDRA.contains(kind) {
@@ -123,13 +128,13 @@ impl<'a, I: Iterator<Item = Word<'a>>> Words<'_, I> {
         text::count(self.path, word, what)
     }
 
-    fn reference(&mut self) -> Result<Reference> {
+    fn reference(&mut self) -> Result<VertexReference> {
         let (word, index) = self.integer("a point of a cell")?;
-        Ok(Reference { index, line: word.line, column: word.column })
+        Ok(VertexReference { index, line: word.line, column: word.column })
     }
 
     /// The points of each cell, in the old form (`n a b c ...`) or in that of version 5.
-    fn cells(&mut self) -> Result<Vec<Vec<Reference>>> {
+    fn cells(&mut self) -> Result<Vec<Vec<VertexReference>>> {
         let n = self.count("the number of cells")?;
         let size = self.integer("the size of the cells")?.1;
         if size > 64 * MAX_COUNT as u64 {

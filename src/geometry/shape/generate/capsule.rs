@@ -5,7 +5,7 @@ use crate::geometry::shape::capsule::Capsule;
 use crate::geometry::shape::generate::{revolved_mesh, sphere};
 use crate::geometry::shape::params::{length as check, require, segments as turn};
 use crate::geometry::shape::polygon::Profile;
-use crate::geometry::shape::{Features, MassProperties, Shape};
+use crate::geometry::shape::{MassProperties, Shape, SurfaceFeatures};
 use glam::DVec2;
 use std::f64::consts::PI;
 
@@ -26,6 +26,6 @@ pub fn capsule(radius: f64, length: f64, segments: u32) -> Result<Shape> {
     let points = (0..=n).rev().map(|i| arc(i, -1.0)).chain((0..=n).map(|i| arc(i, 1.0))).collect();
     let mesh = revolved_mesh(&Profile::new("capsule", points, false)?, segments);
     let mass = MassProperties::of_capsule(radius, half);
-    let features = Features::of_rod(radius, half);
+    let features = SurfaceFeatures::of_rod(radius, half);
     Ok(Shape::closed_form("capsule", Capsule { radius, half }, mesh, features, mass, half + radius))
 }

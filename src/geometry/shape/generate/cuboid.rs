@@ -5,7 +5,7 @@ use crate::geometry::mesh::TriMesh;
 use crate::geometry::shape::cuboid::Cuboid;
 use crate::geometry::shape::params::{length, require, segments as turn};
 use crate::geometry::shape::topology::Topology;
-use crate::geometry::shape::{Features, MassProperties, RoundedEdge, Shape};
+use crate::geometry::shape::{MassProperties, RoundedEdge, Shape, SurfaceFeatures};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_4;
@@ -26,8 +26,8 @@ pub fn cuboid(size: DVec3, edge_radius: f64, segments: u32) -> Result<Shape> {
     let shape = Cuboid { core: half - edge_radius, radius: edge_radius };
     let mesh = lattice(&shape, if edge_radius > 0.0 { segments.div_ceil(8) } else { 0 });
     let features = match edge_radius > 0.0 {
-        true => Features { rounded_edges: rounded_edges(&shape), ..Features::default() },
-        false => Features::of_mesh(&mesh, &Topology::new(&mesh)?),
+        true => SurfaceFeatures { rounded_edges: rounded_edges(&shape), ..SurfaceFeatures::default() },
+        false => SurfaceFeatures::of_mesh(&mesh, &Topology::new(&mesh)?),
     };
     let mass = MassProperties::of_cuboid(shape.core, edge_radius);
     let reach = shape.core.length() + edge_radius;

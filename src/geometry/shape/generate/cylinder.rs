@@ -6,7 +6,7 @@ use crate::geometry::shape::generate::revolved_mesh;
 use crate::geometry::shape::params::{length, segments as turn};
 use crate::geometry::shape::polygon::Profile;
 use crate::geometry::shape::rod::Rod;
-use crate::geometry::shape::{Features, MassProperties, Shape};
+use crate::geometry::shape::{MassProperties, Shape, SurfaceFeatures};
 use glam::DVec2;
 
 /// A cylinder with sharp rims; radius and height in m.
@@ -18,7 +18,7 @@ pub fn cylinder(radius: f64, height: f64, segments: u32) -> Result<Shape> {
     let profile = Profile::new("cylinder", points.to_vec(), false)?;
     let mesh = revolved_mesh(&profile, turn("cylinder", segments)?);
     let rod = Some(Rod { radius, half, capped: false });
-    let features = Features { rod, ..Features::of_profile(&profile, segments) };
+    let features = SurfaceFeatures { rod, ..SurfaceFeatures::of_profile(&profile, segments) };
     let mass = MassProperties::of_profile(&profile);
     Ok(Shape::closed_form("cylinder", Cylinder { radius, half }, mesh, features, mass, radius.hypot(half)))
 }

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::geometry::shape::ellipsoid::Ellipsoid;
 use crate::geometry::shape::generate::icosphere;
 use crate::geometry::shape::params::{length, require, segments as turn};
-use crate::geometry::shape::{Features, MassProperties, Shape};
+use crate::geometry::shape::{MassProperties, Shape, SurfaceFeatures};
 use glam::DVec3;
 
 /// An ellipsoid with the given semi-axes along x, y, z, m; the longest at most 1,000 times the shortest.
@@ -18,5 +18,5 @@ pub fn ellipsoid(semi: DVec3, segments: u32) -> Result<Shape> {
     let mut mesh = icosphere(turn("ellipsoid", segments)?);
     mesh.vertices.iter_mut().for_each(|p| *p *= semi);
     let mass = MassProperties::of_ellipsoid(semi);
-    Ok(Shape::closed_form("ellipsoid", Ellipsoid { semi }, mesh, Features::default(), mass, semi.max_element()))
+    Ok(Shape::closed_form("ellipsoid", Ellipsoid { semi }, mesh, SurfaceFeatures::default(), mass, semi.max_element()))
 }

@@ -5,7 +5,7 @@ use crate::geometry::mesh::TriMesh;
 use crate::geometry::shape::params::segments as turn;
 use crate::geometry::shape::polygon::Profile;
 use crate::geometry::shape::revolved::Revolved;
-use crate::geometry::shape::{Features, MassProperties, Shape};
+use crate::geometry::shape::{MassProperties, Shape, SurfaceFeatures};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
@@ -15,7 +15,7 @@ pub fn revolve(name: &str, profile: Vec<DVec2>, closed: bool, segments: u32) -> 
     turn(name, segments)?;
     let profile = Profile::new(name, profile, closed)?;
     let mesh = revolved_mesh(&profile, segments);
-    let features = Features::of_profile(&profile, segments);
+    let features = SurfaceFeatures::of_profile(&profile, segments);
     let mass = MassProperties::of_profile(&profile);
     let reach = profile.points().iter().fold(0.0, |r: f64, p| r.max(p.length()));
     Ok(Shape::closed_form(name, Revolved::new(profile), mesh, features, mass, reach))

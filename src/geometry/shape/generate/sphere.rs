@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::geometry::shape::generate::icosphere;
 use crate::geometry::shape::params::{length, segments as turn};
 use crate::geometry::shape::sphere::Sphere;
-use crate::geometry::shape::{Features, MassProperties, Shape};
+use crate::geometry::shape::{MassProperties, Shape, SurfaceFeatures};
 use glam::DVec3;
 
 /// A sphere; radius in m.
@@ -13,5 +13,5 @@ pub fn sphere(radius: f64, segments: u32) -> Result<Shape> {
     let mut mesh = icosphere(turn("sphere", segments)?);
     mesh.vertices.iter_mut().for_each(|p| *p *= radius);
     let mass = MassProperties::of_ellipsoid(DVec3::splat(radius));
-    Ok(Shape::closed_form("sphere", Sphere { radius }, mesh, Features::of_rod(radius, 0.0), mass, radius))
+    Ok(Shape::closed_form("sphere", Sphere { radius }, mesh, SurfaceFeatures::of_rod(radius, 0.0), mass, radius))
 }

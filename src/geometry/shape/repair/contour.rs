@@ -1,7 +1,7 @@
 //! The surface between the inside and the outside nodes of a grid, by dual contouring (Ju et al. 2002) with a vertex for each sheet
 //! of the surface in a cell (Nielson 2004, "Dual marching cubes"): closed, and a manifold.
 
-use super::field::Field;
+use super::field::DistanceGrid;
 use crate::geometry::Aabb;
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::shape::facet::Facet;
@@ -24,7 +24,7 @@ struct Crossing {
 }
 
 /// The surface; with its corners and creases if `sharp`, else each vertex is amid the crossings of its cell.
-pub(crate) fn surface(field: &Field, winding: &Winding, sharp: bool) -> TriMesh {
+pub(crate) fn surface(field: &DistanceGrid, winding: &Winding, sharp: bool) -> TriMesh {
     let crossings = crossings(field, winding);
     let mut mesh = TriMesh::default();
     let mut vertices: HashMap<USizeVec3, [u32; 12]> = HashMap::new();
@@ -100,7 +100,7 @@ fn sheets(inside: &[bool]) -> Vec<Vec<usize>> {
 }
 
 /// The vertex of a sheet, m: nearest to the planes of the surface at its crossings.
-fn place(field: &Field, cell: USizeVec3, met: &[Crossing], sharp: bool) -> DVec3 {
+fn place(field: &DistanceGrid, cell: USizeVec3, met: &[Crossing], sharp: bool) -> DVec3 {
     let middle = met.iter().map(|c| c.point).sum::<DVec3>() / met.len() as f64;
     if !sharp {
         return middle;
@@ -115,7 +115,7 @@ fn place(field: &Field, cell: USizeVec3, met: &[Crossing], sharp: bool) -> DVec3
 }
 
 /// The crossings of the surface with the edges of the grid, by the node from which an edge runs and its axis.
-fn crossings(field: &Field, winding: &Winding) -> HashMap<(USizeVec3, usize), Crossing> {
+fn crossings(field: &DistanceGrid, winding: &Winding) -> HashMap<(USizeVec3, usize), Crossing> {
     let edges = field.cells().flat_map(|n| (0..3).map(move |k| (n, k)));
     let crossed: Vec<_> = edges.filter(|(n, k)| field.inside(*n) != field.inside(*n + USizeVec3::AXES[*k])).collect();
     let found = |&(node, k): &(USizeVec3, usize)| {

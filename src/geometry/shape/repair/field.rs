@@ -10,7 +10,7 @@ const NODES: f64 = 300_000.0;
 
 /// A grid of cubic cells around a surface.
 #[derive(Debug)]
-pub(crate) struct Field {
+pub(crate) struct DistanceGrid {
     origin: DVec3,
     /// Size of a cell, m.
     pub step: f64,
@@ -20,7 +20,7 @@ pub(crate) struct Field {
     inside: Vec<bool>,
 }
 
-impl Field {
+impl DistanceGrid {
     pub fn new(winding: &Winding) -> Self {
         let room = room(winding.bvh.bounds());
         let step = (room.size().element_product() / NODES).cbrt();

@@ -11,7 +11,7 @@ use crate::geometry::mesh::shells::{agree, orient, shells};
 use crate::geometry::mesh::topology::drop_unused;
 use crate::geometry::shape::sound::judge;
 use crate::geometry::shape::winding::Winding;
-use field::Field;
+use field::DistanceGrid;
 use glam::DVec3;
 
 /// Closed parts of less than this of the volume of the whole are dust.
@@ -40,7 +40,7 @@ fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
         return Err(Error::Mesh("the surface has no area: there is nothing to repair".into()));
     }
     let winding = Winding::new(&mesh);
-    let field = Field::new(&winding);
+    let field = DistanceGrid::new(&winding);
     // Corners where the surface has them; if that makes it cross itself, rounded by a cell.
     let attempt = |sharp: bool| {
         let mut surface = contour::surface(&field, &winding, sharp);

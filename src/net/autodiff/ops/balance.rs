@@ -1,13 +1,18 @@
 //! Contact forces on a free object, in balance.
 
-use crate::linear::balance::Balance;
+use crate::linear::balance::ObjectBalance;
 use crate::net::autodiff::real::Real;
 use crate::net::autodiff::tape::{Matrix, Tape};
 use std::sync::Arc;
 
 /// Contact forces x (levels * pads * nodes, 3), each level in the balance of its own; with none of them, x itself. Their
 /// components along x and y have the signs `mirror` of those of the pads.
-pub fn balanced<T: Real>(tape: &Tape<T>, x: &Matrix<T>, balances: &[Arc<Balance>], mirror: [f32; 2]) -> Matrix<T> {
+pub fn balanced<T: Real>(
+    tape: &Tape<T>,
+    x: &Matrix<T>,
+    balances: &[Arc<ObjectBalance>],
+    mirror: [f32; 2],
+) -> Matrix<T> {
     if balances.is_empty() {
         return x.clone();
     }

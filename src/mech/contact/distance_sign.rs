@@ -1,15 +1,15 @@
-//! On which side of a pad's surface a point is whose foot lies where faces meet.
+//! On which side of a pad's surface a point is whose closest point lies where faces meet.
 //!
 //! The normal of one of the faces does not tell: at a fold as sharp as that over the edge of an object the point may be behind
 //! one face and yet outside. The angle-weighted pseudo-normal of all faces that meet there tells it (Baerentzen and Aanaes 2005).
 
-use super::foot::{Foot, ON_RIM, tangents};
-use super::surface::{ContactSurface, Face, face_frame};
-use crate::geometry::mesh::rings::Part;
+use super::closest_point::{ClosestPoint, ON_RIM, tangents};
+use super::surface::{ContactSurface, SurfaceFace, face_frame};
+use crate::geometry::mesh::rings::TrianglePart;
 use glam::DVec3;
 
-impl Foot {
-    /// The foot of `y` with the sign of the whole surface at node positions `x`, not of its face alone.
+impl ClosestPoint {
+    /// The closest point of `y` with the sign of the whole surface at node positions `x`, not of its face alone.
     pub(crate) fn signed(self, surface: &ContactSurface, x: &[DVec3], y: DVec3) -> Self {
         if self.l.iter().all(|v| *v > ON_RIM) {
             return self;
@@ -26,10 +26,10 @@ impl Foot {
     }
 }
 
-/// Sum of the normals of the faces that meet at a foot, at a corner weighted by their angles there; unit.
-fn pseudo_normal(surface: &ContactSurface, x: &[DVec3], foot: &Foot) -> DVec3 {
+/// Sum of the normals of the faces that meet at a closest point, at a corner weighted by their angles there; unit.
+fn pseudo_normal(surface: &ContactSurface, x: &[DVec3], closest_point: &ClosestPoint) -> DVec3 {
     let mut sum = DVec3::ZERO;
-    for (face, l) in meeting(surface, foot) {
+    for (face, l) in meeting(surface, closest_point) {
         let (_, d1, d2) = tangents(face, x, l);
         let angle = match l.iter().position(|v| *v > 1.0 - ON_RIM) {
             Some(0) => d1.angle_between(d2),
@@ -39,17 +39,20 @@ fn pseudo_normal(surface: &ContactSurface, x: &[DVec3], foot: &Foot) -> DVec3 {
         };
         sum += face_frame(face, x, l).1 * angle;
     }
-    sum.normalize_or(foot.normal)
+    sum.normalize_or(closest_point.normal)
 }
 
-/// The faces that meet at a foot on the rim of its face, each with its own coordinates of that point.
-fn meeting<'a>(surface: &'a ContactSurface, foot: &Foot) -> impl Iterator<Item = (&'a Face, [f64; 3])> {
-    let (corners, l) = (surface.faces[foot.face].corners, foot.l);
-    let own = foot.face as u32;
-    let faces = match foot.part() {
-        Part::Corner(k) => surface.rings.around(corners[k]).to_vec(),
-        Part::Edge(k) => surface.rings.sides(own, k).map_or(vec![own], |sides| sides.to_vec()),
-        Part::Face => vec![own],
+/// The faces that meet at a closest point on the rim of its face, each with its own coordinates of that point.
+fn meeting<'a>(
+    surface: &'a ContactSurface,
+    closest_point: &ClosestPoint,
+) -> impl Iterator<Item = (&'a SurfaceFace, [f64; 3])> {
+    let (corners, l) = (surface.faces[closest_point.face].corners, closest_point.l);
+    let own = closest_point.face as u32;
+    let faces = match closest_point.part() {
+        TrianglePart::Corner(k) => surface.rings.around(corners[k]).to_vec(),
+        TrianglePart::Edge(k) => surface.rings.sides(own, k).map_or(vec![own], |sides| sides.to_vec()),
+        TrianglePart::Face => vec![own],
     };
     // A coordinate belongs to a node; of nodes that a face does not have it is zero here.
     let of = move |node: u32| corners.iter().position(|n| *n == node).map_or(0.0, |k| l[k].max(0.0));

@@ -1,13 +1,13 @@
 //! One environment: a world, its episode, and what it gave last.
 
 use super::action::{self, Action};
-use super::arena::Arena;
-use super::draw::{Draw, Key};
-use super::grip;
-use super::load::Loads;
+use super::draw::{Draw, EpisodeKey};
+use super::load::EpisodeLoads;
 use super::observe::Now;
 use super::picture::picture;
-use super::reward::Facts;
+use super::reward::StepInfo;
+use super::shared::EnvShared;
+use super::slip;
 use super::snapshot::Snapshot;
 use crate::error::Error;
 use crate::gripper::GraspPose;
@@ -16,7 +16,7 @@ use crate::record::Frame;
 use crate::render::Pixmap;
 use crate::world::components::ObjectWeight;
 use crate::world::environment::Environment;
-use crate::world::schedule::{Command, Phase, Stop};
+use crate::world::schedule::{ForceCommand, Phase, Stop};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ const TRIES: u64 = 8;
 
 /// What an environment gave last.
 #[derive(Debug, Clone, Default)]
-pub struct Output {
+pub struct StepOutput {
     /// All observations, one after the other.
     pub obs: Vec<f32>,
     /// Those of an episode that the same step ended and followed by the next one; empty if there is none.
@@ -34,13 +34,13 @@ pub struct Output {
     pub terminated: bool,
     pub truncated: bool,
     pub fault: Option<String>,
-    pub facts: Facts,
+    pub facts: StepInfo,
 }
 
 /// An environment.
-pub struct Cell {
-    pub key: Key,
-    pub output: Output,
+pub struct Env {
+    pub key: EpisodeKey,
+    pub output: StepOutput,
     /// Waits for a reset.
     pub ended: bool,
     run: Option<Run>,
@@ -52,17 +52,17 @@ struct Run {
     environment: Environment,
     frame: Frame,
     draw: Draw,
-    loads: Loads,
+    loads: EpisodeLoads,
     force: f64,
     twist: f64,
     step: usize,
     slipped: f64,
 }
 
-impl Cell {
+impl Env {
     /// Before its first episode.
-    pub fn new(key: Key) -> Self {
-        Self { key, output: Output::default(), ended: true, run: None, actions: Vec::new() }
+    pub fn new(key: EpisodeKey) -> Self {
+        Self { key, output: StepOutput::default(), ended: true, run: None, actions: Vec::new() }
     }
 
     /// The world of the running episode.
@@ -76,7 +76,7 @@ impl Cell {
     }
 
     /// The episode and what was done in it.
-    pub fn save(&self, arena: &Arena) -> Snapshot {
+    pub fn save(&self, arena: &EnvShared) -> Snapshot {
         let object = self.draw().map(|draw| arena.kinds[draw.object].name.as_str());
         Snapshot::new(&arena.identity, self.key, object, &self.actions)
     }
@@ -90,7 +90,7 @@ impl Cell {
     ///
     /// # Errors
     /// No running episode, a state that cannot be drawn.
-    pub fn picture(&self, arena: &Arena) -> crate::error::Result<Pixmap> {
+    pub fn picture(&self, arena: &EnvShared) -> crate::error::Result<Pixmap> {
         let none = || Error::Start("there is no episode to draw; reset the environment".into());
         let run = self.run.as_ref().ok_or_else(none)?;
         let title = format!("{}, step {}", arena.kinds[run.draw.object].name, run.step);
@@ -98,19 +98,19 @@ impl Cell {
     }
 
     /// Does again what was done, which was found to be of this arena.
-    pub fn restore(&mut self, arena: &Arena, snapshot: &Snapshot) {
+    pub fn restore(&mut self, arena: &EnvShared, snapshot: &Snapshot) {
         self.begin(arena, snapshot.key);
         snapshot.actions.chunks_exact(action::size(&arena.task)).for_each(|numbers| self.advance(arena, numbers));
     }
 
     /// Starts the episode `key`.
-    pub fn begin(&mut self, arena: &Arena, key: Key) {
+    pub fn begin(&mut self, arena: &EnvShared, key: EpisodeKey) {
         (self.key, self.ended) = (key, false);
         self.actions.clear();
         if let Some(run) = self.run.take() {
             arena.retire(run.environment);
         }
-        self.output = Output { obs: vec![0.0; arena.seen()], ..Output::default() };
+        self.output = StepOutput { obs: vec![0.0; arena.seen()], ..StepOutput::default() };
         for attempt in 0..TRIES {
             match Run::new(arena, arena.draw(&key, attempt)) {
                 Ok(run) => {
@@ -125,22 +125,22 @@ impl Cell {
     }
 
     /// Ends the step: starts the next episode if this one has ended, and keeps its last observation.
-    pub fn follow_on(&mut self, arena: &Arena) {
+    pub fn follow_on(&mut self, arena: &EnvShared) {
         if !self.ended {
             return;
         }
         let done = std::mem::take(&mut self.output);
         self.begin(arena, self.key.next());
         let fault = done.fault.clone().or_else(|| self.output.fault.take());
-        self.output = Output { obs: std::mem::take(&mut self.output.obs), last: done.obs.clone(), fault, ..done };
+        self.output = StepOutput { obs: std::mem::take(&mut self.output.obs), last: done.obs.clone(), fault, ..done };
     }
 
     /// One step of the episode.
-    pub fn advance(&mut self, arena: &Arena, numbers: &[f32]) {
+    pub fn advance(&mut self, arena: &EnvShared, numbers: &[f32]) {
         self.actions.extend_from_slice(numbers);
         let Some(run) = &mut self.run else {
             // The reset said why.
-            let facts = Facts { most: arena.task.force.at(1.0), ..Facts::default() };
+            let facts = StepInfo { most: arena.task.force.at(1.0), ..StepInfo::default() };
             (self.ended, self.output.terminated, self.output.facts) = (true, true, facts);
             self.output.reward = arena.pay(&facts) as f32;
             return;
@@ -152,7 +152,7 @@ impl Cell {
         let mut facts = done.unwrap_or_else(|stop| {
             // An object that leaves the hand is not held; nothing has failed.
             output.fault = (!stop.dropped).then_some(stop.reason);
-            Facts::default()
+            StepInfo::default()
         });
         let mut seen = vec![0.0; output.obs.len()];
         see(arena, run.model(arena), &run.frame, &mut seen);
@@ -160,7 +160,7 @@ impl Cell {
             output.obs = seen;
         } else {
             output.fault = Some("the state is not finite".into());
-            facts = Facts::default();
+            facts = StepInfo::default();
         }
         (facts.force, facts.most) = (run.force, arena.task.force.at(1.0));
         output.reward = arena.pay(&facts) as f32;
@@ -174,20 +174,20 @@ impl Cell {
 
 impl Run {
     /// Closes the hand on the object as drawn; the object lies on its support.
-    fn new(arena: &Arena, draw: Draw) -> Result<Self, Stop> {
+    fn new(arena: &EnvShared, draw: Draw) -> Result<Self, Stop> {
         let force = arena.task.start.get();
         let (environment, frame) = grasp(arena, &arena.variant(&draw).model, draw.pose, force)?;
         let weight = arena.weight(&draw, &draw.pose);
-        let loads = Loads { weight, lift: arena.task.lift.get(), pushes: draw.pushes.clone() };
+        let loads = EpisodeLoads { weight, lift: arena.task.lift.get(), pushes: draw.pushes.clone() };
         Ok(Self { environment, frame, draw, loads, force, twist: 0.0, step: 0, slipped: 0.0 })
     }
 
-    fn model<'a>(&self, arena: &'a Arena) -> &'a Arc<Model> {
+    fn model<'a>(&self, arena: &'a EnvShared) -> &'a Arc<Model> {
         &arena.variant(&self.draw).model
     }
 
     /// One step; on failure the frame is that of the last accepted state.
-    fn advance(&mut self, arena: &Arena, numbers: &[f32]) -> Result<Facts, Stop> {
+    fn advance(&mut self, arena: &EnvShared, numbers: &[f32]) -> Result<StepInfo, Stop> {
         self.step += 1;
         let Action { force, twist, regrasp } = action::decode(&arena.task, numbers, self.force, self.twist);
         (self.force, self.twist) = (force, twist);
@@ -204,13 +204,13 @@ impl Run {
         let step = if regrasp.is_some() { self.step.max(self.loads.lift) } else { self.step };
         let load = self.loads.at(step, twist);
         let frame = drive(&mut self.environment, &model, force, load)?;
-        let slip = grip::slip(&model, &self.frame, &frame);
+        let slip = slip::slip(&model, &self.frame, &frame);
         self.slipped += slip;
-        let margin = grip::margin(&model, arena.variant(&self.draw).friction, &frame, load);
+        let margin = slip::margin(&model, arena.variant(&self.draw).friction, &frame, load);
         let carried = arena.stepper.solves_friction() || margin >= 0.0;
         let stress = frame.pads.iter().flat_map(|p| &p.von_mises_node).copied().fold(0.0, f64::max);
         self.frame = frame;
-        Ok(Facts {
+        Ok(StepInfo {
             held: carried && self.slipped <= arena.task.slip_limit.get(),
             slip,
             slipped: self.slipped,
@@ -218,12 +218,12 @@ impl Run {
             stress,
             force,
             load: load.length(),
-            ..Facts::default()
+            ..StepInfo::default()
         })
     }
 }
 
-impl Key {
+impl EpisodeKey {
     /// The next episode of the same environment.
     pub fn next(self) -> Self {
         Self { episode: self.episode + 1, ..self }
@@ -231,7 +231,7 @@ impl Key {
 }
 
 /// A world whose hand has closed at `pose` with `force` (N, all fingers).
-fn grasp(arena: &Arena, model: &Arc<Model>, pose: GraspPose, force: f64) -> Result<(Environment, Frame), Stop> {
+fn grasp(arena: &EnvShared, model: &Arc<Model>, pose: GraspPose, force: f64) -> Result<(Environment, Frame), Stop> {
     let mut environment = arena.environment(model, pose).map_err(|e| Stop::fault(e.to_string()))?;
     match close(&mut environment, model, force) {
         Ok(frame) => Ok((environment, frame)),
@@ -244,7 +244,7 @@ fn grasp(arena: &Arena, model: &Arc<Model>, pose: GraspPose, force: f64) -> Resu
 
 /// Closes a fresh hand with `force` (N, all fingers).
 fn close(environment: &mut Environment, model: &Model, force: f64) -> Result<Frame, Stop> {
-    environment.world_mut().insert_resource(Command { force: 0.0 });
+    environment.world_mut().insert_resource(ForceCommand { force: 0.0 });
     loop {
         match environment.phase() {
             Phase::Ramp { .. } => return drive(environment, model, force, DVec3::ZERO),
@@ -259,7 +259,7 @@ fn close(environment: &mut Environment, model: &Model, force: f64) -> Result<Fra
 /// One step of the world under `force` (N, all fingers) and the load `load` on the object (N, hand frame).
 fn drive(environment: &mut Environment, model: &Model, force: f64, load: DVec3) -> Result<Frame, Stop> {
     let world = environment.world_mut();
-    world.insert_resource(Command { force: force / model.fingers.len() as f64 });
+    world.insert_resource(ForceCommand { force: force / model.fingers.len() as f64 });
     world.query::<&mut ObjectWeight>().iter_mut(world).for_each(|mut weight| weight.0 = load);
     let phase = environment.step();
     match (phase, environment.take_frame()) {
@@ -271,7 +271,7 @@ fn drive(environment: &mut Environment, model: &Model, force: f64, load: DVec3) 
 }
 
 /// Writes all observations.
-fn see(arena: &Arena, model: &Model, frame: &Frame, out: &mut [f32]) {
+fn see(arena: &EnvShared, model: &Model, frame: &Frame, out: &mut [f32]) {
     let (now, mut rest) = (Now { model, frame }, out);
     for sense in &arena.senses {
         let (own, others) = rest.split_at_mut(sense.spec().size());

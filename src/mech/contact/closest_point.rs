@@ -1,12 +1,12 @@
 //! Closest point of one face of a deformed pad surface.
 
 use super::folds;
-use super::surface::{Face, face_frame};
+use super::surface::{SurfaceFace, face_frame};
 use glam::DVec3;
 
 /// Closest point of the surface to a query point.
 #[derive(Debug, Clone, Copy)]
-pub struct Foot {
+pub struct ClosestPoint {
     /// Face it lies on.
     pub face: usize,
     /// Barycentric coordinates on the face.
@@ -21,13 +21,13 @@ pub struct Foot {
     pub(crate) carried: bool,
 }
 
-impl Foot {
-    /// A foot that is known.
+impl ClosestPoint {
+    /// A closest point that is known.
     pub(crate) fn at(face: usize, l: [f64; 3], gap: f64, normal: DVec3) -> Self {
         Self { face, l, gap, normal, facing: 1.0, carried: false }
     }
 
-    /// The same foot of a point that is on the other side.
+    /// The same closest point of a point that is on the other side.
     pub(crate) fn flipped(self) -> Self {
         Self { gap: -self.gap, normal: -self.normal, ..self }
     }
@@ -38,7 +38,7 @@ pub(crate) const ON_RIM: f64 = 1e-9;
 
 /// Closest point of one face: Gauss-Newton on the barycentric coordinates, kept inside the triangle; with more care where the face
 /// is folded or that does not settle.
-pub(crate) fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3) -> Foot {
+pub(crate) fn on_face(index: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3) -> ClosestPoint {
     let [a, b, c] = face.corners.map(|n| x[n as usize]);
     let mut l = clamp_to_triangle(project_flat(a, b, c, y), a, b, c, y);
     if folded(face, x) {
@@ -76,16 +76,16 @@ pub(crate) fn on_face(index: usize, face: &Face, x: &[DVec3], y: DVec3) -> Foot 
     let normal = if interior || face.touches(x, distance) { face_normal } else { away * (side / distance) };
     let gap = if interior { away.dot(face_normal) } else { side * distance };
     let facing = if interior || distance == 0.0 { 1.0 } else { away.dot(face_normal).abs() / distance };
-    Foot { face: index, l, gap, normal, facing, carried: false }
+    ClosestPoint { face: index, l, gap, normal, facing, carried: false }
 }
 
 /// Sagitta of an edge over its chord from which a face is folded: its ends are at about 70 degrees.
 const FOLDED: f64 = 0.15;
-/// Sine of the angle to the normal up to which the direction to a foot is along it.
+/// Sine of the angle to the normal up to which the direction to a closest point is along it.
 const ASKEW: f64 = 1e-3;
 
 /// Whether the face is bent so much that it may come near a point in several places.
-fn folded(face: &Face, x: &[DVec3]) -> bool {
+fn folded(face: &SurfaceFace, x: &[DVec3]) -> bool {
     let Some(mids) = face.mids else { return false };
     (0..3).any(|k| {
         let [a, b] = [k, (k + 1) % 3].map(|i| x[face.corners[i] as usize]);
@@ -94,11 +94,11 @@ fn folded(face: &Face, x: &[DVec3]) -> bool {
 }
 
 /// Whether no point of the face beside `l` is nearer to `y`.
-fn settled(face: &Face, x: &[DVec3], l: [f64; 3], y: DVec3) -> bool {
+fn settled(face: &SurfaceFace, x: &[DVec3], l: [f64; 3], y: DVec3) -> bool {
     let (p, d1, d2) = tangents(face, x, l);
     let away = y - p;
     let reach = ASKEW * away.length();
-    // Along the three edges: as far as the foot is from the ends, that must not lead nearer.
+    // Along the three edges: as far as the closest point is from the ends, that must not lead nearer.
     let along = [d1, d2 - d1, -d2];
     (0..3).all(|k| {
         let (slope, most) = (away.dot(along[k]), reach * along[k].length());
@@ -110,8 +110,8 @@ fn settled(face: &Face, x: &[DVec3], l: [f64; 3], y: DVec3) -> bool {
 /// How far a face is carried on beyond its rim, in barycentric coordinates.
 const BEYOND: f64 = 0.05;
 
-/// The foot of `y` on a face carried on a little beyond its rim; None where that is not enough.
-pub(crate) fn carried_on(index: usize, face: &Face, x: &[DVec3], y: DVec3) -> Option<Foot> {
+/// The closest point of `y` on a face carried on a little beyond its rim; None where that is not enough.
+pub(crate) fn carried_on(index: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3) -> Option<ClosestPoint> {
     let [a, b, c] = face.corners.map(|n| x[n as usize]);
     let mut l = project_flat(a, b, c, y);
     let near = |l: &[f64; 3]| l.iter().all(|v| *v > -BEYOND);
@@ -126,11 +126,11 @@ pub(crate) fn carried_on(index: usize, face: &Face, x: &[DVec3], y: DVec3) -> Op
         }
     }
     let (p, normal) = face_frame(face, x, l);
-    near(&l).then(|| Foot { carried: true, ..Foot::at(index, l, (y - p).dot(normal), normal) })
+    near(&l).then(|| ClosestPoint { carried: true, ..ClosestPoint::at(index, l, (y - p).dot(normal), normal) })
 }
 
-/// Change of `l1` and `l2` towards the foot of `y`; None where the face is degenerate.
-fn gauss_newton(face: &Face, x: &[DVec3], l: [f64; 3], y: DVec3) -> Option<(f64, f64)> {
+/// Change of `l1` and `l2` towards the closest point of `y`; None where the face is degenerate.
+fn gauss_newton(face: &SurfaceFace, x: &[DVec3], l: [f64; 3], y: DVec3) -> Option<(f64, f64)> {
     let (p, d1, d2) = tangents(face, x, l);
     let (g11, g12, g22) = (d1.dot(d1), d1.dot(d2), d2.dot(d2));
     let (r1, r2) = (d1.dot(y - p), d2.dot(y - p));
@@ -139,7 +139,7 @@ fn gauss_newton(face: &Face, x: &[DVec3], l: [f64; 3], y: DVec3) -> Option<(f64,
 }
 
 /// One Gauss-Newton step along the edge opposite to corner `k`, on which `l` lies.
-fn along_rim(face: &Face, x: &[DVec3], l: [f64; 3], k: usize, y: DVec3) -> [f64; 3] {
+fn along_rim(face: &SurfaceFace, x: &[DVec3], l: [f64; 3], k: usize, y: DVec3) -> [f64; 3] {
     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
     let (p, d1, d2) = tangents(face, x, l);
     let d = [DVec3::ZERO, d1, d2];
@@ -151,14 +151,14 @@ fn along_rim(face: &Face, x: &[DVec3], l: [f64; 3], k: usize, y: DVec3) -> [f64;
 }
 
 /// Coordinates of the point of the edge opposite to corner `k` that is closest to `y`.
-pub(crate) fn on_edge(face: &Face, x: &[DVec3], k: usize, y: DVec3) -> [f64; 3] {
+pub(crate) fn on_edge(face: &SurfaceFace, x: &[DVec3], k: usize, y: DVec3) -> [f64; 3] {
     let mut middle = [0.5; 3];
     middle[k] = 0.0;
     along_edge(face, x, k, y, middle)
 }
 
 /// The same from a point `l` on the edge.
-fn along_edge(face: &Face, x: &[DVec3], k: usize, y: DVec3, mut l: [f64; 3]) -> [f64; 3] {
+fn along_edge(face: &SurfaceFace, x: &[DVec3], k: usize, y: DVec3, mut l: [f64; 3]) -> [f64; 3] {
     for _ in 0..8 {
         let next = along_rim(face, x, l, k, y);
         let moved = (0..3).map(|i| (next[i] - l[i]).abs()).fold(0.0, f64::max);
@@ -171,7 +171,7 @@ fn along_edge(face: &Face, x: &[DVec3], k: usize, y: DVec3, mut l: [f64; 3]) -> 
 }
 
 /// Position and derivatives in `l1`, `l2` (with `l0 = 1 - l1 - l2`) of a quadratic face.
-pub(crate) fn tangents(face: &Face, x: &[DVec3], l: [f64; 3]) -> (DVec3, DVec3, DVec3) {
+pub(crate) fn tangents(face: &SurfaceFace, x: &[DVec3], l: [f64; 3]) -> (DVec3, DVec3, DVec3) {
     let at = |n: u32| x[n as usize];
     let [a, b, c] = face.corners.map(at);
     match face.mids.map(|m| m.map(at)) {

@@ -1,16 +1,16 @@
 //! What all environments of a batch share.
 
-use super::draw::{Draw, Key, draw};
+use super::draw::{Draw, EpisodeKey, draw};
 use super::identity::identity;
 use super::observe::Sense;
-use super::reward::{Custom, Facts};
+use super::reward::{Custom, StepInfo};
 use crate::backend::choose;
 use crate::error::{Error, Result};
 use crate::grasp::poses_of;
 use crate::gripper::GraspPose;
 use crate::model::Model;
 use crate::scene::leaf::{Count, NonNegative, Positive};
-use crate::scene::{Field, Loading, Material, NamedScene, Record, Scene, Squeeze, Task};
+use crate::scene::{Field, Loading, MaterialChoice, NamedScene, Record, Scene, Squeeze, Task};
 use crate::world::Stepper;
 use crate::world::environment::Environment;
 use glam::DVec3;
@@ -18,7 +18,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// An object of the scene.
 #[derive(Debug)]
-pub struct Kind {
+pub struct ObjectKind {
     /// Its name.
     pub name: String,
     /// The scene with this object, once per gel and friction.
@@ -37,11 +37,11 @@ pub struct Variant {
 }
 
 /// Models, grasps, sensors, backend.
-pub struct Arena {
+pub struct EnvShared {
     /// The task.
     pub task: Task,
     /// The objects.
-    pub kinds: Vec<Kind>,
+    pub kinds: Vec<ObjectKind>,
     /// What tells it from arenas of other scenes.
     pub identity: String,
     /// The backend.
@@ -61,7 +61,7 @@ pub struct Arena {
 /// Idle worlds that are kept: a world of the same model spares its making.
 const IDLE: usize = 16;
 
-impl Arena {
+impl EnvShared {
     /// Builds everything that `objects` (None is all) of `set` need.
     ///
     /// # Errors
@@ -79,7 +79,8 @@ impl Arena {
         let missing = || Error::Start("the scene has no `task: (...)`, which says what an agent does".into());
         let task = first.task.clone().ok_or_else(missing)?;
         let stepper = choose(first)?;
-        let kinds = set.iter().map(|named| Kind::new(named, &task, stepper.as_ref())).collect::<Result<Vec<_>>>()?;
+        let kinds =
+            set.iter().map(|named| ObjectKind::new(named, &task, stepper.as_ref())).collect::<Result<Vec<_>>>()?;
         let model = &kinds[0].variants[0].model;
         Ok(Self {
             identity: identity(first, &task, &kinds)?,
@@ -95,7 +96,7 @@ impl Arena {
     }
 
     /// The `attempt`th draw of an episode.
-    pub fn draw(&self, key: &Key, attempt: u64) -> Draw {
+    pub fn draw(&self, key: &EpisodeKey, attempt: u64) -> Draw {
         let choices: Vec<&[GraspPose]> = self.kinds.iter().map(|k| k.poses.as_slice()).collect();
         draw(&self.task, &choices, self.center(), &mut key.random(attempt))
     }
@@ -149,7 +150,7 @@ impl Arena {
     }
 
     /// What a step pays.
-    pub fn pay(&self, facts: &Facts) -> f64 {
+    pub fn pay(&self, facts: &StepInfo) -> f64 {
         match &self.custom {
             Some(custom) => custom(facts),
             None => self.task.reward.iter().map(|r| r.term().pay(facts)).sum(),
@@ -157,7 +158,7 @@ impl Arena {
     }
 }
 
-impl Kind {
+impl ObjectKind {
     fn new(named: &NamedScene, task: &Task, stepper: &dyn Stepper) -> Result<Self> {
         let random = &task.randomise;
         let count = random.variants.get();
@@ -177,7 +178,7 @@ impl Kind {
             let mut model = Model::build(&scene)?;
             if let Some(model) = Arc::get_mut(&mut model) {
                 model.needs.task = true;
-                model.leash = Some(LEASH * task.slip_limit.get());
+                model.largest_drift = Some(LEASH * task.slip_limit.get());
                 let share = 1.0 / model.fingers.len() as f64;
                 model.levels = vec![task.force.at(0.0) * share, task.force.at(1.0) * share];
                 // An agent has it free from the start.
@@ -206,7 +207,7 @@ fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
 }
 
 /// The gel with Young's modulus times `factor`.
-fn scaled(material: &Material, factor: f64) -> Result<Material> {
+fn scaled(material: &MaterialChoice, factor: f64) -> Result<MaterialChoice> {
     let spec = material.spec();
     leaf(material.with(spec.young * factor, spec.poisson))
 }

@@ -4,7 +4,7 @@
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
 use crate::geometry::shape::Stretch;
-use crate::mech::potential::state::View;
+use crate::mech::potential::state::BodyView;
 use crate::scales::{DEEPEST, DEEPEST_LENGTH};
 use glam::DVec3;
 
@@ -12,7 +12,7 @@ use glam::DVec3;
 pub(crate) fn deepest(
     bounds: &FaceBounds,
     surface: &ContactSurface,
-    view: &View,
+    view: &BodyView,
     stretch: &Stretch,
     least: f64,
 ) -> Option<DVec3> {
@@ -31,11 +31,11 @@ pub(crate) fn deepest(
         }
         let point = stretch.point(middle);
         let y = view.position + view.rotation * point - view.offset;
-        let Some(foot) = bounds.near(surface, view.x, y, (half + deep).min(reach)) else { continue };
-        if foot.gap < best.0 {
-            best = (foot.gap, Some(point));
+        let Some(closest_point) = bounds.near(surface, view.x, y, (half + deep).min(reach)) else { continue };
+        if closest_point.gap < best.0 {
+            best = (closest_point.gap, Some(point));
         }
-        if half > fine && foot.gap - half < best.0 {
+        if half > fine && closest_point.gap - half < best.0 {
             parts.extend(halves);
         }
     }

@@ -1,18 +1,18 @@
 //! Which features of the object are too far from a pad to be looked for, and on which side of it the others are: neither they nor
 //! the pad move faster than they move.
 
-use super::flanks::Flank;
-use super::foot::Foot;
+use super::closest_point::ClosestPoint;
+use super::incident_faces::IncidentFace;
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
-use crate::mech::potential::state::View;
+use crate::mech::potential::state::BodyView;
 use crate::scales::{DISTANCES_STALE, FACE_KEPT, FEATURES_LISTED};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
 /// What is known of the distances of all features to the pad.
 #[derive(Debug, Clone)]
-pub(crate) struct Far {
+pub(crate) struct CandidateList {
     /// Contact offset, m.
     offset: f64,
     /// From the last time that all were taken.
@@ -27,7 +27,7 @@ pub(crate) struct Far {
 struct Seen {
     /// Node positions then, m.
     x: Vec<DVec3>,
-    features: Vec<Bounds>,
+    features: Vec<GapBounds>,
 }
 
 /// The features that alone can matter while pad and object have not moved far.
@@ -45,7 +45,7 @@ struct Nearby {
 
 /// Where a feature was, relative to the finger, and how far outside the pad at least and at most, m.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Bounds {
+pub(crate) struct GapBounds {
     pub at: DVec3,
     least: f64,
     most: f64,
@@ -53,7 +53,7 @@ pub(crate) struct Bounds {
 
 /// Largest motion of a node of the pad since its features were looked for, and since the last assembly, m; `+inf` if that never was.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Moved {
+pub(crate) struct Drift {
     looked: f64,
     last: f64,
 }
@@ -64,18 +64,18 @@ impl Seen {
     }
 
     /// Bounds of the signed distance of feature `i`, now at `y`, to the pad, which has `moved` by up to that (m).
-    fn bounds(&self, i: usize, y: DVec3, moved: f64) -> Bounds {
+    fn bounds(&self, i: usize, y: DVec3, moved: f64) -> GapBounds {
         match self.features.get(i) {
             Some(then) => {
                 let change = BULGE * moved + then.at.distance(y);
-                Bounds { at: y, least: then.least - change, most: then.most + change }
+                GapBounds { at: y, least: then.least - change, most: then.most + change }
             }
-            None => Bounds { at: y, ..Bounds::UNKNOWN },
+            None => GapBounds { at: y, ..GapBounds::UNKNOWN },
         }
     }
 }
 
-impl Bounds {
+impl GapBounds {
     /// Of a feature of which nothing is known.
     pub const UNKNOWN: Self = Self { at: DVec3::ZERO, least: f64::NEG_INFINITY, most: f64::INFINITY };
 
@@ -84,24 +84,28 @@ impl Bounds {
         self.least <= reach
     }
 
-    /// With what `flanks` say, those within `reach` (m).
-    pub fn narrowed(self, flanks: &[Flank], reach: f64) -> Self {
-        match flanks.first() {
-            Some((foot, ..)) => Self { least: foot.gap, most: foot.gap, ..self },
+    /// With what `incident faces` say, those within `reach` (m).
+    pub fn narrowed(self, incident: &[IncidentFace], reach: f64) -> Self {
+        match incident.first() {
+            Some((closest_point, ..)) => Self { least: closest_point.gap, most: closest_point.gap, ..self },
             None => Self { least: self.least.max(reach), most: f64::INFINITY, ..self },
         }
     }
 
-    /// `foot` on the side that is possible: where a face is folded over or a crease is closed, the surface passes through
+    /// `closest point` on the side that is possible: where a face is folded over or a crease is closed, the surface passes through
     /// itself, and what is outside looks as if it were inside, or the other way round. Contact has this `offset` (m).
-    pub fn sided(&self, foot: Foot, offset: f64) -> Foot {
+    pub fn sided(&self, closest_point: ClosestPoint, offset: f64) -> ClosestPoint {
         let slack = FACE_KEPT * offset;
         let possible = |gap: f64| self.least - slack <= gap && gap <= self.most + slack;
-        if possible(foot.gap) || !possible(-foot.gap) { foot } else { foot.flipped() }
+        if possible(closest_point.gap) || !possible(-closest_point.gap) {
+            closest_point
+        } else {
+            closest_point.flipped()
+        }
     }
 }
 
-impl Far {
+impl CandidateList {
     /// Nothing is known; contact has this `offset` (m).
     pub fn new(offset: f64) -> Self {
         Self { offset, looked: Arc::default(), last: Arc::default(), nearby: Arc::default() }
@@ -122,8 +126,8 @@ impl Far {
             let away = |i: usize| {
                 let y = place(i);
                 let near = self.bounds(i, y, moved);
-                let least = bounds.outside(surface, x, y, |foot| near.sided(foot, self.offset));
-                Bounds { at: y, least, most: f64::INFINITY }
+                let least = bounds.outside(surface, x, y, |closest_point| near.sided(closest_point, self.offset));
+                GapBounds { at: y, least, most: f64::INFINITY }
             };
             let features = (0..count).map(away).collect();
             self.looked = Arc::new(Seen { features, x: x.to_vec() });
@@ -131,13 +135,13 @@ impl Far {
     }
 
     /// Takes over what an assembly at node positions `x` found out of each feature.
-    pub fn remember(&mut self, x: &[DVec3], features: Vec<Bounds>) {
+    pub fn remember(&mut self, x: &[DVec3], features: Vec<GapBounds>) {
         self.last = Arc::new(Seen { x: x.to_vec(), features });
     }
 
     /// Lists the features that are near, as the last assembly found them, and those that `matter` wherever they are, of an object that
     /// reaches as far as `radius` (m) from its origin.
-    pub fn list(&mut self, view: &View, radius: f64, matter: impl Fn(usize) -> bool) {
+    pub fn list(&mut self, view: &BodyView, radius: f64, matter: impl Fn(usize) -> bool) {
         let all = self.last.features.iter().enumerate();
         let features = all
             .filter(|(i, bounds)| bounds.within(FEATURES_LISTED * self.offset) || matter(*i))
@@ -156,7 +160,7 @@ impl Far {
     }
 
     /// The listed features, ascending, if under `view` no other one can be nearer than `reach` (m).
-    pub fn nearby(&self, view: &View, reach: f64) -> Option<&[usize]> {
+    pub fn nearby(&self, view: &BodyView, reach: f64) -> Option<&[usize]> {
         let listed = &self.nearby;
         let ((place, turn), (then, turned)) = (object(view), listed.object);
         let turn = turn - turned;
@@ -166,14 +170,14 @@ impl Far {
     }
 
     /// How far the nodes of the pad at `x` have moved.
-    pub fn moved(&self, x: &[DVec3]) -> Moved {
-        Moved { looked: self.looked.moved(x), last: self.last.moved(x) }
+    pub fn moved(&self, x: &[DVec3]) -> Drift {
+        Drift { looked: self.looked.moved(x), last: self.last.moved(x) }
     }
 
     /// Bounds of the signed distance of feature `i`, now at `y`.
-    pub fn bounds(&self, i: usize, y: DVec3, moved: Moved) -> Bounds {
+    pub fn bounds(&self, i: usize, y: DVec3, moved: Drift) -> GapBounds {
         let (looked, last) = (self.looked.bounds(i, y, moved.looked), self.last.bounds(i, y, moved.last));
-        Bounds { at: y, least: looked.least.max(last.least), most: looked.most.min(last.most) }
+        GapBounds { at: y, least: looked.least.max(last.least), most: looked.most.min(last.most) }
     }
 }
 
@@ -186,7 +190,7 @@ fn motion(before: &[DVec3], x: &[DVec3]) -> f64 {
 }
 
 /// Where the object is, relative to the finger, m, and its orientation.
-fn object(view: &View) -> (DVec3, DMat3) {
+fn object(view: &BodyView) -> (DVec3, DMat3) {
     (view.position - view.offset, view.rotation)
 }
 
@@ -200,10 +204,10 @@ mod tests {
     /// A feature 10 um outside that moved by 1 um, and the pad not at all, is where it can be: 9 to 11 um outside.
     #[test]
     fn a_feature_stays_on_the_side_where_it_can_be() {
-        let then = Bounds { at: DVec3::ZERO, least: 1e-5, most: 1e-5 };
+        let then = GapBounds { at: DVec3::ZERO, least: 1e-5, most: 1e-5 };
         let seen = Seen { x: vec![DVec3::ZERO], features: vec![then] };
         let now = seen.bounds(0, DVec3::X * 1e-6, 0.0);
-        let gap = |gap: f64| now.sided(Foot::at(0, [1.0, 0.0, 0.0], gap, DVec3::Z), 1e-5).gap;
+        let gap = |gap: f64| now.sided(ClosestPoint::at(0, [1.0, 0.0, 0.0], gap, DVec3::Z), 1e-5).gap;
         assert_eq!([gap(9.5e-6), gap(-9.5e-6)], [9.5e-6; 2], "m");
         // Neither side is possible: what the surface says stands.
         assert_eq!(gap(-5e-5), -5e-5, "m");

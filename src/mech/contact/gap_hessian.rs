@@ -1,6 +1,6 @@
-//! How the distance of a feature to a face of the pad curves: the face bends, turns with its nodes, and the foot slides over it.
+//! How the distance of a feature to a face of the pad curves: the face bends, turns with its nodes, and the closest point slides over it.
 //!
-//! With `g` the gap along the face's normal `n`, `u` the motion of the feature relative to the foot, `d_i` the tangents there and `w_i`
+//! With `g` the gap along the face's normal `n`, `u` the motion of the feature relative to the closest point, `d_i` the tangents there and `w_i`
 //! what the motion of the nodes turns them towards `n`, the least distance over the face has
 //!
 //! ```text
@@ -8,22 +8,22 @@
 //!                                               Q = G^-1 B (G - g B)^-1       B_ij = n.d_i,j
 //! ```
 //!
-//! (second variation of a minimum: the Hessian less what the foot gives by sliding).
+//! (second variation of a minimum: the Hessian less what the closest point gives by sliding).
 
+use super::closest_point::{ClosestPoint, ON_RIM, tangents};
 use super::folds::bends;
-use super::foot::{Foot, ON_RIM, tangents};
-use super::surface::Face;
+use super::surface::SurfaceFace;
 use crate::mech::potential::term::Form;
 use glam::{DMat2, DVec2, DVec3};
 
-/// The second derivatives that a pressure force `p` (N) on the pad has for this reason; `None` on the rim of the face, where the foot does
+/// The second derivatives that a pressure force `p` (N) on the pad has for this reason; `None` on the rim of the face, where the closest point does
 /// not slide, and beyond the centre of curvature.
-pub(crate) fn bend(face: &Face, x: &[DVec3], foot: &Foot, p: f64) -> Option<Form<4>> {
-    if foot.l.iter().any(|v| v.abs() <= ON_RIM) {
+pub(crate) fn bend(face: &SurfaceFace, x: &[DVec3], closest_point: &ClosestPoint, p: f64) -> Option<Form<4>> {
+    if closest_point.l.iter().any(|v| v.abs() <= ON_RIM) {
         return None;
     }
-    let (n, gap) = (foot.normal, foot.gap);
-    let (_, d1, d2) = tangents(face, x, foot.l);
+    let (n, gap) = (closest_point.normal, closest_point.gap);
+    let (_, d1, d2) = tangents(face, x, closest_point.l);
     let [b11, b12, b22] = bends(face, x).map(|d| d.dot(n));
     let metric = symmetric(d1.dot(d1), d1.dot(d2), d2.dot(d2));
     let bent = symmetric(b11, b12, b22);
@@ -46,7 +46,8 @@ pub(crate) fn bend(face: &Face, x: &[DVec3], foot: &Foot, p: f64) -> Option<Form
             }
         })
     });
-    let nodes = face.shape(foot.l).map(|(node, phi, slope)| (node, [d1 * -phi, d2 * -phi, n * slope.x, n * slope.y]));
+    let nodes =
+        face.shape(closest_point.l).map(|(node, phi, slope)| (node, [d1 * -phi, d2 * -phi, n * slope.x, n * slope.y]));
     Some(Form { nodes: nodes.collect(), delta: [-d1, -d2, DVec3::ZERO, DVec3::ZERO], matrix })
 }
 
