@@ -144,7 +144,9 @@ fn public_types(text: &str) -> Vec<String> {
         let rest = if rest.starts_with('(') { rest.split_once(')')?.1 } else { rest };
         let (kind, rest) = rest.trim_start().split_once(' ')?;
         let defines = ["struct", "enum", "trait", "type", "union"].contains(&kind);
-        defines.then(|| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect())
+        let name: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+        // A macro fills in the others.
+        (defines && !name.is_empty()).then_some(name)
     };
     code.lines().filter_map(name).collect()
 }

@@ -1,0 +1,122 @@
+#!/usr/bin/env bash
+# Measures the tables of docs/results.md, writes them there with command, commit, date and processor, and fills in the figures that
+# README.md quotes.
+#
+#   benches/results.sh                  every table that was not measured at this commit yet; about half an hour on two cores
+#   benches/results.sh press squeeze    these tables alone, once more
+#
+# Stopped at any moment it goes on with the next table. Nothing else should run beside it.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+readonly RESULTS=docs/results.md OUT=out/results TABLES=(press squeeze size environments sensitivity hard_cases)
+commit=$(git rev-parse --short HEAD)
+git diff --quiet HEAD -- src Cargo.toml Cargo.lock || commit="$commit and uncommitted changes"
+processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1 || true)
+made="Commit $commit, $(date +%F), ${processor:-processor unknown}, $(getconf _NPROCESSORS_ONLN) cores."
+tactus() { ./target/release/tactus "$@"; }
+
+# The text between the markers of table $1 in file $2 becomes stdin; a table that is not there yet goes to the end.
+put() {
+    local name=$1 file=$2 fresh
+    fresh=$(mktemp)
+    cat > "$fresh"
+    grep -q "^<!-- table $name " "$file" || printf '\n<!-- table %s -->\n<!-- end -->\n' "$name" >> "$file"
+    awk -v name="$name" -v fresh="$fresh" -v commit="$commit" '
+        $0 ~ "^<!-- table " name " " { print "<!-- table " name " at " commit " -->"; while ((getline line < fresh) > 0) print line; skip = 1; next }
+        $0 == "<!-- end -->" { skip = 0 }
+        !skip { print }' "$file" > "$file.part"
+    mv "$file.part" "$file"
+    rm "$fresh"
+}
+
+# Title $1 and command $2 of a table, then stdin.
+page() {
+    printf '## %s\n\n    %s\n\n' "$1" "$2"
+    cat
+    printf '\n%s\n' "$made"
+}
+
+# A ball of 6 mm radius pressed 1 mm into a pad of E = 0.3 MPa, nu = 0.45, without friction: 2.548 N on converged meshes.
+press() {
+    local scene seconds
+    echo '| setting | nodes | force at 1 mm, N | error | s |'
+    echo '|---|---|---|---|---|'
+    for scene in linear quadratic_coarse quadratic_fine; do
+        seconds=$( { TIMEFORMAT=%U; time tactus run "scenes/press/$scene.ron" --threads 1 -o "$OUT/$scene" --overwrite --no-pictures > /dev/null; } 2>&1 | tail -n 1)
+        awk -F, -v scene="$scene" -v seconds="$seconds" -v nodes="$(sed -n 's/.*"nodes": *\([0-9]*\).*/\1/p' "$OUT/$scene/run.json" | head -n 1)" '
+            NR == 1 { for (i = 1; i <= NF; i++) { if ($i ~ /^force_n/) force = i; if ($i ~ /^travel/ && !travel) travel = i } next }
+            { gap = $travel - 1e-3; if (gap < 0) gap = -gap; if (gap < 1e-7) at = $force }
+            END { printf "| %s | %s | %.3f | %+.1f %% | %.1f |\n", scene, nodes, at, 100 * (at / 2.548 - 1), seconds }' "$OUT/$scene/grasp_000/frames.csv"
+    done
+}
+
+squeeze() {
+    tactus bench scenes/lemon.ron --frames 10 --grasps 1 --repeat 1 --model gelsight_mini --model gelsight_mini_fine -o "$OUT/squeeze" > /dev/null
+    cp "$OUT/squeeze/bench.png" docs/network.png
+    tactus report "$OUT/squeeze" -o "$OUT/squeeze.html" | sed '1d; /^'"${OUT//\//\\/}"'/d'
+}
+
+size() {
+    tactus bench scenes/press/quadratic_coarse.ron --sizes 500,1000,2000,5000,10000 --threads 1 --repeat 1 -o "$OUT/size" > /dev/null
+    tactus report "$OUT/size" -o "$OUT/size.html" | sed '1d; /^'"${OUT//\//\\/}"'/d'
+}
+
+environments() {
+    echo '```text'
+    tactus bench scenes/tasks/hold.ron --envs 1,4,16,64 --repeat 1 -o "$OUT/environments"
+    echo '```'
+}
+
+sensitivity() {
+    echo '```text'
+    tactus dataset scenes/paper.ron --grasps 2 --frames 10 --sensitivity 2 -o "$OUT/sensitivity_$commit" | tail -n 4
+    echo '```'
+}
+
+# Every scene of scenes/torture and scenes/dynamic with the methods that it took.
+hard_cases() {
+    local scene name
+    echo '| scene | outcome | iterations | methods |'
+    echo '|---|---|---|---|'
+    for scene in scenes/torture/*.ron scenes/dynamic/*.ron; do
+        name=$(basename "$scene" .ron)
+        tactus run "$scene" > "$OUT/$name.txt" 2> /dev/null || true
+        awk -v name="$name" '
+            /^ +0 / { outcome = $2 }
+            / Newton iterations: / { iterations = $4 }
+            / increments?(,|$)/ { methods = $0 }
+            END { printf "| %s | %s | %s | %s |\n", name, outcome ? outcome : "refused", iterations, methods }' "$OUT/$name.txt"
+    done
+}
+
+title() {
+    case $1 in
+        press) echo "A press against a converged force" ;;
+        squeeze) echo "Speed against error: a lemon that the networks never saw" ;;
+        size) echo "Cost against the size of the pad" ;;
+        environments) echo "Environments" ;;
+        sensitivity) echo "How well posed squeezes are" ;;
+        hard_cases) echo "Hard cases and the methods they take" ;;
+    esac
+}
+
+# README quotes three columns of the squeeze, for the settings that a reader chooses between.
+readme() {
+    awk -F'|' '
+        /^\| setting/ { print "| setting | s a grasp | displacement, median / 90 % / worst, % |"; print "|---|---|---|" }
+        /^\| (network|condensed (2.60|1.84) mm|quadratic (2.60|1.84) mm)/ { printf "|%s|%s|%s|\n", $2, $4, $6 }' |
+        { cat; printf '\n%s\n' "$made"; } | put squeeze README.md
+}
+
+cargo build --release
+mkdir -p "$OUT"
+[ -f "$RESULTS" ] || printf '# Results\n\nTables that `benches/results.sh` measures; no figure here is typed by hand.\n' > "$RESULTS"
+wanted=("$@")
+for table in "${wanted[@]:-${TABLES[@]}}"; do
+    [[ " ${TABLES[*]} " == *" $table "* ]] || { echo "there is no table $table; allowed: ${TABLES[*]}" >&2; exit 2; }
+    if [ $# -eq 0 ] && grep -q "^<!-- table $table at $commit -->" "$RESULTS"; then continue; fi
+    echo "measuring $table" >&2
+    "$table" > "$OUT/$table.md"
+    page "$(title "$table")" "benches/results.sh $table" < "$OUT/$table.md" | put "$table" "$RESULTS"
+    if [ "$table" = squeeze ]; then readme < "$OUT/$table.md"; fi
+done
