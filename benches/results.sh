@@ -31,8 +31,8 @@ put() {
 
 # Title $1 and command $2 of a table, then stdin.
 page() {
-    printf '## %s\n\n    %s\n\n' "$1" "$2"
-    cat
+    printf '## %s\n\n    %s\n' "$1" "$2"
+    { echo; sed 's/   */ /g'; } | cat -s
     printf '\n%s\n' "$made"
 }
 
@@ -69,7 +69,8 @@ environments() {
 
 sensitivity() {
     echo '```text'
-    tactus dataset scenes/paper.ron --grasps 2 --frames 10 --sensitivity 2 -o "$OUT/sensitivity_$commit" | tail -n 4
+    # A grasp that does not reach its force is a row of the table, not a failure of the measurement.
+    { tactus dataset scenes/paper.ron --grasps 2 --frames 10 --sensitivity 2 -o "$OUT/sensitivity_$commit" || [ $? -eq 1 ]; } | tail -n 4
     echo '```'
 }
 

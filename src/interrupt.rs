@@ -1,7 +1,7 @@
-//! The stop flag of the process: whoever takes long looks at it now and then, and ends early with what is finished kept.
+//! Stop flag of the process: long computations check it regularly, and end early with the finished part kept.
 //!
-//! The command line sets it on SIGINT and SIGTERM ([`on_signals`]), the Python package on an exception of a signal handler.
-//! An unfinished grasp is dropped, never recorded as one that failed.
+//! The command line sets it on SIGINT and SIGTERM ([`on_signals`]), the Python package on an exception of a signal
+//! handler. An unfinished grasp is dropped, never recorded as one that failed.
 
 use crate::error::{Error, Result};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,32 +15,33 @@ pub fn request() {
     REQUESTED.store(true, Ordering::SeqCst);
 }
 
-/// True once work is to end.
+/// Returns true if work is to end.
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
 
-/// Lets work begin again, once what was asked to end has ended.
+/// Resets the request, so that work may begin again after the interrupted work has ended.
 pub fn clear() {
     REQUESTED.store(false, Ordering::SeqCst);
 }
 
-/// Goes on unless work is to end.
+/// Checks that work may go on.
 ///
 /// # Errors
-/// [`Error::Interrupted`].
+/// Returns [`Error::Interrupted`] if work is to end.
 pub fn check() -> Result<()> {
     if requested() { Err(Error::Interrupted("interrupted".into())) } else { Ok(()) }
 }
 
-/// Time after which a command that was asked to end is ended, s: it is in the middle of something that looks at no flag.
+/// Time after which an interrupted command is ended, s, if it does not check the flag.
 const GRACE: Duration = Duration::from_secs(3);
 
-/// Has SIGINT and SIGTERM ask for an end; a second one ends the process at once, with exit code `code`. `GRACE` after the
-/// first the process ends anyhow, once `last_words` are said: files appear whole or not at all, whenever that is.
+/// Installs handlers by which SIGINT and SIGTERM request an end; a second signal ends the process at once, with exit code
+/// `code`. `GRACE` after the first the process ends in any case, after `last_words`: files appear whole or not at all,
+/// whenever that is.
 ///
 /// # Errors
-/// When the system installs no handler.
+/// Fails if the system installs no handler.
 pub fn on_signals(code: u8, last_words: fn()) -> Result<()> {
     let cannot = |e: std::io::Error| Error::Start(format!("cannot listen for signals: {e}"));
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {

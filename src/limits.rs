@@ -1,5 +1,5 @@
-//! What fits: the memory and the disk space that are free, and what a scene is going to take of them. Asked before anything large is
-//! made, so that a scene that is too large is an answer at once and no program that is killed.
+//! Limits of memory and disk space: the free amounts, and the amounts that a scene will take. They are checked before anything large is
+//! made, so that a scene that is too large is refused at once and no program is killed.
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::quadratic::midpoint_edges;
@@ -10,14 +10,14 @@ use std::path::Path;
 /// Size of one pad.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PadSize {
-    /// Nodes, mid-edge ones included.
+    /// Number of nodes, mid-edge ones included.
     pub nodes: usize,
-    /// Three per node that is not bonded.
+    /// Number of unknowns: three per node that is not bonded.
     pub unknowns: usize,
 }
 
 impl PadSize {
-    /// Of a grid of `cells` cells, six tetrahedra each, bonded at its lowest layer of nodes.
+    /// Returns the size of a grid of `cells` cells, six tetrahedra each, bonded at its lowest layer of nodes.
     pub fn of_cells(cells: [usize; 3], element: Element) -> Self {
         // Between the nodes of a layer, and of two layers: along the axes, across the faces, through the cells.
         let points = cells.map(|n| n as u128 + 1);
@@ -32,7 +32,7 @@ impl PadSize {
         Self { nodes: count(nodes), unknowns: count(3 * (nodes - bonded)) }
     }
 
-    /// Of a mesh.
+    /// Returns the size of a mesh.
     pub fn of_pad(pad: &PadMesh, element: Element) -> Self {
         let bonded = pad.bonded.iter().filter(|b| **b).count();
         let middles: Vec<[u32; 2]> = match element {
@@ -44,24 +44,26 @@ impl PadSize {
         Self { nodes, unknowns: 3 * (nodes - bonded - glued) }
     }
 
-    /// Memory that solving a grasp takes with each such pad, about, bytes.
+    /// Estimates the memory that solving a grasp takes with each such pad, bytes.
     fn solving(&self) -> f64 {
         let factor = FACTOR * (self.unknowns as f64).powf(FACTOR_POWER);
         factor + NODE * self.nodes as f64
     }
 }
 
-/// Memory of a Cholesky factor over `unknowns^FACTOR_POWER`, bytes. The two are fitted to presses of one pad: 42, 133, 491 and
-/// 1366 MB with 5,100, 19,314, 54,390 and 107,604 unknowns, which the estimate meets to within a sixth, the large ones to 5 %.
+/// Memory of a Cholesky factor over `unknowns^FACTOR_POWER`, bytes. The two are fitted to presses of one pad: 42, 133, 491 and 1366 MB
+/// with 5,100, 19,314, 54,390 and 107,604 unknowns, which the estimate meets to within a sixth, the large ones to 5 %.
 const FACTOR: f64 = 60.0;
-/// Nested dissection of a body has 4/3 of large numbers of unknowns; plates of these sizes grow faster.
+/// Power of the unknowns. Nested dissection of a body has 4/3 of large numbers of unknowns; plates of these sizes grow
+/// faster.
 const FACTOR_POWER: f64 = 1.45;
-/// Memory of a node beside the factor: mesh, stiffness, states, bytes.
+/// Memory of a node apart from the factor (mesh, stiffness, states), bytes.
 const NODE: f64 = 3000.0;
 /// Memory of a node of a mesh that is not solved on, bytes.
 const MESHED: f64 = 2500.0;
 
-/// Memory that a grasp of `scene` takes with pads of this size, about, bytes; `sides` are its fingers.
+/// Estimates the memory that a grasp of `scene` takes with pads of this size, bytes; `sides` is the number of its
+/// fingers.
 pub fn memory(scene: &Scene, pad: PadSize, sides: usize) -> u64 {
     let each = match scene.stepper {
         StepperChoice::Fem(_) => pad.solving(),
@@ -73,7 +75,7 @@ pub fn memory(scene: &Scene, pad: PadSize, sides: usize) -> u64 {
 /// Refuses a scene that takes more memory than is free.
 ///
 /// # Errors
-/// [`Error::Mesh`] with the sizes and what to do.
+/// Returns [`Error::Mesh`] with the sizes and the remedy.
 pub fn admit(need: u64, pad: PadSize) -> Result<()> {
     match free_memory() {
         Some(free) if need > free => Err(Error::Mesh(format!(
@@ -87,10 +89,10 @@ pub fn admit(need: u64, pad: PadSize) -> Result<()> {
     }
 }
 
-/// Refuses files that take more space than is free where `dir` is or is going to be.
+/// Refuses files that take more space than is free at `dir`, which need not exist yet.
 ///
 /// # Errors
-/// [`Error::File`] with the sizes and what to do.
+/// Returns [`Error::File`] with the sizes and the remedy.
 pub fn admit_files(need: u64, dir: &Path) -> Result<()> {
     match free_disk(dir) {
         Some(free) if need > free => {
@@ -105,7 +107,7 @@ pub fn admit_files(need: u64, dir: &Path) -> Result<()> {
     }
 }
 
-/// A size as people read it.
+/// Formats a size for readers.
 pub fn bytes(n: u64) -> String {
     let n = n as f64;
     match n {
@@ -115,20 +117,20 @@ pub fn bytes(n: u64) -> String {
     }
 }
 
-/// Memory that this process may still take, bytes: the least of what the machine, its control groups and its own limit leave;
-/// None where the system does not tell.
+/// Returns the memory that this process may still take, bytes: the smallest amount left by the machine, its control groups and its own
+/// limit; None if the system does not provide it.
 #[cfg(target_os = "linux")]
 pub fn free_memory() -> Option<u64> {
     [available(), control_group::free(), address_space()].into_iter().flatten().min()
 }
 
-/// Memory that this process may still take; this system does not tell.
+/// Returns None, because this system does not provide the memory that this process may still take.
 #[cfg(not(target_os = "linux"))]
 pub fn free_memory() -> Option<u64> {
     None
 }
 
-/// Space that is free where `dir` is or is going to be, bytes; None where the system does not tell.
+/// Returns the space that is free at `dir`, which need not exist yet, bytes; None if the system does not provide it.
 #[cfg(unix)]
 pub fn free_disk(dir: &Path) -> Option<u64> {
     let absolute = std::path::absolute(dir).ok()?;
@@ -136,13 +138,13 @@ pub fn free_disk(dir: &Path) -> Option<u64> {
     Some(stat.f_bavail.saturating_mul(stat.f_frsize))
 }
 
-/// Space that is free; this system does not tell.
+/// Returns None, because this system does not provide the free space.
 #[cfg(not(unix))]
 pub fn free_disk(_: &Path) -> Option<u64> {
     None
 }
 
-/// What the kernel can give without swapping.
+/// Returns the memory that the kernel can give without swapping.
 #[cfg(target_os = "linux")]
 fn available() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
@@ -150,7 +152,7 @@ fn available() -> Option<u64> {
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kb| kb << 10)
 }
 
-/// What the limit on the address space leaves (`ulimit -v`).
+/// Returns the memory that the limit on the address space leaves (`ulimit -v`).
 #[cfg(target_os = "linux")]
 fn address_space() -> Option<u64> {
     let limit = rustix::process::getrlimit(rustix::process::Resource::As).current?;
@@ -158,12 +160,13 @@ fn address_space() -> Option<u64> {
     Some(limit.saturating_sub(pages * rustix::param::page_size() as u64))
 }
 
-/// The control groups of this process, of either version.
+/// Control groups of this process, of either version.
 #[cfg(target_os = "linux")]
 mod control_group {
     use std::path::{Path, PathBuf};
 
-    /// Where the hierarchy of a version is mounted, and its files: the limit, what is taken, what of `memory.stat` can be had back.
+    /// Mount point of the hierarchy of a version, and its files: the limit, the memory in use, and the part of `memory.stat` that can be
+    /// reclaimed.
     struct Version {
         root: &'static str,
         limit: &'static str,
@@ -180,13 +183,13 @@ mod control_group {
         cached: "total_inactive_file",
     };
 
-    /// The least that any group up to the root leaves.
+    /// Returns the smallest amount that any group up to the root leaves.
     pub fn free() -> Option<u64> {
         let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;
         groups.lines().filter_map(of_line).min()
     }
 
-    /// A line is `0::/path`, or of version 1 `4:memory:/path`.
+    /// Parses a line `0::/path`, or of version 1 `4:memory:/path`.
     fn of_line(line: &str) -> Option<u64> {
         let mut parts = line.splitn(3, ':');
         let (number, controllers, path) = (parts.next()?, parts.next()?, parts.next()?);

@@ -1,16 +1,16 @@
-//! Random numbers that are the same everywhere.
+//! Random numbers that are the same on every machine.
 
-/// SplitMix64 (Steele, Lea and Flood 2014), which needs no state but a counter.
+/// Generator SplitMix64 (Steele, Lea and Flood 2014), which needs no state except a counter.
 #[derive(Debug, Clone)]
 pub struct Random(u64);
 
 impl Random {
-    /// Equal seeds give equal numbers.
+    /// Returns a generator; equal seeds give equal numbers.
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// The next 64 bits.
+    /// Returns the next 64 bits.
     pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -19,18 +19,18 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// A number in 0..1.
+    /// Returns a number in 0..1.
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// A whole number in 0..n; n is at least 1.
+    /// Returns a whole number in 0..n; n is at least 1.
     pub fn below(&mut self, n: usize) -> usize {
         // The bias of the remainder is n / 2^64: nothing.
         (self.bits() % n.max(1) as u64) as usize
     }
 
-    /// Puts `items` in any order (Fisher and Yates 1938).
+    /// Shuffles `items` (Fisher and Yates 1938).
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
         (1..items.len()).rev().for_each(|i| items.swap(i, self.below(i + 1)));
     }

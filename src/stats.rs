@@ -1,20 +1,20 @@
-//! How values are spread: never the mean alone.
+//! Spread of values: never the mean alone.
 
 use serde::{Deserialize, Serialize};
 
 /// Median, 90th percentile and largest of some values (nearest rank).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
-    /// Half of the values are at most this.
+    /// Median: half of the values are at most this.
     pub median: f64,
-    /// Nine tenths of the values are at most this.
+    /// 90th percentile: nine tenths of the values are at most this.
     pub p90: f64,
-    /// Largest.
+    /// Largest value.
     pub worst: f64,
 }
 
 impl Spread {
-    /// Of `values`; None without any.
+    /// Computes the spread of `values`; returns None without any.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut values: Vec<f64> = values.into_iter().collect();
         values.sort_by(f64::total_cmp);
@@ -24,7 +24,7 @@ impl Spread {
     }
 }
 
-/// Median of `values`; NaN without any.
+/// Computes the median of `values`; returns NaN without any.
 pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     Spread::of(values).map_or(f64::NAN, |s| s.median)
 }

@@ -1,28 +1,28 @@
 //! Tables, as HTML and as Markdown.
 
-/// A table. The first column is text, the others are numbers, aligned at the right.
+/// Table. The first column is text, the others are numbers, aligned at the right.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Table {
-    /// What it shows.
+    /// Title of the table.
     pub title: String,
-    /// What to know before reading the numbers; may be empty.
+    /// Note for the reader of the numbers; may be empty.
     pub note: String,
     /// Names of the columns, with units.
     pub columns: Vec<String>,
     /// Cells, as many as columns.
     pub rows: Vec<Vec<String>>,
-    /// Folded away until asked for.
+    /// True if the table is folded until it is opened.
     pub folded: bool,
 }
 
 impl Table {
-    /// A table with these columns and no rows yet.
+    /// Returns a table with these columns and no rows yet.
     pub fn new(title: impl Into<String>, columns: &[&str]) -> Self {
         let columns = columns.iter().map(|c| c.to_string()).collect();
         Self { title: title.into(), columns, ..Self::default() }
     }
 
-    /// The table for the page.
+    /// Returns the table for the page.
     pub fn html(&self) -> String {
         let cells = |tag: &str, row: &[String]| -> String {
             let cell = |(k, text): (usize, &String)| match k {
@@ -47,7 +47,7 @@ impl Table {
         }
     }
 
-    /// The table for a README.
+    /// Returns the table for a README.
     pub fn markdown(&self) -> String {
         let line = |cells: &[String]| {
             let cells: Vec<String> = cells.iter().map(|c| c.trim().replace("  ", " ").replace('|', "\\|")).collect();
@@ -58,7 +58,7 @@ impl Table {
     }
 }
 
-/// `text` where HTML is expected, in elements and in quoted attributes.
+/// Escapes `text` for HTML, in elements and in quoted attributes.
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -5,4 +5,5 @@ cd "$(dirname "$0")/.."
 cargo fmt --check
 cargo clippy --release --all-targets -- -D warnings
 RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps
-cargo test --release
+cargo test --release --no-fail-fast
+tests/python.sh

@@ -1,4 +1,4 @@
-//! The backends: finite elements and a trained network in the same slot of the same schedule. The one place that knows both.
+//! Backends: finite elements and a trained network in the same slot of the same schedule. Only this module knows both.
 
 pub mod fem;
 pub mod network;
@@ -7,10 +7,10 @@ use crate::error::Result;
 use crate::scene;
 use crate::world::Stepper;
 
-/// The backend that the scene names.
+/// Creates the backend that the scene names.
 ///
 /// # Errors
-/// A trained model that cannot be read.
+/// Fails if the trained model cannot be read.
 pub fn choose(scene: &scene::Scene) -> Result<Box<dyn Stepper>> {
     match &scene.stepper {
         scene::StepperChoice::Fem(fem) => Ok(Box::new(fem::stepper::FemStepper::new(fem))),

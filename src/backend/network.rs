@@ -1,4 +1,4 @@
-//! The network backend: the same phases and the same components as the finite element backend.
+//! Network backend: the same phases and the same components as the finite element backend.
 
 use crate::error::{Error, Result};
 use crate::linear::first_contact::GeometricContact;
@@ -20,26 +20,26 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
-/// A trained model as a backend.
+/// Backend with a trained model.
 #[derive(Debug)]
 pub struct NetworkStepper {
     predictor: Arc<Predictor>,
-    /// Its folder or name.
+    /// Folder or name of the model.
     model: PathBuf,
-    /// Graphs of the pads met so far: worlds come and go, their pads are the same.
+    /// Graphs of the pads met so far: worlds come and go, but their pads stay the same.
     graphs: Mutex<Vec<(Arc<PadTopology>, Arc<PadGraph>)>>,
 }
 
 impl NetworkStepper {
-    /// The model in the folder `model`, or the one that ships under this name.
+    /// Opens the model in the folder `model`, or the one that ships under this name.
     ///
     /// # Errors
-    /// Those of [`Predictor::open`].
+    /// Fails as [`Predictor::open`] does.
     pub fn open(model: &Path) -> Result<Self> {
         Ok(Self { predictor: Arc::new(Predictor::open(model)?), model: model.to_path_buf(), graphs: Mutex::default() })
     }
 
-    /// The graph of the pads of `model`, if the network was trained for it.
+    /// Returns the graph of the pads of `model`, if the network was trained for it.
     fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
         let mut graphs = self.graphs.lock().unwrap_or_else(PoisonError::into_inner);
         let pad = model.fingers.first().map(|finger| &finger.topology);
@@ -87,22 +87,22 @@ impl Stepper for NetworkStepper {
     }
 }
 
-/// What the network says of the grasp of this world.
+/// Prediction of the network for the grasp of this world.
 #[derive(Resource)]
 pub struct Prediction {
     predictor: Arc<Predictor>,
     graph: Arc<PadGraph>,
-    /// First contact, and what the network made of it.
+    /// First contact, and what the network computed from it.
     grasp: Option<(GeometricContact, Seen)>,
-    /// The pads at the load of this step.
+    /// States of the pads at the load of this step.
     pads: Vec<PadState>,
-    /// Those of the next steps: loads that are known beforehand are decoded all at once.
+    /// States of the next steps: loads that are known beforehand are decoded all at once.
     ahead: VecDeque<Vec<PadState>>,
-    /// Those at any load, for an agent; None where there is no answer to one of its loads.
+    /// States at any load, for an agent; None if the network has no answer to one of its loads.
     ladder: OnceLock<Option<ForceLadder>>,
 }
 
-/// Puts the systems in their sets; those for what the scene does not need are left out.
+/// Puts the systems in their sets; systems for quantities that the scene does not need are left out.
 fn register(schedule: &mut Schedule, needs: &Needs) {
     schedule.add_systems(look.run_if(ramping).after(close_to_contact).in_set(StepSet::Sense));
     schedule.add_systems((predict, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
@@ -120,7 +120,7 @@ fn register(schedule: &mut Schedule, needs: &Needs) {
     }
 }
 
-/// Looks at the grasp once, at first contact: travel and pose are still those of `close_to_contact`.
+/// Encodes the grasp once, at first contact: travel and pose are still those of `close_to_contact`.
 fn look(
     phase: Res<Phase>,
     shared: Res<Shared>,
@@ -142,7 +142,7 @@ fn look(
     timings.stages.insert("encode", clock.elapsed().as_secs_f64());
 }
 
-/// One load level; numbers that are not finite end the grasp.
+/// Predicts one load level; numbers that are not finite end the grasp.
 fn predict(
     phase: Res<Phase>,
     shared: Res<Shared>,
@@ -182,8 +182,8 @@ fn predict(
     *timings.stages.entry("decode").or_insert(0.0) += clock.elapsed().as_secs_f64();
 }
 
-/// Shares a load on the object out among the pads and their nodes like the pressure: what an agent does with an object was
-/// not in the training.
+/// Shares a load on the object out among the pads and their nodes in proportion to the pressure: the training did not include what
+/// an agent does with an object.
 fn carry_load(mut prediction: ResMut<Prediction>, shared: Res<Shared>, weight: Single<&ObjectWeight>) {
     let model = &shared.0;
     let each = weight.0 / model.fingers.len() as f64;
@@ -195,7 +195,7 @@ fn carry_load(mut prediction: ResMut<Prediction>, shared: Res<Shared>, weight: S
     }
 }
 
-/// Prediction -> columns: positions, travel, pose, wrench.
+/// Copies the prediction to the columns: positions, travel, pose, wrench.
 fn write_state(
     prediction: Res<Prediction>,
     shared: Res<Shared>,
@@ -232,10 +232,10 @@ fn write_state(
     }
 }
 
-/// Once a node is in the object, only nodes within this of it, m, can be the worst.
+/// Distance from the object, m, within which nodes are always looked at. Once a node is inside, only these can be the worst.
 const NEAR: f64 = 1e-9;
 
-/// What the prediction costs in truth: the smallest det F, and the smallest gap of a face node, which may be negative.
+/// Measures the prediction as it is: the smallest det F, and the smallest gap of a face node, which may be negative.
 fn measure_shape(
     prediction: Res<Prediction>,
     shared: Res<Shared>,
@@ -268,7 +268,7 @@ fn measure_shape(
     (advance.min_det_f, advance.min_gap) = least;
 }
 
-/// Von Mises stress on nodes; a tetrahedron has the mean of its nodes.
+/// Writes von Mises stress on nodes; a tetrahedron has the mean of its nodes.
 fn write_stress(
     prediction: Res<Prediction>,
     shared: Res<Shared>,
@@ -294,7 +294,7 @@ fn write_stress(
     }
 }
 
-/// Contact forces on nodes, hand frame.
+/// Writes contact forces on nodes, hand frame.
 fn write_contact(
     prediction: Res<Prediction>,
     shared: Res<Shared>,

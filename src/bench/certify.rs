@@ -1,4 +1,4 @@
-//! A table of references: values of single grasps, each with its error as a ladder estimates it, for others to be compared with.
+//! Table of references: values of single grasps, each with its error as a ladder estimates it, for comparisons.
 
 use super::contest::{Climb, Rules};
 use super::ladder::{ErrorEstimate, MeshLadder, Role};
@@ -14,23 +14,23 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// All references of a folder.
+/// References of a folder.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct References {
-    /// One row per object.
+    /// Rows, one per object.
     pub rows: Vec<Reference>,
 }
 
-/// The reference of one grasp at its last frame.
+/// Reference of one grasp at its last frame.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Reference {
     /// Name of the object.
     pub name: String,
-    /// File of the scene, whose first grasp it is.
+    /// File of the scene; the reference is its first grasp.
     pub scene: String,
-    /// The mesh that the values are from.
+    /// Mesh of the values.
     pub reference: String,
-    /// Nodes of one pad.
+    /// Number of nodes of one pad.
     pub nodes: usize,
     /// Wall time of the reference, s.
     pub time_s: Option<f64>,
@@ -38,26 +38,26 @@ pub struct Reference {
     pub values: BTreeMap<QuantityName, Certified>,
     /// Errors of the reference's fields over the frames of the grasp, relative.
     pub fields: BTreeMap<QuantityName, ErrorEstimate>,
-    /// Distances of all pairs of meshes, as [`MeshLadder::distances`], of displacement and stress.
+    /// Distances of all pairs of meshes for displacement and stress, as [`MeshLadder::distances`].
     pub distances: BTreeMap<QuantityName, Vec<Vec<Option<f64>>>>,
-    /// What to know.
+    /// Findings for the reader.
     pub findings: Vec<String>,
 }
 
-/// A value and its error, both in the value's unit.
+/// Value and its error, both in the value's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Certified {
-    /// Of the reference.
+    /// Value of the reference.
     pub value: f64,
-    /// The larger of what the last refinement and a mesh of another kind change, and twice what half the tolerance of the path changes, as
-    /// the parts of a right angle.
+    /// Error: the larger of the changes by the last refinement and by a mesh of another kind, combined with twice the change by half the
+    /// tolerance of the path as the square root of the sum of squares.
     pub error: f64,
 }
 
-/// The reference of the first grasp of `named`, from the scene file `scene`; `progress` hears of every mesh.
+/// Computes the reference of the first grasp of `named`, from the scene file `scene`; `progress` is told of every mesh.
 ///
 /// # Errors
-/// A scene that cannot be compared or built, and a grasp that the reference does not bring to its end.
+/// Fails if the scene cannot be compared or built, or the reference does not bring the grasp to its end.
 pub fn certify(
     named: &NamedScene,
     scene: &Path,
@@ -113,10 +113,10 @@ const COLUMNS: [(&str, &str, f64); 6] = [
 ];
 
 impl References {
-    /// Those written to `references.json` in a folder; none if there is no such file.
+    /// Reads the references written to `references.json` in a folder; returns none if there is no such file.
     ///
     /// # Errors
-    /// A file that cannot be read or is none of these.
+    /// Fails if the file cannot be read or is not such a file.
     pub fn read(dir: &Path) -> Result<Self> {
         let path = dir.join("references.json");
         if !path.exists() {
@@ -127,7 +127,7 @@ impl References {
             .map_err(|e| Error::file(&path, format!("is not what `tactus bench --certify` writes: {e}")))
     }
 
-    /// Adds a row, in the place of one of the same name.
+    /// Adds a row; replaces one of the same name.
     pub fn put(&mut self, row: Reference) {
         match self.rows.iter_mut().find(|r| r.name == row.name) {
             Some(old) => *old = row,
@@ -135,7 +135,7 @@ impl References {
         }
     }
 
-    /// The rows as Markdown.
+    /// Returns the rows as Markdown.
     pub fn markdown(&self) -> String {
         let names = ["object"].into_iter().chain(COLUMNS.map(|c| c.1)).chain(["field: displacement", "field: stress"]);
         let mut table = Table::new("References", &names.collect::<Vec<_>>());

@@ -1,4 +1,4 @@
-//! Time against error, both logarithmic, as PNG and as SVG: points, the Pareto front, what is dominated.
+//! Chart of time against error, both logarithmic, as PNG and as SVG: points, the Pareto front, dominated points.
 
 use super::report::{BenchReport, Point};
 use crate::error::Result;
@@ -10,7 +10,7 @@ use std::path::Path;
 /// Writes `bench.png` and `bench.svg` into `dir`.
 ///
 /// # Errors
-/// Files that cannot be written; a contest without a single time and error.
+/// Fails if a file cannot be written or the contest has no point with time and error.
 pub fn save_chart(report: &BenchReport, dir: &Path) -> Result<()> {
     save_picture(report, dir, "bench")
 }
@@ -25,7 +25,7 @@ impl Picture for BenchReport {
     }
 }
 
-/// Points that have a place, with their numbers in the list.
+/// Returns the points that have a place, with their numbers in the list.
 fn placed(report: &BenchReport) -> Vec<(usize, &Point, (f64, f64))> {
     let all = report.points.iter().enumerate();
     all.filter_map(|(i, p)| p.place().map(|(time, error)| (i + 1, p, (time, 100.0 * error)))).collect()
@@ -64,7 +64,7 @@ fn pareto<B: DrawingBackend>(area: &Area<B>, report: &BenchReport) -> Drawn<B> {
     Ok(())
 }
 
-/// The number of every point; points that lie on each other share a label.
+/// Returns the number of every point; points that lie on each other share a label.
 fn labels(placed: &[(usize, &Point, (f64, f64))]) -> Vec<((f64, f64), String)> {
     let near = |a: (f64, f64), b: (f64, f64)| (a.0 / b.0).ln().abs() < 0.1 && (a.1 / b.1).ln().abs() < 0.05;
     let mut labels: Vec<((f64, f64), String)> = Vec::new();
@@ -80,7 +80,7 @@ fn labels(placed: &[(usize, &Point, (f64, f64))]) -> Vec<((f64, f64), String)> {
     labels
 }
 
-/// What the numbers mean.
+/// Returns the meaning of the numbers.
 fn names(report: &BenchReport) -> Vec<(String, RGBColor)> {
     let point = |(number, point, _): (usize, &Point, _)| {
         let beaten = if point.dominated { ", dominated" } else { "" };

@@ -1,6 +1,6 @@
-//! Time and memory of this process, where the system tells.
+//! Time and memory of this process, if the system provides them.
 
-/// Processor time of all threads since the start of the process, user and system, s; None where unknown.
+/// Returns the processor time of all threads since the start of the process, user and system, s; None if unknown.
 pub fn processor_time() -> Option<f64> {
     #[cfg(unix)]
     {
@@ -11,17 +11,17 @@ pub fn processor_time() -> Option<f64> {
     None
 }
 
-/// Forgets the peak of the resident memory so far (Linux: `/proc/self/clear_refs`); false where that cannot be done.
+/// Resets the peak of the resident memory (Linux: `/proc/self/clear_refs`); returns false if that is impossible.
 pub fn forget_peak_memory() -> bool {
     std::fs::write("/proc/self/clear_refs", "5").is_ok()
 }
 
-/// Largest resident memory since [`forget_peak_memory`], bytes; None where unknown.
+/// Returns the largest resident memory since [`forget_peak_memory`], bytes; None if unknown.
 pub fn peak_memory() -> Option<u64> {
     status("VmHWM:")
 }
 
-/// A line of `/proc/self/status`, bytes.
+/// Reads a line of `/proc/self/status`, bytes.
 fn status(name: &str) -> Option<u64> {
     let text = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = text.lines().find_map(|l| l.strip_prefix(name))?;

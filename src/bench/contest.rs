@@ -1,4 +1,4 @@
-//! All configurations over the same grasps, taking turns, so that a busy machine slows them alike.
+//! Contest of all configurations over the same grasps, in turns, so that a busy machine slows them all alike.
 
 use super::clock::{forget_peak_memory, peak_memory, processor_time};
 use super::ladder::{self, Member, MeshLadder, Role, Tally};
@@ -23,58 +23,58 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-/// How a contest is held.
+/// Rules of a contest.
 #[derive(Debug, Clone, Copy)]
 pub struct Rules {
-    /// Grasps, evenly spread over those of the scene; all if there are fewer.
+    /// Number of grasps, evenly spread over those of the scene; all if there are fewer.
     pub grasps: usize,
-    /// Threads of each grasp; grasps run one at a time.
+    /// Number of threads of each grasp; grasps run one at a time.
     pub threads: usize,
-    /// How often each configuration simulates each grasp; times are medians.
+    /// Number of simulations of each grasp by each configuration; times are medians.
     pub repeats: usize,
-    /// Meshes of one kind that the error of the reference is estimated from.
+    /// Number of meshes of one kind from which the error of the reference is estimated.
     pub rungs: usize,
 }
 
-/// One configuration and what it did.
+/// Configuration with its results.
 #[derive(Debug)]
 pub struct ContestEntry {
-    /// What it is.
+    /// Configuration of the entry.
     pub configuration: Configuration,
-    /// What is needed to run it, once its first turn has come.
+    /// Model and backend, once its first turn has come.
     pub prepared: Option<Prepared>,
-    /// Wall time to get ready and to simulate the first grasp for the first time, s.
+    /// Wall time of the set-up and of the first simulation of the first grasp, s.
     pub cold_s: f64,
-    /// Per grasp: wall time of each turn, s; what keeping frames for the comparison takes is left out.
+    /// Wall time of each turn by grasp, s, without the time for keeping frames for the comparison.
     pub wall_s: BTreeMap<usize, Vec<f64>>,
-    /// Per grasp: processor time of all threads, s.
+    /// Processor time of all threads by grasp, s.
     pub processor_s: BTreeMap<usize, Vec<f64>>,
     /// Wall time by stage, all turns, s.
     pub stages: BTreeMap<&'static str, f64>,
-    /// Newton iterations or decoder passes, all turns.
+    /// Number of Newton iterations or decoder passes, all turns.
     pub iterations: u64,
-    /// Frames, all turns.
+    /// Number of frames, all turns.
     pub frames: usize,
     /// Largest resident memory of the process with this configuration alone, up to its first frame, bytes.
     pub peak_memory: Option<u64>,
-    /// One per grasp and frame above a fifth of the load.
+    /// Errors, one per grasp and frame above a fifth of the load.
     pub errors: Vec<Distance>,
-    /// Grasps that did not get there, and why.
+    /// Grasps that did not reach their end, with the reason.
     pub failed: Vec<String>,
 }
 
-/// A configuration ready to run.
+/// Configuration that is ready to run.
 #[derive(Debug)]
 pub struct Prepared {
-    /// Its scene, built.
+    /// Model of its scene.
     pub model: Arc<Model>,
-    /// Its backend.
+    /// Backend of the configuration.
     pub stepper: Box<dyn Stepper>,
     probe: Probe,
     setup_s: f64,
 }
 
-/// Keeps the frames of a grasp.
+/// Observer that keeps the frames of a grasp.
 #[derive(Default)]
 struct Keep(Mutex<Vec<Frame>>);
 
@@ -85,10 +85,10 @@ impl Observer for Keep {
     }
 }
 
-/// Lets the settings around those of `scene` and the networks in `models` compete; `progress` hears of every turn.
+/// Runs a contest of the settings around those of `scene` and the networks in `models`; `progress` is told of every turn.
 ///
 /// # Errors
-/// A scene that cannot be compared or built, a network that refuses it, a reference that reaches the end of no grasp.
+/// Fails if the scene cannot be compared or built, a network refuses it, or the reference reaches the end of no grasp.
 pub fn contest(
     scene: &Scene,
     models: &[PathBuf],
@@ -142,36 +142,36 @@ pub fn contest(
     Ok(BenchReport::new(rules, numbers, (climb.reference(), ladder), &entries, notices))
 }
 
-/// What a member of a ladder makes of a grasp.
+/// Result of a member of a ladder for a grasp.
 #[derive(Debug)]
 pub struct RungResult {
-    /// What the member is there for.
+    /// Role of the member.
     pub role: Role,
-    /// Its frames at the common points.
+    /// Fields of its frames at the common points.
     pub fields: Vec<Fields>,
-    /// Its last frame.
+    /// Values of its last frame.
     pub values: FrameValues,
 }
 
-/// The members of a ladder, and how far they are apart on the grasps so far.
+/// Members of a ladder, with their distances on the grasps so far.
 #[derive(Debug)]
 pub struct Climb {
     members: Vec<(Role, ContestEntry)>,
     reference: usize,
     tally: Tally,
-    /// Where fields are compared.
+    /// Points at which fields are compared.
     pub points: Points,
     /// Threads of a grasp.
     pub pool: rayon::ThreadPool,
-    /// Grasps that are left out, and why.
+    /// Notices of the grasps that are left out, with the reason.
     pub notices: Vec<String>,
 }
 
 impl Climb {
-    /// Of the scene of a sweep.
+    /// Builds the ladder of the scene of a sweep.
     ///
     /// # Errors
-    /// A pad that cannot be meshed so finely; threads that cannot be started.
+    /// Fails if a pad cannot be meshed so finely or threads cannot be started.
     pub fn new(sweep: &Sweep, rules: &Rules) -> Result<Self> {
         let members: Vec<_> =
             ladder::members(sweep, rules.rungs)?.into_iter().map(|(role, c)| (role, ContestEntry::new(c))).collect();
@@ -186,15 +186,16 @@ impl Climb {
         Ok(Self { tally: Tally::new(members.len()), reference, members, points, pool, notices: Vec::new() })
     }
 
-    /// The reference.
+    /// Returns the reference.
     pub fn reference(&mut self) -> &mut ContestEntry {
         &mut self.members[self.reference].1
     }
 
-    /// Simulates a grasp with all members; none at all, and a notice, where the reference fails. Others that fail are left out with one.
+    /// Simulates a grasp with all members. If the reference fails, there are no results but a notice. Other members that fail are left
+    /// out with a notice.
     ///
     /// # Errors
-    /// Those of running a grasp.
+    /// Fails if the grasp cannot be run.
     pub fn grasp(&mut self, index: usize, pose: GraspPose, progress: &mut impl FnMut(&str)) -> Result<Vec<RungResult>> {
         let (mut steps, mut levels) = (Vec::new(), Vec::new());
         for (role, entry) in &mut self.members {
@@ -225,7 +226,7 @@ impl Climb {
         Ok(steps)
     }
 
-    /// What the grasps so far say.
+    /// Returns the ladder of the grasps so far.
     pub fn ladder(&self) -> MeshLadder {
         let member = |(role, entry): &(Role, ContestEntry)| Member {
             label: entry.configuration.label.clone(),
@@ -237,7 +238,7 @@ impl Climb {
     }
 }
 
-/// Evenly spread grasps with their numbers.
+/// Returns evenly spread grasps with their numbers.
 fn sample(poses: &[GraspPose], wanted: usize) -> Vec<(usize, GraspPose)> {
     let count = wanted.clamp(1, poses.len().max(1));
     let numbers = (0..count).map(|i| i * poses.len() / count);
@@ -273,19 +274,19 @@ impl ContestEntry {
         Ok(())
     }
 
-    /// Simulates a grasp on `pool`; the fields of its frames if this is the first time, nothing if it fails.
+    /// Simulates a grasp on `pool`; returns the fields of its frames the first time, and nothing if it fails.
     fn run(&mut self, pool: &rayon::ThreadPool, index: usize, pose: GraspPose, points: &Points) -> Result<Vec<Fields>> {
         let frames = self.simulate(pool, index, pose, points)?;
         Ok(self.fields(&frames))
     }
 
-    /// The fields of frames.
+    /// Returns the fields of frames.
     fn fields(&self, frames: &[Frame]) -> Vec<Fields> {
         let probe = self.prepared.as_ref().map(|p| &p.probe);
         probe.map_or_else(Vec::new, |probe| frames.iter().map(|f| probe.fields(f)).collect())
     }
 
-    /// Simulates a grasp on `pool`; its frames if this is the first time, nothing if it fails.
+    /// Simulates a grasp on `pool`; returns its frames the first time, and nothing if it fails.
     fn simulate(
         &mut self,
         pool: &rayon::ThreadPool,
@@ -328,12 +329,12 @@ impl ContestEntry {
         }
     }
 
-    /// Wall time of a grasp, s: median over the turns, then over the grasps.
+    /// Returns the wall time of a grasp, s: median over the turns, then over the grasps.
     pub fn time_per_grasp(&self) -> f64 {
         medians(&self.wall_s)
     }
 
-    /// The same of the processor time, s.
+    /// Returns the processor time of a grasp, s: median over the turns, then over the grasps.
     pub fn processor_time_per_grasp(&self) -> Option<f64> {
         Some(medians(&self.processor_s)).filter(|t| t.is_finite())
     }
@@ -343,7 +344,7 @@ fn medians(turns: &BTreeMap<usize, Vec<f64>>) -> f64 {
     median(turns.values().filter(|t| !t.is_empty()).map(|t| median(t.iter().copied())))
 }
 
-/// Adds where a grasp spent its time; keeping frames is the bench's own doing.
+/// Adds the time by stage of a grasp, without the time for keeping frames, which belongs to the bench.
 pub fn add_stages(stages: &mut BTreeMap<&'static str, f64>, outcome: &Outcome) {
     for (stage, seconds) in outcome.timings.stages.iter().filter(|(stage, _)| **stage != "record") {
         *stages.entry(stage).or_insert(0.0) += seconds;

@@ -1,4 +1,4 @@
-//! The pads of a scene with coarser or finer cells.
+//! Pads of a scene with coarser or finer cells.
 
 use crate::error::{Error, Result};
 use crate::part::pad;
@@ -7,10 +7,10 @@ use crate::scene::pad::{BoxPad, DiscPad, GelSightMini};
 use crate::scene::vector::{Cells, Tuple};
 use crate::scene::{Element, Pads};
 
-/// The same pad with cells `factor` times as wide.
+/// Returns the same pad with cells `factor` times as wide.
 ///
 /// # Errors
-/// A pad from a file, whose density is given; a spacing or number of cells that a scene could not name.
+/// Fails for a pad from a file, whose density is given, and for a spacing or number of cells that a scene could not name.
 pub fn coarser(pads: &Pads, factor: f64) -> Result<Pads> {
     if factor == 1.0 {
         return Ok(pads.clone());
@@ -33,14 +33,15 @@ pub fn coarser(pads: &Pads, factor: f64) -> Result<Pads> {
     })
 }
 
-/// Focus of a mesh of another kind, and how much wider its cells at the centre would be with as many of them.
+/// Focus of a mesh of another kind, and the ratio by which its cells at the centre would be wider with the same number of
+/// cells.
 const FOCUS: (f64, f64) = (2.0, 4.0 / 3.0);
 
-/// The same pad with about the same cells at its centre and wider ones towards the rim, or uniform ones if it has such: a mesh of another
-/// kind, whose lines lie elsewhere and whose errors are its own. None for a pad from a file.
+/// Returns the same pad with about the same cells at its centre and wider ones towards the rim, or uniform ones if it has such: a mesh of
+/// another kind, which has other grid lines and other errors. None for a pad from a file.
 ///
 /// # Errors
-/// Those of [`coarser`].
+/// Fails in the cases of [`coarser`].
 pub fn other_kind(pads: &Pads) -> Result<Option<Pads>> {
     let of = |focus: Ratio| Ratio::preset(if focus.get() < FOCUS.0 { FOCUS.0 } else { 1.0 });
     Ok(Some(match pads {
@@ -59,14 +60,14 @@ pub fn other_kind(pads: &Pads) -> Result<Option<Pads>> {
     }))
 }
 
-/// Even numbers along x and y, so that the mesh stays mirror-symmetric.
+/// Returns even numbers along x and y, so that the mesh stays mirror-symmetric.
 fn cells(own: Cells, factor: f64) -> std::result::Result<Cells, String> {
     let [x, y, z] = own.counts().map(|n| n as f64 / factor);
     let even = |n: f64| Count::new(2 * (0.5 * n).round().max(1.0) as u64);
     Ok(Tuple([even(x)?, even(y)?, Count::new(z.round().max(1.0) as u64)?]))
 }
 
-/// How fine a pad is, in words: its spacing or its cells.
+/// Describes the density of a pad in words: its spacing or its cells.
 pub fn describe(pads: &Pads) -> String {
     let spacing = |l: Length| format!("{:.2} mm", 1e3 * l.get());
     let (density, focus) = match pads {
@@ -81,10 +82,10 @@ pub fn describe(pads: &Pads) -> String {
     if focus == 1.0 { density } else { format!("{density} focus {focus}") }
 }
 
-/// Nodes of one pad with elements of this kind.
+/// Returns the number of nodes of one pad with elements of this kind.
 ///
 /// # Errors
-/// Those of meshing.
+/// Fails if the pad cannot be meshed.
 pub fn nodes(pads: &Pads, element: Element) -> Result<usize> {
     let (pad, _) = pad::build(pads, &mut Vec::new())?;
     let middles = match element {

@@ -1,28 +1,29 @@
-//! How long rivals take to be as accurate: along their Pareto front, between whose points a mesh in between would lie.
+//! Time that rivals take for the same accuracy, along their Pareto front, between whose points an intermediate mesh would
+//! lie.
 
-/// A rival: time of a grasp, s, and error, relative.
+/// Rival with the time of a grasp, s, and its relative error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rival<'a> {
-    /// Its name.
+    /// Name of the rival.
     pub label: &'a str,
-    /// s.
+    /// Time of a grasp, s.
     pub time: f64,
-    /// Relative.
+    /// Error, relative.
     pub error: f64,
 }
 
-/// A point of the front.
+/// Point of the front.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equal {
-    /// s.
+    /// Time of a grasp, s.
     pub time: f64,
-    /// The rival there, or the two that it lies between.
+    /// Name of the rival there, or of the two that it lies between.
     pub label: String,
-    /// The cheapest rival is more accurate than was asked for: one that is not would take at most this time.
+    /// True if the cheapest rival is more accurate than requested: the time for the requested error is at most this.
     pub bound: bool,
 }
 
-/// The time at which `rivals` reach `error`: linear between the points of their Pareto front, both logarithmic. None if none of them
+/// Returns the time at which `rivals` reach `error`: linear between the points of their Pareto front, both logarithmic. None if no rival
 /// reaches it.
 pub fn time_at(rivals: &[Rival], error: f64) -> Option<Equal> {
     let mut front: Vec<Rival> = rivals.iter().copied().filter(|r| r.time > 0.0 && r.error >= 0.0).collect();

@@ -1,11 +1,11 @@
-//! The reference of a bench, and how far it is from the truth: condensed pads of meshes each finer than the one before by the square root
-//! of two, the finest of which is the reference; a mesh of another kind, as fine at the centre; and the reference once more along a path
-//! of half the tolerance.
+//! Reference of a bench, and its distance from the truth. The members are condensed pads of meshes, each finer than the one before by the
+//! square root of two, the finest of which is the reference; a mesh of another kind, as fine at the centre; and the reference once more
+//! along a path of half the tolerance.
 //!
-//! Nothing here knows the truth, but two distances bracket it. What the last refinement changed holds the larger error of the mesh before
-//! and is too much; a mesh of another kind shares a part of the error and is too little. Their geometric mean is the estimate
-//! (docs/verification.md holds it against meshes twice as fine). The order that the rungs show is told, and [`MeshLadder::findings`] say where it,
-//! the two distances or the path do not go together.
+//! The truth is unknown, but two distances bracket it. The change by the last refinement contains the larger error of the mesh before and
+//! is too large; a mesh of another kind shares a part of the error, and its distance is too small. Their geometric mean is the estimate
+//! (docs/verification.md compares it with meshes twice as fine). The order that the rungs show is reported, and [`MeshLadder::findings`]
+//! state where it, the two distances or the path are inconsistent.
 
 use super::density::{coarser, other_kind};
 use super::report::{QUANTITIES, QuantityName};
@@ -20,31 +20,31 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Rungs unless another number is asked for: the cells of the last are 2.8 times as narrow as the scene's.
+/// Default number of rungs: the cells of the last are 2.8 times as narrow as the scene's.
 pub const RUNGS: usize = 4;
 /// Error of the condensed pads of a ladder: far below that of their meshes.
 const SHARP: Condensed = Condensed { error: Positive::preset(0.002) };
-/// Factor that an estimate is to be good to.
+/// Factor to which an estimate should be accurate.
 const GOOD: f64 = 2.0;
 
-/// What a member of a ladder is there for.
+/// Role of a member of a ladder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
-    /// One of the meshes of one kind, from coarse to fine.
+    /// Mesh of the first kind, one of several from coarse to fine.
     Rung,
-    /// The finest of them.
+    /// Finest mesh of the first kind.
     Reference,
-    /// A mesh of another kind.
+    /// Mesh of another kind.
     Other,
-    /// The reference along a path of half the tolerance.
+    /// Reference along a path of half the tolerance.
     HalfPath,
 }
 
-/// The members of the ladder of a scene, `rungs` of them on meshes of one kind: one if its pads are from a file.
+/// Returns the members of the ladder of a scene, `rungs` of them on meshes of one kind: one if its pads are from a file.
 ///
 /// # Errors
-/// A pad that cannot be meshed so finely.
+/// Fails if a pad cannot be meshed so finely.
 pub fn members(sweep: &Sweep, rungs: usize) -> Result<Vec<(Role, Configuration)>> {
     let fem = Fem { solver: Solver::Condensed(SHARP), ..sweep.fem };
     let pads = &sweep.scene.gripper.pads;
@@ -77,12 +77,12 @@ pub fn members(sweep: &Sweep, rungs: usize) -> Result<Vec<(Role, Configuration)>
 pub struct Tally(Vec<Vec<Vec<Distance>>>);
 
 impl Tally {
-    /// Of `members` members.
+    /// Returns an empty tally of `members` members.
     pub fn new(members: usize) -> Self {
         Self((0..members).map(|_| vec![Vec::new(); members]).collect())
     }
 
-    /// Takes in a grasp: per member its frames, at the loads `levels`.
+    /// Adds a grasp: per member its frames, at the loads `levels`.
     pub fn add(&mut self, points: &Points, levels: &[f64], fields: &[&[Fields]]) {
         for (i, own) in fields.iter().enumerate() {
             for (j, other) in fields.iter().enumerate().skip(i + 1) {
@@ -92,7 +92,7 @@ impl Tally {
     }
 }
 
-/// Distances of the frames of a grasp that bear some load, `own` from `truth`.
+/// Returns the distances of the loaded frames of a grasp, `own` from `truth`.
 pub fn distances(points: &Points, levels: &[f64], own: &[Fields], truth: &[Fields]) -> Vec<Distance> {
     // Next to nothing is deformed at a small load, and relative errors say little there.
     let least = (FROM_LOAD - 1e-9) * levels.last().copied().unwrap_or(1.0);
@@ -100,49 +100,49 @@ pub fn distances(points: &Points, levels: &[f64], own: &[Fields], truth: &[Field
     frames.map(|((own, truth), _)| Distance::of(points, own, truth)).collect()
 }
 
-/// A member as it is reported.
+/// Member as it is reported.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Member {
-    /// Its name.
+    /// Name of the member.
     pub label: String,
-    /// What it is there for.
+    /// Role of the member.
     pub role: Role,
-    /// Nodes of one pad.
+    /// Number of nodes of one pad.
     pub nodes: usize,
-    /// Wall time of a grasp, s; null where none got there.
+    /// Wall time of a grasp, s; null if no grasp reached its end.
     pub time_per_grasp_s: Option<f64>,
 }
 
-/// A ladder that has been climbed.
+/// Ladder with its results.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct MeshLadder {
-    /// Its members.
+    /// Members of the ladder.
     pub members: Vec<Member>,
-    /// Per quantity: how far member i is from member j > i, over the norm of j, median over grasps and frames; null elsewhere.
+    /// Distances per quantity: of member i from member j > i, over the norm of j, median over grasps and frames; null elsewhere.
     pub distances: BTreeMap<QuantityName, Vec<Vec<Option<f64>>>>,
-    /// Per relative quantity: error of the reference.
+    /// Errors of the reference, per relative quantity.
     pub errors: BTreeMap<QuantityName, ErrorEstimate>,
-    /// Where the estimates do not agree, or something is missing, in sentences.
+    /// Findings in sentences: estimates that disagree, or missing parts.
     pub findings: Vec<String>,
 }
 
-/// Error of the reference, relative, and where it is from.
+/// Relative error of the reference, with its sources.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorEstimate {
-    /// That of the mesh and that of the path together, as the parts of a right angle; null if neither is known.
+    /// Error of the mesh and of the path together, as the square root of the sum of squares; null if neither is known.
     pub error: Option<f64>,
-    /// Order of convergence in the width of the cells that the last three rungs show; null without three, or where they do not converge.
+    /// Order of convergence in the width of the cells that the last three rungs show; null without three, or if they do not converge.
     pub order: Option<f64>,
     /// Distance of the last two rungs: more than the error of the last.
     pub by_rungs: Option<f64>,
     /// Distance to the mesh of another kind: less than the error, of which the two share a part.
     pub by_other: Option<f64>,
-    /// Error of the path: twice what half the tolerance changes.
+    /// Error of the path: twice the change by half the tolerance.
     pub by_path: Option<f64>,
 }
 
 impl MeshLadder {
-    /// Of the distances of its members.
+    /// Builds the ladder from the distances of its members.
     pub fn new(members: Vec<Member>, tally: &Tally) -> Self {
         let table = |pick: fn(&Distance) -> f64| -> Vec<Vec<Option<f64>>> {
             let middle = |d: &Vec<Distance>| Some(median(d.iter().map(pick))).filter(|m| m.is_finite());
@@ -162,7 +162,7 @@ impl MeshLadder {
         ladder
     }
 
-    /// What to know about the error of a quantity.
+    /// Returns the finding about the error of a quantity.
     fn finding(&self, name: &str) -> Option<String> {
         let e = self.errors.get(name)?;
         let percent = |v: f64| format!("{:.2} %", 100.0 * v);
@@ -214,7 +214,7 @@ impl ErrorEstimate {
         estimate
     }
 
-    /// Error of the mesh: the geometric mean of what is more and what is less, or what there is.
+    /// Returns the error of the mesh: the geometric mean of the upper and the lower bound, or the one that is known.
     pub fn mesh(&self) -> Option<f64> {
         self.by_rungs.into_iter().chain(self.by_other).reduce(|more, less| (more * less).sqrt())
     }
@@ -224,7 +224,7 @@ impl ErrorEstimate {
 mod tests {
     use super::*;
 
-    /// A ladder whose fields are numbers.
+    /// Returns a ladder whose fields are numbers.
     fn ladder(values: &[(Role, f64)]) -> ErrorEstimate {
         let member = |role| Member { label: String::new(), role, nodes: 0, time_per_grasp_s: None };
         let members: Vec<Member> = values.iter().map(|(role, _)| member(*role)).collect();

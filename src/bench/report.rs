@@ -1,4 +1,4 @@
-//! What a contest comes to: a point per configuration, the Pareto front, the speed-up at equal error.
+//! Report of a contest: a point per configuration, the Pareto front, the speed-up at equal error.
 
 use super::contest::{ContestEntry, Rules};
 use super::front::{Rival, time_at};
@@ -12,70 +12,70 @@ use std::collections::BTreeMap;
 /// Name of a quantity or a stage; owned if it was read from `bench.json`.
 pub type QuantityName = Cow<'static, str>;
 
-/// Time and error of one configuration. Times are wall times unless they say otherwise; relative errors have no unit.
+/// Time and error of one configuration. Times are wall times unless stated otherwise; relative errors have no unit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Point {
     /// Name of the configuration.
     pub label: String,
-    /// `fem` or `gnn`.
+    /// Backend: `fem` or `gnn`.
     pub backend: String,
-    /// What the speed-up is about: a network, or a fast mode.
+    /// True for a network or a fast mode, to which the speed-up refers.
     pub contender: bool,
-    /// Nodes of one pad.
+    /// Number of nodes of one pad.
     pub nodes: usize,
-    /// Unknowns of the solver; none of a network.
+    /// Number of unknowns of the solver; null for a network.
     pub unknowns: Option<usize>,
-    /// Set-up and first grasp.
+    /// Time of the set-up and the first grasp, s.
     #[serde(deserialize_with = "number")]
     pub cold_s: f64,
-    /// A grasp with all its frames, warm: median over the turns, then over the grasps.
+    /// Time of a grasp with all its frames, warm, s: median over the turns, then over the grasps.
     #[serde(deserialize_with = "number")]
     pub time_per_grasp_s: f64,
-    /// The same over the number of frames.
+    /// Time of a grasp over the number of frames, s.
     #[serde(deserialize_with = "number")]
     pub time_per_frame_s: f64,
-    /// Processor time of all threads for a grasp; null where the system does not tell.
+    /// Processor time of all threads for a grasp, s; null if the system does not provide it.
     pub processor_time_per_grasp_s: Option<f64>,
-    /// Newton iterations (decoder passes) per frame.
+    /// Number of Newton iterations (decoder passes) per frame.
     pub iterations_per_frame: f64,
-    /// Displacement, median of `errors`; null if no grasp got there.
+    /// Error of the displacement, median of `errors`; null if no grasp reached its end.
     pub displacement_error: Option<f64>,
-    /// Von Mises stress, median.
+    /// Error of the von Mises stress, median.
     pub stress_error: Option<f64>,
-    /// Contact force, median.
+    /// Error of the contact force, median.
     pub force_error: Option<f64>,
-    /// Travel of the fingers, median.
+    /// Error of the travel of the fingers, median.
     pub travel_error: Option<f64>,
     /// Median, 90th percentile and worst of every quantity over grasps and frames.
     pub errors: BTreeMap<QuantityName, Spread>,
     /// Grasps that did not reach their end, with the reason.
     pub failed: Vec<String>,
-    /// Another point is as fast and as accurate, or some grasp failed.
+    /// True if another point is as fast and as accurate, or some grasp failed.
     pub dominated: bool,
-    /// Time that full finite elements take to be as accurate, along the Pareto front of their settings, over this one's; of contenders
-    /// only.
+    /// Time that full finite elements take for the same accuracy, along the Pareto front of their settings, over this one's; only for
+    /// contenders.
     pub speedup_at_equal_error: Option<f64>,
-    /// The setting there, or the two that it lies between.
+    /// Setting at that point, or the two that it lies between.
     pub equal_error_label: Option<String>,
-    /// The cheapest setting is more accurate: the speed-up is at most this.
+    /// True if the cheapest setting is more accurate: the speed-up is at most this.
     #[serde(default)]
     pub speedup_is_bound: bool,
     /// Share of each stage in the time.
     pub profile: BTreeMap<QuantityName, f64>,
-    /// Largest resident memory of the process with this configuration alone, up to its first frame; null where the system
-    /// does not tell.
+    /// Largest resident memory of the process with this configuration alone, up to its first frame, bytes; null if the
+    /// system does not provide it.
     pub peak_memory_bytes: Option<u64>,
 }
 
-/// JSON has no NaN: what was written as null is read as one.
+/// Reads null as NaN, because JSON has no NaN.
 fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
 
-/// A quantity and how to get it.
+/// Quantity with its name and the function that reads it.
 type Quantity = (&'static str, fn(&Distance) -> f64);
 
-/// What is compared; a name without unit is relative.
+/// Quantities that are compared; a name without unit is relative.
 pub const QUANTITIES: [Quantity; 6] = [
     ("displacement", |e| e.displacement),
     ("stress", |e| e.stress),
@@ -85,31 +85,31 @@ pub const QUANTITIES: [Quantity; 6] = [
     ("stress_max_pa", |e| e.stress_max_pa),
 ];
 
-/// A contest.
+/// Report of a contest.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct BenchReport {
     /// Numbers of the grasps.
     pub grasps: Vec<usize>,
-    /// Threads of each grasp.
+    /// Number of threads of each grasp.
     pub threads: usize,
-    /// Turns of each configuration on each grasp.
+    /// Number of turns of each configuration on each grasp.
     pub repeats: usize,
     /// Time and error of each configuration.
     pub points: Vec<Point>,
-    /// What they are compared with; its errors are estimates.
+    /// Reference of the comparison; its errors are estimates.
     pub reference: Point,
-    /// Error of the reference's displacement, as the ladder estimates it; errors below it are not told apart.
+    /// Error of the reference's displacement, as the ladder estimates it; smaller errors cannot be distinguished.
     pub reference_error: Option<f64>,
-    /// What the error of the reference is estimated from.
+    /// Ladder from which the error of the reference is estimated.
     pub ladder: MeshLadder,
-    /// The largest of the contenders; null without any, or if nothing reaches their error.
+    /// Largest speed-up of the contenders; null without any, or if no setting reaches their error.
     pub speedup_at_equal_error: Option<f64>,
-    /// What to know before reading the numbers.
+    /// Notices for the reader of the numbers.
     pub notices: Vec<String>,
 }
 
 impl BenchReport {
-    /// Of the entries of a contest.
+    /// Builds the report from the entries of a contest.
     pub fn new(
         rules: &Rules,
         grasps: Vec<usize>,
@@ -189,12 +189,13 @@ impl Point {
         }
     }
 
-    /// Time and displacement error; None where a grasp failed.
+    /// Returns time and displacement error; None if a grasp failed.
     pub fn place(&self) -> Option<(f64, f64)> {
         self.displacement_error.filter(|_| self.failed.is_empty()).map(|e| (self.time_per_grasp_s, e))
     }
 
-    /// How long `settings` take to have at most this point's errors of displacement and stress, over its own time.
+    /// Compares with `settings`: the time that they take to have at most this point's errors of displacement and stress,
+    /// over its own time.
     fn compare(&mut self, settings: &[Point]) {
         let sound: Vec<&Point> = settings.iter().filter(|p| p.failed.is_empty()).collect();
         let at = |pick: fn(&Point) -> Option<f64>| {
@@ -211,7 +212,7 @@ impl Point {
         (self.speedup_is_bound, self.equal_error_label) = (equal.bound, Some(equal.label));
     }
 
-    /// The speed-up in words, if there is one.
+    /// Returns the speed-up in words, if there is one.
     pub fn speedup(&self) -> Option<String> {
         let (ratio, label) = self.speedup_at_equal_error.zip(self.equal_error_label.as_ref())?;
         Some(match self.speedup_is_bound {

@@ -1,4 +1,4 @@
-//! Steps of many environments a second, against their number and that of the threads; and what one of them keeps in memory.
+//! Steps of many environments per second, against their number and that of the threads, and the memory of one of them.
 
 use super::clock::{forget_peak_memory, peak_memory};
 use crate::backend::choose;
@@ -14,43 +14,43 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// A batch runs for an episode, and for this long at least, s.
+/// Shortest time of a batch, s, which runs for an episode at least.
 const LEAST: f64 = 2.0;
-/// A batch is left out that would need longer for an episode, s.
+/// Longest time of an episode, s; a batch that would need longer is left out.
 const MOST: f64 = 60.0;
 
-/// One batch.
+/// Rate of one batch.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Rate {
-    /// The scene's backend, or the folder of a model.
+    /// Backend of the scene, or folder of a model.
     pub backend: String,
-    /// Environments.
+    /// Number of environments.
     pub envs: usize,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
-    /// Steps of single environments a second under a random policy, new grasps included.
+    /// Steps of single environments per second under a random policy, new grasps included.
     pub steps_per_s: f64,
-    /// Largest resident memory of the process; null where the system does not tell.
+    /// Largest resident memory of the process, bytes; null if the system does not provide it.
     pub peak_memory_bytes: Option<u64>,
 }
 
-/// How rollouts scale.
+/// Scaling of rollouts.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Rollouts {
-    /// By backend, threads and environments.
+    /// Rates by backend, threads and environments.
     pub rates: Vec<Rate>,
-    /// What an environment adds to the memory of the process, bytes, by backend.
+    /// Memory that an environment adds to the process, bytes, by backend.
     pub memory_per_env_bytes: Vec<(String, f64)>,
-    /// What would have taken too long.
+    /// Batches that would have taken too long.
     pub left_out: Vec<String>,
-    /// Turns of each batch; rates are medians.
+    /// Number of turns of each batch; rates are medians.
     pub repeats: usize,
 }
 
 /// Plays the task of `set` on its own backend and on `models`, with all numbers of environments and threads.
 ///
 /// # Errors
-/// A scene without a task; models that do not fit it.
+/// Fails if the scene has no task or a model does not fit it.
 pub fn rollouts(
     set: &[NamedScene],
     models: &[PathBuf],
@@ -97,7 +97,7 @@ pub fn rollouts(
     Ok(Rollouts { memory_per_env_bytes: growth(&rates), rates, left_out, repeats })
 }
 
-/// Steps a second and peak memory of one batch.
+/// Returns steps per second and peak memory of one batch.
 fn play(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Result<(f64, Option<u64>)> {
     let known = forget_peak_memory();
     let mut env = BatchEnv::new(set, BatchConfig { num_envs, threads: Some(threads), ..BatchConfig::default() })?;
@@ -115,8 +115,8 @@ fn play(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Re
     Ok(((done * num_envs) as f64 / clock.elapsed().as_secs_f64(), peak_memory().filter(|_| known)))
 }
 
-/// From the batch with the least memory to the largest one of each backend: a small batch that follows a large one may be
-/// given the memory of that one.
+/// Returns the growth of the memory from the batch with the least memory to the largest one of each backend. A small
+/// batch that follows a large one may inherit its memory.
 fn growth(rates: &[Rate]) -> Vec<(String, f64)> {
     let mut all: Vec<(String, f64)> = Vec::new();
     for rate in rates {
@@ -137,12 +137,12 @@ fn growth(rates: &[Rate]) -> Vec<(String, f64)> {
 /// Writes `envs.png` and `envs.svg` into `dir`.
 ///
 /// # Errors
-/// Files that cannot be written.
+/// Fails if a file cannot be written.
 pub fn save_chart(report: &Rollouts, dir: &Path) -> Result<()> {
     save_picture(report, dir, "envs")
 }
 
-/// Table for humans.
+/// Returns the table as text.
 pub fn text(report: &Rollouts) -> String {
     let mut text =
         format!("random policy, turns: {}\n\nsteps/s  environments  threads  memory MB  backend\n", report.repeats);
@@ -161,7 +161,7 @@ pub fn text(report: &Rollouts) -> String {
 }
 
 impl Rollouts {
-    /// Rates of each backend and number of threads.
+    /// Returns the rates of each backend and number of threads.
     fn lines(&self) -> Vec<Vec<&Rate>> {
         let mut lines: Vec<Vec<&Rate>> = Vec::new();
         for rate in &self.rates {

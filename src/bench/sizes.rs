@@ -1,4 +1,4 @@
-//! Cost against size: one grasp with pads of more and more nodes.
+//! Cost against size: one grasp with pads of increasing numbers of nodes.
 
 use super::clock::{forget_peak_memory, peak_memory, processor_time};
 use super::contest::add_stages;
@@ -14,48 +14,49 @@ use crate::stats::median;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// One size of pad.
+/// Cost at one size of pad.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SizePoint {
     /// Spacing or cells of the pads.
     pub density: String,
-    /// Nodes of one pad.
+    /// Number of nodes of one pad.
     pub nodes: usize,
-    /// Unknowns of the solver.
+    /// Number of unknowns of the solver.
     pub unknowns: usize,
-    /// Newton iterations per frame.
+    /// Number of Newton iterations per frame.
     pub iterations_per_frame: f64,
-    /// Wall time of a Newton iteration: assembly, factorisation, solve and line search.
+    /// Wall time of a Newton iteration, s: assembly, factorisation, solve and line search.
     pub time_per_iteration_s: f64,
-    /// Wall time of a frame.
+    /// Wall time of a frame, s.
     pub time_per_frame_s: f64,
-    /// Processor time of a frame, all threads; null where the system does not tell.
+    /// Processor time of a frame, all threads, s; null if the system does not provide it.
     pub processor_time_per_frame_s: Option<f64>,
-    /// Largest resident memory of the process with this size alone; null where the system does not tell.
+    /// Largest resident memory of the process with this size alone, bytes; null if the system does not provide it.
     pub peak_memory_bytes: Option<u64>,
 }
 
-/// Sizes and how their cost grows.
+/// Growth of the cost with the size.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SizeStudy {
-    /// From small to large.
+    /// Sizes from small to large.
     pub sizes: Vec<SizePoint>,
-    /// Power of the unknowns that the time of an iteration grows with, fitted; null with fewer than two sizes.
+    /// Power of the unknowns with which the time of an iteration grows, fitted; null with fewer than two sizes.
     pub iteration_exponent: Option<f64>,
-    /// The same of the time of a frame.
+    /// Power of the unknowns with which the time of a frame grows, fitted.
     pub frame_exponent: Option<f64>,
-    /// The same of the memory.
+    /// Power of the unknowns with which the memory grows, fitted.
     pub memory_exponent: Option<f64>,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
-    /// Turns of each size; times are medians.
+    /// Number of turns of each size; times are medians.
     pub repeats: usize,
 }
 
 /// Runs the first grasp of `scene` with pads of about `wanted` nodes each, `repeats` times in turn.
 ///
 /// # Errors
-/// A network scene; a pad that cannot be meshed so; a size at which the grasp does not reach its end.
+/// Fails for a network scene, a pad that cannot be meshed in this way, and a size at which the grasp does not reach its
+/// end.
 pub fn cost_by_size(
     scene: &Scene,
     wanted: &[usize],
@@ -125,7 +126,7 @@ pub fn cost_by_size(
     })
 }
 
-/// Median times of the turns of one size, and the largest memory.
+/// Returns the median times of the turns of one size, and the largest memory.
 fn middle(turns: &[SizePoint]) -> Option<SizePoint> {
     let of = |pick: fn(&SizePoint) -> f64| median(turns.iter().map(pick));
     Some(SizePoint {
@@ -138,7 +139,7 @@ fn middle(turns: &[SizePoint]) -> Option<SizePoint> {
     })
 }
 
-/// The density of `pads` whose number of nodes is nearest to `wanted`, in ratio.
+/// Returns the density of `pads` whose number of nodes is nearest to `wanted`, in ratio.
 fn of_size(pads: &Pads, element: Element, wanted: usize) -> Result<Pads> {
     let count = |factor: f64| coarser(pads, factor).and_then(|p| nodes(&p, element));
     let step = 1.3;
@@ -163,7 +164,7 @@ fn of_size(pads: &Pads, element: Element, wanted: usize) -> Result<Pads> {
     coarser(pads, best.1)
 }
 
-/// Slope of the logarithms, by least squares.
+/// Fits the slope of the logarithms, by least squares.
 fn exponent(points: Vec<(f64, f64)>) -> Option<f64> {
     let n = points.len() as f64;
     let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
@@ -174,7 +175,7 @@ fn exponent(points: Vec<(f64, f64)>) -> Option<f64> {
     (xx > 0.0).then_some(xy / xx)
 }
 
-/// Table for humans.
+/// Returns the table as text.
 pub fn text(report: &SizeStudy) -> String {
     let head = "density    nodes  unknowns  iterations/frame  ms/iteration  s/frame  cpu s/frame  memory MB\n";
     let row = |s: &SizePoint| {

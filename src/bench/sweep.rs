@@ -1,4 +1,4 @@
-//! What is compared: the settings of the finite elements around those of the scene, and networks.
+//! Configurations of a comparison: the settings of the finite elements around those of the scene, and networks.
 
 use super::density::{coarser, describe, nodes};
 use crate::error::{Error, Result};
@@ -10,26 +10,27 @@ use crate::scene::{Condensed, Element, Fem, Field, Fingers, Gnn, Loading, Pads, 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use std::path::{Path, PathBuf};
 
-/// One way to simulate the grasps of the scene.
+/// Configuration that simulates the grasps of the scene.
 #[derive(Debug, Clone)]
 pub struct Configuration {
-    /// Its name in tables and charts.
+    /// Name in tables and charts.
     pub label: String,
-    /// The scene with the settings of this configuration.
+    /// Scene with the settings of this configuration.
     pub scene: Scene,
-    /// Nodes of one pad.
+    /// Number of nodes of one pad.
     pub nodes: usize,
-    /// Claims to be faster than full finite elements at its error: a network, or a fast mode. The speed-up is about these.
+    /// True if it claims to be faster than full finite elements at its error: a network, or a fast mode. The speed-up
+    /// refers to these.
     pub contender: bool,
 }
 
-/// A setting of the finite elements, and the cells it is tried with, over those of the scene.
+/// Setting of the finite elements, and the cells with which it is tried, over those of the scene.
 struct Setting {
     name: &'static str,
-    /// What it changes of 10-node tetrahedra with mean dilatation, all nodes solved for.
+    /// Change of 10-node tetrahedra with mean dilatation and all nodes as unknowns.
     change: fn(&mut Fem),
     cells: &'static [f64],
-    /// A fast mode, whose speed-up is reported as that of a network.
+    /// True for a fast mode, whose speed-up is reported like that of a network.
     fast: bool,
 }
 
@@ -51,7 +52,7 @@ const SETTINGS: [Setting; 4] = [
     },
 ];
 
-/// Ten times the force tolerance.
+/// Sets ten times the force tolerance.
 fn loosen(fem: &mut Fem) {
     // Ten times a positive number is one, short of overflow.
     if let Ok(force) = Positive::new(10.0 * fem.tolerance.force.get()) {
@@ -59,22 +60,22 @@ fn loosen(fem: &mut Fem) {
     }
 }
 
-/// Makes the configurations of a scene.
+/// Builder of the configurations of a scene.
 #[derive(Debug)]
 pub struct Sweep {
-    /// The scene, what is compared recorded and nothing promised.
+    /// Scene that records the compared fields and promises nothing.
     pub scene: Scene,
-    /// Settings that all configurations start from.
+    /// Settings from which all configurations start.
     pub fem: Fem,
     made: Vec<(Configuration, Fem)>,
 }
 
 impl Sweep {
-    /// Around the settings of `scene`. Fields that are compared are recorded; what the scene promises is not judged, as
-    /// that takes time of its own.
+    /// Builds a sweep around the settings of `scene`. Compared fields are recorded; the promises of the scene are not
+    /// judged, because that takes time of its own.
     ///
     /// # Errors
-    /// A scene without pads, and one that moves in time.
+    /// Fails if the scene has no pads or moves in time.
     pub fn new(scene: &Scene) -> Result<Self> {
         if scene.gripper.fingers == Fingers::None {
             return Err(Error::Start("a bench compares pads, and the scene has none (`fingers: None`)".into()));
@@ -98,10 +99,10 @@ impl Sweep {
         Ok(Self { scene, fem, made: Vec::new() })
     }
 
-    /// All configurations. Those whose meshes come out alike are there once.
+    /// Returns all configurations. Those with equal meshes occur once.
     ///
     /// # Errors
-    /// A pad that cannot be meshed.
+    /// Fails if a pad cannot be meshed.
     pub fn configurations(mut self, models: &[PathBuf]) -> Result<Vec<Configuration>> {
         for setting in &SETTINGS {
             let mut fem = self.fem;
@@ -115,8 +116,8 @@ impl Sweep {
         Ok(self.made.into_iter().map(|(c, _)| c).chain(networks).collect())
     }
 
-    /// A network, on those pads of the sweep that it was trained for; on the scene's own, where it says what it thinks of them, if
-    /// there are none.
+    /// Returns a network on those pads of the sweep for which it was trained; if there are none, on the scene's own pads, for which it
+    /// reports what is wrong.
     fn network(&self, folder: &Path) -> Result<Configuration> {
         let trained = Trained::read(folder)?.card.range.pad;
         let mut scene = Scene { stepper: StepperChoice::Gnn(Gnn { model: folder.into() }), ..self.scene.clone() };
@@ -135,12 +136,12 @@ impl Sweep {
         Ok(Configuration { label, scene, nodes, contender: true })
     }
 
-    /// The cells that a setting is tried with; a pad from a file has its own alone.
+    /// Returns the cells with which a setting is tried; a pad from a file has only its own.
     fn cells(&self, setting: &Setting) -> &'static [f64] {
         if self.refinable() { setting.cells } else { &[1.0] }
     }
 
-    /// Whether there are finer and coarser pads like those of the scene.
+    /// Returns true if there are finer and coarser pads like those of the scene.
     pub fn refinable(&self) -> bool {
         !matches!(self.scene.gripper.pads, Pads::File(_))
     }
@@ -152,10 +153,10 @@ impl Sweep {
         }
     }
 
-    /// The scene with other pads and settings.
+    /// Returns the scene with other pads and settings.
     ///
     /// # Errors
-    /// A pad that cannot be meshed.
+    /// Fails if a pad cannot be meshed.
     pub fn configuration(&self, name: &str, pads: Pads, fem: Fem) -> Result<Configuration> {
         let nodes = nodes(&pads, fem.element)?;
         let label = format!("{name} {}", describe(&pads));

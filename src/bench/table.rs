@@ -1,10 +1,10 @@
-//! A contest as text and as CSV.
+//! Text and CSV of a contest.
 
 use super::ladder::MeshLadder;
 use super::report::{BenchReport, Point, QUANTITIES};
 use std::fmt::Write;
 
-/// Table, profiles and headline, for humans.
+/// Returns table, profiles and headline as text.
 pub fn text(report: &BenchReport) -> String {
     let width = report.points.iter().chain([&report.reference]).map(|p| p.label.len()).max().unwrap_or(0);
     let mut out = format!(
@@ -57,7 +57,7 @@ pub fn text(report: &BenchReport) -> String {
     out
 }
 
-/// The members of a ladder, how far each is from each, and what that says of the reference.
+/// Describes the members of a ladder, their distances from each other, and the conclusion about the reference.
 pub fn ladder(ladder: &MeshLadder) -> String {
     let width = ladder.members.iter().map(|m| m.label.len()).max().unwrap_or(0);
     let percent = |v: Option<f64>| v.map_or("-".into(), |v| format!("{:.2}", 100.0 * v));
@@ -118,7 +118,7 @@ fn headline(out: &mut String, report: &BenchReport) {
     }
 }
 
-/// One row per configuration, the reference last; SI, units in the names.
+/// Returns a row per configuration, the reference last; SI, units in the names.
 pub fn csv(report: &BenchReport) -> String {
     let mut columns: Vec<String> =
         ["label", "backend", "nodes", "unknowns", "cold_s", "time_per_grasp_s", "time_per_frame_s"]

@@ -1,4 +1,4 @@
-//! Numbers that a frame comes to, whatever its mesh: what a table of references lists.
+//! Values of a frame that do not depend on its mesh, as a table of references lists them.
 
 use super::report::QuantityName;
 use crate::distance::{Points, Probe};
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// Values by name; the unit ends the name.
 pub type FrameValues = BTreeMap<QuantityName, f64>;
 
-/// The values of a frame over all pads; those of fields that are not recorded are left out.
+/// Returns the values of a frame over all pads; those of fields that are not recorded are left out.
 pub fn values(model: &Model, frame: &Frame) -> FrameValues {
     let mut values = FrameValues::new();
     let mut put = |name: &'static str, value: f64| {
@@ -42,8 +42,8 @@ pub fn values(model: &Model, frame: &Frame) -> FrameValues {
     values
 }
 
-/// Root mean square distance of the pressing force of a pad from its centre, m; None where forces are not recorded. Under a ball that
-/// presses as Hertz says it is 0.63 of the radius of the patch; unlike that one it is an integral, which meshes agree on.
+/// Returns the root mean square distance of the pressing force of a pad from its centre, m; None if forces are not recorded. Under a ball
+/// that presses according to Hertz it is 0.63 of the radius of the patch; unlike that radius it is an integral, on which meshes agree.
 fn patch_radius(finger: &FingerModel, pad: &PadFrame) -> Option<f64> {
     let closing = finger.placement.closing;
     let pressing: Vec<(f64, DVec3)> =

@@ -1,4 +1,5 @@
-//! `tactus bench`: speed against error of all settings and networks; or cost against size; or steps of a task a second.
+//! Command `tactus bench`: speed against error of all settings and networks, or cost against size, or steps of a task per
+//! second.
 
 use super::run::machine_threads;
 use super::{Format, OK, print};
@@ -17,45 +18,45 @@ use std::time::Duration;
 /// Arguments of `tactus bench`.
 #[derive(Debug, clap::Args)]
 pub struct BenchArgs {
-    /// The scene file.
+    /// Scene file.
     pub scene: PathBuf,
-    /// The object to take from a scene of several.
+    /// Object to take from a scene with several.
     #[arg(long, value_name = "NAME")]
     pub object: Option<String>,
-    /// Grasps, evenly spread over those of the scene.
+    /// Number of grasps, evenly spread over those of the scene.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub grasps: u64,
-    /// Recorded frames of each grasp, instead of the scene's.
+    /// Number of recorded frames of each grasp, instead of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: Option<u64>,
-    /// Threads of each grasp; all that the machine has by default. Grasps run one at a time.
+    /// Number of threads of each grasp; the default is all that the machine has. Grasps run one at a time.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
-    /// Folder of a trained model to compare; may be given again.
+    /// Folder of a trained model to compare; may be given several times.
     #[arg(long, value_name = "DIR")]
     pub model: Vec<PathBuf>,
-    /// How often each configuration simulates each grasp, in turn; times are medians.
+    /// Number of simulations of each grasp by each configuration, in turn; times are medians.
     #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub repeat: u64,
-    /// Meshes of one kind that the error of the reference is estimated from, each finer than the one before by the square root of two, the
-    /// first as fine as the scene's.
+    /// Number of meshes of one kind from which the error of the reference is estimated, each finer than the one before by the square root
+    /// of two, the first as fine as the scene's.
     #[arg(long, value_name = "N", default_value_t = ladder::RUNGS as u64, value_parser = clap::value_parser!(u64).range(2..=6))]
     pub rungs: u64,
-    /// Instead: values of the first grasp of each object with their errors, into `references.json` and `references.md`; rows of other
-    /// objects there stay.
+    /// Instead, compute values of the first grasp of each object with their errors, into `references.json` and `references.md`; rows of
+    /// other objects there stay.
     #[arg(long, conflicts_with_all = ["model", "grasps", "sizes", "envs"])]
     pub certify: bool,
-    /// Instead: the cost of the first grasp with pads of about so many nodes each, separated by commas.
+    /// Instead, measure the cost of the first grasp with pads of about this many nodes each, separated by commas.
     #[arg(long, value_name = "N,...", value_delimiter = ',', conflicts_with_all = ["model", "grasps"],
           value_parser = clap::value_parser!(u64).range(8..=1_000_000))]
     pub sizes: Vec<u64>,
-    /// Instead: steps of a task a second with so many environments each, separated by commas, on 1, 2, 4 ... threads, on the
-    /// scene's backend and each model.
+    /// Instead, measure the steps of a task per second with this many environments each, separated by commas, on 1, 2, 4
+    /// ... threads, on the scene's backend and each model.
     #[arg(long, value_name = "N,...", value_delimiter = ',', conflicts_with_all = ["sizes", "grasps", "frames", "object"],
           value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub envs: Vec<u64>,
-    /// Folder for `bench.json`, `bench.csv`, `bench.png` and `bench.svg` (`sizes.json` with `--sizes`; `envs.json`, `envs.png`
-    /// and `envs.svg` with `--envs`); replaces those there.
+    /// Folder for `bench.json`, `bench.csv`, `bench.png` and `bench.svg` (`sizes.json` with `--sizes`; `envs.json`, `envs.png` and
+    /// `envs.svg` with `--envs`); existing files are replaced.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Form of the report on stdout.
@@ -63,7 +64,10 @@ pub struct BenchArgs {
     pub format: Format,
 }
 
-/// Measures, prints, and writes what is asked for.
+/// Runs the requested measurement, prints and writes its report.
+///
+/// # Errors
+/// Fails if an argument is refused, the measurement fails or a file cannot be written.
 pub fn bench(args: &BenchArgs) -> Result<ExitCode> {
     let bar = ProgressBar::new_spinner();
     bar.enable_steady_tick(Duration::from_millis(200));
@@ -80,7 +84,7 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode> {
     Ok(ExitCode::from(OK))
 }
 
-/// Certified references: the rows as text and as JSON; files are written as each comes.
+/// Computes certified references: the rows as text and as JSON; files are written after each row.
 fn references(args: &BenchArgs, mut progress: impl FnMut(&str)) -> Result<(String, String)> {
     let set = load_set(&args.scene)?.only(args.object.as_deref())?;
     let rules = rules(args);
@@ -111,13 +115,13 @@ fn rules(args: &BenchArgs) -> Rules {
     }
 }
 
-/// Takes over `--frames`.
+/// Applies `--frames`.
 fn set_frames(args: &BenchArgs, scene: &mut Scene) -> Result<()> {
     let refused = |m| Error::Scene(format!("error: {m}"));
     args.frames.map_or(Ok(()), |frames| scene.loading.set_frames(frames).map_err(refused))
 }
 
-/// Steps of a task a second: the report as text and as JSON; files are written.
+/// Measures the steps of a task per second: returns the report as text and as JSON; files are written.
 fn play(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, String)> {
     let set = load_set(&args.scene)?.scenes;
     let envs: Vec<usize> = args.envs.iter().map(|n| *n as usize).collect();
@@ -133,7 +137,7 @@ fn play(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, String)
     Ok((rollout::text(&report), json))
 }
 
-/// Speed against error, or cost against size: the report as text and as JSON; files are written.
+/// Measures speed against error, or cost against size: returns the report as text and as JSON; files are written.
 fn measure(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, String)> {
     let loaded = load_object(&args.scene, args.object.as_deref())?;
     let mut scene = loaded.scene.clone();

@@ -1,4 +1,4 @@
-//! `tactus check`: is the scene right, what does it say once defaults and includes are in, and what would run?
+//! Command `tactus check`: checks a scene, shows it with defaults and includes, and shows what would run.
 
 use super::run::about_object;
 use super::{Format, OK, REFUSED, print};
@@ -29,9 +29,9 @@ use std::sync::Arc;
 /// Arguments of `tactus check`.
 #[derive(Debug, clap::Args)]
 pub struct CheckArgs {
-    /// The scene file.
+    /// Scene file.
     pub scene: PathBuf,
-    /// The object to take from a scene of several; without it all are checked, one after the other.
+    /// Object to take from a scene with several; without it all are checked, one after the other.
     #[arg(long, value_name = "NAME")]
     pub object: Option<String>,
     /// Write the object's surface (`.obj`, `.stl`, metres) or the grasps (`.h5`, as DefGraspSim's) to this file.
@@ -42,9 +42,12 @@ pub struct CheckArgs {
     pub format: Format,
 }
 
-/// Loads the scene, builds everything that a run would, closes every grasp to first contact, and prints what it found.
-/// The text form is the complete scene, with the findings as comments: it loads as the same scene. Of several objects there is
-/// one after the other; their JSON is one object with the list `objects`.
+/// Loads the scene, builds everything that a run would build, closes every grasp to first contact, and prints the findings. The text form
+/// is the complete scene, with the findings as comments: it loads as the same scene. Several objects are printed one after the other;
+/// their JSON is one object with the list `objects`.
+///
+/// # Errors
+/// Fails if the scene or an argument is refused, or a file cannot be written.
 pub fn check(args: &CheckArgs) -> Result<ExitCode> {
     let set = load_set(&args.scene)?.only(args.object.as_deref())?;
     let several = set.scenes.len() > 1;
@@ -89,7 +92,7 @@ pub fn check(args: &CheckArgs) -> Result<ExitCode> {
     Ok(ExitCode::from(if runs { OK } else { REFUSED }))
 }
 
-/// Writes what the file's name asks for.
+/// Writes the export that the file's name asks for.
 fn export(path: &Path, found: &Found) -> Result<()> {
     match path.extension().and_then(|e| e.to_str()) {
         Some("obj") => write_obj(path, &found.model.object.surface),
@@ -99,10 +102,11 @@ fn export(path: &Path, found: &Found) -> Result<()> {
     }
 }
 
-/// Most grasps that are closed to first contact: a check is an answer within seconds, and of a data set the first ones tell.
+/// Largest number of grasps that are closed to first contact: a check answers within seconds, and the first grasps of a
+/// data set are sufficient.
 const TRIED: usize = 1000;
 
-/// What a scene comes to.
+/// Findings about a scene.
 struct Found {
     model: Arc<Model>,
     systems: Vec<(String, Vec<String>)>,
@@ -153,7 +157,7 @@ fn examine(scene: &Scene) -> Result<Found> {
     Ok(found)
 }
 
-/// Places the object and closes the fingers, no more.
+/// Places the object and closes the fingers.
 fn start(model: &Arc<Model>, stepper: &dyn Stepper, pose: GraspPose) -> Result<Environment> {
     let mut environment = Environment::new(model, stepper, pose)?;
     while matches!(environment.phase(), Phase::Place | Phase::Close) {
@@ -163,12 +167,12 @@ fn start(model: &Arc<Model>, stepper: &dyn Stepper, pose: GraspPose) -> Result<E
 }
 
 impl Found {
-    /// Grasps that were closed to first contact.
+    /// Returns the number of grasps that were closed to first contact.
     fn tried(&self) -> usize {
         self.poses.len().min(TRIED)
     }
 
-    /// Takes over the unknowns of condensed pads, which only a grasp at first contact has.
+    /// Adds the unknowns of condensed pads, which only a grasp at first contact has.
     fn condense(&mut self, scene: &Scene, grasp: usize, mut environment: Environment) {
         let scene::StepperChoice::Fem(scene::Fem { solver: scene::Solver::Condensed(_), .. }) = scene.stepper else {
             return;
@@ -229,7 +233,7 @@ impl Found {
         })
     }
 
-    /// Comment lines.
+    /// Returns the findings as comment lines.
     fn text(&self) -> String {
         let mut out = String::from("\n");
         let m = &self.model;

@@ -1,4 +1,4 @@
-//! `tactus dataset`: all grasps of all objects of a scene, into a folder; and `tactus dataset inspect`.
+//! Command `tactus dataset`: all grasps of all objects of a scene, into a folder; and `tactus dataset inspect`.
 
 use super::{Format, NOT_HELD, OK, inspect, kept, print, say};
 use crate::backend;
@@ -23,39 +23,39 @@ use std::time::Instant;
 #[derive(Debug, clap::Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct DatasetArgs {
-    /// Instead of making a data set.
+    /// Command to run instead of making a data set.
     #[command(subcommand)]
     pub command: Option<DatasetCommand>,
-    /// The scene file; it may name several objects.
+    /// Scene file; it may name several objects.
     #[arg(required = true)]
     pub scene: Option<PathBuf>,
-    /// Folder of the data set; an unfinished one is gone on with.
+    /// Folder of the data set; an unfinished one is continued.
     #[arg(short, long, value_name = "DIR", required = true)]
     pub out: Option<PathBuf>,
     /// Form of the report on stdout.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
-    /// Threads; all that the machine has by default. The files do not depend on it.
+    /// Number of threads; the default is all that the machine has. The files do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
-    /// Only this object; may be given again.
+    /// Simulate only this object; may be given several times.
     #[arg(long, value_name = "NAME")]
     pub object: Vec<String>,
-    /// Only the first N grasps of each object.
+    /// Simulate only the first N grasps of each object.
     #[arg(long, value_name = "N")]
     pub grasps: Option<u64>,
-    /// Recorded frames of each grasp, instead of the scene's.
+    /// Number of recorded frames of each grasp, instead of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: Option<u64>,
-    /// Wall time that a grasp may take, s; one that takes longer ends as a fault. The files then depend on the machine.
+    /// Wall time that a grasp may take, s; a longer one ends as a fault. The files then depend on the machine.
     #[arg(long, value_name = "SECONDS")]
     pub max_time: Option<f64>,
-    /// Only part I of N, from 1 to N: parts may run beside each other, on several machines that share the folder. The same
-    /// command without it then closes the data set.
+    /// Simulate only part I of N, from 1 to N: parts may run beside each other, on several machines that share the
+    /// folder. The same command without it then closes the data set.
     #[arg(long, value_name = "I/N", value_parser = part)]
     pub part: Option<(usize, usize)>,
-    /// Also say how well posed the first N grasps of each object are (as `run --sensitivity` does), in `sensitivity.csv`: for these five
-    /// times the work once more.
+    /// Also measure how well posed the first N grasps of each object are (like `run --sensitivity`), in `sensitivity.csv`: for these
+    /// grasps five times the work in addition.
     #[arg(long, value_name = "N", conflicts_with = "part", value_parser = clap::value_parser!(u64).range(1..))]
     pub sensitivity: Option<u64>,
     /// Say what would be made and how large it is, and stop.
@@ -63,7 +63,7 @@ pub struct DatasetArgs {
     pub dry_run: bool,
 }
 
-/// What else can be done with data sets.
+/// Other commands on data sets.
 #[derive(Debug, clap::Subcommand)]
 pub enum DatasetCommand {
     /// Print counts, ranges and histograms of a data set, check it, draw pictures.
@@ -71,6 +71,9 @@ pub enum DatasetCommand {
 }
 
 /// Makes a data set.
+///
+/// # Errors
+/// Fails if the scene or an argument is refused, the folder is in use, or a file cannot be written.
 pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
     if let Some(DatasetCommand::Inspect(args)) = &args.command {
         return inspect::inspect(args);
@@ -165,7 +168,7 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
     Ok(ExitCode::from(if all && kept { OK } else { NOT_HELD }))
 }
 
-/// `I/N`.
+/// Parses `I/N`.
 fn part(text: &str) -> std::result::Result<(usize, usize), String> {
     let numbers = text.split_once('/').and_then(|(i, n)| i.parse().ok().zip(n.parse().ok()));
     let inside = numbers.filter(|(i, n): &(usize, usize)| (1..=*n).contains(i));
@@ -221,7 +224,7 @@ fn report(manifest: &Manifest, resumed: usize, wall: f64) -> String {
     out
 }
 
-/// What each change does to the grasps that both reach.
+/// Describes the effect of each change on the grasps that are reached with and without it.
 fn spread(spreads: &[SensitivityRow]) -> String {
     let mut out = String::new();
     for change in CHANGES {
@@ -246,7 +249,7 @@ fn spread(spreads: &[SensitivityRow]) -> String {
     out
 }
 
-/// The bar on stderr: frames, rate, time left, failures.
+/// Progress bar on stderr: frames, rate, time left, failures.
 struct Bar {
     bar: ProgressBar,
     grasps: usize,

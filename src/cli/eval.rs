@@ -1,4 +1,4 @@
-//! `tactus eval`: how wrong a trained model is.
+//! Command `tactus eval`: errors of a trained model.
 
 use super::{Format, OK, print, say};
 use crate::dataset::DataSet;
@@ -23,17 +23,18 @@ pub struct EvalArgs {
     /// Folder of a trained model.
     #[arg(long, value_name = "DIR")]
     pub model: PathBuf,
-    /// Test grasps: `poses`, `all`, `single:OBJECT` or `without:OBJECT`; the split that the model was trained on by default.
+    /// Test grasps: `poses`, `all`, `single:OBJECT` or `without:OBJECT`; the default is the split on which the model was
+    /// trained.
     #[arg(long)]
     pub split: Option<String>,
-    /// Draw the worst grasps there, truth above prediction.
+    /// Folder for pictures of the worst grasps, truth above prediction.
     #[arg(short, long, value_name = "DIR")]
     pub pictures: Option<PathBuf>,
-    /// How many of them.
+    /// Number of these grasps.
     #[arg(long, default_value_t = 5)]
     pub worst: usize,
-    /// Write what the network reads and answers for the first test grasp, as `.npz`, for another implementation to check
-    /// itself on: see tests/network/torch_check.py.
+    /// Write the inputs and outputs of the network for the first test grasp, as `.npz`, so that another implementation
+    /// can check itself: see tests/network/torch_check.py.
     #[arg(long, value_name = "FILE")]
     pub dump: Option<PathBuf>,
     /// Form of the report on stdout.
@@ -42,6 +43,9 @@ pub struct EvalArgs {
 }
 
 /// Judges a trained model on the test grasps of a split.
+///
+/// # Errors
+/// Fails if the data set or the model cannot be read, the split is refused, or a file cannot be written.
 pub fn eval(args: &EvalArgs) -> Result<ExitCode> {
     let set = DataSet::open(&args.data)?;
     let predictor = Predictor::open(&args.model)?;

@@ -1,4 +1,4 @@
-//! `tactus fit`: constants of a press fitted to a measured curve.
+//! Command `tactus fit`: constants of a press fitted to a measured curve.
 
 use super::run::machine_threads;
 use super::{Format, NOT_HELD, OK, print};
@@ -14,21 +14,22 @@ use std::time::Duration;
 /// Arguments of `tactus fit`.
 #[derive(Debug, clap::Args)]
 pub struct FitArgs {
-    /// The scene file: a press.
+    /// Scene file: a press.
     pub scene: PathBuf,
     /// Measured forces: CSV with the header `depth_m,force_n`.
     #[arg(long, value_name = "TABLE")]
     pub curve: PathBuf,
-    /// The object to take from a scene of several.
+    /// Object to take from a scene with several.
     #[arg(long, value_name = "NAME")]
     pub object: Option<String>,
-    /// Range of young (Pa), poisson, friction or depth_zero (m), instead of that of a tactile gel; may be given again.
+    /// Range of young (Pa), poisson, friction or depth_zero (m), instead of that of a tactile gel; may be given several
+    /// times.
     #[arg(long, value_name = "NAME=LOW,HIGH", allow_hyphen_values = true)]
     pub range: Vec<String>,
-    /// Threads; all that the machine has by default. Each press runs on one.
+    /// Number of threads; the default is all that the machine has. Each press runs on one.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
-    /// Folder for `fit.json`, `fit.png` and `fit.svg`; replaces those there.
+    /// Folder for `fit.json`, `fit.png` and `fit.svg`; existing files are replaced.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Form of the report on stdout.
@@ -36,7 +37,10 @@ pub struct FitArgs {
     pub format: Format,
 }
 
-/// Fits, prints, and writes what is asked for. Exit code 1 where a fit did not settle.
+/// Runs the fits, prints and writes the report. The exit code is 1 if a fit did not settle.
+///
+/// # Errors
+/// Fails if the scene, the curve or a range is refused, a press fails, or a file cannot be written.
 pub fn fit(args: &FitArgs) -> Result<ExitCode> {
     let loaded = load_object(&args.scene, args.object.as_deref())?;
     let curve = Curve::read(&args.curve)?;

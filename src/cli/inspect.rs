@@ -1,4 +1,4 @@
-//! `tactus dataset inspect`: what is in a data set, and whether it is sound.
+//! Command `tactus dataset inspect`: contents and soundness of a data set.
 
 use super::{Format, NOT_HELD, OK, print};
 use crate::dataset::DataSet;
@@ -14,13 +14,13 @@ use std::process::ExitCode;
 pub struct InspectArgs {
     /// Folder of the data set.
     pub dir: PathBuf,
-    /// Folder for pictures of the grasps that are looked at; without it none is drawn.
+    /// Folder for pictures of the inspected grasps; without it none is drawn.
     #[arg(short, long, value_name = "DIR")]
     pub pictures: Option<PathBuf>,
-    /// Look at every Nth grasp of each object only.
+    /// Look only at every Nth grasp of each object.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     pub every: u64,
-    /// Look at N frames of a grasp only, spread over it, the last one included.
+    /// Look only at N frames of a grasp, spread over it and including the last.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub frames: Option<u64>,
     /// Form of the report on stdout.
@@ -28,7 +28,10 @@ pub struct InspectArgs {
     pub format: Format,
 }
 
-/// Prints what is there; exit code 1 if something is damaged.
+/// Prints the contents; the exit code is 1 if something is damaged.
+///
+/// # Errors
+/// Fails if the data set cannot be opened or a picture cannot be written.
 pub fn inspect(args: &InspectArgs) -> Result<ExitCode> {
     let set = DataSet::open(&args.dir)?;
     if let Some(dir) = &args.pictures {

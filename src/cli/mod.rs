@@ -1,4 +1,4 @@
-//! The command line: one file per command.
+//! Command line: one file per command.
 
 mod bench;
 mod check;
@@ -28,32 +28,32 @@ pub use report::ReportArgs;
 pub use run::{Backend, RunArgs};
 pub use train::TrainArgs;
 
-/// Exit code: everything asked for was done and every expectation held.
+/// Exit code for success: everything requested was done and every expectation held.
 pub const OK: u8 = 0;
-/// Exit code: the scene ran, and an expectation did not hold or a grasp failed.
+/// Exit code of a scene that ran, but an expectation did not hold or a grasp failed.
 pub const NOT_HELD: u8 = 1;
-/// Exit code: wrong arguments, a wrong file, nothing ran.
+/// Exit code of wrong arguments or a wrong file: nothing ran.
 pub const REFUSED: u8 = 2;
 
 /// A parallel gripper with two soft tactile pads squeezes a rigid object.
 #[derive(Debug, Parser)]
 #[command(name = "tactus", version, arg_required_else_help = true)]
 pub struct Cli {
-    /// What to do.
+    /// Command to run.
     #[command(subcommand)]
     pub command: Command,
 }
 
-/// The commands.
+/// Commands of tactus.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Simulate the grasps of a scene.
     Run(RunArgs),
     /// Load a scene, check everything in it and print it with all defaults written out.
     Check(CheckArgs),
-    /// Simulate all grasps of all objects of a scene into a data set, going on where an earlier run stopped.
+    /// Simulate all grasps of all objects of a scene into a data set, continuing where an earlier run stopped.
     Dataset(DatasetArgs),
-    /// Train a network on a data set, going on where an earlier run stopped.
+    /// Train a network on a data set, continuing where an earlier run stopped.
     Train(TrainArgs),
     /// Judge a trained network on grasps that it has not seen.
     Eval(EvalArgs),
@@ -68,14 +68,15 @@ pub enum Command {
 /// Form of what is printed on stdout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum Format {
-    /// For humans.
+    /// Text for readers.
     #[default]
     Text,
-    /// One JSON object.
+    /// JSON object.
     Json,
 }
 
-/// Runs the command; an error is printed to stderr and gives exit code 2. Wrong arguments are clap's, with the same code.
+/// Runs the command; an error is printed to stderr and gives exit code 2. Wrong arguments are reported by clap, with the
+/// same code.
 pub fn main() -> ExitCode {
     match dispatch(&Cli::parse()) {
         Ok(code) => code,
@@ -89,13 +90,13 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// What a command says that was ended in the middle of something that looks at no flag.
+/// Prints the last message of a command that is ended in the middle of work that does not check the stop flag.
 fn last_words() {
     // Whoever asked for the end may have closed the terminal.
     let _ = writeln!(std::io::stderr(), "\ninterrupted; files that were being written are as they were before");
 }
 
-/// The error of a command; where somebody asked for an end, it says what is kept.
+/// Returns the error of a command; if an end was requested, it says what is kept.
 fn kept(error: Error, kept: impl FnOnce() -> String) -> Error {
     match error {
         Error::Interrupted(_) => Error::Interrupted(format!("interrupted; {}", kept())),
@@ -128,7 +129,7 @@ fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Says a line on stderr. One that nobody can read (`2>/dev/full`, a closed pipe) changes nothing of what is done.
+/// Prints a line on stderr. A line that cannot be written (`2>/dev/full`, a closed pipe) does not affect the work.
 fn say(line: &str) {
     let _ = std::io::stderr().write_all(format!("{line}\n").as_bytes());
 }

@@ -1,4 +1,4 @@
-//! `tactus report`: results as one page that needs nothing but a browser.
+//! Command `tactus report`: results as one page that needs only a browser.
 
 use super::{Format, OK, print};
 use crate::error::Result;
@@ -14,27 +14,32 @@ pub struct ReportArgs {
     /// Folders of runs, benches and data sets; they share a page.
     #[arg(required = true)]
     pub dirs: Vec<PathBuf>,
-    /// Folder of a trained model, to be judged on the data sets.
+    /// Folder of a trained model to judge on the data sets.
     #[arg(long, value_name = "DIR")]
     pub model: Option<PathBuf>,
-    /// Test grasps: `poses`, `all`, `single:OBJECT` or `without:OBJECT`; the split that the model was trained on by default.
+    /// Test grasps: `poses`, `all`, `single:OBJECT` or `without:OBJECT`; the default is the split on which the model was
+    /// trained.
     #[arg(long)]
     pub split: Option<String>,
-    /// Grasps of each folder in 3-D; with a model one is the median, two are median and worst, more go from best to worst.
+    /// Number of grasps of each folder in 3-D; with a model one is the median, two are median and worst, more go from
+    /// best to worst.
     #[arg(long, value_name = "N", default_value_t = 3)]
     pub grasps: usize,
-    /// At most so many frames of each, spread over it.
+    /// Largest number of frames of each, spread over it.
     #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: u64,
-    /// The page.
+    /// File of the page.
     #[arg(short, long, value_name = "FILE", default_value = "report.html")]
     pub out: PathBuf,
-    /// Form of what is printed on stdout: the tables as Markdown, or where the page is.
+    /// Form of the output on stdout: the tables as Markdown, or the path of the page.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }
 
-/// Writes the page, prints its tables.
+/// Writes the page and prints its tables.
+///
+/// # Errors
+/// Fails if a folder has no readable results, the model cannot be judged, or the page cannot be written.
 pub fn report_page(args: &ReportArgs) -> Result<ExitCode> {
     let wishes = Wishes {
         model: args.model.clone(),

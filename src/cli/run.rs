@@ -1,4 +1,4 @@
-//! `tactus run`: simulate the grasps of a scene.
+//! Command `tactus run`: simulates the grasps of a scene.
 
 use super::watch::Watch;
 use super::{Format, NOT_HELD, OK, kept, print, say, table};
@@ -28,9 +28,9 @@ use std::time::Instant;
 /// Arguments of `tactus run`.
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
-    /// The scene file.
+    /// Scene file.
     pub scene: PathBuf,
-    /// The object to take from a scene of several; without it all run, one after the other, into `DIR/NAME`.
+    /// Object to take from a scene with several; without it all run, one after the other, into `DIR/NAME`.
     #[arg(long, value_name = "NAME")]
     pub object: Option<String>,
     /// Folder for the results; without it nothing is written.
@@ -42,20 +42,20 @@ pub struct RunArgs {
     /// Form of the report on stdout.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
-    /// Threads, instead of the scene's.
+    /// Number of threads, instead of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
-    /// Wall time that a grasp may take, s; one that takes longer ends as a fault. What ends depends on the machine.
+    /// Wall time that a grasp may take, s; a longer one ends as a fault. Which grasps end then depends on the machine.
     #[arg(long, value_name = "SECONDS")]
     pub max_time: Option<f64>,
-    /// Only this grasp of the scene (from 0); may be given again.
+    /// Run only this grasp of the scene (from 0); may be given several times.
     #[arg(long, value_name = "I")]
     pub grasp: Vec<usize>,
-    /// Recorded frames, instead of the scene's.
+    /// Number of recorded frames, instead of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: Option<u64>,
-    /// Also say how far pads and object move when friction, the pose of the hand and the force at which the object is let go change a
-    /// little: five times the work.
+    /// Also measure how far pads and object move if friction, the pose of the hand and the force at which the object is released change
+    /// slightly: five times the work.
     #[arg(long)]
     pub sensitivity: bool,
     /// Draw no pictures.
@@ -70,26 +70,29 @@ pub struct RunArgs {
     pub model: Option<PathBuf>,
 }
 
-/// What advances the scene.
+/// Backend that advances the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Backend {
     /// Finite elements.
     Fem,
-    /// Finite elements with pads condensed onto where they touch: fast, with an error.
+    /// Finite elements with pads condensed onto the nodes that touch: fast, with an error.
     Condensed,
-    /// A trained network.
+    /// Trained network.
     Gnn,
 }
 
 impl RunArgs {
-    /// The scenes of all objects, or of the one that is asked for, with the arguments taken over.
+    /// Loads the scenes of all objects, or of the requested one, with the arguments applied.
+    ///
+    /// # Errors
+    /// Fails if the scene file or an argument is refused, or no object has the requested name.
     pub fn load(&self) -> Result<LoadedSet> {
         let mut set = load_set(&self.scene)?.only(self.object.as_deref())?;
         set.scenes.iter_mut().try_for_each(|named| self.change(&mut named.scene))?;
         Ok(set)
     }
 
-    /// Takes the arguments over into a scene.
+    /// Applies the arguments to a scene.
     fn change(&self, scene: &mut Scene) -> Result<()> {
         match (self.backend, &scene.stepper) {
             (Some(Backend::Fem | Backend::Condensed), stepper) => {
@@ -126,7 +129,7 @@ impl RunArgs {
     }
 }
 
-/// Takes over `--max-time`.
+/// Applies `--max-time`.
 pub(super) fn limit_time(stepper: &mut StepperChoice, seconds: f64) -> Result<()> {
     let seconds = Positive::new(seconds).map_err(|m| refused(&format!("--max-time {m}")))?;
     match stepper {
@@ -142,8 +145,11 @@ fn refused(message: &str) -> Error {
     Error::Scene(format!("error: {message}"))
 }
 
-/// Simulates the grasps of the scene, of one object after the other, records and reports them. Of several objects each has a
-/// folder of its own name in that of the results.
+/// Simulates the grasps of the scene, of one object after the other, records and reports them. If there are several
+/// objects, each has a folder of its own name in the folder of the results.
+///
+/// # Errors
+/// Fails if the scene or an argument is refused, a model cannot be built, or a file cannot be written.
 pub fn run(args: &RunArgs) -> Result<ExitCode> {
     let set = args.load()?;
     let (several, mut good, mut reports) = (set.scenes.len() > 1, true, Vec::new());
@@ -166,13 +172,13 @@ pub fn run(args: &RunArgs) -> Result<ExitCode> {
     Ok(ExitCode::from(if good { OK } else { NOT_HELD }))
 }
 
-/// An error with the object that it is about.
+/// Returns an error with the object that it is about.
 pub(super) fn about_object(name: &str, error: &Error) -> Error {
     let text = error.to_string();
     Error::Scene(format!("error: object {name}: {}", text.strip_prefix("error: ").unwrap_or(&text)))
 }
 
-/// A report as JSON, with the name of its object.
+/// Returns a report as JSON, with the name of its object.
 fn with_name(name: &str, text: &str) -> Result<Value> {
     let mut report: Value =
         serde_json::from_str(text).map_err(|e| refused(&format!("the report of {name} is no JSON: {e}")))?;
@@ -180,8 +186,8 @@ fn with_name(name: &str, text: &str) -> Result<Value> {
     Ok(report)
 }
 
-/// Simulates the grasps of one object into `out`: the report, and whether all promises are kept. `last` says that nothing comes
-/// after it.
+/// Simulates the grasps of one object into `out`: returns the report, and true if all promises are kept. `last` is true if nothing
+/// follows.
 fn run_object(args: &RunArgs, scene: &Scene, out: Option<&Path>, last: bool) -> Result<(String, bool)> {
     // A network takes as long to read as the pads to mesh.
     let (stepper, model) = std::thread::scope(|scope| {
@@ -255,7 +261,7 @@ fn run_object(args: &RunArgs, scene: &Scene, out: Option<&Path>, last: bool) -> 
     Ok((text, good))
 }
 
-/// The grasps to run, with their numbers; all if none is asked for.
+/// Returns the grasps to run, with their numbers; all if none is requested.
 fn select(poses: &[GraspPose], wanted: &[usize]) -> Result<Vec<(usize, GraspPose)>> {
     let mut numbers: Vec<usize> = if wanted.is_empty() { (0..poses.len()).collect() } else { wanted.to_vec() };
     numbers.sort_unstable();
@@ -272,7 +278,7 @@ fn select(poses: &[GraspPose], wanted: &[usize]) -> Result<Vec<(usize, GraspPose
     numbers.into_iter().map(pick).collect()
 }
 
-/// Threads of the scene, else all that the machine has.
+/// Returns the threads of the scene, otherwise all that the machine has.
 fn threads(scene: &Scene) -> usize {
     let own = match &scene.stepper {
         StepperChoice::Fem(fem) => fem.threads.map(|t| t.get()),
@@ -281,12 +287,12 @@ fn threads(scene: &Scene) -> usize {
     own.unwrap_or_else(machine_threads)
 }
 
-/// Threads that the machine has.
+/// Returns the number of threads that the machine has.
 pub(super) fn machine_threads() -> usize {
     std::thread::available_parallelism().map_or(1, |n| n.get())
 }
 
-/// What is written, as the scene asks.
+/// Returns the output options, as the scene asks.
 fn options(args: &RunArgs, scene: &Scene, model: &Model) -> Options {
     let picture = if model.needs.stress { Scalar::Stress } else { Scalar::Displacement };
     Options {
@@ -306,7 +312,7 @@ fn as_report(held: &Held) -> ExpectationReport {
     ExpectationReport { name: held.name.to_string(), held: held.held, value: held.value, bound: held.bound }
 }
 
-/// Wall time by stage over all grasps, s.
+/// Returns the wall time by stage over all grasps, s.
 fn profile(outcomes: &[Outcome]) -> BTreeMap<String, f64> {
     let mut sum = BTreeMap::new();
     for (stage, seconds) in outcomes.iter().flat_map(|o| &o.timings.stages) {

@@ -1,4 +1,4 @@
-//! The report of a run for human eyes.
+//! Report of a run as text.
 
 use crate::gripper::GraspPose;
 use crate::judge::Held;
@@ -9,7 +9,7 @@ use crate::run::Outcome;
 use crate::scene::{Expectation, Scene, StepperChoice};
 use std::fmt::Write;
 
-/// Heading, a row per grasp, expectations and the profile.
+/// Renders heading, a row per grasp, expectations and the profile.
 pub fn render(
     scene: &Scene,
     grasps: &[(usize, GraspPose)],

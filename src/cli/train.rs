@@ -1,4 +1,4 @@
-//! `tactus train`: a network from a data set.
+//! Command `tactus train`: trains a network on a data set.
 
 use super::{Format, OK, kept, print, say};
 use crate::dataset::DataSet;
@@ -19,7 +19,7 @@ pub struct TrainArgs {
     /// Model file: the network, and how it is trained.
     #[arg(long, value_name = "M.ron")]
     pub model: PathBuf,
-    /// Folder of the trained model; an unfinished one is gone on with.
+    /// Folder of the trained model; an unfinished one is continued.
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
     /// Training grasps: `poses`, `all`, `single:OBJECT` or `without:OBJECT`.
@@ -28,12 +28,15 @@ pub struct TrainArgs {
     /// Form of the report on stdout.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
-    /// Threads; all that the machine has by default. The weights do not depend on it.
+    /// Number of threads; the default is all that the machine has. The weights do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
 }
 
 /// Trains a network.
+///
+/// # Errors
+/// Fails if the data set or the model file cannot be read, the split is refused, or a file cannot be written.
 pub fn train(args: &TrainArgs) -> Result<ExitCode> {
     let threads = args.threads.map_or_else(super::run::machine_threads, |n| n as usize);
     let pool = rayon::ThreadPoolBuilder::new()

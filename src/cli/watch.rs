@@ -1,4 +1,4 @@
-//! What happens while grasps run: frames go to disk, a bar moves.
+//! Observer of running grasps: writes frames to disk and moves a bar.
 
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-/// Records every frame as it comes and shows how far the run is.
+/// Records every frame as it comes and shows the progress of the run.
 pub struct Watch {
     model: Arc<Model>,
     topologies: Vec<PadTopology>,
@@ -25,7 +25,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// For a run of `grasps` grasps. The bar is drawn on stderr, and only where that is a terminal.
+    /// Returns an observer for a run of `grasps` grasps. The bar is drawn on stderr, and only if that is a terminal.
     pub fn new(model: &Arc<Model>, recorder: Option<RunRecorder>, grasps: usize) -> Self {
         let bar = ProgressBar::new((grasps * model.levels.len()) as u64);
         // The template is a constant; if it were wrong the default style would do.
@@ -44,12 +44,12 @@ impl Watch {
         }
     }
 
-    /// Grasps that have ended.
+    /// Returns the number of grasps that have ended.
     pub fn ended(&self) -> usize {
         self.ended.load(Ordering::Relaxed)
     }
 
-    /// Takes the bar away and hands the recorder back.
+    /// Removes the bar and returns the recorder.
     pub fn finish(self) -> Option<RunRecorder> {
         self.bar.finish_and_clear();
         self.recorder.map(|r| r.into_inner().unwrap_or_else(PoisonError::into_inner))

@@ -1,4 +1,4 @@
-//! The arrays of an object's file that hold one row per grasp: names, shapes, types, units.
+//! Arrays of an object's file that hold one row per grasp: names, shapes, types, units.
 
 use crate::error::Result;
 use crate::model::Model;
@@ -21,7 +21,7 @@ pub enum NumberKind {
 }
 
 impl NumberKind {
-    /// Bytes of a number.
+    /// Returns the size of a number, bytes.
     pub fn size(self) -> usize {
         match self {
             NumberKind::U8 => 1,
@@ -34,25 +34,25 @@ impl NumberKind {
 /// Numbers that fix all shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FileSizes {
-    /// Grasps of the object.
+    /// Number of grasps of the object.
     pub grasps: usize,
-    /// Frames of a grasp.
+    /// Number of frames of a grasp.
     pub frames: usize,
-    /// Pads.
+    /// Number of pads.
     pub pads: usize,
-    /// Nodes of a pad, mid-edge ones included.
+    /// Number of nodes of a pad, mid-edge ones included.
     pub nodes: usize,
-    /// Corner nodes of a pad; they come first.
+    /// Number of corner nodes of a pad; they come first.
     pub corners: usize,
-    /// Tetrahedra of a pad.
+    /// Number of tetrahedra of a pad.
     pub tets: usize,
 }
 
 impl FileSizes {
-    /// The sizes of `grasps` grasps of `model`.
+    /// Returns the sizes for `grasps` grasps of `model`.
     ///
     /// # Errors
-    /// A scene without fingers: a data set holds what pads feel.
+    /// Fails for a scene without fingers: a data set holds what pads feel.
     pub fn of(model: &Model, grasps: usize) -> Result<Self> {
         let pad = &model.finger()?.topology;
         Ok(Self {
@@ -65,44 +65,44 @@ impl FileSizes {
         })
     }
 
-    /// Bytes of all rows of all grasps.
+    /// Returns the size of all rows of all grasps, bytes.
     pub fn bytes(&self) -> u64 {
         ARRAYS.iter().map(|a| self.grasps as u64 * a.row_bytes(self) as u64).sum()
     }
 }
 
-/// An array with one row per grasp.
+/// Layout of an array with one row per grasp.
 #[derive(Debug, Clone, Copy)]
 pub struct ArrayLayout {
     /// Name of the dataset.
     pub name: &'static str,
-    /// Type.
+    /// Type of the numbers.
     pub kind: NumberKind,
-    /// Shape of a row.
+    /// Function that returns the shape of a row.
     shape: fn(&FileSizes) -> Vec<usize>,
-    /// Unit.
+    /// Unit of the numbers.
     pub unit: &'static str,
-    /// What it holds.
+    /// Description of the content.
     pub about: &'static str,
 }
 
 impl ArrayLayout {
-    /// Shape of a row.
+    /// Returns the shape of a row.
     pub fn row_shape(&self, sizes: &FileSizes) -> Vec<usize> {
         (self.shape)(sizes)
     }
-    /// Bytes of a row.
+    /// Returns the size of a row, bytes.
     pub fn row_bytes(&self, sizes: &FileSizes) -> usize {
         self.row_shape(sizes).iter().product::<usize>() * self.kind.size()
     }
 }
 
-/// Longest reason kept, bytes.
+/// Longest reason that is kept, bytes.
 pub const REASON: usize = 256;
 
 macro_rules! arrays {
     ($($row:ident $name:tt $kind:ident $sizes:ident $shape:tt $unit:literal $about:literal;)*) => {
-        /// The arrays by name; `row as usize` is the place in [`ARRAYS`].
+        /// Arrays by name; `row as usize` is the place in [`ARRAYS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum RowName {
             $(#[doc = $about] $row,)*

@@ -1,4 +1,5 @@
-//! Makes a data set: object by object, all grasps in parallel, going on where an earlier run was stopped.
+//! Making of a data set: object by object, with all grasps in parallel, continued from the point where an earlier run was
+//! stopped.
 
 use super::arrays::{FORMAT, FileSizes};
 use super::compatible::{World, sensor};
@@ -27,7 +28,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// All that is to be simulated: known before anything runs.
+/// Plan of all simulations of a data set, complete before anything runs.
 #[derive(Debug)]
 pub struct Campaign {
     dir: PathBuf,
@@ -37,22 +38,22 @@ pub struct Campaign {
     choose: Choose,
 }
 
-/// One object of a campaign.
+/// Object of a campaign.
 #[derive(Debug)]
 struct Planned {
     named: NamedScene,
     poses: Vec<GraspPose>,
     sizes: FileSizes,
     file: PathBuf,
-    /// Bytes of all its files at most.
+    /// Largest size of all files of the object, bytes.
     limit: u64,
 }
 
 impl Campaign {
-    /// Plans a data set in `dir`, by the backends that `choose` opens: loads or samples all grasps, and fixes what every file holds.
+    /// Plans a data set in `dir`, by the backends that `choose` opens: loads or samples all grasps, and fixes the content of every file.
     ///
     /// # Errors
-    /// A scene that cannot be built, a folder that holds another data set.
+    /// Fails if a scene cannot be built or the folder holds another data set.
     pub fn plan(set: &LoadedSet, dir: &Path, choose: Choose) -> Result<Self> {
         let mut objects = Vec::new();
         let mut entries = Vec::new();
@@ -115,7 +116,7 @@ impl Campaign {
         Ok(campaign)
     }
 
-    /// Takes over what an earlier run left; refuses what is not of this plan.
+    /// Takes over what an earlier run left, and refuses what does not belong to this plan.
     fn resume(&mut self) -> Result<()> {
         match Manifest::read(&self.dir)? {
             Some(earlier) if earlier.plan != self.manifest.plan => {
@@ -139,12 +140,12 @@ impl Campaign {
         }
     }
 
-    /// Bytes that all files take at most.
+    /// Returns the largest size of all files together, bytes.
     pub fn bytes(&self) -> u64 {
         self.objects.iter().map(|o| o.limit).fold(0, u64::saturating_add)
     }
 
-    /// Refuses a campaign whose files do not fit on the disk, beside what is there of them already.
+    /// Refuses a campaign whose files do not fit on the disk beside those of them that are already there.
     fn fits(&self) -> Result<()> {
         let taken = |object: &Planned| {
             let path = self.dir.join(&object.file);
@@ -155,12 +156,12 @@ impl Campaign {
         limits::admit_files(open, &self.dir)
     }
 
-    /// The manifest: of the plan, or of what is there.
+    /// Returns the manifest: that of the plan, or the one already on the disk.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// Grasps that need not run again.
+    /// Returns the number of grasps that need not run again.
     pub fn finished(&self) -> usize {
         if self.manifest.finished {
             return self.manifest.grasps;
@@ -168,10 +169,11 @@ impl Campaign {
         self.objects.iter().map(|o| self.progress(o).finished(o.poses.len()).len()).sum()
     }
 
-    /// Runs what is not finished, on `threads` threads, and closes the data set.
+    /// Runs the grasps that are not finished, on `threads` threads, and closes the data set.
     ///
     /// # Errors
-    /// What cannot be written or set up, a folder in use. A grasp that fails is part of the data set, not an error.
+    /// Fails if a file cannot be written, a model cannot be built or the folder is in use. A grasp that fails is part of
+    /// the data set, not an error.
     pub fn run(&mut self, threads: usize, watcher: &dyn Watcher) -> Result<Manifest> {
         if !self.manifest.finished {
             self.fits()?;
@@ -206,11 +208,11 @@ impl Campaign {
         Ok(self.manifest.clone())
     }
 
-    /// Says how well posed the first `most` grasps of each object are, on `threads` threads: one row per change of a grasp, those that an
-    /// earlier run wrote among them.
+    /// Measures how well posed the first `most` grasps of each object are, on `threads` threads. Returns one row per change of a grasp,
+    /// including those that an earlier run wrote.
     ///
     /// # Errors
-    /// What cannot be written or set up; a folder in use.
+    /// Fails if a file cannot be written, a model cannot be built or the folder is in use.
     pub fn sensitivity(&self, most: usize, threads: usize) -> Result<Vec<SensitivityRow>> {
         let _lock = FolderLock::alone(&self.dir, COMMAND)?;
         let plan = self.manifest.plan.as_str();
@@ -223,7 +225,7 @@ impl Campaign {
         Ok(table)
     }
 
-    /// Folder of what the public loader wants to know of an object.
+    /// Returns the folder of the files that the public loader reads about an object.
     fn about(&self, object: &Planned) -> PathBuf {
         self.dir.join("dgn_dataset").join(object.named.name.as_str())
     }
@@ -232,12 +234,13 @@ impl Campaign {
         Progress::of(self.dir.join(PROGRESS).join(object.named.name.as_str()))
     }
 
-    /// Runs those grasps of a part that are not finished, on `threads` threads, beside the other parts, on one machine or on
-    /// several that share the folder; of `parts` parts, `part` (from 0) has every `parts`th grasp. [`Campaign::run`] then
-    /// finds all finished and closes the data set. How it is cut changes no byte. Returns the number of grasps that ran.
+    /// Runs those grasps of a part that are not finished, on `threads` threads, beside the other parts, on one machine or
+    /// on several that share the folder. Of `parts` parts, `part` (from 0) has every `parts`th grasp. [`Campaign::run`]
+    /// then finds all grasps finished and closes the data set. The division into parts changes no byte. Returns the
+    /// number of grasps that ran.
     ///
     /// # Errors
-    /// Those of [`Campaign::run`].
+    /// Fails in the cases of [`Campaign::run`].
     pub fn run_part(mut self, part: usize, parts: usize, threads: usize, watcher: &dyn Watcher) -> Result<usize> {
         if self.manifest.finished {
             return Ok(0);
@@ -281,31 +284,31 @@ impl Campaign {
         Ok(finished)
     }
 
-    /// Whether the file at `path` is what was laid out for the object, with the rows of all its grasps.
+    /// Returns true if the file at `path` has the layout of the object and sound rows of all its grasps.
     fn is_whole(&self, object: &Planned, path: &Path) -> bool {
         let Ok(writer) = Writer::open(path, object.sizes) else { return false };
         let sound = self.sound(object, &writer);
         sound.len() == object.poses.len() && self.is_laid_out(object, path)
     }
 
-    /// Whether the file at `path` is what was laid out for the object, whatever its rows.
+    /// Returns true if the file at `path` has the layout of the object, whatever its rows.
     fn is_laid_out(&self, object: &Planned, path: &Path) -> bool {
         let layout = Writer::open(path, object.sizes).and_then(|writer| writer.layout());
         layout.is_ok_and(|layout| self.progress(object).layout() == Some(self.of_plan(&layout)))
     }
 
-    /// What is entered of a layout: another plan knows nothing of it.
+    /// Returns the record of a layout. It names the plan, so that a layout of another plan is not recognised.
     fn of_plan(&self, layout: &str) -> String {
         format!("{} {layout}", self.manifest.plan)
     }
 
-    /// The grasps whose records and rows are as they were written.
+    /// Returns the grasps whose records and rows are as they were written.
     fn sound(&self, object: &Planned, writer: &Writer) -> BTreeMap<usize, Finished> {
         let finished = self.progress(object).finished(object.poses.len());
         finished.into_par_iter().filter(|(_, record)| writer.holds(record)).collect()
     }
 
-    /// Runs those of the `wanted` grasps of one object that are not finished; returns how many.
+    /// Runs those of the `wanted` grasps of one object that are not finished; returns their number.
     fn simulate(
         &self,
         object: &Planned,
@@ -336,8 +339,8 @@ impl Campaign {
         Ok(grasps.len())
     }
 
-    /// Waits until no other part writes what all of them share; one that started at the same moment would find its own half of a
-    /// file renamed.
+    /// Waits until no other part writes the files that all parts share. Without the wait, a part that started at the same moment would
+    /// find its half-written file renamed.
     fn turn(&self) -> Result<std::fs::File> {
         let path = self.dir.join(LAYING_OUT);
         let lock = std::fs::File::create(&path).map_err(|e| cannot_write(&path, &e))?;
@@ -369,7 +372,7 @@ impl Campaign {
     }
 }
 
-/// Bytes that a file takes on the disk; rows that nobody has written yet may take none.
+/// Returns the space that a file takes on the disk, bytes; rows that have not been written yet may take none.
 fn allocated(meta: &std::fs::Metadata) -> u64 {
     #[cfg(unix)]
     return std::os::unix::fs::MetadataExt::blocks(meta) * 512;
@@ -377,14 +380,14 @@ fn allocated(meta: &std::fs::Metadata) -> u64 {
     return meta.len();
 }
 
-/// Name of an object's file while it has open rows.
+/// Returns the name of an object's file while it has open rows.
 fn open(path: &Path) -> PathBuf {
     path.with_extension("h5.open")
 }
 
 /// Folder of the records of finished grasps.
 const PROGRESS: &str = ".progress";
-/// Who holds the folder.
+/// Name of the command that holds the folder.
 const COMMAND: &str = "tactus dataset";
 /// File that is locked while the manifest is written and an object's files are laid out.
 const LAYING_OUT: &str = ".laying_out";

@@ -1,9 +1,9 @@
-//! The world of the public loader of DefGraspSim's tactile grasps.
+//! World of the public loader of DefGraspSim's tactile grasps.
 //!
-//! Its hand closes along y, its world is Y-up, its pads stand in the hand at (-0.0006, +-0.0275, 0.099) m, and its right pad
-//! is the point reflection of its left one, while a real right pad is the left one after a half turn about the approach.
-//! Both are the same body if the pad is its own mirror image along the approach; then node i of the right pad here is the
-//! node at the mirrored place, and the loader's rest shapes fit.
+//! The loader's hand closes along y, its world is Y-up, and its pads stand in the hand at (-0.0006, +-0.0275, 0.099) m.
+//! Its right pad is the point reflection of its left one, while a real right pad is the left one after a half turn about
+//! the approach. Both are the same body if the pad is its own mirror image along the approach. Node i of the right pad
+//! here is then the node at the mirrored place, and the loader's rest shapes fit.
 
 use crate::geometry::mesh::TetMesh;
 use crate::record::{ElementNodes, PadTopology};
@@ -14,38 +14,38 @@ use std::collections::HashMap;
 /// Centre of the loader's pads in its hand, along the finger width and the approach, m.
 const CENTER: [f64; 2] = [-0.0006, 0.099];
 
-/// From the hand frame to the loader's world.
+/// Transformation from the hand frame to the loader's world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct World {
     offset: DVec3,
 }
 
 impl World {
-    /// For a gripper whose pads are placed like this.
+    /// Returns the world for a gripper whose pads are placed like this.
     pub fn new(placement: &Placement) -> Self {
         let offset = DVec3::new(CENTER[0] - placement.y.get(), 1.0 + CENTER[1] - placement.z.get(), 0.0);
         Self { offset }
     }
 
-    /// A point, m.
+    /// Maps a point of the hand frame, m.
     pub fn point(&self, hand: DVec3) -> DVec3 {
         Self::rotation() * hand + self.offset
     }
 
-    /// Hand axes to world axes: (x, y, z) becomes (y, z, x).
+    /// Returns the rotation from hand axes to world axes: (x, y, z) becomes (y, z, x).
     pub fn rotation() -> DMat3 {
         DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y)
     }
 }
 
-/// The pad as `tactile_sensor.tet`: bonded face at y = 0, outward normal +y.
+/// Returns the pad as `tactile_sensor.tet`: bonded face at y = 0, outward normal +y.
 pub fn sensor(pad: &PadTopology) -> TetMesh {
     let back = pad.rest.iter().fold(f64::INFINITY, |low, p| low.min(p.z));
     let nodes = pad.rest[..pad.corner_count].iter().map(|p| DVec3::new(p.x, p.z - back, -p.y)).collect();
     TetMesh { nodes, tets: corner_tets(&pad.elements) }
 }
 
-/// Corners of the tetrahedra.
+/// Returns the corners of the tetrahedra.
 fn corner_tets(elements: &ElementNodes) -> Vec<[u32; 4]> {
     match elements {
         ElementNodes::Linear(tets) => tets.clone(),
@@ -53,17 +53,17 @@ fn corner_tets(elements: &ElementNodes) -> Vec<[u32; 4]> {
     }
 }
 
-/// For the right pad: which of its nodes and tetrahedra stand for node i and tetrahedron t of the loader.
+/// Nodes and tetrahedra of the right pad that stand for node i and tetrahedron t of the loader.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mirror {
-    /// Corner nodes.
+    /// Indices of the corner nodes.
     pub nodes: Vec<usize>,
-    /// Tetrahedra.
+    /// Indices of the tetrahedra.
     pub tets: Vec<usize>,
 }
 
 impl Mirror {
-    /// The pad's mirror image along the approach (pad x); None if the mesh is not its own.
+    /// Returns the mirror image of the pad along the approach (pad x); None if the mesh is not its own mirror image.
     pub fn of(pad: &PadTopology) -> Option<Self> {
         let key = |p: DVec3| p.to_array().map(|x| (x * 1e8).round() as i64);
         let corners = &pad.rest[..pad.corner_count];
@@ -81,7 +81,7 @@ impl Mirror {
         Some(Self { tets: tets.collect::<Option<_>>()?, nodes })
     }
 
-    /// Nothing moves.
+    /// Returns the identity, which moves nothing.
     pub fn identity(pad: &PadTopology) -> Self {
         Self { nodes: (0..pad.corner_count).collect(), tets: (0..pad.elements.len()).collect() }
     }

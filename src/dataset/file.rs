@@ -1,7 +1,7 @@
-//! The HDF5 file of one object: laid out once at its full size with empty rows, then filled row by row.
+//! HDF5 file of one object: laid out once at its full size with empty rows, then filled row by row.
 //!
-//! Its arrays are contiguous and uncompressed: a row has its place before it is known, so a grasp is written by seeking
-//! there, memory holds one grasp per thread however many there are, and reading is as fast as the disk.
+//! The arrays are contiguous and uncompressed. A row has its place before its content is known, so a grasp is written by
+//! seeking there. Memory holds one grasp per thread, whatever the number of grasps, and reading is as fast as the disk.
 
 use super::arrays::{ARRAYS, FORMAT, FileSizes, NumberKind, RowName};
 use super::places::{Places, Seal, vouched_for};
@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// Lays out the file of an object at `path`, whole or not at all.
 ///
 /// # Errors
-/// What cannot be written.
+/// Fails if the file cannot be written.
 pub fn lay_out(path: &Path, named: &NamedScene, model: &Model, sizes: &FileSizes, mirrored: bool) -> Result<()> {
     let scene = to_ron(&named.scene)?;
     replace_durable(path, |temporary| {
@@ -99,7 +99,7 @@ fn attributes(builder: &mut FileBuilder, named: &NamedScene, model: &Model, scen
     builder.set_attr("gravity_m_s2", AttrValue::F64Array(gravity.to_vec()));
 }
 
-/// What no grasp changes: pads and object.
+/// Adds the content that no grasp changes: pads and object.
 fn fixed(builder: &mut FileBuilder, model: &Model) {
     let pad = &model.fingers[0].topology;
     let flat = |v: &[DVec3]| v.iter().flat_map(|p| p.to_array()).collect::<Vec<_>>();
@@ -149,7 +149,7 @@ fn integers(group: &mut GroupBuilder, name: &str, about: &str, width: usize, val
     dataset.set_attr("unit", text("1")).set_attr("about", text(about));
 }
 
-/// Leaves holes where zeros would be written.
+/// Writer that leaves holes in the place of zeros.
 struct Sparse {
     file: std::fs::File,
     length: u64,
@@ -170,7 +170,7 @@ impl Write for Sparse {
     }
 }
 
-/// Puts rows into a laid-out file.
+/// Writer of rows into a laid-out file.
 #[derive(Debug)]
 pub struct Writer {
     path: PathBuf,
@@ -178,24 +178,24 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Into the file at `path`.
+    /// Opens the file at `path`.
     ///
     /// # Errors
-    /// A file that cannot be read or is laid out differently.
+    /// Fails if the file cannot be read or is laid out differently.
     pub fn open(path: &Path, sizes: FileSizes) -> Result<Self> {
         let file = File::open_streaming(path).map_err(|e| Error::file(path, e.to_string()))?;
         Ok(Self { path: path.to_path_buf(), places: Places::find(path, &file, sizes)? })
     }
 
-    /// BLAKE3 of what was laid out: the file without any rows.
+    /// Returns the BLAKE3 of the layout: the file without any rows.
     ///
     /// # Errors
-    /// A file that cannot be read.
+    /// Fails if the file cannot be read.
     pub fn layout(&self) -> Result<String> {
         Ok(Seal::of(&self.path, self.places.ranges(|_| true))?.blake3)
     }
 
-    /// Whether the rows of a grasp are those that were written when it was recorded as finished.
+    /// Returns true if the rows of a grasp are those that were written when it was recorded as finished.
     pub fn holds(&self, record: &Finished) -> bool {
         let rows = std::fs::File::open(&self.path).and_then(|mut file| self.places.read(&mut file, record.grasp));
         rows.is_ok_and(|rows| {
@@ -208,15 +208,18 @@ impl Writer {
         })
     }
 
-    /// What vouches for all that the checksums of the grasps do not.
+    /// Returns the seal, which covers everything that the checksums of the grasps do not cover.
     ///
     /// # Errors
-    /// A file that cannot be read.
+    /// Fails if the file cannot be read.
     pub fn seal(&self) -> Result<Seal> {
         Seal::of(&self.path, self.places.ranges(vouched_for))
     }
 
     /// Writes the rows of a grasp and waits until they are on disk.
+    ///
+    /// # Errors
+    /// Fails if the file cannot be opened or written.
     pub fn write(&self, grasp: usize, rows: &GraspRows) -> Result<()> {
         let write = || {
             // A handle of its own: several grasps may end at once.

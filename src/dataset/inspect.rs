@@ -1,4 +1,4 @@
-//! What is in a data set: counts, ranges, histograms, pictures.
+//! Contents of a data set: counts, ranges, histograms, pictures.
 
 use super::manifest::FailedGrasp;
 use super::reader::{ObjectFile, StoredGrasp};
@@ -11,22 +11,22 @@ use glam::DVec3;
 use serde::Serialize;
 use std::path::Path;
 
-/// Bars of a histogram.
+/// Number of bars of a histogram.
 pub const BARS: usize = 20;
 
-/// Which grasps and frames are looked at.
+/// Selection of the grasps and frames that are inspected.
 #[derive(Debug, Clone, Copy)]
 pub struct Thinning {
-    /// Every so many grasps of each object.
+    /// Step between the inspected grasps of each object; 1 inspects all.
     pub every: usize,
-    /// At most so many frames of a grasp, spread over it, the last one always.
+    /// Largest number of inspected frames of a grasp, spread over it and including the last; None inspects all.
     pub frames: Option<usize>,
 }
 
-/// What was found.
+/// Result of an inspection.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Inspection {
-    /// The objects.
+    /// Summaries of the objects.
     pub objects: Vec<ObjectSummary>,
     /// Ranges over all objects.
     pub ranges: Vec<Range>,
@@ -34,31 +34,31 @@ pub struct Inspection {
     pub damaged: Vec<String>,
 }
 
-/// One object.
+/// Summary of an object.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ObjectSummary {
-    /// Its name.
+    /// Name of the object.
     pub name: String,
-    /// Its grasps.
+    /// Number of its grasps.
     pub grasps: usize,
-    /// Those that reached their load.
+    /// Number of grasps that reached their load.
     pub reached: usize,
-    /// The others, with reasons.
+    /// Grasps that did not reach their load, with reasons.
     pub failures: Vec<FailedGrasp>,
-    /// Grasps and frames that were looked at.
+    /// Number of grasps that were inspected.
     pub read_grasps: usize,
-    /// Frames that were looked at.
+    /// Number of frames that were inspected.
     pub read_frames: usize,
-    /// Nodes of a pad.
+    /// Number of nodes of a pad.
     pub nodes: usize,
-    /// Tetrahedra of a pad.
+    /// Number of tetrahedra of a pad.
     pub tets: usize,
 }
 
 /// Range and histogram of a quantity.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Range {
-    /// The quantity, with its unit at the end.
+    /// Name of the quantity, with its unit at the end.
     pub name: &'static str,
     /// Smallest value.
     pub min: f64,
@@ -74,10 +74,10 @@ pub struct Range {
 const QUANTITIES: [&str; 6] =
     ["force_n", "travel_m", "max_displacement_m", "max_von_mises_pa", "max_contact_force_n", "object_motion_m"];
 
-/// Looks at a data set; with `pictures`, draws the last frame that is looked at of each grasp there.
+/// Inspects a data set; with `pictures`, draws the last inspected frame of each grasp in that folder.
 ///
 /// # Errors
-/// Pictures that cannot be written. Damaged data is part of what is found.
+/// Fails if a picture cannot be written. Damaged data is part of the result.
 pub fn inspect(set: &DataSet, thinning: Thinning, pictures: Option<&Path>) -> Result<Inspection> {
     let mut values = vec![Vec::new(); QUANTITIES.len()];
     let mut damaged: Vec<String> = set.damaged.iter().map(Error::to_string).collect();
@@ -126,7 +126,7 @@ pub fn inspect(set: &DataSet, thinning: Thinning, pictures: Option<&Path>) -> Re
     Ok(Inspection { objects, ranges, damaged })
 }
 
-/// At most `most` of `frames` frames, evenly spread, the last included.
+/// Returns at most `most` of `frames` frames, evenly spread, including the last.
 pub(crate) fn chosen(frames: usize, most: Option<usize>) -> Vec<usize> {
     let n = most.unwrap_or(frames).min(frames);
     (1..=n).map(|i| i * frames / n - 1).collect()
@@ -170,7 +170,7 @@ fn quantities(file: &ObjectFile, grasp: &StoredGrasp, k: usize) -> [f64; 6] {
     ]
 }
 
-/// Draws a frame as a run would.
+/// Draws a frame as a run would draw it.
 fn draw(file: &ObjectFile, grasp: &StoredGrasp, number: usize, k: usize, dir: &Path) -> Result<()> {
     let topologies = vec![file.pad.clone(); file.sizes.pads];
     let title = format!("{}, grasp {number:03}", file.name);
@@ -179,7 +179,7 @@ fn draw(file: &ObjectFile, grasp: &StoredGrasp, number: usize, k: usize, dir: &P
     render::save(&picture, &dir.join(format!("{}_{number:03}.png", file.name)))
 }
 
-/// Frame `k` of a grasp in the hand frame, as it was recorded.
+/// Returns frame `k` of a grasp in the hand frame, as it was recorded.
 pub fn frame(file: &ObjectFile, grasp: &StoredGrasp, k: usize) -> Frame {
     let s = &file.sizes;
     let vector = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from));

@@ -1,4 +1,4 @@
-//! `manifest.json`: what the data set is, how far it is, what failed.
+//! `manifest.json`: content, progress and failures of a data set.
 
 use super::arrays::FORMAT;
 use super::places::Seal;
@@ -10,88 +10,89 @@ use crate::record::Status;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// The content of `manifest.json`; it holds no times, so that equal data sets have equal manifests.
+/// Content of `manifest.json`. It holds no times, so that equal data sets have equal manifests.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Version of the layout.
     pub format: u64,
-    /// BLAKE3 of this file without these digits; empty in data sets of earlier times.
+    /// BLAKE3 of this file without these digits; empty in older data sets.
     #[serde(default)]
     pub checksum: String,
     /// Version of tactus.
     pub tactus: String,
     /// True once every grasp has run.
     pub finished: bool,
-    /// What the scene shows.
+    /// Description of the scene.
     pub about: String,
-    /// BLAKE3 of everything that decides the content: scenes, grasps, versions. Another plan does not go on here.
+    /// BLAKE3 of everything that decides the content: scenes, grasps, versions. A data set with another plan is not
+    /// continued.
     pub plan: String,
-    /// Grasps of all objects.
+    /// Number of grasps of all objects.
     pub grasps: usize,
-    /// Frames of a grasp.
+    /// Number of frames of a grasp.
     pub frames: usize,
-    /// Bytes of all object files.
+    /// Size of all object files, bytes.
     pub bytes: u64,
     /// BLAKE3 of `splits.json`; empty until the data set is finished.
     #[serde(default)]
     pub splits: String,
-    /// The objects.
+    /// Entries of the objects.
     pub objects: Vec<ObjectEntry>,
 }
 
-/// One object.
+/// Entry of an object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ObjectEntry {
-    /// Its name.
+    /// Name of the object.
     pub name: String,
-    /// Its file, from the folder of the data set.
+    /// Path of its file, relative to the folder of the data set.
     pub file: PathBuf,
-    /// Its grasps.
+    /// Number of its grasps.
     pub grasps: usize,
     /// Size of its file, bytes; 0 until it is finished.
     pub bytes: u64,
     /// BLAKE3 of its file; empty until it is finished.
     pub blake3: String,
-    /// What tells damage to its file without reading all of it; None until it is finished.
+    /// Seal that reveals damage to the file without reading all of it; None until it is finished.
     #[serde(default)]
     pub seal: Option<Seal>,
-    /// Grasps that reached their load.
+    /// Number of grasps that reached their load.
     pub reached: usize,
-    /// Grasps that the object left.
+    /// Number of grasps that the object left.
     #[serde(default)]
     pub dropped: usize,
-    /// Grasps that the solver gave up.
+    /// Number of grasps that the solver gave up.
     pub fault: usize,
-    /// Grasps that could not start.
+    /// Number of grasps that could not start.
     pub infeasible: usize,
-    /// How the grasps were found, and what was assumed or repaired.
+    /// Notices: how the grasps were found, and what was assumed or repaired.
     pub notices: Vec<String>,
-    /// Every grasp that did not reach its load, with the reason.
+    /// Grasps that did not reach their load, with the reason.
     pub failures: Vec<FailedGrasp>,
-    /// What the scene promises of every recorded frame.
+    /// Results of the scene's promises about every recorded frame.
     #[serde(default)]
     pub promises: Vec<Promise>,
 }
 
-/// What became of an expectation of the scene in the frames of all grasps.
+/// Result of an expectation of the scene in the frames of all grasps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Promise {
-    /// The worst grasp.
+    /// Result of the worst grasp.
     pub worst: Held,
-    /// Grasps that break it.
+    /// Numbers of the grasps that break the promise.
     pub broken_by: Vec<usize>,
 }
 
-/// A grasp that did not reach its load.
+/// Grasp that did not reach its load.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FailedGrasp {
-    /// Its number, from 0.
+    /// Number of the grasp, from 0.
     pub grasp: usize,
-    /// How it ended.
+    /// End of the grasp.
     pub status: Status,
-    /// Why.
+    /// Reason of the end.
     pub reason: String,
-    /// Valid frames, the first so many.
+    /// Number of valid frames; they are the first ones.
     pub frames: usize,
 }
 
@@ -99,10 +100,10 @@ pub struct FailedGrasp {
 pub const MANIFEST: &str = "manifest.json";
 
 impl Manifest {
-    /// Reads the manifest of a data set; None where there is none.
+    /// Reads the manifest of a data set; returns None if there is none.
     ///
     /// # Errors
-    /// A file that is no manifest, that was changed, or of another version of the layout.
+    /// Fails if the file is not a manifest, was changed or is of another version of the layout.
     pub fn read(dir: &Path) -> Result<Option<Self>> {
         let path = dir.join(MANIFEST);
         let fail = |message: String| Error::file(&path, message);
@@ -138,7 +139,10 @@ impl Manifest {
         Ok(Some(manifest))
     }
 
-    /// Gives it its checksum and writes it, whole or not at all.
+    /// Sets the checksum and writes the manifest, whole or not at all.
+    ///
+    /// # Errors
+    /// Fails if the manifest cannot be turned into JSON or the file cannot be written.
     pub fn write(&mut self, dir: &Path) -> Result<()> {
         let path = dir.join(MANIFEST);
         let text = |own: &Self| {
@@ -150,14 +154,14 @@ impl Manifest {
         write_durable(&path, text(self)?.as_bytes())
     }
 
-    /// Sum of a count over the objects.
+    /// Returns the sum of a count over the objects.
     pub fn sum(&self, count: impl Fn(&ObjectEntry) -> usize) -> usize {
         self.objects.iter().map(count).sum()
     }
 }
 
 impl ObjectEntry {
-    /// Takes over how the grasps went.
+    /// Adds the results of finished grasps.
     pub fn tally<'a>(&mut self, finished: impl IntoIterator<Item = &'a Finished>) {
         for f in finished {
             match f.status {
@@ -173,7 +177,7 @@ impl ObjectEntry {
             f.promises.iter().for_each(|held| self.judge(f.grasp, held));
         }
     }
-    /// Adds what a grasp makes of a promise.
+    /// Adds the result of a grasp for a promise.
     fn judge(&mut self, grasp: usize, held: &Held) {
         let broken = (!held.held).then_some(grasp);
         match self.promises.iter_mut().find(|p| p.worst.name == held.name) {

@@ -1,4 +1,4 @@
-//! Data sets: many grasps of many objects, simulated in parallel, never lost, read back by the grasp.
+//! Data sets: many grasps of many objects, simulated in parallel, never lost, read back one grasp at a time.
 //!
 //! ```text
 //! DIR/manifest.json                                   scene, versions, counts, failures, hashes     (manifest.rs)
@@ -10,10 +10,11 @@
 //! DIR/.progress/OBJ/<grasp>.json                      grasps finished so far; gone at the end       (progress.rs)
 //! ```
 //!
-//! The layout of `dgs_output` is that of DefGraspSim's tactile grasps, which public loaders read; its arrays `_1_stacked_*`
-//! are theirs, all others are ours. The file of an object is laid out once, at its full size, under a temporary name.
-//! A grasp that ends writes its rows to their place, then its record, whole or not at all: a run killed at any moment
-//! goes on where it was, and ends with the same bytes. What the disk must hold is known beforehand.
+//! The layout of `dgs_output` is that of DefGraspSim's tactile grasps, which public loaders read; its arrays
+//! `_1_stacked_*` belong to that layout, all others to tactus. The file of an object is laid out once, at its full size,
+//! under a temporary name. A grasp that ends writes its rows to their place and then its record, whole or not at all. A
+//! run that is killed at any moment therefore continues from where it was and ends with the same bytes. The required disk
+//! space is known beforehand.
 
 pub mod arrays;
 pub mod campaign;

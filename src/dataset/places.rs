@@ -1,5 +1,5 @@
-//! Where the rows of a file are, and what vouches for its bytes: those of a grasp have a checksum in the file, all others one
-//! in the manifest, so that a reader need not read what it does not ask for.
+//! Positions of the rows of a file, and checksums of its bytes. The rows of a grasp have a checksum in the file, all other bytes have one
+//! in the manifest, so that a reader need not read more than it asks for.
 
 use super::arrays::{ARRAYS, ArrayLayout, FileSizes, RowName};
 use crate::error::{Error, Result};
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// Where the rows of each array start, bytes from the start of the file, in the order of [`ARRAYS`].
+/// Start of the rows of each array, bytes from the start of the file, in the order of [`ARRAYS`].
 #[derive(Debug, Clone)]
 pub struct Places {
     sizes: FileSizes,
@@ -16,10 +16,10 @@ pub struct Places {
 }
 
 impl Places {
-    /// Where the rows of the file at `path` are.
+    /// Finds the rows of the file at `path`.
     ///
     /// # Errors
-    /// A file that is not laid out for `sizes`, with the array.
+    /// Fails if the file is not laid out for `sizes`; the error names the array.
     pub fn find(path: &Path, file: &File, sizes: FileSizes) -> Result<Self> {
         let place = |array: &ArrayLayout| {
             let fail = |message: String| Error::file(path, format!("array `{}`: {message}", array.name));
@@ -36,16 +36,16 @@ impl Places {
         Ok(Self { sizes, start: ARRAYS.iter().map(place).collect::<Result<_>>()? })
     }
 
-    /// First byte of the row of `grasp` in the array with this index, and its length.
+    /// Returns the first byte of the row of `grasp` in the array with this index, and its length.
     pub fn row(&self, array: usize, grasp: usize) -> (u64, usize) {
         let length = ARRAYS[array].row_bytes(&self.sizes);
         (self.start[array] + (grasp * length) as u64, length)
     }
 
-    /// All rows of a grasp, from an open file.
+    /// Reads all rows of a grasp from an open file.
     ///
     /// # Errors
-    /// A file that ends too soon.
+    /// Fails if the file ends too soon.
     pub fn read(&self, file: &mut std::fs::File, grasp: usize) -> std::io::Result<Vec<Vec<u8>>> {
         let read = |array| {
             let (start, length) = self.row(array, grasp);
@@ -57,7 +57,7 @@ impl Places {
         (0..ARRAYS.len()).map(read).collect()
     }
 
-    /// The bytes (start, length) of the arrays of which `pick` holds, ascending; neighbours are joined.
+    /// Returns the bytes (start, length) of the arrays for which `pick` holds, ascending; neighbours are joined.
     pub fn ranges(&self, pick: impl Fn(usize) -> bool) -> Vec<[u64; 2]> {
         let length = |array: usize| self.sizes.grasps as u64 * ARRAYS[array].row_bytes(&self.sizes) as u64;
         let picked = (0..ARRAYS.len()).filter(|a| pick(*a));
@@ -72,26 +72,26 @@ impl Places {
     }
 }
 
-/// Arrays whose rows the checksum of their grasp vouches for whenever they are read. Who reads a status or a checksum reads
-/// those of all grasps, without their rows.
+/// Returns true if the checksum of a grasp covers its row of this array whenever the row is read. Status and checksum are
+/// excluded, because they are read for all grasps at once, without the other rows.
 pub fn vouched_for(array: usize) -> bool {
     array != RowName::Status as usize && array != RowName::Checksum as usize
 }
 
-/// All of a file but the rows that have checksums of their own: quickly read, and whole only together.
+/// Checksum of a file without the rows that have checksums of their own: quick to read, and valid only as a whole.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Seal {
-    /// Bytes that are left out: start, length; ascending.
+    /// Byte ranges that are left out: start, length; ascending.
     pub apart: Vec<[u64; 2]>,
-    /// BLAKE3 of the others.
+    /// BLAKE3 of the other bytes.
     pub blake3: String,
 }
 
 impl Seal {
-    /// Of the file at `path` without the bytes `apart` (start, length; ascending).
+    /// Computes the seal of the file at `path` without the bytes `apart` (start, length; ascending).
     ///
     /// # Errors
-    /// A file that cannot be read, or that has no such bytes.
+    /// Fails if the file cannot be read or does not have these bytes.
     pub fn of(path: &Path, apart: Vec<[u64; 2]>) -> Result<Self> {
         let hash = || {
             let mut file = std::fs::File::open(path)?;
@@ -108,10 +108,10 @@ impl Seal {
         Ok(Self { apart, blake3 })
     }
 
-    /// Whether the file at `path` has it.
+    /// Returns true if the file at `path` has this seal.
     ///
     /// # Errors
-    /// A file that cannot be read.
+    /// Fails if the file cannot be read.
     pub fn is_on(&self, path: &Path) -> Result<bool> {
         Ok(Self::of(path, self.apart.clone())?.blake3 == self.blake3)
     }

@@ -1,4 +1,5 @@
-//! What of a data set is fixed before anything runs: names and sizes of its files, and a hash of all that decides their content.
+//! Properties of a data set that are fixed before anything runs: names and sizes of its files, and a hash of all that decides their
+//! content.
 
 use super::arrays::{FileSizes, REASON};
 use super::split::Splits;
@@ -7,7 +8,7 @@ use crate::geometry::mesh::TriMesh;
 use crate::gripper::GraspPose;
 use crate::scene::{Loading, NamedScene, to_ron};
 
-/// `<object>_<density>_tactus_<E>_<nu>_<load>.h5`: the loader splits it at `_`.
+/// Returns the file name `<object>_<density>_tactus_<E>_<nu>_<load>.h5`, which the loader splits at `_`.
 pub(super) fn file_name(named: &NamedScene) -> String {
     let scene = &named.scene;
     let spec = scene.gripper.material.spec();
@@ -20,14 +21,15 @@ pub(super) fn file_name(named: &NamedScene) -> String {
     format!("{name}_{density}_tactus_{}_{}_{load}.h5", spec.young, spec.poisson)
 }
 
-/// Bytes of what does not grow with frames, at most: headers and scene, pad, object (HDF5 and STL), poses and records.
+/// Returns the largest size of the content that does not grow with frames, bytes: headers and scene, pad, object (HDF5
+/// and STL), poses and records.
 pub(super) fn fixed_bytes(sizes: &FileSizes, surface: &TriMesh) -> u64 {
     let pad = 25 * sizes.nodes + 2 * 120 * sizes.tets;
     let object = 24 * surface.vertices.len() + (12 + 50) * surface.triangles.len();
     (pad + object + (56 + REASON + 512) * sizes.grasps + 65_536) as u64
 }
 
-/// Of everything that decides the content.
+/// Hashes everything that decides the content.
 pub(super) fn plan_hash<'a>(
     objects: impl Iterator<Item = (&'a NamedScene, &'a [GraspPose])>,
     splits: &Splits,

@@ -1,4 +1,4 @@
-//! Grasps finished so far: one small file each, written whole or not at all, after the grasp's rows.
+//! Records of the finished grasps: one small file each, written whole or not at all, after the grasp's rows.
 
 use crate::error::{Error, Result};
 use crate::files::atomic::{create_dir, write_durable};
@@ -8,48 +8,51 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// How a finished grasp went.
+/// Record of a finished grasp.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Finished {
     /// Number of the grasp, from 0.
     pub grasp: usize,
-    /// How it ended.
+    /// End of the grasp.
     pub status: Status,
-    /// Why it was not reached.
+    /// Reason if the load was not reached.
     pub reason: Option<String>,
-    /// Frames recorded.
+    /// Number of recorded frames.
     pub frames: usize,
-    /// BLAKE3 of its rows, hexadecimal.
+    /// BLAKE3 of the rows, hexadecimal.
     pub checksum: String,
-    /// What the scene promises of its frames; nothing if it has none.
+    /// Results of the scene's promises about the frames; empty if there are none.
     #[serde(default)]
     pub promises: Vec<Held>,
 }
 
-/// Name of the record of what was laid out.
+/// Name of the record of the layout.
 const LAYOUT: &str = "layout";
 
-/// The records of one object.
+/// Records of one object.
 #[derive(Debug, Clone)]
 pub struct Progress {
     dir: PathBuf,
 }
 
 impl Progress {
-    /// Kept in `dir`.
+    /// Returns the records kept in `dir`.
     pub fn of(dir: PathBuf) -> Self {
         Self { dir }
     }
 
-    /// Enters a grasp.
+    /// Writes the record of a grasp.
+    ///
+    /// # Errors
+    /// Fails if the record cannot be written.
     pub fn enter(&self, finished: &Finished) -> Result<()> {
         let path = self.path(finished.grasp);
         let text = serde_json::to_string(finished).map_err(|e| Error::file(&path, e.to_string()))?;
         write_durable(&path, format!("{text}\n{}\n", blake3::hash(text.as_bytes()).to_hex()).as_bytes())
     }
 
-    /// The grasps below `count` that are finished. A record that cannot be read, or is not what was written, does not count: its
-    /// grasp runs again.
+    /// Returns the finished grasps below `count`. A record that cannot be read, or is not what was written, does not count: its grasp
+    /// runs again.
     pub fn finished(&self, count: usize) -> BTreeMap<usize, Finished> {
         let read = |grasp: usize| {
             let content = std::fs::read_to_string(self.path(grasp)).ok()?;
@@ -61,18 +64,24 @@ impl Progress {
         (0..count).filter_map(read).collect()
     }
 
-    /// Starts anew.
+    /// Removes all records and creates the empty folder.
+    ///
+    /// # Errors
+    /// Fails if the folder cannot be removed or created.
     pub fn clear(&self) -> Result<()> {
         remove(&self.dir)?;
         create_dir(&self.dir)
     }
 
-    /// Enters what was laid out for the rows of all grasps.
+    /// Writes the record of the layout for the rows of all grasps.
+    ///
+    /// # Errors
+    /// Fails if the record cannot be written.
     pub fn enter_layout(&self, layout: &str) -> Result<()> {
         write_durable(&self.dir.join(LAYOUT), layout.as_bytes())
     }
 
-    /// What was laid out; None if that is not known.
+    /// Returns the record of the layout; None if there is none.
     pub fn layout(&self) -> Option<String> {
         std::fs::read_to_string(self.dir.join(LAYOUT)).ok()
     }
@@ -82,7 +91,10 @@ impl Progress {
     }
 }
 
-/// Removes a folder and what is in it, if it is there.
+/// Removes a folder with its content, if it is there.
+///
+/// # Errors
+/// Fails if the folder is there and cannot be removed.
 pub fn remove(dir: &Path) -> Result<()> {
     match std::fs::remove_dir_all(dir) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => {

@@ -1,4 +1,4 @@
-//! Reads the file of one object by the grasp: nothing but what is asked for is in memory.
+//! Reader of the file of one object, one grasp at a time: memory holds only what is asked for.
 
 use super::arrays::{FORMAT, FileSizes, RowName};
 use super::places::Places;
@@ -13,18 +13,18 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// The file of one object.
+/// File of one object.
 #[derive(Debug)]
 pub struct ObjectFile {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
     /// Name of the object.
     pub name: String,
-    /// All shapes.
+    /// Sizes that fix all shapes.
     pub sizes: FileSizes,
-    /// The scene with every default, RON: [`crate::model::Model::build`] makes the same model of it.
+    /// Scene with every default, RON: [`crate::model::Model::build`] makes the same model from it.
     pub scene: String,
-    /// The pads: rest positions, tetrahedra, faces; pad frame.
+    /// Mesh of the pads: rest positions, tetrahedra, faces; pad frame.
     pub pad: PadTopology,
     /// Pose of each pad in the hand at zero travel: `x_hand = rotation * x_pad + position`.
     pub pad_poses: Vec<GraspPose>,
@@ -32,7 +32,7 @@ pub struct ObjectFile {
     pub closing: Vec<DVec3>,
     /// Surface of the object, object frame, m.
     pub object: TriMesh,
-    /// Per grasp: 0 not simulated, 1 reached, 2 fault, 3 infeasible, 4 dropped.
+    /// Status per grasp: 0 not simulated, 1 reached, 2 fault, 3 infeasible, 4 dropped.
     pub status: Vec<u8>,
     /// Numbers of the file's header: material, friction, gravity.
     pub numbers: HashMap<String, Vec<f64>>,
@@ -40,30 +40,30 @@ pub struct ObjectFile {
     handles: Mutex<Vec<std::fs::File>>,
 }
 
-/// All frames of one grasp. Arrays are row-major, pads left first; see [`ARRAYS`](super::arrays::ARRAYS) for units and frames.
+/// Frames of one grasp. Arrays are row-major, pads left first; see [`ARRAYS`](super::arrays::ARRAYS) for units and frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredGrasp {
-    /// Valid frames; all arrays are cut to them.
+    /// Number of valid frames; all arrays are cut to them.
     pub frames: usize,
-    /// (frames, pads, nodes, 3), m, pad frame.
+    /// Displacement, shape (frames, pads, nodes, 3), m, pad frame.
     pub displacement: Vec<f32>,
-    /// (frames, pads, nodes, 3), N, pad frame.
+    /// Contact force, shape (frames, pads, nodes, 3), N, pad frame.
     pub contact_force: Vec<f32>,
-    /// (frames, pads, nodes), Pa.
+    /// Von Mises stress, shape (frames, pads, nodes), Pa.
     pub von_mises: Vec<f32>,
-    /// (frames), N.
+    /// Applied force, shape (frames), N.
     pub force: Vec<f64>,
-    /// (frames, pads), m since first contact.
+    /// Travel since first contact, shape (frames, pads), m.
     pub travel: Vec<f64>,
-    /// (frames, pads), m since the open hand.
+    /// Travel since the open hand, shape (frames, pads), m.
     pub finger_position: Vec<f64>,
-    /// (frames, 7): px py pz qw qx qy qz in the hand frame.
+    /// Pose of the object, px py pz qw qx qy qz, shape (frames, 7), in the hand frame.
     pub object_pose: Vec<f64>,
-    /// (frames, pads, 6), N and N m, pad frame.
+    /// Force and torque of the contact, shape (frames, pads, 6), N and N m, pad frame.
     pub wrench: Vec<f64>,
-    /// (7): the hand in the object frame.
+    /// Pose of the hand in the object frame, shape (7).
     pub grasp_pose: Vec<f64>,
-    /// Why it was not reached; empty if it was.
+    /// Reason if the load was not reached; otherwise empty.
     pub reason: String,
 }
 
@@ -71,7 +71,7 @@ impl ObjectFile {
     /// Opens the file of one object; reads pads, object and status, no frame.
     ///
     /// # Errors
-    /// A file that is not what `tactus dataset` writes, or is cut off.
+    /// Fails if the file is not what `tactus dataset` writes, or is cut off.
     pub fn open(path: &Path) -> Result<Self> {
         let fail = |message: String| Error::file(path, message);
         let read = |e: hdf5_pure::Error| fail(format!("is not readable as HDF5: {e}"));
@@ -188,15 +188,15 @@ impl ObjectFile {
         })
     }
 
-    /// Numbers of the grasps that reached their load.
+    /// Returns the numbers of the grasps that reached their load.
     pub fn reached(&self) -> impl Iterator<Item = usize> + '_ {
         self.status.iter().enumerate().filter(|(_, s)| **s == 1).map(|(g, _)| g)
     }
 
-    /// Reads a grasp; any thread, any order.
+    /// Reads a grasp, from any thread and in any order.
     ///
     /// # Errors
-    /// A grasp that does not exist, or whose rows are not those that were written.
+    /// Fails if the grasp does not exist, or its rows are not those that were written.
     pub fn grasp(&self, grasp: usize) -> Result<StoredGrasp> {
         if grasp >= self.sizes.grasps {
             let message = format!("has no grasp {grasp}; its {} grasps start at 0", self.sizes.grasps);
@@ -213,7 +213,7 @@ impl ObjectFile {
         Ok(self.decode(&rows))
     }
 
-    /// All rows of a grasp.
+    /// Reads all rows of a grasp.
     fn rows(&self, grasp: usize) -> std::io::Result<Vec<Vec<u8>>> {
         // A handle per reading thread: a handle has one position.
         let kept = self.handles.lock().unwrap_or_else(PoisonError::into_inner).pop();

@@ -1,4 +1,4 @@
-//! What becomes of the frames of a grasp: rows in the object's file, then a record that the grasp is finished.
+//! Recorder of the frames of a grasp: rows in the object's file, then a record that the grasp is finished.
 
 use super::file::Writer;
 use super::progress::{Finished, Progress};
@@ -13,18 +13,18 @@ use crate::scene::{Expectation, NamedScene};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-/// Is told how far the data set is, from whichever thread.
+/// Observer of the progress of a data set, called from any thread.
 pub trait Watcher: Sync {
-    /// A grasp has a frame.
+    /// Reports a frame of a grasp.
     fn frame(&self) {}
-    /// A grasp of `object` has ended.
+    /// Reports the end of a grasp of `object`.
     fn grasp(&self, _object: &str, _finished: &Finished) {}
 }
 
-/// Nobody watches.
+/// Observer that ignores everything.
 impl Watcher for () {}
 
-/// Takes the frames of the grasps of one object.
+/// Recorder of the frames of the grasps of one object.
 pub struct DatasetRecorder<'a> {
     name: &'a str,
     expect: Vec<Expectation>,
@@ -34,12 +34,12 @@ pub struct DatasetRecorder<'a> {
     writer: Writer,
     progress: &'a Progress,
     watcher: &'a dyn Watcher,
-    /// Rows of the grasps that run.
+    /// Rows of the grasps in progress.
     open: Mutex<BTreeMap<usize, GraspRows>>,
 }
 
 impl<'a> DatasetRecorder<'a> {
-    /// For the grasps at `poses` of an object.
+    /// Builds a recorder for the grasps at `poses` of an object.
     pub fn new(
         object: &'a NamedScene,
         poses: &'a [GraspPose],

@@ -1,4 +1,4 @@
-//! The rows of one grasp, filled frame by frame.
+//! Rows of one grasp, filled frame by frame.
 
 use super::arrays::{ARRAYS, FileSizes, REASON, RowName};
 use super::compatible::{Mirror, World};
@@ -8,24 +8,24 @@ use crate::record::{Frame, Status};
 use glam::{DMat4, DVec3};
 use std::sync::Arc;
 
-/// Turns frames into rows.
+/// Encoder of frames as rows.
 #[derive(Debug)]
 pub struct Encoder {
     model: Arc<Model>,
     sizes: FileSizes,
     world: World,
-    /// Per pad.
+    /// Mirror image of each pad.
     mirrors: Vec<Mirror>,
-    /// False where the loader's rest shape of the right pad is not that of the mesh.
+    /// False if the loader's rest shape of the right pad is not that of the mesh.
     pub mirrored: bool,
 }
 
-/// The rows of one grasp: bytes by array, in the order of [`ARRAYS`].
+/// Rows of one grasp: bytes by array, in the order of [`ARRAYS`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspRows(pub Vec<Vec<u8>>);
 
 impl Encoder {
-    /// For grasps of `model`.
+    /// Builds an encoder for grasps of `model`.
     pub fn new(model: &Arc<Model>, sizes: FileSizes, world: World) -> Self {
         let pad = &model.fingers[0].topology;
         let mirror = Mirror::of(pad);
@@ -35,14 +35,14 @@ impl Encoder {
         Self { model: model.clone(), sizes, world, mirrors, mirrored: mirror.is_some() }
     }
 
-    /// Empty rows of a grasp at `pose`.
+    /// Returns empty rows of a grasp at `pose`.
     pub fn rows(&self, pose: &GraspPose) -> GraspRows {
         let mut rows = GraspRows(ARRAYS.iter().map(|a| vec![0; a.row_bytes(&self.sizes)]).collect());
         rows.doubles(RowName::GraspPose, 0, pose_row(pose.position, pose.rotation));
         rows
     }
 
-    /// Takes a frame.
+    /// Enters a frame into the rows.
     pub fn frame(&self, rows: &mut GraspRows, frame: &Frame) {
         let s = &self.sizes;
         let (k, pads) = (frame.index, s.pads);
@@ -85,7 +85,7 @@ impl Encoder {
         rows.integer(RowName::NewtonIterations, k, frame.newton_iterations);
     }
 
-    /// Closes the rows: how the grasp ended, and the checksum, which is returned.
+    /// Closes the rows with the end of the grasp and the checksum, which is returned.
     pub fn finish(&self, rows: &mut GraspRows, status: Status, reason: &str, frames: usize) -> blake3::Hash {
         if status != Status::Reached {
             // The loader skips a grasp without forces, and must: it takes every frame as valid.
@@ -104,7 +104,7 @@ impl Encoder {
     }
 }
 
-/// BLAKE3 of the rows but the last, which holds it.
+/// Computes the BLAKE3 of the rows except the last, which holds it.
 pub fn checksum(rows: &[Vec<u8>]) -> blake3::Hash {
     let mut hasher = blake3::Hasher::new();
     rows[..ARRAYS.len() - 1].iter().for_each(|row| {
@@ -113,7 +113,7 @@ pub fn checksum(rows: &[Vec<u8>]) -> blake3::Hash {
     hasher.finalize()
 }
 
-/// Number of a status in the file; 0 is not simulated.
+/// Returns the number of a status in the file; 0 is not simulated.
 pub fn code(status: Status) -> u8 {
     match status {
         Status::Reached => 1,

@@ -1,6 +1,7 @@
-//! `sensitivity.csv`: how well posed the grasps of a data set are, beside which the errors of a network on it are to be read.
+//! `sensitivity.csv`: how well posed the grasps of a data set are, as a scale for the errors of a network on them.
 //!
-//! One row per change of a grasp, after a first line with the plan of the data set. A run killed on the way goes on with the next object.
+//! The table has one row per change of a grasp, after a first line with the plan of the data set. A run that is killed on the way
+//! continues with the next object.
 
 use crate::error::{Error, Result};
 use crate::files::atomic::{cannot_write, write_durable};
@@ -17,27 +18,27 @@ use std::path::Path;
 /// Name of the file.
 pub const SENSITIVITY: &str = "sensitivity.csv";
 
-/// What a change does to a grasp of the data set.
+/// Effect of a change on a grasp of the data set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SensitivityRow {
     /// Name of the object.
     pub object: String,
     /// Number of the grasp, from 0.
     pub grasp: usize,
-    /// What was changed.
+    /// Change that was made.
     pub change: Change,
-    /// How the grasp ended with it.
+    /// End of the grasp with the change.
     pub status: crate::record::Status,
-    /// Distance of the displacements of both pads over their norm; None unless both grasps were reached.
+    /// Difference of the displacements of both pads over their norm; None unless both grasps were reached.
     pub displacement: Option<f64>,
-    /// How much farther the object moved, m; None unless both grasps were reached.
+    /// Additional displacement of the object, m; None unless both grasps were reached.
     pub object_m: Option<f64>,
 }
 
-/// The table of a data set with this `plan`; empty where there is none.
+/// Reads the table of a data set with this `plan`; returns an empty one if there is none.
 ///
 /// # Errors
-/// A file that is no such table.
+/// Fails if the file is not such a table.
 pub fn read(dir: &Path, plan: &str) -> Result<Vec<SensitivityRow>> {
     let path = dir.join(SENSITIVITY);
     let text = match std::fs::read_to_string(&path) {
@@ -53,7 +54,7 @@ pub fn read(dir: &Path, plan: &str) -> Result<Vec<SensitivityRow>> {
 /// Adds the first grasps of one object, at `poses`, to the `table` in `dir`, unless they are there.
 ///
 /// # Errors
-/// Those of building a model, of running grasps and of writing.
+/// Fails if a model cannot be built, the grasps cannot be run or the table cannot be written.
 pub fn add(
     (dir, plan): (&Path, &str),
     table: &mut Vec<SensitivityRow>,
@@ -90,7 +91,7 @@ pub fn add(
     write_durable(&path, &bytes)
 }
 
-/// The line that ties the table to its data set.
+/// Returns the line that ties the table to its data set.
 fn first_line(plan: &str) -> String {
     format!("# plan {plan}\n")
 }

@@ -1,4 +1,4 @@
-//! Reads data sets by the grasp: nothing but what is asked for is in memory.
+//! Reader of data sets, one grasp at a time: memory holds only what is asked for.
 //!
 //! ```no_run
 //! # fn main() -> tactus::error::Result<()> {
@@ -20,27 +20,27 @@ use super::split::{Poses, Splits};
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// A data set on disk.
+/// Data set on disk.
 #[derive(Debug)]
 pub struct DataSet {
-    /// Its folder.
+    /// Folder of the data set.
     pub dir: PathBuf,
-    /// What it says of itself.
+    /// Manifest of the data set.
     pub manifest: Manifest,
     /// Training and test sets.
     pub splits: Splits,
-    /// The objects whose files are sound, in the order of the scene.
+    /// Objects whose files are sound, in the order of the scene.
     pub objects: Vec<ObjectFile>,
-    /// Files that are refused, by name and with the reason; the rest is usable.
+    /// Errors of the files that are refused, by name and with the reason; the rest is usable.
     pub damaged: Vec<Error>,
 }
 
 impl DataSet {
-    /// Opens a finished data set, and checks all of it but the rows of grasps, which are checked when they are read. Object files
-    /// that are damaged are listed, not fatal.
+    /// Opens a finished data set and checks everything except the rows of grasps, which are checked when they are read. Object files that
+    /// are damaged are listed and do not fail.
     ///
     /// # Errors
-    /// No manifest, an unfinished data set, a manifest or splits that are unreadable or were changed.
+    /// Fails if there is no manifest, the data set is unfinished, or the manifest or the splits are unreadable or were changed.
     pub fn open(dir: impl AsRef<Path>) -> Result<Self> {
         let dir = dir.as_ref();
         let manifest = Manifest::read(dir)?.ok_or_else(|| {
@@ -65,7 +65,7 @@ impl DataSet {
         Ok(Self { dir: dir.to_path_buf(), manifest, splits, objects, damaged })
     }
 
-    /// Every reached grasp that a split names, as (index in [`Self::objects`], number of the grasp).
+    /// Returns every reached grasp that a split names, as (index in [`Self::objects`], number of the grasp).
     pub fn select(&self, poses: &Poses) -> Vec<(usize, usize)> {
         let of = |(index, object): (usize, &ObjectFile)| {
             let wanted = poses.get(&object.name).cloned().unwrap_or_default();
@@ -76,7 +76,7 @@ impl DataSet {
     }
 }
 
-/// The file of an object, if it is as its entry says.
+/// Opens the file of an object if it agrees with its entry.
 fn sound(path: &Path, entry: &ObjectEntry) -> Result<ObjectFile> {
     let fail = |message: String| Err(Error::file(path, message));
     let size = std::fs::metadata(path).map_err(|e| Error::file(path, format!("cannot be opened: {e}")))?.len();
@@ -103,10 +103,10 @@ fn sound(path: &Path, entry: &ObjectEntry) -> Result<ObjectFile> {
     }
 }
 
-/// BLAKE3 of a file, hexadecimal.
+/// Computes the BLAKE3 of a file, hexadecimal.
 ///
 /// # Errors
-/// A file that cannot be read.
+/// Fails if the file cannot be read.
 pub fn hash(path: &Path) -> Result<String> {
     let mut hasher = blake3::Hasher::new();
     let read = std::fs::File::open(path).and_then(|file| hasher.update_reader(file).map(|h| h.finalize()));

@@ -1,4 +1,4 @@
-//! Training and test: which poses of which objects, fixed by a seed.
+//! Splits into training and test: poses of objects, chosen by a seed.
 
 use crate::random::Random;
 use crate::scene::Split;
@@ -8,32 +8,32 @@ use std::collections::BTreeMap;
 /// Grasp numbers by object.
 pub type Poses = BTreeMap<String, Vec<usize>>;
 
-/// A training and a test set.
+/// Training set and test set.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sets {
-    /// To train on.
+    /// Poses for training.
     pub train: Poses,
-    /// To judge on.
+    /// Poses for the test.
     pub test: Poses,
 }
 
-/// All splits of a data set. They name all poses, whatever became of them: read only those that were reached.
+/// Splits of a data set. They name all poses, whatever their end: read only those that were reached.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Splits {
     /// Seed of the permutations.
     pub seed: u64,
-    /// Part of the poses kept for the test.
+    /// Fraction of the poses kept for the test.
     pub test_fraction: f64,
-    /// Seen objects, unseen poses: the poses of every object are shared out.
+    /// Split for seen objects and unseen poses: the poses of every object are divided.
     pub poses: Sets,
-    /// One object alone, unseen poses.
+    /// Splits for one object alone and unseen poses.
     pub single_object: BTreeMap<String, Sets>,
-    /// An unseen object: all poses of all others against all poses of this one.
+    /// Splits for an unseen object: all poses of all others against all poses of this one.
     pub leave_one_object_out: BTreeMap<String, Sets>,
 }
 
 impl Splits {
-    /// The splits of objects with so many grasps.
+    /// Returns the splits of objects with these numbers of grasps.
     pub fn new(split: &Split, objects: &[(String, usize)]) -> Self {
         let mut poses = Sets::default();
         for (name, count) in objects {
@@ -67,7 +67,7 @@ impl Splits {
         }
     }
 
-    /// All poses of all objects, to train on or to judge by: for a data set that another one's model has never seen.
+    /// Returns all poses of all objects, for training or for the test of a model that has never seen this data set.
     pub fn all(&self) -> Sets {
         let mut poses = self.poses.test.clone();
         for (name, train) in &self.poses.train {

@@ -3,7 +3,7 @@
 use super::fields::{Fields, Points};
 use glam::DVec3;
 
-/// Distances of one frame of a grasp from another over all pads. Relative ones are over the norm of the other.
+/// Distances of one frame of a grasp from another over all pads. Relative ones are divided by the norm of the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Distance {
     /// Displacement, L2 over the volume of the gel, relative.
@@ -21,7 +21,7 @@ pub struct Distance {
 }
 
 impl Distance {
-    /// Of `own` from `truth`, at the same points.
+    /// Computes the distances of `own` from `truth`, at the same points.
     pub fn of(points: &Points, own: &Fields, truth: &Fields) -> Self {
         let apart: Vec<f64> = own.displacement.iter().zip(&truth.displacement).map(|(a, b)| a.distance(*b)).collect();
         let stress: Vec<f64> = own.stress.iter().zip(&truth.stress).map(|(a, b)| a - b).collect();

@@ -4,17 +4,17 @@ use crate::mech::element::{RestTet, TET10, tet10_values};
 use crate::record::{Frame, PadTopology};
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
-/// Points of a pad at rest, pad frame, each standing for a part of the volume.
+/// Points of a pad at rest, pad frame, each representing a part of the volume.
 #[derive(Debug, Clone)]
 pub struct Points {
-    /// m.
+    /// Positions, m.
     pub position: Vec<DVec3>,
-    /// m3.
+    /// Volumes, m3.
     pub volume: Vec<f64>,
 }
 
 impl Points {
-    /// Four points in each tetrahedron (Keast 1986): sums over them are integrals, exact for quadratic fields.
+    /// Places four points in each tetrahedron (Keast 1986): sums over them are integrals, exact for quadratic fields.
     pub fn of(pad: &PadTopology) -> Self {
         let mut points = Self { position: Vec::new(), volume: Vec::new() };
         for nodes in pad.elements.nodes().chunks_exact(pad.elements.width()) {
@@ -29,12 +29,12 @@ impl Points {
     }
 }
 
-/// What a frame says at the points of all pads, one pad after the other.
+/// Fields of a frame at the points of all pads, one pad after the other.
 #[derive(Debug, Clone, Default)]
 pub struct Fields {
-    /// m, hand axes, relative to the pad carried by its finger.
+    /// Displacement, m, hand axes, relative to the pad carried by its finger.
     pub displacement: Vec<DVec3>,
-    /// Von Mises, Pa; empty if not recorded.
+    /// Von Mises stress, Pa; empty if not recorded.
     pub stress: Vec<f64>,
     /// Contact force on each pad, N, hand axes.
     pub force: Vec<DVec3>,
@@ -42,22 +42,22 @@ pub struct Fields {
     pub travel: Vec<f64>,
 }
 
-/// Where the points lie in a mesh.
+/// Positions of the points in a mesh.
 #[derive(Debug)]
 pub struct Probe {
-    /// Per point: nodes and their shape functions.
+    /// Nodes and their shape functions, per point.
     stencils: Vec<Vec<(u32, f64)>>,
 }
 
 impl Probe {
-    /// Looks for the points in the pad's elements. A point just outside (the rim of a coarser mesh) takes the values of the
+    /// Finds the points in the pad's elements. A point just outside (the rim of a coarser mesh) takes the values of the
     /// nearest place in its best element.
     pub fn new(points: &Points, pad: &PadTopology) -> Self {
         let tets = Tets::of(pad);
         Self { stencils: points.position.iter().map(|p| tets.stencil(*p)).collect() }
     }
 
-    /// The fields of a frame; nodal stress is taken where it is recorded.
+    /// Returns the fields of a frame, with nodal stress if it is recorded.
     pub fn fields(&self, frame: &Frame) -> Fields {
         let mut fields = Fields { travel: frame.travel.clone(), ..Fields::default() };
         for pad in &frame.pads {
@@ -72,7 +72,7 @@ impl Probe {
     }
 }
 
-/// An element: its nodes, its first corner, the box around it, its gradients.
+/// Element with its nodes, its first corner, its bounding box and its gradients.
 struct Tet<'a> {
     nodes: &'a [u32],
     first: DVec3,
@@ -80,7 +80,7 @@ struct Tet<'a> {
     rest: RestTet,
 }
 
-/// The elements of a pad, and those that a column of the pad's box may meet.
+/// Elements of a pad, with those that each column of the pad's box may meet.
 struct Tets<'a> {
     all: Vec<Tet<'a>>,
     /// Lower corner and width of the columns, along x and y, m.
@@ -88,9 +88,9 @@ struct Tets<'a> {
     columns: Vec<Vec<u32>>,
 }
 
-/// Columns along x and along y.
+/// Number of columns along x and along y.
 const COLUMNS: usize = 32;
-/// How far outside an element's box a point may be and count as within it, m.
+/// Distance outside an element's box at which a point still counts as within it, m.
 const MARGIN: f64 = 1e-9;
 
 impl<'a> Tets<'a> {
@@ -119,7 +119,7 @@ impl<'a> Tets<'a> {
         [at.x, at.y].map(|c| (c.max(0.0) as usize).min(COLUMNS - 1))
     }
 
-    /// Nodes and shape functions of a point.
+    /// Returns nodes and shape functions of a point.
     fn stencil(&self, p: DVec3) -> Vec<(u32, f64)> {
         let [x, y] = self.column(p);
         let near = self.columns[y * COLUMNS + x].iter().map(|t| &self.all[*t as usize]).filter(|t| {
@@ -131,7 +131,7 @@ impl<'a> Tets<'a> {
     }
 }
 
-/// Barycentric coordinates of `p` in the tetrahedron that it is most inside of, and its nodes.
+/// Returns the barycentric coordinates of `p` in the tetrahedron in which it lies deepest, and the nodes of that.
 fn best<'a>(tets: impl Iterator<Item = &'a Tet<'a>>, p: DVec3) -> Option<([f64; 4], &'a [u32])> {
     let mut best = (f64::NEG_INFINITY, None);
     for tet in tets {
@@ -145,7 +145,8 @@ fn best<'a>(tets: impl Iterator<Item = &'a Tet<'a>>, p: DVec3) -> Option<([f64; 
     best.1
 }
 
-/// Nodes with the values of their shape functions at barycentric coordinates `l`, drawn into the element if outside.
+/// Returns nodes with the values of their shape functions at barycentric coordinates `l`, moved into the element if
+/// outside.
 fn shape_functions(l: [f64; 4], nodes: &[u32]) -> Vec<(u32, f64)> {
     let l = l.map(|v| v.max(0.0));
     let sum: f64 = l.iter().sum();

@@ -1,4 +1,4 @@
-//! How far two frames of a grasp are apart, whatever their meshes: fields at common points (`fields.rs`), norms of differences
+//! Distance between two frames of a grasp, whatever their meshes: fields at common points (`fields.rs`), norms of differences
 //! (`apart.rs`). A bench judges settings by it, a sensitivity how well posed a grasp is.
 
 pub mod apart;

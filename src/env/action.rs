@@ -1,4 +1,4 @@
-//! What an agent asks for: numbers from -1 to 1; beyond them counts as the nearest end.
+//! Actions of an agent: numbers from -1 to 1; a number beyond counts as the nearest end.
 
 use super::spec::ArraySpec;
 use crate::gripper::GraspPose;
@@ -17,17 +17,17 @@ pub struct Action {
     pub regrasp: Option<(DVec3, DQuat)>,
 }
 
-/// Numbers of an action of `task`.
+/// Returns how many numbers an action of `task` has.
 pub fn size(task: &Task) -> usize {
     1 + usize::from(task.twist_deg.is_some()) + if task.regrasp.is_some() { 3 } else { 0 }
 }
 
-/// The actions of one environment, all in one array.
+/// Describes the actions of one environment, all in one array.
 pub fn spec(task: &Task) -> ArraySpec {
     ArraySpec::new("action", &[size(task)], "1", [-1.0, 1.0])
 }
 
-/// What `numbers` ask for, after a step with `force` and `twist`.
+/// Decodes `numbers` into an action, after a step with `force` and `twist`.
 pub fn decode(task: &Task, numbers: &[f32], force: f64, twist: f64) -> Action {
     let mut numbers = numbers.iter().map(|v| f64::from(*v).clamp(-1.0, 1.0));
     let mut next = || numbers.next().unwrap_or(0.0);
@@ -44,7 +44,7 @@ pub fn decode(task: &Task, numbers: &[f32], force: f64, twist: f64) -> Action {
     Action { force: force.clamp(least, most), twist, regrasp }
 }
 
-/// The hand of a new grasp.
+/// Returns the hand pose of a new grasp.
 pub fn regrasped(first: &GraspPose, center: DVec3, (shift, turn): (DVec3, DQuat)) -> GraspPose {
     super::draw::moved_hand(first, center, shift, turn)
 }

@@ -1,4 +1,4 @@
-//! N environments, stepped together.
+//! Batches of environments that are stepped together.
 
 use super::action;
 use super::config::{Autoreset, BatchConfig};
@@ -28,18 +28,18 @@ pub struct BatchEnv {
 }
 
 impl BatchEnv {
-    /// Environments of the scene file at `path`.
+    /// Creates environments of the scene file at `path`.
     ///
     /// # Errors
-    /// Those of loading it and of [`BatchEnv::new`].
+    /// Fails if the file cannot be loaded, and as [`BatchEnv::new`] does.
     pub fn open(path: impl AsRef<Path>, config: BatchConfig) -> Result<Self> {
         Self::new(&load_set(path)?.scenes, config)
     }
 
-    /// Environments of the scenes of one file: one per object, of which every episode draws one.
+    /// Creates environments of the scenes of one file: one scene per object, of which every episode draws one.
     ///
     /// # Errors
-    /// A scene without a task; models that cannot be built or that the backend refuses.
+    /// Fails for a scene without a task, and for models that cannot be built or that the backend refuses.
     pub fn new(set: &[NamedScene], config: BatchConfig) -> Result<Self> {
         if config.num_envs == 0 {
             return Err(Error::Start("a batch has at least one environment".into()));
@@ -75,46 +75,46 @@ impl BatchEnv {
         Ok(Self { cells: (0..n).map(|i| Env::new(key(i))).collect(), arena, config, pool, outputs })
     }
 
-    /// The same with a reward of the user's own instead of the scene's.
+    /// Replaces the scene's reward by one of the user's own.
     pub fn with_reward(mut self, reward: impl Fn(&StepInfo) -> f64 + Send + Sync + 'static) -> Self {
         self.arena.custom = Some(Box::new(reward));
         self
     }
 
-    /// Number of environments.
+    /// Returns the number of environments.
     pub fn num_envs(&self) -> usize {
         self.cells.len()
     }
 
-    /// Its settings.
+    /// Returns the settings of the batch.
     pub fn config(&self) -> &BatchConfig {
         &self.config
     }
 
-    /// The observations of one environment.
+    /// Describes the observations of one environment.
     pub fn observation_spec(&self) -> Vec<ArraySpec> {
         self.arena.senses.iter().map(|s| s.spec()).collect()
     }
 
-    /// The action of one environment.
+    /// Describes the action of one environment.
     pub fn action_spec(&self) -> ArraySpec {
         action::spec(&self.arena.task)
     }
 
-    /// Starts the next episode of the environments in `mask` (None is all), or with `seed` their first one.
+    /// Starts the next episode of the environments in `mask` (None is all), or their first one if `seed` is given.
     ///
     /// # Errors
-    /// A mask of another length; an interruption.
+    /// Fails for a mask of another length, and on an interruption.
     pub fn reset(&mut self, seed: Option<u64>, mask: Option<&[bool]>) -> std::result::Result<StepView<'_>, StepError> {
         let first = self.config.first_env;
         self.begin(mask, |i| seed.map(|seed| EpisodeKey { seed, env: first + i as u64, episode: 0 }))
     }
 
-    /// The same with a seed of its own for every environment: it starts the first episode that the only environment of a batch
-    /// with this seed starts. None starts the next one.
+    /// Starts episodes with one seed per environment, in the environments of `mask` (None is all). A seed starts the first episode
+    /// of a batch that has this seed and only one environment. None starts the next episode.
     ///
     /// # Errors
-    /// Seeds or a mask of another length; an interruption.
+    /// Fails for seeds or a mask of another length, and on an interruption.
     pub fn reset_each(
         &mut self,
         seeds: &[Option<u64>],
@@ -127,7 +127,7 @@ impl BatchEnv {
         self.begin(mask, |i| seeds[i].map(|seed| EpisodeKey { seed, env: 0, episode: 0 }))
     }
 
-    /// Starts the episode `key` says of the environments in `mask`; the next one where it says none.
+    /// Starts the episodes that `key` names in the environments of `mask`; the next episode where `key` is None.
     fn begin(
         &mut self,
         mask: Option<&[bool]>,
@@ -156,11 +156,11 @@ impl BatchEnv {
         Ok(StepView(&self.outputs))
     }
 
-    /// One step of every environment; `actions` is (environments, action), row-major.
+    /// Takes one step of every environment; `actions` is (environments, action), row-major.
     ///
     /// # Errors
-    /// Another length, numbers that are not finite, an environment that waits for a reset: nothing has changed then. An
-    /// interruption: no environment has an episode then.
+    /// Fails for actions of another length, for numbers that are not finite, and if an environment waits for a reset: nothing has
+    /// changed then. Fails on an interruption: no environment has an episode then.
     pub fn step(&mut self, actions: &[f32]) -> std::result::Result<StepView<'_>, StepError> {
         let size = action::size(&self.arena.task);
         if actions.len() != size * self.cells.len() {
@@ -198,21 +198,21 @@ impl BatchEnv {
         Ok(StepView(&self.outputs))
     }
 
-    /// What the last reset, step or restore gave.
+    /// Returns the results of the last reset, step or restore.
     pub fn view(&self) -> StepView<'_> {
         StepView(&self.outputs)
     }
 
-    /// The running episode of environment `env`, to be restored here or in another batch of the same scene.
+    /// Saves the running episode of environment `env`, to be restored here or in another batch of the same scene.
     pub fn save(&self, env: usize) -> Snapshot {
         self.cells[env].save(&self.arena)
     }
 
-    /// Brings environment `env` to where `snapshot` was saved, bit for bit.
+    /// Brings environment `env` to the state in which `snapshot` was saved, bit for bit.
     ///
     /// # Errors
-    /// An environment that is not there, a snapshot that is damaged or of another scene: nothing has changed then. An
-    /// interruption: no environment has an episode then.
+    /// Fails for an environment that does not exist, and for a snapshot that is damaged or of another scene: nothing has changed
+    /// then. Fails on an interruption: no environment has an episode then.
     pub fn restore(&mut self, env: usize, snapshot: &Snapshot) -> std::result::Result<StepView<'_>, StepError> {
         let n = self.cells.len();
         let Self { arena, cells, pool, .. } = self;
@@ -225,25 +225,25 @@ impl BatchEnv {
         Ok(StepView(&self.outputs))
     }
 
-    /// The picture that `tactus run` draws, of environment `env` as it is now.
+    /// Draws the current state of environment `env` as `tactus run` does.
     ///
     /// # Errors
-    /// No running episode.
+    /// Fails if no episode runs, or if its state cannot be drawn.
     pub fn render(&self, env: usize) -> Result<Pixmap> {
         self.cells[env].picture(&self.arena)
     }
 
-    /// Whether environment `env` was reset since it was made or interrupted.
+    /// Returns true if environment `env` was reset since it was made or interrupted.
     pub fn begun(&self, env: usize) -> bool {
         !self.cells[env].output.obs.is_empty()
     }
 
-    /// The episode that environment `env` is in, or starts next.
+    /// Returns the episode that environment `env` is in, or starts next.
     pub fn key(&self, env: usize) -> EpisodeKey {
         self.cells[env].key
     }
 
-    /// Goes on if the work of all environments was `done`; else none of them has an episode any more.
+    /// Passes on the result `done` of the work of all environments. After an interruption no environment has an episode any more.
     fn whole(&mut self, done: Result<()>) -> std::result::Result<(), StepError> {
         if interrupt::requested() {
             self.cells.iter_mut().for_each(Env::abandon);
@@ -252,17 +252,17 @@ impl BatchEnv {
         done.map_err(|e| StepError::call(e.to_string()))
     }
 
-    /// The world of environment `env`, to look at or to change; None without a running episode.
+    /// Returns the world of environment `env`, to look at or to change; None without a running episode.
     pub fn environment(&mut self, env: usize) -> Option<&mut Environment> {
         self.cells[env].environment()
     }
 
-    /// What the running episode of environment `env` was drawn as, with the object's name.
+    /// Returns the object's name and the draw of the running episode of environment `env`.
     pub fn episode(&self, env: usize) -> Option<(&str, &Draw)> {
         self.cells[env].draw().map(|draw| (self.arena.kinds[draw.object].name.as_str(), draw))
     }
 
-    /// Results of all cells -> arrays.
+    /// Collects the results of all environments in arrays.
     fn collect(&mut self) {
         let out = &mut self.outputs;
         for (i, cell) in self.cells.iter().enumerate() {

@@ -1,21 +1,21 @@
-//! How a batch is set up.
+//! Settings of a batch.
 
 /// Settings of a [`super::BatchEnv`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct BatchConfig {
     /// Number of environments.
     pub num_envs: usize,
-    /// Number of the first environment: shards of one batch on several machines count on.
+    /// Number of the first environment: shards of one batch on several machines number their environments on from it.
     pub first_env: u64,
     /// Seed of all episodes until a reset gives another.
     pub seed: u64,
-    /// What happens when an episode has ended.
+    /// Behaviour after the end of an episode.
     pub autoreset: Autoreset,
-    /// Steps after which an episode is cut off; None is what the task says.
+    /// Number of steps after which an episode is cut off; None uses the number of the task.
     pub max_steps: Option<usize>,
-    /// Threads; None is as many as the machine has. They change no bit.
+    /// Number of threads; None uses as many as the machine has. The threads change no bit.
     pub threads: Option<usize>,
-    /// Names of the scene's objects to draw from; None is all.
+    /// Names of the scene's objects to draw from; None uses all.
     pub objects: Option<Vec<String>>,
 }
 
@@ -33,14 +33,14 @@ impl Default for BatchConfig {
     }
 }
 
-/// Gymnasium's modes.
+/// Reset modes of Gymnasium.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Autoreset {
-    /// The step after the last one of an episode takes no notice of the action and starts the next episode.
+    /// Reset in the step after the last one of an episode: it ignores the action and starts the next episode.
     #[default]
     NextStep,
-    /// The last step of an episode starts the next one; the last observation is the final one.
+    /// Reset in the last step of an episode: it starts the next one, and keeps the last observation as the final one.
     SameStep,
-    /// Nothing: the caller resets what has ended.
+    /// No automatic reset: the caller resets the environments whose episodes have ended.
     Disabled,
 }

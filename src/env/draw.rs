@@ -1,4 +1,4 @@
-//! What differs between episodes: numbers drawn by (seed, environment, episode) and nothing else.
+//! Differences between episodes: numbers drawn by (seed, environment, episode) and nothing else.
 
 use super::load::{Push, pushes};
 use crate::gripper::GraspPose;
@@ -7,7 +7,7 @@ use crate::scene::Task;
 use glam::{DQuat, DVec3};
 use std::f64::consts::TAU;
 
-/// Names an episode.
+/// Key of an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct EpisodeKey {
     /// Seed of the batch.
@@ -19,29 +19,29 @@ pub struct EpisodeKey {
 }
 
 impl EpisodeKey {
-    /// The numbers of this episode; `attempt` counts starts that were not feasible.
+    /// Returns the random numbers of this episode; `attempt` counts starts that were not feasible.
     pub fn random(&self, attempt: u64) -> Random {
         let words = [self.seed, self.env, self.episode, attempt];
         Random::new(words.into_iter().fold(0, |state, word| Random::new(state ^ word).bits()))
     }
 }
 
-/// What an episode is made of.
+/// Properties drawn for an episode.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draw {
-    /// Which object.
+    /// Index of the object.
     pub object: usize,
-    /// Which of its variants.
+    /// Index of its variant.
     pub variant: usize,
     /// Pose of the hand in the object frame.
     pub pose: GraspPose,
-    /// Density of the object, kg/m3; None is the scene's.
+    /// Density of the object, kg/m3; None keeps that of the scene.
     pub density: Option<f64>,
     /// Pushes, in their order.
     pub pushes: Vec<Push>,
 }
 
-/// What there is to draw from: per object, its grasps.
+/// Choices of a draw: the grasps of each object.
 pub type Choices<'a> = &'a [&'a [GraspPose]];
 
 /// Draws an episode. `center` is the point midway between the pads, hand frame, m.
@@ -62,7 +62,7 @@ pub fn draw(task: &Task, choices: Choices, center: DVec3, random: &mut Random) -
     }
 }
 
-/// The hand at `pose` shifted in its own axes (m) and turned about `center` (hand frame, m).
+/// Returns the hand at `pose` shifted in its own axes (m) and turned about `center` (hand frame, m).
 pub fn moved_hand(pose: &GraspPose, center: DVec3, shift: DVec3, turn: DQuat) -> GraspPose {
     GraspPose {
         position: pose.position + pose.rotation * (center + shift - turn * center),
@@ -70,7 +70,7 @@ pub fn moved_hand(pose: &GraspPose, center: DVec3, shift: DVec3, turn: DQuat) ->
     }
 }
 
-/// A unit vector, uniform on the sphere.
+/// Draws a unit vector, uniform on the sphere.
 fn direction(random: &mut Random) -> DVec3 {
     let (z, angle) = (2.0 * random.unit() - 1.0, TAU * random.unit());
     let r = (1.0 - z * z).max(0.0).sqrt();

@@ -1,4 +1,4 @@
-//! One environment: a world, its episode, and what it gave last.
+//! Single environment: a world, its episode, and its last output.
 
 use super::action::{self, Action};
 use super::draw::{Draw, EpisodeKey};
@@ -20,15 +20,15 @@ use crate::world::schedule::{ForceCommand, Phase, Stop};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Starts of an episode that are tried before it counts as having none.
+/// Largest number of starts that are tried before an episode counts as having none.
 const TRIES: u64 = 8;
 
-/// What an environment gave last.
+/// Last output of an environment.
 #[derive(Debug, Clone, Default)]
 pub struct StepOutput {
     /// All observations, one after the other.
     pub obs: Vec<f32>,
-    /// Those of an episode that the same step ended and followed by the next one; empty if there is none.
+    /// Observations of an episode that the same step ended and followed by the next one; empty if there is none.
     pub last: Vec<f32>,
     pub reward: f32,
     pub terminated: bool,
@@ -41,7 +41,7 @@ pub struct StepOutput {
 pub struct Env {
     pub key: EpisodeKey,
     pub output: StepOutput,
-    /// Waits for a reset.
+    /// True while the environment waits for a reset.
     pub ended: bool,
     run: Option<Run>,
     actions: Vec<f32>,
@@ -60,36 +60,36 @@ struct Run {
 }
 
 impl Env {
-    /// Before its first episode.
+    /// Creates an environment before its first episode.
     pub fn new(key: EpisodeKey) -> Self {
         Self { key, output: StepOutput::default(), ended: true, run: None, actions: Vec::new() }
     }
 
-    /// The world of the running episode.
+    /// Returns the world of the running episode.
     pub fn environment(&mut self) -> Option<&mut Environment> {
         self.run.as_mut().map(|run| &mut run.environment)
     }
 
-    /// The draw of the running episode.
+    /// Returns the draw of the running episode.
     pub fn draw(&self) -> Option<&Draw> {
         self.run.as_ref().map(|run| &run.draw)
     }
 
-    /// The episode and what was done in it.
+    /// Saves the key and the actions of the episode.
     pub fn save(&self, arena: &EnvShared) -> Snapshot {
         let object = self.draw().map(|draw| arena.kinds[draw.object].name.as_str());
         Snapshot::new(&arena.identity, self.key, object, &self.actions)
     }
 
-    /// As before the first reset, with the same episode next.
+    /// Returns to the state before the first reset, with the same episode next.
     pub fn abandon(&mut self) {
         *self = Self::new(self.key);
     }
 
-    /// The picture of the running episode.
+    /// Draws the picture of the running episode.
     ///
     /// # Errors
-    /// No running episode, a state that cannot be drawn.
+    /// Fails if no episode runs, or if its state cannot be drawn.
     pub fn picture(&self, arena: &EnvShared) -> crate::error::Result<Pixmap> {
         let none = || Error::Start("there is no episode to draw; reset the environment".into());
         let run = self.run.as_ref().ok_or_else(none)?;
@@ -97,7 +97,7 @@ impl Env {
         picture(run.model(arena), &run.frame, title)
     }
 
-    /// Does again what was done, which was found to be of this arena.
+    /// Replays a snapshot that was found to be of this arena.
     pub fn restore(&mut self, arena: &EnvShared, snapshot: &Snapshot) {
         self.begin(arena, snapshot.key);
         snapshot.actions.chunks_exact(action::size(&arena.task)).for_each(|numbers| self.advance(arena, numbers));
@@ -135,7 +135,7 @@ impl Env {
         self.output = StepOutput { obs: std::mem::take(&mut self.output.obs), last: done.obs.clone(), fault, ..done };
     }
 
-    /// One step of the episode.
+    /// Takes one step of the episode.
     pub fn advance(&mut self, arena: &EnvShared, numbers: &[f32]) {
         self.actions.extend_from_slice(numbers);
         let Some(run) = &mut self.run else {
@@ -173,7 +173,7 @@ impl Env {
 }
 
 impl Run {
-    /// Closes the hand on the object as drawn; the object lies on its support.
+    /// Closes the hand on the object of the draw; the object lies on its support.
     fn new(arena: &EnvShared, draw: Draw) -> Result<Self, Stop> {
         let force = arena.task.start.get();
         let (environment, frame) = grasp(arena, &arena.variant(&draw).model, draw.pose, force)?;
@@ -186,7 +186,7 @@ impl Run {
         &arena.variant(&self.draw).model
     }
 
-    /// One step; on failure the frame is that of the last accepted state.
+    /// Takes one step; on failure the frame is that of the last accepted state.
     fn advance(&mut self, arena: &EnvShared, numbers: &[f32]) -> Result<StepInfo, Stop> {
         self.step += 1;
         let Action { force, twist, regrasp } = action::decode(&arena.task, numbers, self.force, self.twist);
@@ -224,13 +224,13 @@ impl Run {
 }
 
 impl EpisodeKey {
-    /// The next episode of the same environment.
+    /// Returns the next episode of the same environment.
     pub fn next(self) -> Self {
         Self { episode: self.episode + 1, ..self }
     }
 }
 
-/// A world whose hand has closed at `pose` with `force` (N, all fingers).
+/// Makes a world whose hand has closed at `pose` with `force` (N, all fingers).
 fn grasp(arena: &EnvShared, model: &Arc<Model>, pose: GraspPose, force: f64) -> Result<(Environment, Frame), Stop> {
     let mut environment = arena.environment(model, pose).map_err(|e| Stop::fault(e.to_string()))?;
     match close(&mut environment, model, force) {
@@ -256,7 +256,7 @@ fn close(environment: &mut Environment, model: &Model, force: f64) -> Result<Fra
     }
 }
 
-/// One step of the world under `force` (N, all fingers) and the load `load` on the object (N, hand frame).
+/// Takes one step of the world under `force` (N, all fingers) and the load `load` on the object (N, hand frame).
 fn drive(environment: &mut Environment, model: &Model, force: f64, load: DVec3) -> Result<Frame, Stop> {
     let world = environment.world_mut();
     world.insert_resource(ForceCommand { force: force / model.fingers.len() as f64 });

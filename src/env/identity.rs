@@ -1,5 +1,4 @@
-//! What tells the environments of one scene from those of another: all that decides the bits of an episode, whatever the
-//! files are called that it came from.
+//! Identity of a scene's environments: all that decides the bits of an episode, whatever the names of its source files are.
 
 use super::shared::ObjectKind;
 use crate::error::{Error, Result};
@@ -9,7 +8,7 @@ use crate::scene::{Fem, Pads, Scene, StepperChoice, Task};
 use glam::DVec3;
 use serde::Serialize;
 
-/// BLAKE3, hexadecimal, of task, backend and gripper of `scene`, and of the objects and grasps of `kinds`.
+/// Returns the BLAKE3 hash, hexadecimal, of task, backend and gripper of `scene`, and of the objects and grasps of `kinds`.
 pub(crate) fn identity(scene: &Scene, task: &Task, kinds: &[ObjectKind]) -> Result<String> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(text(task)?.as_bytes());

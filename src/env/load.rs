@@ -1,4 +1,4 @@
-//! What pulls at the object: its weight, once the support is withdrawn, and pushes.
+//! Loads on the object: its weight, once the support is withdrawn, and pushes.
 
 use crate::random::Random;
 use crate::scene::Task;
@@ -8,16 +8,16 @@ use std::f64::consts::{PI, TAU};
 /// A push, hand frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Push {
-    /// First step with it, from 1.
+    /// First step with the push, from 1.
     pub begin: usize,
-    /// Steps that it lasts.
+    /// Number of steps that it lasts.
     pub lasts: usize,
     /// Largest force, N, across the closing direction.
     pub force: DVec3,
 }
 
 impl Push {
-    /// Force at step `step`, N: half a sine, above zero from the first to the last of its steps.
+    /// Returns the force at step `step`, N: half a sine, above zero from the first to the last of its steps.
     pub fn at(&self, step: usize) -> DVec3 {
         let on = (self.begin..self.begin + self.lasts).contains(&step);
         let part = (step + 1).saturating_sub(self.begin) as f64 / (self.lasts + 1) as f64;
@@ -41,15 +41,15 @@ pub fn pushes(task: &Task, random: &mut Random) -> Vec<Push> {
 pub struct EpisodeLoads {
     /// Whole weight of the object, N, hand frame.
     pub weight: DVec3,
-    /// Steps in which it comes on.
+    /// Number of steps in which the weight comes on.
     pub lift: usize,
     /// Pushes.
     pub pushes: Vec<Push>,
 }
 
 impl EpisodeLoads {
-    /// Force on the object's centre of mass at step `step` with the hand turned by `twist` (rad) about the closing
-    /// direction, N, hand frame. What points along the closing direction is left out: the fingers are geared.
+    /// Returns the force on the object's centre of mass at step `step` with the hand turned by `twist` (rad) about the closing
+    /// direction, N, hand frame. The component along the closing direction is left out: the fingers are geared.
     pub fn at(&self, step: usize, twist: f64) -> DVec3 {
         let part = (step as f64 / self.lift as f64).min(1.0);
         let weight = DQuat::from_rotation_x(-twist) * self.weight * part;

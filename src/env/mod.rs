@@ -1,25 +1,25 @@
-//! Many environments at once, for reinforcement learning: one scene with a [`task`](crate::scene::Task), N worlds.
+//! Environments for reinforcement learning, many at once: one scene with a [`task`](crate::scene::Task), N worlds.
 //!
 //! ```text
-//! scene.ron -> Arena (models, grasps, sensors: shared) -> N x Cell (world, episode) -> BatchEnv::step -> StepView
-//!              arena.rs                                   cell.rs, in parallel         batch.rs         view.rs
+//! scene.ron -> EnvShared (models, grasps, sensors) -> N x Env (world, episode)  -> BatchEnv::step -> StepView
+//!              shared.rs                              environment.rs, in parallel  batch.rs          view.rs
 //!
-//! a step of a cell:  action -> force, wrist, new grasp   (action.rs)
+//! a step of an Env:  action -> force, wrist, new grasp   (action.rs)
 //!                    weight and pushes -> load           (load.rs)
 //!                    one step of the world's schedule    (crate::world::environment)
-//!                    frame -> slip, margin -> reward     (grip.rs, reward/)
+//!                    frame -> slip, margin -> reward     (slip.rs, reward/)
 //!                          -> arrays                     (observe/)
 //! ```
 //!
-//! An interruption ([`crate::interrupt`]) leaves a batch without episodes, never with steps that count for some and not for
-//! others. A forked process finds the threads of its parent gone and starts its own (pool.rs).
+//! An interruption ([`crate::interrupt`]) leaves a batch without episodes, never with steps that count for some and not for others.
+//! A forked process has lost the threads of its parent and starts its own (pool.rs).
 //!
-//! What differs between episodes is drawn by (seed, environment, episode) alone (draw.rs): neither the number of threads
-//! nor that of environments changes a bit of any of them.
+//! Differences between episodes are drawn by (seed, environment, episode) alone (draw.rs): neither the number of threads nor that
+//! of environments changes a bit of any of them.
 //!
-//! The load on the object is weight and pushes. The FEM backend feels it: friction holds the object or does not. The network
-//! knows friction only as it was in training, so there the load is shared out like the pressure, and the object is lost
-//! where the limit surface of the grip is passed (grip.rs).
+//! The load on the object is weight and pushes. The FEM backend feels it: friction holds the object or does not. The network knows
+//! friction only as it was in training. There the pads share the load out like the pressure, and the object is lost when the limit
+//! surface of the grip is passed (slip.rs).
 
 pub mod action;
 pub mod batch;

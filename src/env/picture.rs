@@ -1,11 +1,11 @@
-//! The picture of an environment: that which `tactus run` draws of a frame.
+//! Pictures of an environment, as `tactus run` draws a frame.
 
 use crate::error::Result;
 use crate::model::Model;
 use crate::record::{Frame, PadTopology};
 use crate::render::{Pixmap, Scalar, Style, render_pads};
 
-/// The pads of `frame`, coloured by stress where the task asks for it, by displacement elsewhere.
+/// Draws the pads of `frame`, coloured by stress where the task asks for it, by displacement elsewhere.
 pub(crate) fn picture(model: &Model, frame: &Frame, title: String) -> Result<Pixmap> {
     let topologies: Vec<PadTopology> = model.fingers.iter().map(|f| PadTopology::clone(&f.topology)).collect();
     let scalar = if model.needs.stress { Scalar::Stress } else { Scalar::Displacement };

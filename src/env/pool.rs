@@ -1,20 +1,20 @@
-//! The threads of a batch. A fork does not take them along, so a forked process starts its own.
+//! Threads of a batch. A forked process does not inherit them, so it starts its own.
 
 use crate::error::{Error, Result};
 
 /// Threads of the process that uses them.
 pub(crate) struct Pool {
     threads: Option<usize>,
-    /// The process that started them.
+    /// Process that started them.
     owner: u32,
     pool: rayon::ThreadPool,
 }
 
 impl Pool {
-    /// `threads` threads; None is as many as the machine has.
+    /// Starts `threads` threads; None starts as many as the machine has.
     ///
     /// # Errors
-    /// When the system starts no more.
+    /// Fails if the system cannot start them.
     pub fn new(threads: Option<usize>) -> Result<Self> {
         let mut pool = rayon::ThreadPoolBuilder::new();
         if let Some(threads) = threads {
@@ -24,10 +24,10 @@ impl Pool {
         Ok(Self { threads, owner: std::process::id(), pool })
     }
 
-    /// Does `work` on the threads.
+    /// Runs `work` on the threads.
     ///
     /// # Errors
-    /// When a forked process can start none of its own.
+    /// Fails if a forked process cannot start its own threads.
     pub fn install<R: Send>(&mut self, work: impl FnOnce() -> R + Send) -> Result<R> {
         if self.owner != std::process::id() {
             let dead = std::mem::replace(self, Self::new(self.threads)?);

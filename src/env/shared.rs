@@ -1,4 +1,4 @@
-//! What all environments of a batch share.
+//! Data that all environments of a batch share.
 
 use super::draw::{Draw, EpisodeKey, draw};
 use super::identity::identity;
@@ -19,18 +19,18 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// An object of the scene.
 #[derive(Debug)]
 pub struct ObjectKind {
-    /// Its name.
+    /// Name of the object.
     pub name: String,
-    /// The scene with this object, once per gel and friction.
+    /// Scenes with this object, one per gel and friction.
     pub variants: Vec<Variant>,
-    /// Where the hand may be.
+    /// Allowed poses of the hand.
     pub poses: Vec<GraspPose>,
 }
 
 /// A gel and a friction.
 #[derive(Debug)]
 pub struct Variant {
-    /// The scene with them.
+    /// Scene with this gel and friction.
     pub model: Arc<Model>,
     /// Coefficient of friction that the grip is judged with: a backend that does not solve friction keeps its own.
     pub friction: f64,
@@ -42,13 +42,13 @@ pub struct EnvShared {
     pub task: Task,
     /// The objects.
     pub kinds: Vec<ObjectKind>,
-    /// What tells it from arenas of other scenes.
+    /// Identity, which differs between arenas of different scenes.
     pub identity: String,
     /// The backend.
     pub stepper: Box<dyn Stepper>,
-    /// What writes the observations, one after the other.
+    /// Senses that write the observations, one after the other.
     pub senses: Vec<Box<dyn Sense>>,
-    /// Steps of an episode.
+    /// Number of steps of an episode.
     pub steps: usize,
     /// The user's reward, if there is one.
     pub custom: Option<Box<Custom>>,
@@ -58,14 +58,15 @@ pub struct EnvShared {
     idle: Mutex<Vec<Environment>>,
 }
 
-/// Idle worlds that are kept: a world of the same model spares its making.
+/// Largest number of idle worlds that are kept for reuse by a grasp of the same model.
 const IDLE: usize = 16;
 
 impl EnvShared {
     /// Builds everything that `objects` (None is all) of `set` need.
     ///
     /// # Errors
-    /// A scene without a task, an object it does not have, models that cannot be built or that the backend refuses.
+    /// Fails for a scene without a task, for an object that the scene does not have, and for models that cannot be built or that
+    /// the backend refuses.
     pub fn new(set: &[NamedScene], objects: Option<&[String]>, max_steps: Option<usize>) -> Result<Self> {
         let names = || set.iter().map(|s| s.name.as_str()).collect::<Vec<_>>().join(", ");
         let has = |name: &String| set.iter().any(|s| s.name.as_str() == name);
@@ -95,21 +96,21 @@ impl EnvShared {
         })
     }
 
-    /// The `attempt`th draw of an episode.
+    /// Returns the `attempt`th draw of an episode.
     pub fn draw(&self, key: &EpisodeKey, attempt: u64) -> Draw {
         let choices: Vec<&[GraspPose]> = self.kinds.iter().map(|k| k.poses.as_slice()).collect();
         draw(&self.task, &choices, self.center(), &mut key.random(attempt))
     }
 
-    /// Gel, friction and model of a draw.
+    /// Returns gel, friction and model of a draw.
     pub fn variant(&self, draw: &Draw) -> &Variant {
         &self.kinds[draw.object].variants[draw.variant]
     }
 
-    /// A world for a grasp of `model`.
+    /// Makes a world for a grasp of `model`.
     ///
     /// # Errors
-    /// Those of [`Environment::new`].
+    /// Fails as [`Environment::new`] does.
     pub fn environment(&self, model: &Arc<Model>, pose: GraspPose) -> Result<Environment> {
         let stepper = self.stepper.as_ref();
         let known = {
@@ -131,25 +132,25 @@ impl EnvShared {
         drop(first);
     }
 
-    /// Weight of the object of a draw with the hand at `pose`, N, hand frame.
+    /// Returns the weight of the object of a draw with the hand at `pose`, N, hand frame.
     pub fn weight(&self, draw: &Draw, pose: &GraspPose) -> DVec3 {
         let model = &self.variant(draw).model;
         let mass = draw.density.map_or(model.mass, |d| d * model.object.mass.volume);
         pose.object_in_hand().rotation * self.gravity * mass
     }
 
-    /// Point midway between the pads, hand frame, m.
+    /// Returns the point midway between the pads, hand frame, m.
     pub fn center(&self) -> DVec3 {
         let fingers = &self.kinds[0].variants[0].model.fingers;
         fingers.iter().map(|f| f.placement.origin).sum::<DVec3>() / fingers.len() as f64
     }
 
-    /// Numbers that an agent sees.
+    /// Returns the number of values that an agent observes.
     pub fn seen(&self) -> usize {
         self.senses.iter().map(|s| s.spec().size()).sum()
     }
 
-    /// What a step pays.
+    /// Returns the payment for a step.
     pub fn pay(&self, facts: &StepInfo) -> f64 {
         match &self.custom {
             Some(custom) => custom(facts),
@@ -191,10 +192,11 @@ impl ObjectKind {
     }
 }
 
-/// Motion of the object in one step at which it counts as lost, over the way over the pads that ends an episode: it may roll, too.
+/// Motion of the object in one step at which it counts as lost, over the way over the pads that ends an episode; the object may
+/// roll, too.
 const LEASH: f64 = 2.0;
 
-/// The scene as an environment has it: loads come from the task, and nothing is recorded but what it looks at.
+/// Returns the scene as an environment uses it: loads come from the task, and only the fields that it looks at are recorded.
 fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
     let mut scene = scene.clone();
     scene.promise_nothing();
@@ -206,13 +208,13 @@ fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
     Ok(scene)
 }
 
-/// The gel with Young's modulus times `factor`.
+/// Returns the gel with Young's modulus times `factor`.
 fn scaled(material: &MaterialChoice, factor: f64) -> Result<MaterialChoice> {
     let spec = material.spec();
     leaf(material.with(spec.young * factor, spec.poisson))
 }
 
-/// What a scene file would be told.
+/// Turns the message of a value from the task into an error.
 fn leaf<T>(value: std::result::Result<T, String>) -> Result<T> {
     value.map_err(|message| Error::Start(format!("task: {message}")))
 }

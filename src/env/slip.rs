@@ -1,15 +1,14 @@
-//! How well the object is held: its way over the pads, and what the grip can still carry.
+//! Quality of the hold on the object: its way over the pads, and the load that the grip can still carry.
 
 use crate::model::Model;
 use crate::record::Frame;
 use glam::DVec3;
 
-/// Part of the friction limit that the load `load` (N, hand frame, at the object's centre of mass) leaves: 1 without load, 0
-/// where the object slips as a whole, negative beyond.
+/// Returns the part of the friction limit that the load `load` (N, hand frame, at the object's centre of mass) leaves: 1 without
+/// load, 0 where the object slips as a whole, negative beyond.
 ///
-/// The limit surface of the two contacts taken as one ellipsoid in force and torque about the closing direction (Goyal,
-/// Ruina and Papadopoulos 1991; Howe and Cutkosky 1996), from the pressure on the pads:
-/// `(f / mu N)^2 + (m / mu sum p r)^2 = 1`.
+/// The limit surface of the two contacts is one ellipsoid in force and torque about the closing direction (Goyal, Ruina and
+/// Papadopoulos 1991; Howe and Cutkosky 1996), from the pressure on the pads: `(f / mu N)^2 + (m / mu sum p r)^2 = 1`.
 pub fn margin(model: &Model, friction: f64, frame: &Frame, load: DVec3) -> f64 {
     let presses = || {
         frame.pads.iter().zip(&model.fingers).flat_map(|(pad, finger)| {
@@ -31,8 +30,8 @@ pub fn margin(model: &Model, friction: f64, frame: &Frame, load: DVec3) -> f64 {
     1.0 - part(across(load).length(), normal).hypot(part(torque, arm))
 }
 
-/// Way of the object over the pads between two frames, across the closing direction, m: mean over the pads of the relative
-/// motion of the points in contact, weighted with the pressure before.
+/// Returns the way of the object over the pads between two frames, across the closing direction, m. It is the mean over the pads of
+/// the relative motion of the points in contact, weighted with the pressure before.
 pub fn slip(model: &Model, before: &Frame, now: &Frame) -> f64 {
     let carried = |x: DVec3| {
         let own = before.object_rotation.inverse() * (x - before.object_position);

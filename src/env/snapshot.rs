@@ -1,12 +1,12 @@
-//! A saved environment.
+//! Snapshots: saved environments.
 
 use super::draw::EpisodeKey;
 use serde::{Deserialize, Serialize};
 
-/// Version of what a snapshot holds.
+/// Version of the content of a snapshot.
 const FORMAT: u32 = 1;
 
-/// An episode and what was done in it: as equal input gives equal output, replaying it leads to the same bits.
+/// Saved episode and its actions: as equal input gives equal output, replaying it leads to the same bits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     /// Version of this format.
@@ -17,7 +17,7 @@ pub struct Snapshot {
     pub key: EpisodeKey,
     /// Name of the object in the hand; None where the episode has no feasible start, and before the first reset.
     pub object: Option<String>,
-    /// All actions since its start, one after the other.
+    /// Actions since its start, one after the other.
     pub actions: Vec<f32>,
     /// BLAKE3 of all the above, hexadecimal.
     pub checksum: String,
@@ -37,23 +37,23 @@ impl Snapshot {
         snapshot
     }
 
-    /// The snapshot as one line of JSON.
+    /// Returns the snapshot as one line of JSON.
     pub fn to_json(&self) -> String {
         // Strings and numbers: there is nothing that could fail.
         serde_json::to_string(self).unwrap_or_default()
     }
 
-    /// The snapshot that [`Snapshot::to_json`] wrote.
+    /// Reads the snapshot that [`Snapshot::to_json`] wrote.
     ///
     /// # Errors
-    /// A text that is cut off or no snapshot.
+    /// Fails for a text that is cut off or is no snapshot.
     pub fn from_json(text: &str) -> Result<Self, String> {
         serde_json::from_str(text)
             .map_err(|e| format!("the snapshot cannot be read: {e}; it is cut off, was changed, or holds NaN"))
     }
 
-    /// Why it cannot be restored in environments of `scene`, whose actions have `size` numbers and whose episodes at most
-    /// `steps` steps.
+    /// Checks that the snapshot can be restored in environments of `scene`, whose actions have `size` numbers and whose episodes
+    /// have at most `steps` steps. The error says why it cannot.
     pub(crate) fn check(&self, scene: &str, size: usize, steps: usize) -> Result<(), String> {
         if self.format != FORMAT {
             return Err(format!("the snapshot has format {}; this version of tactus reads {FORMAT}", self.format));

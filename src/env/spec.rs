@@ -1,27 +1,27 @@
-//! What an array of observations or actions holds.
+//! Description of an array of observations or actions.
 
-/// Name, shape, unit and bounds of an array; of one environment.
+/// Name, shape, unit and bounds of an array of one environment.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ArraySpec {
-    /// Its name.
+    /// Name of the array.
     pub name: String,
-    /// Its shape, row-major.
+    /// Shape of the array, row-major.
     pub shape: Vec<usize>,
     /// Unit of its numbers.
     pub unit: String,
-    /// No number is below.
+    /// Lower bound of all numbers.
     pub low: f32,
-    /// No number is above.
+    /// Upper bound of all numbers.
     pub high: f32,
 }
 
 impl ArraySpec {
-    /// With bounds `low` to `high`.
+    /// Describes an array with bounds `low` to `high`.
     pub fn new(name: &str, shape: &[usize], unit: &str, [low, high]: [f64; 2]) -> Self {
         Self { name: name.into(), shape: shape.to_vec(), unit: unit.into(), low: low as f32, high: high as f32 }
     }
 
-    /// Numbers in it.
+    /// Returns the number of its values.
     pub fn size(&self) -> usize {
         self.shape.iter().product()
     }

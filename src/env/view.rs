@@ -1,9 +1,9 @@
-//! What a step gives: borrowed from the batch, so that nobody keeps arrays that the next step writes.
+//! View of the results of a step: borrowed from the batch, so that no one keeps arrays that the next step overwrites.
 
 use super::reward::StepInfo;
 use super::spec::ArraySpec;
 
-/// An array of all environments: (environments, shape of the spec).
+/// Array of all environments: (environments, shape of the spec).
 #[derive(Debug, Clone)]
 pub(crate) struct EnvArray {
     pub spec: ArraySpec,
@@ -11,7 +11,7 @@ pub(crate) struct EnvArray {
     pub last: Vec<f32>,
 }
 
-/// What all environments gave.
+/// Outputs of all environments.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Outputs {
     pub arrays: Vec<EnvArray>,
@@ -28,56 +28,55 @@ pub(crate) struct Outputs {
 pub struct StepView<'a>(pub(crate) &'a Outputs);
 
 impl<'a> StepView<'a> {
-    /// Observations by name: (environments, shape), row-major; None if the task has no such array.
+    /// Returns the observations `name`: (environments, shape), row-major; None if the task has no such array.
     pub fn obs(&self, name: &str) -> Option<&'a [f32]> {
         self.0.arrays.iter().find(|a| a.spec.name == name).map(|a| a.now.as_slice())
     }
 
-    /// Last observations of the episodes that this step ended, where [`StepView::ended`] says so; elsewhere zero.
+    /// Returns the last observations of the episodes that this step ended, where [`StepView::ended`] is true; elsewhere zero.
     pub fn final_obs(&self, name: &str) -> Option<&'a [f32]> {
         self.0.arrays.iter().find(|a| a.spec.name == name).map(|a| a.last.as_slice())
     }
 
-    /// Reward per environment.
+    /// Returns the reward of each environment.
     pub fn reward(&self) -> &'a [f32] {
         &self.0.reward
     }
 
-    /// The object is lost, or the solver gave up.
+    /// Returns, per environment, true if the object is lost or the solver gave up.
     pub fn terminated(&self) -> &'a [bool] {
         &self.0.terminated
     }
 
-    /// The episode was cut off.
+    /// Returns, per environment, true if the episode was cut off.
     pub fn truncated(&self) -> &'a [bool] {
         &self.0.truncated
     }
 
-    /// The episode ended in this step.
+    /// Returns, per environment, true if the episode ended in this step.
     pub fn ended(&self) -> &'a [bool] {
         &self.0.ended
     }
 
-    /// Why environment `env` has no state for this step: no equilibrium, or no feasible start; an object that leaves the hand is no
-    /// fault. The last accepted state
-    /// stands, the episode is terminated.
+    /// Returns the reason why environment `env` has no state for this step: no equilibrium, or no feasible start. An object that
+    /// leaves the hand is no fault. The last accepted state stands, and the episode is terminated.
     pub fn fault(&self, env: usize) -> Option<&'a str> {
         self.0.faults[env].as_deref()
     }
 
-    /// What the rewards were made of.
+    /// Returns the facts from which the rewards were computed.
     pub fn facts(&self) -> &'a [StepInfo] {
         &self.0.facts
     }
 }
 
-/// What no environment can do; nothing has changed.
+/// Error of a call that no environment can carry out. Nothing has changed then, except after an interruption.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{message}")]
 pub struct StepError {
-    /// The environment at fault; None if it is the call.
+    /// Environment at fault; None if the call is at fault.
     pub env: Option<usize>,
-    /// What is wrong and what is allowed.
+    /// Message that says what is wrong and what is allowed.
     pub message: String,
 }
 

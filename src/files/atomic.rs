@@ -8,26 +8,41 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Writes `bytes` to `path` so that a reader, or a run killed half-way, sees the old content or the new, never a part.
+///
+/// # Errors
+/// Fails if the file cannot be written.
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<()> {
     replace(path, |temporary| std::fs::write(temporary, bytes))
 }
 
-/// The same, and the content is on the disk before the file has its name: see [`replace_durable`].
+/// Writes `bytes` like [`write_atomic`], with the content on the disk before the file has its name: see
+/// [`replace_durable`].
+///
+/// # Errors
+/// Fails if the file cannot be written.
 pub fn write_durable(path: &Path, bytes: &[u8]) -> Result<()> {
     replace_durable(path, |temporary| std::fs::write(temporary, bytes))
 }
 
 /// Lets `write` fill a temporary file beside `path` and renames it into place.
 ///
-/// A power cut may still lose what was written last. That is enough for what is made again in a moment: frames for
+/// A power cut may still lose the last content. That is acceptable for content that is quickly made again: frames for
 /// ParaView, pictures, pages, the state of a run that goes on.
+///
+/// # Errors
+/// Fails if `write` fails or the file cannot be created or renamed.
 pub fn replace(path: &Path, write: impl FnOnce(&Path) -> io::Result<()>) -> Result<()> {
     place(path, write, false)
 }
 
-/// The same, and waits until content and name are on the disk: a power cut leaves the old content or the new.
+/// Replaces the file like [`replace`] and waits until content and name are on the disk: a power cut leaves the old
+/// content or the new.
 ///
-/// For what took long to compute: the final `run.json`, arrays, data sets with their records, checkpoints, trained models.
+/// It is meant for content that took long to compute: the final `run.json`, arrays, data sets with their records,
+/// checkpoints, trained models.
+///
+/// # Errors
+/// Fails if `write` fails or the file cannot be created, synchronised or renamed.
 pub fn replace_durable(path: &Path, write: impl FnOnce(&Path) -> io::Result<()>) -> Result<()> {
     place(path, write, true)
 }
@@ -52,7 +67,7 @@ fn place(path: &Path, write: impl FnOnce(&Path) -> io::Result<()>, durable: bool
     outcome.map_err(|error| cannot_write(path, &error))
 }
 
-/// Waits until the names in the folder of `path` are on the disk, where the system can.
+/// Waits until the names in the folder of `path` are on the disk, if the system supports that.
 pub fn sync_folder(path: &Path) {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     // Some systems and file systems do not sync folders; the content is safe all the same.
@@ -62,8 +77,8 @@ pub fn sync_folder(path: &Path) {
 /// Ending of the names of temporary files.
 const PART: &str = ".part";
 
-/// An empty file `.NAME.PROCESS.NUMBER.part` beside `path`, which nobody else writes. Beside it, not in /tmp: a rename is
-/// atomic only within one file system.
+/// Creates an empty file `.NAME.PROCESS.NUMBER.part` beside `path`, which no other process writes. It is beside it and
+/// not in /tmp, because a rename is atomic only within one file system.
 fn reserve(path: &Path) -> io::Result<PathBuf> {
     static NUMBER: AtomicU64 = AtomicU64::new(0);
     loop {
@@ -81,7 +96,7 @@ fn reserve(path: &Path) -> io::Result<PathBuf> {
     }
 }
 
-/// Removes the temporary files that killed processes left in `dir`; only for who alone writes there.
+/// Removes the temporary files that killed processes left in `dir`; only for the sole writer of the folder.
 pub fn remove_left_over(dir: &Path) {
     let Ok(entries) = std::fs::read_dir(dir) else { return };
     for entry in entries.flatten() {
@@ -97,11 +112,14 @@ pub fn remove_left_over(dir: &Path) {
 }
 
 /// Creates `dir` and its parents.
+///
+/// # Errors
+/// Fails if a folder cannot be created.
 pub fn create_dir(dir: &Path) -> Result<()> {
     std::fs::create_dir_all(dir).map_err(|error| cannot_write(dir, &error))
 }
 
-/// An [`Error::File`] for a failed write with the likely remedy.
+/// Returns an [`Error::File`] for a failed write with the likely remedy.
 pub fn cannot_write(path: &Path, error: &io::Error) -> Error {
     let remedy = match error.kind() {
         ErrorKind::PermissionDenied => {

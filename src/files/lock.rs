@@ -1,4 +1,4 @@
-//! Folders that one process writes at a time: two that fill one folder would replace each other's results.
+//! Folders that one process writes at a time: two processes that fill one folder would replace each other's results.
 
 use super::atomic::{cannot_write, create_dir, remove_left_over};
 use crate::error::{Error, Result};
@@ -6,10 +6,10 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
-/// The file that is locked.
+/// Name of the file that is locked.
 const LOCK: &str = ".lock";
 
-/// A folder held by this process until dropped; a process that ends, however it ends, holds it no longer.
+/// Folder held by this process until dropped; a process that ends, in whatever way, releases it.
 #[derive(Debug)]
 pub struct FolderLock {
     path: PathBuf,
@@ -19,21 +19,21 @@ pub struct FolderLock {
 }
 
 impl FolderLock {
-    /// Creates `dir` if need be and takes it for `command` alone, like "tactus train". What killed processes left half-written in
-    /// it is removed.
+    /// Creates `dir` if necessary and takes it for `command` alone, like "tactus train". Files that killed processes left half-written in
+    /// it are removed.
     ///
     /// # Errors
-    /// A folder that another process holds, with its number; one that cannot be written.
+    /// Fails if another process holds the folder (with its number), or the folder cannot be written.
     pub fn alone(dir: &Path, command: &str) -> Result<Self> {
         let lock = Self::take(dir, command, true)?;
         remove_left_over(dir);
         Ok(lock)
     }
 
-    /// The same beside others that take it like this and write other files.
+    /// Takes `dir` beside others that take it in this way and write other files.
     ///
     /// # Errors
-    /// Those of [`Self::alone`].
+    /// Fails in the cases of [`Self::alone`].
     pub fn beside(dir: &Path, command: &str) -> Result<Self> {
         Self::take(dir, command, false)
     }
@@ -79,7 +79,7 @@ impl Drop for FolderLock {
     }
 }
 
-/// Whether `path` still leads to `file`: its last holder may have removed the name after it was opened.
+/// Returns true if `path` still leads to `file`: its last holder may have removed the name after it was opened.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -88,7 +88,7 @@ fn is_at(file: &File, path: &Path) -> bool {
     place(own) == place(named)
 }
 
-/// Names are not removed there.
+/// Returns true, because names are not removed on this system.
 #[cfg(not(unix))]
 fn is_at(_: &File, _: &Path) -> bool {
     true

@@ -1,4 +1,4 @@
-//! Files: read from whoever names them, written whole or not at all, in folders that one process writes at a time.
+//! Files: read with checks, written whole or not at all, in folders that one process writes at a time.
 
 pub mod atomic;
 pub mod lock;

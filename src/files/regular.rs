@@ -1,6 +1,6 @@
-//! The one door through which files that a user names are read: regular files of a bounded size, nothing else.
+//! Reading of files that a user names: regular files of a bounded size, nothing else.
 //!
-//! A directory cannot be read, a fifo may block for ever, a device may never end: each is refused by name before it is
+//! A directory cannot be read, a fifo may block for ever, a device may never end. Each is refused by name before it is
 //! opened.
 
 use crate::error::{Error, Result};
@@ -10,14 +10,16 @@ use std::path::Path;
 
 /// Opens a regular file for reading.
 ///
-/// Errors: no such file, no permission, or what is there is a directory, fifo, device or socket.
+/// # Errors
+/// Fails if there is no such file or no permission, or the path is a directory, fifo, device or socket.
 pub fn open(path: &Path) -> Result<File> {
     checked(path).map(|(file, _)| file)
 }
 
-/// All bytes of a regular file of at most `limit` bytes.
+/// Reads all bytes of a regular file of at most `limit` bytes.
 ///
-/// Errors: those of [`open`], a larger file, a failing disk.
+/// # Errors
+/// Fails in the cases of [`open`], for a larger file and for a failing disk.
 pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let (file, meta) = checked(path)?;
     let too_large = |size: String| Error::file(path, format!("{size} bytes; at most {limit} are read"));
@@ -33,7 +35,7 @@ pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// What `meta` describes if it is no regular file, such as "a directory".
+/// Returns the kind that `meta` describes, such as "a directory"; None for a regular file.
 pub fn other_kind(meta: &Metadata) -> Option<&'static str> {
     let kind = meta.file_type();
     (!kind.is_file()).then(|| if kind.is_dir() { "a directory" } else { special(kind) })

@@ -1,4 +1,4 @@
-//! The fits as a picture: forces against depth above, what is left over below.
+//! Picture of the fits: forces against depth above, residuals below.
 
 use super::FitReport;
 use super::report::{four, two};
@@ -9,7 +9,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use std::path::Path;
 
-/// One colour per parameter that is fitted alone, then those of the best pair and of all.
+/// Colours: one per parameter that is fitted alone, then those of the best pair and of all.
 const COLORS: [RGBColor; 6] = [
     RGBColor(31, 119, 180),
     RGBColor(214, 96, 20),
@@ -24,12 +24,12 @@ const UPPER: u32 = 270;
 /// Writes `fit.png` and `fit.svg` into `dir`.
 ///
 /// # Errors
-/// Files that cannot be written.
+/// Fails if a file cannot be written.
 pub fn save_chart(report: &FitReport, dir: &Path) -> Result<()> {
     save_picture(report, dir, "fit")
 }
 
-/// A curve of the picture: its residuals, colour and name.
+/// Curve of the picture with its residuals, colour and name.
 struct Line<'a> {
     residuals: &'a [f64],
     color: RGBColor,
@@ -37,7 +37,7 @@ struct Line<'a> {
 }
 
 impl FitReport {
-    /// The scene as it is, each parameter alone, the best pair, all.
+    /// Returns the scene as it is, each parameter alone, the best pair, and all.
     fn lines(&self) -> Vec<Line<'_>> {
         let given = Line { residuals: &self.given, color: MUTED, name: name("as the scene has it", self.given_rms) };
         let singles = self.fits.iter().filter(|f| f.free.len() == 1);
@@ -49,7 +49,7 @@ impl FitReport {
         lines
     }
 
-    /// Depth, mm, of every point.
+    /// Returns the depth of every point, mm.
     fn depths(&self) -> Vec<f64> {
         self.depths_m.iter().map(|d| 1e3 * d).collect()
     }
@@ -103,7 +103,7 @@ impl Picture for FitReport {
 
 type Plane<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// Linear axes from zero to `deepest` and from `low` to `high`.
+/// Draws linear axes from zero to `deepest` and from `low` to `high`.
 fn axes<'a, B: DrawingBackend>(
     area: &'a Area<B>,
     (deepest, low, high): (f64, f64, f64),

@@ -1,4 +1,5 @@
-//! Bounded nonlinear least squares: Levenberg-Marquardt on the unit box, derivatives by differences, and the interval of each unknown.
+//! Bounded nonlinear least squares: Levenberg-Marquardt on the unit box, with derivatives by differences and the interval of each
+//! unknown.
 
 use crate::error::{Error, Result};
 use distrs::StudentsT;
@@ -7,39 +8,40 @@ use faer::{Mat, Side};
 
 /// Step of the differences: well above the noise of a simulation (some 1e-4 of a force).
 const DIFFERENCE: f64 = 0.05;
-/// Step below which nothing moves any more.
+/// Step below which the fit has settled.
 const STILL: f64 = 1e-3;
-/// Root mean square below which a simulation cannot tell the rest from its own noise.
+/// Root mean square below which the residuals are the noise of a simulation.
 const NOISE: f64 = 1e-4;
-/// Decrease of the squares, over their sum, below which they have stopped falling.
+/// Decrease of the squares, over their sum, below which the fit has stalled.
 const STALLED: f64 = 1e-3;
-/// Iterations at most.
+/// Largest number of iterations.
 const MOST: usize = 30;
-/// Part of the curvature that is added at first; ten times less after a step that helped, ten times more after one that did not.
+/// First fraction of the curvature that is added; it is divided by ten after a step that helped and multiplied by ten after one that did
+/// not.
 const DAMPING: f64 = 1e-3;
 /// Damping beyond which no step helps.
 const MOST_DAMPING: f64 = 1e6;
 /// Confidence of the intervals.
 const CONFIDENCE: f64 = 0.95;
 
-/// Where the squares are least.
+/// Minimum of the squares.
 pub struct Minimum {
-    /// The unknowns, each in 0..=1.
+    /// Unknowns at the minimum, each in 0..=1.
     pub at: Vec<f64>,
-    /// The residuals there.
+    /// Residuals at the minimum.
     pub residual: Vec<f64>,
-    /// Their derivatives there: a row per residual, a column per unknown.
+    /// Derivatives of the residuals at the minimum: a row per residual, a column per unknown.
     jacobian: Mat<f64>,
-    /// Whether it settled.
+    /// True if the fit settled.
     pub converged: bool,
-    /// Iterations taken.
+    /// Number of iterations.
     pub iterations: usize,
 }
 
-/// Finds the least squares from `start`. `residuals` takes several points at once; it answers None where there is no residual.
+/// Finds the least squares from `start`. `residuals` takes several points at once; it returns None for a point without residuals.
 ///
 /// # Errors
-/// Those of `residuals`, and none at `start` or beside a point that was reached.
+/// Fails if `residuals` fails, or returns None at `start` or beside a point that was reached.
 pub fn minimise(start: &[f64], residuals: impl Fn(&[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>>) -> Result<Minimum> {
     let failed = || Error::Solver("a press beside one that succeeded fails; narrow the ranges with --range".into());
     let all = |points: &[Vec<f64>]| residuals(points)?.into_iter().collect::<Option<Vec<_>>>().ok_or_else(failed);
@@ -78,23 +80,23 @@ fn squares(residual: &[f64]) -> f64 {
     residual.iter().map(|r| r * r).sum()
 }
 
-/// Root mean square.
+/// Computes the root mean square.
 pub fn rms(residual: &[f64]) -> f64 {
     (squares(residual) / residual.len().max(1) as f64).sqrt()
 }
 
-/// The step of a difference, towards the middle of the box.
+/// Returns the step of a difference, towards the middle of the box.
 fn step(u: f64) -> f64 {
     if u < 0.5 { DIFFERENCE } else { -DIFFERENCE }
 }
 
-/// The points at which differences to `at` are taken, one per unknown.
+/// Returns the points at which differences to `at` are taken, one per unknown.
 pub fn beside(at: &[f64]) -> Vec<Vec<f64>> {
     let point = |k: usize| at.iter().enumerate().map(|(i, u)| if i == k { u + step(*u) } else { *u }).collect();
     (0..at.len()).map(point).collect()
 }
 
-/// Derivatives at a point with residuals `base`.
+/// Computes the derivatives at a point with residuals `base`.
 fn differences(at: &[f64], base: &[f64], all: impl Fn(&[Vec<f64>]) -> Result<Vec<Vec<f64>>>) -> Result<Mat<f64>> {
     let columns = all(&beside(at))?;
     Ok(Mat::from_fn(base.len(), at.len(), |i, k| (columns[k][i] - base[i]) / step(at[k])))
@@ -105,17 +107,17 @@ impl Minimum {
         squares(&self.residual)
     }
 
-    /// Root mean square of the residuals.
+    /// Returns the root mean square of the residuals.
     pub fn rms(&self) -> f64 {
         rms(&self.residual)
     }
 
-    /// Half the gradient of the squares.
+    /// Returns half the gradient of the squares.
     fn gradient(&self, k: usize) -> f64 {
         self.residual.iter().enumerate().map(|(i, r)| self.jacobian[(i, k)] * r).sum()
     }
 
-    /// The products of the derivatives of some unknowns.
+    /// Returns the products of the derivatives of some unknowns.
     fn normal(&self, of: &[usize]) -> Mat<f64> {
         let product = |a: usize, b: usize| {
             (0..self.residual.len()).map(|i| self.jacobian[(i, of[a])] * self.jacobian[(i, of[b])]).sum()
@@ -123,7 +125,7 @@ impl Minimum {
         Mat::from_fn(of.len(), of.len(), product)
     }
 
-    /// Where a step leads. Unknowns that the gradient holds at an edge stay there.
+    /// Returns the end of a step. Unknowns that the gradient holds at an edge stay there.
     fn step(&self, damping: f64) -> Vec<f64> {
         let held = |k: usize| {
             let slope = self.gradient(k);
@@ -144,18 +146,18 @@ impl Minimum {
         next
     }
 
-    /// Unknowns off the edges of the box.
+    /// Returns the unknowns off the edges of the box.
     fn inside(&self) -> Vec<usize> {
         (0..self.at.len()).filter(|&k| self.at[k] > 0.0 && self.at[k] < 1.0).collect()
     }
 
-    /// Residuals that are left to tell how good the model is: their number less that of the unknowns off the edges.
+    /// Returns the degrees of freedom: the number of residuals minus that of the unknowns off the edges.
     pub fn freedom(&self) -> usize {
         self.residual.len().saturating_sub(self.inside().len())
     }
 
-    /// Half the width of the interval that holds each unknown with 95 % confidence, after Student and to first order. None at an edge, or
-    /// where no residual is left over or the unknowns cannot be told apart.
+    /// Returns half the width of the interval that holds each unknown with 95 % confidence, after Student and to first order. None at an
+    /// edge, without degrees of freedom, and if the unknowns cannot be distinguished.
     pub fn intervals(&self) -> Vec<Option<f64>> {
         let (inside, freedom) = (self.inside(), self.freedom());
         let mut intervals = vec![None; self.at.len()];
@@ -177,7 +179,7 @@ impl Minimum {
 mod tests {
     use super::*;
 
-    /// A line through points off by +-1: textbook values, and a bound that binds.
+    /// Checks a line through points off by +-1: textbook values, and a bound that binds.
     #[test]
     fn a_line_has_the_textbook_interval_and_a_bound_holds() {
         let (x, y) = ([0.0, 1.0, 2.0, 3.0], [0.11, 0.19, 0.31, 0.39]);

@@ -4,7 +4,7 @@
 //! scene + curve.rs (table) -> press.rs (forces of given values) -> least_squares.rs -> report.rs, chart.rs
 //! ```
 //!
-//! Each parameter is fitted alone, in pairs, and all of them together where the table has enough points.
+//! Each parameter is fitted alone, in pairs, and all of them together if the table has enough points.
 
 pub mod chart;
 pub mod curve;
@@ -23,11 +23,11 @@ use press::PressRuns;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Fits the press of `scene` to `curve`, with every parameter inside its range, on `threads` threads; `progress` is told what is done.
+/// Fits the press of `scene` to `curve`, with every parameter inside its range, on `threads` threads; `progress` is told of every step.
 ///
 /// # Errors
-/// A scene that is no single press on a gel without weight, or whose own values lie outside the ranges; a press that fails as the scene
-/// has it; [`crate::error::Error::Interrupted`].
+/// Fails for a scene that is not a single press on a gel without weight, or whose own values lie outside the ranges; for a press that
+/// fails with the values of the scene; and with [`crate::error::Error::Interrupted`].
 pub fn fit(
     scene: &Scene,
     curve: &Curve,
@@ -59,7 +59,7 @@ pub fn fit(
     Ok(FitReport::new(curve, &start, &ranges, given, fits, press.simulations()))
 }
 
-/// Which parameters are free together: each alone, each pair, all.
+/// Returns the sets of parameters that are free together: each alone, each pair, all.
 fn sets() -> Vec<Vec<Parameter>> {
     let all = Parameter::ALL;
     let pairs = (0..all.len()).flat_map(|a| (a + 1..all.len()).map(move |b| vec![all[a], all[b]]));

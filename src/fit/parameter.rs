@@ -1,4 +1,4 @@
-//! What may be fitted, and within which range.
+//! Parameters that may be fitted, and their ranges.
 
 use super::Curve;
 use crate::error::{Error, Result};
@@ -6,7 +6,7 @@ use crate::number::shown;
 use crate::scene::leaf::{Modulus, NonNegative, Poisson};
 use serde::Serialize;
 
-/// A constant that a fit may change.
+/// Constant that a fit may change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Parameter {
@@ -16,21 +16,21 @@ pub enum Parameter {
     Poisson,
     /// Coefficient of friction between gel and object.
     Friction,
-    /// Depth at which the pad already is where the table says zero, m.
+    /// Depth of the pad at the zero of the table, m.
     DepthZero,
 }
 
-/// A value of each parameter, in the order of [`Parameter::ALL`].
+/// Values of the parameters, in the order of [`Parameter::ALL`].
 pub type ParameterValues = [f64; 4];
 
-/// Largest shift of the zero upwards, over the least depth of the table: a press has a depth.
+/// Largest shift of the zero upwards, over the smallest depth of the table: a press has a depth.
 const ABOVE: f64 = 0.9;
 
 impl Parameter {
     /// All parameters.
     pub const ALL: [Self; 4] = [Self::Young, Self::Poisson, Self::Friction, Self::DepthZero];
 
-    /// Its name on the command line and in `fit.json`.
+    /// Returns the name on the command line and in `fit.json`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Young => "young",
@@ -40,7 +40,7 @@ impl Parameter {
         }
     }
 
-    /// What it is called in a sentence.
+    /// Returns the name in a sentence.
     pub const fn words(self) -> &'static str {
         match self {
             Self::Young => "Young's modulus",
@@ -50,7 +50,7 @@ impl Parameter {
         }
     }
 
-    /// Symbol and unit at the head of a table, and what turns SI into that unit.
+    /// Returns symbol and unit at the head of a table, and the factor from SI to that unit.
     pub const fn shown_as(self) -> (&'static str, f64) {
         match self {
             Self::Young => ("E kPa", 1e-3),
@@ -60,7 +60,7 @@ impl Parameter {
         }
     }
 
-    /// Its range if none is given, SI: that of gels of optical tactile sensors.
+    /// Returns the default range, SI: that of gels of optical tactile sensors.
     const fn usual(self) -> [f64; 2] {
         match self {
             // From TacEx' GelSight Mini (0.1 MPa) to the users of the tactile grasp data set (0.5 MPa); FEATS identified 0.43 MPa.
@@ -74,7 +74,7 @@ impl Parameter {
         }
     }
 
-    /// What a scene could not have, in words.
+    /// Returns the reason, in words, why a scene could not have this value.
     fn refused(self, value: f64) -> Option<String> {
         match self {
             Self::Young => Modulus::new(value).err(),
@@ -85,7 +85,7 @@ impl Parameter {
     }
 }
 
-/// Least and largest value of each parameter, SI, in the order of [`Parameter::ALL`].
+/// Smallest and largest value of each parameter, SI, in the order of [`Parameter::ALL`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ranges(pub [[f64; 2]; 4]);
 
@@ -96,10 +96,10 @@ impl Default for Ranges {
 }
 
 impl Ranges {
-    /// Takes over `NAME=LOW,HIGH`, SI.
+    /// Sets the range `NAME=LOW,HIGH`, SI.
     ///
     /// # Errors
-    /// The message: an unknown name, no two numbers, values that no scene may have.
+    /// Returns the message about an unknown name, an entry that is not two numbers, or values that no scene may have.
     pub fn set(&mut self, text: &str) -> std::result::Result<(), String> {
         let known = || Parameter::ALL.map(Parameter::name).join(", ");
         let form = || format!("`{text}` is not NAME=LOW,HIGH with NAME one of {}", known());
@@ -118,7 +118,7 @@ impl Ranges {
         Ok(())
     }
 
-    /// The same with a zero of depth that leaves the first point of the table below the surface.
+    /// Returns the same ranges with a zero of depth that leaves the first point of the table below the surface.
     pub(super) fn above_surface(&self, curve: &Curve) -> Self {
         let mut ranges = *self;
         let first = curve.points.first().map_or(f64::INFINITY, |p| p.0);
@@ -127,7 +127,7 @@ impl Ranges {
         ranges
     }
 
-    /// Refuses values outside.
+    /// Refuses values outside of the ranges.
     pub(super) fn must_hold(&self, values: &ParameterValues) -> Result<()> {
         for (p, (value, [low, high])) in Parameter::ALL.into_iter().zip(values.iter().zip(self.0)) {
             if !(low..=high).contains(value) {
@@ -144,12 +144,12 @@ impl Ranges {
         Ok(())
     }
 
-    /// Where the free ones of `values` lie in their ranges, 0 to 1.
+    /// Returns the positions of the free ones of `values` in their ranges, 0 to 1.
     pub(super) fn units(&self, values: &ParameterValues, free: &[Parameter]) -> Vec<f64> {
         free.iter().map(|p| *p as usize).map(|i| (values[i] - self.0[i][0]) / self.width(i)).collect()
     }
 
-    /// `start` with the free ones at the given parts of their ranges.
+    /// Returns `start` with the free ones at the given fractions of their ranges.
     pub(super) fn values(&self, start: &ParameterValues, free: &[Parameter], units: &[f64]) -> ParameterValues {
         let mut values = *start;
         for (p, u) in free.iter().zip(units) {
@@ -159,7 +159,7 @@ impl Ranges {
         values
     }
 
-    /// Length of a range.
+    /// Returns the length of a range.
     pub(super) fn width(&self, index: usize) -> f64 {
         self.0[index][1] - self.0[index][0]
     }

@@ -1,4 +1,4 @@
-//! The press with given constants: one simulation per set of them, kept.
+//! Press with given constants: one simulation per set of them, kept.
 
 use super::{Curve, Parameter, ParameterValues};
 use crate::backend::choose;
@@ -15,18 +15,18 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-/// The bits of Poisson's ratio, friction and zero of depth. Forces are proportional to Young's modulus: so is every law of a gel, and so
-/// is the contact.
+/// Bits of Poisson's ratio, friction and zero of depth. Young's modulus is not among them, because forces are proportional to it: so is
+/// every law of a gel, and so is the contact.
 type Key = [u64; 3];
 
-/// A press at the depths of a curve.
+/// Press at the depths of a curve.
 pub struct PressRuns<'a> {
     scene: Scene,
     stepper: Box<dyn Stepper>,
     pose: GraspPose,
     curve: &'a Curve,
     pool: rayon::ThreadPool,
-    /// Forces, N, with the scene's own Young's modulus; None where the press failed.
+    /// Forces with the scene's own Young's modulus, N; None if the press failed.
     known: Mutex<BTreeMap<Key, Option<Vec<f64>>>>,
 }
 
@@ -34,7 +34,7 @@ impl<'a> PressRuns<'a> {
     /// Takes a scene over; presses run on `threads` threads, each on one.
     ///
     /// # Errors
-    /// No press, several grasps, weight.
+    /// Fails for a scene without a press, with several grasps or with weight.
     pub fn new(scene: &Scene, curve: &'a Curve, threads: usize) -> Result<Self> {
         let refused = |message: &str| Err(Error::Scene(format!("error: a fit {message}")));
         if !matches!(scene.loading, Loading::Press(_)) {
@@ -57,26 +57,26 @@ impl<'a> PressRuns<'a> {
         Ok(Self { stepper: choose(&scene)?, scene, pose, curve, pool, known: Mutex::default() })
     }
 
-    /// The scene's own values.
+    /// Returns the scene's own values.
     pub fn start(&self) -> ParameterValues {
         let spec = self.scene.gripper.material.spec();
         [spec.young, spec.poisson, self.scene.gripper.friction.get(), 0.0]
     }
 
-    /// Where presses run.
+    /// Returns the pool in which presses run.
     pub fn pool(&self) -> &rayon::ThreadPool {
         &self.pool
     }
 
-    /// Simulations so far.
+    /// Returns the number of simulations so far.
     pub fn simulations(&self) -> usize {
         self.known.lock().unwrap_or_else(PoisonError::into_inner).len()
     }
 
-    /// Simulated over measured force, minus one, at every point of the curve, for each of `values`; None where the press fails.
+    /// Returns simulated over measured force, minus one, at every point of the curve, for each of `values`; None if the press fails.
     ///
     /// # Errors
-    /// Those of building a model and of running it.
+    /// Fails if a model cannot be built or run.
     pub fn residuals(&self, values: &[ParameterValues]) -> Result<Vec<Option<Vec<f64>>>> {
         let missing: BTreeMap<Key, ParameterValues> = {
             let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
@@ -97,10 +97,10 @@ impl<'a> PressRuns<'a> {
         Ok(values.iter().map(of).collect())
     }
 
-    /// The same of one set of values.
+    /// Returns the residuals of one set of values.
     ///
     /// # Errors
-    /// A press that fails, too.
+    /// Fails in the cases of [`Self::residuals`], and also if the press fails.
     pub fn residuals_of(&self, values: &ParameterValues) -> Result<Vec<f64>> {
         let of = self.residuals(&[*values])?.into_iter().flatten().next();
         of.ok_or_else(|| {
@@ -108,7 +108,8 @@ impl<'a> PressRuns<'a> {
         })
     }
 
-    /// Forces, N, at the depths of the curve with the scene's Young's modulus; None where the press fails.
+    /// Simulates the forces at the depths of the curve with the scene's Young's modulus, N; returns None if the press
+    /// fails.
     fn simulate(&self, [_, poisson, friction, zero]: &ParameterValues) -> Result<Option<Vec<f64>>> {
         let leaf = |message: String| Error::Start(format!("the press cannot be fitted: {message}"));
         let mut scene = self.scene.clone();

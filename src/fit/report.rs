@@ -1,4 +1,4 @@
-//! What the fits found, as numbers and for human eyes.
+//! Results of the fits, as numbers and as text.
 
 use super::least_squares::{Minimum, rms};
 use super::{Curve, Parameter, ParameterValues, Ranges};
@@ -6,28 +6,28 @@ use crate::number::{rounded, shown};
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Root mean square of relative residuals below which there is nothing to explain.
+/// Root mean square of relative residuals below which there is no deviation to explain.
 const NOTHING: f64 = 1e-3;
-/// Points of a table that are listed one by one.
+/// Number of points of a table that are listed individually.
 const LISTED: usize = 8;
 
-/// A fitted parameter.
+/// Fitted parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FittedParameter {
-    /// Which.
+    /// Parameter.
     pub parameter: Parameter,
-    /// Its value, SI.
+    /// Value, SI.
     pub value: f64,
-    /// Half the width of its interval of 95 % confidence, SI; None where there is none: see [`Fit::freedom`] and `at_edge`.
+    /// Half the width of the interval of 95 % confidence, SI; None if there is none: see [`Fit::freedom`] and `at_edge`.
     pub interval: Option<f64>,
-    /// It lies at an end of its range, which holds it there.
+    /// True if the value lies at an end of its range, which holds it there.
     pub at_edge: bool,
 }
 
-/// A fit with some parameters free and the others as the scene has them.
+/// Fit with some parameters free and the others as the scene has them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fit {
-    /// The free ones.
+    /// Free parameters.
     pub free: Vec<FittedParameter>,
     /// All values, SI, in the order of [`Parameter::ALL`].
     pub values: ParameterValues,
@@ -35,11 +35,11 @@ pub struct Fit {
     pub residuals: Vec<f64>,
     /// Root mean square of the residuals.
     pub rms: f64,
-    /// Points less parameters off the ends of their ranges: at none there are no intervals.
+    /// Number of points minus that of the parameters off the ends of their ranges; at zero there are no intervals.
     pub freedom: usize,
-    /// Whether the fit settled.
+    /// True if the fit settled.
     pub converged: bool,
-    /// Iterations of Levenberg and Marquardt.
+    /// Number of iterations of Levenberg and Marquardt.
     pub iterations: usize,
 }
 
@@ -63,7 +63,7 @@ impl Fit {
         }
     }
 
-    /// Names of the free parameters.
+    /// Returns the names of the free parameters.
     pub fn name(&self) -> String {
         if self.free.len() == Parameter::ALL.len() {
             return "all".into();
@@ -72,7 +72,7 @@ impl Fit {
         names.join(", ")
     }
 
-    /// Largest residual, absolute.
+    /// Returns the largest residual, absolute.
     pub fn largest(&self) -> f64 {
         largest(&self.residuals)
     }
@@ -82,28 +82,28 @@ fn largest(residuals: &[f64]) -> f64 {
     residuals.iter().fold(0.0, |most, r| most.max(r.abs()))
 }
 
-/// The fits of a curve.
+/// Fits of a curve.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FitReport {
     /// Depths of the table, m.
     pub depths_m: Vec<f64>,
     /// Measured forces, N.
     pub forces_n: Vec<f64>,
-    /// Names of the parameters: the order of `start`, `ranges` and the values of a fit.
+    /// Names of the parameters, in the order of `start`, `ranges` and the values of a fit.
     pub parameters: [Parameter; 4],
     /// Values of the scene, SI.
     pub start: ParameterValues,
-    /// Least and largest value allowed, SI.
+    /// Smallest and largest allowed values, SI.
     pub ranges: [[f64; 2]; 4],
     /// Relative residuals of the scene as it is.
     pub given: Vec<f64>,
-    /// Their root mean square.
+    /// Root mean square of these residuals.
     pub given_rms: f64,
-    /// Each parameter alone, each pair, all.
+    /// Fits of each parameter alone, each pair, and all.
     pub fits: Vec<Fit>,
-    /// The parameter that explains most alone; None where there is nothing to explain.
+    /// Parameter that explains most on its own; None if there is no deviation to explain.
     pub explains: Option<Parameter>,
-    /// Presses that were simulated.
+    /// Number of presses that were simulated.
     pub simulations: usize,
 }
 
@@ -133,22 +133,22 @@ impl FitReport {
         }
     }
 
-    /// Whether every fit settled.
+    /// Returns true if every fit settled.
     pub fn converged(&self) -> bool {
         self.fits.iter().all(|f| f.converged)
     }
 
-    /// Part of the scene's sum of squares that a fit takes away.
+    /// Returns the fraction of the scene's sum of squares that a fit removes.
     pub fn explained(&self, fit: &Fit) -> f64 {
         1.0 - (fit.rms / self.given_rms).powi(2)
     }
 
-    /// The fit with the least residual of those with `count` parameters free.
+    /// Returns the fit with the smallest residual of those with `count` free parameters.
     pub fn best(&self, count: usize) -> Option<&Fit> {
         self.fits.iter().filter(|f| f.free.len() == count).min_by(|a, b| a.rms.total_cmp(&b.rms))
     }
 
-    /// The table.
+    /// Returns the table as text.
     pub fn text(&self) -> String {
         let mut out = format!("{:<20}", "free");
         // Writing to a String cannot fail.
@@ -193,7 +193,7 @@ impl FitReport {
         let _ = writeln!(out, "{:>7.1} % {:>5.1} %", 100.0 * largest(residuals), 100.0 * rms);
     }
 
-    /// Which parameter explains the miss.
+    /// Names the parameter that explains the deviation.
     fn verdict(&self) -> String {
         let Some(explains) = self.explains else {
             return "the scene meets the table: there is nothing to explain\n".into();
@@ -216,7 +216,7 @@ impl FitReport {
     }
 }
 
-/// What stands behind a fitted value.
+/// Returns the remark after a fitted value.
 fn note(estimate: &FittedParameter) -> String {
     match estimate.interval {
         Some(half) => format!(" +-{}", two(half * estimate.parameter.shown_as().1)),
@@ -225,12 +225,12 @@ fn note(estimate: &FittedParameter) -> String {
     }
 }
 
-/// Four significant digits.
+/// Formats four significant digits.
 pub(super) fn four(v: f64) -> String {
     shown(rounded(v, 4))
 }
 
-/// Two.
+/// Formats two significant digits.
 pub(super) fn two(v: f64) -> String {
     shown(rounded(v, 2))
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// An axis-aligned box, m.
+/// Axis-aligned box, m.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Aabb {
     /// Smallest corner, m.
@@ -12,10 +12,10 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box that contains nothing: the neutral element of [`Aabb::include`].
+    /// Empty box: the neutral element of [`Aabb::include`].
     pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
 
-    /// The smallest box around `points`.
+    /// Returns the smallest box around `points`.
     pub fn of(points: impl IntoIterator<Item = DVec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |mut b, p| {
             b.include(p);
@@ -23,40 +23,41 @@ impl Aabb {
         })
     }
 
-    /// Grows to contain `p`.
+    /// Grows the box to contain `p`.
     pub fn include(&mut self, p: DVec3) {
         self.min = self.min.min(p);
         self.max = self.max.max(p);
     }
 
-    /// Grows to contain `other`.
+    /// Grows the box to contain `other`.
     pub fn merge(&mut self, other: &Self) {
         self.min = self.min.min(other.min);
         self.max = self.max.max(other.max);
     }
 
-    /// Edge lengths, m.
+    /// Returns the edge lengths, m.
     pub fn size(&self) -> DVec3 {
         self.max - self.min
     }
 
-    /// Centre, m.
+    /// Returns the centre, m.
     pub fn center(&self) -> DVec3 {
         0.5 * (self.min + self.max)
     }
 
-    /// Squared distance from `q` to the box, m2; zero inside.
+    /// Returns the squared distance from `q` to the box, m2; zero inside.
     #[inline]
     pub fn distance_squared(&self, q: DVec3) -> f64 {
         (self.min - q).max(q - self.max).max(DVec3::ZERO).length_squared()
     }
 
-    /// Whether the two have a point in common.
+    /// Returns true if the two boxes have a point in common.
     pub fn meets(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
-    /// Where the ray `o + t / inverse` enters the box, if it does at some `0 <= t <= max`.
+    /// Returns the parameter `t` at which the ray `o + t / inverse` enters the box, if it does so at some `0 <= t <=
+    /// max`.
     #[inline]
     pub fn ray(&self, o: DVec3, inverse: DVec3, max: f64) -> Option<f64> {
         let (a, b) = ((self.min - o) * inverse, (self.max - o) * inverse);

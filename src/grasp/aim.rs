@@ -1,4 +1,4 @@
-//! Whether the grasps of a file are about this object at all.
+//! Check that the grasps of a file are about this object at all.
 
 use crate::geometry::Aabb;
 use crate::geometry::shape::Shape;
@@ -7,12 +7,12 @@ use crate::gripper::pose::GraspPose;
 use crate::scene::{Fingers, Grasps, Scene};
 use glam::DVec3;
 
-/// Grasps that are looked at, spread over the file.
+/// Largest number of grasps that are looked at, spread over the file.
 const SAMPLE: usize = 64;
-/// Points across a pad, along each side.
+/// Number of points across a pad, along each side.
 const POINTS: usize = 5;
 
-/// A sentence if most grasps of the scene's grasp file miss the object or start inside it: then the file's poses mean
+/// Returns a sentence if most grasps of the scene's grasp file miss the object or start inside it: then the file's poses mean
 /// something else. `pad` is the box around a pad in the pad frame, m.
 pub fn aim_notice(scene: &Scene, object: &Shape, pad: Aabb, poses: &[GraspPose]) -> Option<String> {
     let Grasps::File(file) = &scene.grasps else { return None };
@@ -43,7 +43,7 @@ pub fn aim_notice(scene: &Scene, object: &Shape, pad: Aabb, poses: &[GraspPose])
     ))
 }
 
-/// What a pad meets as it closes, in the order of how bad it is.
+/// Result of closing a pad, from the best case to the worst.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 enum Meets {
     Object,

@@ -16,17 +16,17 @@ use crate::scene::Antipodal;
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::TAU;
 
-/// Tries per wanted grasp before the sampler gives up.
+/// Largest number of tries per wanted grasp before the sampler gives up.
 const TRIES: usize = 2000;
-/// Lines of rays across a pad that look for its first contact.
+/// Number of lines of rays across a pad that look for its first contact.
 const RAYS: usize = 7;
 
-/// Why a try was rejected.
+/// Reason why a try was rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Rejection {
     /// The normal at the opposite contact is outside the friction cone.
     OutsideCone,
-    /// Another part of the object lies before the surface point: no pad gets there.
+    /// Another part of the object lies before the surface point: no pad can reach it.
     Hidden,
     /// The object does not fit between the open pads.
     TooWide,
@@ -43,7 +43,7 @@ impl Rejection {
     pub const ALL: [Rejection; 6] =
         [Self::OutsideCone, Self::Hidden, Self::TooWide, Self::TooThin, Self::Palm, Self::Finger];
 
-    /// In words.
+    /// Returns the reason in words.
     pub fn reason(self) -> &'static str {
         match self {
             Self::OutsideCone => "opposite normal outside the cone",
@@ -56,19 +56,19 @@ impl Rejection {
     }
 }
 
-/// The grasps found, and what was rejected on the way.
+/// Grasps found, and counts of the tries rejected on the way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampled {
-    /// The grasps, in the order in which they were found.
+    /// Grasps, in the order in which they were found.
     pub poses: Vec<GraspPose>,
-    /// Tries.
+    /// Number of tries.
     pub tries: usize,
-    /// Rejected tries by reason, as [`Rejection::ALL`].
+    /// Number of rejected tries by reason, in the order of [`Rejection::ALL`].
     pub rejected: [usize; 6],
 }
 
 impl Sampled {
-    /// One sentence with the counts.
+    /// Returns one sentence with the counts.
     pub fn report(&self) -> String {
         let counts = Rejection::ALL.iter().zip(self.rejected).filter(|(_, n)| *n > 0);
         let counts: Vec<_> = counts.map(|(r, n)| format!("{n} {}", r.reason())).collect();
@@ -81,7 +81,7 @@ impl Sampled {
 /// Samples grasps of `object` with friction coefficient `friction` for `hand`, whose fingers travel up to `stroke` (m).
 ///
 /// # Errors
-/// Fewer grasps than wanted after 2,000 tries for each, with the reasons.
+/// Fails if 2,000 tries for each wanted grasp find too few; the message gives the reasons.
 pub fn sample(wanted: &Antipodal, object: &Shape, hand: &Hand, friction: f64, stroke: f64) -> Result<Sampled> {
     let surface = Surface::new(&object.surface);
     let cone = friction.atan().min(wanted.tilt_deg.get().to_radians());
@@ -104,7 +104,7 @@ pub fn sample(wanted: &Antipodal, object: &Shape, hand: &Hand, friction: f64, st
     Ok(found)
 }
 
-/// One try.
+/// Makes one try.
 fn attempt(
     object: &Shape,
     surface: &Surface,
@@ -147,7 +147,7 @@ fn attempt(
     Ok(pose)
 }
 
-/// Whether the hand gets there and closes.
+/// Checks that the hand reaches the pose and closes.
 fn clear(object: &Shape, hand: &Hand, pose: &GraspPose, stroke: f64) -> std::result::Result<(), Rejection> {
     let blocked = |part| match part {
         HandPart::Palm => Rejection::Palm,
@@ -169,7 +169,7 @@ fn clear(object: &Shape, hand: &Hand, pose: &GraspPose, stroke: f64) -> std::res
     }
 }
 
-/// Travel of a pad until it touches, by rays from its face; infinite if none hits.
+/// Returns the travel of a pad until it touches, by rays from its face; infinite if none hits.
 fn first_contact(object: &Shape, hand: &Hand, pose: &GraspPose, closing: DVec3) -> f64 {
     let travel = |start| object.ray(pose.to_object(start), pose.rotation * closing).map(|hit| hit.t);
     hand.face(closing, RAYS).filter_map(travel).fold(f64::INFINITY, f64::min)
@@ -193,7 +193,7 @@ impl<'a> Surface<'a> {
         Self { mesh, area: area.collect() }
     }
 
-    /// The point for three numbers in 0..1, brought onto the true surface.
+    /// Returns the point for three numbers in 0..1, moved onto the true surface.
     fn point(&self, object: &Shape, at: f64, u: f64, v: f64) -> DVec3 {
         let whole = self.area.last().copied().unwrap_or(0.0);
         let t = self.area.partition_point(|sum| *sum <= at * whole).min(self.area.len() - 1);

@@ -9,27 +9,33 @@ use glam::{DMat3, DQuat, DVec3};
 use hdf5_pure::{Dataset, File, FileBuilder, Group};
 use std::path::Path;
 
-/// Name of the dataset, unless the scene says another.
+/// Name of the dataset, unless the scene gives another.
 const POSES: &str = "poses";
-/// How far from 1 the length of a quaternion or of a matrix's column may be: f32 files pass, wrong columns do not.
+/// Largest deviation from 1 of the length of a quaternion or of a matrix's column: f32 files pass, wrong columns do not.
 const UNIT_SLACK: f64 = 1e-5;
 /// Largest file that is read, and largest dataset or chunk that is unpacked, bytes; a million grasps take 56 MB.
 const SIZE_LIMIT: u64 = 256 * 1024 * 1024;
-/// Most grasps of a file.
+/// Largest number of grasps of a file.
 const ROW_LIMIT: u64 = 1_000_000;
-/// What to do about a file that h5py reads and this reader does not.
+/// Advice for a file that h5py reads and this reader does not.
 const REWRITE: &str =
     "write it again with `h5py.File(name, \"w\", libver=\"earliest\")`, plain or with compression=\"gzip\"";
-/// Most groups that are looked through for the names of datasets.
+/// Largest number of groups that are searched for the names of datasets.
 const GROUP_LIMIT: usize = 64;
 
-/// Reads all grasps of a file as DefGraspSim writes it; quaternions are brought to length 1 exactly. Errors name the file
-/// and the row.
+/// Reads all grasps of a file as DefGraspSim writes it; quaternions are brought to length 1 exactly.
+///
+/// # Errors
+/// Fails as [`read_grasp_file`] does.
 pub fn read_grasps_h5(path: impl AsRef<Path>) -> Result<Vec<GraspPose>> {
     read_grasp_file(&GraspFile::new(path.as_ref().to_path_buf()))
 }
 
-/// Reads all grasps of a file, whatever it selects, in the convention it says. Errors name the file and the row.
+/// Reads all grasps of a file, whatever it selects, in the convention that it names.
+///
+/// # Errors
+/// Fails if the file cannot be read, is not HDF5, is too large, lacks the dataset or has it with a wrong shape or number type, and
+/// if a row is no pose. The message names the file and, for a bad pose, the row.
 pub fn read_grasp_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
     let path = file.path.as_path();
     let name = file.dataset.as_deref().unwrap_or(POSES);
@@ -80,14 +86,14 @@ pub fn read_grasp_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
     rows.map(|(row, v)| read(v).map_err(|m| fail(format!("`{name}` row {row}: {m}")))).collect()
 }
 
-/// Bytes of one chunk once unpacked; None if the dataset is in one piece, saturates.
+/// Returns the size of one chunk once unpacked, bytes; None if the dataset is in one piece; saturates.
 fn chunk_bytes(dataset: &Dataset) -> Option<u64> {
     let shape = dataset.chunk_shape().ok()??;
     let size = dataset.element_size().unwrap_or(8);
     Some(shape.iter().fold(size, |n, c| n.saturating_mul(*c)))
 }
 
-/// Numbers of one grasp in a dataset of this shape: position and quaternion, or a matrix.
+/// Returns the number of values of one grasp in a dataset of this shape: position and quaternion, or a matrix.
 fn width(shape: &[u64]) -> Option<u64> {
     match shape {
         [_, 7] => Some(7),
@@ -96,7 +102,7 @@ fn width(shape: &[u64]) -> Option<u64> {
     }
 }
 
-/// Says what the file holds instead of `name`. Old files with a soft link cannot be listed, only entered by path.
+/// Describes what the file holds instead of `name`. Old files with a soft link cannot be listed, only entered by path.
 fn missing(file: &File, name: &str, names: &[String]) -> String {
     let fits = |name: &&String| file.dataset(name).and_then(|d| d.shape()).is_ok_and(|shape| width(&shape).is_some());
     let choice = names.iter().find(fits).map_or("group/name", String::as_str);
@@ -107,7 +113,7 @@ fn missing(file: &File, name: &str, names: &[String]) -> String {
     )
 }
 
-/// Paths of the datasets in a file, groups entered in order.
+/// Returns the paths of the datasets in a file, groups entered in order.
 fn datasets(file: &File) -> Vec<String> {
     let mut found = Vec::new();
     let mut groups: Vec<(String, Group)> = vec![(String::new(), file.root())];
@@ -138,7 +144,7 @@ fn finite(v: &[f64]) -> std::result::Result<(), String> {
     }
 }
 
-/// Position and quaternion.
+/// Reads a pose from position and quaternion.
 fn from_row(v: &[f64], order: QuaternionOrder) -> std::result::Result<GraspPose, String> {
     finite(v)?;
     let (rotation, names) = match order {
@@ -153,7 +159,7 @@ fn from_row(v: &[f64], order: QuaternionOrder) -> std::result::Result<GraspPose,
     Ok(GraspPose { position: DVec3::from_slice(v), rotation })
 }
 
-/// A 4 x 4 matrix [R p; 0 1], row by row.
+/// Reads a pose from a 4 x 4 matrix [R p; 0 1], row by row.
 fn from_matrix(v: &[f64]) -> std::result::Result<GraspPose, String> {
     finite(v)?;
     if v[12..] != [0.0, 0.0, 0.0, 1.0] {
@@ -178,6 +184,9 @@ fn from_matrix(v: &[f64]) -> std::result::Result<GraspPose, String> {
 }
 
 /// Writes grasps as DefGraspSim does, whole or not at all.
+///
+/// # Errors
+/// Fails if the file cannot be written.
 pub fn write_grasps_h5(path: impl AsRef<Path>, poses: &[GraspPose]) -> Result<()> {
     let path = path.as_ref();
     let values: Vec<f64> = poses

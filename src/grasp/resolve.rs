@@ -1,4 +1,4 @@
-//! The grasps of a scene as poses.
+//! Grasps of a scene as poses.
 
 use super::antipodal::{self, Sampled};
 use super::h5::read_grasp_file;
@@ -10,21 +10,27 @@ use crate::part::{object, pad};
 use crate::scene::{Antipodal, GraspCount, GraspFile, Grasps, Scene, Select};
 use glam::{DQuat, DVec3};
 
-/// The grasps of a scene, and what is to be said about how they were found.
+/// Grasps of a scene, and notices about how they were found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resolved {
-    /// The grasps, in order.
+    /// Grasps, in order.
     pub poses: Vec<GraspPose>,
-    /// One sentence each.
+    /// Notices, one sentence each.
     pub notices: Vec<String>,
 }
 
-/// All grasps of the scene, in order; reads the grasp file if the scene names one, samples if it asks for that.
+/// Returns all grasps of the scene, in order. Reads the grasp file if the scene names one; samples if the scene asks for that.
+///
+/// # Errors
+/// Fails as [`grasps_of`] does.
 pub fn poses_of(scene: &Scene) -> Result<Vec<GraspPose>> {
     grasps_of(scene).map(|resolved| resolved.poses)
 }
 
-/// The same with notices.
+/// Returns all grasps of the scene, in order, with notices.
+///
+/// # Errors
+/// Fails if the grasp file cannot be read or selects grasps that it does not have, and as [`sample_of`] does.
 pub fn grasps_of(scene: &Scene) -> Result<Resolved> {
     let mut notices = Vec::new();
     let poses = match &scene.grasps {
@@ -46,10 +52,10 @@ pub fn grasps_of(scene: &Scene) -> Result<Resolved> {
     Ok(Resolved { poses, notices })
 }
 
-/// Leaves the first so many of the grasps of a scene, or all if there are fewer.
+/// Keeps only the first `most` grasps of a scene, or all if there are fewer.
 ///
 /// # Errors
-/// A grasp file that cannot be read.
+/// Fails if the grasp file cannot be read.
 pub fn keep_first(grasps: &mut Grasps, most: GraspCount) -> Result<()> {
     match grasps {
         Grasps::Identity => {}
@@ -65,7 +71,7 @@ pub fn keep_first(grasps: &mut Grasps, most: GraspCount) -> Result<()> {
     Ok(())
 }
 
-/// The chosen grasps of a file, all of them unless the scene selects some.
+/// Reads the chosen grasps of a file, all of them unless the scene selects some.
 fn from_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
     let all = read_grasp_file(file)?;
     if all.is_empty() {
@@ -81,10 +87,10 @@ fn from_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
     select.rows().into_iter().map(pick).collect()
 }
 
-/// Samples the object of the scene.
+/// Samples grasps of the scene's object.
 ///
 /// # Errors
-/// Those of building object and pad, and too few grasps found.
+/// Fails if object or pad cannot be built, and if too few grasps are found.
 pub fn sample_of(scene: &Scene, wanted: &Antipodal) -> Result<Sampled> {
     // Building the model says what was repaired.
     let mut notices = Vec::new();

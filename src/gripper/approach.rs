@@ -4,23 +4,23 @@ use crate::geometry::shape::SignedDistance;
 use crate::mech::contact::{ContactSurface, Feature};
 use glam::{DMat3, DVec2, DVec3};
 
-/// What a finger meets when it closes.
+/// Result of closing a finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Approach {
     /// First contact after this travel, m.
     Contact(f64),
     /// The open pad already overlaps the object, by about this depth, m.
     Overlap(f64),
-    /// Nothing within the stroke.
+    /// No contact within the stroke.
     Misses,
 }
 
-/// Travel of a rigid pad along `closing` until it is `clearance` from the object.
+/// Computes the travel of a rigid pad along `closing` until it is `clearance` from the object.
 ///
-/// The pad's contact points march along the closing direction by the distance function (sphere tracing, Hart 1996: the
-/// distance is 1-Lipschitz, so no step can cross the surface); the object's feature points are cast against the pad's
-/// faces. `x` are pad node positions at zero travel (hand frame, m), `position` and `rotation` the object's pose,
-/// `features` the object's vertices and sharp edges (object frame).
+/// The pad's contact points march along the closing direction by the distance function (sphere tracing, Hart 1996: the distance is
+/// 1-Lipschitz, so no step can cross the surface); the object's feature points are cast against the pad's faces. `x` are pad node
+/// positions at zero travel (hand frame, m), `position` and `rotation` the object's pose, `features` the object's vertices and
+/// sharp edges (object frame).
 #[allow(clippy::too_many_arguments)]
 pub fn approach(
     surface: &ContactSurface,
@@ -90,7 +90,8 @@ pub fn approach(
     }
 }
 
-/// Signed parameter of the line `origin + t direction` in a triangle it faces from outside (Moeller & Trumbore 1997).
+/// Returns the signed parameter of the line `origin + t direction` in a triangle that it faces from outside (Moeller & Trumbore
+/// 1997).
 fn cast(origin: DVec3, direction: DVec3, a: DVec3, b: DVec3, c: DVec3) -> Option<f64> {
     let (e1, e2) = (b - a, c - a);
     let p = direction.cross(e2);

@@ -1,4 +1,4 @@
-//! What of the hand must not meet the object: palm, finger bodies and pads, as boxes in the hand frame.
+//! Parts of the hand that must not meet the object: palm, finger bodies and pads, as boxes in the hand frame.
 
 use crate::geometry::Aabb;
 use crate::geometry::shape::SignedDistance;
@@ -11,7 +11,7 @@ use glam::DVec3;
 const PALM: DVec3 = DVec3::new(0.102, 0.0315, 0.0659);
 /// Thickness of a finger behind its pad, m.
 const FINGER: f64 = 0.015;
-/// Boxes closer to the object than about this count as touching it, m.
+/// Distance to the object below which a box counts as touching it, approximately, m.
 pub const CLEARANCE: f64 = 5e-4;
 
 /// The rigid hand with undeformed pads.
@@ -19,7 +19,7 @@ pub const CLEARANCE: f64 = 5e-4;
 pub struct Hand {
     /// Box around a pad in the pad frame, m.
     pub pad: Aabb,
-    /// Distance of the sensing faces when open, m.
+    /// Distance of the sensing faces when the hand is open, m.
     pub opening: f64,
     /// Centre of the pads along the approach (hand z) and the finger width (hand y), m.
     pub center: DVec3,
@@ -37,7 +37,7 @@ pub enum HandPart {
 }
 
 impl HandPart {
-    /// In words.
+    /// Returns the name of the part in words.
     pub fn name(self) -> &'static str {
         match self {
             HandPart::Palm => "palm",
@@ -48,13 +48,13 @@ impl HandPart {
 }
 
 impl Hand {
-    /// The hand of a gripper with pads in this box (pad frame, m).
+    /// Creates the hand of a gripper with pads in this box (pad frame, m).
     pub fn new(pad: Aabb, gripper: &Gripper) -> Self {
         let center = DVec3::new(0.0, gripper.placement.y.get(), gripper.placement.z.get());
         Self { pad, opening: gripper.opening.get(), center }
     }
 
-    /// Points of the face of the open pad that closes along `closing`: the middles of `n` x `n` equal parts, hand frame, m.
+    /// Returns points of the face of the open pad that closes along `closing`: the middles of `n` x `n` equal parts, hand frame, m.
     pub fn face(&self, closing: DVec3, n: usize) -> impl Iterator<Item = DVec3> {
         let (hand, low, high) = (*self, self.pad.min, self.pad.max);
         let at = move |k: usize, low: f64, high: f64| low + (high - low) * (k as f64 + 0.5) / n as f64;
@@ -64,8 +64,8 @@ impl Hand {
         })
     }
 
-    /// The part that meets the object when each finger has travelled by `travel` (m) from the open hand: palm first,
-    /// then fingers, then pads. `shift` moves the object along hand x, m.
+    /// Returns the part that meets the object when each finger has travelled by `travel` (m) from the open hand. Checks the palm
+    /// first, then fingers, then pads. `shift` moves the object along hand x, m.
     pub fn obstacle(&self, object: &dyn SignedDistance, pose: &GraspPose, travel: f64, shift: f64) -> Option<HandPart> {
         let meets =
             |b: Aabb| overlaps(object, pose, Aabb { min: b.min - DVec3::X * shift, max: b.max - DVec3::X * shift });
@@ -78,19 +78,19 @@ impl Hand {
         }
     }
 
-    /// Boxes of the pads, left first, hand frame, m.
+    /// Returns the boxes of the pads, left first, hand frame, m.
     pub fn pads(&self, travel: f64) -> [Aabb; 2] {
         let (near, far) = (0.5 * self.opening - travel - self.pad.max.z, 0.5 * self.opening - travel - self.pad.min.z);
         self.both(near, far, self.center.z + self.pad.min.x)
     }
 
-    /// Boxes of the fingers, from the palm to the end of the pads, left first, hand frame, m.
+    /// Returns the boxes of the fingers, from the palm to the end of the pads, left first, hand frame, m.
     fn fingers(&self, travel: f64) -> [Aabb; 2] {
         let back = 0.5 * self.opening - travel - self.pad.min.z;
         self.both(back, back + FINGER, PALM.z.min(self.center.z + self.pad.min.x))
     }
 
-    /// Boxes on both sides between `near` and `far` from the middle, as wide as the pads, from height `low`.
+    /// Returns boxes on both sides between `near` and `far` from the middle, as wide as the pads, from height `low`.
     fn both(&self, near: f64, far: f64, low: f64) -> [Aabb; 2] {
         // Pad x lies along the approach, pad y along the finger width.
         let half = self.pad.max.y.abs().max(self.pad.min.y.abs());
@@ -106,8 +106,8 @@ fn palm() -> Aabb {
     Aabb { min: DVec3::new(-PALM.x, -PALM.y, 0.0), max: PALM }
 }
 
-/// Whether a box of the hand meets the object, to [`CLEARANCE`]: the distance is 1-Lipschitz, so a box whose centre is
-/// farther off than its half diagonal is clear, one whose centre is inside is not, and any other is halved.
+/// Returns true if a box of the hand meets the object, to within [`CLEARANCE`]. The distance is 1-Lipschitz: a box whose centre is
+/// farther off than its half diagonal is clear, a box whose centre is inside is not, and any other box is halved.
 fn overlaps(object: &dyn SignedDistance, pose: &GraspPose, hand: Aabb) -> bool {
     let (center, half) = (hand.center(), 0.5 * hand.size());
     let distance = object.distance(pose.to_object(center));

@@ -1,4 +1,4 @@
-//! The parallel gripper: where its pads are, how far its fingers travel before anything touches, what of it is in the way.
+//! Parallel gripper: the places of its pads, the travel of its fingers to first contact, and its obstacles.
 
 pub mod approach;
 pub mod hand;

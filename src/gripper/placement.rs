@@ -1,4 +1,7 @@
-//! Where the pads sit in the hand frame.
+//! Placement of the pads in the hand frame.
+//!
+//! Hand frame (that of DefGraspSim): origin at the hand base, +Z the approach, fingers close along X, finger width along Y. The
+//! left finger stands at -X and closes towards +X; the right one is its image under a half turn about Z.
 //!
 //! Hand frame (that of DefGraspSim): origin at the hand base, +Z the approach, fingers close along X, finger width along
 //! Y. The left finger stands at -X and closes towards +X, the right one is its image under a half turn about Z.
@@ -9,7 +12,7 @@ use glam::{DMat3, DQuat, DVec3};
 /// Number of fingers of the full gripper.
 pub const SIDES: usize = 2;
 
-/// Rigid placement of one pad at zero travel, and the direction its finger closes in.
+/// Rigid placement of one pad at zero travel, and the closing direction of its finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FingerPlacement {
     /// Pad axes in hand axes: pad x (long side) along the approach, pad z (out of the gel) along the closing direction.
@@ -21,8 +24,8 @@ pub struct FingerPlacement {
 }
 
 impl FingerPlacement {
-    /// Pad of finger `side` (0 left, 1 right) for an aperture `opening` (m, between the sensing faces) with the centre of
-    /// the sensing faces at height `height` (m) along the approach.
+    /// Creates the pad of finger `side` (0 left, 1 right) for an aperture `opening` (m, between the sensing faces) with the centre
+    /// of the sensing faces at height `height` (m) along the approach.
     pub fn new(side: usize, opening: f64, height: f64) -> Self {
         let closing = if side == 0 { DVec3::X } else { DVec3::NEG_X };
         let across = closing.cross(DVec3::Z);
@@ -33,12 +36,12 @@ impl FingerPlacement {
         }
     }
 
-    /// The same as a pose: `x_hand = rotation * x_pad + position`.
+    /// Returns the placement as a pose: `x_hand = rotation * x_pad + position`.
     pub fn pose(&self) -> GraspPose {
         GraspPose { position: self.origin, rotation: DQuat::from_mat3(&self.rotation) }
     }
 
-    /// Position in the hand frame of a point given in the pad frame, m.
+    /// Returns the position in the hand frame of a point given in the pad frame, m.
     pub fn place(&self, x: DVec3) -> DVec3 {
         self.rotation * x + self.origin
     }

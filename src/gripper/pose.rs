@@ -1,4 +1,4 @@
-//! One grasp pose and the two ways through it.
+//! Grasp pose, and the transforms between its two frames.
 
 use glam::{DQuat, DVec3};
 
@@ -15,29 +15,29 @@ pub struct GraspPose {
 }
 
 impl GraspPose {
-    /// From a row of a file: px py pz qw qx qy qz, taken as it is. `row` has at least these seven.
+    /// Creates the pose from a row of a file: px py pz qw qx qy qz, taken as it is. `row` has at least these seven numbers.
     pub fn from_row(row: &[f64]) -> Self {
         let rotation = DQuat::from_xyzw(row[4], row[5], row[6], row[3]);
         Self { position: DVec3::from_slice(row), rotation }
     }
 
-    /// The row of a file: px py pz qw qx qy qz.
+    /// Returns the row of a file: px py pz qw qx qy qz.
     pub fn row(&self) -> [f64; 7] {
         let (p, q) = (self.position, self.rotation);
         [p.x, p.y, p.z, q.w, q.x, q.y, q.z]
     }
 
-    /// A point of the object in the hand frame, m.
+    /// Transforms a point of the object to the hand frame, m.
     pub fn to_hand(&self, in_object: DVec3) -> DVec3 {
         self.rotation.conjugate() * (in_object - self.position)
     }
 
-    /// A point of the hand in the object frame, m.
+    /// Transforms a point of the hand to the object frame, m.
     pub fn to_object(&self, in_hand: DVec3) -> DVec3 {
         self.rotation * in_hand + self.position
     }
 
-    /// Pose of the object in the hand frame: `x_hand = rotation * x_object + position`.
+    /// Returns the pose of the object in the hand frame: `x_hand = rotation * x_object + position`.
     pub fn object_in_hand(&self) -> GraspPose {
         let rotation = self.rotation.conjugate();
         GraspPose { position: -(rotation * self.position), rotation }

@@ -1,4 +1,4 @@
-//! What becomes of the promises of a scene: an audit of recorded frames, and the verdict.
+//! Check of the promises of a scene: an audit of recorded frames, and the verdict.
 
 pub mod audit;
 pub mod verdict;

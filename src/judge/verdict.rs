@@ -1,4 +1,4 @@
-//! Judges a grasp's outcome against what its scene promised.
+//! Judgement of a grasp's outcome against the promises of its scene.
 
 use crate::judge::Findings;
 pub use crate::record::Status;
@@ -8,19 +8,19 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::fmt;
 
-/// What expectations are judged on: the scalars of one grasp, worst over its frames where frames matter. A quantity that
-/// was not measured is NaN, and no expectation about it holds.
+/// Scalars of one grasp on which expectations are judged; the worst over its frames where frames matter. A quantity that was not
+/// measured is NaN, and no expectation about it holds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measured {
-    /// How it ended.
+    /// Status at the end of the grasp.
     pub status: Status,
-    /// Why it did not reach the loading; empty if it did.
+    /// Reason why it did not reach the loading; empty if it did.
     pub reason: String,
     /// Sum over the fingers of |normal force| at the last frame, N.
     pub force_n: f64,
     /// Travel of each finger after contact at the last frame, m; a missing finger is NaN.
     pub travel_m: [f64; 2],
-    /// What the audit of the frames found, the worst of each; None if nobody asked for an audit or there is no frame.
+    /// Worst findings of the audit over all frames; None if no audit was asked for or there is no frame.
     pub findings: Option<Findings>,
     /// Largest residual of forces on the object over the loading's force.
     pub force_balance: f64,
@@ -30,11 +30,11 @@ pub struct Measured {
     pub max_stress_pa: f64,
     /// Largest motion of any point of the object relative to what holds it, m.
     pub slip_m: f64,
-    /// The same at the last frame.
+    /// Motion of this kind at the last frame, m.
     pub last_slip_m: f64,
     /// Centre of mass of the object in the world at the last frame, m.
     pub position_m: [f64; 3],
-    /// Its speed, m/s.
+    /// Speed of the centre of mass, m/s.
     pub speed_m_s: f64,
     /// Normal force of the ground at the last frame, N.
     pub ground_force_n: f64,
@@ -42,12 +42,12 @@ pub struct Measured {
     pub torque_n_m: f64,
     /// Largest change of linear or angular momentum of the object over its value at the start.
     pub momentum_drift: f64,
-    /// (travel after contact, m; force, N) of the first finger at each recorded frame.
+    /// Curve of the first finger: (travel after contact, m; force, N) at each recorded frame.
     pub curve: Vec<(f64, f64)>,
 }
 
 impl Default for Measured {
-    /// Nothing measured.
+    /// Creates values of which nothing is measured.
     fn default() -> Self {
         Self {
             status: Status::Infeasible,
@@ -70,20 +70,20 @@ impl Default for Measured {
     }
 }
 
-/// The verdict on one expectation.
+/// Verdict on one expectation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Held {
     /// Name of the expectation.
     pub name: Cow<'static, str>,
-    /// Whether it held.
+    /// True if it held.
     pub held: bool,
-    /// What was measured, in `unit`; None if nothing was, or for expectations on a text.
+    /// Measured value, in `unit`; None if nothing was measured, or for expectations on a text.
     pub value: Option<f64>,
-    /// What it was held against (the violated bound if one was), in `unit`.
+    /// Bound that the value was compared with (the violated bound if one was), in `unit`.
     pub bound: Option<f64>,
-    /// "N", "m", "Pa" or "" for ratios.
+    /// Unit: "N", "m", "Pa" or "" for ratios.
     pub unit: Cow<'static, str>,
-    /// How the grasp ended, where that is what was judged.
+    /// End of the grasp, for expectations that judge it.
     pub detail: Option<String>,
 }
 
@@ -168,7 +168,7 @@ pub fn evaluate(expectation: &Expectation, m: &Measured) -> Held {
 }
 
 impl fmt::Display for Held {
-    /// What was measured, its bound and what else is known.
+    /// Writes the measured value, its bound and what else is known.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         let number =
@@ -182,25 +182,25 @@ impl fmt::Display for Held {
 }
 
 impl Held {
-    /// Whether it held, as a word of a report; all are as wide.
+    /// Returns the verdict as a word of a report; all words are as wide.
     pub fn verdict(&self) -> &'static str {
         if self.held { "held    " } else { "VIOLATED" }
     }
 
-    /// How far inside its bound, or outside, the value is; +inf if there is none.
+    /// Returns the distance of the value to its bound, positive inside and negative outside; +inf if there is none.
     fn margin(&self) -> f64 {
         let far = self.value.zip(self.bound).map_or(f64::INFINITY, |(value, bound)| (value - bound).abs());
         if self.held { far } else { -far }
     }
 
-    /// The worse of two, the first if they are as bad: one that does not hold, else the one nearer to its bound.
+    /// Returns the worse of two, the first if they are as bad: one that does not hold, else the one nearer to its bound.
     pub fn worse(self, other: Self) -> Self {
         let order = self.held.cmp(&other.held).then(self.margin().total_cmp(&other.margin()));
         if order.is_gt() { other } else { self }
     }
 }
 
-/// Judges an expectation on all grasps of a scene: the worst of them speaks. No grasp at all breaks every expectation.
+/// Judges an expectation on all grasps of a scene by the worst of them. Without a grasp every expectation fails.
 pub fn evaluate_all(expectation: &Expectation, grasps: &[Measured]) -> Held {
     let worst = grasps.iter().map(|measured| evaluate(expectation, measured)).reduce(Held::worse);
     worst.unwrap_or_else(|| Held { held: false, ..evaluate(expectation, &Measured::default()) })
@@ -217,7 +217,7 @@ fn within(bounds: &Bounds, value: f64) -> (bool, f64, f64) {
     (!value.is_nan(), value, high.or(low).unwrap_or(f64::NAN))
 }
 
-/// Force at a depth on the recorded curve, which starts at (0, 0); NaN beyond its end.
+/// Returns the force at a depth on the recorded curve, which starts at (0, 0); NaN beyond its end.
 fn interpolate(curve: &[(f64, f64)], depth: f64) -> f64 {
     // an end point met up to rounding counts as met
     let slack = 1e-9 * depth.abs();

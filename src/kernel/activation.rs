@@ -1,17 +1,17 @@
-//! The activations of the network on whole registers.
+//! Activations of the network on whole registers.
 
 use pulp::Simd;
 
-/// What becomes of a number.
+/// Activation of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Act {
-    /// Itself.
+    /// Identity.
     None,
-    /// `z (1 + z / sqrt(1 + z2)) / 2`.
+    /// Gated unit `z (1 + z / sqrt(1 + z2)) / 2`.
     Gated,
 }
 
-/// `act(z)`.
+/// Computes `act(z)`.
 #[inline(always)]
 pub fn activate<S: Simd>(simd: S, act: Act, z: S::f32s) -> S::f32s {
     match act {
@@ -20,7 +20,7 @@ pub fn activate<S: Simd>(simd: S, act: Act, z: S::f32s) -> S::f32s {
     }
 }
 
-/// `z (1 + z / sqrt(1 + z2)) / 2`, to a few units in the last place.
+/// Computes `z (1 + z / sqrt(1 + z2)) / 2`, to a few units in the last place.
 #[inline(always)]
 pub fn gated<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
     let square = simd.mul_add_e_f32s(z, z, simd.splat_f32s(1.0));
@@ -29,7 +29,7 @@ pub fn gated<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
     simd.mul_add_e_f32s(half, gate, half)
 }
 
-/// `(z + sqrt(z2 + 1)) / 2`, without cancelling for z << 0.
+/// Computes `(z + sqrt(z2 + 1)) / 2`, without cancelling for z << 0.
 #[inline(always)]
 pub fn positive<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
     let root = simd.sqrt_f32s(simd.mul_add_e_f32s(z, z, simd.splat_f32s(1.0)));
@@ -38,8 +38,8 @@ pub fn positive<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
     simd.select_f32s(negative, simd.div_f32s(simd.splat_f32s(0.25), sum), sum)
 }
 
-/// `1 / sqrt(x)` for normal x > 0: an estimate from the exponent (Lomont 2003), then a step of Halley's method, which is of
-/// third order, and one of Newton's. Division and root would keep the one unit that does them busy for longer than a whole
+/// Computes `1 / sqrt(x)` for normal x > 0: an estimate from the exponent (Lomont 2003), then a step of Halley's method, which is
+/// of third order, and one of Newton's. Division and root would keep the one unit that does them busy for longer than a whole
 /// message takes.
 #[inline(always)]
 fn inverse_root<S: Simd>(simd: S, x: S::f32s) -> S::f32s {

@@ -1,4 +1,4 @@
-//! Numeric kernels on plain arrays: packed products, activations on registers, sparse matrices, numbers that are mapped from a file.
+//! Numeric kernels on plain arrays: packed products, activations on registers, sparse matrices, numbers mapped from a file.
 
 pub mod activation;
 pub mod numbers;
@@ -10,7 +10,7 @@ pub use sparse::Sparse;
 use std::iter::Sum;
 use std::ops::{AddAssign, Mul, Neg};
 
-/// What is computed with: f32, or f64 where gradients are checked.
+/// Number type of the computation: f32, or f64 where gradients are checked.
 pub trait Number: Copy + From<f32> + AddAssign + Mul<Output = Self> + Neg<Output = Self> + Sum {}
 
 impl<T: Copy + From<f32> + AddAssign + Mul<Output = T> + Neg<Output = T> + Sum> Number for T {}

@@ -1,4 +1,4 @@
-//! Many numbers that never change: of this process, or a part of a file that is mapped instead of read.
+//! Many numbers that never change: owned by this process, or a part of a file that is mapped instead of read.
 #![allow(unsafe_code, reason = "a file is mapped by a call that trusts nobody to write to it meanwhile")]
 
 use memmap2::Mmap;
@@ -7,26 +7,26 @@ use std::fs::File;
 use std::ops::{Deref, Range};
 use std::sync::Arc;
 
-/// A file in memory; its pages are read when they are looked at.
+/// File in memory; its pages are read when they are looked at.
 #[derive(Debug, Clone)]
 pub struct Map(Arc<Mmap>);
 
 impl Map {
-    /// Of a file that is replaced as a whole, never changed in place: that is how this crate writes. None where the system
-    /// cannot map it.
+    /// Maps a file that is replaced as a whole, never changed in place: that is how this crate writes. Returns None where the
+    /// system cannot map it.
     pub fn of(file: &File) -> Option<Self> {
         // SAFETY: see above; whoever cuts a file short that is in use ends the process, as with any mapped library.
         let map = unsafe { Mmap::map(file) }.ok()?;
         Some(Self(Arc::new(map)))
     }
 
-    /// All of it.
+    /// Returns all bytes of the file.
     pub fn bytes(&self) -> &[u8] {
         &self.0
     }
 
-    /// The `count` numbers (little endian) from byte `start` on; None if it does not hold as many, or not as this processor
-    /// reads them.
+    /// Returns the `count` numbers (little endian) from byte `start` on. Returns None if the file does not hold as many, or if this
+    /// processor cannot read them in place.
     pub fn numbers(&self, start: usize, count: usize) -> Option<Numbers> {
         let range = start..start.checked_add(count.checked_mul(4)?)?;
         let bytes = self.0.get(range.clone())?;
@@ -35,7 +35,7 @@ impl Map {
     }
 }
 
-/// A slice of f32, cheap to clone.
+/// Slice of f32, cheap to clone.
 #[derive(Debug, Clone)]
 pub struct Numbers(Source);
 

@@ -1,9 +1,9 @@
 //! Products of rows with packed weights, with bias and activation in the same pass over the result.
 //!
-//! The weights lie in panels of up to 48 columns, row after row, as the innermost loop reads them; that loop keeps a tile of
-//! the result in registers. Every number of a result is one chain of fused multiply-adds in the order of the rows of the
-//! weights: tiles, threads and the width of the registers change no bit (but processors without such an instruction round
-//! twice). What the processor has, AVX-512, AVX2 or neither, is found out at run time.
+//! The weights lie in panels of up to 48 columns, row after row, as the innermost loop reads them; that loop keeps a tile of the
+//! result in registers. Every number of a result is one chain of fused multiply-adds in the order of the rows of the weights:
+//! tiles, threads and the width of the registers change no bit (but processors without such an instruction round twice). The
+//! instructions of the processor, AVX-512, AVX2 or neither, are detected at run time.
 #![allow(
     unsafe_code,
     reason = "the compiler does not see that all rows of a tile are as long; checks would fill its registers"
@@ -12,18 +12,18 @@
 use super::activation::{Act, activate};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Columns come in multiples of this: a register of AVX-512.
+/// Number of columns that all column counts are multiples of: a register of AVX-512.
 pub const LANES: usize = 16;
 
-/// `n` rounded up to whole [`LANES`].
+/// Returns `n` rounded up to whole [`LANES`].
 pub fn padded(n: usize) -> usize {
     n.next_multiple_of(LANES)
 }
 
-/// A matrix of weights (rows, cols) in panels.
+/// Matrix of weights (rows, cols) in panels.
 #[derive(Debug, Clone, Default)]
 pub struct Packed {
-    /// Number of rows: the length of what it is multiplied with.
+    /// Number of rows: the length of the rows that it is multiplied with.
     pub rows: usize,
     /// Number of columns, [`padded`] with zeros.
     pub cols: usize,
@@ -31,14 +31,14 @@ pub struct Packed {
 }
 
 impl Packed {
-    /// From row-major numbers, `cols` to a row.
+    /// Packs row-major numbers, `cols` to a row.
     pub fn new(weights: &[f32], cols: usize) -> Self {
         let mut packed = Self::default();
         packed.fill(weights.len() / cols.max(1), cols, |r, c| weights[r * cols + c]);
         packed
     }
 
-    /// The same in place: entry (r, c) is `entry(r, c)`.
+    /// Fills the matrix in place: entry (r, c) is `entry(r, c)`.
     pub fn fill(&mut self, rows: usize, cols: usize, entry: impl Fn(usize, usize) -> f32) {
         (self.rows, self.cols) = (rows, padded(cols));
         self.data.clear();
@@ -51,7 +51,7 @@ impl Packed {
     }
 }
 
-/// First column and width of each panel: 48 where they fit, two of 32 rather than 48 and 16.
+/// Returns first column and width of each panel: 48 where they fit, two of 32 rather than 48 and 16.
 fn panels(cols: usize) -> impl Iterator<Item = (usize, usize)> {
     let mut start = 0;
     std::iter::from_fn(move || {
@@ -69,30 +69,30 @@ fn panels(cols: usize) -> impl Iterator<Item = (usize, usize)> {
 /// Rows of a row-major matrix.
 #[derive(Debug, Clone, Copy)]
 pub struct RowsView<'a> {
-    /// The numbers; row i starts at `i * stride`.
+    /// Numbers; row i starts at `i * stride`.
     pub data: &'a [f32],
-    /// From one row to the next.
+    /// Distance from one row to the next.
     pub stride: usize,
-    /// How many.
+    /// Number of rows.
     pub count: usize,
 }
 
-/// `out = act(keep * out + bias + a w)`.
+/// Arguments of the product `out = act(keep * out + bias + a w)`.
 #[derive(Debug)]
 pub struct Product<'a> {
     /// Rows as long as `w` has rows, or longer.
     pub a: RowsView<'a>,
     /// Weights.
     pub w: &'a Packed,
-    /// Whether to add to what `out` holds.
+    /// True to add to the content of `out`.
     pub keep: bool,
-    /// A row that is added to all, as long as a row of the weights or longer.
+    /// Row that is added to all rows, as long as a row of the weights or longer.
     pub bias: Option<&'a [f32]>,
     /// Function of the result.
     pub act: Act,
     /// Result: row i starts at `i * stride`.
     pub out: &'a mut [f32],
-    /// From one row of the result to the next.
+    /// Distance from one row of the result to the next.
     pub stride: usize,
 }
 
@@ -134,7 +134,7 @@ pub fn product<S: Simd>(simd: S, p: Product) {
     }
 }
 
-/// One panel of a product.
+/// Panel of a product.
 struct Panel<'a, 'b> {
     a: RowsView<'a>,
     k: usize,
@@ -197,7 +197,7 @@ impl Panel<'_, '_> {
     }
 }
 
-/// `out = a w` for `w` of [`LANES`] columns of which only the first `used` matter.
+/// Computes `out = a w` for `w` of [`LANES`] columns of which only the first `used` matter.
 pub fn respond(a: RowsView, w: &Packed, used: usize, out: &mut [f32]) {
     if used <= FEW {
         return Arch::new().dispatch(Dots { a, w, used, out });
@@ -206,10 +206,10 @@ pub fn respond(a: RowsView, w: &Packed, used: usize, out: &mut [f32]) {
     Arch::new().dispatch(Product { a, w, keep: false, bias: None, act: Act::None, out, stride });
 }
 
-/// As many columns as this or fewer are not worth a register of them.
+/// Number of columns up to which a register of them is not worth it.
 const FEW: usize = 4;
 
-/// A product with few columns: along the rows.
+/// Product with few columns, computed along the rows.
 struct Dots<'a> {
     a: RowsView<'a>,
     w: &'a Packed,

@@ -1,20 +1,20 @@
-//! A fixed sparse matrix: gathers, sums over receivers, pools and interpolations are all this.
+//! Fixed sparse matrix: gathers, sums over receivers, pools and interpolations are all of this form.
 
 use super::Number;
 use std::sync::{Arc, OnceLock};
 
-/// A sparse matrix by rows, and its transpose.
+/// Sparse matrix by rows, and its transpose.
 #[derive(Debug, Clone)]
 pub struct Sparse {
     forward: Rows,
-    /// For gradients alone.
+    /// Transpose, used for gradients alone.
     transpose: OnceLock<Rows>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 struct Rows {
     cols: usize,
-    /// Where each row starts; one more at the end.
+    /// Start of each row; one more at the end.
     start: Vec<u32>,
     entry: Vec<(u32, f32)>,
 }
@@ -49,7 +49,7 @@ impl Rows {
 }
 
 impl Sparse {
-    /// From the entries (column, weight) of every row.
+    /// Creates the matrix from the entries (column, weight) of every row.
     pub fn new(rows: &[Vec<(u32, f32)>], cols: usize) -> Arc<Self> {
         Arc::new(Self { forward: Rows::new(rows, cols), transpose: OnceLock::new() })
     }
@@ -62,38 +62,38 @@ impl Sparse {
         })
     }
 
-    /// Row r is row `index[r]` of what it is applied to.
+    /// Creates a matrix that gathers rows: row r of its product with x is row `index[r]` of x.
     pub fn gather(index: impl IntoIterator<Item = usize>, cols: usize) -> Arc<Self> {
         Self::new(&index.into_iter().map(|i| vec![(i as u32, 1.0)]).collect::<Vec<_>>(), cols)
     }
 
-    /// Its transpose: that of a gather adds to the receivers.
+    /// Returns its transpose: that of a gather adds to the receivers.
     pub fn transposed(&self) -> Arc<Self> {
         Arc::new(Self { forward: self.transpose().clone(), transpose: self.forward.clone().into() })
     }
 
-    /// All entries: ((row, column), weight).
+    /// Returns all entries: ((row, column), weight).
     pub fn entries(&self) -> impl Iterator<Item = ((u32, u32), f32)> + '_ {
         (0..self.rows()).flat_map(|r| self.row(r).iter().map(move |e| ((r as u32, e.0), e.1)))
     }
 
-    /// Entries (column, weight) of a row.
+    /// Returns the entries (column, weight) of a row.
     pub fn row(&self, row: usize) -> &[(u32, f32)] {
         let Rows { start, entry, .. } = &self.forward;
         &entry[start[row] as usize..start[row + 1] as usize]
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.forward.rows()
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     pub fn cols(&self) -> usize {
         self.forward.cols
     }
 
-    /// `self * x` for plain numbers, `width` columns.
+    /// Computes `self * x` for plain numbers, `width` columns.
     pub fn times<T: Number>(&self, x: &[T], width: usize) -> Vec<T> {
         let mut y = vec![T::from(0.0); x.len() / (self.cols() * width).max(1) * self.rows() * width];
         self.forward.add(x, &mut y, width);

@@ -5,7 +5,7 @@
 //! along y and twisted, shared out among its nodes as the settled gel presses, and as little as balances (least squares over
 //! the pressure). About the closing direction small contacts hold little: there the balance is soft.
 //!
-//! Dimensionless, hand axes, as in [`super::rigid_equilibrium`].
+//! Quantities are dimensionless, in hand axes, as in [`super::rigid_equilibrium`].
 
 use crate::kernel::Number;
 use faer::linalg::solvers::Solve;
@@ -25,16 +25,16 @@ const TWIST: usize = 3;
 /// A pad under a load.
 #[derive(Debug, Clone)]
 pub struct Pressed {
-    /// What it presses with.
+    /// Force that it presses with.
     pub force: f64,
-    /// From its axes to those of the hand.
+    /// Rotation from its axes to those of the hand.
     pub rotation: DMat3,
-    /// Of each face node: where its force acts, and the share of the force that the settled gel carries there.
+    /// Point where the force of each face node acts, and the share of the force that the settled gel carries there.
     pub nodes: Vec<(DVec3, f64)>,
 }
 
 impl Pressed {
-    /// Of each node: what a pull along x or y takes there, and a twist (x and y of its arm over the radius of gyration).
+    /// Modes of each node: its part of a pull along x or y, and of a twist (x and y of its arm over the radius of gyration).
     fn modes(&self) -> Vec<[f64; 3]> {
         let whole = self.nodes.iter().map(|n| n.1).sum::<f64>().max(f64::MIN_POSITIVE);
         let at = |place: DVec3| (self.rotation.transpose() * place).truncate();
@@ -52,20 +52,20 @@ impl Pressed {
 /// The balance of an object between two pads under one load.
 #[derive(Debug, Clone)]
 pub struct ObjectBalance {
-    /// Of each pad: the force of a unit of each component of contact (against the closing direction, along x, along y).
+    /// Force of a unit of each component of contact, for each pad (against the closing direction, along x, along y).
     axes: [[[f32; 3]; 3]; 2],
-    /// Of each node, one pad after the other: where its force acts.
+    /// Point where the force of each node acts, one pad after the other.
     place: Vec<[f32; 3]>,
-    /// Of each node: see [`Pressed::modes`].
+    /// Modes of each node, see [`Pressed::modes`].
     modes: Vec<[f32; 3]>,
-    /// From what is out of balance to pulls and twists.
+    /// Map from what is out of balance to pulls and twists.
     inverse: [[f32; EQUATIONS]; EQUATIONS],
     /// Force and moment that the pads carry.
     load: [f32; EQUATIONS],
 }
 
 impl ObjectBalance {
-    /// Between `pads`; `weight` is the object's, and where it acts.
+    /// Creates the balance between `pads`; `weight` is that of the object, and where it acts.
     pub fn new(pads: &[Pressed; 2], weight: [DVec3; 2]) -> Self {
         let axes = pads.each_ref().map(|pad| {
             let [x, y, z] =
@@ -111,7 +111,7 @@ impl ObjectBalance {
         self.axes[self.pad(i)].map(|[a, b, c]| [a, b, c, y * c - z * b, z * a - x * c, x * b - y * a])
     }
 
-    /// What a unit of each pull and twist adds along x and y at node `i`: [`EQUATIONS`] each.
+    /// Contributions of a unit of each pull and twist along x and y at node `i`: [`EQUATIONS`] each.
     pub fn pulls(&self, i: usize) -> [[f32; EQUATIONS]; 2] {
         let mut all = [[0.0; EQUATIONS]; 2];
         for (all, own) in all.iter_mut().zip(taken(&self.modes[i])) {
@@ -120,7 +120,7 @@ impl ObjectBalance {
         all
     }
 
-    /// From what is out of balance to pulls and twists, and what is carried.
+    /// Map from what is out of balance to pulls and twists, and the load that is carried.
     pub fn solution(&self) -> (&[[f32; EQUATIONS]; EQUATIONS], &[f32; EQUATIONS]) {
         (&self.inverse, &self.load)
     }
@@ -148,7 +148,7 @@ impl ObjectBalance {
         }
     }
 
-    /// The gradient by what [`Self::balance`] was given, from that by what it gave.
+    /// Turns the gradient by the output of [`Self::balance`] into that by its input, in place.
     pub fn gradient<T: Number>(&self, gradient: &mut [T], mirror: [f32; 2]) {
         let [x, y] = mirror.map(T::from);
         let mut pulls = [T::from(0.0); EQUATIONS];
@@ -175,7 +175,7 @@ fn wrench(force: DVec3, at: DVec3) -> [f64; EQUATIONS] {
     [force.x, force.y, force.z, moment.x, moment.y, moment.z]
 }
 
-/// What the pulls along x and y and the twist of a pad add along x and y at a node with these modes.
+/// Contributions of the pulls along x and y and the twist of a pad, along x and y at a node with these modes.
 fn taken<T: Copy + Default + std::ops::Neg<Output = T>>([share, x, y]: &[T; 3]) -> [[T; 3]; 2] {
     [[*share, T::default(), -*y], [T::default(), *share, *x]]
 }

@@ -1,4 +1,4 @@
-//! The linear response of a pad: how all its nodes give to small forces on its sensing face.
+//! Linear response of a pad: the displacement of all its nodes under small forces on its sensing face.
 //!
 //! One factorisation of the stiffness at rest and a solve per force component, once per pad: the network learns what large
 //! strains and the true pressure change. Over the thickness per `E t^2`, pad frame. Bonded nodes do not move, and stress is
@@ -24,19 +24,19 @@ pub struct Compliance {
     pub nodes: usize,
     /// Number of force components: three per face node.
     pub forces: usize,
-    /// Of each node that can move, where its three rows begin in `response`, over three; those of the face are first.
+    /// Start of the three rows in `response` of each node that can move, over three; those of the face are first.
     pub slot: Vec<Option<u32>>,
-    /// (moving nodes * 3, forces): how every component gives to each force component.
+    /// Response (moving nodes * 3, forces) of every displacement component to each force component.
     pub response: Numbers,
     /// Deviatoric stress of every node over `E`.
     pub deviator: Deviator,
 }
 
 impl Compliance {
-    /// Of the pad of `finger` to forces on its nodes `face`; `thickness` in m.
+    /// Computes the response of the pad of `finger` to forces on its nodes `face`; `thickness` in m.
     ///
     /// # Errors
-    /// A stiffness that is not positive definite.
+    /// Fails if the stiffness at rest cannot be factorised.
     pub fn new(finger: &FingerModel, face: &[u32], thickness: f64) -> Result<Self> {
         let (body, turn) = (&finger.body, finger.placement.rotation);
         let pattern = body.pattern();
@@ -82,7 +82,7 @@ impl Compliance {
         Ok(Self::from_parts(slot, response.into(), forces.len(), deviator))
     }
 
-    /// One that was found earlier.
+    /// Assembles a response that was found earlier.
     pub fn from_parts(slot: Vec<Option<u32>>, response: Numbers, forces: usize, deviator: Deviator) -> Self {
         Self { nodes: slot.len(), forces, slot, response, deviator }
     }
@@ -92,7 +92,7 @@ impl Compliance {
         self.response.len() / self.forces.max(1)
     }
 
-    /// How component `a` of a node gives to the force components: (forces); None if it is bonded.
+    /// Response of component `a` of a node to the force components: (forces); None if the node is bonded.
     pub fn row(&self, node: u32, a: usize) -> Option<&[f32]> {
         let row = 3 * self.slot[node as usize]? as usize + a;
         Some(&self.response[row * self.forces..(row + 1) * self.forces])

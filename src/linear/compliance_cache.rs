@@ -1,8 +1,8 @@
 //! Linear responses of pads, kept in the user's cache folder: solving for one takes far longer than a prediction.
 //!
-//! `KEY.pad` is made by who needs it first and can be deleted at any time; KEY says for which mesh, gel and version. Its content
-//! is a safetensors file and the BLAKE3 of it. Two processes may make one at once: both write the same. A folder that cannot be
-//! written costs time and nothing else; a file that is not as it was written is thrown away and made anew.
+//! `KEY.pad` is made when it is first needed and can be deleted at any time; KEY stands for mesh, gel and version. The content
+//! of a file is a safetensors file and the BLAKE3 of it. Two processes may make one at once: both write the same. A folder that
+//! cannot be written costs time and nothing else; a file that is not as it was written is thrown away and made anew.
 
 use super::compliance::Compliance;
 use super::deviator::{Deviator, PARTS};
@@ -21,14 +21,15 @@ use std::time::SystemTime;
 /// Version of the responses: another one is computed anew.
 const VERSION: u32 = 3;
 
-/// All kept files together take no more, bytes: 100 pads of the usual mesh. The ones that were not used for longest go first.
+/// Largest size of all kept files together, bytes: 100 pads of the usual mesh. The files that were not used for longest go
+/// first.
 pub const MOST: u64 = 2 << 30;
 
-/// Bonded nodes have no slot.
+/// Slot of a bonded node: it has none.
 const NONE: u32 = u32::MAX;
 /// Bytes of the hash at the end of a file.
 const SUM: usize = blake3::OUT_LEN;
-/// Where the key stands in the head of a file.
+/// Name of the key in the head of a file.
 const KEY: &str = "key";
 
 /// A folder of responses.
@@ -37,12 +38,12 @@ pub struct ComplianceCache {
     dir: PathBuf,
 }
 
-/// What a response is for.
+/// Identity of a response: its mesh, gel and version.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ComplianceKey(String);
 
 impl ComplianceKey {
-    /// For the pad of `finger` with the sensing nodes `face`, whose mesh has this hash.
+    /// Creates the key for the pad of `finger` with the sensing nodes `face`, whose mesh has this hash.
     pub fn of(finger: &FingerModel, face: &[u32], mesh: &str) -> Self {
         let (body, material) = (&finger.body, &finger.body.material);
         let mut hasher = blake3::Hasher::new();
@@ -55,14 +56,14 @@ impl ComplianceKey {
 }
 
 impl ComplianceCache {
-    /// That of the user: `tactus` in `$XDG_CACHE_HOME` (`~/.cache`), `~/Library/Caches` or `%LOCALAPPDATA%`. None where there is
-    /// no such folder.
+    /// Returns the cache of the user: `tactus` in `$XDG_CACHE_HOME` (`~/.cache`), `~/Library/Caches` or `%LOCALAPPDATA%`. None
+    /// where there is no such folder.
     pub fn of_user() -> Option<Self> {
         let base = etcetera::base_strategy::choose_native_strategy().ok()?;
         Some(Self::at(base.cache_dir().join("tactus")))
     }
 
-    /// In the folder `dir`, which need not exist.
+    /// Returns the cache in the folder `dir`, which need not exist.
     pub fn at(dir: impl Into<PathBuf>) -> Self {
         Self { dir: dir.into() }
     }
@@ -72,7 +73,7 @@ impl ComplianceCache {
         self.dir.join(format!("{:.32}.pad", key.0))
     }
 
-    /// The response for `key`; None if it is not there. One that is not whole is removed.
+    /// Reads the response for `key`; None if it is not there. A file that is not whole is removed.
     pub fn read(&self, key: &ComplianceKey) -> Option<Compliance> {
         let path = self.path(key);
         let file = File::open(&path).ok()?;
@@ -85,7 +86,7 @@ impl ComplianceCache {
         found
     }
 
-    /// Keeps a response, whole or not at all.
+    /// Writes a response, whole or not at all.
     pub fn write(&self, key: &ComplianceKey, compliance: &Compliance) {
         let Some(content) = content(key, compliance) else { return };
         if create_dir(&self.dir).is_ok() && self.make_room(content.len() as u64) {
@@ -94,7 +95,7 @@ impl ComplianceCache {
         }
     }
 
-    /// Removes files, the longest unused first, until there is room for `bytes` more; false if there never is.
+    /// Removes files, the longest unused first, until there is room for `bytes` more; returns false if there never is.
     fn make_room(&self, bytes: u64) -> bool {
         let entries = std::fs::read_dir(&self.dir).into_iter().flatten().flatten();
         // Halves of files that killed processes left grow old like all others.

@@ -10,14 +10,14 @@ use std::collections::BTreeMap;
 /// Numbers of a neighbour of a node: xx and yy from (x, y, z), xy from (x, y), yz from (y, z), zx from (z, x).
 pub const PARTS: usize = 12;
 
-/// What every node makes of how its neighbours move.
+/// Deviatoric stress of every node as a linear map of the motion of its neighbours.
 #[derive(Debug, Clone)]
 pub struct Deviator {
-    /// Where the neighbours of each node start, one more at the end.
+    /// Start of the neighbours of each node, one more at the end.
     pub start: Vec<u32>,
     /// Slots of the neighbours.
     pub slot: Vec<u32>,
-    /// (neighbours, [`PARTS`]).
+    /// Parts of the neighbours: (neighbours, [`PARTS`]).
     pub parts: Numbers,
 }
 
@@ -30,7 +30,8 @@ impl Deviator {
     }
 }
 
-/// Of the pad of `finger`: over `E`, from displacements over the thickness of the nodes with a slot, pad frame.
+/// Computes the deviators of the pad of `finger`: stress over `E`, from displacements over the thickness of the nodes with a
+/// slot, pad frame.
 ///
 /// Every law of the gel is Hooke's for small strains: `s = 2 mu dev(eps)`, and `2 mu / E = 1 / (1 + nu)`.
 pub fn deviators(finger: &FingerModel, slot: &[Option<u32>], thickness: f64) -> Deviator {

@@ -7,18 +7,18 @@ use std::sync::Arc;
 /// Edges, sorted by receiver.
 #[derive(Debug, Clone)]
 pub struct Edges {
-    /// (sender, receiver).
+    /// Pairs of sender and receiver.
     pub list: Vec<(u32, u32)>,
-    /// Edge -> its sender's row.
+    /// Map that gives each edge the row of its sender.
     pub senders: Arc<Sparse>,
-    /// Edge -> its receiver's row.
+    /// Map that gives each edge the row of its receiver.
     pub receivers: Arc<Sparse>,
-    /// Rows of edges -> rows of receivers, summed and divided by a usual number of neighbours.
+    /// Map from rows of edges to rows of receivers, summed and divided by a usual number of neighbours.
     pub gather: Arc<Sparse>,
 }
 
 impl Edges {
-    /// Both directions of `pairs`, which join `nodes` nodes; sums are divided by `usual`.
+    /// Creates both directions of `pairs`, which join `nodes` nodes; sums are divided by `usual`.
     pub fn new(pairs: impl IntoIterator<Item = (u32, u32)>, nodes: usize, usual: f32) -> Self {
         // As (receiver, sender), so that they are sorted by receiver.
         let both: BTreeSet<(u32, u32)> = pairs.into_iter().flat_map(|(a, b)| [(a, b), (b, a)]).collect();

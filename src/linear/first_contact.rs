@@ -1,6 +1,6 @@
 //! A grasp at geometric first contact: all that the network may know of it.
 //!
-//! Training and inference come here by the same way: the schedule's phases `Place` and `Close`, which no stepper takes part
+//! Training and inference come here in the same way: by the schedule's phases `Place` and `Close`, which no stepper takes part
 //! in. Nothing here has seen a finite element.
 
 use crate::error::{Error, Result};
@@ -15,7 +15,7 @@ use bevy_ecs::schedule::Schedule;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Where everything is when the pads first touch.
+/// State of a grasp when the pads first touch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GeometricContact {
     /// Pose of the object.
@@ -47,7 +47,7 @@ impl GeometricContact {
     /// Closes the fingers of a grasp at `pose`.
     ///
     /// # Errors
-    /// A grasp that cannot start, with the reason.
+    /// Fails for a grasp that cannot start; the error gives the reason.
     pub fn find(model: &Arc<Model>, pose: GraspPose) -> Result<Self> {
         let mut environment = Environment::new(model, &Still, pose)?;
         loop {
@@ -67,7 +67,7 @@ impl GeometricContact {
         Ok(Self::new(model, object, &fingers))
     }
 
-    /// From the columns of a world whose fingers have just closed: finger numbers with their travel.
+    /// Creates the contact from the columns of a world whose fingers have just closed: finger numbers with their travel.
     pub fn new(model: &Model, object: ObjectPose, fingers: &[(u32, f64)]) -> Self {
         let mut travel = vec![0.0; fingers.len()];
         fingers.iter().for_each(|(finger, t)| travel[*finger as usize] = *t);

@@ -1,4 +1,5 @@
-//! Contact mechanics of pads that give linearly: what geometry, friction and equilibrium alone say, before any network.
+//! Contact mechanics of pads that respond linearly: the results of geometry, friction and equilibrium alone, before any
+//! network.
 
 pub mod balance;
 pub mod compliance;
@@ -19,7 +20,8 @@ pub fn amid(model: &Model) -> DVec3 {
     model.fingers.iter().map(|f| f.placement.origin).sum::<DVec3>() / model.fingers.len() as f64
 }
 
-/// The two of `rungs` (ascending) that `force` lies between, and how far it is from the lower one to the higher; None beyond.
+/// Returns the two of `rungs` (ascending) that `force` lies between, and its part of the way from the lower one to the higher;
+/// None beyond.
 pub fn around<T>(rungs: &[(f64, T)], force: f64) -> Option<(&T, &T, f64)> {
     let above = rungs.partition_point(|(rung, _)| *rung < force);
     let (high, after) = rungs.get(above)?;

@@ -1,7 +1,7 @@
-//! How a sensing face is pressed: forces that act as basis functions around the corners of its triangles.
+//! Forces on a sensing face, which act as basis functions around the corners of its triangles.
 //!
-//! A pressure given node by node is finer than what the elements below can follow, and oscillates; linear between corners it
-//! does not (mortar contact: Bernardi, Maday and Patera 1994).
+//! A pressure given node by node is finer than what the elements below can follow, and oscillates. A pressure that is linear
+//! between corners does not (mortar contact: Bernardi, Maday and Patera 1994).
 
 use crate::linear::compliance::Compliance;
 use crate::mech::element::EDGES;
@@ -10,22 +10,23 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// What a basis function gives to its own force beyond the linear response: within it, too, the pressure is not even.
+/// Additional response of a basis function to its own force, over the linear one: the pressure is not even within it, either.
 const LOCAL: f64 = 0.4;
 
-/// Hats on a face, pad frame.
+/// Basis functions on a face, pad frame.
 #[derive(Debug, Clone)]
 pub struct MortarBasis {
     /// Parts of a basis function's force by face node; they sum to one.
     pub parts: Vec<Vec<(u32, f64)>>,
-    /// Where each acts at rest, m.
+    /// Point where each force acts at rest, m.
     pub rest: Vec<DVec3>,
-    /// (basis functions * 3, basis functions * 3), symmetric: mean displacement under a basis function by force components, over the thickness per `E t^2`.
+    /// Compliance (basis functions * 3, basis functions * 3), symmetric: mean displacement under a basis function by force
+    /// components, over the thickness per `E t^2`.
     compliance: Vec<f64>,
 }
 
 impl MortarBasis {
-    /// On the nodes `face` of `pad`, at `rest`, each standing for an `area` of the face.
+    /// Creates the basis functions on the nodes `face` of `pad`, at `rest`, each standing for an `area` of the face.
     pub fn new(pad: &PadTopology, face: &[u32], rest: &[DVec3], area: &[f64], response: &Compliance) -> Self {
         let own: BTreeMap<u32, u32> = face.iter().enumerate().map(|(i, n)| (*n, i as u32)).collect();
         // The two corners that a node in the middle of an edge lies between.
@@ -79,18 +80,18 @@ impl MortarBasis {
         Self { rest: parts.iter().map(mean).collect(), parts, compliance }
     }
 
-    /// How many there are.
+    /// Number of basis functions.
     pub fn count(&self) -> usize {
         self.parts.len()
     }
 
-    /// Row of the compliance: component `k` under basis function `basis function`, by force components.
+    /// Row of the compliance: component `k` under basis function `function`, by force components.
     pub fn row(&self, function: usize, k: usize) -> &[f64] {
         let n = 3 * self.count();
         &self.compliance[(3 * function + k) * n..][..n]
     }
 
-    /// How a basis function gives to its own force, the mean over all directions.
+    /// Response of a basis function to its own force, the mean over all directions.
     pub fn own(&self, function: usize) -> f64 {
         let [x, y, z] = [0, 1, 2].map(|k| self.row(function, k)[3 * function + k]);
         (x + y + z) / 3.0

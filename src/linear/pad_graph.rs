@@ -1,4 +1,4 @@
-//! The graph of a pad: message passing runs on the nodes of the sensing face, all other nodes hang on them.
+//! Graph of a pad: message passing runs on the nodes of the sensing face, all other nodes are interpolated from them.
 //!
 //! ```text
 //! face nodes o--o--o   edges of the sensing triangles, both directions
@@ -20,22 +20,22 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Where a network passes messages.
+/// Nodes between which a network passes messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layout {
-    /// On the sensing faces, with this many depth channels below them.
+    /// Nodes of the sensing faces, with this many depth channels below them.
     Face {
-        /// From the face to the bonded side.
+        /// Number of depth channels from the face to the bonded side.
         depths: usize,
     },
-    /// Through whole pads and on the object: [`crate::net::features::volume`].
+    /// Nodes of whole pads and of the object: [`crate::net::features::volume`].
     Volume,
 }
 
-/// What never changes of a pad, as the network sees it. Lengths in m, pad frame.
+/// Constant data of a pad, as the network sees it. Lengths in m, pad frame.
 #[derive(Debug, Clone)]
 pub struct PadGraph {
-    /// What it was made for.
+    /// Layout that the graph was made for.
     pub layout: Layout,
     /// Thickness of the pad: the length that the network measures in, m.
     pub thickness: f64,
@@ -43,7 +43,7 @@ pub struct PadGraph {
     pub node_count: usize,
     /// Nodes of the sensing face, ascending.
     pub face: Vec<u32>,
-    /// Their rest positions.
+    /// Rest positions of these nodes.
     pub rest: Vec<DVec3>,
     /// Area of the face that each stands for, m2.
     pub area: Vec<f64>,
@@ -51,11 +51,11 @@ pub struct PadGraph {
     pub edges: Edges,
     /// Rows (face node, depth channel) -> nodes of the pad.
     pub interpolate: Arc<Sparse>,
-    /// The same with no entry for bonded nodes: what it makes is exactly zero there.
+    /// Interpolation without entries for bonded nodes: its result is exactly zero there.
     pub interpolate_free: Arc<Sparse>,
     /// Its linear response.
     pub compliance: Arc<Compliance>,
-    /// How its face is pressed.
+    /// Basis functions of the force on its face.
     pub basis: MortarBasis,
     /// BLAKE3 of the pad's mesh.
     pub hash: String,
@@ -64,18 +64,18 @@ pub struct PadGraph {
 }
 
 impl PadGraph {
-    /// The graph of the pad of `finger` for a network of this layout.
+    /// Creates the graph of the pad of `finger` for a network of this layout.
     ///
     /// # Errors
-    /// A pad without a sensing face.
+    /// Fails for a pad without a sensing face, or whose stiffness at rest is not positive definite.
     pub fn new(finger: &FingerModel, layout: Layout) -> Result<Self> {
         Self::keeping(finger, layout, None)
     }
 
-    /// The same with the linear response kept in `cache`: taken from there, or put there.
+    /// Creates the graph with the linear response kept in `cache`: taken from there, or put there.
     ///
     /// # Errors
-    /// A pad without a sensing face.
+    /// Fails for a pad without a sensing face, or whose stiffness at rest is not positive definite.
     pub fn keeping(finger: &FingerModel, layout: Layout, cache: Option<&ComplianceCache>) -> Result<Self> {
         let pad = &finger.topology;
         let face: Vec<u32> = pad.sensing.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
@@ -123,7 +123,7 @@ impl PadGraph {
         })
     }
 
-    /// Whether the pad of `finger` has this graph.
+    /// Returns true if the pad of `finger` has this graph.
     pub fn fits(&self, finger: &FingerModel) -> bool {
         self.poisson == finger.body.material.moduli().poisson && self.hash == mesh_hash(&finger.topology)
     }
@@ -159,7 +159,7 @@ pub fn mesh_hash(pad: &PadTopology) -> String {
     hash.finalize().to_hex().to_string()
 }
 
-/// For every node of the pad: (face node * depths + channel, weight), non-negative and summing to one.
+/// Interpolation of every node of the pad: (face node * depths + channel, weight), non-negative and summing to one.
 fn hanging(
     nodes: &[DVec3],
     face: &[DVec3],

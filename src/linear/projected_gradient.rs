@@ -1,8 +1,8 @@
-//! Contact forces node by node, for which the pad's linear response follows the object.
+//! Contact forces node by node, under which the pad's linear response follows the object.
 //!
-//! The forces of a equilibrium are smooth between corners. They are relaxed towards those under which every touching node gives as
-//! the object asks, none pulls, and their sums stay: projected gradient steps with momentum (Beck and Teboulle 2009). A few
-//! are enough, the network learns the rest.
+//! The forces of an equilibrium are smooth between corners. They are relaxed towards those under which every touching node
+//! gives as the object asks, no node pulls, and the sums stay: projected gradient steps with momentum (Beck and Teboulle 2009).
+//! A few steps are enough, the network learns the rest.
 //!
 //! Loads go side by side, [`LANES`] at a time: what one does to a number, all do, and the response to all of them is one
 //! product of matrices.
@@ -12,14 +12,14 @@ use crate::kernel::product::{Packed, RowsView, respond};
 use glam::DVec3;
 use pulp::Arch;
 
-/// Steps.
+/// Number of steps.
 const STEPS: usize = 10;
-/// Nodes take part if they are this near to touching, over the deepest.
+/// Distance from touching up to which nodes take part, over the deepest.
 const REACH: f64 = 0.3;
 /// Loads that are settled together.
 pub const LANES: usize = crate::kernel::product::LANES;
 
-/// A number of each load.
+/// One number per load.
 type Lanes = [f64; LANES];
 
 /// A face node under load, pad frame, over the thickness and `E t^2`.
@@ -29,15 +29,15 @@ pub struct Touching {
     pub node: usize,
     /// Normal of the object; the same under all loads.
     pub normal: DVec3,
-    /// How far the object asks it in along the normal; negative is a gap.
+    /// Depth along the normal that the object asks of the node; negative is a gap.
     pub pressed: f64,
-    /// How far the object asks it along the face.
+    /// Displacement along the face that the object asks of the node.
     pub dragged: DVec3,
     /// Force to start from.
     pub force: DVec3,
 }
 
-/// For each of at most [`LANES`] loads: forces on all of `face`, and how much farther the pad must be closed
+/// Settles at most [`LANES`] loads. Returns for each the forces on all of `face`, and how much farther the pad must be closed
 /// for them.
 pub fn settle(compliance: &Compliance, face: &[Vec<Touching>]) -> Vec<(Vec<DVec3>, f64)> {
     let deepest: Vec<f64> = face.iter().map(|load| load.iter().map(|n| n.pressed).fold(0.0, f64::max)).collect();
@@ -69,21 +69,21 @@ pub fn settle(compliance: &Compliance, face: &[Vec<Touching>]) -> Vec<(Vec<DVec3
 #[derive(Debug, Clone, Default)]
 struct Node {
     normal: [f64; 3],
-    /// Inverse of how much it gives to a force on itself.
+    /// Inverse of the response of the node to a force on itself.
     stiff: Lanes,
     pressed: Lanes,
     dragged: [Lanes; 3],
     force: [Lanes; 3],
     /// The force with its momentum.
     ahead: [Lanes; 3],
-    /// Of a step: pressure if the pad comes no closer, then pressure; force along the face.
+    /// Results of a step: pressure if the pad comes no closer, then pressure; force along the face.
     pressure: Lanes,
     along: [Lanes; 3],
 }
 
 struct Settling {
     nodes: Vec<Node>,
-    /// (nodes * 3, nodes * 3): component of a node under a force component.
+    /// Response (nodes * 3, nodes * 3): component of a node under a force component.
     matrix: Vec<f32>,
     /// Size of a step.
     size: Lanes,
@@ -175,7 +175,7 @@ impl Settling {
         all
     }
 
-    /// Displacement under the forces ahead.
+    /// Computes the displacement under the forces ahead.
     fn respond(&mut self) {
         let nodes = &self.nodes;
         self.forces.fill(3 * nodes.len(), LANES, |r, load| nodes[r / 3].ahead[r % 3][load] as f32);
@@ -183,7 +183,7 @@ impl Settling {
         respond(a, &self.forces, self.loads, &mut self.moved);
     }
 
-    /// A step, and the forces ahead of the next one.
+    /// Takes a step, and computes the forces ahead of the next one.
     #[inline(always)]
     fn step(&mut self, momentum: f64) {
         let moved = self.moved.as_chunks::<LANES>().0.as_chunks::<3>().0;

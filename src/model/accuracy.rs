@@ -1,10 +1,11 @@
 //! The mesh that `accuracy` asks for, in place of a spacing.
 //!
-//! Most of the error of a displacement sits at the edge of the contact and falls with the square of the cells there. Over the whole pad it is
-//! about `ERROR h^2 / (l t)` with the pad's thickness `t` and the size `l` of the patch: twice its area over its perimeter, which is the radius
-//! of a round one. A pad feels an edge about as far as it is thick, so that larger patches count as `REACH` thicknesses. The patch is that
-//! of a bed of springs (Winkler 1867) as stiff as the pad, pressed onto the object's profile with the last force, or by the last depth.
-//! Layers are as many as the spacing brings with it: they hardly matter. docs/verification.md holds the law against ladders of meshes.
+//! Most of the error of a displacement sits at the edge of the contact and falls with the square of the cells there. Over the
+//! whole pad it is about `ERROR h^2 / (l t)` with the pad's thickness `t` and the size `l` of the patch: twice its area over
+//! its perimeter, which is the radius of a round one. A pad feels an edge about as far as it is thick, so that larger patches
+//! count as `REACH` thicknesses. The patch is that of a bed of springs (Winkler 1867) as stiff as the pad, pressed onto the
+//! object's profile with the last force, or by the last depth. The number of layers is the one that the spacing brings with it:
+//! it hardly matters. docs/verification.md holds the law against ladders of meshes.
 
 use crate::error::Result;
 use crate::geometry::Aabb;
@@ -23,7 +24,7 @@ use glam::{DVec2, DVec3};
 
 /// Error of the displacement over `h^2 / (l t)`, fitted to the ladders of `scenes/references.ron`.
 const ERROR: f64 = 0.3;
-/// How far an edge is felt, in thicknesses of the pad.
+/// Distance within which an edge is felt, in thicknesses of the pad.
 const REACH: f64 = 1.4;
 /// Stiffness of the bed over `E / (1 - nu^2)` and the thickness, from the travel under balls and cylinders.
 const BED: f64 = 2.1;
@@ -33,22 +34,22 @@ const POINTS: usize = 64;
 const GRASPS: usize = 16;
 /// Width of the cells at the rim over those at the centre, where the patch lies at the centre.
 const FOCUS: f64 = 2.0;
-/// Fewest cells across the narrower side of a pad.
+/// Least number of cells across the narrower side of a pad.
 const FEWEST: f64 = 4.0;
 
-/// A mesh and why it is that.
+/// A mesh and the reason for it.
 #[derive(Debug, Clone)]
 pub struct Choice {
     /// The pads with spacing and focus.
     pub pads: Pads,
-    /// One sentence.
+    /// Reason, one sentence.
     pub why: String,
 }
 
-/// The scene with the mesh that its accuracy asks for; as it is where it asks for none.
+/// Returns the scene with the mesh that its accuracy asks for; unchanged where it asks for none.
 ///
 /// # Errors
-/// Those of building the object and of finding the grasps.
+/// Fails if the object cannot be built or the grasps cannot be found.
 pub fn meshed(scene: &Scene) -> Result<Scene> {
     let mut scene = scene.clone();
     if scene.gripper.pads.accuracy().is_some() {
@@ -60,10 +61,10 @@ pub fn meshed(scene: &Scene) -> Result<Scene> {
     Ok(scene)
 }
 
-/// The mesh that the scene's accuracy asks for; None where it asks for none.
+/// Chooses the mesh that the scene's accuracy asks for; None where it asks for none.
 ///
 /// # Errors
-/// Those of finding the grasps.
+/// Fails if the grasps cannot be found.
 pub fn choose(scene: &Scene, object: &Shape) -> Result<Option<Choice>> {
     let pads = &scene.gripper.pads;
     let (Some(accuracy), Some(size)) = (pads.accuracy(), pad::extent(pads)) else { return Ok(None) };
@@ -106,19 +107,19 @@ pub fn choose(scene: &Scene, object: &Shape) -> Result<Option<Choice>> {
     Ok(Some(Choice { pads: pads.with_mesh(spacing, focus), why }))
 }
 
-/// Where a pad touches.
+/// Contact patch of a pad.
 #[derive(Debug, Clone, Copy)]
 struct Patch {
     grasp: usize,
     side: usize,
-    /// Twice the area over the perimeter, m.
+    /// Size: twice the area over the perimeter, m.
     size: f64,
     /// Farthest point from the centre of the pad along x or y, in half widths.
     reach: f64,
 }
 
 impl Patch {
-    /// The smaller one, as far out as either.
+    /// Returns the smaller patch, with the larger reach of the two.
     fn demanding(self, other: Self) -> Self {
         let smaller = if other.size < self.size { other } else { self };
         Self { reach: self.reach.max(other.reach), ..smaller }
@@ -129,12 +130,12 @@ impl Patch {
 struct Bed {
     hand: Hand,
     half: DVec2,
-    /// How far each point of the face lies below the highest, m; infinite beside the pad.
+    /// Depth of each point of the face below the highest, m; infinite beside the pad.
     sunk: Vec<f64>,
     load: Load,
 }
 
-/// What presses a pad on.
+/// Load that presses a pad on.
 enum Load {
     /// Force over stiffness per area, m3.
     Volume(f64),
@@ -170,7 +171,7 @@ impl Bed {
         Self { sunk: sunk.collect(), half, hand, load }
     }
 
-    /// The patches of a grasp; none of a pad that meets nothing or starts inside the object.
+    /// Returns the patches of a grasp; none for a pad that meets nothing or starts inside the object.
     fn patches(&self, scene: &Scene, object: &Shape, grasp: usize, pose: &GraspPose) -> Vec<Patch> {
         let closing: &[DVec3] = match scene.gripper.fingers {
             Fingers::Both => &[DVec3::X, DVec3::NEG_X],
@@ -223,7 +224,7 @@ impl Bed {
         Some((2.0 * f64::from(count) * cell.x * cell.y / perimeter, reach))
     }
 
-    /// How far the pad goes on after first contact, m.
+    /// Travel of the pad after first contact, m.
     fn depth(&self, gaps: &[f64], first: f64, cell: f64) -> f64 {
         let volume = match self.load {
             Load::Depth(depth) => return depth,

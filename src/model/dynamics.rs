@@ -1,4 +1,4 @@
-//! What a dynamic scene has more than a quasi-static one.
+//! Additional data of a dynamic scene over a quasi-static one.
 
 use crate::geometry::shape::Shape;
 use crate::gripper::GraspPose;
@@ -20,13 +20,13 @@ pub struct Dynamics {
     pub closing_speed: f64,
     /// Largest sum of the closing forces, N; zero if the hand never squeezes.
     pub rated_force: f64,
-    /// When the first squeeze has reached its force, s; None if the hand never squeezes.
+    /// Time at which the first squeeze has reached its force, s; None if the hand never squeezes.
     pub gripped: Option<f64>,
     /// Velocity of the object's centre of mass at the start, world, m/s.
     pub velocity: DVec3,
     /// Its angular velocity, world, rad/s.
     pub spin: DVec3,
-    /// What it may rest on.
+    /// Ground that the object may rest on.
     pub support: Option<Support>,
     motions: Vec<Motion>,
     stage: Stage,
@@ -35,27 +35,28 @@ pub struct Dynamics {
 /// The plane `normal . x = height` below the object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Support {
-    /// Out of the ground, unit, world.
+    /// Normal out of the ground, unit, world.
     pub normal: DVec3,
-    /// m.
+    /// Height along the normal, m.
     pub height: f64,
     /// Contact law of one vertex of the object, stiffness in N/m.
     pub law: ContactLaw,
 }
 
-/// Least stiffness of a vertex against the ground, over the object's mass times standard gravity over the contact offset: under its
-/// weight it sinks in by a tenth of that.
+/// Least stiffness of a vertex against the ground, over the object's mass times standard gravity over the contact offset: the
+/// object sinks in by a tenth of the offset under its weight.
 const FIRM: f64 = 10.0 * 9.81;
-/// The same times the square of the time step: so stiff that an impact ends within a step whatever the step, without
-/// bouncing (a vertex leaves with about the reciprocal of this of its speed).
+/// Least stiffness of a vertex against the ground over the object's mass, times the square of the time step: so stiff that an
+/// impact ends within a step whatever the step, without bouncing (a vertex leaves with about the reciprocal of this of its
+/// speed).
 const INELASTIC: f64 = 100.0;
 
-/// Tangential stiffness of a sticking vertex over its normal stiffness: what it takes to load friction is what a load that
-/// comes at once lets slip.
+/// Tangential stiffness of a sticking vertex over its normal stiffness: the travel that loads friction is the slip of a load
+/// that comes at once.
 const STICKING: f64 = 10.0;
 
 impl Dynamics {
-    /// Of `scene`, if it is dynamic; `mass` is that of the object, kg. Contact has this `offset` (m).
+    /// Returns the dynamics of `scene`, if it is dynamic; `mass` is that of the object, kg. Contact has this `offset` (m).
     pub fn of(scene: &Scene, object: &Shape, mass: f64, offset: f64) -> Option<Self> {
         let Loading::Dynamic(dynamic) = &scene.loading else { return None };
         let gravity = scene.gravity.map_or(DVec3::ZERO, |g| g.dvec3());
@@ -95,12 +96,12 @@ impl Dynamics {
         })
     }
 
-    /// True if a force drives the fingers.
+    /// Returns true if a force drives the fingers.
     pub fn squeezes(&self) -> bool {
         self.gripped.is_some()
     }
 
-    /// The hand at `time` (s) of a grasp that starts at `pose`.
+    /// State of the hand at `time` (s) of a grasp that starts at `pose`.
     pub fn hand(&self, pose: &GraspPose, time: f64) -> HandState {
         let start = HandState { position: pose.position, rotation: pose.rotation, force: 0.0 };
         motion::follow(&self.motions, &start, time, &self.stage)

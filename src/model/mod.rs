@@ -1,4 +1,4 @@
-//! What never changes between the grasps of a scene, built once and shared by all of them behind one `Arc`.
+//! Data that never changes between the grasps of a scene, built once and shared by all of them behind one `Arc`.
 //!
 //! ```text
 //! Scene -> object.rs (shape, mass) --+
@@ -38,7 +38,7 @@ pub struct Model {
     pub object: Shape,
     /// Its mass, kg.
     pub mass: f64,
-    /// Whether it may move.
+    /// Flag: the object may move.
     pub free: bool,
     /// Points of the object that may meet the pads between their own points: vertices and points along sharp edges.
     pub features: Arc<[Feature]>,
@@ -58,10 +58,10 @@ pub struct Model {
     pub opening: f64,
     /// Gravity in the object frame at the start of a grasp, m/s2.
     pub gravity: Option<DVec3>,
-    /// True if a force closes the fingers, false if their travel is prescribed.
+    /// Flag: a force closes the fingers; else their travel is prescribed.
     pub force_driven: bool,
-    /// Load per finger at each recorded frame: N of a squeeze, m after first contact of a press; of a dynamic scene the
-    /// time, s.
+    /// Load per finger at each recorded frame: N of a squeeze, m after first contact of a press; in a dynamic scene the time,
+    /// s.
     pub levels: Vec<f64>,
     /// Error that the increments of the load may make, over the displacement; None where the answer does not depend on them.
     pub path_error: Option<f64>,
@@ -71,15 +71,15 @@ pub struct Model {
     pub dynamics: Option<Dynamics>,
     /// Motion of a free object at one load level, once held, at which it counts as lost, m; None follows it however far it goes.
     pub largest_drift: Option<f64>,
-    /// Memory that a grasp takes, about, bytes.
+    /// Approximate memory of a grasp, bytes.
     pub memory: u64,
-    /// What the scene needs in its world.
+    /// Needs of the scene in its world.
     pub needs: Needs,
     /// Judge of the recorded frames, if the scene needs one.
     pub auditor: Option<Auditor>,
-    /// What was repaired or assumed, one sentence each.
+    /// Repairs and assumptions, one sentence each.
     pub notices: Vec<String>,
-    /// What to know before trusting the pads' stiffness.
+    /// Notice to be read before the pads' stiffness is trusted.
     pub pad_notice: Option<String>,
 }
 
@@ -199,7 +199,7 @@ impl Model {
     /// The first finger; its pad is like that of the others.
     ///
     /// # Errors
-    /// A scene without fingers.
+    /// Fails for a scene without fingers.
     pub fn finger(&self) -> Result<&FingerModel> {
         self.fingers.first().ok_or_else(|| {
             Error::Start(
@@ -213,7 +213,7 @@ impl Model {
         self.fingers.first().map_or(0.0, |f| f.topology.thickness())
     }
 
-    /// Whether the object is held at first and let go at [`Model::release`].
+    /// Returns true if the object is held at first and let go at [`Model::release`].
     pub fn lets_go(&self) -> bool {
         self.force_driven && self.free && self.dynamics.is_none()
     }
@@ -223,8 +223,8 @@ impl Model {
         CONTACT_FORCE * self.material.moduli().young * self.thickness().powi(2)
     }
 
-    /// The force per finger at which a free object is let go, N, from what the scene says. If it says nothing: once contact is made, and
-    /// one with weight once the hand grips with half of its force; at the last level at the latest.
+    /// Force per finger at which a free object is let go, N, from what the scene says. If it says nothing, an object is let go
+    /// once contact is made, and one with weight once the hand grips with half of its force; at the last level at the latest.
     fn released_at(&self, loading: &Loading) -> f64 {
         let Loading::Squeeze(squeeze) = loading else { return 0.0 };
         let last = self.levels.last().copied().unwrap_or(0.0);
@@ -233,13 +233,13 @@ impl Model {
         given.unwrap_or(self.contact_force().max(lifted)).min(last)
     }
 
-    /// Whether the fingers travel alike, as those of a parallel gripper do. Apart, they and a free object could move on together
-    /// along the closing direction without any force; around a fixed object each finds its own place.
+    /// Returns true if the fingers travel alike, as those of a parallel gripper do. Fingers apart and a free object could move
+    /// on together along the closing direction without any force; around a fixed object each finger finds its own place.
     pub fn geared(&self) -> bool {
         self.free || self.dynamics.is_some()
     }
 
-    /// Unknowns of the solver: per pad, travels, pose.
+    /// Unknowns of the solver: those of each pad, travels, pose.
     pub fn unknowns(&self) -> Unknowns {
         let pads: Vec<usize> = self.fingers.iter().map(|f| f.body.unknowns()).collect();
         let travels = match (self.force_driven, self.geared()) {
@@ -255,12 +255,12 @@ impl Model {
 /// Number of unknowns of a scene.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct Unknowns {
-    /// Three per free node of each pad, left first.
+    /// Unknowns of each pad, left first: three per free node.
     pub pads: Vec<usize>,
-    /// Finger travels that a force drives; of a dynamic scene their common travel.
+    /// Finger travels that a force drives; in a dynamic scene their common travel.
     pub travels: usize,
     /// Translation and rotation of a free object.
     pub pose: usize,
-    /// All of them.
+    /// Total number.
     pub total: usize,
 }

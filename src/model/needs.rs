@@ -1,4 +1,4 @@
-//! What a scene needs in its world: nothing is spawned, computed or solved for that nobody asked for.
+//! Needs of a scene in its world: nothing is spawned, computed or solved for without a request.
 
 use crate::scene::{Expectation, Field, Fingers, Loading, ObjectMotion, Scene};
 use serde::Serialize;
@@ -22,7 +22,7 @@ pub struct Needs {
     pub dynamic: bool,
     /// Contact of the object with its support: there is a ground.
     pub ground: bool,
-    /// Whether the pads meet beside the object: there are two.
+    /// Refusal of pads that meet beside the object: there are two pads.
     pub pads_apart: bool,
     /// A load on the object that is given from outside, step by step: an agent acts in the world.
     pub task: bool,
@@ -31,7 +31,7 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// What `scene` needs.
+    /// Returns the needs of `scene`.
     pub fn of(scene: &Scene) -> Self {
         let promises = scene.promises();
         let recorded = |field: Field| scene.record.fields.contains(&field);

@@ -1,4 +1,4 @@
-//! The parts of a scene as geometry and bodies: the object, the pads on their fingers.
+//! Parts of a scene as geometry and bodies: the object, the pads on their fingers.
 
 pub mod object;
 pub mod pad;

@@ -1,4 +1,4 @@
-//! The rigid object of a scene.
+//! Rigid object of a scene.
 
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
@@ -10,16 +10,17 @@ use crate::scene::leaf::LENGTH_LIMIT;
 use crate::scene::{self, object as o};
 use std::sync::Arc;
 
-/// Farthest that a point of the object may be from the origin of its frame, m.
+/// Largest distance of a point of the object from the origin of its frame, m.
 const FARTHEST: f64 = 1e3;
 
-/// Most points of the object that are held against a pad: some 1.5 GB of them.
+/// Largest number of points of the object that are tested against a pad: they take about 1.5 GB.
 const MAX_FEATURES: u64 = 1_000_000;
 
 /// Reads or generates the object, at its scale; repairs of a file go to `notices`.
 ///
 /// # Errors
-/// An unreadable file, a size that no gripper holds, or a surface that does not enclose a volume, with the file's name.
+/// Fails for an unreadable file, a size that no gripper holds, or a surface that does not enclose a volume; the message names the
+/// file.
 pub fn build(object: &scene::Object, notices: &mut Vec<String>) -> Result<Shape> {
     let scale = object.scale.get();
     let shape = match &object.shape {
@@ -49,7 +50,7 @@ pub fn build(object: &scene::Object, notices: &mut Vec<String>) -> Result<Shape>
     Ok(shape)
 }
 
-/// Refuses an object that is too large, or too far from its origin, once scaled.
+/// Checks that the scaled object is not too large, and not too far from its origin.
 fn within_limits(mesh: &TriMesh, scale: f64) -> Result<()> {
     let size = scale * Aabb::of(mesh.vertices.iter().copied()).size().max_element();
     if size > LENGTH_LIMIT {
@@ -69,7 +70,7 @@ fn within_limits(mesh: &TriMesh, scale: f64) -> Result<()> {
     })
 }
 
-/// The generator of a shape that is not a file.
+/// Returns the generator of a shape that is not a file.
 fn kind(shape: &o::ObjectShape) -> ShapeKind {
     match shape {
         // A mesh never gets here; a unit ball is the harmless answer.
@@ -112,11 +113,11 @@ fn kind(shape: &o::ObjectShape) -> ShapeKind {
     }
 }
 
-/// Features of the object for a pad whose points lie `spacing` (m) apart: half of it along sharp edges, and one on every stretch of
-/// an edge between facets that is as long as that. Contact has this `offset` (m).
+/// Returns the features of the object for a pad whose points lie `spacing` (m) apart. Points along sharp edges lie half that
+/// distance apart; an edge between facets has one feature on every stretch of that length. Contact has this `offset` (m).
 ///
 /// # Errors
-/// More of them than are held against a pad.
+/// Fails if there are more features than can be tested against a pad.
 pub fn features(shape: &Shape, spacing: f64, offset: f64) -> Result<Arc<[Feature]>> {
     let count = shape.features.count(spacing, offset);
     if count > MAX_FEATURES {

@@ -1,4 +1,4 @@
-//! The pads of a scene, meshed in the pad frame and placed on their fingers in the hand frame.
+//! Pads of a scene, meshed in the pad frame and placed on their fingers in the hand frame.
 
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
@@ -15,28 +15,28 @@ use crate::scene::{self, Element, Gripper, Pads};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// One finger: its pad in hand axes, and what the solver and the recorder need of it.
+/// Finger: its pad in hand axes, and the data that the solver and the recorder need of it.
 #[derive(Debug)]
 pub struct FingerModel {
     /// Rest mesh in the hand frame at zero travel, and law.
     pub body: Arc<Body>,
     /// Points of the pad's free surface that can touch the object.
     pub surface: Arc<ContactSurface>,
-    /// The pad as it is recorded, in the pad frame.
+    /// Topology of the pad for records, in the pad frame.
     pub topology: Arc<PadTopology>,
-    /// Where the pad sits in the hand frame at zero travel.
+    /// Placement of the pad in the hand frame at zero travel.
     pub placement: FingerPlacement,
     /// Kind of element, for reports.
     pub element: String,
 }
 
-/// Size of a generated pad along x, y and z, m; None for one from a file.
+/// Returns the size of a generated pad along x, y and z, m; None for one from a file.
 pub fn extent(pads: &Pads) -> Option<[f64; 3]> {
     grid(pads).map(|(_, size)| size)
 }
 
-/// How a generated pad is meshed, and its size along x, y and z, m; None for one from a file. An accuracy asks for nothing here: see
-/// [`crate::model::accuracy`].
+/// Returns the mesh resolution of a generated pad, and its size along x, y and z, m; None for a pad from a file. An accuracy has no
+/// effect here: see [`crate::model::accuracy`].
 fn grid(pads: &Pads) -> Option<(Resolution, [f64; 3])> {
     let fine = |density, grading: scene::leaf::Ratio, focus: scene::leaf::Ratio| Resolution {
         density,
@@ -62,10 +62,10 @@ fn grid(pads: &Pads) -> Option<(Resolution, [f64; 3])> {
     }
 }
 
-/// Size of a generated pad before it is meshed; None for one from a file.
+/// Returns the mesh size of a generated pad before it is meshed; None for one from a file.
 ///
 /// # Errors
-/// What the generators refuse of cells.
+/// Fails if the generators refuse the number of cells.
 pub fn size(pads: &Pads, element: Element) -> Result<Option<PadSize>> {
     let Some((resolution, size)) = grid(pads) else { return Ok(None) };
     Ok(Some(PadSize::of_cells(resolution.cells_for(size)?, element)))
@@ -74,7 +74,7 @@ pub fn size(pads: &Pads, element: Element) -> Result<Option<PadSize>> {
 /// Meshes or reads the pad; repairs and assumptions go to `notices`.
 ///
 /// # Errors
-/// What the generators and readers refuse, and a mesh without tetrahedra.
+/// Fails if the generators or readers refuse the pad, and for a mesh without tetrahedra.
 pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(PadMesh, Quality)> {
     let pad = match (pads, grid(pads)) {
         (Pads::GelSightMini(g), Some((fine, _))) => {
@@ -120,7 +120,7 @@ fn read(file: &scene::pad::FilePad, notices: &mut Vec<String>) -> Result<PadMesh
 }
 
 impl FingerModel {
-    /// Box around the pad at rest, pad frame, m.
+    /// Returns the box around the pad at rest, pad frame, m.
     pub fn bounds(&self) -> Aabb {
         Aabb::of(self.topology.rest.iter().copied())
     }
@@ -128,7 +128,7 @@ impl FingerModel {
     /// Places `pad` on the left finger.
     ///
     /// # Errors
-    /// A pad without a free surface.
+    /// Fails for a pad without a free surface.
     pub fn build(pad: &PadMesh, gripper: &Gripper, fem: &scene::Fem, material: Arc<dyn Material>) -> Result<Self> {
         let placement = placement(0, gripper);
         let corner_count = pad.mesh.nodes.len();
@@ -160,7 +160,7 @@ impl FingerModel {
         Ok(Self { body, surface, topology: Arc::new(topology), placement, element })
     }
 
-    /// The same pad on finger `side` (0 left, 1 right): all but where it lies is shared.
+    /// Returns this pad on finger `side` (0 left, 1 right): all data but the placement are shared.
     pub fn on(&self, side: usize, gripper: &Gripper) -> Self {
         let placement = placement(side, gripper);
         let rest: Vec<DVec3> = self.topology.rest.iter().map(|x| placement.place(*x)).collect();
@@ -170,14 +170,14 @@ impl FingerModel {
     }
 }
 
-/// Where a pad sits on finger `side`.
+/// Returns the placement of a pad on finger `side`.
 fn placement(side: usize, gripper: &Gripper) -> FingerPlacement {
     let mut placement = FingerPlacement::new(side, gripper.opening.get(), gripper.placement.z.get());
     placement.origin.y += gripper.placement.y.get();
     placement
 }
 
-/// The pad as it is recorded.
+/// Returns the topology of the pad for records.
 fn topology(
     pad: &PadMesh,
     nodes: &[DVec3],

@@ -1,5 +1,5 @@
-//! `arrays.npz`: the frames of a grasp as plain arrays, `numpy.load` reads them; names in [`super::names`], shapes, units and frames in
-//! `docs/data-format.md`.
+//! `arrays.npz`: frames of a grasp as plain arrays, which `numpy.load` reads. The names are in [`super::names`], shapes, units and frames
+//! in `docs/data-format.md`.
 //!
 //! Nodes and tetrahedra of the pads are concatenated, left first; `pad_of_node` tells them apart and `tets` counts nodes over both pads.
 
@@ -14,7 +14,7 @@ use ndarray_npy::{NpzWriter, WritableElement};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// The arrays of one grasp, in memory until [`GraspArrays::write`].
+/// Arrays of one grasp, in memory until [`GraspArrays::write`].
 #[derive(Debug)]
 pub struct GraspArrays {
     path: PathBuf,
@@ -45,8 +45,10 @@ pub struct GraspArrays {
 }
 
 impl GraspArrays {
-    /// Arrays of a grasp with these pads, at `poses` at zero travel (none if not known), to be written to `path`. All pads must have one
-    /// kind of element.
+    /// Builds the arrays of a grasp with these pads, at `poses` at zero travel (none if not known), to be written to `path`.
+    ///
+    /// # Errors
+    /// Fails if the pads do not all have the same kind of element.
     pub fn new(path: PathBuf, topologies: &[PadTopology], poses: &[GraspPose]) -> Result<Self> {
         let width = topologies.first().map_or(4, |t| t.elements.width());
         if topologies.iter().any(|t| t.elements.width() != width) {
@@ -93,7 +95,7 @@ impl GraspArrays {
         Ok(arrays)
     }
 
-    /// Takes a frame (already checked against the topologies).
+    /// Adds a frame, which must have been checked against the topologies.
     pub fn push(&mut self, frame: &Frame) {
         for pad in &frame.pads {
             extend(&mut self.position, &pad.position);
@@ -118,12 +120,15 @@ impl GraspArrays {
         self.frames += 1;
     }
 
-    /// Frames taken but not on disk yet.
+    /// Returns the number of frames that are not on disk yet.
     pub fn pending(&self) -> usize {
         self.frames - self.written
     }
 
     /// Writes all frames so far, whole or not at all.
+    ///
+    /// # Errors
+    /// Fails if the file cannot be written.
     pub fn write(&mut self) -> Result<()> {
         let path = self.path.clone();
         replace_durable(&path, |temporary| self.write_to(temporary))?;
@@ -188,7 +193,7 @@ where
     npz.add_array(name, &view).map_err(io_error)
 }
 
-/// The write error inside, so that "disk full" stays recognisable under two layers of wrapping.
+/// Returns the I/O error inside, so that "disk full" stays recognisable under two layers of wrapping.
 pub(super) fn io_error(error: ndarray_npy::WriteNpzError) -> io::Error {
     let mut source: Option<&(dyn std::error::Error + 'static)> = Some(&error);
     while let Some(inner) = source {

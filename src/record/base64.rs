@@ -1,4 +1,4 @@
-//! Base64 (RFC 4648, padded), the encoding VTK reads inside its XML.
+//! Base64 (RFC 4648, padded), the encoding that VTK reads inside its XML.
 
 const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 

@@ -1,14 +1,15 @@
-//! What may be written: sizes that match and numbers that are finite. A file with a NaN ruins a training set silently.
+//! Checks before writing: sizes match and numbers are finite. A file with a NaN ruins a training set silently.
 
 use super::frame::{Frame, PadFrame, PadTopology, pad_name};
 use crate::geometry::mesh::TriMesh;
 use glam::DVec3;
 use std::borrow::Borrow;
 
-/// Why a frame or a topology cannot be written, naming the field; the caller adds the file.
+/// Result of a check; the error says why a frame or a topology cannot be written and names the field. The caller adds the
+/// file.
 type Verdict = std::result::Result<(), String>;
 
-/// Indices in range, one flag per node, no non-finite coordinate.
+/// Checks that indices are in range, that every node has one flag and that coordinates are finite.
 pub fn topology(pad: usize, topology: &PadTopology) -> Verdict {
     let name = format!("topology of pad {pad} ({})", pad_name(pad));
     let nodes = topology.rest.len();
@@ -22,13 +23,13 @@ pub fn topology(pad: usize, topology: &PadTopology) -> Verdict {
     indices(&name, "sensing", topology.sensing.as_flattened(), nodes)
 }
 
-/// Indices in range and finite vertices of the object's surface.
+/// Checks that the object's surface has indices in range and finite vertices.
 pub fn object(mesh: &TriMesh) -> Verdict {
     vectors("object surface", "vertices", &mesh.vertices)?;
     indices("object surface", "triangles", mesh.triangles.as_flattened(), mesh.vertices.len())
 }
 
-/// Every number finite, every array as long as the topologies say.
+/// Checks that every number is finite and every array is as long as the topologies require.
 pub fn frame<T: Borrow<PadTopology>>(topologies: &[T], frame: &Frame) -> Verdict {
     let name = format!("frame {}", frame.index);
     length(&name, "pads", frame.pads.len(), topologies.len(), "pads of the grasp")?;
@@ -82,7 +83,7 @@ fn pad_frame(name: &str, pad: &PadFrame, topology: &PadTopology) -> Verdict {
     vectors(name, "wrench.torque", &[pad.wrench.torque])
 }
 
-/// One finite number.
+/// Checks that a number is finite.
 pub fn finite(name: &str, field: &str, value: f64) -> Verdict {
     if value.is_finite() { Ok(()) } else { Err(format!("{name}: {field} is {value}, only finite numbers are written")) }
 }
@@ -105,7 +106,7 @@ fn length(name: &str, field: &str, got: usize, want: usize, of: &str) -> Verdict
     if got == want { Ok(()) } else { Err(format!("{name}: {field} has {got} entries, needed are {want} ({of})")) }
 }
 
-/// A field that a scene may choose not to record: then it is empty.
+/// Checks the length of a field that a scene may choose not to record, in which case it is empty.
 fn optional(name: &str, field: &str, got: usize, want: usize, of: &str) -> Verdict {
     if got == 0 { Ok(()) } else { length(name, field, got, want, of) }
 }

@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// An open `frames.csv`.
+/// Open `frames.csv`.
 #[derive(Debug)]
 pub struct FramesCsv {
     path: PathBuf,
@@ -17,6 +17,9 @@ pub struct FramesCsv {
 
 impl FramesCsv {
     /// Creates the file with its header for grasps with `pads` pads, `moving` in time or not.
+    ///
+    /// # Errors
+    /// Fails if the file cannot be created or written.
     pub fn create(path: &Path, pads: usize, moving: bool) -> Result<Self> {
         let file = File::create(path).map_err(|e| cannot_write(path, &e))?;
         let mut csv = FramesCsv { path: path.to_path_buf(), file };
@@ -25,17 +28,20 @@ impl FramesCsv {
     }
 
     /// Appends the row of `frame`.
+    ///
+    /// # Errors
+    /// Fails if the file cannot be written.
     pub fn push(&mut self, frame: &Frame) -> Result<()> {
         self.line(&row(frame).join(","))
     }
 
-    /// One write per line, straight to the file: a killed run ends with a whole row.
+    /// Writes a line in one piece, straight to the file, so that a killed run ends with a whole row.
     fn line(&mut self, text: &str) -> Result<()> {
         self.file.write_all(format!("{text}\n").as_bytes()).map_err(|e| cannot_write(&self.path, &e))
     }
 }
 
-/// Column names, units as suffix (dimensionless ones have none).
+/// Returns the column names, with units as suffix (dimensionless ones have none).
 pub fn columns(pads: usize, moving: bool) -> Vec<String> {
     let mut columns: Vec<String> = ["frame", names::TIME, names::FORCE].map(String::from).to_vec();
     columns.extend((0..pads).map(|pad| format!("travel_{}_m", pad_name(pad))));
@@ -91,8 +97,8 @@ fn row(frame: &Frame) -> Vec<String> {
     before.chain(solver).chain(moving.map(number)).collect()
 }
 
-/// The shortest text that reads back to the same number; plain where a person would write it plainly; empty for what was
-/// not measured.
+/// Returns the shortest text that reads back to the same number, in plain notation where that is usual; empty if the
+/// number was not measured.
 fn number(value: f64) -> String {
     if !value.is_finite() {
         return String::new();

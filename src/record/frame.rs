@@ -1,6 +1,6 @@
-//! What one recorded instant of a grasp holds: the contract between the steppers and every file.
+//! Content of one recorded instant of a grasp: the contract between the steppers and every file.
 //!
-//! Everything is in the hand frame and in SI unless a field says otherwise.
+//! Everything is in the hand frame and in SI units unless a field states otherwise.
 
 use crate::geometry::mesh::quality::EDGES;
 use glam::{DQuat, DVec3};
@@ -35,7 +35,7 @@ pub struct PadFrame {
     pub wrench: Wrench,
 }
 
-/// What a frame of a dynamic scene has more. The world's frame is that of the object at the start.
+/// Additional state of a frame of a dynamic scene. The world's frame is that of the object at the start.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Moving {
     /// Origin of the hand frame in the world, m.
@@ -54,7 +54,7 @@ pub struct Moving {
     pub ground_force: DVec3,
 }
 
-/// One recorded frame of a grasp.
+/// Recorded frame of a grasp.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// Position of the frame in its grasp, from 0.
@@ -69,7 +69,7 @@ pub struct Frame {
     pub object_position: DVec3,
     /// Rotation from the object frame to the hand frame.
     pub object_rotation: DQuat,
-    /// Both pads, left first.
+    /// States of the pads, left first.
     pub pads: Vec<PadFrame>,
     /// Motion in time; None in quasi-static scenes.
     pub moving: Option<Moving>,
@@ -77,14 +77,14 @@ pub struct Frame {
     pub energy: f64,
     /// Newton iterations spent on this frame.
     pub newton_iterations: u32,
-    /// The object is still held where it is.
+    /// True while the object is still held in place.
     pub held: bool,
-    /// Smallest det F in any element; positive where nothing is inverted; `+inf` without pads.
+    /// Smallest det F in any element; positive if nothing is inverted; `+inf` without pads.
     pub min_det_f: f64,
-    /// Smallest gap of the object to pads and ground, m; positive where nothing penetrates; `+inf` where nothing is near.
+    /// Smallest gap of the object to pads and ground, m; positive if nothing penetrates; `+inf` if nothing is near.
     pub min_gap: f64,
-    /// Unbalanced force over the applied force: of a free object, what contact and weight leave over; else what a finger's
-    /// contact carries more or less than the finger.
+    /// Unbalanced force over the applied force. For a free object it is the sum of contact and weight; otherwise it is
+    /// the difference between the contact force on a finger and the force of the finger.
     pub force_balance: f64,
     /// |sum of the contact torques on the object| / (applied force x object size).
     pub torque_balance: f64,
@@ -93,17 +93,17 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A point of the hand frame where it is shown: in the world if that is known, m.
+    /// Returns the position at which a point of the hand frame is shown, m: in the world if that is known.
     pub fn shown_point(&self, x: DVec3) -> DVec3 {
         self.moving.as_ref().map_or(x, |m| m.hand_position + m.hand_rotation * x)
     }
 
-    /// Rotation from the object frame to where the object is shown.
+    /// Returns the rotation from the object frame to the frame in which the object is shown.
     pub fn shown_rotation(&self) -> DQuat {
         self.moving.as_ref().map_or(self.object_rotation, |m| m.hand_rotation * self.object_rotation)
     }
 
-    /// A vector in hand axes as it is shown.
+    /// Returns a vector in hand axes as it is shown.
     pub fn shown_vector(&self, v: DVec3) -> DVec3 {
         self.moving.as_ref().map_or(v, |m| m.hand_rotation * v)
     }
@@ -125,7 +125,7 @@ impl Default for ElementNodes {
 }
 
 impl ElementNodes {
-    /// Number of tetrahedra.
+    /// Returns the number of tetrahedra.
     pub fn len(&self) -> usize {
         match self {
             ElementNodes::Linear(tets) => tets.len(),
@@ -133,12 +133,12 @@ impl ElementNodes {
         }
     }
 
-    /// True without any tetrahedron.
+    /// Returns true if there are no tetrahedra.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Nodes per tetrahedron: 4 or 10.
+    /// Returns the number of nodes per tetrahedron: 4 or 10.
     pub fn width(&self) -> usize {
         match self {
             ElementNodes::Linear(_) => 4,
@@ -146,7 +146,7 @@ impl ElementNodes {
         }
     }
 
-    /// `"linear"` or `"quadratic"`.
+    /// Returns `"linear"` or `"quadratic"`.
     pub fn name(&self) -> &'static str {
         match self {
             ElementNodes::Linear(_) => "linear",
@@ -154,7 +154,7 @@ impl ElementNodes {
         }
     }
 
-    /// The nodes of all tetrahedra one after the other, [`Self::width`] each.
+    /// Returns the nodes of all tetrahedra one after the other, [`Self::width`] each.
     pub fn nodes(&self) -> &[u32] {
         match self {
             ElementNodes::Linear(tets) => tets.as_flattened(),
@@ -163,31 +163,31 @@ impl ElementNodes {
     }
 }
 
-/// What never changes of a pad during a run.
+/// Properties of a pad that never change during a run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct PadTopology {
     /// Node rest positions in the pad frame (sensing face at z = 0, +z out of the gel), m; corners first.
     pub rest: Vec<DVec3>,
-    /// The first `corner_count` nodes are element corners, the others mid-edge nodes.
+    /// Number of element corners, which are the first nodes; the others are mid-edge nodes.
     pub corner_count: usize,
-    /// The tetrahedra.
+    /// Nodes of the tetrahedra.
     pub elements: ElementNodes,
     /// Corner triangles of the whole outer surface, counter-clockwise seen from outside.
     pub surface: Vec<[u32; 3]>,
     /// Triangles of the sensing face, counter-clockwise seen from outside; may use mid-edge nodes.
     pub sensing: Vec<[u32; 3]>,
-    /// Per node: glued to the finger.
+    /// Flag per node: true if it is glued to the finger.
     pub bonded: Vec<bool>,
 }
 
 impl PadTopology {
-    /// Depth of the deepest node below the sensing face, m.
+    /// Returns the depth of the deepest node below the sensing face, m.
     pub fn thickness(&self) -> f64 {
         self.rest.iter().map(|x| -x.z).fold(0.0, f64::max)
     }
 
-    /// Triangles of the outer surface without the sensing face, which has its own, finer ones. Beside it they have its
-    /// mid-edge nodes, so that no gap opens between the two.
+    /// Returns the triangles of the outer surface without the sensing face, which has finer triangles of its own. Next to
+    /// it they use its mid-edge nodes, so that no gap opens between the two.
     pub fn outside(&self) -> Vec<[u32; 3]> {
         let mut sensing = vec![false; self.rest.len()];
         self.sensing.as_flattened().iter().for_each(|&n| sensing[n as usize] = true);
@@ -208,7 +208,7 @@ impl PadTopology {
     }
 }
 
-/// Name of pad (and finger) `index` in files and pictures: `left`, `right`, then `pad2` and so on.
+/// Returns the name of pad (and finger) `index` in files and pictures: `left`, `right`, then `pad2` and so on.
 pub fn pad_name(index: usize) -> String {
     match index {
         0 => "left".into(),

@@ -1,5 +1,5 @@
-//! `meshes.npz`: what no frame of a run changes, written once, so that a run can be shown wherever its folder goes: a pad (all are
-//! alike) and the object, as in the files of a data set.
+//! `meshes.npz`: meshes that no frame of a run changes, written once, so that a run can be shown wherever its folder goes. It holds a pad
+//! (all are alike) and the object, as in the files of a data set.
 
 use super::arrays::{io_error, put};
 use super::check;
@@ -21,7 +21,7 @@ pub const MESHES: &str = "meshes.npz";
 /// Writes the meshes to `dir`, whole or not at all.
 ///
 /// # Errors
-/// What cannot be written.
+/// Fails if the file cannot be written.
 pub fn write(dir: &Path, pad: &PadTopology, object: &TriMesh) -> Result<()> {
     replace(&dir.join(MESHES), |temporary| write_to(temporary, pad, object))
 }
@@ -40,10 +40,10 @@ fn write_to(path: &Path, pad: &PadTopology, object: &TriMesh) -> io::Result<()> 
     npz.finish().map_err(io_error)?.flush()
 }
 
-/// The meshes of the run in `dir`: a pad and the object.
+/// Reads the meshes of the run in `dir`: a pad and the object.
 ///
 /// # Errors
-/// A file that is not there or is damaged.
+/// Fails if the file is not there or is damaged.
 pub fn read(dir: &Path) -> Result<(PadTopology, TriMesh)> {
     let path = dir.join(MESHES);
     let fail = |message: String| Error::file(&path, message);
@@ -87,7 +87,7 @@ fn of_object(name: &str) -> String {
     format!("object/{name}")
 }
 
-/// An open archive, with its name for messages.
+/// Open archive with its name for messages.
 struct Archive<'a> {
     path: &'a Path,
     npz: &'a mut NpzReader<File>,

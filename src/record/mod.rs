@@ -1,4 +1,4 @@
-//! The files of a run.
+//! Files of a run.
 //!
 //! ```text
 //! DIR/run.json                          the run: scene, grasps, expectations, timings   (report.rs)   rewritten after every grasp
@@ -11,7 +11,7 @@
 //! DIR/grasp_000/pads.png                the last frame                                  (crate::render)
 //! ```
 //!
-//! Everything but `frames.csv` is written beside its place and renamed, so a run that is killed leaves complete files. Files hold no
+//! Everything except `frames.csv` is written beside its place and renamed, so a run that is killed leaves complete files. Files hold no
 //! time stamps: the same run writes the same bytes, apart from the wall times in `run.json`. Numbers are finite or refused ([`check`]).
 
 pub mod arrays;

@@ -1,12 +1,13 @@
-//! The names of what is recorded, written once: `arrays.npz`, `.vtu`, `frames.csv`, data sets and Python use the same. A name ends in
-//! its unit where it has one single unit; shapes, frames and files are in `docs/data-format.md`.
+//! Names of the recorded quantities, defined once: `arrays.npz`, `.vtu`, `frames.csv`, data sets and Python use the same. A name ends in
+//! its unit if it has a single unit; shapes, frames and files are in `docs/data-format.md`.
 
 /// Declares names with their units.
 macro_rules! names {
     ($($(#[$doc:meta])* $name:ident $text:literal $unit:literal;)*) => {
         $($(#[$doc])* pub const $name: &str = $text;)*
 
-        /// All names, each with its unit: "1" of what has none, several with commas of what mixes them.
+        /// All names, each with its unit: "1" for a quantity without a unit, several units with commas for a mixed
+        /// quantity.
         pub const ALL: &[(&str, &str)] = &[$(($text, $unit),)*];
     };
 }
@@ -14,7 +15,7 @@ macro_rules! names {
 names! {
     /// Node positions.
     POSITION "position_m" "m";
-    /// Node displacements against the pad carried rigidly by its finger.
+    /// Node displacements relative to the pad carried rigidly by its finger.
     DISPLACEMENT "displacement_m" "m";
     /// Contact force on the pad, per node, friction included.
     CONTACT_FORCE "contact_force_n" "N";
@@ -32,13 +33,13 @@ names! {
     TRAVEL "travel_m" "m";
     /// Closing travel of each finger since the open hand.
     FINGER_POSITION "finger_position_m" "m";
-    /// px py pz qw qx qy qz of the object.
+    /// Pose of the object: px py pz qw qx qy qz.
     OBJECT_POSE "object_pose" "m, 1";
-    /// px py pz qw qx qy qz of each pad at zero travel.
+    /// Pose of each pad at zero travel: px py pz qw qx qy qz.
     PAD_POSE "pad_pose" "m, 1";
-    /// px py pz qw qx qy qz of the hand in the world.
+    /// Pose of the hand in the world: px py pz qw qx qy qz.
     HAND_POSE "hand_pose" "m, 1";
-    /// px py pz qw qx qy qz of the hand in the object frame.
+    /// Pose of the hand in the object frame: px py pz qw qx qy qz.
     GRASP_POSE "grasp_pose" "m, 1";
     /// Velocity and spin of the object.
     OBJECT_MOTION "object_motion" "m/s, rad/s";

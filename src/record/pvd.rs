@@ -1,11 +1,11 @@
-//! ParaView collection (`.pvd`): which `.vtu` files belong to which applied force or time.
+//! ParaView collection (`.pvd`): the `.vtu` files of each applied force or time.
 
 use crate::error::Result;
 use crate::files::atomic::write_atomic;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// A collection that is complete on disk after every entry, so that an interrupted run opens in ParaView.
+/// Collection that is complete on disk after every entry, so that an interrupted run opens in ParaView.
 #[derive(Debug)]
 pub struct Collection {
     path: PathBuf,
@@ -13,14 +13,17 @@ pub struct Collection {
 }
 
 impl Collection {
-    /// An empty collection at `path`; nothing is written yet.
+    /// Returns an empty collection at `path`; nothing is written yet.
     pub fn new(path: PathBuf) -> Self {
         Collection { path, entries: String::new() }
     }
 
     /// Adds `files` (relative to the collection's directory) as the parts of one step and rewrites the collection.
     ///
-    /// The "time" ParaView shows is `at`: the applied force, N, or the time of a dynamic scene, s.
+    /// The "time" that ParaView shows is `at`: the applied force, N, or the time of a dynamic scene, s.
+    ///
+    /// # Errors
+    /// Fails if the collection cannot be written.
     pub fn push(&mut self, at: f64, files: &[&str]) -> Result<()> {
         for (part, file) in files.iter().enumerate() {
             // Writing to a String cannot fail; our own file names need no XML escapes.
@@ -34,7 +37,7 @@ impl Collection {
         write_atomic(&self.path, text.as_bytes())
     }
 
-    /// Where the collection is.
+    /// Returns the path of the collection.
     pub fn path(&self) -> &Path {
         &self.path
     }

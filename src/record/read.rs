@@ -1,4 +1,4 @@
-//! Reads a run back: `run.json`, and the frames in `arrays.npz`.
+//! Reading of a run: `run.json`, and the frames in `arrays.npz`.
 
 use super::frame::{Frame, Moving, PadFrame, Wrench};
 use super::names;
@@ -11,21 +11,21 @@ use ndarray_npy::{NpzReader, ReadNpzError};
 use std::fs::File;
 use std::path::Path;
 
-/// The report of the run in `dir`.
+/// Reads the report of the run in `dir`.
 ///
 /// # Errors
-/// A file that cannot be read, or is no `run.json`.
+/// Fails if the file cannot be read or is not a `run.json`.
 pub fn run_report(dir: &Path) -> Result<RunReport> {
     let path = dir.join("run.json");
     let bytes = std::fs::read(&path).map_err(|e| Error::file(&path, format!("cannot be read: {e}")))?;
     serde_json::from_slice(&bytes).map_err(|e| Error::file(&path, format!("is no report of a run: {e}")))
 }
 
-/// The frames of a grasp of `pads` pads with `own` nodes each as they were recorded; of each frame what `arrays.npz` holds, wrenches and
-/// motion included, without the numbers of `frames.csv`.
+/// Reads the frames of a grasp of `pads` pads with `own` nodes each, as they were recorded. A frame has the content of `arrays.npz`,
+/// wrenches and motion included, without the numbers of `frames.csv`.
 ///
 /// # Errors
-/// A file that is not there, damaged, or of other pads.
+/// Fails if the file is not there, is damaged or belongs to other pads.
 pub fn frames(path: &Path, own: usize, pads: usize) -> Result<Vec<Frame>> {
     let fail = |message: String| Error::file(path, message);
     let file = File::open(path).map_err(|e| fail(format!("cannot be read: {e}")))?;
@@ -97,7 +97,7 @@ fn needed<D: Dimension>(path: &Path, npz: &mut NpzReader<File>, name: &str) -> R
     optional(path, npz, name)?.ok_or_else(|| Error::file(path, format!("has no array `{name}`")))
 }
 
-/// The array `name`; None if it was not recorded.
+/// Reads the array `name`; returns None if it was not recorded.
 fn optional<D: Dimension>(path: &Path, npz: &mut NpzReader<File>, name: &str) -> Result<Option<Array<f64, D>>> {
     let fail = |e: ReadNpzError| Error::file(path, format!("array `{name}` cannot be read: {e}"));
     let names = npz.names().map_err(fail)?;

@@ -1,4 +1,4 @@
-//! `run.json`: what ran, how every grasp ended, what the scene expected. Keys end in their unit.
+//! `run.json`: the run, the end of every grasp and the expectations of the scene. Keys end in their unit.
 
 use super::frame::Frame;
 use super::sensitivity::Moved;
@@ -9,23 +9,23 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// How a grasp ended.
+/// End of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// The loading was reached, and no element is turned inside out.
+    /// Loading reached, without inverted elements.
     Reached,
-    /// The object left the grasp, as a real one would: it slid or rolled out, or was not held when its support went. Frames up to there
-    /// are valid.
+    /// Object lost from the grasp, as a real one would be: it slid or rolled out, or was not held when its support went. Frames up to
+    /// there are valid.
     Dropped,
-    /// The solver gave up on the way, or what it found is unsound; frames up to there are valid.
+    /// Solver given up on the way, or unsound result; frames up to there are valid.
     Fault,
-    /// The grasp could not start (too wide, misses the object, begins in contact).
+    /// Grasp that could not start (too wide, misses the object, begins in contact).
     Infeasible,
 }
 
 impl Status {
-    /// Its word in reports and files.
+    /// Returns the word for the status in reports and files.
     pub fn word(self) -> &'static str {
         match self {
             Status::Reached => "reached",
@@ -36,20 +36,20 @@ impl Status {
     }
 }
 
-/// How one grasp went. Numbers that do not exist (a grasp without frames) are `null` in the file, never NaN.
+/// Summary of a grasp. Numbers that do not exist (a grasp without frames) are `null` in the file, never NaN.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GraspSummary {
     /// Number of the grasp in its scene, from 0.
     pub grasp: usize,
-    /// How it ended.
+    /// End of the grasp.
     pub status: Status,
-    /// Why it was not reached; `None` if it was.
+    /// Reason if the load was not reached; otherwise `None`.
     pub reason: Option<String>,
     /// Applied force of the last frame, sum over the fingers, N; 0 without frames.
     pub force_n: f64,
     /// Travel at the last frame, mean over the fingers, m; 0 without frames.
     pub travel_m: f64,
-    /// Frames recorded.
+    /// Number of recorded frames.
     pub frames: usize,
     /// Smallest det F over all frames.
     pub min_det_f: Option<f64>,
@@ -57,20 +57,20 @@ pub struct GraspSummary {
     pub min_gap_m: Option<f64>,
     /// Largest relative force imbalance over all frames.
     pub force_balance: Option<f64>,
-    /// Newton iterations, all frames together.
+    /// Number of Newton iterations of all frames together.
     pub newton_iterations: u64,
-    /// How often each method of the continuation was used.
+    /// Counts of how often each method of the continuation was used.
     #[serde(default)]
     pub methods: Methods,
     /// Wall time of the grasp, s.
     pub wall_s: f64,
-    /// What small changes do to the last frame, if that was asked for.
+    /// Effects of small changes on the last frame, if they were asked for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensitivity: Vec<Moved>,
 }
 
 impl GraspSummary {
-    /// A grasp without frames yet.
+    /// Returns the summary of a grasp without frames yet.
     pub fn new(status: Status, reason: Option<String>) -> Self {
         GraspSummary {
             grasp: 0,
@@ -89,7 +89,7 @@ impl GraspSummary {
         }
     }
 
-    /// Takes a further frame into account.
+    /// Adds a further frame to the summary.
     pub fn observe(&mut self, frame: &Frame) {
         let fold = |old: Option<f64>, new: f64, pick: fn(f64, f64) -> f64| Some(old.map_or(new, |old| pick(old, new)));
         self.force_n = frame.applied_force;
@@ -105,7 +105,7 @@ impl GraspSummary {
         self.newton_iterations += u64::from(frame.newton_iterations);
     }
 
-    /// First number that is not finite, if any: JSON has no NaN, serde would write `null` in silence.
+    /// Returns the first number that is not finite, if any: JSON has no NaN, and serde would write `null` silently.
     fn not_finite(&self) -> Option<(&'static str, f64)> {
         let numbers = [
             ("force_n", Some(self.force_n)),
@@ -119,16 +119,16 @@ impl GraspSummary {
     }
 }
 
-/// What became of one expectation of the scene.
+/// Result of an expectation of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ExpectationReport {
     /// Name as in the scene, e.g. `ForceBalance`.
     pub name: String,
-    /// Whether it held in every grasp.
+    /// True if the expectation held in every grasp.
     pub held: bool,
-    /// The worst value seen; `None` if there was no frame to judge.
+    /// Worst value seen; `None` if there was no frame to judge.
     pub value: Option<f64>,
-    /// The bound it was compared with.
+    /// Bound for the value.
     pub bound: Option<f64>,
 }
 
@@ -137,44 +137,44 @@ pub struct ExpectationReport {
 pub struct PadReport {
     /// `left` or `right`.
     pub name: String,
-    /// Nodes, mid-edge ones included.
+    /// Number of nodes, mid-edge ones included.
     pub nodes: usize,
-    /// Tetrahedra.
+    /// Number of tetrahedra.
     pub tets: usize,
     /// `linear` or `quadratic`, with the treatment of volume, e.g. `quadratic, mean dilatation`.
     pub element: String,
-    /// What to know before trusting it, e.g. that linear tetrahedra lock at this Poisson's ratio.
+    /// Notice for the user, e.g. that linear tetrahedra lock at this Poisson's ratio.
     pub notice: Option<String>,
 }
 
-/// The content of `run.json`, and of `tactus run --format json`.
+/// Content of `run.json` and of `tactus run --format json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunReport {
     /// Version of tactus.
     pub tactus: String,
-    /// What advanced the state: `fem` or `gnn`, with settings if it has any.
+    /// Backend that advanced the state: `fem` or `gnn`, with settings if it has any.
     pub backend: String,
-    /// Threads used.
+    /// Number of threads.
     pub threads: usize,
-    /// False until the run has finished: an interrupted run says so.
+    /// False until the run has finished, so that an interrupted run is recognisable.
     pub finished: bool,
-    /// The scene with every default and include resolved.
+    /// Scene with every default and include resolved.
     pub scene: serde_json::Value,
-    /// The pads, left first.
+    /// Discretisations of the pads, left first.
     pub pads: Vec<PadReport>,
-    /// The grasps, in order.
+    /// Summaries of the grasps, in order.
     pub grasps: Vec<GraspSummary>,
-    /// The field of the scene that the expectations are from: `expect`, or what is said for networks.
+    /// Field of the scene that the expectations come from: `expect`, or the one for networks.
     #[serde(default)]
     pub promised_in: String,
-    /// The expectations of the scene.
+    /// Results of the expectations of the scene.
     pub expectations: Vec<ExpectationReport>,
     /// Wall time by stage, s.
     pub profile_s: BTreeMap<String, f64>,
 }
 
 impl RunReport {
-    /// An empty report of this version of tactus.
+    /// Returns an empty report of this version of tactus.
     pub fn new(backend: impl Into<String>, threads: usize, scene: serde_json::Value) -> Self {
         RunReport {
             tactus: env!("CARGO_PKG_VERSION").into(),
@@ -190,7 +190,10 @@ impl RunReport {
         }
     }
 
-    /// Pretty JSON; an error names the first number that is not finite.
+    /// Returns the report as pretty JSON.
+    ///
+    /// # Errors
+    /// Fails if a number is not finite, and names the first such number.
     pub fn to_json(&self) -> std::result::Result<String, String> {
         for (index, grasp) in self.grasps.iter().enumerate() {
             if let Some((name, value)) = grasp.not_finite() {
@@ -209,6 +212,9 @@ impl RunReport {
     }
 
     /// Writes the report to `path`, whole or not at all.
+    ///
+    /// # Errors
+    /// Fails if a number is not finite or the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
         let text = self.to_json().map_err(|message| Error::file(path, format!("not written: {message}")))?;
         write_atomic(path, text.as_bytes())

@@ -1,37 +1,39 @@
-//! What a small change of a grasp does to its answer, as `run.json` lists it.
+//! Effect of a small change of a grasp on its result, as `run.json` lists it.
 
 use super::Status;
 use serde::{Deserialize, Serialize};
 
-/// What is changed.
+/// Change of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Change {
-    /// Friction is 0.1 larger.
+    /// Friction coefficient larger by 0.1.
     Friction,
-    /// The hand is turned by half a degree about the finger width.
+    /// Hand turned by half a degree about the finger width.
     Turn,
-    /// The hand is shifted by 0.2 mm along the approach.
+    /// Hand shifted by 0.2 mm along the approach.
     Shift,
-    /// A free object is let go at half the force.
+    /// Free object released at half the force.
     Release,
 }
 
-/// What a change does to the last frame of a grasp.
+/// Effect of a change on the last frame of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Moved {
-    /// What was changed.
+    /// Change that was made.
     pub change: Change,
-    /// How the grasp ended with it.
+    /// End of the grasp with the change.
     pub status: Status,
-    /// Distance of the displacements of both pads over their norm, L2 over the volume; None unless both grasps were reached.
+    /// Difference of the displacements of both pads over their norm, L2 over the volume; None unless both grasps were
+    /// reached.
     pub displacement: Option<f64>,
-    /// How much farther the object moved since first contact, rotations by its bounding radius, m; None unless both were reached.
+    /// Additional displacement of the object since first contact, rotations weighted by its bounding radius, m; None unless both were
+    /// reached.
     pub object_m: Option<f64>,
 }
 
 impl Change {
-    /// Name in a table.
+    /// Returns the name of the change in a table.
     pub fn name(self) -> &'static str {
         match self {
             Change::Friction => "friction +0.1",

@@ -16,8 +16,9 @@ const TRIANGLE: u8 = 5;
 const TETRA: u8 = 10;
 const QUADRATIC_TETRA: u8 = 24;
 
-/// The pads of `frame` as one grid, in the hand frame, of a dynamic scene in the world. Point data: displacement, contact
-/// force, von Mises stress, gap, `pad` (0 = left); cell data: von Mises stress, `pad`; named as everywhere ([`names`]). Sizes must have been checked ([`super::check::frame`]).
+/// Returns the pads of `frame` as one grid, in the hand frame, or in the world for a dynamic scene. Point data: displacement, contact
+/// force, von Mises stress, gap, `pad` (0 = left); cell data: von Mises stress, `pad`; the names are in [`names`]. Sizes must have been
+/// checked ([`super::check::frame`]).
 pub fn pads(topologies: &[PadTopology], frame: &Frame) -> String {
     let mut cells = Cells::default();
     let (mut node_pad, mut tet_pad) = (Vec::<u8>::new(), Vec::<u8>::new());
@@ -66,7 +67,7 @@ pub fn pads(topologies: &[PadTopology], frame: &Frame) -> String {
     out
 }
 
-/// The object's surface (object frame, m) moved to its pose in `frame`, shown as the pads are.
+/// Returns the object's surface (object frame, m) moved to its pose in `frame`, shown in the frame of the pads.
 pub fn object(surface: &TriMesh, frame: &Frame) -> String {
     let moved: Vec<DVec3> = surface
         .vertices
@@ -81,7 +82,7 @@ pub fn object(surface: &TriMesh, frame: &Frame) -> String {
     out
 }
 
-/// The three arrays by which VTK describes cells.
+/// Three arrays by which VTK describes cells.
 #[derive(Default)]
 struct Cells {
     connectivity: Vec<i64>,

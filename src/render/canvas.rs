@@ -1,4 +1,4 @@
-//! A chart as PNG and as SVG, from one drawing.
+//! Chart as PNG and as SVG, from one drawing.
 
 use crate::error::{Error, Result};
 use crate::files::atomic::write_atomic;
@@ -16,34 +16,34 @@ pub const SIZE: (u32, u32) = (1200, 640);
 /// Width of the list beside the plot, pixels.
 pub const LIST: u32 = 400;
 const FONT: &str = "sans-serif";
-/// Axes, labels.
+/// Colour of axes and labels.
 pub const INK: RGBColor = RGBColor(38, 42, 51);
-/// What stands back.
+/// Colour of secondary content.
 pub const MUTED: RGBColor = RGBColor(106, 114, 128);
-/// Lines and points of two kinds.
+/// Colours of the two kinds of lines and points.
 pub const KINDS: [RGBColor; 2] = [RGBColor(31, 119, 180), RGBColor(214, 96, 20)];
 
-/// Where a chart is drawn.
+/// Area on which a chart is drawn.
 pub type Area<B> = DrawingArea<B, Shift>;
-/// What drawing gives.
+/// Result of drawing.
 pub type Drawn<B> = std::result::Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 
-/// A drawing for any kind of file.
+/// Drawing for any kind of file.
 pub trait Picture {
-    /// The plot itself.
+    /// Draws the plot itself.
     ///
     /// # Errors
-    /// Those of the file.
+    /// Fails if the backend of the file fails.
     fn plot<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B>;
 
-    /// What stands beside it, line by line.
+    /// Returns the text beside the plot, line by line.
     fn list(&self) -> Vec<(String, RGBColor)>;
 }
 
 /// Writes `name.png` and `name.svg` into `dir`.
 ///
 /// # Errors
-/// Files that cannot be written; a picture without a single point.
+/// Fails if a file cannot be written or the picture has no point.
 pub fn save_picture(picture: &impl Picture, dir: &Path, name: &str) -> Result<()> {
     let png = dir.join(name).with_extension("png");
     let refuse = |message: String| Error::file(&png, message);
@@ -70,18 +70,18 @@ fn draw<B: DrawingBackend>(page: &Area<B>, picture: &impl Picture) -> std::resul
     page.present().map_err(|e| e.to_string())
 }
 
-/// Letters of `size` pixels.
+/// Returns the style of letters of `size` pixels.
 pub fn text_style(size: u32, color: &RGBColor) -> TextStyle<'static> {
     (FONT, size).into_font().color(color)
 }
 
-/// A plane with two logarithmic axes.
+/// Plane with two logarithmic axes.
 type Plane<'a, B> = ChartContext<'a, B, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 
 /// Draws the axes and the grid of a plot: the range and the name of each axis.
 ///
 /// # Errors
-/// Those of the file.
+/// Fails if the backend of the file fails.
 pub fn axes<'a, B: DrawingBackend>(
     area: &'a Area<B>,
     (x, x_name): (Range<f64>, String),
@@ -99,7 +99,7 @@ pub fn axes<'a, B: DrawingBackend>(
 /// Draws grid and axes of a plane with their names and numbers.
 ///
 /// # Errors
-/// Those of the file.
+/// Fails if the backend of the file fails.
 pub fn label<B: DrawingBackend, X, Y>(
     plane: &mut ChartContext<B, Cartesian2d<X, Y>>,
     [x_name, y_name]: [&str; 2],
@@ -123,7 +123,7 @@ where
         .draw()
 }
 
-/// A range for a logarithmic axis that has room for all that is positive of `values`.
+/// Returns a range for a logarithmic axis with room for all positive ones of `values`.
 pub fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = values
         .filter(|v| v.is_finite() && *v > 0.0)
@@ -131,7 +131,7 @@ pub fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     if low <= high { (low / 1.6)..(high * 1.6) } else { 0.1..10.0 }
 }
 
-/// A number on an axis.
+/// Formats a number on an axis.
 fn number(v: &f64) -> String {
     if *v < 0.01 { format!("{v:.0e}") } else { format!("{v}") }
 }

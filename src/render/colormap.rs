@@ -1,4 +1,4 @@
-//! A perceptually uniform colour map: dark violet through green to yellow, brightness rising all the way.
+//! Perceptually uniform colour map: dark violet through green to yellow, with brightness rising all the way.
 
 /// Coefficients of t^0 .. t^6 for red, green and blue: a least-squares fit to ten samples of viridis, within 4 of 255.
 const FIT: [[f64; 7]; 3] = [
@@ -7,13 +7,13 @@ const FIT: [[f64; 7]; 3] = [
     [0.3294, 1.5209, -1.2714, -13.9227, 47.1078, -57.6498, 24.0308],
 ];
 
-/// Colour at `t`, clamped to 0..=1 (NaN counts as 0), each channel in 0..=255.
+/// Returns the colour at `t`, clamped to 0..=1 (NaN counts as 0), each channel in 0..=255.
 pub fn color(t: f64) -> [f32; 3] {
     let t = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) };
     FIT.map(|fit| (255.0 * fit.iter().rev().fold(0.0, |sum, c| sum * t + c)).clamp(0.0, 255.0) as f32)
 }
 
-/// Where `value` lies between the ends of `range`.
+/// Returns the position of `value` between the ends of `range`, 0 to 1.
 pub fn fraction(value: f64, range: (f64, f64)) -> f64 {
     let span = range.1 - range.0;
     if span > 0.0 { (value - range.0) / span } else { 0.0 }

@@ -9,10 +9,13 @@ use tiny_skia::Pixmap;
 const SIZE: (u32, u32) = (900, 560);
 /// Left, top, right, bottom of the plot, pixels.
 const BOX: (f32, f32, f32, f32) = (90.0, 40.0, 870.0, 500.0);
-/// One colour per curve, in turn.
+/// Colours of the curves, in turn.
 const COLORS: [Rgb; 3] = [[31, 119, 180], [214, 96, 20], [44, 140, 60]];
 
 /// Draws named curves of positive values, one value per epoch.
+///
+/// # Errors
+/// Fails if there is no memory for the picture or the font cannot be loaded.
 pub fn render_curves(curves: &[(&str, Vec<f64>)]) -> Result<Pixmap> {
     let no_memory = || Error::file("picture", "no memory for the picture");
     let mut page = Pixmap::new(SIZE.0, SIZE.1).ok_or_else(no_memory)?;

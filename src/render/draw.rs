@@ -2,22 +2,22 @@
 
 use tiny_skia::{Color, FillRule, LineCap, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform};
 
-/// Red, green, blue in 0..=255.
+/// Colour: red, green, blue in 0..=255.
 pub type Rgb = [u8; 3];
 
-/// Pixels right and down.
+/// Position: pixels right and down.
 type Point = (f32, f32);
 
-/// Text and axes.
+/// Colour of text and axes.
 pub const INK: Rgb = [38, 42, 51];
-/// Secondary text.
+/// Colour of secondary text.
 pub const MUTED: Rgb = [106, 114, 128];
-/// Grid lines and frames.
+/// Colour of grid lines and frames.
 pub const LINE: Rgb = [196, 201, 209];
-/// Background of the page.
+/// Colour of the background of the page.
 pub const PAPER: Rgb = [252, 252, 250];
 
-/// Paint of one colour; `alpha` in 0..=1.
+/// Returns the paint of one colour; `alpha` in 0..=1.
 pub fn paint(rgb: Rgb, alpha: f32) -> Paint<'static> {
     let mut paint = Paint { anti_alias: true, ..Paint::default() };
     paint.set_color_rgba8(rgb[0], rgb[1], rgb[2], (alpha.clamp(0.0, 1.0) * 255.0) as u8);
@@ -29,7 +29,7 @@ pub fn clear(pixmap: &mut Pixmap, rgb: Rgb) {
     pixmap.fill(Color::from_rgba8(rgb[0], rgb[1], rgb[2], 255));
 }
 
-/// A straight line through `points`.
+/// Draws a straight line through `points`.
 pub fn polyline(pixmap: &mut Pixmap, points: &[Point], width: f32, rgb: Rgb, alpha: f32) {
     let mut builder = PathBuilder::new();
     for (i, &(x, y)) in points.iter().enumerate() {
@@ -41,7 +41,7 @@ pub fn polyline(pixmap: &mut Pixmap, points: &[Point], width: f32, rgb: Rgb, alp
     }
 }
 
-/// An arrow from `from` to `to` with a filled head, `width` wide.
+/// Draws an arrow from `from` to `to` with a filled head, `width` wide.
 pub fn arrow(pixmap: &mut Pixmap, from: Point, to: Point, width: f32, rgb: Rgb) {
     if let Some((neck, head)) = arrow_shape(from, to, width) {
         polyline(pixmap, &[from, neck], width, rgb, 1.0);
@@ -49,7 +49,7 @@ pub fn arrow(pixmap: &mut Pixmap, from: Point, to: Point, width: f32, rgb: Rgb) 
     }
 }
 
-/// An arrow with a thin dark rim, readable on any colour.
+/// Draws an arrow with a thin dark rim, readable on any colour.
 pub fn rimmed_arrow(pixmap: &mut Pixmap, from: Point, to: Point, width: f32, rgb: Rgb) {
     if let Some((neck, [a, b, c])) = arrow_shape(from, to, width) {
         polyline(pixmap, &[from, neck], width + 1.6, INK, 0.75);
@@ -58,7 +58,7 @@ pub fn rimmed_arrow(pixmap: &mut Pixmap, from: Point, to: Point, width: f32, rgb
     }
 }
 
-/// Where the shaft ends, and the corners of the head; `None` if there is nothing to see.
+/// Returns the end of the shaft and the corners of the head; `None` if the arrow is too small to be seen.
 fn arrow_shape(from: Point, to: Point, width: f32) -> Option<(Point, [Point; 3])> {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let length = dx.hypot(dy);
@@ -72,19 +72,19 @@ fn arrow_shape(from: Point, to: Point, width: f32) -> Option<(Point, [Point; 3])
     Some((neck, [to, (neck.0 - half * uy, neck.1 + half * ux), (neck.0 + half * uy, neck.1 - half * ux)]))
 }
 
-/// A filled polygon.
+/// Draws a filled polygon.
 pub fn fill(pixmap: &mut Pixmap, points: &[Point], rgb: Rgb) {
     if let Some(path) = closed(points) {
         pixmap.fill_path(&path, &paint(rgb, 1.0), FillRule::Winding, Transform::identity(), None);
     }
 }
 
-/// The frame of a box.
+/// Draws the frame of a box.
 pub fn frame(pixmap: &mut Pixmap, x: f32, y: f32, w: f32, h: f32, rgb: Rgb) {
     polyline(pixmap, &[(x, y), (x + w, y), (x + w, y + h), (x, y + h), (x, y)], 1.0, rgb, 1.0);
 }
 
-/// A filled box.
+/// Draws a filled box.
 pub fn rectangle(pixmap: &mut Pixmap, x: f32, y: f32, w: f32, h: f32, rgb: Rgb) {
     if let Some(rect) = Rect::from_xywh(x, y, w, h) {
         pixmap.fill_rect(rect, &paint(rgb, 1.0), Transform::identity(), None);

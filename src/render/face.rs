@@ -1,4 +1,4 @@
-//! One pad seen face-on from the object, in millimetres of its own frame, deformed, coloured by value.
+//! Pad seen face-on from the object, in millimetres of its own frame, deformed, coloured by value.
 
 use super::colorbar::ticks;
 use super::colormap::{color, fraction};
@@ -15,7 +15,7 @@ use tiny_skia::Pixmap;
 /// Distance between displacement arrows, m.
 const MARKER_SPACING: f64 = 2.0e-3;
 
-/// The sensing face of a pad in its own frame, at points between the nodes.
+/// Sensing face of a pad in its own frame, at points between the nodes.
 pub struct SensingFace {
     triangles: Vec<[u32; 3]>,
     values: Vec<f64>,
@@ -25,7 +25,7 @@ pub struct SensingFace {
     now: Vec<DVec3>,
 }
 
-/// Where faces are drawn and at which scale.
+/// Area and scale of the drawing of a face.
 #[derive(Debug, Clone, Copy)]
 pub struct Panel {
     /// Top left corner of the drawing, pixels.
@@ -46,7 +46,7 @@ impl Panel {
 }
 
 impl SensingFace {
-    /// Takes the frame apart: `pose` is the pad frame in the hand frame.
+    /// Builds the face from a frame: `pose` is the pad frame in the hand frame.
     pub fn new(topology: &PadTopology, pad: &PadFrame, scalar: Scalar, pose: (DMat3, DVec3)) -> Self {
         let [surface, _] = Surface::both(topology, scalar.is_field());
         let back = pose.0.transpose();
@@ -58,7 +58,7 @@ impl SensingFace {
         }
     }
 
-    /// Smallest and largest x and y of the sensing face, m; `None` without one.
+    /// Returns the smallest and largest x and y of the sensing face, m; `None` without one.
     pub fn bounds(&self) -> Option<(DVec2, DVec2)> {
         let points = self.now.iter().map(|p| p.truncate());
         points.fold(None, |bounds: Option<(DVec2, DVec2)>, p| match bounds {
@@ -102,7 +102,8 @@ impl SensingFace {
         }
     }
 
-    /// In-plane displacement at points of a regular grid on the rest face: (where now, how much), m.
+    /// Returns the in-plane displacement at points of a regular grid on the rest face: (present position, displacement),
+    /// m.
     pub fn markers(&self) -> Vec<(DVec3, DVec2)> {
         let rest = |n: u32| self.rest[n as usize].truncate();
         let mut markers = BTreeMap::new();
@@ -128,7 +129,7 @@ impl SensingFace {
         markers.into_values().collect()
     }
 
-    /// Draws arrows in which `longest` metres are as long as the grid is wide.
+    /// Draws arrows, scaled so that `longest` metres have the width of the grid.
     pub fn draw_markers(&self, page: &mut Pixmap, panel: Panel, longest: f64) {
         let length = 0.95 * MARKER_SPACING * panel.scale / longest;
         for (at, shift) in self.markers() {
@@ -141,7 +142,7 @@ impl SensingFace {
     }
 }
 
-/// Whole numbers between the corners.
+/// Returns the whole numbers between the corners.
 fn grid(low: DVec2, high: DVec2) -> impl Iterator<Item = (i64, i64)> {
     let (x, y) = (low.x.ceil() as i64..=high.x.floor() as i64, low.y.ceil() as i64..=high.y.floor() as i64);
     x.flat_map(move |i| y.clone().map(move |j| (i, j)))

@@ -5,7 +5,8 @@ use glam::DVec3;
 /// Cosine of the angle between two faces above which their edge is drawn sharp (40 degrees).
 const CREASE: f64 = 0.766;
 
-/// Normal at each corner of each triangle: the area-weighted mean over the faces at that vertex that bend less than the crease angle.
+/// Returns the normal at each corner of each triangle: the area-weighted mean over the faces at that vertex that bend less than the
+/// crease angle.
 pub fn corner_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[DVec3; 3]> {
     let faces: Vec<DVec3> = triangles
         .iter()

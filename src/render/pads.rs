@@ -1,4 +1,4 @@
-//! The picture of a frame: both sensing faces, the colour bar, the 3-D view.
+//! Picture of a frame: both sensing faces, the colour bar, the 3-D view.
 
 use super::colorbar;
 use super::draw::{INK, LINE, MUTED, PAPER, clear, polyline};
@@ -26,7 +26,8 @@ const BODY_Y: (f32, f32) = (136.0, 744.0);
 
 /// Draws a frame, [`WIDTH`] x [`HEIGHT`] pixels. `object` is the object's surface in the object frame, m.
 ///
-/// Inputs that do not fit together or are not finite are refused with a message that names the field.
+/// # Errors
+/// Fails if inputs do not fit together or are not finite; the message names the field.
 pub fn render_pads(
     topologies: &[PadTopology],
     frame: &Frame,
@@ -59,12 +60,18 @@ pub fn render_pads(
     Ok(page)
 }
 
-/// The picture as the bytes of a PNG file.
+/// Encodes the picture as the bytes of a PNG file.
+///
+/// # Errors
+/// Fails if the picture cannot be encoded.
 pub fn encode(picture: &Pixmap) -> Result<Vec<u8>> {
     picture.encode_png().map_err(|e| Error::file("picture", format!("cannot encode as PNG: {e}")))
 }
 
 /// Writes the picture to `path`, whole or not at all.
+///
+/// # Errors
+/// Fails if the picture cannot be encoded or the file cannot be written.
 pub fn save(picture: &Pixmap, path: &Path) -> Result<()> {
     atomic::write_atomic(path, &encode(picture)?)
 }

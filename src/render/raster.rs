@@ -5,28 +5,28 @@ use super::text::blend;
 use glam::DVec3;
 use tiny_skia::Pixmap;
 
-/// Samples per pixel and axis.
+/// Number of samples per pixel and axis.
 const SUPER: usize = 2;
 
-/// A corner of a triangle.
+/// Corner of a triangle.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Vertex {
-    /// Pixels right and down, and depth (smaller is nearer, any unit).
+    /// Position: pixels right and down, and depth (smaller is nearer, any unit).
     pub position: DVec3,
-    /// What is coloured.
+    /// Value that decides the colour.
     pub value: f64,
-    /// Surface normal in whatever frame the shader lights.
+    /// Surface normal in the frame in which the shader lights.
     pub normal: DVec3,
 }
 
-/// A rectangle of the page being drawn into.
+/// Rectangle of the page that is drawn into.
 pub struct Raster {
     width: usize,
     height: usize,
     samples: Vec<Sample>,
 }
 
-/// One sample: its depth, whose it is (0 = nobody's) and its colour. Small, for there are millions.
+/// Sample with its depth, its body (0 is none) and its colour. It is small, because there are millions of them.
 #[derive(Clone, Copy)]
 struct Sample {
     depth: f32,
@@ -35,7 +35,7 @@ struct Sample {
 }
 
 impl Raster {
-    /// An empty rectangle of `width` x `height` pixels.
+    /// Returns an empty rectangle of `width` x `height` pixels.
     pub fn new(width: usize, height: usize) -> Self {
         let (width, height) = (width * SUPER, height * SUPER);
         let empty = Sample { depth: f32::INFINITY, body: 0, rgb: [0; 3] };
@@ -80,7 +80,7 @@ impl Raster {
         }
     }
 
-    /// Takes over what is nearer in a raster of the same size.
+    /// Takes over the samples that are nearer in a raster of the same size.
     pub fn merge(&mut self, other: &Self) {
         for (own, sample) in self.samples.iter_mut().zip(&other.samples) {
             if sample.depth < own.depth {
@@ -134,7 +134,7 @@ fn byte(c: f32) -> u8 {
     c.round().clamp(0.0, 255.0) as u8
 }
 
-/// Twice the signed area of the triangle in the page's plane.
+/// Returns twice the signed area of the triangle in the page's plane.
 fn cross(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
 }

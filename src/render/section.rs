@@ -1,4 +1,4 @@
-//! Cutting things open: triangles against a plane, and the face the plane makes through the tetrahedra.
+//! Cuts through bodies: triangles against a plane, and the face that the plane makes through the tetrahedra.
 
 use super::raster::Vertex;
 use super::style::NodalValues;
@@ -6,10 +6,10 @@ use crate::mech::element::{EDGES, tet10_values};
 use crate::record::ElementNodes;
 use glam::DVec3;
 
-/// Keeps the points `x` with `normal . x >= offset`.
+/// Plane that keeps the points `x` with `normal . x >= offset`.
 #[derive(Debug, Clone, Copy)]
 pub struct CutPlane {
-    /// Unit normal, towards what is kept.
+    /// Unit normal, towards the part that is kept.
     pub normal: DVec3,
     /// Distance from the origin along the normal, m.
     pub offset: f64,
@@ -20,7 +20,7 @@ impl CutPlane {
         self.normal.dot(point) - self.offset
     }
 
-    /// What is left of a triangle, as triangles (none, one or two).
+    /// Returns the remaining part of a triangle, as triangles (none, one or two).
     pub fn clip(&self, triangle: [Vertex; 3]) -> Vec<[Vertex; 3]> {
         let distances = triangle.map(|v| self.distance(v.position));
         let mut polygon = Vec::with_capacity(4);
@@ -36,8 +36,8 @@ impl CutPlane {
         (2..polygon.len()).map(|i| [polygon[0], polygon[i - 1], polygon[i]]).collect()
     }
 
-    /// The cut through the tetrahedra: triangles whose normal points out of what is kept. Positions in m. Between its nodes a quadratic
-    /// tetrahedron is what its shape functions say.
+    /// Returns the cut through the tetrahedra: triangles whose normal points out of the part that is kept. Positions in m. Between its
+    /// nodes a quadratic tetrahedron follows its shape functions.
     pub(super) fn cut(&self, elements: &ElementNodes, positions: &[DVec3], field: &NodalValues) -> Vec<[Vertex; 3]> {
         let at = |nodes: &[u32], phi: &[f64]| Vertex {
             position: nodes.iter().zip(phi).map(|(n, w)| *w * positions[*n as usize]).sum(),
@@ -65,7 +65,7 @@ impl CutPlane {
         triangles
     }
 
-    /// Cuts the part of a quadratic tetrahedron with these barycentric corners, halved so many times before it counts as flat.
+    /// Cuts the part of a quadratic tetrahedron with these barycentric corners, after this number of further halvings.
     fn cut_parts(
         &self,
         corners: [[f64; 4]; 4],
@@ -99,14 +99,15 @@ impl CutPlane {
     }
 }
 
-/// How often the edges of a quadratic tetrahedron are halved.
+/// Number of times that the edges of a quadratic tetrahedron are halved.
 const HALVINGS: u32 = 2;
 
-/// The eight parts of a halved tetrahedron: four corners, then the octahedron in between split along (0,1)-(2,3).
+/// Eight parts of a halved tetrahedron: four corners, then the octahedron in between split along (0,1)-(2,3).
 const PARTS: [[usize; 4]; 8] =
     [[0, 4, 6, 7], [1, 4, 5, 8], [2, 5, 6, 9], [3, 7, 8, 9], [4, 9, 5, 6], [4, 9, 6, 7], [4, 9, 7, 8], [4, 9, 8, 5]];
 
-/// The point where the plane meets the edge from `a` to `b`, which lie at distances `da` and `db` on different sides.
+/// Returns the point where the plane meets the edge from `a` to `b`, which lie at distances `da` and `db` on different
+/// sides.
 fn between(a: Vertex, b: Vertex, da: f64, db: f64) -> Vertex {
     let t = (da / (da - db)).clamp(0.0, 1.0);
     Vertex {

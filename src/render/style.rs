@@ -1,4 +1,4 @@
-//! What a picture shows and how it is labelled.
+//! Content and labels of a picture.
 
 use crate::record::PadFrame;
 use glam::DVec3;
@@ -8,7 +8,7 @@ pub const WIDTH: u32 = 1400;
 /// Height of a picture, pixels.
 pub const HEIGHT: u32 = 800;
 
-/// A quantity that colours pads.
+/// Quantity that colours pads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Scalar {
     /// Nodal von Mises stress, shown in kPa.
@@ -21,7 +21,7 @@ pub enum Scalar {
 }
 
 impl Scalar {
-    /// Label with the unit of [`Scalar::values`].
+    /// Returns the label with the unit of [`Scalar::values`].
     pub fn label(self) -> &'static str {
         match self {
             Scalar::Stress => "von Mises stress (kPa)",
@@ -30,7 +30,7 @@ impl Scalar {
         }
     }
 
-    /// Value per node: kPa, mm or mN.
+    /// Returns the value per node: kPa, mm or mN.
     pub fn values(self, pad: &PadFrame) -> Vec<f64> {
         match self.field(pad) {
             NodalValues::Numbers(numbers) => numbers,
@@ -38,7 +38,7 @@ impl Scalar {
         }
     }
 
-    /// What the values between the nodes come from, in the same unit.
+    /// Returns the nodal values from which the values between the nodes come, in the same unit.
     pub(super) fn field(self, pad: &PadFrame) -> NodalValues {
         let scaled = |vectors: &[DVec3]| NodalValues::Vectors(vectors.iter().map(|v| *v * 1e3).collect());
         match self {
@@ -48,8 +48,8 @@ impl Scalar {
         }
     }
 
-    /// Whether the elements' shape functions hold between the nodes. A force on a node is a sum over its surroundings, no value there:
-    /// corners and middles of edges bear different shares, which the shape functions would turn into waves.
+    /// Returns true if the elements' shape functions hold between the nodes. A force on a node is a sum over its surroundings and not a
+    /// value there: corners and middles of edges bear different shares, which the shape functions would turn into waves.
     pub(super) fn is_field(self) -> bool {
         self != Scalar::ContactForce
     }
@@ -57,14 +57,14 @@ impl Scalar {
 
 /// Nodal values.
 pub(super) enum NodalValues {
-    /// One number per node.
+    /// Numbers, one per node.
     Numbers(Vec<f64>),
-    /// A vector per node, whose length is drawn.
+    /// Vectors, one per node, whose length is drawn.
     Vectors(Vec<DVec3>),
 }
 
 impl NodalValues {
-    /// The value where the nodes have these shape function values.
+    /// Returns the value at a point with these shape function values of the nodes.
     pub fn at(&self, (nodes, phi): (&[u32], &[f64])) -> f64 {
         let pairs = || nodes.iter().zip(phi).map(|(n, w)| (*n as usize, *w));
         match self {
@@ -74,23 +74,23 @@ impl NodalValues {
     }
 }
 
-/// How to draw a picture.
+/// Style of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Style {
     /// Quantity that colours the pads of the 3-D view.
     pub scalar: Scalar,
-    /// Quantity that colours the sensing faces: the displacement, which is what a tactile sensor sees and which the elements resolve where
-    /// stress, a derivative of it, still shows their edges.
+    /// Quantity that colours the sensing faces. The default is the displacement, which a tactile sensor sees and which the elements
+    /// resolve where stress, a derivative of it, still shows their edges.
     pub face: Scalar,
     /// First line, e.g. `lemon, grasp 003`; force and travel are added below it.
     pub title: String,
     /// Ends of the colour bar of the 3-D view, in the unit of [`Scalar::label`]; `None` spans 0 to the largest value of this frame.
     pub range: Option<(f64, f64)>,
-    /// The same of the sensing faces.
+    /// Ends of the colour bar of the sensing faces, as in `range`.
     pub face_range: Option<(f64, f64)>,
-    /// Arrows of the in-plane displacement on the sensing faces, as a tactile sensor's markers show it.
+    /// Switch for arrows of the in-plane displacement on the sensing faces, as the markers of a tactile sensor show it.
     pub markers: bool,
-    /// Cut the 3-D view open through the middle of the pads, to show the stress inside the gel.
+    /// Switch for a cut of the 3-D view through the middle of the pads, which shows the stress inside the gel.
     pub cut: bool,
 }
 

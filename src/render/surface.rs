@@ -1,4 +1,4 @@
-//! The surface of a pad as its elements have it: faces with mid-edge nodes, cut into triangles so small that they look curved, on whose
+//! Surface of a pad as its elements describe it: faces with mid-edge nodes, cut into triangles so small that they look curved. At their
 //! corners everything is evaluated with the shape functions.
 
 use super::normals::corner_normals;
@@ -12,7 +12,7 @@ use crate::record::{ElementNodes, PadTopology};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 
-/// Parts of an edge of a curved face: at 13 pixels a millimetre and 2.6 mm a face edge, six pixels each.
+/// Number of parts of an edge of a curved face: at 13 pixels a millimetre and 2.6 mm a face edge, six pixels each.
 const PARTS: usize = 6;
 
 /// Triangles between points of faces.
@@ -25,7 +25,7 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The sensing face and the rest of the outer surface: curved where the elements are, or flat between the nodes.
+    /// Returns the sensing face and the rest of the outer surface, curved like the elements or flat between the nodes.
     pub fn both(topology: &PadTopology, curved: bool) -> [Self; 2] {
         let flat = |triangles: &[[u32; 3]]| triangles.iter().map(|t| SurfaceFace { corners: *t, mids: None }).collect();
         let [sensing, outside] = curved
@@ -56,17 +56,17 @@ impl Surface {
         surface
     }
 
-    /// The points for nodes at `x`.
+    /// Returns the points for nodes at `x`.
     pub fn positions(&self, x: &[DVec3]) -> Vec<DVec3> {
         self.points.iter().map(|point| point.position(x)).collect()
     }
 
-    /// The values of a field at the points.
+    /// Returns the values of a field at the points.
     pub fn values(&self, field: &NodalValues) -> Vec<f64> {
         self.points.iter().map(|point| field.at(point.slices())).collect()
     }
 
-    /// The triangles with positions, values and shading normals for nodes at `x`.
+    /// Returns the triangles with positions, values and shading normals for nodes at `x`.
     pub fn shaded(&self, x: &[DVec3], field: &NodalValues) -> Vec<[Vertex; 3]> {
         let (positions, values) = (self.positions(x), self.values(field));
         let normals = corner_normals(&positions, &self.triangles);
@@ -80,7 +80,7 @@ impl Surface {
     }
 }
 
-/// Sensing and other faces with their mid-edge nodes; None for linear elements, and where they do not make up the sensing face.
+/// Returns sensing and other faces with their mid-edge nodes; None for linear elements and if they do not make up the sensing face.
 fn faces(topology: &PadTopology) -> Option<[Vec<SurfaceFace>; 2]> {
     let ElementNodes::Quadratic(tets) = &topology.elements else { return None };
     let edge = |a: u32, b: u32| [a.min(b), a.max(b)];
@@ -101,7 +101,8 @@ fn faces(topology: &PadTopology) -> Option<[Vec<SurfaceFace>; 2]> {
 mod tests {
     use super::*;
 
-    /// Two faces of a pad, one with a curved edge between them: no point twice, and the middle of the edge on the parabola.
+    /// Checks two faces of a pad with a curved edge between them: no point twice, and the middle of the edge on the
+    /// parabola.
     #[test]
     fn a_curved_edge_is_a_parabola_and_faces_share_its_points() {
         let faces = [

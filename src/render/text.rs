@@ -5,37 +5,40 @@ use crate::error::{Error, Result};
 use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
 use tiny_skia::{Pixmap, PremultipliedColorU8};
 
-/// Where the given point lies on the line of text.
+/// Position of the given point on the line of text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Align {
-    /// At its start.
+    /// Start of the line.
     Left,
-    /// At its middle.
+    /// Middle of the line.
     Center,
-    /// At its end.
+    /// End of the line.
     Right,
 }
 
-/// A font ready to draw.
+/// Font ready to draw.
 pub struct Label {
     font: FontRef<'static>,
 }
 
 impl Label {
     /// Loads the embedded font.
+    ///
+    /// # Errors
+    /// Fails if the font cannot be parsed.
     pub fn new() -> Result<Self> {
         let font = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT)
             .map_err(|e| Error::file("embedded font Ubuntu-Light", e.to_string()))?;
         Ok(Label { font })
     }
 
-    /// Width of `text` at `size`, pixels.
+    /// Returns the width of `text` at `size`, pixels.
     pub fn width(&self, text: &str, size: f32) -> f32 {
         let font = self.font.as_scaled(PxScale::from(size));
         text.chars().map(|c| font.h_advance(font.glyph_id(c))).sum()
     }
 
-    /// `text`, or as much of its beginning as fits into `room` pixels, with an ellipsis.
+    /// Returns `text`, or as much of its beginning as fits into `room` pixels, with an ellipsis.
     pub fn fit(&self, text: &str, size: f32, room: f32) -> String {
         if self.width(text, size) <= room {
             return text.to_string();
@@ -74,7 +77,7 @@ impl Label {
     }
 }
 
-/// Mixes `rgb` into an opaque pixel; outside the picture it does nothing.
+/// Mixes `rgb` into an opaque pixel; does nothing outside the picture.
 pub fn blend(pixmap: &mut Pixmap, x: i32, y: i32, rgb: Rgb, coverage: f32) {
     let (width, height) = (pixmap.width() as i32, pixmap.height() as i32);
     if x < 0 || y < 0 || x >= width || y >= height {

@@ -1,4 +1,4 @@
-//! The 3-D view: pads and object in the hand frame, orthographic, cut open through the middle.
+//! View in 3-D: pads and object in the hand frame, orthographic, cut open through the middle.
 
 use super::colormap::{color, fraction};
 use super::draw::{INK, MUTED, arrow, polyline};
@@ -13,31 +13,31 @@ use crate::record::{Frame, PadTopology, pad_name};
 use glam::{DVec2, DVec3};
 use tiny_skia::Pixmap;
 
-/// Bodies of the object: its outside, and its inside where it is cut.
+/// Numbers of the bodies of the object: its outside, and its inside where it is cut.
 const OBJECT: u8 = 200;
 const OBJECT_CUT: u8 = 201;
 const OBJECT_RGB: [f32; 3] = [226.0, 219.0, 206.0];
 const OBJECT_CUT_RGB: [f32; 3] = [212.0, 205.0, 192.0];
 
-/// A depth that nobody sees, m.
+/// Difference in depth that cannot be seen, m.
 const HAIR: f64 = 1e-6;
 
-/// How far the cut is from the middle, m: nodes there are on one side of it, all of them.
+/// Distance of the cut from the middle, m, so that all nodes there are on one side of it.
 const ASIDE: f64 = 1e-7;
 
-/// Everything the view shows.
+/// Content of the view.
 pub struct CutView<'a> {
-    /// The pads.
+    /// Topologies of the pads.
     pub topologies: &'a [PadTopology],
-    /// Their state.
+    /// State of the pads and the object.
     pub frame: &'a Frame,
-    /// What colours the pads.
+    /// Quantity that colours the pads.
     pub scalar: Scalar,
     /// Ends of the colour scale.
     pub range: (f64, f64),
     /// Object surface in the object frame, m.
     pub object: Option<&'a TriMesh>,
-    /// Remove what lies in front of the middle.
+    /// Switch to remove the part in front of the middle.
     pub cut: bool,
 }
 
@@ -49,7 +49,7 @@ struct Camera {
     center: DVec3,
     middle: DVec2,
     scale: f64,
-    /// Where the light comes from: the upper left behind it.
+    /// Direction towards the light: from the upper left behind the camera.
     light: DVec3,
 }
 
@@ -63,21 +63,21 @@ impl Camera {
         Camera { right, up, towards, center: DVec3::ZERO, middle: DVec2::ZERO, scale: 1.0, light }
     }
 
-    /// Position on the raster and depth.
+    /// Returns the position on the raster and the depth.
     fn project(&self, p: DVec3) -> DVec3 {
         let d = p - self.center;
         let (x, y) = (self.scale * d.dot(self.right), self.scale * d.dot(self.up));
         DVec3::new(self.middle.x + x, self.middle.y - y, -d.dot(self.towards))
     }
 
-    /// Depth of the point of a plane that is seen at a position on the raster.
+    /// Returns the depth of the point of a plane that is seen at a position on the raster.
     fn depth(&self, plane: CutPlane, at: DVec2) -> f64 {
         let aside = (at - self.middle) / self.scale;
         let p = self.center + self.right * aside.x - self.up * aside.y;
         (plane.normal.dot(p) - plane.offset) / plane.normal.dot(self.towards)
     }
 
-    /// Centres on `pads` and `object`; a large object may leave the picture, the pads may not.
+    /// Centres the camera on `pads` and `object`; a large object may leave the picture, the pads may not.
     fn fit(&mut self, pads: &[DVec3], object: &[DVec3], size: DVec2) {
         let extent = |points: &mut dyn Iterator<Item = DVec3>| {
             points.fold(None, |bounds: Option<(DVec3, DVec3)>, p| {
@@ -150,7 +150,7 @@ impl CutView<'_> {
         }
     }
 
-    /// `left` and `right` above their pads.
+    /// Writes `left` and `right` above the pads.
     fn names(&self, page: &mut Pixmap, label: &Label, camera: &Camera, at: (f32, f32)) {
         for (index, pad) in self.frame.pads.iter().enumerate() {
             let projected: Vec<DVec3> = pad.position.iter().map(|&p| camera.project(p)).collect();
@@ -203,7 +203,7 @@ fn project(camera: &Camera, corners: [Vertex; 3]) -> [Vertex; 3] {
     corners.map(|v| Vertex { position: camera.project(v.position), ..v })
 }
 
-/// Soft light: 0.62 in the shade, 1.05 where it falls straight.
+/// Returns the brightness of soft light: 0.62 in the shade, 1.05 at normal incidence.
 fn light(normal: DVec3, camera: &Camera) -> f64 {
     // Half-Lambert: shades turn gradually and nothing goes black.
     0.62 + 0.43 * (0.5 + 0.5 * normal.dot(camera.light)).powi(2)
@@ -219,7 +219,7 @@ fn triad(page: &mut Pixmap, label: &Label, camera: &Camera, at: (f32, f32)) {
     }
 }
 
-/// A bar of a round length ending at `at`.
+/// Draws a bar of a round length that ends at `at`.
 fn scale_bar(page: &mut Pixmap, label: &Label, camera: &Camera, at: (f32, f32)) {
     let wanted = 180.0 / camera.scale * 1e3;
     let power = 10f64.powf(wanted.log10().floor());

@@ -1,4 +1,4 @@
-//! A bench: time against error of every setting, or cost against size.
+//! Section of a bench: time against error of every setting, or cost against size.
 
 use super::page::{Page, PageBlock, Section};
 use crate::bench::report::{BenchReport, Point};
@@ -11,7 +11,7 @@ use std::path::Path;
 /// Adds the contest in `dir`.
 ///
 /// # Errors
-/// Files that cannot be read or are not those of `tactus bench`.
+/// Fails if a file cannot be read or is not one of `tactus bench`.
 pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
     let report: BenchReport = read(&dir.join("bench.json"))?;
     let mut blocks = Vec::new();
@@ -49,7 +49,7 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
 /// Adds the cost by size in `dir`.
 ///
 /// # Errors
-/// Those of [`contest`].
+/// Fails in the cases of [`contest`].
 pub fn sizes(dir: &Path, page: &mut Page) -> Result<()> {
     let report: SizeStudy = read(&dir.join("sizes.json"))?;
     let columns =
@@ -120,7 +120,7 @@ fn remark(p: &Point) -> String {
     }
 }
 
-/// Where the time goes.
+/// Builds the table of the time by stage.
 fn stages(report: &BenchReport) -> Table {
     let mut table = Table::new("Where the time goes", &["setting", "iterations a frame", "share of the stages"]);
     table.folded = true;
@@ -137,7 +137,7 @@ fn megabytes(bytes: Option<u64>) -> String {
     bytes.map_or("-".into(), |b| format!("{:.0}", b as f64 / 1e6))
 }
 
-/// `1 grasp`, `3 grasps`.
+/// Returns a count with its noun: `1 grasp`, `3 grasps`.
 pub fn counted(count: usize, name: &str) -> String {
     format!("{count} {name}{}", if count == 1 { "" } else { "s" })
 }

@@ -1,44 +1,44 @@
-//! Charts that the page draws: their numbers.
+//! Numbers of the charts that the page draws.
 
 use serde::Serialize;
 
-/// A chart; one of its quantities is shown at a time.
+/// Chart; one of its quantities is shown at a time.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Chart {
-    /// What it shows.
+    /// Title of the chart.
     pub title: String,
-    /// What the numbers go by.
+    /// Abscissa of the numbers.
     pub over: Over,
-    /// What can be chosen.
+    /// Quantities to choose from.
     pub quantities: Vec<Quantity>,
 }
 
-/// What the numbers of a chart go by.
+/// Abscissa of the numbers of a chart.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Over {
-    /// A bar for each name.
+    /// Names, each with a bar.
     Names(Vec<String>),
-    /// A line over these numbers.
+    /// Numbers, over which lines are drawn.
     Axis {
         /// Name of the axis with its unit.
         label: String,
-        /// Where the numbers are.
+        /// Positions of the numbers on the axis.
         at: Vec<f64>,
     },
 }
 
-/// One quantity: median, 90th percentile and worst, as long as what they go by.
+/// Quantity with median, 90th percentile and worst value, each as long as the abscissa.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Quantity {
-    /// Its name.
+    /// Name of the quantity.
     pub name: String,
-    /// Its unit.
+    /// Unit of the quantity.
     pub unit: String,
-    /// Half of the values are at most this.
+    /// Median: half of the values are at most this.
     pub median: Vec<f64>,
-    /// Nine tenths of the values are at most this.
+    /// 90th percentile: nine tenths of the values are at most this.
     pub p90: Vec<f64>,
-    /// Largest.
+    /// Largest value.
     pub worst: Vec<f64>,
 }

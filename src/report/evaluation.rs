@@ -1,4 +1,4 @@
-//! A data set, and a network judged on it.
+//! Section of a data set, and of a network judged on it.
 
 use super::bench::counted;
 use super::chart::{Chart, Over, Quantity};
@@ -17,10 +17,10 @@ use crate::net::train::sample::model_of;
 use crate::table::Table;
 use std::path::Path;
 
-/// What tables and charts show of the relative errors: name in the rows, name for people.
+/// Relative errors that tables and charts show: name in the rows, name for readers.
 const RELATIVE: [(&str, &str); 4] =
     [("displacement", "displacement"), ("stress", "stress"), ("contact_force", "contact force"), ("travel", "travel")];
-/// And of those with a unit.
+/// Errors with a unit that tables and charts show.
 const ABSOLUTE: [(&str, &str); 5] = [
     ("displacement_mm", "displacement, mm"),
     ("displacement_worst_mm", "largest, mm"),
@@ -32,7 +32,7 @@ const ABSOLUTE: [(&str, &str); 5] = [
 /// Adds the data set in `dir`, and the network of `wishes` judged on it.
 ///
 /// # Errors
-/// A data set or a model that cannot be read, data outside of what the model was trained on.
+/// Fails if the data set or the model cannot be read, or the data lies outside of the training range of the model.
 pub fn data_set(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
     let set = DataSet::open(dir)?;
     let mut blocks = match &wishes.model {
@@ -90,7 +90,7 @@ fn truth(file: &ObjectFile, number: usize, most: usize) -> Result<Recording> {
     })
 }
 
-/// Tables and charts of the network; grasps from the best to the worst go to the page.
+/// Returns tables and charts of the network; adds grasps from the best to the worst to the page.
 fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Result<Vec<PageBlock>> {
     let predictor = Predictor::open(model)?;
     let split = wishes.split.clone().unwrap_or_else(|| predictor.card.split.clone());
@@ -132,13 +132,13 @@ fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Resu
     Ok(notes)
 }
 
-/// Error of the displacement under the full load: what grasps are ranked by.
+/// Returns the error of the displacement under the full load, by which grasps are ranked.
 fn last(judged: &Judged) -> f64 {
     judged.frames.last().map_or(0.0, |f| f.displacement)
 }
 
-/// Places among `count` ranked grasps with what they stand for: one is the median, two are median and worst, more are spread
-/// from the best to the worst.
+/// Returns places among `count` ranked grasps with their roles: one is the median, two are median and worst, more are
+/// spread from the best to the worst.
 fn roles(count: usize, wanted: usize) -> Vec<(usize, String)> {
     let Some(end) = count.checked_sub(1) else { return Vec::new() };
     let places: Vec<usize> = match wanted.min(count) {
@@ -184,7 +184,7 @@ fn compared(set: &DataSet, predictor: &Predictor, judged: &Judged, role: &str, m
     })
 }
 
-/// The groups whose names start with `prefix`, and all together.
+/// Returns the table of the groups whose names start with `prefix`, and of all together.
 fn errors(title: &str, table: &[ErrorRow], prefix: &str) -> Table {
     let relative = RELATIVE.map(|(_, name)| format!("{name}, %"));
     let columns: Vec<&str> = ["group", "frames"]
@@ -212,7 +212,7 @@ fn errors(title: &str, table: &[ErrorRow], prefix: &str) -> Table {
     out
 }
 
-/// Relative errors of `groups` in percent, for a chart.
+/// Returns relative errors of `groups` in percent, for a chart.
 fn quantities(table: &[ErrorRow], groups: &[String]) -> Vec<Quantity> {
     let of = |(quantity, name): &(&str, &str)| {
         let pick = |value: fn(&ErrorRow) -> f64| {

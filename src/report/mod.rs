@@ -1,4 +1,4 @@
-//! Results as one page that needs nothing but a browser: tables, charts, and both pads in 3-D.
+//! Results as one page that needs only a browser: tables, charts, and both pads in 3-D.
 //!
 //! ```text
 //! folder -> source.rs: bench | sizes | run | data set
@@ -25,10 +25,10 @@ use crate::error::{Error, Result};
 use source::{Source, sources};
 use std::path::PathBuf;
 
-/// The page about what `dirs` hold, in their order.
+/// Builds the page about the results in `dirs`, in their order.
 ///
 /// # Errors
-/// A folder without results; results that cannot be read; a model without a data set to judge it on.
+/// Fails if a folder has no results, results cannot be read, or there is a model without a data set to judge it on.
 pub fn report(dirs: &[PathBuf], wishes: &Wishes) -> Result<Page> {
     let found = dirs.iter().map(|dir| sources(dir)).collect::<Result<Vec<_>>>()?.concat();
     if let Some(model) = &wishes.model

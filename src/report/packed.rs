@@ -3,7 +3,7 @@
 use crate::record::base64::encode_into;
 use serde_json::{Value, json};
 
-/// Numbers as 16-bit integers times `scale`: off by at most `scale / 2`, 1.6e-5 of the largest.
+/// Packs numbers as 16-bit integers times `scale`: off by at most `scale / 2`, 1.6e-5 of the largest.
 pub fn numbers(shape: &[usize], values: &[f64]) -> Value {
     debug_assert_eq!(shape.iter().product::<usize>(), values.len());
     let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
@@ -12,7 +12,7 @@ pub fn numbers(shape: &[usize], values: &[f64]) -> Value {
     json!({ "type": "i16", "shape": shape, "scale": scale, "base64": base64(&bytes) })
 }
 
-/// Whole numbers, 16 bits each if they fit, else 32.
+/// Packs whole numbers, 16 bits each if they fit, otherwise 32.
 pub fn indices(shape: &[usize], values: &[u32]) -> Value {
     debug_assert_eq!(shape.iter().product::<usize>(), values.len());
     let short: Option<Vec<u16>> = values.iter().map(|v| u16::try_from(*v).ok()).collect();
@@ -23,7 +23,7 @@ pub fn indices(shape: &[usize], values: &[u32]) -> Value {
     json!({ "type": name, "shape": shape, "base64": base64(&bytes) })
 }
 
-/// Bytes in base64.
+/// Encodes bytes in base64.
 pub fn base64(bytes: &[u8]) -> String {
     let mut text = String::new();
     encode_into(&mut text, bytes);

@@ -1,4 +1,4 @@
-//! The page: one HTML file with its style, its script and its data inside.
+//! Page: one HTML file with its style, its script and its data inside.
 
 use super::chart::Chart;
 use super::packed::base64;
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 const FRAME: &str = include_str!("page/page.html");
 const VIEWER: &str = include_str!("page/viewer.html");
 const STYLE: &str = include_str!("page/style.css");
-/// The parts of the script, in the order in which they need each other.
+/// Parts of the script, in the order in which they depend on each other.
 const SCRIPT: [&str; 8] = [
     include_str!("page/data.js"),
     include_str!("page/matrix.js"),
@@ -23,44 +23,44 @@ const SCRIPT: [&str; 8] = [
     include_str!("page/check.js"),
 ];
 
-/// What is shown.
+/// Content of the page.
 #[derive(Debug, Clone, Default)]
 pub struct Page {
-    /// Tables and charts, from the top.
+    /// Sections with tables and charts, from the top.
     pub sections: Vec<Section>,
     /// Grasps in 3-D.
     pub recordings: Vec<Recording>,
 }
 
-/// What one folder holds.
+/// Section about one folder.
 #[derive(Debug, Clone)]
 pub struct Section {
-    /// Its heading.
+    /// Heading of the section.
     pub title: String,
-    /// What it is about, in a sentence or two.
+    /// Introduction, a sentence or two.
     pub lead: String,
-    /// Its content.
+    /// Content of the section.
     pub blocks: Vec<PageBlock>,
 }
 
-/// A part of a section.
+/// Part of a section.
 #[derive(Debug, Clone)]
 pub enum PageBlock {
-    /// A table.
+    /// Table.
     Table(Table),
-    /// A chart that the page draws.
+    /// Chart that the page draws.
     Chart(Chart),
-    /// A picture drawn earlier, SVG, with what it shows.
+    /// Picture drawn earlier, SVG, with its description.
     Picture(String, String),
-    /// A remark.
+    /// Remark.
     Note(String),
 }
 
 impl Page {
-    /// The file.
+    /// Returns the HTML file.
     ///
     /// # Errors
-    /// Those of [`Recording::json`].
+    /// Fails in the cases of [`Recording::json`].
     pub fn html(&self) -> Result<String> {
         let (mut charts, mut body) = (Vec::new(), String::new());
         for section in &self.sections {
@@ -102,7 +102,7 @@ impl Page {
         Ok(fill(FRAME, &parts))
     }
 
-    /// The tables as Markdown, for a README.
+    /// Returns the tables as Markdown, for a README.
     pub fn markdown(&self) -> String {
         let of = |section: &Section| {
             let tables = section.blocks.iter().filter_map(|block| match block {
@@ -117,7 +117,7 @@ impl Page {
     }
 }
 
-/// `text` with each `{{name}}` replaced, in one pass: what is filled in is not looked at again.
+/// Returns `text` with each `{{name}}` replaced, in one pass: replacements are not scanned again.
 fn fill(text: &str, parts: &[(&str, String)]) -> String {
     let mut out = String::new();
     let mut pieces = text.split("{{");

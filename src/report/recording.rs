@@ -1,7 +1,7 @@
-//! A grasp in 3-D: what the page holds of its frames.
+//! Grasp in 3-D: the content of its frames on the page.
 //!
-//! Of a pad only the surface is seen, so only its nodes are kept, in the frame of the pad: the page places the pads itself,
-//! closed or laid open.
+//! Only the surface of a pad is seen, so only its nodes are kept, in the frame of the pad. The page places the pads
+//! itself, closed or laid open.
 
 use super::packed::{indices, numbers};
 use crate::error::{Error, Result};
@@ -15,45 +15,46 @@ use serde_json::{Value, json};
 /// Frames of a grasp.
 #[derive(Debug, Clone)]
 pub struct Recording {
-    /// Which grasp.
+    /// Name of the grasp.
     pub name: String,
-    /// What it is an example of; may be empty.
+    /// Role of the grasp as an example; may be empty.
     pub about: String,
-    /// Its pads, all alike.
+    /// Topology of its pads, all alike.
     pub pad: PadTopology,
     /// Surface of the object, object frame, m.
     pub object: TriMesh,
-    /// The truth, then a prediction if there is one: equal frames.
+    /// States: the truth, then a prediction if there is one; equal frames.
     pub states: Vec<RecordedState>,
-    /// How wrong the prediction is, frame by frame.
+    /// Errors of the prediction, frame by frame.
     pub errors: Option<Errors>,
 }
 
-/// The frames as one backend sees them.
+/// Frames as one backend computes them.
 #[derive(Debug, Clone)]
 pub struct RecordedState {
-    /// Who says so: `finite elements`, `network`.
+    /// Name of the backend: `finite elements`, `network`.
     pub label: String,
-    /// The frames.
+    /// Frames of the grasp.
     pub frames: Vec<Frame>,
 }
 
 /// Errors of each frame, relative to the field's norm.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Errors {
-    /// Displacement.
+    /// Error of the displacement.
     pub displacement: Vec<f64>,
-    /// Von Mises stress.
+    /// Error of the von Mises stress.
     pub stress: Vec<f64>,
-    /// Nodal contact force.
+    /// Error of the nodal contact force.
     pub contact_force: Vec<f64>,
 }
 
 impl Recording {
-    /// The grasp for the page. `meshes` holds what several grasps have in common; theirs is named by its place there.
+    /// Returns the grasp for the page. `meshes` holds the meshes that several grasps share; a grasp refers to them by
+    /// their place there.
     ///
     /// # Errors
-    /// A grasp without frames, or without a pad that has an extent.
+    /// Fails if the grasp has no frames, or no pad with an extent.
     pub fn json(&self, meshes: &mut Vec<Value>) -> Result<Value> {
         let fail = |message: &str| Error::Start(format!("{}: {message}", self.name));
         let first = self.states.first().and_then(|s| s.frames.first()).ok_or_else(|| fail("has no frame to show"))?;
@@ -84,7 +85,7 @@ impl Recording {
     }
 }
 
-/// The place of `mesh` among `meshes`, where it is kept once.
+/// Returns the place of `mesh` among `meshes`, where it is kept once.
 fn place(meshes: &mut Vec<Value>, mesh: Value) -> usize {
     meshes.iter().position(|m| *m == mesh).unwrap_or_else(|| {
         meshes.push(mesh);
@@ -103,7 +104,7 @@ fn flat(vectors: &[DVec3]) -> Vec<f64> {
     vectors.iter().flat_map(DVec3::to_array).collect()
 }
 
-/// The nodes of a pad that can be seen.
+/// Visible nodes of a pad.
 struct Surface {
     nodes: Vec<usize>,
     sensing: Vec<u32>,
@@ -132,7 +133,8 @@ impl Surface {
         })
     }
 
-    /// A state: fields of the seen nodes, frames then pads then nodes; places of pads and object in the hand frame.
+    /// Returns a state: fields of the visible nodes, frames then pads then nodes; places of pads and object in the hand
+    /// frame.
     fn state(&self, pad: &PadTopology, rotations: &[DMat3], state: &RecordedState) -> Value {
         let (frames, pads, nodes) = (state.frames.len(), rotations.len(), self.nodes.len());
         let all = || state.frames.iter().flat_map(|f| f.pads.iter().zip(rotations));

@@ -1,4 +1,4 @@
-//! A run: how its grasps went, what it promised, its frames.
+//! Section of a run: the end of its grasps, its promises, its frames.
 
 use super::bench::counted;
 use super::page::{Page, PageBlock, Section};
@@ -14,7 +14,7 @@ use std::path::Path;
 /// Adds the run in `dir`.
 ///
 /// # Errors
-/// A folder without a readable `run.json`. Frames that cannot be shown are a remark in the page.
+/// Fails if the folder has no readable `run.json`. Frames that cannot be shown are a remark in the page.
 pub fn run(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
     let report = read::run_report(dir)?;
     let mut blocks = vec![PageBlock::Table(grasps(&report))];
@@ -36,7 +36,7 @@ pub fn run(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
     Ok(())
 }
 
-/// Last part of a path, for headings.
+/// Returns the last part of a path, for headings.
 pub fn name(dir: &Path) -> String {
     let whole = dir.canonicalize().unwrap_or_else(|_| dir.to_path_buf());
     whole.file_name().unwrap_or(whole.as_os_str()).to_string_lossy().into_owned()
@@ -100,7 +100,7 @@ fn grasps(report: &RunReport) -> Table {
     table
 }
 
-/// Four digits, with an exponent only where it is shorter.
+/// Formats four digits, with an exponent only where that is shorter.
 fn significant(v: f64) -> String {
     match v.abs() {
         0.0 => "0".into(),

@@ -1,35 +1,35 @@
-//! What a folder holds.
+//! Kinds of results in a folder.
 
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// What is shown of it.
+/// Choice of the results that are shown.
 #[derive(Debug, Clone)]
 pub struct Wishes {
-    /// Folder of a trained model, to be judged on the data sets.
+    /// Folder of a trained model that is judged on the data sets.
     pub model: Option<PathBuf>,
-    /// Split of the data sets; that of the model by default, else `poses`.
+    /// Split of the data sets; the default is that of the model, otherwise `poses`.
     pub split: Option<String>,
-    /// Grasps of each folder in 3-D.
+    /// Number of grasps of each folder in 3-D.
     pub grasps: usize,
-    /// At most so many frames of each, spread over it, the last one always.
+    /// Largest number of frames of each, spread over it and including the last.
     pub frames: usize,
 }
 
 /// Results in a folder.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
-    /// Of `tactus bench`.
+    /// Results of `tactus bench`.
     Bench(PathBuf),
-    /// Of `tactus bench --sizes`.
+    /// Results of `tactus bench --sizes`.
     Sizes(PathBuf),
-    /// Of `tactus run`.
+    /// Results of `tactus run`.
     Run(PathBuf),
-    /// Of `tactus dataset`.
+    /// Results of `tactus dataset`.
     Data(PathBuf),
 }
 
-/// A file that tells what a folder holds.
+/// File that reveals the kind of results in a folder.
 type Mark = (&'static str, fn(PathBuf) -> Source);
 
 const MARKS: [Mark; 4] = [
@@ -39,10 +39,10 @@ const MARKS: [Mark; 4] = [
     ("run.json", Source::Run),
 ];
 
-/// All results in `dir`, at least one.
+/// Returns all results in `dir`, at least one.
 ///
 /// # Errors
-/// A folder without any.
+/// Fails if the folder has none.
 pub fn sources(dir: &Path) -> Result<Vec<Source>> {
     let found = MARKS.iter().filter(|(name, _)| dir.join(name).is_file());
     let found: Vec<Source> = found.map(|(_, source)| source(dir.to_path_buf())).collect();

@@ -1,4 +1,4 @@
-//! The files of one grasp. Grasps are independent of each other, so several may be recorded at once from different threads.
+//! Files of one grasp. Grasps are independent of each other, so several may be recorded at once from different threads.
 
 use super::recorder::Options;
 use crate::error::{Error, Result};
@@ -13,7 +13,7 @@ use crate::render::{self, Style};
 use glam::{DQuat, DVec3};
 use std::path::{Path, PathBuf};
 
-/// Writes the frames of one grasp as they come. Dropped early, it still writes the arrays it holds.
+/// Recorder that writes the frames of one grasp as they come. If it is dropped early, it still writes the arrays it holds.
 #[derive(Debug)]
 pub struct GraspRecorder {
     index: usize,
@@ -24,7 +24,7 @@ pub struct GraspRecorder {
     csv: Option<FramesCsv>,
     collection: Option<Collection>,
     arrays: Option<GraspArrays>,
-    /// The object's latest file, and its pose there.
+    /// Latest file of the object, and its pose there.
     shown: Option<(String, (DVec3, DQuat))>,
     last: Option<Frame>,
     frames: usize,
@@ -32,6 +32,9 @@ pub struct GraspRecorder {
 
 impl GraspRecorder {
     /// Starts `run_dir/grasp_<index>`. `object` is the object's surface in the object frame, m.
+    ///
+    /// # Errors
+    /// Fails if a pad or the object cannot be recorded, and if the directory or a file cannot be created.
     pub fn create(
         run_dir: &Path,
         options: &Options,
@@ -68,17 +71,21 @@ impl GraspRecorder {
         })
     }
 
-    /// Number of the grasp in its run.
+    /// Returns the number of the grasp in its run.
     pub fn index(&self) -> usize {
         self.index
     }
 
-    /// Where the files are.
+    /// Returns the directory of the files.
     pub fn dir(&self) -> &Path {
         &self.dir
     }
 
-    /// Records the next frame. Refuses, and writes nothing, if a number is not finite or a size does not fit.
+    /// Records the next frame.
+    ///
+    /// # Errors
+    /// Fails, and writes nothing, if the frame is not the next one, if a number is not finite or if a size does not fit. Fails if a
+    /// file cannot be written.
     pub fn frame(&mut self, frame: &Frame) -> Result<()> {
         if frame.index != self.frames {
             let message = format!("frame {} recorded, frame {} is next", frame.index, self.frames);
@@ -121,6 +128,9 @@ impl GraspRecorder {
     }
 
     /// Writes what is left: the arrays and the picture of the last frame.
+    ///
+    /// # Errors
+    /// Fails if a file cannot be written or the picture cannot be drawn.
     pub fn finish(mut self) -> Result<()> {
         if let Some(mut arrays) = self.arrays.take()
             && arrays.pending() > 0
@@ -148,12 +158,12 @@ impl Drop for GraspRecorder {
     }
 }
 
-/// Name of a grasp's directory.
+/// Returns the name of a grasp's directory.
 pub fn directory(index: usize) -> String {
     format!("grasp_{index:03}")
 }
 
-/// Whether two poses differ by rounding alone: 1 nm, 1 nrad.
+/// Returns true if two poses differ by rounding alone: 1 nm, 1 nrad.
 fn near((p, q): (DVec3, DQuat), (other, turned): (DVec3, DQuat)) -> bool {
     (p - other).abs().max_element() <= 1e-9 && (q - turned).length() <= 1e-9
 }

@@ -1,4 +1,4 @@
-//! Runs the grasps of a scene, several at once, with the same bits on any number of threads.
+//! Execution of the grasps of a scene, several at once, with the same bits on any number of threads.
 
 pub mod grasp_files;
 mod motion;
@@ -24,26 +24,26 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-/// Is told what happens while grasps run, from whichever thread runs them. An error ends the run.
+/// Receives events while grasps run, from whichever thread runs them. An error ends the run.
 pub trait Observer: Sync {
-    /// Grasp `index` starts.
+    /// Receives the start of grasp `index`.
     fn begin(&self, _index: usize) -> Result<()> {
         Ok(())
     }
-    /// Grasp `index` has a frame.
+    /// Receives a frame of grasp `index`.
     fn frame(&self, _index: usize, _frame: &Frame) -> Result<()> {
         Ok(())
     }
-    /// Grasp `index` has ended.
+    /// Receives the outcome of grasp `index`.
     fn end(&self, _index: usize, _outcome: &Outcome) -> Result<()> {
         Ok(())
     }
 }
 
-/// Nobody listens.
+/// Observer that ignores all events.
 impl Observer for () {}
 
-/// Two listen.
+/// Pair of observers that both receive all events.
 impl<A: Observer, B: Observer> Observer for (&A, &B) {
     fn begin(&self, index: usize) -> Result<()> {
         self.0.begin(index)?;
@@ -59,26 +59,26 @@ impl<A: Observer, B: Observer> Observer for (&A, &B) {
     }
 }
 
-/// How a grasp went.
+/// Outcome of a grasp.
 #[derive(Debug, Clone)]
 pub struct Outcome {
-    /// For `run.json`.
+    /// Summary for `run.json`.
     pub summary: GraspSummary,
-    /// For the scene's expectations.
+    /// Quantities for the scene's expectations.
     pub measured: Measured,
-    /// Where the time went, s: the stages of the stepper; `spawn`, the world; `first_contact`, placing and closing;
-    /// `record`, what the observer took; `other`, the rest.
+    /// Times of the stages, s: the stages of the stepper; `spawn`, the world; `first_contact`, placing and closing; `record`, the
+    /// time of the observer; `other`, the rest.
     pub timings: Timings,
 }
 
 /// Runs `grasps` (number and pose of the hand) on `threads` threads; the outcomes are in the order of `grasps`.
 ///
-/// As many grasps run at once as there are threads and memory for, each on a pool of its own: a thread that waits for a pad never picks
-/// up another grasp meanwhile, which keeps the wall time of a grasp its own. Threads left over share out the pads.
+/// The number of grasps that run at once is limited by threads and memory. Each has a pool of its own: a thread that waits for a
+/// pad never picks up another grasp meanwhile, so the wall time of a grasp is its own. Threads left over are shared among the pads.
 ///
 /// # Errors
-/// The first error of the observer or of setting up an environment; [`Error::Interrupted`] where somebody asked for an end
-/// before all had run. A grasp that fails is an outcome, not an error.
+/// Returns the first error of the observer or of setting up an environment, or [`Error::Interrupted`] if an end was requested
+/// before all grasps had run. A grasp that fails is an outcome, not an error.
 pub fn run_grasps(
     model: &Arc<Model>,
     stepper: &dyn Stepper,
@@ -130,7 +130,7 @@ pub fn run_grasps(
     Ok(done)
 }
 
-/// Grasps whose memory is free at once; at least one.
+/// Returns the number of grasps whose memory is free at once; at least one.
 fn fitting(model: &Model) -> usize {
     let most = free_memory().map_or(usize::MAX, |free| (free / model.memory.max(1)) as usize);
     most.max(1)
@@ -139,7 +139,7 @@ fn fitting(model: &Model) -> usize {
 /// Runs one grasp to its end.
 ///
 /// # Errors
-/// Those of the observer and of setting up the environment; [`Error::Interrupted`].
+/// Fails if the observer fails or the environment cannot be set up; returns [`Error::Interrupted`] if an end was requested.
 pub fn run_grasp(
     model: &Arc<Model>,
     stepper: &dyn Stepper,
@@ -184,13 +184,13 @@ pub fn run_grasp(
     Ok(outcome)
 }
 
-/// What adds up over the frames of a grasp.
+/// Sums and extremes over the frames of a grasp.
 #[derive(Default)]
 struct Tally {
     measured: Option<Measured>,
     summary: Option<GraspSummary>,
     motion: motion::MotionTally,
-    /// What is wrong with the first frame that cannot be: not every backend stops there.
+    /// Fault of the first frame that is physically impossible: not every backend stops there.
     unsound: Option<String>,
 }
 

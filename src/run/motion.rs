@@ -1,11 +1,11 @@
-//! What the expectations of a dynamic scene are judged on.
+//! Quantities of motion on which the expectations of a dynamic scene are judged.
 
 use crate::judge::Measured;
 use crate::model::Model;
 use crate::record::{Frame, Moving};
 use glam::{DQuat, DVec3};
 
-/// Follows an object through the frames of a grasp.
+/// Tally that follows an object through the frames of a grasp.
 #[derive(Debug, Default)]
 pub struct MotionTally {
     /// Pose of the object, in the frame of what holds it, from which slip counts.
@@ -13,7 +13,7 @@ pub struct MotionTally {
 }
 
 impl MotionTally {
-    /// Takes over a frame.
+    /// Adds a frame to the tally.
     pub fn observe(&mut self, m: &mut Measured, model: &Model, frame: &Frame, moving: &Moving) {
         let Some(dynamics) = &model.dynamics else { return };
         let (position, rotation) = (frame.object_position, frame.object_rotation);
@@ -44,7 +44,7 @@ impl MotionTally {
     }
 }
 
-/// Change of the momenta since the start over their size there, the larger of the two; NaN where the start has none.
+/// Returns the change of the momenta since the start over their size there, the larger of the two; NaN where the start has none.
 fn drift(model: &Model, moving: &Moving) -> f64 {
     let Some(dynamics) = &model.dynamics else { return f64::NAN };
     let inertia = model.object.mass.inertia * (model.mass / model.object.mass.volume);

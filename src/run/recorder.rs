@@ -1,4 +1,4 @@
-//! The directory of a run: creates it, hands out grasps, keeps `run.json` current.
+//! Directory of a run: creates it, hands out grasps, keeps `run.json` current.
 
 use super::grasp_files::GraspRecorder;
 use crate::error::{Error, Result};
@@ -14,22 +14,22 @@ use crate::render::Scalar;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Which files a run writes.
+/// Files that a run writes, and how.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// `frames/*.vtu` and `run.pvd`.
+    /// True to write `frames/*.vtu` and `run.pvd`.
     pub vtu: bool,
-    /// `frames.csv`.
+    /// True to write `frames.csv`.
     pub csv: bool,
-    /// `arrays.npz`.
+    /// True to write `arrays.npz`.
     pub arrays: bool,
-    /// Frames have a motion in time.
+    /// True if frames have a motion in time.
     pub moving: bool,
-    /// `pads.png` of the last frame, coloured by this.
+    /// Scalar that colours `pads.png` of the last frame; None for no picture.
     pub picture: Option<Scalar>,
-    /// `arrays.npz` is rewritten after this many frames: the most that a killed run can lose of it.
+    /// Number of frames after which `arrays.npz` is rewritten: the most that a killed run can lose of it.
     pub flush_every: usize,
-    /// Replace an earlier run in the same directory instead of refusing.
+    /// True to replace an earlier run in the same directory instead of refusing.
     pub overwrite: bool,
     /// Name of the object in the picture's title.
     pub object_name: String,
@@ -53,7 +53,7 @@ impl Default for Options {
     }
 }
 
-/// A run being recorded.
+/// Recorder of a run.
 #[derive(Debug)]
 pub struct RunRecorder {
     dir: PathBuf,
@@ -64,11 +64,11 @@ pub struct RunRecorder {
 }
 
 impl RunRecorder {
-    /// Creates `dir`, holds it until the end, and writes a first `run.json`, so that a directory that cannot be written fails
+    /// Creates `dir`, locks it until the end, and writes a first `run.json`, so that a directory that cannot be written fails
     /// before anything is computed.
     ///
     /// # Errors
-    /// A directory that another run is writing, that holds an earlier run, or that cannot be written.
+    /// Fails if another run is writing to the directory, if it holds an earlier run, or if it cannot be written.
     pub fn create(dir: &Path, options: Options, report: RunReport) -> Result<Self> {
         let lock = FolderLock::alone(dir, "tactus run")?;
         if dir.join("run.json").exists() {
@@ -84,17 +84,20 @@ impl RunRecorder {
         Ok(recorder)
     }
 
-    /// The directory of the run.
+    /// Returns the directory of the run.
     pub fn dir(&self) -> &Path {
         &self.dir
     }
 
-    /// The report so far, e.g. to fill in the pads once they are meshed; written at the end of every grasp.
+    /// Returns the report so far, e.g. to fill in the pads once they are meshed; it is written at the end of every grasp.
     pub fn report_mut(&mut self) -> &mut RunReport {
         &mut self.report
     }
 
-    /// Starts recording grasp `index`, the first one with the meshes of the run; the grasp may move to another thread.
+    /// Starts recording grasp `index`. The first grasp also writes the meshes of the run. The recorder may move to another thread.
+    ///
+    /// # Errors
+    /// Fails if the meshes cannot be written, and as [`GraspRecorder::create`] does.
     pub fn begin_grasp(&self, index: usize, topologies: &[PadTopology], object: &TriMesh) -> Result<GraspRecorder> {
         if let Some(pad) = topologies.first().filter(|_| self.options.arrays && !self.dir.join(MESHES).exists()) {
             meshes::write(&self.dir, pad, object)?;
@@ -103,6 +106,9 @@ impl RunRecorder {
     }
 
     /// Completes the files of a grasp and enters its summary in `run.json`.
+    ///
+    /// # Errors
+    /// Fails if `run.json` or a file of the grasp cannot be written, or if its picture cannot be drawn.
     pub fn end_grasp(&mut self, grasp: GraspRecorder, summary: GraspSummary) -> Result<()> {
         let index = grasp.index();
         // The summary first: it must not be lost to a picture that cannot be drawn.
@@ -111,6 +117,9 @@ impl RunRecorder {
     }
 
     /// Enters the summary of a grasp that has no files (infeasible from the start).
+    ///
+    /// # Errors
+    /// Fails if `run.json` cannot be written.
     pub fn skip_grasp(&mut self, index: usize, mut summary: GraspSummary) -> Result<()> {
         summary.grasp = index;
         self.grasps.insert(index, summary);
@@ -118,14 +127,17 @@ impl RunRecorder {
         self.report.write(&self.dir.join("run.json"))
     }
 
-    /// Takes over what small changes do to the grasps, in order.
+    /// Adds the effects of small changes on the grasps, in order.
     pub fn add_sensitivity(&mut self, answers: Vec<Vec<Moved>>) {
         for (grasp, moved) in self.report.grasps.iter_mut().zip(answers) {
             grasp.sensitivity = moved;
         }
     }
 
-    /// Writes the final `run.json` and hands the report back.
+    /// Writes the final `run.json` and returns the report.
+    ///
+    /// # Errors
+    /// Fails if the report cannot be serialised or `run.json` cannot be written.
     pub fn finish(
         mut self,
         expectations: Vec<ExpectationReport>,
@@ -150,7 +162,7 @@ fn remove_meshes(dir: &Path) -> Result<()> {
     }
 }
 
-/// Removes `grasp_<digits>` directories, nothing else: frames of two runs must not mix, and other files are not ours.
+/// Removes `grasp_<digits>` directories, nothing else: frames of two runs must not mix, and other files belong to someone else.
 fn remove_grasps(dir: &Path) -> Result<()> {
     let entries = std::fs::read_dir(dir).map_err(|e| cannot_write(dir, &e))?;
     for entry in entries.flatten() {

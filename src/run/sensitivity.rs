@@ -1,7 +1,7 @@
-//! How well posed a grasp is: how far pads and object move when what nobody knows exactly is a little different.
+//! Sensitivity of a grasp: the motion of pads and object when quantities that are not exactly known change a little.
 //!
-//! A ball hardly cares; a capsule on its edge turns elsewhere when friction changes by a tenth. Errors of a solver or a network below that
-//! spread are not worth anything, and say nothing of who is right.
+//! A ball hardly changes; a capsule on its edge turns elsewhere when friction changes by a tenth. Errors of a solver or a network
+//! below that spread have no meaning, and do not show which result is right.
 
 use super::{Observer, Outcome, run_grasps};
 use crate::distance::{Distance, Points, Probe};
@@ -17,21 +17,22 @@ use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// All changes, in the order of the report.
+/// List of all changes, in the order of the report.
 pub const CHANGES: [Change; 4] = [Change::Friction, Change::Turn, Change::Shift, Change::Release];
 
-/// By how much friction changes.
+/// Relative change of friction.
 const FRICTION: f64 = 0.1;
-/// By how much the hand turns, rad, and moves, m.
+/// Turn of the hand, rad.
 const TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
+/// Shift of the hand, m.
 const SHIFT: f64 = 2e-4;
 
-/// Whether a change means anything for `model`.
+/// Returns true if a change means anything for `model`.
 fn applies(change: Change, model: &Model) -> bool {
     change != Change::Release || model.lets_go()
 }
 
-/// The scene with a change.
+/// Returns the scene with a change.
 fn changed_scene(change: Change, scene: &Scene, model: &Model) -> Scene {
     let mut scene = scene.clone();
     match (change, &mut scene.loading) {
@@ -47,7 +48,7 @@ fn changed_scene(change: Change, scene: &Scene, model: &Model) -> Scene {
     scene
 }
 
-/// The grasp with a change.
+/// Returns the grasp with a change.
 fn changed_pose(change: Change, mut pose: GraspPose) -> GraspPose {
     match change {
         Change::Turn => {
@@ -63,7 +64,7 @@ fn changed_pose(change: Change, mut pose: GraspPose) -> GraspPose {
     pose
 }
 
-/// Keeps the last frame of every grasp.
+/// Observer that keeps the last frame of every grasp.
 #[derive(Debug, Default)]
 pub struct LastFrames(Mutex<BTreeMap<usize, Frame>>);
 
@@ -74,12 +75,12 @@ impl Observer for LastFrames {
     }
 }
 
-/// How grasps ended: status and last frame by number.
+/// Ends of grasps: status and last frame by number.
 #[derive(Debug, Default)]
 pub struct Ends(BTreeMap<usize, (Status, Option<Frame>)>);
 
 impl Ends {
-    /// Of the outcomes of grasps and what was kept while they ran.
+    /// Collects the ends from the outcomes of grasps and the last frames kept while they ran.
     pub fn of(outcomes: &[Outcome], last: LastFrames) -> Self {
         let mut frames = last.0.into_inner().unwrap_or_else(PoisonError::into_inner);
         let end = |o: &Outcome| (o.summary.grasp, (o.summary.status, frames.remove(&o.summary.grasp)));
@@ -87,10 +88,11 @@ impl Ends {
     }
 }
 
-/// Runs `grasps` of `scene`, which ended as `base` says, with every change; what each does, per grasp. Four times the work of a run.
+/// Runs `grasps` of `scene`, which ended as `base` says, with every change. Returns the effects of each change, per grasp. It takes
+/// four times the work of a run.
 ///
 /// # Errors
-/// Those of building a model and of running grasps.
+/// Fails if a model cannot be built, and if grasps cannot be run.
 pub fn sensitivity(
     scene: &Scene,
     model: &Arc<Model>,
@@ -132,7 +134,7 @@ pub fn sensitivity(
     Ok(answers)
 }
 
-/// Motion of the object since first contact: translation, m, and rotation, rad, as a vector.
+/// Returns the motion of the object since first contact: translation, m, and rotation, rad, as a vector.
 fn motion(frame: &Frame, grasp: &GraspPose) -> [DVec3; 2] {
     let start = grasp.object_in_hand();
     let turn = frame.object_rotation * start.rotation.inverse();

@@ -1,4 +1,4 @@
-//! Checks across fields: what no single value can know.
+//! Checks across fields, which no single value can make.
 
 use super::expect::{Bounds, Expectation};
 use super::grasps::Grasps;
@@ -12,26 +12,27 @@ use super::stepper::{Fem, Solver, StepperChoice};
 use crate::number::shown;
 use std::collections::BTreeSet;
 
-/// A field that does not go with the rest of the scene.
+/// Error of a field that does not fit the rest of the scene.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Problem {
     /// Path of the field, like `object.shape.inner`.
     pub path: String,
-    /// What is wrong; further lines are the help.
+    /// Message that says what is wrong; further lines are the help.
     pub message: String,
 }
 
-/// Most objects of a scene.
+/// Largest number of objects of a scene.
 pub const OBJECTS: usize = 10_000;
-/// Most promises of a scene.
+/// Largest number of promises of a scene.
 pub const PROMISES: usize = 1_000;
-/// Most depths of a press, as many as it may have frames.
+/// Largest number of depths of a press, equal to the largest number of its frames.
 pub const DEPTHS: usize = 10_000;
-/// Largest text that objects share, times the objects, bytes: each of them gets a copy of what it says.
+/// Largest product of the length of the text that objects share and the number of objects, bytes: each object gets a
+/// copy.
 pub const SHARED: usize = 256 << 20;
 
-/// Names of objects that stand twice, files that give both one object and several, and more than anyone means. `shared` is
-/// the length of the text beside the list of objects.
+/// Checks the lists of objects: no name twice, not both one object and several, and no more objects and text than the
+/// limits. `shared` is the length of the text outside the list of objects, bytes.
 pub(super) fn objects(part: &ScenePart, shared: usize) -> Result<(), Problem> {
     let Some(objects) = &part.objects else { return Ok(()) };
     if part.object.is_some() {
@@ -62,7 +63,7 @@ pub(super) fn objects(part: &ScenePart, shared: usize) -> Result<(), Problem> {
     Ok(())
 }
 
-/// The first problem of the scene, if any.
+/// Returns the first problem of the scene as an error.
 pub(super) fn check(scene: &Scene) -> Result<(), Problem> {
     shape(&scene.object.shape)?;
     if scene.object.repair && !matches!(scene.object.shape, ObjectShape::Mesh(_)) {
@@ -80,7 +81,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Problem> {
     promises(scene)
 }
 
-/// What the scene promises, of each backend.
+/// Checks the promises of the scene, separately for each backend.
 fn promises(scene: &Scene) -> Result<(), Problem> {
     for (field, list) in scene.promise_lists() {
         if list.len() > PROMISES {
@@ -166,7 +167,7 @@ fn profile(r: &Revolve) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Thinnest and narrowest pad that is made, m: far below any gel.
+/// Smallest thickness and width of a pad, m: far below any gel.
 const PAD: f64 = 1e-5;
 
 fn pads(pads: &Pads) -> Result<(), Problem> {
@@ -212,7 +213,7 @@ fn grasps(grasps: &Grasps) -> Result<(), Problem> {
     }
 }
 
-/// A sampled grasp has two contacts.
+/// Checks that sampled grasps have two fingers, because each of them has two contacts.
 fn antipodal(scene: &Scene) -> Result<(), Problem> {
     match (&scene.grasps, scene.gripper.fingers) {
         (Grasps::Antipodal(_), Fingers::One) => {
@@ -273,7 +274,7 @@ fn loading(scene: &Scene) -> Result<(), Problem> {
     }
 }
 
-/// No press goes further than a finger can.
+/// Checks that no press goes further than the stroke of a finger.
 fn travel(scene: &Scene, levels: Vec<f64>) -> Result<(), Problem> {
     let (last, stroke) = (levels.last().copied().unwrap_or(0.0), scene.gripper.stroke.get());
     if last <= stroke {
@@ -282,7 +283,7 @@ fn travel(scene: &Scene, levels: Vec<f64>) -> Result<(), Problem> {
     refuse("loading", format!("a press of {} m is longer than the finger's stroke ({} m)", shown(last), shown(stroke)))
 }
 
-/// What goes with motion in time, and what does not go without.
+/// Checks the fields that motion in time excludes and those that require it.
 fn dynamic(scene: &Scene) -> Result<(), Problem> {
     let Loading::Dynamic(dynamic) = &scene.loading else {
         let moving = [
@@ -328,7 +329,7 @@ fn dynamic(scene: &Scene) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Whether a promise makes sense in this scene; else the message.
+/// Checks that a promise makes sense in this scene; the error is the message.
 fn expectation(scene: &Scene, expectation: &Expectation) -> Result<(), String> {
     match (&scene.loading, expectation) {
         (Loading::Dynamic(_), Expectation::Converged(_)) => {

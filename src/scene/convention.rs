@@ -1,14 +1,14 @@
-//! How a grasp file writes a pose.
+//! Convention in which a grasp file writes a pose.
 
 use super::defaults;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// What the numbers of a grasp file mean; without it, what DefGraspSim means.
+/// Meaning of the numbers of a grasp file; the default is the convention of DefGraspSim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Convention {
-    /// Order of a quaternion's four numbers; matrices have none.
+    /// Order of the four numbers of a quaternion; matrices do not use it.
     #[serde(default = "defaults::quaternion")]
     pub quaternion: QuaternionOrder,
     /// Axis of the file's hand frame along which the fingers close.
@@ -29,7 +29,7 @@ pub enum QuaternionOrder {
     Xyzw,
 }
 
-/// An axis of a frame, with its sense.
+/// Signed axis of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename = "axis")]
 #[allow(missing_docs)]
@@ -43,7 +43,7 @@ pub enum HandAxis {
 }
 
 impl HandAxis {
-    /// The unit vector.
+    /// Returns the unit vector.
     pub fn vector(self) -> DVec3 {
         match self {
             Self::X => DVec3::X,
@@ -63,12 +63,12 @@ impl Default for Convention {
 }
 
 impl Convention {
-    /// Whether closing and approach are perpendicular, as they are of any hand.
+    /// Returns true if closing and approach are perpendicular, as they are for every hand.
     pub fn is_right_angled(&self) -> bool {
         self.closing.vector().dot(self.approach.vector()) == 0.0
     }
 
-    /// The rotation from the hand frame of tactus (closing x, approach z) to that of the file.
+    /// Returns the rotation from the hand frame of tactus (closing x, approach z) to that of the file.
     pub fn from_hand(&self) -> DMat3 {
         let (closing, approach) = (self.closing.vector(), self.approach.vector());
         DMat3::from_cols(closing, approach.cross(closing), approach)

@@ -1,4 +1,4 @@
-//! Every default of a scene file, once: serde, `Default` and the documentation all take it from here.
+//! Defaults of a scene file, each in one place: serde, `Default` and the documentation all take them from here.
 
 use super::convention::{HandAxis, QuaternionOrder};
 use super::leaf::{Count, Depth, Finite, Fraction, Length, NonNegative, Positive, Ratio, Seconds};
@@ -78,7 +78,7 @@ defaults! {
     /// Soft material: density, kg/m3.
     GEL_DENSITY (gel_density): Positive = Positive::preset(1000.0);
 
-    /// Data sets: part of the poses of each object that is kept for the test.
+    /// Data sets: fraction of the poses of each object that is kept for the test.
     SPLIT_TEST: Fraction = Fraction::preset(0.2);
     /// Sampled grasps: largest angle between the closing axis and the surface normals, degrees, if the friction cone is
     /// not narrower.
@@ -106,7 +106,7 @@ defaults! {
     TASK_STEPS: Count<1, 10000> = Count::preset(30);
     /// Task: steps in which the support is withdrawn.
     TASK_LIFT: Count<1, 10000> = Count::preset(5);
-    /// Task: way over the pads at which the object is lost, m.
+    /// Task: distance over the pads at which the object counts as lost, m.
     TASK_SLIP_LIMIT: Length = Length::preset(2e-3);
     /// Task: gels and frictions prepared per object.
     TASK_VARIANTS: Count<1, 1000> = Count::preset(1);
@@ -115,14 +115,14 @@ defaults! {
     /// Task: turn of the hand, degrees.
     TASK_TURN: NonNegative = NonNegative::preset(0.0);
 
-    /// FEM: treat the dilatation of an element as constant (no volumetric locking).
+    /// FEM: constant dilatation within each element (no volumetric locking).
     MEAN_DILATATION: bool = true;
     /// FEM: residual force over the loading's force at which an increment counts as solved.
     FORCE_TOLERANCE: Positive = Positive::preset(2e-4);
     /// FEM: error of the increments over the displacement.
     PATH: Positive = Positive::preset(0.01);
-    /// Condensed FEM: part of the displacement that one more correction may change.
+    /// Condensed FEM: relative change of the displacement that one more correction may cause.
     CONDENSED_ERROR: Positive = Positive::preset(0.01);
-    /// FEM: Newton iterations before an increment is halved.
+    /// FEM: largest number of Newton iterations before an increment is halved.
     MAX_ITERATIONS: Count<1, 10000> = Count::preset(40);
 }

@@ -1,4 +1,4 @@
-//! Turns a parser's error into a message with a place and a way out.
+//! Messages for a parser's errors, with a place and a way out.
 
 use super::outline::Outline;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
@@ -10,11 +10,11 @@ use std::path::Path;
 /// One error in a scene file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Diagnosis {
-    /// What is wrong.
+    /// Message that says what is wrong.
     pub message: String,
-    /// Where, as bytes of the text.
+    /// Byte range of the error in the text.
     pub span: Range<usize>,
-    /// What is allowed or what to do.
+    /// Help: the allowed values or the remedy.
     pub help: Option<String>,
 }
 
@@ -23,18 +23,18 @@ const MESSAGE: usize = 1000;
 /// Longest name in a message, bytes.
 const NAME: usize = 60;
 
-/// At most so many bytes of a text, and dots if there are more.
+/// Returns at most `most` bytes of a text, followed by dots if there are more.
 fn shortened(text: &str, most: usize) -> Cow<'_, str> {
     if text.len() <= most { text.into() } else { format!("{}...", &text[..floor(text, most)]).into() }
 }
 
-/// A name from the scene, as a message shows it.
+/// Returns a name from the scene as a message shows it.
 pub(super) fn clipped(name: &str) -> Cow<'_, str> {
     shortened(name, NAME)
 }
 
 impl Diagnosis {
-    /// A message whose further lines are the help.
+    /// Builds a diagnosis from a message whose further lines are the help.
     pub fn new(message: &str, span: Range<usize>) -> Self {
         let (message, help) = match message.split_once('\n') {
             Some((message, help)) => (message.to_string(), Some(help.to_string())),
@@ -43,7 +43,7 @@ impl Diagnosis {
         Self { message: shortened(&message, MESSAGE).into_owned(), span, help }
     }
 
-    /// The printed form: `error: ...`, ` --> file:line:column`, the line with a caret, `help: ...`.
+    /// Renders the printed form: `error: ...`, ` --> file:line:column`, the line with a caret, `help: ...`.
     pub fn render(&self, path: &Path, text: &str) -> String {
         let start = floor(text, self.span.start);
         let end = floor(text, self.span.end.max(start));
@@ -133,7 +133,7 @@ pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Di
     Diagnosis::new(&message, span)
 }
 
-/// `message` behind the path of the field it is about.
+/// Returns `message` preceded by the path of the field that it is about.
 fn named(message: &str, at: usize, text: &str, outline: &Outline) -> String {
     let at = if token(text, at).is_empty() { at.saturating_sub(1) } else { at };
     match outline.path_at(at).as_str() {
@@ -143,8 +143,8 @@ fn named(message: &str, at: usize, text: &str, outline: &Outline) -> String {
     }
 }
 
-/// The refused value as a human sees it: with its sign and its quote, which are steps of their own for the parser, and a
-/// group from its opening bracket on, where the parser stands at the closing one.
+/// Returns the refused value as a reader sees it. A sign and a quote are steps of their own for the parser and are
+/// included; a group begins at its opening bracket, although the parser stands at the closing one.
 fn whole(text: &str, span: Range<usize>, outline: &Outline) -> Range<usize> {
     if text[..span.start].ends_with(['-', '+', '"']) {
         return span.start - 1..span.end;
@@ -157,14 +157,14 @@ fn whole(text: &str, span: Range<usize>, outline: &Outline) -> Range<usize> {
     span
 }
 
-/// The name that ends right before this byte.
+/// Returns the name that ends right before this byte.
 fn last_name(text: &str, at: usize) -> Option<Range<usize>> {
     let before = text[..at].trim_end();
     let name = before.rsplit(|c: char| !c.is_alphanumeric() && c != '_').next().filter(|name| !name.is_empty())?;
     Some(before.len() - name.len()..before.len())
 }
 
-/// Without the parser's type jargon.
+/// Strips the parser's names of types from a found value.
 fn plain(found: &str) -> &str {
     ["the unsigned integer ", "the signed integer ", "the floating point number "]
         .iter()
@@ -172,7 +172,8 @@ fn plain(found: &str) -> &str {
         .unwrap_or(found)
 }
 
-/// Without the parser's type names: a number with the suffix of another type (`1.0f32`) is all they tell apart here.
+/// Strips the parser's names of types from an expected value: here they only distinguish a number with the suffix of
+/// another type (`1.0f32`).
 fn wanted(expected: &str) -> &str {
     if expected == "a 64-bit floating point number" { "a number without suffix" } else { expected }
 }
@@ -182,7 +183,7 @@ fn lower(message: &str) -> String {
     chars.next().map_or(String::new(), |c| c.to_lowercase().chain(chars).collect())
 }
 
-/// `did you mean ...` where one name is close, and all allowed names.
+/// Returns the help with all allowed names, and with `did you mean ...` if one of them is close.
 fn allowed(found: &str, expected: &[&str]) -> String {
     let close = expected.iter().map(|name| (distance(found, name), name)).min();
     let hint = match close {
@@ -192,7 +193,7 @@ fn allowed(found: &str, expected: &[&str]) -> String {
     format!("{hint}allowed: {}", expected.join(", "))
 }
 
-/// Edits (insert, delete, replace) from one name to the other, case ignored.
+/// Number of edits (insert, delete, replace) from one name to the other, case ignored.
 fn distance(a: &str, b: &str) -> usize {
     let (a, b) = (a.to_lowercase(), b.to_lowercase());
     // names longer than this are no typing slips, and the table stays small
@@ -210,7 +211,7 @@ fn distance(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
-/// The word, number or sign that starts at this byte, at most a few dozen characters of it.
+/// Returns the word, number or sign that starts at this byte, cut after a few dozen characters.
 fn token(text: &str, at: usize) -> &str {
     let rest = &text[at.min(text.len())..];
     let word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | '-' | '+');
@@ -223,7 +224,7 @@ fn token(text: &str, at: usize) -> &str {
     &rest[..floor(rest, length.min(60))]
 }
 
-/// Byte of a position that counts lines and characters from one.
+/// Returns the byte of a position that counts lines and characters from one.
 fn byte_of(text: &str, position: Position) -> usize {
     let mut start = 0;
     for _ in 1..position.line {
@@ -235,7 +236,7 @@ fn byte_of(text: &str, position: Position) -> usize {
     text[start..].char_indices().nth(position.col.saturating_sub(1)).map_or(text.len(), |(i, _)| start + i)
 }
 
-/// The nearest character boundary at or before a byte.
+/// Returns the nearest character boundary at or before a byte.
 fn floor(text: &str, at: usize) -> usize {
     let mut at = at.min(text.len());
     while !text.is_char_boundary(at) {

@@ -5,14 +5,14 @@ use super::leaf::{Count, NonNegative, Positive, Seconds};
 use super::motion::{Motion, duration};
 use serde::{Deserialize, Serialize};
 
-/// The hand plays its motions while time runs; pads and free object have inertia.
+/// Loading in time: the hand plays its motions; pads and free object have inertia.
 ///
 /// The world's frame is that of the object at the start. If the hand squeezes at all, its fingers start where the first
-/// pad touches; else they stay at the gripper's `opening`. The fingers are geared: they travel alike.
+/// pad touches; otherwise they stay at the gripper's `opening`. The fingers are geared: they travel alike.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Dynamic {
-    /// What the hand does, one after the other.
+    /// Motions of the hand, played one after the other.
     pub motions: Vec<Motion>,
     /// Time step, s; a step that does not converge is divided.
     #[serde(default = "defaults::time_step")]
@@ -23,13 +23,13 @@ pub struct Dynamic {
     /// Viscosity of the gel over its stiffness (Kelvin-Voigt), s; zero is an elastic gel.
     #[serde(default = "defaults::damping")]
     pub damping: NonNegative,
-    /// Speed of a finger that closes on nothing with the largest force of the motions, m/s.
+    /// Speed at which a finger closes on nothing under the largest force of the motions, m/s.
     #[serde(default = "defaults::closing_speed")]
     pub closing_speed: Positive,
 }
 
 impl Dynamic {
-    /// Time of each recorded frame, s.
+    /// Returns the time of each recorded frame, s.
     pub fn times(&self) -> Vec<f64> {
         let (end, n) = (duration(&self.motions), self.frames.get());
         (1..=n).map(|k| if k == n { end } else { end * k as f64 / n as f64 }).collect()

@@ -1,15 +1,15 @@
-//! A thing with one main path may be written as that path alone: `File("a.h5")` is `File(path: "a.h5")`.
+//! Short form of values with one main path: `File("a.h5")` is `File(path: "a.h5")`.
 
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, MapAccess, Visitor};
 use std::marker::PhantomData;
 use std::path::PathBuf;
 
-/// What can be read from one path or from its fields.
+/// Value that can be read from one path or from its fields.
 pub(super) trait PathOrFields<'de>: Sized {
-    /// All defaults around this path.
+    /// Returns the value with this path and all defaults.
     fn from_path(path: PathBuf) -> Self;
-    /// The derived reading of the fields.
+    /// Reads the value from its fields, as derived.
     fn from_fields<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error>;
 }
 

@@ -1,28 +1,28 @@
-//! What a scene promises about its own outcome: `expect` of finite elements, `expect_network` of a network.
+//! Promises of a scene about its own outcome: `expect` for finite elements, `expect_network` for a network.
 
 use super::leaf::{Finite, Length, Positive};
 use super::vector::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// One promise, judged on every grasp of the scene.
+/// Promise that is judged on every grasp of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Expectation {
-    /// The loading is reached: the final force of a squeeze, the final depth of a press.
+    /// Loading reached: the final force of a squeeze, the final depth of a press.
     ReachesForce,
-    /// Forces on the object (fingers, weight, support) cancel: residual over the force of the loading.
+    /// Balance of the forces on the object (fingers, weight, support): residual over the force of the loading.
     ForceBalance(Relative),
-    /// Torques on the object cancel: residual over force times object size.
+    /// Balance of the torques on the object: residual over force times object size.
     TorqueBalance(Relative),
-    /// Every recorded number is finite.
+    /// Finite values of all recorded numbers.
     Finite,
-    /// No soft element is turned inside out in any frame.
+    /// Soft elements without inversion in every frame.
     NoInversion,
-    /// Pads and object are nowhere inside each other in any frame, deeper than the offset of the contact law, below which nothing is
-    /// resolved.
+    /// Pads and object without overlap in every frame, down to the offset of the contact law, below which nothing is resolved.
     NoPenetration,
-    /// How deep they are at the worst point of any frame, m: where a coarse pad is known to sink in between its points.
+    /// Depth of the overlap of pads and object at the worst point of any frame, m: a coarse pad is known to sink in
+    /// between its points.
     Penetration(Bounds),
-    /// The forces on the gel balance in every frame: what is left over, over the force of a finger. Quasi-static scenes.
+    /// Balance of the forces on the gel in every frame: residual over the force of a finger. Quasi-static scenes only.
     Converged(Relative),
     /// Travel of each finger after contact at the last frame, m.
     Travel(Bounds),
@@ -32,30 +32,31 @@ pub enum Expectation {
     ForceAt(ForceAt),
     /// Largest von Mises stress of the last frame, Pa.
     MaxStress(Bounds),
-    /// Dynamic: no point of the object moves far relative to what holds it: the hand from the end of the first squeeze on,
-    /// or, without fingers, the world.
+    /// Dynamic: largest displacement of any point of the object relative to what holds it. That is the hand from the end
+    /// of the first squeeze on or, without fingers, the world.
     ObjectHeld(Slip),
-    /// Dynamic: by the last frame it has moved, relative to the same.
+    /// Dynamic: displacement of the object at the last frame, m, relative to the same reference as in `ObjectHeld`.
     ObjectSlides(Bounds),
-    /// Dynamic: where its centre of mass is in the world at the last frame.
+    /// Dynamic: position of the object's centre of mass in the world at the last frame.
     ObjectAt(Place),
-    /// Dynamic: speed of its centre of mass at the last frame, m/s.
+    /// Dynamic: speed of the object's centre of mass at the last frame, m/s.
     ObjectSpeed(Bounds),
-    /// Dynamic: normal force of the ground on it at the last frame, N.
+    /// Dynamic: normal force of the ground on the object at the last frame, N.
     GroundForce(Bounds),
     /// Dynamic: largest torque of the pads about the closing direction in any frame, N m.
     Torque(Bounds),
-    /// Dynamic: linear and angular momentum of the object stay those of the start: largest change over the start's.
+    /// Dynamic: conservation of the linear and angular momentum of the object: largest change over the value at the
+    /// start.
     MomentumKept(Relative),
-    /// The object leaves the grasp, and the reason contains this text.
+    /// Loss of the object from the grasp, for a reason that contains this text.
     Dropped(Reason),
-    /// The solver gives up, or finds what is unsound, and its reason contains this text.
+    /// Failure of the solver, or an unsound result, for a reason that contains this text.
     Fault(Reason),
-    /// The start is refused, and the reason contains this text.
+    /// Refusal of the start, for a reason that contains this text.
     Infeasible(Reason),
 }
 
-/// A relative error bound.
+/// Relative error bound.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Relative {
@@ -63,7 +64,7 @@ pub struct Relative {
     pub relative: Positive,
 }
 
-/// A lower bound, an upper bound or both, in the unit of the measured thing.
+/// Lower bound, upper bound or both, in the unit of the measured quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bounds {
@@ -73,19 +74,19 @@ pub struct Bounds {
     pub at_most: Option<Finite>,
 }
 
-/// A point of the force-depth curve.
+/// Point of the force-depth curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForceAt {
     /// Travel of a finger after contact, m.
     pub depth: Length,
-    /// Force of that finger there, N.
+    /// Force of that finger at this travel, N.
     pub force: Positive,
     /// Allowed relative error of the force.
     pub relative: Positive,
 }
 
-/// A bound on slip.
+/// Bound on slip.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Slip {
@@ -93,26 +94,26 @@ pub struct Slip {
     pub slip_at_most: Length,
 }
 
-/// A place.
+/// Position with a tolerance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Place {
-    /// World, m.
+    /// Position in the world, m.
     pub position: Vec3,
-    /// Allowed distance from it, m.
+    /// Allowed distance from the position, m.
     pub within: Length,
 }
 
-/// Part of a reason; empty is any.
+/// Part of a reason; an empty text matches any reason.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Reason {
-    /// The text.
+    /// Text that the reason must contain.
     pub contains: String,
 }
 
 impl Expectation {
-    /// Its name, as in the scene file.
+    /// Returns the name of the promise, as in the scene file.
     pub fn name(&self) -> &'static str {
         match self {
             Expectation::ReachesForce => "ReachesForce",
@@ -140,22 +141,23 @@ impl Expectation {
         }
     }
 
-    /// Whether it is judged by the [`crate::judge::audit`].
+    /// Returns true if the [`crate::judge::audit`] judges the promise.
     pub fn audited(&self) -> bool {
         use Expectation::*;
         matches!(self, Finite | NoInversion | NoPenetration | Penetration(_) | Converged(_))
     }
 
-    /// Whether a network keeps it by its making, whatever it has learnt: it answers at the force that it is asked for, its contact
-    /// forces are put into balance with the load on the object (their torques too, but for the twist about the closing direction), and
-    /// numbers that are not finite are refused. How far the pads give way, how deep they meet the object and how a gel element is
-    /// turned it has only learnt, to within its error; a scene that asks for that of a network says how much in `expect_network`.
+    /// Returns true if a network keeps the promise by construction, whatever it has learnt. A network answers at the requested force. Its
+    /// contact forces are brought into balance with the load on the object, as are their torques except for the twist about the closing
+    /// direction. Numbers that are not finite are refused. The deformation of the pads, the depth at which they meet the object and the
+    /// inversion of gel elements are only learnt, to within its error; a scene that makes promises about these for a network states the
+    /// bounds in `expect_network`.
     pub fn by_network(&self) -> bool {
         use Expectation::*;
         matches!(self, ReachesForce | ForceBalance(_) | Finite | Force(_) | Fault(_) | Infeasible(_))
     }
 
-    /// Unit of its value and bound; "" for a ratio or a text.
+    /// Returns the unit of the value and of its bound; "" for a ratio or a text.
     pub fn unit(&self) -> &'static str {
         match self {
             Expectation::ReachesForce | Expectation::Force(_) | Expectation::ForceAt(_) => "N",
@@ -169,7 +171,7 @@ impl Expectation {
         }
     }
 
-    /// True if only a dynamic scene can be judged by it.
+    /// Returns true if only a dynamic scene can be judged by this promise.
     pub fn is_dynamic(&self) -> bool {
         use Expectation::*;
         matches!(

@@ -1,4 +1,4 @@
-//! Where the hand is, relative to the object.
+//! Poses of the hand relative to the object.
 
 use super::convention::Convention;
 use super::defaults;
@@ -10,17 +10,17 @@ use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 use std::path::PathBuf;
 
-/// The grasps of a scene. A pose is that of the hand in the object frame: `x_object = R(rotation) x_hand + position`.
+/// Grasps of a scene. A pose is that of the hand in the object frame: `x_object = R(rotation) x_hand + position`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub enum Grasps {
-    /// One grasp: hand axes parallel to the object's, the object's origin midway between the pads.
+    /// One grasp: hand axes parallel to the object's axes, the object's origin midway between the pads.
     #[default]
     Identity,
-    /// These poses.
+    /// Poses given in the scene.
     List(Vec<Pose>),
     /// Poses from an HDF5 file such as `*_grasps.h5`: positions and quaternions, or matrices.
     File(GraspFile),
-    /// Sampled from the object's surface.
+    /// Grasps sampled from the object's surface.
     Antipodal(Antipodal),
 }
 
@@ -35,20 +35,20 @@ pub struct Pose {
     pub rotation: Rotation,
 }
 
-/// How many grasps.
+/// Number of grasps.
 pub type GraspCount = Count<1, 1000000>;
 
-/// Grasps sampled from the object's surface, see [`crate::grasp::antipodal`].
+/// Parameters of grasps sampled from the object's surface, see [`crate::grasp::antipodal`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Antipodal {
-    /// How many.
+    /// Number of grasps.
     pub count: GraspCount,
-    /// The same seed gives the same grasps.
+    /// Seed of the sampling; the same seed gives the same grasps.
     #[serde(default)]
     pub seed: u64,
-    /// Largest angle between the closing axis and the surface normals at its two ends, degrees; never more than that of
-    /// the friction cone.
+    /// Largest angle between the closing axis and the surface normals at its two ends, degrees; never more than the angle
+    /// of the friction cone.
     #[serde(default = "defaults::tilt")]
     pub tilt_deg: Positive,
 }
@@ -60,21 +60,21 @@ pub struct Antipodal {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "File", remote = "Self", deny_unknown_fields)]
 pub struct GraspFile {
-    /// The HDF5 file.
+    /// Path of the HDF5 file.
     pub path: PathBuf,
-    /// The dataset in it; None is `poses`.
+    /// Name of the dataset in the file; None is `poses`.
     #[serde(default)]
     pub dataset: Option<String>,
-    /// What its numbers mean, where that is not what DefGraspSim means.
+    /// Convention of the numbers; the default is that of DefGraspSim.
     #[serde(default)]
     pub convention: Convention,
-    /// Which of its grasps, by row from 0; None is all.
+    /// Selection of grasps by row, counted from 0; None is all.
     #[serde(default)]
     pub select: Option<Select>,
 }
 
 impl GraspFile {
-    /// All grasps of a file as DefGraspSim writes it.
+    /// Selects all grasps of a file as DefGraspSim writes it.
     pub fn new(path: PathBuf) -> Self {
         Self { path, dataset: None, convention: Convention::default(), select: None }
     }
@@ -101,17 +101,17 @@ impl Serialize for GraspFile {
     }
 }
 
-/// A choice of grasps by row from 0: `[0, 3, 7]` or `0..10` (10 not included).
+/// Selection of grasps by row, counted from 0: `[0, 3, 7]` or `0..10` (10 not included).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Select {
-    /// These rows, in this order.
+    /// Rows in this order.
     Rows(Vec<usize>),
     /// Rows from start up to, not including, end.
     Range(usize, usize),
 }
 
 impl Select {
-    /// The chosen rows.
+    /// Returns the chosen rows.
     pub fn rows(&self) -> Vec<usize> {
         match self {
             Select::Rows(rows) => rows.clone(),
@@ -120,7 +120,7 @@ impl Select {
     }
 }
 
-/// Rows a selection may name: far above any file, low enough that a range cannot exhaust memory.
+/// Row that a selection may name: its limit is far above any file, and low enough that a range cannot exhaust memory.
 type Row = Count<0, 10000000>;
 
 #[derive(Serialize)]

@@ -1,4 +1,4 @@
-//! The gripper: two fingers (or one), each with a soft pad.
+//! Gripper: two fingers (or one), each with a soft pad.
 
 use super::defaults;
 use super::leaf::{Finite, Length, NonNegative};
@@ -6,23 +6,23 @@ use super::material::MaterialChoice;
 use super::pad::Pads;
 use serde::{Deserialize, Serialize};
 
-/// The gripper. Hand frame: origin at the hand base, +z the approach, fingers close along x, y the finger width.
+/// Gripper. Hand frame: origin at the hand base, +z is the approach, the fingers close along x, y is the finger width.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Gripper {
-    /// The soft pads: the same on both fingers.
+    /// Soft pads, the same on both fingers.
     pub pads: Pads,
-    /// What the pads are made of.
+    /// Material of the pads.
     pub material: MaterialChoice,
-    /// Distance of the two sensing faces when open, m.
+    /// Distance between the two sensing faces when open, m.
     pub opening: Length,
-    /// Largest travel of each finger, m. May be less than half the opening: then the pads never meet.
+    /// Largest travel of each finger, m. It may be less than half the opening; the pads then never meet.
     pub stroke: Length,
-    /// Coulomb friction between pad and object; zero is frictionless.
+    /// Coefficient of Coulomb friction between pad and object; zero is frictionless.
     pub friction: NonNegative,
-    /// Where the pads sit in the hand frame.
+    /// Position of the pads in the hand frame.
     pub placement: Placement,
-    /// Which fingers carry a pad and move.
+    /// Choice of the fingers that carry a pad and move.
     pub fingers: Fingers,
 }
 
@@ -44,9 +44,9 @@ impl Default for Gripper {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Placement {
-    /// Along the finger width, m.
+    /// Position along the finger width, m.
     pub y: Finite,
-    /// Along the approach, m.
+    /// Position along the approach, m.
     pub z: Finite,
 }
 
@@ -56,7 +56,7 @@ impl Default for Placement {
     }
 }
 
-/// Which fingers carry a pad and move.
+/// Choice of the fingers that carry a pad and move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Fingers {
     /// Two pads, at -x and +x, closing on each other.

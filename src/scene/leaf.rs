@@ -1,18 +1,18 @@
 //! Numbers that check themselves while they are read.
 //!
-//! RON reports the parser's position when a value is refused, so a check inside the leaf points at the very
-//! number, while a check on the whole struct could only point at its closing parenthesis. A refusal is one
-//! message; lines after the first become the `help:` of the printed error.
+//! RON reports the parser's position when a value is refused. A check inside the leaf therefore points at the number
+//! itself, while a check on the whole struct could only point at its closing parenthesis. A refusal is one message; the
+//! lines after the first become the `help:` of the printed error.
 
 use crate::number::shown;
 use serde::de::{Deserialize, Deserializer, Error as _, Unexpected, Visitor};
 use serde::{Serialize, Serializer};
 
-/// Largest length a scene may name, m: a gripper scene measured in metres never needs more.
+/// Largest length that a scene may name, m: a gripper scene measured in metres never needs more.
 pub const LENGTH_LIMIT: f64 = 2.0;
-/// Smallest stiffness a scene may name, Pa: below it the number was almost surely meant in MPa.
+/// Smallest stiffness that a scene may name, Pa: a smaller number was almost surely meant in MPa.
 pub const MODULUS_FLOOR: f64 = 1.0;
-/// Longest time a scene may name, s.
+/// Longest time that a scene may name, s.
 pub const TIME_LIMIT: f64 = 1000.0;
 /// Largest ratio of cell sizes within a pad.
 pub const RATIO_LIMIT: f64 = 20.0;
@@ -24,16 +24,19 @@ macro_rules! number {
         pub struct $name(f64);
 
         impl $name {
-            /// The value if it is allowed; else the message that a scene file would get.
+            /// Returns the value if it is allowed.
+            ///
+            /// # Errors
+            /// Fails if the value is not allowed, with the message that a scene file would get.
             pub fn new(value: f64) -> Result<Self, String> {
                 finite(value)?;
                 $check(value).map(|()| Self(value))
             }
-            /// The number.
+            /// Returns the number.
             pub const fn get(self) -> f64 {
                 self.0
             }
-            /// A default known to be allowed; a test checks every one of them.
+            /// Returns a default known to be allowed; a test checks every one of them.
             #[allow(dead_code)]
             pub(crate) const fn preset(value: f64) -> Self {
                 Self(value)
@@ -55,27 +58,27 @@ macro_rules! number {
 }
 
 number! {
-    /// Any number but `inf` and `NaN` (both of which RON would read).
+    /// Number other than `inf` and `NaN` (both of which RON would read).
     Finite, anything
 }
 number! {
-    /// Above zero.
+    /// Number above zero.
     Positive, positive
 }
 number! {
-    /// Zero or above.
+    /// Number from zero upwards.
     NonNegative, non_negative
 }
 number! {
-    /// A length above zero and at most [`LENGTH_LIMIT`], m.
+    /// Length above zero and at most [`LENGTH_LIMIT`], m.
     Length, length
 }
 number! {
-    /// A length from zero to [`LENGTH_LIMIT`], m.
+    /// Length from zero to [`LENGTH_LIMIT`], m.
     Depth, depth
 }
 number! {
-    /// A stiffness, Pa; at least [`MODULUS_FLOOR`].
+    /// Stiffness, Pa; at least [`MODULUS_FLOOR`].
     Modulus, modulus
 }
 number! {
@@ -83,15 +86,15 @@ number! {
     Poisson, poisson
 }
 number! {
-    /// Above zero and at most one.
+    /// Fraction above zero and at most one.
     Fraction, fraction
 }
 number! {
-    /// A time above zero and at most [`TIME_LIMIT`], s.
+    /// Time above zero and at most [`TIME_LIMIT`], s.
     Seconds, seconds
 }
 number! {
-    /// From one to [`RATIO_LIMIT`].
+    /// Ratio from one to [`RATIO_LIMIT`].
     Ratio, ratio
 }
 
@@ -170,23 +173,26 @@ fn ratio(v: f64) -> Result<(), String> {
     Err(format!("must be from 1 to {RATIO_LIMIT}, found {}", shown(v)))
 }
 
-/// A whole number from `MIN` to `MAX`.
+/// Whole number from `MIN` to `MAX`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Count<const MIN: u64, const MAX: u64>(u64);
 
 impl<const MIN: u64, const MAX: u64> Count<MIN, MAX> {
-    /// The value if it is allowed; else the message that a scene file would get.
+    /// Returns the value if it is allowed.
+    ///
+    /// # Errors
+    /// Fails if the value is not allowed, with the message that a scene file would get.
     pub fn new(value: u64) -> Result<Self, String> {
         if (MIN..=MAX).contains(&value) {
             return Ok(Self(value));
         }
         Err(format!("must be a whole number from {MIN} to {MAX}, found {value}"))
     }
-    /// The number.
+    /// Returns the number.
     pub const fn get(self) -> usize {
         self.0 as usize
     }
-    /// A default known to be allowed; a test checks every one of them.
+    /// Returns a default known to be allowed; a test checks every one of them.
     pub(crate) const fn preset(value: u64) -> Self {
         Self(value)
     }

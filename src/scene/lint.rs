@@ -1,9 +1,9 @@
-//! Checks on the text of a scene: what RON lets through and we do not.
+//! Checks on the text of a scene, for errors that RON accepts and tactus does not.
 
 use super::diagnose::Diagnosis;
 use super::outline::{Outline, OutlineEntry};
 
-/// The first refusal, if any.
+/// Returns the first refusal as an error.
 pub(super) fn lint(text: &str, outline: &Outline) -> Result<(), Diagnosis> {
     let entries = outline.entries();
     entries.iter().enumerate().try_for_each(|(i, entry)| match outline.field(entry) {
@@ -14,7 +14,8 @@ pub(super) fn lint(text: &str, outline: &Outline) -> Result<(), Diagnosis> {
     })
 }
 
-/// RON drops the name in `RpyDeg((r, p, y))`, so `RpyRad((r, p, y))` would be taken for degrees.
+/// Checks the name of a rotation: RON drops the name in `RpyDeg((r, p, y))`, so `RpyRad((r, p, y))` would be read as
+/// degrees.
 fn rotation(
     text: &str,
     outline: &Outline,
@@ -36,7 +37,7 @@ fn rotation(
     Err(Diagnosis::new(&format!("{}: {what}\n{help}", outline.path(entry)), at))
 }
 
-/// RON reads `0..=9` and `0..9` as the same two numbers.
+/// Checks the range of a selection: RON reads `0..=9` and `0..9` as the same two numbers.
 fn select(text: &str, outline: &Outline, entry: &OutlineEntry) -> Result<(), Diagnosis> {
     if text[entry.value.clone()].contains("..=") {
         let message = format!("{}: a range here has no `=`\nwrite 0..10 for rows 0 to 9", outline.path(entry));

@@ -21,52 +21,61 @@ use std::sync::Arc;
 
 /// Longest chain of includes.
 pub const INCLUDE_DEPTH: usize = 16;
-/// Most files one scene may read: includes that include each other's includes multiply.
+/// Largest number of files that one scene may read: includes that include each other's includes multiply.
 pub const INCLUDE_FILES: usize = 256;
 
-/// A scene and where it came from.
+/// Scene with the files that it came from.
 #[derive(Debug, Clone)]
 pub struct Loaded {
-    /// The complete scene; paths in it work from the current directory.
+    /// Complete scene; its paths are valid from the current directory.
     pub scene: Scene,
-    /// The scene file.
+    /// Path of the scene file.
     pub path: PathBuf,
-    /// Its folder.
+    /// Folder of the scene file.
     pub dir: PathBuf,
-    /// All files read, the scene file first, then its includes.
+    /// Paths of all files read: the scene file, then its includes.
     pub sources: Vec<PathBuf>,
-    /// What stands where.
+    /// Positions of the fields in the files.
     places: Arc<Places>,
 }
 
 impl Loaded {
-    /// An error about a field of the scene as one that shows where the field stands; others as they are.
+    /// Turns an error about a field of the scene into one that shows the place of the field; returns other errors
+    /// unchanged.
     pub fn place(&self, error: Error) -> Error {
         self.places.place(error, None)
     }
 }
 
-/// All scenes of a file: one per object.
+/// All scenes of a file, one per object.
 #[derive(Debug, Clone)]
 pub struct LoadedSet {
-    /// The scenes, in the order of the file; at least one. Paths in them work from the current directory.
+    /// Scenes in the order of the file, at least one. Their paths are valid from the current directory.
     pub scenes: Vec<NamedScene>,
-    /// How the poses are shared out between training and test.
+    /// Division of the poses into training and test.
     pub split: Split,
-    /// The scene file.
+    /// Path of the scene file.
     pub path: PathBuf,
-    /// All files read, the scene file first, then its includes.
+    /// Paths of all files read: the scene file, then its includes.
     pub sources: Vec<PathBuf>,
-    /// What stands where.
+    /// Positions of the fields in the files.
     places: Arc<Places>,
 }
 
-/// Loads a scene file of one object. The error is an [`Error::Scene`] ready to print.
+/// Loads a scene file of one object.
+///
+/// # Errors
+/// Returns an [`Error::Scene`] ready to print if a file cannot be read, a value is refused or the file has several
+/// objects.
 pub fn load(path: impl AsRef<Path>) -> Result<Loaded> {
     load_object(path, None)
 }
 
-/// Loads one object's scene out of a scene file; None is the only one that there is.
+/// Loads the scene of one object from a scene file; None stands for the only object.
+///
+/// # Errors
+/// Returns an [`Error::Scene`] ready to print if a file cannot be read, a value is refused, no object has this name, or
+/// the file has several objects and none is named.
 pub fn load_object(path: impl AsRef<Path>, object: Option<&str>) -> Result<Loaded> {
     let mut set = load_set(path)?.only(object)?;
     if set.scenes.len() > 1 {
@@ -80,7 +89,7 @@ impl LoadedSet {
     /// Keeps the object of this name; None keeps all.
     ///
     /// # Errors
-    /// A name that no object has.
+    /// Fails if no object has this name.
     pub fn only(mut self, object: Option<&str>) -> Result<Self> {
         let Some(name) = object else { return Ok(self) };
         match self.scenes.iter().position(|s| s.name.as_str() == name) {
@@ -94,12 +103,13 @@ impl LoadedSet {
         }
     }
 
-    /// An error about a field of the scene of the object `name` as one that shows where the field stands; others as they are.
+    /// Turns an error about a field of the scene of the object `name` into one that shows the place of the field; returns other errors
+    /// unchanged.
     pub fn place(&self, error: Error, name: &Name) -> Error {
         self.places.place(error, Some(name))
     }
 
-    /// The names of the objects for a message; of many the first ones.
+    /// Returns the names of the objects for a message, at most the first 20.
     fn names(&self) -> String {
         const SHOWN: usize = 20;
         let mut names: Vec<_> = self.scenes.iter().take(SHOWN).map(|s| s.name.as_str()).collect();
@@ -114,7 +124,11 @@ impl LoadedSet {
     }
 }
 
-/// Loads all scenes of a file, one per object. The error is an [`Error::Scene`] ready to print.
+/// Loads all scenes of a file, one per object.
+///
+/// # Errors
+/// Returns an [`Error::Scene`] ready to print if a file cannot be read, a value is refused, a field is missing or fields
+/// do not fit together.
 pub fn load_set(path: impl AsRef<Path>) -> Result<LoadedSet> {
     let path = path.as_ref();
     let mut loader = Loader::default();
@@ -138,12 +152,12 @@ pub fn load_set(path: impl AsRef<Path>) -> Result<LoadedSet> {
     Ok(LoadedSet { scenes, split, path: path.to_path_buf(), sources, places: Arc::new(places) })
 }
 
-/// What stands where in the files of a scene.
+/// Positions of the fields in the files of a scene.
 #[derive(Debug)]
 struct Places {
     sources: Vec<Source>,
     origins: Origins,
-    /// Names of the list of objects, and whether each has grasps of its own; empty where there is one object.
+    /// Names of the listed objects, each with true if it has grasps of its own; empty if the scene has one object.
     listed: Vec<(Name, bool)>,
 }
 
@@ -155,7 +169,7 @@ impl Places {
         self.error_at(&self.written(field, index), text.strip_prefix("error: ").unwrap_or(&text))
     }
 
-    /// The field as the file has it: an object and its grasps may stand in the list of objects.
+    /// Returns the path of a field as the file has it: an object and its grasps may stand in the list of objects.
     fn written(&self, field: &str, index: Option<usize>) -> String {
         let listed = index.and_then(|i| Some((i, self.listed.get(i)?.1)));
         match listed {
@@ -166,13 +180,13 @@ impl Places {
         }
     }
 
-    /// An error at a field, in the file that gives it.
+    /// Returns an error at a field, in the file that gives it.
     fn error_at(&self, field: &str, message: &str) -> Error {
         let first = field.split(['.', '[']).next().unwrap_or("");
         self.sources[self.origins.get(first).copied().unwrap_or(0)].error_at(field, message)
     }
 
-    /// Bytes of all files beside the list of objects.
+    /// Returns the number of bytes of all files outside the list of objects.
     fn shared(&self) -> usize {
         let listed = self.origins.get("objects").map_or(0, |at| self.sources[*at].length("objects"));
         self.sources.iter().map(|s| s.text.len()).sum::<usize>() - listed
@@ -184,15 +198,18 @@ fn parse(text: &str) -> std::result::Result<ScenePart, ron::error::SpannedError>
     options().from_str(text)
 }
 
-/// The RON dialect of scene files, for reading and writing: `Some` is implied, `Sphere(radius: 1)` needs no double
-/// parentheses.
+/// Returns the RON dialect of scene files, for reading and writing: `Some` is implied, `Sphere(radius: 1)` needs no
+/// double parentheses.
 pub fn options() -> ron::Options {
     ron::Options::default()
         .with_default_extension(Extensions::IMPLICIT_SOME)
         .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
 }
 
-/// The scene as a RON text that loads as the same scene, all defaults written out.
+/// Returns the scene as a RON text that loads as the same scene, with all defaults written out.
+///
+/// # Errors
+/// Fails if the scene cannot be written as RON.
 pub fn to_ron(scene: &Scene) -> Result<String> {
     let pretty = ron::ser::PrettyConfig::new().indentor("    ").compact_arrays(true);
     options()
@@ -201,18 +218,18 @@ pub fn to_ron(scene: &Scene) -> Result<String> {
         .map_err(|e| Error::Scene(format!("error: the scene cannot be written as RON: {e}")))
 }
 
-/// The scene that [`to_ron`] wrote; paths in it are taken as they stand.
+/// Reads a scene that [`to_ron`] wrote; its paths are kept unchanged.
 ///
 /// # Errors
-/// A text that is no complete scene.
+/// Fails if the text is not a complete scene.
 pub fn from_ron(text: &str) -> Result<Scene> {
     complete(parse(text).map_err(|e| Error::Scene(format!("error: no scene: {e}")))?)
 }
 
-/// The scene of a `run.json`; paths in it are taken as they stand.
+/// Reads the scene of a `run.json`; its paths are kept unchanged.
 ///
 /// # Errors
-/// A value that is no complete scene.
+/// Fails if the value is not a complete scene.
 pub fn from_json(value: &serde_json::Value) -> Result<Scene> {
     complete(ScenePart::deserialize(value).map_err(|e| Error::Scene(format!("error: no scene: {e}")))?)
 }
@@ -228,7 +245,7 @@ fn complete(part: ScenePart) -> Result<Scene> {
 /// Checks a complete scene once more, after a change.
 ///
 /// # Errors
-/// A field that does not go with the rest.
+/// Fails if a field does not fit the rest.
 pub fn recheck(scene: &Scene) -> Result<()> {
     check::check(scene).map_err(|p| Error::Scene(format!("error: {}: {}", p.path, p.message)))
 }
@@ -244,19 +261,19 @@ impl Source {
         Error::Scene(diagnosis.render(&self.path, &self.text))
     }
 
-    /// Bytes of the value of a field of this file.
+    /// Returns the length of the value of a field of this file, bytes.
     fn length(&self, field: &str) -> usize {
         Outline::of(&self.text).find(field).map_or(0, |e| e.value.len())
     }
 
-    /// An error at a field of this file, named in the message.
+    /// Returns an error at a field of this file, named in the message.
     fn error_at(&self, field: &str, message: &str) -> Error {
         let span = Outline::of(&self.text).find(field).map_or(0..0, |e| e.value.clone());
         self.error(&Diagnosis::new(&format!("{field}: {message}"), span))
     }
 }
 
-/// The file that gave each field, as an index into the sources.
+/// Index of the source that gave each field.
 type Origins = BTreeMap<&'static str, usize>;
 
 #[derive(Default)]
@@ -265,7 +282,7 @@ struct Loader {
 }
 
 impl Loader {
-    /// The file with all that it includes. `chain` holds the files being read, outermost first.
+    /// Reads the file with all that it includes. `chain` holds the files being read, outermost first.
     fn tree(
         &mut self,
         path: &Path,
@@ -347,7 +364,7 @@ fn read_part(source: &Source) -> Result<ScenePart> {
     Ok(part)
 }
 
-/// Makes paths start at the file that names them, and refuses those that lead nowhere.
+/// Resolves paths from the folder of the file that names them, and refuses those that lead nowhere.
 fn resolve_paths(part: &mut ScenePart, dir: &Path) -> std::result::Result<(), (String, String)> {
     let file = |path: &mut PathBuf, field: String| {
         *path = dir.join(&*path);

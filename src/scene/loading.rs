@@ -1,18 +1,18 @@
-//! How the grasp is loaded after first contact.
+//! Loading of the grasp after first contact.
 
 use super::defaults;
 use super::dynamic::Dynamic;
 use super::leaf::{Count, Length, Positive};
 use serde::{Deserialize, Serialize};
 
-/// The recorded phase of a grasp.
+/// Recorded phase of a grasp.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Loading {
-    /// Raise the squeezing force from contact to `force`; frames are recorded at equal steps of force.
+    /// Squeezing force raised from contact to `force`; frames are recorded at equal steps of force.
     Squeeze(Squeeze),
-    /// Move the pads on by given travels after contact: tests on a fixed object.
+    /// Pads moved by given travels after contact: tests on a fixed object.
     Press(Press),
-    /// Let time run while the hand moves, with inertia.
+    /// Motion of the hand in time, with inertia.
     Dynamic(Dynamic),
 }
 
@@ -21,16 +21,17 @@ pub enum Loading {
 #[serde(deny_unknown_fields)]
 pub struct Squeeze {
     /// Final force, N: the SUM over the fingers of |normal force|, the convention of DefGraspSim. With two fingers each
-    /// pad carries half of it (15 N is 7.5 N per pad); with `fingers: One` the one pad carries all.
+    /// pad carries half of it (15 N is 7.5 N per pad); with `fingers: One` the single pad carries all of it.
     pub force: Positive,
     /// Force of the first frame, N; equal steps lead from there to `force`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<Positive>,
-    /// Force at which a free object is let go, N: until then it is held where it is, and its support carries its weight. At most `force`.
-    /// If not given, that which turns single points of contact into patches, and for an object with weight at least half of `force`.
+    /// Force at which a free object is released, N: until then it is held in place, and its support carries its weight. At most `force`.
+    /// The default is the force that turns single points of contact into patches; for an object with weight it is at least half of
+    /// `force`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub release: Option<Positive>,
-    /// Recorded frames: frame k of n is at `force * k / n`, k = 1..=n, without `from`.
+    /// Number of recorded frames: frame k of n is at `force * k / n`, k = 1..=n, without `from`.
     #[serde(default = "defaults::frames")]
     pub frames: Count<1, 10000>,
 }
@@ -42,16 +43,16 @@ pub struct Press {
     /// Final travel of each finger after its pad's first contact, m.
     #[serde(default)]
     pub depth: Option<Length>,
-    /// Recorded frames up to `depth`, at equal steps; [`defaults::FRAMES`] if not given.
+    /// Number of recorded frames up to `depth`, at equal steps; [`defaults::FRAMES`] if not given.
     #[serde(default)]
     pub frames: Option<Count<1, 10000>>,
-    /// Or: the travels to record at, m, increasing.
+    /// Alternative to `depth`: increasing travels at which frames are recorded, m.
     #[serde(default)]
     pub depths: Option<Vec<Length>>,
 }
 
 impl Squeeze {
-    /// Total force at each recorded frame, N.
+    /// Returns the total force at each recorded frame, N.
     pub fn levels(&self) -> Vec<f64> {
         let (last, n) = (self.force.get(), self.frames.get());
         match self.from.map(Positive::get) {
@@ -65,7 +66,7 @@ impl Squeeze {
 }
 
 impl Press {
-    /// Travel after contact at each recorded frame, m.
+    /// Returns the travel after contact at each recorded frame, m.
     pub fn levels(&self) -> Vec<f64> {
         match (&self.depths, self.depth) {
             (Some(depths), _) => depths.iter().map(|d| d.get()).collect(),
@@ -77,7 +78,7 @@ impl Press {
 }
 
 impl Loading {
-    /// Load at each recorded frame: total force, N, travel after contact, m, or time, s.
+    /// Returns the load at each recorded frame: total force, N, travel after contact, m, or time, s.
     pub fn levels(&self) -> Vec<f64> {
         match self {
             Loading::Squeeze(squeeze) => squeeze.levels(),
@@ -86,7 +87,10 @@ impl Loading {
         }
     }
 
-    /// Records another number of frames up to the same load; the error is a message for the user.
+    /// Sets the number of recorded frames up to the same load.
+    ///
+    /// # Errors
+    /// Returns a message for the user if the number is not allowed or the press is at given `depths`.
     pub fn set_frames(&mut self, frames: u64) -> Result<(), String> {
         let frames = Count::new(frames).map_err(|m| format!("--frames {m}"))?;
         match self {
@@ -101,7 +105,7 @@ impl Loading {
     }
 }
 
-/// `n` equal steps up to `last`, which is met exactly.
+/// Returns `n` equal steps up to `last`, which is met exactly.
 fn steps(last: f64, n: usize) -> Vec<f64> {
     (1..=n).map(|k| if k == n { last } else { last * k as f64 / n as f64 }).collect()
 }

@@ -1,23 +1,23 @@
-//! What the pads are made of.
+//! Material of the pads.
 
 use super::defaults;
 use super::leaf::{Modulus, Poisson, Positive};
 use serde::de::{Deserializer, Error as _};
 use serde::{Deserialize, Serialize, Serializer};
 
-/// A soft material by law and constants, or by the name of a preset.
+/// Soft material, given by law and constants or by the name of a preset.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Material")]
 pub enum MaterialChoice {
-    /// A named material: `"gelsight_mini"`, `"tacgrasp"` or `"biotac"`.
+    /// Named material: `"gelsight_mini"`, `"tacgrasp"` or `"biotac"`.
     Preset(Preset),
-    /// Compressible neo-Hookean by E and nu.
+    /// Compressible neo-Hookean material, given by E and nu.
     NeoHookean(Elastic),
-    /// Compressible neo-Hookean by C10 = mu / 2 and nu.
+    /// Compressible neo-Hookean material, given by C10 = mu / 2 and nu.
     NeoHookeanC10(ElasticC10),
-    /// Corotated linear elasticity by E and nu: rotations are exact, strains small.
+    /// Corotated linear elasticity, given by E and nu: rotations are exact, strains are small.
     Corotational(Elastic),
-    /// Linear elasticity by E and nu: rotations and strains small.
+    /// Linear elasticity, given by E and nu: rotations and strains are small.
     Linear(Elastic),
 }
 
@@ -35,7 +35,7 @@ pub struct Elastic {
     pub young: Modulus,
     /// Poisson's ratio nu.
     pub poisson: Poisson,
-    /// kg/m3.
+    /// Density, kg/m3.
     #[serde(default = "defaults::gel_density")]
     pub density: Positive,
 }
@@ -48,18 +48,18 @@ pub struct ElasticC10 {
     pub c10: Modulus,
     /// Poisson's ratio nu.
     pub poisson: Poisson,
-    /// kg/m3.
+    /// Density, kg/m3.
     #[serde(default = "defaults::gel_density")]
     pub density: Positive,
 }
 
-/// A named material.
+/// Named material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Preset {
     /// `"gelsight_mini"`: neo-Hookean, C10 = 0.0725 MPa (E = 0.435 MPa when incompressible), nu 0.49; identified on the
     /// real sensor by FEATS.
     GelSightMini,
-    /// `"tacgrasp"`: neo-Hookean, E 0.5 MPa, nu 0.4; what users of the tactile grasp data set take.
+    /// `"tacgrasp"`: neo-Hookean, E 0.5 MPa, nu 0.4; used by users of the tactile grasp data set.
     TacGrasp,
     /// `"biotac"`: neo-Hookean, E 1.552231 MPa, nu 0.316454.
     BioTac,
@@ -69,7 +69,7 @@ impl Preset {
     /// All presets.
     pub const ALL: [Preset; 3] = [Preset::GelSightMini, Preset::TacGrasp, Preset::BioTac];
 
-    /// Its name in scene files.
+    /// Returns the name in scene files.
     pub const fn name(self) -> &'static str {
         match self {
             Preset::GelSightMini => "gelsight_mini",
@@ -78,7 +78,7 @@ impl Preset {
         }
     }
 
-    /// Its law and constants.
+    /// Returns the law and the constants.
     pub fn spec(self) -> MaterialSpec {
         let (young, poisson) = match self {
             Preset::GelSightMini => (young_of_c10(0.0725e6, 0.49), 0.49),
@@ -105,7 +105,7 @@ impl<'de> Deserialize<'de> for Preset {
     }
 }
 
-/// A constitutive law.
+/// Constitutive law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Law {
     /// Compressible neo-Hookean.
@@ -116,21 +116,21 @@ pub enum Law {
     Linear,
 }
 
-/// A material with nothing left to look up.
+/// Material with its law and constants resolved.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MaterialSpec {
-    /// The law.
+    /// Constitutive law.
     pub law: Law,
     /// Young's modulus E, Pa.
     pub young: f64,
     /// Poisson's ratio nu.
     pub poisson: f64,
-    /// kg/m3.
+    /// Density, kg/m3.
     pub density: f64,
 }
 
 impl MaterialChoice {
-    /// Law and constants.
+    /// Returns the law and the constants.
     pub fn spec(self) -> MaterialSpec {
         let of = |law, e: Elastic| MaterialSpec {
             law,
@@ -154,7 +154,10 @@ impl MaterialChoice {
 }
 
 impl MaterialChoice {
-    /// The same law and density with other elastic constants (Pa and none); the error is what a scene file would be told.
+    /// Returns a material of the same law and density with other elastic constants: E, Pa, and Poisson's ratio.
+    ///
+    /// # Errors
+    /// Fails if a constant is not allowed, with the message that a scene file would get.
     pub fn with(self, young: f64, poisson: f64) -> Result<Self, String> {
         let spec = self.spec();
         let elastic = Elastic {
@@ -170,7 +173,7 @@ impl MaterialChoice {
     }
 }
 
-/// E = 2 mu (1 + nu) with mu = 2 C10.
+/// Computes E = 2 mu (1 + nu) with mu = 2 C10.
 fn young_of_c10(c10: f64, poisson: f64) -> f64 {
     4.0 * c10 * (1.0 + poisson)
 }

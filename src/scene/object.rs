@@ -1,4 +1,4 @@
-//! The rigid object.
+//! Rigid object.
 
 use super::defaults;
 use super::leaf::{Count, Depth, Length, NonNegative, Positive};
@@ -6,82 +6,83 @@ use super::vector::{Size, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// The rigid object: shape, weight and whether it may move.
+/// Rigid object: shape, weight and freedom to move.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Object {
-    /// Its shape, in the object frame.
+    /// Shape in the object frame.
     pub shape: ObjectShape,
     /// Factor on all lengths of the shape.
     #[serde(default = "defaults::scale")]
     pub scale: Positive,
-    /// Mends the surface of a file that bounds no solid: welds, fills holes, and else samples its winding number anew.
+    /// Switch for the repair of a surface from a file that does not bound a solid: vertices are welded and holes filled;
+    /// if that is not enough, the winding number of the surface is sampled anew.
     #[serde(default)]
     pub repair: bool,
-    /// kg/m3.
+    /// Density, kg/m3.
     #[serde(default = "defaults::object_density")]
     pub density: Positive,
-    /// Divisions of a full turn of a generated round surface: what is drawn and written, and the contact geometry where the
-    /// shape has no closed form.
+    /// Divisions of a full turn of a generated round surface, which is drawn and written and is the contact geometry if
+    /// the shape has no closed form.
     #[serde(default = "defaults::segments")]
     pub segments: Count<8, 512>,
-    /// Whether it may move.
+    /// Freedom of the object to move.
     #[serde(default)]
     pub motion: ObjectMotion,
-    /// Velocity of its centre of mass at the start of a dynamic scene, world axes, m/s.
+    /// Velocity of the object's centre of mass at the start of a dynamic scene, world axes, m/s.
     #[serde(default)]
     pub velocity: Option<Vec3>,
-    /// Angular velocity at the start of a dynamic scene, world axes, rad/s.
+    /// Angular velocity of the object at the start of a dynamic scene, world axes, rad/s.
     #[serde(default)]
     pub spin: Option<Vec3>,
 }
 
-/// Whether the object may move.
+/// Freedom of the object to move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename = "Motion")]
 pub enum ObjectMotion {
-    /// Moves as a rigid body under contact, friction and gravity.
+    /// Rigid body that moves under contact, friction and gravity.
     #[default]
     Free,
-    /// Held in place.
+    /// Object held in place.
     Fixed,
 }
 
-/// A shape, centred on its frame's origin unless said otherwise, its axis along z where it has one.
+/// Shape, centred on the origin of its frame unless stated otherwise, with its axis along z if it has one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Shape")]
 pub enum ObjectShape {
-    /// A closed surface from an OBJ, STL or PLY file, in metres (else use `scale`), in the file's own frame.
+    /// Closed surface from an OBJ, STL or PLY file, in metres (otherwise use `scale`), in the file's own frame.
     Mesh(PathBuf),
-    /// A ball.
+    /// Ball.
     Sphere(Sphere),
-    /// A box with edges along x, y, z.
+    /// Box with edges along x, y, z.
     Cuboid(Cuboid),
-    /// An ellipsoid with axes along x, y, z.
+    /// Ellipsoid with axes along x, y, z.
     Ellipsoid(Ellipsoid),
-    /// A cylinder.
+    /// Cylinder.
     Cylinder(Cylinder),
-    /// A cylinder with half balls on its ends.
+    /// Cylinder with half balls on its ends.
     Capsule(Capsule),
-    /// A prism over a regular polygon.
+    /// Prism over a regular polygon.
     Prism(Prism),
-    /// A cylinder with a hole along its axis.
+    /// Cylinder with a hole along its axis.
     Annulus(Annulus),
-    /// A cylinder with a bottom and no lid.
+    /// Cylinder with a bottom and no lid.
     Cup(Cup),
-    /// A spindle with two nipples, along z.
+    /// Spindle with two nipples, along z.
     Lemon(Lemon),
-    /// A rounded cone, along z, tip down.
+    /// Rounded cone, along z, tip down.
     Strawberry(Strawberry),
-    /// A bulb at -z that narrows to +z.
+    /// Bulb at -z that narrows to +z.
     Pear(Pear),
-    /// A bent spindle in the xz plane.
+    /// Bent spindle in the xz plane.
     Banana(Banana),
-    /// A lumpy ellipsoid.
+    /// Lumpy ellipsoid.
     Potato(Potato),
-    /// A profile turned about z.
+    /// Profile turned about z.
     Revolve(Revolve),
-    /// A tube about a path, its radius changing on the way.
+    /// Tube along a path, with a radius that changes on the way.
     Sweep(Sweep),
 }
 
@@ -96,12 +97,12 @@ macro_rules! shapes {
 }
 
 shapes! {
-    /// A ball.
+    /// Ball.
     Sphere {
-        /// m.
+        /// Radius, m.
         radius: Length,
     }
-    /// A box.
+    /// Box.
     Cuboid {
         /// Edge lengths along x, y, z, rounding included, m.
         size: Size,
@@ -109,116 +110,117 @@ shapes! {
         #[serde(default = "defaults::edge_radius")]
         edge_radius: Depth,
     }
-    /// An ellipsoid.
+    /// Ellipsoid.
     Ellipsoid {
         /// Half axes along x, y, z, m.
         radii: Size,
     }
-    /// A cylinder with sharp rims.
+    /// Cylinder with sharp rims.
     Cylinder {
-        /// m.
+        /// Radius, m.
         radius: Length,
-        /// Along z, m.
+        /// Height along z, m.
         height: Length,
     }
-    /// A capsule.
+    /// Capsule.
     Capsule {
-        /// m.
+        /// Radius, m.
         radius: Length,
-        /// Of the cylindrical part alone, m: the whole is `height + 2 radius` long.
+        /// Height of the cylindrical part alone, m: the whole is `height + 2 radius` long.
         height: Length,
     }
-    /// A prism over a regular polygon.
+    /// Prism over a regular polygon.
     Prism {
-        /// Corners of the polygon.
+        /// Number of corners of the polygon.
         sides: Count<3, 100>,
-        /// From the axis to a corner, m.
+        /// Distance from the axis to a corner, m.
         radius: Length,
-        /// Along z, m.
+        /// Height along z, m.
         height: Length,
     }
-    /// A cylinder with a hole.
+    /// Cylinder with a hole.
     Annulus {
         /// Outer radius, m.
         outer: Length,
         /// Radius of the hole, m.
         inner: Length,
-        /// Along z, m.
+        /// Height along z, m.
         height: Length,
     }
-    /// A cup, open at the top (+z).
+    /// Cup, open at the top (+z).
     Cup {
         /// Outer radius, m.
         radius: Length,
-        /// Along z, m.
+        /// Height along z, m.
         height: Length,
         /// Thickness of wall and bottom, m.
         wall: Length,
     }
-    /// A lemon.
+    /// Lemon.
     Lemon {
-        /// Tip to tip, m.
+        /// Length from tip to tip, m.
         #[serde(default = "defaults::lemon_length")]
         length: Length,
-        /// Largest, m.
+        /// Largest diameter, m.
         #[serde(default = "defaults::lemon_diameter")]
         diameter: Length,
     }
-    /// A strawberry.
+    /// Strawberry.
     Strawberry {
-        /// Stalk to tip, m.
+        /// Length from stalk to tip, m.
         #[serde(default = "defaults::strawberry_length")]
         length: Length,
-        /// Largest, m.
+        /// Largest diameter, m.
         #[serde(default = "defaults::strawberry_diameter")]
         diameter: Length,
     }
-    /// A pear.
+    /// Pear.
     Pear {
-        /// End to end, m.
+        /// Length from end to end, m.
         #[serde(default = "defaults::pear_length")]
         length: Length,
-        /// Largest, m.
+        /// Largest diameter, m.
         #[serde(default = "defaults::pear_diameter")]
         diameter: Length,
     }
-    /// A banana.
+    /// Banana.
     Banana {
-        /// Along its bend, m.
+        /// Length along the bend, m.
         #[serde(default = "defaults::banana_length")]
         length: Length,
-        /// Largest, m.
+        /// Largest diameter, m.
         #[serde(default = "defaults::banana_diameter")]
         diameter: Length,
-        /// Angle that its arc turns, degrees; 1 to 170.
+        /// Angle that the arc turns, degrees; 1 to 170.
         #[serde(default = "defaults::banana_bend")]
         bend_deg: Positive,
     }
-    /// A potato.
+    /// Potato.
     Potato {
-        /// Half axes before it is made lumpy, m.
+        /// Half axes before the lumps are added, m.
         #[serde(default = "defaults::potato_radii")]
         radii: Size,
-        /// Height of its lumps as a fraction of its radius; at most 0.3.
+        /// Height of the lumps as a fraction of the radius; at most 0.3.
         #[serde(default = "defaults::potato_roughness")]
         roughness: NonNegative,
-        /// Which potato: the same seed gives the same one.
+        /// Seed of the lumps; the same seed gives the same potato.
         #[serde(default)]
         seed: u64,
     }
-    /// A solid of revolution.
+    /// Solid of revolution.
     Revolve {
-        /// Points (r, z), m: a line from the axis to the axis (r = 0 at both ends, r > 0 between), or a loop off it.
+        /// Points (r, z) of the profile, m: a line from the axis to the axis (r = 0 at both ends, r > 0 between), or a
+        /// loop off it.
         profile: Vec<Vec2>,
-        /// The profile is a loop (its first point not repeated): the solid is a ring.
+        /// Flag of a profile that is a loop (its first point not repeated): the solid is then a ring.
         #[serde(default)]
         closed: bool,
     }
-    /// A swept tube.
+    /// Swept tube.
     Sweep {
         /// Points of the centre line, m.
         path: Vec<Vec3>,
-        /// Radius at each point, or one for all, m. Zero at an end makes a tip, else the end is flat.
+        /// Radius at each point, or one for all, m. Zero at an end makes a tip; otherwise the end is flat.
         radii: Vec<Depth>,
     }
 }

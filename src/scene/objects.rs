@@ -1,4 +1,4 @@
-//! Several objects in one scene file: each with its name and its grasps, everything else shared. For data sets.
+//! Several objects in one scene file, each with its name and its grasps; everything else is shared. For data sets.
 
 use super::grasps::Grasps;
 use super::leaf::Fraction;
@@ -7,25 +7,28 @@ use super::schema::Scene;
 use serde::de::{Deserializer, Error as _};
 use serde::{Deserialize, Serialize};
 
-/// One of the objects of a scene file.
+/// Object of a scene file with several objects.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Entry {
-    /// Names its files.
+    /// Name of the object, used in the names of its files.
     pub name: Name,
-    /// The object.
+    /// Rigid object.
     pub object: Object,
-    /// Its grasps; None takes those of the scene.
+    /// Grasps of the object; None takes those of the scene.
     #[serde(default)]
     pub grasps: Option<Grasps>,
 }
 
-/// Letters, digits and `-`: other programs take the first field of a file name, up to `_`, for the object.
+/// Name of letters, digits and `-`: other programs read the first field of a file name, up to `_`, as the object.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Name(String);
 
 impl Name {
-    /// The name if it is allowed; else the message that a scene file would get.
+    /// Returns the name if it is allowed.
+    ///
+    /// # Errors
+    /// Fails if the name is not allowed, with the message that a scene file would get.
     pub fn new(name: &str) -> Result<Self, String> {
         let fits = |c: char| c.is_ascii_alphanumeric() || c == '-';
         if (1..=64).contains(&name.len()) && name.chars().all(fits) && !name.starts_with('-') {
@@ -34,7 +37,7 @@ impl Name {
         Err(format!("{name:?} cannot name an object\nallowed: 1 to 64 letters, digits and `-` (no `_`, no blank)"))
     }
 
-    /// The nearest allowed name: what is not allowed becomes `-`.
+    /// Returns the nearest allowed name: every character that is not allowed becomes `-`.
     pub fn near(text: &str) -> Self {
         let fit = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
         let name: String = text.chars().map(fit).take(64).collect();
@@ -42,7 +45,7 @@ impl Name {
         Self(if name.is_empty() { "object".into() } else { name.into() })
     }
 
-    /// The text.
+    /// Returns the text.
     pub fn as_str(&self) -> &str {
         &self.0
     }
@@ -54,13 +57,13 @@ impl<'de> Deserialize<'de> for Name {
     }
 }
 
-/// How the poses of each object are shared out between training and test.
+/// Division of the poses of each object into training and test.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Split {
-    /// Part of the poses of each object that is kept for the test.
+    /// Fraction of the poses of each object that is kept for the test.
     pub test: Fraction,
-    /// The same seed gives the same split.
+    /// Seed of the division; the same seed gives the same division.
     pub seed: u64,
 }
 
@@ -70,11 +73,11 @@ impl Default for Split {
     }
 }
 
-/// The scene of one object, with the object's name.
+/// Scene of one object, with the object's name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedScene {
     /// Name of the object.
     pub name: Name,
-    /// The scene as if it had this object only.
+    /// Scene as if it had this object only.
     pub scene: Scene,
 }

@@ -1,9 +1,9 @@
-//! What an agent may ask to see.
+//! Observations that an agent may ask for.
 
 use super::leaf::Count;
 use serde::{Deserialize, Serialize};
 
-/// An observation.
+/// Observation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Observe {
     /// Contact force on the pads as an image, N.
@@ -21,7 +21,7 @@ pub enum Observe {
 }
 
 impl Observe {
-    /// What an agent sees unless said otherwise.
+    /// Observations of an agent by default.
     pub const USUAL: [Observe; 4] =
         [Observe::TaxelForce(Grid::USUAL), Observe::Wrench, Observe::Travel, Observe::Force];
 }
@@ -30,14 +30,14 @@ impl Observe {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Grid {
-    /// Along x of the pad, which is the hand's approach.
+    /// Number along x of the pad, which is the hand's approach.
     pub rows: Count<1, 512>,
-    /// Along y.
+    /// Number along y of the pad.
     pub cols: Count<1, 512>,
 }
 
 impl Grid {
-    /// Unless said otherwise.
+    /// Default grid.
     pub const USUAL: Grid = Grid { rows: Count::preset(8), cols: Count::preset(8) };
 
     /// Number of taxels.

@@ -1,17 +1,18 @@
-//! Where things are in a scene's text: a scanner that knows just enough RON to give every field a path and a place.
+//! Positions of values in the text of a scene: a scanner that knows just enough RON to give every field a path and a
+//! place.
 //!
-//! serde forgets positions once a value is read, but checks across fields come after that, and messages should name the
-//! field they are about. On broken text the outline simply ends early.
+//! serde forgets positions once a value is read. Checks across fields come later, and their messages should show the
+//! field that they are about. On broken text the outline simply ends early.
 
 use super::diagnose::clipped;
 use std::ops::Range;
 
-/// A field or list element and where it stands.
+/// Field or list element with its position in the text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct OutlineEntry {
-    /// Its place in the tree of the text.
+    /// Node in the tree of the text.
     node: usize,
-    /// Byte range of the key, or of the value where there is no key.
+    /// Byte range of the key, or of the value if there is no key.
     pub key: Range<usize>,
     /// Byte range of the value.
     pub value: Range<usize>,
@@ -19,19 +20,19 @@ pub(super) struct OutlineEntry {
     pub name: Option<Range<usize>>,
 }
 
-/// How a path goes on from what is around.
+/// Step of a path from a parent.
 #[derive(Debug, Clone)]
 enum Step {
-    /// The whole file.
+    /// Whole file.
     Root,
-    /// To a field: where its key stands.
+    /// Field, with the byte range of its key.
     Key(Range<usize>),
-    /// To an element of a list.
+    /// Element of a list.
     Index(usize),
 }
 
-/// A place that a path leads to. Paths are read off the tree when one is asked for: a text of a long key and a long list has many
-/// of them.
+/// Place that a path leads to. A path is read off the tree only on request, because a text with a long key and a long list has many
+/// paths.
 #[derive(Debug)]
 struct Node {
     parent: usize,
@@ -46,10 +47,10 @@ pub(super) struct Outline<'a> {
     entries: Vec<OutlineEntry>,
 }
 
-/// Most values of a scene file: far above any scene.
+/// Largest number of values of a scene file: far above any scene.
 pub(super) const VALUE_LIMIT: usize = 2_000_000;
 
-/// Deeper than any scene, shallower than any stack.
+/// Largest depth of nesting: deeper than any scene, shallower than any stack.
 const DEPTH_LIMIT: usize = 64;
 
 impl<'a> Outline<'a> {
@@ -75,12 +76,12 @@ impl<'a> Outline<'a> {
         self.entries.is_empty()
     }
 
-    /// All entries.
+    /// Returns all entries.
     pub fn entries(&self) -> &[OutlineEntry] {
         &self.entries
     }
 
-    /// The entry of this path, or of the nearest parent that is written out.
+    /// Returns the entry of this path, or of its nearest parent that is written out.
     pub fn find(&self, path: &str) -> Option<&OutlineEntry> {
         let mut path = path;
         loop {
@@ -117,7 +118,7 @@ impl<'a> Outline<'a> {
         path
     }
 
-    /// The last field of an entry's path; None for elements of lists and the whole file.
+    /// Returns the last field of an entry's path; None for elements of lists and for the whole file.
     pub fn field(&self, entry: &OutlineEntry) -> Option<&'a str> {
         match &self.nodes[entry.node].step {
             Step::Key(key) => Some(&self.text[key.clone()]),
@@ -125,7 +126,7 @@ impl<'a> Outline<'a> {
         }
     }
 
-    /// Whether `path` leads to this node.
+    /// Returns true if `path` leads to this node.
     fn leads(&self, node: usize, path: &str) -> bool {
         let (mut node, mut path) = (&self.nodes[node], path);
         loop {
@@ -146,12 +147,12 @@ impl<'a> Outline<'a> {
         }
     }
 
-    /// Path of the innermost entry that covers this byte; "" at the top.
+    /// Returns the path of the innermost entry that covers this byte; "" at the top.
     pub fn path_at(&self, at: usize) -> String {
         self.innermost(at).map_or(String::new(), |e| self.path(e))
     }
 
-    /// Value of the innermost entry that covers this byte.
+    /// Returns the value of the innermost entry that covers this byte.
     pub fn value_at(&self, at: usize) -> Option<Range<usize>> {
         self.innermost(at).map(|e| e.value.clone())
     }
@@ -235,7 +236,7 @@ impl Scan<'_> {
         (self.at > start).then_some(start..self.at)
     }
 
-    /// The node that a step leads to from `parent`.
+    /// Returns the node that a step leads to from `parent`.
     fn node(&mut self, parent: usize, step: Step) -> usize {
         self.nodes.push(Node { parent, step });
         self.nodes.len() - 1
@@ -261,7 +262,7 @@ impl Scan<'_> {
         self.entries.push(OutlineEntry { node, key: key.unwrap_or(value.clone()), value, name });
     }
 
-    /// Reads what stands between brackets. The only positional value after a name (`Sphere(0.1)`, `List([...])`) is the
+    /// Reads the text between brackets. The only positional value after a name (`Sphere(0.1)`, `List([...])`) is the
     /// named value itself and takes no index.
     fn group(&mut self, node: usize, named: bool, depth: usize) {
         if depth >= DEPTH_LIMIT || self.nodes.len() >= VALUE_LIMIT {
@@ -302,7 +303,7 @@ impl Scan<'_> {
         self.at += 1;
     }
 
-    /// A field name with its colon, or nothing and no move.
+    /// Reads a field name with its colon, or returns None without a move.
     fn key(&mut self) -> Option<Range<usize>> {
         let start = self.at;
         let key = self.identifier();

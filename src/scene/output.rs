@@ -1,18 +1,18 @@
-//! What a run writes.
+//! Output of a run.
 
 use serde::{Deserialize, Serialize};
 
-/// What a run writes; all of it but the gaps unless said otherwise.
+/// Output of a run; by default everything except the gaps.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename = "Record", default, deny_unknown_fields)]
 pub struct Record {
     /// Fields of each frame.
     pub fields: Vec<Field>,
-    /// PNG pictures.
+    /// Switch for PNG pictures.
     pub pictures: bool,
-    /// Arrays of all frames in one file; None writes none.
+    /// Format of the file with the arrays of all frames; None writes none.
     pub arrays: Option<Arrays>,
-    /// ParaView files.
+    /// Switch for ParaView files.
     pub vtu: bool,
 }
 
@@ -22,7 +22,7 @@ impl Default for Record {
     }
 }
 
-/// A recorded field.
+/// Recorded field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Field {
     /// Displacement of every soft node, m.
@@ -42,7 +42,7 @@ impl Field {
     pub const ALL: [Field; 5] =
         [Field::Displacement, Field::Stress, Field::ContactForce, Field::Gap, Field::ObjectPose];
 
-    /// Those recorded unless said otherwise: the distance of every node to the object costs a query each.
+    /// Fields recorded by default, without the gap: the distance of every node to the object costs a query each.
     pub const USUAL: [Field; 4] = [Field::Displacement, Field::Stress, Field::ContactForce, Field::ObjectPose];
 }
 

@@ -1,4 +1,4 @@
-//! The soft pads: generated or read from a file.
+//! Soft pads, generated or read from a file.
 
 use super::defaults;
 use super::either::{PathOrFields, path_or_fields};
@@ -7,17 +7,17 @@ use super::vector::{Cells, Size, Vec3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::path::PathBuf;
 
-/// A soft pad in the pad frame: origin at the centre of the sensing face, +z out of the gel, back face bonded to the
+/// Soft pad in the pad frame: origin at the centre of the sensing face, +z out of the gel, back face bonded to the
 /// finger. On the finger, pad x lies along the hand's approach (z) and pad y along the finger width (y).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Pads {
-    /// The gel of a GelSight Mini, 25.25 x 20.75 x 4.0 mm.
+    /// Gel of a GelSight Mini, 25.25 x 20.75 x 4.0 mm.
     GelSightMini(GelSightMini),
-    /// A box.
+    /// Box.
     Box(BoxPad),
-    /// A round disc.
+    /// Round disc.
     Disc(DiscPad),
-    /// A tetrahedral mesh: `.tet`, `.msh` or `.mesh`.
+    /// Tetrahedral mesh: `.tet`, `.msh` or `.mesh`.
     File(FilePad),
 }
 
@@ -28,7 +28,7 @@ impl Default for Pads {
 }
 
 impl Pads {
-    /// Error of the displacement, relative, that the mesh is to be chosen for; None where the scene says what mesh it is.
+    /// Returns the relative error of the displacement for which the mesh is chosen; None if the scene states the mesh.
     pub fn accuracy(&self) -> Option<f64> {
         let wanted = match self {
             Pads::GelSightMini(g) => g.accuracy,
@@ -39,7 +39,7 @@ impl Pads {
         wanted.map(Fraction::get)
     }
 
-    /// Width of the cells at the rim over those at the centre.
+    /// Returns the width of the cells at the rim over those at the centre.
     pub fn focus(&self) -> f64 {
         match self {
             Pads::GelSightMini(GelSightMini { focus, .. })
@@ -49,7 +49,7 @@ impl Pads {
         }
     }
 
-    /// The same pads with this mesh instead of an accuracy; None leaves what there is.
+    /// Returns the same pads with this mesh instead of an accuracy; None keeps the present value.
     pub fn with_mesh(&self, spacing: Option<Length>, focus: Option<Ratio>) -> Self {
         let mut pads = self.clone();
         match &mut pads {
@@ -64,19 +64,19 @@ impl Pads {
     }
 }
 
-/// The gel of a GelSight Mini. Give `spacing` or `accuracy`, not both.
+/// Gel of a GelSight Mini. Give `spacing` or `accuracy`, not both.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct GelSightMini {
-    /// Flat, as simulators model it, or domed, as the real one is.
+    /// Shape of the sensing face: flat, as simulators model it, or domed, like the real one.
     pub shape: GelShape,
-    /// Distance between nodes of the sensing face at its finest, m. If neither it nor `accuracy` is given: [`defaults::PAD_SPACING`].
+    /// Smallest distance between nodes of the sensing face, m. If neither it nor `accuracy` is given: [`defaults::PAD_SPACING`].
     pub spacing: Option<Length>,
-    /// Instead of a spacing: error of the displacement, relative, L2 over the volume; spacing and focus are chosen for it from the object
-    /// and the load, see [`crate::model::accuracy`].
+    /// Relative error of the displacement (L2 over the volume), an alternative to a spacing: spacing and focus are chosen for it from the
+    /// object and the load, see [`crate::model::accuracy`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Fraction>,
-    /// Thickness of each layer over that of the one before it, going away from the sensing face; 1 is uniform.
+    /// Thickness of each layer over that of the layer before it, away from the sensing face; 1 is uniform.
     pub grading: Ratio,
     /// Width of the cells at the rim over those at the centre; 1 is uniform.
     pub focus: Ratio,
@@ -95,39 +95,39 @@ impl Default for GelSightMini {
 }
 
 impl GelSightMini {
-    /// The spacing of the mesh where no accuracy asks for another.
+    /// Returns the spacing of the mesh if no accuracy asks for another.
     pub fn mesh_spacing(&self) -> Length {
         self.spacing.unwrap_or(defaults::PAD_SPACING)
     }
 }
 
-/// Sensing face of the GelSight Mini.
+/// Shape of the sensing face of the GelSight Mini.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum GelShape {
-    /// A plane.
+    /// Plane.
     #[default]
     Flat,
-    /// Radius about 115 mm along the short side and 188 mm along the long one.
+    /// Dome with a radius of about 115 mm along the short side and 188 mm along the long one.
     Domed,
 }
 
-/// A box of gel. Give one of `cells`, `spacing` and `accuracy`.
+/// Box of gel. Give one of `cells`, `spacing` and `accuracy`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Box", deny_unknown_fields)]
 pub struct BoxPad {
-    /// Edge lengths: x, y of the face and z, the thickness, m.
+    /// Edge lengths: x and y of the face, and z, the thickness, m.
     pub size: Size,
-    /// Cells along x, y, z.
+    /// Numbers of cells along x, y, z.
     #[serde(default)]
     pub cells: Option<Cells>,
-    /// Distance between nodes at the finest, m. If none of the three is given: [`defaults::PAD_SPACING`].
+    /// Smallest distance between nodes, m. If none of the three is given: [`defaults::PAD_SPACING`].
     #[serde(default)]
     pub spacing: Option<Length>,
-    /// Instead of a spacing: error of the displacement, relative, L2 over the volume; spacing and focus are chosen for it from the object
-    /// and the load, see [`crate::model::accuracy`].
+    /// Relative error of the displacement (L2 over the volume), an alternative to a spacing: spacing and focus are chosen for it from the
+    /// object and the load, see [`crate::model::accuracy`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Fraction>,
-    /// Thickness of each layer over that of the one before it, going away from the sensing face; 1 is uniform.
+    /// Thickness of each layer over that of the layer before it, away from the sensing face; 1 is uniform.
     #[serde(default = "defaults::pad_grading")]
     pub grading: Ratio,
     /// Width of the cells at the rim over those at the centre; 1 is uniform.
@@ -136,28 +136,28 @@ pub struct BoxPad {
 }
 
 impl BoxPad {
-    /// The spacing of the mesh where neither cells are given nor an accuracy asks for another.
+    /// Returns the spacing of the mesh if neither cells are given nor an accuracy asks for another.
     pub fn mesh_spacing(&self) -> Length {
         self.spacing.unwrap_or(defaults::PAD_SPACING)
     }
 }
 
-/// A round disc of gel. Give `spacing` or `accuracy`, not both.
+/// Round disc of gel. Give `spacing` or `accuracy`, not both.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Disc", deny_unknown_fields)]
 pub struct DiscPad {
-    /// m.
+    /// Radius, m.
     pub radius: Length,
-    /// m.
+    /// Thickness, m.
     pub thickness: Length,
     /// Distance between nodes, m. If neither it nor `accuracy` is given: [`defaults::DISC_SPACING`].
     #[serde(default)]
     pub spacing: Option<Length>,
-    /// Instead of a spacing: error of the displacement, relative, L2 over the volume; spacing and focus are chosen for it from the object
-    /// and the load, see [`crate::model::accuracy`].
+    /// Relative error of the displacement (L2 over the volume), an alternative to a spacing: spacing and focus are chosen for it from the
+    /// object and the load, see [`crate::model::accuracy`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Fraction>,
-    /// Thickness of each layer over that of the one before it, going away from the sensing face; 1 is uniform.
+    /// Thickness of each layer over that of the layer before it, away from the sensing face; 1 is uniform.
     #[serde(default = "defaults::pad_grading")]
     pub grading: Ratio,
     /// Width of the cells at the rim over those at the centre; 1 is uniform.
@@ -166,19 +166,19 @@ pub struct DiscPad {
 }
 
 impl DiscPad {
-    /// The spacing of the mesh where no accuracy asks for another.
+    /// Returns the spacing of the mesh if no accuracy asks for another.
     pub fn mesh_spacing(&self) -> Length {
         self.spacing.unwrap_or(defaults::DISC_SPACING)
     }
 }
 
-/// A pad from a tetrahedral mesh file; `File("pad.tet")` takes all defaults.
+/// Pad from a tetrahedral mesh file; `File("pad.tet")` takes all defaults.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "File", remote = "Self", deny_unknown_fields)]
 pub struct FilePad {
-    /// The mesh.
+    /// Path of the mesh file.
     pub path: PathBuf,
-    /// Direction out of the gel towards the object, in the file's axes; any length but zero.
+    /// Direction out of the gel towards the object, in the file's axes; any length except zero.
     #[serde(default = "defaults::pad_outward")]
     pub outward: Vec3,
     /// Direction that becomes x of the pad, in the file's axes; None takes the file's x (its y if `outward` is along x).
@@ -187,7 +187,8 @@ pub struct FilePad {
     /// Factor from the file's unit to metres.
     #[serde(default = "defaults::pad_scale")]
     pub scale: Positive,
-    /// Nodes within this distance of the back plane are bonded to the finger, m. None: the nodes on the plane only.
+    /// Distance from the back plane within which nodes are bonded to the finger, m. None bonds the nodes on the plane
+    /// only.
     #[serde(default)]
     pub attach_distance: Option<Depth>,
 }

@@ -1,18 +1,18 @@
-//! What an agent may be paid for, added up.
+//! Terms of the reward of an agent, which are added up.
 
 use super::leaf::{NonNegative, Positive};
 use serde::{Deserialize, Serialize};
 
-/// One term.
+/// Term of the reward.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Reward {
-    /// For holding the object.
+    /// Reward for holding the object.
     Hold(HoldReward),
-    /// Against slip.
+    /// Penalty for slip.
     Slip(SlipReward),
-    /// Against stress above a limit.
+    /// Penalty for stress above a limit.
     Stress(StressReward),
-    /// Against force.
+    /// Penalty for force.
     Economy(EconomyReward),
 }
 
@@ -22,14 +22,14 @@ impl Default for Reward {
     }
 }
 
-/// Pays `weight` per step that the object is held, takes `drop` when it is lost.
+/// Pays `weight` per step in which the object is held, and takes `drop` when it is lost.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 #[serde(rename = "Hold")]
 pub struct HoldReward {
-    /// Per step.
+    /// Reward per step.
     pub weight: NonNegative,
-    /// Once.
+    /// Penalty for the loss of the object, taken once.
     pub drop: NonNegative,
 }
 
@@ -44,7 +44,7 @@ impl Default for HoldReward {
 #[serde(default, deny_unknown_fields)]
 #[serde(rename = "Slip")]
 pub struct SlipReward {
-    /// Per mm.
+    /// Penalty per mm.
     pub weight: NonNegative,
 }
 
@@ -59,9 +59,9 @@ impl Default for SlipReward {
 #[serde(deny_unknown_fields)]
 #[serde(rename = "Stress")]
 pub struct StressReward {
-    /// Pa.
+    /// Limit of the stress, Pa.
     pub limit: Positive,
-    /// For as much again as the limit.
+    /// Penalty for a stress of twice the limit.
     #[serde(default = "one")]
     pub weight: NonNegative,
 }
@@ -70,12 +70,12 @@ const fn one() -> NonNegative {
     NonNegative::preset(1.0)
 }
 
-/// Takes `weight` per step at the largest force, and less in proportion.
+/// Takes `weight` per step at the largest force, and proportionally less below it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 #[serde(rename = "Economy")]
 pub struct EconomyReward {
-    /// Per step at the largest force.
+    /// Penalty per step at the largest force.
     pub weight: NonNegative,
 }
 

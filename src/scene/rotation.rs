@@ -8,19 +8,22 @@ use serde::de::{Deserialize, Deserializer, Error as _, SeqAccess, Visitor};
 use serde::{Serialize, Serializer};
 use std::marker::PhantomData;
 
-/// A rotation, kept as a unit quaternion; written `(w, x, y, z)` (normalised when read) or `RpyDeg((roll, pitch, yaw))`
-/// in degrees: roll about x first, then pitch about y, then yaw about z, all about fixed axes.
+/// Rotation, kept as a unit quaternion; written `(w, x, y, z)` (normalised when read) or `RpyDeg((roll, pitch, yaw))` in
+/// degrees: roll about x first, then pitch about y, then yaw about z, all about fixed axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rotation(DQuat);
 
 impl Rotation {
-    /// No rotation.
+    /// Identity rotation.
     pub const IDENTITY: Self = Self(DQuat::IDENTITY);
-    /// As a glam quaternion of length 1.
+    /// Returns the rotation as a glam quaternion of length 1.
     pub fn quat(self) -> DQuat {
         self.0
     }
-    /// From (w, x, y, z) of any length but (nearly) zero.
+    /// Returns the rotation of the quaternion (w, x, y, z), of any length except (nearly) zero.
+    ///
+    /// # Errors
+    /// Fails if a number is not finite or the length is nearly zero.
     pub fn from_wxyz([w, x, y, z]: [f64; 4]) -> Result<Self, String> {
         let longest = w.abs().max(x.abs()).max(y.abs()).max(z.abs());
         if !longest.is_finite() {
@@ -38,7 +41,7 @@ impl Rotation {
         let unit = DQuat::from_xyzw(x, y, z, w);
         Ok(Self(if (unit.length() - 1.0).abs() < 1e-15 { unit } else { q.normalize() }))
     }
-    /// From roll, pitch, yaw about fixed x, y, z, degrees.
+    /// Returns the rotation by roll, pitch, yaw about fixed x, y, z, degrees.
     pub fn from_rpy_deg([r, p, y]: [f64; 3]) -> Self {
         Self(DQuat::from_euler(EulerRot::ZYX, y.to_radians(), p.to_radians(), r.to_radians()))
     }
@@ -62,7 +65,7 @@ impl<'de> Deserialize<'de> for Rotation {
     }
 }
 
-/// Sees the elements inside the parentheses only: RON drops the name before them. That it is `RpyDeg` and nothing else is
+/// Visitor that sees the elements inside the parentheses only: RON drops the name before them. The name `RpyDeg` is
 /// checked on the source text (`lint.rs`).
 struct RotationVisitor;
 

@@ -1,4 +1,4 @@
-//! The scene: everything a scene file can say.
+//! Scene: everything that a scene file can say.
 
 use super::expect::Expectation;
 use super::grasps::Grasps;
@@ -14,39 +14,39 @@ use super::vector::Vec3;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
-/// A complete scene: includes merged, defaults filled in, paths resolved.
+/// Complete scene: includes merged, defaults filled in, paths resolved.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scene {
-    /// What the scene shows, for humans.
+    /// Description of the scene for readers.
     pub about: String,
-    /// The rigid object.
+    /// Rigid object.
     pub object: Object,
-    /// The gripper and its pads.
+    /// Gripper and its pads.
     pub gripper: Gripper,
-    /// Where the hand is.
+    /// Poses of the hand.
     pub grasps: Grasps,
-    /// How the grasp is loaded.
+    /// Loading of the grasp.
     pub loading: Loading,
-    /// What advances the scene.
+    /// Backend that advances the scene.
     pub stepper: StepperChoice,
-    /// Gravity in the world, which is the object frame at the start of each grasp, m/s2; None is none.
+    /// Gravity in the world, which is the object frame at the start of each grasp, m/s2; None is no gravity.
     pub gravity: Option<Vec3>,
-    /// What the object may rest on in a dynamic scene; None is nothing.
+    /// Support on which the object may rest in a dynamic scene; None is no support.
     pub ground: Option<Ground>,
-    /// What a run writes.
+    /// Output of a run.
     pub record: Record,
-    /// What the scene promises about its own outcome.
+    /// Promises of the scene about its own outcome.
     pub expect: Vec<Expectation>,
-    /// What it promises where a network advances it; None is what of `expect` a network keeps by its making, see
-    /// [`Expectation::by_network`].
+    /// Promises for a scene that a network advances; None takes those of `expect` that a network keeps by construction,
+    /// see [`Expectation::by_network`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expect_network: Option<Vec<Expectation>>,
-    /// What an agent does in it, see [`crate::env`]; a run takes no notice.
+    /// Task of an agent in the scene, see [`crate::env`]; a run ignores it.
     pub task: Option<Task>,
 }
 
 impl Scene {
-    /// The promises that a run is held to: those of its backend.
+    /// Returns the promises that a run is held to: those of its backend.
     pub fn promises(&self) -> Cow<'_, [Expectation]> {
         match (&self.stepper, &self.expect_network) {
             (StepperChoice::Fem(_), _) => Cow::Borrowed(&self.expect),
@@ -55,7 +55,7 @@ impl Scene {
         }
     }
 
-    /// The field that [`Scene::promises`] are from, in words.
+    /// Returns the field that [`Scene::promises`] come from, in words.
     pub fn promised_in(&self) -> &'static str {
         match (&self.stepper, &self.expect_network) {
             (StepperChoice::Fem(_), _) => "expect",
@@ -64,22 +64,22 @@ impl Scene {
         }
     }
 
-    /// Both lists with the names of their fields.
+    /// Returns both lists with the names of their fields.
     pub(super) fn promise_lists(&self) -> [(&'static str, &[Expectation]); 2] {
         [("expect", &self.expect), ("expect_network", self.expect_network.as_deref().unwrap_or_default())]
     }
 
-    /// Takes all promises away.
+    /// Removes all promises.
     pub fn promise_nothing(&mut self) {
         self.expect.clear();
         self.expect_network = None;
     }
 }
 
-/// Declares [`ScenePart`] and all that is done field by field, so that a new field is added in one place.
+/// Declares [`ScenePart`] and everything that is done field by field, so that a new field is added in one place.
 macro_rules! part {
     ($($field:ident: $type:ty,)*) => {
-        /// One scene file as written: any field may be missing, an include or the default gives it.
+        /// Scene file as written: any field may be missing, and an include or the default gives it.
         #[derive(Debug, Clone, Default, Deserialize)]
         #[serde(rename = "Scene", default, deny_unknown_fields)]
         pub(super) struct ScenePart {
@@ -95,7 +95,7 @@ macro_rules! part {
                 })*
             }
 
-            /// Names of the fields that this file gives.
+            /// Returns the names of the fields that this file gives.
             pub fn given(&self) -> Vec<&'static str> {
                 let mut names = Vec::new();
                 $(if self.$field.is_some() {
@@ -125,7 +125,10 @@ part! {
 }
 
 impl ScenePart {
-    /// One complete scene per object, or the name of the field that is missing. An object without a name gets `name`.
+    /// Returns one complete scene per object. An object without a name gets `name`.
+    ///
+    /// # Errors
+    /// Returns the name of the first missing field.
     pub fn complete(self, name: &Name) -> Result<Vec<NamedScene>, &'static str> {
         let entries = match (self.object, self.objects) {
             (Some(object), _) => vec![Entry { name: name.clone(), object, grasps: None }],

@@ -1,4 +1,4 @@
-//! Gets the text of a scene file, or says why there is none.
+//! Reading of the text of a scene file, with the reason if it fails.
 
 use crate::error::{Error, Result};
 use crate::files::regular::other_kind;
@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// Largest scene file, bytes: far above any scene, far below what hurts.
+/// Largest scene file, bytes: far above any scene, far below any harm.
 pub const SIZE_LIMIT: u64 = 16 * 1024 * 1024;
 
 /// Reads a text of at most [`SIZE_LIMIT`] bytes; each failure is one message that names the file.

@@ -1,20 +1,20 @@
-//! What advances the scene from one recorded frame to the next.
+//! Backend that advances the scene from one recorded frame to the next.
 
 use super::defaults;
 use super::leaf::{Count, Length, Positive};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Names of the models that ship with tactus: `./NAME` is a folder, a name never is.
+/// Names of the models that ship with tactus; `./NAME` is always a folder, a plain name never is.
 pub const SHIPPED_MODELS: [&str; 2] = ["gelsight_mini", "gelsight_mini_fine"];
 
-/// The backend.
+/// Choice of the backend.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Stepper")]
 pub enum StepperChoice {
     /// Finite elements: the reference.
     Fem(Fem),
-    /// A trained network.
+    /// Trained network.
     Gnn(Gnn),
 }
 
@@ -24,27 +24,27 @@ impl Default for StepperChoice {
     }
 }
 
-/// The finite element backend.
+/// Finite element backend.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Fem {
     /// Shape functions of a tetrahedron.
     pub element: Element,
-    /// Treat the dilatation of an element as constant, which avoids volumetric locking near nu = 0.5.
+    /// Constant dilatation within each element, which avoids volumetric locking near nu = 0.5.
     pub mean_dilatation: bool,
-    /// What is solved for: all nodes, or those that can touch.
+    /// Unknowns of the solver: all nodes, or those that can touch.
     pub solver: Solver,
-    /// When an increment counts as solved.
+    /// Tolerances of a solved increment.
     pub tolerance: Tolerance,
-    /// Error that the increments of the load may make where friction lets the answer depend on them, over the displacement: as many are
-    /// taken as that asks for, whatever the number of frames.
+    /// Error that the increments of the load may cause where friction lets the answer depend on them, over the displacement: it sets the
+    /// number of increments, whatever the number of frames.
     pub path: Positive,
-    /// Newton iterations before an increment is halved.
+    /// Largest number of Newton iterations before an increment is halved.
     pub max_iterations: Count<1, 10000>,
-    /// Wall time that a grasp may take, s; one that takes longer ends as a fault. What ends then depends on the machine. None is no limit.
+    /// Wall time that a grasp may take, s; a longer one ends as a fault. Which grasps end then depends on the machine. None is no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_time: Option<Positive>,
-    /// Threads; None is as many as the machine has.
+    /// Number of threads; None takes as many as the machine has.
     pub threads: Option<Count<1, 1024>>,
 }
 
@@ -66,28 +66,28 @@ impl Default for Fem {
 /// Shape functions of a tetrahedron.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Element {
-    /// 4 nodes: cheap, and locks.
+    /// Linear shape functions with 4 nodes: cheap, but they lock.
     Linear,
-    /// 10 nodes: edge midpoints are inserted.
+    /// Quadratic shape functions with 10 nodes: edge midpoints are inserted.
     #[default]
     Quadratic,
 }
 
-/// What is solved for.
+/// Unknowns of the solver.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub enum Solver {
     /// All nodes at once: the reference.
     #[default]
     Full,
-    /// The nodes that can touch, the others eliminated: fast, with an error. Not in time.
+    /// Nodes that can touch, with the others eliminated: fast, with an error. Not for dynamic scenes.
     Condensed(Condensed),
 }
 
-/// Pads condensed onto where they can touch.
+/// Pads condensed onto the nodes that can touch.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Condensed {
-    /// Error accepted: by how much one more correction of the whole pad would change its displacement, over the displacement.
+    /// Accepted error: change of the displacement by one more correction of the whole pad, over the displacement.
     pub error: Positive,
 }
 
@@ -97,7 +97,7 @@ impl Default for Condensed {
     }
 }
 
-/// When an increment counts as solved: both must hold.
+/// Tolerances of a solved increment; both must be met.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Tolerance {
@@ -113,7 +113,7 @@ impl Default for Tolerance {
     }
 }
 
-/// The network backend.
+/// Network backend.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gnn {

@@ -1,4 +1,4 @@
-//! The scene as an environment of reinforcement learning: what an agent may do, what it sees, what it is paid for.
+//! Scene as an environment of reinforcement learning: actions, observations and rewards of an agent.
 
 use super::defaults;
 use super::leaf::{Count, Depth, Length, NonNegative, Positive};
@@ -11,40 +11,40 @@ use crate::scene::Observe;
 use crate::scene::Reward;
 use serde::{Deserialize, Serialize};
 
-/// Least and most.
+/// Range from the smallest to the largest value.
 pub type Span = Tuple<Positive, 2>;
 
-/// A task. An episode closes the hand on the object, which lies on a support, squeezes with `start`, and withdraws the
-/// support in `lift` steps; then pushes may follow. Loads act on the object's centre of mass; the closing direction's part
-/// of them is carried by the gearing of the fingers, not by the pads.
+/// Task of an agent. An episode closes the hand on the object, which lies on a support, squeezes with `start`, and
+/// withdraws the support in `lift` steps; pushes may follow. Loads act on the object's centre of mass; their part along
+/// the closing direction is carried by the gearing of the fingers, not by the pads.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Task {
-    /// Gravity in the world, which is the object frame at the start of each grasp, m/s2; None is none.
+    /// Gravity in the world, which is the object frame at the start of each grasp, m/s2; None is no gravity.
     pub gravity: Option<Vec3>,
-    /// Sum of the finger forces that the agent may ask for, N.
+    /// Range of the sum of the finger forces that the agent may ask for, N.
     pub force: Span,
     /// Sum of the finger forces at the start of an episode, N.
     pub start: Positive,
-    /// What the first number of an action means.
+    /// Meaning of the first number of an action.
     pub control: Control,
-    /// Most that a step turns the wrist about the closing direction, degrees; None leaves the wrist alone.
+    /// Largest turn of the wrist about the closing direction per step, degrees; None keeps the wrist fixed.
     pub twist_deg: Option<Positive>,
-    /// Every step opens the hand and grasps anew; None holds on.
+    /// New grasp in every step, after the hand has opened; None keeps the first grasp.
     pub regrasp: Option<Regrasp>,
-    /// Steps after which an episode is cut off.
+    /// Number of steps after which an episode is cut off.
     pub steps: Count<1, 10000>,
-    /// Steps in which the support is withdrawn.
+    /// Number of steps in which the support is withdrawn.
     pub lift: Count<1, 10000>,
-    /// Pushes against the object; None is none.
+    /// Pushes against the object; None is no pushes.
     pub pushes: Option<Pushes>,
-    /// Way of the object over the pads at which it counts as lost, m.
+    /// Distance that the object slides over the pads at which it counts as lost, m.
     pub slip_limit: Length,
-    /// What the agent sees.
+    /// Observations of the agent.
     pub observe: Vec<Observe>,
-    /// What it is paid for, added up.
+    /// Terms of the reward, which are added up.
     pub reward: Vec<Reward>,
-    /// What differs between episodes.
+    /// Quantities that differ between episodes.
     pub randomise: Randomise,
 }
 
@@ -68,23 +68,23 @@ impl Default for Task {
     }
 }
 
-/// What the first number of an action, -1 to 1, means.
+/// Meaning of the first number of an action, -1 to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub enum Control {
-    /// The force itself, from the least to the most.
+    /// Force itself, from the smallest to the largest.
     #[default]
     Force,
-    /// Its change, this many newtons per step at most.
+    /// Change of the force, at most this many newtons per step.
     Rate(Positive),
 }
 
-/// How far a new grasp may be from the first one: three numbers of an action.
+/// Largest distance of a new grasp from the first one, set by three numbers of an action.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Regrasp {
-    /// Along the finger width and along the approach, m.
+    /// Shift along the finger width and along the approach, m.
     pub shift: Length,
-    /// About the closing direction, degrees.
+    /// Turn about the closing direction, degrees.
     pub turn_deg: Positive,
 }
 
@@ -92,30 +92,30 @@ pub struct Regrasp {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pushes {
-    /// Largest force of a push, N.
+    /// Range of the largest force of a push, N.
     pub force: Span,
-    /// Steps from push to push.
+    /// Number of steps from push to push.
     pub every: Count<1, 10000>,
-    /// Steps that a push lasts.
+    /// Number of steps that a push lasts.
     pub lasts: Count<1, 10000>,
 }
 
-/// What differs between episodes, drawn by (seed, environment, episode). The object is drawn from the scene's, the grasp
-/// from the object's.
+/// Quantities that differ between episodes, drawn by (seed, environment, episode). The object is drawn from the objects
+/// of the scene, the grasp from the grasps of the object.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Randomise {
-    /// Factor on Young's modulus of the gel.
+    /// Range of the factor on Young's modulus of the gel.
     pub young: Option<Span>,
-    /// Coefficient of friction.
+    /// Range of the coefficient of friction.
     pub friction: Option<Span>,
-    /// Pairs of the two that are prepared per object, to draw from.
+    /// Number of pairs of the two that are prepared per object, to draw from.
     pub variants: Count<1, 1000>,
-    /// Density of the object, kg/m3.
+    /// Range of the density of the object, kg/m3.
     pub density: Option<Span>,
-    /// Of the hand, across the closing direction, at most, m.
+    /// Largest shift of the hand across the closing direction, m.
     pub shift: Depth,
-    /// Of the hand, about any axis through the pads' middle, at most, degrees.
+    /// Largest turn of the hand about any axis through the pads' middle, degrees.
     pub turn_deg: NonNegative,
 }
 
@@ -133,14 +133,14 @@ impl Default for Randomise {
 }
 
 impl Tuple<Positive, 2> {
-    /// The number at `part` (0..1) of the way.
+    /// Returns the number at `part` (0..1) of the way.
     pub fn at(self, part: f64) -> f64 {
         let [low, high] = self.0.map(Positive::get);
         low + part * (high - low)
     }
 }
 
-/// The first thing that does not fit, as field and message.
+/// Returns the first value that does not fit, as field and message.
 pub(super) fn problem(scene: &Scene) -> Option<(String, String)> {
     let task = scene.task.as_ref()?;
     let field = |name: &str, message: &str| Some((format!("task{name}"), message.to_string()));

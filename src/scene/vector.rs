@@ -6,25 +6,25 @@ use serde::de::{Deserialize, DeserializeOwned, Deserializer, Error as _, SeqAcce
 use serde::{Serialize, Serializer};
 use std::marker::PhantomData;
 
-/// A fixed number of leaves, written `(a, b, c)` or `[a, b, c]`.
+/// Fixed number of leaves, written `(a, b, c)` or `[a, b, c]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tuple<T, const N: usize>(pub [T; N]);
 
-/// A vector of finite numbers, in the unit of its field.
+/// Vector of finite numbers, in the unit of its field.
 pub type Vec3 = Tuple<Finite, 3>;
-/// A pair of finite numbers, in the unit of its field.
+/// Pair of finite numbers, in the unit of its field.
 pub type Vec2 = Tuple<Finite, 2>;
-/// A direction: three numbers, not all zero.
+/// Direction: three numbers, not all zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Direction(Vec3);
 
 /// Three lengths above zero, m.
 pub type Size = Tuple<Length, 3>;
-/// Cells along x, y, z.
+/// Numbers of cells along x, y, z.
 pub type Cells = Tuple<Count<1, 400>, 3>;
 
 impl Vec3 {
-    /// As a glam vector.
+    /// Returns the tuple as a glam vector.
     pub fn dvec3(self) -> DVec3 {
         DVec3::from_array(self.0.map(Finite::get))
     }
@@ -34,7 +34,7 @@ impl Vec3 {
 }
 
 impl Direction {
-    /// At length one.
+    /// Returns the direction with length one.
     pub fn unit(self) -> DVec3 {
         self.0.dvec3().normalize()
     }
@@ -60,14 +60,14 @@ impl<'de> Deserialize<'de> for Direction {
 }
 
 impl Vec2 {
-    /// As two numbers.
+    /// Returns the tuple as two numbers.
     pub fn pair(self) -> [f64; 2] {
         self.0.map(Finite::get)
     }
 }
 
 impl Size {
-    /// As a glam vector, m.
+    /// Returns the tuple as a glam vector, m.
     pub fn size(self) -> DVec3 {
         DVec3::from_array(self.0.map(Length::get))
     }
@@ -77,7 +77,7 @@ impl Size {
 }
 
 impl Cells {
-    /// As three counts.
+    /// Returns the tuple as three counts.
     pub fn counts(self) -> [usize; 3] {
         self.0.map(Count::get)
     }

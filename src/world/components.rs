@@ -23,7 +23,7 @@
 use bevy_ecs::component::Component;
 use glam::{DQuat, DVec3};
 
-/// Why columns are contiguous.
+/// Reason why columns are contiguous.
 pub(crate) const TABLES: &str = "components are stored in tables";
 
 /// Declares components: plain data, copied freely.
@@ -71,14 +71,14 @@ components! {
     ObjectWeight(DVec3);
 }
 
-/// Where a node of a pad lies. Written at spawn.
+/// Location of a node in its pad. Written at spawn.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NodeKind {
-    /// Inside the gel.
+    /// Node inside the gel.
     Interior,
-    /// On the free surface: may touch the object.
+    /// Node on the free surface: may touch the object.
     Surface,
-    /// Glued to the finger: has no unknowns.
+    /// Node glued to the finger: has no unknowns.
     Bonded,
 }
 
@@ -91,7 +91,7 @@ pub struct ContactEdge {
     pub normal: DVec3,
     /// Force on the pad, friction included, N, hand frame.
     pub force: DVec3,
-    /// True while the edge carries force.
+    /// Flag: the edge carries force.
     pub active: bool,
 }
 
@@ -100,7 +100,7 @@ pub struct ContactEdge {
 pub struct ContactFriction {
     /// Tangential part of the force on the pad, N, hand frame.
     pub force: DVec3,
-    /// True where Coulomb's limit is reached.
+    /// Flag: Coulomb's limit is reached.
     pub slips: bool,
 }
 
@@ -134,36 +134,36 @@ pub struct HandPose {
 /// Velocity of a free object. Written by the stepper.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
 pub struct ObjectVelocity {
-    /// Of the centre of mass, m/s, world axes.
+    /// Velocity of the centre of mass, m/s, world axes.
     pub linear: DVec3,
-    /// rad/s, world axes.
+    /// Angular velocity, rad/s, world axes.
     pub angular: DVec3,
 }
 
 /// Momentum of a free object. Written by the stepper.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
 pub struct ObjectMomentum {
-    /// kg m/s, world axes.
+    /// Linear momentum, kg m/s, world axes.
     pub linear: DVec3,
-    /// About the centre of mass, kg m2/s, world axes.
+    /// Angular momentum about the centre of mass, kg m2/s, world axes.
     pub angular: DVec3,
 }
 
 /// Forces of inertia on a free object: minus the rates of its momenta in the last time step. Written by the stepper.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
 pub struct InertialWrench {
-    /// N, hand frame.
+    /// Force, N, hand frame.
     pub force: DVec3,
-    /// About the centre of mass, N m, hand frame.
+    /// Torque about the centre of mass, N m, hand frame.
     pub torque: DVec3,
 }
 
-/// What the ground does to a free object. Written by the stepper.
+/// Force and torque of the ground on a free object. Written by the stepper.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
 pub struct GroundWrench {
-    /// N, hand frame.
+    /// Force, N, hand frame.
     pub force: DVec3,
-    /// About the centre of mass, N m, hand frame.
+    /// Torque about the centre of mass, N m, hand frame.
     pub torque: DVec3,
 }
 

@@ -21,10 +21,10 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// The grasp of `model` at `pose`, advanced by `stepper`; the object is not placed yet.
+    /// Creates the grasp of `model` at `pose`, advanced by `stepper`; the object is not placed yet.
     ///
     /// # Errors
-    /// When the stepper refuses the scene, or systems touch the same data in no order.
+    /// Fails if the stepper refuses the scene, or if systems touch the same data in no order.
     pub fn new(model: &Arc<Model>, stepper: &dyn Stepper, pose: GraspPose) -> Result<Self> {
         let mut world = spawn(model, pose);
         let mut schedule = schedule(&model.needs);
@@ -39,19 +39,19 @@ impl Environment {
     /// Begins anew with another grasp of the same model and the same stepper, as if just made.
     ///
     /// # Errors
-    /// When the stepper refuses the scene.
+    /// Fails if the stepper refuses the scene.
     pub fn restart(&mut self, stepper: &dyn Stepper, pose: GraspPose) -> Result<()> {
         let model = self.model().clone();
         begin(&mut self.world, &model, pose);
         stepper.prepare(&mut self.world)
     }
 
-    /// What it is a grasp of.
+    /// The model that is grasped.
     pub fn model(&self) -> &Arc<Model> {
         &self.world.resource::<Shared>().0
     }
 
-    /// One step of the procedure; does nothing once [`Phase::is_final`]. Returns the phase of the next step.
+    /// Runs one step of the procedure; does nothing once [`Phase::is_final`]. Returns the phase of the next step.
     pub fn step(&mut self) -> Phase {
         if !self.phase().is_final() {
             self.world.resource_mut::<Recorded>().0 = None;
@@ -70,27 +70,27 @@ impl Environment {
         self.world.resource::<Recorded>().0.as_ref()
     }
 
-    /// Takes that frame out.
+    /// Takes the frame that the last step made out of the world.
     pub fn take_frame(&mut self) -> Option<Frame> {
         self.world.resource_mut::<Recorded>().0.take()
     }
 
-    /// What the audit found in the frame that the last step made; None if the scene promises nothing that it judges.
+    /// Findings of the audit in the frame that the last step made; None if the scene promises nothing that it judges.
     pub fn findings(&self) -> Option<Findings> {
         self.frame().and(self.world.get_resource::<Audited>()?.0)
     }
 
-    /// Where the stepper spent its time so far.
+    /// Time that the stepper has spent so far, by stage.
     pub fn timings(&self) -> &Timings {
         self.world.resource::<Timings>()
     }
 
-    /// The world, to look at.
+    /// The world, for reading.
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// The world, to query or to change between steps: the next step starts from what its columns hold.
+    /// The world, for queries or changes between steps: the next step starts from what its columns hold.
     pub fn world_mut(&mut self) -> &mut World {
         &mut self.world
     }

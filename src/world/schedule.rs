@@ -1,4 +1,4 @@
-//! What happens in a step, in which order, decided once; and the resources that a step hands from set to set.
+//! Schedule of a step: the order of its systems, decided once, and the resources that a step hands from set to set.
 //!
 //! ```text
 //! Control  -> Sense            -> Advance        -> Accept   -> Measure                 -> Record
@@ -22,15 +22,15 @@ use std::sync::Arc;
 /// The sets of a step, run in this order.
 #[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum StepSet {
-    /// What the gripper wants: pose at the start, then the load of the next frame.
+    /// Commands of the gripper: pose at the start, then the load of the next frame.
     Control,
-    /// What is there: first contact; the solver takes its state from the columns.
+    /// State at the start of the step: first contact; the solver takes its state from the columns.
     Sense,
     /// The stepper brings the state to the new load.
     Advance,
-    /// Whether the model covers the state just reached.
+    /// Check that the model covers the state just reached.
     Accept,
-    /// What came of it: contact forces, stress, energy, balance.
+    /// Results: contact forces, stress, energy, balance.
     Measure,
     /// The frame, and the phase of the next step.
     Record,
@@ -42,7 +42,7 @@ impl StepSet {
         [StepSet::Control, StepSet::Sense, StepSet::Advance, StepSet::Accept, StepSet::Measure, StepSet::Record];
 }
 
-/// Where a grasp is in the procedure. Constant during a step; `turn_phase` moves it on at the end.
+/// Phase of a grasp in the procedure. It is constant during a step; `turn_phase` moves it on at the end.
 #[derive(Resource, Debug, Clone, PartialEq)]
 pub enum Phase {
     /// The object goes to its pose in the open hand.
@@ -58,39 +58,39 @@ pub enum Phase {
     Done,
     /// The object left the grasp; the state is the last accepted one.
     Dropped {
-        /// How, and at which load.
+        /// Reason, and load at which the object left.
         reason: String,
     },
     /// The stepper gave up; the state is the last accepted one.
     Fault {
-        /// What happened and at which load.
+        /// Reason, and load at which the stepper gave up.
         reason: String,
     },
     /// The grasp cannot start.
     Infeasible {
-        /// Why, and what would help.
+        /// Reason, and what would help.
         reason: String,
     },
 }
 
 impl Phase {
-    /// True when no further step changes anything.
+    /// Returns true when no further step changes anything.
     pub fn is_final(&self) -> bool {
         matches!(self, Phase::Done | Phase::Dropped { .. } | Phase::Fault { .. } | Phase::Infeasible { .. })
     }
 }
 
-/// Why a grasp ends before its loading is reached.
+/// Reason why a grasp ends before its loading is reached.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Stop {
-    /// The object has left the grasp, as a real one would; else nothing was found, or the grasp could not start.
+    /// Flag: the object has left the grasp, as a real one would; else nothing was found, or the grasp could not start.
     pub dropped: bool,
-    /// What happened and at which load.
+    /// Reason, and load at which the grasp ends.
     pub reason: String,
 }
 
 impl Stop {
-    /// The solver gave up.
+    /// Creates the stop of a solver that gave up.
     pub fn fault(reason: impl Into<String>) -> Self {
         Self { dropped: false, reason: reason.into() }
     }
@@ -112,13 +112,13 @@ impl Next {
         self.0.get_or_insert(phase);
     }
 
-    /// What was asked for.
+    /// Takes the phase that was asked for.
     pub fn take(&mut self) -> Option<Phase> {
         self.0.take()
     }
 }
 
-/// What never changes, shared with all other worlds of the scene.
+/// The model, which never changes, shared with all other worlds of the scene.
 #[derive(Resource, Debug, Clone)]
 pub struct Shared(pub Arc<Model>);
 
@@ -133,12 +133,12 @@ pub struct ForceCommand {
     pub force: f64,
 }
 
-/// What the stepper says about the level it has just reached.
+/// Report of the stepper on the level that it has just reached.
 #[derive(Resource, Debug, Clone, Copy, Default)]
 pub struct Advance {
     /// Load per finger of this step, N or m after first contact; in a dynamic scene the time, s. Written by `set_load`.
     pub level: f64,
-    /// The level was reached in this step.
+    /// Flag: the level was reached in this step.
     pub reached: bool,
     /// Newton iterations (network passes) of this step.
     pub iterations: u32,
@@ -152,10 +152,10 @@ pub struct Advance {
     pub min_gap: f64,
 }
 
-/// Whether the forces of a frame add up.
+/// Balance of the forces of a frame.
 #[derive(Resource, Debug, Clone, Copy, Default)]
 pub struct BalanceReport {
-    /// The object is held where it is, by what is not part of the scene: then only the fingers' forces have to add up.
+    /// Flag: the object is held where it is by something outside the scene; then only the fingers' forces have to add up.
     pub held: bool,
     /// Sum over the fingers of the closing force, N.
     pub applied: f64,
@@ -165,14 +165,14 @@ pub struct BalanceReport {
     pub torque: f64,
 }
 
-/// Where the stepper spent its time, since the start of the grasp.
+/// Time that the stepper has spent since the start of the grasp.
 #[derive(Resource, Debug, Clone, Default)]
 pub struct Timings {
     /// Wall time by stage, s.
     pub stages: BTreeMap<&'static str, f64>,
     /// Newton iterations, those of rejected increments included.
     pub iterations: u64,
-    /// How often each method of the continuation was used.
+    /// Counts of how often each method of the continuation was used.
     pub methods: Methods,
 }
 

@@ -14,7 +14,7 @@ use bevy_ecs::world::World;
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 
-/// A fresh world for a grasp at `pose`, in [`Phase::Place`].
+/// Spawns a fresh world for a grasp at `pose`, in [`Phase::Place`].
 pub fn spawn(model: &Arc<Model>, pose: GraspPose) -> World {
     let mut world = World::new();
     for (index, finger) in model.fingers.iter().enumerate() {
@@ -46,7 +46,7 @@ pub fn spawn(model: &Arc<Model>, pose: GraspPose) -> World {
     world
 }
 
-/// Takes a world of `model` to the begin of a grasp at `pose`: columns and resources as they are in a fresh one.
+/// Takes a world of `model` to the start of a grasp at `pose`: columns and resources are as in a fresh one.
 pub fn begin(world: &mut World, model: &Arc<Model>, pose: GraspPose) {
     for (rest, mut x) in world.query::<(&RestPosition, &mut Position)>().iter_mut(world) {
         x.0 = rest.0;
@@ -83,12 +83,12 @@ pub fn begin(world: &mut World, model: &Arc<Model>, pose: GraspPose) {
     }
 }
 
-/// Gives all that have this component the same value.
+/// Gives all entities with this component the same value.
 fn fill<C: Component<Mutability = Mutable> + Clone>(world: &mut World, value: C) {
     world.query::<&mut C>().iter_mut(world).for_each(|mut own| own.clone_from(&value));
 }
 
-/// The contact edges, for a stepper that knows forces between nodes.
+/// Spawns the contact edges, for a stepper that knows forces between nodes.
 pub fn spawn_edges(world: &mut World, model: &Model) {
     for (index, finger) in model.fingers.iter().enumerate() {
         let of = FingerIndex(index as u32);

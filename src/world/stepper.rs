@@ -19,18 +19,18 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
     fn name(&self) -> &'static str;
     /// Its settings in one line, for reports.
     fn settings(&self) -> String;
-    /// Whether friction may fail to hold an object in it; if not, [`crate::env::slip`] judges that.
+    /// Returns true if friction may fail to hold an object in it; if not, [`crate::env::slip`] judges that.
     fn solves_friction(&self) -> bool {
         true
     }
-    /// Puts its resources into `world`, at the begin of a grasp.
+    /// Puts its resources into `world`, at the start of a grasp.
     ///
     /// # Errors
-    /// When it cannot serve the world's scene.
+    /// Fails if the backend cannot serve the world's scene.
     fn prepare(&self, world: &mut World) -> Result<()>;
-    /// Puts its systems into `schedule`, and the entities that it alone needs into `world`, of `model`.
+    /// Puts its systems into `schedule`, and the entities that it alone needs into the `world` of `model`.
     fn register(&self, schedule: &mut Schedule, world: &mut World, model: &Model);
 }
 
-/// How the backend that a scene names is opened.
+/// Function that opens the backend which a scene names.
 pub type Choose = fn(&Scene) -> Result<Box<dyn Stepper>>;

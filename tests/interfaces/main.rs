@@ -14,6 +14,7 @@ mod dataset;
 mod dataset_resume;
 mod env_contract;
 mod env_task;
+mod examples;
 mod fit;
 mod integrity;
 mod record_run;

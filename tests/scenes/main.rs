@@ -13,6 +13,7 @@ mod files_from_the_wild;
 mod mutations;
 mod outcomes;
 mod real_grasps;
+mod reference;
 mod scene_cli;
 mod scene_errors;
 mod scene_expect;

@@ -1,4 +1,4 @@
-//! One load level of a grasp: first contact if need be, the load, and whole pads where condensed ones get no further.
+//! Load levels of a grasp: first contact if need be, the load, and whole pads where condensed ones get no further.
 
 use super::stepper::GraspSolver;
 use crate::mech::newton::Failure;
@@ -10,16 +10,16 @@ use crate::scales::DROPPED;
 use crate::world::components::ObjectPose;
 use crate::world::schedule::Stop;
 
-/// Steps in which the fingers take an object with weight over from its support.
+/// Number of steps in which the fingers take an object with weight over from its support.
 const HANDOVER: u32 = 4;
 
-/// Why a level was not reached.
+/// Reason why a level was not reached.
 enum Refusal {
-    /// There is no equilibrium, or no more effort is to be spent.
+    /// No equilibrium exists, or no more effort is to be spent.
     Final(Stop),
-    /// None was found.
+    /// No equilibrium was found, though one may exist.
     Unfound(Stop),
-    /// Condensed pads do not get there.
+    /// Condensed pads do not reach the level.
     Condensed(Stop),
 }
 
@@ -31,10 +31,10 @@ impl Refusal {
 }
 
 impl GraspSolver {
-    /// Brings the state to `level` (N or m per finger), from first contact the first time.
+    /// Brings the state to `level` (N or m per finger). The first call starts from first contact.
     ///
     /// # Errors
-    /// What stopped it, for the record; the state is then the last accepted one.
+    /// Returns the cause of the stop, for the record; the state is then the last accepted one.
     pub fn advance(&mut self, model: &Model, level: f64) -> std::result::Result<Advanced, Stop> {
         self.steps += 1;
         let (each, steps) = (self.settings().max_iterations.get() as u32, model.levels.len().max(self.steps));
@@ -54,7 +54,7 @@ impl GraspSolver {
         self.raise(model, level).map_err(Refusal::stop)
     }
 
-    /// One attempt at [`GraspSolver::advance`].
+    /// Makes one attempt at [`GraspSolver::advance`].
     fn raise(&mut self, model: &Model, level: f64) -> std::result::Result<Advanced, Refusal> {
         let before = self.path.state.clone();
         let load = if model.force_driven { Load::Force } else { Load::Travel };
@@ -82,7 +82,7 @@ impl GraspSolver {
         Ok(done)
     }
 
-    /// Makes contact, at a force of at most `most` (N per finger) around an object that is held where it is.
+    /// Makes contact, at a force of at most `most` (N per finger), around an object that is held in place.
     fn begin(&mut self, model: &Model, most: f64) -> std::result::Result<Advanced, Refusal> {
         let stuck = |reason| Refusal::Condensed(Stop::fault(reason));
         if !model.force_driven {
@@ -99,7 +99,7 @@ impl GraspSolver {
         made.map_err(|f| self.refuse(model, &format!("making contact at {first:.4} N per finger"), f))
     }
 
-    /// Lets go of the object: its weight, if it has one, comes from its support onto the fingers step by step.
+    /// Releases the object: its weight, if it has one, passes step by step from its support to the fingers.
     fn let_go(&mut self, model: &Model) -> std::result::Result<Advanced, Refusal> {
         self.path.newton.held = false;
         let heavy = model.gravity.is_some();

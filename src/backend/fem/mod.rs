@@ -1,4 +1,4 @@
-//! The finite element backend: the solver of a grasp, and its systems in the schedule of a step.
+//! Finite element backend: the solver of a grasp, and its systems in the schedule of a step.
 
 pub mod condensed;
 pub mod dynamics;

@@ -1,4 +1,4 @@
-//! Reads a converged contact: the one place that knows how the solver stores it.
+//! Readings of a converged contact. Only this module knows how the solver stores it.
 
 use crate::mech::contact::{FeatureContact, PointContact};
 use crate::mech::newton::Newton;
@@ -6,43 +6,44 @@ use crate::mech::potential::state::State;
 use crate::mech::potential::term::Stencil;
 use glam::DVec3;
 
-/// One contact edge at the converged state.
+/// Reading of one contact edge at the converged state.
 #[derive(Debug, Clone, Copy)]
 pub struct EdgeReading {
-    /// Where the force acts, m, hand frame.
+    /// Point at which the force acts, m, hand frame.
     pub point: DVec3,
-    /// Gap, m; `+inf` where too far to matter.
+    /// Gap, m; `+inf` if the edge is too far to matter.
     pub gap: f64,
     /// Outward normal of the object, hand frame.
     pub normal: DVec3,
     /// Force on the pad, friction included, N.
     pub force: DVec3,
-    /// Its tangential part, N.
+    /// Tangential part of the force, N.
     pub friction: DVec3,
-    /// Coulomb's limit is reached.
+    /// True if Coulomb's limit is reached.
     pub slips: bool,
-    /// Nodes among which the force is shared for reporting; the weights are non-negative and sum to one.
+    /// Nodes that share the force in reports; the weights are non-negative and sum to one.
     pub report: Stencil,
 }
 
 impl EdgeReading {
-    /// True while the edge carries force.
+    /// Returns true while the edge carries force.
     pub fn active(&self) -> bool {
         self.force != DVec3::ZERO
     }
 }
 
-/// The contact term of body `i`.
+/// Returns the contact term of body `i`.
 pub fn contact(newton: &Newton, i: usize) -> Option<&PointContact> {
     newton.terms[i].iter().find_map(|t| t.as_any().downcast_ref::<PointContact>())
 }
 
-/// The feature contact term of body `i`, if the object has features.
+/// Returns the feature contact term of body `i`, if the object has features.
 pub fn features(newton: &Newton, i: usize) -> Option<&FeatureContact> {
     newton.terms[i].iter().find_map(|t| t.as_any().downcast_ref::<FeatureContact>())
 }
 
-/// The edges of body `i` that are not open, with their numbers: those of the pad's points, then those of the object's features.
+/// Returns the edges of body `i` that are not open, with their numbers: those of the pad's points, then those of the object's
+/// features.
 pub fn edges<'a>(newton: &'a Newton, state: &'a State, i: usize) -> impl Iterator<Item = (usize, EdgeReading)> + 'a {
     let carried = newton.rigid.closing[i] * state.travel[i];
     let points = contact(newton, i).into_iter().flat_map(move |c| {
@@ -79,7 +80,7 @@ pub fn edges<'a>(newton: &'a Newton, state: &'a State, i: usize) -> impl Iterato
     points.chain(features)
 }
 
-/// Smallest gap over all bodies, m.
+/// Returns the smallest gap over all bodies, m.
 pub fn min_gap(newton: &Newton) -> f64 {
     let points = (0..newton.bodies()).filter_map(|i| contact(newton, i)).map(PointContact::min_gap);
     let features = (0..newton.bodies()).filter_map(|i| features(newton, i)).map(FeatureContact::min_gap);

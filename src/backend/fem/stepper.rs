@@ -1,4 +1,4 @@
-//! The finite element backend: one potential, minimised at every load level.
+//! Finite element backend: one potential, minimised at every load level.
 
 use super::condensed::{Condensation, CondensedEnergy};
 use super::dynamics::integrator::Integrator;
@@ -33,7 +33,7 @@ pub struct FemStepper {
 }
 
 impl FemStepper {
-    /// With the scene's settings.
+    /// Creates the backend with the scene's settings.
     pub fn new(settings: &scene::Fem) -> Self {
         Self { settings: *settings }
     }
@@ -78,7 +78,7 @@ impl Stepper for FemStepper {
     }
 }
 
-/// The solver of one grasp.
+/// Solver of one grasp.
 #[derive(Resource)]
 pub struct GraspSolver {
     /// Solver, accepted state and predictor.
@@ -86,17 +86,17 @@ pub struct GraspSolver {
     pub(crate) condensed: Option<Condensation>,
     settings: scene::Fem,
     pub(crate) started: bool,
-    /// Load levels so far.
+    /// Number of load levels so far.
     pub(crate) steps: usize,
     /// Pose at first contact.
     pub(crate) start: ObjectPose,
 }
 
 impl GraspSolver {
-    /// At rest, with the object at `pose`.
+    /// Creates the solver at rest, with the object at `pose`.
     ///
     /// # Errors
-    /// When an object alone cannot be set up.
+    /// Fails if the factorisation of a body cannot be analysed.
     pub fn new(model: &Model, pose: ObjectPose, settings: &scene::Fem) -> Result<Self> {
         let mut bodies: Vec<_> = model.fingers.iter().map(|f| f.body.clone()).collect();
         let loads: Vec<_> = (0..bodies.len()).map(|i| gel_loads(model, i, pose)).collect();
@@ -137,17 +137,17 @@ impl GraspSolver {
         Ok(Self { path, condensed, settings: *settings, started: false, steps: 0, start: pose })
     }
 
-    /// The scene's settings.
+    /// Returns the scene's settings.
     pub fn settings(&self) -> &scene::Fem {
         &self.settings
     }
 
-    /// Sets what pulls at the object, N, hand frame.
+    /// Sets the force that pulls at the object, N, hand frame.
     pub fn set_weight(&mut self, force: DVec3) {
         self.change_weight(|weight| weight.with_force(force));
     }
 
-    /// Changes what pulls at the object.
+    /// Changes the force that pulls at the object.
     pub(crate) fn change_weight(&mut self, change: impl Fn(&Weight) -> Weight) {
         for term in self.path.newton.terms.iter_mut().flatten() {
             let weight = term.as_any().downcast_ref::<Weight>().map(&change);
@@ -157,7 +157,7 @@ impl GraspSolver {
         }
     }
 
-    /// Convergence criteria at `level`.
+    /// Returns the convergence criteria at `level`.
     pub(crate) fn tolerance(&self, model: &Model, level: f64) -> NewtonTolerance {
         // A press does not know its force: modulus x depth x thickness is its order of magnitude.
         let force = if model.force_driven { level } else { model.material.moduli().young * level * model.thickness() };
@@ -193,7 +193,7 @@ impl GraspSolver {
         Ok(())
     }
 
-    /// Why the state, though in equilibrium, is no grasp.
+    /// Returns the reason why the state is no grasp although it is in equilibrium; None if it is one.
     pub(crate) fn lost_grip(&self, model: &Model) -> Option<String> {
         let (newton, state) = (&self.path.newton, &self.path.state);
         for i in 0..model.fingers.len() {
@@ -212,7 +212,7 @@ impl GraspSolver {
         None
     }
 
-    /// What became of what the fingers close on.
+    /// Describes how the fingers lost what they close on.
     fn escaped(&self, model: &Model) -> String {
         match model.free {
             true => format!("the object was squeezed out (it {})", self.moved()),
@@ -220,7 +220,7 @@ impl GraspSolver {
         }
     }
 
-    /// How far the object has gone since first contact.
+    /// Describes the motion of the object since first contact.
     fn moved(&self) -> String {
         let state = &self.path.state;
         let moved = state.position.distance(self.start.position) * 1e3;
@@ -241,23 +241,23 @@ impl GraspSolver {
     }
 }
 
-/// Part of the error allowed that the path may bend within one increment: the errors of all increments add up.
+/// Part of the allowed error by which the path may bend within one increment: the errors of all increments add up.
 const BEND: f64 = 0.5;
-/// Travel of a press over the thickness of the pad with which its path begins.
+/// Travel with which the path of a press begins, over the thickness of the pad.
 const TOUCH: f64 = 0.01;
 
-/// What increments go by.
+/// Returns the control of the increments; None without an error of the path.
 fn control(model: &Model) -> Option<PathControl> {
     let first = if model.force_driven { model.contact_force() } else { TOUCH * model.thickness() };
     model.path_error.map(|error| PathControl { bend: BEND * error, first })
 }
 
-/// Forces out of balance over the contact forces that condensed pads may leave, over their error.
+/// Forces out of balance that condensed pads may leave, over the contact forces and over their error.
 const BLUNT: f64 = 0.05;
-/// Motion of a free object, over its radius, that is worth a word when the solver gives up.
+/// Motion of a free object, over its radius, above which a message mentions it when the solver gives up.
 const SLIPPING: f64 = 0.1;
 
-/// The terms of a whole gel under dead `loads` (N per node; empty for none).
+/// Returns the terms of a whole gel under dead `loads` (N per node; empty for none).
 pub(crate) fn gel(loads: Vec<DVec3>) -> Vec<Box<dyn BodyTerm>> {
     let (nodes, centers) = inversion_barrier();
     let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(ElasticEnergy), Box::new(nodes), Box::new(centers)];
@@ -265,14 +265,15 @@ pub(crate) fn gel(loads: Vec<DVec3>) -> Vec<Box<dyn BodyTerm>> {
     terms
 }
 
-/// Weight of the gel of finger `i` on its nodes, N; empty without. Of a dynamic scene, gravity stands with inertia.
+/// Returns the weight of the gel of finger `i` on its nodes, N; empty without gravity, and in a dynamic scene, where the inertia
+/// terms include gravity.
 pub(crate) fn gel_loads(model: &Model, i: usize, pose: ObjectPose) -> Vec<DVec3> {
     let (Some(gravity), None) = (model.gravity, &model.dynamics) else { return Vec::new() };
     let g = pose.rotation * gravity;
     model.fingers[i].body.nodal_volume().iter().map(|v| g * (v * model.gel_density)).collect()
 }
 
-/// The terms of body `i` but those of the gel.
+/// Returns the terms of body `i` but those of the gel.
 fn terms(model: &Model, i: usize, pose: ObjectPose) -> Vec<Box<dyn BodyTerm>> {
     let finger = &model.fingers[i];
     let contact = PointContact::new(model.law, finger.surface.clone(), model.object.distance.clone());

@@ -1,4 +1,4 @@
-//! The systems of the finite element backend: columns -> solver -> one load level -> columns.
+//! Systems of the finite element backend: columns -> solver -> one load level -> columns.
 
 use super::dynamics::systems::{advance_time, measure_ground, measure_motion};
 use super::readout;
@@ -15,7 +15,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Puts the systems in their sets; those for what the scene does not need are left out.
+/// Puts the systems in their sets; systems for quantities that the scene does not need are left out.
 pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
     schedule.add_systems(read_state.run_if(ramping).after(close_to_contact).in_set(StepSet::Sense));
     if needs.task {
@@ -51,7 +51,7 @@ pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
     }
 }
 
-/// Columns -> solver: the world is the state, the solver only works on it.
+/// Copies columns to the solver: the world is the state, the solver only works on it.
 pub fn read_state(
     mut solver: ResMut<GraspSolver>,
     nodes: Query<(&NodeIndex, &FingerIndex, &Position)>,
@@ -70,12 +70,12 @@ pub fn read_state(
     (state.position, state.rotation) = (pose.position, pose.rotation);
 }
 
-/// Columns -> solver: what pulls at the object.
+/// Copies the force that pulls at the object from its column to the solver.
 pub fn read_weight(mut solver: ResMut<GraspSolver>, weight: Single<&ObjectWeight>) {
     solver.set_weight(weight.0);
 }
 
-/// One load level; on failure the state is the last accepted one and the grasp ends.
+/// Advances one load level; on failure the state is the last accepted one and the grasp ends.
 pub fn advance_level(
     mut solver: ResMut<GraspSolver>,
     shared: Res<Shared>,
@@ -94,7 +94,7 @@ pub fn advance_level(
     }
 }
 
-/// Solver -> columns.
+/// Copies the state from the solver to the columns.
 pub fn write_state(
     solver: Res<GraspSolver>,
     mut nodes: Query<(&NodeIndex, &FingerIndex, &mut Position)>,
@@ -115,19 +115,19 @@ pub fn write_state(
     **pose = ObjectPose { position: state.position, rotation: state.rotation };
 }
 
-/// The contact edges of every finger that are not open at the level just reached, in order.
+/// Contact edges of every finger that are not open at the level just reached, in order.
 #[derive(Resource, Default)]
 pub struct EdgeReadings(Vec<Vec<(usize, readout::EdgeReading)>>);
 
 impl EdgeReadings {
-    /// Edge `index` of a finger; None if it is open.
+    /// Returns edge `index` of a finger; None if it is open.
     fn get(&self, finger: FingerIndex, index: EdgeIndex) -> Option<&readout::EdgeReading> {
         let edges = &self.0[finger.0 as usize];
         edges.binary_search_by_key(&(index.0 as usize), |(k, _)| *k).ok().map(|k| &edges[k].1)
     }
 }
 
-/// Solver -> edges, once for all that look at them.
+/// Reads the edges from the solver, once for all systems that use them.
 pub fn read_edges(solver: Res<GraspSolver>, mut edges: ResMut<EdgeReadings>) {
     let (newton, state) = (&solver.path.newton, &solver.path.state);
     edges.0.resize_with(newton.bodies(), Vec::new);
@@ -137,7 +137,7 @@ pub fn read_edges(solver: Res<GraspSolver>, mut edges: ResMut<EdgeReadings>) {
     }
 }
 
-/// Contact edges, the wrench on every pad, smallest gap and potential.
+/// Measures contact edges, the wrench on every pad, the smallest gap and the potential.
 pub fn measure_contact(
     solver: Res<GraspSolver>,
     edges: Res<EdgeReadings>,
@@ -175,7 +175,7 @@ pub fn measure_contact(
     advance.energy = solver.energy();
 }
 
-/// What the mount of a finger with prescribed travel had to give: the reaction of the bonded nodes along the closing
+/// Measures the force of the mount of a finger with prescribed travel: the reaction of the bonded nodes along the closing
 /// direction, without the gel's own weight.
 pub fn measure_reaction(
     solver: Res<GraspSolver>,
@@ -188,7 +188,7 @@ pub fn measure_reaction(
     }
 }
 
-/// Friction on every contact edge.
+/// Measures friction on every contact edge.
 pub fn measure_friction(edges: Res<EdgeReadings>, mut pool: Query<(&EdgeIndex, &FingerIndex, &mut ContactFriction)>) {
     for (index, finger, mut column) in pool.contiguous_iter_mut().expect(TABLES) {
         let column = column.bypass_change_detection();
@@ -200,7 +200,7 @@ pub fn measure_friction(edges: Res<EdgeReadings>, mut pool: Query<(&EdgeIndex, &
     }
 }
 
-/// Contact forces gathered on the nodes; their sum is that of the edges.
+/// Gathers the contact forces on the nodes; their sum is that of the edges.
 pub fn measure_nodal_force(
     solver: Res<GraspSolver>,
     edges: Res<EdgeReadings>,
@@ -221,7 +221,7 @@ pub fn measure_nodal_force(
     }
 }
 
-/// Von Mises stress on nodes and tetrahedra.
+/// Measures von Mises stress on nodes and tetrahedra.
 pub fn measure_stress(
     solver: Res<GraspSolver>,
     mut nodes: Query<(&NodeIndex, &FingerIndex, &mut NodalStress)>,
@@ -243,7 +243,7 @@ pub fn measure_stress(
     }
 }
 
-/// The smallest det F; ends the grasp with a fault, without recording the frame, where an element is turned inside out.
+/// Measures the smallest det F. Ends the grasp with a fault, without recording the frame, if an element is turned inside out.
 pub fn refuse_inversion(
     solver: Res<GraspSolver>,
     shared: Res<Shared>,
@@ -260,7 +260,7 @@ pub fn refuse_inversion(
     }
 }
 
-/// Hands on where the time went.
+/// Passes on the times spent in each stage.
 pub fn report_timings(solver: Res<GraspSolver>, mut timings: ResMut<Timings>) {
     let p = &solver.path.newton.profile;
     let stages = [

@@ -1,4 +1,4 @@
-//! What the solver of a grasp says of whole pads, condensed or not.
+//! Quantities of whole pads from the solver of a grasp, condensed or not.
 
 use super::stepper::{GraspSolver, gel, gel_loads};
 use crate::mech::body::Body;
@@ -10,13 +10,13 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 impl GraspSolver {
-    /// Condenses the pads at first contact, if they are to be.
+    /// Condenses the pads at first contact, if the settings ask for it.
     pub(crate) fn condense(&mut self, model: &Model) -> std::result::Result<(), String> {
         let begun = self.condensed.as_mut().map_or(Ok(()), |pads| pads.begin(&mut self.path, model));
         begun.map_err(|f| self.explain(model, "condensing the pads", f))
     }
 
-    /// Whether no element of condensed pads, which have no barrier against it, is about to turn inside out.
+    /// Returns true if no element of condensed pads is about to turn inside out. Condensed pads have no barrier against it.
     pub(crate) fn is_upright(&self) -> bool {
         let pads = self.condensed.as_ref();
         pads.is_none_or(|pads| {
@@ -24,10 +24,10 @@ impl GraspSolver {
         })
     }
 
-    /// Goes on with whole pads where condensed ones do not get further.
+    /// Replaces condensed pads by whole ones where the condensed ones get no further.
     ///
     /// # Errors
-    /// When the stiffness of a whole pad cannot be analysed.
+    /// Fails if the stiffness of a whole pad cannot be analysed.
     pub(crate) fn release(&mut self, model: &Model) -> std::result::Result<(), String> {
         self.condensed = None;
         self.path.recover();
@@ -38,12 +38,12 @@ impl GraspSolver {
         Ok(())
     }
 
-    /// The whole pad of finger `i`.
+    /// Returns the whole pad of finger `i`.
     pub fn body(&self, i: usize) -> &Arc<Body> {
         self.condensed.as_ref().map_or_else(|| self.path.newton.body(i), |pads| pads.pad(i).body())
     }
 
-    /// Value of the potential, J.
+    /// Returns the value of the potential, J.
     pub fn energy(&self) -> f64 {
         let (newton, state) = (&self.path.newton, &self.path.state);
         let Some(pads) = &self.condensed else { return newton.energy(state) };
@@ -56,7 +56,7 @@ impl GraspSolver {
         newton.energy(state) + whole.iter().sum::<f64>() - condensed.sum::<f64>()
     }
 
-    /// Force of the mount of finger `i` on the pad, N, hand frame: reaction of the bonded nodes.
+    /// Returns the force of the mount of finger `i` on the pad, N, hand frame: the reaction of the bonded nodes.
     pub fn mount(&self, i: usize) -> DVec3 {
         let bonded = |forces: &[DVec3]| -> DVec3 {
             forces.iter().zip(&self.body(i).fixed).filter(|(_, fixed)| **fixed).map(|(g, _)| *g).sum()
@@ -66,7 +66,7 @@ impl GraspSolver {
         bonded(self.path.newton.gradient(i)) + elastic
     }
 
-    /// Weight of the gel of finger `i`, N, hand frame.
+    /// Returns the weight of the gel of finger `i`, N, hand frame.
     pub fn gel_weight(&self, model: &Model, i: usize) -> DVec3 {
         let volume = || model.fingers[i].body.nodal_volume().iter().sum::<f64>();
         model.gravity.map_or(DVec3::ZERO, |g| self.start.rotation * g * (volume() * model.gel_density))

@@ -1,4 +1,4 @@
-//! How hard the fingers close.
+//! Observation of the closing force of the fingers.
 
 use super::{Now, Sense};
 use crate::env::spec::ArraySpec;

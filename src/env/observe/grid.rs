@@ -5,13 +5,14 @@ use crate::record::PadTopology;
 use crate::scene::Grid;
 use glam::{DVec2, DVec3};
 
-/// What a grid of taxels reads of a pad.
+/// Readings of a pad by a grid of taxels.
 pub trait Taxels {
-    /// Of every node, the taxels among which its force is shared out: weights are non-negative and sum to one, so the
-    /// image sums to the resultant. Bilinear between the taxels' centres; beyond the outermost centres all goes to them.
+    /// Returns, for every node, the taxels among which its force is shared out. The weights are non-negative and sum to one, so the
+    /// image sums to the resultant. Shares are bilinear between the taxels' centres; beyond the outermost centres the whole force
+    /// goes to the outermost taxels.
     fn shares(&self, pad: &PadTopology) -> Vec<[(u32, f64); 4]>;
-    /// Of every taxel, the nodes of the sensing triangle at its centre with their weights; where the face does not reach,
-    /// of the nearest one.
+    /// Returns, for every taxel, the nodes of the sensing triangle at its centre with their weights. Where the face does not reach,
+    /// it returns those of the nearest triangle.
     fn samples(&self, pad: &PadTopology) -> Vec<[(u32, f64); 3]>;
 }
 
@@ -53,7 +54,7 @@ impl Taxels for Grid {
     }
 }
 
-/// Lower corner and size of the sensing face, m, pad frame.
+/// Returns lower corner and size of the sensing face, m, pad frame.
 fn extent(pad: &PadTopology) -> (DVec2, DVec2) {
     let face = pad.sensing.iter().flatten().map(|n| pad.rest[*n as usize].truncate());
     let (low, high) = face.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));

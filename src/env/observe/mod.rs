@@ -1,6 +1,6 @@
-//! What an agent sees: one file per observation.
+//! Observations of an agent, one file each.
 //!
-//! To add one: its variant in [`Observe`], a file with a [`Sense`], a line each in `name` and `sense`.
+//! A new observation needs a variant in [`Observe`], a file with a [`Sense`], and a line each in `name` and `sense`.
 
 mod force;
 mod grid;
@@ -14,7 +14,7 @@ use crate::model::Model;
 use crate::record::Frame;
 use crate::scene::{Observe, Task};
 
-/// What there is to see.
+/// Input of an observation.
 #[derive(Debug, Clone, Copy)]
 pub struct Now<'a> {
     /// The scene of this episode.
@@ -25,14 +25,14 @@ pub struct Now<'a> {
 
 /// Writes one array.
 pub trait Sense: Send + Sync + std::fmt::Debug {
-    /// The array.
+    /// Describes the array.
     fn spec(&self) -> ArraySpec;
     /// Fills `out`, which has the size of the array.
     fn write(&self, now: &Now, out: &mut [f32]);
 }
 
 impl Observe {
-    /// Name of its array.
+    /// Returns the name of its array.
     pub fn name(&self) -> &'static str {
         match self {
             Observe::TaxelForce(_) => "taxel_force",
@@ -44,7 +44,7 @@ impl Observe {
         }
     }
 
-    /// What writes it, for episodes of `task` in scenes with the pads of `model`.
+    /// Creates the sense that writes it, for episodes of `task` in scenes with the pads of `model`.
     pub fn sense(&self, model: &Model, task: &Task) -> Box<dyn Sense> {
         match self {
             Observe::TaxelForce(grid) => Box::new(taxels::ForceImage::new(model, task, grid)),
@@ -57,10 +57,10 @@ impl Observe {
     }
 }
 
-/// A contact carries at most this many times the largest force that the fingers are given.
+/// Largest force of a contact over the largest force that the fingers are given.
 const MOST: f64 = 10.0;
 
-/// Bounds of a contact force, N.
+/// Returns the bounds of a contact force, N.
 fn force_bounds(task: &Task) -> [f64; 2] {
     let most = MOST * task.force.at(1.0);
     [-most, most]

@@ -1,4 +1,4 @@
-//! Where the object is in the hand: what no tactile sensor says, for teachers and for comparison.
+//! Pose of the object in the hand: no tactile sensor measures it; it serves teachers and comparisons.
 
 use super::{Now, Sense};
 use crate::env::spec::ArraySpec;

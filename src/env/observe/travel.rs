@@ -1,4 +1,4 @@
-//! How far the fingers went.
+//! Observation of the travel of the fingers.
 
 use super::{Now, Sense};
 use crate::env::spec::ArraySpec;

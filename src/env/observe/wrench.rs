@@ -1,11 +1,11 @@
-//! What a force-torque sensor behind each pad would read of the contact.
+//! Wrenches of the contact that a force-torque sensor behind each pad would read.
 
 use super::{Now, Sense, force_bounds};
 use crate::env::spec::ArraySpec;
 use crate::model::Model;
 use crate::scene::Task;
 
-/// Per pad, in its frame: force (N), then torque about the middle of its sensing face (N m).
+/// Wrench of each pad, in its frame: force (N), then torque about the middle of its sensing face (N m).
 #[derive(Debug)]
 pub struct PadWrench {
     pads: usize,

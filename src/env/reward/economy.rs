@@ -1,4 +1,4 @@
-//! Squeeze no harder than it takes.
+//! Reward term for a small force: the sum of the finger forces costs.
 
 use super::{RewardTerm, StepInfo};
 use crate::scene::reward::EconomyReward;

@@ -1,4 +1,4 @@
-//! Keep it.
+//! Reward term for keeping the object in the hand.
 
 use super::{RewardTerm, StepInfo};
 use crate::scene::reward::HoldReward;

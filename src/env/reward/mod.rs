@@ -1,6 +1,7 @@
-//! What an agent is paid for: one file per term; a reward is their sum.
+//! Rewards of an agent: one file per term; a reward is the sum of its terms.
 //!
-//! To add one: its settings and variant in [`crate::scene::reward`], a file that implements [`RewardTerm`], a line in `term`.
+//! A new term needs settings and a variant in [`crate::scene::reward`], a file that implements [`RewardTerm`], and a line in
+//! `term`.
 
 mod economy;
 mod hold;
@@ -9,14 +10,14 @@ mod stress;
 
 use crate::scene::Reward;
 
-/// What came of a step.
+/// Facts about a step, from which rewards are computed.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct StepInfo {
-    /// The object is still in the hand.
+    /// True while the object is in the hand.
     pub held: bool,
     /// Way of the object over the pads in this step, m.
     pub slip: f64,
-    /// The same since the start of the episode, m.
+    /// Way of the object over the pads since the start of the episode, m.
     pub slipped: f64,
     /// Part of the grip's limit that the load leaves: 0 is about to slip, 1 is without load, see [`super::slip`].
     pub margin: f64,
@@ -24,27 +25,27 @@ pub struct StepInfo {
     pub stress: f64,
     /// Sum of the finger forces, N.
     pub force: f64,
-    /// Largest that the agent may ask for, N.
+    /// Largest force that the agent may ask for, N.
     pub most: f64,
     /// Load on the object across the closing direction, N.
     pub load: f64,
 }
 
-/// A reward of the user's own.
+/// Reward function of the user.
 pub type Custom = dyn Fn(&StepInfo) -> f64 + Send + Sync;
 
 /// A term of the reward.
 pub trait RewardTerm {
-    /// What it pays for a step.
+    /// Returns the payment for a step.
     fn pay(&self, facts: &StepInfo) -> f64;
-    /// Whether it looks at the stress.
+    /// Returns true if the term uses the stress.
     fn needs_stress(&self) -> bool {
         false
     }
 }
 
 impl Reward {
-    /// As the trait object that pays.
+    /// Returns the term as a trait object.
     pub fn term(&self) -> &dyn RewardTerm {
         match self {
             Reward::Hold(term) => term,

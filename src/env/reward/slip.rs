@@ -1,4 +1,4 @@
-//! Do not let it slide.
+//! Reward term against slip: the way of the object over the pads costs.
 
 use super::{RewardTerm, StepInfo};
 use crate::scene::reward::SlipReward;

@@ -1,4 +1,4 @@
-//! Spare the gel.
+//! Reward term to spare the gel: stress above a limit costs.
 
 use super::{RewardTerm, StepInfo};
 use crate::scene::reward::StressReward;

@@ -1,32 +1,35 @@
-//! Makes a tetrahedral mesh fit for simulation, telling what it changed, refusing what it must not guess.
+//! Repair of a tetrahedral mesh for simulation: reports what it changes and refuses what it would have to guess.
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{MAX_COUNT, TetMesh, quality, show, signed_volume, surface};
 
-/// Tetrahedra of a mean-ratio quality below this are flat: refused. (A sliver of this quality is some 1e-6 of its
-/// edge high.)
+/// Mean-ratio quality below which a tetrahedron is flat and refused. (A sliver of this quality has a height of some 1e-6
+/// of its edge.)
 pub const FLAT: f64 = 1e-4;
 
-/// What [`repair_mapped`] did.
+/// Result of [`repair_mapped`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Repair {
-    /// One sentence per kind of change.
+    /// Notices, one sentence per kind of change.
     pub notices: Vec<String>,
-    /// Per node before the repair: its index now, or None if it was unused and removed.
+    /// Index now of each node before the repair; None if the node was unused and removed.
     pub node_map: Vec<Option<u32>>,
 }
 
 /// Welds exactly equal nodes, removes unused ones, and turns tetrahedra of negative volume; returns a notice for each.
 ///
-/// Errors, all naming the tetrahedron (0-based), where it is, and its size: index out of range, repeated node,
-/// non-finite node, flat tetrahedron (quality below [`FLAT`]), face shared by three or more tetrahedra, empty mesh.
+/// # Errors
+/// Fails for an index out of range, a repeated node, a non-finite node, a flat tetrahedron (quality below [`FLAT`]), a
+/// face shared by three or more tetrahedra and an empty mesh. The error names the tetrahedron (0-based), its position and
+/// its size.
 pub fn repair(mesh: &mut TetMesh) -> Result<Vec<String>> {
     repair_mapped(mesh).map(|r| r.notices)
 }
 
-/// [`repair`] that also returns where every node went.
+/// Repairs the mesh as [`repair`] does and also returns the new index of every node.
 ///
-/// Errors: those of [`repair`].
+/// # Errors
+/// Fails in the cases of [`repair`].
 pub fn repair_mapped(mesh: &mut TetMesh) -> Result<Repair> {
     check_indices(mesh)?;
     let mut notices = Vec::new();
@@ -66,7 +69,8 @@ pub fn repair_mapped(mesh: &mut TetMesh) -> Result<Repair> {
 
 /// Refuses an empty mesh, indices out of range and non-finite nodes.
 ///
-/// Errors: [`Error::Mesh`] naming the first offender.
+/// # Errors
+/// Returns [`Error::Mesh`] that names the first offender.
 pub fn check_indices(mesh: &TetMesh) -> Result<()> {
     let (n, m) = (mesh.nodes.len(), mesh.tets.len());
     if n == 0 || m == 0 {
@@ -86,8 +90,8 @@ pub fn check_indices(mesh: &TetMesh) -> Result<()> {
     Ok(())
 }
 
-/// Welds equal nodes onto the first of them and drops unused ones, keeping the order. Returns the map, the number
-/// welded and the number dropped.
+/// Welds equal nodes to the first of them and drops unused ones, keeping the order. Returns the map, the number of welded
+/// and the number of dropped nodes.
 fn compact(mesh: &mut TetMesh) -> (Vec<Option<u32>>, usize, usize) {
     let n = mesh.nodes.len();
     let representative = first_equal(&mesh.nodes);
@@ -115,7 +119,7 @@ fn compact(mesh: &mut TetMesh) -> (Vec<Option<u32>>, usize, usize) {
     (map, welded, unused)
 }
 
-/// Per point, the index of the first point with exactly the same coordinates (0.0 and -0.0 are the same).
+/// Returns for each point the index of the first point with exactly the same coordinates (0.0 and -0.0 are the same).
 pub(crate) fn first_equal(points: &[glam::DVec3]) -> Vec<u32> {
     let key = |i: u32| points[i as usize].to_array().map(|x| x + 0.0);
     let mut order: Vec<u32> = (0..points.len() as u32).collect();

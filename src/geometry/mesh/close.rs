@@ -1,4 +1,4 @@
-//! Welding within a tolerance: what a round trip through 32-bit numbers or a few digits of text has pulled apart.
+//! Welding within a tolerance, for points that 32-bit numbers or a few digits of text have pulled apart.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -7,22 +7,22 @@ use glam::{DVec3, I64Vec3};
 use crate::geometry::mesh::topology::{collapse, sides};
 use crate::geometry::mesh::{TriMesh, facets};
 
-/// Part of an object's largest size within which open corners are one.
+/// Fraction of an object's largest size within which open corners are one.
 const RELATIVE: f64 = 1e-6;
 
-/// What [`weld_open`] did.
+/// Result of [`weld_open`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Closed {
-    /// Vertices merged into others.
+    /// Number of vertices merged into others.
     pub vertices: usize,
-    /// The tolerance, m.
+    /// Tolerance, m.
     pub tolerance: f64,
-    /// The farthest that a vertex was moved, m.
+    /// Largest displacement of a vertex, m.
     pub moved: f64,
 }
 
-/// The distance within which vertices of `mesh` may be one, m: `1e-6 L + 2^-22 R`, with its largest size `L` and its largest
-/// coordinate `R`, both in m. The second part is what two roundings to 32 bits come to.
+/// Returns the distance within which vertices of `mesh` may be one, m: `1e-6 L + 2^-22 R`, with its largest size `L` and
+/// its largest coordinate `R`, both in m. The second part is the error of two roundings to 32 bits.
 pub fn tolerance(mesh: &TriMesh) -> f64 {
     let low = mesh.vertices.iter().fold(DVec3::INFINITY, |m, p| m.min(*p));
     let high = mesh.vertices.iter().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
@@ -30,9 +30,9 @@ pub fn tolerance(mesh: &TriMesh) -> f64 {
     RELATIVE * size + low.abs().max(high.abs()).max_element() * 2.0_f64.powi(-22)
 }
 
-/// Merges vertices at faulty edges (not shared by two triangles in opposite directions) with the first such vertex within
-/// [`tolerance`], and the ends of a triangle without area that are as close; drops what that leaves without extent. A mesh without
-/// faults stays as it is. Indices must be valid.
+/// Merges vertices at faulty edges (not shared by two triangles in opposite directions) with the first such vertex within [`tolerance`],
+/// and also the ends of a triangle without area that are as close; drops triangles that are left without extent. A mesh without faults
+/// remains unchanged. Indices must be valid.
 pub fn weld_open(mesh: &mut TriMesh) -> Option<Closed> {
     let mut loose = BTreeSet::new();
     for group in sides(mesh).chunk_by(|x, y| x.ends == y.ends) {

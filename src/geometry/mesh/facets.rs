@@ -1,4 +1,4 @@
-//! Triangles that add nothing to a surface: repeated ones, and those without area.
+//! Triangles that add nothing to a surface: repeated triangles and triangles without area.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,17 +7,18 @@ use glam::DVec3;
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::mesh::topology::{drop_unused, sides};
 
-/// A triangle has no area if its height is not above this part of its longest side.
+/// Height over the longest side up to which a triangle has no area.
 pub(crate) const FLAT: f64 = 1e-13;
 
-/// Whether the triangle is too thin to have a normal.
+/// Returns true if the triangle is too thin to have a normal.
 pub(crate) fn is_flat(p: [DVec3; 3]) -> bool {
     let longest = (0..3).map(|i| p[i].distance_squared(p[(i + 1) % 3])).fold(0.0, f64::max);
     let twice_area = (p[1] - p[0]).cross(p[2] - p[0]).length();
     twice_area.is_nan() || twice_area <= FLAT * longest
 }
 
-/// Drops triangles with the same corners in the same sense as an earlier one, and returns how many. Indices must be valid.
+/// Drops triangles with the same corners in the same sense as an earlier one; returns their number. Indices must be
+/// valid.
 pub fn drop_repeated(mesh: &mut TriMesh) -> usize {
     let before = mesh.triangles.len();
     let mut seen = BTreeSet::new();
@@ -28,8 +29,8 @@ pub fn drop_repeated(mesh: &mut TriMesh) -> usize {
     before - mesh.triangles.len()
 }
 
-/// Drops pairs of triangles back to back, between which there is nothing: the common face of parts that touch, or a sheet. Returns
-/// how many pairs. Indices must be valid.
+/// Drops pairs of triangles back to back, which enclose nothing: the common face of parts that touch, or a sheet. Returns the number of
+/// pairs. Indices must be valid.
 pub fn drop_back_to_back(mesh: &mut TriMesh) -> usize {
     let sorted = |t: &[u32; 3]| {
         let mut corners = *t;
@@ -52,8 +53,9 @@ pub fn drop_back_to_back(mesh: &mut TriMesh) -> usize {
     dropped.len() / 2
 }
 
-/// Removes triangles without area: one that no neighbour needs is dropped; of one between neighbours, whose corner lies on its
-/// longest side, that side is flipped, which leaves the surface where it is. Returns how many. Indices must be valid.
+/// Removes triangles without area. A triangle that no neighbour needs is dropped. If a triangle lies between neighbours and its corner
+/// lies on its longest side, that side is flipped, which leaves the surface unchanged. Returns the number of removed triangles. Indices
+/// must be valid.
 pub fn remove_flat(mesh: &mut TriMesh) -> usize {
     let mut removed = 0;
     // A chain of flat triangles needs a round for each; what is left after so many is refused with its place.
@@ -67,7 +69,7 @@ pub fn remove_flat(mesh: &mut TriMesh) -> usize {
     removed
 }
 
-/// Removes the flat triangles that can be removed as the mesh is; None if there were none.
+/// Removes the flat triangles that can be removed from the mesh as it is; returns None if there were none.
 fn round(mesh: &mut TriMesh) -> Option<usize> {
     let flat: Vec<usize> = (0..mesh.triangles.len()).filter(|t| is_flat(mesh.corners(*t))).collect();
     if flat.is_empty() {
@@ -119,7 +121,7 @@ fn round(mesh: &mut TriMesh) -> Option<usize> {
     (done > 0).then_some(done)
 }
 
-/// The corner of `triangle` across from its directed edge `from -> to`.
+/// Returns the corner of `triangle` opposite to its directed edge `from -> to`.
 fn across(triangle: [u32; 3], edge: [u32; 2]) -> Option<u32> {
     let i = (0..3).find(|i| [triangle[*i], triangle[(i + 1) % 3]] == edge)?;
     Some(triangle[(i + 2) % 3])

@@ -1,12 +1,12 @@
-//! A box of hexahedral cells, each split into six tetrahedra, mirror-symmetric about the middle planes.
+//! Box of hexahedral cells, each split into six tetrahedra, mirror-symmetric about the middle planes.
 
 use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{MAX_COUNT, TetMesh};
 
-/// The six Kuhn paths from corner 000 to corner 111 of a cell: the axes in the order they are walked. Odd permutations
-/// give negative volume in right-handed axes.
+/// Six Kuhn paths from corner 000 to corner 111 of a cell: the axes in the order in which they are walked. Odd
+/// permutations give negative volume in right-handed axes.
 const PATHS: [([usize; 3], bool); 6] = [
     ([0, 1, 2], true),
     ([1, 2, 0], true),
@@ -16,18 +16,20 @@ const PATHS: [([usize; 3], bool); 6] = [
     ([1, 0, 2], false),
 ];
 
-/// Node index of grid point `[i, j, k]` on `points` points per axis: x fastest, z slowest.
+/// Returns the node index of grid point `[i, j, k]` with `points` points per axis: x fastest, z slowest.
 pub fn node(points: [usize; 3], [i, j, k]: [usize; 3]) -> usize {
     i + points[0] * (j + points[1] * k)
 }
 
-/// A mesh over the grid lines `lines[axis]`, m, each strictly increasing. Nodes run x fastest, z slowest.
+/// Builds a mesh over the grid lines `lines[axis]`, m, each strictly increasing. Nodes run x fastest, z slowest.
 ///
-/// Each cell is split into six tetrahedra around its main diagonal (Kuhn). The diagonal starts at the corner nearest
-/// the middle of the grid in x and y, so faces match between cells and the mesh is its own mirror image about the
+/// Each cell is split into six tetrahedra around its main diagonal (Kuhn). The diagonal starts at the corner nearest the
+/// middle of the grid in x and y. Faces therefore match between cells, and the mesh is its own mirror image about the
 /// middle planes x and y if the numbers of cells along them are even and the lines are symmetric.
 ///
-/// Errors: fewer than two lines on an axis, lines not increasing or not finite, more than the cap of nodes.
+/// # Errors
+/// Fails for fewer than two lines on an axis, for lines that are not increasing or not finite, and for more nodes than
+/// the cap.
 pub fn structured(lines: [&[f64]; 3]) -> Result<TetMesh> {
     for (axis, values) in ["x", "y", "z"].iter().zip(lines) {
         if values.len() < 2 {
@@ -50,7 +52,8 @@ pub fn structured(lines: [&[f64]; 3]) -> Result<TetMesh> {
 
 /// Refuses zero cells and numbers of cells whose nodes or tetrahedra exceed the cap.
 ///
-/// Errors: [`Error::Mesh`] with the numbers and what is allowed.
+/// # Errors
+/// Returns [`Error::Mesh`] with the numbers and the allowed range.
 pub fn check_cells(cells: [usize; 3]) -> Result<()> {
     if cells.contains(&0) {
         return Err(Error::Mesh(format!("a grid of {cells:?} cells; at least 1 along each axis is needed")));
@@ -64,7 +67,7 @@ pub fn check_cells(cells: [usize; 3]) -> Result<()> {
     }
 }
 
-/// The tetrahedra of a grid of `cells`.
+/// Returns the tetrahedra of a grid of `cells`.
 fn split(cells: [usize; 3]) -> Vec<[u32; 4]> {
     let points = cells.map(|c| c + 1);
     let mut tets = Vec::with_capacity(6 * cells[0] * cells[1] * cells[2]);

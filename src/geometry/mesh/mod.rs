@@ -1,8 +1,8 @@
 //! Tetrahedral and triangle meshes: storage, surface, quality, reading and writing.
 //!
-//! Readers live in [`io`]; what they return has valid indices and finite coordinates. [`clean::repair`] makes a
-//! tetrahedral mesh fit for simulation; [`topology`] judges a triangle surface. Everything is deterministic:
-//! the numbering never depends on the order of a hash map.
+//! Readers are in [`io`]; the meshes that they return have valid indices and finite coordinates. [`clean::repair`] makes
+//! a tetrahedral mesh fit for simulation; [`topology`] judges a triangle surface. Everything is deterministic: the
+//! numbering never depends on the order of a hash map.
 
 pub mod clean;
 pub mod close;
@@ -19,7 +19,7 @@ pub mod topology;
 
 use glam::DVec3;
 
-/// A tetrahedral mesh. Every tetrahedron has positive signed volume `(b-a) x (c-a) . (d-a) / 6`.
+/// Tetrahedral mesh. Every tetrahedron has positive signed volume `(b-a) x (c-a) . (d-a) / 6`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TetMesh {
     /// Node positions, m.
@@ -28,7 +28,7 @@ pub struct TetMesh {
     pub tets: Vec<[u32; 4]>,
 }
 
-/// A triangle mesh, counter-clockwise seen from outside.
+/// Triangle mesh, counter-clockwise seen from outside.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TriMesh {
     /// Vertex positions, m.
@@ -37,29 +37,30 @@ pub struct TriMesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Most nodes, vertices or elements accepted in one mesh; larger declared counts are refused before allocating.
+/// Largest number of nodes, vertices or elements accepted in one mesh; larger declared counts are refused before
+/// allocating.
 pub const MAX_COUNT: usize = 5_000_000;
 
 impl TetMesh {
-    /// Corner positions of tetrahedron `t`, m. `t` must be a valid tetrahedron of a mesh with valid indices.
+    /// Returns the corner positions of tetrahedron `t`, m. `t` must be a valid tetrahedron of a mesh with valid indices.
     pub fn corners(&self, t: usize) -> [DVec3; 4] {
         self.tets[t].map(|i| self.nodes[i as usize])
     }
 }
 
 impl TriMesh {
-    /// Corner positions of triangle `t`, m. `t` must be a valid triangle of a mesh with valid indices.
+    /// Returns the corner positions of triangle `t`, m. `t` must be a valid triangle of a mesh with valid indices.
     pub fn corners(&self, t: usize) -> [DVec3; 3] {
         self.triangles[t].map(|i| self.vertices[i as usize])
     }
 }
 
-/// Signed volume of a tetrahedron `(b-a) x (c-a) . (d-a) / 6`, m^3.
+/// Computes the signed volume of a tetrahedron `(b-a) x (c-a) . (d-a) / 6`, m^3.
 pub fn signed_volume([a, b, c, d]: [DVec3; 4]) -> f64 {
     (b - a).cross(c - a).dot(d - a) / 6.0
 }
 
-/// `p` as text for messages, in metres.
+/// Returns `p` as text for messages, in metres.
 pub(crate) fn show(p: DVec3) -> String {
     format!("({:.6}, {:.6}, {:.6}) m", p.x, p.y, p.z)
 }

@@ -5,11 +5,12 @@ use std::collections::{BTreeMap, VecDeque};
 use glam::DVec3;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-/// Triangles of the polygon with the corners `points` (m), as indices of its corners and in its sense. A polygon that a fan from its
-/// first corner fills is split as that fan; any other by a constrained Delaunay triangulation of its outline, seen along the axis
-/// nearest to its normal, which uses every corner, also one on a straight side. A hole is a slit to the outline and back.
+/// Splits the polygon with the corners `points` (m) into triangles, given as indices of its corners and in its sense. A polygon that a
+/// fan from its first corner fills is split into that fan. Any other is split by a constrained Delaunay triangulation of its outline,
+/// seen along the axis nearest to its normal, which uses every corner, including one on a straight side. A hole is a slit to the outline
+/// and back.
 ///
-/// None if the outline crosses itself.
+/// Returns None if the outline crosses itself.
 pub(crate) fn triangulate(points: &[DVec3]) -> Option<Vec<[usize; 3]>> {
     let fan: Vec<_> = (1..points.len().saturating_sub(1)).map(|i| [0, i, i + 1]).collect();
     let normal = area_vector(points);
@@ -23,7 +24,7 @@ pub(crate) fn triangulate(points: &[DVec3]) -> Option<Vec<[usize; 3]>> {
     constrained(points, normal)
 }
 
-/// Twice the area of the polygon along its normal (Newell), m2.
+/// Returns twice the area of the polygon along its normal (Newell), m2.
 fn area_vector(points: &[DVec3]) -> DVec3 {
     let Some(first) = points.first() else { return DVec3::ZERO };
     points.windows(2).map(|p| (p[0] - first).cross(p[1] - first)).sum()

@@ -1,11 +1,11 @@
-//! From 4-node to 10-node tetrahedra: a node in the middle of every edge.
+//! Conversion from 4-node to 10-node tetrahedra: a node in the middle of every edge.
 
 use glam::DVec3;
 
 use crate::geometry::mesh::TetMesh;
 use crate::geometry::mesh::quality::EDGES;
 
-/// A mesh of straight-sided 10-node tetrahedra.
+/// Mesh of straight-sided 10-node tetrahedra.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct QuadraticMesh {
     /// Node positions, m: first the corners in the order of the linear mesh, then one per edge in the order of
@@ -16,7 +16,7 @@ pub struct QuadraticMesh {
     pub tets: Vec<[u32; 10]>,
 }
 
-/// The corner pair `[a, b]`, `a < b`, of every edge, sorted. Midpoint k of the quadratic mesh, i.e. its node
+/// Returns the corner pair `[a, b]`, `a < b`, of every edge, sorted. Midpoint k of the quadratic mesh, i.e. its node
 /// `corners + k`, lies between the corners of entry k, so a linear field takes the mean of their values there.
 pub fn midpoint_edges(mesh: &TetMesh) -> Vec<[u32; 2]> {
     let mut edges: Vec<[u32; 2]> =

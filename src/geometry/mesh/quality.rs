@@ -1,15 +1,15 @@
-//! How well-shaped the tetrahedra of a mesh are.
+//! Shape quality of the tetrahedra of a mesh.
 
 use glam::DVec3;
 
 use crate::geometry::mesh::{TetMesh, signed_volume};
 
-/// The six edges of a tetrahedron as pairs of corners, in the order of the mid-edge nodes of [`super::quadratic`].
+/// Six edges of a tetrahedron as pairs of corners, in the order of the mid-edge nodes of [`super::quadratic`].
 pub const EDGES: [(usize, usize); 6] = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)];
 
-/// Mean ratio of a tetrahedron, `12 (3 V)^(2/3) / (sum of squared edge lengths)`, in [0, 1]: 1 for a regular
-/// tetrahedron, 0 for a flat or inverted one. (A. Liu and B. Joe, "Relationship between tetrahedron shape measures",
-/// BIT 34 (1994) 268-287.)
+/// Computes the mean ratio of a tetrahedron, `12 (3 V)^(2/3) / (sum of squared edge lengths)`, in [0, 1]: 1 for a regular
+/// tetrahedron, 0 for a flat or inverted one. (A. Liu and B. Joe, "Relationship between tetrahedron shape measures", BIT
+/// 34 (1994) 268-287.)
 pub fn mean_ratio(corners: [DVec3; 4]) -> f64 {
     let sum: f64 = EDGES.iter().map(|(a, b)| corners[*a].distance_squared(corners[*b])).sum();
     let volume = signed_volume(corners).max(0.0);
@@ -22,11 +22,11 @@ pub const BINS: usize = 10;
 /// Quality of a whole mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quality {
-    /// Tetrahedron of the lowest mean ratio.
+    /// Index of the tetrahedron with the lowest mean ratio.
     pub worst_index: usize,
-    /// Its mean ratio, in [0, 1].
+    /// Mean ratio of that tetrahedron, in [0, 1].
     pub worst: f64,
-    /// Its centroid, m.
+    /// Centroid of that tetrahedron, m.
     pub worst_centroid: DVec3,
     /// Smallest signed volume, m^3.
     pub min_volume: f64,
@@ -34,7 +34,7 @@ pub struct Quality {
     pub total_volume: f64,
     /// Mean of the mean ratios.
     pub mean: f64,
-    /// Tetrahedra per tenth of mean ratio: bin k counts [k/10, (k+1)/10), the last one 1 too.
+    /// Number of tetrahedra per tenth of mean ratio: bin k counts [k/10, (k+1)/10), the last one also 1.
     pub histogram: [usize; BINS],
     /// Shortest edge, m.
     pub min_edge: f64,
@@ -42,7 +42,7 @@ pub struct Quality {
     pub max_edge: f64,
 }
 
-/// Judges every tetrahedron; None for a mesh without any. Indices must be valid.
+/// Measures the quality of every tetrahedron; returns None for a mesh without any. Indices must be valid.
 pub fn quality(mesh: &TetMesh) -> Option<Quality> {
     let mut report = Quality {
         worst_index: 0,
@@ -77,7 +77,7 @@ pub fn quality(mesh: &TetMesh) -> Option<Quality> {
     (!mesh.tets.is_empty()).then_some(report)
 }
 
-/// Signed volume of every tetrahedron, m^3, length `tets`. Indices must be valid.
+/// Returns the signed volume of every tetrahedron, m^3, length `tets`. Indices must be valid.
 pub fn volumes(mesh: &TetMesh) -> Vec<f64> {
     (0..mesh.tets.len()).map(|t| signed_volume(mesh.corners(t))).collect()
 }

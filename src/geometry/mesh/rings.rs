@@ -1,9 +1,9 @@
-//! Which triangles of a surface meet at an edge or a corner, and which parts of it a point is held against.
+//! Triangles of a surface that meet at an edge or a vertex, and the parts of it that act on a point.
 
-/// A part of one triangle.
+/// Part of one triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TrianglePart {
-    /// Its inside.
+    /// Interior.
     Face,
     /// Edge `i`, from corner `i` to corner `i + 1`.
     Edge(usize),
@@ -11,48 +11,48 @@ pub enum TrianglePart {
     Corner(usize),
 }
 
-/// A part of a surface.
+/// Part of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SurfacePart {
-    /// Inside of a triangle.
+    /// Interior of a triangle.
     Face(u32),
-    /// An edge.
+    /// Edge.
     Edge(u32),
-    /// A vertex.
+    /// Vertex.
     Corner(u32),
 }
 
-/// How a point sees a triangle.
+/// View of a triangle from a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TriangleView {
-    /// It is out of reach.
+    /// Triangle out of reach.
     Beyond,
-    /// It is nearest from its back: the other side of a thin ridge.
+    /// Triangle that is nearest from its back: the other side of a thin ridge.
     Behind,
-    /// This part of it is nearest.
+    /// Triangle of which this part is nearest.
     At(TrianglePart),
 }
 
-/// What the triangles of a surface share.
+/// Adjacency of the triangles of a surface.
 #[derive(Debug, Clone, Default)]
 pub struct Rings {
     corners: Vec<[u32; 3]>,
-    /// Edge `i` of a triangle runs from its corner `i` to its corner `i + 1`, or back.
+    /// Edges of each triangle; edge `i` runs from its corner `i` to its corner `i + 1`, or back.
     edges: Vec<[u32; 3]>,
-    /// The triangle of each edge that names it, and which of its edges it is.
+    /// Triangle that names each edge, and the index of the edge in it.
     owner: Vec<(u32, usize)>,
-    /// The two triangles at each edge; None on the rim of the surface.
+    /// Two triangles at each edge; None on the rim of the surface.
     sides: Vec<Option<[u32; 2]>>,
-    /// Where the triangles of each vertex begin in `triangles`; one more entry than vertices.
+    /// Start of the triangles of each vertex in `triangles`; one more entry than vertices.
     first: Vec<usize>,
-    /// The triangles around each vertex, ascending.
+    /// Triangles around each vertex, ascending.
     triangles: Vec<u32>,
-    /// Whether they close around it.
+    /// True for each vertex whose triangles close around it.
     closed: Vec<bool>,
 }
 
 impl Rings {
-    /// Of triangles given by their vertices.
+    /// Builds the adjacency of triangles given by their vertices.
     pub fn new(corners: Vec<[u32; 3]>) -> Self {
         let count = corners.iter().flatten().max().map_or(0, |v| *v as usize + 1);
         let mut first = vec![0; count + 1];
@@ -84,29 +84,29 @@ impl Rings {
         Self { corners, edges, owner, sides, first, triangles, closed }
     }
 
-    /// The triangles around a vertex, ascending.
+    /// Returns the triangles around a vertex, ascending.
     pub fn around(&self, vertex: u32) -> &[u32] {
         let v = vertex as usize;
         if v < self.closed.len() { &self.triangles[self.first[v]..self.first[v + 1]] } else { &[] }
     }
 
-    /// The two triangles at edge `i` of a triangle; None on the rim of the surface.
+    /// Returns the two triangles at edge `i` of a triangle; None on the rim of the surface.
     pub fn sides(&self, triangle: u32, i: usize) -> Option<[u32; 2]> {
         self.sides[self.edges[triangle as usize][i] as usize]
     }
 
-    /// A triangle at an edge, and which of its edges that is.
+    /// Returns a triangle at an edge, and the index of the edge in it.
     pub fn owner(&self, edge: u32) -> (u32, usize) {
         self.owner[edge as usize]
     }
 
-    /// A triangle at a vertex, and which of its corners that is.
+    /// Returns a triangle at a vertex, and the index of the corner in it.
     pub fn owner_of_corner(&self, vertex: u32) -> Option<(u32, usize)> {
         let &t = self.around(vertex).first()?;
         Some((t, self.corners[t as usize].iter().position(|c| *c == vertex)?))
     }
 
-    /// The triangles that share a vertex with `triangle`, itself included, ascending.
+    /// Returns the triangles that share a vertex with `triangle`, itself included, ascending.
     fn ring(&self, triangle: u32) -> Vec<u32> {
         let mut ring: Vec<u32> =
             self.corners[triangle as usize].iter().flat_map(|v| self.around(*v)).copied().collect();
@@ -115,7 +115,7 @@ impl Rings {
         ring
     }
 
-    /// The place of a part of a triangle.
+    /// Converts a part of a triangle to a part of the surface.
     pub fn place(&self, triangle: u32, part: TrianglePart) -> SurfacePart {
         let t = triangle as usize;
         match part {
@@ -125,9 +125,10 @@ impl Rings {
         }
     }
 
-    /// What presses on a point beside its closest place, the part `nearest` of triangle `own`: other places, with weights in a sum in
-    /// which that of the closest is 1 (inclusion and exclusion). `view` says how the point sees the triangles around; `along`, where on an
-    /// edge, the given one of the given triangle, the closest point is.
+    /// Returns the other places that act on a point beside its closest place, the part `nearest` of triangle `own`. Each has a weight in
+    /// a sum in which the weight of the closest is 1 (inclusion and exclusion). `view` returns the view of the triangles around from the
+    /// point; `along` returns the part of the given triangle (edge or corner) on which the closest point of its given
+    /// edge lies.
     pub fn beside(
         &self,
         own: u32,
@@ -154,14 +155,14 @@ impl Rings {
         weights
     }
 
-    /// The places that a point presses against, with weights, when energies of its distances add up.
+    /// Returns the places that act on a point, with weights, when energies of its distances are added.
     ///
-    /// In a valley a point touches both incident faces, and the sum over triangles is smooth where the least of their distances has a
-    /// kink. On flat ground and over ridges the triangles at an edge are equally near, and would count twice there: so edges
-    /// within reach are taken off and vertices added again, and the sum is that of one touch (inclusion and exclusion; Li,
-    /// Ferguson, Schneider et al. 2023, "Convergent incremental potential contact", section 4).
+    /// In a valley a point touches both incident faces, and the sum over triangles is smooth where the smallest of their distances has a
+    /// kink. On flat ground and over ridges the triangles at an edge are equally near and would count twice there. Edges within reach are
+    /// therefore subtracted and vertices added again, so that the sum is that of one touch (inclusion and exclusion; Li, Ferguson,
+    /// Schneider et al. 2023, "Convergent incremental potential contact", section 4).
     ///
-    /// `found` are the triangles within reach and the part of each that is closest.
+    /// `found` holds the triangles within reach and the closest part of each.
     fn weights(
         &self,
         found: &[(u32, TrianglePart)],

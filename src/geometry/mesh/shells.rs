@@ -1,4 +1,4 @@
-//! The closed parts of a surface, each turned the right way.
+//! Closed parts of a surface and their orientation.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -9,18 +9,18 @@ use crate::geometry::Aabb;
 use crate::geometry::mesh::topology::sides;
 use crate::geometry::mesh::{TriMesh, show};
 
-/// A part of a surface whose triangles are connected across edges.
+/// Part of a surface whose triangles are connected across edges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shell {
-    /// Its triangles, ascending.
+    /// Indices of its triangles, ascending.
     pub triangles: Vec<u32>,
     /// Signed volume, m3; positive if it is wound outward.
     pub volume: f64,
-    /// Box around it, m.
+    /// Bounding box, m.
     pub bounds: Aabb,
 }
 
-/// The shells of `mesh`, in the order of their first triangles. Indices must be valid.
+/// Returns the shells of `mesh`, in the order of their first triangles. Indices must be valid.
 pub fn shells(mesh: &TriMesh) -> Vec<Shell> {
     let mut parent: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
     fn root(parent: &mut [u32], mut i: u32) -> u32 {
@@ -55,8 +55,8 @@ pub fn shells(mesh: &TriMesh) -> Vec<Shell> {
     shells
 }
 
-/// Turns triangles until all of a shell agree with its first, where that is possible. Returns how many it turned. Indices must be
-/// valid.
+/// Turns triangles until all triangles of a shell agree with its first, where that is possible. Returns the number of turned triangles.
+/// Indices must be valid.
 pub fn agree(mesh: &mut TriMesh) -> usize {
     let sides = sides(mesh);
     let mut across = vec![[None; 3]; mesh.triangles.len()];
@@ -94,24 +94,24 @@ pub fn agree(mesh: &mut TriMesh) -> usize {
     count
 }
 
-/// What [`orient`] turned.
+/// Result of [`orient`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Oriented {
-    /// Shells of a solid that were inside out.
+    /// Number of shells of a solid that were inside out.
     pub outward: usize,
-    /// Shells that lie in an odd number of others and so bound a hollow, but were wound outward.
+    /// Number of shells that lie in an odd number of others and so bound a hollow, but were wound outward.
     pub inward: usize,
 }
 
 impl Oriented {
-    /// Whether anything was turned.
+    /// Returns true if anything was turned.
     pub fn any(&self) -> bool {
         self.outward + self.inward > 0
     }
 }
 
-/// Turns each shell of a closed, consistently wound mesh as a whole: outward, or inward if it lies in an odd number of others, for
-/// then it bounds a hollow. Shells must not cross each other, and indices must be valid.
+/// Turns each shell of a closed, consistently wound mesh as a whole: outward, or inward if it lies in an odd number of others, because it
+/// then bounds a hollow. Shells must not cross each other, and indices must be valid.
 pub fn orient(mesh: &mut TriMesh) -> Oriented {
     let shells = shells(mesh);
     let mut done = Oriented::default();
@@ -127,7 +127,7 @@ pub fn orient(mesh: &mut TriMesh) -> Oriented {
     done
 }
 
-/// Whether `outer` goes round `inner`, whichever way it is wound.
+/// Returns true if `outer` encloses `inner`, whichever way it is wound.
 fn holds(mesh: &TriMesh, outer: &Shell, inner: &Shell) -> bool {
     let (o, i) = (&outer.bounds, &inner.bounds);
     if !(o.min.cmple(i.min).all() && i.max.cmple(o.max).all()) || outer.triangles == inner.triangles {
@@ -141,8 +141,7 @@ fn holds(mesh: &TriMesh, outer: &Shell, inner: &Shell) -> bool {
     sure.is_some_and(|w| w.round() as u64 % 2 == 1)
 }
 
-/// Signed solid angle under which the triangle is seen from `p`, sr (Van Oosterom and Strackee 1983, eq. 8); positive seen from
-/// behind.
+/// Computes the signed solid angle of the triangle seen from `p`, sr (Van Oosterom and Strackee 1983, eq. 8); positive seen from behind.
 pub(crate) fn solid_angle(corners: [DVec3; 3], p: DVec3) -> f64 {
     let [a, b, c] = corners.map(|q| q - p);
     let [x, y, z] = [a, b, c].map(DVec3::length);
@@ -150,7 +149,7 @@ pub(crate) fn solid_angle(corners: [DVec3; 3], p: DVec3) -> f64 {
     2.0 * a.dot(b.cross(c)).atan2(below)
 }
 
-/// Refuses a shell without volume, in one sentence.
+/// Returns one sentence that refuses a shell without volume, if there is one.
 pub(crate) fn flat_shell(mesh: &TriMesh) -> Option<String> {
     let shells = shells(mesh);
     let flat = shells.iter().find(|s| s.volume.abs() <= 1e-12 * s.bounds.size().max_element().powi(3))?;

@@ -1,21 +1,21 @@
-//! The boundary of a tetrahedral mesh: the faces that belong to one tetrahedron only.
+//! Boundary of a tetrahedral mesh: the faces that belong to one tetrahedron only.
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{TetMesh, TriMesh, show};
 
-/// The faces of a tetrahedron of positive volume, counter-clockwise seen from outside; face k is opposite corner k.
+/// Faces of a tetrahedron of positive volume, counter-clockwise seen from outside; face k is opposite corner k.
 pub const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 
-/// One face of the boundary.
+/// Face of the boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BoundaryFace {
     /// Node indices, counter-clockwise seen from outside.
     pub nodes: [u32; 3],
-    /// The tetrahedron it belongs to.
+    /// Index of the tetrahedron to which the face belongs.
     pub tet: u32,
 }
 
-/// Every face with its sorted nodes first, in the order of those.
+/// Returns every face, preceded by its sorted nodes and in their order.
 fn sorted_faces(mesh: &TetMesh) -> Vec<([u32; 3], u32, u8)> {
     let mut all = Vec::with_capacity(4 * mesh.tets.len());
     for (t, tet) in mesh.tets.iter().enumerate() {
@@ -29,7 +29,7 @@ fn sorted_faces(mesh: &TetMesh) -> Vec<([u32; 3], u32, u8)> {
     all
 }
 
-/// The boundary faces, in the order of their tetrahedra. Indices must be valid and volumes positive, as
+/// Returns the boundary faces, in the order of their tetrahedra. Indices must be valid and volumes positive, as
 /// [`crate::geometry::mesh::clean::repair`] leaves them.
 pub fn boundary(mesh: &TetMesh) -> Vec<BoundaryFace> {
     let mut single: Vec<(u32, u8)> = sorted_faces(mesh)
@@ -44,8 +44,8 @@ pub fn boundary(mesh: &TetMesh) -> Vec<BoundaryFace> {
         .collect()
 }
 
-/// The boundary as a triangle mesh of its own, vertices in the order of the nodes, with the node of each vertex.
-/// Indices must be valid.
+/// Returns the boundary as a separate triangle mesh, with vertices in the order of the nodes, and the node of each
+/// vertex. Indices must be valid.
 pub fn boundary_mesh(mesh: &TetMesh) -> (TriMesh, Vec<u32>) {
     let faces = boundary(mesh);
     let mut new_index = vec![u32::MAX; mesh.nodes.len()];
@@ -67,7 +67,8 @@ pub fn boundary_mesh(mesh: &TetMesh) -> (TriMesh, Vec<u32>) {
 
 /// Refuses a face shared by three or more tetrahedra.
 ///
-/// Errors: [`Error::Mesh`] naming the face's nodes, its tetrahedra and where it is.
+/// # Errors
+/// Returns [`Error::Mesh`] that names the face's nodes, its tetrahedra and its position.
 pub(crate) fn refuse_non_manifold(mesh: &TetMesh) -> Result<()> {
     let faces = sorted_faces(mesh);
     match faces.chunk_by(|a, b| a.0 == b.0).find(|group| group.len() > 2) {

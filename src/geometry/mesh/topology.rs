@@ -1,11 +1,11 @@
-//! Is a triangle mesh a closed, oriented surface? And what can be put right without guessing.
+//! Checks that a triangle mesh is a closed, oriented surface, and repairs that need no guess.
 
 use glam::DVec3;
 
 use crate::geometry::mesh::{TriMesh, clean};
 
-/// What the edges of a triangle mesh say. An edge is fine if exactly two triangles share it and run along it in opposite
-/// directions.
+/// Report on the edges of a triangle mesh. An edge is sound if exactly two triangles share it and run along it in
+/// opposite directions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Watertight {
     /// Edges with one triangle: the rims of holes.
@@ -26,9 +26,9 @@ pub struct Watertight {
 /// Edges with the same fault.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Faulty {
-    /// How many.
+    /// Number of edges.
     pub count: usize,
-    /// End points of the first, m.
+    /// End points of the first edge, m.
     pub first: Option<[DVec3; 2]>,
 }
 
@@ -40,12 +40,12 @@ impl Faulty {
 }
 
 impl Watertight {
-    /// Closed and consistently oriented, facing outwards.
+    /// Returns true if the surface is closed and consistently oriented and faces outwards.
     pub fn is_solid(&self) -> bool {
         self.complaint().is_none()
     }
 
-    /// One sentence for a message, None for a solid.
+    /// Returns one sentence for a message; None for a solid.
     pub fn complaint(&self) -> Option<String> {
         let (open, crowded, twisted) = (&self.open, &self.crowded, &self.twisted);
         let faults = [
@@ -74,20 +74,20 @@ impl Watertight {
     }
 }
 
-/// A side of a triangle.
+/// Side of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Side {
-    /// The edge it runs along: smaller vertex first.
+    /// End vertices of its edge, the smaller first.
     pub ends: [u32; 2],
-    /// It runs from the larger vertex to the smaller.
+    /// True if the side runs from the larger vertex to the smaller.
     pub reversed: bool,
-    /// Its triangle.
+    /// Index of the triangle.
     pub triangle: u32,
-    /// It starts at this corner of the triangle.
+    /// Corner of the triangle at which the side starts.
     pub corner: u8,
 }
 
-/// The sides of all triangles, sorted: those along the same edge are neighbours.
+/// Returns the sides of all triangles, sorted: those along the same edge are neighbours.
 pub(crate) fn sides(mesh: &TriMesh) -> Vec<Side> {
     let mut sides = Vec::with_capacity(3 * mesh.triangles.len());
     for (c, triangle) in mesh.triangles.iter().zip(0..) {
@@ -122,7 +122,7 @@ pub fn watertight(mesh: &TriMesh) -> Watertight {
     report
 }
 
-/// Number of pieces connected through shared vertices. Indices must be valid.
+/// Counts the pieces connected through shared vertices. Indices must be valid.
 fn components(mesh: &TriMesh) -> usize {
     let mut parent: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
     fn root(parent: &mut [u32], mut i: u32) -> u32 {
@@ -146,7 +146,8 @@ fn components(mesh: &TriMesh) -> usize {
     (0..parent.len()).filter(|i| used[*i] && parent[*i] == *i as u32).count()
 }
 
-/// Signed volume, m^3: a sum of tetrahedra from the first vertex, so that a distant origin costs no digits.
+/// Computes the signed volume, m^3, as a sum of tetrahedra from the first vertex, so that a distant origin costs no
+/// digits.
 fn signed_volume(mesh: &TriMesh) -> f64 {
     let Some(o) = mesh.vertices.first().copied() else { return 0.0 };
     (0..mesh.triangles.len())
@@ -157,12 +158,12 @@ fn signed_volume(mesh: &TriMesh) -> f64 {
         .sum()
 }
 
-/// What [`weld`] removed.
+/// Result of [`weld`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Welded {
-    /// Vertices that were equal to an earlier one, or unused.
+    /// Number of vertices that were equal to an earlier one, or unused.
     pub vertices: usize,
-    /// Triangles with a repeated vertex.
+    /// Number of triangles with a repeated vertex.
     pub triangles: usize,
 }
 
@@ -175,7 +176,7 @@ pub fn weld(mesh: &mut TriMesh) -> Welded {
     Welded { vertices: vertices - mesh.vertices.len(), triangles: triangles - mesh.triangles.len() }
 }
 
-/// Puts vertex `first[v]` in the place of each vertex `v`, and drops triangles left with a repeated vertex, then unused vertices.
+/// Replaces each vertex `v` by vertex `first[v]`, and drops triangles left with a repeated vertex, then unused vertices.
 pub(crate) fn collapse(mesh: &mut TriMesh, first: &[u32]) {
     for i in mesh.triangles.iter_mut().flatten() {
         *i = first[*i as usize];
@@ -184,7 +185,7 @@ pub(crate) fn collapse(mesh: &mut TriMesh, first: &[u32]) {
     drop_unused(mesh);
 }
 
-/// Removes vertices that no triangle uses; returns whether there were any. Indices must be valid.
+/// Removes vertices that no triangle uses; returns true if there were any. Indices must be valid.
 pub fn drop_unused(mesh: &mut TriMesh) -> bool {
     let mut new_index = vec![u32::MAX; mesh.vertices.len()];
     for i in mesh.triangles.iter().flatten() {

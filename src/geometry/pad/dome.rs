@@ -1,33 +1,34 @@
-//! The domed sensing face of the GelSight Mini gel, in closed form.
+//! Domed sensing face of the GelSight Mini gel, in closed form.
 //!
-//! Derived from the CAD of FEATS (`gelsight_mini.step`) through the 5137 surface nodes of its CalculiX mesh. On the two
-//! symmetry axes the profile is, exactly to the CAD's digits, an arc from the apex down to 0.25 mm and from there a
-//! second arc, tangent to the first, down to the rim 1.25 mm below the apex; the side walls are upright. Off the axes
-//! the CAD is a spline patch, met here by blending the two profiles: 1.2 um rms and 5.3 um at most, away from the four
-//! corners where both fillets meet (there the true outline is rounded with a radius of 1.5 mm, the pad keeps a sharp
-//! corner, and the depth differs by up to 0.16 mm; the volume of the whole gel agrees to 0.1 %).
+//! It is derived from the CAD of FEATS (`gelsight_mini.step`) through the 5137 surface nodes of its CalculiX mesh. On the
+//! two symmetry axes the profile is, exactly to the CAD's digits, an arc from the apex down to 0.25 mm and from there a
+//! second arc, tangent to the first, down to the rim 1.25 mm below the apex; the side walls are upright. Off the axes the
+//! CAD is a spline patch. Blending the two profiles meets it to 1.2 um rms and 5.3 um at most, away from the four corners
+//! where both fillets meet (there the true outline is rounded with a radius of 1.5 mm, the pad keeps a sharp corner, and
+//! the depth differs by up to 0.16 mm; the volume of the whole gel agrees to 0.1 %).
 
 /// Half length and half width of the gel, m: along x (long) and y (short).
 pub const HALF: [f64; 2] = [12.625e-3, 10.375e-3];
-/// Apex to bonded face, m.
+/// Distance from the apex to the bonded face, m.
 pub const THICKNESS: f64 = 4.0e-3;
 /// Depth of the rim below the apex, m.
 pub const RIM: f64 = 1.25e-3;
 /// Depth below the apex where dome and edge fillet meet, on the axes, m.
 pub const KNEE_DEPTH: f64 = 0.25e-3;
-/// Distance from the centre at which they meet, m: along x and y.
+/// Distance from the centre at which dome and edge fillet meet, m: along x and y.
 pub const KNEE: [f64; 2] = [9.7165e-3, 7.5354e-3];
 /// Coupling of the two profiles, 1/m; fitted.
 const COUPLING: f64 = 2.81e3;
 /// Decay of the coupling over the fillet; fitted.
 const DECAY: f64 = 1.6;
 
-/// Radius of the dome's arc along an axis (0 = x, 1 = y), m: 188.9 mm along the long side, 113.7 mm along the short one.
+/// Returns the radius of the dome's arc along an axis (0 = x, 1 = y), m: 188.9 mm along the long side, 113.7 mm along the
+/// short one.
 pub fn dome_radius(axis: usize) -> f64 {
     (KNEE[axis].powi(2) + KNEE_DEPTH.powi(2)) / (2.0 * KNEE_DEPTH)
 }
 
-/// Depth below the apex on an axis at distance `at` from the centre, m.
+/// Returns the depth below the apex on an axis at distance `at` from the centre, m.
 fn profile(axis: usize, at: f64) -> f64 {
     let radius = dome_radius(axis);
     if at <= KNEE[axis] {
@@ -40,7 +41,7 @@ fn profile(axis: usize, at: f64) -> f64 {
     KNEE_DEPTH + fillet * slope.cos() - (fillet * fillet - along * along).max(0.0).sqrt()
 }
 
-/// How much of the other axis' depth is swallowed at distance `at`: 0 at the centre, 1 at the rim.
+/// Returns the fraction of the other axis' depth that is dropped at distance `at`: 0 at the centre, 1 at the rim.
 fn swallowed(axis: usize, at: f64) -> f64 {
     if at <= KNEE[axis] {
         COUPLING * profile(axis, at)
@@ -50,7 +51,8 @@ fn swallowed(axis: usize, at: f64) -> f64 {
     }
 }
 
-/// Depth of the sensing face below its apex at (x, y) of the pad frame (x along the long side), m, in [0, RIM].
+/// Returns the depth of the sensing face below its apex at (x, y) of the pad frame (x along the long side), m, in [0,
+/// RIM].
 pub fn depth(x: f64, y: f64) -> f64 {
     let (x, y) = (x.abs(), y.abs());
     let blended = profile(0, x) + profile(1, y) - swallowed(0, x) * swallowed(1, y) / COUPLING;

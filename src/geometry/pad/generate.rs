@@ -1,4 +1,4 @@
-//! Pads made here: box, disc and the GelSight Mini gel, flat or domed. All have a flat bonded back face.
+//! Generated pads: box, disc and the GelSight Mini gel, flat or domed. All have a flat bonded back face.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,19 +13,20 @@ pub const MAX_SIZE: f64 = 10.0;
 /// Size of the GelSight Mini gel along x, y and z, m.
 pub const GELSIGHT_MINI: [f64; 3] = [2.0 * dome::HALF[0], 2.0 * dome::HALF[1], dome::THICKNESS];
 
-/// The sensing face of the GelSight Mini gel.
+/// Profile of the sensing face of the GelSight Mini gel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 pub enum GelProfile {
-    /// 25.25 x 20.75 x 4 mm box, as most simulators take it.
+    /// Box of 25.25 x 20.75 x 4 mm, as most simulators take it.
     #[default]
     Flat,
-    /// The face of the real gel, see [`dome`]: 4 mm thick at the apex, 2.75 mm at the rim.
+    /// Face of the real gel, see [`dome`]: 4 mm thick at the apex, 2.75 mm at the rim.
     Domed,
 }
 
-/// A box of `size_x` x `size_y` x `thickness`, m.
+/// Builds a box of `size_x` x `size_y` x `thickness`, m.
 ///
-/// Errors: a length that is not in (0, [`MAX_SIZE`]], a bad resolution.
+/// # Errors
+/// Fails for a length that is not in (0, [`MAX_SIZE`]] and for a bad resolution.
 pub fn box_pad(size_x: f64, size_y: f64, thickness: f64, resolution: &Resolution) -> Result<PadMesh> {
     check_lengths(&[("size_x", size_x), ("size_y", size_y), ("thickness", thickness)])?;
     let cells = resolution.cells_for([size_x, size_y, thickness])?;
@@ -36,13 +37,14 @@ pub fn box_pad(size_x: f64, size_y: f64, thickness: f64, resolution: &Resolution
     Ok(bonded_at_back(grid::structured([&xs, &ys, &zs])?, cells))
 }
 
-/// A disc of `radius` and `thickness`, m: a square grid mapped so that its outline becomes the circle.
+/// Builds a disc of `radius` and `thickness`, m: a square grid mapped so that its outline becomes the circle.
 ///
 /// The grid needs the same even number of cells along x and y. The rim is a polygon inscribed in the circle, so the
-/// volume is a little small: by 0.46 / n^2 of itself for n uniform cells across (n = 20: 0.12 %, n = 60: 0.013 %). The
+/// volume is slightly small: by 0.46 / n^2 of itself for n uniform cells across (n = 20: 0.12 %, n = 60: 0.013 %). The
 /// worst tetrahedra lie where the corners of the square were; their mean ratio is 0.58 at n = 20, 0.45 at n = 60.
 ///
-/// Errors: a length that is not in (0, [`MAX_SIZE`]], a bad resolution, odd or unequal numbers of cells.
+/// # Errors
+/// Fails for a length that is not in (0, [`MAX_SIZE`]], a bad resolution, and odd or unequal numbers of cells.
 pub fn disc_pad(radius: f64, thickness: f64, resolution: &Resolution) -> Result<PadMesh> {
     check_lengths(&[("radius", radius), ("thickness", thickness)])?;
     if let Density::Cells([nx, ny, _]) = resolution.density
@@ -64,9 +66,10 @@ pub fn disc_pad(radius: f64, thickness: f64, resolution: &Resolution) -> Result<
     Ok(bonded_at_back(mesh, cells))
 }
 
-/// The gel of a GelSight Mini: 25.25 (x) x 20.75 (y) x 4.0 mm.
+/// Builds the gel of a GelSight Mini: 25.25 (x) x 20.75 (y) x 4.0 mm.
 ///
-/// Errors: a bad resolution.
+/// # Errors
+/// Fails for a bad resolution.
 pub fn gelsight_mini(shape: GelProfile, resolution: &Resolution) -> Result<PadMesh> {
     let [x, y, z] = GELSIGHT_MINI;
     let mut pad = box_pad(x, y, z, resolution)?;
@@ -80,8 +83,8 @@ pub fn gelsight_mini(shape: GelProfile, resolution: &Resolution) -> Result<PadMe
     Ok(pad)
 }
 
-/// Maps [-1, 1]^2 onto the unit disc, the outline onto the circle. Points are drawn in along their ray, the more so the
-/// nearer the outline, so cells at the centre keep their square shape and those at the four corners stay open.
+/// Maps [-1, 1]^2 onto the unit disc, the outline onto the circle. Points move inwards along their ray, more so near the
+/// outline, so that cells at the centre keep their square shape and those at the four corners stay open.
 fn square_to_disc(u: f64, v: f64) -> (f64, f64) {
     let (outer, length) = (u.abs().max(v.abs()), u.hypot(v));
     if length == 0.0 {
@@ -92,7 +95,7 @@ fn square_to_disc(u: f64, v: f64) -> (f64, f64) {
     (u * scale, v * scale)
 }
 
-/// Glues the lowest layer of grid nodes, which come first.
+/// Bonds the lowest layer of grid nodes, which come first.
 fn bonded_at_back(mesh: TetMesh, cells: [usize; 3]) -> PadMesh {
     let back = (cells[0] + 1) * (cells[1] + 1);
     let bonded = (0..mesh.nodes.len()).map(|i| i < back).collect();

@@ -1,4 +1,4 @@
-//! A soft pad: a tetrahedral mesh in the pad frame with its bonded back face.
+//! Soft pad: a tetrahedral mesh in the pad frame with its bonded back face.
 //!
 //! [`generate`] makes box, disc and GelSight Mini pads; [`place`] takes a mesh from a file.
 
@@ -16,25 +16,26 @@ use glam::DVec3;
 use crate::geometry::mesh::TetMesh;
 use crate::geometry::mesh::surface::{self, BoundaryFace};
 
-/// A face belongs to the sensing face if the z component of its outward unit normal is above this.
+/// Smallest z component of the outward unit normal of a face of the sensing face.
 pub const SENSING_SLOPE: f64 = 0.5;
 
-/// A pad at rest in the pad frame: origin at the centre of the sensing face, +z out of the gel towards the
-/// object, back face bonded to the finger.
+/// Pad at rest in the pad frame: origin at the centre of the sensing face, +z out of the gel towards the object, back
+/// face bonded to the finger.
 #[derive(Debug, Clone)]
 pub struct PadMesh {
     /// Rest mesh in the pad frame, m.
     pub mesh: TetMesh,
-    /// Per node: true if glued to the finger.
+    /// Flag per node: true if it is glued to the finger.
     pub bonded: Vec<bool>,
 }
 
-/// The faces of the pad that can touch something: all boundary faces but those with three bonded nodes.
+/// Returns the faces of the pad that can touch something: all boundary faces except those with three bonded nodes.
 pub fn free_surface(pad: &PadMesh) -> Vec<BoundaryFace> {
     free_faces(&pad.mesh, &pad.bonded)
 }
 
-/// The faces that look at the object: those of [`free_surface`] whose outward unit normal has z > [`SENSING_SLOPE`].
+/// Returns the faces that look at the object: those of [`free_surface`] whose outward unit normal has z >
+/// [`SENSING_SLOPE`].
 pub fn sensing_faces(pad: &PadMesh) -> Vec<BoundaryFace> {
     free_surface(pad).into_iter().filter(|f| looks_along(&pad.mesh, f, DVec3::Z)).collect()
 }

@@ -1,4 +1,4 @@
-//! Pads from mesh files: which way is out, which nodes are glued, and the move into the pad frame.
+//! Pads from mesh files: outward direction, glued nodes and the move into the pad frame.
 
 use std::path::Path;
 
@@ -10,19 +10,19 @@ use crate::geometry::mesh::{TetMesh, clean};
 use crate::geometry::pad::{PadMesh, free_faces, looks_along};
 use crate::number::shown;
 
-/// A pad larger than this, m, gets a notice: its file is probably in millimetres.
+/// Size above which a pad gets a notice, m: its file is probably in millimetres.
 pub const UNLIKELY_SIZE: f64 = 0.5;
 
-/// Which nodes are glued to the finger.
+/// Choice of the nodes that are glued to the finger.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Bonding {
-    /// Nodes at most this far, m, above the lowest node along `outward`.
+    /// Nodes at most this far above the lowest node along `outward`, m.
     AttachDistance(f64),
-    /// Node indices, 0-based.
+    /// Nodes with these indices, 0-based.
     Nodes(Vec<usize>),
 }
 
-/// How a mesh of an arbitrary frame becomes a pad.
+/// Placement of a mesh of an arbitrary frame as a pad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PadPlacement {
     /// Unit vector out of the gel, in the frame of the mesh; becomes +z of the pad.
@@ -30,15 +30,16 @@ pub struct PadPlacement {
     /// Direction that becomes +x of the pad, in the frame of the mesh; its part along `outward` is dropped. None takes
     /// the mesh's +x, or its +y if `outward` is nearly along x.
     pub across: Option<DVec3>,
-    /// Which nodes are glued.
+    /// Choice of the glued nodes.
     pub bonding: Bonding,
 }
 
 /// Moves a mesh into the pad frame: origin at the centre of the bounding rectangle of the sensing face (the free faces
-/// within 60 degrees of `outward`), at its highest point. Node order is kept, the mesh must be repaired already.
+/// within 60 degrees of `outward`), at its highest point. Node order is kept, and the mesh must already be repaired.
 ///
-/// Errors: [`Error::Mesh`] if the mesh is empty or has bad indices, `outward` is not a unit vector, `across` is along
-/// it, a node index is out of range, no node or every node is glued, or no free face looks outwards.
+/// # Errors
+/// Returns [`Error::Mesh`] if the mesh is empty or has bad indices, `outward` is not a unit vector, `across` is along it,
+/// a node index is out of range, no node or every node is glued, or no free face looks outwards.
 pub fn from_mesh(mesh: TetMesh, placement: &PadPlacement) -> Result<PadMesh> {
     clean::check_indices(&mesh)?;
     let [x, y, z] = axes(placement)?;
@@ -69,13 +70,15 @@ pub fn from_mesh(mesh: TetMesh, placement: &PadPlacement) -> Result<PadMesh> {
     Ok(PadMesh { mesh, bonded })
 }
 
-/// Reads, repairs and places a pad. `nodes_file`, if given, replaces `placement.bonding`; its numbers mean the nodes of
-/// the mesh file as they stand there. Returns the pad and notices.
+/// Reads, repairs and places a pad. `nodes_file`, if given, replaces `placement.bonding`; its numbers refer to the nodes
+/// of the mesh file in their order there. Returns the pad and notices.
 ///
 /// The file holds whole numbers separated by blanks or lines, `#` starts a comment: either the 0-based indices of the
 /// glued nodes, or one 0 or 1 per node of the mesh (1 = glued).
 ///
-/// Errors: those of [`io::read_tet_mesh`] and [`from_mesh`]; a bad or repeated number in `nodes_file`, with its place.
+/// # Errors
+/// Fails in the cases of [`io::read_tet_mesh`] and [`from_mesh`], and for a bad or repeated number in `nodes_file`, with
+/// its position.
 pub fn read_pad(
     mesh_file: impl AsRef<Path>,
     placement: &PadPlacement,
@@ -119,9 +122,10 @@ pub fn read_pad(
     Ok((pad, notices))
 }
 
-/// The indices of a list of nodes, see [`read_pad`]; `count` is the number of nodes of the mesh file.
+/// Reads the indices of a list of nodes, see [`read_pad`]; `count` is the number of nodes of the mesh file.
 ///
-/// Errors: not a whole number, out of range, repeated, with line and column; empty list.
+/// # Errors
+/// Fails for an entry that is not a whole number, out of range or repeated, with line and column, and for an empty list.
 pub fn read_nodes(path: impl AsRef<Path>, count: usize) -> Result<Vec<usize>> {
     let path = path.as_ref();
     let source = io::read_text(path)?;
@@ -158,12 +162,12 @@ pub fn read_nodes(path: impl AsRef<Path>, count: usize) -> Result<Vec<usize>> {
     Ok((0..count).filter(|i| seen[*i]).collect())
 }
 
-/// A direction as text for messages.
+/// Returns a direction as text for messages.
 fn vector(v: DVec3) -> String {
     format!("({}, {}, {})", shown(v.x), shown(v.y), shown(v.z))
 }
 
-/// The pad's unit axes in the frame of the mesh.
+/// Returns the pad's unit axes in the frame of the mesh.
 fn axes(placement: &PadPlacement) -> Result<[DVec3; 3]> {
     let outward = placement.outward;
     let off = (outward.length() - 1.0).abs();
@@ -183,7 +187,7 @@ fn axes(placement: &PadPlacement) -> Result<[DVec3; 3]> {
     Ok([x, z.cross(x), z])
 }
 
-/// Per node of a mesh whose +z points out of the gel: glued or not.
+/// Returns a flag per node of a mesh whose +z points out of the gel: true if it is glued.
 fn glued(mesh: &TetMesh, bonding: &Bonding) -> Result<Vec<bool>> {
     let count = mesh.nodes.len();
     let bonded = match bonding {

@@ -1,4 +1,4 @@
-//! How finely a generated pad is meshed: cells or spacing, graded through the thickness and towards the centre.
+//! Resolution of a generated pad: cells or spacing, graded through the thickness and towards the centre.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,31 +6,31 @@ use crate::error::{Error, Result};
 use crate::geometry::mesh::{MAX_COUNT, grid};
 use crate::number::shown;
 
-/// Thickness of the layer at the sensing face in spacings, at most.
+/// Largest thickness of the layer at the sensing face, in spacings.
 pub const LAYER_ASPECT: f64 = 1.3;
-/// Fewest layers chosen from a spacing.
+/// Smallest number of layers chosen from a spacing.
 pub const MIN_LAYERS: usize = 2;
 /// Largest `grading` and `focus` accepted.
 pub const MAX_RATIO: f64 = 20.0;
 
-/// How many cells.
+/// Choice of the number of cells.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Density {
     /// Target distance of corner nodes on the sensing face at its centre, m. Numbers of cells along x and y become even,
     /// so that the mesh is mirror-symmetric; the layer at the sensing face is at most [`LAYER_ASPECT`] spacings thick
     /// and there are at least [`MIN_LAYERS`].
     Spacing(f64),
-    /// Cells along x, y and z (layers). Even numbers along x and y give a mirror-symmetric mesh; a disc needs one even
-    /// number for both.
+    /// Numbers of cells along x, y and z (layers). Even numbers along x and y give a mirror-symmetric mesh; a disc needs
+    /// one even number for both.
     Cells([usize; 3]),
 }
 
 /// Density and its variation over the pad.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Resolution {
-    /// How many cells.
+    /// Choice of the number of cells.
     pub density: Density,
-    /// Each layer is this many times as thick as the one before it, going away from the sensing face. 1 is uniform;
+    /// Thickness of each layer over that of the layer before it, away from the sensing face. 1 is uniform;
     /// 1..=[`MAX_RATIO`].
     pub grading: f64,
     /// Width of the cells at the rim over those at the centre, varying smoothly. 1 is uniform; 1..=[`MAX_RATIO`].
@@ -38,29 +38,30 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    /// A uniform mesh of the given corner-node spacing on the sensing face, m.
+    /// Returns a uniform resolution with the given corner-node spacing on the sensing face, m.
     pub fn spacing(spacing: f64) -> Self {
         Resolution { density: Density::Spacing(spacing), grading: 1.0, focus: 1.0 }
     }
 
-    /// A uniform mesh of the given numbers of cells along x, y, z.
+    /// Returns a uniform resolution with the given numbers of cells along x, y, z.
     pub fn cells(cells: [usize; 3]) -> Self {
         Resolution { density: Density::Cells(cells), grading: 1.0, focus: 1.0 }
     }
 
-    /// With layers growing by `grading` away from the sensing face.
+    /// Sets the ratio by which layers grow away from the sensing face.
     pub fn with_grading(self, grading: f64) -> Self {
         Resolution { grading, ..self }
     }
 
-    /// With cells `focus` times as wide at the rim as at the centre.
+    /// Sets the ratio of the widths of the cells at the rim and at the centre.
     pub fn with_focus(self, focus: f64) -> Self {
         Resolution { focus, ..self }
     }
 
-    /// The number of cells for a pad of `size` x, y, z, m.
+    /// Returns the numbers of cells for a pad of `size` x, y, z, m.
     ///
-    /// Errors: ratios or spacing out of range, no cells, more cells than the cap.
+    /// # Errors
+    /// Fails for ratios or a spacing out of range, no cells, or more cells than the cap.
     pub(crate) fn cells_for(&self, size: [f64; 3]) -> Result<[usize; 3]> {
         for (name, ratio) in [("grading", self.grading), ("focus", self.focus)] {
             if !(1.0..=MAX_RATIO).contains(&ratio) {
@@ -85,7 +86,7 @@ impl Resolution {
         Ok(cells)
     }
 
-    /// Fewest layers for which the first is at most `1/n` of the thickness.
+    /// Returns the smallest number of layers for which the first is at most `1/n` of the thickness.
     fn layers(&self, n: f64) -> usize {
         // The sum of a geometric series of m layers, in thicknesses of the first, must reach n.
         let (mut sum, mut layer, mut m) = (0.0, 1.0, 0);
@@ -101,7 +102,7 @@ impl Resolution {
         beta(self.focus)
     }
 
-    /// Width of the cells at `at`, in half widths of the pad from its centre, over that at the centre.
+    /// Returns the width of the cells at `at`, in half widths of the pad from its centre, over that at the centre.
     pub fn widening(focus: f64, at: f64) -> f64 {
         let (beta, mut low, mut high) = (beta(focus), 0.0, 1.0);
         for _ in 0..BISECTIONS {
@@ -111,14 +112,14 @@ impl Resolution {
         1.0 + (focus - 1.0) * low * low
     }
 
-    /// The grid lines of `cells` cells over [-1, 1], exactly symmetric about 0: `t (1 + beta t^2) / (1 + beta)`, whose
-    /// slope at the rim is `focus` times that at the centre.
+    /// Returns the grid lines of `cells` cells over [-1, 1], exactly symmetric about 0: `t (1 + beta t^2) / (1 + beta)`,
+    /// whose slope at the rim is `focus` times that at the centre.
     pub(crate) fn across(&self, cells: usize) -> Vec<f64> {
         let beta = self.beta();
         (0..=cells).map(|i| line(beta, (2.0 * i as f64 - cells as f64) / cells as f64)).collect()
     }
 
-    /// The grid lines of `layers` layers over [-1, 0], from the bonded face (-1) to the sensing face (0).
+    /// Returns the grid lines of `layers` layers over [-1, 0], from the bonded face (-1) to the sensing face (0).
     pub(crate) fn through(&self, layers: usize) -> Vec<f64> {
         let mut depth = vec![0.0];
         let (mut sum, mut layer) = (0.0, 1.0);
@@ -131,19 +132,19 @@ impl Resolution {
     }
 }
 
-/// Bisections for the grid line at a place: as many as a double has digits.
+/// Number of bisections for the grid line at a place: as many as a double has digits.
 const BISECTIONS: u32 = 50;
 
 fn beta(focus: f64) -> f64 {
     (focus - 1.0) / 3.0
 }
 
-/// Where the grid line `t` in -1..=1 of a uniform grid comes to lie.
+/// Returns the position of the grid line `t` in -1..=1 of a uniform grid.
 fn line(beta: f64, t: f64) -> f64 {
     t * (1.0 + beta * t * t) / (1.0 + beta)
 }
 
-/// The smallest count that is at least `x`, forgiving rounding; saturates.
+/// Returns the smallest count that is at least `x`, with tolerance for rounding; saturates.
 fn at_least(x: f64) -> usize {
     (x * (1.0 - 1e-9)).ceil().max(0.0) as usize
 }

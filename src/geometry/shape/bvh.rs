@@ -1,4 +1,4 @@
-//! A bounding-volume tree over the triangles of a mesh, for closest points and rays.
+//! Bounding-volume tree over the triangles of a mesh, for closest points and rays.
 //!
 //! Binned surface-area heuristic (Wald 2007, "On fast construction of SAH-based bounding volume hierarchies").
 
@@ -8,11 +8,11 @@ use glam::DVec3;
 
 const LEAF: usize = 4;
 const BINS: usize = 16;
-/// Beyond this depth the tree splits at the median, which bounds it by `SAH_DEPTH + log2(u32::MAX)`.
+/// Depth beyond which the tree splits at the median, which bounds it by `SAH_DEPTH + log2(u32::MAX)`.
 const SAH_DEPTH: usize = 40;
 const STACK: usize = 80;
 
-/// A leaf has `count > 0` facets from `first`; an inner node has the children `first` and `first + 1`.
+/// Node: a leaf has `count > 0` facets from `first`; an inner node has the children `first` and `first + 1`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BvhNode {
     pub bounds: Aabb,
@@ -20,7 +20,7 @@ pub(crate) struct BvhNode {
     pub count: u32,
 }
 
-/// The tree and its facets, in the order of the leaves.
+/// Tree with its facets, in the order of the leaves.
 #[derive(Debug, Clone)]
 pub(crate) struct Bvh {
     pub(crate) nodes: Vec<BvhNode>,
@@ -55,7 +55,7 @@ impl Bvh {
         self.nodes[0].bounds
     }
 
-    /// The facet nearest to `q` with squared distance below `best.0`, else `best` itself.
+    /// Returns the facet nearest to `q` with squared distance below `best.0`, otherwise `best` itself.
     #[inline]
     pub fn nearest(&self, q: DVec3, mut best: (f64, u32)) -> (f64, u32) {
         let mut stack = [(0.0_f64, 0_u32); STACK];
@@ -113,7 +113,7 @@ impl Bvh {
         }
     }
 
-    /// The first facet through which the ray `o + t d` enters, and `t`.
+    /// Returns the first facet through which the ray `o + t d` enters, and `t`.
     pub fn enter(&self, o: DVec3, d: DVec3) -> Option<(f64, u32)> {
         let inverse = d.recip();
         let mut best = (f64::INFINITY, u32::MAX);

@@ -4,7 +4,7 @@ use crate::geometry::shape::sphere::point_curvature;
 use crate::geometry::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
 use glam::{DMat3, DVec3};
 
-/// All points within `radius` of the segment of half length `half` along z.
+/// Capsule: all points within `radius` of the segment of half length `half` along z.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Capsule {
     /// Radius, m.

@@ -3,10 +3,10 @@
 use crate::geometry::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
 use glam::{DMat3, DVec3};
 
-/// A box about the origin: all points within `radius` of the core box of half sizes `core`.
+/// Box about the origin: all points within `radius` of the core box of half sizes `core`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cuboid {
-    /// Half sizes of the core, m: half the outer sizes less `radius`.
+    /// Half sizes of the core, m: half the outer sizes minus `radius`.
     pub core: DVec3,
     /// Edge radius, m; 0 for sharp edges.
     pub radius: f64,

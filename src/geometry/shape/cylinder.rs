@@ -3,7 +3,7 @@
 use crate::geometry::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
 use glam::{DMat3, DVec3};
 
-/// A cylinder along z about the origin.
+/// Cylinder along z about the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cylinder {
     /// Radius, m.

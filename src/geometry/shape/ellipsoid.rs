@@ -8,7 +8,7 @@
 use crate::geometry::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
 use glam::{DMat3, DVec3};
 
-/// An ellipsoid about the origin, with its axes along x, y, z.
+/// Ellipsoid about the origin, with its axes along x, y, z.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ellipsoid {
     /// Semi-axes, m.
@@ -16,7 +16,7 @@ pub struct Ellipsoid {
 }
 
 impl Ellipsoid {
-    /// The closest point of the surface and the signed distance.
+    /// Returns the closest point of the surface and the signed distance.
     fn project(&self, q: DVec3) -> (DVec3, f64, DVec3) {
         // Unit of length: the shortest semi-axis.
         let unit = self.semi.min_element();
@@ -43,7 +43,7 @@ impl Ellipsoid {
         (sign * x * unit, (y - x).dot(n) * unit, sign * n)
     }
 
-    /// Lower bound of the distance of an outside point, m: `q / e` is stretched by at most `1 / min e`.
+    /// Returns a lower bound of the distance of an outside point, m: `q / e` is stretched by at most `1 / min e`.
     #[inline]
     fn at_least(&self, q: DVec3) -> f64 {
         let outside = (q.abs() - self.semi).max_element();
@@ -51,7 +51,8 @@ impl Ellipsoid {
     }
 }
 
-/// The root `s >= 0` of `sum (z_i / (s + gap_i))^2 = 1`, or 0 when the sum stays below 1 (then `z` is zero where `gap` is).
+/// Computes the root `s >= 0` of `sum (z_i / (s + gap_i))^2 = 1`, or 0 if the sum stays below 1 (then `z` is zero where
+/// `gap` is).
 fn root(z: DVec3, gap: DVec3) -> f64 {
     let norm = |s: f64| {
         let (mut sum, mut slope) = (0.0, 0.0);

@@ -1,15 +1,15 @@
-//! One triangle in its own 2D frame, for fast and accurate closest points.
+//! Triangle in a 2D frame of its own, for fast and accurate closest points.
 //!
 //! With the longest edge on the x axis, slivers keep their digits, and a query costs one change of frame plus a few
-//! products. The closest point of a convex polygon to an outside point lies on an edge that sees the point, so only
-//! those edges are measured.
+//! products. The closest point of a convex polygon to an outside point lies on an edge that sees the point, so only those
+//! edges are measured.
 
 use crate::geometry::Aabb;
 use crate::geometry::mesh::facets::FLAT;
 use crate::geometry::mesh::rings::TrianglePart;
 use glam::DVec3;
 
-/// A triangle: corners a = (0, 0), b = (bx, 0), c = (cx, cy > 0) in the frame (u, v) at `origin`.
+/// Triangle with corners a = (0, 0), b = (bx, 0), c = (cx, cy > 0) in the frame (u, v) at `origin`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Facet {
     pub origin: DVec3,
@@ -22,12 +22,12 @@ pub(crate) struct Facet {
     cy: f64,
     /// Index of the triangle in its mesh.
     pub triangle: u32,
-    /// Which corner of the mesh's triangle is corner 0 here.
+    /// Corner of the mesh's triangle that is corner 0 here.
     pub turn: u32,
 }
 
 impl Facet {
-    /// None when the triangle is too thin to have a normal.
+    /// Builds the facet; returns None if the triangle is too thin to have a normal.
     pub fn new(p: [DVec3; 3], triangle: u32) -> Option<Self> {
         let length = |i: usize| (p[(i + 1) % 3] - p[i]).length_squared();
         let turn = (0..3).fold(0, |best, i| if length(i) > length(best) { i } else { best });
@@ -43,13 +43,14 @@ impl Facet {
         Some(Self { origin: a, u, v, n, bx, cx: u.dot(c - a), cy: v.dot(c - a), triangle, turn: turn as u32 })
     }
 
-    /// Squared distance to the triangle, m2, and the part it is to. A point above an edge or corner counts as nearest to that.
+    /// Returns the squared distance to the triangle, m2, and its nearest part. A point above an edge or corner counts as nearest to that.
     #[inline]
     pub fn nearest(&self, q: DVec3) -> (f64, TrianglePart) {
         self.nearest_within(q, f64::INFINITY)
     }
 
-    /// The same if the squared distance is below `limit`, m2; else it may be infinite.
+    /// Returns the result of [`Self::nearest`] if the squared distance is below `limit`, m2; otherwise the distance may
+    /// be infinite.
     #[inline]
     pub fn nearest_within(&self, q: DVec3, limit: f64) -> (f64, TrianglePart) {
         let w = q - self.origin;
@@ -92,7 +93,7 @@ impl Facet {
         (best.0 + hh, best.1)
     }
 
-    /// A part as the mesh counts corners and edges.
+    /// Converts a part to the mesh's numbers of corners and edges.
     pub fn in_mesh(&self, part: TrianglePart) -> TrianglePart {
         let turned = |i: usize| (i + self.turn as usize) % 3;
         match part {
@@ -102,7 +103,7 @@ impl Facet {
         }
     }
 
-    /// How far inside its edges the triangle is met straight below `q`, m; negative outside.
+    /// Returns the distance inside the edges at which the triangle is met straight below `q`, m; negative outside.
     pub fn margin(&self, q: DVec3) -> f64 {
         let w = q - self.origin;
         let (x, y) = (self.u.dot(w), self.v.dot(w));
@@ -111,19 +112,19 @@ impl Facet {
         y.min(bc).min(ca)
     }
 
-    /// Corners, m; they may differ from those it was made of by rounding.
+    /// Returns the corners, m; they may differ from the original ones by rounding.
     pub fn corners(&self) -> [DVec3; 3] {
         let o = self.origin;
         [o, o + self.bx * self.u, o + self.cx * self.u + self.cy * self.v]
     }
 
-    /// m2.
+    /// Returns the area, m2.
     pub fn area(&self) -> f64 {
         0.5 * self.bx * self.cy
     }
 
-    /// Between which parameters in 0..=1 the line from `a` to `b`, which lies in the plane of the triangle, is in it or within
-    /// `slack` (m) of it.
+    /// Returns the parameters in 0..=1 between which the line from `a` to `b`, which lies in the plane of the triangle, is in the
+    /// triangle or within `slack` (m) of it.
     pub fn clip(&self, a: DVec3, b: DVec3, slack: f64) -> Option<(f64, f64)> {
         let corners = self.corners();
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
@@ -142,8 +143,8 @@ impl Facet {
         (from <= to).then_some((from, to))
     }
 
-    /// Where the ray `o + t d` crosses from the outside in, with a rounding-sized margin so that none slips between
-    /// two triangles.
+    /// Returns the parameter at which the ray `o + t d` crosses from the outside in, with a rounding-sized margin so that
+    /// none slips between two triangles.
     pub fn enter(&self, o: DVec3, d: DVec3) -> Option<f64> {
         let (rate, w) = (self.n.dot(d), o - self.origin);
         if rate >= 0.0 {
@@ -159,7 +160,7 @@ impl Facet {
         (inside && t >= 0.0).then_some(t)
     }
 
-    /// The box around the triangle; it may exceed the corners by rounding.
+    /// Returns the box around the triangle; it may exceed the corners by rounding.
     pub fn aabb(&self) -> Aabb {
         Aabb::of(self.corners())
     }

@@ -1,47 +1,50 @@
-//! Every generated family of objects behind one enum.
+//! Families of generated objects in one enum.
 
 use crate::error::Result;
 use crate::geometry::shape::{Shape, generate};
 use glam::{DVec2, DVec3};
 
-/// A generated object; lengths in metres. Centred at the origin with its axis along z, unless said otherwise.
+/// Generated object; lengths in metres. It is centred at the origin with its axis along z unless stated otherwise.
 #[derive(Debug, Clone, PartialEq)]
 #[allow(missing_docs, reason = "the fields are named after what they are, and documented where they are used")]
 pub enum ShapeKind {
-    /// See [`generate::sphere()`].
+    /// Sphere, see [`generate::sphere()`].
     Sphere { radius: f64 },
-    /// See [`generate::ellipsoid()`].
+    /// Ellipsoid, see [`generate::ellipsoid()`].
     Ellipsoid { semi_axes: DVec3 },
-    /// See [`generate::cuboid()`].
+    /// Box, see [`generate::cuboid()`].
     Cuboid { size: DVec3, edge_radius: f64 },
-    /// See [`generate::cylinder()`].
+    /// Cylinder, see [`generate::cylinder()`].
     Cylinder { radius: f64, height: f64 },
-    /// See [`generate::capsule()`].
+    /// Capsule, see [`generate::capsule()`].
     Capsule { radius: f64, length: f64 },
-    /// See [`generate::prism()`].
+    /// Prism, see [`generate::prism()`].
     Prism { sides: u32, radius: f64, height: f64 },
-    /// See [`generate::annulus()`].
+    /// Hollow cylinder, see [`generate::annulus()`].
     Annulus { outer_radius: f64, inner_radius: f64, height: f64 },
-    /// See [`generate::cup()`].
+    /// Cup, see [`generate::cup()`].
     Cup { radius: f64, height: f64, wall: f64 },
-    /// See [`generate::lemon()`].
+    /// Lemon, see [`generate::lemon()`].
     Lemon { length: f64, diameter: f64 },
-    /// See [`generate::strawberry()`].
+    /// Strawberry, see [`generate::strawberry()`].
     Strawberry { length: f64, diameter: f64 },
-    /// See [`generate::pear()`].
+    /// Pear, see [`generate::pear()`].
     Pear { length: f64, diameter: f64 },
-    /// See [`generate::banana()`].
+    /// Banana, see [`generate::banana()`].
     Banana { length: f64, diameter: f64, bend: f64 },
-    /// See [`generate::potato()`].
+    /// Potato, see [`generate::potato()`].
     Potato { semi_axes: DVec3, roughness: f64, seed: u64 },
-    /// See [`generate::revolve()`].
+    /// Solid of revolution, see [`generate::revolve()`].
     Revolve { profile: Vec<DVec2>, closed: bool },
-    /// See [`generate::sweep()`].
+    /// Swept tube, see [`generate::sweep()`].
     Sweep { path: Vec<DVec3>, radii: Vec<f64> },
 }
 
 impl ShapeKind {
-    /// Makes the object; `segments` divides a full turn of its surface mesh.
+    /// Builds the object; `segments` divides a full turn of its surface mesh.
+    ///
+    /// # Errors
+    /// Fails if a parameter is out of range or the surface does not bound a solid.
     pub fn build(&self, segments: u32) -> Result<Shape> {
         use generate as g;
         match self {

@@ -1,4 +1,4 @@
-//! Vertices and sharp edges of an object, to be held against the faces of a pad that is coarser than they are.
+//! Vertices and sharp edges of an object, which are tested against the faces of a pad that is coarser than they are.
 
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::shape::polygon::Profile;
@@ -9,42 +9,42 @@ use crate::scales::EDGE_CUT;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// An edge is sharp if its two faces' normals differ by more than this, rad (20 degrees).
+/// Angle between the normals of two faces above which their edge is sharp, rad (20 degrees).
 pub const SHARP: f64 = 20.0 / 180.0 * std::f64::consts::PI;
 
-/// A point of the surface that may press into a pad.
+/// Point of the surface that may press into a pad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeaturePoint {
     /// Position, m.
     pub position: DVec3,
     /// Unit outward pseudo-normal.
     pub normal: DVec3,
-    /// Whether a sharp convex edge or tip passes through it.
+    /// True if a sharp convex edge or tip passes through the point.
     pub sharp: bool,
 }
 
-/// A convex edge; sharp if its faces' normals differ by more than [`SHARP`].
+/// Convex edge; sharp if the normals of its faces differ by more than [`SHARP`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ridge {
-    /// One end, m.
+    /// Start of the edge, m.
     pub a: DVec3,
-    /// The other end, m.
+    /// End of the edge, m.
     pub b: DVec3,
     /// Unit mean of the two faces' normals at `a`.
     pub normal: DVec3,
     /// Angle between the two faces' normals, rad.
     pub angle: f64,
-    /// An arc about the z axis (the rim of a round object) rather than a straight line.
+    /// True if the edge is an arc about the z axis (the rim of a round object) and not a straight line.
     pub round: bool,
 }
 
 impl Ridge {
-    /// Length, m; of the chord, for an arc.
+    /// Returns the length, m; for an arc, that of the chord.
     pub fn length(&self) -> f64 {
         self.a.distance(self.b)
     }
 
-    /// The point at `t` in 0..=1, on the edge itself also if that is an arc.
+    /// Returns the point at `t` in 0..=1, which is on the edge itself even if that is an arc.
     pub fn point(&self, t: f64) -> FeaturePoint {
         let mut position = self.a.lerp(self.b, t);
         let mut normal = self.normal;
@@ -58,13 +58,13 @@ impl Ridge {
         FeaturePoint { position, normal, sharp: self.angle > SHARP }
     }
 
-    /// Points between the ends, at most `spacing` m apart.
+    /// Returns points between the ends, at most `spacing` m apart.
     fn sample(&self, spacing: f64) -> impl Iterator<Item = FeaturePoint> {
         let (edge, count) = (*self, parts(self.length(), spacing));
         (1..count).map(move |i| edge.point(f64::from(i) / f64::from(count)))
     }
 
-    /// Its stretches, at most `length` m long.
+    /// Divides the edge into stretches, at most `length` m long.
     fn stretches(&self, length: f64) -> impl Iterator<Item = Stretch> {
         let (ridge, count) = (*self, parts(self.length(), length));
         let at = move |i: u32| f64::from(i) / f64::from(count);
@@ -72,33 +72,33 @@ impl Ridge {
     }
 }
 
-/// A stretch of a ridge, on which a point may be where a pad comes nearest.
+/// Stretch of a ridge on which the point of closest approach to a pad may lie.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
-    /// All of it.
+    /// Whole ridge.
     pub ridge: Ridge,
-    /// Where the stretch begins, in 0..1.
+    /// Start of the stretch, in 0..1.
     pub from: f64,
-    /// Where it ends, in 0..=1.
+    /// End of the stretch, in 0..=1.
     pub to: f64,
 }
 
 impl Stretch {
-    /// The point at `t` in 0..=1 of the stretch, m.
+    /// Returns the point at `t` in 0..=1 of the stretch, m.
     pub fn point(&self, t: f64) -> DVec3 {
         self.ridge.point(self.from + t * (self.to - self.from)).position
     }
 
-    /// Length, m; of the chord, for an arc.
+    /// Returns the length, m; for an arc, that of the chord.
     pub fn length(&self) -> f64 {
         self.ridge.length() * (self.to - self.from)
     }
 }
 
-/// The features of an object: nothing, for one that is smooth everywhere.
+/// Features of an object; empty for one that is smooth everywhere.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SurfaceFeatures {
-    /// All vertices of an object that is a mesh, the sharp corners of one that is not.
+    /// All vertices of an object that is a mesh; the sharp corners of one that is not.
     pub vertices: Vec<FeaturePoint>,
     /// Sharp convex edges; a rim is a closed chain of arcs.
     pub sharp_edges: Vec<Ridge>,
@@ -108,35 +108,34 @@ pub struct SurfaceFeatures {
     pub rounded_edges: Vec<RoundedEdge>,
     /// Circles on the smooth convex parts of a round solid, in the order of its profile.
     pub rings: Vec<Ring>,
-    /// What a ball, a capsule or the side of a cylinder is, if it is thin for the pad.
+    /// Rod that stands for a ball, a capsule or the side of a cylinder that is thin compared with the pad.
     pub rod: Option<Rod>,
 }
 
-/// A straight convex edge that is rounded: a strip of a cylinder, which a pad coarser than its radius would cut into between two
-/// of its own points.
+/// Straight rounded convex edge: a strip of a cylinder. A pad coarser than its radius would cut into it between two of its own points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoundedEdge {
     /// Ends of the axis, m.
     pub axis: [DVec3; 2],
-    /// m.
+    /// Radius, m.
     pub radius: f64,
     /// Unit normals of the two faces that it joins.
     pub normals: [DVec3; 2],
 }
 
-/// Angle between two faces, rad, up to which they are one.
+/// Angle between two faces up to which they are one, rad.
 const FLAT: f64 = 1e-6;
-/// Radius, over the distance of the points on it, from which on the points of a pad see a rounded edge: between them the pad is then
-/// a fiftieth of their distance in it.
+/// Radius, over the distance of the points on it, from which on the points of a pad see a rounded edge: between them the pad then
+/// penetrates it by a fiftieth of their distance.
 const ROUND: f64 = 12.0;
 
-/// Into how many parts of at most `spacing` m a length is cut; one if the spacing is not positive.
+/// Returns the number of parts of at most `spacing` m into which a length is cut; one if the spacing is not positive.
 fn parts(length: f64, spacing: f64) -> u32 {
     if spacing > 0.0 { (length / spacing).ceil().clamp(1.0, 1e4) as u32 } else { 1 }
 }
 
 impl RoundedEdge {
-    /// Points at most `spacing` m apart along the edge and around it, without those where it meets the two faces.
+    /// Returns points at most `spacing` m apart along the edge and around it, except where it meets the two faces.
     fn sample(&self, spacing: f64) -> impl Iterator<Item = FeaturePoint> {
         let [a, b] = self.axis;
         let angle = self.normals[0].angle_between(self.normals[1]);
@@ -151,10 +150,10 @@ impl RoundedEdge {
 }
 
 impl SurfaceFeatures {
-    /// The vertices, then points on the sharp edges between their ends such that neighbours are at most `spacing` m apart
-    /// (no points on edges if it is not positive; at most 10,000 points an edge), as many on the rounded edges whose
-    /// radius is not large to it, on the tight parts of a round solid, and all over a thin rod. No point occurs twice. Contact has this
-    /// `offset` (m).
+    /// Returns the vertices, then points on the sharp edges between their ends such that neighbours are at most `spacing` m apart (no
+    /// points on edges if it is not positive; at most 10,000 points per edge). Equally dense points follow on the rounded edges whose
+    /// radius is not large compared with the spacing, on the tight parts of a round solid, and all over a thin rod. No point occurs
+    /// twice. Contact has this `offset` (m).
     pub fn sample(&self, spacing: f64, offset: f64) -> Vec<FeaturePoint> {
         let mut points = self.vertices.clone();
         points.extend(self.sharp_edges.iter().flat_map(|e| e.sample(spacing)));
@@ -165,21 +164,21 @@ impl SurfaceFeatures {
         points
     }
 
-    /// All edges between facets in stretches of at most `length` m: where a pad whose points are half as far apart could come through
-    /// by more than a part of the contact `offset` (m), because it meets them crosswise with an edge of its own.
+    /// Returns all edges between facets in stretches of at most `length` m. On these, a pad whose points are half as far apart could come
+    /// through by more than a part of the contact `offset` (m), because it meets them crosswise with an edge of its own.
     pub fn stretches(&self, length: f64, offset: f64) -> impl Iterator<Item = Stretch> {
         let blunt = self.blunt(length, offset);
         self.sharp_edges.iter().chain(blunt).flat_map(move |e| e.stretches(length))
     }
 
-    /// The blunt edges that are felt if a pad may miss `length` (m) of them: an eighth of that times the angle between the faces is how
-    /// deep it would come.
+    /// Returns the blunt edges that are felt if a pad may miss `length` (m) of them: the pad would come as deep as an eighth of that
+    /// length times the angle between the faces.
     fn blunt(&self, length: f64, offset: f64) -> impl Iterator<Item = &Ridge> {
         let cuts = move |e: &&Ridge| e.angle * e.length().min(length) / 8.0 > EDGE_CUT * offset;
         self.blunt_edges.iter().filter(cuts)
     }
 
-    /// How many vertices, points on sharp edges and stretches there are for points of a pad `spacing` m apart.
+    /// Returns the number of vertices, points on sharp edges and stretches for points of a pad `spacing` m apart.
     pub fn count(&self, spacing: f64, offset: f64) -> u64 {
         let along = |e: &Ridge, spacing: f64| u64::from(parts(e.length(), spacing));
         let sharp = self.sharp_edges.iter().map(|e| along(e, 0.5 * spacing) + along(e, spacing)).sum::<u64>();
@@ -217,7 +216,7 @@ impl SurfaceFeatures {
         Self { vertices, sharp_edges, blunt_edges, ..Self::default() }
     }
 
-    /// The rims of a round solid, each in `segments` arcs, and its tips on the axis.
+    /// Returns the rims of a round solid, each in `segments` arcs, and its tips on the axis.
     pub(crate) fn of_profile(profile: &Profile, segments: u32) -> Self {
         let mut features = Self::default();
         for (i, &p) in profile.points().iter().enumerate() {
@@ -263,8 +262,8 @@ impl SurfaceFeatures {
     }
 }
 
-/// The tip of a finely faceted cone has no sharp edge: a convex vertex is also sharp if a face there leans away from the
-/// pseudo-normal by more than [`SHARP`].
+/// Marks tips as sharp. The tip of a finely faceted cone has no sharp edge: a convex vertex is also sharp if a face there
+/// leans away from the pseudo-normal by more than [`SHARP`].
 fn mark_tips(mesh: &TriMesh, topology: &Topology, sharp: &mut [bool]) {
     let mut leans = vec![false; sharp.len()];
     let mut convex = vec![true; sharp.len()];

@@ -1,19 +1,20 @@
 //! Distances sampled on a coarse lattice: a first guess and a lower bound for every point of a box.
 //!
-//! A signed distance is 1-Lipschitz, so the sample `D` at a cell's centre `c` bounds it in the cell: `d(q) >= D - |q - c|`.
+//! A signed distance is 1-Lipschitz, so the sample `D` at a cell's centre `c` bounds it in the cell: `d(q) >= D - |q -
+//! c|`.
 
 use crate::geometry::Aabb;
 use glam::{DVec3, UVec3};
 
-/// About how many cells a lattice has: 256 kB, built in some ten milliseconds.
+/// Approximate number of cells of a lattice: 256 kB, built in some ten milliseconds.
 const CELLS: f64 = 32768.0;
 
-/// What the lattice knows about a point.
+/// Content of the lattice about a point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LatticeCell {
     /// Lower bound of the signed distance, m.
     pub at_least: f64,
-    /// The facet closest to the cell's centre.
+    /// Index of the facet closest to the cell's centre.
     pub seed: u32,
 }
 
@@ -22,12 +23,12 @@ pub(crate) struct Lattice {
     min: DVec3,
     step: f64,
     counts: UVec3,
-    /// (distance at the centre rounded down, m; facet)
+    /// Samples: (distance at the centre rounded down, m; facet).
     samples: Vec<(f32, u32)>,
 }
 
 impl Lattice {
-    /// A lattice of cubic cells over `bounds` and a margin of a tenth of its size; empty until filled.
+    /// Returns a lattice of cubic cells over `bounds` and a margin of a tenth of its size; empty until filled.
     pub fn over(bounds: Aabb) -> Self {
         let margin = DVec3::splat(0.1 * bounds.size().max_element());
         let (min, size) = (bounds.min - margin, bounds.size() + 2.0 * margin);
@@ -56,7 +57,7 @@ impl Lattice {
         self.min + self.step * (cell.as_dvec3() + 0.5)
     }
 
-    /// None outside the lattice (and for a point that is not finite).
+    /// Returns the cell of a point; None outside the lattice (and for a point that is not finite).
     #[inline]
     pub fn look(&self, q: DVec3) -> Option<LatticeCell> {
         let at = (q - self.min) / self.step;

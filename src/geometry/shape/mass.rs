@@ -18,14 +18,15 @@ pub struct MassProperties {
 }
 
 impl MassProperties {
-    /// From the volume, the centre and the second moments `integral of r r^T` about the centre, m5.
+    /// Builds the mass properties from the volume, the centre and the second moments `integral of r r^T` about the
+    /// centre, m5.
     pub fn from_moments(volume: f64, center: DVec3, second: DMat3) -> Self {
         let trace = second.x_axis.x + second.y_axis.y + second.z_axis.z;
         Self { volume, center, inertia: DMat3::from_diagonal(DVec3::splat(trace)) - second }
     }
 
-    /// Of the polyhedron inside a closed, outward-wound mesh: sums over the tetrahedra from a reference point to each triangle,
-    /// for which all moments are exact (Tonon 2004, eq. 9; the same integrals as Mirtich 1996 and Eberly 2002).
+    /// Computes the mass properties of the polyhedron inside a closed, outward-wound mesh: sums over the tetrahedra from a reference
+    /// point to each triangle, for which all moments are exact (Tonon 2004, eq. 9; the same integrals as Mirtich 1996 and Eberly 2002).
     pub fn of_mesh(mesh: &TriMesh) -> Self {
         // A reference point amid the mesh keeps the digits of an object far from its origin.
         let count = mesh.vertices.len().max(1) as f64;
@@ -43,13 +44,13 @@ impl MassProperties {
         Self::from_moments(volume, reference + center, second - outer(center) * volume)
     }
 
-    /// Of an ellipsoid with the given semi-axes, m.
+    /// Computes the mass properties of an ellipsoid with the given semi-axes, m.
     pub fn of_ellipsoid(semi: DVec3) -> Self {
         let volume = 4.0 / 3.0 * PI * semi.element_product();
         Self::from_moments(volume, DVec3::ZERO, DMat3::from_diagonal(semi * semi * (volume / 5.0)))
     }
 
-    /// Of a capsule along z: a cylinder of length `2 half` and two half balls, m.
+    /// Computes the mass properties of a capsule along z: a cylinder of length `2 half` and two half balls, m.
     pub fn of_capsule(radius: f64, half: f64) -> Self {
         let (r2, h) = (radius * radius, half);
         let tube = 2.0 * PI * r2 * h;
@@ -60,8 +61,8 @@ impl MassProperties {
         Self::from_moments(tube + ball, DVec3::ZERO, DMat3::from_diagonal(DVec3::new(across, across, along)))
     }
 
-    /// Of a box with the half sizes `core`, grown by `radius` to all sides (Steiner's decomposition into the core, slabs, quarter
-    /// cylinders along the edges and eighths of a ball), m.
+    /// Computes the mass properties of a box with the half sizes `core`, grown by `radius` to all sides (Steiner's decomposition into the
+    /// core, slabs, quarter cylinders along the edges and eighths of a ball), m.
     pub fn of_cuboid(core: DVec3, radius: f64) -> Self {
         let (s, r) = (2.0 * core, radius);
         let disc = PI * r * r;
@@ -82,8 +83,8 @@ impl MassProperties {
         Self::from_moments(volume, DVec3::ZERO, DMat3::from_diagonal(second))
     }
 
-    /// Of the round solid that a profile sweeps about z: `V = pi * integral rho^2 dz` round the profile, and likewise the
-    /// moments, by 3-point Gauss quadrature, which is exact for these polynomials.
+    /// Computes the mass properties of the round solid that a profile sweeps about z: `V = pi * integral rho^2 dz` round
+    /// the profile, and likewise the moments, by 3-point Gauss quadrature, which is exact for these polynomials.
     pub fn of_profile(profile: &Profile) -> Self {
         let half_gap = 0.6_f64.sqrt() / 2.0;
         let rule = [(0.5 - half_gap, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + half_gap, 5.0 / 18.0)];
@@ -106,7 +107,7 @@ impl MassProperties {
         Self::from_moments(volume, DVec3::Z * (reference + z), DMat3::from_diagonal(second))
     }
 
-    /// Of the object magnified by `factor` about the origin.
+    /// Returns the mass properties of the object magnified by `factor` about the origin.
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
             volume: self.volume * factor.powi(3),

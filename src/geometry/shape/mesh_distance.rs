@@ -15,7 +15,7 @@ use crate::geometry::shape::{Closest, Hit, SignedDistance, SurfaceTouch, outer};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
-/// Distances below this are roundings, m: the gradient there is the pseudo-normal.
+/// Distance below which everything is rounding, m: the gradient there is the pseudo-normal.
 const TOUCHING: f64 = 1e-12;
 
 /// Signed distance to a closed, outward-wound triangle mesh.
@@ -25,14 +25,17 @@ pub struct MeshDistance {
     topology: Topology,
     rings: Rings,
     bvh: Bvh,
-    /// The facet of each triangle.
+    /// Index of the facet of each triangle.
     facet: Vec<u32>,
     lattice: Lattice,
 }
 
 impl MeshDistance {
-    /// Refuses a mesh that is open, inconsistently wound or degenerate. Does not look at the sense of the winding:
-    /// an inside-out mesh gives the distance of its outside.
+    /// Builds the distance of a mesh. It does not check the sense of the winding: an inside-out mesh gives the distance
+    /// of its outside.
+    ///
+    /// # Errors
+    /// Fails if the mesh is open, inconsistently wound or degenerate.
     pub fn new(mesh: Arc<TriMesh>) -> Result<Self> {
         let topology = Topology::new(&mesh)?;
         Ok(Self::with_topology(mesh, topology))
@@ -55,12 +58,12 @@ impl MeshDistance {
         Self { lattice, ..this }
     }
 
-    /// The mesh.
+    /// Returns the mesh.
     pub fn mesh(&self) -> &Arc<TriMesh> {
         &self.mesh
     }
 
-    /// Distance and gradient, given the facet that `q` is closest to.
+    /// Returns distance and gradient, given the facet to which `q` is closest.
     #[inline]
     fn signed(&self, q: DVec3, facet: u32) -> Closest {
         let f = &self.bvh.facets[facet as usize];
@@ -87,7 +90,7 @@ impl MeshDistance {
         Closest { distance, normal, curvature: DMat3::ZERO }
     }
 
-    /// The closest point of the surface if its signed distance is below `max`, and its facet.
+    /// Returns the closest point of the surface if its signed distance is below `max`, and its facet.
     #[inline]
     fn signed_within(&self, q: DVec3, max: f64) -> Option<(Closest, u32)> {
         let (seed, limit) = match self.lattice.look(q) {
@@ -113,7 +116,8 @@ impl MeshDistance {
         (closest.distance < max).then_some((closest, best.1))
     }
 
-    /// What else than the nearest point, which is on `facet`, presses on `q` from within `felt` (m): beside a valley its other incident face.
+    /// Returns the places other than the nearest point, which is on `facet`, that act on `q` from within `felt` (m): beside a valley the
+    /// other incident face.
     fn beside(&self, q: DVec3, facet: u32, felt: f64) -> Vec<(Closest, f64)> {
         let f = &self.bvh.facets[facet as usize];
         let (_, nearest) = f.nearest(q);
@@ -133,7 +137,8 @@ impl MeshDistance {
         others.filter_map(|(place, weight)| Some((self.outside(q, place)?, weight))).collect()
     }
 
-    /// The point of edge `i` of triangle `t` that is closest to `q`, and the part of the triangle it is.
+    /// Returns the point of edge `i` of triangle `t` that is closest to `q`, and the part of the triangle that it belongs
+    /// to.
     fn along(&self, q: DVec3, t: u32, i: usize) -> (DVec3, TrianglePart) {
         let [a, b] = [i, (i + 1) % 3].map(|k| self.mesh.corners(t as usize)[k]);
         let s = (q - a).dot(b - a) / (b - a).length_squared();
@@ -147,7 +152,7 @@ impl MeshDistance {
         (a.lerp(b, s.clamp(0.0, 1.0)), part)
     }
 
-    /// Distance to a place of the surface that faces `q`.
+    /// Returns the distance to a place of the surface that faces `q`.
     fn outside(&self, q: DVec3, place: SurfacePart) -> Option<Closest> {
         let (point, turning) = match place {
             SurfacePart::Face(t) => {

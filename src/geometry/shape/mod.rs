@@ -44,36 +44,37 @@ pub use ray::{Hit, trace, trace_convex};
 pub use solid::Shape;
 pub(crate) use sound::sound;
 
-/// The closest surface point of a query point `q`.
+/// Closest surface point of a query point `q`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Closest {
     /// Signed distance, m; negative inside.
     pub distance: f64,
     /// Gradient of the signed distance at `q`: unit outward normal.
     pub normal: DVec3,
-    /// Hessian of the signed distance at `q`, 1/m (surface curvature). Zero where the closest feature is a flat
-    /// facet; also zero at the edges and vertices of a mesh, where the true curvature 1/distance is unbounded and
-    /// useless to a Newton method.
+    /// Hessian of the signed distance at `q`, 1/m (surface curvature). Zero if the closest feature is a flat facet; also
+    /// zero at the edges and vertices of a mesh, where the true curvature 1/distance is unbounded and useless to a Newton
+    /// method.
     pub curvature: DMat3,
 }
 
-/// All that a point is held against: the closest point of the surface and, in a valley, those of its other incident faces.
+/// Places of a surface that act on a point: the closest point of the surface and, in a valley, those of its other
+/// incident faces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceTouch {
-    /// The closest point.
+    /// Closest point.
     pub nearest: Closest,
-    /// Others that are within reach, with the weight (-1 where the incident faces meet) of each in a sum over all, in which that of the closest
-    /// is 1. Their distances are positive.
+    /// Other places within reach, each with its weight (-1 where the incident faces meet) in a sum over all, in which the weight of the
+    /// closest is 1. Their distances are positive.
     pub beside: Vec<(Closest, f64)>,
 }
 
 impl SurfaceTouch {
-    /// All places with their weights, the closest first.
+    /// Returns all places with their weights, the closest first.
     pub fn places(&self) -> impl Iterator<Item = (&Closest, f64)> {
         std::iter::once((&self.nearest, 1.0)).chain(self.beside.iter().map(|(c, weight)| (c, *weight)))
     }
 
-    /// Weighted sum over all places.
+    /// Returns the weighted sum over all places.
     pub fn sum(&self, of: impl Fn(&Closest) -> f64) -> f64 {
         self.places().map(|(c, weight)| weight * of(c)).sum()
     }
@@ -81,27 +82,27 @@ impl SurfaceTouch {
 
 /// Exact signed distance to a closed surface, in the object's own frame.
 pub trait SignedDistance: Send + Sync + std::fmt::Debug {
-    /// Signed distance, m. 1-Lipschitz: never larger than the true distance in magnitude.
+    /// Returns the signed distance, m. 1-Lipschitz: never larger than the true distance in magnitude.
     fn distance(&self, q: DVec3) -> f64;
-    /// Closest point data if the signed distance at `q` is below `max`, else None.
+    /// Returns closest point data if the signed distance at `q` is below `max`, otherwise None.
     fn closest(&self, q: DVec3, max: f64) -> Option<Closest>;
-    /// The closest point if its signed distance is below `max`, and what else is felt from within `felt`. Default: nothing else, which is
-    /// right for a surface without creases.
+    /// Returns the closest point if its signed distance is below `max`, and the other places that are felt from within `felt`. By default
+    /// there are none, which is right for a surface without creases.
     fn touch(&self, q: DVec3, max: f64, _felt: f64) -> Option<SurfaceTouch> {
         self.closest(q, max).map(|nearest| SurfaceTouch { nearest, beside: Vec::new() })
     }
-    /// Where the ray from `origin` along `direction` (any length > 0) first enters the object, at `t >= 0` metres.
-    /// None if it misses, starts inside and never re-enters, or is not finite. Default: sphere tracing.
+    /// Returns the first entrance into the object of the ray from `origin` along `direction` (any length > 0), at `t >=
+    /// 0` metres. None if it misses, starts inside and never re-enters, or is not finite. Default: sphere tracing.
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
         trace(self, origin, direction)
     }
-    /// A point of the surface farthest along `direction`, m, where it is known in closed form.
+    /// Returns a point of the surface farthest along `direction`, m, if it is known in closed form.
     fn support(&self, _direction: DVec3) -> Option<DVec3> {
         None
     }
 }
 
-/// `n n^T`, the projection onto the unit vector `n`.
+/// Computes `n n^T`, the projection onto the unit vector `n`.
 pub(crate) fn outer(n: DVec3) -> DMat3 {
     DMat3::from_cols(n * n.x, n * n.y, n * n.z)
 }

@@ -1,4 +1,4 @@
-//! Where a closed surface overlaps itself.
+//! Overlaps of a closed surface with itself.
 
 use crate::geometry::Aabb;
 use crate::geometry::mesh::close::tolerance;
@@ -9,30 +9,30 @@ use crate::geometry::shape::winding::Winding;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// An overlap is refused if it is deeper than this part of the object's largest size: 3 um of a lemon. Shallower ones, as folds
-/// in scans, are below what a pad feels.
+/// Depth of an overlap over the object's largest size above which it is refused: 3 um for a lemon. Shallower overlaps, such as folds in
+/// scans, are below what a pad feels.
 pub(crate) const DEPTH: f64 = 1e-4;
 
-/// A place where two triangles meet and the surface does not go round once or not at all beside them.
+/// Place where two triangles meet and the winding number beside them is neither 0 nor 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Overlap {
-    /// The two triangles.
+    /// Indices of the two triangles.
     pub triangles: [u32; 2],
-    /// Amid their common points, m.
+    /// Middle of their common points, m.
     pub place: DVec3,
 }
 
-/// The overlaps of a surface.
+/// Overlaps of a surface.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Overlaps {
-    /// The first that is deeper than [`DEPTH`].
+    /// First overlap that is deeper than [`DEPTH`].
     pub deep: Option<Overlap>,
-    /// How many pairs of triangles overlap less deeply.
+    /// Number of pairs of triangles that overlap less deeply.
     pub shallow: usize,
 }
 
-/// Looks at all pairs of triangles that meet apart from common corners and edges. They overlap if the winding number beside the
-/// place is neither 0 nor 1; parts that only touch do not. `mesh` must be closed and each shell turned right.
+/// Finds overlaps among all pairs of triangles that meet apart from common corners and edges. They overlap if the winding number beside
+/// the place is neither 0 nor 1; parts that only touch do not. `mesh` must be closed and each shell turned the right way.
 pub(crate) fn overlaps(mesh: &TriMesh) -> Overlaps {
     let winding = Winding::new(mesh);
     let bounds = winding.bvh.bounds();
@@ -65,7 +65,7 @@ pub(crate) fn overlaps(mesh: &TriMesh) -> Overlaps {
 }
 
 impl Overlaps {
-    /// One sentence for a surface that is refused.
+    /// Returns one sentence for a surface that is refused.
     pub fn complaint(&self, mesh: &TriMesh) -> Option<String> {
         let Overlap { mut triangles, place } = self.deep?;
         triangles.sort_unstable();
@@ -85,7 +85,7 @@ impl Overlaps {
     }
 }
 
-/// Whether the winding number is neither 0 nor 1 at `away` (m) from a place where two facets with the normals `n` meet, in one of
+/// Returns true if the winding number is neither 0 nor 1 at `away` (m) from a place where two facets with the normals `n` meet, in one of
 /// the four wedges between them.
 fn astray(winding: &Winding, place: DVec3, n: [DVec3; 2], away: f64) -> bool {
     let wedges = [-n[0] - n[1], n[0] + n[1], n[0] - n[1], n[1] - n[0]];
@@ -97,7 +97,8 @@ fn astray(winding: &Winding, place: DVec3, n: [DVec3; 2], away: f64) -> bool {
     })
 }
 
-/// The middle of what two triangles have in common apart from a corner; None if that is nothing, or if they share an edge.
+/// Returns the middle of the common points of two triangles apart from a corner; None if there are none, or if they share
+/// an edge.
 fn meeting(mesh: &TriMesh, pair: [u32; 2]) -> Option<DVec3> {
     let [s, t] = pair.map(|t| mesh.triangles[t as usize]);
     let shared: Vec<u32> = s.into_iter().filter(|v| t.contains(v)).collect();
@@ -117,7 +118,8 @@ fn meeting(mesh: &TriMesh, pair: [u32; 2]) -> Option<DVec3> {
     (!points.is_empty()).then(|| points.iter().sum::<DVec3>() / points.len() as f64)
 }
 
-/// Points that the sides of triangle `p` have in common with triangle `q`: where they cross it, or the ends of what lies in it.
+/// Returns points that the sides of triangle `p` have in common with triangle `q`: the points where they cross it, or the ends of the
+/// part that lies in it.
 fn common(p: [DVec3; 3], q: [DVec3; 3], rounding: f64) -> Vec<DVec3> {
     let Some(facet) = Facet::new(q, 0) else { return Vec::new() };
     let height = p.map(|x| {

@@ -1,15 +1,15 @@
-//! Checks of the numbers that a generated shape is made from.
+//! Checks of the parameters of a generated shape.
 
 use crate::error::{Error, Result};
 
-/// Divisions of a full turn when the caller has no wish.
+/// Default number of divisions of a full turn.
 pub const DEFAULT_SEGMENTS: u32 = 64;
-/// The coarsest turn that still looks round.
+/// Smallest number of divisions of a full turn that still looks round.
 pub const MIN_SEGMENTS: u32 = 8;
-/// The finest turn: meshes stay below some 300,000 triangles.
+/// Largest number of divisions of a full turn: meshes stay below some 300,000 triangles.
 pub const MAX_SEGMENTS: u32 = 512;
 
-/// A length between a micrometre and a hundred metres.
+/// Checks a length: between a micrometre and a hundred metres.
 pub(crate) fn length(shape: &str, name: &str, value: f64) -> Result<f64> {
     if (1e-6..=100.0).contains(&value) {
         return Ok(value);
@@ -17,7 +17,7 @@ pub(crate) fn length(shape: &str, name: &str, value: f64) -> Result<f64> {
     Err(Error::Mesh(format!("{shape}: {name} is {value} m; it must be between 1e-6 and 100 m (is it in metres?)")))
 }
 
-/// A number of divisions of a full turn.
+/// Checks a number of divisions of a full turn.
 pub(crate) fn segments(shape: &str, value: u32) -> Result<u32> {
     if (MIN_SEGMENTS..=MAX_SEGMENTS).contains(&value) {
         return Ok(value);
@@ -25,7 +25,7 @@ pub(crate) fn segments(shape: &str, value: u32) -> Result<u32> {
     Err(Error::Mesh(format!("{shape}: segments is {value}; it must be between {MIN_SEGMENTS} and {MAX_SEGMENTS}")))
 }
 
-/// A relation between parameters.
+/// Checks a relation between parameters.
 pub(crate) fn require(shape: &str, holds: bool, message: impl FnOnce() -> String) -> Result<()> {
     if holds { Ok(()) } else { Err(Error::Mesh(format!("{shape}: {}", message()))) }
 }

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::geometry::shape::{Closest, Hit, SignedDistance, trace_convex};
 use glam::{DMat3, DVec3};
 
-/// The half-space `n . q <= offset`. It is unbounded, so there is no `Shape` of it.
+/// Half-space `n . q <= offset`. It is unbounded, so it has no `Shape`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HalfSpace {
     normal: DVec3,
@@ -12,7 +12,10 @@ pub struct HalfSpace {
 }
 
 impl HalfSpace {
-    /// The half-space behind the plane through `point`; `normal` points out of it and may have any length.
+    /// Builds the half-space behind the plane through `point`; `normal` points out of it and may have any length.
+    ///
+    /// # Errors
+    /// Fails if a number is not finite or the normal is zero.
     pub fn new(point: DVec3, normal: DVec3) -> Result<Self> {
         match normal.try_normalize() {
             Some(n) if point.is_finite() => Ok(Self { normal: n, offset: n.dot(point) }),

@@ -4,11 +4,11 @@ use crate::error::Result;
 use crate::geometry::shape::params::require;
 use glam::{DVec2, DVec3};
 
-/// Points of a profile at most.
+/// Largest number of points of a profile.
 pub const MAX_POINTS: usize = 2048;
 const CHUNK: usize = 8;
 
-/// The outline of a meridian section: points (rho, z), m, counter-clockwise (inside on the left).
+/// Outline of a meridian section: points (rho, z), m, counter-clockwise (inside on the left).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     points: Vec<DVec2>,
@@ -19,17 +19,22 @@ pub struct Profile {
     boxes: Vec<(DVec2, DVec2)>,
 }
 
-/// The closest point of a profile.
+/// Closest point of a profile.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ProfilePoint {
     pub distance: f64,
     pub normal: DVec2,
-    /// Whether it lies on a segment rather than on a corner.
+    /// True if the point lies on a segment rather than on a corner.
     pub smooth: bool,
 }
 
 impl Profile {
-    /// Either a loop off the axis (`closed`, first point not repeated), or a line from the axis to the axis.
+    /// Builds a profile: either a loop off the axis (`closed`, first point not repeated), or a line from the axis to the
+    /// axis.
+    ///
+    /// # Errors
+    /// Fails if the number of points is out of range, a point is out of range or repeated, an end is not on the axis, the
+    /// profile crosses itself or encloses no area.
     pub fn new(shape: &str, mut points: Vec<DVec2>, closed: bool) -> Result<Self> {
         let n = points.len();
         let most = 1e3;
@@ -80,27 +85,28 @@ impl Profile {
         Ok(Self { points, closed, normals, boxes })
     }
 
-    /// The points (rho, z), m, counter-clockwise.
+    /// Returns the points (rho, z), m, counter-clockwise.
     pub fn points(&self) -> &[DVec2] {
         &self.points
     }
 
-    /// Whether the last point joins the first.
+    /// Returns true if the last point joins the first.
     pub fn closed(&self) -> bool {
         self.closed
     }
 
-    /// Number of segments.
+    /// Returns the number of segments.
     pub fn segments(&self) -> usize {
         self.normals.len()
     }
 
-    /// The ends of segment `i`, m.
+    /// Returns the ends of segment `i`, m.
     pub fn segment(&self, i: usize) -> (DVec2, DVec2) {
         (self.points[i], self.points[(i + 1) % self.points.len()])
     }
 
-    /// The unit normals of the segments before and after point `i`; on the axis, a segment and its mirror image.
+    /// Returns the unit normals of the segments before and after point `i`; on the axis, those of a segment and its
+    /// mirror image.
     pub(crate) fn around(&self, i: usize) -> (DVec2, DVec2) {
         let n = self.points.len();
         let mirror = |m: DVec2| DVec2::new(-m.x, m.y);
@@ -115,7 +121,7 @@ impl Profile {
         }
     }
 
-    /// The closest point to `q` with squared distance below `limit`.
+    /// Returns the closest point to `q` with squared distance below `limit`.
     pub(crate) fn nearest(&self, q: DVec2, limit: f64) -> Option<ProfilePoint> {
         let (mut best, mut at, mut along) = (limit, usize::MAX, 0.0);
         for (c, b) in self.boxes.iter().enumerate() {
@@ -148,12 +154,12 @@ impl Profile {
         Some(ProfilePoint { distance, normal, smooth: false })
     }
 
-    /// Smallest and largest (rho, z), m.
+    /// Returns the smallest and largest (rho, z), m.
     pub fn bounds(&self) -> (DVec2, DVec2) {
         self.points.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |b, &p| (b.0.min(p), b.1.max(p)))
     }
 
-    /// A point of the solid of revolution farthest along `direction`.
+    /// Returns a point of the solid of revolution farthest along `direction`.
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
         let across = direction.x.hypot(direction.y);
         let d = DVec2::new(across, direction.z);
@@ -163,12 +169,12 @@ impl Profile {
     }
 }
 
-/// Twice the signed area of the polygon.
+/// Returns twice the signed area of the polygon.
 fn area(points: &[DVec2]) -> f64 {
     (0..points.len()).map(|i| points[i].perp_dot(points[(i + 1) % points.len()])).sum()
 }
 
-/// Whether the segments ab and cd share a point.
+/// Returns true if the segments ab and cd share a point.
 fn crossing(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
     let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p);
     let (s1, s2, s3, s4) = (side(a, b, c), side(a, b, d), side(c, d, a), side(c, d, b));

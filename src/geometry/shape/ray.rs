@@ -3,7 +3,7 @@
 use crate::geometry::shape::SignedDistance;
 use glam::DVec3;
 
-/// Where a ray enters an object.
+/// Entrance of a ray into an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// Length of the ray up to the surface, m.
@@ -12,13 +12,14 @@ pub struct Hit {
     pub normal: DVec3,
 }
 
-/// The ray counts as arrived at this distance, m.
+/// Distance at which the ray counts as arrived, m.
 const ARRIVED: f64 = 1e-12;
-/// No object is longer than this, m: a ray that has gone so far has missed.
+/// Length after which a ray has missed, m: no object is longer.
 const FAR: f64 = 1e5;
 
-/// Sphere tracing (Hart 1996): a step as long as the distance cannot pass through the surface. Works on any shape;
-/// takes many steps where the ray grazes it. A ray that starts inside first leaves, then looks for its next entrance.
+/// Traces spheres along the ray (Hart 1996): a step as long as the distance cannot pass through the surface. It works on
+/// any shape and takes many steps where the ray grazes it. A ray that starts inside first leaves, then looks for its next
+/// entrance.
 pub fn trace<D: SignedDistance + ?Sized>(shape: &D, origin: DVec3, direction: DVec3) -> Option<Hit> {
     let dir = direction.try_normalize().filter(|_| origin.is_finite())?;
     let mut t = 0.0;
@@ -43,8 +44,8 @@ pub fn trace<D: SignedDistance + ?Sized>(shape: &D, origin: DVec3, direction: DV
     None
 }
 
-/// The same for a convex shape, in a handful of steps: the tangent plane at the closest point separates, so the ray may go up
-/// to that plane, and has missed once it no longer approaches it. This is Newton's method on a convex function.
+/// Traces a ray against a convex shape in a handful of steps: the tangent plane at the closest point separates, so the ray may go up to
+/// that plane, and has missed once it no longer approaches it. This is Newton's method on a convex function.
 pub fn trace_convex<D: SignedDistance + ?Sized>(shape: &D, origin: DVec3, direction: DVec3) -> Option<Hit> {
     let dir = direction.try_normalize().filter(|_| origin.is_finite())?;
     let mut t = 0.0;

@@ -6,7 +6,7 @@ use crate::geometry::shape::polygon::Profile;
 use crate::geometry::shape::{Closest, SignedDistance, outer};
 use glam::{DMat3, DVec2, DVec3};
 
-/// A solid of revolution; round about z, its profile a polygon.
+/// Solid of revolution; round about z, with a polygon as its profile.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Revolved {
     profile: Profile,
@@ -15,13 +15,13 @@ pub struct Revolved {
 }
 
 impl Revolved {
-    /// The solid that `profile` sweeps about z.
+    /// Builds the solid that `profile` sweeps about z.
     pub fn new(profile: Profile) -> Self {
         let (low, high) = profile.bounds();
         Self { profile, low, high }
     }
 
-    /// The profile.
+    /// Returns the profile.
     pub fn profile(&self) -> &Profile {
         &self.profile
     }

@@ -1,4 +1,4 @@
-//! Where a round solid is bent so tightly that a pad, which feels it at points of its own, would come through between them.
+//! Tight bends of a round solid, which would come through between the points of a pad at which it feels them.
 
 use super::features::FeaturePoint;
 use super::polygon::Profile;
@@ -6,24 +6,25 @@ use crate::scales::{CORNER_CUT, SAMPLE_CUT};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// Radius, over the distance of the points that are asked for, from which on a pad's own points are enough.
+/// Radius, over the requested distance of the points, above which a pad's own points are sufficient.
 const ROUND: f64 = 24.0;
 
-/// A circle about the z axis on a smooth convex part of a round solid.
+/// Circle about the z axis on a smooth convex part of a round solid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ring {
-    /// (rho, z), m.
+    /// Point (rho, z), m.
     point: DVec2,
     /// Outward unit normal in that plane.
     normal: DVec2,
-    /// The smaller of the two radii of curvature, m.
+    /// Smaller of the two radii of curvature, m.
     radius: f64,
-    /// Length of the segments that meet there, m, and how the normal turns from one to the other, rad.
+    /// Length of the segments that meet there, m, and the turn of the normal from one to the other, rad.
     corner: (f64, f64),
 }
 
 impl Ring {
-    /// The ring of point `i` of a profile, where the normal turns by `turn` (rad) over the two segments that meet there.
+    /// Builds the ring of point `i` of a profile, where the normal turns by `turn` (rad) over the two segments that meet
+    /// there.
     pub(crate) fn new(profile: &Profile, i: usize, turn: f64, normal: DVec2) -> Self {
         let (points, point) = (profile.points(), profile.points()[i]);
         let n = points.len();
@@ -35,8 +36,8 @@ impl Ring {
         Self { point, normal, radius: around.min(length / turn), corner: (length, turn) }
     }
 
-    /// Points on those of `rings`, which follow each other along a profile, that are tight for a pad whose points are `spacing` (m)
-    /// apart: bent in less than [`ROUND`] times that, or a corner. Contact has this `offset` (m).
+    /// Returns points on those of `rings`, which follow each other along a profile, that are tight for a pad whose points are `spacing`
+    /// (m) apart: bent in less than [`ROUND`] times that, or a corner. Contact has this `offset` (m).
     pub(crate) fn sample(rings: &[Self], spacing: f64, offset: f64) -> Vec<FeaturePoint> {
         let (mut points, mut last) = (Vec::new(), None::<DVec2>);
         let is_tight = |ring: &&Self| ring.radius < ROUND * spacing || ring.cut(2.0 * spacing) > CORNER_CUT * offset;
@@ -56,7 +57,7 @@ impl Ring {
         points
     }
 
-    /// How far a pad comes over the corner between two of its points that are `apart`, m.
+    /// Returns the distance by which a pad passes over the corner between two of its points that are `apart`, m.
     fn cut(&self, apart: f64) -> f64 {
         let (length, turn) = self.corner;
         turn * length.min(apart) / 8.0

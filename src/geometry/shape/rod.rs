@@ -1,25 +1,25 @@
-//! A ball, pin or capsule so thin that a pad, which feels it at points of its own, would come through between them.
+//! Ball, pin or capsule that is so thin that it would come through between the points of a pad at which the pad feels it.
 
 use super::features::FeaturePoint;
 use crate::scales::{ROD_CUT, SAMPLE_CUT};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// All points within a radius of a segment of the z axis about the origin; a ball if that has no length.
+/// Rod: all points within a radius of a segment of the z axis about the origin; a ball if the segment has no length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rod {
-    /// m.
+    /// Radius, m.
     pub radius: f64,
     /// Half the length of the straight part, m.
     pub half: f64,
-    /// Whether half balls close it; else only its straight part counts.
+    /// True if half balls close the rod; otherwise only its straight part counts.
     pub capped: bool,
 }
 
 impl Rod {
-    /// Points all over it, if a pad whose points are twice `spacing` (m) apart would miss it: places between them and the middles of
-    /// their triangles are up to two fifths of that from the next, and over a length `a` a ball of radius `r` falls by `a^2 / (2 r)`.
-    /// Contact has this `offset` (m).
+    /// Returns points all over the rod if a pad whose points are twice `spacing` (m) apart would miss it: places between them and the
+    /// middles of their triangles are up to two fifths of that from the next, and over a length `a` a ball of radius `r` falls by `a^2 /
+    /// (2 r)`. Contact has this `offset` (m).
     pub(crate) fn sample(&self, spacing: f64, offset: f64) -> Vec<FeaturePoint> {
         let fall = |a: f64| a * a / (2.0 * self.radius);
         if fall(0.8 * spacing) <= ROD_CUT * offset {

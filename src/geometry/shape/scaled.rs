@@ -1,10 +1,10 @@
-//! A shape, uniformly scaled.
+//! Uniformly scaled shape.
 
 use crate::geometry::shape::{Closest, Hit, SignedDistance, SurfaceTouch};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// `inner` magnified by `factor` about the origin: `d(q) = factor * inner(q / factor)`.
+/// Shape `inner` magnified by `factor` about the origin: `d(q) = factor * inner(q / factor)`.
 #[derive(Debug)]
 pub(crate) struct Scaled {
     pub inner: Arc<dyn SignedDistance>,

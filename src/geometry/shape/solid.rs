@@ -1,4 +1,4 @@
-//! The rigid object: everything the solver, the recorder and the renderer ask of it.
+//! Rigid object: everything that the solver, the recorder and the renderer need of it.
 
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
@@ -13,30 +13,33 @@ use crate::geometry::shape::{Hit, MassProperties, SignedDistance, SurfaceFeature
 use glam::DVec3;
 use std::sync::Arc;
 
-/// A rigid object in its own frame. Cheap to clone.
+/// Rigid object in its own frame. Cheap to clone.
 #[derive(Debug, Clone)]
 pub struct Shape {
-    /// What it is called in messages and records.
+    /// Name in messages and records.
     pub name: String,
-    /// Exact signed distance to its surface.
+    /// Exact signed distance to the surface.
     pub distance: Arc<dyn SignedDistance>,
-    /// Its surface; if `exact`, a drawing of it with vertices on the true surface, else the surface itself.
+    /// Surface mesh; if `exact`, a drawing with vertices on the true surface, otherwise the surface itself.
     pub surface: Arc<TriMesh>,
-    /// Its vertices and sharp edges.
+    /// Vertices and sharp edges.
     pub features: Arc<SurfaceFeatures>,
     /// Volume, centre of mass and inertia at unit density; closed forms if `exact`.
     pub mass: MassProperties,
-    /// Whether the distance is that of the smooth ideal shape in closed form, rather than that of the facets of `surface`.
+    /// True if the distance is that of the smooth ideal shape in closed form, rather than that of the facets of
+    /// `surface`.
     pub exact: bool,
-    /// Box around the true surface, m.
+    /// Bounding box of the true surface, m.
     pub aabb: Aabb,
     /// Largest distance of the true surface from the frame's origin, m.
     pub bounding_radius: f64,
 }
 
 impl Shape {
-    /// An object whose surface is `mesh`: closed, consistently wound, without degenerate triangles, else refused with the first
-    /// place that is wrong. Shells are turned by [`orient`]; vertices that no triangle uses are dropped.
+    /// Builds an object with the surface `mesh`. Shells are turned by [`orient`]; vertices that no triangle uses are dropped.
+    ///
+    /// # Errors
+    /// Fails if the mesh is not closed, not consistently wound or has degenerate triangles, and names the first such place.
     pub fn from_mesh(mut mesh: TriMesh) -> Result<Self> {
         let mut topology = Topology::new(&mesh)?;
         if drop_unused(&mut mesh) | orient(&mut mesh).any() {
@@ -54,7 +57,7 @@ impl Shape {
         Ok(Self { name: "mesh".into(), distance, surface, features, mass, exact: false, aabb, bounding_radius })
     }
 
-    /// An object with a distance in closed form, which must know its `support`.
+    /// Builds an object with a distance in closed form, which must know its `support`.
     pub(crate) fn closed_form(
         name: &str,
         distance: impl SignedDistance + 'static,
@@ -77,13 +80,16 @@ impl Shape {
         }
     }
 
-    /// The same object under another name.
+    /// Returns the same object under another name.
     pub fn named(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self
     }
 
-    /// The object magnified by `factor` about its origin.
+    /// Returns the object magnified by `factor` about its origin.
+    ///
+    /// # Errors
+    /// Fails if the factor is not positive and finite or the scaled size is out of range.
     pub fn scaled(&self, factor: f64) -> Result<Self> {
         require(&self.name, factor > 0.0 && factor.is_finite(), || {
             format!("the scale is {factor}; it must be positive and finite")
@@ -103,12 +109,12 @@ impl Shape {
         })
     }
 
-    /// Where the ray first enters the object; see [`SignedDistance::ray`].
+    /// Returns the first entrance of the ray into the object; see [`SignedDistance::ray`].
     pub fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
         self.distance.ray(origin, direction)
     }
 
-    /// A surface point farthest along `direction`, m.
+    /// Returns a surface point farthest along `direction`, m.
     pub fn support(&self, direction: DVec3) -> DVec3 {
         let of_mesh = || {
             let ahead = |a: &DVec3, b: &DVec3| a.dot(direction).total_cmp(&b.dot(direction));
@@ -117,7 +123,7 @@ impl Shape {
         self.distance.support(direction).unwrap_or_else(of_mesh)
     }
 
-    /// The interval that the object covers along the unit vector `direction`, m.
+    /// Returns the interval that the object covers along the unit vector `direction`, m.
     pub fn extent(&self, direction: DVec3) -> (f64, f64) {
         (self.support(-direction).dot(direction), self.support(direction).dot(direction))
     }

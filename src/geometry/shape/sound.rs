@@ -1,4 +1,4 @@
-//! Whether the surface of a file bounds a solid, and what can be put right without moving it.
+//! Check that the surface of a file bounds a solid, and corrections that do not move it.
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TriMesh;
@@ -9,8 +9,8 @@ use crate::geometry::shape::overlap::overlaps;
 use crate::geometry::shape::repair::repair;
 use crate::geometry::shape::topology::Topology;
 
-/// Turns triangles and shells of `mesh` the right way and refuses what bounds no solid, with the place; with `mend` repairs it
-/// instead. Returns the surface and a notice for each change.
+/// Turns triangles and shells of `mesh` the right way and refuses a surface that bounds no solid, with the place; with `mend` it is
+/// repaired instead. Returns the surface and a notice for each change.
 pub(crate) fn sound(mesh: TriMesh, mend: bool) -> Result<(TriMesh, Vec<String>)> {
     let mut turned = mesh.clone();
     match judge(&mut turned) {
@@ -25,7 +25,7 @@ pub(crate) fn sound(mesh: TriMesh, mend: bool) -> Result<(TriMesh, Vec<String>)>
     }
 }
 
-/// Turns triangles and shells the right way, and refuses what bounds no solid.
+/// Turns triangles and shells the right way, and refuses a surface that bounds no solid.
 pub(crate) fn judge(mesh: &mut TriMesh) -> Result<Vec<String>> {
     let mut news = Vec::new();
     let pairs = drop_back_to_back(mesh);

@@ -3,14 +3,14 @@
 use crate::geometry::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
 use glam::{DMat3, DVec3};
 
-/// A sphere about the origin.
+/// Sphere about the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
     /// Radius, m.
     pub radius: f64,
 }
 
-/// `(I - n n^T) / r`, the Hessian of the distance to a point at distance `r`; zero at the point itself.
+/// Computes `(I - n n^T) / r`, the Hessian of the distance to a point at distance `r`; zero at the point itself.
 pub(crate) fn point_curvature(n: DVec3, r: f64) -> DMat3 {
     if r > 1e-12 { (DMat3::IDENTITY - outer(n)) * r.recip() } else { DMat3::ZERO }
 }

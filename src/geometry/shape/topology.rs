@@ -5,36 +5,39 @@ use crate::geometry::mesh::topology::{sides, watertight};
 use crate::geometry::mesh::{TriMesh, show};
 use glam::DVec3;
 
-/// Largest coordinate of a file, in its own unit: products of three of them stay far from overflow. What it is in metres is
-/// for the scene's scale to say.
+/// Largest coordinate of a file, in its own unit: products of three of them stay far from overflow. The scene's scale
+/// determines its size in metres.
 const FARTHEST: f64 = 1e9;
 
-/// An edge between two triangles.
+/// Edge between two triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Edge {
     /// End vertices; the left triangle runs from `ends[0]` to `ends[1]`.
     pub ends: [u32; 2],
-    /// The left and the right triangle.
+    /// Indices of the left and the right triangle.
     pub triangles: [u32; 2],
 }
 
-/// What a closed, oriented mesh knows about its neighbourhoods.
+/// Neighbourhoods of a closed, oriented mesh.
 #[derive(Debug, Clone)]
 pub(crate) struct Topology {
     pub edges: Vec<Edge>,
-    /// Edge `i` of a triangle runs from its corner `i` to its corner `i + 1`.
+    /// Edges of each triangle; edge `i` runs from its corner `i` to its corner `i + 1`.
     pub triangle_edges: Vec<[u32; 3]>,
     /// Unit outward normal of each triangle.
     pub normals: Vec<DVec3>,
     /// Unit pseudo-normal of each edge: the mean of its two triangles' normals.
     pub edge_normals: Vec<DVec3>,
-    /// Unit angle-weighted pseudo-normal of each vertex (Baerentzen and Aanaes 2005, "Signed distance computation
-    /// using the angle weighted pseudonormal", eq. 1). Zero for a vertex no triangle uses.
+    /// Unit angle-weighted pseudo-normal of each vertex (Baerentzen and Aanaes 2005, "Signed distance computation using
+    /// the angle weighted pseudonormal", eq. 1). Zero for a vertex that no triangle uses.
     pub vertex_normals: Vec<DVec3>,
 }
 
 impl Topology {
-    /// Refuses a mesh that does not bound a solid, naming the first place where it fails.
+    /// Builds the neighbourhoods of a mesh.
+    ///
+    /// # Errors
+    /// Fails if the mesh does not bound a solid, and names the first place where it fails.
     pub fn new(mesh: &TriMesh) -> Result<Self> {
         check_indices(mesh)?;
         let normals = (0..mesh.triangles.len()).map(|t| normal(mesh, t)).collect::<Result<Vec<_>>>()?;

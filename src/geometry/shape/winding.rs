@@ -8,10 +8,11 @@ use crate::geometry::shape::facet::Facet;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// A part of the surface is one dipole from this many of its radii on: the error is then below some hundredths.
+/// Distance, in radii of a part of the surface, from which on the part is one dipole: the error is then below some
+/// hundredths.
 const FAR: f64 = 3.0;
 
-/// What a part of the surface looks like from far away.
+/// Far-field description of a part of the surface.
 #[derive(Debug, Clone, Copy)]
 struct Dipole {
     center: DVec3,
@@ -21,8 +22,8 @@ struct Dipole {
     radius: f64,
 }
 
-/// How often a surface, closed or not, goes round a point: 1 inside and 0 outside of a solid, in between near a hole, 2 where it
-/// overlaps itself.
+/// Winding number of a surface, closed or not, about a point: 1 inside and 0 outside of a solid, in between near a hole, 2 where the
+/// surface overlaps itself.
 #[derive(Debug)]
 pub(crate) struct Winding {
     pub bvh: Bvh,
@@ -30,7 +31,7 @@ pub(crate) struct Winding {
 }
 
 impl Winding {
-    /// Of the triangles of `mesh` that have an area; there must be one. Indices must be valid.
+    /// Builds the tree of the triangles of `mesh` that have an area; there must be one. Indices must be valid.
     pub fn new(mesh: &TriMesh) -> Self {
         let facets = (0..mesh.triangles.len()).filter_map(|t| Facet::new(mesh.corners(t), t as u32)).collect();
         let bvh = Bvh::new(facets);
@@ -59,7 +60,7 @@ impl Winding {
         Self { bvh, dipoles }
     }
 
-    /// The winding number at `q`; half-way values on the surface itself.
+    /// Returns the winding number at `q`; half-way values on the surface itself.
     pub fn at(&self, q: DVec3) -> f64 {
         let mut stack = vec![0_u32];
         let mut angle = 0.0;

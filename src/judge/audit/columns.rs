@@ -1,12 +1,12 @@
-//! Whether a point is inside a closed triangle surface: crossings of a ray, counted with their sign.
+//! Test of a point against a closed triangle surface: crossings of a ray, counted with their sign.
 
 use crate::geometry::mesh::TriMesh;
 use glam::{DMat3, DVec2, DVec3};
 
-/// A triangle surface sorted into columns along one generic direction, so that a ray meets only a few triangles.
+/// Triangle surface sorted into columns along one generic direction, so that a ray meets only a few triangles.
 #[derive(Debug)]
 pub struct Columns {
-    /// Into axes in which rays run along +z; no facet of a made object is parallel to them.
+    /// Rotation into axes in which rays run along +z; no facet of a made object is parallel to them.
     turn: DMat3,
     triangles: Vec<[DVec3; 3]>,
     min: DVec2,
@@ -17,11 +17,11 @@ pub struct Columns {
     entries: Vec<u32>,
 }
 
-/// Most cells along a side.
+/// Largest number of cells along a side.
 const MOST: usize = 256;
 
 impl Columns {
-    /// For a closed, consistently outward surface.
+    /// Creates the columns of a closed, consistently outward surface.
     pub fn new(mesh: &TriMesh) -> Self {
         let turn = DMat3::from_rotation_x(0.737) * DMat3::from_rotation_y(0.419) * DMat3::from_rotation_z(1.131);
         let triangles: Vec<_> = (0..mesh.triangles.len()).map(|t| mesh.corners(t).map(|p| turn * p)).collect();
@@ -61,7 +61,7 @@ impl Columns {
         (index(at.x), index(at.y))
     }
 
-    /// Whether `q` is inside: the ray from it leaves the surface more often than it enters.
+    /// Returns true if `q` is inside: the ray from it leaves the surface more often than it enters.
     pub fn inside(&self, q: DVec3) -> bool {
         let q = self.turn * q;
         let (i, j) = self.place(q.truncate());
@@ -80,14 +80,14 @@ impl Columns {
         winding > 0
     }
 
-    /// Distance of `q` to the surface, m.
+    /// Returns the distance of `q` to the surface, m.
     pub fn distance(&self, q: DVec3) -> f64 {
         super::triangle::distance(&self.triangles, self.turn * q)
     }
 }
 
-/// Whether a triangle of the plane covers `p`. Edges are half open and evaluated from their lower end, so that of all
-/// triangles around an edge or a corner just those on one side count: the projections tile the plane without gap or overlap.
+/// Returns true if a triangle of the plane covers `p`. Edges are half open and evaluated from their lower end. Of all triangles
+/// around an edge or a corner, only those on one side count: the projections tile the plane without gap or overlap.
 fn covers(corners: [DVec2; 3], p: DVec2) -> bool {
     let mut inside = false;
     for k in 0..3 {

@@ -1,4 +1,4 @@
-//! Whether a recorded state is in equilibrium: elastic forces of its node positions against what may act on each node.
+//! Check of the equilibrium of a recorded state: elastic forces of its node positions against the forces that may act on each node.
 
 use super::penetration::PadSurface;
 use crate::mech::potential::inversion_barrier::add_barrier_gradient;
@@ -6,10 +6,10 @@ use crate::part::FingerModel;
 use crate::record::Frame;
 use glam::DVec3;
 
-/// Largest unbalanced force over the force of a finger, of three kinds, none of which asks the contact of the solver:
-/// forces on nodes that can touch nothing (norm over all of them); the reaction of the mount against the load of the finger;
-/// what the free surface feels against the recorded contact force. Of quasi-static frames. `weight` is that of a volume of
-/// gel, N/m3, hand frame.
+/// Returns the largest unbalanced force of a quasi-static frame over the force of a finger. It is the largest of three kinds, none
+/// of which uses the contact of the solver: forces on nodes that can touch nothing (norm over all of them); the reaction of the
+/// mount against the load of the finger; the forces on the free surface against the recorded contact force. `weight` is that of a
+/// volume of gel, N/m3, hand frame.
 pub fn imbalance(fingers: &[FingerModel], surfaces: &[PadSurface], frame: &Frame, weight: DVec3) -> f64 {
     let load = frame.applied_force / frame.pads.len().max(1) as f64;
     let (mut worst, mut missing) = (0.0_f64, 0.0);

@@ -1,5 +1,5 @@
-//! An independent judge of recorded frames: what a scene promises about inversion, penetration and equilibrium is checked
-//! from the node positions alone, by code that shares nothing with the contact of the solver.
+//! Independent judge of recorded frames: what a scene promises about inversion, penetration and equilibrium is checked from the
+//! node positions alone, by code that shares nothing with the contact of the solver.
 //!
 //! | promise | checked by |
 //! |---|---|
@@ -8,7 +8,7 @@
 //! | no penetration | [`penetration`]: points of the pads against [`solid`], of the object and of the other pad against the tetrahedra |
 //! | converged | [`equilibrium`]: elastic forces of the recorded positions against the loads |
 //!
-//! A scene that promises none of it pays nothing.
+//! A scene that makes none of these promises pays nothing.
 
 pub mod columns;
 pub mod equilibrium;
@@ -29,28 +29,28 @@ use serde::Serialize;
 use solid::Solid;
 use tetrahedra::Tetrahedra;
 
-/// What the audit of a frame, or of all frames of a grasp, found.
+/// Findings of the audit of a frame, or of all frames of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Findings {
-    /// Every number is finite.
+    /// True if every number is finite.
     pub finite: bool,
     /// Smallest det F; positive where nothing is inverted.
     pub min_det_f: f64,
-    /// How deep pads and object are in each other at the worst point, m; zero if they are not.
+    /// Depth of pads and object in each other at the worst point, m; zero if they do not overlap.
     pub penetration: f64,
-    /// Offset of the contact law, m: down to that nothing is resolved.
+    /// Offset of the contact law, m: nothing smaller is resolved.
     pub offset: f64,
     /// Largest force that nothing balances, over the force of a finger.
     pub imbalance: f64,
 }
 
 impl Findings {
-    /// Whether such a state can be: every number is finite and no element is turned inside out.
+    /// Returns true if such a state is possible: every number is finite and no element is turned inside out.
     pub fn is_sound(&self) -> bool {
         self.finite && self.min_det_f > 0.0
     }
 
-    /// The worse of both in every respect; NaN, which is not known to be good, is worse than any number.
+    /// Returns the worse of both in every respect; NaN, which is not known to be good, is worse than any number.
     pub fn worst(self, other: Self) -> Self {
         let pick =
             |a: f64, b: f64, worse: fn(f64, f64) -> f64| if a.is_nan() || b.is_nan() { f64::NAN } else { worse(a, b) };
@@ -64,7 +64,7 @@ impl Findings {
     }
 }
 
-/// What the audit of a scene needs and no frame changes.
+/// Data of a scene that its audit needs and no frame changes.
 #[derive(Debug)]
 pub struct Auditor {
     solid: Solid,
@@ -77,7 +77,8 @@ pub struct Auditor {
 }
 
 impl Auditor {
-    /// For the scene's object, which is `shape`, and its fingers, whose gel has `gel_density` (kg/m3); contact has this `offset` (m).
+    /// Creates the auditor of the scene's object, which is `shape`, and its fingers, whose gel has `gel_density` (kg/m3). Contact
+    /// has this `offset` (m).
     pub fn new(
         object: &scene::Object,
         shape: &Shape,
@@ -90,7 +91,7 @@ impl Auditor {
         Self { solid, object, pads, offset, gel_density }
     }
 
-    /// Judges a frame of the same fingers; `gravity` in the hand frame, m/s2.
+    /// Judges a frame of the same fingers; `gravity` is in the hand frame, m/s2.
     pub fn judge(&self, fingers: &[FingerModel], frame: &Frame, gravity: DVec3) -> Findings {
         let offset = self.offset;
         if !finite(frame) {
@@ -111,7 +112,7 @@ impl Auditor {
         Findings { finite: true, min_det_f, penetration, offset, imbalance }
     }
 
-    /// How deep pads and object are in each other at the worst point, m.
+    /// Returns the depth of pads and object in each other at the worst point, m.
     fn penetration(&self, fingers: &[FingerModel], frame: &Frame) -> f64 {
         let inverse = frame.object_rotation.inverse();
         let placed = |p: &DVec3| inverse * (*p - frame.object_position);
@@ -129,7 +130,7 @@ impl Auditor {
     }
 }
 
-/// Whether every number of the frame is finite.
+/// Returns true if every number of the frame is finite.
 fn finite(frame: &Frame) -> bool {
     let scalars =
         [frame.applied_force, frame.time, frame.energy, frame.residual, frame.force_balance, frame.torque_balance];

@@ -1,4 +1,4 @@
-//! How deep bodies are in each other: points of a pad inside the object, of the object inside a pad, of a pad inside the other.
+//! Depth of bodies in each other: points of a pad inside the object, of the object inside a pad, of a pad inside the other.
 
 use super::inversion::position;
 use super::solid::Solid;
@@ -9,16 +9,17 @@ use crate::record::{ElementNodes, PadTopology};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Parts that an edge of a boundary face is cut into: other points than those at which the solver feels contact.
+/// Number of parts that an edge of a boundary face is cut into. They give other points than those at which the solver feels
+/// contact.
 const PARTS: usize = 6;
 
-/// The free surface of a pad: boundary faces that are not glued to the finger.
+/// Free surface of a pad: boundary faces that are not glued to the finger.
 #[derive(Debug)]
 pub struct PadSurface {
-    /// Corners and, of 10-node tetrahedra, the middles of (0,1), (1,2), (2,0); else the corners again.
+    /// Nodes of each face: corners and, for 10-node tetrahedra, the middles of (0,1), (1,2), (2,0); else the corners again.
     faces: Vec<[u32; 6]>,
     quadratic: bool,
-    /// Per node: on a free face.
+    /// True for each node on a free face.
     pub free: Vec<bool>,
     /// Mean edge of the parts that a face is cut into, m.
     pub spacing: f64,
@@ -28,12 +29,12 @@ pub struct PadSurface {
 #[derive(Debug)]
 pub struct ObjectPoints(Vec<DVec3>);
 
-/// Cosine of the angle between two triangles from which on their edge counts as round: the pad's own points see it.
+/// Cosine of the angle between two triangles above which their edge counts as round: the pad's own points detect it.
 const ROUND: f64 = 0.985;
 
 impl ObjectPoints {
-    /// Vertices of `surface`, and points along its edges at most `spacing` (m) apart: along creases only if it is the `drawing`
-    /// of a round shape, whose other edges are chords inside.
+    /// Collects the vertices of `surface`, and points along its edges at most `spacing` (m) apart. In the `drawing` of a round
+    /// shape, only creases get such points: its other edges are chords inside.
     pub fn new(surface: &TriMesh, drawing: bool, spacing: f64) -> Self {
         let mut points = surface.vertices.clone();
         let mut normals = BTreeMap::new();
@@ -59,7 +60,7 @@ impl ObjectPoints {
 }
 
 impl PadSurface {
-    /// Of a recorded pad.
+    /// Creates the free surface of a recorded pad.
     pub fn new(topology: &PadTopology) -> Self {
         let mut middle = BTreeMap::new();
         if let ElementNodes::Quadratic(tets) = &topology.elements {
@@ -86,8 +87,8 @@ impl PadSurface {
         Self { faces, quadratic, free, spacing }
     }
 
-    /// Depth of the worst point of pad or object in the other, m; zero if nothing penetrates. `tets` are those of the pad in
-    /// the object's frame.
+    /// Returns the depth of the worst point of pad or object in the other, m; zero if nothing penetrates. `tets` are those of the
+    /// pad in the object's frame.
     pub fn depth(&self, tets: &Tetrahedra, solid: &Solid, object: &ObjectPoints) -> f64 {
         let x = tets.x;
         let points = x.iter().copied().chain(self.points(x)).chain(centers(tets.elements, x));
@@ -96,12 +97,12 @@ impl PadSurface {
         self.below_skin(of_object, x).max(of_pad)
     }
 
-    /// Depth of the worst surface node of another pad, at `others`, in this one, m.
+    /// Returns the depth of the worst surface node of another pad, at `others`, in this one, m.
     pub fn depth_of_nodes(&self, tets: &Tetrahedra, others: impl Iterator<Item = DVec3>) -> f64 {
         self.below_skin(others.filter(|p| tets.contains(*p)), tets.x)
     }
 
-    /// Largest distance to the free surface of points that are inside the pad, m.
+    /// Returns the largest distance to the free surface of points that are inside the pad, m.
     fn below_skin(&self, inside: impl Iterator<Item = DVec3>, x: &[DVec3]) -> f64 {
         let mut inside = inside.peekable();
         if inside.peek().is_none() {
@@ -111,8 +112,8 @@ impl PadSurface {
         inside.map(|p| self.distance(p, &spheres, x)).fold(0.0, f64::max)
     }
 
-    /// Distance of `p` to the free surface, whose faces are in `spheres`, m. Where a curved face is folded its flat pieces miss it by
-    /// more than matters: those that are near are cut into four until they do not.
+    /// Returns the distance of `p` to the free surface, whose faces are in `spheres`, m. Where a curved face is folded, its flat
+    /// pieces miss it by too much: pieces that are near are cut into four until they fit.
     fn distance(&self, p: DVec3, spheres: &[(DVec3, f64)], x: &[DVec3]) -> f64 {
         let away = |pieces: &[Piece]| -> Vec<f64> {
             pieces.iter().map(|piece| triangle::distance(&[piece.flat], p)).collect()
@@ -135,7 +136,7 @@ impl PadSurface {
         least(&distances)
     }
 
-    /// A sphere around a face.
+    /// Returns a sphere around a face.
     fn sphere(&self, face: &[u32; 6], x: &[DVec3]) -> (DVec3, f64) {
         let n = face.map(|i| x[i as usize]);
         let center = n.iter().sum::<DVec3>() / 6.0;
@@ -146,7 +147,7 @@ impl PadSurface {
         (center, around.iter().map(|p| p.distance(center)).fold(0.0, f64::max))
     }
 
-    /// Whether a point of the drawing belongs to the object: chords over a hollow do not.
+    /// Returns true if a point of the drawing belongs to the object: chords over a hollow do not.
     fn between(&self, p: DVec3, solid: &Solid) -> bool {
         match solid {
             Solid::Surface(_) => true,
@@ -154,13 +155,13 @@ impl PadSurface {
         }
     }
 
-    /// Points of the free surface itself, one for each of its triangles, m.
+    /// Returns points of the free surface itself, one for each of its triangles, m.
     fn points<'a>(&'a self, x: &'a [DVec3]) -> impl Iterator<Item = DVec3> + 'a {
         let center = |part: [[f64; 3]; 3]| [0, 1, 2].map(|k| (part[0][k] + part[1][k] + part[2][k]) / 3.0);
         self.faces.iter().flat_map(move |face| parts().map(move |part| self.point(face, center(part), x)))
     }
 
-    /// The point of a face at barycentric coordinates `l`, m.
+    /// Returns the point of a face at barycentric coordinates `l`, m.
     fn point(&self, face: &[u32; 6], l: [f64; 3], x: &[DVec3]) -> DVec3 {
         let n = face.map(|i| x[i as usize]);
         if !self.quadratic {
@@ -171,7 +172,7 @@ impl PadSurface {
     }
 }
 
-/// Every part of a face, given by the barycentric coordinates of its corners.
+/// Returns every part of a face, given by the barycentric coordinates of its corners.
 fn parts() -> impl Iterator<Item = [[f64; 3]; 3]> {
     let at = |i: usize, j: usize| [PARTS - i - j, i, j].map(|k| k as f64 / PARTS as f64);
     let row = move |i: usize| {
@@ -183,15 +184,15 @@ fn parts() -> impl Iterator<Item = [[f64; 3]; 3]> {
     (0..PARTS).flat_map(row)
 }
 
-/// How often pieces are cut to find the distance to them: until they bulge by a thousandth of what they did.
+/// Number of times that pieces are cut to find the distance to them: at the end their bulge is a thousandth of what it was.
 const CUTS: usize = 5;
 
-/// A piece of a face: the barycentric coordinates of its corners and, between them, a flat triangle.
+/// Piece of a face: the barycentric coordinates of its corners and the flat triangle between them.
 #[derive(Clone, Copy)]
 struct Piece {
     face: [u32; 6],
     part: [[f64; 3]; 3],
-    /// m.
+    /// Corners of the flat triangle, m.
     flat: [DVec3; 3],
 }
 
@@ -200,7 +201,7 @@ impl Piece {
         Self { face, part, flat: part.map(|l| surface.point(&face, l, x)) }
     }
 
-    /// The four pieces between its corners and the middles of its sides.
+    /// Returns the four pieces between its corners and the middles of its sides.
     fn quarters(&self, surface: &PadSurface, x: &[DVec3]) -> [Self; 4] {
         let [a, b, c] = self.part;
         let middle = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
@@ -209,7 +210,7 @@ impl Piece {
     }
 }
 
-/// The material centre of every tetrahedron, m. Of a bent one it is not the mean of its corners, which may lie outside.
+/// Returns the material centre of every tetrahedron, m. In a bent one it is not the mean of the corners, which may lie outside.
 fn centers(elements: &ElementNodes, x: &[DVec3]) -> Vec<DVec3> {
     let node = |i: u32| x[i as usize];
     match elements {

@@ -1,4 +1,4 @@
-//! The object as a set of points: inside or not, and how deep. From the scene's numbers where the shape is round, else from
+//! Object as a set of points: inside or not, and how deep. It comes from the scene's numbers where the shape is round, else from
 //! its surface; never from the distance functions that the contact uses.
 
 use super::columns::Columns;
@@ -7,23 +7,23 @@ use crate::geometry::shape::Shape;
 use crate::scene::{self, object as o};
 use glam::{DVec2, DVec3};
 
-/// A rigid object in its own frame.
+/// Rigid object in its own frame.
 #[derive(Debug)]
 pub enum Solid {
-    /// `|q / semi| < 1`; half axes, m.
+    /// Ellipsoid `|q / semi| < 1`; half axes, m.
     Ellipsoid(DVec3),
     /// Points within `radius` of a box about the origin, m.
     RoundBox {
         /// Half edges of the box.
         core: DVec3,
-        /// Rounding.
+        /// Radius of the rounding.
         radius: f64,
     },
-    /// What a section in the half-plane (rho, z) sweeps about z.
+    /// Solid that a section in the half-plane (rho, z) sweeps about z.
     Revolved {
-        /// Of the section, m.
+        /// Outline of the section, m.
         outline: Vec<[DVec2; 2]>,
-        /// Nothing is farther from the axis, m.
+        /// Largest distance of any point from the axis, m.
         reach: f64,
     },
     /// A closed triangle surface.
@@ -31,7 +31,7 @@ pub enum Solid {
 }
 
 impl Solid {
-    /// The scene's object, which is `shape`.
+    /// Creates the solid of the scene's object, which is `shape`.
     pub fn new(object: &scene::Object, shape: &Shape) -> Self {
         let scale = object.scale.get();
         match &object.shape {
@@ -63,7 +63,7 @@ impl Solid {
         }
     }
 
-    /// How deep `q` is inside, m; zero outside. Of an ellipsoid to first order.
+    /// Returns the depth of `q` inside, m; zero outside. For an ellipsoid it is of first order.
     pub fn depth(&self, q: DVec3) -> f64 {
         match self {
             Self::Ellipsoid(semi) => {
@@ -95,7 +95,8 @@ impl Solid {
     }
 }
 
-/// The outline of a solid of revolution in the half-plane y = 0, x >= 0, where its drawing has vertices on the true surface.
+/// Returns the outline of a solid of revolution in the half-plane y = 0, x >= 0, where its drawing has vertices on the true
+/// surface.
 fn section(drawing: &TriMesh) -> Vec<[DVec2; 2]> {
     let size = drawing.vertices.iter().fold(0.0, |m: f64, p| m.max(p.length()));
     let on = |p: DVec3| p.y.abs() < 1e-9 * size && p.x > -1e-9 * size;
@@ -113,7 +114,7 @@ fn section(drawing: &TriMesh) -> Vec<[DVec2; 2]> {
     outline
 }
 
-/// Whether a ray from `p` away from the axis crosses the outline an odd number of times.
+/// Returns true if a ray from `p` away from the axis crosses the outline an odd number of times.
 fn crossings(outline: &[[DVec2; 2]], p: DVec2) -> bool {
     let mut odd = false;
     for &[a, b] in outline {
@@ -124,7 +125,7 @@ fn crossings(outline: &[[DVec2; 2]], p: DVec2) -> bool {
     odd
 }
 
-/// Distance of `p` to a line segment, m.
+/// Returns the distance of `p` to a line segment, m.
 fn apart([a, b]: [DVec2; 2], p: DVec2) -> f64 {
     let e = b - a;
     (p - a - e * ((p - a).dot(e) / e.length_squared()).clamp(0.0, 1.0)).length()

@@ -1,30 +1,30 @@
-//! Which tetrahedron of a deformed pad holds a point.
+//! Search for the tetrahedron of a deformed pad that holds a point.
 
 use super::inversion::{jacobian, position};
 use crate::record::{ElementNodes, PadTopology};
 use glam::DVec3;
 
-/// The tetrahedra of a deformed pad, sorted into the cells of a grid to look up which of them holds a point.
+/// Tetrahedra of a deformed pad, sorted into the cells of a grid to find the one that holds a point.
 pub struct Tetrahedra<'a> {
-    /// Its elements.
+    /// Elements of the pad.
     pub elements: &'a ElementNodes,
-    /// Positions of its nodes, m.
+    /// Positions of the nodes, m.
     pub x: &'a [DVec3],
     low: DVec3,
     cell: DVec3,
-    /// Where each cell begins in `cells`, one more at the end.
+    /// Start of each cell in `cells`; one more entry at the end.
     start: Vec<u32>,
     cells: Vec<u32>,
     boxes: Vec<[DVec3; 2]>,
 }
 
-/// Cells of the grid along each axis.
+/// Number of cells of the grid along each axis.
 const CELLS: usize = 16;
 /// Barycentric coordinate below which a point counts as outside: rounding must not call touching points inside.
 const INSIDE: f64 = 1e-9;
 
 impl<'a> Tetrahedra<'a> {
-    /// Of a pad with its nodes at `x`, m.
+    /// Creates the tetrahedra of a pad with its nodes at `x`, m.
     pub fn new(topology: &'a PadTopology, x: &'a [DVec3]) -> Self {
         let elements = &topology.elements;
         let around = |points: &mut dyn Iterator<Item = DVec3>| {
@@ -67,12 +67,12 @@ impl<'a> Tetrahedra<'a> {
         }
     }
 
-    /// The cell nearest to `p`.
+    /// Returns the cell nearest to `p`.
     fn place(&self, p: DVec3) -> [usize; 3] {
         ((p - self.low) / self.cell).to_array().map(|v| (v.max(0.0) as usize).min(CELLS - 1))
     }
 
-    /// Whether one of them holds `p`.
+    /// Returns true if one of the tetrahedra holds `p`.
     pub fn contains(&self, p: DVec3) -> bool {
         let within = |low: DVec3, high: DVec3| p.cmpge(low).all() && p.cmple(high).all();
         if !within(self.low, self.low + self.cell * CELLS as f64) {

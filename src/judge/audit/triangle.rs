@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// The point of the triangle closest to `p` (Ericson 2005, Real-Time Collision Detection, section 5.1.5).
+/// Returns the point of the triangle closest to `p` (Ericson 2005, Real-Time Collision Detection, section 5.1.5).
 pub fn closest([a, b, c]: [DVec3; 3], p: DVec3) -> DVec3 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
@@ -35,7 +35,7 @@ pub fn closest([a, b, c]: [DVec3; 3], p: DVec3) -> DVec3 {
     a + ab * (vb * scale) + ac * (vc * scale)
 }
 
-/// Smallest distance of `p` to any of the triangles, m.
+/// Returns the smallest distance of `p` to any of the triangles, m.
 pub fn distance(triangles: &[[DVec3; 3]], p: DVec3) -> f64 {
     let mut best = f64::INFINITY;
     for t in triangles {

@@ -1,11 +1,11 @@
-//! The grasp on pads that give linearly: what geometry, friction and equilibrium alone say about travel, contact and the
-//! motion of the object.
+//! Grasp on pads that respond linearly: travel, contact and motion of the object from geometry, friction and equilibrium alone.
 //!
 //! The object is rigid and free, or held; the pads answer to contact forces by their linear response at rest. Force rises
 //! step by step: at each, the object's distance and normal are looked up where the pads are, and `step.rs` solves for
 //! contact forces, travel and pose together. The network learns what large strains do differently.
 //!
-//! Dimensionless: lengths over the thickness t, forces over `E t^2`; hand axes, origin amid the pads; of a pad in its frame.
+//! Quantities are dimensionless: lengths over the thickness t, forces over `E t^2`. Axes are those of the hand, with the origin
+//! amid the pads; those of a pad are in its frame.
 
 mod step;
 
@@ -18,13 +18,13 @@ use crate::world::components::ObjectPose;
 use glam::{DMat3, DQuat, DVec3};
 use std::sync::Arc;
 
-/// Each step of the path has this many times the force of the one before.
+/// Force of each step of the path over that of the one before.
 const STEP: f64 = 1.5;
-/// Force of the first.
+/// Force of the first step.
 const FIRST: f64 = 1e-3;
 /// Part of its force that a finger presses with at least, however heavy the object.
 const LEAST: f64 = 0.05;
-/// Face nodes farther from the object than this do not see it.
+/// Distance from the object beyond which face nodes do not see it.
 const FAR: f64 = 2.5;
 
 /// A grasp, and its path from first contact to its largest force.
@@ -36,36 +36,36 @@ pub struct RigidEquilibrium {
     friction: f64,
     /// Weight of the object, and where it acts at first contact.
     weight: [DVec3; 2],
-    /// Whether the object may move.
+    /// Flag: the object may move.
     pub(crate) free: bool,
-    /// Whether it is still held where it is.
+    /// Flag: the object is still held where it is.
     held: bool,
     /// Distance of each pad's nearest basis function at first contact.
     nearest: Vec<f64>,
-    /// At first contact, then at the forces `FIRST * STEP^k` until the largest is among them; with these forces.
+    /// States of the path with their forces: first contact, then `FIRST * STEP^k` until the largest force is among them.
     path: Vec<(f64, Rest)>,
-    /// What every face node of each pad sees of the object at the end of the path.
+    /// View of the object from every face node of each pad at the end of the path.
     faces: Vec<Vec<Seen>>,
 }
 
-/// Where a finger is.
+/// Frame of a finger.
 #[derive(Debug, Clone)]
 struct Finger {
     closing: DVec3,
-    /// From its pad to the hand.
+    /// Rotation from its pad to the hand.
     rotation: DMat3,
     /// Origin of its pad at first contact.
     origin: DVec3,
 }
 
-/// What a point of a pad sees of the object.
+/// View of the object from a point of a pad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Seen {
     /// Distance; negative is inside.
     gap: f64,
     /// Outward normal of the object, pad frame; zero if it is out of reach.
     normal: DVec3,
-    /// Where the point is on the object: hand axes, as the object was at first contact.
+    /// Position of the point on the object: hand axes, as the object was at first contact.
     place: DVec3,
 }
 
@@ -82,12 +82,12 @@ pub struct Rest {
     pub force: Vec<Vec<DVec3>>,
     /// Displacement under each basis function.
     pub moved: Vec<Vec<DVec3>>,
-    /// What each basis function sees; empty between two states of the path.
+    /// View of the object from each basis function; empty between two states of the path.
     seen: Vec<Vec<Seen>>,
 }
 
 impl Rest {
-    /// A part of the way to another state.
+    /// Returns the state that is `part` of the way to another one.
     fn towards(&self, other: &Self, part: f64) -> Self {
         let all = |from: &[Vec<DVec3>], to: &[Vec<DVec3>]| {
             let pads = from.iter().zip(to);
@@ -105,7 +105,7 @@ impl Rest {
 }
 
 impl RigidEquilibrium {
-    /// A grasp of `model` at first contact `touch`, and its path to the model's largest force.
+    /// Creates a grasp of `model` at first contact `touch`, and its path to the model's largest force.
     pub fn new(model: &Model, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Self {
         let (t, amid) = (graph.thickness, amid(model));
         let unit = model.material.moduli().young * t * t;
@@ -158,7 +158,7 @@ impl RigidEquilibrium {
         equilibrium
     }
 
-    /// What `finger` presses with at `force` per finger: one carries more of a free object's weight than the other.
+    /// Force that `finger` presses with at `force` per finger: one carries more of a free object's weight than the other.
     pub fn carried_by(&self, finger: usize, force: f64) -> f64 {
         let share = self.weight[0].dot(self.fingers[finger].closing) / self.fingers.len() as f64;
         if self.free { (force - share).max(LEAST * force) } else { force }
@@ -170,7 +170,7 @@ impl RigidEquilibrium {
         [weight, rest.rotation * at + rest.shift]
     }
 
-    /// At `force` per finger: between two states of the path.
+    /// State at `force` per finger: between two states of the path.
     pub fn rest(&self, force: f64) -> Rest {
         match (around(&self.path, force), self.path.last()) {
             (Some((before, after, part)), _) => before.towards(after, part),
@@ -179,7 +179,7 @@ impl RigidEquilibrium {
         }
     }
 
-    /// How far the object asks each face node of `pad` in along its normal, which is given with it; negative is a gap.
+    /// Depth that the object asks of each face node of `pad` along its normal, which is given with it; negative is a gap.
     pub fn pressed(&self, pad: usize, rest: &Rest) -> Vec<(f64, DVec3)> {
         let inverse = self.fingers[pad].rotation.transpose();
         let along = |(seen, x): (&Seen, &DVec3)| {
@@ -190,13 +190,13 @@ impl RigidEquilibrium {
         self.faces[pad].iter().zip(&self.graph.rest).map(along).collect()
     }
 
-    /// Where a point of `pad` is that lies `at` (m, pad frame) at rest and is displaced by `moved`.
+    /// Position of a point of `pad` that lies `at` (m, pad frame) at rest and is displaced by `moved`.
     pub fn place(&self, pad: usize, at: DVec3, moved: DVec3, rest: &Rest) -> DVec3 {
         let Finger { closing, rotation, origin } = &self.fingers[pad];
         *rotation * (at / self.graph.thickness + moved) + *origin + *closing * rest.travel[pad]
     }
 
-    /// What a point of `pad` at `place` sees when the grasp is at `rest`.
+    /// View of the object from a point of `pad` at `place` when the grasp is at `rest`.
     fn see(&self, pad: usize, place: DVec3, rest: &Rest, object: &Object) -> Seen {
         let place = rest.rotation.inverse() * (place - rest.shift);
         let (gap, normal) = object.look(place);
@@ -207,7 +207,7 @@ impl RigidEquilibrium {
         }
     }
 
-    /// At first contact, when nothing presses yet.
+    /// State at first contact, when nothing presses yet.
     fn at_touch(&self, object: &Object) -> Rest {
         let basis = &self.graph.basis;
         let all = || vec![vec![DVec3::ZERO; basis.count()]; self.fingers.len()];
@@ -222,7 +222,7 @@ impl RigidEquilibrium {
         self.looked(rest, object)
     }
 
-    /// `rest`, with what its basis functions see.
+    /// Returns `rest` with the views from its basis functions.
     fn looked(&self, mut rest: Rest, object: &Object) -> Rest {
         let basis = &self.graph.basis.rest;
         let of = |pad: usize| {
@@ -233,7 +233,7 @@ impl RigidEquilibrium {
         rest
     }
 
-    /// What the face nodes of `pad` see at `rest`.
+    /// Views of the object from the face nodes of `pad` at `rest`.
     fn face(&self, pad: usize, rest: &Rest, object: &Object) -> Vec<Seen> {
         let graph = &self.graph;
         let forces = graph.basis.on_face(&rest.force[pad], graph.face.len());

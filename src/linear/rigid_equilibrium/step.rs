@@ -1,9 +1,9 @@
 //! One step of a [`RigidEquilibrium`]: contact forces, travel and pose of the object in equilibrium under a given force.
 //!
-//! For basis functions that touch, `C f + J q = a`: their displacement `C f` and the rigid motions `q` close what the object asks for
-//! (`a`). `J' f = l` balances the object and the fingers. Hats that would pull leave, basis functions that would be inside join
-//! (primal-dual active set: Hintermueller, Ito and Kunisch 2002). Where friction would exceed Coulomb's limit, the basis function slips
-//! against a spring along the face that is as soft as the limit asks (secant iteration).
+//! Touching basis functions satisfy `C f + J q = a`: their displacement `C f` and the rigid motions `q` close what the object
+//! asks for (`a`). `J' f = l` balances the object and the fingers. Basis functions that would pull leave, those that would be
+//! inside join (primal-dual active set: Hintermueller, Ito and Kunisch 2002). Where friction would exceed Coulomb's limit, the
+//! basis function slips against a spring along the face that is as soft as the limit asks (secant iteration).
 
 use super::{Rest, RigidEquilibrium, Seen};
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -16,17 +16,18 @@ use rayon::prelude::*;
 /// Unknowns of rigid motion: the travel of two fingers (of both, if they are geared, in the first), translation and rotation
 /// of the object.
 const RIGID: usize = 8;
-/// Most iterations of a step.
+/// Maximum number of iterations of a step.
 const ITERATIONS: usize = 16;
-/// From this one on, springs of slipping basis functions change by half of what they should: no two of them chase each other.
+/// Iteration from which on springs of slipping basis functions change by half of what they should: no two of them chase each
+/// other.
 const CALM: usize = 6;
-/// A step with larger rigid motions than this has lost the object: nothing holds it.
+/// Largest rigid motions of a step: beyond them nothing holds the object, and it is lost.
 const LARGEST: [f64; RIGID] = [1.0, 1.0, 0.5, 0.5, 0.5, 0.2, 0.2, 0.2];
 /// Stiffness against a rigid motion that nothing holds, over the largest of all.
 const HELD: f64 = 1e-7;
-/// Hats this near to the nearest begin to touch when a pad does.
+/// Distance from the nearest basis function up to which others begin to touch when a pad does.
 const NEAR: f64 = 1e-3;
-/// A slipping basis function has settled if its spring changes by less than this part.
+/// Part by which the spring of a slipping basis function may still change once it has settled.
 const SETTLED: f64 = 0.02;
 
 type Rigid = [f64; RIGID];
@@ -34,12 +35,12 @@ type Rigid = [f64; RIGID];
 /// The basis functions of a pad during a step.
 struct Contact {
     touching: Vec<bool>,
-    /// How soft the spring is that a basis function slips against; zero sticks.
+    /// Softness of the spring that a basis function slips against; zero sticks.
     give: Vec<f64>,
     force: Vec<DVec3>,
 }
 
-/// `f = f0 - F q` of the touching basis functions of a pad, still multiplied by the factor of `C`.
+/// Solution `f = f0 - F q` for the touching basis functions of a pad, still multiplied by the factor of `C`.
 struct Solved {
     basis: Vec<usize>,
     factor: Mat<f64>,
@@ -48,14 +49,14 @@ struct Solved {
 }
 
 impl RigidEquilibrium {
-    /// Equilibrium under `force` per finger after `before`. What its basis functions see is not looked up. An object that nothing holds
-    /// stays where it was, and the fingers close on it: whether it slips away is not for linear pads to say.
+    /// Finds the equilibrium under `force` per finger after `before`, without the views from its basis functions. An object
+    /// that nothing holds stays where it was, and the fingers close on it: linear pads cannot say whether it slips away.
     pub(crate) fn follow(&self, before: &Rest, force: f64) -> Rest {
         let moving = if self.free && !self.held { self.moved(before, force, true) } else { None };
         moving.or_else(|| self.moved(before, force, false)).unwrap_or_else(|| before.clone())
     }
 
-    /// Equilibrium, with an object that moves or stays; None if rigid motions are larger than [`LARGEST`].
+    /// Finds the equilibrium with an object that moves or stays; None if rigid motions are larger than [`LARGEST`].
     fn moved(&self, before: &Rest, force: f64, moves: bool) -> Option<Rest> {
         let mut contacts: Vec<Contact> = (0..self.fingers.len()).map(|p| Contact::new(before, p)).collect();
         let (mut rigid, mut now) = ([0.0; RIGID], before.clone());
@@ -92,12 +93,12 @@ impl RigidEquilibrium {
         Some(now)
     }
 
-    /// Which unknown is the travel of `finger`: fingers around a free object are geared, as in the finite elements.
+    /// Index of the unknown that is the travel of `finger`: fingers around a free object are geared, as in the finite elements.
     fn travel(&self, finger: usize) -> usize {
         if self.free { 0 } else { finger }
     }
 
-    /// How a point of `pad` at `seen` moves relative to the object by each rigid motion, along a direction of the pad.
+    /// Motion of a point of `pad` at `seen` relative to the object by each rigid motion, along a direction of the pad.
     fn moves(&self, pad: usize, before: &Rest, seen: &Seen, direction: DVec3) -> Rigid {
         let finger = &self.fingers[pad];
         let direction = finger.rotation * direction;
@@ -171,8 +172,8 @@ impl RigidEquilibrium {
         motions.map_or([0.0; RIGID], |x| std::array::from_fn(|a| x[(a, 0)].clamp(-LARGEST[a], LARGEST[a])))
     }
 
-    /// The forces on the basis functions of `pad` under the rigid motions, and who touches and slips then; whether all stays as it was.
-    /// The springs of slipping basis functions change by `part` of what they should.
+    /// Updates the forces on the basis functions of `pad` under the rigid motions, and which of them touch and slip. The
+    /// springs of slipping basis functions change by `part` of what they should. Returns true if all stays as it was.
     fn settle(
         &self,
         pad: usize,
@@ -219,7 +220,7 @@ impl RigidEquilibrium {
 }
 
 impl Contact {
-    /// The basis functions of pad `p` at the begin of a step.
+    /// Creates the basis functions of pad `p` at the start of a step.
     fn new(before: &Rest, p: usize) -> Self {
         let mut touching: Vec<bool> = before.force[p].iter().map(|f| *f != DVec3::ZERO).collect();
         if !touching.contains(&true) {

@@ -1,4 +1,4 @@
-//! What it takes to factorise the stiffness of a body, made when first asked for: the network never does.
+//! Analysis for the factorisation of the stiffness of a body. It is made on first request: the network never asks for it.
 
 use super::cholesky::Symbolic;
 use super::pattern::{FIXED, Pattern, Slot};
@@ -7,17 +7,17 @@ use crate::error::{Error, Result};
 use glam::DVec3;
 use std::sync::{Arc, OnceLock};
 
-/// Of one body, and of all that are alike but for where they lie.
+/// Analysis of one body, shared by all bodies that differ only in the positions of their nodes.
 #[derive(Debug, Default)]
 pub(crate) struct Analysis {
     pattern: OnceLock<Pattern>,
-    /// Where the blocks of every element lie in the pattern.
+    /// Slots of the blocks of every element in the pattern.
     slots: OnceLock<Vec<Slot>>,
     symbolic: OnceLock<std::result::Result<Arc<Symbolic>, String>>,
 }
 
 impl Analysis {
-    /// With an order of elimination of its own.
+    /// Creates an analysis with an elimination order of its own.
     pub(crate) fn of(pattern: Pattern) -> Arc<Self> {
         Arc::new(Self { pattern: pattern.into(), ..Self::default() })
     }
@@ -32,7 +32,7 @@ impl Body {
     /// Symbolic Cholesky analysis.
     ///
     /// # Errors
-    /// When the factorisation cannot be analysed (too large for memory).
+    /// Fails if the factorisation cannot be analysed (too large for memory).
     pub fn symbolic(&self) -> Result<&Arc<Symbolic>> {
         let made = self.analysis.symbolic.get_or_init(|| Symbolic::new(self.pattern()).map(Arc::new));
         made.as_ref().map_err(|message| Error::Solver(message.clone()))
@@ -43,7 +43,7 @@ impl Body {
         3 * self.fixed.iter().filter(|fixed| !**fixed).count()
     }
 
-    /// Per element, where the blocks of its node pairs lie, each unordered pair once.
+    /// Slots of the node pairs of each element, each unordered pair once.
     pub(crate) fn slots(&self) -> &[Slot] {
         self.analysis.slots.get_or_init(|| {
             let pattern = self.pattern();
@@ -55,7 +55,7 @@ impl Body {
         })
     }
 
-    /// This body with its nodes at `rest`, and one analysis with it.
+    /// Returns this body with its nodes at `rest`; both share one analysis.
     pub fn placed(&self, rest: Vec<DVec3>) -> Self {
         let (elements, fixed) = (self.elements.clone(), self.fixed.clone());
         let mut body = Self::new(rest, elements, fixed, self.material.clone(), self.mean_dilatation);
@@ -63,7 +63,7 @@ impl Body {
         body
     }
 
-    /// This body with the unknowns of the nodes `last` eliminated last, in their order.
+    /// Returns this body with the unknowns of the nodes `last` eliminated last, in their order.
     pub fn eliminating_last(&self, last: &[u32]) -> Self {
         let position = self.pattern().position_with_last(last);
         let pattern = Pattern::ordered(self.elements.lists().into_iter(), position);
@@ -72,8 +72,8 @@ impl Body {
         body
     }
 
-    /// The nodes of this body without its elements, all but `kept` fixed and those coupled with each other: the host of what
-    /// is left when the others are eliminated. Unknowns are in the order of `kept`.
+    /// Returns the nodes of this body without its elements. All nodes but `kept` are fixed, and the kept ones are coupled with
+    /// each other: the body hosts what is left when the others are eliminated. Unknowns are in the order of `kept`.
     pub fn condensed(&self, kept: &[u32]) -> Self {
         let mut position = vec![FIXED; self.rest.len()];
         kept.iter().enumerate().for_each(|(k, &i)| position[i as usize] = k as u32);

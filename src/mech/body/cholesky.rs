@@ -19,7 +19,7 @@ impl Symbolic {
     /// Analyses the pattern; it is already in elimination order.
     ///
     /// # Errors
-    /// Why it could not.
+    /// Fails if the factorisation cannot be analysed; the message says why.
     pub fn new(pattern: &Pattern) -> Result<Self, String> {
         let n = pattern.unknowns();
         // The analysis reads the upper triangle: the transpose of the stored lower one.
@@ -115,8 +115,8 @@ impl Factor {
         );
     }
 
-    /// What is left of the last matrix for its last `size` unknowns when the others are eliminated (the Schur complement), by
-    /// columns: the product of the factor's last block with its transpose.
+    /// Computes the Schur complement of the last matrix for its last `size` unknowns, by columns: the product of the factor's
+    /// last block with its transpose.
     pub fn condensed(&self, size: usize) -> Mat<f64> {
         let mut last = Mat::<f64>::zeros(size, size);
         let mut stiffness = Mat::<f64>::zeros(size, size);

@@ -39,11 +39,11 @@ pub struct Body {
     pub rest: Vec<DVec3>,
     /// Node lists.
     pub elements: Elements,
-    /// Nodes without unknowns.
+    /// Flags of the nodes without unknowns.
     pub fixed: Vec<bool>,
     /// The law of the gel.
     pub material: Arc<dyn Material>,
-    /// One pressure per element.
+    /// Flag: each element has one pressure.
     pub mean_dilatation: bool,
     pub(crate) analysis: Arc<Analysis>,
     tets: Vec<RestTet>,
@@ -101,7 +101,7 @@ impl Body {
         self.tets.len()
     }
 
-    /// Element `e`, if it has 10 nodes: its rest geometry, where its nodes are among the positions `x`, and the nodes.
+    /// Returns element `e` if it has 10 nodes: its rest geometry, its node positions among `x`, and its nodes.
     pub fn quadratic(&self, e: usize, x: &[DVec3]) -> Option<(&RestTet, [DVec3; 10], &[u32; 10])> {
         match &self.elements {
             Elements::Quadratic(nodes) => Some((&self.tets[e], gather(&nodes[e], x), &nodes[e])),
@@ -142,15 +142,15 @@ impl Body {
         });
     }
 
-    /// Smallest determinant of the deformation gradient at positions `x`: over all quadrature points, and of 10-node elements over
-    /// their corners, the middles of their edges and their centres too, where one may be turned inside out unseen.
+    /// Smallest determinant of the deformation gradient at positions `x`, over all quadrature points. For 10-node elements it
+    /// includes the corners, the middles of the edges and the centre, where an inversion would otherwise go unseen.
     pub fn min_det_f(&self, x: &[DVec3]) -> f64 {
         let points = Arch::new()
             .dispatch(|| per_order!(self, nodes, kernel, kernel.min_det_f(&self.tets, |e, a| x[nodes[e][a] as usize])));
         points.min(self.min_det_f_at(&TET10_NODES, x)).min(self.min_det_f_at(&TET10_CENTER, x))
     }
 
-    /// The element with that determinant; None of a body without elements.
+    /// Returns the element with the smallest determinant of [`Body::min_det_f`]; None for a body without elements.
     pub fn most_inverted(&self, x: &[DVec3]) -> Option<usize> {
         let least = |f: &[DMat3]| f.iter().map(DMat3::determinant).fold(f64::INFINITY, f64::min);
         let mut det: Vec<f64> = per_order!(self, nodes, kernel, {
@@ -261,7 +261,8 @@ fn extrapolate<const Q: usize>(point: &[DMat3; Q], mean: &DMat3, a: usize) -> DM
 /// Elements whose stiffness is computed side by side.
 const SIDE: usize = 8;
 
-/// [`Body::add_stiffness`], as what takes all of a processor's registers: a closure of this size would not.
+/// Arguments of [`Body::add_stiffness`] as a callable struct: it uses all registers of a processor, which a closure of this
+/// size would not.
 struct AddStiffness<'a, const N: usize, const Q: usize> {
     kernel: Kernel<'a, N, Q>,
     nodes: &'a [[u32; N]],

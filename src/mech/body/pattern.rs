@@ -26,7 +26,7 @@ pub struct Pattern {
     below: Vec<Vec<u32>>,
 }
 
-/// Where the block of a node pair lies in the value array.
+/// Location of the block of a node pair in the value array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Slot {
     /// Index of the first entry of the first column; [`FIXED`] if a node of the pair is fixed.
@@ -39,20 +39,20 @@ const TRANSPOSE: u32 = 1 << 31;
 const DIAGONAL: u32 = 1 << 30;
 
 impl Pattern {
-    /// From the nodes of each element (slices of any length) and which nodes are fixed.
+    /// Builds the pattern from the nodes of each element (slices of any length) and the flags of fixed nodes.
     pub fn new<'a>(elements: impl Iterator<Item = &'a [u32]>, fixed: &[bool]) -> Self {
         let neighbours = neighbours(elements, fixed);
         let position = order(&neighbours, fixed);
         Self::store(&neighbours, position)
     }
 
-    /// The same in a given order: `position` of each node, or [`FIXED`].
+    /// Builds the pattern in a given elimination order: `position` of each node, or [`FIXED`].
     pub fn ordered<'a>(elements: impl Iterator<Item = &'a [u32]>, position: Vec<u32>) -> Self {
         let fixed: Vec<bool> = position.iter().map(|p| *p == FIXED).collect();
         Self::store(&neighbours(elements, &fixed), position)
     }
 
-    /// The positions of this order with the nodes `last` moved to its end, in their order.
+    /// Returns the positions of this order with the nodes `last` moved to its end, in their order.
     pub fn position_with_last(&self, last: &[u32]) -> Vec<u32> {
         let mut position = self.position.clone();
         last.iter().for_each(|&i| position[i as usize] = FIXED);

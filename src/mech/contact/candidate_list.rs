@@ -1,5 +1,5 @@
-//! Which features of the object are too far from a pad to be looked for, and on which side of it the others are: neither they nor
-//! the pad move faster than they move.
+//! Features of the object that are too far from a pad to be looked for, and the side of the pad that the others are on. Both
+//! follow from bounds on the motion of features and pad.
 
 use super::closest_point::ClosestPoint;
 use super::incident_faces::IncidentFace;
@@ -10,14 +10,14 @@ use crate::scales::{DISTANCES_STALE, FACE_KEPT, FEATURES_LISTED};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
-/// What is known of the distances of all features to the pad.
+/// Known bounds of the distances of all features to the pad.
 #[derive(Debug, Clone)]
 pub(crate) struct CandidateList {
     /// Contact offset, m.
     offset: f64,
-    /// From the last time that all were taken.
+    /// Bounds from the last time that all were taken.
     looked: Arc<Seen>,
-    /// From the last assembly, of those that were near.
+    /// Bounds from the last assembly, for the features that were near.
     last: Arc<Seen>,
     nearby: Arc<Nearby>,
 }
@@ -30,20 +30,20 @@ struct Seen {
     features: Vec<GapBounds>,
 }
 
-/// The features that alone can matter while pad and object have not moved far.
+/// The only features that can matter while pad and object have not moved far.
 #[derive(Debug, Clone, Default)]
 struct Nearby {
-    /// Ascending.
+    /// Numbers of the features, ascending.
     features: Vec<usize>,
     /// Node positions when they were listed, m.
     x: Vec<DVec3>,
-    /// Where the object was then, relative to the finger, m, and its orientation.
+    /// Position of the object then, relative to the finger, m, and its orientation.
     object: (DVec3, DMat3),
     /// Largest distance of a feature from the origin of the object, m.
     radius: f64,
 }
 
-/// Where a feature was, relative to the finger, and how far outside the pad at least and at most, m.
+/// Earlier position of a feature relative to the finger, and bounds of its distance outside the pad, m.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct GapBounds {
     pub at: DVec3,
@@ -51,7 +51,8 @@ pub(crate) struct GapBounds {
     most: f64,
 }
 
-/// Largest motion of a node of the pad since its features were looked for, and since the last assembly, m; `+inf` if that never was.
+/// Largest motion of a node of the pad since its features were looked for, and since the last assembly, m; `+inf` if there was
+/// none.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Drift {
     looked: f64,
@@ -63,7 +64,7 @@ impl Seen {
         motion(&self.x, x)
     }
 
-    /// Bounds of the signed distance of feature `i`, now at `y`, to the pad, which has `moved` by up to that (m).
+    /// Bounds of the signed distance of feature `i`, now at `y`, to the pad, whose nodes have moved by up to `moved` (m).
     fn bounds(&self, i: usize, y: DVec3, moved: f64) -> GapBounds {
         match self.features.get(i) {
             Some(then) => {
@@ -76,15 +77,15 @@ impl Seen {
 }
 
 impl GapBounds {
-    /// Of a feature of which nothing is known.
+    /// Bounds of a feature of which nothing is known.
     pub const UNKNOWN: Self = Self { at: DVec3::ZERO, least: f64::NEG_INFINITY, most: f64::INFINITY };
 
-    /// Whether the feature may be nearer than `reach` (m) to the pad.
+    /// Returns true if the feature may be nearer than `reach` (m) to the pad.
     pub fn within(&self, reach: f64) -> bool {
         self.least <= reach
     }
 
-    /// With what `incident faces` say, those within `reach` (m).
+    /// Narrows the bounds by the `incident` faces, which are those within `reach` (m).
     pub fn narrowed(self, incident: &[IncidentFace], reach: f64) -> Self {
         match incident.first() {
             Some((closest_point, ..)) => Self { least: closest_point.gap, most: closest_point.gap, ..self },
@@ -92,8 +93,9 @@ impl GapBounds {
         }
     }
 
-    /// `closest point` on the side that is possible: where a face is folded over or a crease is closed, the surface passes through
-    /// itself, and what is outside looks as if it were inside, or the other way round. Contact has this `offset` (m).
+    /// Returns `closest_point` on the side that is possible. Where a face is folded over or a crease is closed, the surface
+    /// passes through itself: a point outside then looks as if it were inside, or the other way round. Contact has this
+    /// `offset` (m).
     pub fn sided(&self, closest_point: ClosestPoint, offset: f64) -> ClosestPoint {
         let slack = FACE_KEPT * offset;
         let possible = |gap: f64| self.least - slack <= gap && gap <= self.most + slack;
@@ -106,13 +108,13 @@ impl GapBounds {
 }
 
 impl CandidateList {
-    /// Nothing is known; contact has this `offset` (m).
+    /// Creates a list of which nothing is known; contact has this `offset` (m).
     pub fn new(offset: f64) -> Self {
         Self { offset, looked: Arc::default(), last: Arc::default(), nearby: Arc::default() }
     }
 
-    /// Takes the distances of `count` features anew if the pad at `x` has moved too far since the last time; `place` says where
-    /// each of them is.
+    /// Takes the distances of `count` features anew if the pad at `x` has moved too far since the last time; `place` gives the
+    /// position of each of them.
     pub fn update(
         &mut self,
         surface: &ContactSurface,
@@ -134,13 +136,13 @@ impl CandidateList {
         }
     }
 
-    /// Takes over what an assembly at node positions `x` found out of each feature.
+    /// Stores what an assembly at node positions `x` found out about each feature.
     pub fn remember(&mut self, x: &[DVec3], features: Vec<GapBounds>) {
         self.last = Arc::new(Seen { x: x.to_vec(), features });
     }
 
-    /// Lists the features that are near, as the last assembly found them, and those that `matter` wherever they are, of an object that
-    /// reaches as far as `radius` (m) from its origin.
+    /// Lists the features that are near by the last assembly, and those that `matter` wherever they are. The object reaches as
+    /// far as `radius` (m) from its origin.
     pub fn list(&mut self, view: &BodyView, radius: f64, matter: impl Fn(usize) -> bool) {
         let all = self.last.features.iter().enumerate();
         let features = all
@@ -150,7 +152,7 @@ impl CandidateList {
         self.nearby = Arc::new(Nearby { features, x: view.x.to_vec(), object: object(view), radius });
     }
 
-    /// Lists feature `i` too, whose place is another from now on, `distance` (m) from the origin of the object.
+    /// Adds feature `i`, whose place has changed, to the list, at `distance` (m) from the origin of the object.
     pub fn add(&mut self, i: usize, distance: f64) {
         let listed = Arc::make_mut(&mut self.nearby);
         if let Err(k) = listed.features.binary_search(&i) {
@@ -159,7 +161,7 @@ impl CandidateList {
         listed.radius = listed.radius.max(distance);
     }
 
-    /// The listed features, ascending, if under `view` no other one can be nearer than `reach` (m).
+    /// Returns the listed features, ascending, if under `view` no other one can be nearer than `reach` (m).
     pub fn nearby(&self, view: &BodyView, reach: f64) -> Option<&[usize]> {
         let listed = &self.nearby;
         let ((place, turn), (then, turned)) = (object(view), listed.object);
@@ -169,7 +171,7 @@ impl CandidateList {
         (moved + reach <= FEATURES_LISTED * self.offset).then_some(&listed.features)
     }
 
-    /// How far the nodes of the pad at `x` have moved.
+    /// Largest motions of the nodes of the pad, which are at `x` now.
     pub fn moved(&self, x: &[DVec3]) -> Drift {
         Drift { looked: self.looked.moved(x), last: self.last.moved(x) }
     }
@@ -189,12 +191,12 @@ fn motion(before: &[DVec3], x: &[DVec3]) -> f64 {
     before.iter().zip(x).map(|(a, b)| a.distance_squared(*b)).fold(0.0, f64::max).sqrt()
 }
 
-/// Where the object is, relative to the finger, m, and its orientation.
+/// Position of the object relative to the finger, m, and its orientation.
 fn object(view: &BodyView) -> (DVec3, DMat3) {
     (view.position - view.offset, view.rotation)
 }
 
-/// A point of a quadratic face moves at most this many times as far as its nodes: the sum of the magnitudes of its shape functions.
+/// Largest motion of a point of a quadratic face over that of its nodes: the sum of the magnitudes of its shape functions.
 const BULGE: f64 = 5.0 / 3.0;
 
 #[cfg(test)]

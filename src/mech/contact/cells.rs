@@ -1,26 +1,27 @@
-//! Which faces of a deformed surface may be near a point: the box around them cut into cells, each with the faces close to it.
+//! Look-up of the faces of a deformed surface near a point: the box around them is cut into cells, each with the faces close to
+//! it.
 
 use glam::{DVec3, UVec3};
 
 /// Faces by cell.
 #[derive(Debug, Clone)]
 pub(crate) struct FaceGrid {
-    /// A cell lists all faces that come nearer than this to any of its points, m: not much farther than a face is wide.
+    /// Distance within which a cell lists all faces around any of its points, m: not much more than the width of a face.
     pub near: f64,
     reach: f64,
     low: DVec3,
     size: f64,
     count: UVec3,
-    /// Where the faces of each cell begin in `faces`; one more entry than cells.
+    /// Start of the faces of each cell in `faces`; one more entry than cells.
     first: Vec<u32>,
     faces: Vec<u32>,
 }
 
-/// Most cells along an axis.
+/// Maximum number of cells along an axis.
 const MOST: f64 = 64.0;
 
 impl FaceGrid {
-    /// No faces yet; the cells will list those nearer than `reach` (m), or than a face is wide.
+    /// Creates a grid without faces; its cells will list those nearer than `reach` (m), or than a face is wide.
     pub fn new(reach: f64) -> Self {
         Self {
             near: reach,
@@ -60,7 +61,7 @@ impl FaceGrid {
         self.faces = faces;
     }
 
-    /// The faces that may be nearer than `near` to `y`, ascending; perhaps others.
+    /// Faces that may be nearer than `near` to `y`, ascending; others may be among them.
     pub fn at(&self, y: DVec3) -> &[u32] {
         let place = (y - self.low) / self.size;
         let outside = self.first.is_empty() || place.cmplt(DVec3::ZERO).any();
@@ -76,7 +77,7 @@ impl FaceGrid {
         ((at.x * self.count.y + at.y) * self.count.z + at.z) as usize
     }
 
-    /// The cells that a face with this box comes near to.
+    /// Visits the cells that a face with this box comes near to.
     fn covered(&self, [low, high]: &[DVec3; 2], mut visit: impl FnMut(usize)) {
         let place = |p: DVec3| ((p - self.low) / self.size).max(DVec3::ZERO).as_uvec3().min(self.count - 1);
         let (from, to) = (place(*low - self.near), place(*high + self.near));

@@ -7,7 +7,7 @@ use glam::DVec3;
 /// Closest point of the surface to a query point.
 #[derive(Debug, Clone, Copy)]
 pub struct ClosestPoint {
-    /// Face it lies on.
+    /// Index of the face that it lies on.
     pub face: usize,
     /// Barycentric coordinates on the face.
     pub l: [f64; 3],
@@ -15,19 +15,19 @@ pub struct ClosestPoint {
     pub gap: f64,
     /// Unit direction of growing distance: the pad's outward normal.
     pub normal: DVec3,
-    /// How squarely the query point lies over the face: cosine of its direction with the face's normal.
+    /// Cosine of the angle between the direction to the query point and the normal of the face.
     pub(crate) facing: f64,
-    /// On the face carried on beyond its rim, not the nearest of all points.
+    /// Flag: the point lies on the face carried on beyond its rim, and is not the nearest of all points.
     pub(crate) carried: bool,
 }
 
 impl ClosestPoint {
-    /// A closest point that is known.
+    /// Creates a closest point from known values.
     pub(crate) fn at(face: usize, l: [f64; 3], gap: f64, normal: DVec3) -> Self {
         Self { face, l, gap, normal, facing: 1.0, carried: false }
     }
 
-    /// The same closest point of a point that is on the other side.
+    /// Returns this closest point for a query point on the other side.
     pub(crate) fn flipped(self) -> Self {
         Self { gap: -self.gap, normal: -self.normal, ..self }
     }
@@ -36,8 +36,8 @@ impl ClosestPoint {
 /// Barycentric coordinate below which a point lies on the rim of its face.
 pub(crate) const ON_RIM: f64 = 1e-9;
 
-/// Closest point of one face: Gauss-Newton on the barycentric coordinates, kept inside the triangle; with more care where the face
-/// is folded or that does not settle.
+/// Closest point of one face: Gauss-Newton on the barycentric coordinates, kept inside the triangle. A face that is folded, or
+/// on which this does not settle, is searched with more care.
 pub(crate) fn on_face(index: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3) -> ClosestPoint {
     let [a, b, c] = face.corners.map(|n| x[n as usize]);
     let mut l = clamp_to_triangle(project_flat(a, b, c, y), a, b, c, y);
@@ -84,7 +84,7 @@ const FOLDED: f64 = 0.15;
 /// Sine of the angle to the normal up to which the direction to a closest point is along it.
 const ASKEW: f64 = 1e-3;
 
-/// Whether the face is bent so much that it may come near a point in several places.
+/// Returns true if the face is bent so much that it may come near a point in several places.
 fn folded(face: &SurfaceFace, x: &[DVec3]) -> bool {
     let Some(mids) = face.mids else { return false };
     (0..3).any(|k| {
@@ -93,7 +93,7 @@ fn folded(face: &SurfaceFace, x: &[DVec3]) -> bool {
     })
 }
 
-/// Whether no point of the face beside `l` is nearer to `y`.
+/// Returns true if no point of the face beside `l` is nearer to `y`.
 fn settled(face: &SurfaceFace, x: &[DVec3], l: [f64; 3], y: DVec3) -> bool {
     let (p, d1, d2) = tangents(face, x, l);
     let away = y - p;
@@ -107,7 +107,7 @@ fn settled(face: &SurfaceFace, x: &[DVec3], l: [f64; 3], y: DVec3) -> bool {
     })
 }
 
-/// How far a face is carried on beyond its rim, in barycentric coordinates.
+/// Distance by which a face is carried on beyond its rim, in barycentric coordinates.
 const BEYOND: f64 = 0.05;
 
 /// The closest point of `y` on a face carried on a little beyond its rim; None where that is not enough.
@@ -157,7 +157,7 @@ pub(crate) fn on_edge(face: &SurfaceFace, x: &[DVec3], k: usize, y: DVec3) -> [f
     along_edge(face, x, k, y, middle)
 }
 
-/// The same from a point `l` on the edge.
+/// Coordinates of that point, found from a point `l` on the edge.
 fn along_edge(face: &SurfaceFace, x: &[DVec3], k: usize, y: DVec3, mut l: [f64; 3]) -> [f64; 3] {
     for _ in 0..8 {
         let next = along_rim(face, x, l, k, y);

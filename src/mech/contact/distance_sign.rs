@@ -1,7 +1,8 @@
-//! On which side of a pad's surface a point is whose closest point lies where faces meet.
+//! Side of the surface of a pad on which a point lies whose closest point is where faces meet.
 //!
-//! The normal of one of the faces does not tell: at a fold as sharp as that over the edge of an object the point may be behind
-//! one face and yet outside. The angle-weighted pseudo-normal of all faces that meet there tells it (Baerentzen and Aanaes 2005).
+//! The normal of one of the faces does not tell the side: at a fold as sharp as that over the edge of an object the point may
+//! be behind one face and yet outside. The angle-weighted pseudo-normal of all faces that meet there tells it (Baerentzen and
+//! Aanaes 2005).
 
 use super::closest_point::{ClosestPoint, ON_RIM, tangents};
 use super::surface::{ContactSurface, SurfaceFace, face_frame};

@@ -3,7 +3,7 @@
 use super::law::ContactLaw;
 use glam::DVec3;
 
-/// One potential contact between a pad and the object; `pressure > 0` says which carry force.
+/// One potential contact between a pad and the object; `pressure > 0` tells whether it carries force.
 #[derive(Debug, Clone, Copy)]
 pub struct EdgeState {
     /// Gap, m; `+inf` where farther than anything that matters.
@@ -18,14 +18,15 @@ pub struct EdgeState {
     pub limit: f64,
     /// Friction traction on the pad, Pa, hand frame.
     pub traction: DVec3,
-    /// True while the friction limit is reached.
+    /// Flag: the friction limit is reached.
     pub slips: bool,
-    /// Where the point sticks: object frame for a point of the pad, hand axes relative to the finger for a feature. Of a point that
-    /// touches within the increment it is where that was when the increment began.
+    /// Sticking point: object frame for a point of the pad, hand axes relative to the finger for a feature. For a point that
+    /// touches within the increment it is the position at the start of the increment.
     pub anchor: Option<DVec3>,
     /// Gap when the increment began, m, of a point that touches within it.
     pub clear: Option<f64>,
-    /// Part of the motion since the anchor that the point has been in contact for: less than 1 if it touched within the increment.
+    /// Part of the motion since the anchor in which the point has been in contact: less than 1 if it touched within the
+    /// increment.
     pub share: f64,
     /// Stiffness factor, raised where a pressure would otherwise use up the whole offset.
     pub scale: f64,
@@ -47,7 +48,7 @@ impl EdgeState {
         scale: 1.0,
     };
 
-    /// Whether it is as good as [`EdgeState::OPEN`]: nothing is near, and nothing is remembered.
+    /// Returns true if the edge is equivalent to [`EdgeState::OPEN`]: nothing is near, and nothing is remembered.
     pub fn is_open(&self) -> bool {
         self.gap == f64::INFINITY
             && self.pressure <= 0.0
@@ -70,12 +71,12 @@ impl EdgeState {
         law.engaged(self.share).friction_energy(s, self.limit)
     }
 
-    /// Where the point sticks, if friction acts.
+    /// Sticking point, if friction acts.
     pub fn sticks(&self) -> Option<DVec3> {
         self.anchor.filter(|_| self.limit > 0.0)
     }
 
-    /// The same edge as it is pressed by one of the places that it touches, at `gap` (m) along `normal`.
+    /// Returns this edge as pressed by one of the places that it touches, at `gap` (m) along `normal`.
     pub fn on(&self, law: &ContactLaw, gap: f64, normal: DVec3) -> Self {
         Self { gap, normal, pressure: law.pressure(gap, self.scale).0, ..*self }
     }

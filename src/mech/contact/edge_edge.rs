@@ -1,5 +1,5 @@
-//! Where an edge of the object runs deepest into a pad: mostly where an edge in which faces of the pad meet crosses it, which points
-//! at fixed places of both miss by the more the steeper the two are.
+//! Deepest point of an edge of the object in a pad. It mostly lies where an edge between faces of the pad crosses it. Points at
+//! fixed places of both edges miss it by the more the steeper the two are.
 
 use super::project::FaceBounds;
 use super::surface::ContactSurface;

@@ -1,5 +1,5 @@
-//! Contact of the object's features (vertices, points along sharp edges) with a pad's faces, as a term of the potential:
-//! what keeps a needle or a knife edge from slipping between the sample points of the pad.
+//! Contact of the object's features (vertices, points along sharp edges) with a pad's faces, as a term of the potential. It
+//! keeps a needle or a knife edge from slipping between the sample points of the pad.
 
 use super::candidate_list::{CandidateList, GapBounds};
 use super::edge::EdgeState;
@@ -26,20 +26,20 @@ use std::sync::Arc;
 pub struct Feature {
     /// Position in the object frame, m.
     pub position: DVec3,
-    /// On a sharp edge or corner; else a vertex of a smooth surface.
+    /// Flag: the point is on a sharp edge or corner; else it is a vertex of a smooth surface.
     pub sharp: bool,
     /// The stretch of an edge that it may move along.
     pub along: Option<Stretch>,
 }
 
 impl Feature {
-    /// One that moves to where a pad is deepest on a stretch of an edge, so that it does not come through between fixed points. It begins at
-    /// a third, where no fixed one is.
+    /// Creates a feature that moves to where a pad is deepest on a stretch of an edge, so that the edge does not come through
+    /// between fixed points. It begins at a third of the stretch, where no fixed point is.
     pub fn along(stretch: Stretch) -> Self {
         Self { position: stretch.point(1.0 / 3.0), sharp: false, along: Some(stretch) }
     }
 
-    /// The law of this one. Vertices of a smooth surface are felt late: the pad's own points carry that contact.
+    /// Law of this feature. Vertices of a smooth surface are felt late: the pad's own points carry that contact.
     fn law(&self, law: &ContactLaw) -> ContactLaw {
         if self.sharp { *law } else { law.late() }
     }
@@ -58,13 +58,13 @@ pub struct FeatureContact {
     bounds: FaceBounds,
     candidates: CandidateList,
     accepted: Accepted,
-    /// Where the increment departed from.
+    /// State from which the increment departed.
     from: Option<Departure>,
-    /// Whether the Hessian says how faces bend and turn.
+    /// Flag: the Hessian includes how faces bend and turn.
     sharp: bool,
 }
 
-/// What a rollback goes back to.
+/// State that a rollback goes back to.
 #[derive(Debug, Clone)]
 struct Accepted {
     sites: Vec<Site>,
@@ -78,14 +78,14 @@ pub struct FeatureForce {
     pub normal: DVec3,
     /// Friction, N, hand frame.
     pub friction: DVec3,
-    /// Where the pad is touched.
+    /// Point of the pad that is touched.
     pub now: Stencil,
     /// Nodes that share the force for reporting, with non-negative weights.
     pub report: Stencil,
 }
 
 impl FeatureContact {
-    /// All edges open. `features` are points of the object.
+    /// Creates the term with all edges open. `features` are points of the object.
     pub fn new(law: ContactLaw, surface: Arc<ContactSurface>, features: Arc<[Feature]>) -> Self {
         let pool = EdgePool::new(law, features.len());
         let sites: Vec<Site> = features.iter().map(|f| Site::new(f.position)).collect();
@@ -95,7 +95,7 @@ impl FeatureContact {
         Self { pool, surface, features, area, accepted, sites, bounds, candidates, from: None, sharp: true }
     }
 
-    /// The edges of the features that are near the pad, with the features: in their order once accepted.
+    /// Edges of the features near the pad, with the numbers of the features; in the order of these once accepted.
     pub fn edges(&self) -> impl Iterator<Item = (usize, &EdgeState)> {
         self.pool.near()
     }
@@ -110,7 +110,7 @@ impl FeatureContact {
         self.pool.min_gap()
     }
 
-    /// What feature `i` does to the pad.
+    /// Force of feature `i` on the pad.
     pub fn readout(&self, i: usize) -> FeatureForce {
         let (e, touch) = (self.pool.edge(i), &self.sites[i].touch);
         FeatureForce {
@@ -135,8 +135,8 @@ impl FeatureContact {
         (0..self.features.len()).collect()
     }
 
-    /// What feature `i`, which is `near`, presses on, on a surface with nodes at `x`. Whether one face or a whole fold counts
-    /// `stays` as it was, or may change.
+    /// Faces that feature `i`, which is `near`, presses on, on a surface with nodes at `x`. If `stays` is set, the choice
+    /// between one face and a whole fold is kept; else it may change.
     fn incident(&self, faces: &FaceBounds, i: usize, x: &[DVec3], near: GapBounds, stays: bool) -> Vec<IncidentFace> {
         let reach = self.law_of(i).offset;
         if !near.within(reach) {
@@ -147,7 +147,7 @@ impl FeatureContact {
         })
     }
 
-    /// Where feature `i` sticks to the pad, and how far that point is from the feature, plus its `drag`, m.
+    /// Point where feature `i` sticks to the pad, and its distance from the feature plus its `drag`, m.
     fn stretch(&self, i: usize, drag: Option<DVec3>, view: &BodyView) -> Option<(&Stencil, DVec3)> {
         let (drag, site) = (drag?, &self.sites[i]);
         let stick = &site.touch.as_ref()?.stick;
@@ -278,11 +278,11 @@ impl BodyTerm for FeatureContact {
     }
 }
 
-/// Moves of a feature along its edge in one increment, at most.
+/// Maximum number of moves of a feature along its edge in one increment.
 const MOVES: u32 = 2;
 
 impl FeatureContact {
-    /// Moves features along their edges to where the pad is deepest; true if none had to.
+    /// Moves features along their edges to where the pad is deepest; returns true if none had to move.
     fn follow(&mut self, view: &BodyView) -> bool {
         let moved = self.candidates.moved(view.x);
         let mut stay = true;

@@ -4,11 +4,11 @@ use super::closest_point::{ON_RIM, tangents};
 use super::surface::SurfaceFace;
 use glam::DVec3;
 
-/// Most iterations from one start.
+/// Maximum number of iterations from one start.
 const ITERATIONS: u32 = 30;
-/// Change of the coordinates that ends them.
+/// Change of the coordinates below which the iterations end.
 const STILL: f64 = 1e-13;
-/// Where the search begins over the face, and along an edge.
+/// Starting points of the search over the face, and along an edge.
 const OVER: [[f64; 3]; 4] = [
     [2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0],
     [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0],
@@ -32,7 +32,8 @@ fn distance_squared(face: &SurfaceFace, x: &[DVec3], y: DVec3, l: [f64; 3]) -> f
     face.stencil(l).position(x).distance_squared(y)
 }
 
-/// Where the squared distance is least over the face from `l`, and that; slides along the rim where it is led out.
+/// Finds the least squared distance over the face from `l` on; slides along the rim where the search leads out. Returns the
+/// coordinates and that distance.
 fn inside(face: &SurfaceFace, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> ([f64; 3], f64) {
     let [d11, d12, d22] = bends(face, x);
     let mut far = distance_squared(face, x, y, l);
@@ -77,7 +78,7 @@ fn inside(face: &SurfaceFace, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> ([f64; 
     (l, far)
 }
 
-/// The same along the edge opposite to corner `k`, from the part `t` of it on.
+/// Finds the least squared distance along the edge opposite to corner `k`, from the part `t` of it on.
 fn along(face: &SurfaceFace, x: &[DVec3], y: DVec3, k: usize, mut t: f64) -> ([f64; 3], f64) {
     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
     let at = |t: f64| {
@@ -106,7 +107,7 @@ fn along(face: &SurfaceFace, x: &[DVec3], y: DVec3, k: usize, mut t: f64) -> ([f
     (at(t), far)
 }
 
-/// The longest of ever shorter steps that leads nearer than `far`, with the squared distance there.
+/// Returns the longest of successively shorter steps that leads nearer than `far`, with the squared distance there.
 fn shorten<T>(mut alpha: f64, far: f64, step: impl Fn(f64) -> (T, f64)) -> Option<(T, f64)> {
     for _ in 0..12 {
         let (next, nearer) = step(alpha);
@@ -118,7 +119,7 @@ fn shorten<T>(mut alpha: f64, far: f64, step: impl Fn(f64) -> (T, f64)) -> Optio
     None
 }
 
-/// Second derivatives of the position in `l1 l1`, `l1 l2` and `l2 l2`: the same everywhere on a face.
+/// Second derivatives of the position in `l1 l1`, `l1 l2` and `l2 l2`, constant on a face.
 pub(crate) fn bends(face: &SurfaceFace, x: &[DVec3]) -> [DVec3; 3] {
     let at = |n: u32| x[n as usize];
     let [a, b, c] = face.corners.map(at);

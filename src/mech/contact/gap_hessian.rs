@@ -1,7 +1,8 @@
-//! How the distance of a feature to a face of the pad curves: the face bends, turns with its nodes, and the closest point slides over it.
+//! Curvature of the distance of a feature to a face of the pad: the face bends, turns with its nodes, and the closest point
+//! slides over it.
 //!
-//! With `g` the gap along the face's normal `n`, `u` the motion of the feature relative to the closest point, `d_i` the tangents there and `w_i`
-//! what the motion of the nodes turns them towards `n`, the least distance over the face has
+//! Let `g` be the gap along the face's normal `n`, `u` the motion of the feature relative to the closest point, `d_i` the
+//! tangents there and `w_i` their turn towards `n` by the motion of the nodes. The least distance over the face has
 //!
 //! ```text
 //! d2g = -(2 a.G^-1 w + g w.G^-1 w + c.Q c)      a_i = d_i.u    c = a + g w    G_ij = d_i.d_j
@@ -16,8 +17,8 @@ use super::surface::SurfaceFace;
 use crate::mech::potential::term::Form;
 use glam::{DMat2, DVec2, DVec3};
 
-/// The second derivatives that a pressure force `p` (N) on the pad has for this reason; `None` on the rim of the face, where the closest point does
-/// not slide, and beyond the centre of curvature.
+/// Second derivatives that a pressure force `p` (N) on the pad has for this reason; `None` on the rim of the face, where the
+/// closest point does not slide, and beyond the centre of curvature.
 pub(crate) fn bend(face: &SurfaceFace, x: &[DVec3], closest_point: &ClosestPoint, p: f64) -> Option<Form<4>> {
     if closest_point.l.iter().any(|v| v.abs() <= ON_RIM) {
         return None;

@@ -25,13 +25,14 @@ pub struct GroundContact {
     normal: DVec3,
     height: f64,
     hand: HandState,
-    /// World position of each vertex at the last accepted state, m: where a vertex that touches starts to stick, so that a
-    /// step in which it slides on has the friction of all its way.
+    /// World position of each vertex at the last accepted state, m. A vertex that touches starts to stick there, so that a step
+    /// in which it slides on has the friction of all its way.
     last: Vec<DVec3>,
 }
 
 impl GroundContact {
-    /// All edges open. `vertices` are points of the object (object frame, m), `law` is per vertex (stiffness in N/m).
+    /// Creates the term with all edges open. `vertices` are points of the object (object frame, m), `law` is per vertex
+    /// (stiffness in N/m).
     pub fn new(
         vertices: Arc<[DVec3]>,
         law: ContactLaw,
@@ -47,7 +48,7 @@ impl GroundContact {
         Self { pool, vertices, normal, height, hand, last }
     }
 
-    /// The edges of the vertices near the ground, with the vertices.
+    /// Edges of the vertices near the ground, with the numbers of the vertices.
     pub fn edges(&self) -> impl Iterator<Item = (usize, &EdgeState)> {
         self.pool.near()
     }

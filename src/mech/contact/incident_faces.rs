@@ -1,7 +1,7 @@
-//! What a feature of the object presses on: the nearest face of the pad and, in a fold, its other incident faces.
+//! Faces that a feature of the object presses on: the nearest face of the pad and, in a fold, its other incident faces.
 //!
-//! An edge of the object folds the pad around it, and comes to rest in the fold: in truth it touches both incident faces. The least of their
-//! distances has a kink there, about which Newton's method would jump for ever; the sum over both has none (see
+//! An edge of the object folds the pad around it and comes to rest in the fold, where it touches both incident faces. The least
+//! of their distances has a kink there, about which Newton's method would jump for ever; the sum over both has none (see
 //! [`Rings::beside`](crate::geometry::mesh::rings::Rings::beside)).
 
 use super::closest_point::{ClosestPoint, ON_RIM, carried_on, on_edge, on_face};
@@ -34,21 +34,22 @@ impl ClosestPoint {
 
 /// Cosine of the angle between faces from which on a fold is shallow (15 degrees).
 const SHALLOW: f64 = 0.966;
-/// The same where one face counted last (18 degrees), and where the whole fold did (12): the choice does not swing.
+/// Cosine where one face counted last (18 degrees), and where the whole fold did (12): the choice does not swing.
 const SHALLOW_STILL: f64 = 0.951;
 const SHALLOW_AGAIN: f64 = 0.978;
-/// The same while the choice of one face stays (30 degrees).
+/// Cosine while the choice of one face stays (30 degrees).
 const NOT_SHALLOW: f64 = 0.866;
-/// What a feature pressed on at the last assembly.
+/// Contact of a feature at the last assembly.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LastContact {
     /// The nearest face.
     pub face: usize,
-    /// Whether it was carried on beyond its rim.
+    /// Flag: the face was carried on beyond its rim.
     pub carried: bool,
-    /// Whether others counted beside it.
+    /// Flag: other faces counted beside it.
     pub folded: bool,
-    /// Whether that choice stays as it is, so that the energy along a line has no jumps; else it is made anew, though not for little.
+    /// Flag: the choice stays, so that the energy along a line has no jumps; else it is made anew, but not changed
+    /// for a small difference.
     pub stays: bool,
 }
 
@@ -63,7 +64,7 @@ impl LastContact {
         }
     }
 
-    /// Difference of distance up to which its face is kept at a shallow fold, m, where contact has this `offset` (m).
+    /// Difference of distance up to which its face is kept at a shallow fold, m, for contact with this `offset` (m).
     fn kept(self, offset: f64) -> f64 {
         match (self.stays, self.carried) {
             (false, _) => FACE_KEPT * offset,
@@ -74,12 +75,12 @@ impl LastContact {
 }
 
 impl FaceBounds {
-    /// The closest points of a feature at `y` (relative to the finger, m), the nearest first; none if it is farther than `reach` (m) from the
-    /// surface.
+    /// Finds the closest points of a feature at `y` (relative to the finger, m), the nearest first; none if it is farther than
+    /// `reach` (m) from the surface.
     ///
-    /// At a shallow fold, like that between faces of a pad that is smoothly bent, the normal hardly changes, but within a fraction of
-    /// the reach; there just one face counts, and that of `last` is kept as long as it is nearly as near. `side` knows better on which
-    /// side of the surface the feature is.
+    /// The normal hardly changes at a shallow fold, like that between faces of a smoothly bent pad, but it changes within a
+    /// fraction of the reach. Just one face counts there, and that of `last` is kept as long as it is nearly as near. `side`
+    /// decides on which side of the surface the feature is.
     pub(crate) fn incident(
         &self,
         surface: &ContactSurface,
@@ -109,7 +110,7 @@ impl FaceBounds {
         incident
     }
 
-    /// All closest points within `reach` but the nearest.
+    /// Closest points within `reach` without the nearest.
     fn beside(
         &self,
         surface: &ContactSurface,
@@ -150,7 +151,7 @@ impl FaceBounds {
     }
 }
 
-/// Whether a closest point lies farther than `margin` (m) from the rim of its face.
+/// Returns true if a closest point lies farther than `margin` (m) from the rim of its face.
 fn inside(surface: &ContactSurface, x: &[DVec3], closest_point: &ClosestPoint, margin: f64) -> bool {
     let [a, b, c] = surface.faces[closest_point.face].corners.map(|n| x[n as usize]);
     let twice = (b - a).cross(c - a).length();
@@ -158,7 +159,7 @@ fn inside(surface: &ContactSurface, x: &[DVec3], closest_point: &ClosestPoint, m
     (0..3).all(|k| closest_point.l[k] * twice > margin * edges[k])
 }
 
-/// The closest point on a place of the surface that faces `y`, and how the direction to it turns.
+/// Closest point on a place of the surface that faces `y`, and how the direction to it turns.
 fn outside(surface: &ContactSurface, x: &[DVec3], y: DVec3, place: SurfacePart) -> Option<(ClosestPoint, DMat3)> {
     let (face, l, along) = match place {
         SurfacePart::Face(i) => return Some((on_face(i as usize, &surface.faces[i as usize], x, y), DMat3::ZERO)),

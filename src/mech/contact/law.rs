@@ -28,12 +28,12 @@ const RESERVE: f64 = 0.25;
 const LATE: f64 = 0.3;
 /// Smallest gap of an accepted state, as a fraction of the offset.
 const LEAST: f64 = 0.02;
-/// How much stiffer that branch is.
+/// Stiffness of that branch over the stiffness of the law.
 const STIFFENING: f64 = 30.0;
 
 impl ContactLaw {
-    /// The law for a gel of Young's modulus `young` (Pa) sampled every `spacing` (m) with Coulomb coefficient `friction`, from the gap
-    /// `offset` (m) on.
+    /// Creates the law for a gel of Young's modulus `young` (Pa) sampled every `spacing` (m) with Coulomb coefficient
+    /// `friction`, from the gap `offset` (m) on.
     ///
     /// A layer as thick as the spacing has stiffness `young / spacing`; contact is eighty times stiffer.
     pub fn new(young: f64, spacing: f64, friction: f64, offset: f64) -> Self {
@@ -41,12 +41,14 @@ impl ContactLaw {
         Self { stiffness, offset, friction, tangential: stiffness / 3.0 }
     }
 
-    /// The same law where others carry the contact and this point only must not come through between them: felt late.
+    /// Returns this law for a point that is felt late: others carry the contact, and the point only must not come through
+    /// between them.
     pub fn late(&self) -> Self {
         Self { offset: LATE * self.offset, ..*self }
     }
 
-    /// The same law of a point that has been in contact for the part `share` of its motion: the spring takes up that part alone.
+    /// Returns this law for a point that has been in contact for the part `share` of its motion: the spring takes up that part
+    /// alone.
     pub fn engaged(&self, share: f64) -> Self {
         Self { tangential: share * self.tangential, ..*self }
     }
@@ -79,8 +81,8 @@ impl ContactLaw {
         0.5 * self.stiffness * scale * (closed * closed + (STIFFENING - 1.0) * hard * hard)
     }
 
-    /// Friction traction on the pad (Pa) at tangential displacement `s` (m) from the sticking point, for the limit
-    /// `mu p` (Pa), and whether it slips. The traction opposes `s`.
+    /// Friction traction on the pad (Pa) at tangential displacement `s` (m) from the sticking point, for the limit `mu p` (Pa),
+    /// and whether the point slips. The traction opposes `s`.
     #[inline(always)]
     pub fn traction(&self, s: DVec3, limit: f64) -> (DVec3, bool) {
         let trial = s * -self.tangential;
@@ -108,8 +110,8 @@ impl ContactLaw {
     }
 }
 
-/// Whether a trial traction of this size slips. A point that slipped in the last accepted state is left exactly at its limit:
-/// it goes on slipping, whatever the rounding.
+/// Returns true if a trial traction of this size slips. A point that slipped in the last accepted state is left exactly at its
+/// limit: it goes on slipping, whatever the rounding.
 #[inline(always)]
 fn slips(size: f64, limit: f64) -> bool {
     size > limit * (1.0 - 1e-9)

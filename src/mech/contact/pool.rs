@@ -1,4 +1,4 @@
-//! What the contact edges of a pad share, whichever side is sampled: law, history, friction.
+//! State shared by the contact edges of a pad, whichever side is sampled: law, history, friction.
 
 use super::edge::EdgeState;
 use super::law::ContactLaw;
@@ -6,13 +6,13 @@ use super::pair::slip;
 use crate::scales::NO_FRICTION;
 use glam::DVec3;
 
-/// The edges of one contact term, as they are and as last accepted. Of thousands of points a few hundred are near anything: only they
-/// have an edge, the others are open.
+/// Edges of one contact term, at present and as last accepted. Only points that are near something have an edge, a few hundred
+/// of thousands; the others are open.
 #[derive(Debug, Clone)]
 pub(crate) struct EdgePool {
-    /// Edges that are not open, by their points: in the order of these once accepted.
+    /// Edges that are not open, with their points; in the order of these once accepted.
     near: Vec<(usize, EdgeState)>,
-    /// Per point, where its edge is in `near`.
+    /// Index in `near` of the edge of each point.
     slot: Vec<u32>,
     /// Edges as last accepted, in the order of their points.
     committed: Vec<(usize, EdgeState)>,
@@ -28,7 +28,7 @@ pub(crate) struct EdgePool {
 const NOWHERE: u32 = u32::MAX;
 
 impl EdgePool {
-    /// `count` open edges.
+    /// Creates `count` open edges.
     pub fn new(law: ContactLaw, count: usize) -> Self {
         let slot = vec![NOWHERE; count];
         Self {
@@ -47,7 +47,7 @@ impl EdgePool {
         self.near.get(self.slot[i] as usize).map_or(&EdgeState::OPEN, |(_, e)| e)
     }
 
-    /// The edge of point `i`, to be changed.
+    /// Mutable edge of point `i`.
     pub fn edge_mut(&mut self, i: usize) -> &mut EdgeState {
         if self.slot[i] == NOWHERE {
             self.slot[i] = self.near.len() as u32;
@@ -56,7 +56,7 @@ impl EdgePool {
         &mut self.near[self.slot[i] as usize].1
     }
 
-    /// The edges that are not open with their points: in the order of these once accepted.
+    /// Edges that are not open, with their points; in the order of these once accepted.
     pub fn near(&self) -> impl Iterator<Item = (usize, &EdgeState)> {
         self.near.iter().map(|(i, e)| (*i, e))
     }
@@ -66,8 +66,8 @@ impl EdgePool {
         self.near().map(|(_, e)| e.gap).fold(f64::INFINITY, f64::min)
     }
 
-    /// Accepts the edges as they are. Those without pressure forget where they stuck; of those that slip or touch since the increment
-    /// began `dragged` says where they stick now, so that the whole spring carries the same traction.
+    /// Accepts the edges as they are. Edges without pressure forget their sticking point. For edges that slip or have touched
+    /// since the increment began, `dragged` gives the new sticking point, so that the whole spring carries the same traction.
     pub fn commit(&mut self, mut dragged: impl FnMut(usize, &EdgeState) -> DVec3) {
         for (i, e) in &mut self.near {
             if e.pressure <= 0.0 {
@@ -90,7 +90,7 @@ impl EdgePool {
         self.near.iter().zip(0..).for_each(|((i, _), k)| slot[*i] = k);
     }
 
-    /// Opens edge `i`, whose point is another from now on.
+    /// Opens edge `i`, whose point is another one from now on.
     pub fn renew(&mut self, i: usize) {
         if self.slot[i] != NOWHERE {
             *self.edge_mut(i) = EdgeState::OPEN;
@@ -98,7 +98,7 @@ impl EdgePool {
         self.committed.retain(|(k, _)| *k != i);
     }
 
-    /// Back to the edges last accepted.
+    /// Restores the edges last accepted.
     pub fn rollback(&mut self) {
         let slot = &mut self.slot;
         self.near.iter().for_each(|(i, _)| slot[*i] = NOWHERE);
@@ -106,7 +106,7 @@ impl EdgePool {
         self.near.iter().zip(0..).for_each(|((i, _), k)| slot[*i] = k);
     }
 
-    /// Stiffens the edges that come closer than they may, `least(i)` (m); true if there were none.
+    /// Stiffens the edges that come closer than they may, `least(i)` (m); returns true if there were none.
     pub fn satisfied(&mut self, least: impl Fn(usize) -> f64) -> bool {
         let mut held = true;
         for (i, e) in &mut self.near {
@@ -118,8 +118,9 @@ impl EdgePool {
         held
     }
 
-    /// Sets gap, normal and pressure of edge `i` under `law` from the places that it touches (gap, m, normal and weight of each, the
-    /// nearest first) and relaxes its friction limit. Some if friction acts: how far the limit lags, Pa; [`EdgePool::rub`] must follow.
+    /// Sets gap, normal and pressure of edge `i` under `law` from the places that it touches (gap, m, normal and weight of
+    /// each, the nearest first) and relaxes its friction limit. Returns how far the limit lags, Pa, if friction acts;
+    /// [`EdgePool::rub`] must follow.
     pub fn press(
         &mut self,
         i: usize,
@@ -151,13 +152,13 @@ impl EdgePool {
         Some(lag)
     }
 
-    /// Whether edge `i` touches since the increment began; [`EdgePool::touch`] must follow.
+    /// Returns true if edge `i` has touched since the increment began; [`EdgePool::touch`] must follow.
     pub fn is_fresh(&self, i: usize) -> bool {
         let e = self.edge(i);
         e.anchor.is_none() || e.clear.is_some()
     }
 
-    /// Edge `i` has touched since the increment began: then its point was at `start`, at the gap `clear()` (m).
+    /// Records that edge `i` has touched since the increment began, when its point was at `start`, at the gap `clear()` (m).
     pub fn touch(&mut self, i: usize, law: &ContactLaw, start: DVec3, clear: impl FnOnce() -> f64) {
         let e = self.edge_mut(i);
         e.anchor = Some(start);
@@ -167,9 +168,9 @@ impl EdgePool {
         }
     }
 
-    /// How the friction of edge `i` on the pad changes per area when its points move by `u` (m) against each other, Pa, beyond what its
-    /// potential says: where it slips the limit follows the pressure, where it touches within the increment the spring takes up more of
-    /// the motion the deeper it gets.
+    /// Change of the friction of edge `i` on the pad per area when its points move by `u` (m) against each other, Pa, beyond
+    /// what its potential says. Where the edge slips, the limit follows the pressure; where it touches within the increment,
+    /// the spring takes up more of the motion the deeper it gets.
     pub fn drag(&self, i: usize, law: &ContactLaw, u: DVec3) -> Option<DVec3> {
         let e = self.edge(i);
         let stiffness = law.pressure(e.gap, e.scale).1;

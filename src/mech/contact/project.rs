@@ -13,7 +13,7 @@ pub struct FaceBounds {
     /// Contact offset, m.
     pub(crate) offset: f64,
     boxes: Vec<[DVec3; 2]>,
-    /// How far each face bulges from its flat triangle, m.
+    /// Largest distance of each face from its flat triangle, m.
     bulges: Vec<f64>,
     cells: FaceGrid,
     min: DVec3,
@@ -21,7 +21,7 @@ pub struct FaceBounds {
 }
 
 impl FaceBounds {
-    /// Of no face yet, for contact with this `offset` (m).
+    /// Creates bounds without faces, for contact with this `offset` (m).
     pub fn new(offset: f64) -> Self {
         let cells = FaceGrid::new(LOOK_AHEAD * offset);
         Self { offset, boxes: Vec::new(), bulges: Vec::new(), cells, min: DVec3::ZERO, max: DVec3::ZERO }
@@ -32,7 +32,7 @@ impl FaceBounds {
         self.cells.near
     }
 
-    /// Bounds of every face at node positions `x`.
+    /// Updates the bounds of every face to node positions `x`.
     pub fn update(&mut self, surface: &ContactSurface, x: &[DVec3]) {
         self.boxes.clear();
         self.bulges.clear();
@@ -66,7 +66,7 @@ impl FaceBounds {
         self.closest_as(surface, x, y, reach, |closest_point| closest_point)
     }
 
-    /// The same, where `side` knows better on which side of the surface `y` is.
+    /// Returns the closest point as [`FaceBounds::closest`] does, where `side` decides on which side of the surface `y` is.
     pub(crate) fn closest_as(
         &self,
         surface: &ContactSurface,
@@ -89,8 +89,8 @@ impl FaceBounds {
         self.nearest(surface, x, y, faces, limit)
     }
 
-    /// How far `y` is outside the surface at least, m; exact where that is near, not positive inside. `side` knows better on which
-    /// side it is.
+    /// Lower bound of the distance of `y` outside the surface, m: exact near the surface, not positive inside. `side` decides
+    /// on which side of the surface `y` is.
     pub(crate) fn outside(
         &self,
         surface: &ContactSurface,
@@ -145,8 +145,8 @@ impl FaceBounds {
         best.map(|closest_point| closest_point.signed(surface, x, y))
     }
 
-    /// How far face `i` is from `y` at least, m: its flat triangle, less how far it bulges from it. No more is found out than that it is
-    /// beyond `limit` (m), where its box is.
+    /// Lower bound of the distance of face `i` from `y`, m: that of its flat triangle, less its bulge. A face whose box is
+    /// beyond `limit` (m) is not looked at more closely.
     pub(crate) fn away(&self, i: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3, limit: f64) -> f64 {
         let [low, high] = self.boxes[i];
         let beyond = y.clamp(low, high).distance(y);
@@ -159,8 +159,8 @@ impl FaceBounds {
     }
 }
 
-/// How far a quadratic face may be from its flat triangle over how far the middles of its edges are: the most that the sum of their
-/// shape functions can be.
+/// Largest distance of a quadratic face from its flat triangle, over that of the middles of its edges: the maximum of the sum
+/// of their shape functions.
 const BULGE: f64 = 4.0 / 3.0;
 /// Relative difference of distances that is rounding.
 const TIE: f64 = 1e-9;

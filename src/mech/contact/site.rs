@@ -1,4 +1,4 @@
-//! Where a feature of the object meets a pad.
+//! Place where a feature of the object meets a pad.
 
 use super::incident_faces::{IncidentFace, LastContact};
 use super::surface::ContactSurface;
@@ -6,42 +6,42 @@ use crate::mech::potential::state::BodyView;
 use crate::mech::potential::term::Stencil;
 use glam::DVec3;
 
-/// Where a feature is on the object, and what it presses on.
+/// Position of a feature on the object, and its contact with a pad.
 #[derive(Debug, Clone)]
 pub(crate) struct Site {
     /// Position of the feature in the object frame, m.
     pub position: DVec3,
-    /// How often it has moved along its edge since the last accepted state.
+    /// Number of moves along its edge since the last accepted state.
     pub moves: u32,
-    /// Few features are near a pad: the others are copied with every state at no cost.
+    /// Contact with the pad, if any. Few features are near a pad: the others are copied with every state at no cost.
     pub touch: Option<Box<FeatureTouch>>,
 }
 
-/// Where a feature meets the pad now, and where it sticks.
+/// Point where a feature meets the pad now, and point where it sticks.
 #[derive(Debug, Clone)]
 pub(crate) struct FeatureTouch {
-    /// The faces it presses on, the nearest first.
+    /// Faces that the feature presses on, the nearest first.
     pub incident: Vec<IncidentFace>,
-    /// Where the nearest is touched.
+    /// Point of the nearest face that is touched.
     pub now: Stencil,
-    /// Where it sticks.
+    /// Point of the pad where the feature sticks.
     pub stick: Stencil,
     /// Nodes that share the force for reporting.
     pub report: Stencil,
 }
 
 impl Site {
-    /// Of a feature at `position` (object frame, m) that is nowhere near.
+    /// Creates the site of a feature at `position` (object frame, m) that is nowhere near.
     pub fn new(position: DVec3) -> Self {
         Self { position, moves: 0, touch: None }
     }
 
-    /// The faces it presses on, the nearest first.
+    /// Faces that the feature presses on, the nearest first.
     pub fn incident(&self) -> &[IncidentFace] {
         self.touch.as_ref().map_or(&[], |touch| &touch.incident)
     }
 
-    /// What it pressed on at the last assembly.
+    /// Contact at the last assembly; `stays` keeps its choice of faces.
     pub fn last(&self, stays: bool) -> Option<LastContact> {
         let folded = self.incident().len() > 1;
         self.incident().first().map(|(closest_point, ..)| LastContact {
@@ -52,7 +52,7 @@ impl Site {
         })
     }
 
-    /// It presses on `incident faces` of `surface` now.
+    /// Sets the `incident` faces of `surface` that the feature presses on now.
     pub fn press(&mut self, incident: Vec<IncidentFace>, surface: &ContactSurface) {
         let Some((closest_point, ..)) = incident.first() else {
             self.touch.iter_mut().for_each(|touch| touch.incident.clear());
@@ -65,7 +65,7 @@ impl Site {
         (touch.incident, touch.now, touch.report) = (incident, now, report);
     }
 
-    /// Where the feature is under `view`, m, relative to the finger.
+    /// Position of the feature under `view`, m, relative to the finger.
     pub fn place(&self, view: &BodyView) -> DVec3 {
         view.position + view.rotation * self.position - view.offset
     }

@@ -1,5 +1,5 @@
-//! Contact points on the free surface of a pad: the vertices of its subdivided faces, with the area they stand for, and the middles of
-//! their parts, which are felt late: only where something would come through between the vertices.
+//! Contact points on the free surface of a pad: the vertices of its subdivided faces, with the area they stand for, and the
+//! middles of their parts. Middles are felt late, only where something would come through between the vertices.
 
 use crate::geometry::mesh::rings::Rings;
 use crate::mech::body::{Body, Elements};
@@ -22,22 +22,22 @@ pub struct SurfaceFace {
 /// Sample points of a pad's free surface.
 #[derive(Debug, Clone)]
 pub struct ContactSurface {
-    /// Faces not entirely fixed.
+    /// Faces that are not entirely fixed.
     pub faces: Arc<Vec<SurfaceFace>>,
-    /// Which faces meet.
+    /// Adjacency of the faces.
     pub rings: Arc<Rings>,
-    /// Where each point sits: nodes and shape function values. The vertices, then the middles.
+    /// Location of each point: nodes and shape function values. The vertices come first, then the middles.
     pub points: Arc<Vec<Stencil>>,
-    /// How many of the points are vertices.
+    /// Number of points that are vertices.
     pub vertices: usize,
     /// Rest area each point stands for, m2; the middles share it out among themselves once more.
     pub area: Vec<f64>,
     /// Mean spacing of the vertices, m.
     pub spacing: f64,
-    /// Per point: nearest node with an unknown of its own for reporting forces (weights of the linear interpolation on the
-    /// nodal sub-triangles: non-negative, so that reported nodal forces have the sign of the pressure).
+    /// Nodes that share the force of each point for reporting, with the weights of the linear interpolation on the nodal
+    /// sub-triangles: non-negative, so that reported nodal forces have the sign of the pressure.
     pub report: Arc<Vec<Stencil>>,
-    /// Per face, the points at the corners of its parts.
+    /// Points at the corners of the parts of each face.
     parts: Arc<Vec<u32>>,
 }
 
@@ -107,7 +107,7 @@ impl ContactSurface {
         [0, 1, 2].map(|k| self.parts[first + k] as usize)
     }
 
-    /// The surface of the same body with its nodes at `rest`, m.
+    /// Returns the surface of the same body with its nodes at `rest`, m.
     pub fn placed(&self, rest: &[DVec3]) -> Self {
         let mut area = vec![0.0; self.vertices];
         let own = self.parts.len() / self.faces.len().max(1);
@@ -124,13 +124,15 @@ impl ContactSurface {
 }
 
 impl SurfaceFace {
-    /// Whether a point at `distance` (m) from the face, with nodes at `x`, is on it but for rounding: the direction to it says nothing.
+    /// Returns true if a point at `distance` (m) from the face, with nodes at `x`, is on it but for rounding: the direction to
+    /// it then says nothing.
     pub(crate) fn touches(&self, x: &[DVec3], distance: f64) -> bool {
         let [a, b, _] = self.corners.map(|n| x[n as usize]);
         distance < ROUNDING * a.distance(b)
     }
 
-    /// The flat triangles between its nodes, turned as it is: itself, or those at the corners and then the middle.
+    /// Flat triangles between the nodes of the face, oriented as it is: the face itself, or those at the corners and then the
+    /// middle one.
     pub fn flat_parts(&self) -> Vec<[u32; 3]> {
         let [a, b, c] = self.corners;
         match self.mids {
@@ -158,7 +160,7 @@ impl SurfaceFace {
         }
     }
 
-    /// The nodes with their shape functions at `l` and the derivatives of these in `l1`, `l2` (with `l0 = 1 - l1 - l2`).
+    /// Nodes with their shape functions at `l` and the derivatives of these in `l1`, `l2` (with `l0 = 1 - l1 - l2`).
     pub(crate) fn shape(&self, l: [f64; 3]) -> impl Iterator<Item = (u32, f64, DVec2)> {
         let [l0, l1, l2] = l;
         let corner = |l: f64| if self.mids.is_some() { (l * (2.0 * l - 1.0), 4.0 * l - 1.0) } else { (l, 1.0) };

@@ -18,29 +18,29 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct PointContact {
     pool: EdgePool,
-    /// What is known of the distance of every point.
+    /// Known bound of the distance of every point.
     seen: Arc<Vec<Seen>>,
-    /// Which points are felt: all vertices, and the middles where vertices carry contact or the object would come through; and as last
-    /// accepted.
+    /// Flags of the points that are felt, at present and as last accepted: all vertices, and the middles where vertices carry
+    /// contact or the object would come through.
     felt: Vec<bool>,
     committed: Vec<bool>,
     surface: Arc<ContactSurface>,
     object: Arc<dyn SignedDistance>,
-    /// Where the increment departed from.
+    /// State from which the increment departed.
     from: Option<Departure>,
 }
 
-/// How far a point was from the object when that was last looked up. It holds whatever is accepted or taken back.
+/// Distance of a point to the object when that was last looked up. It holds whatever is accepted or taken back.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
-    /// Where it was, object frame, m.
+    /// Position of the point then, object frame, m.
     at: DVec3,
     /// Lower bound of the distance there, m.
     bound: f64,
 }
 
 impl Seen {
-    /// A lower bound of the distance of the point, now at `q`: it changes no faster than the point moves, m.
+    /// Lower bound of the distance of the point, now at `q`, m: it changes no faster than the point moves.
     #[inline(always)]
     fn bound(&self, q: DVec3) -> f64 {
         self.bound - q.distance(self.at)
@@ -48,14 +48,14 @@ impl Seen {
 }
 
 impl PointContact {
-    /// All edges open.
+    /// Creates the term with all edges open.
     pub fn new(law: ContactLaw, surface: Arc<ContactSurface>, object: Arc<dyn SignedDistance>) -> Self {
         let felt: Vec<bool> = (0..surface.points.len()).map(|i| i < surface.vertices).collect();
         let seen = Arc::new(vec![Seen { at: DVec3::ZERO, bound: f64::NEG_INFINITY }; felt.len()]);
         Self { pool: EdgePool::new(law, felt.len()), seen, committed: felt.clone(), felt, surface, object, from: None }
     }
 
-    /// The edges of the points that are near the object, with the points: in their order once accepted.
+    /// Edges of the points near the object, with the numbers of the points; in the order of these once accepted.
     pub fn edges(&self) -> impl Iterator<Item = (usize, &EdgeState)> {
         self.pool.near()
     }
@@ -205,12 +205,12 @@ impl BodyTerm for PointContact {
 }
 
 impl PointContact {
-    /// The points that are felt.
+    /// Numbers of the points that are felt.
     pub fn felt(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.felt.len()).filter(|i| self.felt[*i])
     }
 
-    /// Feels the middles at which the object comes through between vertices; true if there were none.
+    /// Feels the middles at which the object comes through between vertices; returns true if there were none.
     fn feel(&mut self, view: &BodyView) -> bool {
         let mut none = true;
         let offset = self.pool.law.offset;
@@ -237,8 +237,8 @@ impl PointContact {
         if i < self.surface.vertices { self.pool.law } else { self.pool.law.late() }
     }
 
-    /// Refreshes gap, pressure and friction of edge `i`; returns how far its friction limit lags, Pa, and where it touches the object,
-    /// object axes.
+    /// Refreshes gap, pressure and friction of edge `i`. Returns how far its friction limit lags, Pa, and where it touches the
+    /// object, object axes.
     fn update(&mut self, i: usize, stencil: &Stencil, view: &BodyView) -> (f64, Option<SurfaceTouch>) {
         let law = self.law_of(i);
         let (world, q) = locate(stencil, view);

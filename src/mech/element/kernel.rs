@@ -6,15 +6,15 @@ use glam::{DMat3, DVec3};
 
 /// The elastic kernel of a tetrahedron with `N` nodes and `Q` quadrature points.
 ///
-/// With `mean_dilatation` the volumetric energy is `V U(mean theta)`: one pressure per element
-/// (Simo, Taylor & Pister 1985, equation 3.13), plus a small resistance to fluctuations around the mean. Without it each
-/// point carries its own pressure, which locks near nu = 0.5.
+/// The volumetric energy with `mean_dilatation` is `V U(mean theta)`: one pressure per element (Simo, Taylor & Pister 1985,
+/// equation 3.13), plus a small resistance to fluctuations around the mean. Without it each point carries its own pressure,
+/// which locks near nu = 0.5.
 pub struct Kernel<'a, const N: usize, const Q: usize> {
     /// Shape functions and quadrature.
     pub shape: &'a ShapeFunctions<N, Q>,
     /// The law of the gel.
     pub material: &'a dyn Material,
-    /// Average the dilatation over the element.
+    /// Flag that makes the element average its dilatation.
     pub mean_dilatation: bool,
 }
 
@@ -96,7 +96,7 @@ impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
     }
 
     /// Smallest determinant of the deformation gradient among the quadrature points of some elements, with node positions
-    /// `x(element, node)`, m; element by element the same operations, side by side.
+    /// `x(element, node)`, m. Elements are computed side by side, with the same operations for each.
     #[inline(always)]
     pub fn min_det_f(&self, rest: &[RestTet], x: impl Fn(usize, usize) -> DVec3) -> f64 {
         const SIDE: usize = 8;

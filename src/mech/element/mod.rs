@@ -23,7 +23,7 @@ pub struct RestTet {
 }
 
 impl RestTet {
-    /// From the rest positions of the four corners, m; the volume must be positive.
+    /// Computes the geometry from the rest positions of the four corners, m; the volume must be positive.
     pub fn new(x: [DVec3; 4]) -> Self {
         let d = DMat3::from_cols(x[1] - x[0], x[2] - x[0], x[3] - x[0]);
         let inverse = d.inverse().transpose();

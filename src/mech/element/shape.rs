@@ -5,7 +5,7 @@
 pub struct ShapeFunctions<const N: usize, const Q: usize> {
     /// Barycentric coordinates of the quadrature points.
     pub points: [[f64; 4]; Q],
-    /// `d[q][a][k]`: derivative of shape function `a` in barycentric coordinate `k` at point `q`.
+    /// Derivatives `d[q][a][k]` of shape function `a` in barycentric coordinate `k` at point `q`.
     pub d: [[[f64; 4]; N]; Q],
 }
 
@@ -21,10 +21,10 @@ pub const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 
 /// The 10-node tetrahedron with the 4-point rule of degree 2 (Keast 1986).
 pub const TET10: ShapeFunctions<10, 4> = tet10(keast());
 
-/// The 10-node tetrahedron seen at its nodes, where quadrature does not look.
+/// The 10-node tetrahedron evaluated at its nodes, which are no quadrature points.
 pub const TET10_NODES: ShapeFunctions<10, 10> = tet10(nodes());
 
-/// The 10-node tetrahedron seen at its centre.
+/// The 10-node tetrahedron evaluated at its centre.
 pub const TET10_CENTER: ShapeFunctions<10, 1> = tet10([[0.25; 4]]);
 
 const fn keast() -> [[f64; 4]; 4] {

@@ -1,5 +1,5 @@
-//! Stiffness of elements, several side by side: element by element the same operations in the same order, so that the
-//! bits do not depend on how many there are.
+//! Stiffness of several elements side by side. Each element takes the same operations in the same order, so that the bits do
+//! not depend on the number of elements.
 
 use super::{Kernel, RestTet};
 use crate::mech::material::Tangent;
@@ -10,9 +10,9 @@ type Block<const L: usize> = [[f64; L]; 9];
 
 /// Energy gradients (N per node) and stiffness (N/m) of `L` elements.
 pub struct Stiffness<const N: usize, const L: usize> {
-    /// Per element and node.
+    /// Energy gradient per element and node, N.
     pub gradient: [[DVec3; N]; L],
-    /// `[a][b]`: nodes a and b, filled for `b >= a`.
+    /// Blocks `[a][b]` of the nodes a and b, filled for `b >= a`.
     blocks: [[Block<L>; N]; N],
 }
 
@@ -31,8 +31,8 @@ impl<const N: usize, const L: usize> Stiffness<N, L> {
 }
 
 impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
-    /// Gradients and stiffness of elements at rest `rest` with node positions `x`, m, into `sum`. With `project`, every
-    /// point's tangent is made positive semidefinite first.
+    /// Computes gradients and stiffness of the elements with rest geometry `rest` and node positions `x` (m) and stores them in
+    /// `sum`. If `project` is set, the tangent of every point is made positive semidefinite first.
     #[inline(always)]
     pub fn stiffness<const L: usize>(
         &self,
@@ -130,7 +130,7 @@ impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
     }
 }
 
-/// `m[k][o]_ij = weight * g_k[J] tangent[iJ][jM] g_o[M]`.
+/// Computes `m[k][o]_ij = weight * g_k[J] tangent[iJ][jM] g_o[M]`.
 #[inline(always)]
 fn contract<const L: usize>(
     tangent: &[[[f64; L]; 9]; 9],

@@ -4,13 +4,13 @@ use super::{Dilatation, Material, Moduli, Tangent, quadratic};
 use glam::{DMat3, DVec3};
 use parry3d_f64::glamx::DSymmetricEigen3;
 
-/// `W = mu |F - R|^2 + lambda/2 (J - 1)^2`, `R` the rotation of the polar decomposition of `F`
+/// Law with the energy `W = mu |F - R|^2 + lambda/2 (J - 1)^2`, with the rotation `R` of the polar decomposition of `F`
 /// (Stomakhin, Howes, Schroeder & Teran 2012, equation 6).
 #[derive(Debug, Clone, Copy)]
 pub struct FixedCorotated(Moduli);
 
 impl FixedCorotated {
-    /// From Young's modulus (Pa) and Poisson's ratio at rest.
+    /// Creates the law from Young's modulus (Pa) and Poisson's ratio at rest.
     pub fn new(young: f64, poisson: f64) -> Self {
         Self(Moduli::new(young, poisson))
     }

@@ -3,12 +3,12 @@
 use super::{Dilatation, Material, Moduli, Tangent, quadratic};
 use glam::DMat3;
 
-/// `W = mu |e|^2 + lambda/2 (tr e)^2` with `e = sym(F - I)` (Hooke's law). Defined for every F.
+/// Law with the energy `W = mu |e|^2 + lambda/2 (tr e)^2`, `e = sym(F - I)` (Hooke's law). It is defined for every F.
 #[derive(Debug, Clone, Copy)]
 pub struct Linear(Moduli);
 
 impl Linear {
-    /// From Young's modulus (Pa) and Poisson's ratio.
+    /// Creates the law from Young's modulus (Pa) and Poisson's ratio.
     pub fn new(young: f64, poisson: f64) -> Self {
         Self(Moduli::new(young, poisson))
     }

@@ -4,7 +4,7 @@
 //! dilatation. The split is what lets an element average the dilatation (mean dilatation, Nagtegaal, Parks & Rice
 //! 1974; Simo, Taylor & Pister 1985) with any law: near-incompressible gels then do not lock.
 //!
-//! To add a law: one file that implements [`Material`], one line here, one line in the derivative test.
+//! Adding a law takes one file that implements [`Material`], one line here and one line in the derivative test.
 
 mod corotated;
 mod linear;
@@ -20,12 +20,12 @@ use glam::{DMat3, DVec3};
 /// Fourth-order tangent dP/dF, Pa: `t[3*J+i][3*L+j] = dP_iJ / dF_jL` (columns of F one after the other).
 pub type Tangent = [[f64; 9]; 9];
 
-/// Which scalar measures the change of volume of a law.
+/// Scalar by which a law measures the change of volume.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dilatation {
-    /// `theta = det F - 1`: laws of finite strain.
+    /// Dilatation `theta = det F - 1`, for laws of finite strain.
     Determinant,
-    /// `theta = tr F - 3`: laws of infinitesimal strain.
+    /// Dilatation `theta = tr F - 3`, for laws of infinitesimal strain.
     Trace,
 }
 
@@ -39,7 +39,7 @@ impl Dilatation {
         }
     }
 
-    /// d theta / dF: the cofactor matrix, or the identity.
+    /// Gradient d theta / dF: the cofactor matrix, or the identity.
     #[inline(always)]
     pub fn gradient(self, f: &DMat3) -> DMat3 {
         match self {
@@ -74,13 +74,13 @@ impl Dilatation {
 pub trait Material: Send + Sync + std::fmt::Debug {
     /// Name as it appears in scenes and reports.
     fn name(&self) -> &'static str;
-    /// Which dilatation [`Material::volumetric`] takes.
+    /// Dilatation that [`Material::volumetric`] takes.
     fn dilatation(&self) -> Dilatation;
     /// Distortional energy density, J/m3; `+inf` where the law is not defined (an inverted element).
     fn distortional_energy(&self, f: &DMat3) -> f64;
-    /// Its derivative dW_d/dF, the distortional first Piola-Kirchhoff stress, Pa.
+    /// Derivative dW_d/dF of that energy, the distortional first Piola-Kirchhoff stress, Pa.
     fn distortional_stress(&self, f: &DMat3) -> DMat3;
-    /// Its second derivative, Pa.
+    /// Second derivative of that energy, Pa.
     fn distortional_tangent(&self, f: &DMat3) -> Tangent;
     /// Volumetric energy density and its first two derivatives in the dilatation `theta`: `[J/m3, Pa, Pa]`.
     fn volumetric(&self, theta: f64) -> [f64; 3];
@@ -104,7 +104,7 @@ pub struct Moduli {
 }
 
 impl Moduli {
-    /// From Young's modulus (Pa) and Poisson's ratio.
+    /// Computes the constants from Young's modulus (Pa) and Poisson's ratio.
     pub fn new(young: f64, poisson: f64) -> Self {
         let (mu, kappa) = (young / (2.0 * (1.0 + poisson)), young / (3.0 * (1.0 - 2.0 * poisson)));
         Self { young, poisson, mu, kappa, lambda: kappa - 2.0 / 3.0 * mu }

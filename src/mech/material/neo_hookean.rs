@@ -3,18 +3,19 @@
 use super::{Dilatation, Material, Moduli, Tangent, cofactor, quadratic};
 use glam::DMat3;
 
-/// `W = mu/2 (J^(-2/3) tr(F^T F) - 3) + kappa/2 (J - 1)^2` (Bonet & Wood 2008, section 6.5.1), with
-/// `sigma = mu/J dev(J^(-2/3) F F^T) + kappa (J - 1) I`. Infinite for `J <= 0`, so that a line search refuses inversion.
+/// Law with the energy `W = mu/2 (J^(-2/3) tr(F^T F) - 3) + kappa/2 (J - 1)^2` (Bonet & Wood 2008, section 6.5.1) and the
+/// stress `sigma = mu/J dev(J^(-2/3) F F^T) + kappa (J - 1) I`. The energy is infinite for `J <= 0`, so that a line search
+/// refuses inversion.
 #[derive(Debug, Clone, Copy)]
 pub struct NeoHookean(Moduli);
 
 impl NeoHookean {
-    /// From Young's modulus (Pa) and Poisson's ratio at rest.
+    /// Creates the law from Young's modulus (Pa) and Poisson's ratio at rest.
     pub fn new(young: f64, poisson: f64) -> Self {
         Self(Moduli::new(young, poisson))
     }
 
-    /// From the Mooney coefficient `C10 = mu/2` (Pa) and Poisson's ratio.
+    /// Creates the law from the Mooney coefficient `C10 = mu/2` (Pa) and Poisson's ratio.
     pub fn from_c10(c10: f64, poisson: f64) -> Self {
         Self::new(4.0 * c10 * (1.0 + poisson), poisson)
     }

@@ -11,7 +11,7 @@ pub struct GelPreset {
     pub poisson: f64,
     /// Density, kg/m3.
     pub density: f64,
-    /// Where the numbers come from.
+    /// Source of the numbers.
     pub source: &'static str,
 }
 

@@ -28,10 +28,10 @@ pub struct ArrowBlock {
 }
 
 impl ArrowBlock {
-    /// Storage for `body` with `columns` rigid columns.
+    /// Creates storage for `body` with `columns` rigid columns.
     ///
     /// # Errors
-    /// When the factorisation cannot be analysed.
+    /// Fails if the factorisation cannot be analysed.
     pub fn new(body: Arc<Body>, columns: usize) -> Result<Self> {
         let block = BodyBlock::new(&body, columns);
         let factor = Factor::new(body.symbolic()?, columns + 1);
@@ -64,7 +64,7 @@ impl ArrowBlock {
         self.factor.solve(rhs, rhs.len() / n.max(1));
     }
 
-    /// `B^T K^-1 B` and `B^T K^-1 g` of this body.
+    /// Computes `B^T K^-1 B` and `B^T K^-1 g` of this body.
     fn schur(&self, size: usize) -> ([[f64; MAX_RIGID]; MAX_RIGID], [f64; MAX_RIGID]) {
         let n = self.body.unknowns();
         let (mut s, mut r) = ([[0.0; MAX_RIGID]; MAX_RIGID], [0.0; MAX_RIGID]);
@@ -83,11 +83,11 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Combines solved blocks into the full Newton step; `extra` (N/m) is added to the rigid unknowns' diagonal. Negative or tiny
-/// curvature of the rigid unknowns (rigid modes of an object that nothing holds yet) is replaced by its magnitude and shifted so that
-/// the rigid unknowns move by at most `cap` (m): the step descends and stays finite, does not depend on the basis of modes of equal
-/// stiffness, and the solution is not changed because only the matrix is. Of the `size` columns of the rigid the first `unknowns`
-/// move.
+/// Combines solved blocks into the full Newton step; `extra` (N/m) is added to the diagonal of the rigid unknowns. Negative or
+/// tiny curvature of the rigid unknowns (rigid modes of an object that nothing holds yet) is replaced by its magnitude and
+/// shifted so that the rigid unknowns move by at most `cap` (m). The step descends and stays finite, and does not depend on the
+/// basis of modes of equal stiffness. The solution is not changed, because only the matrix is. The first `unknowns` of the
+/// `size` rigid columns move.
 pub fn step(
     blocks: &[ArrowBlock],
     rigid_gradient: &[f64; MAX_RIGID],
@@ -135,9 +135,9 @@ pub fn step(
     NewtonStep { x, rigid: dy }
 }
 
-/// Smallest stiffness of a rigid unknown divided by, over the largest: far below any contact, above rounding.
+/// Smallest stiffness of a rigid unknown that is divided by, over the largest: far below any contact, above rounding.
 const STIFFNESS_FLOOR: f64 = 1e-10;
-/// Bisections for the shift: it need not be sharp.
+/// Number of bisections for the shift, which need not be sharp.
 const BISECTIONS: u32 = 30;
 
 /// Solves `|S| dy = -g` through the eigenvalues of the rigid unknowns' Schur complement.

@@ -1,4 +1,4 @@
-//! The Newton direction: the symmetric system through its factorisation, and what makes it nonsymmetric by iteration.
+//! Newton direction: the symmetric system is solved by its factorisation, the nonsymmetric part by iteration.
 //!
 //! The Hessian of frozen friction is symmetric, but the friction limit grows with the pressure: where a point slips, a motion
 //! against the object also changes the force along it. That part has no potential. It is put on the right-hand side a few
@@ -10,16 +10,17 @@ use super::arrow;
 use crate::mech::potential::state::{MAX_RIGID, NewtonStep, State};
 use rayon::prelude::*;
 
-/// Most corrections of one direction.
+/// Maximum number of corrections of one direction.
 const CORRECTIONS: usize = 4;
-/// The corrections must shrink at least this fast, or the plain direction is taken.
+/// Largest ratio of two successive corrections; above it the plain direction is taken.
 const CONTRACTION: f64 = 0.7;
-/// Corrections below this part of the direction are not worth another solve.
+/// Size of a correction over the direction below which another solve is not worthwhile.
 const ENOUGH: f64 = 0.03;
 
 impl Newton {
-    /// The step from the assembled and factorised state `now`, and the gradient of the rigid unknowns it answers; no step in the rigid unknowns is
-    /// longer than `cap` (m) along an axis of its own. `anew`: the factorisation is new. `follow`: friction limits follow.
+    /// Computes the step from the assembled and factorised state `now`, and the gradient of the rigid unknowns that it answers.
+    /// No step in the rigid unknowns is longer than `cap` (m) along an axis of its own. `anew`: the factorisation is new.
+    /// `follow`: friction limits follow.
     pub(crate) fn direction(
         &mut self,
         now: &State,
@@ -62,7 +63,7 @@ impl Newton {
         if self.slope(&step, &gradient) < 0.0 { (step, gradient) } else { (plain, gradient) }
     }
 
-    /// Collects how the forces change along `step` beyond what the Hessian says; false if they do not.
+    /// Collects the change of the forces along `step` beyond what the Hessian says; returns false if there is none.
     fn couple(&mut self, now: &State, step: &NewtonStep) -> bool {
         let (rigid, terms) = (&self.rigid, &self.terms);
         self.blocks.par_iter_mut().enumerate().for_each(|(i, b)| {

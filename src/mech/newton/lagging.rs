@@ -1,38 +1,38 @@
-//! How far lagged friction follows the pressure in the next iteration.
+//! Part of the way that lagged friction follows the pressure in the next iteration.
 //!
-//! Friction limits and planes follow at once, and the Newton direction foresees it, so that slipping points cost nothing extra.
-//! Where that does not converge (a point touching in one state and not in the next), friction is frozen until the frozen
+//! Friction limits and planes follow at once, and the Newton direction anticipates this, so that slipping points cost nothing
+//! extra. If that does not converge (a point touches in one state and not in the next), friction is frozen until the frozen
 //! problem, a plain minimisation, is solved well enough to say where friction wants to go.
 
 /// Iterations without progress after which friction is frozen.
 const SWINGING: u32 = 5;
 /// Progress is a residual below this part of the best.
 const PROGRESS: f64 = 0.5;
-/// The frozen problem counts as solved at this part of what friction lags.
+/// Residual over the friction lag below which the frozen problem counts as solved.
 const SOLVED: f64 = 0.1;
-/// What friction lags must fall to this part from one of its moves to the next, or it moves by another part of the way.
+/// Largest ratio of the friction lags of two successive moves; above it friction moves by another part of the way.
 const CONTRACTION: f64 = 0.5;
 /// Smallest part of the way.
 const SLOWEST: f64 = 1.0 / 32.0;
 
-/// The state of one Newton solve.
+/// State of the friction lag in one Newton solve.
 #[derive(Debug)]
 pub(crate) struct Lagging {
     best: f64,
     stale: u32,
     frozen: bool,
-    /// Friction stays frozen, and what it lags does not count.
+    /// Flag: the solution is only on the way to a result; friction stays frozen, and its lag does not count.
     passing: bool,
-    /// The frozen problem is solved, friction moves on by this part of the way.
+    /// Part of the way that friction moves on once the frozen problem is solved.
     thaw: Option<f64>,
-    /// What friction lagged when it moved on last, N, by which part of the way it moved, and how much of its lag was left then.
+    /// Friction lag at the last move, N; then the part of the way of that move, and the part of the lag that was left.
     lagged: f64,
     pace: f64,
     left: f64,
 }
 
 impl Lagging {
-    /// Of a solution that is a result, or one that is only on the way to it (`passing`).
+    /// Creates the state for a solution that is a result, or only on the way to one (`passing`).
     pub fn new(passing: bool) -> Self {
         let (best, lagged, left) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
         Self { best, stale: 0, frozen: false, passing, thaw: None, lagged, pace: 1.0, left }
@@ -43,18 +43,18 @@ impl Lagging {
         if self.stale < SWINGING { 1.0 } else { self.thaw.unwrap_or(0.0) }
     }
 
-    /// Whether friction is frozen from now on.
+    /// Returns true once, when friction becomes frozen.
     pub fn freezes(&mut self) -> bool {
         let frozen = self.stale >= SWINGING;
         frozen && !std::mem::replace(&mut self.frozen, frozen)
     }
 
-    /// Forces out of balance and what friction lags, N, as one.
+    /// Norm of the out-of-balance forces and the friction lag together, N.
     pub fn out_of_balance(&self, residual: f64, lag: f64) -> f64 {
         if self.passing && self.stale >= SWINGING { residual } else { residual.hypot(lag) }
     }
 
-    /// Takes note of an assembled state: out-of-balance forces, what friction still lags, and what is allowed, N.
+    /// Records an assembled state: out-of-balance forces, friction lag and the residual allowed, N.
     pub fn note(&mut self, residual: f64, lag: f64, allowed: f64) {
         if self.stale < SWINGING {
             let progress = residual.hypot(lag) < PROGRESS * self.best;
@@ -65,8 +65,9 @@ impl Lagging {
         self.thaw = solved.then(|| self.pace(lag));
     }
 
-    /// The part of the way that friction moves next, which lags by `lag` (N) now. It overshoots where its move makes the pressure
-    /// answer the other way: then smaller parts lead to the goal sooner; elsewhere they do not, and it goes all the way again.
+    /// Returns the part of the way that friction moves next, at the present `lag` (N). Friction overshoots where its move makes
+    /// the pressure respond the other way: smaller parts then converge sooner. Elsewhere they do not, and friction moves all
+    /// the way again.
     fn pace(&mut self, lag: f64) -> f64 {
         let left = lag / self.lagged;
         if left > CONTRACTION && self.lagged.is_finite() {
@@ -82,7 +83,7 @@ impl Lagging {
 mod tests {
     use super::*;
 
-    /// What friction lags after `moves` of it, 1 N at first, where all the way leads to `answer` times the lag on the other side.
+    /// Friction lag after `moves` moves, 1 N at first, where a full move leads to `answer` times the lag on the other side.
     fn lag_after(moves: u32, answer: f64) -> f64 {
         let (mut lagging, mut lag) = (Lagging::new(false), 1.0_f64);
         for _ in 0..moves {

@@ -19,12 +19,12 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// When to stop, and how far one iteration may go.
+/// Limits of Newton's method: when to stop, and how far one iteration may go.
 #[derive(Debug, Clone, Copy)]
 pub struct NewtonTolerance {
     /// Largest norm of the out-of-balance forces relative to the contact forces.
     pub relative: f64,
-    /// The same absolutely, where there is no contact, N.
+    /// Absolute part of that bound, which remains where there is no contact, N.
     pub force: f64,
     /// Largest motion of any unknown in the last iteration, m.
     pub length: f64,
@@ -32,21 +32,21 @@ pub struct NewtonTolerance {
     pub iterations: u32,
     /// Largest motion of any point in one iteration, m: keeps the closest point on the right side of thin objects.
     pub motion: f64,
-    /// On the way to a result: where friction swings it may lag.
+    /// Flag: the solve is only on the way to a result; friction may lag where it swings.
     pub passing: bool,
-    /// Contact offset, m: what lengths of the method go by.
+    /// Contact offset, m: the reference of all lengths of the method.
     pub offset: f64,
 }
 
 impl NewtonTolerance {
-    /// The usual one, where contact has this `offset` (m).
+    /// Creates the usual tolerance for contact with this `offset` (m).
     pub fn new(offset: f64) -> Self {
         let [length, motion] = [DISPLACEMENT_TOLERANCE, LARGEST_MOTION].map(|offsets| offsets * offset);
         Self { relative: 2e-4, force: 1e-7, length, iterations: 40, motion, passing: false, offset }
     }
 }
 
-/// What a converged solve cost and reached.
+/// Cost and result of a converged solve.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Converged {
     /// Newton iterations (linear solves).
@@ -55,18 +55,18 @@ pub struct Converged {
     pub residual: f64,
 }
 
-/// Why a solve stopped without converging.
+/// Reason why a solve stopped without converging.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Failure {
     /// The iteration limit was reached with this residual, N.
     Iterations(f64),
     /// No step along the Newton direction lowers the energy; residual, N.
     LineSearch(f64),
-    /// Not positive definite even after projection, or not finite.
+    /// The stiffness is not positive definite even after projection, or not finite.
     Singular,
     /// The corrections of condensed pads do not settle; size of the last one over the displacement.
     Corrections(f64),
-    /// The path bends so far that the increment errs this many times as much as it may.
+    /// The path bends so far that the error of the increment is this many times the error allowed.
     Bent(f64),
     /// Contact has reached nodes that a condensed pad has eliminated.
     Outside,
@@ -76,23 +76,23 @@ pub enum Failure {
     Lost,
     /// The object moved farther at one load level than counts as held.
     Astray,
-    /// As many Newton iterations were taken as a grasp may take.
+    /// The number of Newton iterations reached this limit of a grasp.
     Effort(u64),
     /// The wall time that a grasp may take is over, s.
     Time(f64),
-    /// The object is still on its way: nothing failed, but the way was to be followed in stages.
+    /// The object is still moving: nothing failed, but its way is followed in stages.
     Underway,
-    /// Somebody asked for an end.
+    /// The user asked to stop.
     Interrupted,
 }
 
 impl Failure {
-    /// The object goes where a real one would go, out of the grasp.
+    /// Returns true if the object leaves the grasp, as a real one would.
     pub fn leaves_the_grasp(&self) -> bool {
         matches!(self, Failure::Lost | Failure::Astray | Failure::Unsettled)
     }
 
-    /// Nothing more is to be tried.
+    /// Returns true if nothing more is to be tried.
     pub fn is_out_of_effort(&self) -> bool {
         matches!(self, Failure::Effort(_) | Failure::Time(_) | Failure::Interrupted)
     }
@@ -146,7 +146,7 @@ pub struct SolverProfile {
 pub struct Newton {
     /// Terms of each body.
     pub terms: Vec<Vec<Box<dyn BodyTerm>>>,
-    /// Border layout.
+    /// Layout of the rigid unknowns.
     pub rigid: RigidUnknowns,
     /// Force along each driven travel, N.
     pub force: Vec<f64>,
@@ -154,18 +154,18 @@ pub struct Newton {
     pub profile: SolverProfile,
     /// The springs of a pseudo-time step, on paths without stable equilibria.
     pub proximal: Option<Proximal>,
-    /// The object is held where it is: its pose is no unknown.
+    /// Flag: the object is held where it is, and its pose is no unknown.
     pub held: bool,
-    /// How much it may do.
+    /// Limit on the work of the solver.
     pub effort: Effort,
     pub(crate) blocks: Vec<ArrowBlock>,
 }
 
 impl Newton {
-    /// A solver for `bodies` with `terms` per body.
+    /// Creates a solver for `bodies` with `terms` per body.
     ///
     /// # Errors
-    /// When the factorisation of a body cannot be analysed.
+    /// Fails if the factorisation of a body cannot be analysed.
     pub fn new(bodies: Vec<Arc<Body>>, terms: Vec<Vec<Box<dyn BodyTerm>>>, rigid: RigidUnknowns) -> Result<Self> {
         // Analyses take long the first time.
         let blocks: Vec<_> = bodies.into_par_iter().map(|b| ArrowBlock::new(b, rigid.size)).collect::<Result<_>>()?;
@@ -190,7 +190,7 @@ impl Newton {
     /// Puts `body` in the place of body `index`, of as many nodes; the terms stay.
     ///
     /// # Errors
-    /// When its factorisation cannot be analysed.
+    /// Fails if its factorisation cannot be analysed.
     pub fn exchange(&mut self, index: usize, body: Arc<Body>) -> Result<()> {
         self.blocks[index] = ArrowBlock::new(body, self.rigid.size)?;
         Ok(())
@@ -254,7 +254,7 @@ impl Newton {
         &self.blocks[i].block.gradient
     }
 
-    /// Border gradient after [`Newton::assemble`] at `state`, N.
+    /// Gradient of the rigid unknowns after [`Newton::assemble`] at `state`, N.
     pub fn rigid_gradient(&self, state: &State) -> [f64; MAX_RIGID] {
         let mut g = [0.0; MAX_RIGID];
         for b in &self.blocks {
@@ -280,7 +280,7 @@ impl Newton {
         self.rigid.pose.filter(|_| self.held).unwrap_or(self.rigid.size)
     }
 
-    /// Norm of all out-of-balance forces and of what lagged forces still miss, N.
+    /// Norm of all out-of-balance forces, and norm of what lagged forces still miss, N.
     pub(crate) fn residual(&self, state: &State) -> (f64, f64) {
         let rigid: f64 = self.rigid_gradient(state)[..self.rigid.size].iter().map(|v| v * v).sum();
         let nodes: f64 = self
@@ -300,13 +300,14 @@ impl Newton {
         self.blocks.iter().map(|b| b.block.activity).fold(0.0, f64::max)
     }
 
-    /// True if some driven finger carries no contact force at all.
+    /// Returns true if some driven finger carries no contact force at all.
     pub(crate) fn untouched(&self) -> bool {
         let driven = self.blocks.iter().zip(&self.rigid.travel);
         driven.into_iter().any(|(b, column)| column.is_some() && b.block.activity == 0.0)
     }
 
-    /// Factorises all blocks, re-assembling with projected Hessians if one is not positive definite.
+    /// Factorises all blocks; assembles again with projected Hessians if one is not positive definite. Returns false if that
+    /// fails too.
     pub(crate) fn factorize(&mut self, state: &State) -> bool {
         let clock = Instant::now();
         let good = factorize_all(&mut self.blocks);
@@ -341,17 +342,17 @@ impl Newton {
         self.terms.iter_mut().flatten().for_each(|t| t.damp(damping));
     }
 
-    /// Says whether Hessians have all second derivatives.
+    /// Sets whether Hessians have all second derivatives.
     pub(crate) fn sharpen(&mut self, sharp: bool) {
         self.terms.iter_mut().flatten().for_each(|t| t.sharpen(sharp));
     }
 
-    /// A copy of what all terms remember.
+    /// Copies all terms with their history.
     pub fn save(&self) -> Vec<Vec<Box<dyn BodyTerm>>> {
         self.terms.iter().map(|terms| terms.iter().map(|t| t.boxed_clone()).collect()).collect()
     }
 
-    /// An increment begins at the accepted state `from`.
+    /// Begins an increment at the accepted state `from`.
     pub(crate) fn depart(&mut self, from: &State) {
         let from = Arc::new(from.clone());
         for (i, terms) in self.terms.iter_mut().enumerate() {

@@ -1,4 +1,4 @@
-//! Springs to the state before: what makes a pseudo-time step an implicit step of gradient descent.
+//! Springs to the previous state: they make a pseudo-time step an implicit step of gradient descent.
 
 use super::Newton;
 use crate::mech::body::Body;
@@ -10,7 +10,7 @@ use glam::{DMat3, DVec3};
 /// Pulls rigid unknowns and nodes towards `center`.
 #[derive(Debug)]
 pub struct Proximal {
-    /// The state before.
+    /// The previous state.
     pub center: State,
     /// Stiffness of the rigid unknowns, N/m per column.
     pub rigid: f64,

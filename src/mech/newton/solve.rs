@@ -21,7 +21,7 @@ const STRIDE: f64 = 0.2;
 const CRAWLING: u32 = 8;
 /// A residual that falls below this part of the one before lets the factorisation serve another iteration.
 const QUICK: f64 = 0.2;
-/// How many times as many iterations a solution has at most whose terms strengthen themselves.
+/// Largest number of iterations over the usual limit, for a solution whose terms strengthen themselves.
 const RENEWALS: u32 = 4;
 /// Part of a step below which only rounding moves.
 const STUCK: f64 = 1e-9;
@@ -139,8 +139,8 @@ impl Newton {
         }
     }
 
-    /// Backtracks from the fraction `longest` of the step until the energy falls (Armijo); the new state and its largest
-    /// motion, m, which is at most `cap`, and the fraction that was taken.
+    /// Backtracks from the fraction `longest` of the step until the energy falls (Armijo). Returns the new state, its largest
+    /// motion (m, at most `cap`) and the fraction taken; None if no step lowers the energy.
     fn line_search(
         &self,
         now: &State,

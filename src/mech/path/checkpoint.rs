@@ -1,4 +1,4 @@
-//! Going back on a loading path further than the last increment.
+//! Checkpoints, for going back on a loading path further than the last increment.
 
 use super::Path;
 use crate::mech::potential::state::State;
@@ -21,7 +21,7 @@ impl Checkpoint {
 }
 
 impl Path {
-    /// What [`Path::restore`] goes back to.
+    /// Saves the state that [`Path::restore`] goes back to.
     pub fn checkpoint(&self) -> Checkpoint {
         Checkpoint {
             state: self.state.clone(),

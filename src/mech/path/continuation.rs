@@ -1,11 +1,11 @@
-//! The continuation: increments of the load, and what is tried where one fails.
+//! Continuation of the load in increments, and the methods that are tried where one fails.
 //!
 //! An attempt at a level is accepted, or the increment shrinks, or the method changes:
 //!
 //! | what an attempt ends with | answer |
 //! |---|---|
 //! | the path bends too far | a smaller increment, by the error (`step_size.rs`) |
-//! | no equilibrium | half the increment, three times with an object that is free, else twelve |
+//! | no equilibrium | half the increment, three times where there are rigid unknowns, else twelve |
 //! | none in the smallest increment either | pseudo-time from the accepted state (`pseudo_transient.rs`) |
 //! | none in pseudo-time; corrections of condensed pads do not settle | pads condensed anew as they are, half the increment, ten times |
 //! | contact outgrows the patch of a condensed pad | condensed anew onto a larger one, the same increment |
@@ -21,13 +21,13 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::AddAssign;
 
-/// How often each method of the continuation was used.
+/// Counts of how often each method of the continuation was used.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Methods {
     /// Accepted increments.
     pub increments: u64,
-    /// Increments that the path bent too far for.
+    /// Increments for which the path bent too far.
     pub bent: u64,
     /// Increments halved because no equilibrium was found.
     pub halved: u64,
@@ -44,7 +44,7 @@ pub struct Methods {
 }
 
 impl Methods {
-    /// The counts, with what each is of.
+    /// Counts, each with its name.
     pub fn counts(&self) -> [(&'static str, u64); 8] {
         [
             ("increments", self.increments),
@@ -72,7 +72,7 @@ impl AddAssign for Methods {
     }
 }
 
-/// What was used, like `57 increments, 3 halved`.
+/// Lists the methods that were used, like `57 increments, 3 halved`.
 impl fmt::Display for Methods {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let used = self.counts().into_iter().filter(|(_, count)| *count > 0);
@@ -81,42 +81,43 @@ impl fmt::Display for Methods {
     }
 }
 
-/// How the pads are discretised: what an attempt takes beyond an equilibrium.
+/// Discretisation of the pads: what an attempt takes beyond an equilibrium.
 pub trait PadDiscretisation {
-    /// Whether an attempt may fail after its equilibrium was accepted, and whether the pads may be discretised anew.
+    /// Returns true if an attempt may fail after its equilibrium was accepted, and the pads may be discretised anew.
     fn corrects(&self) -> bool {
         false
     }
-    /// An attempt at `level` begins.
+    /// Begins an attempt at `level`.
     fn predict(&mut self, _path: &mut Path, _level: f64) {}
-    /// Makes the equilibrium found at `level` that of the whole pads, to the last digit asked for if it is a `result`.
+    /// Corrects the equilibrium found at `level` to that of the whole pads, within the full tolerance if it is a `result`.
     ///
     /// # Errors
-    /// Why it is none.
+    /// Fails if that equilibrium is not reached; the [`Failure`] says why.
     fn correct(&mut self, _path: &mut Path, _level: f64, _result: bool, _done: &mut Advanced) -> Result<(), Failure> {
         Ok(())
     }
-    /// The attempt ended in the state of `path` with `failure`.
+    /// Takes note that the attempt ended in the state of `path` with `failure`.
     fn fail(&mut self, _path: &Path, _failure: Failure) {}
-    /// `path` is back at the accepted state.
+    /// Takes note that `path` is back at the accepted state.
     fn restore(&mut self) {}
-    /// Discretises the pads anew there.
+    /// Discretises the pads anew at the state of `path`.
     ///
     /// # Errors
-    /// [`Failure::Singular`].
+    /// Fails with [`Failure::Singular`] if the pads cannot be discretised there.
     fn renew(&mut self, _path: &mut Path) -> Result<(), Failure> {
         Ok(())
     }
 }
 
-/// Pads of which every node is an unknown.
+/// Pads whose nodes are all unknowns.
 pub struct WholePads;
 
 impl PadDiscretisation for WholePads {}
 
-/// Halvings of an increment before another method: of a path with nothing but bodies, and of one that can walk.
+/// Number of halvings of an increment before another method: for a path with nothing but bodies, and for one whose object can
+/// move.
 const HALVINGS: [u32; 2] = [12, 3];
-/// Changes of the method on the way to one level.
+/// Maximum number of changes of the method on the way to one level.
 const CHANGES: u32 = 10;
 /// Largest increment of a force over the force reached.
 const GROWTH: f64 = 3.0;
@@ -184,7 +185,8 @@ impl Path {
         }
     }
 
-    /// One attempt at level `next`, which is a `result` or only on the way to one; the error of the increment over the error allowed.
+    /// Makes one attempt at level `next`, which is a `result` or only on the way to one. Returns the error of the increment
+    /// over the error allowed.
     fn attempt(
         &mut self,
         load: Load,
@@ -225,7 +227,7 @@ impl Path {
         }
     }
 
-    /// The longest increment from here.
+    /// Longest increment from the accepted state.
     fn longest(&self, load: Load) -> f64 {
         // From a small load on, contact spreads fast: a load many times as large is not near.
         let near = if load == Load::Force && self.level > 0.0 { GROWTH * self.level } else { f64::INFINITY };

@@ -1,4 +1,4 @@
-//! A quasi-static loading path: the accepted state, and what it takes to get to the next one.
+//! Quasi-static loading path: the accepted state, and the way to the next one.
 
 pub mod checkpoint;
 pub mod continuation;
@@ -11,7 +11,8 @@ use self::step_size::{REFUSED, StepSize};
 use super::newton::{Converged, Failure, Newton, NewtonTolerance};
 use super::potential::state::State;
 
-/// A quasi-static loading path: solver, accepted state, and the history its predictor needs. [`Path::advance`](self::continuation) goes along it.
+/// Quasi-static loading path: solver, accepted state, and the history that its predictor needs.
+/// [`Path::advance`](self::continuation) goes along it.
 pub struct Path {
     /// The solver with its terms.
     pub newton: Newton,
@@ -21,16 +22,16 @@ pub struct Path {
     pub level: f64,
     /// Convergence criteria.
     pub tolerance: NewtonTolerance,
-    /// How far the path may bend away from a straight increment, over the displacement, and the load with which it begins (N or m); None
-    /// where the answer does not depend on the path.
+    /// Largest bend of the path away from a straight increment, over the displacement, and the load with which the path begins
+    /// (N or m); None where the answer does not depend on the path.
     pub control: Option<PathControl>,
     /// Motion of the object in one pseudo-transient continuation at which it counts as lost, m; None follows it however far it goes.
     pub largest_drift: Option<f64>,
     /// Motion of the object after which pseudo-transient continuation halts on its way, m; None goes on to where the object rests.
     pub stage: Option<f64>,
-    /// How often each method was used.
+    /// Counts of how often each method was used.
     pub methods: Methods,
-    /// A pseudo-transient continuation has halted in `state`, which is no equilibrium: the next one goes on there.
+    /// Flag: a pseudo-transient continuation has halted in `state`, which is no equilibrium: the next one goes on there.
     pub(crate) underway: bool,
     /// The accepted state before `state`, with its level.
     pub(crate) history: Option<(State, f64)>,
@@ -40,10 +41,10 @@ pub struct Path {
     spent: u32,
 }
 
-/// What increments go by where friction makes the answer depend on the path.
+/// Control of the increments where friction makes the answer depend on the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathControl {
-    /// How far the path may bend away from a straight increment, over the displacement.
+    /// Largest bend of the path away from a straight increment, over the displacement.
     pub bend: f64,
     /// The load with which the path begins, N or m.
     pub first: f64,
@@ -61,7 +62,7 @@ pub struct Advanced {
 }
 
 impl Advanced {
-    /// Adds what followed.
+    /// Adds the cost of what followed.
     pub fn add(&mut self, more: Advanced) {
         self.iterations += more.iterations;
         self.increments += more.increments;
@@ -77,7 +78,7 @@ impl Advanced {
     }
 }
 
-/// How a load level acts on solver and state.
+/// Kind of load: how a level acts on solver and state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Load {
     /// The level is the force on every finger, N.
@@ -86,7 +87,7 @@ pub enum Load {
     Travel,
 }
 
-/// How much looser intermediate states may be than results.
+/// Tolerance of intermediate states over that of results.
 pub(crate) const LOOSE: f64 = 20.0;
 /// Iterations that pseudo-transient continuations and failed increments may take before the path is given up.
 const ENDURANCE: u32 = 4000;
@@ -110,19 +111,20 @@ impl Path {
         }
     }
 
-    /// True once so much was spent on pseudo-transient continuations and on increments that failed that the next failure ends the path.
+    /// Returns true once so much was spent on pseudo-transient continuations and on increments that failed that the next
+    /// failure ends the path.
     pub fn exhausted(&self) -> bool {
         self.spent >= ENDURANCE
     }
 
-    /// A level was reached: half of what was spent is forgiven.
+    /// Forgives half of what was spent, since a level was reached.
     pub fn recover(&mut self) {
         self.spent /= 2;
     }
 
-    /// Brings the fingers from first touch to the small force `force` (N), around an object that is held where it is. Touched by
-    /// single points it would have next to no stiffness against rotation, and turn to wherever a solver takes it; between patches that
-    /// stick it moves as little as these give.
+    /// Brings the fingers from first touch to the small force `force` (N), around an object that is held where it is. An object
+    /// touched at single points would have next to no stiffness against rotation and turn to wherever a solver takes it;
+    /// between patches that stick it moves as little as these give.
     ///
     /// # Errors
     /// The last [`Failure`]; the state is then that of the start.
@@ -148,8 +150,9 @@ impl Path {
         self.settle(self.state.clone(), None, true, &mut done).map(|_| done)
     }
 
-    /// Solves from `start`, which is at level `to` if that is another one, and accepts the result; if that fails and `pseudo_time` is set, follows the object
-    /// there from the accepted state. Returns the error of the increment over the error allowed.
+    /// Solves from `start`, which is at level `to` if that is another one, and accepts the result. If that fails and
+    /// `pseudo_time` is set, follows the object there from the accepted state. Returns the error of the increment over the
+    /// error allowed.
     pub(crate) fn settle(
         &mut self,
         start: State,
@@ -200,8 +203,9 @@ impl Path {
         }
     }
 
-    /// Where to start the increment to `level`, under whose load the solver is: extrapolated from the last two accepted
-    /// states. The prediction may overshoot, into deep contact or infeasible territory; then it is the accepted state.
+    /// Returns the start state of the increment to `level`, under whose load the solver is: extrapolated from the last two
+    /// accepted states. A prediction that overshoots, into deep contact or infeasible territory, is replaced by the accepted
+    /// state.
     pub(crate) fn start(&self, load: Load, level: f64) -> State {
         let mut plain = self.state.clone();
         if load == Load::Travel {

@@ -1,16 +1,18 @@
-//! The error of an increment: how far the path bends away from the straight way that friction takes it for.
+//! Error of an increment: how far the path bends away from the straight line that friction assumes.
 //!
-//! Within an increment a point that touches is taken to have moved along a straight line from where it was to where it is, and so is
-//! one that slips. Three states in a row say how the path bends: of the parabola through them, the last part is
-//! `h1^2 |x''| / 8 = (d1 - q d0) q / (4 (1 + q))` from its chord in the middle, with the increments `d0` and `d1` of the state and `q` the
-//! ratio of those of the load. That over the displacement is the error; it falls with the square of the increment.
+//! A point that touches within an increment is assumed to have moved along a straight line from where it was to where it is,
+//! and so is one that slips. Three states in a row show how the path bends. The last part of the parabola through them is
+//! `h1^2 |x''| / 8 = (d1 - q d0) q / (4 (1 + q))` away from its chord in the middle, with the increments `d0` and `d1` of the
+//! state and the ratio `q` of those of the load. That distance over the displacement is the error; it falls with the square of
+//! the increment.
 
 use super::Path;
 use crate::mech::potential::state::State;
 
 impl Path {
-    /// How far the path to `next` at level `to` bends away from a straight increment, over what is allowed. Zero where no error is asked
-    /// for, nothing is known of the path yet, or the increment is so small that the path jumps rather than bends.
+    /// Error of the increment to `next` at level `to`: how far the path bends away from a straight line, over what is allowed.
+    /// It is zero where no error is asked for, where nothing is known of the path yet, or if the increment is so small that the
+    /// path jumps rather than bends.
     pub(crate) fn bend(&self, next: &State, to: f64) -> f64 {
         let (Some(control), Some((before, at))) = (self.control, &self.history) else { return 0.0 };
         let [h0, h1] = [self.level - at, to - self.level];
@@ -38,7 +40,7 @@ impl Path {
         part * (bent / moved).max(turned / largest).sqrt() / control.bend
     }
 
-    /// The shortest increment that is looked at.
+    /// Shortest increment whose error is looked at.
     pub(crate) fn shortest(&self, first: f64) -> f64 {
         (SHORTEST[0] * first).max(SHORTEST[1] * self.level.abs())
     }

@@ -6,7 +6,8 @@ use crate::mech::newton::{Converged, Failure, NewtonTolerance};
 use crate::mech::potential::state::State;
 use crate::scales::{GONE, PSEUDO_TIME_BEGINS, PSEUDO_TIME_REACH};
 
-/// Most iterations of one pseudo-time step, and of one pseudo-transient continuation; most steps of one pseudo-transient continuation that fail.
+/// Maximum number of iterations of one pseudo-time step, of iterations of one continuation, and of steps of one continuation
+/// that fail.
 const STEP_ITERATIONS: u32 = 25;
 const PATIENCE: u32 = 2000;
 const FAILURES: u32 = 20;
@@ -20,7 +21,8 @@ const HARD: u32 = 15;
 /// Springs after a step that was easy, or not so easy, over those of the step; and after one that went too far, or failed.
 const SOFTER: [f64; 2] = [0.25, 0.5];
 const STIFFER: [f64; 2] = [2.0, 8.0];
-/// After a step that failed the springs stay this many times as stiff as its own; with every step after it by that much less.
+/// Least stiffness of the springs after a step that failed, over that of its own, and the factor by which it falls with every
+/// step after it.
 const WARY: f64 = 3.0;
 const FORGETTING: f64 = 0.7;
 

@@ -1,10 +1,10 @@
-//! How far the next increment goes.
+//! Size of the next increment.
 
-/// Part of its size that an increment has after one that failed.
+/// Size of an increment after one that failed, over the size of that one.
 const HALF: f64 = 0.5;
-/// Growth after an increment that was easy, at most.
+/// Largest growth after an increment that was easy.
 const GROWTH: f64 = 2.0;
-/// Iterations from which on an increment was hard.
+/// Number of iterations from which on an increment was hard.
 const HARD: u32 = 15;
 /// Part of the error allowed that the next increment aims at.
 const SAFETY: f64 = 0.8;
@@ -16,13 +16,14 @@ pub const REFUSED: f64 = 4.0;
 pub struct StepSize(pub f64);
 
 impl StepSize {
-    /// The next part of the way `rest`: all parts that are left are alike. A whole number of parts stays one whatever the rounding.
+    /// Returns the next part of the way `rest`: all parts that are left are alike. A whole number of parts stays one whatever
+    /// the rounding.
     pub fn next(&self, rest: f64) -> f64 {
         rest / (rest.abs() / self.0 * (1.0 - 1e-9)).ceil().max(1.0)
     }
 
-    /// After an increment `size` that was accepted after so many `iterations`, with `error` over the error allowed. The error grows
-    /// with the square of the size; it asks for no increment below `shortest`.
+    /// Updates the size after an increment `size` that was accepted after so many `iterations`, with `error` over the error
+    /// allowed. The error grows with the square of the size; it asks for no increment below `shortest`.
     pub fn accept(&mut self, size: f64, iterations: u32, error: f64, shortest: f64) {
         let eased = size.abs() * if iterations < HARD { GROWTH } else { 1.0 };
         let next = (size.abs() * SAFETY / error.sqrt()).max(shortest).min(eased);
@@ -30,7 +31,7 @@ impl StepSize {
         self.0 = if error < SAFETY * SAFETY { self.0.max(next) } else { next };
     }
 
-    /// After an increment `size` that was refused, with `error` over the error allowed if that is why.
+    /// Updates the size after an increment `size` that was refused, with `error` over the error allowed if that is why.
     pub fn refuse(&mut self, size: f64, error: Option<f64>) {
         self.0 = size.abs() * error.map_or(HALF, |error| (SAFETY / error.sqrt()).min(HALF));
     }

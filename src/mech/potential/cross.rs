@@ -1,4 +1,4 @@
-//! Products of vectors that derivatives of rotations are made of.
+//! Vector products for derivatives of rotations.
 
 use glam::{DMat3, DVec3};
 
@@ -7,7 +7,7 @@ pub fn cross_matrix(c: DVec3) -> DMat3 {
     DMat3::from_cols(DVec3::new(0.0, c.z, -c.y), DVec3::new(-c.z, 0.0, c.x), DVec3::new(c.y, -c.x, 0.0))
 }
 
-/// `a b'`.
+/// Outer product `a b'`.
 pub fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }

@@ -1,4 +1,4 @@
-//! The drive of a finger: what limits its speed and its travel.
+//! Drive of a finger: the limits of its speed and its travel.
 
 use super::time_step::TimeStep;
 use crate::mech::body::Body;
@@ -6,13 +6,13 @@ use crate::mech::potential::state::BodyView;
 use crate::mech::potential::term::{BodyBlock, BodyTerm};
 use std::any::Any;
 
-/// `c / 2 h (t - t0)2 + k / 2 max(t - end, 0)2` of the travel `t`: a motor whose force falls with its speed, and the end of
-/// the stroke. The force itself is the solver's.
+/// Energy `c / 2 h (t - t0)2 + k / 2 max(t - end, 0)2` of the travel `t`: a motor whose force falls with its speed, and the end
+/// of the stroke. The force itself belongs to the solver.
 #[derive(Debug, Clone)]
 pub struct Drive {
     /// Largest force of this finger, N.
     rated: f64,
-    /// N s/m.
+    /// Damping, N s/m.
     damping: f64,
     /// Largest travel, m, and the stiffness of its stop, N/m.
     end: f64,
@@ -23,14 +23,14 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// A finger at `travel` (m) that closes with `speed` (m/s) on nothing under the `rated` force (N), up to `end` (m), where the rated
-    /// force pushes it into the stop by `yields` (m).
+    /// Creates the drive of a finger at `travel` (m) that closes with `speed` (m/s) on nothing under the `rated` force (N), up
+    /// to `end` (m), where the rated force pushes it into the stop by `yields` (m).
     pub fn new(rated: f64, speed: f64, end: f64, yields: f64, travel: f64) -> Self {
         Self { rated, damping: rated / speed, end, stop: rated / yields, travel, size: 1.0 }
     }
 }
 
-/// Travel of the finger that `view` is of.
+/// Travel of the finger that `view` belongs to.
 fn travel(view: &BodyView) -> f64 {
     view.offset.dot(view.closing)
 }

@@ -1,4 +1,4 @@
-//! Keeps elements from turning inside out where no quadrature point looks.
+//! Barrier that keeps elements from turning inside out where no quadrature point looks.
 //!
 //! The elastic energy is summed over points inside an element. Pressed hard by an edge, a 10-node tetrahedron may be sound at all of
 //! them and yet inverted at a corner or in its middle. One with a small det F at a node gets a barrier at its nodes, one with a small det F
@@ -21,12 +21,13 @@ pub struct InversionBarrier<const Q: usize> {
     elements: BTreeSet<usize>,
 }
 
-/// The terms that keep elements from turning inside out at their nodes and at their centres; no element has a barrier yet.
+/// Creates the terms that keep elements from turning inside out at their nodes and at their centres; no element has a barrier
+/// yet.
 pub fn inversion_barrier() -> (InversionBarrier<10>, InversionBarrier<1>) {
     (InversionBarrier::at(&TET10_NODES), InversionBarrier::at(&TET10_CENTER))
 }
 
-/// Whether an element of `body` needs a barrier at positions `x`, m.
+/// Returns true if an element of `body` needs a barrier at positions `x`, m.
 pub fn is_crushed(body: &Body, x: &[DVec3]) -> bool {
     let (nodes, centers) = inversion_barrier();
     nodes.is_needed(body, x) || centers.is_needed(body, x)
@@ -41,12 +42,12 @@ pub fn add_barrier_gradient(body: &Body, x: &[DVec3], gradient: &mut [DVec3]) {
     centers.add_gradient(body, x, gradient);
 }
 
-/// det F at a node below which the barrier of its element resists.
+/// Value of det F at a node below which the barrier of its element resists.
 const FELT: f64 = 0.02;
 /// Stiffness of the barrier over the shear modulus of the gel.
 const STIFFNESS: f64 = 1.0;
 
-/// `k/2 (1 - J/FELT)^2` below [`FELT`].
+/// Law with the energy `k/2 (1 - J/FELT)^2` below [`FELT`].
 #[derive(Debug)]
 struct Barrier(Moduli);
 
@@ -88,7 +89,7 @@ impl<const Q: usize> InversionBarrier<Q> {
         Self { shape, elements: BTreeSet::new() }
     }
 
-    /// Whether an element of `body` needs one at positions `x`, m.
+    /// Returns true if an element of `body` needs a barrier at positions `x`, m.
     fn is_needed(&self, body: &Body, x: &[DVec3]) -> bool {
         body.min_det_f_at(self.shape, x) < FELT
     }
@@ -107,7 +108,7 @@ impl<const Q: usize> InversionBarrier<Q> {
         }
     }
 
-    /// Gives a barrier to the elements that need one at positions `x`; true if none is new.
+    /// Gives a barrier to the elements that need one at positions `x`; returns true if none is new.
     fn extend(&mut self, body: &Body, x: &[DVec3]) -> bool {
         if !self.is_needed(body, x) {
             return true;

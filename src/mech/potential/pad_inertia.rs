@@ -12,21 +12,21 @@ use std::any::Any;
 /// Masses at the nodes: `m / 2 h2 |x - target|2` with the target `x0 + h v0 + h2 g` of each node, in the world.
 #[derive(Debug, Clone)]
 pub struct PadInertia {
-    /// Per node, kg.
+    /// Mass per node, kg.
     mass: Vec<f64>,
     total: f64,
-    /// World, m/s2.
+    /// Gravity, world axes, m/s2.
     gravity: DVec3,
     /// World position at the last accepted state, m, and velocity there, m/s.
     position: Vec<DVec3>,
     velocity: Vec<DVec3>,
     step: TimeStep,
-    /// Hand frame at the end of the step, m.
+    /// Target of each node, hand frame at the end of the step, m.
     target: Vec<DVec3>,
 }
 
 impl PadInertia {
-    /// At rest in the world. `view` is the state, `hand` where the hand is.
+    /// Creates the inertia of a pad at rest in the world. `view` is the state, `hand` that of the hand.
     pub fn new(body: &Body, density: f64, gravity: DVec3, hand: HandState, view: &BodyView) -> Self {
         let mass: Vec<f64> = body.lumped_volume().into_iter().map(|v| v * density).collect();
         let position: Vec<DVec3> = view.x.iter().map(|x| hand.to_world(*x + view.offset)).collect();

@@ -11,7 +11,7 @@ use crate::scene::motion::HandState;
 use glam::{DMat3, DQuat, DVec3};
 use std::any::Any;
 
-/// `m / 2 h2 |c - target|2` of the centre of mass `c`, and for the rotation `R`, with the second moments
+/// Energy `m / 2 h2 |c - target|2` of the centre of mass `c`, and for the rotation `R`, with the second moments
 /// `J = integral of r r^T dm` in body axes,
 ///
 /// ```text
@@ -24,17 +24,17 @@ use std::any::Any;
 /// solution the balance is exact. L must not ask for more than about a radian per step.
 #[derive(Debug, Clone)]
 pub struct RigidInertia {
-    /// kg.
+    /// Mass, kg.
     mass: f64,
     /// Centre of mass, object frame, m.
     center: DVec3,
     /// Second moments about it, object axes, kg m2.
     second: DMat3,
-    /// World, m/s2.
+    /// Gravity, world axes, m/s2.
     gravity: DVec3,
-    /// At the last accepted state.
+    /// Motion at the last accepted state.
     state: RigidMotion,
-    /// What the last accepted step changed the velocity and the angular momentum by, over its length.
+    /// Rates of the velocity and the angular momentum in the last accepted step: their changes over its length.
     rate: (DVec3, DVec3),
     step: TimeStep,
     /// Centre of mass without forces but the weight, hand frame, m.
@@ -53,14 +53,14 @@ pub struct RigidMotion {
     pub position: DVec3,
     /// Object axes to world axes.
     pub rotation: DQuat,
-    /// Of the centre of mass, m/s.
+    /// Velocity of the centre of mass, m/s.
     pub velocity: DVec3,
-    /// About the centre of mass, kg m2/s.
+    /// Angular momentum about the centre of mass, kg m2/s.
     pub momentum: DVec3,
 }
 
 impl RigidInertia {
-    /// An object of `density` (kg/m3) that moves with `velocity` (m/s) and `spin` (rad/s), world axes.
+    /// Creates the inertia of an object of `density` (kg/m3) that moves with `velocity` (m/s) and `spin` (rad/s), world axes.
     pub fn new(
         mass: &MassProperties,
         density: f64,
@@ -90,7 +90,7 @@ impl RigidInertia {
         }
     }
 
-    /// At the last accepted state.
+    /// Motion at the last accepted state.
     pub fn motion(&self) -> &RigidMotion {
         &self.state
     }
@@ -107,7 +107,7 @@ impl RigidInertia {
         (self.state.velocity * self.mass, self.state.momentum)
     }
 
-    /// Minus the rates of the momenta over the last accepted step: forces of inertia, N and N m, world axes.
+    /// Forces of inertia, N and N m, world axes: minus the rates of the momenta over the last accepted step.
     pub fn inertial_wrench(&self) -> (DVec3, DVec3) {
         (self.rate.0 * -self.mass, -self.rate.1)
     }

@@ -4,7 +4,7 @@ use super::term::Stencil;
 use glam::{DMat3, DQuat, DVec3};
 use std::sync::Arc;
 
-/// Most rigid unknowns that a scene can have: two travels and six of a free object.
+/// Maximum number of rigid unknowns of a scene: two travels and six of a free object.
 pub const MAX_RIGID: usize = 8;
 
 /// Configuration of all bodies. Pad nodes are stored relative to their finger, in hand axes: the position in the
@@ -37,12 +37,13 @@ pub struct RigidUnknowns {
 }
 
 impl RigidUnknowns {
-    /// No rigid unknowns: bodies alone, fingers at rest.
+    /// Creates a layout without rigid unknowns: bodies alone, fingers at rest.
     pub fn none(bodies: usize) -> Self {
         Self { closing: vec![DVec3::ZERO; bodies], travel: vec![None; bodies], pose: None, length: 1.0, size: 0 }
     }
 
-    /// Border for fingers with the given closing directions; `driven` are pushed by a force, else by prescribed travel.
+    /// Creates the layout for fingers with the given closing directions; `driven` ones are pushed by a force, others by
+    /// prescribed travel.
     pub fn new(closing: Vec<DVec3>, driven: bool, free_object: bool, length: f64) -> Self {
         let fingers = if driven { closing.len() } else { 0 };
         let travel = (0..closing.len()).map(|i| driven.then_some(i)).collect();
@@ -52,7 +53,7 @@ impl RigidUnknowns {
 }
 
 impl RigidUnknowns {
-    /// Border for geared fingers, which travel alike.
+    /// Creates the layout for geared fingers, which travel alike.
     pub fn geared(closing: Vec<DVec3>, driven: bool, free_object: bool, length: f64) -> Self {
         let travels = usize::from(driven && !closing.is_empty());
         let travel = closing.iter().map(|_| driven.then_some(0)).collect();
@@ -60,7 +61,7 @@ impl RigidUnknowns {
         Self { closing, travel, pose: free_object.then_some(travels), length, size }
     }
 
-    /// How far the rigid unknowns of `to` are from those of `from`, m per column.
+    /// Difference between the rigid unknowns of `to` and those of `from`, m per column.
     pub fn difference(&self, to: &State, from: &State) -> [f64; MAX_RIGID] {
         let mut d = [0.0; MAX_RIGID];
         for (i, column) in self.travel.iter().enumerate() {
@@ -76,13 +77,13 @@ impl RigidUnknowns {
         d
     }
 
-    /// Norm of that, m.
+    /// Norm of that difference, m.
     pub fn distance(&self, to: &State, from: &State) -> f64 {
         self.difference(to, from).iter().map(|d| d * d).sum::<f64>().sqrt()
     }
 }
 
-/// The rotation as a vector along its axis, rad; sharp also where it is tiny, which glam takes for none.
+/// Rotation as a vector along its axis, rad; sharp also where it is tiny, which glam takes for none.
 fn turn(q: DQuat) -> DVec3 {
     let (half, cosine) = (q.xyz(), q.w);
     let sine = half.length();
@@ -92,9 +93,9 @@ fn turn(q: DQuat) -> DVec3 {
 /// A Newton step: increments of every unknown.
 #[derive(Debug, Clone)]
 pub struct NewtonStep {
-    /// Per body and node, m.
+    /// Increment per body and node, m.
     pub x: Vec<Vec<DVec3>>,
-    /// Per rigid column, m.
+    /// Increment per rigid column, m.
     pub rigid: [f64; MAX_RIGID],
 }
 
@@ -112,7 +113,7 @@ impl NewtonStep {
         (pairs.map(|(a, b)| a.distance_squared(*b)).sum::<f64>() + rigid.sum::<f64>()).sqrt()
     }
 
-    /// What the step does to body `index` and to the frames it touches.
+    /// Motion of body `index`, and of the frames that it touches, in this step.
     pub fn motion<'a>(&'a self, index: usize, view: &BodyView) -> BodyMotion<'a> {
         let three = |c: usize| DVec3::new(self.rigid[c], self.rigid[c + 1], self.rigid[c + 2]);
         let pose = view.pose_column.map(|c| (three(c), three(c + 3) / view.length));
@@ -125,13 +126,13 @@ impl NewtonStep {
 /// A small motion of a body, its finger and the object.
 #[derive(Debug, Clone, Copy)]
 pub struct BodyMotion<'a> {
-    /// Of the nodes relative to the finger, m.
+    /// Motion of the nodes relative to the finger, m.
     pub x: &'a [DVec3],
-    /// Of the finger, m.
+    /// Motion of the finger, m.
     pub offset: DVec3,
-    /// Of the object's origin, m.
+    /// Motion of the object's origin, m.
     pub position: DVec3,
-    /// Of the object about its origin, rad.
+    /// Rotation of the object about its origin, rad.
     pub rotation: DVec3,
 }
 
@@ -143,7 +144,7 @@ impl BodyMotion<'_> {
 }
 
 impl State {
-    /// This state moved by `alpha * step`; rotations are updated multiplicatively.
+    /// Returns this state moved by `alpha * step`; rotations are updated multiplicatively.
     pub fn moved(&self, rigid: &RigidUnknowns, step: &NewtonStep, alpha: f64) -> State {
         let mut next = self.clone();
         for (x, d) in next.x.iter_mut().zip(&step.x) {
@@ -182,7 +183,7 @@ impl State {
         next
     }
 
-    /// What body `index` sees of the state.
+    /// View of the state from body `index`.
     pub fn view<'a>(&'a self, index: usize, rigid: &'a RigidUnknowns) -> BodyView<'a> {
         BodyView {
             x: &self.x[index],
@@ -207,24 +208,24 @@ pub struct Departure {
 }
 
 impl Departure {
-    /// From `state` of body `index`.
+    /// Creates the departure of body `index` from `state`.
     pub fn new(state: Arc<State>, index: usize, rigid: &RigidUnknowns) -> Self {
         let view = state.view(index, rigid);
         let (offset, turn) = (view.offset, view.rotation);
         Self { state, index, offset, turn }
     }
 
-    /// Where a point of the body was, relative to its finger, m.
+    /// Position of a point of the body at the departure, relative to its finger, m.
     pub fn point(&self, stencil: &Stencil) -> DVec3 {
         stencil.position(&self.state.x[self.index])
     }
 
-    /// Where it was in the object's frame, m.
+    /// Position of that point in the object's frame, m.
     pub fn in_object(&self, stencil: &Stencil) -> DVec3 {
         self.turn.transpose() * (self.point(stencil) + self.offset - self.state.position)
     }
 
-    /// Where the point `p` of the object (object frame, m) was, relative to the finger, m.
+    /// Position of the point `p` of the object (object frame, m) at the departure, relative to the finger, m.
     pub fn of_object(&self, p: DVec3) -> DVec3 {
         self.state.position + self.turn * p - self.offset
     }
@@ -243,7 +244,7 @@ pub struct BodyView<'a> {
     pub position: DVec3,
     /// Object orientation.
     pub rotation: DMat3,
-    /// Border column of the travel.
+    /// Rigid column of the travel.
     pub travel_column: Option<usize>,
     /// First rigid column of the pose.
     pub pose_column: Option<usize>,
@@ -251,7 +252,7 @@ pub struct BodyView<'a> {
     pub length: f64,
 }
 
-/// Only the object takes part, not the finger that hosts the term.
+/// Returns the view without the finger that hosts the term: only the object takes part.
 pub fn object_only<'a>(view: &BodyView<'a>) -> BodyView<'a> {
     BodyView { travel_column: None, ..*view }
 }

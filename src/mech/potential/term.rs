@@ -15,22 +15,22 @@ pub struct BodyBlock {
     pub gradient: Vec<DVec3>,
     /// Lower triangle of the body's Hessian in [`Pattern`] storage, N/m.
     pub values: Vec<f64>,
-    /// Columns of d2E / dx dborder in elimination order, one after the other, N/m.
+    /// Columns of the second derivatives of the energy in nodes and rigid unknowns, in elimination order, one after the other, N/m.
     pub coupling: Vec<f64>,
-    /// Border gradient, N.
+    /// Gradient of the rigid unknowns, N.
     pub rigid_gradient: [f64; MAX_RIGID],
-    /// Border Hessian, N/m.
+    /// Hessian of the rigid unknowns, N/m.
     pub rigid_hessian: [[f64; MAX_RIGID]; MAX_RIGID],
-    /// Sum of squares of what lagged quantities still miss, N2.
+    /// Sum of the squares of what lagged quantities still miss, N2.
     pub lag: f64,
     /// Sum of the norms of the forces that meet at the rigid unknowns (scale of the balance), N.
     pub activity: f64,
-    /// Whether Hessians are wanted; else those of the last time stay as they are.
+    /// Flag: Hessians are wanted; else those of the last time stay as they are.
     pub hessian: bool,
 }
 
 impl BodyBlock {
-    /// Zeroed storage for `body` with `columns` rigid columns.
+    /// Creates zeroed storage for `body` with `columns` rigid columns.
     pub fn new(body: &Body, columns: usize) -> Self {
         Self {
             values: vec![0.0; body.pattern().row_idx.len()],
@@ -40,7 +40,7 @@ impl BodyBlock {
         }
     }
 
-    /// Storage for gradients alone.
+    /// Creates storage for gradients alone.
     pub fn gradients(body: &Body) -> Self {
         let gradient = vec![DVec3::ZERO; body.rest.len()];
         Self {
@@ -138,7 +138,7 @@ impl BodyBlock {
         }
     }
 
-    /// The part between rigid unknowns of [`BodyBlock::add_pair`].
+    /// Adds the part of [`BodyBlock::add_pair`] between rigid unknowns.
     fn add_rigid(&mut self, view: &BodyView, pair: &Pair) {
         let (columns, count) = rigid_columns(view);
         for (i, di, wi) in &columns[..count] {
@@ -155,8 +155,8 @@ impl BodyBlock {
     }
 }
 
-/// Columns of the rigid unknowns that a point of a body and the object feel: its index, how the point moves relative to the object's along
-/// it, and how the object turns; and their number.
+/// Columns of the rigid unknowns that a point of a body and the object feel, and their number. Each column has its index, the
+/// motion of the point relative to that of the object along it, and the turn of the object.
 fn rigid_columns(view: &BodyView) -> ([(usize, DVec3, DVec3); 7], usize) {
     let mut columns = [(usize::MAX, DVec3::ZERO, DVec3::ZERO); 7];
     let mut count = 0;
@@ -181,11 +181,11 @@ fn rigid_columns(view: &BodyView) -> ([(usize, DVec3, DVec3); 7], usize) {
 /// Second derivatives `sum matrix_ij f_i f_j` in linear forms `f` of the motion of nodes and of a point of a body relative to the object.
 #[derive(Debug, Clone)]
 pub struct Form<const K: usize> {
-    /// What the motion of each node adds to each form.
+    /// Contributions of the motion of each node to each form.
     pub nodes: Vec<(u32, [DVec3; K])>,
-    /// What a motion of finger and object adds, by the relative displacement (m) that it makes.
+    /// Contributions of a motion of finger and object, by the relative displacement (m) that it makes.
     pub delta: [DVec3; K],
-    /// Symmetric.
+    /// Symmetric matrix of the second derivatives in the forms.
     pub matrix: [[f64; K]; K],
 }
 
@@ -196,16 +196,17 @@ pub struct Pair {
     pub force: DVec3,
     /// Gradient in the object's rotation (hand axes), N m.
     pub torque: DVec3,
-    /// Displacement-displacement, N/m, symmetric.
+    /// Second derivatives displacement-displacement, N/m, symmetric.
     pub dd: DMat3,
-    /// Displacement (rows) - rotation (columns), N.
+    /// Second derivatives displacement (rows) - rotation (columns), N.
     pub dw: DMat3,
-    /// Rotation-rotation, N m, symmetric.
+    /// Second derivatives rotation-rotation, N m, symmetric.
     pub ww: DMat3,
 }
 
 impl Pair {
-    /// A force alone: `force` is the gradient in the relative displacement (N), `r` the arm of the object's point (m).
+    /// Creates a pair of a force alone: `force` is the gradient in the relative displacement (N), `r` the arm of the object's
+    /// point (m).
     pub fn force(force: DVec3, r: DVec3) -> Self {
         Self { force, torque: -r.cross(force), dd: DMat3::ZERO, dw: DMat3::ZERO, ww: DMat3::ZERO }
     }
@@ -220,10 +221,10 @@ pub struct Stencil {
 }
 
 impl Stencil {
-    /// Nowhere.
+    /// Stencil of no point.
     pub const NONE: Self = Self { nodes: [0; 6], phi: [0.0; 6], len: 0 };
 
-    /// From at most six nodes and weights; weights of zero are dropped.
+    /// Creates a stencil from at most six nodes and weights; weights of zero are dropped.
     pub fn new(entries: impl Iterator<Item = (u32, f64)>) -> Self {
         let mut s = Self::NONE;
         for (node, phi) in entries.filter(|(_, phi)| *phi != 0.0).take(6) {
@@ -250,7 +251,7 @@ impl Stencil {
 
 /// Copies a term behind its trait object; every term that is `Clone` has it.
 pub trait TermClone {
-    /// A copy with the same history.
+    /// Returns a copy with the same history.
     fn boxed_clone(&self) -> Box<dyn BodyTerm>;
 }
 
@@ -266,31 +267,31 @@ pub trait BodyTerm: TermClone + Send + Sync {
     fn energy(&self, body: &Body, view: &BodyView) -> f64;
     /// Adds gradient and Hessian to `block`; refreshes lagged quantities. `project`: positive semidefinite parts only.
     fn assemble(&mut self, body: &Body, view: &BodyView, project: bool, block: &mut BodyBlock);
-    /// Adds to the gradients of `change` how the term's forces change along a small `motion` beyond what its (symmetric)
-    /// Hessian says.
+    /// Adds the change of the term's forces along a small `motion`, beyond what its (symmetric) Hessian says, to the gradients
+    /// of `change`.
     fn couple(&self, _body: &Body, _view: &BodyView, _motion: &BodyMotion, _change: &mut BodyBlock) {}
-    /// An increment begins: the next solves depart from this accepted state.
+    /// Begins an increment: the next solves depart from this accepted state.
     fn depart(&mut self, _from: &Departure) {}
-    /// A time step begins: the next solves are for its end.
+    /// Begins a time step: the next solves are for its end.
     fn begin(&mut self, _step: &TimeStep) {}
     /// A distance that every point may move before the term must be looked at again, m.
     fn clearance(&self, _body: &Body, _view: &BodyView) -> f64 {
         f64::INFINITY
     }
-    /// The increment was accepted: take over history.
+    /// Takes over the history: the increment was accepted.
     fn commit(&mut self, _body: &Body, _view: &BodyView) {}
-    /// The increment was rejected: forget what was learnt since the last commit.
+    /// Forgets what was learnt since the last commit: the increment was rejected.
     fn rollback(&mut self) {}
-    /// Whether the converged state satisfies what the term promises beyond equilibrium (no penetration); if not, the
+    /// Returns true if the converged state satisfies what the term promises beyond equilibrium (no penetration); if not, the
     /// term has strengthened itself and the solve goes on.
     fn satisfied(&mut self, _body: &Body, _view: &BodyView) -> bool {
         true
     }
-    /// Lagged quantities move by the fraction `damping` towards their goal in each assembly (1 = all the way).
+    /// Sets the fraction `damping` by which lagged quantities move towards their goal in each assembly (1 = all the way).
     fn damp(&mut self, _damping: f64) {}
-    /// Whether Hessians have all second derivatives, or leave out those that lead far from a solution astray.
+    /// Sets whether Hessians have all second derivatives, or leave out those that lead astray far from a solution.
     fn sharpen(&mut self, _sharp: bool) {}
-    /// For reading results back by type.
+    /// Returns the term for reading results back by type.
     fn as_any(&self) -> &dyn std::any::Any;
 }
 

@@ -21,8 +21,8 @@ use crate::scene::motion::HandState;
 /// A time step, as the terms see it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeStep {
-    /// Its length, s.
+    /// Length of the step, s.
     pub size: f64,
-    /// The hand at its end.
+    /// State of the hand at its end.
     pub hand: HandState,
 }

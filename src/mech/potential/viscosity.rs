@@ -9,28 +9,28 @@ use glam::DVec3;
 use std::any::Any;
 use std::sync::Arc;
 
-/// `tau / 2 h (x - x0)^T K (x - x0)` with the stiffness `K` of the gel at rest: a Kelvin-Voigt solid whose stress is
+/// Energy `tau / 2 h (x - x0)^T K (x - x0)` with the stiffness `K` of the gel at rest: a Kelvin-Voigt solid whose stress is
 /// `C (strain + tau rate)` for small strains. Nodes are relative to their finger, so moving the hand costs nothing.
 #[derive(Debug, Clone)]
 pub struct Viscosity {
-    /// s.
+    /// Retardation time, s.
     tau: f64,
     /// Lower triangle of K in the body's pattern, N/m.
     stiffness: Arc<[f64]>,
-    /// At the last accepted state, m.
+    /// Node positions at the last accepted state, m.
     last: Vec<DVec3>,
     size: f64,
 }
 
 impl Viscosity {
-    /// Of a gel with retardation time `tau`, s, at rest at positions `x` (m).
+    /// Creates the viscosity of a gel with retardation time `tau`, s, at rest at positions `x` (m).
     pub fn new(body: &Body, tau: f64, x: &[DVec3]) -> Self {
         let mut values = vec![0.0; body.pattern().row_idx.len()];
         body.add_stiffness(&body.rest, true, &mut vec![DVec3::ZERO; body.rest.len()], &mut values);
         Self { tau, stiffness: values.into(), last: x.to_vec(), size: 1.0 }
     }
 
-    /// `K (x - x0)` and `x - x0` by unknown.
+    /// Computes `K (x - x0)` and `x - x0` by unknown.
     fn product(&self, body: &Body, x: &[DVec3]) -> (Vec<f64>, Vec<f64>) {
         let pattern = body.pattern();
         let mut moved = vec![0.0; pattern.unknowns()];

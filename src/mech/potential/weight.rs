@@ -6,17 +6,17 @@ use crate::mech::body::Body;
 use glam::{DMat3, DVec3};
 use std::any::Any;
 
-/// A dead load at the object's centre of mass: potential `-f . c`. Belongs to one body of the solver, whichever, because
-/// the rigid unknowns are assembled with the bodies. A support carries as much of it as it has not handed over yet.
+/// Dead load at the object's centre of mass: potential `-f . c`. It belongs to one body of the solver, whichever, because the
+/// rigid unknowns are assembled with the bodies. A support carries as much of it as it has not handed over yet.
 #[derive(Debug, Clone, Copy)]
 pub struct Weight {
     /// Weight, N, hand frame.
     pub force: DVec3,
     /// Centre of mass in the object frame, m.
     pub center: DVec3,
-    /// Where it is at the start, hand frame, m: the potential counts from there, which keeps its digits.
+    /// Centre of mass at the start, hand frame, m: the potential counts from there, which keeps its digits.
     pub start: DVec3,
-    /// Part of it that the support has handed over.
+    /// Part of the weight that the support has handed over.
     part: f64,
 }
 
@@ -26,17 +26,17 @@ impl Weight {
         Self { force, center, start, part: 1.0 }
     }
 
-    /// The same object under another load.
+    /// Returns the weight of this object under another load.
     pub fn with_force(&self, force: DVec3) -> Self {
         Self { force, ..*self }
     }
 
-    /// The same of which the support has handed over a part.
+    /// Returns this weight with the part that the support has handed over.
     pub fn handed_over(&self, part: f64) -> Self {
         Self { part, ..*self }
     }
 
-    /// What the pads have to hold, N.
+    /// Part of the weight that the pads have to hold, N.
     fn hanging(&self) -> DVec3 {
         self.force * self.part
     }

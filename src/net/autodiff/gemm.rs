@@ -4,7 +4,7 @@
 use super::real::Real;
 use gemm::{Parallelism, gemm};
 
-/// `out (m x n) = keep * out + a (m x k) * b (k x n)`; `transposed` says which of `a` and `b` are stored transposed.
+/// Computes `out (m x n) = keep * out + a (m x k) * b (k x n)`; `transposed` says which of `a` and `b` are stored transposed.
 pub fn product<T: Real>(
     (m, k, n): (usize, usize, usize),
     keep: bool,

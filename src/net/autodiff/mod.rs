@@ -1,4 +1,4 @@
-//! Differentiation of the network: a tape, and operations with a forward and a backward kernel each.
+//! Differentiation of the network: a tape, and operations with one forward and one backward kernel each.
 
 mod gemm;
 pub mod ops;

@@ -1,21 +1,21 @@
-//! The numbers that a network computes with: f32 in use, f64 where gradients are checked.
+//! Number types that a network computes with: f32 in use, f64 where gradients are checked.
 
 use super::tape::Matrix;
 use dfdx::prelude::Dtype;
 
-/// A floating-point number.
+/// Floating-point number.
 pub trait Real: Dtype + From<f32> + std::ops::Neg<Output = Self> + std::iter::Sum {
-    /// `x` itself.
+    /// Converts `x` exactly.
     fn of(x: f32) -> Self;
-    /// The nearest f64.
+    /// Returns the nearest f64.
     fn f64(self) -> f64;
-    /// The nearest number to `x`.
+    /// Returns the nearest number to `x`.
     fn nearest(x: f64) -> Self;
-    /// A matrix of f32 as one of these.
+    /// Converts a matrix of f32.
     fn matrix(x: &Matrix) -> Matrix<Self>;
-    /// Square root.
+    /// Returns the square root.
     fn sqrt(self) -> Self;
-    /// Exponential.
+    /// Returns the exponential.
     fn exp(self) -> Self;
 }
 

@@ -1,15 +1,15 @@
 //! Matrices on a dfdx tape. Every operation of the network records its own backward kernel here.
 //!
-//! dfdx keeps the tape and the gradients; a [`Matrix`] shares its numbers, so that kernels read them as a slice without a
-//! copy, and carries an empty dfdx tensor, which is its name among the gradients. There is one tape per pass, owned by
-//! [`Tape`] and never by a tensor: no operation can end up on a tape that nobody runs backwards.
+//! dfdx keeps the tape and the gradients. A [`Matrix`] shares its numbers, so that kernels read them as a slice without a copy; it
+//! carries an empty dfdx tensor, which is its name among the gradients. There is one tape per pass, owned by [`Tape`] and never by
+//! a tensor: no operation can end up on a tape that is never run backwards.
 
 use super::real::Real;
 use dfdx::prelude::{Backward, Cpu, Gradients, OwnedTape, PutTape, Tape as _, Tensor, TensorFromVec};
 use std::cell::RefCell;
 use std::sync::Arc;
 
-/// A dense matrix, row-major.
+/// Dense matrix, row-major.
 #[derive(Debug, Clone)]
 pub struct Matrix<T: Real = f32> {
     /// Number of rows.
@@ -22,33 +22,33 @@ pub struct Matrix<T: Real = f32> {
 }
 
 impl<T: Real> Matrix<T> {
-    /// A matrix that no gradient is wanted of.
+    /// Creates a matrix without a gradient.
     pub fn constant(rows: usize, cols: usize, value: Vec<T>) -> Self {
         assert_eq!(value.len(), rows * cols, "a matrix holds rows x cols numbers");
         Self { rows, cols, value: Arc::new(value), name: name(cols), tracked: false }
     }
 
-    /// A matrix that gradients are wanted of.
+    /// Creates a matrix with a gradient.
     pub fn parameter(rows: usize, cols: usize, value: Vec<T>) -> Self {
         Self { tracked: true, ..Self::constant(rows, cols, value) }
     }
 
-    /// Its numbers.
+    /// Returns its numbers.
     pub fn value(&self) -> &[T] {
         &self.value
     }
 
-    /// Its numbers, to change; it stays the same matrix to the tape.
+    /// Returns its numbers, to change; for the tape it stays the same matrix.
     pub fn value_mut(&mut self) -> &mut Vec<T> {
         Arc::make_mut(&mut self.value)
     }
 
-    /// Whether a gradient reaches it.
+    /// Returns true if a gradient reaches it.
     pub fn tracked(&self) -> bool {
         self.tracked
     }
 
-    /// The same numbers in another shape: rows one after the other.
+    /// Returns the same numbers in another shape: rows one after the other.
     pub(crate) fn shaped(&self, rows: usize, cols: usize, tracked: bool) -> Self {
         assert_eq!(rows * cols, self.rows * self.cols, "a reshaped matrix keeps its numbers");
         Self { rows, cols, value: self.value.clone(), name: name(cols), tracked }
@@ -60,11 +60,11 @@ fn name<T: Real>(cols: usize) -> Tensor<(usize, usize), T, Cpu> {
     DEVICE.with(|device| device.tensor_from_vec(Vec::new(), (0, cols)))
 }
 
-/// The gradients of a pass.
+/// Gradients of a pass.
 pub struct Grads<'a, T: Real = f32>(&'a mut Gradients<T, Cpu>);
 
 impl<T: Real> Grads<'_, T> {
-    /// The gradient of `matrix`, to add to; None if none is wanted.
+    /// Returns the gradient of `matrix`, to add to; None if it has none.
     pub fn of(&mut self, matrix: &Matrix<T>) -> Option<&mut [T]> {
         if !matrix.tracked {
             return None;
@@ -76,26 +76,26 @@ impl<T: Real> Grads<'_, T> {
     }
 }
 
-/// What a pass records.
+/// Record of a pass.
 pub struct Tape<T: Real = f32>(Option<RefCell<OwnedTape<T, Cpu>>>);
 
 impl<T: Real> Tape<T> {
-    /// For training: operations are recorded.
+    /// Creates a tape for training, which records operations.
     pub fn recording() -> Self {
         Self(Some(RefCell::default()))
     }
 
-    /// For inference: nothing is recorded.
+    /// Creates a tape for inference, which records nothing.
     pub fn silent() -> Self {
         Self(None)
     }
 
-    /// Whether the result of an operation on `inputs` has a gradient.
+    /// Returns true if the result of an operation on `inputs` has a gradient.
     pub fn tracks(&self, inputs: &[&Matrix<T>]) -> bool {
         self.0.is_some() && inputs.iter().any(|m| m.tracked)
     }
 
-    /// The result of an operation on `inputs`. `backward` gets the gradient of the result and adds to those of the inputs.
+    /// Returns the result of an operation on `inputs`. `backward` gets the gradient of the result and adds to those of the inputs.
     pub fn result(
         &self,
         inputs: &[&Matrix<T>],
@@ -108,7 +108,7 @@ impl<T: Real> Tape<T> {
         out
     }
 
-    /// Records how the gradient of `out` goes on.
+    /// Records how the gradient of `out` is passed on.
     pub(crate) fn record(&self, out: &Matrix<T>, backward: impl FnOnce(&mut Grads<T>, &[T]) + 'static) {
         let (Some(tape), true) = (&self.0, out.tracked) else { return };
         let name = out.name.clone();
@@ -122,7 +122,7 @@ impl<T: Real> Tape<T> {
         });
     }
 
-    /// Gradients of the 1 x 1 matrix `loss` with respect to `parameters`, in their order; zeros where none arrived.
+    /// Returns the gradients of the 1 x 1 matrix `loss` with respect to `parameters`, in their order; zeros where none arrived.
     pub fn backward(self, loss: &Matrix<T>, parameters: &[Matrix<T>]) -> Vec<Vec<T>> {
         let mut tape = self.0.map(RefCell::into_inner).unwrap_or_default();
         let name = loss.name.clone();

@@ -1,4 +1,4 @@
-//! What a network reads and answers for one grasp, as plain arrays (`.npz`): a second implementation checks itself on them.
+//! Inputs and answers of a network for one grasp, as plain arrays (`.npz`), against which a second implementation can be checked.
 //!
 //! Inputs are normalised, answers in the network's units; rows as in [`crate::net::features`] and [`crate::net::network::NetworkOutput`].
 //! A sparse map NAME is `NAME_at` (entries, 2: row, column) and `NAME_weight`; edges are (edges, 2: sender, receiver).
@@ -40,8 +40,9 @@ impl Arrays {
         self.indices.extend(Array2::from_shape_vec((pairs.len(), 2), flat).map(|a| (name.to_string(), a)));
     }
 
-    /// Of every level: force and moment of each component of contact and what each pull and twist adds to it
-    /// (levels * 6, contact), from what is out of balance to these (levels * 6, 6), and what is carried (levels, 6).
+    /// Adds the balance of every level: force and moment of each component of contact and the contribution of each pull and twist
+    /// to it (levels * 6, contact), the inverse from what is out of balance to these (levels * 6, 6), and the load carried (levels,
+    /// 6).
     fn balances(&mut self, balances: &[Arc<ObjectBalance>]) {
         let by_component = |of: &dyn Fn(&ObjectBalance, usize) -> [[f32; EQUATIONS]; 3]| {
             let row =
@@ -69,10 +70,10 @@ impl Arrays {
     }
 }
 
-/// Writes what `predictor` reads and answers for the grasp of `sample` at its forces.
+/// Writes the inputs and answers of `predictor` for the grasp of `sample` at its forces.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// Fails if the file cannot be written.
 pub fn write(path: &Path, predictor: &Predictor, sample: &Sample) -> Result<()> {
     let (f, n) = (&sample.features, &predictor.card.normalisers);
     let inputs = Inputs { features: f, normalisers: n, mirror: (false, false) };

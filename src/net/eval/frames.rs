@@ -13,11 +13,11 @@ use crate::world::components::ObjectPose;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Frames `wanted` of `grasp` as finite elements found them, and as `predictor` sees them from first contact; `model` is
-/// that of `file`.
+/// Returns the frames `wanted` of `grasp` as finite elements found them, and as `predictor` sees them from first contact; `model`
+/// is that of `file`.
 ///
 /// # Errors
-/// First contact that can no longer be found, numbers that are not finite.
+/// Fails if first contact can no longer be found, and if predicted numbers are not finite.
 pub fn both(
     file: &ObjectFile,
     model: &Arc<Model>,
@@ -39,7 +39,7 @@ pub fn both(
     Ok([truth, predicted])
 }
 
-/// The prediction as a frame of the hand frame.
+/// Returns the prediction as a frame in the hand frame.
 fn predicted(file: &ObjectFile, truth: &Frame, grasp: &StoredGrasp, states: &[PadState], object: ObjectPose) -> Frame {
     let pads = file.sizes.pads;
     let pad = |(i, state): (usize, &PadState)| {

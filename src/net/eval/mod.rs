@@ -1,4 +1,4 @@
-//! How wrong a trained model is on grasps that it has not seen.
+//! Errors of a trained model on grasps that it has not seen.
 
 pub mod dump;
 pub mod frames;
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::time::Instant;
 
-/// Errors of one frame of one grasp, over both pads. Relative ones are of the field's L2 norm in that frame.
+/// Errors of one frame of one grasp, over both pads. Relative errors are relative to the field's L2 norm in that frame.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FrameError {
     /// Name of the object.
@@ -27,7 +27,7 @@ pub struct FrameError {
     pub grasp: usize,
     /// Number of the frame.
     pub frame: usize,
-    /// Force per finger, N, and over that of the last frame.
+    /// Force per finger, N.
     pub force_n: f64,
     /// Force over that of the last frame.
     pub load: f64,
@@ -45,7 +45,7 @@ pub struct FrameError {
     pub contact_force: f64,
     /// Travel, mean over the fingers, relative.
     pub travel: f64,
-    /// The same, mm.
+    /// Travel, mean over the fingers, mm.
     pub travel_mm: f64,
     /// Translation of the object, mm.
     pub object_mm: f64,
@@ -53,7 +53,7 @@ pub struct FrameError {
     pub object_deg: f64,
 }
 
-/// What the last frame of a grasp is ranked by.
+/// Quantities of the last frame by which grasps are ranked.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Peak {
     /// Largest nodal stress, Pa.
@@ -62,10 +62,10 @@ pub struct Peak {
     pub displacement: f64,
 }
 
-/// A judged grasp.
+/// Judgement of a grasp.
 #[derive(Debug, Clone)]
 pub struct Judged {
-    /// One per frame.
+    /// Errors, one entry per frame.
     pub frames: Vec<FrameError>,
     /// Truth and prediction at the last frame.
     pub peaks: [Peak; 2],
@@ -76,16 +76,16 @@ pub struct Judged {
 /// Judges `predictor` on the test grasps of `split`.
 ///
 /// # Errors
-/// Data that cannot be read, or lies outside what the model was trained on.
+/// Fails if data cannot be read, or lies outside the range that the model was trained on.
 pub fn judge(set: &DataSet, predictor: &Predictor, split: &str) -> Result<Vec<Judged>> {
     let samples = test_grasps(set, predictor, split)?;
     samples.par_iter().map(|sample| interrupt::check().and_then(|()| judge_grasp(predictor, sample))).collect()
 }
 
-/// The test grasps of `split`.
+/// Reads the test grasps of `split`.
 ///
 /// # Errors
-/// Those of [`judge`].
+/// Fails as [`judge`] does.
 pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str) -> Result<Vec<Sample>> {
     let sets = data::split(&set.splits, split)?;
     for object in &set.objects {
@@ -120,7 +120,7 @@ fn peak<'a>(u: impl Iterator<Item = &'a DVec3>, s: impl Iterator<Item = &'a f64>
     Peak { stress: s.copied().fold(0.0, f64::max), displacement: u.map(|u| u.length()).fold(0.0, f64::max) }
 }
 
-/// Displacement and stress that FEM found, all pads, level `k`.
+/// Returns displacement and stress that FEM found, all pads, level `k`.
 fn truth(sample: &Sample, k: usize) -> (Vec<DVec3>, Vec<f64>) {
     let n = sample.stress.len() / sample.forces.len();
     let vectors = sample.displacement[3 * k * n..3 * (k + 1) * n].as_chunks::<3>().0;

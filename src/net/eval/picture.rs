@@ -1,4 +1,4 @@
-//! Truth above prediction, on the same colour scales.
+//! Pictures of truth above prediction, on the same colour scales.
 
 use crate::dataset::ObjectFile;
 use crate::error::{Error, Result};
@@ -6,10 +6,10 @@ use crate::record::Frame;
 use crate::render::{Pixmap, Scalar, Style, WIDTH, render_pads};
 use tiny_skia::{PixmapPaint, Transform};
 
-/// Draws a frame of grasp `number` and what was predicted for it.
+/// Draws a frame of grasp `number` and its prediction.
 ///
 /// # Errors
-/// Those of drawing.
+/// Fails if the frame cannot be drawn.
 pub fn draw(file: &ObjectFile, number: usize, truth: &Frame, predicted: &Frame) -> Result<Pixmap> {
     let topologies = vec![file.pad.clone(); file.sizes.pads];
     let range = |scalar: Scalar| {

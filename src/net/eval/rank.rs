@@ -1,6 +1,6 @@
 //! Rank correlation.
 
-/// Kendall's tau-b (Kendall 1945) of two lists of equal length: 1 same order, -1 opposite, 0 for lists without order.
+/// Computes Kendall's tau-b (Kendall 1945) of two lists of equal length: 1 same order, -1 opposite, 0 for lists without order.
 pub fn kendall(a: &[f64], b: &[f64]) -> f64 {
     let (mut agree, mut pairs_a, mut pairs_b) = (0.0, 0.0, 0.0);
     for i in 0..a.len() {

@@ -6,11 +6,11 @@ use crate::stats::Spread;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Frames below this part of the last force are left out of the tables that do not go by load: next to nothing is
-/// deformed there, and relative errors say little.
+/// Part of the last force below which frames are left out of the tables that do not go by load: deformation is almost zero there,
+/// and relative errors say little.
 pub const FROM_LOAD: f64 = 0.2;
 
-/// One quantity over one group of frames.
+/// Error of one quantity over one group of frames.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ErrorRow {
     /// Split that was judged.
@@ -23,13 +23,13 @@ pub struct ErrorRow {
     pub median: f64,
     /// 90th percentile.
     pub p90: f64,
-    /// Largest.
+    /// Largest value.
     pub worst: f64,
-    /// Frames.
+    /// Number of frames.
     pub samples: usize,
 }
 
-/// A quantity and how to get it.
+/// Quantity and the function that reads it.
 type Quantity = (&'static str, fn(&FrameError) -> f64);
 
 const QUANTITIES: [Quantity; 10] = [
@@ -45,7 +45,7 @@ const QUANTITIES: [Quantity; 10] = [
     ("object_deg", |e| e.object_deg),
 ];
 
-/// All rows of a split.
+/// Returns all rows of a split.
 pub fn rows(split: &str, judged: &[Judged]) -> Vec<ErrorRow> {
     let frames: Vec<&FrameError> = judged.iter().flat_map(|j| &j.frames).collect();
     let mut groups: BTreeMap<(u8, String), Vec<&FrameError>> = BTreeMap::new();
@@ -78,7 +78,7 @@ pub fn rows(split: &str, judged: &[Judged]) -> Vec<ErrorRow> {
     groups.iter().flat_map(row).collect()
 }
 
-/// Kendall's tau of the grasps by peak stress and by peak displacement of their last frame.
+/// Returns Kendall's tau of the grasps by peak stress and by peak displacement of their last frame.
 pub fn ranks(judged: &[Judged]) -> (f64, f64) {
     let list =
         |which: usize, pick: fn(&super::Peak) -> f64| judged.iter().map(|j| pick(&j.peaks[which])).collect::<Vec<_>>();

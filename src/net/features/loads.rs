@@ -1,4 +1,4 @@
-//! What the network sees of a load: the equilibrium at rest under it, and the contact forces that settle node by node.
+//! Features of a load: the equilibrium at rest under it, and the contact forces that settle node by node.
 
 use super::GraspFeatures;
 use super::Parity::{self, Even, X, XY, Y};
@@ -10,29 +10,29 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Features of a node at a load. From the equilibrium: pressed over depth (negative is a gap), pressed, share of the force,
-/// displacement over depth. Settled: share of the force, how much of that acts along the
-/// face, and the linear response over depth.
+/// Features of a node at a load. Features of the equilibrium: pressed over depth (negative is a gap), pressed, share of the force,
+/// displacement over depth. Features of the settled gel: share of the force, the part of it that acts along the face, and the
+/// linear response over depth.
 pub const NODE_LOAD: [Parity; 12] = [Even, Even, Even, X, Y, Even, Even, X, Y, X, Y, Even];
-/// Features of a pad at a load: logarithm and cube root of the force, depth, touching area, centre of pressure, pull along
-/// the face and twist over the force, travel over depth, what settling adds to it, motion of the object over depth.
+/// Features of a pad at a load: logarithm and cube root of the force, depth, touching area, centre of pressure, pull along the face
+/// and twist over the force, travel over depth, the travel that settling adds, motion of the object over depth.
 pub const PAD_LOAD: [Parity; 17] = [Even, Even, Even, Even, X, Y, X, Y, XY, Even, Even, X, Y, Even, Y, X, XY];
 
 /// Share of the force below which a node hardly touches.
 const FAINT: f64 = 1e-3;
-/// Most that a force acts along the face, over what it presses: of a wall that stands on the face it would have no bound.
+/// Largest force along the face over the pressing force: for a wall that stands on the face it would have no bound.
 const STEEPEST: f64 = 3.0;
 
-/// What the network sees of some load levels of a grasp; levels one after the other, then pads, then nodes.
+/// Features of some load levels of a grasp; levels one after the other, then pads, then nodes.
 #[derive(Debug, Clone, Default)]
 pub struct LoadFeatures {
-    /// (levels * pads * face nodes, [`NODE_LOAD`]).
+    /// Features of nodes (levels * pads * face nodes, [`NODE_LOAD`]).
     pub node: Vec<f32>,
-    /// (levels * pads, [`PAD_LOAD`]).
+    /// Features of pads (levels * pads, [`PAD_LOAD`]).
     pub pad: Vec<f32>,
     /// Force per finger over `E t^2`: (levels).
     pub force: Vec<f64>,
-    /// What each pad presses with over `E t^2`: (levels * pads).
+    /// Pressing force of each pad over `E t^2`: (levels * pads).
     pub pressing: Vec<f64>,
     /// Mean displacement where the force acts, m: (levels * pads).
     pub depth: Vec<f64>,
@@ -40,12 +40,12 @@ pub struct LoadFeatures {
     pub travel: Vec<f64>,
     /// Motion of the object in the equilibrium, m and rad, axes of each pad: (levels * pads, 6).
     pub motion: Vec<f64>,
-    /// Of a free object between two pads: (levels), none otherwise.
+    /// Balances of a free object between two pads: (levels); empty otherwise.
     pub balance: Vec<Arc<ObjectBalance>>,
 }
 
 impl LoadFeatures {
-    /// Those of the levels that `wanted` numbers.
+    /// Returns the features of the levels that `wanted` numbers.
     pub fn levels(&self, wanted: &[usize]) -> Self {
         let count = self.force.len();
         Self {
@@ -60,29 +60,29 @@ impl LoadFeatures {
         }
     }
 
-    /// What presses over `E t^2` over depth over thickness: (levels * pads).
+    /// Returns the pressing force over `E t^2` over depth over thickness: (levels * pads).
     pub fn scale(&self, features: &GraspFeatures) -> Vec<f32> {
         let t = features.graph.thickness;
         self.pressing.iter().zip(&self.depth).map(|(force, depth)| (force * t / depth) as f32).collect()
     }
 }
 
-/// A pad whose gel has settled under a load; of each face node, over the thickness and `E t^2`.
+/// Pad whose gel has settled under a load; values of each face node, over the thickness and `E t^2`.
 struct Settled {
-    /// What the equilibrium asks for.
+    /// State of each node that the equilibrium asks for.
     touching: Vec<Touching>,
-    /// How it gives to the forces of the equilibrium.
+    /// Displacement under the forces of the equilibrium.
     moved: Vec<DVec3>,
     /// Settled force.
     force: Vec<DVec3>,
-    /// How much farther the pad must be closed for these forces.
+    /// Additional closing of the pad for these forces.
     closer: f64,
-    /// How it gives to them.
+    /// Displacement under the settled forces.
     given: Vec<DVec3>,
 }
 
 impl GraspFeatures {
-    /// The features at loads given as force per finger, N.
+    /// Computes the features at loads given as force per finger, N.
     pub fn loads(&self, forces: &[f64]) -> LoadFeatures {
         let t = self.graph.thickness;
         let mut loads = LoadFeatures::default();
@@ -106,7 +106,7 @@ impl GraspFeatures {
         loads
     }
 
-    /// What the gel of pad `p` makes of the forces of the equilibrium.
+    /// Settles the gel of pad `p` under the forces of the equilibrium.
     fn settled(&self, p: usize, rests: &[Rest]) -> Vec<Settled> {
         let graph = &self.graph;
         let count = graph.face.len();
@@ -130,7 +130,7 @@ impl GraspFeatures {
             .collect()
     }
 
-    /// Where the forces of pad `p` act.
+    /// Returns the places at which the forces of pad `p` act.
     fn pressed(&self, p: usize, force: f64, rest: &Rest, gel: &Settled) -> Pressed {
         let places =
             self.graph.rest.iter().zip(&gel.given).map(|(at, moved)| self.equilibrium.place(p, *at, *moved, rest));

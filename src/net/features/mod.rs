@@ -1,8 +1,8 @@
-//! What the network sees of a grasp. The one place where features are made, for training and inference alike.
+//! Features of a grasp. Only this module makes features, for training and inference alike.
 //!
-//! All numbers are dimensionless: lengths over the pad's thickness t, forces over `E t^2`, stresses over E; quasi-static
-//! elasticity knows no other scale, so modulus and thickness need not be learnt. Every pad looks at the world from its own
-//! frame. Each feature says how it changes when the scene is mirrored (x -> -x or y -> -y of the pad): see [`Parity`].
+//! All numbers are dimensionless: lengths over the pad's thickness t, forces over `E t^2`, stresses over E; quasi-static elasticity
+//! knows no other scale, so modulus and thickness need not be learnt. The features of every pad are in its own frame. Each feature
+//! says how it changes when the scene is mirrored (x -> -x or y -> -y of the pad): see [`Parity`].
 
 pub mod loads;
 pub mod normalise;
@@ -21,18 +21,18 @@ use std::sync::Arc;
 /// Signs under x -> -x and y -> -y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parity {
-    /// Neither changes it.
+    /// No change under either mirror.
     Even,
-    /// Changes sign with x.
+    /// Change of sign with x.
     X,
-    /// Changes sign with y.
+    /// Change of sign with y.
     Y,
-    /// Changes sign with either.
+    /// Change of sign with either.
     XY,
 }
 
 impl Parity {
-    /// Sign under the mirrors `x` and `y`.
+    /// Returns the sign under the mirrors `x` and `y`.
     pub fn sign(self, (x, y): (bool, bool)) -> f32 {
         let flips = match self {
             Parity::Even => false,
@@ -46,12 +46,12 @@ impl Parity {
 
 use Parity::{Even, X, XY, Y};
 
-/// Of a vector: (x, y, z).
+/// Parities of a vector: (x, y, z).
 pub const VECTOR: [Parity; 3] = [X, Y, Even];
-/// Of a rotation vector: a mirror turns around what lies in it.
+/// Parities of a rotation vector: a mirror reverses the components that lie in it.
 pub const ROTATION: [Parity; 3] = [Y, X, XY];
 
-/// Raised whenever a feature changes its meaning: a network reads only those that it was trained on.
+/// Version of the features. It is raised whenever a feature changes its meaning: a network reads only the features of its training.
 pub const VERSION: u32 = 3;
 
 /// Features of a face node: x, y; three gap scales and the gap; object normal where the finger meets it; the object's
@@ -62,42 +62,42 @@ pub const NODE: [Parity; 21] =
 pub const EDGE: [Parity; 4] = [X, Y, Even, Even];
 /// Features of a pad: Poisson's ratio, friction, the object's weight on it.
 pub const PAD: [Parity; 5] = [Even, Even, X, Y, Even];
-/// How far the undeformed pad is closed into the object, over its thickness.
+/// Depths to which the undeformed pad is closed into the object, over its thickness.
 const DEPTHS: [f64; 3] = [0.0, 0.25, 0.6];
-/// Gaps beyond this many thicknesses are all the same to the pad.
+/// Gap over the thickness, beyond which all gaps look the same to the pad.
 const FAR: f64 = 2.5;
 /// Lengths over which a gap fades, over the thickness.
 const FADES: [f64; 3] = [0.05, 0.2, 0.8];
 
-/// A grasp as the network sees it; pads one after the other, left first.
+/// Features of a grasp; pads one after the other, left first.
 #[derive(Debug, Clone)]
 pub struct GraspFeatures {
-    /// The pad's graph; both pads are alike.
+    /// Graph of a pad; both pads are alike.
     pub graph: Arc<PadGraph>,
     /// Number of pads.
     pub pads: usize,
-    /// (pads * face nodes, [`NODE`]).
+    /// Features of nodes (pads * face nodes, [`NODE`]).
     pub node: Vec<f32>,
-    /// (pads * edges, [`EDGE`]).
+    /// Features of edges (pads * edges, [`EDGE`]).
     pub edge: Vec<f32>,
-    /// (pads, [`PAD`]).
+    /// Features of pads (pads, [`PAD`]).
     pub pad: Vec<f32>,
-    /// Mean over the face of each pad: (pads, pads * face nodes).
+    /// Matrix of the mean over the face of each pad: (pads, pads * face nodes).
     pub mean: Arc<Sparse>,
-    /// Mean weighted by nearness to the object.
+    /// Matrix of the mean weighted by nearness to the object.
     pub near: Arc<Sparse>,
-    /// The whole pads and the object, for a network that passes messages there.
+    /// Graph of the whole pads and the object, for a network that passes messages there.
     pub volume: Option<Arc<Volume>>,
     /// Young's modulus, Pa.
     pub young: f64,
-    /// The grasp on pads that give linearly.
+    /// Equilibrium of the grasp on pads with a linear response.
     pub equilibrium: Arc<RigidEquilibrium>,
-    /// From hand axes to those of each pad.
+    /// Rotations from hand axes to those of each pad.
     pub to_pad: Vec<DMat3>,
 }
 
 impl GraspFeatures {
-    /// The features of a grasp of `model` at first contact.
+    /// Computes the features of a grasp of `model` at first contact.
     pub fn new(model: &Model, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Self {
         let (t, n, pads) = (graph.thickness, graph.face.len(), model.fingers.len());
         let moduli = model.material.moduli();
@@ -156,18 +156,18 @@ impl GraspFeatures {
         }
     }
 
-    /// The force that the network measures in, N.
+    /// Returns the unit of force of the network, N.
     pub fn unit_force(&self) -> f64 {
         self.young * self.graph.thickness.powi(2)
     }
 }
 
-/// The object as a pad sees it.
+/// View of the object from a pad.
 struct View<'a> {
     model: &'a Model,
     inverse: DMat3,
     position: DVec3,
-    /// From the object frame to the pad frame.
+    /// Rotation from the object frame to the pad frame.
     to_pad: DMat3,
     /// Closing direction in the object frame.
     closing: DVec3,
@@ -185,13 +185,13 @@ impl<'a> View<'a> {
         self.inverse * (x - self.position)
     }
 
-    /// Signed distance, m, and normal in the pad frame.
+    /// Returns signed distance, m, and normal in the pad frame.
     fn look(&self, at: DVec3) -> (f64, DVec3) {
         let closest = self.model.object.distance.closest(at, f64::INFINITY);
         closest.map_or((f64::MAX, DVec3::ZERO), |c| (c.distance, self.to_pad * c.normal))
     }
 
-    /// Way along the closing direction to the object, at most `far`, m (sphere tracing, Hart 1996).
+    /// Returns the way along the closing direction to the object, at most `far`, m (sphere tracing, Hart 1996).
     fn gap(&self, from: DVec3, far: f64) -> f64 {
         let distance = |t: f64| self.model.object.distance.distance(from + self.closing * t);
         let mut t = 0.0;
@@ -207,7 +207,7 @@ impl<'a> View<'a> {
     }
 }
 
-/// Those of `count` equal rows that `wanted` numbers.
+/// Returns the rows that `wanted` numbers, out of `count` equal ones.
 pub(crate) fn rows<T: Copy>(all: &[T], count: usize, wanted: &[usize]) -> Vec<T> {
     let width = all.len() / count;
     wanted.iter().flat_map(|l| &all[l * width..(l + 1) * width]).copied().collect()

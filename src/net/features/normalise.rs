@@ -1,14 +1,14 @@
-//! Brings features to mean 0 and variance 1, with the statistics of the training set only, and holds them within what was seen in
-//! training: what a network makes of numbers that it never met may be off by orders of magnitude.
+//! Normalisation of features to mean 0 and variance 1, with the statistics of the training set only. Features are also held within
+//! the bounds of the training: the answer of a network to numbers that it never met may be off by orders of magnitude.
 
 use super::Parity;
 use serde::{Deserialize, Serialize};
 
-/// No number of a card is larger.
+/// Largest number that a card may hold.
 pub(crate) const MOST: f64 = 1e30;
 
-/// Deviation of a feature below which its changes are not magnified: features are dimensionless, and what hardly varies in a
-/// training set would else make a network wild where it does.
+/// Deviation of a feature below which its changes are not magnified. Features are dimensionless; a feature that hardly varies in a
+/// training set would otherwise make a network unstable where it does vary.
 const SMALL: f64 = 1e-3;
 
 /// Mean, scale and extremes of each column.
@@ -17,11 +17,11 @@ const SMALL: f64 = 1e-3;
 pub struct Normaliser {
     mean: Vec<f32>,
     scale: Vec<f32>,
-    /// Smallest and largest.
+    /// Smallest and largest value.
     seen: Vec<[f32; 2]>,
 }
 
-/// A normaliser in a card; in those of earlier times columns have no bounds.
+/// Stored form of a normaliser in a card; columns of older cards have no bounds.
 #[derive(Deserialize)]
 struct Stored {
     mean: Vec<f32>,
@@ -38,7 +38,7 @@ impl From<Stored> for Normaliser {
 }
 
 impl Normaliser {
-    /// From the rows of a training set. A column that changes sign in a mirror has mean zero, so that mirroring commutes.
+    /// Fits the rows of a training set. A column that changes sign in a mirror has mean zero, so that mirroring commutes.
     pub fn fit<'a>(sets: impl Iterator<Item = &'a [f32]> + Clone, parity: &[Parity]) -> Self {
         let all = sets.clone();
         let cols = parity.len();
@@ -61,7 +61,7 @@ impl Normaliser {
         Self { mean, scale, seen: Vec::new() }.reaching(all, parity)
     }
 
-    /// The same, with rows of these sets within its bounds, too. Those of a column that changes sign in a mirror are symmetric.
+    /// Extends the bounds to the rows of these sets. The bounds of a column that changes sign in a mirror are symmetric.
     pub fn reaching<'a>(mut self, sets: impl Iterator<Item = &'a [f32]>, parity: &[Parity]) -> Self {
         self.seen.resize(parity.len(), [f32::INFINITY, f32::NEG_INFINITY]);
         for row in sets.flat_map(|s| s.chunks_exact(parity.len())) {
@@ -74,7 +74,7 @@ impl Normaliser {
         self
     }
 
-    /// Whether it is such as training gives for `cols` columns of the field `name`; else what is wrong.
+    /// Checks that training can give such values for `cols` columns of the field `name`. The error says what is wrong.
     pub(crate) fn check(&self, name: &str, cols: usize) -> Result<(), String> {
         let lengths = [self.mean.len(), self.scale.len(), self.seen.len()];
         if lengths != [cols; 3] {
@@ -98,7 +98,7 @@ impl Normaliser {
         }
     }
 
-    /// Normalised rows, mirrored first.
+    /// Returns normalised rows, mirrored first.
     pub fn apply(&self, rows: &[f32], parity: &[Parity], mirror: (bool, bool)) -> Vec<f32> {
         let column = |c: usize| (parity[c].sign(mirror), self.seen[c], self.mean[c], self.scale[c]);
         let columns: Vec<_> = (0..parity.len()).map(column).collect();
@@ -107,7 +107,7 @@ impl Normaliser {
         rows.chunks_exact(parity.len().max(1)).flat_map(row).collect()
     }
 
-    /// Normalised rows into rows of `stride` numbers.
+    /// Writes normalised rows into rows of `stride` numbers.
     pub fn apply_to(&self, rows: &[f32], out: &mut [f32], stride: usize) {
         let cols = self.mean.len();
         for (row, out) in rows.chunks_exact(cols).zip(out.chunks_exact_mut(stride)) {
@@ -118,7 +118,7 @@ impl Normaliser {
     }
 }
 
-/// `v` within bounds. What is not a number stays so and is found later.
+/// Returns `v` clamped to its bounds. A value that is not a number stays so and is found later.
 fn held(v: f32, [low, high]: [f32; 2]) -> f32 {
     if v < low {
         low

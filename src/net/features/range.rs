@@ -1,4 +1,4 @@
-//! What a model was trained on. Outside of it a network is not asked.
+//! Range of the training of a model. The network gives no answer outside of it.
 
 use super::GraspFeatures;
 use crate::error::{Error, Result};
@@ -9,34 +9,34 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What the training set holds.
+/// Range of the training set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrainedRange {
     /// Hash of the pad's mesh.
     pub pad: String,
-    /// The pad in numbers, for messages; cards of earlier times have none.
+    /// Pad in numbers, for messages; older cards have none.
     #[serde(default)]
     pub sensor: Option<Sensor>,
     /// Law of the gel.
     pub material: String,
-    /// Poisson's ratio, from and to.
+    /// Smallest and largest Poisson's ratio.
     pub poisson: [f64; 2],
-    /// Friction, from and to.
+    /// Smallest and largest friction.
     pub friction: [f64; 2],
-    /// Force per finger over `E thickness^2`, from and to.
+    /// Smallest and largest force per finger over `E thickness^2`.
     pub force: [f64; 2],
-    /// Weight of the object over `E thickness^2`, at most.
+    /// Largest weight of the object over `E thickness^2`.
     pub weight: f64,
-    /// Whether the object was free.
+    /// True if the object was free.
     pub free: bool,
     /// Number of fingers.
     pub fingers: usize,
 }
 
-/// A pad in numbers.
+/// Pad in numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Sensor {
-    /// Along the approach, along the finger's width, through the gel with its dome, m.
+    /// Size along the approach, along the finger's width, and through the gel with its dome, m.
     pub size: [f64; 3],
     /// Mean edge of the elements on the sensing face, m.
     pub spacing: f64,
@@ -45,7 +45,7 @@ pub struct Sensor {
 }
 
 impl Sensor {
-    /// Of a pad.
+    /// Measures a pad.
     pub fn of(pad: &PadTopology) -> Self {
         let ends =
             |pick: fn(DVec3, DVec3) -> DVec3, start: f64| pad.rest.iter().copied().fold(DVec3::splat(start), pick);
@@ -68,11 +68,11 @@ impl fmt::Display for Sensor {
     }
 }
 
-/// Room for rounding at the ends of a range.
+/// Tolerance for rounding at the ends of a range.
 const SLACK: f64 = 1e-6;
 
 impl TrainedRange {
-    /// That of one grasp with these forces per finger, N.
+    /// Returns the range of one grasp with these forces per finger, N.
     pub fn of(model: &Model, features: &GraspFeatures, forces: &[f64]) -> Self {
         let unit = features.unit_force();
         let moduli = model.material.moduli();
@@ -90,10 +90,10 @@ impl TrainedRange {
         }
     }
 
-    /// Takes in `other`.
+    /// Extends the range by `other`.
     ///
     /// # Errors
-    /// Another pad, law, number of fingers or kind of object: one model is for one of each.
+    /// Fails for another pad, law, number of fingers or kind of object: one model serves one of each.
     pub fn extend(&mut self, other: &Self) -> Result<()> {
         let kind = |r: &Self| (r.pad.clone(), r.material.clone(), r.free, r.fingers);
         if kind(self) != kind(other) {
@@ -108,10 +108,10 @@ impl TrainedRange {
         Ok(())
     }
 
-    /// Whether the network knows this pad, whose mesh has this hash.
+    /// Checks that the network knows this pad, whose mesh has this hash.
     ///
     /// # Errors
-    /// Another pad, with both in numbers.
+    /// Fails for another pad; the message gives both in numbers.
     pub fn admits_pad(&self, pad: &PadTopology, hash: &str) -> Result<()> {
         if hash == self.pad {
             return Ok(());
@@ -123,10 +123,10 @@ impl TrainedRange {
         refuse(format!("its pads are another sensor or another mesh: {own}; trained was {known}{alike}"))
     }
 
-    /// Whether a grasp of `model` may be asked about, whose pads have a mesh of this hash. Takes no time.
+    /// Checks that a grasp of `model`, whose pads have a mesh of this hash, lies within the range. Takes almost no time.
     ///
     /// # Errors
-    /// What lies outside, by how much, and what to do.
+    /// Fails if something lies outside; the message says what, by how much, and what to do.
     pub fn admits(&self, model: &Model, hash: &str) -> Result<()> {
         let moduli = model.material.moduli();
         let outside = |v: f64, [low, high]: [f64; 2]| v < low - SLACK * low.abs() || v > high + SLACK * high.abs();
@@ -167,7 +167,7 @@ impl TrainedRange {
         }
     }
 
-    /// Whether all numbers are such as training gives; what is wrong, with the field.
+    /// Checks that training can give such numbers. The error names the field and says what is wrong.
     pub(crate) fn check(&self) -> std::result::Result<(), String> {
         for (name, [low, high]) in [("poisson", self.poisson), ("friction", self.friction), ("force", self.force)] {
             if !(0.0 <= low && low <= high && high <= MOST) {
@@ -187,7 +187,7 @@ impl TrainedRange {
     }
 }
 
-/// Why the network is not asked.
+/// Returns the error that says why the network is not asked.
 fn refuse(what: String) -> Result<()> {
     Err(Error::Start(format!(
         "the network was not trained for this scene: {what}; use stepper: Fem(), or train on such a data set"

@@ -1,11 +1,11 @@
-//! The graph of the tactile paper: every node of the pads, and the object's surface near them, in the frame of the first pad.
+//! Graph of the tactile paper: every node of the pads, and the object's surface near them, in the frame of the first pad.
 //!
 //! ```text
 //! pad nodes o--o--o    mesh edges along the edges of the tetrahedra
 //!            \ : /     contact edges: sensing face <-> object within a thickness (4 mm of GelSight Mini) at first contact
 //! object    x--x--x    mesh edges of its triangles, split until they are as fine as the pads
 //! ```
-//! The paper's mesh edges tell the shape now and at rest; at first contact both are the same, and told once.
+//! The paper's mesh edges give the shape now and at rest; at first contact both are the same, and are given once.
 
 use super::Parity;
 use crate::geometry::Aabb;
@@ -22,42 +22,42 @@ use std::sync::Arc;
 
 use Parity::{Even, X, Y};
 
-/// Features of a node: interior, surface or object; closing direction of its finger; position; Poisson's ratio, friction.
-/// The modulus is in the unit of the forces.
+/// Features of a node: interior, surface or object; closing direction of its finger; position; Poisson's ratio, friction. The
+/// modulus is part of the unit of the forces.
 pub const VOLUME_NODE: [Parity; 11] = [Even, Even, Even, X, Y, Even, X, Y, Even, Even, Even];
 /// Features of a mesh edge: relative position and its length.
 pub const MESH_EDGE: [Parity; 4] = [X, Y, Even, Even];
-/// Features of a contact edge: the same, and its part of the force.
+/// Features of a contact edge: relative position and its length, and its part of the force.
 pub const CONTACT_EDGE: [Parity; 5] = [X, Y, Even, Even, Even];
 
-/// Contact edges are no longer than this, over the thickness.
+/// Largest length of a contact edge, over the thickness.
 const NEAR: f64 = 1.0;
-/// Edges of the object are no longer than this, over the thickness.
+/// Largest length of an edge of the object, over the thickness.
 const FINE: f64 = 0.6;
 
-/// The graph with its features. Nodes: those of the pads, left first, then those of the object.
+/// Graph with its features. Nodes: those of the pads, left first, then those of the object.
 #[derive(Debug, Clone)]
 pub struct Volume {
-    /// (nodes, [`VOLUME_NODE`]).
+    /// Features of nodes (nodes, [`VOLUME_NODE`]).
     pub node: Vec<f32>,
     /// Edges of the meshes.
     pub mesh: Edges,
-    /// (mesh edges, [`MESH_EDGE`]).
+    /// Features of mesh edges (mesh edges, [`MESH_EDGE`]).
     pub mesh_edge: Vec<f32>,
     /// Edges between pads and object.
     pub contact: Edges,
-    /// (contact edges, 4): [`CONTACT_EDGE`] without the force.
+    /// Features of contact edges without the force (contact edges, 4): [`CONTACT_EDGE`].
     contact_edge: Vec<f32>,
-    /// Nodes -> pad nodes.
+    /// Map from nodes to pad nodes.
     pub pads: Arc<Sparse>,
-    /// Components of vectors on nodes -> components in the frame of each pad; no entry for bonded nodes.
+    /// Map from components of vectors on nodes to components in the frame of each pad; no entry for bonded nodes.
     pub turned: Arc<Sparse>,
-    /// Nodes -> nodes of the sensing faces.
+    /// Map from nodes to nodes of the sensing faces.
     pub face: Arc<Sparse>,
 }
 
 impl Volume {
-    /// The graph of a grasp of `model` at first contact.
+    /// Builds the graph of a grasp of `model` at first contact.
     pub fn new(model: &Model, graph: &PadGraph, touch: &GeometricContact) -> Self {
         let (t, topology) = (graph.thickness, &model.fingers[0].topology);
         let (pads, n) = (model.fingers.len(), topology.rest.len());
@@ -120,20 +120,21 @@ impl Volume {
         }
     }
 
-    /// (contact edges, [`CONTACT_EDGE`]) when each finger closes with `force`, over `E t^2`: every edge has an equal part.
+    /// Returns the features of contact edges (contact edges, [`CONTACT_EDGE`]) when each finger closes with `force`, over `E t^2`:
+    /// every edge has an equal part.
     pub fn contact_edge(&self, force: f64) -> Vec<f32> {
         let part = (force / (self.contact.list.len() / 2).max(1) as f64) as f32;
         self.contact_edge.chunks_exact(4).flat_map(|row| row.iter().copied().chain([part])).collect()
     }
 }
 
-/// The object's nodes, and the pairs of them that an edge joins.
+/// Nodes of the object, and the pairs of them that an edge joins.
 struct Points {
     points: Vec<DVec3>,
     edges: BTreeSet<(u32, u32)>,
 }
 
-/// The object's surface near the nodes `face` of the pads; `seen` brings points of the hand frame to those of the graph.
+/// Returns the object's surface near the nodes `face` of the pads; `seen` transforms points of the hand frame to that of the graph.
 fn object(model: &Model, touch: &GeometricContact, seen: &dyn Fn(DVec3) -> DVec3, face: &[DVec3]) -> Points {
     let surface = &model.object.surface;
     let pose = &touch.object;
@@ -172,7 +173,7 @@ fn object(model: &Model, touch: &GeometricContact, seen: &dyn Fn(DVec3) -> DVec3
     Points { points, edges }
 }
 
-/// Edges of the tetrahedra; a 10-node one has two along each of its sides.
+/// Returns the edges of the tetrahedra; a 10-node one has two along each of its sides.
 fn pad_edges(pad: &PadTopology) -> BTreeSet<(u32, u32)> {
     let sorted = |a: u32, b: u32| (a.min(b), a.max(b));
     match &pad.elements {
@@ -187,7 +188,7 @@ fn pad_edges(pad: &PadTopology) -> BTreeSet<(u32, u32)> {
     }
 }
 
-/// Nodes of the outer surface, mid-edge nodes included.
+/// Returns the nodes of the outer surface, mid-edge nodes included.
 fn outside(pad: &PadTopology) -> BTreeSet<u32> {
     let mut nodes: BTreeSet<u32> = pad.surface.iter().flatten().copied().collect();
     if let ElementNodes::Quadratic(tets) = &pad.elements {
@@ -200,7 +201,7 @@ fn outside(pad: &PadTopology) -> BTreeSet<u32> {
     nodes
 }
 
-/// [`Volume::turned`]; `inverse` leads from hand axes to those of the graph.
+/// Computes [`Volume::turned`]; `inverse` rotates from hand axes to those of the graph.
 fn turned(model: &Model, inverse: DMat3, bonded: &[bool], nodes: usize) -> Arc<Sparse> {
     let (mut rows, count) = (Vec::new(), bonded.len());
     for (p, finger) in model.fingers.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What the network says of a grasp at some loads, in SI where somebody asks.
+//! Answer of the network for a grasp at some loads, in SI on request.
 
 use super::predict::PadState;
 use crate::linear::pad_graph::PadGraph;
@@ -8,7 +8,7 @@ use crate::net::network::{NetworkOutput, Normalisers};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// The network's answer to some load levels of a grasp.
+/// Answer of the network for some load levels of a grasp.
 #[derive(Debug)]
 pub struct Answer {
     pub(crate) loads: LoadFeatures,
@@ -16,15 +16,15 @@ pub struct Answer {
     pub(crate) norms: Normalisers,
     pub(crate) graph: Arc<PadGraph>,
     pub(crate) pads: usize,
-    /// Whether stress is wanted.
+    /// True if stress is wanted.
     pub(crate) stress: bool,
     /// Young's modulus of the gel, Pa.
     pub(crate) young: f64,
-    /// The force that the network measures in, N.
+    /// Unit of force of the network, N.
     pub(crate) unit_force: f64,
 }
 
-/// Rows of one pad at one level: the `at`th `rows` rows of a matrix.
+/// Returns the rows of one pad at one level: the `at`th `rows` rows of a matrix.
 fn own(m: &Matrix, at: usize, rows: usize) -> &[f32] {
     &m.value()[at * rows * m.cols..(at + 1) * rows * m.cols]
 }
@@ -34,7 +34,7 @@ fn vector(v: &[f32; 3]) -> DVec3 {
 }
 
 impl Answer {
-    /// Whether all numbers of a level are finite.
+    /// Returns true if all numbers of a level are finite.
     pub(crate) fn is_finite(&self, level: usize) -> bool {
         let (out, loads) = (&self.out, &self.loads);
         let (nodes, face) = (self.graph.node_count, self.graph.face.len());
@@ -54,7 +54,7 @@ impl Answer {
         })
     }
 
-    /// The pads at a mean of levels, each given with its weight.
+    /// Returns the states of the pads at a mean of levels, each given with its weight.
     pub(crate) fn mixed(&self, levels: &[(usize, f64)]) -> Vec<PadState> {
         (0..self.pads).map(|pad| self.pad(pad, levels)).collect()
     }

@@ -1,4 +1,4 @@
-//! The face network with packed weights and memory of its own.
+//! Face network with packed weights and its own memory.
 
 use super::heads::{Channels, Heads};
 use super::message::{BLOCK, Incoming, MessageSizes, Project, Receive, project, receive};
@@ -15,12 +15,12 @@ use pulp::Arch;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
-/// What the pass over a grasp leaves for every load: the part of the decoder's first layer that no load changes.
+/// Result of the pass over a grasp, for every load: the part of the decoder's first layer that no load changes.
 #[derive(Debug, Clone, Default)]
 pub struct Code {
-    /// (pads * face nodes, padded decoder).
+    /// Part for nodes (pads * face nodes, padded decoder).
     pub node: Vec<f32>,
-    /// (pads, padded decoder).
+    /// Part for pads (pads, padded decoder).
     pub pad: Vec<f32>,
 }
 
@@ -39,7 +39,7 @@ struct Round {
     receive: Receive,
 }
 
-/// The network.
+/// Network with packed weights.
 #[derive(Debug)]
 pub struct FaceEngine {
     latent: usize,
@@ -53,7 +53,7 @@ pub struct FaceEngine {
     pad_bias: Vec<f32>,
     heads: Heads,
     normalisers: Normalisers,
-    /// Memory of passes that have ended.
+    /// Memory of earlier passes, for reuse.
     workspaces: Mutex<Vec<Workspace>>,
 }
 
@@ -72,14 +72,14 @@ struct Workspace {
     channels: Channels,
 }
 
-/// A row, padded with zeros.
+/// Returns a row, padded with zeros.
 pub(crate) fn row(of: &[f32]) -> Vec<f32> {
     let mut row = of.to_vec();
     row.resize(padded(row.len()), 0.0);
     row
 }
 
-/// Several (rows, cols) side by side, each padded.
+/// Puts several matrices (rows, cols) side by side, each padded.
 pub(crate) fn beside(parts: &[(&[f32], usize)]) -> (Vec<f32>, usize) {
     let rows = parts[0].0.len() / parts[0].1;
     let all = (0..rows).flat_map(|r| parts.iter().flat_map(move |(w, cols)| row(&w[r * cols..(r + 1) * cols])));
@@ -89,10 +89,10 @@ pub(crate) fn beside(parts: &[(&[f32], usize)]) -> (Vec<f32>, usize) {
 }
 
 impl FaceEngine {
-    /// Loads to decode together: some share the reading of the weights, more do not fit into the caches.
+    /// Number of loads to decode together: some share the reading of the weights, more do not fit into the caches.
     pub const LOADS: usize = 32;
 
-    /// From the parameters of a [`crate::net::network::face::FaceNetwork`] of these sizes.
+    /// Creates the engine from the parameters of a [`crate::net::network::face::FaceNetwork`] of these sizes.
     pub fn new(sizes: &Face, parameters: &Parameters, normalisers: &Normalisers) -> Self {
         let h = sizes.latent.get();
         let get = |name: &str| parameters.named(name).value();
@@ -140,7 +140,7 @@ impl FaceEngine {
         }
     }
 
-    /// The one pass of message passing.
+    /// Computes the single pass of message passing.
     pub fn encode(&self, f: &GraspFeatures) -> Code {
         let mut own = self.take();
         let code = self.pass(f, &mut own);
@@ -148,7 +148,7 @@ impl FaceEngine {
         code
     }
 
-    /// Multiplications and additions of [`Self::encode`]'s message passing; activations and norms are not counted.
+    /// Counts multiplications and additions of [`Self::encode`]'s message passing; activations and norms are not counted.
     pub fn operations(&self, f: &GraspFeatures) -> f64 {
         let (h, pads) = (self.latent as f64, f.pads as f64);
         let (nodes, edges) = (pads * f.graph.face.len() as f64, pads * f.graph.edges.list.len() as f64);
@@ -214,7 +214,7 @@ impl FaceEngine {
         code
     }
 
-    /// From the sums (pads, 2, padded) to a row per pad.
+    /// Computes a row per pad from the sums (pads, 2, padded).
     fn pool(&self, pools: &Pools, pooled: &[f32], joined: &mut [f32], out: &mut [f32]) {
         let (h, s) = (self.latent, padded(self.latent));
         let pads = pooled.len() / (2 * s);
@@ -232,7 +232,7 @@ impl FaceEngine {
         multiply(rows, &pools.weights, false, Some(&pools.bias), Act::Gated, out);
     }
 
-    /// The answers at some loads, in the units of the network; stress is empty where it is not wanted.
+    /// Computes the answers at some loads, in the units of the network; stress is empty where it is not wanted.
     pub fn decode(&self, f: &GraspFeatures, code: &Code, loads: &LoadFeatures, stress: bool) -> NetworkOutput {
         let (n, nodes) = (f.graph.face.len(), f.graph.node_count);
         let mut own = self.take();
@@ -258,7 +258,7 @@ impl FaceEngine {
     }
 }
 
-/// A product with rows of the result as long as those of the weights.
+/// Computes a product with rows of the result as long as those of the weights.
 pub(crate) fn multiply(a: RowsView, w: &Packed, keep: bool, bias: Option<&[f32]>, act: Act, out: &mut [f32]) {
     let stride = w.cols;
     Arch::new().dispatch(Product { a, w, keep, bias, act, out, stride });

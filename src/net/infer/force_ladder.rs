@@ -1,17 +1,17 @@
-//! Answers at forces that nobody knows beforehand: an agent asks for one after the other.
+//! Answers at forces that are not known beforehand: an agent asks for one after the other.
 //!
-//! Several loads side by side cost the network little more than one. So a grasp is answered once at a ladder of forces, and
-//! what lies between two rungs is taken linearly: contact forces still sum to what the finger presses with.
+//! Several loads side by side cost the network little more than one. So a grasp is answered once at a ladder of forces, and answers
+//! between two rungs are interpolated linearly: contact forces still sum to the pressing force of the finger.
 
 use super::answer::Answer;
 use super::predict::{PadState, Predictor, Seen};
 use crate::error::Result;
 use crate::linear::around;
 
-/// Rungs; neighbours differ by a third of their force where an agent may press seven times as hard as it must.
+/// Number of rungs; neighbours differ by a third of their force where the largest force of an agent is seven times the smallest.
 const RUNGS: i32 = 8;
 
-/// The pads of a grasp at rising forces per finger, N.
+/// States of the pads of a grasp at rising forces per finger, N.
 #[derive(Debug)]
 pub struct ForceLadder {
     /// Forces, with the number of their level.
@@ -20,10 +20,10 @@ pub struct ForceLadder {
 }
 
 impl ForceLadder {
-    /// From the force `low` to `high`, N per finger.
+    /// Creates the ladder from the force `low` to `high`, N per finger.
     ///
     /// # Errors
-    /// Numbers that are not finite.
+    /// Fails if predicted numbers are not finite.
     pub fn new(predictor: &Predictor, seen: &Seen, low: f64, high: f64) -> Result<Self> {
         let step = (high / low).powf(1.0 / f64::from(RUNGS - 1));
         let forces: Vec<f64> = (0..RUNGS).map(|k| low * step.powi(k)).collect();
@@ -31,7 +31,7 @@ impl ForceLadder {
         Ok(Self { rungs: forces.into_iter().zip(0..).collect(), answer })
     }
 
-    /// The pads at `force` per finger, N; None beyond the ladder.
+    /// Returns the states of the pads at `force` per finger, N; None beyond the ladder.
     pub fn at(&self, force: f64) -> Option<Vec<PadState>> {
         let (before, after, part) = around(&self.rungs, force)?;
         Some(self.answer.mixed(&[(*before, 1.0 - part), (*after, part)]))

@@ -1,4 +1,4 @@
-//! The decoder at the face nodes: what a load makes of the code of a grasp.
+//! Decoder at the face nodes: combines a load with the code of a grasp.
 //!
 //! One product gives all channels of a node: contact force, factor and rest of the stress by depth, then displacement and
 //! the scale of its linear response by depth.
@@ -23,7 +23,7 @@ pub struct Heads {
     pad_load: Packed,
     node: Packed,
     node_bias: Vec<f32>,
-    /// Channels of a node before those of the displacement, padded.
+    /// Number of channels of a node before those of the displacement, padded.
     first: usize,
     own_pad_load: Packed,
     middle: Packed,
@@ -32,23 +32,23 @@ pub struct Heads {
     pad_bias: Vec<f32>,
 }
 
-/// What it gives; rows are levels, then pads, then face nodes.
+/// Output of the decoder; rows are levels, then pads, then face nodes.
 #[derive(Debug, Clone, Default)]
 pub struct Channels {
-    /// (items * face nodes, 3): shares of the force of the finger.
+    /// Shares of the force of the finger (items * face nodes, 3).
     pub contact: Vec<f32>,
-    /// (items * face nodes, width).
+    /// Channels by depth (items * face nodes, width).
     channels: Vec<f32>,
     width: usize,
     first: usize,
     depths: usize,
-    /// (items).
+    /// Travel (items).
     pub travel: Vec<f32>,
-    /// (items, 6).
+    /// Motion of the object (items, 6).
     pub motion: Vec<f32>,
 }
 
-/// One depth channel of a node.
+/// Channel of a node at one depth.
 #[derive(Debug, Clone, Copy)]
 pub struct Channel<'a> {
     /// Factor and rest of the stress.
@@ -58,12 +58,12 @@ pub struct Channel<'a> {
 }
 
 impl Channels {
-    /// Channels of one item: (face nodes, width).
+    /// Returns the channels of one item: (face nodes, width).
     pub fn item(&self, item: usize, nodes: usize) -> &[f32] {
         &self.channels[item * nodes * self.width..(item + 1) * nodes * self.width]
     }
 
-    /// Channel `at` (node * depths + depth) of [`Self::item`].
+    /// Returns channel `at` (node * depths + depth) of [`Self::item`].
     #[inline(always)]
     pub fn channel<'a>(&self, item: &'a [f32], at: usize) -> Channel<'a> {
         let (node, k) = (at / self.depths, at % self.depths);
@@ -74,7 +74,7 @@ impl Channels {
 }
 
 impl Heads {
-    /// From the parameters of the network.
+    /// Creates the decoder from the parameters of the network.
     pub fn new(sizes: &Face, parameters: &Parameters) -> Self {
         let (d, depths) = (sizes.decoder.get(), sizes.depths.get());
         let packed = |name: &str| {
@@ -122,7 +122,7 @@ impl Heads {
         }
     }
 
-    /// All channels at some loads; `nodes` of a face, `pads` of a grasp. `channels` may be those of a run that has ended.
+    /// Computes all channels at some loads; `nodes` of a face, `pads` of a grasp. `channels` may be those of an earlier run.
     pub fn run(
         &self,
         nodes: usize,
@@ -221,7 +221,7 @@ impl WithSimd for NodeBlock<'_> {
     }
 }
 
-/// Contact forces of a pad from its channels, on top of the settled ones: [`crate::net::autodiff::ops::share`].
+/// Computes contact forces of a pad from its channels, on top of the settled ones: [`crate::net::autodiff::ops::share`].
 fn share(channels: &[f32], width: usize, load: &[f32], contact: &mut [f32]) {
     let rows = channels.chunks_exact(width).zip(load.chunks_exact(NODE_LOAD.len()));
     let mut top = f32::NEG_INFINITY;

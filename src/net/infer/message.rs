@@ -14,10 +14,10 @@ use crate::linear::edges::Edges;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// Nodes that are worked on together: their rows stay in the first-level cache from one operation to the next.
+/// Number of nodes that are worked on together: their rows stay in the first-level cache from one operation to the next.
 pub const BLOCK: usize = 24;
 
-/// LayerNorm and what is made of its result.
+/// Layer of a LayerNorm and the products of its result.
 #[derive(Debug)]
 pub struct Project {
     /// Gain and shift, padded.
@@ -28,14 +28,14 @@ pub struct Project {
     pub bias: Vec<f32>,
 }
 
-/// What nodes do with their messages.
+/// Layer that updates nodes from their messages.
 #[derive(Debug)]
 pub struct Receive {
     /// Weights of the features of an edge: (features, padded latent).
     pub edge: Vec<f32>,
-    /// Of the sum of the messages.
+    /// Weights of the sum of the messages.
     pub messages: Packed,
-    /// Of the sum of all.
+    /// Weights of the sum of all parts.
     pub out: Packed,
     /// Bias, padded.
     pub out_bias: Vec<f32>,
@@ -44,17 +44,17 @@ pub struct Receive {
 /// Directed edges by receiver.
 #[derive(Debug, Clone, Default)]
 pub struct Incoming {
-    /// Where those of each node start; one more at the end.
+    /// Start of the edges of each node; one more at the end.
     start: Vec<u32>,
     sender: Vec<u32>,
-    /// Features of each, normalised.
+    /// Features of each edge, normalised.
     pub features: Vec<f32>,
-    /// What a sum of messages is divided by.
+    /// Weight of each message in a sum.
     usual: f32,
 }
 
 impl Incoming {
-    /// The edges of a pad with `nodes` face nodes.
+    /// Sorts the edges of a pad with `nodes` face nodes by receiver.
     pub fn new(edges: &Edges, nodes: usize, features: Vec<f32>) -> Self {
         let mut start = vec![0; nodes + 1];
         edges.list.iter().for_each(|(_, receiver)| start[*receiver as usize + 1] += 1);
@@ -68,20 +68,20 @@ impl Incoming {
 /// Sizes of a pass.
 #[derive(Debug, Clone, Copy)]
 pub struct MessageSizes {
-    /// Face nodes of a pad.
+    /// Number of face nodes of a pad.
     pub nodes: usize,
-    /// Numbers per node.
+    /// Number of values per node.
     pub latent: usize,
 }
 
 impl MessageSizes {
-    /// Floats per node.
+    /// Returns the number of floats per node.
     pub fn stride(self) -> usize {
         padded(self.latent)
     }
 }
 
-/// `out = norm(h) W + b` for all pads, and the sums over the nodes of each pad of `norm(h)` weighted with each row of
+/// Computes `out = norm(h) W + b` for all pads, and the sums over the nodes of each pad of `norm(h)` weighted with each row of
 /// `weights` (rows, pads * nodes): `pooled` is (pads, rows, stride). `scratch` has room for h, `parts` for all blocks.
 #[allow(clippy::too_many_arguments)]
 pub fn project(
@@ -151,7 +151,7 @@ impl WithSimd for ProjectBlock<'_> {
     }
 }
 
-/// Added to the variance, as in [`crate::net::autodiff::ops::layer_norm`].
+/// Number added to the variance, as in [`crate::net::autodiff::ops::layer_norm`].
 const EPSILON: f32 = 1e-5;
 
 #[inline(always)]
@@ -180,8 +180,8 @@ fn norm<S: Simd>(simd: S, layer: &Project, latent: usize, h: &[f32], x: &mut [f3
     }
 }
 
-/// One round's update of `h`: `parts` are the sender, receiver and own parts of every node, `global` a row per pad.
-/// `scratch` is twice as long as `h`.
+/// Updates `h` by one round: `parts` are the sender, receiver and own parts of every node, `global` a row per pad. `scratch` is
+/// twice as long as `h`.
 pub fn receive(
     sizes: MessageSizes,
     layer: &Receive,
@@ -248,7 +248,7 @@ impl WithSimd for ReceiveBlock<'_> {
     }
 }
 
-/// The sums of the messages of a block, some columns of them from `start` on.
+/// Sums of the messages of a block, for some columns from `start` on.
 struct Gather<'a, 'b> {
     layer: &'a Receive,
     edges: &'a Incoming,

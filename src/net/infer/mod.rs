@@ -1,11 +1,11 @@
-//! The face network in use: the same numbers as [`super::network::face`] on a tape, without a tape.
+//! Face network in use: the same numbers as [`super::network::face`] on a tape, without a tape.
 //!
 //! ```text
 //! weights, packed once -> product.rs, activation.rs            registers
 //! encode  features     -> message.rs (face.rs)                 once per grasp
 //! decode  loads        -> heads.rs -> response.rs -> face.rs   all loads of a grasp at once
 //! ```
-//! The tape is the reference: a test holds both together. No bit depends on threads.
+//! The tape is the reference: a test compares both. No bit depends on threads.
 
 pub mod answer;
 pub mod face;

@@ -1,4 +1,4 @@
-//! A trained model in use: one pass per grasp, then any load level, in SI.
+//! Trained model in use: one pass per grasp, then any load level, in SI.
 
 use super::answer::Answer;
 use super::{Code, FaceEngine};
@@ -19,40 +19,40 @@ use rayon::prelude::*;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Load levels that are decoded together on a tape.
+/// Number of load levels that are decoded together on a tape.
 const LEVELS: usize = 10;
 
-/// A trained model.
+/// Trained model with its network.
 #[derive(Debug)]
 pub struct Predictor {
-    /// What it is.
+    /// Card of the model.
     pub card: Card,
-    /// The network.
+    /// Network of the model.
     pub network: Box<dyn Network>,
-    /// Its weights.
+    /// Weights of the network.
     pub parameters: Parameters,
-    /// The same network without a tape, where there is one.
+    /// Same network without a tape, where there is one.
     engine: Option<FaceEngine>,
     /// Graphs of the pads asked about so far.
     graphs: Mutex<Vec<Arc<PadGraph>>>,
 }
 
-/// A grasp that has been looked at: all that a load level needs.
+/// Encoded grasp: all that a load level needs.
 #[derive(Debug)]
 pub struct Seen {
     features: GraspFeatures,
     code: Encoded,
-    /// Whether stress is wanted.
+    /// True if stress is wanted.
     stress: bool,
 }
 
 impl Seen {
-    /// The same for those who do not ask for stress: theirs is empty.
+    /// Turns stress off: it stays empty in all answers.
     pub fn without_stress(self) -> Self {
         Self { stress: false, ..self }
     }
 
-    /// The force that the network measures in, N.
+    /// Returns the unit of force of the network, N.
     pub fn unit_force(&self) -> f64 {
         self.features.unit_force()
     }
@@ -64,14 +64,14 @@ enum Encoded {
     Engine(Code),
 }
 
-/// What is predicted for one pad at one load level, pad frame, SI.
+/// State predicted for one pad at one load level, pad frame, SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PadState {
     /// Displacement of every node, m; exactly zero where bonded.
     pub displacement: Vec<DVec3>,
     /// Von Mises stress of every node, Pa, >= 0.
     pub stress: Vec<f64>,
-    /// Contact force on every node, N; along the closing direction they sum to what the finger presses with.
+    /// Contact force on every node, N; along the closing direction they sum to the pressing force of the finger.
     pub contact: Vec<DVec3>,
     /// Travel of the finger since first contact, m.
     pub travel: f64,
@@ -82,10 +82,10 @@ pub struct PadState {
 }
 
 impl Predictor {
-    /// The model in the folder `model`, or the one that ships under this name.
+    /// Opens the model in the folder `model`, or the one that ships under this name.
     ///
     /// # Errors
-    /// A folder that holds none, a card or weights that are damaged or do not fit each other.
+    /// Fails if the folder holds no model, and if card or weights are damaged or do not fit each other.
     pub fn open(model: &Path) -> Result<Self> {
         let Trained { card, weights } = Trained::read(model)?;
         let (network, mut parameters) = build(&card.spec.network, None);
@@ -102,15 +102,15 @@ impl Predictor {
         Ok(Self { card, network, parameters, engine, graphs: Mutex::default() })
     }
 
-    /// The same, computed operation by operation as in training: the reference.
+    /// Switches to the reference, which is computed operation by operation as in training.
     pub fn on_tape(self) -> Self {
         Self { engine: None, ..self }
     }
 
-    /// The graph of the pads of `model`, if the network was trained for it.
+    /// Returns the graph of the pads of `model`, if the network was trained for it.
     ///
     /// # Errors
-    /// What of the scene lies outside the trained range.
+    /// Fails if the scene lies outside the trained range; the message says where.
     pub fn admit(&self, model: &Model) -> Result<Arc<PadGraph>> {
         // Before the response of a pad is solved for that it does not know.
         let hash = model.fingers.first().map_or_else(String::new, |finger| mesh_hash(&finger.topology));
@@ -118,10 +118,10 @@ impl Predictor {
         self.graph(model)
     }
 
-    /// The graph of the pads of `model`, trained for or not.
+    /// Returns the graph of the pads of `model`, trained for or not.
     ///
     /// # Errors
-    /// A pad without a sensing face.
+    /// Fails for a pad without a sensing face.
     pub fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
         let finger = model.finger()?;
         let mut known = self.graphs.lock().unwrap_or_else(PoisonError::into_inner);
@@ -133,12 +133,12 @@ impl Predictor {
         Ok(graph)
     }
 
-    /// Looks at a grasp at first contact: the one pass of message passing.
+    /// Encodes a grasp at first contact: the single pass of message passing.
     pub fn look(&self, model: &Model, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Seen {
         self.encode(GraspFeatures::new(model, graph, touch))
     }
 
-    /// The same from features made earlier.
+    /// Encodes a grasp from features made earlier.
     pub fn encode(&self, features: GraspFeatures) -> Seen {
         let code = match &self.engine {
             Some(engine) => Encoded::Engine(engine.encode(&features)),
@@ -151,18 +151,18 @@ impl Predictor {
         Inputs { features, normalisers: &self.card.normalisers, mirror: (false, false) }
     }
 
-    /// The pads when each finger closes with `force`, N.
+    /// Predicts the states of the pads when each finger closes with `force`, N.
     ///
     /// # Errors
-    /// Numbers that are not finite.
+    /// Fails if predicted numbers are not finite.
     pub fn at(&self, seen: &Seen, force: f64) -> Result<Vec<PadState>> {
         Ok(self.ramp(seen, &[force])?.swap_remove(0))
     }
 
-    /// The pads at each of `forces`, N per finger: (forces, pads).
+    /// Predicts the states of the pads at each of `forces`, N per finger: (forces, pads).
     ///
     /// # Errors
-    /// Numbers that are not finite.
+    /// Fails if predicted numbers are not finite.
     pub fn ramp(&self, seen: &Seen, forces: &[f64]) -> Result<Vec<Vec<PadState>>> {
         let mut states = Vec::with_capacity(forces.len());
         let together = if self.engine.is_some() { FaceEngine::LOADS } else { LEVELS };
@@ -185,10 +185,10 @@ impl Predictor {
         }
     }
 
-    /// What the network says at each of `forces`, N per finger, all of them decoded together.
+    /// Computes the answer of the network at each of `forces`, N per finger, all of them decoded together.
     ///
     /// # Errors
-    /// Numbers that are not finite.
+    /// Fails if predicted numbers are not finite.
     pub fn answer(&self, seen: &Seen, forces: &[f64]) -> Result<Answer> {
         let loads = seen.features.loads(forces);
         let out = self.output(seen, &loads);

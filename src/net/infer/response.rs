@@ -1,7 +1,6 @@
-//! The linear response of a pad as it is used: displacement of its free nodes under forces on its face, and the stress that
-//! comes with it.
+//! Linear response of a pad in use: displacement of its free nodes under forces on its face, and the stress of that displacement.
 //!
-//! Loads lie side by side, a register of them at a time.
+//! Loads lie side by side, one register of them at a time.
 
 use super::heads::Channels;
 use crate::kernel::product::{self, Packed, RowsView, padded};
@@ -12,7 +11,7 @@ use crate::net::network::Normalisers;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// Nodes whose response is found together.
+/// Number of nodes whose response is computed together.
 const BLOCK: usize = 16;
 /// Memory of a pass.
 #[derive(Debug, Default)]
@@ -22,7 +21,7 @@ pub struct Memory {
     at_nodes: Vec<f32>,
 }
 
-/// The response of a pad of this graph to `contact` (items, face nodes, 3: share, friction along x and y) times `scale`
+/// Computes the response of a pad of this graph to `contact` (items, face nodes, 3: share, friction along x and y) times `scale`
 /// (items), with its `stress` if that is wanted.
 pub fn respond<'a>(
     graph: &'a PadGraph,
@@ -54,14 +53,14 @@ pub fn respond<'a>(
     Given { graph, pad, items, stress, at_nodes }
 }
 
-/// Displacement and von Mises' norm of the stress of some nodes, from how all have moved.
+/// Displacement and von Mises' norm of the stress of some nodes, from the motion of all nodes.
 struct NodeBlock<'a> {
     pad: &'a Compliance,
     first: usize,
     items: usize,
     moved: &'a [f32],
     stress: bool,
-    /// (items, [`BLOCK`], 4).
+    /// Results (items, [`BLOCK`], 4).
     out: &'a mut [f32],
 }
 
@@ -109,20 +108,20 @@ impl WithSimd for NodeBlock<'_> {
     }
 }
 
-/// The response of all nodes at all loads.
+/// Response of all nodes at all loads.
 #[derive(Debug)]
 pub struct Given<'a> {
     graph: &'a PadGraph,
     pad: &'a Compliance,
     items: usize,
     stress: bool,
-    /// (blocks of nodes, items, [`BLOCK`], 4): displacement and the square of the stress.
+    /// Values at nodes (blocks of nodes, items, [`BLOCK`], 4): displacement and the square of the stress.
     at_nodes: &'a [f32],
 }
 
 impl Given<'_> {
-    /// Corrected by the network, in its units: displacement (items, nodes, 3) and stress (items, nodes), empty where
-    /// it is not wanted.
+    /// Returns the response corrected by the network, in its units: displacement (items, nodes, 3) and stress (items, nodes), which
+    /// is empty where it is not wanted.
     pub fn correct(&self, heads: &Channels, norms: &Normalisers) -> (Vec<f32>, Vec<f32>) {
         let (n, items, face) = (self.pad.nodes, self.items, self.graph.face.len());
         let stresses = if self.stress { n } else { 0 };

@@ -1,5 +1,5 @@
-//! The folder of a trained model: `weights.safetensors`, and `card.ron`, which says what the weights are and what they
-//! were trained on.
+//! Folder of a trained model: `weights.safetensors`, and `card.ron`, which says what the weights are and on which data they were
+//! trained.
 
 use super::Normalisers;
 use super::shipped;
@@ -15,56 +15,56 @@ use std::path::Path;
 
 /// Name of the card in the folder of a model.
 pub const CARD: &str = "card.ron";
-/// Name of the weights.
+/// Name of the file of the weights.
 pub const WEIGHTS: &str = "weights.safetensors";
 
-/// What a trained model is.
+/// Description of a trained model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Card {
     /// Version of tactus that trained it.
     pub tactus: String,
-    /// [`VERSION`] of the features that it reads.
+    /// Version ([`VERSION`]) of the features that it reads.
     #[serde(default)]
     pub features: u32,
     /// Network and training.
     pub spec: Spec,
     /// Hash of the plan of the data set.
     pub data: String,
-    /// Split that it was trained on.
+    /// Split of the training.
     pub split: String,
-    /// Training grasps.
+    /// Number of training grasps.
     pub grasps: usize,
-    /// Numbers in the weights.
+    /// Number of values in the weights.
     pub parameters: usize,
-    /// Units of what it predicts.
+    /// Units of the predictions.
     pub units: String,
     /// Loss on the validation grasps.
     pub validation_loss: f64,
-    /// Epochs that the weights have seen.
+    /// Number of epochs that the weights have seen.
     pub epochs: usize,
     /// Statistics of the training set.
     pub normalisers: Normalisers,
-    /// What it was trained on, and may be used for.
+    /// Range of the training, in which the model may be used.
     pub range: TrainedRange,
-    /// BLAKE3 of the numbers above and of the weights; empty in models of earlier times.
+    /// BLAKE3 hash of the numbers above and of the weights; empty in older models.
     #[serde(default)]
     pub checksum: String,
 }
 
-/// A model as it was read.
+/// Model read from a folder or from the program.
 #[derive(Debug)]
 pub struct Trained {
-    /// What it is.
+    /// Card of the model.
     pub card: Card,
-    /// Its weights, safetensors.
+    /// Weights of the model, safetensors.
     pub weights: Cow<'static, [u8]>,
 }
 
 impl Trained {
-    /// The model in the folder `model`, or the one that ships under this name.
+    /// Reads the model in the folder `model`, or the one that ships under this name.
     ///
     /// # Errors
-    /// No model there, one of another make, one that reads other features, or one that is damaged.
+    /// Fails if there is no model, or one of another make, one that reads other features, or one that is damaged.
     pub fn read(model: &Path) -> Result<Self> {
         let path = model.join(CARD);
         let (text, weights) = match shipped::named(model) {
@@ -105,7 +105,7 @@ fn missing(model: &Path, path: &Path, e: &std::io::Error) -> Error {
 }
 
 impl Card {
-    /// Whether all numbers are such as training gives; what is wrong, with the field.
+    /// Checks that training can give such numbers. The error names the field and says what is wrong.
     fn check(&self) -> std::result::Result<(), String> {
         self.normalisers.check(matches!(self.spec.network, NetworkSpec::Paper(_)))?;
         self.range.check()?;
@@ -115,7 +115,7 @@ impl Card {
         }
     }
 
-    /// What [`Self::checksum`] is with these weights.
+    /// Computes [`Self::checksum`] for these weights.
     fn sum(&self, weights: &[u8]) -> Result<String> {
         let own = Self { checksum: String::new(), ..self.clone() };
         let mut hasher = blake3::Hasher::new();
@@ -125,10 +125,10 @@ impl Card {
         Ok(hasher.update(weights).finalize().to_hex().to_string())
     }
 
-    /// Gives it the checksum of `weights` and writes both, the card last.
+    /// Sets the checksum for `weights` and writes both files, the card last.
     ///
     /// # Errors
-    /// What cannot be written.
+    /// Fails if the card or a file cannot be written.
     pub fn write(&mut self, dir: &Path, weights: &[u8]) -> Result<()> {
         self.checksum = self.sum(weights)?;
         write_durable(&dir.join(WEIGHTS), weights)?;

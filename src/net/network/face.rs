@@ -1,4 +1,4 @@
-//! Our network: messages pass on the sensing faces once per grasp, a small decoder gives any load level.
+//! Face network: messages pass on the sensing faces once per grasp, a small decoder gives any load level.
 //!
 //! ```text
 //! encode  h = W node                                    per face node, each pad in its own frame
@@ -26,11 +26,11 @@ use crate::net::network::parameters::{Id, Maker, Parameters};
 use crate::net::network::spec::Face;
 use std::sync::Arc;
 
-/// Weights and a bias.
+/// Weights and bias of a layer.
 #[derive(Debug, Clone, Copy)]
 struct Layer(Id, Id);
 
-/// The network.
+/// Parameters of the network.
 #[derive(Debug)]
 pub struct FaceNetwork {
     depths: usize,
@@ -53,7 +53,7 @@ pub struct FaceNetwork {
     motion: Layer,
 }
 
-/// One round of message passing.
+/// Parameters of one round of message passing.
 #[derive(Debug)]
 struct Round {
     norm: Layer,
@@ -67,7 +67,7 @@ struct Round {
     out: Layer,
 }
 
-/// Pooled features of a pad and of the other one.
+/// Layer on pooled features of a pad and of the other one.
 #[derive(Debug)]
 struct Pools {
     weights: [Id; 4],
@@ -81,7 +81,7 @@ impl Pools {
         Self { weights, bias: maker.row(&format!("{name}.bias"), latent, 0.0) }
     }
 
-    /// (pads * nodes, latent) -> (pads, latent).
+    /// Pools node values (pads * nodes, latent) to pads (pads, latent).
     fn apply<T: Real>(&self, tape: &Tape<T>, p: &Parameters<T>, inputs: &Inputs, h: &Matrix<T>) -> Matrix<T> {
         let f = inputs.features;
         let pads = f.pads;
@@ -103,7 +103,7 @@ impl Pools {
 }
 
 impl FaceNetwork {
-    /// With start values from `maker`.
+    /// Creates the network with start values from `maker`.
     pub fn new<T: Real>(sizes: &Face, maker: &mut Maker<T>) -> Self {
         let (h, d, depths) = (sizes.latent.get(), sizes.decoder.get(), sizes.depths.get());
         let layer = |maker: &mut Maker<T>, name: &str, rows: usize, cols: usize, gain: f64| {
@@ -253,7 +253,7 @@ impl<T: Real> Network<T> for FaceNetwork {
     }
 }
 
-/// The linear response of the pads to contact forces, in the network's units: displacement, and von Mises stress.
+/// Computes the linear response of the pads to contact forces, in the network's units: displacement, and von Mises stress.
 fn linear_response<T: Real>(
     tape: &Tape<T>,
     inputs: &Inputs,
@@ -277,17 +277,17 @@ fn linear_response<T: Real>(
     (reshape(tape, &mirrored, given.rows), von_mises(tape, &deviated(tape, pad, &moved)))
 }
 
-/// What the settled gel says of the force on each node: its share as a logarithm, and the part along the face.
+/// Returns the force of the settled gel on each node: its share as a logarithm, and the part along the face.
 fn carried<T: Real>(inputs: &Inputs, loads: &LoadFeatures) -> Matrix<T> {
     let [x, y] = inputs.signs();
     let rows = loads.node.chunks_exact(NODE_LOAD.len());
     constant(3, rows.flat_map(|row| [(row[6] + LITTLE).ln(), x * row[7], y * row[8]]).collect())
 }
 
-/// Share of a node that it leaves out, to start from.
+/// Share added to that of every node before the logarithm, so that a node without force has one, too.
 pub const LITTLE: f32 = 1e-4;
 
-/// Every row `times` times, one after the other.
+/// Repeats every row `times` times, one after the other.
 fn spread<T: Real>(tape: &Tape<T>, x: &Matrix<T>, times: usize) -> Matrix<T> {
     let map: Arc<Sparse> = Sparse::gather((0..x.rows).flat_map(|r| std::iter::repeat_n(r, times)), x.rows);
     apply(tape, &map, x)

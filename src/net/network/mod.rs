@@ -1,6 +1,6 @@
-//! The networks: one per file, each behind [`Network`].
+//! Networks: one per file, each behind [`Network`].
 //!
-//! To add one: a file that implements [`Network`], its sizes in [`NetworkSpec`], a line in [`build`].
+//! A new network needs a file that implements [`Network`], its sizes in [`NetworkSpec`], and a line in [`build`].
 
 pub mod card;
 pub mod face;
@@ -26,32 +26,33 @@ use std::sync::Arc;
 /// Statistics of the training set.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Normalisers {
-    /// Of [`features::NODE`].
+    /// Statistics of [`features::NODE`].
     pub node: Normaliser,
-    /// Of [`features::EDGE`].
+    /// Statistics of [`features::EDGE`].
     pub edge: Normaliser,
-    /// Of [`features::PAD`].
+    /// Statistics of [`features::PAD`].
     pub pad: Normaliser,
-    /// Of [`super::features::loads::NODE_LOAD`].
+    /// Statistics of [`super::features::loads::NODE_LOAD`].
     pub node_load: Normaliser,
-    /// Of [`super::features::loads::PAD_LOAD`].
+    /// Statistics of [`super::features::loads::PAD_LOAD`].
     pub pad_load: Normaliser,
-    /// Of a network that sees whole pads.
+    /// Statistics for a network that sees whole pads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub volume: Option<VolumeNormalisers>,
-    /// Root mean square of what the displacement is beyond the linear response to the contact, over the depth.
+    /// Root mean square of the displacement beyond the linear response to the contact, over the depth.
     pub displacement: f32,
     /// Root mean square stress over Young's modulus times depth over thickness.
     pub stress: f32,
-    /// Mean and deviation of what the travel is beyond that of the equilibrium, over that depth.
+    /// Mean and deviation of the travel beyond that of the equilibrium, over that depth.
     pub travel: [f32; 2],
-    /// Root mean square of what the object's translation is beyond that in the equilibrium, over the depth, and of its rotation,
-    /// over depth over thickness.
+    /// Root mean square of the object's translation beyond that in the equilibrium, over the depth, and of its rotation, over depth
+    /// over thickness.
     pub motion: [f32; 2],
 }
 
 impl Normalisers {
-    /// Whether all are such as training gives, those of whole pads where a network sees `whole` pads; else what is wrong.
+    /// Checks that training can give such statistics, with those of whole pads if the network sees `whole` pads. The error says
+    /// what is wrong.
     pub(crate) fn check(&self, whole: bool) -> Result<(), String> {
         self.node.check("node", features::NODE.len())?;
         self.edge.check("edge", features::EDGE.len())?;
@@ -89,26 +90,26 @@ impl Normalisers {
 /// Statistics of [`super::features::volume`].
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct VolumeNormalisers {
-    /// Of [`super::features::volume::VOLUME_NODE`].
+    /// Statistics of [`super::features::volume::VOLUME_NODE`].
     pub node: Normaliser,
-    /// Of [`super::features::volume::MESH_EDGE`].
+    /// Statistics of [`super::features::volume::MESH_EDGE`].
     pub mesh: Normaliser,
-    /// Of [`super::features::volume::CONTACT_EDGE`].
+    /// Statistics of [`super::features::volume::CONTACT_EDGE`].
     pub contact: Normaliser,
 }
 
-/// The inputs of a pass: features, normalised the same way everywhere.
+/// Inputs of a pass: features, normalised the same way everywhere.
 pub struct Inputs<'a> {
-    /// The grasp.
+    /// Features of the grasp.
     pub features: &'a GraspFeatures,
-    /// Statistics.
+    /// Statistics of the training set.
     pub normalisers: &'a Normalisers,
-    /// Mirrored along x, y.
+    /// Mirrors along x and y.
     pub mirror: (bool, bool),
 }
 
 impl Inputs<'_> {
-    /// Signs of a vector's components (x, y) under the mirror.
+    /// Returns the signs of a vector's components (x, y) under the mirror.
     pub(crate) fn signs(&self) -> [f32; 2] {
         [VECTOR[0], VECTOR[1]].map(|parity| parity.sign(self.mirror))
     }
@@ -123,38 +124,38 @@ impl Inputs<'_> {
     }
 }
 
-/// Numbers that no gradient is wanted of, `cols` to a row.
+/// Creates a matrix without a gradient, `cols` numbers to a row.
 fn constant<T: Real>(cols: usize, rows: Vec<f32>) -> Matrix<T> {
     Matrix::constant(rows.len() / cols, cols, rows.into_iter().map(T::of).collect())
 }
 
-/// `times` copies of `rows` rows, one after the other.
+/// Returns the map to `times` copies of `rows` rows, one after the other.
 fn repeat(times: usize, rows: usize) -> Arc<Sparse> {
     Sparse::gather((0..times).flat_map(|_| 0..rows), rows)
 }
 
-/// What a network predicts at some load levels, in units of [`Normalisers`]; rows are levels, then pads, then nodes.
+/// Prediction of a network at some load levels, in units of [`Normalisers`]; rows are levels, then pads, then nodes.
 #[derive(Debug, Clone)]
 pub struct NetworkOutput<T: Real = f32> {
-    /// (levels * pads * nodes, 3).
+    /// Displacement (levels * pads * nodes, 3).
     pub displacement: Matrix<T>,
-    /// (levels * pads * nodes, 1), non-negative.
+    /// Stress (levels * pads * nodes, 1), non-negative.
     pub stress: Matrix<T>,
-    /// (levels * pads * face nodes, 3): share of the finger's force, and friction along x and y in that unit.
+    /// Contact force (levels * pads * face nodes, 3): share of the finger's force, and friction along x and y in that unit.
     pub contact: Matrix<T>,
-    /// (levels * pads, 1).
+    /// Travel (levels * pads, 1).
     pub travel: Matrix<T>,
-    /// (levels * pads, 6): translation and rotation vector of the object in the frame of each pad.
+    /// Motion (levels * pads, 6): translation and rotation vector of the object in the frame of each pad.
     pub motion: Matrix<T>,
 }
 
-/// A network.
+/// Network with an encoder per grasp and a decoder per load.
 pub trait Network<T: Real = f32>: Send + Sync + std::fmt::Debug {
-    /// Where it passes messages.
+    /// Returns the layout of the graph on which it passes messages.
     fn layout(&self) -> Layout;
-    /// The pass that happens once per grasp. What it returns is for [`Network::decode`] alone.
+    /// Computes the pass that happens once per grasp. Its result is for [`Network::decode`] alone.
     fn encode(&self, tape: &Tape<T>, parameters: &Parameters<T>, inputs: &Inputs) -> Vec<Matrix<T>>;
-    /// The pass for some load levels.
+    /// Computes the pass for some load levels.
     fn decode(
         &self,
         tape: &Tape<T>,
@@ -165,7 +166,7 @@ pub trait Network<T: Real = f32>: Send + Sync + std::fmt::Debug {
     ) -> NetworkOutput<T>;
 }
 
-/// The network of a description and its start values; without a seed for them, all weights are zero.
+/// Builds the network of a description and its start values; without a seed for them, all weights are zero.
 pub fn build<T: Real>(spec: &NetworkSpec, seed: Option<u64>) -> (Box<dyn Network<T>>, Parameters<T>) {
     let mut maker = Maker::new(seed);
     let network: Box<dyn Network<T>> = match spec {

@@ -1,4 +1,4 @@
-//! The network of the tactile paper (DefGraspNets, Huang et al. 2023): messages pass through the whole pads, once per load.
+//! Network of the tactile paper (DefGraspNets, Huang et al. 2023): messages pass through the whole pads, once per load.
 //!
 //! ```text
 //! encode  h, e, c = MLP(node), MLP(mesh edge), MLP(contact edge with its part of the force)
@@ -6,8 +6,8 @@
 //!                                h += MLP(h, sum e, sum c)
 //! decode  displacement = MLP(h), stress = ReLU(MLP(h))          per pad node
 //! ```
-//! MLPs have two hidden layers, ReLU, and a LayerNorm behind them. A stepper needs more than the paper predicts: travel and
-//! motion of the object come from a head on the mean of `h` near the contact, contact forces from a layer on the face.
+//! MLPs have two hidden layers, ReLU, and a LayerNorm after them. A stepper needs more than the paper predicts: travel and motion
+//! of the object come from a head on the mean of `h` near the contact, contact forces from a layer on the face.
 
 use super::{Inputs, Network, NetworkOutput, VolumeNormalisers, repeat};
 use crate::linear::edges::Edges;
@@ -20,7 +20,7 @@ use crate::net::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume}
 use crate::net::network::parameters::{Id, Maker, Parameters};
 use crate::net::network::spec::Paper;
 
-/// Weights and a bias.
+/// Weights and bias of a layer.
 #[derive(Debug, Clone, Copy)]
 struct Layer(Id, Id);
 
@@ -35,7 +35,7 @@ impl Layer {
     }
 }
 
-/// Two hidden layers and a norm; the first layer takes several inputs apart, so that edges gather products, not inputs.
+/// Two hidden layers and a norm. The first layer takes several inputs separately, so that edges gather products, not inputs.
 #[derive(Debug)]
 struct Mlp {
     inputs: Vec<Id>,
@@ -58,12 +58,12 @@ impl Mlp {
         }
     }
 
-    /// What input `i` adds to the first layer.
+    /// Computes the contribution of input `i` to the first layer.
     fn input<T: Real>(&self, tape: &Tape<T>, p: &Parameters<T>, i: usize, x: &Matrix<T>) -> Matrix<T> {
         linear(tape, x, p.get(self.inputs[i]), (i == 0).then(|| p.get(self.bias)), Activation::None)
     }
 
-    /// From what all inputs add.
+    /// Computes the output from the contributions of all inputs.
     fn finish<T: Real>(&self, tape: &Tape<T>, p: &Parameters<T>, terms: &[&Matrix<T>]) -> Matrix<T> {
         let x = sum(tape, terms, Activation::Relu);
         let x = self.hidden.apply(tape, p, &x, Activation::Relu);
@@ -72,7 +72,7 @@ impl Mlp {
     }
 }
 
-/// The network.
+/// Parameters of the network.
 #[derive(Debug)]
 pub struct PaperNetwork {
     rounds: usize,
@@ -89,7 +89,7 @@ pub struct PaperNetwork {
 }
 
 impl PaperNetwork {
-    /// With start values from `maker`.
+    /// Creates the network with start values from `maker`.
     pub fn new<T: Real>(sizes: &Paper, maker: &mut Maker<T>) -> Self {
         let h = sizes.latent.get();
         let inputs = [("node", VOLUME_NODE.len()), ("mesh", MESH_EDGE.len()), ("contact", CONTACT_EDGE.len())];
@@ -113,7 +113,7 @@ impl PaperNetwork {
         mlp.finish(tape, p, &[&mlp.input(tape, p, 0, x)])
     }
 
-    /// The messages along `edges` that have the state `e`.
+    /// Computes the messages along `edges` that have the state `e`.
     fn pass<T: Real>(
         tape: &Tape<T>,
         p: &Parameters<T>,
@@ -129,7 +129,7 @@ impl PaperNetwork {
     }
 }
 
-/// What the trait asks for and this network was built with.
+/// Returns the graph of the whole pads and its statistics, which this network always has.
 fn seen<'a>(inputs: &'a Inputs) -> (&'a Volume, &'a VolumeNormalisers) {
     let volume = inputs.features.volume.as_deref();
     volume.zip(inputs.normalisers.volume.as_ref()).expect("features are made for the layout of the network")

@@ -1,4 +1,4 @@
-//! The parameters of a network: named matrices in a fixed order, their start values, and their file.
+//! Parameters of a network: named matrices in a fixed order, their start values, and their file.
 
 use crate::error::{Error, Result};
 use crate::net::autodiff::real::Real;
@@ -7,11 +7,11 @@ use crate::random::Random;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 use std::path::Path;
 
-/// Named matrices. The order is that in which the network asked for them.
+/// Named matrices, in the order in which the network asked for them.
 #[derive(Debug, Clone)]
 pub struct Parameters<T: Real = f32> {
     names: Vec<String>,
-    /// The matrices.
+    /// Matrices of the parameters.
     pub matrices: Vec<Matrix<T>>,
 }
 
@@ -19,7 +19,7 @@ pub struct Parameters<T: Real = f32> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Id(usize);
 
-/// Makes the parameters of a network, with random start values.
+/// Maker of the parameters of a network, with random start values.
 #[derive(Debug)]
 pub struct Maker<T: Real = f32> {
     random: Option<Random>,
@@ -27,7 +27,7 @@ pub struct Maker<T: Real = f32> {
 }
 
 impl<T: Real> Maker<T> {
-    /// Equal seeds give equal parameters; none is for those whose values come from a file.
+    /// Creates a maker. Equal seeds give equal parameters; None is for parameters whose values come from a file.
     pub fn new(seed: Option<u64>) -> Self {
         Self { random: seed.map(Random::new), parameters: Parameters { names: Vec::new(), matrices: Vec::new() } }
     }
@@ -38,7 +38,7 @@ impl<T: Real> Maker<T> {
         Id(self.parameters.matrices.len() - 1)
     }
 
-    /// A weight (rows, cols), uniform with variance `gain / rows` (He et al. 2015 for gain 2).
+    /// Adds a weight (rows, cols), uniform with variance `gain / rows` (He et al. 2015 for gain 2).
     pub fn weight(&mut self, name: &str, rows: usize, cols: usize, gain: f64) -> Id {
         let limit = (3.0 * gain / rows as f64).sqrt();
         let mut one = || self.random.as_mut().map_or(0.0, |random| 2.0 * random.unit() - 1.0);
@@ -46,45 +46,48 @@ impl<T: Real> Maker<T> {
         self.add(name.into(), rows, cols, value)
     }
 
-    /// A row of equal numbers.
+    /// Adds a row of equal numbers.
     pub fn row(&mut self, name: &str, cols: usize, value: f32) -> Id {
         self.add(name.into(), 1, cols, vec![T::of(value); cols])
     }
 
-    /// All parameters made.
+    /// Returns all parameters made.
     pub fn finish(self) -> Parameters<T> {
         self.parameters
     }
 }
 
 impl<T: Real> Parameters<T> {
-    /// The matrix `id`.
+    /// Returns the matrix `id`.
     pub fn get(&self, id: Id) -> &Matrix<T> {
         &self.matrices[id.0]
     }
 
-    /// The matrix of a name that the network asked for.
+    /// Returns the matrix of a name that the network asked for.
     ///
     /// # Panics
-    /// Without such a parameter.
+    /// Panics without such a parameter.
     pub fn named(&self, name: &str) -> &Matrix<T> {
         let at = self.names.iter().position(|n| n == name);
         &self.matrices[at.unwrap_or_else(|| panic!("the network has no parameter `{name}`"))]
     }
 
-    /// Names, in order.
+    /// Returns the names, in order.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Number of numbers.
+    /// Returns the number of values in all matrices.
     pub fn count(&self) -> usize {
         self.matrices.iter().map(|m| m.value().len()).sum()
     }
 }
 
 impl Parameters {
-    /// As a safetensors file: f32, row-major, (rows, cols).
+    /// Returns the content of a safetensors file: f32, row-major, (rows, cols).
+    ///
+    /// # Errors
+    /// Fails if the matrices cannot be serialised.
     pub fn to_bytes(&self) -> Result<Vec<u8>> {
         let fail = |e: safetensors::SafeTensorError| Error::Solver(format!("the weights cannot be written: {e}"));
         let bytes: Vec<Vec<u8>> =
@@ -99,7 +102,7 @@ impl Parameters {
     /// Takes the values from `bytes`, the content of a file at `path` that holds exactly these parameters.
     ///
     /// # Errors
-    /// A file that is not safetensors, or whose names, shapes or numbers are not those of this network.
+    /// Fails if the file is not safetensors, or if its names, shapes or numbers are not those of this network.
     pub fn load(&mut self, bytes: &[u8], path: &Path) -> Result<()> {
         let fail = |message: String| Error::file(path, message);
         let file = SafeTensors::deserialize(bytes).map_err(|e| fail(format!("is no safetensors file: {e}")))?;

@@ -1,15 +1,15 @@
-//! Models within the program, by name: they are there wherever it runs.
+//! Models within the program, by name: they are available wherever it runs.
 
 use std::path::Path;
 
-/// A model that ships with tactus.
+/// Model that ships with tactus.
 #[derive(Debug)]
 pub struct Shipped {
-    /// Its name.
+    /// Name of the model.
     pub name: &'static str,
-    /// Its card.
+    /// Card of the model.
     pub card: &'static str,
-    /// Its weights, safetensors.
+    /// Weights of the model, safetensors.
     pub weights: &'static [u8],
 }
 
@@ -23,18 +23,18 @@ macro_rules! shipped {
     };
 }
 
-/// All of them; both are for flat GelSight Mini pads, of the usual and of finer elements.
+/// List of all shipped models; both are for flat GelSight Mini pads, one of the usual and one of finer elements.
 pub static ALL: [Shipped; 2] = shipped!["gelsight_mini", "gelsight_mini_fine"];
 
-/// The one that is taken where none is named.
+/// Name of the model that is used where none is named.
 pub const SHIPPED: &str = "gelsight_mini";
 
-/// The model that `model` names; None if it is a folder. A name is never a folder: `./NAME` is one.
+/// Returns the shipped model that `model` names; None if it is a folder. A name is never a folder: `./NAME` is one.
 pub fn named(model: &Path) -> Option<&'static Shipped> {
     ALL.iter().find(|shipped| model.as_os_str() == shipped.name)
 }
 
-/// Names for messages.
+/// Returns the names of all shipped models, for messages.
 pub fn names() -> String {
     ALL.iter().map(|shipped| shipped.name).collect::<Vec<_>>().join(", ")
 }
@@ -44,7 +44,7 @@ mod tests {
     use super::ALL;
     use crate::scene::stepper::SHIPPED_MODELS;
 
-    /// Scenes know the names, the program has the models.
+    /// Checks that scenes know the names of the models in the program.
     #[test]
     fn every_name_has_its_model() {
         assert!(ALL.iter().map(|shipped| shipped.name).eq(SHIPPED_MODELS));

@@ -1,27 +1,27 @@
-//! The RON description of a model: which network, and how it is trained.
+//! RON description of a model: its network and its training.
 
 use crate::error::{Error, Result};
 use crate::scene::leaf::{Count, Fraction, Positive};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// A model file.
+/// Content of a model file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Model", deny_unknown_fields)]
 pub struct Spec {
-    /// The network.
+    /// Kind and sizes of the network.
     pub network: NetworkSpec,
-    /// How it is trained.
+    /// Settings of the training.
     #[serde(default)]
     pub training: Training,
 }
 
-/// The networks there are, with their sizes.
+/// Available networks, with their sizes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum NetworkSpec {
     /// Message passing on the sensing face, the whole force ramp from one pass: [`super::face`].
     Face(Face),
-    /// The tactile paper's, through whole pads, once per load: [`super::paper`].
+    /// Network of the tactile paper, through whole pads, once per load: [`super::paper`].
     Paper(Paper),
 }
 
@@ -29,13 +29,13 @@ pub enum NetworkSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Face {
-    /// Numbers per node while messages pass.
+    /// Number of values per node while messages pass.
     pub latent: Count<1, 1024>,
-    /// Rounds of message passing.
+    /// Number of rounds of message passing.
     pub rounds: Count<1, 64>,
-    /// Numbers per node while a load level is decoded.
+    /// Number of values per node while a load level is decoded.
     pub decoder: Count<1, 1024>,
-    /// Depth channels from the face to the bonded side.
+    /// Number of depth channels from the face to the bonded side.
     pub depths: Count<2, 64>,
 }
 
@@ -54,9 +54,9 @@ impl Default for Face {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Paper {
-    /// Numbers per node and edge.
+    /// Number of values per node and edge.
     pub latent: Count<1, 1024>,
-    /// Rounds of message passing, all with the same weights.
+    /// Number of rounds of message passing, all with the same weights.
     pub rounds: Count<1, 64>,
 }
 
@@ -66,29 +66,29 @@ impl Default for Paper {
     }
 }
 
-/// How a network is trained.
+/// Settings of the training of a network.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Training {
-    /// Passes over the training set at most.
+    /// Largest number of passes over the training set.
     pub epochs: Count<1, 1000000>,
-    /// Grasps per step.
+    /// Number of grasps per step.
     pub batch: Count<1, 4096>,
-    /// Load levels of a grasp that a step looks at, drawn anew each time.
+    /// Number of load levels of a grasp in a step, drawn anew each time.
     pub levels: Count<1, 10000>,
-    /// Frames of a grasp that are kept in memory, evenly spread from the first to the last.
+    /// Number of frames of a grasp that are kept in memory, evenly spread from the first to the last.
     pub frames: Count<1, 10000>,
     /// Largest step of Adam (Kingma and Ba 2015); it rises over the first 2 % of the steps, then falls as a cosine.
     pub learning_rate: Positive,
-    /// Norm that the gradient is cut to.
+    /// Norm to which the gradient is cut.
     pub clip: Positive,
     /// Part of the training grasps that is kept to decide when to stop.
     pub validation: Fraction,
-    /// Epochs without a better validation error after which training stops.
+    /// Number of epochs without a better validation error after which training stops.
     pub patience: Count<1, 1000000>,
     /// Weights of stress, contact force, travel and object motion in the loss; displacement has 1.
     pub weights: [f32; 4],
-    /// Mirror grasps at random: four times the data.
+    /// True to mirror grasps at random: four times the data.
     pub mirror: bool,
     /// Seed of the start values, the order of the grasps, levels and mirrors.
     pub seed: u64,
@@ -116,7 +116,7 @@ impl Spec {
     /// Reads a model file.
     ///
     /// # Errors
-    /// With file, line and column.
+    /// Fails if the file cannot be read or parsed; the message gives file, line and column.
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path).map_err(|e| Error::file(path, format!("cannot be read: {e}")))?;
         let bad = |e: ron::error::SpannedError| {

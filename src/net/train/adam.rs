@@ -3,10 +3,10 @@
 use crate::net::network::parameters::Parameters;
 use dfdx::tensor_ops::AdamConfig;
 
-/// The state of the optimiser.
+/// State of the optimiser.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adam {
-    /// Steps taken.
+    /// Number of steps taken.
     pub step: u64,
     /// First moments, one list per parameter.
     pub first: Vec<Vec<f32>>,
@@ -15,13 +15,13 @@ pub struct Adam {
 }
 
 impl Adam {
-    /// At rest.
+    /// Creates the state before the first step.
     pub fn new(parameters: &Parameters) -> Self {
         let zeros: Vec<Vec<f32>> = parameters.matrices.iter().map(|m| vec![0.0; m.value().len()]).collect();
         Self { step: 0, first: zeros.clone(), second: zeros }
     }
 
-    /// One step of size `rate` against `gradients`.
+    /// Takes one step of size `rate` against `gradients`.
     pub fn update(&mut self, parameters: &mut Parameters, gradients: &[Vec<f32>], rate: f64) {
         // dfdx's own constants; its optimiser keeps its moments to itself.
         let AdamConfig { betas: [b1, b2], eps, .. } = AdamConfig::default();

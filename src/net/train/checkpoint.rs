@@ -1,4 +1,4 @@
-//! The state of a training run on disk, in one file, so that it is whole or not there.
+//! State of a training run on disk, in one file, so that it is either whole or not there.
 
 use super::TrainingState;
 use super::curves::Epoch;
@@ -7,10 +7,10 @@ use crate::files::atomic::write_durable;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Name of the file; it is gone once the model is finished.
+/// Name of the file; it is removed once the model is finished.
 const CHECKPOINT: &str = "checkpoint.bin";
 
-/// What stands before the numbers.
+/// Header before the numbers.
 #[derive(Serialize, Deserialize)]
 struct Header {
     plan: String,
@@ -24,7 +24,11 @@ fn path(dir: &Path) -> PathBuf {
     dir.join(CHECKPOINT)
 }
 
-/// Writes the state: a line of RON (which gives numbers back to the bit), then weights, best weights and both moments, f32, little-endian, and a checksum.
+/// Writes the state: a line of RON (which gives numbers back to the bit), then weights, best weights and both moments, f32,
+/// little-endian, and a checksum.
+///
+/// # Errors
+/// Fails if the header cannot be serialised or the file cannot be written.
 pub fn write(dir: &Path, plan: &str, state: &TrainingState) -> Result<()> {
     let header = Header {
         plan: plan.into(),
@@ -41,20 +45,20 @@ pub fn write(dir: &Path, plan: &str, state: &TrainingState) -> Result<()> {
     write_durable(&path(dir), &bytes)
 }
 
-/// What an earlier run left.
+/// Remains of an earlier run.
 pub enum Left {
     /// No file.
     Nothing,
-    /// A file that is not as it was written.
+    /// File that differs from what was written.
     Damaged(PathBuf),
-    /// Its state.
+    /// State of the earlier run.
     State(Box<TrainingState>),
 }
 
-/// What an earlier run of the same plan left. `like` has the shapes.
+/// Reads the remains of an earlier run of the same plan. `like` has the shapes.
 ///
 /// # Errors
-/// A file of another plan, or one that cannot be read.
+/// Fails for a file of another plan, and for one that cannot be read.
 pub fn read(dir: &Path, plan: &str, like: &TrainingState) -> Result<Left> {
     let path = path(dir);
     let fail = |message: &str| Error::file(&path, message);
@@ -98,6 +102,9 @@ pub fn read(dir: &Path, plan: &str, like: &TrainingState) -> Result<Left> {
 }
 
 /// Removes the file of a finished run.
+///
+/// # Errors
+/// Fails if the file exists and cannot be removed.
 pub fn remove(dir: &Path) -> Result<()> {
     match std::fs::remove_file(path(dir)) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => {

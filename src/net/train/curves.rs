@@ -1,4 +1,4 @@
-//! The loss curve as CSV and PNG.
+//! Loss curve as CSV and PNG.
 
 use crate::error::Result;
 use crate::files::atomic::write_atomic;
@@ -6,18 +6,21 @@ use crate::render::{encode, render_curves};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// One epoch.
+/// Losses of one epoch.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Epoch {
     /// Mean loss over the steps.
     pub training: f64,
-    /// Loss of the validation grasps after it.
+    /// Loss of the validation grasps after the epoch.
     pub validation: f64,
-    /// Learning rate at its start.
+    /// Learning rate at the start of the epoch.
     pub rate: f64,
 }
 
 /// Writes `curves.csv` and `curves.png`.
+///
+/// # Errors
+/// Fails if the picture cannot be drawn or a file cannot be written.
 pub fn write(dir: &Path, epochs: &[Epoch]) -> Result<()> {
     let mut text = String::from("epoch,training_loss,validation_loss,learning_rate\n");
     for (i, e) in epochs.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What is trained on: grasps of a data set, their statistics and range, and the part that decides when to stop.
+//! Training data: grasps of a data set, their statistics and range, and the part that decides when to stop.
 
 use crate::dataset::split::Poses;
 use crate::dataset::{DataSet, Splits};
@@ -20,10 +20,10 @@ use crate::random::Random;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Training and test poses by the name of a split: `poses`, `all`, `single:OBJECT`, `without:OBJECT`.
+/// Returns training and test poses by the name of a split: `poses`, `all`, `single:OBJECT`, `without:OBJECT`.
 ///
 /// # Errors
-/// A name that the data set does not have, with those that it has.
+/// Fails for a name that the data set does not have; the message lists those that it has.
 pub fn split(splits: &Splits, name: &str) -> Result<crate::dataset::split::Sets> {
     let sets = match name.split_once(':') {
         None if name == "poses" => Some(splits.poses.clone()),
@@ -41,10 +41,10 @@ pub fn split(splits: &Splits, name: &str) -> Result<crate::dataset::split::Sets>
     })
 }
 
-/// The grasps that `poses` names, with the range that they span; at most `frames` frames of each.
+/// Reads the grasps that `poses` names, with the range that they span; at most `frames` frames of each.
 ///
 /// # Errors
-/// Damaged files or grasps, a mix that one model cannot serve, no grasp at all.
+/// Fails for damaged files or grasps, for a mix that one model cannot serve, and if there is no grasp.
 pub fn read(set: &DataSet, poses: &Poses, layout: Layout, frames: usize) -> Result<(Vec<Sample>, TrainedRange)> {
     if let Some(damaged) = set.damaged.first() {
         return Err(Error::Start(format!("the data set is damaged: {damaged}")));
@@ -78,7 +78,7 @@ pub fn read(set: &DataSet, poses: &Poses, layout: Layout, frames: usize) -> Resu
     range.map(|range| (samples, range)).ok_or_else(empty)
 }
 
-/// Takes `part` of `samples` out, by a permutation of `seed`: (kept, taken out). At least one stays; one is taken out of two.
+/// Takes `part` of `samples` out, by a permutation of `seed`: (kept, taken out). At least one stays; of two, one is taken out.
 pub fn set_aside(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Sample>, Vec<Sample>) {
     let count = ((samples.len() as f64 * part).round() as usize).clamp(1, samples.len().max(2) - 1);
     let mut random = Random::new(seed);
@@ -92,7 +92,7 @@ pub fn set_aside(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Sample>, Ve
     (kept, out)
 }
 
-/// Statistics of a training set; what training is stopped by lies within the bounds of features, too.
+/// Computes the statistics of a training set. The bounds of the features include those of the validation samples.
 pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
     let loads: Vec<&LoadFeatures> = samples.iter().map(|s| &s.loads).collect();
     let rms = |values: &mut dyn Iterator<Item = f64>| {
@@ -151,7 +151,7 @@ pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
 /// Whole pads, and their contact edges at all forces.
 type Whole = (Arc<Volume>, Vec<f32>);
 
-/// Those of the whole pads, if the samples have them.
+/// Computes the statistics of the whole pads, if the samples have them.
 fn volume(samples: &[Sample], validation: &[Sample]) -> Option<VolumeNormalisers> {
     let of = |s: &Sample| {
         let volume = s.features.volume.clone()?;
@@ -170,7 +170,7 @@ fn volume(samples: &[Sample], validation: &[Sample]) -> Option<VolumeNormalisers
     })
 }
 
-/// Root mean square of what the displacement is beyond the linear response to the true contact forces, over the depth.
+/// Returns the root mean square of the displacement beyond the linear response to the true contact forces, over the depth.
 fn beyond_response(samples: &[Sample], loads: &[&LoadFeatures]) -> f32 {
     let (mut count, mut square) = (0.0, 0.0);
     for (s, l) in samples.iter().zip(loads) {

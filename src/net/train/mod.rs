@@ -1,7 +1,7 @@
 //! Training: data-parallel over the cores, the same bits on any number of threads, resumable after any kill.
 //!
-//! All that is random comes from (seed, epoch, grasp), so that an epoch needs no memory of the ones before it: weights and
-//! moments after an epoch are the whole state (`checkpoint.rs`).
+//! All random choices come from (seed, epoch, grasp), so that an epoch needs no memory of the ones before it: weights and moments
+//! after an epoch are the whole state (`checkpoint.rs`).
 
 pub mod adam;
 mod checkpoint;
@@ -29,7 +29,7 @@ use curves::Epoch;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// A training run.
+/// Training run of a network.
 #[derive(Debug)]
 pub struct Trainer {
     dir: PathBuf,
@@ -37,48 +37,48 @@ pub struct Trainer {
     network: Box<dyn Network>,
     samples: Vec<Sample>,
     validation: Vec<Sample>,
-    /// The state: weights, those of the best epoch, moments, and all epochs so far.
+    /// State of the run: weights, those of the best epoch, moments, and all epochs so far.
     state: TrainingState,
-    /// What to know about the start.
+    /// Notice about the start.
     pub notice: Option<String>,
     _lock: FolderLock,
 }
 
-/// All that an epoch leaves to the next.
+/// State that an epoch leaves to the next.
 #[derive(Debug, Clone)]
 pub struct TrainingState {
-    /// Weights.
+    /// Current weights.
     pub parameters: Parameters,
     /// Weights of the epoch with the smallest validation loss.
     pub best: Parameters,
-    /// The optimiser.
+    /// State of the optimiser.
     pub adam: Adam,
-    /// The loss curve.
+    /// Loss curve so far.
     pub epochs: Vec<Epoch>,
 }
 
 impl TrainingState {
-    /// The epoch with the smallest validation loss, and that loss.
+    /// Returns the epoch with the smallest validation loss, and that loss.
     pub fn best_epoch(&self) -> Option<(usize, f64)> {
         let losses = self.epochs.iter().map(|e| e.validation).enumerate();
         losses.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 }
 
-/// How a run ended.
+/// Reason for the end of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
-    /// All epochs are done.
+    /// Completion of all epochs.
     Epochs,
-    /// The validation loss has not fallen for long enough.
+    /// Early stop: the validation loss has not fallen for long enough.
     Patience,
 }
 
 impl Trainer {
-    /// Reads the training grasps of `split`, and the state of an earlier run of the same plan in `dir`, which is held until the end.
+    /// Reads the training grasps of `split`, and the state of an earlier run of the same plan in `dir`. Locks `dir` until the end.
     ///
     /// # Errors
-    /// Data that cannot be used; a folder that another training holds, or that holds another model.
+    /// Fails if the data cannot be used, and if the folder is locked by another training or holds another model.
     pub fn new(set: &DataSet, spec: &Spec, split: &str, dir: &Path) -> Result<Self> {
         let sets = data::split(&set.splits, split)?;
         // Before anything long: what another one writes meanwhile must not be replaced at the end.
@@ -108,32 +108,32 @@ impl Trainer {
         Ok(trainer)
     }
 
-    /// What decides every bit of the result.
+    /// Returns the plan: all that decides the bits of the result.
     fn plan(&self) -> Result<String> {
         let spec = ron::to_string(&self.card.spec).map_err(|e| Error::Solver(e.to_string()))?;
         let Card { tactus, features, data, split, .. } = &self.card;
         Ok(format!("{tactus} features {features} {data} {split} {spec}"))
     }
 
-    /// What is trained.
+    /// Returns the card of the model in training.
     pub fn card(&self) -> &Card {
         &self.card
     }
 
-    /// The loss curve so far.
+    /// Returns the loss curve so far.
     pub fn epochs(&self) -> &[Epoch] {
         &self.state.epochs
     }
 
-    /// Training and validation grasps.
+    /// Returns the numbers of training and validation grasps.
     pub fn counts(&self) -> (usize, usize) {
         (self.samples.len(), self.validation.len())
     }
 
-    /// Trains to the end; `watch` is told every epoch. Every epoch is kept on disk before the next one starts.
+    /// Trains to the end and calls `watch` after every epoch. Every epoch is stored on disk before the next one starts.
     ///
     /// # Errors
-    /// A loss that is not finite: the last good epoch stays on disk. Files that cannot be written.
+    /// Fails if the loss is not finite: the last good epoch stays on disk. Fails if files cannot be written.
     pub fn run(&mut self, mut watch: impl FnMut(&Self)) -> Result<End> {
         let training = self.card.spec.training;
         let plan = self.plan()?;
@@ -202,7 +202,7 @@ impl Trainer {
         Ok(())
     }
 
-    /// Loss of training grasp `i`, and its gradient.
+    /// Computes the loss of training grasp `i`, and its gradient.
     fn gradient(&self, parameters: &Parameters, i: usize, epoch: usize) -> (f64, Vec<Vec<f32>>) {
         let training = &self.card.spec.training;
         let mut random = Random::new(key(training.seed, epoch, i));
@@ -236,7 +236,7 @@ impl Trainer {
     }
 }
 
-/// The loss of a sample as training sees it.
+/// Computes the loss of a sample as in training.
 pub fn pass<T: Real>(
     tape: &Tape<T>,
     network: &dyn Network<T>,
@@ -252,7 +252,7 @@ pub fn pass<T: Real>(
     sample.loss(tape, &out, normalisers, mirror, &training.weights)
 }
 
-/// Mean loss over all levels of `samples`, not mirrored.
+/// Computes the mean loss over all levels of `samples`, not mirrored.
 pub fn loss(
     network: &dyn Network,
     parameters: &Parameters,
@@ -271,7 +271,7 @@ pub fn loss(
     losses.iter().sum::<f64>() / losses.len().max(1) as f64
 }
 
-/// Learning rate of step `step`.
+/// Returns the learning rate of step `step`.
 fn schedule(training: &Training, step: usize, per_epoch: usize) -> f64 {
     let total = (training.epochs.get() * per_epoch) as f64;
     let (at, warm) = ((step as f64 + 0.5) / total, 0.02);
@@ -279,7 +279,7 @@ fn schedule(training: &Training, step: usize, per_epoch: usize) -> f64 {
     training.learning_rate.get() * if at < warm { at / warm } else { fall }
 }
 
-/// A seed of its own for every grasp of every epoch.
+/// Returns a different seed for every grasp of every epoch.
 fn key(seed: u64, epoch: usize, grasp: usize) -> u64 {
     let mut random = Random::new(seed ^ (epoch as u64).rotate_left(32));
     random.bits() ^ Random::new(grasp as u64).bits()

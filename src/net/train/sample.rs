@@ -1,4 +1,4 @@
-//! One grasp of a data set: features from its stored scene, and what FEM found.
+//! Samples: one grasp of a data set, with features from its stored scene, and the results of FEM.
 
 use crate::dataset::{ObjectFile, StoredGrasp};
 use crate::error::{Error, Result};
@@ -19,7 +19,7 @@ use crate::world::components::ObjectPose;
 use glam::{DMat3, DQuat, DVec3};
 use std::sync::Arc;
 
-/// A grasp to learn from or to be judged on. Fields are SI, pad frames; levels, then pads, then nodes.
+/// Grasp for training or for judging a model. Fields are SI, pad frames; levels, then pads, then nodes.
 #[derive(Debug, Clone)]
 pub struct Sample {
     /// Name of the object.
@@ -28,28 +28,28 @@ pub struct Sample {
     pub grasp: usize,
     /// Numbers of the frames kept.
     pub frames: Vec<usize>,
-    /// What the network sees.
+    /// Features of the grasp.
     pub features: GraspFeatures,
-    /// What it sees of each level.
+    /// Features of each level.
     pub loads: LoadFeatures,
     /// Force per finger of each level, N.
     pub forces: Vec<f64>,
-    /// (levels, pads, nodes, 3), m.
+    /// Displacement (levels, pads, nodes, 3), m.
     pub displacement: Vec<f32>,
-    /// (levels, pads, nodes), Pa.
+    /// Stress (levels, pads, nodes), Pa.
     pub stress: Vec<f32>,
-    /// (levels, pads, face nodes, 3), N.
+    /// Contact force (levels, pads, face nodes, 3), N.
     pub contact: Vec<f32>,
-    /// (levels, pads), m.
+    /// Travel (levels, pads), m.
     pub travel: Vec<f64>,
-    /// (levels, pads, 6): translation (m) of the point of the object amid the pads, rotation vector, from first contact.
+    /// Motion (levels, pads, 6): translation (m) of the point of the object amid the pads, rotation vector, from first contact.
     pub motion: Vec<f64>,
 }
 
-/// The model that a file of a data set was made with.
+/// Builds the model that a file of a data set was made with.
 ///
 /// # Errors
-/// A scene that no longer builds.
+/// Fails if the scene can no longer be built.
 pub fn model_of(file: &ObjectFile) -> Result<Arc<Model>> {
     let bad = |e| Error::file(&file.path, format!("its scene cannot be read: {e}"));
     Model::build(&from_ron(&file.scene).map_err(bad)?)
@@ -59,7 +59,7 @@ impl Sample {
     /// Reads a grasp, at most `most` frames of it, evenly spread from the first to the last.
     ///
     /// # Errors
-    /// A damaged grasp; one whose first contact can no longer be found.
+    /// Fails if the grasp is damaged, or if its first contact can no longer be found.
     pub fn read(
         file: &ObjectFile,
         model: &Arc<Model>,
@@ -70,10 +70,10 @@ impl Sample {
         Self::of(file, model, graph, grasp, &file.grasp(grasp)?, most)
     }
 
-    /// The same of a grasp that has been read. Of what FEM found, nothing gets into the features.
+    /// Makes the sample of a grasp that has been read. No result of FEM enters the features.
     ///
     /// # Errors
-    /// First contact that can no longer be found.
+    /// Fails if first contact can no longer be found.
     pub fn of(
         file: &ObjectFile,
         model: &Arc<Model>,
@@ -122,7 +122,7 @@ impl Sample {
         Ok(sample)
     }
 
-    /// A part of it: these levels only.
+    /// Returns a part of the sample: these levels only.
     pub fn levels(&self, levels: &[usize]) -> Self {
         let count = self.forces.len();
         Self {
@@ -140,7 +140,7 @@ impl Sample {
         }
     }
 
-    /// How wrong `output` is: relative errors (L2) of each level, averaged over the levels, weighted and added; 1 x 1.
+    /// Computes the loss of `output`, 1 x 1: relative errors (L2) of each level, averaged over the levels, weighted and added.
     ///
     /// Travel and motion count in the units of [`Normalisers`].
     pub fn loss<T: Real>(
@@ -213,7 +213,8 @@ impl Sample {
     }
 }
 
-/// Motion of the object from `start` to `now`, in the axes of a pad: of its point amid the pads, m, and rotation vector.
+/// Computes the motion of the object from `start` to `now`, in the axes of a pad: translation of its point amid the pads, m, and
+/// rotation vector.
 pub fn motion(model: &Model, start: &ObjectPose, now: &ObjectPose, pad: DMat3) -> (DVec3, DVec3) {
     let turn = (now.rotation * start.rotation.inverse()).normalize();
     let turn = if turn.w < 0.0 { -turn } else { turn };
@@ -222,7 +223,7 @@ pub fn motion(model: &Model, start: &ObjectPose, now: &ObjectPose, pad: DMat3) -
     (pad.transpose() * shift, pad.transpose() * turn.to_scaled_axis())
 }
 
-/// The pose that [`motion`] leads to from `start`; shift (m) and rotation vector in hand axes.
+/// Returns the pose that [`motion`] leads to from `start`; shift (m) and rotation vector in hand axes.
 pub fn moved(model: &Model, start: &ObjectPose, shift: DVec3, turn: DVec3) -> ObjectPose {
     let point = amid(model);
     let turn = DQuat::from_scaled_axis(turn);

@@ -1,16 +1,16 @@
-//! Squeeze.
+//! Motion that squeezes.
 
 use super::{HandState, Play, Stage};
 use crate::scene::leaf::{NonNegative, Seconds};
 use serde::{Deserialize, Serialize};
 
-/// Brings the squeezing force evenly to `force`; it stays until the next `Close`.
+/// Brings the squeezing force evenly to `force`, which stays until the next `Close`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Close {
-    /// Force at the end, N: the sum over the fingers. Zero lets go.
+    /// Force at the end, N: the sum over the fingers. Zero releases the object.
     pub force: NonNegative,
-    /// s.
+    /// Duration, s.
     pub duration: Seconds,
 }
 

@@ -1,14 +1,14 @@
-//! Wait.
+//! Motion that waits.
 
 use super::{HandState, Play, Stage};
 use crate::scene::leaf::Seconds;
 use serde::{Deserialize, Serialize};
 
-/// Stays where it is, with the force it has.
+/// Keeps the hand in place, with its present force.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hold {
-    /// s.
+    /// Duration, s.
     pub duration: Seconds,
 }
 

@@ -1,16 +1,16 @@
-//! Up.
+//! Motion upwards.
 
 use super::{HandState, Play, Stage, smooth};
 use crate::scene::leaf::{Finite, Seconds};
 use serde::{Deserialize, Serialize};
 
-/// Moves against gravity, starting and ending at rest.
+/// Moves the hand against gravity, starting and ending at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Lift {
-    /// m; negative lowers.
+    /// Height, m; a negative one lowers the hand.
     pub height: Finite,
-    /// s.
+    /// Duration, s.
     pub duration: Seconds,
 }
 

@@ -1,6 +1,6 @@
-//! What the hand does in a dynamic scene: one file per motion, played one after the other.
+//! Motions of the hand in a dynamic scene: one file per motion, played one after the other.
 //!
-//! To add a motion: one file with a struct that implements [`Play`], one line in `motions!`.
+//! To add a motion, write one file with a struct that implements [`Play`] and one line in `motions!`.
 
 mod close;
 mod hold;
@@ -21,7 +21,7 @@ pub use shift::Move;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// Where the hand is and how hard it squeezes.
+/// Pose and squeezing force of the hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HandState {
     /// Origin of the hand frame in the world, m.
@@ -33,18 +33,18 @@ pub struct HandState {
 }
 
 impl HandState {
-    /// A point of the hand frame in the world, m.
+    /// Returns the position in the world of a point of the hand frame, m.
     pub fn to_world(&self, x: DVec3) -> DVec3 {
         self.rotation * x + self.position
     }
 
-    /// A point of the world in the hand frame, m.
+    /// Returns the position in the hand frame of a point of the world, m.
     pub fn to_hand(&self, x: DVec3) -> DVec3 {
         self.rotation.conjugate() * (x - self.position)
     }
 }
 
-/// What a motion needs to know of the scene.
+/// Properties of the scene that a motion needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stage {
     /// Unit vector against gravity, world; zero without gravity.
@@ -53,15 +53,15 @@ pub struct Stage {
     pub center: DVec3,
 }
 
-/// A motion of the hand.
+/// Motion of the hand.
 pub trait Play {
-    /// How long it takes, s.
+    /// Returns the duration, s.
     fn duration(&self) -> f64;
-    /// The hand after `time` (0 to the duration, s) of a motion that began at `start`.
+    /// Returns the state of the hand after `time` (0 to the duration, s) of a motion that began at `start`.
     fn hand(&self, start: &HandState, time: f64, stage: &Stage) -> HandState;
     /// Enters the end (s) and the force (N) of every squeeze of a motion that begins at `begin` (s).
     fn squeezes(&self, _begin: f64, _found: &mut Vec<(f64, f64)>) {}
-    /// True if it goes against gravity.
+    /// Returns true if the motion goes against gravity.
     fn needs_gravity(&self) -> bool {
         false
     }
@@ -70,14 +70,14 @@ pub trait Play {
 /// Declares [`Motion`] with one variant per kind.
 macro_rules! motions {
     ($($(#[$doc:meta])* $name:ident,)*) => {
-        /// One motion of the hand.
+        /// Motion of the hand.
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
         pub enum Motion {
             $($(#[$doc])* $name($name),)*
         }
 
         impl Motion {
-            /// As the trait object that plays it.
+            /// Returns the trait object that plays the motion.
             pub fn play(&self) -> &dyn Play {
                 match self {
                     $(Motion::$name(motion) => motion,)*
@@ -88,28 +88,29 @@ macro_rules! motions {
 }
 
 motions! {
-    /// Change the squeezing force.
+    /// Changes the squeezing force.
     Close,
-    /// Move up, against gravity.
+    /// Moves up, against gravity.
     Lift,
-    /// Move by a vector.
+    /// Moves by a vector.
     Move,
-    /// Do nothing.
+    /// Does nothing.
     Hold,
-    /// Oscillate along a direction.
+    /// Oscillates along a direction.
     Shake,
-    /// Turn about an axis through the middle between the pads.
+    /// Turns about an axis through the middle between the pads.
     Rotate,
-    /// Play motions several times.
+    /// Plays motions several times.
     Repeat,
 }
 
-/// Duration of motions one after the other, s.
+/// Duration of motions played one after the other, s.
 pub fn duration(motions: &[Motion]) -> f64 {
     motions.iter().map(|m| m.play().duration()).sum()
 }
 
-/// The hand `time` (s) after it began to play `motions` at `start`; at their end afterwards.
+/// Returns the state of the hand `time` (s) after it began to play `motions` at `start`; after their end, the state at
+/// the end.
 pub fn follow(motions: &[Motion], start: &HandState, time: f64, stage: &Stage) -> HandState {
     let (mut hand, mut rest) = (*start, time);
     for motion in motions {
@@ -124,7 +125,7 @@ pub fn follow(motions: &[Motion], start: &HandState, time: f64, stage: &Stage) -
     hand
 }
 
-/// Ends (s) and forces (N) of all squeezes.
+/// Returns the ends (s) and forces (N) of all squeezes.
 pub fn squeezes(motions: &[Motion]) -> Vec<(f64, f64)> {
     let (mut found, mut begin) = (Vec::new(), 0.0);
     for motion in motions {
@@ -134,7 +135,7 @@ pub fn squeezes(motions: &[Motion]) -> Vec<(f64, f64)> {
     found
 }
 
-/// From 0 to 1 with no velocity and no acceleration at either end (minimum jerk: Flash & Hogan 1985, equation 2).
+/// Rises from 0 to 1 with no velocity and no acceleration at either end (minimum jerk: Flash & Hogan 1985, equation 2).
 fn smooth(s: f64) -> f64 {
     let s = s.clamp(0.0, 1.0);
     s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)

@@ -1,16 +1,16 @@
-//! Again and again.
+//! Motion that repeats others.
 
 use super::{HandState, Motion, Play, Stage, duration, follow, squeezes};
 use crate::scene::leaf::Count;
 use serde::{Deserialize, Serialize};
 
-/// Plays motions one after the other, several times over.
+/// Plays motions one after the other, several times.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Repeat {
-    /// How often.
+    /// Number of repetitions.
     pub times: Count<1, 10000>,
-    /// What.
+    /// Motions to repeat.
     pub motions: Vec<Motion>,
 }
 

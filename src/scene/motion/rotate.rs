@@ -1,4 +1,4 @@
-//! Turn.
+//! Motion that turns the hand.
 
 use super::{HandState, Play, Stage, smooth};
 use crate::scene::leaf::{Finite, Seconds};
@@ -10,11 +10,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rotate {
-    /// Degrees, right-handed.
+    /// Angle, degrees, right-handed.
     pub angle_deg: Finite,
-    /// Hand axes, any length: (1, 0, 0) is the closing direction, (0, 0, 1) the approach.
+    /// Axis in hand axes, of any length: (1, 0, 0) is the closing direction, (0, 0, 1) the approach.
     pub axis: Direction,
-    /// s.
+    /// Duration, s.
     pub duration: Seconds,
 }
 

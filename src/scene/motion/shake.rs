@@ -1,4 +1,4 @@
-//! To and fro.
+//! Motion to and fro.
 
 use super::{HandState, Play, Stage, smooth};
 use crate::scene::leaf::{Length, Positive, Seconds};
@@ -6,18 +6,18 @@ use crate::scene::vector::Direction;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Moves as `amplitude sin(2 pi frequency t)` along a direction. The amplitude fades in and out over the first and the
-/// last period (at most half of the duration each), so that it starts and ends at rest.
+/// Moves the hand by `amplitude sin(2 pi frequency t)` along a direction. The amplitude fades in and out over the first
+/// and the last period (at most half of the duration each), so that the motion starts and ends at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shake {
-    /// m.
+    /// Amplitude, m.
     pub amplitude: Length,
-    /// Hz.
+    /// Frequency, Hz.
     pub frequency: Positive,
-    /// World axes, any length.
+    /// Direction in world axes, of any length.
     pub direction: Direction,
-    /// s.
+    /// Duration, s.
     pub duration: Seconds,
 }
 

@@ -1,17 +1,17 @@
-//! To another place.
+//! Motion to another place.
 
 use super::{HandState, Play, Stage, smooth};
 use crate::scene::leaf::Seconds;
 use crate::scene::vector::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Moves by a vector, starting and ending at rest.
+/// Moves the hand by a vector, starting and ending at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Move {
-    /// World axes, m.
+    /// Displacement in world axes, m.
     pub by: Vec3,
-    /// s.
+    /// Duration, s.
     pub duration: Seconds,
 }
 

@@ -1,4 +1,4 @@
-//! Pads that meet beside a thin object are refused: contact between the pads is not modelled.
+//! Refusal of pads that meet beside a thin object: contact between the pads is not modelled.
 
 use crate::mech::contact::{ContactSurface, SurfaceFace};
 use crate::scales::FACE_BULGE;
@@ -55,8 +55,8 @@ pub fn keep_pads_apart(
     }
 }
 
-/// How far two surfaces that face each other along the unit vector `axis`, from the first to the second, are past each other
-/// at the worst point of the second, m; zero if they are apart. `x`, `y`: node positions, m.
+/// Depth by which two surfaces that face each other along the unit vector `axis`, from the first to the second, are past each
+/// other at the worst point of the second, m; zero if they are apart. `x`, `y`: node positions, m.
 pub fn overlap(first: &ContactSurface, x: &[DVec3], second: &ContactSurface, y: &[DVec3], axis: DVec3) -> f64 {
     let nodes = first.faces.iter().flat_map(|f| f.corners.into_iter().chain(f.mids.into_iter().flatten()));
     let tip = nodes.map(|n| x[n as usize].dot(axis)).fold(f64::NEG_INFINITY, f64::max);

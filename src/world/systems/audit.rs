@@ -1,4 +1,4 @@
-//! The audit as a system: there only if the scene promises something that it judges.
+//! The audit as a system: it is there only if the scene promises something that it judges.
 
 use crate::judge::Findings;
 use crate::world::schedule::{CurrentGrasp, Recorded, Shared, Timings};

@@ -1,4 +1,4 @@
-//! The gripper's wishes: where the object is at the start, and how hard to squeeze next.
+//! Commands of the gripper: the position of the object at the start, and the force of the next squeeze.
 
 use crate::world::components::{FingerForce, FingerTravel, ObjectPose, ObjectWeight};
 use crate::world::schedule::{Advance, CurrentGrasp, ForceCommand, Next, Phase, Shared};

@@ -1,15 +1,15 @@
-//! Do the forces of a frame add up? From the wrenches alone, whatever stepper wrote them.
+//! Balance of the forces of a frame, from the wrenches alone, whatever stepper wrote them.
 
 use crate::world::components::*;
 use crate::world::schedule::{BalanceReport, Shared};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
-/// What acts on the object but the pads.
+/// Loads on the object beside those of the pads.
 type Loads<'a> = (&'a ObjectPose, Option<&'a ObjectWeight>, Option<&'a GroundWrench>, Option<&'a InertialWrench>);
 
-/// Force and torque balance. Of a free object: contact forces, weight, support and inertia must cancel. Of a fixed one: each finger's
-/// contact must carry the force that closes it; of one that is still held, their contacts together.
+/// Measures the force and torque balance. For a free object, contact forces, weight, support and inertia must cancel. For a
+/// fixed one, each finger's contact must carry the force that closes it; for one that is still held, their contacts together.
 pub fn measure_balance(
     shared: Res<Shared>,
     mut balance: ResMut<BalanceReport>,
@@ -60,7 +60,7 @@ pub fn measure_balance(
     };
 }
 
-/// Distance of every node to the object.
+/// Measures the distance of every node to the object.
 pub fn measure_gap(
     shared: Res<Shared>,
     fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel)>,

@@ -1,4 +1,4 @@
-//! The systems that every stepper shares: what the gripper wants, whether the forces add up, the frame.
+//! Systems that every stepper shares: commands of the gripper, balance of the forces, the frame.
 
 pub(crate) mod apart;
 pub mod audit;

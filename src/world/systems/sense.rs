@@ -57,7 +57,7 @@ pub fn close_to_contact(
     next.request(Phase::Ramp { frame: 0 });
 }
 
-/// Makes the travels at which two fingers touch a free object alike: how far they push it to the middle, m.
+/// Makes the travels at which two fingers touch a free object alike; returns how far they push it to the middle, m.
 pub fn center(model: &Model, travel: &mut [f64]) -> DVec3 {
     let (true, [first, second]) = (model.free, travel) else { return DVec3::ZERO };
     let pushed = model.fingers[0].placement.closing * (0.5 * (*second - *first));
@@ -94,6 +94,10 @@ fn close_together(model: &Model, pose: &ObjectPose) -> Result<f64, String> {
 }
 
 /// Travel of finger `index` until its undeformed pad is `clearance` (m) from the object at `pose`, m.
+///
+/// # Errors
+/// Fails if the pad overlaps the object in the open hand, or if the finger meets nothing within its reach; the message says
+/// which.
 pub fn first_contact(model: &Model, index: usize, pose: &ObjectPose, clearance: f64) -> Result<f64, String> {
     let finger = &model.fingers[index];
     let met = approach(

@@ -6,14 +6,14 @@
 //! patch:           1/2 (x_p - c_p)' S (x_p - c_p)  Newton, contact and friction as ever, on few unknowns
 //!                  | K^-1
 //! full pad:        x = c + K^-1 S (x_p - c_p)      once per load level
-//!                  | c -= K^-1 (g(x) - contact)    what the real law says of x
+//!                  | c -= K^-1 (g(x) - contact)    correction by the real law at x
 //! ```
 //!
-//! `S` is the Schur complement of `K` (static condensation: Guyan 1965), `c` where the unloaded pad would come to rest if
-//! it stayed as stiff as it is. The law of the gel is not linear, so `c` wanders; correcting it once per level with the old
-//! factor is a step of the modified Newton method for the whole pad, and its size, over the displacement, is the error that the
-//! user accepts. Where correcting is not enough, the pad is condensed anew as it then is; where that is not enough either (elements on
-//! the verge of turning inside out), the grasp goes on with whole pads.
+//! `S` is the Schur complement of `K` (static condensation: Guyan 1965). `c` is the state in which the unloaded pad would come to
+//! rest if it stayed as stiff as it is. The law of the gel is not linear, so `c` changes with the load. Correcting it once per
+//! level with the old factor is a step of the modified Newton method for the whole pad. The size of this step, over the
+//! displacement, is the error that the user accepts. When corrections are not enough, the pad is condensed again in its current
+//! state. When that is not enough either (elements on the verge of turning inside out), the grasp goes on with whole pads.
 
 mod pad;
 mod patch;
@@ -39,45 +39,48 @@ use std::time::Instant;
 /// The condensed pads of one grasp.
 pub struct Condensation {
     pads: Vec<CondensedPad>,
-    /// Change of the displacement by a correction, over the displacement, that is small enough.
+    /// Accepted size of a correction: its change of the displacement over the displacement.
     error: f64,
-    /// Levels of the last two accepted states: between them the centres wandered as the pads remember.
+    /// Levels of the last two accepted states. The centres are predicted from their change between these levels.
     levels: [Option<f64>; 2],
 }
 
-/// Forces out of balance that a result may leave, over the contact forces, as a part of the error accepted.
+/// Forces out of balance that a result may leave, over the contact forces, as a part of the accepted error.
 const BALANCE: f64 = 0.1;
 /// Corrections at one level before it counts as failed.
 const CORRECTIONS: u32 = 8;
-/// A correction must fall to this part of the one before, or the stiffness is out of date.
+/// Largest ratio of a correction to the one before. Above it, the stiffness is out of date.
 const CONTRACTION: f64 = 0.3;
 
 impl Condensation {
-    /// Of the pads of `model` under the dead loads `dead` (N per node; empty lists for none), with nothing condensed yet.
+    /// Creates the condensation of the pads of `model` under the dead loads `dead` (N per node; empty lists for none). Nothing is
+    /// condensed yet.
     pub fn new(model: &Model, dead: Vec<Vec<DVec3>>, error: f64) -> Self {
         let pads = model.fingers.iter().zip(dead).map(|(f, dead)| CondensedPad::new(f, dead)).collect();
         Self { pads, error, levels: [None; 2] }
     }
 
-    /// The condensed pad of finger `i`.
+    /// Returns the condensed pad of finger `i`.
     pub fn pad(&self, i: usize) -> &CondensedPad {
         &self.pads[i]
     }
 
-    /// Condenses the pads at the state of `path`, at first contact: onto what the force that makes it may press on.
+    /// Condenses the pads at first contact, in the state of `path`. The patches cover the nodes that the force of first contact may
+    /// press on.
     ///
     /// # Errors
-    /// [`Failure::Singular`].
+    /// Returns [`Failure::Singular`] if the stiffness cannot be factorised.
     pub fn begin(&mut self, path: &mut Path, model: &Model) -> Result<(), Failure> {
         let patches = self.patches(path, model, FIRST_DEPTH * model.law.offset);
         self.condense(path, patches)
     }
 
-    /// Finds the equilibrium at the level reached once more, under another load on the object, which may take it far from where
-    /// the pads are condensed: they are condensed anew on the way, which is given up when it is longer than the leash.
+    /// Finds the equilibrium at the current level again, under another load on the object. The load may take the object far from
+    /// where the pads are condensed, so they are condensed again on the way. The motion is given up when it is longer than the
+    /// leash.
     ///
     /// # Errors
-    /// The last [`Failure`]; the path is then as it was.
+    /// Returns the last [`Failure`]; the path is then as it was.
     pub fn follow(&mut self, path: &mut Path, model: &Model) -> Result<Advanced, Failure> {
         let start = path.checkpoint();
         let gone = |path: &Path| {
@@ -100,20 +103,20 @@ impl Condensation {
         done
     }
 
-    /// Condenses the pads anew where they touch now.
+    /// Condenses the pads again at their current contact.
     fn follow_on(&mut self, path: &mut Path, model: &Model) -> Result<(), Failure> {
         self.correct(path)?;
         let patches = self.patches(path, model, 0.0);
         self.condense(path, patches)
     }
 
-    /// The pads of `model`, for a continuation.
+    /// Returns the condensed pads of `model`, for a continuation.
     pub fn of<'a>(&'a mut self, model: &'a Model) -> CondensedPads<'a> {
         CondensedPads { pads: self, model, outside: None }
     }
 
-    /// Corrects the pads at the equilibrium found at `level` until they err no more than they may, and as a `result` leave no force that is
-    /// out of balance.
+    /// Corrects the pads at the equilibrium found at `level` until their error is small enough. If it is a `result`, the forces out
+    /// of balance must be small, too.
     fn settle(&mut self, path: &mut Path, level: f64, result: bool, done: &mut Advanced) -> Result<(), Failure> {
         let mut last = f64::INFINITY;
         for _ in 0..CORRECTIONS {
@@ -139,7 +142,7 @@ impl Condensation {
         Err(Failure::Corrections(last))
     }
 
-    /// Condenses the pads that `patches` has nodes for onto them, as stiff as they are in the state of `path`.
+    /// Condenses the pads for which `patches` has nodes onto these nodes, with their stiffness in the state of `path`.
     fn condense(&mut self, path: &mut Path, patches: Vec<Option<Vec<u32>>>) -> Result<(), Failure> {
         let clock = Instant::now();
         let work = self.pads.par_iter_mut().zip(patches).zip(&path.state.x);
@@ -157,8 +160,8 @@ impl Condensation {
         Ok(())
     }
 
-    /// Whole pads from patches, and what the real law makes of them: the size of the correction over the displacement, and the
-    /// out-of-balance forces, N.
+    /// Computes whole pads from patches and corrects them by the real law. Returns the size of the correction over the
+    /// displacement, and the out-of-balance forces, N.
     fn correct(&mut self, path: &mut Path) -> Result<(f64, f64), Failure> {
         let clock = Instant::now();
         let pads = self.pads.par_iter_mut().zip(path.state.x.par_iter_mut());
@@ -174,7 +177,7 @@ impl Condensation {
         Ok((error, residual))
     }
 
-    /// Lets the centres wander on to `level` as they did before.
+    /// Extrapolates the centres to `level` from the last two accepted levels.
     fn predict(&mut self, path: &mut Path, level: f64) {
         let [Some(before), Some(last)] = self.levels else { return };
         let factor = (level - last) / (last - before);
@@ -184,25 +187,26 @@ impl Condensation {
         }
     }
 
-    /// Hands the pads to the solver.
+    /// Passes the pads to the solver.
     fn install(&self, path: &mut Path) {
         for (pad, terms) in self.pads.iter().zip(&mut path.newton.terms) {
             terms[0] = Box::new(pad.term());
         }
     }
 
-    /// True if contact has reached nodes of pad `i` that are not in its patch.
+    /// Returns true if contact has reached nodes of pad `i` that are not in its patch.
     fn is_outside(&self, path: &Path, i: usize) -> bool {
         touched(path, i).any(|stencil| !self.pads[i].carries(&stencil))
     }
 
-    /// New patches for the pads whose contact has outgrown theirs.
+    /// Returns new patches for the pads whose contact has outgrown theirs.
     fn outside(&self, path: &Path, model: &Model) -> Vec<Option<Vec<u32>>> {
         let patches = self.patches(path, model, 0.0).into_iter().enumerate();
         patches.map(|(i, patch)| patch.filter(|_| self.is_outside(path, i))).collect()
     }
 
-    /// The nodes of every pad that may touch the object at the state of `path`, and those that do when it comes `nearer` (m).
+    /// Returns, for every pad, the nodes that may touch the object in the state of `path`, and those that would if the object came
+    /// `nearer` (m).
     fn patches(&self, path: &Path, model: &Model, nearer: f64) -> Vec<Option<Vec<u32>>> {
         let pads = model.fingers.par_iter().enumerate();
         let of = |(i, finger)| {
@@ -213,11 +217,11 @@ impl Condensation {
     }
 }
 
-/// The condensed pads of a model, as a continuation has them.
+/// Condensed pads of a model, in the form that a continuation uses.
 pub struct CondensedPads<'a> {
     pads: &'a mut Condensation,
     model: &'a Model,
-    /// The patches that contact asked for where it outgrew those of the last attempt.
+    /// Patches that contact asked for where it outgrew those of the last attempt.
     outside: Option<Vec<Option<Vec<u32>>>>,
 }
 
@@ -249,7 +253,8 @@ impl PadDiscretisation for CondensedPads<'_> {
     }
 }
 
-/// Number of nodes that every pad would be condensed onto at first contact: the object at `pose`, the fingers at `travel` (m).
+/// Returns the number of nodes that each pad would be condensed onto at first contact, with the object at `pose` and the fingers at
+/// `travel` (m).
 pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec<usize> {
     // Only where the pads are matters.
     let closing = model.fingers.iter().map(|f| f.placement.closing).collect();
@@ -265,7 +270,7 @@ pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec
     pads.map(|pad| patch(pad).len()).collect()
 }
 
-/// Where pad `i` carries contact.
+/// Returns the points at which pad `i` carries contact.
 fn touched(path: &Path, i: usize) -> impl Iterator<Item = Stencil> + '_ {
     let points = readout::contact(&path.newton, i)
         .into_iter()

@@ -1,4 +1,4 @@
-//! One pad, condensed onto a patch and brought back.
+//! A single pad, condensed onto a patch and brought back.
 
 use super::term::CondensedEnergy;
 use crate::mech::body::Body;
@@ -18,25 +18,25 @@ pub struct CondensedPad {
     eliminated: Option<(Body, Factor)>,
     patch: Arc<[u32]>,
     stiffness: Arc<Mat<f64>>,
-    /// Where every node would rest unloaded, m: now, at the last accepted level, at the one before.
+    /// Rest position of every node without load, m: now, at the last accepted level, at the one before.
     center: Vec<DVec3>,
     settled: [Vec<DVec3>; 2],
     /// Elastic forces and dead loads of the last corrected state, N per node.
     gradient: Vec<DVec3>,
 }
 
-/// Sums of squares over the nodes of what a correction did.
+/// Sums of squares over the nodes of the effects of a correction.
 pub(crate) struct Correction {
-    /// Of the change of the displacement, m2.
+    /// Sum for the change of the displacement, m2.
     pub change: f64,
-    /// Of the displacement from rest, m2.
+    /// Sum for the displacement from rest, m2.
     pub displacement: f64,
-    /// Of the out-of-balance forces before, N2.
+    /// Sum for the out-of-balance forces before the correction, N2.
     pub residual: f64,
 }
 
 impl CondensedPad {
-    /// Of `finger` under `dead` loads (N per node; empty for none), not condensed yet.
+    /// Creates the pad of `finger` under `dead` loads (N per node; empty for none), not condensed yet.
     pub fn new(finger: &FingerModel, dead: Vec<DVec3>) -> Self {
         let rest = finger.body.rest.clone();
         Self {
@@ -51,42 +51,42 @@ impl CondensedPad {
         }
     }
 
-    /// The whole pad.
+    /// Returns the whole pad.
     pub fn body(&self) -> &Arc<Body> {
         &self.body
     }
 
-    /// Elastic forces less dead loads at the last corrected state, N per node.
+    /// Returns the elastic forces less the dead loads at the last corrected state, N per node.
     pub fn gradient(&self) -> &[DVec3] {
         &self.gradient
     }
 
-    /// Potential of the whole pad at positions `x`, J.
+    /// Returns the potential of the whole pad at positions `x`, J.
     pub fn energy(&self, x: &[DVec3]) -> f64 {
         self.body.energy(x) - self.dead.iter().zip(x).map(|(f, x)| f.dot(*x)).sum::<f64>()
     }
 
-    /// True if a force at `stencil` acts on nodes of the patch, or on bonded ones, alone.
+    /// Returns true if a force at `stencil` acts only on nodes of the patch or on bonded ones.
     pub fn carries(&self, stencil: &Stencil) -> bool {
         stencil.slices().0.iter().all(|n| self.body.fixed[*n as usize] || self.patch.binary_search(n).is_ok())
     }
 
-    /// The pad as a term of the potential.
+    /// Returns the pad as a term of the potential.
     pub fn term(&self) -> CondensedEnergy {
         let center = self.patch.iter().map(|&n| self.center[n as usize]).collect();
         CondensedEnergy { center, patch: self.patch.clone(), stiffness: self.stiffness.clone() }
     }
 
-    /// The nodes that are left, ascending.
+    /// Returns the nodes that are left, ascending.
     pub fn patch(&self) -> &[u32] {
         &self.patch
     }
 
-    /// Condenses the pad as stiff as it is at positions `x` onto the ascending nodes of `patch`; if they are new ones, the
-    /// body of what is left.
+    /// Condenses the pad, with its stiffness at positions `x`, onto the ascending nodes of `patch`. Returns the body that is left
+    /// if these nodes are new.
     ///
     /// # Errors
-    /// [`Failure::Singular`] when the stiffness cannot be factorised.
+    /// Returns [`Failure::Singular`] if the stiffness cannot be factorised.
     pub fn condense(&mut self, x: &[DVec3], patch: Vec<u32>) -> Result<Option<Arc<Body>>, Failure> {
         let mut left = None;
         if self.eliminated.is_none() || *patch != *self.patch {
@@ -116,7 +116,7 @@ impl CondensedPad {
         Ok(left)
     }
 
-    /// Brings the whole pad to where the patch of `x` takes it, and the centre to where the real law has it.
+    /// Computes the positions `x` of the whole pad from those of its patch, and corrects the centre by the real law.
     pub(crate) fn correct(&mut self, x: &mut [DVec3]) -> Correction {
         let (_, force) = self.term().force(x);
         let mut contact = vec![DVec3::ZERO; x.len()];
@@ -140,18 +140,18 @@ impl CondensedPad {
         }
     }
 
-    /// Back to the centre of the last accepted level.
+    /// Restores the centre of the last accepted level.
     pub(crate) fn restore(&mut self) {
         self.center.clone_from(&self.settled[1]);
     }
 
-    /// The centre is that of an accepted level.
+    /// Stores the centre as that of an accepted level.
     pub(crate) fn settle(&mut self) {
         self.settled.swap(0, 1);
         self.settled[1].clone_from(&self.center);
     }
 
-    /// Lets the centre wander on by `factor` times what it did between the last two accepted levels.
+    /// Extrapolates the centre by `factor` times its change between the last two accepted levels.
     pub(crate) fn predict(&mut self, factor: f64) {
         let [before, last] = &self.settled;
         for ((c, last), before) in self.center.iter_mut().zip(last).zip(before) {
@@ -167,7 +167,7 @@ fn loads(dead: &[DVec3], nodes: usize) -> Vec<DVec3> {
     gradient
 }
 
-/// Displacements under `force` (N per node), m; zero at fixed nodes.
+/// Computes the displacements under `force` (N per node), m; zero at fixed nodes.
 fn solve(body: &Body, factor: &mut Factor, force: &[DVec3]) -> Vec<DVec3> {
     let position = &body.pattern().position;
     let mut rhs = vec![0.0; body.unknowns()];

@@ -1,4 +1,4 @@
-//! Which nodes of a pad may carry contact.
+//! Choice of the nodes of a pad that may carry contact.
 
 use crate::geometry::shape::Shape;
 use crate::mech::potential::state::BodyView;
@@ -7,11 +7,11 @@ use crate::part::FingerModel;
 use crate::scales::{PATCH_MARGIN, SMALL_PATCH_MARGIN};
 use std::collections::BTreeSet;
 
-/// Nodes of a small patch.
+/// Number of nodes of a small patch.
 const SMALL: usize = 64;
 
-/// The free nodes that the points of the pad near the object hang on, whose contact has this `offset` (m), once the object comes `nearer`
-/// (m), and those that are `touched`; ascending.
+/// Returns the free nodes of the patch, ascending: those of the pad's points near the object and those of the `touched` stencils.
+/// Contact has this `offset` (m); near means within reach when the object comes `nearer` (m).
 pub fn choose(
     finger: &FingerModel,
     view: &BodyView,

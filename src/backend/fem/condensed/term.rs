@@ -1,4 +1,4 @@
-//! The energy of a condensed pad, as a term of the potential.
+//! Energy of a condensed pad, as a term of the potential.
 
 use crate::mech::body::Body;
 use crate::mech::body::pattern::FIXED;
@@ -10,24 +10,24 @@ use pulp::Arch;
 use std::any::Any;
 use std::sync::Arc;
 
-/// `1/2 (x - c)' S (x - c)` on the nodes of a patch, which are the free nodes of the body, in its order.
+/// Energy `1/2 (x - c)' S (x - c)` on the nodes of a patch, which are the free nodes of the body, in its order.
 #[derive(Debug, Clone)]
 pub struct CondensedEnergy {
-    /// Where the patch rests unloaded, m, relative to the finger.
+    /// Rest position of the patch without load, m, relative to the finger.
     pub center: Vec<DVec3>,
-    /// The nodes of the patch.
+    /// Nodes of the patch.
     pub patch: Arc<[u32]>,
     /// Stiffness, N/m, symmetric, three rows per node of the patch.
     pub stiffness: Arc<Mat<f64>>,
 }
 
 impl CondensedEnergy {
-    /// A pad of which nothing is left.
+    /// Creates the term of a pad of which nothing is left.
     pub fn nothing() -> Self {
         Self { center: Vec::new(), patch: Arc::from([]), stiffness: Arc::new(Mat::new()) }
     }
 
-    /// Displacement from the centre and elastic force, `S (x - c)`, N, three entries per node of the patch.
+    /// Returns displacement from the centre and elastic force, `S (x - c)`, N, three entries per node of the patch.
     pub fn force(&self, x: &[DVec3]) -> (Vec<f64>, Vec<f64>) {
         let moved = self.patch.iter().zip(&self.center).flat_map(|(&n, c)| (x[n as usize] - *c).to_array());
         let moved: Vec<f64> = moved.collect();

@@ -1,13 +1,13 @@
-//! Where Newton's method starts in a time step.
+//! Start of Newton's method in a time step.
 
 use crate::mech::newton::Newton;
 use crate::mech::potential::state::State;
 
-/// Most moves towards a prediction.
+/// Largest number of moves towards a prediction.
 const MOVES: usize = 32;
 
-/// The start of a step from `from`, of the states that offer themselves that of lowest potential: where it was, where it
-/// moves on to, or as far on as nothing is touched. A motion of at most `safe` (m) cannot jump over a pad.
+/// Returns the start of a step from `from`: the candidate state of lowest potential. Candidates are `from` itself, the predicted
+/// state, and the last state on the way to it at which nothing is touched. A motion of at most `safe` (m) cannot jump over a pad.
 pub fn start(newton: &Newton, from: &State, predicted: State, safe: f64) -> State {
     let motion = largest_motion(newton, from, &predicted);
     let (here, there) = (newton.energy(from), newton.energy(&predicted));
@@ -20,7 +20,7 @@ pub fn start(newton: &Newton, from: &State, predicted: State, safe: f64) -> Stat
     if newton.energy(&near) <= here { near } else { from.clone() }
 }
 
-/// From `from` towards `to` until something is touched: conservative advancement (Mirtich & Canny 1995).
+/// Moves from `from` towards `to` until something is touched: conservative advancement (Mirtich & Canny 1995).
 fn approach(newton: &Newton, from: &State, to: &State, motion: f64) -> State {
     let mut part = 0.0;
     let mut state = from.clone();
@@ -35,7 +35,7 @@ fn approach(newton: &Newton, from: &State, to: &State, motion: f64) -> State {
     state
 }
 
-/// Bound of the motion of any point of pads and object relative to each other, m.
+/// Returns a bound of the motion of any point of pads and object relative to each other, m.
 fn largest_motion(newton: &Newton, from: &State, to: &State) -> f64 {
     let pairs = from.x.iter().flatten().zip(to.x.iter().flatten());
     let nodes = pairs.map(|(a, b)| a.distance_squared(*b)).fold(0.0, f64::max).sqrt();

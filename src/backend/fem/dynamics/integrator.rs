@@ -1,4 +1,4 @@
-//! Time steps: predict, solve, accept; or roll back and take a shorter one.
+//! Time steps: predict, solve, accept; or roll back and take a shorter step.
 
 use super::{advance, terms};
 use crate::gripper::GraspPose;
@@ -15,38 +15,38 @@ use crate::scene::motion::HandState;
 use bevy_ecs::prelude::*;
 use glam::DQuat;
 
-/// Time and the history that the predictor needs. Velocities live in the terms, like the sticking points of friction.
+/// Time and history for the predictor. The terms keep the velocities and the sticking points of friction.
 #[derive(Resource, Debug)]
 pub struct Integrator {
     /// Time reached, s.
     pub time: f64,
-    /// The hand there.
+    /// State of the hand at that time.
     pub hand: HandState,
     pose: GraspPose,
-    /// The state one step before the accepted one, and that step, s.
+    /// State one step before the accepted one, and that step, s.
     before: Option<(State, f64)>,
     /// Size of the next step, s, up to the scene's time step.
     size: StepSize,
 }
 
-/// The shortest step that is tried before the scene is given up, over the time step.
+/// Shortest step that is tried before the scene is given up, over the time step.
 const SHORTEST: f64 = 1.0 / 64.0;
 /// Residual of a time step over that of a quasi-static increment: errors of momentum add up over the steps.
 const SHARP: f64 = 1e-2;
-/// Largest motion of any point between pads in an iteration, over that of a quasi-static increment; without pads there is nothing to jump
-/// over.
+/// Largest motion of any point between pads in an iteration, over that of a quasi-static increment. Without pads there is nothing
+/// to jump over.
 const STRIDE: f64 = 2.0;
 
 impl Integrator {
-    /// At time zero of a grasp at `pose`.
+    /// Creates the integrator at time zero of a grasp at `pose`.
     pub fn new(dynamics: &Dynamics, pose: GraspPose) -> Self {
         Self { time: 0.0, hand: dynamics.hand(&pose, 0.0), pose, before: None, size: StepSize(f64::INFINITY) }
     }
 
-    /// Lets time run to `end` (s).
+    /// Advances time to `end` (s).
     ///
     /// # Errors
-    /// When the shortest step does not converge: the time it was for, and why. The state is the last accepted one.
+    /// Fails if the shortest step does not converge; returns its time and the cause. The state is then the last accepted one.
     pub fn advance(
         &mut self,
         path: &mut Path,
@@ -80,7 +80,7 @@ impl Integrator {
         Ok(done)
     }
 
-    /// Adds what moves in time to the solver, and sets its tolerances.
+    /// Adds the terms of motion in time to the solver, and sets its tolerances.
     fn begin(&mut self, path: &mut Path, model: &Model, dynamics: &Dynamics, settings: &scene::Fem) {
         if !model.free {
             hold_in_world(&mut path.state, &self.hand);
@@ -155,7 +155,7 @@ impl Integrator {
     }
 }
 
-/// A fixed object stays where it is in the world while the hand moves.
+/// Keeps a fixed object at its place in the world while the hand moves.
 fn hold_in_world(state: &mut State, hand: &HandState) {
     state.rotation = hand.rotation.conjugate();
     state.position = hand.to_hand(glam::DVec3::ZERO);

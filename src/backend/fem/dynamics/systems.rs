@@ -1,4 +1,4 @@
-//! The systems of motion in time, beside those of the backend.
+//! Systems of motion in time, beside those of the backend.
 
 use super::integrator::Integrator;
 use crate::backend::fem::stepper::GraspSolver;
@@ -10,7 +10,7 @@ use crate::world::components::*;
 use crate::world::schedule::{Advance, Next, Phase, Shared};
 use bevy_ecs::prelude::*;
 
-/// Time steps up to that of the frame; on failure the state is the last accepted one and the grasp ends.
+/// Takes time steps up to that of the frame. On failure the state is the last accepted one and the grasp ends.
 pub fn advance_time(
     mut solver: ResMut<GraspSolver>,
     mut integrator: ResMut<Integrator>,
@@ -37,12 +37,12 @@ pub fn advance_time(
     }
 }
 
-/// The term of type `T` that the first body hosts for the object.
+/// Returns the term of type `T` that the first body hosts for the object.
 fn object_term<T: BodyTerm + 'static>(newton: &Newton) -> Option<&T> {
     newton.terms.first()?.iter().find_map(|t| t.as_any().downcast_ref())
 }
 
-/// The hand, and how the object moves.
+/// Measures the hand pose and the motion of the object.
 pub fn measure_motion(
     solver: Res<GraspSolver>,
     integrator: Res<Integrator>,
@@ -65,7 +65,7 @@ pub fn measure_motion(
     }
 }
 
-/// What the ground does to the object.
+/// Measures the wrench of the ground on the object.
 pub fn measure_ground(
     solver: Res<GraspSolver>,
     shared: Res<Shared>,

@@ -1,4 +1,4 @@
-//! The terms that motion in time adds to those of a quasi-static scene.
+//! Terms that motion in time adds to those of a quasi-static scene.
 
 use crate::mech::contact::GroundContact;
 use crate::mech::newton::Newton;
@@ -11,7 +11,7 @@ use crate::model::{Dynamics, Model};
 use crate::scales::STROKE_YIELD;
 use crate::scene::motion::HandState;
 
-/// Adds them for a start at rest, but for the object's own velocity, from `state` with the hand at `hand`.
+/// Adds the terms for a start from `state` with the hand at `hand`. All is at rest but for the object's own velocity.
 pub fn add(newton: &mut Newton, model: &Model, dynamics: &Dynamics, state: &State, hand: HandState) {
     for (i, finger) in model.fingers.iter().enumerate() {
         let (body, view) = (&finger.body, state.view(i, &newton.rigid));

@@ -1,4 +1,4 @@
-//! The ASCII Medit `.mesh` format: sections `Vertices` and `Tetrahedra`, indices 1-based, each row ends in a tag.
+//! ASCII Medit `.mesh` format: sections `Vertices` and `Tetrahedra`, indices 1-based, each row ends in a tag.
 
 use std::path::Path;
 
@@ -6,11 +6,12 @@ use super::text::{self, VertexReference, Word};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TetMesh;
 
-/// Parses a Medit file; `path` is for messages. Sections other than the two are numbers after a count, whatever their
-/// name (mmg alone writes a dozen: `RequiredEdges`, `NormalAtVertices` ...): they are passed over up to the next name.
+/// Parses a Medit file; `path` is for messages. Sections other than these two are numbers after a count, whatever their
+/// name (mmg alone writes a dozen: `RequiredEdges`, `NormalAtVertices` ...); they are skipped up to the next name.
 ///
-/// Errors: binary content, version or dimension other than 3D ASCII, declared count above the cap or not met, bad number
-/// or index, each with line and column.
+/// # Errors
+/// Fails for binary content, a version or dimension other than 3D ASCII, a declared count above the cap or not met, and a
+/// bad number or index. The error states line and column.
 pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>)> {
     if bytes.contains(&0) {
         return Err(Error::file(path, format!("binary Medit is not read; write ASCII, or {}", super::convert(path))));
@@ -107,7 +108,7 @@ fn next<'a>(path: &Path, words: &mut impl Iterator<Item = Word<'a>>, expected: &
     words.next().ok_or_else(|| text::ended(path, expected))
 }
 
-/// A 1-based node index.
+/// Reads a 1-based node index.
 fn one_based(path: &Path, word: Word<'_>, element: usize) -> Result<VertexReference> {
     match text::integer(path, word, "node index")?.checked_sub(1) {
         Some(index) => Ok(VertexReference { index, line: word.line, column: word.column }),

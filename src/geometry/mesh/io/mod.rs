@@ -1,4 +1,4 @@
-//! Reading and writing mesh files, chosen by extension. SI: coordinates are taken as metres, as they stand.
+//! Reading and writing of mesh files, chosen by extension. SI: coordinates are taken as metres, without conversion.
 
 mod gmsh;
 mod medit;
@@ -23,15 +23,17 @@ use crate::geometry::mesh::{TetMesh, TriMesh, clean, close, facets, topology};
 const SURFACES: &str =
     ".obj, .stl, .ply (a STEP or IGES solid: export it as STL; glTF, OFF, 3MF, DAE: convert with MeshLab or Blender)";
 
-/// Largest file read, bytes.
+/// Size of the largest file that is read, bytes.
 const MAX_BYTES: u64 = 1 << 31;
 
-/// Reads a tetrahedral mesh and repairs it with [`clean::repair`]: `.tet` (Isaac Gym), `.msh` (gmsh 2.2, 4.0 or 4.1, ASCII
-/// or binary, tetrahedra of first or second order), `.mesh` (Medit ASCII), `.vtk` (legacy ASCII) or `.node` with `.ele`
-/// (TetGen). Returns the mesh (m) and notices about everything that was changed or left out.
+/// Reads a tetrahedral mesh and repairs it with [`clean::repair`]: `.tet` (Isaac Gym), `.msh` (gmsh 2.2, 4.0 or 4.1, ASCII or binary,
+/// tetrahedra of first or second order), `.mesh` (Medit ASCII), `.vtk` (legacy ASCII) or `.node` with `.ele` (TetGen). Returns the mesh
+/// (m) and notices about everything that was changed or left out.
 ///
-/// Errors: missing file, unknown extension (how to convert it, where it is known), bad number, index or column count (with
-/// line and column), empty mesh, more than [`crate::geometry::mesh::MAX_COUNT`] nodes; and those of [`clean::repair`], with the file's name.
+/// # Errors
+/// Fails for a missing file, an unknown extension (with advice on the conversion, if there is any), a bad number, index or column count
+/// (with line and column), an empty mesh, more than [`crate::geometry::mesh::MAX_COUNT`] nodes, and in the cases of [`clean::repair`],
+/// with the file's name.
 pub fn read_tet_mesh(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>)> {
     let path = path.as_ref();
     let (mut mesh, mut notices) = read_tet_mesh_raw(path)?;
@@ -40,10 +42,11 @@ pub fn read_tet_mesh(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>)> {
     Ok((mesh, notices))
 }
 
-/// Like [`read_tet_mesh`] without the repair: nodes and tetrahedra in the order and winding of the file, indices valid
-/// and coordinates finite. For files that come with lists of node numbers.
+/// Reads a mesh like [`read_tet_mesh`], but without the repair: nodes and tetrahedra are in the order and winding of the
+/// file, indices are valid and coordinates finite. It is meant for files that come with lists of node numbers.
 ///
-/// Errors: those of [`read_tet_mesh`] that concern the file and not the geometry.
+/// # Errors
+/// Fails in those cases of [`read_tet_mesh`] that concern the file and not the geometry.
 pub fn read_tet_mesh_raw(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>)> {
     let path = path.as_ref();
     match extension(path).as_str() {
@@ -59,11 +62,12 @@ pub fn read_tet_mesh_raw(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>
     }
 }
 
-/// Reads a triangle mesh: `.obj` (all groups merged, polygons triangulated), `.stl` or `.ply` (binary or ASCII). Welds equal
-/// vertices and, where the surface is not closed, those within [`close::tolerance`]; drops repeated triangles and those without
-/// area. Returns the mesh (m) and notices. Whether it is closed is for [`topology::watertight`] to say.
+/// Reads a triangle mesh: `.obj` (all groups merged, polygons triangulated), `.stl` or `.ply` (binary or ASCII). Welds equal vertices
+/// and, where the surface is not closed, those within [`close::tolerance`]; drops repeated triangles and triangles without area. Returns
+/// the mesh (m) and notices. [`topology::watertight`] checks if it is closed.
 ///
-/// Errors: missing file, unknown extension, bad content (with line and column where there is one), empty mesh.
+/// # Errors
+/// Fails for a missing file, an unknown extension, bad content (with line and column where they exist) and an empty mesh.
 pub fn read_tri_mesh(path: impl AsRef<Path>) -> Result<(TriMesh, Vec<String>)> {
     let path = path.as_ref();
     let (mut mesh, mut notices) = match extension(path).as_str() {
@@ -103,7 +107,7 @@ pub fn read_tri_mesh(path: impl AsRef<Path>) -> Result<(TriMesh, Vec<String>)> {
     Ok((mesh, notices))
 }
 
-/// The extension in lower case, empty if there is none.
+/// Returns the extension in lower case, empty if there is none.
 fn extension(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }
@@ -112,7 +116,7 @@ fn unknown(path: &Path, extension: &str, allowed: &str) -> Error {
     Error::file(path, format!("file type `.{}` is not read here; allowed: {allowed}", extension.escape_debug()))
 }
 
-/// How a file of another format becomes one that is read, behind a `; `.
+/// Returns advice on the conversion of a file of another format to one that is read, after a `; `.
 fn advice(path: &Path, extension: &str) -> String {
     match extension {
         "meshb" | "vtu" | "xdmf" | "inp" | "nas" | "bdf" | "med" | "exo" | "e" | "cgns" | "avs" | "su2" | "ugrid" => {
@@ -127,14 +131,14 @@ fn advice(path: &Path, extension: &str) -> String {
     }
 }
 
-/// The command that makes a gmsh file of another. (Without `-o`, meshio takes `.msh` for a format of ANSYS; to write version
-/// 4.1 it asks for more than most files have.)
+/// Returns the command that converts a file to gmsh. (Without `-o`, meshio takes `.msh` for a format of ANSYS; to write
+/// version 4.1 it asks for more than most files have.)
 fn convert(path: &Path) -> String {
     let (name, mesh) = names(path);
     format!("convert it with Python's meshio: `meshio convert -o gmsh22 {name} {mesh}`")
 }
 
-/// Names of a file and of the gmsh file that is made of it.
+/// Returns the names of a file and of the gmsh file that is made from it.
 fn names(path: &Path) -> (String, String) {
     let name = |p: &Path| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mesh = name(&path.with_extension("msh"));
@@ -143,12 +147,12 @@ fn names(path: &Path) -> (String, String) {
     (own, mesh)
 }
 
-/// All bytes of a mesh file.
+/// Returns all bytes of a mesh file.
 fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     regular::read(path, MAX_BYTES)
 }
 
-/// A text file, see [`text::decode`].
+/// Reads a text file, see [`text::decode`].
 pub(crate) fn read_text(path: &Path) -> Result<String> {
     text::decode(path, read_bytes(path)?)
 }

@@ -1,10 +1,10 @@
 //! Wavefront `.obj`: the positions and faces of all groups, as one triangle mesh.
 //!
-//! [tobj](tobj::load_obj_buf) reads the file, in f64. Before that, every line is checked here, because tobj says neither
-//! line nor column of what it refuses, panics on some files (a normal or texture index out of range), and divides positions by a
-//! weight that belongs to curves. It is handed only what was checked: positions and vertex indices, without comments,
-//! weights, colours, groups and materials, which makes one model of all groups. Its own split of polygons is a fan whatever
-//! their outline, so polygons are split by [`polygon::triangulate`].
+//! [tobj](tobj::load_obj_buf) reads the file, in f64. Before that, every line is checked here, because tobj states neither line nor
+//! column of what it refuses, panics on some files (a normal or texture index out of range), and divides positions by a weight that
+//! belongs to curves. It gets only checked content: positions and vertex indices, without comments, weights, colours, groups and
+//! materials, which makes one model of all groups. Its own split of polygons is a fan whatever their outline, so polygons are split by
+//! [`polygon::triangulate`].
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -15,10 +15,10 @@ use crate::error::{Error, Result};
 use crate::geometry::mesh::{MAX_COUNT, TriMesh, polygon};
 use glam::DVec3;
 
-/// Keywords of names, colours, normals and materials: no word is lost about them.
+/// Keywords of names, colours, normals and materials, which are skipped without a notice.
 const SILENT: [&str; 10] = ["vt", "vn", "vp", "g", "o", "s", "usemtl", "mtllib", "l", "p"];
 
-/// Other keywords of the format that say nothing of flat faces: display, grouping, curves and free-form surfaces.
+/// Other keywords of the format that do not describe flat faces: display, grouping, curves and free-form surfaces.
 const PASSED: [&str; 29] = [
     "cstype",
     "deg",
@@ -54,7 +54,9 @@ const PASSED: [&str; 29] = [
 /// Parses the text of an `.obj` file; `path` is for messages. Vertices keep the order of the file; polygons are split by
 /// [`polygon::triangulate`].
 ///
-/// Errors: unknown keyword, bad column count, number or index, each with line and column; more than the cap; no faces.
+/// # Errors
+/// Fails for an unknown keyword and a bad column count, number or index, each with line and column; for more items than
+/// the cap; and for a file without faces.
 pub(crate) fn parse(path: &Path, source: &str) -> Result<(TriMesh, Vec<String>)> {
     let mut checked = Checked {
         path,
@@ -77,7 +79,7 @@ pub(crate) fn parse(path: &Path, source: &str) -> Result<(TriMesh, Vec<String>)>
     Ok((mesh, notices))
 }
 
-/// The lines of the file; one that ends in `\` goes on with the next.
+/// Returns the lines of the file; a line that ends in `\` continues with the next.
 fn joined(source: &str) -> impl Iterator<Item = Line<'_>> {
     let mut lines = text::lines(source, Some('#'));
     std::iter::from_fn(move || {
@@ -96,26 +98,26 @@ fn joined(source: &str) -> impl Iterator<Item = Line<'_>> {
     })
 }
 
-/// What was checked of a file.
+/// Checked content of a file.
 struct Checked<'a> {
     path: &'a Path,
-    /// Its `v x y z` lines.
+    /// Lines `v x y z` of the file.
     positions: String,
-    /// Its `f i j k ...` lines, 1-based.
+    /// Lines `f i j k ...` of the file, 1-based.
     faces: String,
     vertices: usize,
-    /// Of all faces.
+    /// Number of corners of all faces.
     corners: usize,
     /// Line of each face.
     face_lines: Vec<usize>,
-    /// How many lines of each keyword were passed over.
+    /// Number of skipped lines of each keyword.
     passed: BTreeMap<&'static str, usize>,
 }
 
-/// What became of the polygons.
+/// Result of the split of the polygons.
 #[derive(Default)]
 struct Split {
-    /// Faces of more than three corners.
+    /// Number of faces with more than three corners.
     polygons: usize,
     /// Lines of faces whose outline crosses itself.
     crossed: Vec<usize>,
@@ -176,7 +178,7 @@ impl Checked<'_> {
         Ok(())
     }
 
-    /// The mesh in what was checked.
+    /// Reads the mesh from the checked content.
     fn read(&self) -> Result<(TriMesh, Split)> {
         // tobj numbers vertices by first use: one point per vertex before the faces keeps the order of the file.
         let points: String = (1..=self.vertices).fold(String::new(), |mut s, i| {
@@ -207,7 +209,7 @@ impl Checked<'_> {
         Ok((mesh, split))
     }
 
-    /// The vertex of `i`, `i/t`, `i//n` or `i/t/n`, 0-based; in the file it counts from one, or back from the latest if negative.
+    /// Returns the vertex of `i`, `i/t`, `i//n` or `i/t/n`, 0-based; the file counts from one, or backwards from the latest if negative.
     fn reference(&self, word: Word<'_>) -> Result<u32> {
         let (count, triangle) = (self.vertices, self.corners.saturating_sub(2 * self.face_lines.len()));
         let head = word.text.split('/').next().unwrap_or("");

@@ -10,7 +10,7 @@ use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult,
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{MAX_COUNT, TriMesh, polygon};
 
-/// One element of the file; what is not wanted is left out.
+/// Element of the file; unwanted properties are left out.
 #[derive(Debug, Clone, Default)]
 struct Element {
     position: [f64; 3],
@@ -69,7 +69,9 @@ fn indices(property: Property) -> Option<Vec<i64>> {
 
 /// Parses a `.ply` file. Vertices keep the order of the file; polygons are split by [`polygon::triangulate`].
 ///
-/// Errors: not PLY, cut short, non-finite numbers, an index out of range, more than the cap, no faces (a point cloud).
+/// # Errors
+/// Fails for content that is not PLY or is cut short, non-finite numbers, an index out of range, more items than the cap
+/// and no faces (a point cloud).
 pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<(TriMesh, Vec<String>)> {
     // The library's words quote whole lines.
     let failed = |e: &dyn std::fmt::Display| {
@@ -157,7 +159,7 @@ fn complete(path: &Path, definition: &ElementDef) -> Result<()> {
     Ok(())
 }
 
-/// The corners of face `i`, checked against `count` vertices.
+/// Returns the corners of face `i`, checked against `count` vertices.
 fn corners(path: &Path, i: usize, face: &Element, count: usize) -> Result<Vec<u32>> {
     let n = face.corners.len();
     if n < 3 {

@@ -1,4 +1,4 @@
-//! `.stl`, binary (through `stl_io`) and ASCII. The three corners of every facet are separate here: weld afterwards.
+//! `.stl`, binary (through `stl_io`) and ASCII. The three corners of every facet are separate; weld them afterwards.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -9,19 +9,20 @@ use super::text;
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{MAX_COUNT, TriMesh};
 
-/// Bytes before the first facet of a binary file: comment and count.
+/// Number of bytes before the first facet of a binary file: comment and count.
 const HEADER: usize = 84;
-/// Bytes of one binary facet.
+/// Size of one binary facet, bytes.
 const FACET: usize = 50;
 
-/// How many facets the count of a binary file may be wrong by.
+/// Largest accepted error of the facet count of a binary file.
 const MISCOUNTED: u64 = 8;
 
-/// Parses an `.stl` file. It is binary if its length is what its binary count says (many binary files start with
-/// `solid` too), else ASCII if it starts with `solid` in any case, else binary with bytes after its last facet, or with a count
-/// that is wrong by a few.
+/// Parses an `.stl` file. It is binary if its length agrees with its binary count (many binary files start with `solid` too). Otherwise
+/// it is ASCII if it starts with `solid` in any case. Otherwise it is binary with bytes after its last facet, or with a count that is
+/// wrong by a few.
 ///
-/// Errors: neither kind, cut short, non-finite numbers, more facets than the cap, no facet.
+/// # Errors
+/// Fails for a file of neither kind or cut short, non-finite numbers, more facets than the cap and no facet.
 pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TriMesh, Vec<String>)> {
     let declared = bytes.get(80..HEADER).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
     let length = |n: u64| HEADER as u64 + FACET as u64 * n;
@@ -64,7 +65,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TriMesh, Vec<String>
     Ok((mesh, notices))
 }
 
-/// A triangle soup: three new vertices per facet.
+/// Adds a facet with three new vertices.
 fn push(mesh: &mut TriMesh, corners: [DVec3; 3]) {
     let first = mesh.vertices.len() as u32;
     mesh.vertices.extend(corners);

@@ -1,4 +1,4 @@
-//! The `.tet` text format of Isaac Gym: `v x y z [tag]`, `t a b c d` (0-based), `#` comments.
+//! Text format `.tet` of Isaac Gym: `v x y z [tag]`, `t a b c d` (0-based), `#` comments.
 
 use std::path::Path;
 
@@ -8,7 +8,9 @@ use crate::geometry::mesh::{MAX_COUNT, TetMesh};
 
 /// Parses the text of a `.tet` file; `path` is for messages. The tag column is ignored.
 ///
-/// Errors: wrong keyword, column count, number or index, each with line and column; more than [`MAX_COUNT`] items.
+/// # Errors
+/// Fails for a wrong keyword, column count, number or index, each with line and column, and for more than [`MAX_COUNT`]
+/// items.
 pub(crate) fn parse(path: &Path, source: &str) -> Result<(TetMesh, Vec<String>)> {
     let mut mesh = TetMesh::default();
     let mut refs: Vec<[VertexReference; 4]> = Vec::new();

@@ -1,5 +1,5 @@
-//! TetGen's `.node` and `.ele`, which belong together: points, and tetrahedra of 4 or 10 nodes. `#` comments; nodes are
-//! counted from the number of the first point, 0 or 1.
+//! Files `.node` and `.ele` of TetGen, which belong together: points, and tetrahedra of 4 or 10 nodes. `#` comments;
+//! nodes are counted from the number of the first point, 0 or 1.
 
 use std::path::Path;
 
@@ -7,9 +7,10 @@ use super::text::{self, Line, VertexReference};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TetMesh;
 
-/// Reads the file at `path` and the one beside it that has the other ending.
+/// Reads the file at `path` and the one beside it with the other extension.
 ///
-/// Errors: one of the two is missing or is no such file: counts not met, bad number or index, with line and column.
+/// # Errors
+/// Fails if one of the two is missing or is not such a file (counts not met, bad number or index), with line and column.
 pub(crate) fn read(path: &Path) -> Result<(TetMesh, Vec<String>)> {
     let (nodes, elements) = (path.with_extension("node"), path.with_extension("ele"));
     for part in [&nodes, &elements] {
@@ -34,7 +35,7 @@ pub(crate) fn read(path: &Path) -> Result<(TetMesh, Vec<String>)> {
     Ok((mesh, notices))
 }
 
-/// The points; returns the number of the first.
+/// Reads the points; returns the number of the first.
 fn points(path: &Path, source: &str, mesh: &mut TetMesh) -> Result<u64> {
     let mut lines = text::lines(source, Some('#'));
     let mut next = |expected: &str| lines.next().ok_or_else(|| text::ended(path, expected));
@@ -56,7 +57,7 @@ fn points(path: &Path, source: &str, mesh: &mut TetMesh) -> Result<u64> {
     Ok(first)
 }
 
-/// The tetrahedra; returns how many nodes each has.
+/// Reads the tetrahedra; returns the number of nodes that each has.
 fn tetrahedra(path: &Path, source: &str, first: u64, mesh: &mut TetMesh) -> Result<usize> {
     let mut lines = text::lines(source, Some('#'));
     let mut next = |expected: &str| lines.next().ok_or_else(|| text::ended(path, expected));
@@ -84,7 +85,7 @@ fn tetrahedra(path: &Path, source: &str, first: u64, mesh: &mut TetMesh) -> Resu
     Ok(width)
 }
 
-/// The number at the head of a line of at least `columns` words.
+/// Returns the number at the head of a line of at least `columns` words.
 fn at_least(path: &Path, line: &Line<'_>, columns: usize, what: &str) -> Result<u64> {
     if line.words.len() < columns {
         let message = format!("{what} has {} columns; at least {columns} are needed", line.words.len());

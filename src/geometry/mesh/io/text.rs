@@ -1,4 +1,4 @@
-//! Text files as lines of words that know where they stand, so that every refusal can say line and column.
+//! Text files as lines of words with their positions, so that every refusal can state line and column.
 
 use std::path::Path;
 
@@ -7,21 +7,21 @@ use glam::DVec3;
 use crate::error::{Error, Result};
 use crate::geometry::mesh::MAX_COUNT;
 
-/// Longest line of a text, bytes: its words are held at once.
+/// Longest line of a text, bytes: all its words are in memory at once.
 const MAX_LINE: usize = 4 << 20;
 
-/// One word of a text file with its place.
+/// Word of a text file with its position.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Word<'a> {
-    /// Line, 1-based.
+    /// Line number, 1-based.
     pub line: usize,
     /// Column of its first character, 1-based.
     pub column: usize,
-    /// The word.
+    /// Text of the word.
     pub text: &'a str,
 }
 
-/// One non-blank line, comment removed.
+/// Non-blank line without its comment.
 #[derive(Debug)]
 pub(crate) struct Line<'a> {
     /// Line number, 1-based.
@@ -31,18 +31,18 @@ pub(crate) struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
-    /// The first word.
+    /// Returns the first word.
     pub fn first(&self) -> Word<'a> {
         self.words.first().copied().unwrap_or(Word { line: self.number, column: 1, text: "" })
     }
 
-    /// Where the line ends: the place to name when a word is missing.
+    /// Returns the end of the line, which is the place to name when a word is missing.
     pub fn last(&self) -> Word<'a> {
         self.words.last().copied().unwrap_or(self.first())
     }
 }
 
-/// The non-blank lines of `text`, cut at `comment`.
+/// Returns the non-blank lines of `text`, cut at `comment`.
 pub(crate) fn lines(text: &str, comment: Option<char>) -> impl Iterator<Item = Line<'_>> {
     text.lines().enumerate().filter_map(move |(i, raw)| {
         let number = i + 1;
@@ -55,7 +55,7 @@ pub(crate) fn lines(text: &str, comment: Option<char>) -> impl Iterator<Item = L
     })
 }
 
-/// The words of one line with their columns.
+/// Returns the words of one line with their columns.
 fn split(body: &str, line: usize) -> Vec<Word<'_>> {
     let mut words = Vec::new();
     // Byte and column of the word that is being read.
@@ -73,9 +73,11 @@ fn split(body: &str, line: usize) -> Vec<Word<'_>> {
     words
 }
 
-/// The bytes of a file as text; a byte order mark is dropped, bytes that are not UTF-8 (old comments) are replaced.
+/// Decodes the bytes of a file as text; a byte order mark is dropped, bytes that are not UTF-8 (old comments) are
+/// replaced.
 ///
-/// Errors: a zero byte, which no text has; a line of more than [`MAX_LINE`] bytes.
+/// # Errors
+/// Fails for a zero byte, which no text has, and for a line of more than [`MAX_LINE`] bytes.
 pub(crate) fn decode(path: &Path, bytes: Vec<u8>) -> Result<String> {
     if let Some(at) = bytes.iter().position(|b| *b == 0) {
         let message = format!("binary content (a zero byte at offset {at}); a text file is needed");
@@ -93,17 +95,17 @@ pub(crate) fn decode(path: &Path, bytes: Vec<u8>) -> Result<String> {
     })
 }
 
-/// An error at a word of the file.
+/// Returns an error at a word of the file.
 pub(crate) fn at(path: &Path, word: Word<'_>, message: impl std::fmt::Display) -> Error {
     Error::file(path, format!("line {}, column {}: {message}", word.line, word.column))
 }
 
-/// An error about the end of the file.
+/// Returns an error about the end of the file.
 pub(crate) fn ended(path: &Path, expected: &str) -> Error {
     Error::file(path, format!("the file ends where {expected} should follow; it is cut short: write or copy it again"))
 }
 
-/// At most 40 characters of a word, for quoting.
+/// Returns at most 40 characters of a word, for quoting.
 pub(crate) fn quote(text: &str) -> String {
     let mut short: String = text.chars().take(40).flat_map(char::escape_debug).collect();
     if text.chars().nth(40).is_some() {
@@ -112,7 +114,7 @@ pub(crate) fn quote(text: &str) -> String {
     format!("`{short}`")
 }
 
-/// The word as a finite number; `what` names it.
+/// Parses the word as a finite number; `what` names it.
 pub(crate) fn number(path: &Path, word: Word<'_>, what: &str) -> Result<f64> {
     let value: f64 =
         word.text.parse().map_err(|_| at(path, word, format!("{what} {} is not a number", quote(word.text))))?;
@@ -122,12 +124,12 @@ pub(crate) fn number(path: &Path, word: Word<'_>, what: &str) -> Result<f64> {
     Ok(value)
 }
 
-/// The word as an unsigned integer; `what` names it.
+/// Parses the word as an unsigned integer; `what` names it.
 pub(crate) fn integer(path: &Path, word: Word<'_>, what: &str) -> Result<u64> {
     word.text.parse().map_err(|_| at(path, word, format!("{what} {} is not a whole number >= 0", quote(word.text))))
 }
 
-/// The word as a declared count, refused above [`MAX_COUNT`].
+/// Parses the word as a declared count, refused above [`MAX_COUNT`].
 pub(crate) fn count(path: &Path, word: Word<'_>, what: &str) -> Result<usize> {
     let value = integer(path, word, what)?;
     if value > MAX_COUNT as u64 {
@@ -136,7 +138,7 @@ pub(crate) fn count(path: &Path, word: Word<'_>, what: &str) -> Result<usize> {
     Ok(value as usize)
 }
 
-/// Three words as a position, m.
+/// Parses three words as a position, m.
 pub(crate) fn position(path: &Path, words: &[Word<'_>]) -> Result<DVec3> {
     let mut p = [0.0; 3];
     for ((value, word), name) in p.iter_mut().zip(words).zip(["x", "y", "z"]) {
@@ -155,14 +157,14 @@ pub(crate) fn columns(path: &Path, line: &Line<'_>, allowed: &[usize], what: &st
     Err(at(path, line.last(), message))
 }
 
-/// A node index with its place, checked once all nodes are known.
+/// Node index with its position in the file, checked once all nodes are known.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct VertexReference {
     /// Index as a 0-based number.
     pub index: u64,
-    /// Line, 1-based.
+    /// Line number, 1-based.
     pub line: usize,
-    /// Column, 1-based.
+    /// Column number, 1-based.
     pub column: usize,
 }
 

@@ -8,13 +8,14 @@ use super::text::{self, VertexReference, Word};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{MAX_COUNT, TetMesh};
 
-/// VTK's number of the 4-node and of the 10-node tetrahedron.
+/// Numbers of the 4-node and of the 10-node tetrahedron in VTK.
 const TETRAHEDRA: [u64; 2] = [10, 24];
 
 /// Parses a legacy VTK file; `path` is for messages.
 ///
-/// Errors: binary content, a dataset other than an unstructured grid, declared counts above the cap or not met, bad
-/// number or index, each with line and column.
+/// # Errors
+/// Fails for binary content, a dataset other than an unstructured grid, declared counts above the cap or not met, and a
+/// bad number or index. The error states line and column.
 pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>)> {
     let head: Vec<&[u8]> = bytes.split(|b| *b == b'\n').take(3).map(<[u8]>::trim_ascii).collect();
     match head[..] {
@@ -107,7 +108,7 @@ fn collect(
     Ok((mesh, notices))
 }
 
-/// The words of the file.
+/// Words of the file.
 struct Words<'p, I> {
     path: &'p Path,
     words: I,
@@ -133,7 +134,7 @@ impl<'a, I: Iterator<Item = Word<'a>>> Words<'_, I> {
         Ok(VertexReference { index, line: word.line, column: word.column })
     }
 
-    /// The points of each cell, in the old form (`n a b c ...`) or in that of version 5.
+    /// Reads the points of each cell, in the old form (`n a b c ...`) or in that of version 5.
     fn cells(&mut self) -> Result<Vec<Vec<VertexReference>>> {
         let n = self.count("the number of cells")?;
         let size = self.integer("the size of the cells")?.1;

@@ -1,4 +1,4 @@
-//! Writers. Every file appears whole or not at all: it is written beside its place, then renamed.
+//! Writers. Every file appears whole or not at all: it is written beside its place and then renamed.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -12,7 +12,8 @@ use crate::geometry::mesh::{TetMesh, TriMesh};
 
 /// Writes `path` through `fill`, whole or not at all.
 ///
-/// Errors: the folder does not exist or is not writable, the disk is full; nothing is left behind then.
+/// # Errors
+/// Fails if the folder does not exist or is not writable or the disk is full; nothing is left behind in these cases.
 fn atomically(path: &Path, fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
     replace(path, |temporary| {
         let mut out = BufWriter::new(File::create(temporary)?);
@@ -21,10 +22,11 @@ fn atomically(path: &Path, fill: impl FnOnce(&mut dyn Write) -> std::io::Result<
     })
 }
 
-/// Writes a `.tet` file (4-column `v` lines with tag 0, as the tools of the format expect). Coordinates in m read
-/// back to the same bits.
+/// Writes a `.tet` file (4-column `v` lines with tag 0, as the tools of the format expect). Coordinates in m read back to
+/// the same bits.
 ///
-/// Errors: the file cannot be written.
+/// # Errors
+/// Fails if the file cannot be written.
 pub fn write_tet(path: impl AsRef<Path>, mesh: &TetMesh) -> Result<()> {
     atomically(path.as_ref(), |out| {
         writeln!(out, "# Tetrahedral mesh written by tactus, metres")?;
@@ -42,7 +44,8 @@ pub fn write_tet(path: impl AsRef<Path>, mesh: &TetMesh) -> Result<()> {
 
 /// Writes an `.obj` file. Coordinates in m read back to the same bits.
 ///
-/// Errors: the file cannot be written.
+/// # Errors
+/// Fails if the file cannot be written.
 pub fn write_obj(path: impl AsRef<Path>, mesh: &TriMesh) -> Result<()> {
     atomically(path.as_ref(), |out| {
         writeln!(out, "# Triangle mesh written by tactus, metres")?;
@@ -57,9 +60,10 @@ pub fn write_obj(path: impl AsRef<Path>, mesh: &TriMesh) -> Result<()> {
     })
 }
 
-/// Writes a binary `.stl` file: coordinates in m are rounded to f32, as the format demands.
+/// Writes a binary `.stl` file: coordinates in m are rounded to f32, as the format requires.
 ///
-/// Errors: an index out of range, a coordinate outside the range of f32, the file cannot be written.
+/// # Errors
+/// Fails for an index out of range, for a coordinate outside the range of f32, and if the file cannot be written.
 pub fn write_stl(path: impl AsRef<Path>, mesh: &TriMesh) -> Result<()> {
     let path = path.as_ref();
     let single = |p: DVec3| p.to_array().map(|x| x as f32);

@@ -6,7 +6,10 @@ use crate::geometry::shape::generate::revolve;
 use crate::geometry::shape::params::{length, require};
 use glam::DVec2;
 
-/// A ring of rectangular section about z; radii and height in m.
+/// Builds a ring of rectangular section about z; radii and height in m.
+///
+/// # Errors
+/// Fails if a parameter is out of range or the hole is not smaller than the ring.
 pub fn annulus(outer: f64, inner: f64, height: f64, segments: u32) -> Result<Shape> {
     length("annulus", "outer_radius", outer)?;
     length("annulus", "inner_radius", inner)?;

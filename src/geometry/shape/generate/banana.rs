@@ -6,8 +6,11 @@ use crate::geometry::shape::generate::sweep;
 use crate::geometry::shape::params::{length as check, require, segments as turn};
 use glam::DVec3;
 
-/// A banana: a tube tapered to both ends along an arc in the xz plane, middle at the origin, convex towards +x.
+/// Builds a banana: a tube tapered to both ends along an arc in the xz plane, middle at the origin, convex towards +x.
 /// `length` along the arc and largest `diameter` in m; `bend` is the angle that the arc turns, rad, 0.01 to 3.
+///
+/// # Errors
+/// Fails if a parameter is out of range or the tube is too thick for its bend.
 pub fn banana(length: f64, diameter: f64, bend: f64, segments: u32) -> Result<Shape> {
     check("banana", "length", length)?;
     check("banana", "diameter", diameter)?;

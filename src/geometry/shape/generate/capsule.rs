@@ -9,7 +9,10 @@ use crate::geometry::shape::{MassProperties, Shape, SurfaceFeatures};
 use glam::DVec2;
 use std::f64::consts::PI;
 
-/// A capsule: radius and overall length (at least the diameter) in m.
+/// Builds a capsule: radius and overall length (at least the diameter) in m.
+///
+/// # Errors
+/// Fails if a parameter is out of range or the length is below the diameter.
 pub fn capsule(radius: f64, length: f64, segments: u32) -> Result<Shape> {
     check("capsule", "radius", radius)?;
     check("capsule", "length", length)?;

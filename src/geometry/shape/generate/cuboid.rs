@@ -10,7 +10,11 @@ use glam::DVec3;
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_4;
 
-/// A box of the given outer size along x, y, z, m. Edges and corners are rounded with `edge_radius`, m; 0 leaves them sharp.
+/// Builds a box of the given outer size along x, y, z, m. Edges and corners are rounded with `edge_radius`, m; 0 leaves
+/// them sharp.
+///
+/// # Errors
+/// Fails if a parameter is out of range or the edge radius is too large for the box.
 pub fn cuboid(size: DVec3, edge_radius: f64, segments: u32) -> Result<Shape> {
     for (axis, value) in ["x", "y", "z"].into_iter().zip(size.to_array()) {
         length("cuboid", &format!("size {axis}"), value)?;
@@ -34,7 +38,7 @@ pub fn cuboid(size: DVec3, edge_radius: f64, segments: u32) -> Result<Shape> {
     Ok(Shape::closed_form("cuboid", shape, mesh, features, mass, reach))
 }
 
-/// The twelve edges.
+/// Returns the twelve edges.
 fn rounded_edges(shape: &Cuboid) -> Vec<RoundedEdge> {
     let mut edges = Vec::new();
     for axis in 0..3 {
@@ -47,8 +51,8 @@ fn rounded_edges(shape: &Cuboid) -> Vec<RoundedEdge> {
     edges
 }
 
-/// The surface points of an integer lattice on a cube, of which the outer `k` layers form the rounding: along each axis `k` steps
-/// bend from the flat face to 45 degrees, and the next face takes over.
+/// Returns the surface points of an integer lattice on a cube, of which the outer `k` layers form the rounding: along each axis `k` steps
+/// bend from the flat face to 45 degrees, where the next face begins.
 fn lattice(shape: &Cuboid, k: u32) -> TriMesh {
     let last = 2 * k + 1;
     let bend = |i: u32| {

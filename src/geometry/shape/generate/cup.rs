@@ -6,7 +6,10 @@ use crate::geometry::shape::generate::revolve;
 use crate::geometry::shape::params::{length, require};
 use glam::DVec2;
 
-/// A straight cup open at +z; outer radius, outer height, thickness of wall and floor in m.
+/// Builds a straight cup open at +z; outer radius, outer height, thickness of wall and floor in m.
+///
+/// # Errors
+/// Fails if a parameter is out of range or the wall is too thick for the cup.
 pub fn cup(radius: f64, height: f64, wall: f64, segments: u32) -> Result<Shape> {
     length("cup", "radius", radius)?;
     length("cup", "height", height)?;

@@ -9,7 +9,10 @@ use crate::geometry::shape::rod::Rod;
 use crate::geometry::shape::{MassProperties, Shape, SurfaceFeatures};
 use glam::DVec2;
 
-/// A cylinder with sharp rims; radius and height in m.
+/// Builds a cylinder with sharp rims; radius and height in m.
+///
+/// # Errors
+/// Fails if a parameter is out of range.
 pub fn cylinder(radius: f64, height: f64, segments: u32) -> Result<Shape> {
     length("cylinder", "radius", radius)?;
     length("cylinder", "height", height)?;

@@ -7,7 +7,10 @@ use crate::geometry::shape::params::{length, require, segments as turn};
 use crate::geometry::shape::{MassProperties, Shape, SurfaceFeatures};
 use glam::DVec3;
 
-/// An ellipsoid with the given semi-axes along x, y, z, m; the longest at most 1,000 times the shortest.
+/// Builds an ellipsoid with the given semi-axes along x, y, z, m; the longest is at most 1,000 times the shortest.
+///
+/// # Errors
+/// Fails if a parameter is out of range or the semi-axes differ too much.
 pub fn ellipsoid(semi: DVec3, segments: u32) -> Result<Shape> {
     for (axis, value) in ["x", "y", "z"].into_iter().zip(semi.to_array()) {
         length("ellipsoid", &format!("semi-axis {axis}"), value)?;

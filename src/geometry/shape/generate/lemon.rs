@@ -4,7 +4,10 @@ use crate::error::Result;
 use crate::geometry::shape::Shape;
 use crate::geometry::shape::generate::fruit;
 
-/// A lemon: an ellipsoid that runs out into a blunt tip at both ends; overall length and diameter in m.
+/// Builds a lemon: an ellipsoid that runs out into a blunt tip at both ends; overall length and diameter in m.
+///
+/// # Errors
+/// Fails if a parameter is out of range.
 pub fn lemon(length: f64, diameter: f64, segments: u32) -> Result<Shape> {
     let profile = |s: f64| {
         let x = 2.0 * s - 1.0;

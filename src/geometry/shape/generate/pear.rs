@@ -4,7 +4,10 @@ use crate::error::Result;
 use crate::geometry::shape::Shape;
 use crate::geometry::shape::generate::fruit;
 
-/// A pear: a bulb at -z that narrows into a neck at +z; overall length and diameter in m.
+/// Builds a pear: a bulb at -z that narrows into a neck at +z; overall length and diameter in m.
+///
+/// # Errors
+/// Fails if a parameter is out of range.
 pub fn pear(length: f64, diameter: f64, segments: u32) -> Result<Shape> {
     let profile = |s: f64| {
         let t = ((s - 0.25) / 0.6).clamp(0.0, 1.0);

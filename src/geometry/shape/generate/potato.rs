@@ -7,11 +7,14 @@ use crate::geometry::shape::params::{length, require, segments as turn};
 use crate::random::Random;
 use glam::DVec3;
 
-/// Number of bumps that are added up.
+/// Number of bumps that are added.
 const WAVES: usize = 12;
 
-/// A potato: an ellipsoid of the given semi-axes, m, with smooth bumps of about `roughness` (0 to 0.3) of its local radius.
-/// The seed decides the bumps: equal seeds give equal potatoes.
+/// Builds a potato: an ellipsoid of the given semi-axes, m, with smooth bumps of about `roughness` (0 to 0.3) of its
+/// local radius. The seed determines the bumps: equal seeds give equal potatoes.
+///
+/// # Errors
+/// Fails if a parameter is out of range.
 pub fn potato(semi: DVec3, roughness: f64, seed: u64, segments: u32) -> Result<Shape> {
     for (axis, value) in ["x", "y", "z"].into_iter().zip(semi.to_array()) {
         length("potato", &format!("semi-axis {axis}"), value)?;

@@ -7,7 +7,10 @@ use crate::geometry::shape::params::{MAX_SEGMENTS, length, require};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// A prism on a regular polygon of 3 or more sides; circumradius and height in m. One corner is on the x axis.
+/// Builds a prism on a regular polygon of 3 or more sides; circumradius and height in m. One corner is on the x axis.
+///
+/// # Errors
+/// Fails if a parameter is out of range.
 pub fn prism(sides: u32, radius: f64, height: f64) -> Result<Shape> {
     length("prism", "radius", radius)?;
     length("prism", "height", height)?;

@@ -7,7 +7,10 @@ use crate::geometry::shape::sphere::Sphere;
 use crate::geometry::shape::{MassProperties, Shape, SurfaceFeatures};
 use glam::DVec3;
 
-/// A sphere; radius in m.
+/// Builds a sphere; radius in m.
+///
+/// # Errors
+/// Fails if a parameter is out of range.
 pub fn sphere(radius: f64, segments: u32) -> Result<Shape> {
     length("sphere", "radius", radius)?;
     let mut mesh = icosphere(turn("sphere", segments)?);

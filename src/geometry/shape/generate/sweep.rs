@@ -9,8 +9,11 @@ use std::f64::consts::TAU;
 
 const MAX_POINTS: usize = 1024;
 
-/// A tube about a path, with a radius at each of its points, m. A radius of 0 at an end makes a tip there, else the end is flat.
-/// The path must bend less than the tube is thick, and come no closer to itself than its radii.
+/// Builds a tube about a path, with a radius at each of its points, m. A radius of 0 at an end makes a tip there; otherwise the end is
+/// flat. The path must bend less than the tube is thick, and come no closer to itself than its radii.
+///
+/// # Errors
+/// Fails if a parameter is out of range or the tube touches itself.
 pub fn sweep(name: &str, path: &[DVec3], radii: &[f64], segments: u32) -> Result<Shape> {
     turn(name, segments)?;
     check(name, path, radii)?;
@@ -60,7 +63,8 @@ fn check(name: &str, path: &[DVec3], radii: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// The tube and its rings of points. Frames are carried along the path by the least rotation, so they do not twist.
+/// Returns the tube and its rings of points. Frames are carried along the path by the smallest rotation, so they do not
+/// twist.
 pub fn swept_mesh(path: &[DVec3], radii: &[f64], segments: u32) -> (TriMesh, Vec<Vec<DVec3>>) {
     let n = path.len();
     let step = |i: usize| (path[i + 1] - path[i]).normalize_or(DVec3::X);

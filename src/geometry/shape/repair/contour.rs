@@ -1,5 +1,5 @@
-//! The surface between the inside and the outside nodes of a grid, by dual contouring (Ju et al. 2002) with a vertex for each sheet
-//! of the surface in a cell (Nielson 2004, "Dual marching cubes"): closed, and a manifold.
+//! Surface between the inside and the outside nodes of a grid, by dual contouring (Ju et al. 2002) with a vertex for each sheet of the
+//! surface in a cell (Nielson 2004, "Dual marching cubes"): closed, and a manifold.
 
 use super::field::DistanceGrid;
 use crate::geometry::Aabb;
@@ -11,19 +11,20 @@ use glam::{DMat3, DVec3, USizeVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Weight of the middle of a sheet beside the planes of the surface: it decides where they leave a vertex free.
+/// Weight of the middle of a sheet relative to the planes of the surface: it decides where they leave a vertex free.
 const SLACK: f64 = 1e-3;
-/// A vertex stays this part of a cell away from its sides.
+/// Smallest distance of a vertex from the sides of its cell, over the size of the cell.
 const MARGIN: f64 = 0.02;
 
-/// Where an edge of the grid crosses the surface, m, and the normal there.
+/// Crossing of an edge of the grid with the surface, m, and the normal there.
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
     point: DVec3,
     normal: DVec3,
 }
 
-/// The surface; with its corners and creases if `sharp`, else each vertex is amid the crossings of its cell.
+/// Returns the surface; with its corners and creases if `sharp`, otherwise with each vertex amid the crossings of its
+/// cell.
 pub(crate) fn surface(field: &DistanceGrid, winding: &Winding, sharp: bool) -> TriMesh {
     let crossings = crossings(field, winding);
     let mut mesh = TriMesh::default();
@@ -67,18 +68,18 @@ pub(crate) fn surface(field: &DistanceGrid, winding: &Winding, sharp: bool) -> T
     mesh
 }
 
-/// Corner `i` of a cell.
+/// Returns corner `i` of a cell.
 fn corner(i: usize) -> USizeVec3 {
     USizeVec3::new(i & 1, i >> 1 & 1, i >> 2 & 1)
 }
 
-/// The corner from which edge `4 k + i` of a cell runs along axis `k`.
+/// Returns the corner from which edge `4 k + i` of a cell runs along axis `k`.
 fn start(edge: usize) -> USizeVec3 {
     let (k, i) = (edge / 4, edge % 4);
     USizeVec3::AXES[(k + 1) % 3] * (i & 1) + USizeVec3::AXES[(k + 2) % 3] * (i >> 1)
 }
 
-/// The crossed edges of a cell, in groups that the surface connects through its faces. Each face has two crossed edges or none.
+/// Returns the crossed edges of a cell, in groups that the surface connects through its faces. Each face has two crossed edges or none.
 fn sheets(inside: &[bool]) -> Vec<Vec<usize>> {
     let at = |n: USizeVec3| inside[n.x | n.y << 1 | n.z << 2];
     let crossed: Vec<usize> = (0..12).filter(|e| at(start(*e)) != at(start(*e) + USizeVec3::AXES[e / 4])).collect();
@@ -99,7 +100,7 @@ fn sheets(inside: &[bool]) -> Vec<Vec<usize>> {
     sheets.into_iter().filter(|s| !s.is_empty()).collect()
 }
 
-/// The vertex of a sheet, m: nearest to the planes of the surface at its crossings.
+/// Returns the vertex of a sheet, m: nearest to the planes of the surface at its crossings.
 fn place(field: &DistanceGrid, cell: USizeVec3, met: &[Crossing], sharp: bool) -> DVec3 {
     let middle = met.iter().map(|c| c.point).sum::<DVec3>() / met.len() as f64;
     if !sharp {
@@ -114,7 +115,7 @@ fn place(field: &DistanceGrid, cell: USizeVec3, met: &[Crossing], sharp: bool) -
     (middle + a.inverse() * b).clamp(low, low + (1.0 - 2.0 * MARGIN) * field.step)
 }
 
-/// The crossings of the surface with the edges of the grid, by the node from which an edge runs and its axis.
+/// Returns the crossings of the surface with the edges of the grid, by the node from which an edge runs and its axis.
 fn crossings(field: &DistanceGrid, winding: &Winding) -> HashMap<(USizeVec3, usize), Crossing> {
     let edges = field.cells().flat_map(|n| (0..3).map(move |k| (n, k)));
     let crossed: Vec<_> = edges.filter(|(n, k)| field.inside(*n) != field.inside(*n + USizeVec3::AXES[*k])).collect();
@@ -126,8 +127,8 @@ fn crossings(field: &DistanceGrid, winding: &Winding) -> HashMap<(USizeVec3, usi
     crossed.par_iter().map(found).collect::<Vec<_>>().into_iter().collect()
 }
 
-/// The crossing on the way from `a` inside to `b` outside: where a triangle is passed from inside to outside, else where the winding
-/// number becomes one half.
+/// Returns the crossing on the way from `a` inside to `b` outside: the point where a triangle is passed from inside to outside, or else
+/// the point where the winding number becomes one half.
 fn crossing(winding: &Winding, a: DVec3, b: DVec3, step: f64) -> Crossing {
     let mut passed: Vec<(f64, DVec3)> = Vec::new();
     winding.bvh.overlapping(&Aabb::of([a, b]), |i| {
@@ -153,7 +154,7 @@ fn crossing(winding: &Winding, a: DVec3, b: DVec3, step: f64) -> Crossing {
     Crossing { point, normal: DVec3::from_array(slope).normalize_or((b - a).normalize()) }
 }
 
-/// Where the way from `a` to `b` passes the facet, in 0..=1.
+/// Returns the parameter in 0..=1 at which the way from `a` to `b` passes the facet.
 fn pass(facet: &Facet, a: DVec3, b: DVec3) -> Option<f64> {
     let [from, to] = [a, b].map(|p| facet.n.dot(p - facet.origin));
     let t = from / (from - to);

@@ -1,22 +1,23 @@
-//! Which nodes of a grid are inside a surface.
+//! Grid of nodes inside and outside of a surface.
 
 use super::room;
 use crate::geometry::shape::winding::Winding;
 use glam::{DVec3, USizeVec3};
 use rayon::prelude::*;
 
-/// About how many nodes the grid has.
+/// Approximate number of nodes of the grid.
 const NODES: f64 = 300_000.0;
 
-/// A grid of cubic cells around a surface.
+/// Grid of cubic cells around a surface.
 #[derive(Debug)]
 pub(crate) struct DistanceGrid {
     origin: DVec3,
     /// Size of a cell, m.
     pub step: f64,
-    /// Nodes along x, y, z.
+    /// Numbers of nodes along x, y, z.
     pub counts: USizeVec3,
-    /// Whether the winding number is above one half, per node, x fastest; all at the border of the grid are outside.
+    /// Flag per node, x fastest: true if the winding number is above one half. All nodes at the border of the grid are
+    /// outside.
     inside: Vec<bool>,
 }
 
@@ -39,8 +40,8 @@ impl DistanceGrid {
         field
     }
 
-    /// Takes in nodes until no face of a cell has its inside nodes across from each other: then the surface between in and out is
-    /// a manifold.
+    /// Adds inside nodes until no face of a cell has its inside nodes opposite each other; the surface between in and out is then a
+    /// manifold.
     fn unite(&mut self) {
         let mut again = true;
         while std::mem::take(&mut again) {
@@ -62,7 +63,7 @@ impl DistanceGrid {
         }
     }
 
-    /// Index of a node.
+    /// Returns the index of a node.
     pub fn index(&self, node: USizeVec3) -> usize {
         node.x + self.counts.x * (node.y + self.counts.y * node.z)
     }
@@ -72,17 +73,17 @@ impl DistanceGrid {
         USizeVec3::new(i % n.x, i / n.x % n.y, i / (n.x * n.y))
     }
 
-    /// Whether a node is inside.
+    /// Returns true if a node is inside.
     pub fn inside(&self, node: USizeVec3) -> bool {
         self.inside[self.index(node)]
     }
 
-    /// m.
+    /// Returns the position of a node, m.
     pub fn position(&self, node: USizeVec3) -> DVec3 {
         self.origin + self.step * node.as_dvec3()
     }
 
-    /// The nodes from which a cell begins, x fastest.
+    /// Returns the nodes from which a cell begins, x fastest.
     pub fn cells(&self) -> impl Iterator<Item = USizeVec3> {
         let n = self.counts - 1;
         (0..n.element_product()).map(move |i| USizeVec3::new(i % n.x, i / n.x % n.y, i / (n.x * n.y)))

@@ -5,16 +5,16 @@ use crate::geometry::mesh::polygon::triangulate;
 use crate::geometry::mesh::topology::sides;
 use std::collections::BTreeMap;
 
-/// What [`fill`] added.
+/// Result of [`fill`].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Filled {
     pub holes: usize,
     pub triangles: usize,
-    /// m2.
+    /// Area of the added triangles, m2.
     pub area: f64,
 }
 
-/// Closes every hole whose rim is a simple loop that has a simple outline seen from the front. None if a hole is left or an edge
+/// Closes every hole whose rim is a simple loop that has a simple outline seen from the front. Returns None if a hole is left or an edge
 /// has more than two triangles.
 pub(crate) fn fill(mesh: &mut TriMesh) -> Option<Filled> {
     let mut after = BTreeMap::new();

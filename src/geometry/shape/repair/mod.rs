@@ -14,11 +14,11 @@ use crate::geometry::shape::winding::Winding;
 use field::DistanceGrid;
 use glam::DVec3;
 
-/// Closed parts of less than this of the volume of the whole are dust.
+/// Volume over the volume of the whole below which a closed part is dust.
 const DUST: f64 = 1e-3;
 
-/// The surface as a solid: with its holes filled, if that is all it lacks, else the surface on which its generalized winding number
-/// is one half, sampled on a grid. Returns it with what was done and how far it moved.
+/// Returns the surface as a solid: with its holes filled, if that is all it lacks, otherwise the surface on which its generalized winding
+/// number is one half, sampled on a grid. Also returns a list of the changes, with the distance by which it moved.
 pub(crate) fn repair(mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
     let mut whole = mesh.clone();
     agree(&mut whole);
@@ -71,7 +71,7 @@ fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
     Ok((surface, vec![done]))
 }
 
-/// Drops shells that are small beside the whole; returns how many.
+/// Drops shells that are small compared with the whole; returns their number.
 fn drop_dust(mesh: &mut TriMesh) -> usize {
     let shells = shells(mesh);
     let whole: f64 = shells.iter().map(|s| s.volume).sum();
@@ -84,13 +84,13 @@ fn drop_dust(mesh: &mut TriMesh) -> usize {
     small.len()
 }
 
-/// How far a new surface is from the old one.
+/// Distance of a new surface from the old one.
 struct Moved {
-    /// m.
+    /// Largest distance, m.
     most: f64,
-    /// m.
+    /// Mean distance, m.
     mean: f64,
-    /// Part of the new surface that is farther from the old one than a cell.
+    /// Fraction of the new surface that is farther from the old one than a cell.
     new: f64,
 }
 
@@ -108,7 +108,7 @@ impl Moved {
     }
 }
 
-/// The box around a surface with no side shorter than a twentieth of its longest, m.
+/// Returns the box around a surface with no side shorter than a twentieth of its longest, m.
 fn room(bounds: Aabb) -> Aabb {
     let size = bounds.size();
     let half = 0.5 * size.max(DVec3::splat(0.05 * size.max_element()));

@@ -5,8 +5,8 @@ use crate::net::autodiff::real::Real;
 use crate::net::autodiff::tape::{Matrix, Tape};
 use std::sync::Arc;
 
-/// Contact forces x (levels * pads * nodes, 3), each level in the balance of its own; with none of them, x itself. Their
-/// components along x and y have the signs `mirror` of those of the pads.
+/// Brings the contact forces x (levels * pads * nodes, 3) of each level into the balance of that level. Without balances it returns
+/// x itself. The components along x and y have the signs `mirror` of those of the pads.
 pub fn balanced<T: Real>(
     tape: &Tape<T>,
     x: &Matrix<T>,

@@ -1,11 +1,11 @@
-//! `act(x W + b)` in one operation.
+//! Linear layer with activation, `act(x W + b)`, in one operation.
 
 use super::Activation;
 use crate::net::autodiff::gemm::product;
 use crate::net::autodiff::real::Real;
 use crate::net::autodiff::tape::{Matrix, Tape};
 
-/// `act(x W + b)`: x (n, k), W (k, m), b (1, m) or None -> (n, m).
+/// Computes `act(x W + b)`: x (n, k), W (k, m), b (1, m) or None -> (n, m).
 pub fn linear<T: Real>(
     tape: &Tape<T>,
     x: &Matrix<T>,

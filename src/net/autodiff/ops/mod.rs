@@ -1,4 +1,4 @@
-//! The operations of the network: each with its forward and its backward kernel, one per file.
+//! Operations of the network: each with its forward and its backward kernel, one per file.
 
 mod balance;
 mod linear;

@@ -6,21 +6,21 @@ use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
-/// A function of one number, with its slope. None needs exp, which does not vectorise.
+/// Function of one number, with its slope. No activation needs exp, which does not vectorise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Activation {
-    /// The number itself.
+    /// Identity.
     None,
-    /// `z (1 + z / sqrt(1 + z2)) / 2`: a gated linear unit with an algebraic gate.
+    /// Gated linear unit with an algebraic gate: `z (1 + z / sqrt(1 + z2)) / 2`.
     Gated,
-    /// `(z + sqrt(z2 + 1)) / 2`, above zero everywhere (squareplus, Barron 2021).
+    /// Function above zero everywhere (squareplus, Barron 2021): `(z + sqrt(z2 + 1)) / 2`.
     Positive,
-    /// `max(z, 0)`.
+    /// Rectifier `max(z, 0)`.
     Relu,
 }
 
 impl Activation {
-    /// Its value at `z`.
+    /// Returns its value at `z`.
     #[inline(always)]
     pub fn value<T: Real>(self, z: T) -> T {
         let (zero, half, one) = (T::of(0.0), T::of(0.5), T::of(1.0));
@@ -42,7 +42,7 @@ impl Activation {
         }
     }
 
-    /// Its derivative at `z`.
+    /// Returns its derivative at `z`.
     #[inline(always)]
     pub fn slope<T: Real>(self, z: T) -> T {
         let (half, one) = (T::of(0.5), T::of(1.0));
@@ -55,7 +55,7 @@ impl Activation {
         }
     }
 
-    /// Its values at `z`, and what [`Self::sloped`] asks for of `z`.
+    /// Returns its values at `z`, and the part of `z` that [`Self::sloped`] needs.
     pub fn applied<T: Real>(self, z: Vec<T>) -> (Vec<T>, Vec<T>) {
         match self {
             Activation::None => (z, Vec::new()),
@@ -67,7 +67,7 @@ impl Activation {
         }
     }
 
-    /// The gradient of `z` from that of the values.
+    /// Computes the gradient of `z` from that of the values.
     pub fn sloped<'a, T: Real>(self, out: &'a [T], z: &[T]) -> Cow<'a, [T]> {
         match self {
             Activation::None => Cow::Borrowed(out),
@@ -80,7 +80,7 @@ impl Activation {
     }
 }
 
-/// `y = act(z)`.
+/// Kernel of `y = act(z)`.
 struct Values<'a, T> {
     act: Activation,
     z: &'a [T],
@@ -97,7 +97,7 @@ impl<T: Real> WithSimd for Values<'_, T> {
     }
 }
 
-/// `dz = dz * slope of act at z`.
+/// Kernel of `dz = dz * slope of act at z`.
 struct Slopes<'a, T> {
     act: Activation,
     z: &'a [T],
@@ -114,7 +114,7 @@ impl<T: Real> WithSimd for Slopes<'_, T> {
     }
 }
 
-/// `act(a + b + ...)` of matrices of one shape.
+/// Computes `act(a + b + ...)` of matrices of one shape.
 pub fn sum<T: Real>(tape: &Tape<T>, terms: &[&Matrix<T>], act: Activation) -> Matrix<T> {
     let (rows, cols) = (terms[0].rows, terms[0].cols);
     assert!(terms.iter().all(|t| (t.rows, t.cols) == (rows, cols)), "terms of a sum have one shape");
@@ -134,7 +134,7 @@ pub fn sum<T: Real>(tape: &Tape<T>, terms: &[&Matrix<T>], act: Activation) -> Ma
     })
 }
 
-/// `a b`, entry by entry.
+/// Computes the product of `a` and `b`, entry by entry.
 pub fn product<T: Real>(tape: &Tape<T>, a: &Matrix<T>, b: &Matrix<T>) -> Matrix<T> {
     assert_eq!((a.rows, a.cols), (b.rows, b.cols), "factors have one shape");
     let y = a.value().iter().zip(b.value()).map(|(a, b)| *a * *b).collect();
@@ -149,7 +149,7 @@ pub fn product<T: Real>(tape: &Tape<T>, a: &Matrix<T>, b: &Matrix<T>) -> Matrix<
     })
 }
 
-/// The same numbers as `rows` rows.
+/// Returns the numbers of `x` as `rows` rows.
 pub fn reshape<T: Real>(tape: &Tape<T>, x: &Matrix<T>, rows: usize) -> Matrix<T> {
     let out = x.shaped(rows, x.rows * x.cols / rows, tape.tracks(&[x]));
     let x = x.clone();
@@ -161,9 +161,9 @@ pub fn reshape<T: Real>(tape: &Tape<T>, x: &Matrix<T>, rows: usize) -> Matrix<T>
     out
 }
 
-/// How far `x` is from `target`: for each of `groups` equal groups of rows the root of sum(weight * squared difference),
-/// r, as r / (1 + r), averaged; 1 x 1. A root, and bounded, so that the few hard groups do not drown the others: what is off by
-/// several times its size pulls with next to nothing.
+/// Computes the error of `x` against `target`, 1 x 1. For each of `groups` equal groups of rows, r is the root of sum(weight *
+/// squared difference); the result is the mean of r / (1 + r). A bounded function of a root keeps the few hard groups from
+/// outweighing the others: a group that is off by several times its size has almost no gradient.
 pub fn root_error<T: Real>(tape: &Tape<T>, x: &Matrix<T>, target: &[f32], weight: &[f32], groups: usize) -> Matrix<T> {
     assert!(target.len() == x.value().len() && weight.len() == x.rows, "a target has the shape of what it judges");
     assert!(x.rows.is_multiple_of(groups), "groups are alike");

@@ -1,7 +1,7 @@
-//! The linear response of a pad on a tape: how its nodes move under forces on its face, and the stress that comes with it.
+//! Linear response of a pad on a tape: the motion of its nodes under forces on its face, and the stress of that motion.
 //!
-//! The matrix is far larger than the caches, so it is read once for [`LANES`] loads side by side; stress is local and comes
-//! from how the neighbours of a node have moved.
+//! The matrix is far larger than the caches, so it is read once for [`LANES`] loads side by side. Stress is local: it depends on
+//! the motion of the neighbours of a node.
 
 use crate::linear::compliance::Compliance;
 use crate::linear::deviator::PARTS;
@@ -10,12 +10,12 @@ use crate::net::autodiff::tape::{Matrix, Tape};
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::Arc;
 
-/// Loads that share the reading of the matrix.
+/// Number of loads that share the reading of the matrix.
 const LANES: usize = 8;
-/// A number of each of them.
+/// Number for each of these loads.
 type Lanes<T> = [T; LANES];
 
-/// Forces (n, forces) -> how the nodes move that can (n, moving nodes * 3), in the order of their slots.
+/// Computes the motion of the nodes that can move (n, moving nodes * 3), in the order of their slots, from forces (n, forces).
 pub fn respond<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, force: &Matrix<T>) -> Matrix<T> {
     let (n, k, m) = (force.rows, pad.forces, pad.moving());
     let (x, mut y) = (side_by_side(force.value(), k), zeros(n, m));
@@ -30,7 +30,7 @@ pub fn respond<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, force: &Matrix<T>
     })
 }
 
-/// How they move -> displacement of all nodes (n * nodes, 3); zero where bonded.
+/// Computes the displacement of all nodes (n * nodes, 3) from the motion; zero where bonded.
 pub fn displaced<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, moved: &Matrix<T>) -> Matrix<T> {
     let (n, m, nodes) = (moved.rows, moved.cols, pad.nodes);
     let mut u = vec![T::of(0.0); n * nodes * 3];
@@ -51,7 +51,7 @@ pub fn displaced<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, moved: &Matrix<
     })
 }
 
-/// How they move -> deviatoric stress of all nodes (n * nodes, 5): xx, yy, xy, yz, zx.
+/// Computes the deviatoric stress of all nodes (n * nodes, 5) from the motion: xx, yy, xy, yz, zx.
 pub fn deviated<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, moved: &Matrix<T>) -> Matrix<T> {
     let (n, m, nodes) = (moved.rows, moved.cols, pad.nodes);
     let (u, mut s) = (side_by_side(moved.value(), m), zeros(n, 5 * nodes));
@@ -66,7 +66,7 @@ pub fn deviated<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, moved: &Matrix<T
     })
 }
 
-/// Displacement `y` from forces `x`.
+/// Kernel from forces `x` to displacement `y`.
 struct Times<'a, T> {
     pad: &'a Compliance,
     x: &'a [Lanes<T>],
@@ -105,7 +105,7 @@ impl<T: Real> WithSimd for Times<'_, T> {
     }
 }
 
-/// What the gradient of the displacement says of the forces.
+/// Kernel from the gradient of the displacement to that of the forces.
 struct TimesTransposed<'a, T> {
     pad: &'a Compliance,
     y: &'a [Lanes<T>],
@@ -138,7 +138,7 @@ impl<T: Real> WithSimd for TimesTransposed<'_, T> {
 const ENTRIES: [(usize, usize); PARTS] =
     [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0), (2, 1), (3, 1), (3, 2), (4, 2), (4, 0)];
 
-/// Stress from displacement.
+/// Kernel from displacement to stress.
 struct Deviate<'a, T> {
     pad: &'a Compliance,
     u: &'a [Lanes<T>],
@@ -163,7 +163,7 @@ impl<T: Real> WithSimd for Deviate<'_, T> {
     }
 }
 
-/// What the gradient of the stress says of the displacement.
+/// Kernel from the gradient of the stress to that of the displacement.
 struct DeviateTransposed<'a, T> {
     pad: &'a Compliance,
     s: &'a [Lanes<T>],
@@ -201,7 +201,7 @@ fn zeros<T: Real>(rows: usize, cols: usize) -> Vec<Lanes<T>> {
     vec![[T::of(0.0); LANES]; rows.div_ceil(LANES) * cols]
 }
 
-/// Rows of `cols` numbers -> [`LANES`] rows side by side, the last ones filled up with zeros.
+/// Puts rows of `cols` numbers side by side, [`LANES`] at a time; the last ones are filled up with zeros.
 fn side_by_side<T: Real>(x: &[T], cols: usize) -> Vec<Lanes<T>> {
     let mut out = zeros(x.len() / cols.max(1), cols);
     for (r, row) in x.chunks_exact(cols.max(1)).enumerate() {
@@ -211,7 +211,7 @@ fn side_by_side<T: Real>(x: &[T], cols: usize) -> Vec<Lanes<T>> {
     out
 }
 
-/// The inverse of [`side_by_side`], `rows` of them.
+/// Inverts [`side_by_side`] for `rows` rows.
 fn one_by_one<T: Real>(lanes: &[Lanes<T>], cols: usize, rows: usize) -> Vec<T> {
     let mut out = vec![T::of(0.0); rows * cols];
     for (r, row) in out.chunks_exact_mut(cols).enumerate() {

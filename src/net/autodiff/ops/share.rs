@@ -1,9 +1,9 @@
-//! Shares out one force among the nodes of a pad.
+//! Sharing of one force among the nodes of a pad.
 
 use crate::net::autodiff::real::Real;
 use crate::net::autodiff::tape::{Matrix, Tape};
 
-/// For every group of `size` rows of x (n, 3): the share of each row, a softmax of column 0, times (1, column 1, column 2).
+/// Computes the shares in every group of `size` rows of x (n, 3): a softmax of column 0, times (1, column 1, column 2).
 ///
 /// The shares of a group are above zero and sum to one: contact forces made of them carry exactly the force of the finger.
 pub fn share<T: Real>(tape: &Tape<T>, x: &Matrix<T>, size: usize) -> Matrix<T> {

@@ -1,11 +1,11 @@
-//! A fixed sparse matrix times a dense one, on a tape.
+//! Product of a fixed sparse matrix and a dense one, on a tape.
 
 use crate::kernel::Sparse;
 use crate::net::autodiff::real::Real;
 use crate::net::autodiff::tape::{Matrix, Tape};
 use std::sync::Arc;
 
-/// `map * x` for every block of `map.cols()` rows of x: (blocks * cols, m) -> (blocks * rows, m).
+/// Computes `map * x` for every block of `map.cols()` rows of x: (blocks * cols, m) -> (blocks * rows, m).
 pub fn apply<T: Real>(tape: &Tape<T>, map: &Arc<Sparse>, x: &Matrix<T>) -> Matrix<T> {
     assert_eq!(x.rows % map.cols().max(1), 0, "a sparse map applies to whole blocks of rows");
     let y = map.times(x.value(), x.cols);

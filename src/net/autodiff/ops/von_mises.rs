@@ -3,10 +3,10 @@
 use crate::net::autodiff::real::Real;
 use crate::net::autodiff::tape::{Matrix, Tape};
 
-/// Keeps the norm smooth where there is no stress.
+/// Small number that keeps the norm smooth where there is no stress.
 pub const LITTLE: f32 = 1e-6;
 
-/// `sqrt(3 (a2 + b2 + a b + c2 + d2 + e2))` of every row (xx, yy, xy, yz, zx) of x (n, 5): (n, 1).
+/// Computes `sqrt(3 (a2 + b2 + a b + c2 + d2 + e2))` of every row (xx, yy, xy, yz, zx) of x (n, 5): (n, 1).
 pub fn von_mises<T: Real>(tape: &Tape<T>, x: &Matrix<T>) -> Matrix<T> {
     assert_eq!(x.cols, 5, "a deviator has five components");
     let (two, three) = (T::of(2.0), T::of(3.0));

@@ -1,4 +1,4 @@
-//! The ASCII form, line by line.
+//! ASCII form, read line by line.
 
 use std::path::Path;
 
@@ -68,7 +68,7 @@ fn format_version(path: &Path, line: &Line<'_>) -> Result<Version> {
     Version::of(line.words[0].text).map_err(|message| text::at(path, line.first(), message))
 }
 
-/// A node of a line that starts with its tag.
+/// Reads the node of a line that starts with its tag.
 fn node(found: &mut Collected, path: &Path, line: &Line<'_>) -> Result<()> {
     let tag = text::integer(path, line.first(), "node tag")?;
     found.node(tag).map_err(|message| text::at(path, line.first(), message))
@@ -130,7 +130,7 @@ fn nodes_v4<'a>(
     Ok(())
 }
 
-/// The line that opens a section of blocks: blocks, items, and since 4.1 the smallest and largest tag.
+/// Reads the line that opens a section of blocks: blocks, items, and since 4.1 the smallest and largest tag.
 fn block_counts<'a>(
     version: Version,
     path: &Path,

@@ -1,4 +1,4 @@
-//! The binary form, in the byte order that the file tells by a 1.
+//! Binary form, in the byte order that the file states by a 1.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use super::{PARAMETRIC, Version};
 use crate::error::Result;
 use crate::geometry::mesh::{MAX_COUNT, TetMesh};
 
-/// Nodes of the element types 1 to 31 of gmsh.
+/// Number of nodes of the element types 1 to 31 of gmsh.
 const NODES: [usize; 31] =
     [2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1, 8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4, 5, 6, 20, 35, 56];
 /// Parses a binary gmsh file; `path` is for messages.
@@ -132,7 +132,7 @@ fn elements_v4<'a>(file: &mut Cursor<'a>, found: &mut Collected, version: Versio
     Ok(())
 }
 
-/// Keeps a tetrahedron, counts and passes over anything else; `tag` reads the number of a node.
+/// Keeps a tetrahedron; counts and passes over any other element. `tag` reads the number of a node.
 fn element<'a>(
     file: &mut Cursor<'a>,
     found: &mut Collected,

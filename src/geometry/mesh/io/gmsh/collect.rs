@@ -1,4 +1,4 @@
-//! What both forms of a gmsh file fill: nodes by tag, tetrahedra by the tags of their nodes.
+//! Collector for both forms of a gmsh file: nodes by tag, tetrahedra by the tags of their nodes.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -8,36 +8,36 @@ use glam::DVec3;
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{MAX_COUNT, TetMesh};
 
-/// gmsh's number of the 4-node tetrahedron.
+/// Number of the 4-node tetrahedron in gmsh.
 const LINEAR: u64 = 4;
-/// gmsh's number of the 10-node tetrahedron.
+/// Number of the 10-node tetrahedron in gmsh.
 const QUADRATIC: u64 = 11;
 /// Edges of the 10-node tetrahedron in the order of their middle nodes in gmsh.
 const MIDDLES: [(usize, usize); 6] = [(0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3)];
-/// An edge is straight if its middle node is off the middle by at most this part of its length: rounding of files with
-/// few digits stays below.
+/// Distance of the middle node from the middle, over the length of the edge, up to which an edge is straight: the
+/// rounding of files with few digits stays below.
 const STRAIGHT: f64 = 1e-3;
-/// A middle node farther off than this part of the edge's length is no middle node: the order of the nodes is another.
+/// Distance over the length of the edge above which a node is not the middle node: the order of the nodes is another.
 const MISPLACED: f64 = 0.25;
 
-/// A refused element: which of its nodes (0-based), and why.
+/// Refused element: index of the node (0-based) and reason.
 pub(crate) type Refused = (usize, String);
 
-/// What is collected while reading.
+/// Content collected while reading.
 #[derive(Default)]
 pub(crate) struct Collected {
     mesh: TetMesh,
-    /// Node tag -> index; only looked up, never iterated.
+    /// Index by node tag; only looked up, never iterated.
     index_of: HashMap<u64, u32>,
-    /// Element type -> number left out.
+    /// Number of elements left out, by element type.
     skipped: BTreeMap<u64, usize>,
-    /// Tetrahedra of second order.
+    /// Number of tetrahedra of second order.
     quadratic: usize,
     /// Largest distance of a middle node from the middle of its edge, m, and over the edge's length.
     bulge: (f64, f64),
 }
 
-/// Nodes of a tetrahedron that is kept; None for other elements.
+/// Returns the number of nodes of a tetrahedron that is kept; None for other elements.
 pub(crate) fn kept_nodes(kind: u64) -> Option<usize> {
     match kind {
         LINEAR => Some(4),
@@ -47,12 +47,15 @@ pub(crate) fn kept_nodes(kind: u64) -> Option<usize> {
 }
 
 impl Collected {
-    /// Nodes so far.
+    /// Returns the number of nodes so far.
     pub fn nodes(&self) -> usize {
         self.mesh.nodes.len()
     }
 
-    /// The next node; its place is at the origin until [`Self::place`] is told.
+    /// Adds a node; its position is the origin until [`Self::place`] sets it.
+    ///
+    /// # Errors
+    /// Fails if there are too many nodes or the tag is used twice.
     pub fn node(&mut self, tag: u64) -> std::result::Result<(), String> {
         if self.nodes() >= MAX_COUNT {
             return Err(format!("more than the {MAX_COUNT} nodes allowed"));
@@ -64,7 +67,7 @@ impl Collected {
         Ok(())
     }
 
-    /// The position of a node by its index, m.
+    /// Sets the position of a node by its index, m.
     pub fn place(&mut self, index: usize, position: DVec3) {
         self.mesh.nodes[index] = position;
     }
@@ -74,7 +77,10 @@ impl Collected {
         *self.skipped.entry(kind).or_default() += 1;
     }
 
-    /// Keeps a tetrahedron of [`kept_nodes`] by its corners; middle nodes are only looked at.
+    /// Keeps a tetrahedron of [`kept_nodes`] by its corners; its middle nodes are only checked.
+    ///
+    /// # Errors
+    /// Fails if there are too many tetrahedra, a tag is unknown or a middle node is far from the middle of its edge.
     pub fn tetrahedron(&mut self, tags: &[u64]) -> std::result::Result<(), Refused> {
         let element = self.mesh.tets.len();
         if element >= MAX_COUNT {
@@ -109,9 +115,10 @@ impl Collected {
         Ok(())
     }
 
-    /// The mesh and what is to be said about it.
+    /// Returns the mesh and the notices about it.
     ///
-    /// Errors: no tetrahedron.
+    /// # Errors
+    /// Fails if there is no tetrahedron.
     pub fn finish(self, path: &Path) -> Result<(TetMesh, Vec<String>)> {
         let list: Vec<String> = self.skipped.iter().map(|(kind, n)| format!("{n} of type {kind}")).collect();
         if self.mesh.tets.is_empty() {

@@ -1,4 +1,4 @@
-//! Bytes of a binary gmsh file, read one after the other in the byte order that the file tells.
+//! Bytes of a binary gmsh file, read one after the other in the byte order that the file states.
 
 use std::path::Path;
 
@@ -12,30 +12,33 @@ use crate::geometry::mesh::io::text::quote;
 /// Longest line of text between the blocks of bytes.
 const LINE: usize = 4096;
 
-/// The bytes of the file and how far they are read.
+/// Bytes of the file with the reading position.
 pub(crate) struct Cursor<'a> {
     path: &'a Path,
     bytes: &'a [u8],
     at: usize,
     big_endian: bool,
-    /// Bytes of a `size_t`.
+    /// Size of a `size_t`, bytes.
     pub wide: usize,
-    /// Known once the section `$MeshFormat` is read.
+    /// Version of the format; known once the section `$MeshFormat` is read.
     pub version: Option<Version>,
 }
 
 impl<'a> Cursor<'a> {
-    /// At the first byte.
+    /// Returns a cursor at the first byte.
     pub fn new(path: &'a Path, bytes: &'a [u8]) -> Self {
         Self { path, bytes, at: 0, big_endian: false, wide: 8, version: None }
     }
 
-    /// An error at this byte.
+    /// Returns an error at this byte.
     pub fn fail(&self, message: &str) -> Error {
         Error::file(self.path, format!("byte {}: {message}", self.at))
     }
 
-    /// The next `n` bytes; `what` names them.
+    /// Returns the next `n` bytes; `what` names them.
+    ///
+    /// # Errors
+    /// Fails if the file ends before.
     pub fn take(&mut self, n: usize, what: &str) -> Result<&'a [u8]> {
         let Some(taken) = self.bytes.get(self.at..self.at.saturating_add(n)) else {
             return Err(Error::file(
@@ -47,7 +50,7 @@ impl<'a> Cursor<'a> {
         Ok(taken)
     }
 
-    /// The rest of a line of text.
+    /// Returns the rest of a line of text.
     fn line(&mut self) -> Result<&'a str> {
         let rest = &self.bytes[self.at..];
         let length = rest.iter().take(LINE).position(|b| *b == b'\n').unwrap_or(rest.len().min(LINE));
@@ -56,7 +59,10 @@ impl<'a> Cursor<'a> {
         Ok(text.trim())
     }
 
-    /// The next line that is not blank, which names a section or its end; None at the end of the file.
+    /// Returns the next line that is not blank, which names a section or its end; None at the end of the file.
+    ///
+    /// # Errors
+    /// Fails if the line does not start with `$`.
     pub fn section(&mut self) -> Result<Option<&'a str>> {
         while self.bytes.get(self.at).is_some_and(u8::is_ascii_whitespace) {
             self.at += 1;
@@ -77,7 +83,10 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Goes on behind the next `end`.
+    /// Continues after the next `end`.
+    ///
+    /// # Errors
+    /// Fails if the file has no further `end`.
     pub fn skip_to(&mut self, end: &str) -> Result<()> {
         let Some(found) = find(&self.bytes[self.at..], end.as_bytes()) else {
             return Err(Error::file(
@@ -89,7 +98,10 @@ impl<'a> Cursor<'a> {
         Ok(())
     }
 
-    /// The section `$MeshFormat`: `version 1 size`, and a 1 that tells the byte order.
+    /// Reads the section `$MeshFormat`: `version 1 size`, and a 1 that states the byte order.
+    ///
+    /// # Errors
+    /// Fails for an unknown version, data size or byte order, and if the file is cut short.
     pub fn format(&mut self) -> Result<()> {
         let line = self.line()?;
         let words: Vec<&str> = line.split_whitespace().collect();
@@ -110,7 +122,7 @@ impl<'a> Cursor<'a> {
         Ok(())
     }
 
-    /// Eight bytes in the order of the file, the lowest first.
+    /// Returns eight bytes from `n` bytes in the order of the file, the lowest first.
     fn number(&mut self, n: usize, what: &str) -> Result<[u8; 8]> {
         let mut lowest_first = [0; 8];
         let taken = self.take(n, what)?;
@@ -121,30 +133,45 @@ impl<'a> Cursor<'a> {
         Ok(lowest_first)
     }
 
-    /// An `int`.
+    /// Reads an `int`.
+    ///
+    /// # Errors
+    /// Fails if the file is cut short.
     pub fn any_int(&mut self, what: &str) -> Result<i32> {
         let [a, b, c, d, ..] = self.number(4, what)?;
         Ok(i32::from_le_bytes([a, b, c, d]))
     }
 
-    /// An `int` that is no less than 0.
+    /// Reads an `int` that is not negative.
+    ///
+    /// # Errors
+    /// Fails if the number is negative or the file is cut short.
     pub fn int(&mut self, what: &str) -> Result<u64> {
         let value = self.any_int(what)?;
         u64::try_from(value).map_err(|_| self.fail(&format!("{what} is {value}; a number >= 0 is needed")))
     }
 
-    /// A `size_t`.
+    /// Reads a `size_t`.
+    ///
+    /// # Errors
+    /// Fails if the file is cut short.
     pub fn size(&mut self, what: &str) -> Result<u64> {
         self.number(self.wide, what).map(u64::from_le_bytes)
     }
 
-    /// A declared count, refused above [`MAX_COUNT`].
+    /// Reads a declared count.
+    ///
+    /// # Errors
+    /// Fails if the count is above [`MAX_COUNT`] or the file is cut short.
     pub fn count(&mut self, what: &str) -> Result<usize> {
         let value = self.size(what)?;
         self.capped(value, what)
     }
 
-    /// A declared count on a line of text.
+    /// Reads a declared count on a line of text.
+    ///
+    /// # Errors
+    /// Fails if the line is not a whole number or the count is above [`MAX_COUNT`].
     pub fn text_count(&mut self, what: &str) -> Result<usize> {
         let line = self.line()?;
         let value =
@@ -159,7 +186,10 @@ impl<'a> Cursor<'a> {
         Ok(value as usize)
     }
 
-    /// A position, m, with `extra` numbers behind it.
+    /// Reads a position, m, followed by `extra` numbers, which are ignored.
+    ///
+    /// # Errors
+    /// Fails if a coordinate is not finite or the file is cut short.
     pub fn position(&mut self, extra: usize) -> Result<DVec3> {
         let mut p = [0.0; 3];
         for (value, name) in p.iter_mut().zip(["x", "y", "z"]) {

@@ -13,7 +13,7 @@ use super::{convert, text};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TetMesh;
 
-/// The versions, which differ in the order and width of what a block holds.
+/// Version of the format, which decides the order and width of the numbers in a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Version {
     V2,
@@ -22,7 +22,7 @@ enum Version {
 }
 
 impl Version {
-    /// From the first word after `$MeshFormat`; the error says what is allowed.
+    /// Parses the first word after `$MeshFormat`; the error states the allowed versions.
     fn of(word: &str) -> std::result::Result<Self, String> {
         match word {
             "2" | "2.0" | "2.1" | "2.2" => Ok(Self::V2),
@@ -36,10 +36,11 @@ impl Version {
     }
 }
 
-/// Parses a gmsh file, which says itself whether it is text; `path` is for messages.
+/// Parses a gmsh file, which states whether it is text; `path` is for messages.
 ///
-/// Errors: unknown version, declared counts above the cap or not met, doubled or unknown tags, bad numbers, no
-/// tetrahedra; each with line and column of a text, with the byte offset of a binary file.
+/// # Errors
+/// Fails for an unknown version, declared counts above the cap or not met, doubled or unknown tags, bad numbers and no
+/// tetrahedra. The error states line and column of a text file, the byte offset of a binary file.
 pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>)> {
     // The formats of ANSYS have the same extension and begin so.
     if bytes.trim_ascii_start().starts_with(b"(") {
@@ -51,18 +52,18 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>
     ascii::parse(path, &text::decode(path, bytes)?)
 }
 
-/// Says that the nodes come with parameters of the geometry in a section of their own, of version 2.
+/// Message that the nodes come with parameters of the geometry in a section of their own, of version 2.
 const PARAMETRIC: &str =
     "the nodes stand in `$ParametricNodes`; save them without parameters (Mesh.SaveParametric = 0)";
 
-/// Whether the second word after `$MeshFormat` is the 1 of a binary file.
+/// Returns true if the second word after `$MeshFormat` is the 1 of a binary file.
 fn says_binary(bytes: &[u8]) -> bool {
     let Some(start) = find(bytes, b"$MeshFormat") else { return false };
     let line = bytes[start..].split(|b| *b == b'\n').nth(1).unwrap_or_default();
     line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()).nth(1) == Some(b"1")
 }
 
-/// Where `wanted` begins first.
+/// Returns the first position of `wanted`.
 fn find(bytes: &[u8], wanted: &[u8]) -> Option<usize> {
     bytes.windows(wanted.len()).position(|w| w == wanted)
 }

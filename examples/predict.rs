@@ -1,0 +1,29 @@
+//! Asks the network that ships what a pad feels, at forces of your own: `cargo run --release --example predict`.
+
+use std::path::Path;
+use tactus::error::{Error, Result};
+use tactus::grasp::poses_of;
+use tactus::linear::first_contact::GeometricContact;
+use tactus::model::Model;
+use tactus::net::SHIPPED;
+use tactus::net::infer::predict::Predictor;
+use tactus::scene::load;
+
+fn main() -> Result<()> {
+    let scene = load("scenes/lemon.ron")?.scene;
+    let pose = poses_of(&scene)?.into_iter().next().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
+    let model = Model::build(&scene)?;
+    // Refuses pads and gels that it was not trained on, and says why.
+    let network = Predictor::open(Path::new(SHIPPED))?;
+    let graph = network.admit(&model)?;
+    // Once per grasp: where the pads first touch, and the messages that pass on them.
+    let seen = network.look(&model, &graph, &GeometricContact::find(&model, pose)?);
+    // Then any number of forces, per finger.
+    let forces = [1.0, 2.5, 5.0, 7.5];
+    for (force, pads) in forces.iter().zip(network.ramp(&seen, &forces)?) {
+        let stress = pads.iter().flat_map(|pad| &pad.stress).copied().fold(0.0, f64::max);
+        let travel: Vec<String> = pads.iter().map(|pad| format!("{:.3}", 1e3 * pad.travel)).collect();
+        println!("{force:.1} N per finger: travel {} mm, at most {:.1} kPa", travel.join(" and "), 1e-3 * stress);
+    }
+    Ok(())
+}
