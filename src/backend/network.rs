@@ -10,7 +10,9 @@ use crate::net::train::sample::moved;
 use crate::record::PadTopology;
 use crate::world::Stepper;
 use crate::world::components::*;
-use crate::world::schedule::{Advance, ForceCommand, Next, Phase, Shared, StepSet, Timings, ramping, reached};
+use crate::world::schedule::{
+    ForceCommand, Next, Phase, Shared, StepLoad, StepReport, StepSet, Timings, ramping, reached,
+};
 use crate::world::systems::sense::close_to_contact;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
@@ -148,7 +150,8 @@ fn predict(
     shared: Res<Shared>,
     command: Option<Res<ForceCommand>>,
     mut prediction: ResMut<Prediction>,
-    mut advance: ResMut<Advance>,
+    load: Res<StepLoad>,
+    mut report: ResMut<StepReport>,
     mut next: ResMut<Next>,
     mut timings: ResMut<Timings>,
 ) {
@@ -160,21 +163,21 @@ fn predict(
                 // Where one of the loads has no answer, each is asked for by itself, as far as they go.
                 *ahead = predictor.ramp(seen, &shared.0.levels).map(VecDeque::from).unwrap_or_default();
             }
-            ahead.pop_front().map_or_else(|| predictor.at(seen, advance.level), Ok)
+            ahead.pop_front().map_or_else(|| predictor.at(seen, load.level), Ok)
         }
         Some((_, seen)) => {
             let known = ladder
                 .get_or_init(|| ForceLadder::new(predictor, seen, shared.0.levels[0], *shared.0.levels.last()?).ok())
                 .as_ref()
-                .and_then(|ladder| ladder.at(advance.level));
-            known.map_or_else(|| predictor.at(seen, advance.level), Ok)
+                .and_then(|ladder| ladder.at(load.level));
+            known.map_or_else(|| predictor.at(seen, load.level), Ok)
         }
         None => Err(Error::Start("the load rises before first contact".into())),
     };
     match asked {
         Ok(pads) => {
             prediction.pads = pads;
-            (advance.reached, advance.iterations) = (true, 1);
+            (report.reached, report.iterations) = (true, 1);
             timings.iterations += 1;
         }
         Err(error) => next.request(Phase::Fault { reason: error.to_string() }),
@@ -199,12 +202,12 @@ fn carry_load(mut prediction: ResMut<Prediction>, shared: Res<Shared>, weight: S
 fn write_state(
     prediction: Res<Prediction>,
     shared: Res<Shared>,
-    advance: Res<Advance>,
+    report: Res<StepReport>,
     mut nodes: Query<(&NodeIndex, &FingerIndex, &RestPosition, &mut Position)>,
     mut fingers: Query<(&FingerIndex, &FirstContact, &mut FingerTravel, &mut FingerWrench)>,
     mut pose: Single<&mut ObjectPose>,
 ) {
-    let (Some((touch, _)), true) = (&prediction.grasp, advance.reached) else { return };
+    let (Some((touch, _)), true) = (&prediction.grasp, report.reached) else { return };
     let (model, pads) = (&shared.0, &prediction.pads);
     let axes = |finger: &FingerIndex| model.fingers[finger.0 as usize].placement.rotation;
     for (index, finger, rest, mut position) in nodes.contiguous_iter_mut().expect(TABLES) {
@@ -239,7 +242,7 @@ const NEAR: f64 = 1e-9;
 fn measure_shape(
     prediction: Res<Prediction>,
     shared: Res<Shared>,
-    mut advance: ResMut<Advance>,
+    mut report: ResMut<StepReport>,
     nodes: Query<(&NodeIndex, &FingerIndex, &Position)>,
     fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel)>,
     object: Single<&ObjectPose>,
@@ -265,7 +268,7 @@ fn measure_shape(
     };
     let least = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.min(b.1));
     let least = carried.par_iter().map(worst).reduce(|| (f64::INFINITY, f64::INFINITY), least);
-    (advance.min_det_f, advance.min_gap) = least;
+    (report.min_det_f, report.min_gap) = least;
 }
 
 /// Writes von Mises stress on nodes; a tetrahedron has the mean of its nodes.

@@ -6,7 +6,7 @@ use crate::backend::choose;
 use crate::error::{Error, Result};
 use crate::grasp::{aim_notice, poses_of};
 use crate::gripper::GraspPose;
-use crate::judge::{Held, Measured, evaluate_all};
+use crate::judge::{Measured, Verdict, evaluate_all};
 use crate::model::Model;
 use crate::net::SHIPPED;
 use crate::part::FingerModel;
@@ -235,7 +235,7 @@ fn run_object(args: &RunArgs, scene: &Scene, out: Option<&Path>, last: bool) -> 
     }
 
     let measured: Vec<Measured> = outcomes.iter().map(|o| o.measured.clone()).collect();
-    let held: Vec<Held> = scene.promises().iter().map(|e| evaluate_all(e, &measured)).collect();
+    let held: Vec<Verdict> = scene.promises().iter().map(|e| evaluate_all(e, &measured)).collect();
     let expectations: Vec<ExpectationReport> = held.iter().map(as_report).collect();
     let profile = profile(&outcomes);
     let report = match recorder {
@@ -308,7 +308,7 @@ fn options(args: &RunArgs, scene: &Scene, model: &Model) -> Options {
     }
 }
 
-fn as_report(held: &Held) -> ExpectationReport {
+fn as_report(held: &Verdict) -> ExpectationReport {
     ExpectationReport { name: held.name.to_string(), held: held.held, value: held.value, bound: held.bound }
 }
 

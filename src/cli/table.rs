@@ -1,7 +1,7 @@
 //! Report of a run as text.
 
 use crate::gripper::GraspPose;
-use crate::judge::Held;
+use crate::judge::Verdict;
 use crate::mech::path::continuation::Methods;
 use crate::number::shown;
 use crate::record::RunReport;
@@ -14,7 +14,7 @@ pub fn render(
     scene: &Scene,
     grasps: &[(usize, GraspPose)],
     outcomes: &[Outcome],
-    held: &[Held],
+    held: &[Verdict],
     report: &RunReport,
     wall: f64,
 ) -> String {
@@ -92,7 +92,7 @@ fn rows(out: &mut String, grasps: &[(usize, GraspPose)], outcomes: &[Outcome]) {
     }
 }
 
-fn expectation(out: &mut String, expectation: &Expectation, held: &Held) {
+fn expectation(out: &mut String, expectation: &Expectation, held: &Verdict) {
     let mut text = held.to_string();
     if let Expectation::ForceAt(at) = expectation {
         let _ = write!(text, " (+-{} %) at {} mm", 100.0 * at.relative.get(), shown(1e3 * at.depth.get()));

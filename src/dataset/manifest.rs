@@ -5,7 +5,7 @@ use super::places::Seal;
 use super::progress::Finished;
 use crate::error::{Error, Result};
 use crate::files::atomic::write_durable;
-use crate::judge::Held;
+use crate::judge::Verdict;
 use crate::record::Status;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -78,7 +78,7 @@ pub struct ObjectEntry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Promise {
     /// Result of the worst grasp.
-    pub worst: Held,
+    pub worst: Verdict,
     /// Numbers of the grasps that break the promise.
     pub broken_by: Vec<usize>,
 }
@@ -178,7 +178,7 @@ impl ObjectEntry {
         }
     }
     /// Adds the result of a grasp for a promise.
-    fn judge(&mut self, grasp: usize, held: &Held) {
+    fn judge(&mut self, grasp: usize, held: &Verdict) {
         let broken = (!held.held).then_some(grasp);
         match self.promises.iter_mut().find(|p| p.worst.name == held.name) {
             Some(known) => {

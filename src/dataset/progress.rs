@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::files::atomic::{create_dir, write_durable};
-use crate::judge::Held;
+use crate::judge::Verdict;
 use crate::record::Status;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -23,7 +23,7 @@ pub struct Finished {
     pub checksum: String,
     /// Results of the scene's promises about the frames; empty if there are none.
     #[serde(default)]
-    pub promises: Vec<Held>,
+    pub promises: Vec<Verdict>,
 }
 
 /// Name of the record of the layout.

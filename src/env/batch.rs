@@ -20,8 +20,8 @@ use std::path::Path;
 
 /// Environments of one scene.
 pub struct BatchEnv {
-    arena: EnvShared,
-    cells: Vec<Env>,
+    shared: EnvShared,
+    envs: Vec<Env>,
     config: BatchConfig,
     pool: Pool,
     outputs: Outputs,
@@ -46,17 +46,17 @@ impl BatchEnv {
         }
         let mut pool = Pool::new(config.threads)?;
         let open = || {
-            let arena = EnvShared::new(set, config.objects.as_deref(), config.max_steps)?;
-            for kind in &arena.kinds {
+            let shared = EnvShared::new(set, config.objects.as_deref(), config.max_steps)?;
+            for kind in &shared.kinds {
                 for variant in &kind.variants {
                     interrupt::check()?;
-                    Environment::new(&variant.model, arena.stepper.as_ref(), kind.poses[0])?;
+                    Environment::new(&variant.model, shared.stepper.as_ref(), kind.poses[0])?;
                 }
             }
-            Ok::<_, Error>(arena)
+            Ok::<_, Error>(shared)
         };
         // On its own threads: in a forked process those that all share are gone.
-        let arena = pool.install(open)??;
+        let shared = pool.install(open)??;
         let n = config.num_envs;
         let key = |i: usize| EpisodeKey { seed: config.seed, env: config.first_env + i as u64, episode: 0 };
         let array = |spec: ArraySpec| {
@@ -64,7 +64,7 @@ impl BatchEnv {
             EnvArray { spec, now: zeros.clone(), last: zeros }
         };
         let outputs = Outputs {
-            arrays: arena.senses.iter().map(|s| array(s.spec())).collect(),
+            arrays: shared.senses.iter().map(|s| array(s.spec())).collect(),
             reward: vec![0.0; n],
             terminated: vec![false; n],
             truncated: vec![false; n],
@@ -72,18 +72,18 @@ impl BatchEnv {
             faults: vec![None; n],
             facts: vec![StepInfo::default(); n],
         };
-        Ok(Self { cells: (0..n).map(|i| Env::new(key(i))).collect(), arena, config, pool, outputs })
+        Ok(Self { envs: (0..n).map(|i| Env::new(key(i))).collect(), shared, config, pool, outputs })
     }
 
     /// Replaces the scene's reward by one of the user's own.
     pub fn with_reward(mut self, reward: impl Fn(&StepInfo) -> f64 + Send + Sync + 'static) -> Self {
-        self.arena.custom = Some(Box::new(reward));
+        self.shared.custom = Some(Box::new(reward));
         self
     }
 
     /// Returns the number of environments.
     pub fn num_envs(&self) -> usize {
-        self.cells.len()
+        self.envs.len()
     }
 
     /// Returns the settings of the batch.
@@ -93,12 +93,12 @@ impl BatchEnv {
 
     /// Describes the observations of one environment.
     pub fn observation_spec(&self) -> Vec<ArraySpec> {
-        self.arena.senses.iter().map(|s| s.spec()).collect()
+        self.shared.senses.iter().map(|s| s.spec()).collect()
     }
 
     /// Describes the action of one environment.
     pub fn action_spec(&self) -> ArraySpec {
-        action::spec(&self.arena.task)
+        action::spec(&self.shared.task)
     }
 
     /// Starts the next episode of the environments in `mask` (None is all), or their first one if `seed` is given.
@@ -120,8 +120,8 @@ impl BatchEnv {
         seeds: &[Option<u64>],
         mask: Option<&[bool]>,
     ) -> std::result::Result<StepView<'_>, StepError> {
-        if seeds.len() != self.cells.len() {
-            let message = format!("{} seeds for {} environments", seeds.len(), self.cells.len());
+        if seeds.len() != self.envs.len() {
+            let message = format!("{} seeds for {} environments", seeds.len(), self.envs.len());
             return Err(StepError::call(message));
         }
         self.begin(mask, |i| seeds[i].map(|seed| EpisodeKey { seed, env: 0, episode: 0 }))
@@ -134,19 +134,19 @@ impl BatchEnv {
         key: impl Fn(usize) -> Option<EpisodeKey> + Sync,
     ) -> std::result::Result<StepView<'_>, StepError> {
         if let Some(mask) = mask
-            && mask.len() != self.cells.len()
+            && mask.len() != self.envs.len()
         {
-            let message = format!("the mask has {} entries for {} environments", mask.len(), self.cells.len());
+            let message = format!("the mask has {} entries for {} environments", mask.len(), self.envs.len());
             return Err(StepError::call(message));
         }
-        let Self { arena, cells, pool, .. } = self;
+        let Self { shared, envs, pool, .. } = self;
         let begun = pool.install(|| {
-            cells.par_iter_mut().enumerate().with_max_len(1).for_each(|(i, cell)| {
+            envs.par_iter_mut().enumerate().with_max_len(1).for_each(|(i, env)| {
                 if mask.is_none_or(|mask| mask[i]) && !interrupt::requested() {
                     // Before the first reset there is no episode to go on from.
-                    let fresh = cell.output.obs.is_empty();
-                    let next = if fresh { cell.key } else { cell.key.next() };
-                    cell.begin(arena, key(i).unwrap_or(next));
+                    let fresh = env.output.obs.is_empty();
+                    let next = if fresh { env.key } else { env.key.next() };
+                    env.begin(shared, key(i).unwrap_or(next));
                 }
             });
         });
@@ -162,36 +162,36 @@ impl BatchEnv {
     /// Fails for actions of another length, for numbers that are not finite, and if an environment waits for a reset: nothing has
     /// changed then. Fails on an interruption: no environment has an episode then.
     pub fn step(&mut self, actions: &[f32]) -> std::result::Result<StepView<'_>, StepError> {
-        let size = action::size(&self.arena.task);
-        if actions.len() != size * self.cells.len() {
-            let (found, n) = (actions.len(), self.cells.len());
+        let size = action::size(&self.shared.task);
+        if actions.len() != size * self.envs.len() {
+            let (found, n) = (actions.len(), self.envs.len());
             return Err(StepError::call(format!("{found} numbers for {n} environments with {size} each")));
         }
         let mode = self.config.autoreset;
-        for (i, (cell, numbers)) in self.cells.iter().zip(actions.chunks_exact(size)).enumerate() {
+        for (i, (env, numbers)) in self.envs.iter().zip(actions.chunks_exact(size)).enumerate() {
             if let Some(bad) = numbers.iter().find(|v| !v.is_finite()) {
                 return Err(StepError::of(i, format!("its action holds {bad}; allowed: -1 to 1")));
             }
-            if cell.output.obs.is_empty() {
+            if env.output.obs.is_empty() {
                 return Err(StepError::of(i, "steps before its first reset; call `reset`"));
             }
-            if cell.ended && mode == Autoreset::Disabled {
+            if env.ended && mode == Autoreset::Disabled {
                 return Err(StepError::of(i, "its episode has ended; reset it, or choose another autoreset"));
             }
         }
-        let Self { arena, cells, pool, .. } = self;
+        let Self { shared, envs, pool, .. } = self;
         let stepped = pool.install(|| {
-            cells.par_iter_mut().zip(actions.par_chunks_exact(size)).with_max_len(1).for_each(|(cell, numbers)| {
-                match mode {
+            envs.par_iter_mut().zip(actions.par_chunks_exact(size)).with_max_len(1).for_each(
+                |(env, numbers)| match mode {
                     _ if interrupt::requested() => {}
-                    Autoreset::NextStep if cell.ended => cell.begin(arena, cell.key.next()),
+                    Autoreset::NextStep if env.ended => env.begin(shared, env.key.next()),
                     Autoreset::SameStep => {
-                        cell.advance(arena, numbers);
-                        cell.follow_on(arena);
+                        env.advance(shared, numbers);
+                        env.follow_on(shared);
                     }
-                    _ => cell.advance(arena, numbers),
-                }
-            });
+                    _ => env.advance(shared, numbers),
+                },
+            );
         });
         self.whole(stepped)?;
         self.collect();
@@ -205,7 +205,7 @@ impl BatchEnv {
 
     /// Saves the running episode of environment `env`, to be restored here or in another batch of the same scene.
     pub fn save(&self, env: usize) -> Snapshot {
-        self.cells[env].save(&self.arena)
+        self.envs[env].save(&self.shared)
     }
 
     /// Brings environment `env` to the state in which `snapshot` was saved, bit for bit.
@@ -214,12 +214,12 @@ impl BatchEnv {
     /// Fails for an environment that does not exist, and for a snapshot that is damaged or of another scene: nothing has changed
     /// then. Fails on an interruption: no environment has an episode then.
     pub fn restore(&mut self, env: usize, snapshot: &Snapshot) -> std::result::Result<StepView<'_>, StepError> {
-        let n = self.cells.len();
-        let Self { arena, cells, pool, .. } = self;
-        let cell = cells.get_mut(env).ok_or_else(|| StepError::call(format!("environment {env} of {n}")))?;
-        let fits = snapshot.check(&arena.identity, action::size(&arena.task), arena.steps);
+        let n = self.envs.len();
+        let Self { shared, envs, pool, .. } = self;
+        let wanted = envs.get_mut(env).ok_or_else(|| StepError::call(format!("environment {env} of {n}")))?;
+        let fits = snapshot.check(&shared.identity, action::size(&shared.task), shared.steps);
         fits.map_err(|message| StepError::of(env, message))?;
-        let restored = pool.install(|| cell.restore(arena, snapshot));
+        let restored = pool.install(|| wanted.restore(shared, snapshot));
         self.whole(restored)?;
         self.collect();
         Ok(StepView(&self.outputs))
@@ -230,23 +230,23 @@ impl BatchEnv {
     /// # Errors
     /// Fails if no episode runs, or if its state cannot be drawn.
     pub fn render(&self, env: usize) -> Result<Pixmap> {
-        self.cells[env].picture(&self.arena)
+        self.envs[env].picture(&self.shared)
     }
 
     /// Returns true if environment `env` was reset since it was made or interrupted.
     pub fn begun(&self, env: usize) -> bool {
-        !self.cells[env].output.obs.is_empty()
+        !self.envs[env].output.obs.is_empty()
     }
 
     /// Returns the episode that environment `env` is in, or starts next.
     pub fn key(&self, env: usize) -> EpisodeKey {
-        self.cells[env].key
+        self.envs[env].key
     }
 
     /// Passes on the result `done` of the work of all environments. After an interruption no environment has an episode any more.
     fn whole(&mut self, done: Result<()>) -> std::result::Result<(), StepError> {
         if interrupt::requested() {
-            self.cells.iter_mut().for_each(Env::abandon);
+            self.envs.iter_mut().for_each(Env::abandon);
             return Err(StepError::interrupted());
         }
         done.map_err(|e| StepError::call(e.to_string()))
@@ -254,19 +254,19 @@ impl BatchEnv {
 
     /// Returns the world of environment `env`, to look at or to change; None without a running episode.
     pub fn environment(&mut self, env: usize) -> Option<&mut Environment> {
-        self.cells[env].environment()
+        self.envs[env].environment()
     }
 
     /// Returns the object's name and the draw of the running episode of environment `env`.
     pub fn episode(&self, env: usize) -> Option<(&str, &Draw)> {
-        self.cells[env].draw().map(|draw| (self.arena.kinds[draw.object].name.as_str(), draw))
+        self.envs[env].draw().map(|draw| (self.shared.kinds[draw.object].name.as_str(), draw))
     }
 
     /// Collects the results of all environments in arrays.
     fn collect(&mut self) {
         let out = &mut self.outputs;
-        for (i, cell) in self.cells.iter().enumerate() {
-            let from = &cell.output;
+        for (i, env) in self.envs.iter().enumerate() {
+            let from = &env.output;
             let mut start = 0;
             for array in &mut out.arrays {
                 let size = array.spec.size();

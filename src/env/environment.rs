@@ -76,9 +76,9 @@ impl Env {
     }
 
     /// Saves the key and the actions of the episode.
-    pub fn save(&self, arena: &EnvShared) -> Snapshot {
-        let object = self.draw().map(|draw| arena.kinds[draw.object].name.as_str());
-        Snapshot::new(&arena.identity, self.key, object, &self.actions)
+    pub fn save(&self, shared: &EnvShared) -> Snapshot {
+        let object = self.draw().map(|draw| shared.kinds[draw.object].name.as_str());
+        Snapshot::new(&shared.identity, self.key, object, &self.actions)
     }
 
     /// Returns to the state before the first reset, with the same episode next.
@@ -90,32 +90,32 @@ impl Env {
     ///
     /// # Errors
     /// Fails if no episode runs, or if its state cannot be drawn.
-    pub fn picture(&self, arena: &EnvShared) -> crate::error::Result<Pixmap> {
+    pub fn picture(&self, shared: &EnvShared) -> crate::error::Result<Pixmap> {
         let none = || Error::Start("there is no episode to draw; reset the environment".into());
         let run = self.run.as_ref().ok_or_else(none)?;
-        let title = format!("{}, step {}", arena.kinds[run.draw.object].name, run.step);
-        picture(run.model(arena), &run.frame, title)
+        let title = format!("{}, step {}", shared.kinds[run.draw.object].name, run.step);
+        picture(run.model(shared), &run.frame, title)
     }
 
-    /// Replays a snapshot that was found to be of this arena.
-    pub fn restore(&mut self, arena: &EnvShared, snapshot: &Snapshot) {
-        self.begin(arena, snapshot.key);
-        snapshot.actions.chunks_exact(action::size(&arena.task)).for_each(|numbers| self.advance(arena, numbers));
+    /// Replays a snapshot that was found to be of this shared.
+    pub fn restore(&mut self, shared: &EnvShared, snapshot: &Snapshot) {
+        self.begin(shared, snapshot.key);
+        snapshot.actions.chunks_exact(action::size(&shared.task)).for_each(|numbers| self.advance(shared, numbers));
     }
 
     /// Starts the episode `key`.
-    pub fn begin(&mut self, arena: &EnvShared, key: EpisodeKey) {
+    pub fn begin(&mut self, shared: &EnvShared, key: EpisodeKey) {
         (self.key, self.ended) = (key, false);
         self.actions.clear();
         if let Some(run) = self.run.take() {
-            arena.retire(run.environment);
+            shared.retire(run.environment);
         }
-        self.output = StepOutput { obs: vec![0.0; arena.seen()], ..StepOutput::default() };
+        self.output = StepOutput { obs: vec![0.0; shared.seen()], ..StepOutput::default() };
         for attempt in 0..TRIES {
-            match Run::new(arena, arena.draw(&key, attempt)) {
+            match Run::new(shared, shared.draw(&key, attempt)) {
                 Ok(run) => {
                     self.output.fault = None;
-                    see(arena, run.model(arena), &run.frame, &mut self.output.obs);
+                    see(shared, run.model(shared), &run.frame, &mut self.output.obs);
                     self.run = Some(run);
                     return;
                 }
@@ -125,48 +125,48 @@ impl Env {
     }
 
     /// Ends the step: starts the next episode if this one has ended, and keeps its last observation.
-    pub fn follow_on(&mut self, arena: &EnvShared) {
+    pub fn follow_on(&mut self, shared: &EnvShared) {
         if !self.ended {
             return;
         }
         let done = std::mem::take(&mut self.output);
-        self.begin(arena, self.key.next());
+        self.begin(shared, self.key.next());
         let fault = done.fault.clone().or_else(|| self.output.fault.take());
         self.output = StepOutput { obs: std::mem::take(&mut self.output.obs), last: done.obs.clone(), fault, ..done };
     }
 
     /// Takes one step of the episode.
-    pub fn advance(&mut self, arena: &EnvShared, numbers: &[f32]) {
+    pub fn advance(&mut self, shared: &EnvShared, numbers: &[f32]) {
         self.actions.extend_from_slice(numbers);
         let Some(run) = &mut self.run else {
             // The reset said why.
-            let facts = StepInfo { most: arena.task.force.at(1.0), ..StepInfo::default() };
+            let facts = StepInfo { most: shared.task.force.at(1.0), ..StepInfo::default() };
             (self.ended, self.output.terminated, self.output.facts) = (true, true, facts);
-            self.output.reward = arena.pay(&facts) as f32;
+            self.output.reward = shared.pay(&facts) as f32;
             return;
         };
         let output = &mut self.output;
         output.last.clear();
         output.fault = None;
-        let done = run.advance(arena, numbers);
+        let done = run.advance(shared, numbers);
         let mut facts = done.unwrap_or_else(|stop| {
             // An object that leaves the hand is not held; nothing has failed.
             output.fault = (!stop.dropped).then_some(stop.reason);
             StepInfo::default()
         });
         let mut seen = vec![0.0; output.obs.len()];
-        see(arena, run.model(arena), &run.frame, &mut seen);
+        see(shared, run.model(shared), &run.frame, &mut seen);
         if seen.iter().all(|v| v.is_finite()) {
             output.obs = seen;
         } else {
             output.fault = Some("the state is not finite".into());
             facts = StepInfo::default();
         }
-        (facts.force, facts.most) = (run.force, arena.task.force.at(1.0));
-        output.reward = arena.pay(&facts) as f32;
+        (facts.force, facts.most) = (run.force, shared.task.force.at(1.0));
+        output.reward = shared.pay(&facts) as f32;
         // A grasp that fails is followed by another one where the task has it so.
-        output.terminated = !facts.held && arena.task.regrasp.is_none();
-        output.truncated = !output.terminated && run.step >= arena.steps;
+        output.terminated = !facts.held && shared.task.regrasp.is_none();
+        output.truncated = !output.terminated && run.step >= shared.steps;
         output.facts = facts;
         self.ended = output.terminated || output.truncated;
     }
@@ -174,29 +174,29 @@ impl Env {
 
 impl Run {
     /// Closes the hand on the object of the draw; the object lies on its support.
-    fn new(arena: &EnvShared, draw: Draw) -> Result<Self, Stop> {
-        let force = arena.task.start.get();
-        let (environment, frame) = grasp(arena, &arena.variant(&draw).model, draw.pose, force)?;
-        let weight = arena.weight(&draw, &draw.pose);
-        let loads = EpisodeLoads { weight, lift: arena.task.lift.get(), pushes: draw.pushes.clone() };
+    fn new(shared: &EnvShared, draw: Draw) -> Result<Self, Stop> {
+        let force = shared.task.start.get();
+        let (environment, frame) = grasp(shared, &shared.variant(&draw).model, draw.pose, force)?;
+        let weight = shared.weight(&draw, &draw.pose);
+        let loads = EpisodeLoads { weight, lift: shared.task.lift.get(), pushes: draw.pushes.clone() };
         Ok(Self { environment, frame, draw, loads, force, twist: 0.0, step: 0, slipped: 0.0 })
     }
 
-    fn model<'a>(&self, arena: &'a EnvShared) -> &'a Arc<Model> {
-        &arena.variant(&self.draw).model
+    fn model<'a>(&self, shared: &'a EnvShared) -> &'a Arc<Model> {
+        &shared.variant(&self.draw).model
     }
 
     /// Takes one step; on failure the frame is that of the last accepted state.
-    fn advance(&mut self, arena: &EnvShared, numbers: &[f32]) -> Result<StepInfo, Stop> {
+    fn advance(&mut self, shared: &EnvShared, numbers: &[f32]) -> Result<StepInfo, Stop> {
         self.step += 1;
-        let Action { force, twist, regrasp } = action::decode(&arena.task, numbers, self.force, self.twist);
+        let Action { force, twist, regrasp } = action::decode(&shared.task, numbers, self.force, self.twist);
         (self.force, self.twist) = (force, twist);
-        let model = self.model(arena).clone();
+        let model = self.model(shared).clone();
         if let Some(other) = regrasp {
-            let pose = action::regrasped(&self.draw.pose, arena.center(), other);
-            self.loads.weight = arena.weight(&self.draw, &pose);
-            let (environment, frame) = grasp(arena, &model, pose, force)?;
-            arena.retire(std::mem::replace(&mut self.environment, environment));
+            let pose = action::regrasped(&self.draw.pose, shared.center(), other);
+            self.loads.weight = shared.weight(&self.draw, &pose);
+            let (environment, frame) = grasp(shared, &model, pose, force)?;
+            shared.retire(std::mem::replace(&mut self.environment, environment));
             self.frame = frame;
             self.slipped = 0.0;
         }
@@ -206,12 +206,12 @@ impl Run {
         let frame = drive(&mut self.environment, &model, force, load)?;
         let slip = slip::slip(&model, &self.frame, &frame);
         self.slipped += slip;
-        let margin = slip::margin(&model, arena.variant(&self.draw).friction, &frame, load);
-        let carried = arena.stepper.solves_friction() || margin >= 0.0;
+        let margin = slip::margin(&model, shared.variant(&self.draw).friction, &frame, load);
+        let carried = shared.stepper.solves_friction() || margin >= 0.0;
         let stress = frame.pads.iter().flat_map(|p| &p.von_mises_node).copied().fold(0.0, f64::max);
         self.frame = frame;
         Ok(StepInfo {
-            held: carried && self.slipped <= arena.task.slip_limit.get(),
+            held: carried && self.slipped <= shared.task.slip_limit.get(),
             slip,
             slipped: self.slipped,
             margin,
@@ -231,12 +231,12 @@ impl EpisodeKey {
 }
 
 /// Makes a world whose hand has closed at `pose` with `force` (N, all fingers).
-fn grasp(arena: &EnvShared, model: &Arc<Model>, pose: GraspPose, force: f64) -> Result<(Environment, Frame), Stop> {
-    let mut environment = arena.environment(model, pose).map_err(|e| Stop::fault(e.to_string()))?;
+fn grasp(shared: &EnvShared, model: &Arc<Model>, pose: GraspPose, force: f64) -> Result<(Environment, Frame), Stop> {
+    let mut environment = shared.environment(model, pose).map_err(|e| Stop::fault(e.to_string()))?;
     match close(&mut environment, model, force) {
         Ok(frame) => Ok((environment, frame)),
         Err(stop) => {
-            arena.retire(environment);
+            shared.retire(environment);
             Err(stop)
         }
     }
@@ -271,9 +271,9 @@ fn drive(environment: &mut Environment, model: &Model, force: f64, load: DVec3) 
 }
 
 /// Writes all observations.
-fn see(arena: &EnvShared, model: &Model, frame: &Frame, out: &mut [f32]) {
+fn see(shared: &EnvShared, model: &Model, frame: &Frame, out: &mut [f32]) {
     let (now, mut rest) = (Now { model, frame }, out);
-    for sense in &arena.senses {
+    for sense in &shared.senses {
         let (own, others) = rest.split_at_mut(sense.spec().size());
         sense.write(&now, own);
         rest = others;

@@ -4,4 +4,4 @@ pub mod audit;
 pub mod verdict;
 
 pub use audit::{Auditor, Findings};
-pub use verdict::{Held, Measured, evaluate, evaluate_all};
+pub use verdict::{Measured, Verdict, evaluate, evaluate_all};

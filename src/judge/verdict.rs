@@ -72,7 +72,7 @@ impl Default for Measured {
 
 /// Verdict on one expectation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Held {
+pub struct Verdict {
     /// Name of the expectation.
     pub name: Cow<'static, str>,
     /// True if it held.
@@ -88,8 +88,8 @@ pub struct Held {
 }
 
 /// Judges one expectation on one grasp.
-pub fn evaluate(expectation: &Expectation, m: &Measured) -> Held {
-    let verdict = |held: bool, value: f64, bound: f64| Held {
+pub fn evaluate(expectation: &Expectation, m: &Measured) -> Verdict {
+    let verdict = |held: bool, value: f64, bound: f64| Verdict {
         name: expectation.name().into(),
         held,
         value: value.is_finite().then_some(value),
@@ -103,12 +103,12 @@ pub fn evaluate(expectation: &Expectation, m: &Measured) -> Held {
     };
     let ended = |status: Status, reason: &Reason| {
         let held = m.status == status && m.reason.contains(&reason.contains);
-        Held { detail: Some(ending(m)), ..verdict(held, f64::NAN, f64::NAN) }
+        Verdict { detail: Some(ending(m)), ..verdict(held, f64::NAN, f64::NAN) }
     };
     // comparisons with NaN are false, so what was not measured never holds
     match expectation {
         Expectation::ReachesForce => {
-            Held { detail: Some(ending(m)), ..verdict(m.status == Status::Reached, m.force_n, f64::NAN) }
+            Verdict { detail: Some(ending(m)), ..verdict(m.status == Status::Reached, m.force_n, f64::NAN) }
         }
         Expectation::ForceBalance(r) => verdict(m.force_balance <= r.relative.get(), m.force_balance, r.relative.get()),
         Expectation::TorqueBalance(r) => {
@@ -167,7 +167,7 @@ pub fn evaluate(expectation: &Expectation, m: &Measured) -> Held {
     }
 }
 
-impl fmt::Display for Held {
+impl fmt::Display for Verdict {
     /// Writes the measured value, its bound and what else is known.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
@@ -181,7 +181,7 @@ impl fmt::Display for Held {
     }
 }
 
-impl Held {
+impl Verdict {
     /// Returns the verdict as a word of a report; all words are as wide.
     pub fn verdict(&self) -> &'static str {
         if self.held { "held    " } else { "VIOLATED" }
@@ -201,9 +201,9 @@ impl Held {
 }
 
 /// Judges an expectation on all grasps of a scene by the worst of them. Without a grasp every expectation fails.
-pub fn evaluate_all(expectation: &Expectation, grasps: &[Measured]) -> Held {
-    let worst = grasps.iter().map(|measured| evaluate(expectation, measured)).reduce(Held::worse);
-    worst.unwrap_or_else(|| Held { held: false, ..evaluate(expectation, &Measured::default()) })
+pub fn evaluate_all(expectation: &Expectation, grasps: &[Measured]) -> Verdict {
+    let worst = grasps.iter().map(|measured| evaluate(expectation, measured)).reduce(Verdict::worse);
+    worst.unwrap_or_else(|| Verdict { held: false, ..evaluate(expectation, &Measured::default()) })
 }
 
 fn within(bounds: &Bounds, value: f64) -> (bool, f64, f64) {

@@ -78,7 +78,7 @@ pub struct Frame {
     /// Newton iterations spent on this frame.
     pub newton_iterations: u32,
     /// True while the object is still held in place.
-    pub held: bool,
+    pub object_fixed: bool,
     /// Smallest det F in any element; positive if nothing is inverted; `+inf` without pads.
     pub min_det_f: f64,
     /// Smallest gap of the object to pads and ground, m; positive if nothing penetrates; `+inf` if nothing is near.

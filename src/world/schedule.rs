@@ -133,11 +133,16 @@ pub struct ForceCommand {
     pub force: f64,
 }
 
+/// Load that the stepper is asked for in this step. Written by `set_load`.
+#[derive(Resource, Debug, Clone, Copy, Default)]
+pub struct StepLoad {
+    /// Load per finger, N or m after first contact; in a dynamic scene the time, s.
+    pub level: f64,
+}
+
 /// Report of the stepper on the level that it has just reached.
 #[derive(Resource, Debug, Clone, Copy, Default)]
-pub struct Advance {
-    /// Load per finger of this step, N or m after first contact; in a dynamic scene the time, s. Written by `set_load`.
-    pub level: f64,
+pub struct StepReport {
     /// Flag: the level was reached in this step.
     pub reached: bool,
     /// Newton iterations (network passes) of this step.
@@ -156,7 +161,7 @@ pub struct Advance {
 #[derive(Resource, Debug, Clone, Copy, Default)]
 pub struct BalanceReport {
     /// Flag: the object is held where it is by something outside the scene; then only the fingers' forces have to add up.
-    pub held: bool,
+    pub object_fixed: bool,
     /// Sum over the fingers of the closing force, N.
     pub applied: f64,
     /// Unbalanced force over `applied`.
@@ -190,8 +195,8 @@ pub fn ramping(phase: Res<Phase>) -> bool {
 }
 
 /// Condition: the stepper reached the level of this step.
-pub fn reached(advance: Res<Advance>) -> bool {
-    advance.reached
+pub fn reached(report: Res<StepReport>) -> bool {
+    report.reached
 }
 
 /// The schedule with everything but a stepper. Two systems that touch the same data without an order are an error.

@@ -5,7 +5,7 @@ use crate::model::Model;
 use crate::part::FingerModel;
 use crate::world::components::*;
 use crate::world::schedule::{
-    Advance, BalanceReport, CurrentGrasp, ForceCommand, Next, Phase, Recorded, Shared, Timings,
+    BalanceReport, CurrentGrasp, ForceCommand, Next, Phase, Recorded, Shared, StepLoad, StepReport, Timings,
 };
 use crate::world::systems::audit::Audited;
 use bevy_ecs::bundle::{Bundle, NoBundleEffect};
@@ -74,7 +74,8 @@ pub fn begin(world: &mut World, model: &Arc<Model>, pose: GraspPose) {
     world.insert_resource(CurrentGrasp(pose));
     world.insert_resource(Phase::Place);
     world.insert_resource(Next::default());
-    world.insert_resource(Advance::default());
+    world.insert_resource(StepLoad::default());
+    world.insert_resource(StepReport::default());
     world.insert_resource(BalanceReport::default());
     world.insert_resource(Recorded::default());
     world.insert_resource(Timings::default());

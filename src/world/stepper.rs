@@ -1,10 +1,10 @@
 //! The interface of the backends: systems in [`StepSet::Advance`](crate::world::schedule::StepSet::Advance) (and the sets
 //! around it) that bring the components of [`crate::world::components`] to the load of the step.
 //!
-//! A stepper must, in a step where [`Phase`](crate::world::schedule::Phase) is `Ramp`: read `Advance::level`, write `Position`,
+//! A stepper must, in a step where [`Phase`](crate::world::schedule::Phase) is `Ramp`: read `StepLoad::level`, write `Position`,
 //! `FingerTravel`, `ObjectPose`, `FingerWrench`, the stress and force columns that exist, the contact edges if it has any
 //! (the network knows forces on nodes, not between points), and all of
-//! [`Advance`](crate::world::schedule::Advance) with `reached = true`; or leave the last accepted state in place and request
+//! [`StepReport`](crate::world::schedule::StepReport) with `reached = true`; or leave the last accepted state in place and request
 //! `Phase::Fault`.
 
 use crate::error::Result;

@@ -114,7 +114,7 @@ fn an_object_is_held_until_it_is_let_go() {
         .0
     };
     let (early, late) = (squeeze(0.3, 2), squeeze(4.0, 2));
-    assert!(!early.held && !late.held, "let go at the last frame at the latest");
+    assert!(!early.object_fixed && !late.object_fixed, "let go at the last frame at the latest");
     for frame in [&early, &late] {
         assert!(frame.force_balance < 1e-3, "{}", frame.force_balance);
     }

@@ -122,7 +122,7 @@ fn next_to_no_weight_changes_next_to_nothing() {
     assert!(error < 1e-4, "a weight of 2 uN changes displacements by {error:e} of the largest");
     // 0.18 N hang in the gel once they are let go, and go down.
     let sunk = |frames: &[Frame]| (frames[2].object_position - weightless[2].object_position).z;
-    assert!(heavy[0].held && !heavy[2].held, "let go at half of the last force");
+    assert!(heavy[0].object_fixed && !heavy[2].object_fixed, "let go at half of the last force");
     println!("a weight of 0.18 N sinks by {:.1e} m", sunk(&heavy));
     assert!(sunk(&heavy) > 1e-6 && sunk(&heavy) < 1e-4, "0.18 N sink by {} m", sunk(&heavy));
 }

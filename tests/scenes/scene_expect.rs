@@ -1,6 +1,6 @@
 //! Expectations: what holds, what does not, and that nothing holds of what was not measured.
 
-use tactus::judge::{Findings, Held, Measured, evaluate, evaluate_all};
+use tactus::judge::{Findings, Measured, Verdict, evaluate, evaluate_all};
 use tactus::record::Status;
 use tactus::scene::*;
 
@@ -12,7 +12,7 @@ fn expectations(text: &str) -> Vec<Expectation> {
     load(&path).unwrap_or_else(|e| panic!("{e}")).scene.expect
 }
 
-fn judge(text: &str, measured: &Measured) -> Held {
+fn judge(text: &str, measured: &Measured) -> Verdict {
     evaluate(&expectations(text)[0], measured)
 }
 

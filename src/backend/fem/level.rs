@@ -65,7 +65,7 @@ impl GraspSolver {
         if begins {
             done.add(self.begin(model, level.min(model.release))?);
         }
-        if self.path.newton.held && level >= model.release {
+        if self.path.newton.object_fixed && level >= model.release {
             done.add(self.load(model, load, model.release)?);
             done.add(self.let_go(model)?);
         }
@@ -94,14 +94,14 @@ impl GraspSolver {
         self.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
         self.back_off(model).map_err(|reason| Refusal::Final(Stop::fault(reason)))?;
         self.condense(model).map_err(stuck)?;
-        self.path.newton.held = model.free;
+        self.path.newton.object_fixed = model.free;
         let made = self.path.establish(first);
         made.map_err(|f| self.refuse(model, &format!("making contact at {first:.4} N per finger"), f))
     }
 
     /// Releases the object: its weight, if it has one, passes step by step from its support to the fingers.
     fn let_go(&mut self, model: &Model) -> std::result::Result<Advanced, Refusal> {
-        self.path.newton.held = false;
+        self.path.newton.object_fixed = false;
         let heavy = model.gravity.is_some();
         let largest_drift = self.path.largest_drift;
         self.path.largest_drift = heavy.then_some(DROPPED * model.law.offset);

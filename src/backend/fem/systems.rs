@@ -6,7 +6,9 @@ use super::stepper::GraspSolver;
 use crate::mech::path::continuation::Methods;
 use crate::model::Needs;
 use crate::world::components::*;
-use crate::world::schedule::{Advance, BalanceReport, Next, Phase, Shared, StepSet, Timings, ramping, reached};
+use crate::world::schedule::{
+    BalanceReport, Next, Phase, Shared, StepLoad, StepReport, StepSet, Timings, ramping, reached,
+};
 use crate::world::systems::apart::keep_pads_apart;
 use crate::world::systems::inversion::inverted;
 use crate::world::systems::measure::measure_balance;
@@ -79,16 +81,17 @@ pub fn read_weight(mut solver: ResMut<GraspSolver>, weight: Single<&ObjectWeight
 pub fn advance_level(
     mut solver: ResMut<GraspSolver>,
     shared: Res<Shared>,
-    mut advance: ResMut<Advance>,
+    load: Res<StepLoad>,
+    mut report: ResMut<StepReport>,
     mut balance: ResMut<BalanceReport>,
     mut next: ResMut<Next>,
 ) {
-    match solver.advance(&shared.0, advance.level) {
+    match solver.advance(&shared.0, load.level) {
         Ok(done) => {
-            advance.reached = true;
-            balance.held = solver.path.newton.held;
-            advance.iterations = done.iterations;
-            advance.residual = done.residual;
+            report.reached = true;
+            balance.object_fixed = solver.path.newton.object_fixed;
+            report.iterations = done.iterations;
+            report.residual = done.residual;
         }
         Err(stop) => next.request(stop.into()),
     }
@@ -142,7 +145,7 @@ pub fn measure_contact(
     solver: Res<GraspSolver>,
     edges: Res<EdgeReadings>,
     shared: Res<Shared>,
-    mut advance: ResMut<Advance>,
+    mut report: ResMut<StepReport>,
     mut pool: Query<(&EdgeIndex, &FingerIndex, &mut ContactEdge)>,
     mut fingers: Query<(&FingerIndex, &mut FingerWrench)>,
 ) {
@@ -171,8 +174,8 @@ pub fn measure_contact(
         }
         *wrench = sum;
     }
-    advance.min_gap = readout::min_gap(newton);
-    advance.energy = solver.energy();
+    report.min_gap = readout::min_gap(newton);
+    report.energy = solver.energy();
 }
 
 /// Measures the force of the mount of a finger with prescribed travel: the reaction of the bonded nodes along the closing
@@ -247,16 +250,17 @@ pub fn measure_stress(
 pub fn refuse_inversion(
     solver: Res<GraspSolver>,
     shared: Res<Shared>,
-    mut advance: ResMut<Advance>,
+    load: Res<StepLoad>,
+    mut report: ResMut<StepReport>,
     mut next: ResMut<Next>,
 ) {
     let x = &solver.path.state.x;
     let smallest: Vec<f64> = x.par_iter().enumerate().map(|(i, x)| solver.body(i).min_det_f(x)).collect();
-    advance.min_det_f = smallest.into_iter().fold(f64::INFINITY, f64::min);
-    if advance.min_det_f <= 0.0 {
-        advance.reached = false;
+    report.min_det_f = smallest.into_iter().fold(f64::INFINITY, f64::min);
+    if report.min_det_f <= 0.0 {
+        report.reached = false;
         let x: Vec<_> = x.iter().map(|x| &x[..]).collect();
-        next.request(Phase::Fault { reason: format!("at load {:.4e}: {}", advance.level, inverted(&shared.0, &x)) });
+        next.request(Phase::Fault { reason: format!("at load {:.4e}: {}", load.level, inverted(&shared.0, &x)) });
     }
 }
 

@@ -21,8 +21,8 @@ impl Taxels for Grid {
         let (low, size) = extent(pad);
         let along = |x: f64, low: f64, size: f64, n: usize| {
             let at = ((x - low) / size * n as f64 - 0.5).clamp(0.0, (n - 1) as f64);
-            let cell = (at.floor() as usize).min(n.saturating_sub(2));
-            [(cell, 1.0 - (at - cell as f64)), ((cell + 1).min(n - 1), at - cell as f64)]
+            let env = (at.floor() as usize).min(n.saturating_sub(2));
+            [(env, 1.0 - (at - env as f64)), ((env + 1).min(n - 1), at - env as f64)]
         };
         let (rows, cols) = (self.rows.get(), self.cols.get());
         let share = |x: &DVec3| {

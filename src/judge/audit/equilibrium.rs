@@ -37,7 +37,7 @@ pub fn imbalance(fingers: &[FingerModel], surfaces: &[PadSurface], frame: &Frame
         let closes = (mount + whole - on_mount).dot(finger.placement.closing);
         let contact = pad.wrench.force - on_mount;
         worst = worst.max(inside.sqrt()).max((touching - contact).length());
-        if !frame.held {
+        if !frame.object_fixed {
             worst = worst.max((closes - load).abs());
         }
         missing += closes - load;

@@ -108,14 +108,14 @@ impl EdgePool {
 
     /// Stiffens the edges that come closer than they may, `least(i)` (m); returns true if there were none.
     pub fn satisfied(&mut self, least: impl Fn(usize) -> f64) -> bool {
-        let mut held = true;
+        let mut satisfied = true;
         for (i, e) in &mut self.near {
             if e.gap < least(*i) {
                 e.scale *= 4.0;
-                held = false;
+                satisfied = false;
             }
         }
-        held
+        satisfied
     }
 
     /// Sets gap, normal and pressure of edge `i` under `law` from the places that it touches (gap, m, normal and weight of

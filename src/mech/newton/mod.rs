@@ -155,7 +155,7 @@ pub struct Newton {
     /// The springs of a pseudo-time step, on paths without stable equilibria.
     pub proximal: Option<Proximal>,
     /// Flag: the object is held where it is, and its pose is no unknown.
-    pub held: bool,
+    pub object_fixed: bool,
     /// Limit on the work of the solver.
     pub effort: Effort,
     pub(crate) blocks: Vec<ArrowBlock>,
@@ -176,7 +176,7 @@ impl Newton {
             force,
             profile: SolverProfile::default(),
             proximal: None,
-            held: false,
+            object_fixed: false,
             effort: Effort::default(),
             blocks,
         })
@@ -277,7 +277,7 @@ impl Newton {
 
     /// Number of rigid columns that are unknowns: those of the pose come last.
     pub(crate) fn unknowns(&self) -> usize {
-        self.rigid.pose.filter(|_| self.held).unwrap_or(self.rigid.size)
+        self.rigid.pose.filter(|_| self.object_fixed).unwrap_or(self.rigid.size)
     }
 
     /// Norm of all out-of-balance forces, and norm of what lagged forces still miss, N.

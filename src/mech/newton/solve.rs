@@ -77,8 +77,8 @@ impl Newton {
                     let view = now.view(i, rigid);
                     terms.iter_mut().map(|t| t.satisfied(&blocks[i].body, &view)).filter(|held| !held).count() == 0
                 };
-                let held: Vec<bool> = self.terms.par_iter_mut().enumerate().map(ask).collect();
-                if held.into_iter().all(|held| held) {
+                let satisfied: Vec<bool> = self.terms.par_iter_mut().enumerate().map(ask).collect();
+                if satisfied.into_iter().all(|satisfied| satisfied) {
                     return Ok((now, Converged { iterations, residual }));
                 }
                 last_motion = f64::INFINITY;

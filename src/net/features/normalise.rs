@@ -102,7 +102,7 @@ impl Normaliser {
     pub fn apply(&self, rows: &[f32], parity: &[Parity], mirror: (bool, bool)) -> Vec<f32> {
         let column = |c: usize| (parity[c].sign(mirror), self.seen[c], self.mean[c], self.scale[c]);
         let columns: Vec<_> = (0..parity.len()).map(column).collect();
-        let value = |(v, (s, bounds, m, k)): (&f32, &(f32, [f32; 2], f32, f32))| (held(v * s, *bounds) - m) * k;
+        let value = |(v, (s, bounds, m, k)): (&f32, &(f32, [f32; 2], f32, f32))| (clamped(v * s, *bounds) - m) * k;
         let row = |row: &[f32]| row.iter().zip(&columns).map(value).collect::<Vec<_>>();
         rows.chunks_exact(parity.len().max(1)).flat_map(row).collect()
     }
@@ -112,14 +112,14 @@ impl Normaliser {
         let cols = self.mean.len();
         for (row, out) in rows.chunks_exact(cols).zip(out.chunks_exact_mut(stride)) {
             for c in 0..cols {
-                out[c] = (held(row[c], self.seen[c]) - self.mean[c]) * self.scale[c];
+                out[c] = (clamped(row[c], self.seen[c]) - self.mean[c]) * self.scale[c];
             }
         }
     }
 }
 
 /// Returns `v` clamped to its bounds. A value that is not a number stays so and is found later.
-fn held(v: f32, [low, high]: [f32; 2]) -> f32 {
+fn clamped(v: f32, [low, high]: [f32; 2]) -> f32 {
     if v < low {
         low
     } else if v > high {

@@ -3,14 +3,15 @@
 use crate::mech::contact::{ContactSurface, SurfaceFace};
 use crate::scales::FACE_BULGE;
 use crate::world::components::{ClosingDirection, FingerIndex, FingerTravel, NodeIndex, Position, TABLES};
-use crate::world::schedule::{Advance, Next, Phase, Shared};
+use crate::world::schedule::{Next, Phase, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 use glam::{DVec2, DVec3};
 
 /// Ends the grasp with a fault, without recording the frame, if the pads overlap at the state just reached.
 pub fn keep_pads_apart(
     shared: Res<Shared>,
-    mut advance: ResMut<Advance>,
+    load: Res<StepLoad>,
+    mut report: ResMut<StepReport>,
     mut next: ResMut<Next>,
     nodes: Query<(&NodeIndex, &FingerIndex, &Position)>,
     fingers: Query<(&FingerIndex, &FingerTravel, &ClosingDirection)>,
@@ -43,13 +44,13 @@ pub fn keep_pads_apart(
     let depth = overlap(&first.surface, &x[0], &second.surface, &x[1], axis);
     // Below the offset of contact an object would feel nothing either.
     if depth > offset {
-        advance.reached = false;
+        report.reached = false;
         next.request(Phase::Fault {
             reason: format!(
                 "the pads meet beside the object and would overlap by {:.3} mm at load {:.4e}: contact between the pads is \
                  not modelled; use less force, smaller pads or a thicker object",
                 depth * 1e3,
-                advance.level
+                load.level
             ),
         });
     }

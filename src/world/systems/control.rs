@@ -1,7 +1,7 @@
 //! Commands of the gripper: the position of the object at the start, and the force of the next squeeze.
 
 use crate::world::components::{FingerForce, FingerTravel, ObjectPose, ObjectWeight};
-use crate::world::schedule::{Advance, CurrentGrasp, ForceCommand, Next, Phase, Shared};
+use crate::world::schedule::{CurrentGrasp, ForceCommand, Next, Phase, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 
 /// Puts the object at its grasp pose in the open hand.
@@ -48,13 +48,15 @@ pub fn set_load(
     shared: Res<Shared>,
     grasp: Res<CurrentGrasp>,
     command: Option<Res<ForceCommand>>,
-    mut advance: ResMut<Advance>,
+    mut load: ResMut<StepLoad>,
+    mut report: ResMut<StepReport>,
     mut forces: Query<&mut FingerForce>,
 ) {
     let Phase::Ramp { frame } = *phase else { return };
     let model = &shared.0;
     let level = command.map_or_else(|| model.levels[frame], |command| command.force);
-    *advance = Advance { level, ..Advance::default() };
+    load.level = level;
+    *report = StepReport::default();
     match &model.dynamics {
         Some(dynamics) => {
             let each = dynamics.hand(&grasp.0, level).force / model.fingers.len().max(1) as f64;

@@ -37,7 +37,7 @@ pub fn measure_balance(
         torque -= wrench.torque + (origin - center).cross(wrench.force);
     }
     let unbalanced = match (model.free, &model.dynamics) {
-        (true, _) if balance.held => (applied - carried).abs(),
+        (true, _) if balance.object_fixed => (applied - carried).abs(),
         (true, _) => force.length(),
         (false, None) => worst,
         // Inertia of pads and drive lies between a finger's force and that of its contact.
@@ -46,14 +46,14 @@ pub fn measure_balance(
     // Where nothing pushes, as in free flight, there is nothing to compare with.
     let alone = |value: f64, scale: f64| value == 0.0 || scale == 0.0 && model.dynamics.is_some();
     let relative = |value: f64, scale: f64| if alone(value, scale) { 0.0 } else { value / scale };
-    let torque = if model.free && !balance.held { torque.length() } else { 0.0 };
+    let torque = if model.free && !balance.object_fixed { torque.length() } else { 0.0 };
     // Without motion in time the fingers' force is the scale, however heavy the object.
     let scale = match model.dynamics {
         None => applied,
         Some(_) => applied + weight.length() + ground.force.length() + pushed,
     };
     *balance = BalanceReport {
-        held: balance.held,
+        object_fixed: balance.object_fixed,
         applied,
         force: relative(unbalanced, scale),
         torque: relative(torque, scale * model.object.bounding_radius),

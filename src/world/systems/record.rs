@@ -2,7 +2,7 @@
 
 use crate::record::{Frame, Moving, PadFrame, Wrench};
 use crate::world::components::*;
-use crate::world::schedule::{Advance, BalanceReport, ForceCommand, Next, Phase, Recorded, Shared};
+use crate::world::schedule::{BalanceReport, ForceCommand, Next, Phase, Recorded, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
@@ -27,7 +27,8 @@ type Object<'a> = (&'a ObjectPose, Option<(&'a ObjectVelocity, &'a ObjectMomentu
 pub fn record_frame(
     phase: Res<Phase>,
     shared: Res<Shared>,
-    advance: Res<Advance>,
+    load: Res<StepLoad>,
+    report: Res<StepReport>,
     balance: Res<BalanceReport>,
     mut recorded: ResMut<Recorded>,
     nodes: Query<Nodes>,
@@ -99,20 +100,20 @@ pub fn record_frame(
     recorded.0 = Some(Frame {
         index,
         applied_force: balance.applied,
-        time: if moving.is_some() { advance.level } else { 0.0 },
+        time: if moving.is_some() { load.level } else { 0.0 },
         travel,
         object_position: object.position,
         object_rotation: object.rotation,
         pads,
         moving,
-        energy: advance.energy,
-        newton_iterations: advance.iterations,
-        held: balance.held,
-        min_det_f: advance.min_det_f,
-        min_gap: advance.min_gap,
+        energy: report.energy,
+        newton_iterations: report.iterations,
+        object_fixed: balance.object_fixed,
+        min_det_f: report.min_det_f,
+        min_gap: report.min_gap,
         force_balance: balance.force,
         torque_balance: balance.torque,
-        residual: advance.residual,
+        residual: report.residual,
     });
 }
 
@@ -120,13 +121,13 @@ pub fn record_frame(
 pub fn turn_phase(
     mut phase: ResMut<Phase>,
     mut next: ResMut<Next>,
-    mut advance: ResMut<Advance>,
+    mut report: ResMut<StepReport>,
     shared: Res<Shared>,
     command: Option<Res<ForceCommand>>,
 ) {
     let asked = next.take();
     if let (Phase::Ramp { frame }, None) = (&*phase, &asked)
-        && advance.reached
+        && report.reached
     {
         let frame = frame + 1;
         *phase = if command.is_some() || frame < shared.0.levels.len() { Phase::Ramp { frame } } else { Phase::Done };
@@ -134,5 +135,5 @@ pub fn turn_phase(
         *phase = asked;
     }
     // The conditions of the next step must not see this one's success.
-    advance.reached = false;
+    report.reached = false;
 }

@@ -7,7 +7,7 @@ use crate::mech::newton::Newton;
 use crate::mech::potential::rigid_inertia::RigidInertia;
 use crate::mech::potential::term::BodyTerm;
 use crate::world::components::*;
-use crate::world::schedule::{Advance, Next, Phase, Shared};
+use crate::world::schedule::{Next, Phase, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 
 /// Takes time steps up to that of the frame. On failure the state is the last accepted one and the grasp ends.
@@ -15,17 +15,18 @@ pub fn advance_time(
     mut solver: ResMut<GraspSolver>,
     mut integrator: ResMut<Integrator>,
     shared: Res<Shared>,
-    mut advance: ResMut<Advance>,
+    load: Res<StepLoad>,
+    mut report: ResMut<StepReport>,
     mut next: ResMut<Next>,
 ) {
     let model = &shared.0;
     let Some(dynamics) = &model.dynamics else { return };
     let settings = *solver.settings();
-    match integrator.advance(&mut solver.path, model, dynamics, &settings, advance.level) {
+    match integrator.advance(&mut solver.path, model, dynamics, &settings, load.level) {
         Ok(done) => {
-            advance.reached = true;
-            advance.iterations = done.iterations;
-            advance.residual = done.residual;
+            report.reached = true;
+            report.iterations = done.iterations;
+            report.residual = done.residual;
         }
         Err((time, failure)) => next.request(Phase::Fault {
             reason: format!(
@@ -69,7 +70,7 @@ pub fn measure_motion(
 pub fn measure_ground(
     solver: Res<GraspSolver>,
     shared: Res<Shared>,
-    mut advance: ResMut<Advance>,
+    mut report: ResMut<StepReport>,
     mut object: Query<&mut GroundWrench>,
 ) {
     let (newton, state) = (&solver.path.newton, &solver.path.state);
@@ -77,5 +78,5 @@ pub fn measure_ground(
     let center = state.position + state.rotation * shared.0.object.mass.center;
     let (force, torque) = ground.wrench(&state.view(0, &newton.rigid), center);
     object.iter_mut().for_each(|mut wrench| *wrench = GroundWrench { force, torque });
-    advance.min_gap = advance.min_gap.min(ground.min_gap());
+    report.min_gap = report.min_gap.min(ground.min_gap());
 }
