@@ -145,6 +145,7 @@ fn look(
 }
 
 /// Predicts one load level; numbers that are not finite end the grasp.
+#[allow(clippy::too_many_arguments)]
 fn predict(
     phase: Res<Phase>,
     shared: Res<Shared>,
@@ -203,18 +204,18 @@ fn write_state(
     prediction: Res<Prediction>,
     shared: Res<Shared>,
     report: Res<StepReport>,
-    mut nodes: Query<(&NodeIndex, &FingerIndex, &RestPosition, &mut Position)>,
+    mut nodes: Query<(&FingerIndex, &RestPosition, &mut Position)>,
     mut fingers: Query<(&FingerIndex, &FirstContact, &mut FingerTravel, &mut FingerWrench)>,
     mut pose: Single<&mut ObjectPose>,
 ) {
     let (Some((touch, _)), true) = (&prediction.grasp, report.reached) else { return };
     let (model, pads) = (&shared.0, &prediction.pads);
-    let axes = |finger: &FingerIndex| model.fingers[finger.0 as usize].placement.rotation;
-    for (index, finger, rest, mut position) in nodes.contiguous_iter_mut().expect(TABLES) {
+    let axes = |finger: usize| model.fingers[finger].placement.rotation;
+    for (finger, rest, mut position) in nodes.contiguous_iter_mut().expect(TABLES) {
         let position = position.bypass_change_detection();
-        for row in 0..index.len() {
-            let u = pads[finger[row].0 as usize].displacement[index[row].0 as usize];
-            position[row].0 = rest[row].0 + axes(&finger[row]) * u;
+        for (f, rows) in rows_by_pad(finger) {
+            let moved = rest[rows.clone()].iter().zip(&pads[f].displacement);
+            position[rows].iter_mut().zip(moved).for_each(|(x, (rest, u))| x.0 = rest.0 + axes(f) * *u);
         }
     }
     for (finger, first, mut travel, mut wrench) in &mut fingers {
@@ -223,7 +224,7 @@ fn write_state(
         let force: DVec3 = pad.contact.iter().sum();
         let arms = rest.iter().zip(&pad.displacement).map(|(x, u)| *x + *u);
         let torque: DVec3 = arms.zip(&pad.contact).map(|(x, f)| x.cross(*f)).sum();
-        *wrench = FingerWrench { force: axes(finger) * force, torque: axes(finger) * torque };
+        *wrench = FingerWrench { force: axes(finger.0 as usize) * force, torque: axes(finger.0 as usize) * torque };
     }
     if model.free {
         // Every pad has its own view of the object's motion: their mean.
@@ -243,16 +244,14 @@ fn measure_shape(
     prediction: Res<Prediction>,
     shared: Res<Shared>,
     mut report: ResMut<StepReport>,
-    nodes: Query<(&NodeIndex, &FingerIndex, &Position)>,
+    nodes: Query<(&FingerIndex, &Position)>,
     fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel)>,
     object: Single<&ObjectPose>,
 ) {
     let model = &shared.0;
-    let mut x: Vec<Vec<DVec3>> = model.fingers.iter().map(|f| vec![DVec3::ZERO; f.body.rest.len()]).collect();
-    for (index, finger, position) in nodes.contiguous_iter().expect(TABLES) {
-        for row in 0..index.len() {
-            x[finger[row].0 as usize][index[row].0 as usize] = position[row].0;
-        }
+    let mut x: Vec<Vec<DVec3>> = vec![Vec::new(); model.fingers.len()];
+    for (finger, position) in nodes.contiguous_iter().expect(TABLES) {
+        rows_by_pad(finger).for_each(|(f, rows)| x[f] = position[rows].iter().map(|x| x.0).collect());
     }
     let inverse = object.rotation.inverse();
     let carried: Vec<(usize, DVec3)> = fingers.iter().map(|(f, c, t)| (f.0 as usize, c.0 * t.0)).collect();
@@ -275,24 +274,24 @@ fn measure_shape(
 fn write_stress(
     prediction: Res<Prediction>,
     shared: Res<Shared>,
-    mut nodes: Query<(&NodeIndex, &FingerIndex, &mut NodalStress)>,
-    mut tets: Query<(&TetIndex, &FingerIndex, &mut TetStress)>,
+    mut nodes: Query<(&FingerIndex, &mut NodalStress)>,
+    mut tets: Query<(&FingerIndex, &mut TetStress)>,
 ) {
-    for (index, finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
+    for (finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
         let column = column.bypass_change_detection();
-        for row in 0..index.len() {
-            column[row].0 = prediction.pads[finger[row].0 as usize].stress[index[row].0 as usize];
+        for (f, rows) in rows_by_pad(finger) {
+            column[rows].iter_mut().zip(&prediction.pads[f].stress).for_each(|(stress, s)| stress.0 = *s);
         }
     }
-    for (index, finger, mut column) in tets.contiguous_iter_mut().expect(TABLES) {
+    for (finger, mut column) in tets.contiguous_iter_mut().expect(TABLES) {
         let column = column.bypass_change_detection();
-        for row in 0..index.len() {
-            let f = finger[row].0 as usize;
+        for (f, rows) in rows_by_pad(finger) {
             let elements = &shared.0.fingers[f].topology.elements;
             let width = elements.width();
-            let own = &elements.nodes()[width * index[row].0 as usize..][..width];
-            let sum: f64 = own.iter().map(|n| prediction.pads[f].stress[*n as usize]).sum();
-            column[row].0 = sum / width as f64;
+            for (stress, own) in column[rows].iter_mut().zip(elements.nodes().chunks_exact(width)) {
+                let sum: f64 = own.iter().map(|n| prediction.pads[f].stress[*n as usize]).sum();
+                stress.0 = sum / width as f64;
+            }
         }
     }
 }
@@ -301,14 +300,13 @@ fn write_stress(
 fn write_contact(
     prediction: Res<Prediction>,
     shared: Res<Shared>,
-    mut nodes: Query<(&NodeIndex, &FingerIndex, &mut ContactForce)>,
+    mut nodes: Query<(&FingerIndex, &mut ContactForce)>,
 ) {
-    for (index, finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
+    for (finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
         let column = column.bypass_change_detection();
-        for row in 0..index.len() {
-            let f = finger[row].0 as usize;
-            let force = prediction.pads[f].contact[index[row].0 as usize];
-            column[row].0 = shared.0.fingers[f].placement.rotation * force;
+        for (f, rows) in rows_by_pad(finger) {
+            let axes = shared.0.fingers[f].placement.rotation;
+            column[rows].iter_mut().zip(&prediction.pads[f].contact).for_each(|(force, c)| force.0 = axes * *c);
         }
     }
 }

@@ -22,9 +22,21 @@
 
 use bevy_ecs::component::Component;
 use glam::{DQuat, DVec3};
+use std::ops::Range;
 
 /// Reason why columns are contiguous.
 pub(crate) const TABLES: &str = "components are stored in tables";
+
+/// Rows of a table that belong to each pad, with the number of its finger: nodes, tetrahedra and contact edges are spawned pad by pad, in
+/// the order of their index, and never removed.
+pub(crate) fn rows_by_pad(finger: &[FingerIndex]) -> impl Iterator<Item = (usize, Range<usize>)> {
+    let mut end = 0;
+    finger.chunk_by(|a, b| a.0 == b.0).map(move |rows| {
+        let start = end;
+        end += rows.len();
+        (rows[0].0 as usize, start..end)
+    })
+}
 
 /// Declares components: plain data, copied freely.
 macro_rules! components {

@@ -56,14 +56,14 @@ pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
 /// Copies columns to the solver: the world is the state, the solver only works on it.
 pub fn read_state(
     mut solver: ResMut<GraspSolver>,
-    nodes: Query<(&NodeIndex, &FingerIndex, &Position)>,
+    nodes: Query<(&FingerIndex, &Position)>,
     fingers: Query<(&FingerIndex, &FingerTravel)>,
     pose: Single<&ObjectPose>,
 ) {
     let state = &mut solver.path.state;
-    for (index, finger, position) in nodes.contiguous_iter().expect(TABLES) {
-        for row in 0..index.len() {
-            state.x[finger[row].0 as usize][index[row].0 as usize] = position[row].0;
+    for (finger, position) in nodes.contiguous_iter().expect(TABLES) {
+        for (f, rows) in rows_by_pad(finger) {
+            state.x[f].iter_mut().zip(&position[rows]).for_each(|(x, position)| *x = position.0);
         }
     }
     for (finger, travel) in &fingers {
@@ -100,16 +100,16 @@ pub fn advance_level(
 /// Copies the state from the solver to the columns.
 pub fn write_state(
     solver: Res<GraspSolver>,
-    mut nodes: Query<(&NodeIndex, &FingerIndex, &mut Position)>,
+    mut nodes: Query<(&FingerIndex, &mut Position)>,
     mut fingers: Query<(&FingerIndex, &mut FingerTravel)>,
     mut pose: Single<&mut ObjectPose>,
 ) {
     let state = &solver.path.state;
-    for (index, finger, mut position) in nodes.contiguous_iter_mut().expect(TABLES) {
+    for (finger, mut position) in nodes.contiguous_iter_mut().expect(TABLES) {
         // Nobody watches single nodes: the change tick of each would cost more than the write.
         let position = position.bypass_change_detection();
-        for row in 0..index.len() {
-            position[row].0 = state.x[finger[row].0 as usize][index[row].0 as usize];
+        for (f, rows) in rows_by_pad(finger) {
+            position[rows].iter_mut().zip(&state.x[f]).for_each(|(position, x)| position.0 = *x);
         }
     }
     for (finger, mut travel) in &mut fingers {
@@ -207,7 +207,7 @@ pub fn measure_friction(edges: Res<EdgeReadings>, mut pool: Query<(&EdgeIndex, &
 pub fn measure_nodal_force(
     solver: Res<GraspSolver>,
     edges: Res<EdgeReadings>,
-    mut nodes: Query<(&NodeIndex, &FingerIndex, &mut ContactForce)>,
+    mut nodes: Query<(&FingerIndex, &mut ContactForce)>,
 ) {
     let mut force: Vec<Vec<DVec3>> = solver.path.state.x.iter().map(|x| vec![DVec3::ZERO; x.len()]).collect();
     for (edges, force) in edges.0.iter().zip(&mut force) {
@@ -216,10 +216,10 @@ pub fn measure_nodal_force(
             nodes.iter().zip(weights).for_each(|(&n, &w)| force[n as usize] += e.force * w);
         }
     }
-    for (index, finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
+    for (finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
         let column = column.bypass_change_detection();
-        for row in 0..index.len() {
-            column[row].0 = force[finger[row].0 as usize][index[row].0 as usize];
+        for (f, rows) in rows_by_pad(finger) {
+            column[rows].iter_mut().zip(&force[f]).for_each(|(own, force)| own.0 = *force);
         }
     }
 }
@@ -227,21 +227,21 @@ pub fn measure_nodal_force(
 /// Measures von Mises stress on nodes and tetrahedra.
 pub fn measure_stress(
     solver: Res<GraspSolver>,
-    mut nodes: Query<(&NodeIndex, &FingerIndex, &mut NodalStress)>,
-    mut tets: Query<(&TetIndex, &FingerIndex, &mut TetStress)>,
+    mut nodes: Query<(&FingerIndex, &mut NodalStress)>,
+    mut tets: Query<(&FingerIndex, &mut TetStress)>,
 ) {
     let pads = solver.path.state.x.par_iter().enumerate();
     let stress: Vec<_> = pads.map(|(i, x)| solver.body(i).stress(x)).collect();
-    for (index, finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
+    for (finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
         let column = column.bypass_change_detection();
-        for row in 0..index.len() {
-            column[row].0 = stress[finger[row].0 as usize].node[index[row].0 as usize];
+        for (f, rows) in rows_by_pad(finger) {
+            column[rows].iter_mut().zip(&stress[f].node).for_each(|(own, s)| own.0 = *s);
         }
     }
-    for (index, finger, mut column) in tets.contiguous_iter_mut().expect(TABLES) {
+    for (finger, mut column) in tets.contiguous_iter_mut().expect(TABLES) {
         let column = column.bypass_change_detection();
-        for row in 0..index.len() {
-            column[row].0 = stress[finger[row].0 as usize].element[index[row].0 as usize];
+        for (f, rows) in rows_by_pad(finger) {
+            column[rows].iter_mut().zip(&stress[f].element).for_each(|(own, s)| own.0 = *s);
         }
     }
 }

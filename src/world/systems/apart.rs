@@ -2,7 +2,7 @@
 
 use crate::mech::contact::{ContactSurface, SurfaceFace};
 use crate::scales::FACE_BULGE;
-use crate::world::components::{ClosingDirection, FingerIndex, FingerTravel, NodeIndex, Position, TABLES};
+use crate::world::components::{ClosingDirection, FingerIndex, FingerTravel, Position, TABLES, rows_by_pad};
 use crate::world::schedule::{Next, Phase, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 use glam::{DVec2, DVec3};
@@ -13,7 +13,7 @@ pub fn keep_pads_apart(
     load: Res<StepLoad>,
     mut report: ResMut<StepReport>,
     mut next: ResMut<Next>,
-    nodes: Query<(&NodeIndex, &FingerIndex, &Position)>,
+    nodes: Query<(&FingerIndex, &Position)>,
     fingers: Query<(&FingerIndex, &FingerTravel, &ClosingDirection)>,
 ) {
     let [first, second] = shared.0.fingers.as_slice() else { return };
@@ -24,7 +24,7 @@ pub fn keep_pads_apart(
     let axis = first.placement.closing;
     // How far the first pad comes along the axis, and from where on the second is: mostly they do not meet there.
     let (mut tip, mut lowest) = (f64::NEG_INFINITY, f64::INFINITY);
-    for (_, finger, position) in nodes.contiguous_iter().expect(TABLES) {
+    for (finger, position) in nodes.contiguous_iter().expect(TABLES) {
         for (finger, position) in finger.iter().zip(position) {
             let height = (position.0 + carried[finger.0 as usize]).dot(axis);
             if finger.0 == 0 { tip = tip.max(height) } else { lowest = lowest.min(height) }
@@ -34,12 +34,9 @@ pub fn keep_pads_apart(
     if tip + FACE_BULGE * offset <= lowest {
         return;
     }
-    let mut x = [first, second].map(|f| vec![DVec3::ZERO; f.body.rest.len()]);
-    for (index, finger, position) in nodes.contiguous_iter().expect(TABLES) {
-        for row in 0..index.len() {
-            let f = finger[row].0 as usize;
-            x[f][index[row].0 as usize] = position[row].0 + carried[f];
-        }
+    let mut x = [const { Vec::new() }; 2];
+    for (finger, position) in nodes.contiguous_iter().expect(TABLES) {
+        rows_by_pad(finger).for_each(|(f, rows)| x[f] = position[rows].iter().map(|x| x.0 + carried[f]).collect());
     }
     let depth = overlap(&first.surface, &x[0], &second.surface, &x[1], axis);
     // Below the offset of contact an object would feel nothing either.

@@ -72,11 +72,12 @@ pub fn measure_gap(
         carried[index.0 as usize] = closing.0 * travel.0;
     }
     let (inverse, distance) = (object.rotation.inverse(), &shared.0.object.distance);
-    for (finger, position, mut gap) in nodes.contiguous_iter_mut().expect("components are stored in tables") {
+    for (finger, position, mut gap) in nodes.contiguous_iter_mut().expect(TABLES) {
         let gap = gap.bypass_change_detection();
-        for row in 0..finger.len() {
-            let x = position[row].0 + carried[finger[row].0 as usize] - object.position;
-            gap[row].0 = distance.distance(inverse * x);
+        for (f, rows) in rows_by_pad(finger) {
+            let place = |x: &Position| inverse * (x.0 + carried[f] - object.position);
+            let pairs = gap[rows.clone()].iter_mut().zip(&position[rows]);
+            pairs.for_each(|(gap, x)| gap.0 = distance.distance(place(x)));
         }
     }
 }

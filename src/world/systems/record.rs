@@ -8,7 +8,6 @@ use glam::DVec3;
 
 /// Node columns of a frame; optional ones are empty where the scene does not record them.
 type Nodes<'a> = (
-    &'a NodeIndex,
     &'a FingerIndex,
     &'a RestPosition,
     &'a Position,
@@ -32,27 +31,22 @@ pub fn record_frame(
     balance: Res<BalanceReport>,
     mut recorded: ResMut<Recorded>,
     nodes: Query<Nodes>,
-    tets: Query<(&TetIndex, &FingerIndex, &TetStress)>,
+    tets: Query<(&FingerIndex, &TetStress)>,
     fingers: Query<Fingers>,
     object: Single<Object>,
     hand: Query<&HandPose>,
 ) {
     let Phase::Ramp { frame: index } = *phase else { return };
-    let needs = &shared.0.needs;
-    let zeros = |asked: bool, n: usize| vec![0.0; if asked { n } else { 0 }];
-    let blank = |f: &crate::part::FingerModel| {
-        let n = f.body.rest.len();
-        PadFrame {
-            position: vec![DVec3::ZERO; n],
-            displacement: vec![DVec3::ZERO; n],
-            contact_force: vec![DVec3::ZERO; if needs.contact_force { n } else { 0 }],
-            von_mises_node: zeros(needs.stress, n),
-            von_mises_element: zeros(needs.stress, f.body.element_count()),
-            gap: zeros(needs.gap, n),
-            wrench: Wrench::default(),
-        }
+    let blank = || PadFrame {
+        position: Vec::new(),
+        displacement: Vec::new(),
+        contact_force: Vec::new(),
+        von_mises_node: Vec::new(),
+        von_mises_element: Vec::new(),
+        gap: Vec::new(),
+        wrench: Wrench::default(),
     };
-    let mut pads: Vec<PadFrame> = shared.0.fingers.iter().map(blank).collect();
+    let mut pads: Vec<PadFrame> = shared.0.fingers.iter().map(|_| blank()).collect();
     let mut travel = vec![0.0; pads.len()];
     let mut carried = vec![DVec3::ZERO; pads.len()];
     for (finger, closing, first, now, wrench) in &fingers {
@@ -61,28 +55,25 @@ pub fn record_frame(
         carried[f] = closing.0 * now.0;
         pads[f].wrench = Wrench { force: wrench.force, torque: wrench.torque };
     }
-    // Columns of one table: slices, without a look-up per node.
-    for (index, finger, rest, position, stress, force, gap) in nodes.contiguous_iter().expect(TABLES) {
-        for row in 0..index.len() {
-            let (f, i) = (finger[row].0 as usize, index[row].0 as usize);
-            let pad = &mut pads[f];
-            pad.position[i] = position[row].0 + carried[f];
-            pad.displacement[i] = position[row].0 - rest[row].0;
-            if let Some(stress) = &stress {
-                pad.von_mises_node[i] = stress[row].0;
+    for (finger, rest, position, stress, force, gap) in nodes.contiguous_iter().expect(TABLES) {
+        for (f, rows) in rows_by_pad(finger) {
+            let (pad, x) = (&mut pads[f], &position[rows.clone()]);
+            pad.position = x.iter().map(|x| x.0 + carried[f]).collect();
+            pad.displacement = x.iter().zip(&rest[rows.clone()]).map(|(x, rest)| x.0 - rest.0).collect();
+            if let Some(stress) = stress {
+                pad.von_mises_node = stress[rows.clone()].iter().map(|s| s.0).collect();
             }
-            if let Some(force) = &force {
-                pad.contact_force[i] = force[row].0;
+            if let Some(force) = force {
+                pad.contact_force = force[rows.clone()].iter().map(|f| f.0).collect();
             }
-            if let Some(gap) = &gap {
-                pad.gap[i] = gap[row].0;
+            if let Some(gap) = gap {
+                pad.gap = gap[rows].iter().map(|g| g.0).collect();
             }
         }
     }
-    for (index, finger, stress) in tets.contiguous_iter().expect(TABLES) {
-        for row in 0..index.len() {
-            pads[finger[row].0 as usize].von_mises_element[index[row].0 as usize] = stress[row].0;
-        }
+    for (finger, stress) in tets.contiguous_iter().expect(TABLES) {
+        rows_by_pad(finger)
+            .for_each(|(f, rows)| pads[f].von_mises_element = stress[rows].iter().map(|s| s.0).collect());
     }
     let (object, motion, ground) = *object;
     let moving = hand.iter().next().map(|hand| {
