@@ -14,5 +14,5 @@ python3 -c 'import sys; sys.exit(sys.version_info < (3, 10))' || skip "python3 i
     skip "its packages cannot be fetched"
 # Shares the dependencies that are built already.
 export CARGO_TARGET_DIR=$PWD/target VIRTUAL_ENV=$environment
-"$environment/bin/maturin" develop --release --quiet --manifest-path python/Cargo.toml
+"$environment/bin/maturin" develop --release --quiet --manifest-path python/Cargo.toml > /dev/null
 cd "$environment" && bin/python -P -m pytest -q -p no:cacheprovider ../../python/tests
