@@ -36,6 +36,6 @@ impl Path {
     pub fn restore(&mut self, checkpoint: Checkpoint) {
         (self.state, self.level, self.history) = (checkpoint.state, checkpoint.level, checkpoint.history);
         (self.newton.terms, self.newton.force) = (checkpoint.terms, checkpoint.force);
-        self.underway = false;
+        self.at_once = false;
     }
 }

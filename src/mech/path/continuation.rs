@@ -6,7 +6,7 @@
 //! |---|---|
 //! | the path bends too far | a smaller increment, by the error (`step_size.rs`) |
 //! | no equilibrium | half the increment, three times where there are rigid unknowns, else twelve |
-//! | none in the smallest increment either | pseudo-time from the accepted state (`pseudo_transient.rs`) |
+//! | none in the smallest increment either | pseudo-time from the accepted state (`pseudo_transient.rs`), over the increment that was refused first |
 //! | none in pseudo-time; corrections of condensed pads do not settle | pads condensed anew as they are, half the increment, ten times |
 //! | contact outgrows the patch of a condensed pad | condensed anew onto a larger one, the same increment |
 //! | condensed pads get no further | whole pads, from the level accepted last (`backend/fem/level.rs`) |
@@ -132,13 +132,20 @@ impl Path {
     pub fn advance(&mut self, load: Load, target: f64, pads: &mut dyn PadDiscretisation) -> Result<Advanced, Failure> {
         let can_roll = self.newton.rigid.size > 0;
         let (mut done, mut halvings, mut changes) = (Advanced::default(), 0, 0);
+        // Increment that was refused first since the last one that was accepted.
+        let mut refused = None;
         loop {
             let rest = target - self.level;
-            let size = self.step.next(rest).clamp(-self.longest(load), self.longest(load));
-            let next = if size.abs() >= rest.abs() { target } else { self.level + size };
+            let longest = self.longest(load);
+            let planned = self.step.next(rest).clamp(-longest, longest);
             // An object with a largest drift is followed at once: smaller increments would only find out later that it slides.
-            let most = if self.largest_drift.is_some() || size == 0.0 { 0 } else { HALVINGS[usize::from(can_roll)] };
+            let most = if self.largest_drift.is_some() || planned == 0.0 { 0 } else { HALVINGS[usize::from(can_roll)] };
             let last_resort = halvings >= most || self.exhausted();
+            // Pseudo-time follows the whole increment: next to nothing would drive it on over a tiny one.
+            let size =
+                refused.filter(|_| last_resort).map_or(planned, |first: f64| first.clamp(-rest.abs(), rest.abs()));
+            let next = if size.abs() >= rest.abs() { target } else { self.level + size };
+            self.at_once |= last_resort && can_roll && refused.is_some();
             let cost = done.iterations;
             let failure = match self.attempt(load, next, next == target, last_resort && can_roll, pads, &mut done) {
                 Ok(error) => {
@@ -147,7 +154,7 @@ impl Path {
                         let shortest = self.control.map_or(0.0, |control| self.shortest(control.first));
                         self.step.accept(size, done.iterations - cost, error, shortest);
                     }
-                    halvings = 0;
+                    (halvings, refused) = (0, None);
                     if next == target {
                         return Ok(done);
                     }
@@ -170,6 +177,7 @@ impl Path {
                     if !last_resort =>
                 {
                     (halvings, self.methods.halved) = (halvings + 1, self.methods.halved + 1);
+                    refused = refused.or(Some(size));
                     self.step.refuse(size, None);
                 }
                 _ if !pads.corrects() || changes >= CHANGES || self.exhausted() => return Err(failure),
@@ -177,6 +185,7 @@ impl Path {
                     pads.renew(self)?;
                     (halvings, changes, self.methods.condensed_anew) =
                         (0, changes + 1, self.methods.condensed_anew + 1);
+                    refused = None;
                     if failure != Failure::Outside && size != 0.0 {
                         self.step.refuse(size, None);
                     }

@@ -31,8 +31,8 @@ pub struct Path {
     pub stage: Option<f64>,
     /// Counts of how often each method was used.
     pub methods: Methods,
-    /// Flag: a pseudo-transient continuation has halted in `state`, which is no equilibrium: the next one goes on there.
-    pub(crate) underway: bool,
+    /// Flag: the next attempt begins with pseudo-transient continuation, which has halted in `state`, or because nothing else helped.
+    pub(crate) at_once: bool,
     /// The accepted state before `state`, with its level.
     pub(crate) history: Option<(State, f64)>,
     /// Size of the next increment.
@@ -104,7 +104,7 @@ impl Path {
             largest_drift: None,
             stage: None,
             methods: Methods::default(),
-            underway: false,
+            at_once: false,
             history: None,
             step: StepSize(f64::INFINITY),
             spent: 0,
@@ -160,7 +160,7 @@ impl Path {
         pseudo_time: bool,
         done: &mut Advanced,
     ) -> Result<f64, Failure> {
-        if !std::mem::take(&mut self.underway) {
+        if !std::mem::take(&mut self.at_once) {
             let failure = match self.newton.solve(&self.state, start, &self.tolerance) {
                 Ok((state, converged)) => {
                     let error = to.map_or(0.0, |to| self.bend(&state, to));

@@ -72,7 +72,7 @@ impl Path {
                         return Err(Failure::Astray);
                     }
                     if beyond(self.stage) {
-                        (self.state, self.history, self.underway) = (state, None, true);
+                        (self.state, self.history, self.at_once) = (state, None, true);
                         return Err(Failure::Underway);
                     }
                     apart = if self.newton.untouched() { apart + moved } else { 0.0 };
