@@ -2,11 +2,11 @@
 //!
 //! | entity | components | spawned |
 //! |---|---|---|
-//! | node | [`NodeIndex`], [`FingerIndex`], [`NodeKind`], [`RestPosition`], [`Position`] | always |
+//! | node | [`FingerIndex`], [`NodeKind`], [`RestPosition`], [`Position`] | always |
 //! | | [`NodalStress`] | stress is recorded or expected |
 //! | | [`ContactForce`] | contact forces are recorded |
 //! | | [`NodeGap`] | gaps are recorded |
-//! | tetrahedron | [`TetIndex`], [`FingerIndex`], [`TetStress`] | stress is recorded or expected |
+//! | tetrahedron | [`FingerIndex`], [`TetStress`] | stress is recorded or expected |
 //! | contact edge | [`EdgeIndex`], [`FingerIndex`], [`ContactEdge`] | with finite elements, a fixed pool |
 //! | | [`ContactFriction`] | friction is above zero |
 //! | finger | [`FingerIndex`], [`ClosingDirection`], [`FirstContact`], [`FingerTravel`], [`FingerForce`], [`FingerWrench`] | always |
@@ -48,10 +48,6 @@ macro_rules! components {
 }
 
 components! {
-    /// Number of a node within its pad, from 0: corners first. Written at spawn.
-    NodeIndex(u32);
-    /// Number of a tetrahedron within its pad, from 0. Written at spawn.
-    TetIndex(u32);
     /// Number of a contact edge within its pad, from 0. Written at spawn.
     EdgeIndex(u32);
     /// Finger that the entity is or belongs to: 0 left, 1 right. Written at spawn.

@@ -21,7 +21,7 @@ pub fn spawn(model: &Arc<Model>, pose: GraspPose) -> World {
         let of = FingerIndex(index as u32);
         spawn_nodes(&mut world, model, finger, of);
         if model.needs.stress {
-            world.spawn_batch((0..finger.body.element_count()).map(|t| (TetIndex(t as u32), of, TetStress(0.0))));
+            world.spawn_batch((0..finger.body.element_count()).map(|_| (of, TetStress(0.0))));
         }
         let closing = ClosingDirection(finger.placement.closing);
         world.spawn((of, closing, FirstContact(0.0), FingerTravel(0.0), FingerForce(0.0), FingerWrench::default()));
@@ -113,7 +113,7 @@ fn spawn_nodes(world: &mut World, model: &Model, finger: &FingerModel, of: Finge
         (false, false) => NodeKind::Interior,
     };
     let rest = finger.body.rest.iter().enumerate();
-    let nodes = rest.map(|(i, &x)| (NodeIndex(i as u32), of, kind(i), RestPosition(x), Position(x)));
+    let nodes = rest.map(|(i, &x)| (of, kind(i), RestPosition(x), Position(x)));
     // All columns at once: one that comes later moves every node to another table.
     let (stress, force, gap) = (NodalStress(0.0), ContactForce(DVec3::ZERO), NodeGap(0.0));
     match (model.needs.stress, model.needs.contact_force, model.needs.gap) {

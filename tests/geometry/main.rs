@@ -2,6 +2,8 @@
 
 #[path = "../fixtures/shape_common.rs"]
 mod shape_common;
+#[path = "../fixtures/shared_data.rs"]
+mod shared_data;
 
 mod antipodal;
 mod grasp_files;

@@ -1,22 +1,12 @@
 //! Good files: what is written reads back, dialects are understood, and real files have the counts their source states.
 
+use crate::shared_data::data;
 use std::fs;
-use std::path::PathBuf;
 
 use approx::assert_relative_eq;
 use glam::DVec3;
 use tactus::geometry::mesh::{TetMesh, grid, io, quality, surface, topology};
 use tactus::geometry::shape::Shape;
-
-/// A file of the shared data, or None (said on stderr) if it is not here.
-fn data(name: &str) -> Option<PathBuf> {
-    let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data")).join(name);
-    if !path.exists() {
-        eprintln!("skipped: {} is not here", path.display());
-        return None;
-    }
-    Some(path)
-}
 
 fn corner_tet() -> TetMesh {
     TetMesh { nodes: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z], tets: vec![[0, 1, 2, 3]] }

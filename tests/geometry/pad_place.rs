@@ -1,20 +1,11 @@
 //! Pads from files land in the pad frame with the right nodes glued.
 
+use crate::shared_data::data;
 use std::fs;
-use std::path::PathBuf;
 
 use glam::DVec3;
 use tactus::geometry::mesh::{TetMesh, io};
 use tactus::geometry::pad::{self, Bonding, PadMesh, PadPlacement, Resolution};
-
-fn data(name: &str) -> Option<PathBuf> {
-    let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data")).join(name);
-    if !path.exists() {
-        eprintln!("skipped: {} is not here", path.display());
-        return None;
-    }
-    Some(path)
-}
 
 fn placement(outward: DVec3, attach_distance: f64) -> PadPlacement {
     PadPlacement { outward, across: None, bonding: Bonding::AttachDistance(attach_distance) }

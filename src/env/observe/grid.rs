@@ -5,24 +5,16 @@ use crate::record::PadTopology;
 use crate::scene::Grid;
 use glam::{DVec2, DVec3};
 
-/// Readings of a pad by a grid of taxels.
-pub trait Taxels {
+impl Grid {
     /// Returns, for every node, the taxels among which its force is shared out. The weights are non-negative and sum to one, so the
     /// image sums to the resultant. Shares are bilinear between the taxels' centres; beyond the outermost centres the whole force
     /// goes to the outermost taxels.
-    fn shares(&self, pad: &PadTopology) -> Vec<[(u32, f64); 4]>;
-    /// Returns, for every taxel, the nodes of the sensing triangle at its centre with their weights. Where the face does not reach,
-    /// it returns those of the nearest triangle.
-    fn samples(&self, pad: &PadTopology) -> Vec<[(u32, f64); 3]>;
-}
-
-impl Taxels for Grid {
-    fn shares(&self, pad: &PadTopology) -> Vec<[(u32, f64); 4]> {
+    pub(crate) fn shares(&self, pad: &PadTopology) -> Vec<[(u32, f64); 4]> {
         let (low, size) = extent(pad);
         let along = |x: f64, low: f64, size: f64, n: usize| {
             let at = ((x - low) / size * n as f64 - 0.5).clamp(0.0, (n - 1) as f64);
-            let env = (at.floor() as usize).min(n.saturating_sub(2));
-            [(env, 1.0 - (at - env as f64)), ((env + 1).min(n - 1), at - env as f64)]
+            let cell = (at.floor() as usize).min(n.saturating_sub(2));
+            [(cell, 1.0 - (at - cell as f64)), ((cell + 1).min(n - 1), at - cell as f64)]
         };
         let (rows, cols) = (self.rows.get(), self.cols.get());
         let share = |x: &DVec3| {
@@ -33,7 +25,9 @@ impl Taxels for Grid {
         pad.rest.iter().map(share).collect()
     }
 
-    fn samples(&self, pad: &PadTopology) -> Vec<[(u32, f64); 3]> {
+    /// Returns, for every taxel, the nodes of the sensing triangle at its centre with their weights. Where the face does not reach,
+    /// it returns those of the nearest triangle.
+    pub(crate) fn samples(&self, pad: &PadTopology) -> Vec<[(u32, f64); 3]> {
         let (low, size) = extent(pad);
         let flat = |n: u32| pad.rest[n as usize].truncate();
         let (rows, cols) = (self.rows.get(), self.cols.get());

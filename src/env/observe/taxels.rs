@@ -1,6 +1,5 @@
 //! Images of the sensing faces on a regular grid of taxels: (pads, rows, columns, 3), pad frame.
 
-use super::grid::Taxels;
 use super::{Now, Sense, force_bounds};
 use crate::env::spec::ArraySpec;
 use crate::model::Model;

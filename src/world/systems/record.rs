@@ -37,16 +37,7 @@ pub fn record_frame(
     hand: Query<&HandPose>,
 ) {
     let Phase::Ramp { frame: index } = *phase else { return };
-    let blank = || PadFrame {
-        position: Vec::new(),
-        displacement: Vec::new(),
-        contact_force: Vec::new(),
-        von_mises_node: Vec::new(),
-        von_mises_element: Vec::new(),
-        gap: Vec::new(),
-        wrench: Wrench::default(),
-    };
-    let mut pads: Vec<PadFrame> = shared.0.fingers.iter().map(|_| blank()).collect();
+    let mut pads = vec![PadFrame::default(); shared.0.fingers.len()];
     let mut travel = vec![0.0; pads.len()];
     let mut carried = vec![DVec3::ZERO; pads.len()];
     for (finger, closing, first, now, wrench) in &fingers {
