@@ -7,7 +7,7 @@
 //! | the path bends too far | a smaller increment, by the error (`step_size.rs`) |
 //! | no equilibrium | half the increment, three times where there are rigid unknowns, else twelve |
 //! | none in the smallest increment either | pseudo-time from the accepted state (`pseudo_transient.rs`), over the increment that was refused first |
-//! | none in pseudo-time; corrections of condensed pads do not settle | pads condensed anew as they are, half the increment, ten times |
+//! | none in pseudo-time; corrections of condensed pads do not settle | half the increment, condensed pads anew as they are, ten times |
 //! | contact outgrows the patch of a condensed pad | condensed anew onto a larger one, the same increment |
 //! | condensed pads get no further | whole pads, from the level accepted last (`backend/fem/level.rs`) |
 //! | the object left the grasp; no effort is left | the grasp ends |
@@ -180,11 +180,13 @@ impl Path {
                     refused = refused.or(Some(size));
                     self.step.refuse(size, None);
                 }
-                _ if !pads.corrects() || changes >= CHANGES || self.exhausted() => return Err(failure),
+                // Whole pads at the same load would only fail in the same way again.
+                _ if size == 0.0 && !pads.corrects() => return Err(failure),
+                _ if changes >= CHANGES || self.exhausted() => return Err(failure),
                 _ => {
                     pads.renew(self)?;
-                    (halvings, changes, self.methods.condensed_anew) =
-                        (0, changes + 1, self.methods.condensed_anew + 1);
+                    (halvings, changes) = (0, changes + 1);
+                    self.methods.condensed_anew += u64::from(pads.corrects());
                     refused = None;
                     if failure != Failure::Outside && size != 0.0 {
                         self.step.refuse(size, None);
