@@ -24,6 +24,7 @@ pub mod fit;
 pub mod geometry;
 pub mod grasp;
 pub mod gripper;
+pub mod history;
 pub mod interrupt;
 pub mod judge;
 pub mod kernel;

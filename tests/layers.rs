@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Files and folders of `src`, from the ground up.
-const LAYERS: [&str; 33] = [
+const LAYERS: [&str; 34] = [
     "error",
     "number",
     "stats",
@@ -12,6 +12,7 @@ const LAYERS: [&str; 33] = [
     "random",
     "interrupt",
     "files",
+    "history",
     "scales",
     "geometry",
     "scene",

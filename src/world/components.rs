@@ -7,8 +7,7 @@
 //! | | [`ContactForce`] | contact forces are recorded |
 //! | | [`NodeGap`] | gaps are recorded |
 //! | tetrahedron | [`FingerIndex`], [`TetStress`] | stress is recorded or expected |
-//! | contact edge | [`EdgeIndex`], [`FingerIndex`], [`ContactEdge`] | with finite elements, a fixed pool |
-//! | | [`ContactFriction`] | friction is above zero |
+//! | contact edge | [`FingerIndex`], [`ContactEdge`] | with finite elements, a fixed pool |
 //! | finger | [`FingerIndex`], [`ClosingDirection`], [`FirstContact`], [`FingerTravel`], [`FingerForce`], [`FingerWrench`] | always |
 //! | object | [`ObjectPose`] | always |
 //! | | [`FreeObject`] | the object may move |
@@ -48,8 +47,6 @@ macro_rules! components {
 }
 
 components! {
-    /// Number of a contact edge within its pad, from 0. Written at spawn.
-    EdgeIndex(u32);
     /// Finger that the entity is or belongs to: 0 left, 1 right. Written at spawn.
     FingerIndex(u32);
     /// Rest position of a node, m, hand frame at zero travel. Written at spawn.
@@ -97,19 +94,10 @@ pub struct ContactEdge {
     pub gap: f64,
     /// Outward normal of the object at the contact, unit, hand frame; zero where too far to matter.
     pub normal: DVec3,
+    /// Point at which the force acts, m, hand frame; zero where too far to matter.
+    pub point: DVec3,
     /// Force on the pad, friction included, N, hand frame.
     pub force: DVec3,
-    /// Flag: the edge carries force.
-    pub active: bool,
-}
-
-/// Friction on a contact edge. Written by the stepper.
-#[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
-pub struct ContactFriction {
-    /// Tangential part of the force on the pad, N, hand frame.
-    pub force: DVec3,
-    /// Flag: Coulomb's limit is reached.
-    pub slips: bool,
 }
 
 /// Resultant of the contact on the pad of a finger. Written by the stepper.
@@ -181,6 +169,6 @@ pub struct FreeObject;
 
 impl Default for ContactEdge {
     fn default() -> Self {
-        Self { gap: f64::INFINITY, normal: DVec3::ZERO, force: DVec3::ZERO, active: false }
+        Self { gap: f64::INFINITY, normal: DVec3::ZERO, point: DVec3::ZERO, force: DVec3::ZERO }
     }
 }

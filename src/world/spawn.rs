@@ -56,7 +56,6 @@ pub fn begin(world: &mut World, model: &Arc<Model>, pose: GraspPose) {
     fill(world, NodeGap(0.0));
     fill(world, TetStress(0.0));
     fill(world, ContactEdge::default());
-    fill(world, ContactFriction::default());
     fill(world, FirstContact(0.0));
     fill(world, FingerTravel(0.0));
     fill(world, FingerForce(0.0));
@@ -93,12 +92,8 @@ fn fill<C: Component<Mutability = Mutable> + Clone>(world: &mut World, value: C)
 pub fn spawn_edges(world: &mut World, model: &Model) {
     for (index, finger) in model.fingers.iter().enumerate() {
         let of = FingerIndex(index as u32);
-        let edges = (0..(finger.surface.points.len() + model.features.len()) as u32).map(|e| (EdgeIndex(e), of));
-        if model.needs.friction {
-            world.spawn_batch(edges.map(|(e, of)| (e, of, ContactEdge::default(), ContactFriction::default())));
-        } else {
-            world.spawn_batch(edges.map(|(e, of)| (e, of, ContactEdge::default())));
-        }
+        let edges = finger.surface.points.len() + model.features.len();
+        world.spawn_batch((0..edges).map(|_| (of, ContactEdge::default())));
     }
 }
 

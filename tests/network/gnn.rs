@@ -50,9 +50,6 @@ fn what_only_fem_knows_changes_no_bit() {
             (x.0, stress.0, force.0) = (DVec3::splat(7.0), 1e9, DVec3::splat(-3.0));
         }
         world.query::<&mut TetStress>().iter_mut(world).for_each(|mut s| s.0 = 1e9);
-        for mut edge in world.query::<&mut ContactEdge>().iter_mut(world) {
-            *edge = ContactEdge { gap: -1.0, normal: DVec3::X, force: DVec3::ONE, active: true };
-        }
         for mut wrench in world.query::<&mut FingerWrench>().iter_mut(world) {
             *wrench = FingerWrench { force: DVec3::splat(99.0), torque: DVec3::splat(99.0) };
         }

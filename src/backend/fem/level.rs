@@ -89,7 +89,7 @@ impl GraspSolver {
             return self.condense(model).map(|()| Advanced::default()).map_err(stuck);
         }
         let first = model.contact_force().min(most);
-        self.change_weight(|weight| weight.handed_over(0.0));
+        self.hand_over(0.0);
         self.path.tolerance = self.tolerance(model, first);
         self.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
         self.back_off(model).map_err(|reason| Refusal::Final(Stop::fault(reason)))?;
@@ -108,7 +108,7 @@ impl GraspSolver {
         let steps = if heavy { HANDOVER } else { 1 };
         let mut done = Advanced::default();
         for k in 1..=steps {
-            self.change_weight(|weight| weight.handed_over(f64::from(k) / f64::from(steps)));
+            self.hand_over(f64::from(k) / f64::from(steps));
             // What the force did before says nothing of what the weight does.
             self.path.history = None;
             let more = match &mut self.condensed {
@@ -139,7 +139,7 @@ impl GraspSolver {
             Failure::Iterations(_) | Failure::LineSearch(_) | Failure::Unsettled | Failure::Bent(_) => {
                 Refusal::Unfound(stop)
             }
-            Failure::Lost | Failure::Astray | Failure::Underway => Refusal::Final(stop),
+            Failure::Lost | Failure::Astray => Refusal::Final(stop),
             Failure::Effort(_) | Failure::Time(_) | Failure::Interrupted => Refusal::Final(stop),
         }
     }

@@ -3,7 +3,6 @@
 pub mod condensed;
 pub mod dynamics;
 mod level;
-pub mod readout;
 pub mod stepper;
 pub mod systems;
 mod whole;

@@ -1,11 +1,9 @@
 //! Finite element backend: one potential, minimised at every load level.
 
-use super::condensed::{Condensation, CondensedEnergy};
+use super::condensed::Condensation;
 use super::dynamics::integrator::Integrator;
-use super::readout;
 use super::systems;
 use crate::error::{Error, Result};
-use crate::mech::body::{Body, Elements};
 use crate::mech::contact::{FeatureContact, PointContact};
 use crate::mech::newton::effort::Effort;
 use crate::mech::newton::{Failure, Newton, NewtonTolerance};
@@ -15,6 +13,7 @@ use crate::mech::potential::state::{RigidUnknowns, State};
 use crate::mech::potential::term::{BodyTerm, DeadLoad, ElasticEnergy};
 use crate::mech::potential::weight::Weight;
 use crate::model::Model;
+use crate::part::FingerModel;
 use crate::record::pad_name;
 use crate::scene;
 use crate::world::Stepper;
@@ -100,27 +99,20 @@ impl GraspSolver {
     pub fn new(model: &Model, pose: ObjectPose, settings: &scene::Fem) -> Result<Self> {
         let mut bodies: Vec<_> = model.fingers.iter().map(|f| f.body.clone()).collect();
         let loads: Vec<_> = (0..bodies.len()).map(|i| gel_loads(model, i, pose)).collect();
-        let mut terms: Vec<_> = (0..bodies.len()).map(|i| terms(model, i, pose)).collect();
+        let terms = model.fingers.iter().map(|finger| contact(model, finger)).collect();
+        let mut gels = Vec::new();
         let mut condensed = None;
         match settings.solver {
             scene::Solver::Full => {
-                for (terms, loads) in terms.iter_mut().zip(loads) {
-                    terms.splice(0..0, gel(loads));
-                }
+                gels = loads.into_iter().map(gel).collect();
             }
             scene::Solver::Condensed(c) => {
-                terms.iter_mut().for_each(|terms| terms.insert(0, Box::new(CondensedEnergy::nothing())));
+                gels.resize_with(bodies.len(), Vec::new);
                 bodies = bodies.iter().map(|b| Arc::new(b.condensed(&[]))).collect();
                 condensed = Some(Condensation::new(model, loads, c.error.get()));
             }
         }
-        let mut closing: Vec<DVec3> = model.fingers.iter().map(|f| f.placement.closing).collect();
-        if bodies.is_empty() {
-            // The terms of an object alone need a host: a body of nothing on a finger that is not there.
-            let nothing = Elements::Linear(Vec::new());
-            bodies.push(Arc::new(Body::new(Vec::new(), nothing, Vec::new(), model.material.clone(), false)));
-            (terms, closing) = (vec![Vec::new()], vec![DVec3::ZERO]);
-        }
+        let closing: Vec<DVec3> = model.fingers.iter().map(|f| f.placement.closing).collect();
         let layout = if model.geared() { RigidUnknowns::geared } else { RigidUnknowns::new };
         let rigid = layout(closing, model.force_driven, model.free, model.object.bounding_radius);
         // A condensed body has the nodes of the whole one.
@@ -131,6 +123,8 @@ impl GraspSolver {
             rotation: pose.rotation,
         };
         let mut newton = Newton::new(bodies, terms, rigid)?;
+        newton.gel = gels;
+        newton.object.weight = weight(model, pose);
         newton.effort = Effort::within(settings.max_time.map(|seconds| seconds.get()));
         let mut path = Path::new(newton, state, NewtonTolerance::new(model.law.offset));
         path.control = control(model);
@@ -144,17 +138,12 @@ impl GraspSolver {
 
     /// Sets the force that pulls at the object, N, hand frame.
     pub fn set_weight(&mut self, force: DVec3) {
-        self.change_weight(|weight| weight.with_force(force));
+        self.path.newton.object.weight.iter_mut().for_each(|weight| weight.force = force);
     }
 
-    /// Changes the force that pulls at the object.
-    pub(crate) fn change_weight(&mut self, change: impl Fn(&Weight) -> Weight) {
-        for term in self.path.newton.terms.iter_mut().flatten() {
-            let weight = term.as_any().downcast_ref::<Weight>().map(&change);
-            if let Some(weight) = weight {
-                *term = Box::new(weight);
-            }
-        }
+    /// Hands the given part of the object's weight over from its support to the fingers.
+    pub(crate) fn hand_over(&mut self, part: f64) {
+        self.path.newton.object.weight.iter_mut().for_each(|weight| weight.part = part);
     }
 
     /// Returns the convergence criteria at `level`.
@@ -205,7 +194,7 @@ impl GraspSolver {
                     self.escaped(model)
                 ));
             }
-            if !readout::edges(newton, state, i).any(|(_, e)| e.active()) {
+            if !newton.edge_readings(state, i).iter().any(|(_, edge)| edge.active()) {
                 return Some(format!("the {name} finger lost contact: {}", self.escaped(model)));
             }
         }
@@ -273,20 +262,22 @@ pub(crate) fn gel_loads(model: &Model, i: usize, pose: ObjectPose) -> Vec<DVec3>
     model.fingers[i].body.nodal_volume().iter().map(|v| g * (v * model.gel_density)).collect()
 }
 
-/// Returns the terms of body `i` but those of the gel.
-fn terms(model: &Model, i: usize, pose: ObjectPose) -> Vec<Box<dyn BodyTerm>> {
-    let finger = &model.fingers[i];
-    let contact = PointContact::new(model.law, finger.surface.clone(), model.object.distance.clone());
-    let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(contact)];
+/// Returns the terms of contact between the pad of `finger` and the object.
+fn contact(model: &Model, finger: &FingerModel) -> Vec<Box<dyn BodyTerm>> {
+    let points = PointContact::new(model.law, finger.surface.clone(), model.object.distance.clone());
+    let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(points)];
     if !model.features.is_empty() {
         terms.push(Box::new(FeatureContact::new(model.law, finger.surface.clone(), model.features.clone())));
     }
-    // Of a dynamic scene, gravity stands with inertia; an agent's world sets its load step by step.
-    if model.free && i == 0 && model.dynamics.is_none() && (model.needs.task || model.gravity.is_some()) {
-        let center = model.object.mass.center;
-        let start = pose.position + pose.rotation * center;
-        let force = pose.rotation * model.gravity.unwrap_or_default() * model.mass;
-        terms.push(Box::new(Weight::new(force, center, start)));
-    }
     terms
+}
+
+/// Returns the weight of a free object at `pose`, if the scene has one. Of a dynamic scene, gravity stands with inertia; an agent's
+/// world sets its load step by step.
+fn weight(model: &Model, pose: ObjectPose) -> Option<Weight> {
+    let pulled = model.free && model.dynamics.is_none() && (model.needs.task || model.gravity.is_some());
+    let center = model.object.mass.center;
+    let start = pose.position + pose.rotation * center;
+    let force = pose.rotation * model.gravity.unwrap_or_default() * model.mass;
+    pulled.then(|| Weight::new(force, center, start))
 }

@@ -1,9 +1,9 @@
 //! Systems of the finite element backend: columns -> solver -> one load level -> columns.
 
 use super::dynamics::systems::{advance_time, measure_ground, measure_motion};
-use super::readout;
 use super::stepper::GraspSolver;
 use crate::mech::path::continuation::Methods;
+use crate::mech::potential::term::EdgeReading;
 use crate::model::Needs;
 use crate::world::components::*;
 use crate::world::schedule::{
@@ -16,6 +16,7 @@ use crate::world::systems::sense::close_to_contact;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Puts the systems in their sets; systems for quantities that the scene does not need are left out.
 pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
@@ -30,19 +31,15 @@ pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
         schedule.add_systems((advance_level, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
     }
     if needs.ground {
-        let ground = measure_ground.run_if(reached).after(measure_contact).before(measure_balance);
+        let ground = measure_ground.run_if(reached).after(read_edges).before(measure_balance);
         let ground = ground.before(measure_stress);
         schedule.add_systems(ground.in_set(StepSet::Measure));
     }
-    schedule.add_systems(
-        (read_edges, measure_contact).chain().run_if(reached).before(measure_balance).in_set(StepSet::Measure),
-    );
+    let contact = (read_edges, write_edges, measure_wrench).chain().run_if(reached).before(measure_balance);
+    schedule.add_systems(contact.in_set(StepSet::Measure));
     schedule.add_systems(report_timings.run_if(ramping).in_set(StepSet::Measure));
     if !force_driven && !needs.dynamic {
         schedule.add_systems(measure_reaction.run_if(reached).before(measure_balance).in_set(StepSet::Measure));
-    }
-    if needs.friction {
-        schedule.add_systems(measure_friction.run_if(reached).after(read_edges).in_set(StepSet::Measure));
     }
     if needs.contact_force {
         schedule.add_systems(measure_nodal_force.run_if(reached).after(read_edges).in_set(StepSet::Measure));
@@ -118,64 +115,53 @@ pub fn write_state(
     **pose = ObjectPose { position: state.position, rotation: state.rotation };
 }
 
-/// Contact edges of every finger that are not open at the level just reached, in order.
+/// Contact edges of every finger that are not open at the level just reached, with their numbers, in order.
 #[derive(Resource, Default)]
-pub struct EdgeReadings(Vec<Vec<(usize, readout::EdgeReading)>>);
+pub struct EdgeReadings(Vec<Vec<(usize, EdgeReading)>>);
 
-impl EdgeReadings {
-    /// Returns edge `index` of a finger; None if it is open.
-    fn get(&self, finger: FingerIndex, index: EdgeIndex) -> Option<&readout::EdgeReading> {
-        let edges = &self.0[finger.0 as usize];
-        edges.binary_search_by_key(&(index.0 as usize), |(k, _)| *k).ok().map(|k| &edges[k].1)
-    }
-}
-
-/// Reads the edges from the solver, once for all systems that use them.
-pub fn read_edges(solver: Res<GraspSolver>, mut edges: ResMut<EdgeReadings>) {
+/// Reads the edges from the solver, once for all systems that use them; measures the smallest gap and the potential.
+pub fn read_edges(solver: Res<GraspSolver>, mut edges: ResMut<EdgeReadings>, mut report: ResMut<StepReport>) {
     let (newton, state) = (&solver.path.newton, &solver.path.state);
-    edges.0.resize_with(newton.bodies(), Vec::new);
-    for (i, edges) in edges.0.iter_mut().enumerate() {
-        edges.clear();
-        edges.extend(readout::edges(newton, state, i));
-    }
-}
-
-/// Measures contact edges, the wrench on every pad, the smallest gap and the potential.
-pub fn measure_contact(
-    solver: Res<GraspSolver>,
-    edges: Res<EdgeReadings>,
-    shared: Res<Shared>,
-    mut report: ResMut<StepReport>,
-    mut pool: Query<(&EdgeIndex, &FingerIndex, &mut ContactEdge)>,
-    mut fingers: Query<(&FingerIndex, &mut FingerWrench)>,
-) {
-    let (newton, state) = (&solver.path.newton, &solver.path.state);
-    for (index, finger, mut edge) in pool.contiguous_iter_mut().expect(TABLES) {
-        let edge = edge.bypass_change_detection();
-        for row in 0..index.len() {
-            let e = edges.get(finger[row], index[row]);
-            let of = |e: &readout::EdgeReading| ContactEdge {
-                gap: e.gap,
-                normal: e.normal,
-                force: e.force,
-                active: e.active(),
-            };
-            edge[row] = e.map_or_else(ContactEdge::default, of);
-        }
-    }
-    for (finger, mut wrench) in &mut fingers {
-        let i = finger.0 as usize;
-        let origin = shared.0.fingers[i].placement.origin + newton.rigid.closing[i] * state.travel[i];
-        // Summed in edge order: the same bits every time.
-        let mut sum = FingerWrench::default();
-        for (_, e) in &edges.0[i] {
-            sum.force += e.force;
-            sum.torque += (e.point - origin).cross(e.force);
-        }
-        *wrench = sum;
-    }
-    report.min_gap = readout::min_gap(newton);
+    edges.0 = (0..newton.bodies()).map(|i| newton.edge_readings(state, i)).collect();
+    report.min_gap = edges.0.iter().flatten().map(|(_, edge)| edge.gap).fold(f64::INFINITY, f64::min);
     report.energy = solver.energy();
+}
+
+/// Copies the edges to their columns.
+pub fn write_edges(edges: Res<EdgeReadings>, mut pool: Query<(&FingerIndex, &mut ContactEdge)>) {
+    for (finger, mut column) in pool.contiguous_iter_mut().expect(TABLES) {
+        let column = column.bypass_change_detection();
+        for (f, rows) in rows_by_pad(finger) {
+            let own = &mut column[rows];
+            own.fill(ContactEdge::default());
+            for (number, e) in &edges.0[f] {
+                own[*number] = ContactEdge { gap: e.gap, normal: e.normal, point: e.point, force: e.force };
+            }
+        }
+    }
+}
+
+/// Measures the wrench on every pad: the sum over its contact edges, in their order.
+pub fn measure_wrench(
+    shared: Res<Shared>,
+    pool: Query<(&FingerIndex, &ContactEdge)>,
+    mut fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel, &mut FingerWrench)>,
+) {
+    let mut sums = vec![FingerWrench::default(); shared.0.fingers.len()];
+    let carried = fingers.iter().map(|(f, closing, travel, _)| (f.0 as usize, closing.0 * travel.0));
+    let origins: BTreeMap<usize, DVec3> =
+        carried.map(|(f, carried)| (f, shared.0.fingers[f].placement.origin + carried)).collect();
+    for (finger, edges) in pool.contiguous_iter().expect(TABLES) {
+        for (f, rows) in rows_by_pad(finger) {
+            for edge in edges[rows].iter().filter(|edge| edge.force != DVec3::ZERO) {
+                sums[f].force += edge.force;
+                sums[f].torque += (edge.point - origins[&f]).cross(edge.force);
+            }
+        }
+    }
+    for (finger, _, _, mut wrench) in &mut fingers {
+        *wrench = sums[finger.0 as usize];
+    }
 }
 
 /// Measures the force of the mount of a finger with prescribed travel: the reaction of the bonded nodes along the closing
@@ -188,18 +174,6 @@ pub fn measure_reaction(
     for (finger, closing, mut force) in &mut fingers {
         let i = finger.0 as usize;
         force.0 = (solver.mount(i) + solver.gel_weight(&shared.0, i)).dot(closing.0);
-    }
-}
-
-/// Measures friction on every contact edge.
-pub fn measure_friction(edges: Res<EdgeReadings>, mut pool: Query<(&EdgeIndex, &FingerIndex, &mut ContactFriction)>) {
-    for (index, finger, mut column) in pool.contiguous_iter_mut().expect(TABLES) {
-        let column = column.bypass_change_detection();
-        for row in 0..index.len() {
-            let e = edges.get(finger[row], index[row]);
-            let of = |e: &readout::EdgeReading| ContactFriction { force: e.friction, slips: e.slips };
-            column[row] = e.map_or_else(ContactFriction::default, of);
-        }
     }
 }
 

@@ -33,7 +33,7 @@ impl GraspSolver {
         self.path.recover();
         for (i, finger) in model.fingers.iter().enumerate() {
             self.path.newton.exchange(i, finger.body.clone()).map_err(|e| e.to_string())?;
-            self.path.newton.terms[i].splice(0..1, gel(gel_loads(model, i, self.start)));
+            self.path.newton.gel[i] = gel(gel_loads(model, i, self.start));
         }
         Ok(())
     }

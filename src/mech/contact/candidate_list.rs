@@ -8,10 +8,11 @@ use super::surface::ContactSurface;
 use crate::mech::potential::state::BodyView;
 use crate::scales::{DISTANCES_STALE, FACE_KEPT, FEATURES_LISTED};
 use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Known bounds of the distances of all features to the pad.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct CandidateList {
     /// Contact offset, m.
     offset: f64,
@@ -23,7 +24,7 @@ pub(crate) struct CandidateList {
 }
 
 /// Distances of all features to the pad at an earlier state.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 struct Seen {
     /// Node positions then, m.
     x: Vec<DVec3>,
@@ -31,7 +32,7 @@ struct Seen {
 }
 
 /// The only features that can matter while pad and object have not moved far.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 struct Nearby {
     /// Numbers of the features, ascending.
     features: Vec<usize>,
@@ -44,7 +45,7 @@ struct Nearby {
 }
 
 /// Earlier position of a feature relative to the finger, and bounds of its distance outside the pad, m.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(crate) struct GapBounds {
     pub at: DVec3,
     least: f64,
@@ -193,7 +194,7 @@ fn motion(before: &[DVec3], x: &[DVec3]) -> f64 {
 
 /// Position of the object relative to the finger, m, and its orientation.
 fn object(view: &BodyView) -> (DVec3, DMat3) {
-    (view.position - view.offset, view.rotation)
+    (view.object.position - view.offset, view.object.rotation)
 }
 
 /// Largest motion of a point of a quadratic face over that of its nodes: the sum of the magnitudes of its shape functions.

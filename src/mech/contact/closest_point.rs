@@ -3,9 +3,10 @@
 use super::folds;
 use super::surface::{SurfaceFace, face_frame};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// Closest point of the surface to a query point.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct ClosestPoint {
     /// Index of the face that it lies on.
     pub face: usize,

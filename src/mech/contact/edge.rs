@@ -2,9 +2,10 @@
 
 use super::law::ContactLaw;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// One potential contact between a pad and the object; `pressure > 0` tells whether it carries force.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct EdgeState {
     /// Gap, m; `+inf` where farther than anything that matters.
     pub gap: f64,

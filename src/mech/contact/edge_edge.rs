@@ -30,7 +30,7 @@ pub(crate) fn deepest(
             continue;
         }
         let point = stretch.point(middle);
-        let y = view.position + view.rotation * point - view.offset;
+        let y = view.object.position + view.object.rotation * point - view.offset;
         let Some(closest_point) = bounds.near(surface, view.x, y, (half + deep).min(reach)) else { continue };
         if closest_point.gap < best.0 {
             best = (closest_point.gap, Some(point));

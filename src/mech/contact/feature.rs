@@ -12,13 +12,16 @@ use super::pool::EdgePool;
 use super::project::FaceBounds;
 use super::site::Site;
 use super::surface::ContactSurface;
+use crate::error::Result;
 use crate::geometry::shape::Stretch;
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::body::Body;
+use crate::mech::potential::block::{BodyBlock, Pair};
 use crate::mech::potential::state::{BodyMotion, BodyView, Departure};
-use crate::mech::potential::term::{BodyBlock, BodyTerm, Pair, Stencil};
+use crate::mech::potential::term::{Assembly, BodyTerm, EdgeReading, Stencil};
 use crate::scales::FEATURE_MOVES;
 use glam::DVec3;
-use std::any::Any;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// A point of the object that must not slip between the sample points of a pad.
@@ -60,28 +63,13 @@ pub struct FeatureContact {
     accepted: Accepted,
     /// State from which the increment departed.
     from: Option<Departure>,
-    /// Flag: the Hessian includes how faces bend and turn.
-    sharp: bool,
 }
 
 /// State that a rollback goes back to.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Accepted {
     sites: Vec<Site>,
     candidates: CandidateList,
-}
-
-/// Force of a feature on a pad.
-#[derive(Debug, Clone, Copy)]
-pub struct FeatureForce {
-    /// Normal part, N, hand frame.
-    pub normal: DVec3,
-    /// Friction, N, hand frame.
-    pub friction: DVec3,
-    /// Point of the pad that is touched.
-    pub now: Stencil,
-    /// Nodes that share the force for reporting, with non-negative weights.
-    pub report: Stencil,
 }
 
 impl FeatureContact {
@@ -92,7 +80,7 @@ impl FeatureContact {
         let area = surface.spacing * surface.spacing;
         let (bounds, candidates) = (FaceBounds::new(law.offset), CandidateList::new(law.offset));
         let accepted = Accepted { sites: sites.clone(), candidates: candidates.clone() };
-        Self { pool, surface, features, area, accepted, sites, bounds, candidates, from: None, sharp: true }
+        Self { pool, surface, features, area, accepted, sites, bounds, candidates, from: None }
     }
 
     /// Edges of the features near the pad, with the numbers of the features; in the order of these once accepted.
@@ -103,22 +91,6 @@ impl FeatureContact {
     /// The edge of feature `i`.
     pub fn edge(&self, i: usize) -> &EdgeState {
         self.pool.edge(i)
-    }
-
-    /// Smallest gap of the last assembly, m; `+inf` if no feature is near.
-    pub fn min_gap(&self) -> f64 {
-        self.pool.min_gap()
-    }
-
-    /// Force of feature `i` on the pad.
-    pub fn readout(&self, i: usize) -> FeatureForce {
-        let (e, touch) = (self.pool.edge(i), &self.sites[i].touch);
-        FeatureForce {
-            normal: e.normal * (e.pressure * self.area),
-            friction: e.traction * self.area,
-            now: touch.as_ref().map_or(Stencil::NONE, |touch| touch.now),
-            report: touch.as_ref().map_or(Stencil::NONE, |touch| touch.report),
-        }
     }
 
     /// The law of feature `i`.
@@ -151,8 +123,8 @@ impl FeatureContact {
     fn stretch(&self, i: usize, drag: Option<DVec3>, view: &BodyView) -> Option<(&Stencil, DVec3)> {
         let (drag, site) = (drag?, &self.sites[i]);
         let stick = &site.touch.as_ref()?.stick;
-        let arm = view.rotation * site.position;
-        Some((stick, stick.position(view.x) + view.offset - view.position - arm + drag))
+        let arm = view.object.rotation * site.position;
+        Some((stick, stick.position(view.x) + view.offset - view.object.position - arm + drag))
     }
 }
 
@@ -179,7 +151,7 @@ impl BodyTerm for FeatureContact {
         energy
     }
 
-    fn assemble(&mut self, body: &Body, view: &BodyView, project: bool, block: &mut BodyBlock) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, how: Assembly, block: &mut BodyBlock) {
         self.bounds.update(&self.surface, view.x);
         let sites = &self.sites;
         self.candidates.update(&self.surface, view.x, &self.bounds, sites.len(), |i| sites[i].place(view));
@@ -189,18 +161,18 @@ impl BodyTerm for FeatureContact {
         let mut seen = vec![GapBounds::UNKNOWN; self.features.len()];
         for i in nearby.unwrap_or_else(|| self.all()) {
             let near = self.candidates.bounds(i, self.sites[i].place(view), moved);
-            block.lag += (self.area * self.update(i, view, near)).powi(2);
+            block.rigid.lag += (self.area * self.update(i, view, near, how.damping)).powi(2);
             let (e, law) = (*self.pool.edge(i), self.law_of(i));
             seen[i] = near.narrowed(self.sites[i].incident(), law.offset);
-            let arm = view.rotation * self.sites[i].position;
+            let arm = view.object.rotation * self.sites[i].position;
             for (closest_point, weight, curvature) in self.sites[i].incident() {
                 let e = e.on(&law, closest_point.gap, -closest_point.normal);
                 if e.pressure > 0.0 {
-                    let pair = feature_pair(&law, &e, weight * self.area, arm, curvature, project);
+                    let pair = feature_pair(&law, &e, weight * self.area, arm, curvature, how.project);
                     let place = self.surface.faces[closest_point.face].stencil(closest_point.l);
-                    block.add_pair(body, view, &place, &weighed(pair, *weight, project));
+                    block.add_pair(body, view, &place, &weighed(pair, *weight, how.project));
                     let force = e.pressure * weight * self.area;
-                    let bent = (self.sharp && block.hessian && !project)
+                    let bent = (how.sharp && block.wants_hessian() && !how.project)
                         .then(|| bend(&self.surface.faces[closest_point.face], view.x, closest_point, force))
                         .flatten();
                     if let Some(form) = bent {
@@ -209,7 +181,7 @@ impl BodyTerm for FeatureContact {
                 }
             }
             if let Some((stick, s)) = self.stretch(i, e.sticks(), view) {
-                let pair = friction_pair(&self.pool.law, &e, self.area, s, arm, project);
+                let pair = friction_pair(&self.pool.law, &e, self.area, s, arm, how.project);
                 block.add_pair(body, view, stick, &pair);
             }
         }
@@ -223,7 +195,7 @@ impl BodyTerm for FeatureContact {
 
     fn couple(&self, body: &Body, view: &BodyView, motion: &BodyMotion, change: &mut BodyBlock) {
         for (i, site) in self.sites.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).sticks().is_some()) {
-            let (r, Some(touch)) = (view.rotation * site.position, &site.touch) else { continue };
+            let (r, Some(touch)) = (view.object.rotation * site.position, &site.touch) else { continue };
             if let Some(drag) = self.pool.drag(i, &self.law_of(i), motion.relative(&touch.now, r)) {
                 change.add_pair(body, view, &touch.stick, &Pair::force(drag * -self.area, r));
             }
@@ -265,16 +237,41 @@ impl BodyTerm for FeatureContact {
         self.follow(view) && stiff
     }
 
-    fn damp(&mut self, damping: f64) {
-        self.pool.damping = damping;
+    fn edge_count(&self) -> usize {
+        self.features.len()
     }
 
-    fn sharpen(&mut self, sharp: bool) {
-        self.sharp = sharp;
+    fn edge_readings(&self, view: &BodyView) -> Vec<EdgeReading> {
+        let of = |(i, e): (usize, &EdgeState)| {
+            let touch = self.sites[i].touch.as_ref();
+            let (touched, report) = touch.map_or((Stencil::NONE, Stencil::NONE), |touch| (touch.now, touch.report));
+            let friction = e.traction * self.area;
+            EdgeReading {
+                number: i,
+                gap: e.gap,
+                normal: e.normal,
+                pressure: e.pressure,
+                point: touched.position(view.x) + view.offset,
+                force: e.normal * (e.pressure * self.area) + friction,
+                friction,
+                slips: e.slips,
+                touched,
+                report,
+            }
+        };
+        self.pool.near().map(of).collect()
     }
 
-    fn as_any(&self) -> &dyn Any {
-        self
+    fn write_history(&self, history: &mut HistoryWriter) {
+        self.pool.write_history(history);
+        history.write(&self.accepted);
+    }
+
+    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+        self.pool.read_history(history)?;
+        self.accepted = history.read()?;
+        self.rollback();
+        Ok(())
     }
 }
 
@@ -307,13 +304,13 @@ impl FeatureContact {
     }
 
     /// Refreshes gap, pressure and friction of edge `i`, whose feature is `near`; returns how far its friction limit lags, Pa.
-    fn update(&mut self, i: usize, view: &BodyView, near: GapBounds) -> f64 {
+    fn update(&mut self, i: usize, view: &BodyView, near: GapBounds, damping: f64) -> f64 {
         let law = self.law_of(i);
         let incident = self.incident(&self.bounds, i, view.x, near, false);
         // The object's outward normal at the contact is the pad's inward one.
         let places =
             incident.iter().map(|(closest_point, weight, _)| (closest_point.gap, -closest_point.normal, *weight));
-        let lag = self.pool.press(i, &law, places);
+        let lag = self.pool.press(i, &law, damping, places);
         let site = &mut self.sites[i];
         site.press(incident, &self.surface);
         let Some(touch) = &mut site.touch else { return 0.0 };
@@ -334,6 +331,6 @@ impl FeatureContact {
             self.pool.touch(i, &law, drag, || -normal.dot(start));
         }
         let stretch = self.stretch(i, self.pool.edge(i).anchor, view).map(|(_, stretch)| stretch);
-        lag.hypot(stretch.map_or(0.0, |stretch| self.pool.rub(i, &law, stretch)))
+        lag.hypot(stretch.map_or(0.0, |stretch| self.pool.rub(i, &law, damping, stretch)))
     }
 }

@@ -14,7 +14,7 @@
 use super::closest_point::{ClosestPoint, ON_RIM, tangents};
 use super::folds::bends;
 use super::surface::SurfaceFace;
-use crate::mech::potential::term::Form;
+use crate::mech::potential::block::Form;
 use glam::{DMat2, DVec2, DVec3};
 
 /// Second derivatives that a pressure force `p` (N) on the pad has for this reason; `None` on the rim of the face, where the

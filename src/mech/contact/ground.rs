@@ -4,14 +4,14 @@ use super::edge::EdgeState;
 use super::law::ContactLaw;
 use super::pair::{feature_pair, friction_pair, slip};
 use super::pool::EdgePool;
-use crate::mech::body::Body;
-use crate::mech::potential::state::object_only;
-use crate::mech::potential::state::{BodyMotion, BodyView};
-use crate::mech::potential::term::{BodyBlock, BodyTerm, Pair, Stencil};
+use crate::error::Result;
+use crate::history::{HistoryReader, HistoryWriter};
+use crate::mech::potential::block::{Pair, RigidBlock};
+use crate::mech::potential::state::{ObjectMotion, ObjectView};
+use crate::mech::potential::term::{Assembly, ObjectTerm};
 use crate::mech::potential::time_step::TimeStep;
 use crate::scene::motion::HandState;
 use glam::{DMat3, DVec3};
-use std::any::Any;
 use std::iter;
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ impl GroundContact {
         normal: DVec3,
         height: f64,
         hand: HandState,
-        view: &BodyView,
+        view: &ObjectView,
     ) -> Self {
         // Forces, not pressures: no limit is too small to matter.
         let mut pool = EdgePool::new(law, vertices.len());
@@ -48,13 +48,18 @@ impl GroundContact {
         Self { pool, vertices, normal, height, hand, last }
     }
 
+    /// Begins a time step.
+    pub fn begin(&mut self, step: &TimeStep) {
+        self.hand = step.hand;
+    }
+
     /// Edges of the vertices near the ground, with the numbers of the vertices.
     pub fn edges(&self) -> impl Iterator<Item = (usize, &EdgeState)> {
         self.pool.near()
     }
 
     /// Force of the ground on the object, N, and its torque about `center` (hand frame, m), N m; both in hand axes.
-    pub fn wrench(&self, view: &BodyView, center: DVec3) -> (DVec3, DVec3) {
+    pub fn wrench(&self, view: &ObjectView, center: DVec3) -> (DVec3, DVec3) {
         let mut sum = (DVec3::ZERO, DVec3::ZERO);
         for (i, v) in self.vertices.iter().enumerate() {
             let e = self.pool.edge(i);
@@ -79,25 +84,25 @@ impl GroundContact {
     }
 
     /// Refreshes gap, force and friction of edge `i`; returns how far its friction limit lags, N.
-    fn update(&mut self, i: usize, view: &BodyView) -> f64 {
+    fn update(&mut self, i: usize, view: &ObjectView, damping: f64) -> f64 {
         let arm = view.rotation * self.vertices[i];
         let gap = self.gap(self.hand.to_world(view.position + arm));
         let (law, last) = (self.pool.law, self.last[i]);
         // The outward normal of the object is the inward one of the ground.
         let normal = -(self.hand.rotation.conjugate() * self.normal);
-        let Some(lag) = self.pool.press(i, &law, iter::once((gap, normal, 1.0))) else { return 0.0 };
+        let Some(lag) = self.pool.press(i, &law, damping, iter::once((gap, normal, 1.0))) else { return 0.0 };
         if self.pool.is_fresh(i) {
             let clear = self.gap(last);
             self.pool.touch(i, &law, last, || clear);
         }
         let anchor = self.pool.edge(i).anchor.unwrap_or(last);
-        let behind = self.pool.rub(i, &law, self.hand.to_hand(anchor) - view.position - arm);
+        let behind = self.pool.rub(i, &law, damping, self.hand.to_hand(anchor) - view.position - arm);
         lag.hypot(behind)
     }
 }
 
-impl BodyTerm for GroundContact {
-    fn energy(&self, _: &Body, view: &BodyView) -> f64 {
+impl ObjectTerm for GroundContact {
+    fn energy(&self, view: &ObjectView) -> f64 {
         let mut energy = 0.0;
         for (i, v) in self.vertices.iter().enumerate() {
             let e = self.pool.edge(i);
@@ -110,48 +115,37 @@ impl BodyTerm for GroundContact {
         energy
     }
 
-    fn assemble(&mut self, body: &Body, view: &BodyView, project: bool, block: &mut BodyBlock) {
-        let (view, nowhere) = (object_only(view), Stencil::new(std::iter::empty()));
+    fn assemble(&mut self, view: &ObjectView, how: Assembly, block: &mut RigidBlock) {
         for i in 0..self.vertices.len() {
-            block.lag += self.update(i, &view).powi(2);
+            block.lag += self.update(i, view, how.damping).powi(2);
             let e = *self.pool.edge(i);
             let arm = view.rotation * self.vertices[i];
             if e.pressure > 0.0 {
-                block.add_pair(
-                    body,
-                    &view,
-                    &nowhere,
-                    &feature_pair(&self.pool.law, &e, 1.0, arm, &DMat3::ZERO, project),
-                );
+                block.add_object_pair(view, &feature_pair(&self.pool.law, &e, 1.0, arm, &DMat3::ZERO, how.project));
             }
             if let Some(anchor) = e.sticks() {
                 let s = self.hand.to_hand(anchor) - view.position - arm;
-                block.add_pair(body, &view, &nowhere, &friction_pair(&self.pool.law, &e, 1.0, s, arm, project));
+                block.add_object_pair(view, &friction_pair(&self.pool.law, &e, 1.0, s, arm, how.project));
             }
         }
     }
 
-    fn begin(&mut self, step: &TimeStep) {
-        self.hand = step.hand;
-    }
-
-    fn clearance(&self, _: &Body, view: &BodyView) -> f64 {
+    fn clearance(&self, view: &ObjectView) -> f64 {
         let gap = |v: &DVec3| self.gap(self.hand.to_world(view.position + view.rotation * *v));
         self.vertices.iter().map(gap).fold(f64::INFINITY, f64::min) - 0.5 * self.pool.law.offset
     }
 
-    fn couple(&self, body: &Body, view: &BodyView, motion: &BodyMotion, change: &mut BodyBlock) {
-        let (view, nowhere) = (object_only(view), Stencil::new(std::iter::empty()));
+    fn couple(&self, view: &ObjectView, motion: &ObjectMotion, change: &mut RigidBlock) {
         for (i, v) in self.vertices.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).sticks().is_some()) {
             let r = view.rotation * *v;
             let away = -motion.position - motion.rotation.cross(r);
             if let Some(drag) = self.pool.drag(i, &self.pool.law, away) {
-                change.add_pair(body, &view, &nowhere, &Pair::force(-drag, r));
+                change.add_object_pair(view, &Pair::force(-drag, r));
             }
         }
     }
 
-    fn commit(&mut self, _: &Body, view: &BodyView) {
+    fn commit(&mut self, view: &ObjectView) {
         for (last, v) in self.last.iter_mut().zip(self.vertices.iter()) {
             *last = self.hand.to_world(view.position + view.rotation * *v);
         }
@@ -163,16 +157,18 @@ impl BodyTerm for GroundContact {
         self.pool.rollback();
     }
 
-    fn satisfied(&mut self, _: &Body, _: &BodyView) -> bool {
+    fn satisfied(&mut self) -> bool {
         let least = self.pool.law.least();
         self.pool.satisfied(|_| least)
     }
 
-    fn damp(&mut self, damping: f64) {
-        self.pool.damping = damping;
+    fn write_history(&self, history: &mut HistoryWriter) {
+        self.pool.write_history(history);
+        history.write(&self.last);
     }
 
-    fn as_any(&self) -> &dyn Any {
-        self
+    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+        self.pool.read_history(history)?;
+        history.read_into(&mut self.last)
     }
 }

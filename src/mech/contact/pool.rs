@@ -3,6 +3,8 @@
 use super::edge::EdgeState;
 use super::law::ContactLaw;
 use super::pair::slip;
+use crate::error::{Error, Result};
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::scales::NO_FRICTION;
 use glam::DVec3;
 
@@ -18,8 +20,6 @@ pub(crate) struct EdgePool {
     committed: Vec<(usize, EdgeState)>,
     /// The law of every edge.
     pub law: ContactLaw,
-    /// Part of the way that lagged friction goes per iteration.
-    pub damping: f64,
     /// Friction limit that counts as none, in the unit of the pressure.
     pub negligible: f64,
 }
@@ -36,7 +36,6 @@ impl EdgePool {
             slot,
             committed: Vec::new(),
             law,
-            damping: 1.0,
             negligible: NO_FRICTION * law.stiffness * law.offset,
         }
     }
@@ -98,6 +97,25 @@ impl EdgePool {
         self.committed.retain(|(k, _)| *k != i);
     }
 
+    /// Writes the edges last accepted.
+    pub fn write_history(&self, history: &mut HistoryWriter) {
+        history.write(&self.committed);
+    }
+
+    /// Reads the edges last accepted.
+    ///
+    /// # Errors
+    /// Fails for a history of something else.
+    pub fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+        let edges: Vec<(usize, EdgeState)> = history.read()?;
+        if edges.iter().any(|(i, _)| *i >= self.slot.len()) {
+            return Err(Error::Start("the saved state has contact edges that the scene lacks".into()));
+        }
+        self.committed = edges;
+        self.rollback();
+        Ok(())
+    }
+
     /// Restores the edges last accepted.
     pub fn rollback(&mut self) {
         let slot = &mut self.slot;
@@ -119,19 +137,20 @@ impl EdgePool {
     }
 
     /// Sets gap, normal and pressure of edge `i` under `law` from the places that it touches (gap, m, normal and weight of
-    /// each, the nearest first) and relaxes its friction limit. Returns how far the limit lags, Pa, if friction acts;
+    /// each, the nearest first) and relaxes its friction limit by the part `damping`. Returns how far the limit lags, Pa, if friction acts;
     /// [`EdgePool::rub`] must follow.
     pub fn press(
         &mut self,
         i: usize,
         law: &ContactLaw,
+        damping: f64,
         places: impl Iterator<Item = (f64, DVec3, f64)>,
     ) -> Option<f64> {
         let mut places = places.peekable();
         if places.peek().is_none() && self.slot[i] == NOWHERE {
             return None;
         }
-        let (damping, negligible) = (self.damping, self.negligible);
+        let negligible = self.negligible;
         let e = self.edge_mut(i);
         e.press(law, places);
         e.traction = DVec3::ZERO;
@@ -183,8 +202,7 @@ impl EdgePool {
 
     /// Sets the traction of edge `i`, whose points have moved apart by `s` (m) since they stuck, or since the increment began; returns
     /// how far the part of it that the spring takes up lags, Pa.
-    pub fn rub(&mut self, i: usize, law: &ContactLaw, s: DVec3) -> f64 {
-        let damping = self.damping;
+    pub fn rub(&mut self, i: usize, law: &ContactLaw, damping: f64, s: DVec3) -> f64 {
         let e = self.edge_mut(i);
         let s = slip(s, e.plane);
         let missing = e.past_touch(law.offset) - e.share;

@@ -5,9 +5,10 @@ use super::surface::ContactSurface;
 use crate::mech::potential::state::BodyView;
 use crate::mech::potential::term::Stencil;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// Position of a feature on the object, and its contact with a pad.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Site {
     /// Position of the feature in the object frame, m.
     pub position: DVec3,
@@ -18,7 +19,7 @@ pub(crate) struct Site {
 }
 
 /// Point where a feature meets the pad now, and point where it sticks.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct FeatureTouch {
     /// Faces that the feature presses on, the nearest first.
     pub incident: Vec<IncidentFace>,
@@ -67,6 +68,6 @@ impl Site {
 
     /// Position of the feature under `view`, m, relative to the finger.
     pub fn place(&self, view: &BodyView) -> DVec3 {
-        view.position + view.rotation * self.position - view.offset
+        view.object.position + view.object.rotation * self.position - view.offset
     }
 }

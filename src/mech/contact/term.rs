@@ -5,13 +5,16 @@ use super::law::ContactLaw;
 use super::pair::{friction_pair, normal_pair, slip, weighed};
 use super::pool::EdgePool;
 use super::surface::ContactSurface;
+use crate::error::Result;
 use crate::geometry::shape::{SignedDistance, SurfaceTouch};
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::body::Body;
+use crate::mech::potential::block::{BodyBlock, Pair};
 use crate::mech::potential::state::{BodyMotion, BodyView, Departure};
-use crate::mech::potential::term::{BodyBlock, BodyTerm, Pair, Stencil};
+use crate::mech::potential::term::{Assembly, BodyTerm, EdgeReading, Stencil};
 use crate::scales::{LOOK_AHEAD, MIDDLE_CUT};
 use glam::DVec3;
-use std::any::Any;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Contact and friction between a pad and the object.
@@ -31,7 +34,7 @@ pub struct PointContact {
 }
 
 /// Distance of a point to the object when that was last looked up. It holds whatever is accepted or taken back.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Seen {
     /// Position of the point then, object frame, m.
     at: DVec3,
@@ -65,16 +68,6 @@ impl PointContact {
         self.pool.edge(i)
     }
 
-    /// The sample points of the pad.
-    pub fn surface(&self) -> &ContactSurface {
-        &self.surface
-    }
-
-    /// Smallest gap of the edges that were evaluated exactly in the last assembly, m.
-    pub fn min_gap(&self) -> f64 {
-        self.pool.min_gap()
-    }
-
     /// Force on the pad at point `i`, N, hand frame.
     pub fn force(&self, i: usize) -> DVec3 {
         let e = self.pool.edge(i);
@@ -85,7 +78,7 @@ impl PointContact {
 /// Position of a point in the hand frame and in the object's frame.
 fn locate(stencil: &Stencil, view: &BodyView) -> (DVec3, DVec3) {
     let world = stencil.position(view.x) + view.offset;
-    (world, view.rotation.transpose() * (world - view.position))
+    (world, view.object.rotation.transpose() * (world - view.object.position))
 }
 
 impl BodyTerm for PointContact {
@@ -101,35 +94,35 @@ impl BodyTerm for PointContact {
                 energy += area * touch.sum(|c| law.normal_energy(c.distance, e.scale));
             }
             if let Some(anchor) = e.sticks() {
-                let s = slip(world - view.position - view.rotation * anchor, e.plane);
+                let s = slip(world - view.object.position - view.object.rotation * anchor, e.plane);
                 energy += area * e.friction_energy(&law, s);
             }
         }
         energy
     }
 
-    fn assemble(&mut self, body: &Body, view: &BodyView, project: bool, block: &mut BodyBlock) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, how: Assembly, block: &mut BodyBlock) {
         for i in 0..self.felt.len() {
             if !self.felt[i] {
                 continue;
             }
             let stencil = self.surface.points[i];
             let area = self.surface.area[i];
-            let (lag, touch) = self.update(i, &stencil, view);
-            block.lag += (area * lag).powi(2);
+            let (lag, touch) = self.update(i, &stencil, view, how.damping);
+            block.rigid.lag += (area * lag).powi(2);
             let (law, e) = (&self.law_of(i), self.pool.edge(i));
             let (world, _) = locate(&stencil, view);
             for (c, weight) in touch.iter().flat_map(SurfaceTouch::places) {
-                let e = e.on(law, c.distance, view.rotation * c.normal);
+                let e = e.on(law, c.distance, view.object.rotation * c.normal);
                 if e.pressure > 0.0 {
-                    let curvature = view.rotation * c.curvature * view.rotation.transpose();
-                    let pair = normal_pair(law, &e, area * weight, world - view.position, &curvature, project);
-                    block.add_pair(body, view, &stencil, &weighed(pair, weight, project));
+                    let curvature = view.object.rotation * c.curvature * view.object.rotation.transpose();
+                    let pair = normal_pair(law, &e, area * weight, world - view.object.position, &curvature, how.project);
+                    block.add_pair(body, view, &stencil, &weighed(pair, weight, how.project));
                 }
             }
             if let Some(anchor) = e.sticks() {
-                let arm = view.rotation * anchor;
-                let pair = friction_pair(law, e, area, world - view.position - arm, arm, project);
+                let arm = view.object.rotation * anchor;
+                let pair = friction_pair(law, e, area, world - view.object.position - arm, arm, how.project);
                 block.add_pair(body, view, &stencil, &pair);
             }
         }
@@ -141,11 +134,11 @@ impl BodyTerm for PointContact {
             if e.sticks().is_none() {
                 continue;
             }
-            let r = locate(stencil, view).0 - view.position;
+            let r = locate(stencil, view).0 - view.object.position;
             if let (Some(drag), Some(anchor)) =
                 (self.pool.drag(i, &self.law_of(i), motion.relative(stencil, r)), e.anchor)
             {
-                change.add_pair(body, view, stencil, &Pair::force(drag * -area, view.rotation * anchor));
+                change.add_pair(body, view, stencil, &Pair::force(drag * -area, view.object.rotation * anchor));
             }
         }
     }
@@ -171,7 +164,7 @@ impl BodyTerm for PointContact {
         self.pool.commit(|i, e| {
             let (_, q) = locate(&points[i], view);
             let drag = e.traction * (1.0 / tangential) - e.normal * e.gap;
-            q + view.rotation.transpose() * drag
+            q + view.object.rotation.transpose() * drag
         });
         for i in self.surface.vertices..self.felt.len() {
             let pressed = |i: usize| self.pool.edge(i).pressure > 0.0;
@@ -195,12 +188,38 @@ impl BodyTerm for PointContact {
         self.feel(view) && stiff
     }
 
-    fn damp(&mut self, damping: f64) {
-        self.pool.damping = damping;
+    fn edge_count(&self) -> usize {
+        self.felt.len()
     }
 
-    fn as_any(&self) -> &dyn Any {
-        self
+    fn edge_readings(&self, view: &BodyView) -> Vec<EdgeReading> {
+        let of = |(i, e): (usize, &EdgeState)| EdgeReading {
+            number: i,
+            gap: e.gap,
+            normal: e.normal,
+            pressure: e.pressure,
+            point: self.surface.points[i].position(view.x) + view.offset,
+            force: self.force(i),
+            friction: e.traction * self.surface.area[i],
+            slips: e.slips,
+            touched: self.surface.points[i],
+            report: self.surface.report[i],
+        };
+        self.pool.near().map(of).collect()
+    }
+
+    fn write_history(&self, history: &mut HistoryWriter) {
+        self.pool.write_history(history);
+        history.write(&*self.seen);
+        history.write(&self.felt);
+    }
+
+    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+        self.pool.read_history(history)?;
+        history.read_into(Arc::make_mut(&mut self.seen).as_mut_slice())?;
+        history.read_into(&mut self.felt)?;
+        self.committed.clone_from(&self.felt);
+        Ok(())
     }
 }
 
@@ -239,7 +258,7 @@ impl PointContact {
 
     /// Refreshes gap, pressure and friction of edge `i`. Returns how far its friction limit lags, Pa, and where it touches the
     /// object, object axes.
-    fn update(&mut self, i: usize, stencil: &Stencil, view: &BodyView) -> (f64, Option<SurfaceTouch>) {
+    fn update(&mut self, i: usize, stencil: &Stencil, view: &BodyView, damping: f64) -> (f64, Option<SurfaceTouch>) {
         let law = self.law_of(i);
         let (world, q) = locate(stencil, view);
         let mut touch = None;
@@ -252,18 +271,18 @@ impl PointContact {
             Arc::make_mut(&mut self.seen)[i] = Seen { at: q, bound };
         }
         let places = touch.iter().flat_map(SurfaceTouch::places);
-        let places = places.map(|(c, weight)| (c.distance, view.rotation * c.normal, weight));
-        let Some(lag) = self.pool.press(i, &law, places) else { return (0.0, touch) };
+        let places = places.map(|(c, weight)| (c.distance, view.object.rotation * c.normal, weight));
+        let Some(lag) = self.pool.press(i, &law, damping, places) else { return (0.0, touch) };
         let e = *self.pool.edge(i);
         let mut anchor = e.anchor.unwrap_or(q);
         if self.pool.is_fresh(i) {
             let start = self.from.as_ref().map_or(q, |from| from.in_object(stencil));
             // On the surface, where it touches now; one that is far off again has no gap.
-            let normal = view.rotation.transpose() * e.normal;
+            let normal = view.object.rotation.transpose() * e.normal;
             anchor = start + normal * (normal.dot(q - start) - e.gap.min(law.offset));
             self.pool.touch(i, &law, anchor, || self.object.distance(start));
         }
-        let behind = self.pool.rub(i, &law, world - view.position - view.rotation * anchor);
+        let behind = self.pool.rub(i, &law, damping, world - view.object.position - view.object.rotation * anchor);
         (lag.hypot(behind), touch)
     }
 }

@@ -11,7 +11,7 @@ use crate::mech::body::Body;
 use crate::mech::body::cholesky::Factor;
 use crate::mech::body::pattern::FIXED;
 use crate::mech::potential::state::{MAX_RIGID, NewtonStep};
-use crate::mech::potential::term::BodyBlock;
+use crate::mech::potential::block::{BodyBlock, RigidBlock};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -83,16 +83,16 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Combines solved blocks into the full Newton step; `extra` (N/m) is added to the diagonal of the rigid unknowns. Negative or
+/// Combines solved blocks, and the block of the object alone, into the full Newton step. Negative or
 /// tiny curvature of the rigid unknowns (rigid modes of an object that nothing holds yet) is replaced by its magnitude and
 /// shifted so that the rigid unknowns move by at most `cap` (m). The step descends and stays finite, and does not depend on the
 /// basis of modes of equal stiffness. The solution is not changed, because only the matrix is. The first `unknowns` of the
 /// `size` rigid columns move.
 pub fn step(
     blocks: &[ArrowBlock],
+    object: &RigidBlock,
     rigid_gradient: &[f64; MAX_RIGID],
     [unknowns, size]: [usize; 2],
-    extra: f64,
     cap: f64,
 ) -> NewtonStep {
     let (mut s, mut g) = ([[0.0; MAX_RIGID]; MAX_RIGID], *rigid_gradient);
@@ -100,12 +100,12 @@ pub fn step(
         let (schur, reduced) = b.schur(size);
         for i in 0..size {
             for j in 0..size {
-                s[i][j] += b.block.rigid_hessian[i][j] - schur[i][j];
+                s[i][j] += b.block.rigid.hessian[i][j] - schur[i][j];
             }
             g[i] -= reduced[i];
         }
     }
-    (0..size).for_each(|i| s[i][i] += extra);
+    (0..size).for_each(|i| (0..size).for_each(|j| s[i][j] += object.hessian[i][j]));
     let dy = solve_rigid(&s, &g, unknowns, cap);
     let x = blocks
         .iter()

@@ -32,10 +32,9 @@ impl Newton {
             b.extra.clear(false);
             b.solve(anew);
         });
-        let gradient = self.rigid_gradient(now);
-        let extra = self.proximal.as_ref().map_or(0.0, |springs| springs.rigid);
+        let gradient = self.rigid_gradient();
         let columns = [self.unknowns(), self.rigid.size];
-        let plain = arrow::step(&self.blocks, &gradient, columns, extra, cap);
+        let plain = arrow::step(&self.blocks, &self.object_block, &gradient, columns, cap);
         if !follow {
             return (plain, gradient);
         }
@@ -46,10 +45,9 @@ impl Newton {
             }
             self.blocks.par_iter_mut().for_each(|b| b.solve(false));
             let mut g = gradient;
-            for b in &self.blocks {
-                g.iter_mut().zip(b.extra.rigid_gradient).for_each(|(g, e)| *g += e);
-            }
-            let next = arrow::step(&self.blocks, &g, columns, extra, cap);
+            let extras = self.blocks.iter().map(|b| &b.extra.rigid).chain([&self.object_extra]);
+            extras.for_each(|extra| g.iter_mut().zip(extra.gradient).for_each(|(g, e)| *g += e));
+            let next = arrow::step(&self.blocks, &self.object_block, &g, columns, cap);
             let change = next.distance(&step);
             if change.total_cmp(&(CONTRACTION * last)).is_gt() {
                 return (plain, gradient);
@@ -71,6 +69,8 @@ impl Newton {
             let view = now.view(i, rigid);
             terms[i].iter().for_each(|t| t.couple(&b.body, &view, &step.motion(i, &view), &mut b.extra));
         });
-        self.blocks.iter().any(|b| b.extra.activity > 0.0)
+        self.object_extra.clear(false);
+        self.object.couple(now, rigid, step, &mut self.object_extra);
+        self.object_extra.activity > 0.0 || self.blocks.iter().any(|b| b.extra.rigid.activity > 0.0)
     }
 }

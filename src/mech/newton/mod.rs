@@ -4,16 +4,21 @@ pub mod arrow;
 mod direction;
 pub mod effort;
 mod lagging;
+pub mod object;
 pub mod proximal;
 mod solve;
 
 use self::arrow::ArrowBlock;
 use self::effort::Effort;
+use self::object::ObjectTerms;
 use self::proximal::Proximal;
 use super::body::Body;
+use super::potential::block::RigidBlock;
 use super::potential::state::{Departure, MAX_RIGID, NewtonStep, RigidUnknowns, State};
-use super::potential::term::BodyTerm;
+use super::potential::term::{Assembly, BodyTerm, EdgeReading};
+use super::potential::time_step::TimeStep;
 use crate::error::Result;
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::scales::{DISPLACEMENT_TOLERANCE, LARGEST_MOTION};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -80,8 +85,6 @@ pub enum Failure {
     Effort(u64),
     /// The wall time that a grasp may take is over, s.
     Time(f64),
-    /// The object is still moving: nothing failed, but its way is followed in stages.
-    Underway,
     /// The user asked to stop.
     Interrupted,
 }
@@ -115,7 +118,6 @@ impl std::fmt::Display for Failure {
             Failure::Time(seconds) => {
                 write!(f, "no equilibrium within the {seconds} s of wall time that a grasp may take")
             }
-            Failure::Underway => f.write_str("the object is still moving"),
             Failure::Interrupted => f.write_str("interrupted"),
             Failure::Unsettled => f.write_str("the object keeps rolling or sliding and does not come to rest"),
             Failure::Singular => f.write_str("the stiffness is not positive definite or not finite"),
@@ -142,16 +144,29 @@ pub struct SolverProfile {
     pub frozen: u64,
 }
 
+/// Copy of all terms, with their history.
+pub struct SavedTerms {
+    gel: Vec<Vec<Box<dyn BodyTerm>>>,
+    terms: Vec<Vec<Box<dyn BodyTerm>>>,
+    object: ObjectTerms,
+}
+
 /// Bodies with their terms, and the rigid unknowns that join them.
 pub struct Newton {
-    /// Terms of each body.
+    /// Terms of each body: the law of its gel, or what stands for it.
+    pub gel: Vec<Vec<Box<dyn BodyTerm>>>,
+    /// Terms of each body beside its gel: contact, inertia, drive.
     pub terms: Vec<Vec<Box<dyn BodyTerm>>>,
+    /// Terms of the object.
+    pub object: ObjectTerms,
     /// Layout of the rigid unknowns.
     pub rigid: RigidUnknowns,
     /// Force along each driven travel, N.
     pub force: Vec<f64>,
     /// Timings.
     pub profile: SolverProfile,
+    /// The time step that is solved for; None on a quasi-static path.
+    pub step: Option<TimeStep>,
     /// The springs of a pseudo-time step, on paths without stable equilibria.
     pub proximal: Option<Proximal>,
     /// Flag: the object is held where it is, and its pose is no unknown.
@@ -159,10 +174,13 @@ pub struct Newton {
     /// Limit on the work of the solver.
     pub effort: Effort,
     pub(crate) blocks: Vec<ArrowBlock>,
+    /// Gradient and Hessian of what acts on the rigid unknowns alone, and gradients to be solved for beside them.
+    pub(crate) object_block: RigidBlock,
+    pub(crate) object_extra: RigidBlock,
 }
 
 impl Newton {
-    /// Creates a solver for `bodies` with `terms` per body.
+    /// Creates a solver for `bodies` with `terms` per body, without terms of gel or object.
     ///
     /// # Errors
     /// Fails if the factorisation of a body cannot be analysed.
@@ -170,15 +188,21 @@ impl Newton {
         // Analyses take long the first time.
         let blocks: Vec<_> = bodies.into_par_iter().map(|b| ArrowBlock::new(b, rigid.size)).collect::<Result<_>>()?;
         let force = vec![0.0; blocks.len()];
+        let gel = blocks.iter().map(|_| Vec::new()).collect();
         Ok(Self {
+            gel,
             terms,
+            object: ObjectTerms::default(),
             rigid,
             force,
             profile: SolverProfile::default(),
+            step: None,
             proximal: None,
             object_fixed: false,
             effort: Effort::default(),
             blocks,
+            object_block: RigidBlock::default(),
+            object_extra: RigidBlock::default(),
         })
     }
 
@@ -207,20 +231,22 @@ impl Newton {
             .into_par_iter()
             .map(|i| {
                 let view = state.view(i, &self.rigid);
-                self.terms[i].iter().map(|t| t.energy(&self.blocks[i].body, &view)).sum()
+                self.body_terms(i).map(|t| t.energy(&self.blocks[i].body, &view)).sum()
             })
             .collect();
+        let object = self.object.energy(state, &self.rigid);
         // Summed in body order: the same bits on any number of threads.
-        bodies.iter().sum::<f64>() - self.work(state) + self.proximal.as_ref().map_or(0.0, |p| p.energy(self, state))
+        bodies.iter().sum::<f64>() + object - self.work(state)
+            + self.proximal.as_ref().map_or(0.0, |p| p.energy(self, state))
     }
 
     /// A distance that every point may move from `state` before anything is touched, m.
     pub fn clearance(&self, state: &State) -> f64 {
-        let of = |(i, terms): (usize, &Vec<Box<dyn BodyTerm>>)| {
+        let of = |i: usize| {
             let view = state.view(i, &self.rigid);
-            terms.iter().map(|t| t.clearance(&self.blocks[i].body, &view)).fold(f64::INFINITY, f64::min)
+            self.body_terms(i).map(|t| t.clearance(&self.blocks[i].body, &view)).fold(f64::INFINITY, f64::min)
         };
-        self.terms.iter().enumerate().map(of).fold(f64::INFINITY, f64::min)
+        (0..self.blocks.len()).map(of).fold(self.object.clearance(state, &self.rigid), f64::min)
     }
 
     /// Work of the finger forces, J.
@@ -229,24 +255,40 @@ impl Newton {
         driven.map(|(i, _)| self.force[i] * state.travel[i]).sum()
     }
 
+    /// Terms of body `i`: its gel, then the others.
+    fn body_terms(&self, i: usize) -> impl Iterator<Item = &dyn BodyTerm> {
+        self.gel[i].iter().chain(&self.terms[i]).map(|t| &**t)
+    }
+
+    /// Terms of all bodies.
+    fn all_terms(&mut self) -> impl Iterator<Item = &mut Box<dyn BodyTerm>> {
+        self.gel.iter_mut().chain(&mut self.terms).flatten()
+    }
+
     /// Assembles every block at `state`.
-    pub fn assemble(&mut self, state: &State, project: bool) {
-        self.assemble_some(state, project, true);
+    pub fn assemble(&mut self, state: &State, how: Assembly) {
+        self.assemble_some(state, how, true);
     }
 
     /// Assembles gradients at `state`, and Hessians if wanted.
-    pub(crate) fn assemble_some(&mut self, state: &State, project: bool, hessian: bool) {
+    pub(crate) fn assemble_some(&mut self, state: &State, how: Assembly, hessian: bool) {
         let (rigid, proximal) = (&self.rigid, &self.proximal);
-        self.blocks.par_iter_mut().zip(self.terms.par_iter_mut()).enumerate().for_each(|(i, (b, terms))| {
+        let terms = self.gel.par_iter_mut().zip(&mut self.terms);
+        self.blocks.par_iter_mut().zip(terms).enumerate().for_each(|(i, (b, (gel, terms)))| {
             b.block.clear(hessian);
             let view = state.view(i, rigid);
-            for t in terms {
-                t.assemble(&b.body, &view, project, &mut b.block);
+            for t in gel.iter_mut().chain(terms) {
+                t.assemble(&b.body, &view, how, &mut b.block);
             }
             if let Some(springs) = proximal {
                 springs.assemble(i, &b.body, view.x, &mut b.block);
             }
         });
+        self.object_block.clear(hessian);
+        self.object.assemble(state, rigid, how, &mut self.object_block);
+        if let Some(springs) = proximal {
+            springs.assemble_rigid(rigid, state, &mut self.object_block);
+        }
     }
 
     /// Gradient of body `i` after [`Newton::assemble`], N per node (reactions at fixed nodes).
@@ -254,11 +296,11 @@ impl Newton {
         &self.blocks[i].block.gradient
     }
 
-    /// Gradient of the rigid unknowns after [`Newton::assemble`] at `state`, N.
-    pub fn rigid_gradient(&self, state: &State) -> [f64; MAX_RIGID] {
+    /// Gradient of the rigid unknowns after [`Newton::assemble`], N.
+    pub fn rigid_gradient(&self) -> [f64; MAX_RIGID] {
         let mut g = [0.0; MAX_RIGID];
         for b in &self.blocks {
-            for (g, v) in g.iter_mut().zip(b.block.rigid_gradient) {
+            for (g, v) in g.iter_mut().zip(b.block.rigid.gradient) {
                 *g += v;
             }
         }
@@ -267,9 +309,7 @@ impl Newton {
                 g[*c] -= self.force[i];
             }
         }
-        if let Some(springs) = &self.proximal {
-            g.iter_mut().zip(springs.rigid_gradient(self, state)).for_each(|(g, pull)| *g += pull);
-        }
+        g.iter_mut().zip(self.object_block.gradient).for_each(|(g, v)| *g += v);
         // What holds the object answers every force on it.
         g[self.unknowns()..].fill(0.0);
         g
@@ -281,8 +321,8 @@ impl Newton {
     }
 
     /// Norm of all out-of-balance forces, and norm of what lagged forces still miss, N.
-    pub(crate) fn residual(&self, state: &State) -> (f64, f64) {
-        let rigid: f64 = self.rigid_gradient(state)[..self.rigid.size].iter().map(|v| v * v).sum();
+    pub(crate) fn residual(&self) -> (f64, f64) {
+        let rigid: f64 = self.rigid_gradient()[..self.rigid.size].iter().map(|v| v * v).sum();
         let nodes: f64 = self
             .blocks
             .iter()
@@ -291,24 +331,24 @@ impl Newton {
                 free.map(|(g, _)| g.length_squared()).sum::<f64>()
             })
             .sum();
-        let lag: f64 = self.blocks.iter().map(|b| b.block.lag).sum();
+        let lag = self.blocks.iter().map(|b| b.block.rigid.lag).sum::<f64>() + self.object_block.lag;
         ((rigid + nodes).sqrt(), lag.sqrt())
     }
 
-    /// Largest contact force on a body, N.
+    /// Largest contact force on a body, and the forces on the object alone, N.
     pub(crate) fn activity(&self) -> f64 {
-        self.blocks.iter().map(|b| b.block.activity).fold(0.0, f64::max)
+        self.blocks.iter().map(|b| b.block.rigid.activity).fold(0.0, f64::max) + self.object_block.activity
     }
 
     /// Returns true if some driven finger carries no contact force at all.
     pub(crate) fn untouched(&self) -> bool {
         let driven = self.blocks.iter().zip(&self.rigid.travel);
-        driven.into_iter().any(|(b, column)| column.is_some() && b.block.activity == 0.0)
+        driven.into_iter().any(|(b, column)| column.is_some() && b.block.rigid.activity == 0.0)
     }
 
     /// Factorises all blocks; assembles again with projected Hessians if one is not positive definite. Returns false if that
     /// fails too.
-    pub(crate) fn factorize(&mut self, state: &State) -> bool {
+    pub(crate) fn factorize(&mut self, state: &State, how: Assembly) -> bool {
         let clock = Instant::now();
         let good = factorize_all(&mut self.blocks);
         self.profile.factorization += clock.elapsed().as_secs_f64();
@@ -316,7 +356,7 @@ impl Newton {
             return true;
         }
         self.profile.projections += 1;
-        self.assemble(state, true);
+        self.assemble(state, Assembly { project: true, ..how });
         factorize_all(&mut self.blocks)
     }
 
@@ -337,41 +377,84 @@ impl Newton {
         nodes + rigid.iter().zip(&step.rigid).map(|(g, d)| g * d).sum::<f64>()
     }
 
-    /// Sets how far lagged quantities follow in one iteration.
-    pub(crate) fn damp(&mut self, damping: f64) {
-        self.terms.iter_mut().flatten().for_each(|t| t.damp(damping));
-    }
-
-    /// Sets whether Hessians have all second derivatives.
-    pub(crate) fn sharpen(&mut self, sharp: bool) {
-        self.terms.iter_mut().flatten().for_each(|t| t.sharpen(sharp));
-    }
-
     /// Copies all terms with their history.
-    pub fn save(&self) -> Vec<Vec<Box<dyn BodyTerm>>> {
-        self.terms.iter().map(|terms| terms.iter().map(|t| t.boxed_clone()).collect()).collect()
+    pub fn save(&self) -> SavedTerms {
+        let copy = |terms: &Vec<Vec<Box<dyn BodyTerm>>>| {
+            terms.iter().map(|terms| terms.iter().map(|t| t.boxed_clone()).collect()).collect()
+        };
+        SavedTerms { gel: copy(&self.gel), terms: copy(&self.terms), object: self.object.clone() }
+    }
+
+    /// Puts saved terms back.
+    pub fn restore(&mut self, saved: SavedTerms) {
+        (self.gel, self.terms, self.object) = (saved.gel, saved.terms, saved.object);
     }
 
     /// Begins an increment at the accepted state `from`.
-    pub(crate) fn depart(&mut self, from: &State) {
-        let from = Arc::new(from.clone());
-        for (i, terms) in self.terms.iter_mut().enumerate() {
-            let departure = Departure::new(from.clone(), i, &self.rigid);
-            terms.iter_mut().for_each(|t| t.depart(&departure));
+    pub fn depart(&mut self, from: &State) {
+        let (from, step) = (Arc::new(from.clone()), self.step);
+        for (i, (gel, terms)) in self.gel.iter_mut().zip(&mut self.terms).enumerate() {
+            let departure = Departure::new(from.clone(), i, &self.rigid, step);
+            gel.iter_mut().chain(terms).for_each(|t| t.depart(&departure));
         }
+        step.iter().for_each(|step| self.object.begin(step));
     }
 
     /// Takes over the history of an accepted state.
     pub fn commit(&mut self, state: &State) {
-        for (i, (b, terms)) in self.blocks.iter().zip(self.terms.iter_mut()).enumerate() {
+        let terms = self.gel.iter_mut().zip(&mut self.terms);
+        for (i, (b, (gel, terms))) in self.blocks.iter().zip(terms).enumerate() {
             let view = state.view(i, &self.rigid);
-            terms.iter_mut().for_each(|t| t.commit(&b.body, &view));
+            gel.iter_mut().chain(terms).for_each(|t| t.commit(&b.body, &view));
         }
+        self.object.commit(state, &self.rigid);
     }
 
     /// Forgets what terms learnt since the last commit.
     pub fn rollback(&mut self) {
-        self.terms.iter_mut().flatten().for_each(|t| t.rollback());
+        self.all_terms().for_each(|t| t.rollback());
+        self.object.rollback();
+    }
+
+    /// Returns true if the converged `state` satisfies every term; each is asked, since each may strengthen itself.
+    pub(crate) fn satisfied(&mut self, state: &State) -> bool {
+        let (rigid, blocks) = (&self.rigid, &self.blocks);
+        let terms = self.gel.par_iter_mut().zip(&mut self.terms).enumerate();
+        let ask = |(i, (gel, terms)): (usize, (&mut Vec<Box<dyn BodyTerm>>, &mut Vec<Box<dyn BodyTerm>>))| {
+            let view = state.view(i, rigid);
+            let asked = gel.iter_mut().chain(terms).map(|t| t.satisfied(&blocks[i].body, &view));
+            asked.filter(|satisfied| !satisfied).count() == 0
+        };
+        let bodies: Vec<bool> = terms.map(ask).collect();
+        self.object.satisfied() && bodies.into_iter().all(|satisfied| satisfied)
+    }
+
+    /// Contact edges of body `i` that are not open at `state`, with their numbers within the body.
+    pub fn edge_readings(&self, state: &State, i: usize) -> Vec<(usize, EdgeReading)> {
+        let view = state.view(i, &self.rigid);
+        let (mut all, mut first) = (Vec::new(), 0);
+        for term in self.body_terms(i) {
+            all.extend(term.edge_readings(&view).into_iter().map(|edge| (first + edge.number, edge)));
+            first += term.edge_count();
+        }
+        all
+    }
+
+    /// Writes the history of all terms.
+    pub fn write_history(&self, history: &mut HistoryWriter) {
+        (0..self.blocks.len()).flat_map(|i| self.body_terms(i)).for_each(|t| t.write_history(history));
+        self.object.write_history(history);
+    }
+
+    /// Reads the history of the same terms.
+    ///
+    /// # Errors
+    /// Fails for a history of something else.
+    pub fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+        for (gel, terms) in self.gel.iter_mut().zip(&mut self.terms) {
+            gel.iter_mut().chain(terms).try_for_each(|t| t.read_history(history))?;
+        }
+        self.object.read_history(history)
     }
 }
 

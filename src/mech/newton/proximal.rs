@@ -3,8 +3,8 @@
 use super::Newton;
 use crate::mech::body::Body;
 use crate::mech::body::pattern::Pattern;
-use crate::mech::potential::state::{MAX_RIGID, State};
-use crate::mech::potential::term::BodyBlock;
+use crate::mech::potential::block::{BodyBlock, RigidBlock};
+use crate::mech::potential::state::{RigidUnknowns, State};
 use glam::{DMat3, DVec3};
 
 /// Pulls rigid unknowns and nodes towards `center`.
@@ -19,9 +19,13 @@ pub struct Proximal {
 }
 
 impl Proximal {
-    /// Force of the springs on the rigid unknowns at `state`, N.
-    pub(crate) fn rigid_gradient(&self, newton: &Newton, state: &State) -> [f64; MAX_RIGID] {
-        newton.rigid.difference(state, &self.center).map(|d| self.rigid * d)
+    /// Adds gradient and Hessian of the springs of the rigid unknowns at `state`.
+    pub(crate) fn assemble_rigid(&self, rigid: &RigidUnknowns, state: &State, block: &mut RigidBlock) {
+        let moved = rigid.difference(state, &self.center);
+        block.gradient.iter_mut().zip(moved).for_each(|(g, d)| *g += self.rigid * d);
+        if block.wants_hessian {
+            (0..rigid.size).for_each(|c| block.hessian[c][c] += self.rigid);
+        }
     }
 
     /// Energy of the springs at `state`, J.
@@ -41,7 +45,7 @@ impl Proximal {
         let stiffness = DMat3::from_diagonal(DVec3::splat(self.nodes));
         for (i, (x, c)) in x.iter().zip(&self.center.x[index]).enumerate().filter(|(i, _)| !body.fixed[*i]) {
             block.gradient[i] += (*x - *c) * self.nodes;
-            if block.hessian {
+            if block.wants_hessian() {
                 Pattern::add(&mut block.values, body.pattern().slot(i as u32, i as u32), &stiffness);
             }
         }

@@ -3,9 +3,8 @@
 use super::lagging::Lagging;
 use super::{Converged, Failure, Newton, NewtonTolerance};
 use crate::mech::potential::state::{MAX_RIGID, NewtonStep, State};
-use crate::mech::potential::term::BodyTerm;
+use crate::mech::potential::term::Assembly;
 use crate::scales::SHARP_MOTION;
-use rayon::prelude::*;
 use std::time::Instant;
 
 /// Iterations without motion after which a state counts as at rest, and by how much its residual may then miss the goal.
@@ -47,14 +46,14 @@ impl Newton {
         loop {
             let damping = lagging.damping();
             self.profile.frozen += u64::from(lagging.freezes());
-            self.damp(damping);
-            self.sharpen(last_motion <= SHARP_MOTION * tolerance.offset);
+            let sharp = last_motion <= SHARP_MOTION * tolerance.offset;
+            let mut how = Assembly { project: false, damping, sharp };
             let clock = Instant::now();
             // The last factorisation may do once more where it did well.
             let fresh = history[0].is_infinite() || history[1] >= QUICK * history[0];
-            self.assemble_some(&now, false, fresh);
+            self.assemble_some(&now, how, fresh);
             self.profile.assembly += clock.elapsed().as_secs_f64();
-            let (residual, lag) = self.residual(&now);
+            let (residual, lag) = self.residual();
             if !residual.is_finite() {
                 return Err(Failure::Singular);
             }
@@ -71,14 +70,7 @@ impl Newton {
             resting = if rests { resting + 1 } else { 0 };
             let at_rest = resting >= RESTING && residual <= RESTING_FACTOR * allowed;
             if at_rest || residual <= allowed && (last_motion <= tolerance.length || residual <= 0.01 * allowed) {
-                let (rigid, blocks) = (&self.rigid, &self.blocks);
-                // Every term must be asked: each may strengthen itself.
-                let ask = |(i, terms): (usize, &mut Vec<Box<dyn BodyTerm>>)| {
-                    let view = now.view(i, rigid);
-                    terms.iter_mut().map(|t| t.satisfied(&blocks[i].body, &view)).filter(|held| !held).count() == 0
-                };
-                let satisfied: Vec<bool> = self.terms.par_iter_mut().enumerate().map(ask).collect();
-                if satisfied.into_iter().all(|satisfied| satisfied) {
+                if self.satisfied(&now) {
                     return Ok((now, Converged { iterations, residual }));
                 }
                 last_motion = f64::INFINITY;
@@ -98,10 +90,10 @@ impl Newton {
             }
             let factorize = fresh || residual >= QUICK * history[1];
             if factorize && !fresh {
-                self.damp(0.0);
-                self.assemble_some(&now, false, true);
+                how.damping = 0.0;
+                self.assemble_some(&now, how, true);
             }
-            if factorize && !self.factorize(&now) {
+            if factorize && !self.factorize(&now, how) {
                 return Err(Failure::Singular);
             }
             let clock = Instant::now();

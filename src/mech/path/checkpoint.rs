@@ -1,15 +1,15 @@
 //! Checkpoints, for going back on a loading path further than the last increment.
 
 use super::Path;
+use crate::mech::newton::SavedTerms;
 use crate::mech::potential::state::State;
-use crate::mech::potential::term::BodyTerm;
 
 /// An accepted state with all that the path remembers.
 pub struct Checkpoint {
     state: State,
     level: f64,
     history: Option<(State, f64)>,
-    terms: Vec<Vec<Box<dyn BodyTerm>>>,
+    terms: SavedTerms,
     force: Vec<f64>,
 }
 
@@ -35,7 +35,8 @@ impl Path {
     /// Forgets what happened since `checkpoint`.
     pub fn restore(&mut self, checkpoint: Checkpoint) {
         (self.state, self.level, self.history) = (checkpoint.state, checkpoint.level, checkpoint.history);
-        (self.newton.terms, self.newton.force) = (checkpoint.terms, checkpoint.force);
+        self.newton.restore(checkpoint.terms);
+        self.newton.force = checkpoint.force;
         self.at_once = false;
     }
 }

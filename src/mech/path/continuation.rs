@@ -124,11 +124,10 @@ const GROWTH: f64 = 3.0;
 
 impl Path {
     /// Raises the load to `target` in as many increments as convergence and error ask for; at `target` already, finds the equilibrium
-    /// there once more.
+    /// there once more. Halts at the end of a stage of pseudo-time, with the state there.
     ///
     /// # Errors
-    /// The last [`Failure`] when no method is left. State, history and level are then those of the last accepted increment, or, after
-    /// [`Failure::Underway`], those at the end of a stage.
+    /// The last [`Failure`] when no method is left. State, history and level are then those of the last accepted increment.
     pub fn advance(&mut self, load: Load, target: f64, pads: &mut dyn PadDiscretisation) -> Result<Advanced, Failure> {
         let can_roll = self.newton.rigid.size > 0;
         let (mut done, mut halvings, mut changes) = (Advanced::default(), 0, 0);
@@ -148,6 +147,7 @@ impl Path {
             self.at_once |= last_resort && can_roll && refused.is_some();
             let cost = done.iterations;
             let failure = match self.attempt(load, next, next == target, last_resort && can_roll, pads, &mut done) {
+                Ok(_) if done.halted => return Ok(done),
                 Ok(error) => {
                     self.methods.increments += 1;
                     if size != 0.0 {
@@ -167,7 +167,7 @@ impl Path {
                     self.methods.bent += 1;
                     self.step.refuse(size, Some(error));
                 }
-                Failure::Underway | Failure::Astray => return Err(failure),
+                Failure::Astray => return Err(failure),
                 _ if failure.is_out_of_effort() => return Err(failure),
                 Failure::Iterations(_)
                 | Failure::LineSearch(_)
@@ -216,14 +216,18 @@ impl Path {
         let start = self.start(load, next);
         let to = (next != self.level).then_some(next);
         let settled = self.settle(start, to, pseudo_time, done);
-        match settled.and_then(|error| pads.correct(self, next, result, done).map(|()| error)) {
+        let corrected = match settled {
+            Ok(error) if !done.halted => pads.correct(self, next, result, done).map(|()| error),
+            settled => settled,
+        };
+        match corrected {
+            Ok(error) if done.halted => Ok(error),
             Ok(error) => {
                 if to.is_some() {
                     (self.history, self.level) = (Some(before), next);
                 }
                 Ok(error)
             }
-            Err(Failure::Underway) => Err(Failure::Underway),
             Err(failure) => {
                 pads.fail(self, failure);
                 if load == Load::Force {

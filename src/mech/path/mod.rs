@@ -59,6 +59,8 @@ pub struct Advanced {
     pub increments: u32,
     /// Residual of the last one, N.
     pub residual: f64,
+    /// Flag: pseudo-transient continuation halted at the end of a stage; the object is still moving.
+    pub halted: bool,
 }
 
 impl Advanced {
@@ -66,6 +68,7 @@ impl Advanced {
     pub fn add(&mut self, more: Advanced) {
         self.iterations += more.iterations;
         self.increments += more.increments;
+        self.halted = more.halted;
         if more.increments > 0 {
             self.residual = more.residual;
         }
@@ -144,15 +147,15 @@ impl Path {
     /// Solves once more at the level reached, to the full tolerance.
     ///
     /// # Errors
-    /// The [`Failure`]; the state stays as it was, or after [`Failure::Underway`] is where pseudo-transient continuation halted.
+    /// The [`Failure`]; the state stays as it was.
     pub fn polish(&mut self) -> Result<Advanced, Failure> {
         let mut done = Advanced::default();
         self.settle(self.state.clone(), None, true, &mut done).map(|_| done)
     }
 
     /// Solves from `start`, which is at level `to` if that is another one, and accepts the result. If that fails and
-    /// `pseudo_time` is set, follows the object there from the accepted state. Returns the error of the increment over the
-    /// error allowed.
+    /// `pseudo_time` is set, follows the object there from the accepted state, or to the end of a stage. Returns the error of the
+    /// increment over the error allowed.
     pub(crate) fn settle(
         &mut self,
         start: State,
@@ -191,13 +194,11 @@ impl Path {
         self.newton.proximal = None;
         match followed {
             Ok(state) => {
-                (self.state, self.history) = (state, None);
+                (self.state, self.history, self.at_once) = (state, None, done.halted);
                 Ok(0.0)
             }
             Err(failure) => {
-                if failure != Failure::Underway {
-                    self.newton.terms = saved;
-                }
+                self.newton.restore(saved);
                 Err(failure)
             }
         }

@@ -29,7 +29,7 @@ const FORGETTING: f64 = 0.7;
 impl Path {
     /// Pseudo-time steps at fixed load from the accepted state, each an equilibrium with a spring to the one before, until
     /// an equilibrium without the spring is near: follows an object that rolls or slides to where it comes to rest, or to the
-    /// end of a stage, which becomes the accepted state.
+    /// end of a stage, as `done` then says.
     pub(crate) fn pseudo_transient(&mut self, done: &mut Advanced) -> Result<State, Failure> {
         let load = self.newton.force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let full = self.tolerance;
@@ -72,8 +72,8 @@ impl Path {
                         return Err(Failure::Astray);
                     }
                     if beyond(self.stage) {
-                        (self.state, self.history, self.at_once) = (state, None, true);
-                        return Err(Failure::Underway);
+                        done.halted = true;
+                        return Ok(state);
                     }
                     apart = if self.newton.untouched() { apart + moved } else { 0.0 };
                     if apart >= gone {

@@ -1,10 +1,11 @@
 //! Drive of a finger: the limits of its speed and its travel.
 
-use super::time_step::TimeStep;
+use super::block::BodyBlock;
+use super::state::{BodyView, Departure};
+use super::term::{Assembly, BodyTerm};
+use crate::error::Result;
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::body::Body;
-use crate::mech::potential::state::BodyView;
-use crate::mech::potential::term::{BodyBlock, BodyTerm};
-use std::any::Any;
 
 /// Energy `c / 2 h (t - t0)2 + k / 2 max(t - end, 0)2` of the travel `t`: a motor whose force falls with its speed, and the end
 /// of the stroke. The force itself belongs to the solver.
@@ -41,23 +42,30 @@ impl BodyTerm for Drive {
         0.5 * (self.damping / self.size * moved * moved + self.stop * past * past)
     }
 
-    fn assemble(&mut self, _: &Body, view: &BodyView, _: bool, block: &mut BodyBlock) {
+    fn assemble(&mut self, _: &Body, view: &BodyView, _: Assembly, block: &mut BodyBlock) {
         let Some(c) = view.travel_column else { return };
         let (moved, past) = (travel(view) - self.travel, (travel(view) - self.end).max(0.0));
-        block.rigid_gradient[c] += self.damping / self.size * moved + self.stop * past;
-        block.rigid_hessian[c][c] += self.damping / self.size + if past > 0.0 { self.stop } else { 0.0 };
-        block.activity += self.rated;
+        block.rigid.gradient[c] += self.damping / self.size * moved + self.stop * past;
+        if block.wants_hessian() {
+            block.rigid.hessian[c][c] += self.damping / self.size + if past > 0.0 { self.stop } else { 0.0 };
+        }
+        block.rigid.activity += self.rated;
     }
 
-    fn begin(&mut self, step: &TimeStep) {
-        self.size = step.size;
+    fn depart(&mut self, from: &Departure) {
+        self.size = from.step.map_or(self.size, |step| step.size);
     }
 
     fn commit(&mut self, _: &Body, view: &BodyView) {
         self.travel = travel(view);
     }
 
-    fn as_any(&self) -> &dyn Any {
-        self
+    fn write_history(&self, history: &mut HistoryWriter) {
+        history.write(&self.travel);
+    }
+
+    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+        self.travel = history.read()?;
+        Ok(())
     }
 }

@@ -4,14 +4,16 @@
 //! them and yet inverted at a corner or in its middle. One with a small det F at a node gets a barrier at its nodes, one with a small det F
 //! at its centre a barrier there, a part of the law of the gel that is zero from `FELT` on; the others pay nothing.
 
+use super::block::BodyBlock;
 use super::state::BodyView;
-use super::term::{BodyBlock, BodyTerm};
+use super::term::{Assembly, BodyTerm};
+use crate::error::Result;
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::body::Body;
 use crate::mech::body::pattern::Pattern;
 use crate::mech::element::{Kernel, ShapeFunctions, Stiffness, TET10_CENTER, TET10_NODES};
 use crate::mech::material::{Dilatation, Material, Moduli, Tangent};
 use glam::{DMat3, DVec3};
-use std::any::Any;
 use std::collections::BTreeSet;
 
 /// The elements that have a barrier at the points of `shape`.
@@ -136,15 +138,15 @@ impl<const Q: usize> BodyTerm for InversionBarrier<Q> {
         elements.map(|(rest, x, _)| self.kernel(&barrier).energy(rest, &x)).sum()
     }
 
-    fn assemble(&mut self, body: &Body, view: &BodyView, project: bool, block: &mut BodyBlock) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, how: Assembly, block: &mut BodyBlock) {
         self.add_gradient(body, view.x, &mut block.gradient);
-        if !block.hessian {
+        if !block.wants_hessian() {
             return;
         }
         let barrier = barrier(body);
         for (rest, x, nodes) in self.elements.iter().filter_map(|e| body.quadratic(*e, view.x)) {
             let mut sum = Stiffness::default();
-            self.kernel(&barrier).stiffness([rest], &[x], project, &mut sum);
+            self.kernel(&barrier).stiffness([rest], &[x], how.project, &mut sum);
             for a in 0..10 {
                 for b in a..10 {
                     Pattern::add(&mut block.values, body.pattern().slot(nodes[a], nodes[b]), &sum.block(0, a, b));
@@ -157,7 +159,12 @@ impl<const Q: usize> BodyTerm for InversionBarrier<Q> {
         self.extend(body, view.x)
     }
 
-    fn as_any(&self) -> &dyn Any {
-        self
+    fn write_history(&self, history: &mut HistoryWriter) {
+        history.write(&self.elements);
+    }
+
+    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+        self.elements = history.read()?;
+        Ok(())
     }
 }

@@ -1,5 +1,6 @@
 //! The incremental potential: its state, its terms, and what they add to gradient and Hessian.
 
+pub mod block;
 pub mod cross;
 pub mod drive;
 pub mod inversion_barrier;

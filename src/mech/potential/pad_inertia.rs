@@ -1,13 +1,15 @@
 //! Inertia and weight of the gel.
 
+use super::block::BodyBlock;
+use super::state::{BodyView, Departure};
+use super::term::{Assembly, BodyTerm};
 use super::time_step::TimeStep;
+use crate::error::Result;
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::body::Body;
 use crate::mech::body::pattern::{FIXED, Pattern};
-use crate::mech::potential::state::BodyView;
-use crate::mech::potential::term::{BodyBlock, BodyTerm};
 use crate::scene::motion::HandState;
 use glam::{DMat3, DVec3};
-use std::any::Any;
 
 /// Masses at the nodes: `m / 2 h2 |x - target|2` with the target `x0 + h v0 + h2 g` of each node, in the world.
 #[derive(Debug, Clone)]
@@ -44,7 +46,7 @@ impl BodyTerm for PadInertia {
         0.5 * sum / (self.step.size * self.step.size)
     }
 
-    fn assemble(&mut self, body: &Body, view: &BodyView, _: bool, block: &mut BodyBlock) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, _: Assembly, block: &mut BodyBlock) {
         let pattern = body.pattern();
         let unknowns = pattern.unknowns();
         let scale = 1.0 / (self.step.size * self.step.size);
@@ -52,25 +54,28 @@ impl BodyTerm for PadInertia {
             let (stiffness, force) = (mass * scale, (*x + view.offset - self.target[i]) * (mass * scale));
             block.gradient[i] += force;
             let position = pattern.position[i];
-            if position != FIXED {
+            if position != FIXED && block.wants_hessian() {
                 let slot = pattern.slot(i as u32, i as u32);
                 Pattern::add(&mut block.values, slot, &(DMat3::IDENTITY * stiffness));
             }
             if let Some(c) = view.travel_column {
-                if position != FIXED {
+                if position != FIXED && block.wants_hessian() {
                     let row = c * unknowns + 3 * position as usize;
                     let column = view.closing * stiffness;
                     block.coupling[row..row + 3].iter_mut().zip(column.to_array()).for_each(|(a, b)| *a += b);
                 }
-                block.rigid_gradient[c] += force.dot(view.closing);
-                block.rigid_hessian[c][c] += stiffness;
+                block.rigid.gradient[c] += force.dot(view.closing);
+                if block.wants_hessian() {
+                    block.rigid.hessian[c][c] += stiffness;
+                }
             }
         }
-        block.activity += self.total * self.gravity.length();
+        block.rigid.activity += self.total * self.gravity.length();
     }
 
-    fn begin(&mut self, step: &TimeStep) {
-        self.step = *step;
+    fn depart(&mut self, from: &Departure) {
+        let Some(step) = from.step else { return };
+        self.step = step;
         let h = step.size;
         for ((target, x), v) in self.target.iter_mut().zip(&self.position).zip(&self.velocity) {
             *target = step.hand.to_hand(*x + *v * h + self.gravity * (h * h));
@@ -85,7 +90,13 @@ impl BodyTerm for PadInertia {
         }
     }
 
-    fn as_any(&self) -> &dyn Any {
-        self
+    fn write_history(&self, history: &mut HistoryWriter) {
+        history.write(&self.position);
+        history.write(&self.velocity);
+    }
+
+    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+        history.read_into(&mut self.position)?;
+        history.read_into(&mut self.velocity)
     }
 }

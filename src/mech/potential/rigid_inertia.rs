@@ -1,15 +1,16 @@
 //! Inertia and weight of a free rigid object.
 
+use super::block::{Pair, RigidBlock};
+use super::cross::{cross_matrix, rotation_hessian};
+use super::state::ObjectView;
+use super::term::{Assembly, ObjectTerm};
 use super::time_step::TimeStep;
+use crate::error::Result;
 use crate::geometry::shape::MassProperties;
-use crate::mech::body::Body;
-use crate::mech::potential::cross::{cross_matrix, rotation_hessian};
-use crate::mech::potential::state::BodyView;
-use crate::mech::potential::state::object_only;
-use crate::mech::potential::term::{BodyBlock, BodyTerm, Pair, Stencil};
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::scene::motion::HandState;
 use glam::{DMat3, DQuat, DVec3};
-use std::any::Any;
+use serde::{Deserialize, Serialize};
 
 /// Energy `m / 2 h2 |c - target|2` of the centre of mass `c`, and for the rotation `R`, with the second moments
 /// `J = integral of r r^T dm` in body axes,
@@ -47,7 +48,7 @@ pub struct RigidInertia {
 }
 
 /// Motion of a rigid body in the world.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RigidMotion {
     /// Centre of mass, m.
     pub position: DVec3,
@@ -67,7 +68,7 @@ impl RigidInertia {
         gravity: DVec3,
         (velocity, spin): (DVec3, DVec3),
         hand: HandState,
-        view: &BodyView,
+        view: &ObjectView,
     ) -> Self {
         let inertia = mass.inertia * density;
         let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
@@ -88,6 +89,16 @@ impl RigidInertia {
             momentum: DVec3::ZERO,
             iterate: view.rotation,
         }
+    }
+
+    /// Begins a time step.
+    pub fn begin(&mut self, step: &TimeStep) {
+        self.step = *step;
+        let (h, m) = (step.size, &self.state);
+        self.target = step.hand.to_hand(m.position + m.velocity * h + self.gravity * (h * h));
+        let back = step.hand.rotation.conjugate();
+        self.from = DMat3::from_quat((back * m.rotation).normalize());
+        self.momentum = back * m.momentum;
     }
 
     /// Motion at the last accepted state.
@@ -139,8 +150,8 @@ fn log(r: &DMat3) -> DVec3 {
     if s == 0.0 { sine } else { sine * (s.atan2(c) / s) }
 }
 
-impl BodyTerm for RigidInertia {
-    fn energy(&self, _: &Body, view: &BodyView) -> f64 {
+impl ObjectTerm for RigidInertia {
+    fn energy(&self, view: &ObjectView) -> f64 {
         let h = self.step.size;
         let off = view.position + view.rotation * self.center - self.target;
         let d = view.rotation - self.from;
@@ -151,8 +162,8 @@ impl BodyTerm for RigidInertia {
         0.5 * (self.mass * off.length_squared() + spread + constant) / (h * h) - self.momentum.dot(turn) / h
     }
 
-    fn assemble(&mut self, body: &Body, view: &BodyView, project: bool, block: &mut BodyBlock) {
-        if view.pose_column.is_none() {
+    fn assemble(&mut self, view: &ObjectView, how: Assembly, block: &mut RigidBlock) {
+        if view.column.is_none() {
             return;
         }
         let h = self.step.size;
@@ -164,7 +175,7 @@ impl BodyTerm for RigidInertia {
         let mut a = view.rotation * self.second * self.from.transpose();
         let cross = cross_matrix(arm);
         let mut ww = cross.transpose() * cross * stiffness;
-        if project {
+        if how.project {
             a = self.from * self.second * self.from.transpose();
         } else {
             ww += rotation_hessian(force, arm);
@@ -177,20 +188,11 @@ impl BodyTerm for RigidInertia {
             dw: cross * stiffness,
             ww,
         };
-        block.add_pair(body, &object_only(view), &Stencil::new(std::iter::empty()), &pair);
+        block.add_object_pair(view, &pair);
         block.activity += self.mass * self.gravity.length();
     }
 
-    fn begin(&mut self, step: &TimeStep) {
-        self.step = *step;
-        let (h, m) = (step.size, &self.state);
-        self.target = step.hand.to_hand(m.position + m.velocity * h + self.gravity * (h * h));
-        let back = step.hand.rotation.conjugate();
-        self.from = DMat3::from_quat((back * m.rotation).normalize());
-        self.momentum = back * m.momentum;
-    }
-
-    fn commit(&mut self, _: &Body, view: &BodyView) {
+    fn commit(&mut self, view: &ObjectView) {
         let (h, hand) = (self.step.size, &self.step.hand);
         let position = hand.to_world(view.position + view.rotation * self.center);
         let velocity = (position - self.state.position) / h;
@@ -200,7 +202,12 @@ impl BodyTerm for RigidInertia {
         self.state = RigidMotion { position, rotation, velocity, momentum };
     }
 
-    fn as_any(&self) -> &dyn Any {
-        self
+    fn write_history(&self, history: &mut HistoryWriter) {
+        history.write(&(self.state, self.rate, self.iterate));
+    }
+
+    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+        (self.state, self.rate, self.iterate) = history.read()?;
+        Ok(())
     }
 }

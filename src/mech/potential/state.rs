@@ -1,7 +1,9 @@
 //! The unknowns of a grasp and the few rigid unknowns that all bodies share.
 
 use super::term::Stencil;
+use super::time_step::TimeStep;
 use glam::{DMat3, DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Maximum number of rigid unknowns of a scene: two travels and six of a free object.
@@ -9,7 +11,7 @@ pub const MAX_RIGID: usize = 8;
 
 /// Configuration of all bodies. Pad nodes are stored relative to their finger, in hand axes: the position in the
 /// hand frame is `x + travel * closing`, so that elasticity never sees the fingers move.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Node positions of each body, m, relative to the finger.
     pub x: Vec<Vec<DVec3>>,
@@ -115,11 +117,15 @@ impl NewtonStep {
 
     /// Motion of body `index`, and of the frames that it touches, in this step.
     pub fn motion<'a>(&'a self, index: usize, view: &BodyView) -> BodyMotion<'a> {
-        let three = |c: usize| DVec3::new(self.rigid[c], self.rigid[c + 1], self.rigid[c + 2]);
-        let pose = view.pose_column.map(|c| (three(c), three(c + 3) / view.length));
-        let (position, rotation) = pose.unwrap_or_default();
         let offset = view.travel_column.map_or(DVec3::ZERO, |c| view.closing * self.rigid[c]);
-        BodyMotion { x: &self.x[index], offset, position, rotation }
+        BodyMotion { x: &self.x[index], offset, object: self.object_motion(&view.object) }
+    }
+
+    /// Motion of the object in this step.
+    pub fn object_motion(&self, view: &ObjectView) -> ObjectMotion {
+        let three = |c: usize| DVec3::new(self.rigid[c], self.rigid[c + 1], self.rigid[c + 2]);
+        let pose = view.column.map(|c| ObjectMotion { position: three(c), rotation: three(c + 3) / view.length });
+        pose.unwrap_or_default()
     }
 }
 
@@ -130,16 +136,30 @@ pub struct BodyMotion<'a> {
     pub x: &'a [DVec3],
     /// Motion of the finger, m.
     pub offset: DVec3,
-    /// Motion of the object's origin, m.
+    /// Motion of the object.
+    pub object: ObjectMotion,
+}
+
+/// A small motion of the object.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ObjectMotion {
+    /// Motion of the origin, m.
     pub position: DVec3,
-    /// Rotation of the object about its origin, rad.
+    /// Rotation about the origin, rad.
     pub rotation: DVec3,
+}
+
+impl ObjectMotion {
+    /// Motion of the object's point at arm `r` (m from the origin), m.
+    pub fn at(&self, r: DVec3) -> DVec3 {
+        self.position + self.rotation.cross(r)
+    }
 }
 
 impl BodyMotion<'_> {
     /// Motion of the point of the body at `stencil` relative to the object's point at arm `r` (m from the origin), m.
     pub fn relative(&self, stencil: &Stencil, r: DVec3) -> DVec3 {
-        stencil.position(self.x) + self.offset - self.position - self.rotation.cross(r)
+        stencil.position(self.x) + self.offset - self.object.position - self.object.rotation.cross(r)
     }
 }
 
@@ -189,12 +209,15 @@ impl State {
             x: &self.x[index],
             offset: rigid.closing[index] * self.travel[index],
             closing: rigid.closing[index],
-            position: self.position,
-            rotation: DMat3::from_quat(self.rotation),
             travel_column: rigid.travel[index],
-            pose_column: rigid.pose,
-            length: rigid.length,
+            object: self.object_view(rigid),
         }
+    }
+
+    /// View of the object's pose.
+    pub fn object_view(&self, rigid: &RigidUnknowns) -> ObjectView {
+        let rotation = DMat3::from_quat(self.rotation);
+        ObjectView { position: self.position, rotation, column: rigid.pose, length: rigid.length }
     }
 }
 
@@ -205,14 +228,16 @@ pub struct Departure {
     index: usize,
     offset: DVec3,
     turn: DMat3,
+    /// The time step that begins; None on a quasi-static path.
+    pub step: Option<TimeStep>,
 }
 
 impl Departure {
     /// Creates the departure of body `index` from `state`.
-    pub fn new(state: Arc<State>, index: usize, rigid: &RigidUnknowns) -> Self {
+    pub fn new(state: Arc<State>, index: usize, rigid: &RigidUnknowns, step: Option<TimeStep>) -> Self {
         let view = state.view(index, rigid);
-        let (offset, turn) = (view.offset, view.rotation);
-        Self { state, index, offset, turn }
+        let (offset, turn) = (view.offset, view.object.rotation);
+        Self { state, index, offset, turn, step }
     }
 
     /// Position of a point of the body at the departure, relative to its finger, m.
@@ -240,21 +265,23 @@ pub struct BodyView<'a> {
     pub offset: DVec3,
     /// Closing direction, unit.
     pub closing: DVec3,
+    /// Rigid column of the travel.
+    pub travel_column: Option<usize>,
+    /// Pose of the object.
+    pub object: ObjectView,
+}
+
+/// Pose of the object, and where it stands among the rigid unknowns.
+#[derive(Debug, Clone, Copy)]
+pub struct ObjectView {
     /// Object origin, m.
     pub position: DVec3,
     /// Object orientation.
     pub rotation: DMat3,
-    /// Rigid column of the travel.
-    pub travel_column: Option<usize>,
-    /// First rigid column of the pose.
-    pub pose_column: Option<usize>,
+    /// First rigid column of the pose; None for an object that is held.
+    pub column: Option<usize>,
     /// Length scale of rotations, m.
     pub length: f64,
-}
-
-/// Returns the view without the finger that hosts the term: only the object takes part.
-pub fn object_only<'a>(view: &BodyView<'a>) -> BodyView<'a> {
-    BodyView { travel_column: None, ..*view }
 }
 
 #[cfg(test)]

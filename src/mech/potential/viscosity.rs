@@ -1,12 +1,13 @@
 //! Viscosity of the gel.
 
-use super::time_step::TimeStep;
+use super::block::BodyBlock;
+use super::state::{BodyView, Departure};
+use super::term::{Assembly, BodyTerm};
+use crate::error::Result;
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::body::Body;
 use crate::mech::body::pattern::FIXED;
-use crate::mech::potential::state::BodyView;
-use crate::mech::potential::term::{BodyBlock, BodyTerm};
 use glam::DVec3;
-use std::any::Any;
 use std::sync::Arc;
 
 /// Energy `tau / 2 h (x - x0)^T K (x - x0)` with the stiffness `K` of the gel at rest: a Kelvin-Voigt solid whose stress is
@@ -59,7 +60,7 @@ impl BodyTerm for Viscosity {
         0.5 * self.tau / self.size * force.iter().zip(&moved).map(|(f, u)| f * u).sum::<f64>()
     }
 
-    fn assemble(&mut self, body: &Body, view: &BodyView, _: bool, block: &mut BodyBlock) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, _: Assembly, block: &mut BodyBlock) {
         let scale = self.tau / self.size;
         let (force, _) = self.product(body, view.x);
         for (g, &p) in block.gradient.iter_mut().zip(&body.pattern().position) {
@@ -67,18 +68,24 @@ impl BodyTerm for Viscosity {
                 *g += DVec3::from_slice(&force[3 * p as usize..]) * scale;
             }
         }
-        block.values.iter_mut().zip(self.stiffness.iter()).for_each(|(v, k)| *v += scale * k);
+        if block.wants_hessian() {
+            block.values.iter_mut().zip(self.stiffness.iter()).for_each(|(v, k)| *v += scale * k);
+        }
     }
 
-    fn begin(&mut self, step: &TimeStep) {
-        self.size = step.size;
+    fn depart(&mut self, from: &Departure) {
+        self.size = from.step.map_or(self.size, |step| step.size);
     }
 
     fn commit(&mut self, _: &Body, view: &BodyView) {
         self.last.copy_from_slice(view.x);
     }
 
-    fn as_any(&self) -> &dyn Any {
-        self
+    fn write_history(&self, history: &mut HistoryWriter) {
+        history.write(&self.last);
+    }
+
+    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+        history.read_into(&mut self.last)
     }
 }

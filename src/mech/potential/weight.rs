@@ -1,13 +1,13 @@
 //! Weight of a free object, as a term of the potential.
 
-use super::state::BodyView;
-use super::term::{BodyBlock, BodyTerm};
-use crate::mech::body::Body;
+use super::block::RigidBlock;
+use super::state::ObjectView;
+use super::term::{Assembly, ObjectTerm};
+use crate::error::Result;
+use crate::history::{HistoryReader, HistoryWriter};
 use glam::{DMat3, DVec3};
-use std::any::Any;
 
-/// Dead load at the object's centre of mass: potential `-f . c`. It belongs to one body of the solver, whichever, because the
-/// rigid unknowns are assembled with the bodies. A support carries as much of it as it has not handed over yet.
+/// Dead load at the object's centre of mass: potential `-f . c`. A support carries as much of it as it has not handed over yet.
 #[derive(Debug, Clone, Copy)]
 pub struct Weight {
     /// Weight, N, hand frame.
@@ -17,7 +17,7 @@ pub struct Weight {
     /// Centre of mass at the start, hand frame, m: the potential counts from there, which keeps its digits.
     pub start: DVec3,
     /// Part of the weight that the support has handed over.
-    part: f64,
+    pub part: f64,
 }
 
 impl Weight {
@@ -26,49 +26,44 @@ impl Weight {
         Self { force, center, start, part: 1.0 }
     }
 
-    /// Returns the weight of this object under another load.
-    pub fn with_force(&self, force: DVec3) -> Self {
-        Self { force, ..*self }
-    }
-
-    /// Returns this weight with the part that the support has handed over.
-    pub fn handed_over(&self, part: f64) -> Self {
-        Self { part, ..*self }
-    }
-
     /// Part of the weight that the pads have to hold, N.
     fn hanging(&self) -> DVec3 {
         self.force * self.part
     }
 }
 
-impl BodyTerm for Weight {
-    fn energy(&self, _: &Body, view: &BodyView) -> f64 {
+impl ObjectTerm for Weight {
+    fn energy(&self, view: &ObjectView) -> f64 {
         -self.hanging().dot(view.position + view.rotation * self.center - self.start)
     }
 
-    fn assemble(&mut self, _: &Body, view: &BodyView, project: bool, block: &mut BodyBlock) {
+    fn assemble(&mut self, view: &ObjectView, how: Assembly, block: &mut RigidBlock) {
         let (f, r) = (self.hanging(), view.rotation * self.center);
-        let (Some(c), true) = (view.pose_column, f != DVec3::ZERO) else { return };
+        let (Some(c), true) = (view.column, f != DVec3::ZERO) else { return };
         let torque = r.cross(f).to_array();
         for (k, (f, t)) in f.to_array().into_iter().zip(torque).enumerate() {
-            block.rigid_gradient[c + k] -= f;
-            block.rigid_gradient[c + 3 + k] -= t / view.length;
+            block.gradient[c + k] -= f;
+            block.gradient[c + 3 + k] -= t / view.length;
         }
-        if !project {
+        if block.wants_hessian && !how.project {
             // -f . (w x (w x r)) / 2 twice differentiated in w.
             let half = DMat3::from_cols(f * r.x + r * f.x, f * r.y + r * f.y, f * r.z + r * f.z) * 0.5;
             let h = (half - DMat3::IDENTITY * f.dot(r)) * (-1.0 / (view.length * view.length));
             for i in 0..3 {
                 for j in 0..3 {
-                    block.rigid_hessian[c + 3 + i][c + 3 + j] += h.col(j)[i];
+                    block.hessian[c + 3 + i][c + 3 + j] += h.col(j)[i];
                 }
             }
         }
         block.activity += f.length();
     }
 
-    fn as_any(&self) -> &dyn Any {
-        self
+    fn write_history(&self, history: &mut HistoryWriter) {
+        history.write(&(self.force, self.part));
+    }
+
+    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+        (self.force, self.part) = history.read()?;
+        Ok(())
     }
 }

@@ -23,7 +23,6 @@ pub use pad::CondensedPad;
 pub use patch::choose;
 pub use term::CondensedEnergy;
 
-use super::readout;
 use crate::mech::newton::Failure;
 use crate::mech::path::continuation::PadDiscretisation;
 use crate::mech::path::{Advanced, Load, Path};
@@ -89,13 +88,16 @@ impl Condensation {
         };
         path.stage = Some(CONDENSED_MOTION * model.law.offset);
         let mut done = path.advance(Load::Force, path.level, &mut self.of(model));
-        while done.as_ref().err() == Some(&Failure::Underway) && !gone(path) && !path.exhausted() {
+        let moving = |done: &Result<Advanced, Failure>| done.as_ref().is_ok_and(|done| done.halted);
+        while moving(&done) && !gone(path) && !path.exhausted() {
             let renewed = self.follow_on(path, model);
             done = renewed.and_then(|()| path.advance(Load::Force, path.level, &mut self.of(model)));
         }
         path.stage = None;
         if gone(path) {
             done = Err(Failure::Astray);
+        } else if moving(&done) {
+            done = Err(Failure::Unsettled);
         }
         if done.is_err() {
             path.restore(start);
@@ -138,6 +140,9 @@ impl Condensation {
             }
             last = error;
             done.add(path.polish()?);
+            if done.halted {
+                return Ok(());
+            }
         }
         Err(Failure::Corrections(last))
     }
@@ -189,8 +194,8 @@ impl Condensation {
 
     /// Passes the pads to the solver.
     fn install(&self, path: &mut Path) {
-        for (pad, terms) in self.pads.iter().zip(&mut path.newton.terms) {
-            terms[0] = Box::new(pad.term());
+        for (pad, gel) in self.pads.iter().zip(&mut path.newton.gel) {
+            *gel = vec![Box::new(pad.term())];
         }
     }
 
@@ -271,12 +276,7 @@ pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec
 }
 
 /// Returns the points at which pad `i` carries contact.
-fn touched(path: &Path, i: usize) -> impl Iterator<Item = Stencil> + '_ {
-    let points = readout::contact(&path.newton, i)
-        .into_iter()
-        .flat_map(|c| c.edges().filter(|(_, e)| e.pressure > 0.0).map(|(k, _)| c.surface().points[k]));
-    let features = readout::features(&path.newton, i)
-        .into_iter()
-        .flat_map(|c| c.edges().filter(|(_, e)| e.pressure > 0.0).map(|(k, _)| c.readout(k).now));
-    points.chain(features)
+fn touched(path: &Path, i: usize) -> impl Iterator<Item = Stencil> {
+    let edges = path.newton.edge_readings(&path.state, i).into_iter();
+    edges.filter(|(_, edge)| edge.pressure > 0.0).map(|(_, edge)| edge.touched)
 }

@@ -20,10 +20,10 @@ pub fn choose(
     nearer: f64,
     touched: impl Iterator<Item = Stencil>,
 ) -> Vec<u32> {
-    let (turn, reach) = (view.rotation.transpose(), nearer + offset);
+    let (turn, reach) = (view.object.rotation.transpose(), nearer + offset);
     let mut near: Vec<(f64, Stencil)> = touched.map(|stencil| (f64::NEG_INFINITY, stencil)).collect();
     for stencil in &finger.surface.points[..finger.surface.vertices] {
-        let q = turn * (stencil.position(view.x) + view.offset - view.position);
+        let q = turn * (stencil.position(view.x) + view.offset - view.object.position);
         near.extend(object.distance.closest(q, reach + SMALL_PATCH_MARGIN * offset).map(|c| (c.distance, *stencil)));
     }
     near.sort_by(|a, b| a.0.total_cmp(&b.0));

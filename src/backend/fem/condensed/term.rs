@@ -3,11 +3,11 @@
 use crate::mech::body::Body;
 use crate::mech::body::pattern::FIXED;
 use crate::mech::potential::state::BodyView;
-use crate::mech::potential::term::{BodyBlock, BodyTerm};
+use crate::mech::potential::term::{Assembly, BodyTerm};
+use crate::mech::potential::block::BodyBlock;
 use faer::Mat;
 use glam::DVec3;
 use pulp::Arch;
-use std::any::Any;
 use std::sync::Arc;
 
 /// Energy `1/2 (x - c)' S (x - c)` on the nodes of a patch, which are the free nodes of the body, in its order.
@@ -22,11 +22,6 @@ pub struct CondensedEnergy {
 }
 
 impl CondensedEnergy {
-    /// Creates the term of a pad of which nothing is left.
-    pub fn nothing() -> Self {
-        Self { center: Vec::new(), patch: Arc::from([]), stiffness: Arc::new(Mat::new()) }
-    }
-
     /// Returns displacement from the centre and elastic force, `S (x - c)`, N, three entries per node of the patch.
     pub fn force(&self, x: &[DVec3]) -> (Vec<f64>, Vec<f64>) {
         let moved = self.patch.iter().zip(&self.center).flat_map(|(&n, c)| (x[n as usize] - *c).to_array());
@@ -49,12 +44,12 @@ impl BodyTerm for CondensedEnergy {
         0.5 * moved.iter().zip(&force).map(|(d, f)| d * f).sum::<f64>()
     }
 
-    fn assemble(&mut self, body: &Body, view: &BodyView, _: bool, block: &mut BodyBlock) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, _: Assembly, block: &mut BodyBlock) {
         let (_, force) = self.force(view.x);
         for (&n, f) in self.patch.iter().zip(force.chunks_exact(3)) {
             block.gradient[n as usize] += DVec3::from_slice(f);
         }
-        if block.hessian {
+        if block.wants_hessian() {
             debug_assert!(self.patch.iter().all(|&n| body.pattern().position[n as usize] != FIXED));
             let columns = &body.pattern().col_ptr;
             for (j, column) in self.stiffness.col_iter().enumerate() {
@@ -62,9 +57,5 @@ impl BodyTerm for CondensedEnergy {
                 values.iter_mut().zip(column.iter().skip(j)).for_each(|(v, s)| *v += s);
             }
         }
-    }
-
-    fn as_any(&self) -> &dyn Any {
-        self
     }
 }

@@ -124,7 +124,9 @@ impl Integrator {
         let hand = dynamics.hand(&self.pose, end);
         let step = TimeStep { size, hand };
         let newton = &mut path.newton;
-        newton.terms.iter_mut().flatten().for_each(|t| t.begin(&step));
+        newton.step = Some(step);
+        // The start of the step compares energies.
+        newton.depart(&path.state);
         newton.force.fill(hand.force / model.fingers.len().max(1) as f64);
         let mut here = path.state.clone();
         let mut predicted = match &self.before {

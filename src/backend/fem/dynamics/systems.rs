@@ -2,10 +2,6 @@
 
 use super::integrator::Integrator;
 use crate::backend::fem::stepper::GraspSolver;
-use crate::mech::contact::GroundContact;
-use crate::mech::newton::Newton;
-use crate::mech::potential::rigid_inertia::RigidInertia;
-use crate::mech::potential::term::BodyTerm;
 use crate::world::components::*;
 use crate::world::schedule::{Next, Phase, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
@@ -38,11 +34,6 @@ pub fn advance_time(
     }
 }
 
-/// Returns the term of type `T` that the first body hosts for the object.
-fn object_term<T: BodyTerm + 'static>(newton: &Newton) -> Option<&T> {
-    newton.terms.first()?.iter().find_map(|t| t.as_any().downcast_ref())
-}
-
 /// Measures the hand pose and the motion of the object.
 pub fn measure_motion(
     solver: Res<GraspSolver>,
@@ -52,7 +43,7 @@ pub fn measure_motion(
 ) {
     let at = integrator.hand;
     **hand = HandPose { position: at.position, rotation: at.rotation };
-    let Some(inertia) = object_term::<RigidInertia>(&solver.path.newton) else { return };
+    let Some(inertia) = &solver.path.newton.object.inertia else { return };
     let back = at.rotation.conjugate();
     for (mut velocity, mut momentum, mut wrench, weight) in &mut object {
         *velocity = ObjectVelocity { linear: inertia.motion().velocity, angular: inertia.spin() };
@@ -74,9 +65,9 @@ pub fn measure_ground(
     mut object: Query<&mut GroundWrench>,
 ) {
     let (newton, state) = (&solver.path.newton, &solver.path.state);
-    let Some(ground) = object_term::<GroundContact>(newton) else { return };
+    let Some(ground) = &newton.object.ground else { return };
     let center = state.position + state.rotation * shared.0.object.mass.center;
-    let (force, torque) = ground.wrench(&state.view(0, &newton.rigid), center);
+    let (force, torque) = ground.wrench(&state.object_view(&newton.rigid), center);
     object.iter_mut().for_each(|mut wrench| *wrench = GroundWrench { force, torque });
     report.min_gap = report.min_gap.min(ground.min_gap());
 }

@@ -29,20 +29,13 @@ pub fn add(newton: &mut Newton, model: &Model, dynamics: &Dynamics, state: &Stat
     if !model.free {
         return;
     }
-    // The first body hosts what belongs to the object.
-    let view = state.view(0, &newton.rigid);
+    let view = state.object_view(&newton.rigid);
     let moving = (dynamics.velocity, dynamics.spin);
     let density = model.mass / model.object.mass.volume;
-    newton.terms[0].push(Box::new(RigidInertia::new(
-        &model.object.mass,
-        density,
-        dynamics.gravity,
-        moving,
-        hand,
-        &view,
-    )));
+    let inertia = RigidInertia::new(&model.object.mass, density, dynamics.gravity, moving, hand, &view);
+    newton.object.inertia = Some(inertia);
     if let Some(s) = &dynamics.support {
         let vertices = model.object.surface.vertices.iter().copied().collect();
-        newton.terms[0].push(Box::new(GroundContact::new(vertices, s.law, s.normal, s.height, hand, &view)));
+        newton.object.ground = Some(GroundContact::new(vertices, s.law, s.normal, s.height, hand, &view));
     }
 }

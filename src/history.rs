@@ -1,0 +1,72 @@
+//! Bytes of a state: what is written one after the other is read back in the same order, bit for bit.
+
+use crate::error::{Error, Result};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// Values written one after the other.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct HistoryWriter(pub Vec<u8>);
+
+impl HistoryWriter {
+    /// Writes `value`.
+    pub fn write(&mut self, value: &impl Serialize) {
+        // Fails only for sequences of unknown length, which plain data does not have; a reader would notice what is missing.
+        self.0.extend(postcard::to_stdvec(value).unwrap_or_default());
+    }
+}
+
+/// The rest of what a [`HistoryWriter`] wrote.
+#[derive(Debug, Clone, Copy)]
+pub struct HistoryReader<'a>(pub &'a [u8]);
+
+impl HistoryReader<'_> {
+    /// Reads the next value.
+    ///
+    /// # Errors
+    /// Fails if the bytes are cut off or hold something else.
+    pub fn read<T: DeserializeOwned>(&mut self) -> Result<T> {
+        let (value, rest) = postcard::take_from_bytes(self.0).map_err(|e| {
+            Error::Start(format!("the saved state cannot be read: {e}; it is cut off, damaged or of another version"))
+        })?;
+        self.0 = rest;
+        Ok(value)
+    }
+
+    /// Reads a value per element of `values` in their place.
+    ///
+    /// # Errors
+    /// Fails as [`HistoryReader::read`] does, and for another number of values.
+    pub fn read_into<T: DeserializeOwned>(&mut self, values: &mut [T]) -> Result<()> {
+        let read: Vec<T> = self.read()?;
+        if read.len() != values.len() {
+            return Err(Error::Start(format!(
+                "the saved state has {} values where there are {}: it is of another scene",
+                read.len(),
+                values.len()
+            )));
+        }
+        values.iter_mut().zip(read).for_each(|(value, read)| *value = read);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_is_read_back_bit_for_bit_and_a_cut_is_noticed() {
+        let mut history = HistoryWriter::default();
+        history.write(&vec![f64::INFINITY, -0.0, 1.0 / 3.0]);
+        history.write(&(Some(7_u32), true));
+        let mut reader = HistoryReader(&history.0);
+        let mut values = [0.0_f64; 3];
+        reader.read_into(&mut values).unwrap();
+        assert_eq!(values.map(f64::to_bits), [f64::INFINITY, -0.0, 1.0 / 3.0].map(f64::to_bits));
+        assert_eq!(reader.read::<(Option<u32>, bool)>().unwrap(), (Some(7), true));
+        assert!(reader.read::<u32>().is_err(), "nothing is left");
+        assert!(HistoryReader(&history.0[..20]).read::<Vec<f64>>().is_err(), "cut off");
+        assert!(HistoryReader(&history.0).read_into(&mut [0.0_f64; 2]).is_err(), "another length");
+    }
+}

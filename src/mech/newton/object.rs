@@ -1,0 +1,94 @@
+//! The object with its terms, beside the bodies of the pads.
+
+use crate::error::Result;
+use crate::history::{HistoryReader, HistoryWriter};
+use crate::mech::contact::GroundContact;
+use crate::mech::potential::block::RigidBlock;
+use crate::mech::potential::rigid_inertia::RigidInertia;
+use crate::mech::potential::state::{NewtonStep, RigidUnknowns, State};
+use crate::mech::potential::term::{Assembly, ObjectTerm};
+use crate::mech::potential::time_step::TimeStep;
+use crate::mech::potential::weight::Weight;
+
+/// Effects on the object alone; what a scene does not need is not there. A new one is a field, and a line in `all` and `all_mut`.
+#[derive(Debug, Clone, Default)]
+pub struct ObjectTerms {
+    /// Weight, or what else pulls at the object on a quasi-static path.
+    pub weight: Option<Weight>,
+    /// Inertia and weight in motion.
+    pub inertia: Option<RigidInertia>,
+    /// Contact with the ground.
+    pub ground: Option<GroundContact>,
+}
+
+impl ObjectTerms {
+    fn all(&self) -> impl Iterator<Item = &dyn ObjectTerm> {
+        let weight = self.weight.iter().map(|t| t as &dyn ObjectTerm);
+        weight.chain(self.inertia.iter().map(|t| t as _)).chain(self.ground.iter().map(|t| t as _))
+    }
+
+    fn all_mut(&mut self) -> impl Iterator<Item = &mut dyn ObjectTerm> {
+        let weight = self.weight.iter_mut().map(|t| t as &mut dyn ObjectTerm);
+        weight.chain(self.inertia.iter_mut().map(|t| t as _)).chain(self.ground.iter_mut().map(|t| t as _))
+    }
+
+    /// Energy of all terms, J.
+    pub(crate) fn energy(&self, state: &State, rigid: &RigidUnknowns) -> f64 {
+        let view = state.object_view(rigid);
+        self.all().map(|t| t.energy(&view)).sum()
+    }
+
+    /// Adds gradient and Hessian of all terms to `block`.
+    pub(crate) fn assemble(&mut self, state: &State, rigid: &RigidUnknowns, how: Assembly, block: &mut RigidBlock) {
+        let view = state.object_view(rigid);
+        self.all_mut().for_each(|t| t.assemble(&view, how, block));
+    }
+
+    /// Adds the change of the forces along `step` beyond what the Hessian says to `change`.
+    pub(crate) fn couple(&self, state: &State, rigid: &RigidUnknowns, step: &NewtonStep, change: &mut RigidBlock) {
+        let view = state.object_view(rigid);
+        let motion = step.object_motion(&view);
+        self.all().for_each(|t| t.couple(&view, &motion, change));
+    }
+
+    /// Distance that the object may move before anything is touched, m.
+    pub(crate) fn clearance(&self, state: &State, rigid: &RigidUnknowns) -> f64 {
+        let view = state.object_view(rigid);
+        self.all().map(|t| t.clearance(&view)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Begins a time step.
+    pub(crate) fn begin(&mut self, step: &TimeStep) {
+        self.inertia.iter_mut().for_each(|inertia| inertia.begin(step));
+        self.ground.iter_mut().for_each(|ground| ground.begin(step));
+    }
+
+    /// Takes over the history of an accepted state.
+    pub(crate) fn commit(&mut self, state: &State, rigid: &RigidUnknowns) {
+        let view = state.object_view(rigid);
+        self.all_mut().for_each(|t| t.commit(&view));
+    }
+
+    /// Forgets what was learnt since the last commit.
+    pub(crate) fn rollback(&mut self) {
+        self.all_mut().for_each(ObjectTerm::rollback);
+    }
+
+    /// Returns true if the converged state satisfies every term; each is asked.
+    pub(crate) fn satisfied(&mut self) -> bool {
+        self.all_mut().filter_map(|t| (!t.satisfied()).then_some(())).count() == 0
+    }
+
+    /// Writes the history of all terms.
+    pub(crate) fn write_history(&self, history: &mut HistoryWriter) {
+        self.all().for_each(|t| t.write_history(history));
+    }
+
+    /// Reads the history of the same terms.
+    ///
+    /// # Errors
+    /// Fails for a history of something else.
+    pub(crate) fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+        self.all_mut().try_for_each(|t| t.read_history(history))
+    }
+}
