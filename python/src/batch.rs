@@ -5,6 +5,7 @@ use crate::supervise::supervise;
 use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1, ToPyArray};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use std::sync::{Arc, Mutex, MutexGuard};
 use tactus::env::{Autoreset, BatchConfig, BatchEnv, Snapshot};
 use tactus::scene::{Gnn, StepperChoice, load_set};
@@ -143,14 +144,14 @@ impl Batch {
         Ok((0..self.num_envs).map(|i| env.begun(i)).collect())
     }
 
-    fn save(&self, env: usize) -> PyResult<String> {
+    fn save<'py>(&self, py: Python<'py>, env: usize) -> PyResult<Bound<'py, PyBytes>> {
         self.check(env)?;
-        Ok(self.lock()?.save(env).to_json())
+        Ok(PyBytes::new(py, &self.lock()?.save(env).to_bytes()))
     }
 
-    fn restore(&self, py: Python<'_>, env: usize, snapshot: &str, out: Vec<Out>) -> PyResult<()> {
+    fn restore(&self, py: Python<'_>, env: usize, snapshot: &[u8], out: Vec<Out>) -> PyResult<()> {
         self.check(env)?;
-        let snapshot = Snapshot::from_json(snapshot).map_err(refused)?;
+        let snapshot = Snapshot::from_bytes(snapshot).map_err(refused)?;
         self.work(py, move |batch| batch.restore(env, &snapshot).map(drop))?;
         self.write(out, false)
     }

@@ -135,11 +135,11 @@ class VectorEnv(gym.vector.VectorEnv[Obs, Array, Array]):
             infos["_final_info"] = ended.copy()
         return obs, reward, terminated, truncated, infos
 
-    def save(self, env: int) -> str:
-        """The running episode of an environment, to restore it bit for bit."""
+    def save(self, env: int) -> bytes:
+        """The state of an environment, to restore it bit for bit."""
         return self._batch.save(env)
 
-    def restore(self, env: int, snapshot: str) -> Obs:
+    def restore(self, env: int, snapshot: bytes) -> Obs:
         """Brings an environment to where `snapshot` was saved; the observations of all. ValueError for a snapshot that is
         damaged or of another scene."""
         obs, *_ = self._next_arrays()

@@ -1,6 +1,7 @@
 //! Network backend: the same phases and the same components as the finite element backend.
 
 use crate::error::{Error, Result};
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::PadGraph;
 use crate::model::{Model, Needs};
@@ -87,6 +88,28 @@ impl Stepper for NetworkStepper {
     fn register(&self, schedule: &mut Schedule, _: &mut World, model: &Model) {
         register(schedule, &model.needs);
     }
+
+    fn write_history(&self, world: &World, history: &mut HistoryWriter) {
+        let prediction = world.get_resource::<Prediction>();
+        let contact = prediction.and_then(|prediction| prediction.grasp.as_ref()).map(|(contact, _)| contact);
+        history.write(&contact);
+        history.write(&prediction.map_or(0, |prediction| prediction.ahead.len()));
+    }
+
+    fn read_history(&self, world: &mut World, history: &mut HistoryReader) -> Result<()> {
+        let missing = || Error::Start("the world was not prepared for the network".into());
+        let model = world.get_resource::<Shared>().ok_or_else(missing)?.0.clone();
+        let mut prediction = world.get_resource_mut::<Prediction>().ok_or_else(missing)?;
+        if let Some(contact) = history.read::<Option<GeometricContact>>()? {
+            prediction.look(&model, contact);
+        }
+        let ahead: usize = history.read()?;
+        let Prediction { predictor, grasp: Some((_, seen)), .. } = &*prediction else { return Ok(()) };
+        let states = if ahead > 0 { predictor.ramp(seen, &model.levels)? } else { Vec::new() };
+        let behind = states.len().saturating_sub(ahead);
+        prediction.ahead = states.into_iter().skip(behind).collect();
+        Ok(())
+    }
 }
 
 /// Prediction of the network for the grasp of this world.
@@ -102,6 +125,16 @@ pub struct Prediction {
     ahead: VecDeque<Vec<PadState>>,
     /// States at any load, for an agent; None if the network has no answer to one of its loads.
     ladder: OnceLock<Option<ForceLadder>>,
+}
+
+impl Prediction {
+    /// Encodes the grasp at first contact.
+    fn look(&mut self, model: &Model, contact: GeometricContact) {
+        let seen = self.predictor.look(model, &self.graph, &contact);
+        let seen = if model.needs.stress { seen } else { seen.without_stress() };
+        self.grasp = Some((contact, seen));
+        self.ladder = OnceLock::new();
+    }
 }
 
 /// Puts the systems in their sets; systems for quantities that the scene does not need are left out.
@@ -136,11 +169,7 @@ fn look(
     }
     let clock = Instant::now();
     let travel: Vec<(u32, f64)> = fingers.iter().map(|(f, t)| (f.0, t.0)).collect();
-    let touch = GeometricContact::new(&shared.0, **pose, &travel);
-    let seen = prediction.predictor.look(&shared.0, &prediction.graph, &touch);
-    let seen = if shared.0.needs.stress { seen } else { seen.without_stress() };
-    prediction.grasp = Some((touch, seen));
-    prediction.ladder = OnceLock::new();
+    prediction.look(&shared.0, GeometricContact::new(&shared.0, **pose, &travel));
     timings.stages.insert("encode", clock.elapsed().as_secs_f64());
 }
 

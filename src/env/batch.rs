@@ -203,7 +203,7 @@ impl BatchEnv {
         StepView(&self.outputs)
     }
 
-    /// Saves the running episode of environment `env`, to be restored here or in another batch of the same scene.
+    /// Saves the state of environment `env`, to be restored here or in another batch of the same scene.
     pub fn save(&self, env: usize) -> Snapshot {
         self.envs[env].save(&self.shared)
     }
@@ -217,10 +217,9 @@ impl BatchEnv {
         let n = self.envs.len();
         let Self { shared, envs, pool, .. } = self;
         let wanted = envs.get_mut(env).ok_or_else(|| StepError::call(format!("environment {env} of {n}")))?;
-        let fits = snapshot.check(&shared.identity, action::size(&shared.task), shared.steps);
-        fits.map_err(|message| StepError::of(env, message))?;
-        let restored = pool.install(|| wanted.restore(shared, snapshot));
-        self.whole(restored)?;
+        snapshot.check(&shared.identity).map_err(|message| StepError::of(env, message))?;
+        let restored = pool.install(|| wanted.restore(shared, snapshot)).map_err(|e| StepError::call(e.to_string()))?;
+        restored.map_err(|e| StepError::of(env, e))?;
         self.collect();
         Ok(StepView(&self.outputs))
     }

@@ -5,10 +5,11 @@ use crate::gripper::GraspPose;
 use crate::random::Random;
 use crate::scene::Task;
 use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Key of an episode.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EpisodeKey {
     /// Seed of the batch.
     pub seed: u64,
@@ -27,7 +28,7 @@ impl EpisodeKey {
 }
 
 /// Properties drawn for an episode.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Draw {
     /// Index of the object.
     pub object: usize,

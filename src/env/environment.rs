@@ -9,8 +9,9 @@ use super::reward::StepInfo;
 use super::shared::EnvShared;
 use super::slip;
 use super::snapshot::Snapshot;
-use crate::error::Error;
+use crate::error::{self, Error};
 use crate::gripper::GraspPose;
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::model::Model;
 use crate::record::Frame;
 use crate::render::Pixmap;
@@ -18,13 +19,14 @@ use crate::world::components::ObjectWeight;
 use crate::world::environment::Environment;
 use crate::world::schedule::{ForceCommand, Phase, Stop};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Largest number of starts that are tried before an episode counts as having none.
 const TRIES: u64 = 8;
 
 /// Last output of an environment.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct StepOutput {
     /// All observations, one after the other.
     pub obs: Vec<f32>,
@@ -44,7 +46,6 @@ pub struct Env {
     /// True while the environment waits for a reset.
     pub ended: bool,
     run: Option<Run>,
-    actions: Vec<f32>,
 }
 
 /// An object in the hand.
@@ -62,7 +63,7 @@ struct Run {
 impl Env {
     /// Creates an environment before its first episode.
     pub fn new(key: EpisodeKey) -> Self {
-        Self { key, output: StepOutput::default(), ended: true, run: None, actions: Vec::new() }
+        Self { key, output: StepOutput::default(), ended: true, run: None }
     }
 
     /// Returns the world of the running episode.
@@ -75,10 +76,12 @@ impl Env {
         self.run.as_ref().map(|run| &run.draw)
     }
 
-    /// Saves the key and the actions of the episode.
+    /// Saves the state of the episode.
     pub fn save(&self, shared: &EnvShared) -> Snapshot {
-        let object = self.draw().map(|draw| shared.kinds[draw.object].name.as_str());
-        Snapshot::new(&shared.identity, self.key, object, &self.actions)
+        let mut history = HistoryWriter::default();
+        history.write(&(self.ended, &self.output, self.run.is_some()));
+        self.run.iter().for_each(|run| run.write_history(shared, &mut history));
+        Snapshot::new(&shared.identity, self.key, history.0)
     }
 
     /// Returns to the state before the first reset, with the same episode next.
@@ -97,16 +100,22 @@ impl Env {
         picture(run.model(shared), &run.frame, title)
     }
 
-    /// Replays a snapshot that was found to be of this shared.
-    pub fn restore(&mut self, shared: &EnvShared, snapshot: &Snapshot) {
-        self.begin(shared, snapshot.key);
-        snapshot.actions.chunks_exact(action::size(&shared.task)).for_each(|numbers| self.advance(shared, numbers));
+    /// Goes on from a snapshot that was found to be of this scene.
+    ///
+    /// # Errors
+    /// Fails if the state cannot be read; nothing has changed then.
+    pub fn restore(&mut self, shared: &EnvShared, snapshot: &Snapshot) -> error::Result<()> {
+        let mut history = HistoryReader(&snapshot.state);
+        let (ended, output, running) = history.read()?;
+        let run = if running { Some(Run::read_history(shared, &mut history)?) } else { None };
+        let before = std::mem::replace(self, Self { key: snapshot.key, output, ended, run });
+        before.run.into_iter().for_each(|run| shared.retire(run.environment));
+        Ok(())
     }
 
     /// Starts the episode `key`.
     pub fn begin(&mut self, shared: &EnvShared, key: EpisodeKey) {
         (self.key, self.ended) = (key, false);
-        self.actions.clear();
         if let Some(run) = self.run.take() {
             shared.retire(run.environment);
         }
@@ -137,7 +146,6 @@ impl Env {
 
     /// Takes one step of the episode.
     pub fn advance(&mut self, shared: &EnvShared, numbers: &[f32]) {
-        self.actions.extend_from_slice(numbers);
         let Some(run) = &mut self.run else {
             // The reset said why.
             let facts = StepInfo { most: shared.task.force.at(1.0), ..StepInfo::default() };
@@ -180,6 +188,21 @@ impl Run {
         let weight = shared.weight(&draw, &draw.pose);
         let loads = EpisodeLoads { weight, lift: shared.task.lift.get(), pushes: draw.pushes.clone() };
         Ok(Self { environment, frame, draw, loads, force, twist: 0.0, step: 0, slipped: 0.0 })
+    }
+
+    fn write_history(&self, shared: &EnvShared, history: &mut HistoryWriter) {
+        history.write(&(&self.draw, &self.loads, &self.frame));
+        history.write(&(self.force, self.twist, self.step, self.slipped));
+        history.write(&self.environment.pose());
+        self.environment.write_history(shared.stepper.as_ref(), history);
+    }
+
+    fn read_history(shared: &EnvShared, history: &mut HistoryReader) -> error::Result<Self> {
+        let (draw, loads, frame): (Draw, EpisodeLoads, Frame) = history.read()?;
+        let (force, twist, step, slipped) = history.read()?;
+        let mut environment = shared.environment(&shared.variant(&draw).model, history.read()?)?;
+        environment.read_history(shared.stepper.as_ref(), history)?;
+        Ok(Self { environment, frame, draw, loads, force, twist, step, slipped })
     }
 
     fn model<'a>(&self, shared: &'a EnvShared) -> &'a Arc<Model> {

@@ -3,10 +3,11 @@
 use crate::random::Random;
 use crate::scene::Task;
 use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
 /// A push, hand frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Push {
     /// First step with the push, from 1.
     pub begin: usize,
@@ -37,7 +38,7 @@ pub fn pushes(task: &Task, random: &mut Random) -> Vec<Push> {
 }
 
 /// The loads of an episode.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct EpisodeLoads {
     /// Whole weight of the object, N, hand frame.
     pub weight: DVec3,

@@ -1,12 +1,13 @@
 //! Grasp pose, and the transforms between its two frames.
 
 use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// Pose of the hand in the object frame: `x_object = rotation * x_hand + position`.
 ///
 /// Hand frame: origin at the hand base, +z the approach, fingers close along x, y the finger width; contacts lie near
 /// z = 0.1 m.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct GraspPose {
     /// Origin of the hand in the object frame, m.
     pub position: DVec3,

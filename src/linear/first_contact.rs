@@ -13,10 +13,11 @@ use crate::world::schedule::Phase;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::Schedule;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// State of a grasp when the pads first touch.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GeometricContact {
     /// Pose of the object.
     pub object: ObjectPose,

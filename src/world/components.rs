@@ -19,8 +19,12 @@
 //! Nothing is despawned and no component comes or goes after the spawn, so that columns stay contiguous and in spawn
 //! order; indices, not rows, are the order that counts.
 
+use crate::error::Result;
 use bevy_ecs::component::Component;
+use bevy_ecs::component::Mutable;
 use glam::{DQuat, DVec3};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// Reason why columns are contiguous.
@@ -37,11 +41,40 @@ pub(crate) fn rows_by_pad(finger: &[FingerIndex]) -> impl Iterator<Item = (usize
     })
 }
 
+/// Visitor of the columns that a step may change.
+pub(crate) trait ColumnVisitor {
+    /// Visits the column of `C`.
+    fn visit<C>(&mut self) -> Result<()>
+    where
+        C: Component<Mutability = Mutable> + Copy + Serialize + DeserializeOwned;
+}
+
+/// Visits every column that a step may change, in a fixed order; the others are written at spawn.
+pub(crate) fn visit_columns(visitor: &mut impl ColumnVisitor) -> Result<()> {
+    visitor.visit::<Position>()?;
+    visitor.visit::<NodalStress>()?;
+    visitor.visit::<TetStress>()?;
+    visitor.visit::<ContactForce>()?;
+    visitor.visit::<NodeGap>()?;
+    visitor.visit::<ContactEdge>()?;
+    visitor.visit::<FirstContact>()?;
+    visitor.visit::<FingerTravel>()?;
+    visitor.visit::<FingerForce>()?;
+    visitor.visit::<FingerWrench>()?;
+    visitor.visit::<ObjectPose>()?;
+    visitor.visit::<ObjectWeight>()?;
+    visitor.visit::<ObjectVelocity>()?;
+    visitor.visit::<ObjectMomentum>()?;
+    visitor.visit::<InertialWrench>()?;
+    visitor.visit::<GroundWrench>()?;
+    visitor.visit::<HandPose>()
+}
+
 /// Declares components: plain data, copied freely.
 macro_rules! components {
     ($($(#[$doc:meta])* $name:ident($(#[$inner:meta])* $type:ty);)*) => {
         $($(#[$doc])*
-        #[derive(Component, Debug, Clone, Copy, PartialEq)]
+        #[derive(Component, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
         pub struct $name($(#[$inner])* pub $type);)*
     };
 }
@@ -88,7 +121,7 @@ pub enum NodeKind {
 }
 
 /// One potential contact between a pad and the object, of a fixed pool. Written by the stepper.
-#[derive(Component, Debug, Clone, Copy, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ContactEdge {
     /// Distance of the pad's point to the object, m; `+inf` where too far to matter.
     pub gap: f64,
@@ -101,7 +134,7 @@ pub struct ContactEdge {
 }
 
 /// Resultant of the contact on the pad of a finger. Written by the stepper.
-#[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Component, Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct FingerWrench {
     /// Force on the pad, N, hand frame.
     pub force: DVec3,
@@ -110,7 +143,7 @@ pub struct FingerWrench {
 }
 
 /// Pose of the object: `x_hand = rotation * x_object + position`. Written by `place_object`, then by the stepper.
-#[derive(Component, Debug, Clone, Copy, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ObjectPose {
     /// Origin of the object frame in the hand frame, m.
     pub position: DVec3,
@@ -119,7 +152,7 @@ pub struct ObjectPose {
 }
 
 /// Pose of the hand: `x_world = rotation * x_hand + position`. Written by the stepper.
-#[derive(Component, Debug, Clone, Copy, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HandPose {
     /// Origin of the hand frame in the world, m.
     pub position: DVec3,
@@ -128,7 +161,7 @@ pub struct HandPose {
 }
 
 /// Velocity of a free object. Written by the stepper.
-#[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Component, Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ObjectVelocity {
     /// Velocity of the centre of mass, m/s, world axes.
     pub linear: DVec3,
@@ -137,7 +170,7 @@ pub struct ObjectVelocity {
 }
 
 /// Momentum of a free object. Written by the stepper.
-#[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Component, Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ObjectMomentum {
     /// Linear momentum, kg m/s, world axes.
     pub linear: DVec3,
@@ -146,7 +179,7 @@ pub struct ObjectMomentum {
 }
 
 /// Forces of inertia on a free object: minus the rates of its momenta in the last time step. Written by the stepper.
-#[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Component, Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct InertialWrench {
     /// Force, N, hand frame.
     pub force: DVec3,
@@ -155,7 +188,7 @@ pub struct InertialWrench {
 }
 
 /// Force and torque of the ground on a free object. Written by the stepper.
-#[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Component, Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct GroundWrench {
     /// Force, N, hand frame.
     pub force: DVec3,

@@ -7,7 +7,7 @@ use crate::judge::Findings;
 use crate::model::Model;
 use crate::record::Frame;
 use crate::world::Stepper;
-use crate::world::schedule::{Phase, Recorded, Shared, StepSet, Timings, schedule};
+use crate::world::schedule::{CurrentGrasp, Phase, Recorded, Shared, StepSet, Timings, schedule};
 use crate::world::spawn::{begin, spawn};
 use crate::world::systems::audit::Audited;
 use bevy_ecs::prelude::*;
@@ -49,6 +49,11 @@ impl Environment {
     /// The model that is grasped.
     pub fn model(&self) -> &Arc<Model> {
         &self.world.resource::<Shared>().0
+    }
+
+    /// Pose of the hand in the object frame.
+    pub fn pose(&self) -> GraspPose {
+        self.world.resource::<CurrentGrasp>().0
     }
 
     /// Runs one step of the procedure; does nothing once [`Phase::is_final`]. Returns the phase of the next step.

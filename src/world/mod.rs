@@ -3,6 +3,7 @@
 pub mod components;
 pub mod environment;
 pub mod schedule;
+pub mod snapshot;
 pub mod spawn;
 pub mod stepper;
 pub mod systems;

@@ -16,6 +16,7 @@ use crate::record::Frame;
 use crate::world::systems;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -43,7 +44,7 @@ impl StepSet {
 }
 
 /// Phase of a grasp in the procedure. It is constant during a step; `turn_phase` moves it on at the end.
-#[derive(Resource, Debug, Clone, PartialEq)]
+#[derive(Resource, Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Phase {
     /// The object goes to its pose in the open hand.
     Place,
@@ -127,21 +128,21 @@ pub struct Shared(pub Arc<Model>);
 pub struct CurrentGrasp(pub GraspPose);
 
 /// A load given from outside, step by step; without it the levels of the scene apply, one after the other.
-#[derive(Resource, Debug, Clone, Copy, PartialEq)]
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ForceCommand {
     /// Force per finger, N.
     pub force: f64,
 }
 
 /// Load that the stepper is asked for in this step. Written by `set_load`.
-#[derive(Resource, Debug, Clone, Copy, Default)]
+#[derive(Resource, Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub struct StepLoad {
     /// Load per finger, N or m after first contact; in a dynamic scene the time, s.
     pub level: f64,
 }
 
 /// Report of the stepper on the level that it has just reached.
-#[derive(Resource, Debug, Clone, Copy, Default)]
+#[derive(Resource, Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub struct StepReport {
     /// Flag: the level was reached in this step.
     pub reached: bool,
@@ -158,7 +159,7 @@ pub struct StepReport {
 }
 
 /// Balance of the forces of a frame.
-#[derive(Resource, Debug, Clone, Copy, Default)]
+#[derive(Resource, Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub struct BalanceReport {
     /// Flag: the object is held where it is by something outside the scene; then only the fingers' forces have to add up.
     pub object_fixed: bool,

@@ -8,6 +8,7 @@
 //! `Phase::Fault`.
 
 use crate::error::Result;
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::model::Model;
 use crate::scene::Scene;
 use bevy_ecs::schedule::Schedule;
@@ -30,6 +31,15 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
     fn prepare(&self, world: &mut World) -> Result<()>;
     /// Puts its systems into `schedule`, and the entities that it alone needs into the `world` of `model`.
     fn register(&self, schedule: &mut Schedule, world: &mut World, model: &Model);
+    /// Writes what the next step depends on beside the columns of `world`.
+    fn write_history(&self, _world: &World, _history: &mut HistoryWriter) {}
+    /// Reads what [`Stepper::write_history`] wrote, into a world prepared for the same grasp whose columns are those of then.
+    ///
+    /// # Errors
+    /// Fails for a history of something else.
+    fn read_history(&self, _world: &mut World, _history: &mut HistoryReader) -> Result<()> {
+        Ok(())
+    }
 }
 
 /// Function that opens the backend which a scene names.

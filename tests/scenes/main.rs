@@ -21,5 +21,6 @@ mod scene_include;
 mod scene_load;
 mod scenes_checked;
 mod shipped;
+mod snapshots;
 mod torture;
 mod torture_meshes;

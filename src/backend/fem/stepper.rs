@@ -4,6 +4,7 @@ use super::condensed::Condensation;
 use super::dynamics::integrator::Integrator;
 use super::systems;
 use crate::error::{Error, Result};
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::contact::{FeatureContact, PointContact};
 use crate::mech::newton::effort::Effort;
 use crate::mech::newton::{Failure, Newton, NewtonTolerance};
@@ -75,6 +76,27 @@ impl Stepper for FemStepper {
         spawn_edges(world, model);
         systems::register(schedule, &model.needs, model.force_driven);
     }
+
+    fn write_history(&self, world: &World, history: &mut HistoryWriter) {
+        if let Some(integrator) = world.get_resource::<Integrator>() {
+            integrator.write_history(history);
+        }
+        if let Some(solver) = world.get_resource::<GraspSolver>() {
+            solver.write_history(history);
+        }
+    }
+
+    fn read_history(&self, world: &mut World, history: &mut HistoryReader) -> Result<()> {
+        let missing = || Error::Start("the world was not prepared for finite elements".into());
+        let model = world.get_resource::<Shared>().ok_or_else(missing)?.0.clone();
+        let mut solver = world.remove_resource::<GraspSolver>().ok_or_else(missing)?;
+        if let (Some(mut integrator), Some(dynamics)) = (world.get_resource_mut::<Integrator>(), &model.dynamics) {
+            integrator.read_history(&mut solver.path, &model, dynamics, &self.settings, history)?;
+        }
+        let read = solver.read_history(&model, history);
+        world.insert_resource(solver);
+        read
+    }
 }
 
 /// Solver of one grasp.
@@ -129,6 +151,25 @@ impl GraspSolver {
         let mut path = Path::new(newton, state, NewtonTolerance::new(model.law.offset));
         path.control = control(model);
         Ok(Self { path, condensed, settings: *settings, started: false, steps: 0, start: pose })
+    }
+
+    /// Writes all that the next step depends on.
+    fn write_history(&self, history: &mut HistoryWriter) {
+        history.write(&(self.started, self.steps, self.start, self.condensed.is_some()));
+        self.condensed.iter().for_each(|pads| pads.write_history(history));
+        self.path.write_history(history);
+    }
+
+    /// Reads what a solver of the same scene wrote.
+    fn read_history(&mut self, model: &Model, history: &mut HistoryReader) -> Result<()> {
+        let condensed: bool;
+        (self.started, self.steps, self.start, condensed) = history.read()?;
+        match &mut self.condensed {
+            Some(pads) if condensed => pads.read_history(&mut self.path, history)?,
+            Some(_) => self.release(model).map_err(Error::Start)?,
+            None => {}
+        }
+        self.path.read_history(history)
     }
 
     /// Returns the scene's settings.

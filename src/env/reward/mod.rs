@@ -9,9 +9,10 @@ mod slip;
 mod stress;
 
 use crate::scene::Reward;
+use serde::{Deserialize, Serialize};
 
 /// Facts about a step, from which rewards are computed.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepInfo {
     /// True while the object is in the hand.
     pub held: bool,

@@ -1,6 +1,8 @@
-//! Checkpoints, for going back on a loading path further than the last increment.
+//! Checkpoints, for going back on a loading path further than the last increment, and bytes, for going on in another process.
 
 use super::Path;
+use crate::error::Result;
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::newton::SavedTerms;
 use crate::mech::potential::state::State;
 
@@ -38,5 +40,28 @@ impl Path {
         self.newton.restore(checkpoint.terms);
         self.newton.force = checkpoint.force;
         self.at_once = false;
+    }
+
+    /// Writes all that the next increment depends on.
+    pub fn write_history(&self, history: &mut HistoryWriter) {
+        history.write(&(&self.state, self.level, &self.history));
+        history.write(&(self.step, self.spent, self.at_once, self.methods));
+        let newton = &self.newton;
+        history.write(&(&newton.force, newton.object_fixed, newton.profile.iterations));
+        history.write(&(newton.profile.projections, newton.profile.frozen));
+        newton.write_history(history);
+    }
+
+    /// Reads what [`Path::write_history`] wrote, into a path with the same bodies and terms.
+    ///
+    /// # Errors
+    /// Fails for a history of something else.
+    pub fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+        (self.state, self.level, self.history) = history.read()?;
+        (self.step, self.spent, self.at_once, self.methods) = history.read()?;
+        let newton = &mut self.newton;
+        (newton.force, newton.object_fixed, newton.profile.iterations) = history.read()?;
+        (newton.profile.projections, newton.profile.frozen) = history.read()?;
+        newton.read_history(history)
     }
 }

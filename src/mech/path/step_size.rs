@@ -1,5 +1,7 @@
 //! Size of the next increment.
 
+use serde::{Deserialize, Serialize};
+
 /// Size of an increment after one that failed, over the size of that one.
 const HALF: f64 = 0.5;
 /// Largest growth after an increment that was easy.
@@ -12,7 +14,7 @@ const SAFETY: f64 = 0.8;
 pub const REFUSED: f64 = 4.0;
 
 /// The size of the next increment, in the unit of the load.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StepSize(pub f64);
 
 impl StepSize {

@@ -23,6 +23,8 @@ pub use pad::CondensedPad;
 pub use patch::choose;
 pub use term::CondensedEnergy;
 
+use crate::error;
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::newton::Failure;
 use crate::mech::path::continuation::PadDiscretisation;
 use crate::mech::path::{Advanced, Load, Path};
@@ -197,6 +199,27 @@ impl Condensation {
         for (pad, gel) in self.pads.iter().zip(&mut path.newton.gel) {
             *gel = vec![Box::new(pad.term())];
         }
+    }
+
+    /// Writes all that the next level depends on.
+    pub(crate) fn write_history(&self, history: &mut HistoryWriter) {
+        history.write(&self.levels);
+        self.pads.iter().for_each(|pad| pad.write_history(history));
+    }
+
+    /// Reads what [`Condensation::write_history`] wrote, and condenses the pads of `path` as they were.
+    ///
+    /// # Errors
+    /// Fails for a history of something else.
+    pub(crate) fn read_history(&mut self, path: &mut Path, history: &mut HistoryReader) -> error::Result<()> {
+        self.levels = history.read()?;
+        for (i, pad) in self.pads.iter_mut().enumerate() {
+            if let Some(body) = pad.read_history(history)? {
+                path.newton.exchange(i, body)?;
+            }
+        }
+        self.install(path);
+        Ok(())
     }
 
     /// Returns true if contact has reached nodes of pad `i` that are not in its patch.

@@ -1,6 +1,8 @@
 //! A single pad, condensed onto a patch and brought back.
 
 use super::term::CondensedEnergy;
+use crate::error::{Error, Result};
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::body::Body;
 use crate::mech::body::cholesky::Factor;
 use crate::mech::body::pattern::FIXED;
@@ -18,6 +20,8 @@ pub struct CondensedPad {
     eliminated: Option<(Body, Factor)>,
     patch: Arc<[u32]>,
     stiffness: Arc<Mat<f64>>,
+    /// Positions at which the pad was condensed, m.
+    condensed_at: Vec<DVec3>,
     /// Rest position of every node without load, m: now, at the last accepted level, at the one before.
     center: Vec<DVec3>,
     settled: [Vec<DVec3>; 2],
@@ -45,6 +49,7 @@ impl CondensedPad {
             eliminated: None,
             patch: Arc::from([]),
             stiffness: Arc::new(Mat::new()),
+            condensed_at: Vec::new(),
             settled: [rest.clone(), rest.clone()],
             gradient: vec![DVec3::ZERO; rest.len()],
             center: rest,
@@ -87,7 +92,7 @@ impl CondensedPad {
     ///
     /// # Errors
     /// Returns [`Failure::Singular`] if the stiffness cannot be factorised.
-    pub fn condense(&mut self, x: &[DVec3], patch: Vec<u32>) -> Result<Option<Arc<Body>>, Failure> {
+    pub fn condense(&mut self, x: &[DVec3], patch: Vec<u32>) -> std::result::Result<Option<Arc<Body>>, Failure> {
         let mut left = None;
         if self.eliminated.is_none() || *patch != *self.patch {
             let body = self.body.eliminating_last(&patch);
@@ -109,10 +114,35 @@ impl CondensedPad {
         if !factorized {
             return Err(Failure::Singular);
         }
+        self.condensed_at = x.to_vec();
         self.stiffness = Arc::new(factor.condensed(3 * self.patch.len()));
         let back = solve(body, factor, &self.gradient);
         self.center = x.iter().zip(back).map(|(x, w)| *x - w).collect();
         self.settled = [self.center.clone(), self.center.clone()];
+        Ok(left)
+    }
+
+    /// Writes all that the next correction depends on.
+    pub(crate) fn write_history(&self, history: &mut HistoryWriter) {
+        history.write(&self.condensed_at);
+        history.write(&(&self.patch, &self.center, &self.settled, &self.gradient));
+    }
+
+    /// Reads what [`CondensedPad::write_history`] wrote; condenses the pad as it was. Returns the body that is left if it was
+    /// condensed.
+    ///
+    /// # Errors
+    /// Fails for a history of something else.
+    pub(crate) fn read_history(&mut self, history: &mut HistoryReader) -> Result<Option<Arc<Body>>> {
+        let condensed_at: Vec<DVec3> = history.read()?;
+        let (patch, center, settled, gradient): (Vec<u32>, _, _, _) = history.read()?;
+        let known = condensed_at.len() == self.body.rest.len() && patch.iter().all(|n| (*n as usize) < condensed_at.len());
+        let left = match condensed_at.is_empty() {
+            true => None,
+            false if known => self.condense(&condensed_at, patch).map_err(|e| Error::Start(e.to_string()))?,
+            false => return Err(Error::Start("the saved state is of other pads".into())),
+        };
+        (self.center, self.settled, self.gradient) = (center, settled, gradient);
         Ok(left)
     }
 

@@ -1,7 +1,9 @@
 //! Time steps: predict, solve, accept; or roll back and take a shorter step.
 
 use super::{advance, terms};
+use crate::error;
 use crate::gripper::GraspPose;
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::newton::effort::most_iterations;
 use crate::mech::newton::{Failure, NewtonTolerance};
 use crate::mech::path::step_size::StepSize;
@@ -110,6 +112,32 @@ impl Integrator {
             before.rotation = (turn * before.rotation).normalize();
         }
         self.before = Some((before, dynamics.time_step));
+    }
+
+    /// Writes all that the next step depends on beside the path.
+    pub(crate) fn write_history(&self, history: &mut HistoryWriter) {
+        history.write(&(self.time, self.size, &self.before));
+    }
+
+    /// Reads what [`Integrator::write_history`] wrote; gives `path` its terms if motion had begun.
+    ///
+    /// # Errors
+    /// Fails for a history of something else.
+    pub(crate) fn read_history(
+        &mut self,
+        path: &mut Path,
+        model: &Model,
+        dynamics: &Dynamics,
+        settings: &scene::Fem,
+        history: &mut HistoryReader,
+    ) -> error::Result<()> {
+        let before: Option<(State, f64)>;
+        (self.time, self.size, before) = history.read()?;
+        if before.is_some() {
+            self.begin(path, model, dynamics, settings);
+        }
+        (self.before, self.hand) = (before, dynamics.hand(&self.pose, self.time));
+        Ok(())
     }
 
     fn step(

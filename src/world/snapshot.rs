@@ -1,0 +1,93 @@
+//! Snapshots of a world: the columns that a step may change, the resources of a step, and what the stepper remembers.
+
+use crate::error::{Error, Result};
+use crate::history::{HistoryReader, HistoryWriter};
+use crate::world::Stepper;
+use crate::world::components::{ColumnVisitor, visit_columns};
+use crate::world::environment::Environment;
+use crate::world::schedule::{BalanceReport, ForceCommand, Phase, StepLoad, StepReport};
+use bevy_ecs::component::{Component, Mutable};
+use bevy_ecs::world::World;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+impl Environment {
+    /// Writes the state: with it a grasp goes on bit for bit, in this process or another. The length does not depend on how many
+    /// steps were taken.
+    pub fn write_history(&self, stepper: &dyn Stepper, history: &mut HistoryWriter) {
+        let world = self.world();
+        // A writer does not fail.
+        let _ = visit_columns(&mut Writer { world, history });
+        history.write(&world.get_resource::<Phase>());
+        history.write(&world.get_resource::<ForceCommand>());
+        history.write(&world.get_resource::<StepLoad>());
+        history.write(&world.get_resource::<StepReport>());
+        history.write(&world.get_resource::<BalanceReport>());
+        stepper.write_history(world, history);
+    }
+
+    /// Reads what [`Environment::write_history`] wrote, into an environment just begun with the same model, stepper and pose.
+    ///
+    /// # Errors
+    /// Fails for a history of something else; the environment must then be begun anew.
+    pub fn read_history(&mut self, stepper: &dyn Stepper, history: &mut HistoryReader) -> Result<()> {
+        let world = self.world_mut();
+        visit_columns(&mut Reader { world, history })?;
+        read_resource::<Phase>(world, history)?;
+        read_resource::<ForceCommand>(world, history)?;
+        read_resource::<StepLoad>(world, history)?;
+        read_resource::<StepReport>(world, history)?;
+        read_resource::<BalanceReport>(world, history)?;
+        stepper.read_history(world, history)
+    }
+}
+
+fn read_resource<R: bevy_ecs::resource::Resource + DeserializeOwned>(
+    world: &mut World,
+    history: &mut HistoryReader,
+) -> Result<()> {
+    match history.read::<Option<R>>()? {
+        Some(resource) => world.insert_resource(resource),
+        None => drop(world.remove_resource::<R>()),
+    }
+    Ok(())
+}
+
+/// Writes columns.
+struct Writer<'a> {
+    world: &'a World,
+    history: &'a mut HistoryWriter,
+}
+
+impl ColumnVisitor for Writer<'_> {
+    fn visit<C>(&mut self) -> Result<()>
+    where
+        C: Component<Mutability = Mutable> + Copy + Serialize + DeserializeOwned,
+    {
+        let query = self.world.try_query::<&C>();
+        let values: Vec<C> = query.map_or_else(Vec::new, |mut query| query.iter(self.world).copied().collect());
+        self.history.write(&values);
+        Ok(())
+    }
+}
+
+/// Reads columns.
+struct Reader<'a, 'b> {
+    world: &'a mut World,
+    history: &'a mut HistoryReader<'b>,
+}
+
+impl ColumnVisitor for Reader<'_, '_> {
+    fn visit<C>(&mut self) -> Result<()>
+    where
+        C: Component<Mutability = Mutable> + Copy + Serialize + DeserializeOwned,
+    {
+        let values: Vec<C> = self.history.read()?;
+        let mut query = self.world.query::<&mut C>();
+        if query.iter(self.world).count() != values.len() {
+            return Err(Error::Start("the saved state has another number of nodes, edges or fingers than the scene".into()));
+        }
+        query.iter_mut(self.world).zip(values).for_each(|(mut own, value)| *own = value);
+        Ok(())
+    }
+}

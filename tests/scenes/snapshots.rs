@@ -1,0 +1,76 @@
+//! A state that is written and read goes on as if nothing had happened, bit for bit.
+
+use std::path::Path;
+use tactus::backend::choose;
+use tactus::grasp::poses_of;
+use tactus::history::{HistoryReader, HistoryWriter};
+use tactus::model::Model;
+use tactus::record::Frame;
+use tactus::scene::load;
+use tactus::world::environment::Environment;
+
+/// Frames that are run in all.
+const FRAMES: usize = 6;
+
+/// Runs the scene up to some frame, moves the state into a fresh world, and compares what follows with a run without a break.
+fn goes_on(scene: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
+    let scene = load(&path).unwrap_or_else(|e| panic!("{e}")).scene;
+    let (model, stepper) = (Model::build(&scene).unwrap(), choose(&scene).unwrap());
+    let pose = poses_of(&scene).unwrap()[0];
+    let fresh = || Environment::new(&model, stepper.as_ref(), pose).unwrap();
+    let mut truth = fresh();
+    let mut sizes = Vec::new();
+    let mut moved: Vec<(usize, Environment)> = Vec::new();
+    let mut frames = 0;
+    while frames < FRAMES && !truth.phase().is_final() {
+        truth.step();
+        frames += usize::from(truth.frame().is_some());
+        for (since, other) in &mut moved {
+            other.step();
+            let same = |a: Option<&Frame>, b: Option<&Frame>| a == b;
+            assert!(same(other.frame(), truth.frame()), "frame {frames}, moved after frame {since}");
+            assert_eq!(other.phase(), truth.phase());
+        }
+        if [0, 1, 3].contains(&frames) {
+            let mut history = HistoryWriter::default();
+            truth.write_history(stepper.as_ref(), &mut history);
+            let mut other = fresh();
+            other.read_history(stepper.as_ref(), &mut HistoryReader(&history.0)).unwrap();
+            moved.push((frames, other));
+            if frames > 0 {
+                sizes.push(history.0.len() as f64);
+            }
+            let cut = HistoryReader(&history.0[..history.0.len() / 2]).to_owned();
+            assert!(fresh().read_history(stepper.as_ref(), &mut { cut }).is_err(), "half of it is refused");
+        }
+    }
+    assert!(frames == FRAMES && moved.len() > 3, "{frames} frames, {} moves", moved.len());
+    let grown = sizes[sizes.len() - 1] / sizes[0];
+    assert!(grown < 1.5, "the state is {grown} times as long after three frames as after one");
+}
+
+#[test]
+fn whole_pads_around_a_free_object() {
+    goes_on("torture/needle.ron");
+}
+
+#[test]
+fn condensed_pads() {
+    goes_on("condensed.ron");
+}
+
+#[test]
+fn motion_in_time_with_ground_and_drive() {
+    goes_on("dynamic/lift.ron");
+}
+
+#[test]
+fn an_object_alone_in_free_spin() {
+    goes_on("dynamic/free_spin.ron");
+}
+
+#[test]
+fn the_network() {
+    goes_on("quickstart.ron");
+}
