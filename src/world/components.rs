@@ -2,7 +2,7 @@
 //!
 //! | entity | components | spawned |
 //! |---|---|---|
-//! | node | [`FingerIndex`], [`NodeKind`], [`RestPosition`], [`Position`] | always |
+//! | node | [`FingerIndex`], [`RestPosition`], [`Position`] | always |
 //! | | [`NodalStress`] | stress is recorded or expected |
 //! | | [`ContactForce`] | contact forces are recorded |
 //! | | [`NodeGap`] | gaps are recorded |
@@ -11,7 +11,6 @@
 //! | | [`ContactFriction`] | friction is above zero |
 //! | finger | [`FingerIndex`], [`ClosingDirection`], [`FirstContact`], [`FingerTravel`], [`FingerForce`], [`FingerWrench`] | always |
 //! | object | [`ObjectPose`] | always |
-//! | | [`FreeObject`] | the object may move |
 //! | | [`ObjectWeight`] | gravity is set, or an agent acts, and the object may move |
 //! | | [`ObjectVelocity`], [`ObjectMomentum`], [`InertialWrench`] | the scene is dynamic and the object may move |
 //! | | [`GroundWrench`] | there is a ground and the object may move |
@@ -77,17 +76,6 @@ components! {
     /// Weight of a free object, N, hand frame; where an agent acts, with all that pulls at it. Written at spawn, by the
     /// stepper where the hand turns, by [`crate::env`] before a step.
     ObjectWeight(DVec3);
-}
-
-/// Location of a node in its pad. Written at spawn.
-#[derive(Component, Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NodeKind {
-    /// Node inside the gel.
-    Interior,
-    /// Node on the free surface: may touch the object.
-    Surface,
-    /// Node glued to the finger: has no unknowns.
-    Bonded,
 }
 
 /// One potential contact between a pad and the object, of a fixed pool. Written by the stepper.
@@ -174,10 +162,6 @@ pub struct GroundWrench {
     /// Torque about the centre of mass, N m, hand frame.
     pub torque: DVec3,
 }
-
-/// Marks an object that may move. Written at spawn.
-#[derive(Component, Debug, Clone, Copy, PartialEq, Eq)]
-pub struct FreeObject;
 
 impl Default for ContactEdge {
     fn default() -> Self {

@@ -28,7 +28,6 @@ pub fn spawn(model: &Arc<Model>, pose: GraspPose) -> World {
     }
     let mut object = world.spawn(ObjectPose { position: DVec3::ZERO, rotation: DQuat::IDENTITY });
     if model.needs.free_object {
-        object.insert(FreeObject);
         if model.needs.task || model.gravity.is_some() {
             object.insert(ObjectWeight(DVec3::ZERO));
         }
@@ -103,17 +102,7 @@ pub fn spawn_edges(world: &mut World, model: &Model) {
 }
 
 fn spawn_nodes(world: &mut World, model: &Model, finger: &FingerModel, of: FingerIndex) {
-    let mut on_surface = vec![false; finger.body.rest.len()];
-    for face in finger.surface.faces.iter() {
-        face.corners.iter().chain(face.mids.iter().flatten()).for_each(|&n| on_surface[n as usize] = true);
-    }
-    let kind = |i: usize| match (finger.body.fixed[i], on_surface[i]) {
-        (true, _) => NodeKind::Bonded,
-        (false, true) => NodeKind::Surface,
-        (false, false) => NodeKind::Interior,
-    };
-    let rest = finger.body.rest.iter().enumerate();
-    let nodes = rest.map(|(i, &x)| (of, kind(i), RestPosition(x), Position(x)));
+    let nodes = finger.body.rest.iter().map(|&x| (of, RestPosition(x), Position(x)));
     // All columns at once: one that comes later moves every node to another table.
     let (stress, force, gap) = (NodalStress(0.0), ContactForce(DVec3::ZERO), NodeGap(0.0));
     match (model.needs.stress, model.needs.contact_force, model.needs.gap) {
