@@ -114,10 +114,10 @@ impl Batch {
     }
 
     /// What the rewards were made of: (held, slip, slipped, margin, stress, force, load) per environment.
-    fn facts(&self) -> PyResult<Vec<(bool, f64, f64, f64, f64, f64, f64)>> {
+    fn info(&self) -> PyResult<Vec<(bool, f64, f64, f64, f64, f64, f64)>> {
         let env = self.lock()?;
-        let facts = env.view().facts().iter();
-        Ok(facts.map(|f| (f.held, f.slip, f.slipped, f.margin, f.stress, f.force, f.load)).collect())
+        let info = env.view().info().iter();
+        Ok(info.map(|i| (i.held, i.slip, i.slipped, i.margin, i.stress, i.force, i.load)).collect())
     }
 
     /// Why an environment has no state for this step; None where it has.

@@ -16,7 +16,7 @@ from gymnasium.vector.utils import batch_space
 
 from ._tactus import Batch
 
-FACTS = ("held", "slip", "slipped", "margin", "stress", "force", "load")
+INFO = ("held", "slip", "slipped", "margin", "stress", "force", "load")
 
 Array = npt.NDArray[Any]
 Obs = dict[str, Any]
@@ -130,8 +130,8 @@ class VectorEnv(gym.vector.VectorEnv[Obs, Array, Array]):
             rows = [{name: a[i].copy() for name, a in final.items()} if ended[i] else None for i in range(self.num_envs)]
             infos["final_obs"], infos["_final_obs"] = np.empty(self.num_envs, dtype=object), ended.copy()
             infos["final_obs"][:] = rows
-            facts = {k: v for k, v in infos.items() if not k.startswith(("_", "final"))}
-            infos["final_info"] = facts | {f"_{k}": ended.copy() for k in facts}
+            info = {k: v for k, v in infos.items() if not k.startswith(("_", "final"))}
+            infos["final_info"] = info | {f"_{k}": ended.copy() for k in info}
             infos["_final_info"] = ended.copy()
         return obs, reward, terminated, truncated, infos
 
@@ -179,10 +179,10 @@ class VectorEnv(gym.vector.VectorEnv[Obs, Array, Array]):
         return np.ascontiguousarray(rows).reshape(-1)
 
     def _infos(self) -> dict[str, Any]:
-        columns = np.array(self._batch.facts(), dtype=np.float64).reshape(self.num_envs, len(FACTS)).T
+        columns = np.array(self._batch.info(), dtype=np.float64).reshape(self.num_envs, len(INFO)).T
         every = np.ones(self.num_envs, dtype=np.bool_)
         infos: dict[str, Any] = {}
-        for name, column in zip(FACTS, columns):
+        for name, column in zip(INFO, columns):
             infos[name], infos[f"_{name}"] = column.astype(np.bool_) if name == "held" else column.copy(), every
         faults = self._batch.faults()
         infos["fault"] = np.array(faults, dtype=object)

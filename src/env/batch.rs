@@ -70,7 +70,7 @@ impl BatchEnv {
             truncated: vec![false; n],
             ended: vec![false; n],
             faults: vec![None; n],
-            facts: vec![StepInfo::default(); n],
+            info: vec![StepInfo::default(); n],
         };
         Ok(Self { envs: (0..n).map(|i| Env::new(key(i))).collect(), shared, config, pool, outputs })
     }
@@ -285,7 +285,7 @@ impl BatchEnv {
             (out.terminated[i], out.truncated[i]) = (from.terminated, from.truncated);
             out.ended[i] = from.terminated || from.truncated;
             out.faults[i].clone_from(&from.fault);
-            out.facts[i] = from.facts;
+            out.info[i] = from.info;
         }
     }
 }

@@ -36,7 +36,7 @@ pub struct StepOutput {
     pub terminated: bool,
     pub truncated: bool,
     pub fault: Option<String>,
-    pub facts: StepInfo,
+    pub info: StepInfo,
 }
 
 /// An environment.
@@ -148,16 +148,16 @@ impl Env {
     pub fn advance(&mut self, shared: &EnvShared, numbers: &[f32]) {
         let Some(run) = &mut self.run else {
             // The reset said why.
-            let facts = StepInfo { most: shared.task.force.at(1.0), ..StepInfo::default() };
-            (self.ended, self.output.terminated, self.output.facts) = (true, true, facts);
-            self.output.reward = shared.pay(&facts) as f32;
+            let info = StepInfo { most: shared.task.force.at(1.0), ..StepInfo::default() };
+            (self.ended, self.output.terminated, self.output.info) = (true, true, info);
+            self.output.reward = shared.pay(&info) as f32;
             return;
         };
         let output = &mut self.output;
         output.last.clear();
         output.fault = None;
         let done = run.advance(shared, numbers);
-        let mut facts = done.unwrap_or_else(|stop| {
+        let mut info = done.unwrap_or_else(|stop| {
             // An object that leaves the hand is not held; nothing has failed.
             output.fault = (!stop.dropped).then_some(stop.reason);
             StepInfo::default()
@@ -168,14 +168,14 @@ impl Env {
             output.obs = seen;
         } else {
             output.fault = Some("the state is not finite".into());
-            facts = StepInfo::default();
+            info = StepInfo::default();
         }
-        (facts.force, facts.most) = (run.force, shared.task.force.at(1.0));
-        output.reward = shared.pay(&facts) as f32;
+        (info.force, info.most) = (run.force, shared.task.force.at(1.0));
+        output.reward = shared.pay(&info) as f32;
         // A grasp that fails is followed by another one where the task has it so.
-        output.terminated = !facts.held && shared.task.regrasp.is_none();
+        output.terminated = !info.held && shared.task.regrasp.is_none();
         output.truncated = !output.terminated && run.step >= shared.steps;
-        output.facts = facts;
+        output.info = info;
         self.ended = output.terminated || output.truncated;
     }
 }

@@ -151,10 +151,10 @@ impl EnvShared {
     }
 
     /// Returns the payment for a step.
-    pub fn pay(&self, facts: &StepInfo) -> f64 {
+    pub fn pay(&self, info: &StepInfo) -> f64 {
         match &self.custom {
-            Some(custom) => custom(facts),
-            None => self.task.reward.iter().map(|r| r.term().pay(facts)).sum(),
+            Some(custom) => custom(info),
+            None => self.task.reward.iter().map(|r| r.term().pay(info)).sum(),
         }
     }
 }

@@ -20,7 +20,7 @@ pub(crate) struct Outputs {
     pub truncated: Vec<bool>,
     pub ended: Vec<bool>,
     pub faults: Vec<Option<String>>,
-    pub facts: Vec<StepInfo>,
+    pub info: Vec<StepInfo>,
 }
 
 /// Results of a reset or step.
@@ -64,9 +64,9 @@ impl<'a> StepView<'a> {
         self.0.faults[env].as_deref()
     }
 
-    /// Returns the facts from which the rewards were computed.
-    pub fn facts(&self) -> &'a [StepInfo] {
-        &self.0.facts
+    /// Returns the information on the step from which each reward was computed.
+    pub fn info(&self) -> &'a [StepInfo] {
+        &self.0.info
     }
 }
 

@@ -5,5 +5,6 @@ pub mod barycentric;
 pub mod mesh;
 pub mod pad;
 pub mod shape;
+pub mod triangle6;
 
 pub use aabb::Aabb;

@@ -2,7 +2,7 @@
 //!
 //! Two forces on a body without weight lie on one line. Where the pads press therefore says how hard friction pulls each of
 //! them sideways, and sideways pull is most of how a pad is sheared. Pressure stays as it is: each pad is pulled along x,
-//! along y and twisted, shared out among its nodes as the settled gel presses, and as little as balances (least squares over
+//! along y and twisted, shared out among its nodes as the projected contact presses, and as little as balances (least squares over
 //! the pressure). About the closing direction small contacts hold little: there the balance is soft.
 //!
 //! Quantities are dimensionless, in hand axes, as in [`super::rigid_equilibrium`].
@@ -29,7 +29,7 @@ pub struct Pressed {
     pub force: f64,
     /// Rotation from its axes to those of the hand.
     pub rotation: DMat3,
-    /// Point where the force of each face node acts, and the share of the force that the settled gel carries there.
+    /// Point where the force of each face node acts, and the share of the force that the projected contact carries there.
     pub nodes: Vec<(DVec3, f64)>,
 }
 

@@ -6,6 +6,7 @@
 
 use super::deviator::{Deviator, deviators};
 use crate::error::{Error, Result};
+use crate::geometry::triangle6;
 use crate::kernel::numbers::Numbers;
 use crate::kernel::product::{LANES, Packed, RowsView, respond};
 use crate::mech::body::cholesky::Factor;
@@ -129,23 +130,17 @@ fn spread(pad: &PadTopology, face: &[u32], rows: &[f32], width: usize) -> Vec<f3
     let (mut area, mut taken) = (vec![0.0; face.len()], vec![BTreeMap::new(); face.len()]);
     // A 6-node triangle is listed as its four parts: those at the corners, then the middle.
     for parts in pad.sensing.as_chunks::<4>().0 {
-        let [a, b, c] = [parts[0][0], parts[1][1], parts[2][2]];
         let [ab, bc, ca] = parts[3];
+        let nodes = [parts[0][0], parts[1][1], parts[2][2], ab, bc, ca];
         for (part, at) in parts.iter().zip(CENTRES) {
             let [p, q, r] = part.map(|n| pad.rest[n as usize]);
             let third = (q - p).cross(r - p).length() / 6.0;
-            let [u, v, w] = at;
-            let shape = [
-                (a, u * (2.0 * u - 1.0)),
-                (b, v * (2.0 * v - 1.0)),
-                (c, w * (2.0 * w - 1.0)),
-                (ab, 4.0 * u * v),
-                (bc, 4.0 * v * w),
-                (ca, 4.0 * w * u),
-            ];
+            let values = triangle6::values(at);
             for from in part.map(|n| own[&n]) {
                 area[from] += third;
-                shape.iter().for_each(|(n, s)| *taken[from].entry(own[n]).or_insert(0.0) += third * s);
+                for (n, value) in nodes.iter().zip(values) {
+                    *taken[from].entry(own[n]).or_insert(0.0) += third * value;
+                }
             }
         }
     }

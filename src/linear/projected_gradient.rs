@@ -16,7 +16,7 @@ use pulp::Arch;
 const STEPS: usize = 10;
 /// Distance from touching up to which nodes take part, over the deepest.
 const REACH: f64 = 0.3;
-/// Loads that are settled together.
+/// Number of loads that are iterated together.
 pub const LANES: usize = crate::kernel::product::LANES;
 
 /// One number per load.
@@ -37,9 +37,9 @@ pub struct Touching {
     pub force: DVec3,
 }
 
-/// Settles at most [`LANES`] loads. Returns for each the forces on all of `face`, and how much farther the pad must be closed
-/// for them.
-pub fn settle(compliance: &Compliance, face: &[Vec<Touching>]) -> Vec<(Vec<DVec3>, f64)> {
+/// Computes the contact of at most [`LANES`] loads. Returns for each the forces on all of `face`, and how much farther the pad
+/// must be closed for them.
+pub fn projected_contact(compliance: &Compliance, face: &[Vec<Touching>]) -> Vec<(Vec<DVec3>, f64)> {
     let deepest: Vec<f64> = face.iter().map(|load| load.iter().map(|n| n.pressed).fold(0.0, f64::max)).collect();
     let takes_part =
         |load: usize, i: usize| face[load][i].pressed > -REACH * deepest[load] && face[load][i].normal != DVec3::ZERO;
@@ -50,17 +50,17 @@ pub fn settle(compliance: &Compliance, face: &[Vec<Touching>]) -> Vec<(Vec<DVec3
     if near.is_empty() {
         return done;
     }
-    let mut settling = Settling::new(compliance, face, &near, &deepest, takes_part);
+    let mut iteration = ProjectedGradient::new(compliance, face, &near, &deepest, takes_part);
     for step in 0..STEPS {
-        settling.respond();
+        iteration.respond();
         let momentum = (step + 1) as f64 / (step + 4) as f64;
-        Arch::new().dispatch(|| settling.step(momentum));
+        Arch::new().dispatch(|| iteration.step(momentum));
     }
     for (load, (forces, closer)) in done.iter_mut().enumerate() {
         for (k, i) in near.iter().enumerate().filter(|(_, i)| takes_part(load, **i)) {
-            forces[*i] = DVec3::from_array([0, 1, 2].map(|a| settling.nodes[k].force[a][load]));
+            forces[*i] = DVec3::from_array([0, 1, 2].map(|a| iteration.nodes[k].force[a][load]));
         }
-        *closer = settling.closer[load];
+        *closer = iteration.closer[load];
     }
     done
 }
@@ -81,7 +81,8 @@ struct Node {
     along: [Lanes; 3],
 }
 
-struct Settling {
+/// State of the iteration over all loads.
+struct ProjectedGradient {
     nodes: Vec<Node>,
     /// Response (nodes * 3, nodes * 3): component of a node under a force component.
     matrix: Vec<f32>,
@@ -98,7 +99,7 @@ struct Settling {
     moved: Vec<f32>,
 }
 
-impl Settling {
+impl ProjectedGradient {
     fn new(
         compliance: &Compliance,
         face: &[Vec<Touching>],

@@ -2,7 +2,7 @@
 //!
 //! | entity | components | spawned |
 //! |---|---|---|
-//! | node | [`FingerIndex`], [`NodeKind`], [`RestPosition`], [`Position`] | always |
+//! | node | [`FingerIndex`], [`RestPosition`], [`Position`] | always |
 //! | | [`NodalStress`] | stress is recorded or expected |
 //! | | [`ContactForce`] | contact forces are recorded |
 //! | | [`NodeGap`] | gaps are recorded |
@@ -10,7 +10,6 @@
 //! | contact edge | [`FingerIndex`], [`ContactEdge`] | with finite elements, a fixed pool |
 //! | finger | [`FingerIndex`], [`ClosingDirection`], [`FirstContact`], [`FingerTravel`], [`FingerForce`], [`FingerWrench`] | always |
 //! | object | [`ObjectPose`] | always |
-//! | | [`FreeObject`] | the object may move |
 //! | | [`ObjectWeight`] | gravity is set, or an agent acts, and the object may move |
 //! | | [`ObjectVelocity`], [`ObjectMomentum`], [`InertialWrench`] | the scene is dynamic and the object may move |
 //! | | [`GroundWrench`] | there is a ground and the object may move |
@@ -109,17 +108,6 @@ components! {
     ObjectWeight(DVec3);
 }
 
-/// Location of a node in its pad. Written at spawn.
-#[derive(Component, Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NodeKind {
-    /// Node inside the gel.
-    Interior,
-    /// Node on the free surface: may touch the object.
-    Surface,
-    /// Node glued to the finger: has no unknowns.
-    Bonded,
-}
-
 /// One potential contact between a pad and the object, of a fixed pool. Written by the stepper.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ContactEdge {
@@ -195,10 +183,6 @@ pub struct GroundWrench {
     /// Torque about the centre of mass, N m, hand frame.
     pub torque: DVec3,
 }
-
-/// Marks an object that may move. Written at spawn.
-#[derive(Component, Debug, Clone, Copy, PartialEq, Eq)]
-pub struct FreeObject;
 
 impl Default for ContactEdge {
     fn default() -> Self {

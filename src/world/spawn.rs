@@ -8,8 +8,8 @@ use crate::world::schedule::{
     BalanceReport, CurrentGrasp, ForceCommand, Next, Phase, Recorded, Shared, StepLoad, StepReport, Timings,
 };
 use crate::world::systems::audit::Audited;
-use bevy_ecs::bundle::{Bundle, NoBundleEffect};
 use bevy_ecs::component::{Component, Mutable};
+use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
@@ -17,9 +17,8 @@ use std::sync::Arc;
 /// Spawns a fresh world for a grasp at `pose`, in [`Phase::Place`].
 pub fn spawn(model: &Arc<Model>, pose: GraspPose) -> World {
     let mut world = World::new();
-    for (index, finger) in model.fingers.iter().enumerate() {
-        let of = FingerIndex(index as u32);
-        spawn_nodes(&mut world, model, finger, of);
+    spawn_nodes(&mut world, model);
+    for (of, finger) in pads(model) {
         if model.needs.stress {
             world.spawn_batch((0..finger.body.element_count()).map(|_| (of, TetStress(0.0))));
         }
@@ -28,7 +27,6 @@ pub fn spawn(model: &Arc<Model>, pose: GraspPose) -> World {
     }
     let mut object = world.spawn(ObjectPose { position: DVec3::ZERO, rotation: DQuat::IDENTITY });
     if model.needs.free_object {
-        object.insert(FreeObject);
         if model.needs.task || model.gravity.is_some() {
             object.insert(ObjectWeight(DVec3::ZERO));
         }
@@ -90,44 +88,53 @@ fn fill<C: Component<Mutability = Mutable> + Clone>(world: &mut World, value: C)
 
 /// Spawns the contact edges, for a stepper that knows forces between nodes.
 pub fn spawn_edges(world: &mut World, model: &Model) {
-    for (index, finger) in model.fingers.iter().enumerate() {
-        let of = FingerIndex(index as u32);
-        let edges = finger.surface.points.len() + model.features.len();
-        world.spawn_batch((0..edges).map(|_| (of, ContactEdge::default())));
+    let edges = pads(model).flat_map(|(of, finger)| {
+        let count = finger.surface.points.len() + model.features.len();
+        (0..count).map(move |_| (of, ContactEdge::default()))
+    });
+    world.spawn_batch(edges);
+}
+
+/// Spawns the nodes of all pads.
+fn spawn_nodes(world: &mut World, model: &Model) {
+    let nodes =
+        pads(model).flat_map(|(of, finger)| finger.body.rest.iter().map(move |&x| (of, RestPosition(x), Position(x))));
+    let nodes: Vec<Entity> = world.spawn_batch(nodes).collect();
+    if model.needs.stress {
+        add_column(world, &nodes, NodalStress(0.0));
+    }
+    if model.needs.contact_force {
+        add_column(world, &nodes, ContactForce(DVec3::ZERO));
+    }
+    if model.needs.gap {
+        add_column(world, &nodes, NodeGap(0.0));
     }
 }
 
-fn spawn_nodes(world: &mut World, model: &Model, finger: &FingerModel, of: FingerIndex) {
-    let mut on_surface = vec![false; finger.body.rest.len()];
-    for face in finger.surface.faces.iter() {
-        face.corners.iter().chain(face.mids.iter().flatten()).for_each(|&n| on_surface[n as usize] = true);
-    }
-    let kind = |i: usize| match (finger.body.fixed[i], on_surface[i]) {
-        (true, _) => NodeKind::Bonded,
-        (false, true) => NodeKind::Surface,
-        (false, false) => NodeKind::Interior,
-    };
-    let rest = finger.body.rest.iter().enumerate();
-    let nodes = rest.map(|(i, &x)| (of, kind(i), RestPosition(x), Position(x)));
-    // All columns at once: one that comes later moves every node to another table.
-    let (stress, force, gap) = (NodalStress(0.0), ContactForce(DVec3::ZERO), NodeGap(0.0));
-    match (model.needs.stress, model.needs.contact_force, model.needs.gap) {
-        (false, false, false) => with(world, nodes, ()),
-        (false, false, true) => with(world, nodes, gap),
-        (false, true, false) => with(world, nodes, force),
-        (false, true, true) => with(world, nodes, (force, gap)),
-        (true, false, false) => with(world, nodes, stress),
-        (true, false, true) => with(world, nodes, (stress, gap)),
-        (true, true, false) => with(world, nodes, (stress, force)),
-        (true, true, true) => with(world, nodes, (stress, force, gap)),
-    }
+/// Pads in the order of their fingers.
+fn pads(model: &Model) -> impl Iterator<Item = (FingerIndex, &FingerModel)> {
+    (0..).map(FingerIndex).zip(&model.fingers)
 }
 
-/// Spawns `nodes`, each with `more`.
-fn with<N, M>(world: &mut World, nodes: impl Iterator<Item = N>, more: M)
-where
-    N: Bundle<Effect: NoBundleEffect>,
-    M: Bundle<Effect: NoBundleEffect> + Clone,
-{
-    world.spawn_batch(nodes.map(|node| (node, more.clone())));
+/// Adds a component with this value to entities. They move to another table one after the other, and are there in this order.
+fn add_column<C: Component + Copy>(world: &mut World, entities: &[Entity], value: C) {
+    world.insert_batch(entities.iter().map(|&entity| (entity, value)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_stay_in_the_order_of_their_spawn_when_columns_are_added() {
+        let mut world = World::new();
+        let nodes: Vec<Entity> = world.spawn_batch((0..100).map(|i| (FingerIndex(i / 60), EdgeIndex(i)))).collect();
+        add_column(&mut world, &nodes, NodalStress(0.0));
+        add_column(&mut world, &nodes, NodeGap(0.0));
+        let mut query = world.query::<(&FingerIndex, &EdgeIndex, &NodalStress, &NodeGap)>();
+        let tables: Vec<_> = query.contiguous_iter(&world).expect(TABLES).collect();
+        let [(finger, index, ..)] = tables[..] else { panic!("{} tables", tables.len()) };
+        assert!(index.iter().map(|i| i.0).eq(0..100));
+        assert_eq!(rows_by_pad(finger).collect::<Vec<_>>(), [(0, 0..60), (1, 60..100)]);
+    }
 }

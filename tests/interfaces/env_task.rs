@@ -30,19 +30,19 @@ fn mistakes_in_a_task_are_reported_in_place() {
 
 #[test]
 fn rewards_pay_what_they_say() {
-    let facts = StepInfo { held: true, slip: 2e-3, force: 5.0, most: 10.0, stress: 3e4, ..StepInfo::default() };
+    let info = StepInfo { held: true, slip: 2e-3, force: 5.0, most: 10.0, stress: 3e4, ..StepInfo::default() };
     let hold = HoldReward::default();
-    assert_eq!((hold.pay(&facts), hold.pay(&StepInfo { held: false, ..facts })), (1.0, -10.0));
-    assert_eq!(SlipReward::default().pay(&facts), -2.0, "per mm");
-    assert_eq!(EconomyReward::default().pay(&facts), -0.5);
+    assert_eq!((hold.pay(&info), hold.pay(&StepInfo { held: false, ..info })), (1.0, -10.0));
+    assert_eq!(SlipReward::default().pay(&info), -2.0, "per mm");
+    assert_eq!(EconomyReward::default().pay(&info), -0.5);
     let stress: Reward = tactus::scene::load::options().from_str("Stress(limit: 2e4)").unwrap();
-    assert!((stress.term().pay(&facts) + 0.5).abs() < 1e-12, "half as much again as the limit");
+    assert!((stress.term().pay(&info) + 0.5).abs() < 1e-12, "half as much again as the limit");
     assert!(stress.term().needs_stress() && !hold.needs_stress());
 }
 
 #[test]
 fn a_reward_of_the_users_own_replaces_that_of_the_scene() {
-    let mut env = batch(&fem(), config(1)).with_reward(|facts| facts.force);
+    let mut env = batch(&fem(), config(1)).with_reward(|info| info.force);
     env.reset(None, None).unwrap();
     assert_eq!(env.step(&[1.0]).unwrap().reward(), [2.0], "the largest force, N");
 }
@@ -67,11 +67,11 @@ fn friction_holds_what_coulomb_says_and_no_more() {
         let mut margins = Vec::new();
         loop {
             let view = env.step(&[1.0]).unwrap();
-            let facts = view.facts()[0];
-            let expected = 1.0 - facts.load / (friction * 2.0);
-            if facts.held {
-                assert!((facts.margin - expected).abs() < 0.03, "{} against {expected}", facts.margin);
-                margins.push(facts.margin);
+            let info = view.info()[0];
+            let expected = 1.0 - info.load / (friction * 2.0);
+            if info.held {
+                assert!((info.margin - expected).abs() < 0.03, "{} against {expected}", info.margin);
+                margins.push(info.margin);
             }
             if view.ended()[0] {
                 return (view.truncated()[0], margins, view.fault(0).map(str::to_owned));

@@ -108,7 +108,7 @@ fn what_nobody_asks_for_is_not_there() {
         (environment.components(), systems, model.unknowns().total)
     };
     let (full, full_systems, full_unknowns) = count(&scene("friction: 0.8", "gravity: (0, 0, 9.81)"));
-    for name in ["NodalStress", "TetStress", "ContactForce", "ObjectWeight", "FreeObject"] {
+    for name in ["NodalStress", "TetStress", "ContactForce", "ObjectWeight"] {
         assert!(full.contains_key(name), "{name} is there if asked for");
     }
     let (light, _, _) = count(&scene("friction: 0.8", ""));

@@ -1,4 +1,4 @@
-//! The mechanics that the network starts from: the equilibrium in equilibrium, the linear response, settled forces, balance.
+//! The mechanics that the network starts from: the equilibrium in equilibrium, the linear response, projected contact, balance.
 
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use tactus::gripper::GraspPose;
 use tactus::linear::compliance::Compliance;
 use tactus::linear::first_contact::GeometricContact;
 use tactus::linear::pad_graph::{Layout, PadGraph};
-use tactus::linear::projected_gradient::{Touching, settle};
+use tactus::linear::projected_gradient::{Touching, projected_contact};
 use tactus::model::Model;
 use tactus::net::features::GraspFeatures;
 use tactus::part::FingerModel;
@@ -164,7 +164,7 @@ fn the_linear_response_is_in_equilibrium_with_its_force() {
 }
 
 #[test]
-fn settled_forces_push_only_and_keep_their_sum() {
+fn projected_forces_push_only_and_keep_their_sum() {
     let model = model();
     let graph = PadGraph::new(&model.fingers[0], Layout::Face { depths: 3 }).unwrap();
     let compliance = &graph.compliance;
@@ -178,7 +178,7 @@ fn settled_forces_push_only_and_keep_their_sum() {
     let t = graph.thickness;
     let nodes = graph.rest.iter().zip(&graph.face).zip(&graph.area);
     let face: Vec<Touching> = nodes.map(|((x, node), area)| touching((*x / t, *node, area / (t * t)))).collect();
-    let (forces, _) = settle(compliance, std::slice::from_ref(&face)).remove(0);
+    let (forces, _) = projected_contact(compliance, std::slice::from_ref(&face)).remove(0);
     let before: DVec3 = face.iter().map(|n| n.force).sum();
     let after: DVec3 = forces.iter().sum();
     assert!(before.distance(after) < 1e-6 * before.length(), "{before} became {after}, E t2");

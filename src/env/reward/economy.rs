@@ -4,7 +4,7 @@ use super::{RewardTerm, StepInfo};
 use crate::scene::reward::EconomyReward;
 
 impl RewardTerm for EconomyReward {
-    fn pay(&self, facts: &StepInfo) -> f64 {
-        -self.weight.get() * facts.force / facts.most
+    fn pay(&self, info: &StepInfo) -> f64 {
+        -self.weight.get() * info.force / info.most
     }
 }

@@ -4,7 +4,7 @@ use super::{RewardTerm, StepInfo};
 use crate::scene::reward::HoldReward;
 
 impl RewardTerm for HoldReward {
-    fn pay(&self, facts: &StepInfo) -> f64 {
-        if facts.held { self.weight.get() } else { -self.drop.get() }
+    fn pay(&self, info: &StepInfo) -> f64 {
+        if info.held { self.weight.get() } else { -self.drop.get() }
     }
 }

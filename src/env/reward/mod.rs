@@ -11,7 +11,7 @@ mod stress;
 use crate::scene::Reward;
 use serde::{Deserialize, Serialize};
 
-/// Facts about a step, from which rewards are computed.
+/// Information on a step, from which rewards are computed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepInfo {
     /// True while the object is in the hand.
@@ -38,7 +38,7 @@ pub type Custom = dyn Fn(&StepInfo) -> f64 + Send + Sync;
 /// A term of the reward.
 pub trait RewardTerm {
     /// Returns the payment for a step.
-    fn pay(&self, facts: &StepInfo) -> f64;
+    fn pay(&self, info: &StepInfo) -> f64;
     /// Returns true if the term uses the stress.
     fn needs_stress(&self) -> bool {
         false

@@ -4,7 +4,7 @@ use super::{RewardTerm, StepInfo};
 use crate::scene::reward::SlipReward;
 
 impl RewardTerm for SlipReward {
-    fn pay(&self, facts: &StepInfo) -> f64 {
-        -self.weight.get() * facts.slip / 1e-3
+    fn pay(&self, info: &StepInfo) -> f64 {
+        -self.weight.get() * info.slip / 1e-3
     }
 }

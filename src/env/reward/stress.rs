@@ -4,8 +4,8 @@ use super::{RewardTerm, StepInfo};
 use crate::scene::reward::StressReward;
 
 impl RewardTerm for StressReward {
-    fn pay(&self, facts: &StepInfo) -> f64 {
-        -self.weight.get() * (facts.stress / self.limit.get() - 1.0).max(0.0)
+    fn pay(&self, info: &StepInfo) -> f64 {
+        -self.weight.get() * (info.stress / self.limit.get() - 1.0).max(0.0)
     }
 
     fn needs_stress(&self) -> bool {

@@ -27,8 +27,8 @@ const LARGEST: [f64; RIGID] = [1.0, 1.0, 0.5, 0.5, 0.5, 0.2, 0.2, 0.2];
 const HELD: f64 = 1e-7;
 /// Distance from the nearest basis function up to which others begin to touch when a pad does.
 const NEAR: f64 = 1e-3;
-/// Part by which the spring of a slipping basis function may still change once it has settled.
-const SETTLED: f64 = 0.02;
+/// Part by which the spring of a slipping basis function may still change once it has converged.
+const CONVERGED: f64 = 0.02;
 
 type Rigid = [f64; RIGID];
 
@@ -65,11 +65,12 @@ impl RigidEquilibrium {
             let Some(solved) = contacts.par_iter().enumerate().map(solve).collect::<Option<Vec<_>>>() else { break };
             rigid = self.balance(before, &solved, force, moves);
             let part = if iteration < CALM { 1.0 } else { 0.5 };
-            let settle =
-                |(p, contact): (usize, &mut Contact)| self.settle(p, before, contact, &solved[p], &rigid, part);
+            let update = |(p, contact): (usize, &mut Contact)| {
+                self.update_active_set(p, before, contact, &solved[p], &rigid, part)
+            };
             // All of them, whatever the first one says.
-            let settled: Vec<bool> = contacts.par_iter_mut().enumerate().map(settle).collect();
-            if settled.into_iter().all(|settled| settled) {
+            let unchanged: Vec<bool> = contacts.par_iter_mut().enumerate().map(update).collect();
+            if unchanged.into_iter().all(|same| same) {
                 break;
             }
         }
@@ -174,7 +175,7 @@ impl RigidEquilibrium {
 
     /// Updates the forces on the basis functions of `pad` under the rigid motions, and which of them touch and slip. The
     /// springs of slipping basis functions change by `part` of what they should. Returns true if all stays as it was.
-    fn settle(
+    fn update_active_set(
         &self,
         pad: usize,
         before: &Rest,
@@ -212,7 +213,7 @@ impl RigidEquilibrium {
             let own = self.graph.basis.own(function);
             let beyond = (force - normal * push).length() / (self.friction * push).max(1e-12);
             let softer = ((own + give) * beyond - own).clamp(0.0, 1e6);
-            same &= (softer - give).abs() <= SETTLED * (own + softer);
+            same &= (softer - give).abs() <= CONVERGED * (own + softer);
             contact.give[function] += part * (softer - give);
         }
         same

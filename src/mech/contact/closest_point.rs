@@ -2,6 +2,7 @@
 
 use super::folds;
 use super::surface::{SurfaceFace, face_frame};
+use crate::geometry::triangle6;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -171,20 +172,16 @@ fn along_edge(face: &SurfaceFace, x: &[DVec3], k: usize, y: DVec3, mut l: [f64; 
     l
 }
 
-/// Position and derivatives in `l1`, `l2` (with `l0 = 1 - l1 - l2`) of a quadratic face.
+/// Position and derivatives in `l1`, `l2` (with `l0 = 1 - l1 - l2`) of a face.
 pub(crate) fn tangents(face: &SurfaceFace, x: &[DVec3], l: [f64; 3]) -> (DVec3, DVec3, DVec3) {
-    let at = |n: u32| x[n as usize];
-    let [a, b, c] = face.corners.map(at);
-    match face.mids.map(|m| m.map(at)) {
-        None => (face.stencil(l).position(x), b - a, c - a),
-        Some([ab, bc, ca]) => {
-            let corners =
-                a * (l[0] * (2.0 * l[0] - 1.0)) + b * (l[1] * (2.0 * l[1] - 1.0)) + c * (l[2] * (2.0 * l[2] - 1.0));
-            let p = corners + ab * (4.0 * l[0] * l[1]) + bc * (4.0 * l[1] * l[2]) + ca * (4.0 * l[2] * l[0]);
-            let d0 = a * (4.0 * l[0] - 1.0) + (ab * l[1] + ca * l[2]) * 4.0;
-            let d1 = b * (4.0 * l[1] - 1.0) + (ab * l[0] + bc * l[2]) * 4.0;
-            let d2 = c * (4.0 * l[2] - 1.0) + (bc * l[1] + ca * l[0]) * 4.0;
-            (p, d1 - d0, d2 - d0)
+    match face.six_nodes(x) {
+        None => {
+            let [a, b, c] = face.corners.map(|n| x[n as usize]);
+            (face.stencil(l).position(x), b - a, c - a)
+        }
+        Some(nodes) => {
+            let [d1, d2] = triangle6::tangents(&nodes, l);
+            (triangle6::position(&nodes, l), d1, d2)
         }
     }
 }

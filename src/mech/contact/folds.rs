@@ -2,6 +2,7 @@
 
 use super::closest_point::{ON_RIM, tangents};
 use super::surface::SurfaceFace;
+use crate::geometry::triangle6;
 use glam::DVec3;
 
 /// Maximum number of iterations from one start.
@@ -121,8 +122,5 @@ fn shorten<T>(mut alpha: f64, far: f64, step: impl Fn(f64) -> (T, f64)) -> Optio
 
 /// Second derivatives of the position in `l1 l1`, `l1 l2` and `l2 l2`, constant on a face.
 pub(crate) fn bends(face: &SurfaceFace, x: &[DVec3]) -> [DVec3; 3] {
-    let at = |n: u32| x[n as usize];
-    let [a, b, c] = face.corners.map(at);
-    let Some([ab, bc, ca]) = face.mids.map(|m| m.map(at)) else { return [DVec3::ZERO; 3] };
-    [(a + b - ab * 2.0) * 4.0, (a + bc - ab - ca) * 4.0, (a + c - ca * 2.0) * 4.0]
+    face.six_nodes(x).map_or([DVec3::ZERO; 3], |nodes| triangle6::second_derivatives(&nodes))
 }

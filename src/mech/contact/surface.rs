@@ -2,6 +2,7 @@
 //! middles of their parts. Middles are felt late, only where something would come through between the vertices.
 
 use crate::geometry::mesh::rings::Rings;
+use crate::geometry::triangle6;
 use crate::mech::body::{Body, Elements};
 use crate::mech::element::EDGES;
 use crate::mech::potential::term::Stencil;
@@ -141,42 +142,36 @@ impl SurfaceFace {
         }
     }
 
+    /// Nodes of the face: corners, then mid-edge nodes.
+    fn nodes(&self) -> impl Iterator<Item = u32> {
+        self.corners.into_iter().chain(self.mids.into_iter().flatten())
+    }
+
+    /// Positions of the six nodes of a quadratic face for node positions `x`, m; None for a linear one.
+    pub(crate) fn six_nodes(&self, x: &[DVec3]) -> Option<[DVec3; 6]> {
+        let [a, b, c] = self.corners;
+        self.mids.map(|[ab, bc, ca]| [a, b, c, ab, bc, ca].map(|n| x[n as usize]))
+    }
+
     /// Shape functions of the face at barycentric coordinates `l`.
     pub fn stencil(&self, l: [f64; 3]) -> Stencil {
-        let [a, b, c] = self.corners;
         match self.mids {
-            None => Stencil::new([(a, l[0]), (b, l[1]), (c, l[2])].into_iter()),
-            Some([ab, bc, ca]) => Stencil::new(
-                [
-                    (a, l[0] * (2.0 * l[0] - 1.0)),
-                    (b, l[1] * (2.0 * l[1] - 1.0)),
-                    (c, l[2] * (2.0 * l[2] - 1.0)),
-                    (ab, 4.0 * l[0] * l[1]),
-                    (bc, 4.0 * l[1] * l[2]),
-                    (ca, 4.0 * l[2] * l[0]),
-                ]
-                .into_iter(),
-            ),
+            None => Stencil::new(self.nodes().zip(l)),
+            Some(_) => Stencil::new(self.nodes().zip(triangle6::values(l))),
         }
     }
 
     /// Nodes with their shape functions at `l` and the derivatives of these in `l1`, `l2` (with `l0 = 1 - l1 - l2`).
     pub(crate) fn shape(&self, l: [f64; 3]) -> impl Iterator<Item = (u32, f64, DVec2)> {
-        let [l0, l1, l2] = l;
-        let corner = |l: f64| if self.mids.is_some() { (l * (2.0 * l - 1.0), 4.0 * l - 1.0) } else { (l, 1.0) };
-        let along = [DVec2::NEG_ONE, DVec2::X, DVec2::Y];
-        let corners = std::array::from_fn::<_, 3, _>(|k| {
-            let (value, slope) = corner(l[k]);
-            (self.corners[k], value, along[k] * slope)
-        });
-        let mids = self.mids.map(|[ab, bc, ca]| {
-            [
-                (ab, 4.0 * l0 * l1, DVec2::new(l0 - l1, -l1) * 4.0),
-                (bc, 4.0 * l1 * l2, DVec2::new(l2, l1) * 4.0),
-                (ca, 4.0 * l2 * l0, DVec2::new(-l2, l0 - l2) * 4.0),
-            ]
-        });
-        corners.into_iter().chain(mids.into_iter().flatten())
+        let (values, derivatives) = match self.mids {
+            // The nodes end the sequence: a linear face has three.
+            None => {
+                let zero = DVec2::ZERO;
+                ([l[0], l[1], l[2], 0.0, 0.0, 0.0], [DVec2::NEG_ONE, DVec2::X, DVec2::Y, zero, zero, zero])
+            }
+            Some(_) => (triangle6::values(l), triangle6::derivatives(l)),
+        };
+        self.nodes().zip(values).zip(derivatives).map(|((node, value), derivative)| (node, value, derivative))
     }
 
     /// Linear interpolation on the sub-triangle of nodes that contains `l`.
@@ -240,17 +235,14 @@ fn boundary(body: &Body) -> Vec<SurfaceFace> {
 
 /// Position and unit outward normal of a face at barycentric coordinates `l`, for node positions `x`.
 pub fn face_frame(face: &SurfaceFace, x: &[DVec3], l: [f64; 3]) -> (DVec3, DVec3) {
-    let at = |n: u32| x[n as usize];
-    let [a, b, c] = face.corners.map(at);
-    match face.mids.map(|m| m.map(at)) {
-        None => (a * l[0] + b * l[1] + c * l[2], (b - a).cross(c - a).normalize_or_zero()),
-        Some([ab, bc, ca]) => {
-            let p = face.stencil(l).position(x);
-            // Derivatives in l1 and l2 with l0 = 1 - l1 - l2.
-            let d0 = a * (4.0 * l[0] - 1.0) + (ab * l[1] + ca * l[2]) * 4.0;
-            let d1 = b * (4.0 * l[1] - 1.0) + (ab * l[0] + bc * l[2]) * 4.0;
-            let d2 = c * (4.0 * l[2] - 1.0) + (bc * l[1] + ca * l[0]) * 4.0;
-            (p, (d1 - d0).cross(d2 - d0).normalize_or_zero())
+    match face.six_nodes(x) {
+        None => {
+            let [a, b, c] = face.corners.map(|n| x[n as usize]);
+            (a * l[0] + b * l[1] + c * l[2], (b - a).cross(c - a).normalize_or_zero())
+        }
+        Some(nodes) => {
+            let [d1, d2] = triangle6::tangents(&nodes, l);
+            (face.stencil(l).position(x), d1.cross(d2).normalize_or_zero())
         }
     }
 }

@@ -1,9 +1,9 @@
-//! Features of a load: the equilibrium at rest under it, and the contact forces that settle node by node.
+//! Features of a load: the equilibrium at rest under it, and the projected contact, node by node.
 
 use super::GraspFeatures;
 use super::Parity::{self, Even, X, XY, Y};
 use crate::linear::balance::{ObjectBalance, Pressed};
-use crate::linear::projected_gradient::{LANES, Touching, settle};
+use crate::linear::projected_gradient::{LANES, Touching, projected_contact};
 use crate::linear::rigid_equilibrium::Rest;
 use crate::net::features::rows;
 use glam::DVec3;
@@ -11,11 +11,11 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Features of a node at a load. Features of the equilibrium: pressed over depth (negative is a gap), pressed, share of the force,
-/// displacement over depth. Features of the settled gel: share of the force, the part of it that acts along the face, and the
+/// displacement over depth. Features of the projected contact: share of the force, the part of it that acts along the face, and the
 /// linear response over depth.
 pub const NODE_LOAD: [Parity; 12] = [Even, Even, Even, X, Y, Even, Even, X, Y, X, Y, Even];
 /// Features of a pad at a load: logarithm and cube root of the force, depth, touching area, centre of pressure, pull along the face
-/// and twist over the force, travel over depth, the travel that settling adds, motion of the object over depth.
+/// and twist over the force, travel over depth, the travel that the projected contact adds, motion of the object over depth.
 pub const PAD_LOAD: [Parity; 17] = [Even, Even, Even, Even, X, Y, X, Y, XY, Even, Even, X, Y, Even, Y, X, XY];
 
 /// Share of the force below which a node hardly touches.
@@ -67,17 +67,17 @@ impl LoadFeatures {
     }
 }
 
-/// Pad whose gel has settled under a load; values of each face node, over the thickness and `E t^2`.
-struct Settled {
+/// Projected contact of a pad under a load; values of each face node, over the thickness and `E t^2`.
+struct ProjectedContact {
     /// State of each node that the equilibrium asks for.
     touching: Vec<Touching>,
     /// Displacement under the forces of the equilibrium.
     moved: Vec<DVec3>,
-    /// Settled force.
+    /// Contact force.
     force: Vec<DVec3>,
-    /// Additional closing of the pad for these forces.
+    /// Additional closing of the pad that it needs.
     closer: f64,
-    /// Displacement under the settled forces.
+    /// Displacement under these forces.
     given: Vec<DVec3>,
 }
 
@@ -89,14 +89,16 @@ impl GraspFeatures {
         for some in forces.chunks(LANES) {
             let some: Vec<f64> = some.iter().map(|force| force / self.unit_force()).collect();
             let rests: Vec<Rest> = some.par_iter().map(|force| self.equilibrium.rest(*force)).collect();
-            let settled: Vec<Vec<Settled>> = (0..self.pads).into_par_iter().map(|p| self.settled(p, &rests)).collect();
+            let contacts: Vec<Vec<ProjectedContact>> =
+                (0..self.pads).into_par_iter().map(|p| self.contacts(p, &rests)).collect();
             for (k, (force, rest)) in some.iter().zip(&rests).enumerate() {
                 loads.force.push(*force);
-                (0..self.pads).for_each(|p| self.load_pad(p, rest, &settled[p][k], &mut loads));
+                (0..self.pads).for_each(|p| self.load_pad(p, rest, &contacts[p][k], &mut loads));
             }
-            if let (true, [left, right]) = (self.equilibrium.free, &settled[..]) {
+            if let (true, [left, right]) = (self.equilibrium.free, &contacts[..]) {
                 let of = |k: usize| {
-                    let pads = [(0, &left[k]), (1, &right[k])].map(|(p, gel)| self.pressed(p, some[k], &rests[k], gel));
+                    let pads = [(0, &left[k]), (1, &right[k])]
+                        .map(|(p, contact)| self.pressed(p, some[k], &rests[k], contact));
                     Arc::new(ObjectBalance::new(&pads, self.equilibrium.hangs(&rests[k])))
                 };
                 loads.balance.par_extend((0..some.len()).into_par_iter().map(of));
@@ -106,8 +108,8 @@ impl GraspFeatures {
         loads
     }
 
-    /// Settles the gel of pad `p` under the forces of the equilibrium.
-    fn settled(&self, p: usize, rests: &[Rest]) -> Vec<Settled> {
+    /// Computes the projected contact of pad `p` from the forces of the equilibrium.
+    fn contacts(&self, p: usize, rests: &[Rest]) -> Vec<ProjectedContact> {
         let graph = &self.graph;
         let count = graph.face.len();
         let pressing: Vec<Vec<DVec3>> = rests.iter().map(|rest| graph.basis.on_face(&rest.force[p], count)).collect();
@@ -122,35 +124,36 @@ impl GraspFeatures {
             (0..count).map(of).collect()
         };
         let touching: Vec<Vec<Touching>> = (0..rests.len()).map(touching).collect();
-        let (force, closer): (Vec<Vec<DVec3>>, Vec<f64>) = settle(&graph.compliance, &touching).into_iter().unzip();
+        let (force, closer): (Vec<Vec<DVec3>>, Vec<f64>) =
+            projected_contact(&graph.compliance, &touching).into_iter().unzip();
         let given = graph.compliance.on_face(&graph.face, &force);
         let parts = touching.into_iter().zip(moved).zip(force.into_iter().zip(closer)).zip(given);
-        parts
-            .map(|(((touching, moved), (force, closer)), given)| Settled { touching, moved, force, closer, given })
-            .collect()
+        let of =
+            |(((touching, moved), (force, closer)), given)| ProjectedContact { touching, moved, force, closer, given };
+        parts.map(of).collect()
     }
 
     /// Returns the places at which the forces of pad `p` act.
-    fn pressed(&self, p: usize, force: f64, rest: &Rest, gel: &Settled) -> Pressed {
+    fn pressed(&self, p: usize, force: f64, rest: &Rest, contact: &ProjectedContact) -> Pressed {
         let places =
-            self.graph.rest.iter().zip(&gel.given).map(|(at, moved)| self.equilibrium.place(p, *at, *moved, rest));
+            self.graph.rest.iter().zip(&contact.given).map(|(at, moved)| self.equilibrium.place(p, *at, *moved, rest));
         Pressed {
             force: self.equilibrium.carried_by(p, force),
             rotation: self.to_pad[p].transpose(),
-            nodes: places.zip(gel.force.iter().map(|push| -push.z.min(0.0))).collect(),
+            nodes: places.zip(contact.force.iter().map(|push| -push.z.min(0.0))).collect(),
         }
     }
 
     /// Adds pad `p` under the last force, all over the thickness and `E t^2`.
-    fn load_pad(&self, p: usize, rest: &Rest, gel: &Settled, loads: &mut LoadFeatures) {
+    fn load_pad(&self, p: usize, rest: &Rest, contact: &ProjectedContact, loads: &mut LoadFeatures) {
         let (t, to_pad) = (self.graph.thickness, self.to_pad[p]);
         let force = self.equilibrium.carried_by(p, loads.force[loads.force.len() - 1]);
-        let Settled { touching, moved, force: settled, closer, given } = gel;
+        let ProjectedContact { touching, moved, force: projected, closer, given } = contact;
         let carried: Vec<f64> = touching.iter().map(|t| t.force.length()).collect();
         let whole = carried.iter().sum::<f64>().max(1e-12);
         let depth = carried.iter().zip(moved).map(|(c, u)| c / whole * u.length()).sum::<f64>().max(1e-9);
         let (mut center, mut area, mut pull, mut twist) = (DVec3::ZERO, 0.0, DVec3::ZERO, 0.0);
-        for (i, push) in settled.iter().enumerate() {
+        for (i, push) in projected.iter().enumerate() {
             let (at, basis, pressed) = (self.graph.rest[i] / t, touching[i].force / force, touching[i].pressed);
             // Next to nothing where next to nothing presses: the edge of the contact is not sharp.
             let sideways = *push / (-push.z.min(0.0) + FAINT * force);

@@ -221,7 +221,7 @@ impl WithSimd for NodeBlock<'_> {
     }
 }
 
-/// Computes contact forces of a pad from its channels, on top of the settled ones: [`crate::net::autodiff::ops::share`].
+/// Computes contact forces of a pad from its channels, on top of the projected ones: [`crate::net::autodiff::ops::share`].
 fn share(channels: &[f32], width: usize, load: &[f32], contact: &mut [f32]) {
     let rows = channels.chunks_exact(width).zip(load.chunks_exact(NODE_LOAD.len()));
     let mut top = f32::NEG_INFINITY;

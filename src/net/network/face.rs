@@ -5,7 +5,7 @@
 //!         rounds x: m_e = act(W e + W h_sender + W h_receiver)         per edge
 //!                   g   = act(W [mean h, near h, those of the other pad])   per pad
 //!                   h  += W act(W h + W sum m + W g)                    per node
-//! decode  z = act(W h + W node load + W pad load)  -> contact force, on top of the settled one, in balance
+//! decode  z = act(W h + W node load + W pad load)  -> contact force, on top of the projected one, in balance
 //!         displacement = linear response to it x W z + W z, stress = that of the response x act(W z) + act(W z), by depth
 //!         y = act(W g + W pad load)                -> travel, object motion
 //! ```
@@ -277,7 +277,7 @@ fn linear_response<T: Real>(
     (reshape(tape, &mirrored, given.rows), von_mises(tape, &deviated(tape, pad, &moved)))
 }
 
-/// Returns the force of the settled gel on each node: its share as a logarithm, and the part along the face.
+/// Returns the force of the projected contact on each node: its share as a logarithm, and the part along the face.
 fn carried<T: Real>(inputs: &Inputs, loads: &LoadFeatures) -> Matrix<T> {
     let [x, y] = inputs.signs();
     let rows = loads.node.chunks_exact(NODE_LOAD.len());
