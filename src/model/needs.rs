@@ -12,6 +12,8 @@ pub struct Needs {
     pub contact_force: bool,
     /// Distance to the object per node: recorded.
     pub gap: bool,
+    /// Friction state per contact edge: Coulomb's coefficient is above zero.
+    pub friction: bool,
     /// Weight of the gel and of a free object: gravity is set.
     pub gravity: bool,
     /// An independent judge of every frame: the scene promises something that it judges.
@@ -37,6 +39,7 @@ impl Needs {
             stress: recorded(Field::Stress) || promises.iter().any(|e| matches!(e, Expectation::MaxStress(_))),
             contact_force: recorded(Field::ContactForce),
             gap: recorded(Field::Gap),
+            friction: scene.gripper.friction.get() > 0.0,
             gravity: scene.gravity.is_some_and(|g| g.dvec3() != glam::DVec3::ZERO),
             pads_apart: scene.gripper.fingers == Fingers::Both,
             audit: promises.iter().any(Expectation::audited),

@@ -8,6 +8,7 @@
 //! | | [`NodeGap`] | gaps are recorded |
 //! | tetrahedron | [`FingerIndex`], [`TetStress`] | stress is recorded or expected |
 //! | contact edge | [`FingerIndex`], [`ContactEdge`] | with finite elements, a fixed pool |
+//! | | [`ContactFriction`] | friction is above zero |
 //! | finger | [`FingerIndex`], [`ClosingDirection`], [`FirstContact`], [`FingerTravel`], [`FingerForce`], [`FingerWrench`] | always |
 //! | object | [`ObjectPose`] | always |
 //! | | [`ObjectWeight`] | gravity is set, or an agent acts, and the object may move |
@@ -56,6 +57,7 @@ pub(crate) fn visit_columns(visitor: &mut impl ColumnVisitor) -> Result<()> {
     visitor.visit::<ContactForce>()?;
     visitor.visit::<NodeGap>()?;
     visitor.visit::<ContactEdge>()?;
+    visitor.visit::<ContactFriction>()?;
     visitor.visit::<FirstContact>()?;
     visitor.visit::<FingerTravel>()?;
     visitor.visit::<FingerForce>()?;
@@ -108,17 +110,37 @@ components! {
     ObjectWeight(DVec3);
 }
 
-/// One potential contact between a pad and the object, of a fixed pool. Written by the stepper.
+/// One potential contact between a pad and the object, of a fixed pool. Written by the stepper, which goes on from it.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ContactEdge {
     /// Distance of the pad's point to the object, m; `+inf` where too far to matter.
     pub gap: f64,
     /// Outward normal of the object at the contact, unit, hand frame; zero where too far to matter.
     pub normal: DVec3,
+    /// Pressure, Pa, >= 0.
+    pub pressure: f64,
+    /// Stiffness factor, >= 1: raised where the pressure would use up the contact offset.
+    pub scale: f64,
     /// Point at which the force acts, m, hand frame; zero where too far to matter.
     pub point: DVec3,
     /// Force on the pad, friction included, N, hand frame.
     pub force: DVec3,
+}
+
+/// Friction on a contact edge. Written by the stepper, which goes on from it.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct ContactFriction {
+    /// Point at which the edge sticks, m: object frame for a point of the pad, hand axes relative to the finger for a feature of the
+    /// object.
+    pub anchor: Option<DVec3>,
+    /// Normal of the plane that friction acts in, hand frame; zero where nothing was ever touched.
+    pub plane: DVec3,
+    /// Coulomb's limit, Pa.
+    pub limit: f64,
+    /// Friction traction on the pad, Pa, hand frame.
+    pub traction: DVec3,
+    /// Flag: Coulomb's limit is reached.
+    pub slips: bool,
 }
 
 /// Resultant of the contact on the pad of a finger. Written by the stepper.
@@ -186,6 +208,13 @@ pub struct GroundWrench {
 
 impl Default for ContactEdge {
     fn default() -> Self {
-        Self { gap: f64::INFINITY, normal: DVec3::ZERO, point: DVec3::ZERO, force: DVec3::ZERO }
+        Self {
+            gap: f64::INFINITY,
+            normal: DVec3::ZERO,
+            pressure: 0.0,
+            scale: 1.0,
+            point: DVec3::ZERO,
+            force: DVec3::ZERO,
+        }
     }
 }

@@ -85,7 +85,9 @@ impl ColumnVisitor for Reader<'_, '_> {
         let values: Vec<C> = self.history.read()?;
         let mut query = self.world.query::<&mut C>();
         if query.iter(self.world).count() != values.len() {
-            return Err(Error::Start("the saved state has another number of nodes, edges or fingers than the scene".into()));
+            return Err(Error::Start(
+                "the saved state has another number of nodes, edges or fingers than the scene".into(),
+            ));
         }
         query.iter_mut(self.world).zip(values).for_each(|(mut own, value)| *own = value);
         Ok(())

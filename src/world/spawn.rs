@@ -54,6 +54,7 @@ pub fn begin(world: &mut World, model: &Arc<Model>, pose: GraspPose) {
     fill(world, NodeGap(0.0));
     fill(world, TetStress(0.0));
     fill(world, ContactEdge::default());
+    fill(world, ContactFriction::default());
     fill(world, FirstContact(0.0));
     fill(world, FingerTravel(0.0));
     fill(world, FingerForce(0.0));
@@ -92,7 +93,10 @@ pub fn spawn_edges(world: &mut World, model: &Model) {
         let count = finger.surface.points.len() + model.features.len();
         (0..count).map(move |_| (of, ContactEdge::default()))
     });
-    world.spawn_batch(edges);
+    let edges: Vec<Entity> = world.spawn_batch(edges).collect();
+    if model.needs.friction {
+        add_column(world, &edges, ContactFriction::default());
+    }
 }
 
 /// Spawns the nodes of all pads.

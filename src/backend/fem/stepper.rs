@@ -9,6 +9,7 @@ use crate::mech::contact::{FeatureContact, PointContact};
 use crate::mech::newton::effort::Effort;
 use crate::mech::newton::{Failure, Newton, NewtonTolerance};
 use crate::mech::path::{Path, PathControl};
+use crate::mech::potential::edge::EdgeReading;
 use crate::mech::potential::inversion_barrier::inversion_barrier;
 use crate::mech::potential::state::{RigidUnknowns, State};
 use crate::mech::potential::term::{BodyTerm, DeadLoad, ElasticEnergy};
@@ -235,7 +236,7 @@ impl GraspSolver {
                     self.escaped(model)
                 ));
             }
-            if !newton.edge_readings(state, i).iter().any(|(_, edge)| edge.active()) {
+            if !newton.edge_readings(state, i).iter().any(EdgeReading::active) {
                 return Some(format!("the {name} finger lost contact: {}", self.escaped(model)));
             }
         }

@@ -3,7 +3,7 @@
 use super::dynamics::systems::{advance_time, measure_ground, measure_motion};
 use super::stepper::GraspSolver;
 use crate::mech::path::continuation::Methods;
-use crate::mech::potential::term::EdgeReading;
+use crate::mech::potential::edge::{EdgeReading, EdgeState};
 use crate::model::Needs;
 use crate::world::components::*;
 use crate::world::schedule::{
@@ -20,9 +20,10 @@ use std::collections::BTreeMap;
 
 /// Puts the systems in their sets; systems for quantities that the scene does not need are left out.
 pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
-    schedule.add_systems(read_state.run_if(ramping).after(close_to_contact).in_set(StepSet::Sense));
+    let sense = (read_state, read_contact).chain().run_if(ramping).after(close_to_contact);
+    schedule.add_systems(sense.in_set(StepSet::Sense));
     if needs.task {
-        schedule.add_systems(read_weight.run_if(ramping).after(read_state).in_set(StepSet::Sense));
+        schedule.add_systems(read_weight.run_if(ramping).after(read_contact).in_set(StepSet::Sense));
     }
     if needs.dynamic {
         schedule.add_systems((advance_time, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
@@ -37,6 +38,9 @@ pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
     }
     let contact = (read_edges, write_edges, measure_wrench).chain().run_if(reached).before(measure_balance);
     schedule.add_systems(contact.in_set(StepSet::Measure));
+    if needs.friction {
+        schedule.add_systems(write_friction.run_if(reached).after(read_edges).in_set(StepSet::Measure));
+    }
     schedule.add_systems(report_timings.run_if(ramping).in_set(StepSet::Measure));
     if !force_driven && !needs.dynamic {
         schedule.add_systems(measure_reaction.run_if(reached).before(measure_balance).in_set(StepSet::Measure));
@@ -67,6 +71,27 @@ pub fn read_state(
         state.travel[finger.0 as usize] = travel.0;
     }
     (state.position, state.rotation) = (pose.position, pose.rotation);
+}
+
+/// Copies contact edges from their columns to the solver: what touches, and where it sticks.
+pub fn read_contact(
+    mut solver: ResMut<GraspSolver>,
+    edges: Query<(&FingerIndex, &ContactEdge, Option<&ContactFriction>)>,
+) {
+    for (finger, edges, friction) in edges.contiguous_iter().expect(TABLES) {
+        for (f, rows) in rows_by_pad(finger) {
+            let friction = friction.map(|friction| &friction[rows.clone()]);
+            let known = edges[rows].iter().enumerate().map(|(k, edge)| {
+                let ContactEdge { gap, normal, pressure, scale, .. } = *edge;
+                let ContactFriction { anchor, plane, limit, traction, slips } =
+                    friction.map_or_else(ContactFriction::default, |friction| friction[k]);
+                let rest = EdgeState::OPEN;
+                (k, EdgeState { gap, normal, pressure, scale, anchor, plane, limit, traction, slips, ..rest })
+            });
+            let closed: Vec<_> = known.filter(|(_, edge)| !edge.is_open()).collect();
+            solver.path.newton.set_edges(f, &closed);
+        }
+    }
 }
 
 /// Copies the force that pulls at the object from its column to the solver.
@@ -115,15 +140,15 @@ pub fn write_state(
     **pose = ObjectPose { position: state.position, rotation: state.rotation };
 }
 
-/// Contact edges of every finger that are not open at the level just reached, with their numbers, in order.
+/// Contact edges of every finger that are not open at the level just reached, in order.
 #[derive(Resource, Default)]
-pub struct EdgeReadings(Vec<Vec<(usize, EdgeReading)>>);
+pub struct EdgeReadings(Vec<Vec<EdgeReading>>);
 
 /// Reads the edges from the solver, once for all systems that use them; measures the smallest gap and the potential.
 pub fn read_edges(solver: Res<GraspSolver>, mut edges: ResMut<EdgeReadings>, mut report: ResMut<StepReport>) {
     let (newton, state) = (&solver.path.newton, &solver.path.state);
     edges.0 = (0..newton.bodies()).map(|i| newton.edge_readings(state, i)).collect();
-    report.min_gap = edges.0.iter().flatten().map(|(_, edge)| edge.gap).fold(f64::INFINITY, f64::min);
+    report.min_gap = edges.0.iter().flatten().map(|edge| edge.state.gap).fold(f64::INFINITY, f64::min);
     report.energy = solver.energy();
 }
 
@@ -134,8 +159,24 @@ pub fn write_edges(edges: Res<EdgeReadings>, mut pool: Query<(&FingerIndex, &mut
         for (f, rows) in rows_by_pad(finger) {
             let own = &mut column[rows];
             own.fill(ContactEdge::default());
-            for (number, e) in &edges.0[f] {
-                own[*number] = ContactEdge { gap: e.gap, normal: e.normal, point: e.point, force: e.force };
+            for EdgeReading { number, state, point, force, .. } in &edges.0[f] {
+                let EdgeState { gap, normal, pressure, scale, .. } = *state;
+                own[*number] = ContactEdge { gap, normal, pressure, scale, point: *point, force: *force };
+            }
+        }
+    }
+}
+
+/// Copies friction on the edges to its column.
+pub fn write_friction(edges: Res<EdgeReadings>, mut pool: Query<(&FingerIndex, &mut ContactFriction)>) {
+    for (finger, mut column) in pool.contiguous_iter_mut().expect(TABLES) {
+        let column = column.bypass_change_detection();
+        for (f, rows) in rows_by_pad(finger) {
+            let own = &mut column[rows];
+            own.fill(ContactFriction::default());
+            for EdgeReading { number, state, .. } in &edges.0[f] {
+                let EdgeState { anchor, plane, limit, traction, slips, .. } = *state;
+                own[*number] = ContactFriction { anchor, plane, limit, traction, slips };
             }
         }
     }
@@ -185,7 +226,7 @@ pub fn measure_nodal_force(
 ) {
     let mut force: Vec<Vec<DVec3>> = solver.path.state.x.iter().map(|x| vec![DVec3::ZERO; x.len()]).collect();
     for (edges, force) in edges.0.iter().zip(&mut force) {
-        for (_, e) in edges.iter().filter(|(_, e)| e.active()) {
+        for e in edges.iter().filter(|e| e.active()) {
             let (nodes, weights) = e.report.slices();
             nodes.iter().zip(weights).for_each(|(&n, &w)| force[n as usize] += e.force * w);
         }

@@ -17,8 +17,9 @@ use crate::geometry::shape::Stretch;
 use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::body::Body;
 use crate::mech::potential::block::{BodyBlock, Pair};
+use crate::mech::potential::edge::EdgeReading;
 use crate::mech::potential::state::{BodyMotion, BodyView, Departure};
-use crate::mech::potential::term::{Assembly, BodyTerm, EdgeReading, Stencil};
+use crate::mech::potential::term::{Assembly, BodyTerm, Stencil};
 use crate::scales::FEATURE_MOVES;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -245,32 +246,24 @@ impl BodyTerm for FeatureContact {
         let of = |(i, e): (usize, &EdgeState)| {
             let touch = self.sites[i].touch.as_ref();
             let (touched, report) = touch.map_or((Stencil::NONE, Stencil::NONE), |touch| (touch.now, touch.report));
-            let friction = e.traction * self.area;
-            EdgeReading {
-                number: i,
-                gap: e.gap,
-                normal: e.normal,
-                pressure: e.pressure,
-                point: touched.position(view.x) + view.offset,
-                force: e.normal * (e.pressure * self.area) + friction,
-                friction,
-                slips: e.slips,
-                touched,
-                report,
-            }
+            let force = e.normal * (e.pressure * self.area) + e.traction * self.area;
+            EdgeReading { number: i, state: *e, point: touched.position(view.x) + view.offset, force, touched, report }
         };
         self.pool.near().map(of).collect()
     }
 
+    fn set_edges(&mut self, edges: &[(usize, EdgeState)]) {
+        self.pool.set(edges);
+    }
+
     fn write_history(&self, history: &mut HistoryWriter) {
-        self.pool.write_history(history);
         history.write(&self.accepted);
     }
 
     fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
-        self.pool.read_history(history)?;
         self.accepted = history.read()?;
-        self.rollback();
+        self.sites.clone_from(&self.accepted.sites);
+        self.candidates.clone_from(&self.accepted.candidates);
         Ok(())
     }
 }

@@ -97,6 +97,12 @@ impl EdgePool {
         self.committed.retain(|(k, _)| *k != i);
     }
 
+    /// Puts accepted edges back.
+    pub fn set(&mut self, edges: &[(usize, EdgeState)]) {
+        self.committed = edges.to_vec();
+        self.rollback();
+    }
+
     /// Writes the edges last accepted.
     pub fn write_history(&self, history: &mut HistoryWriter) {
         history.write(&self.committed);
@@ -111,8 +117,7 @@ impl EdgePool {
         if edges.iter().any(|(i, _)| *i >= self.slot.len()) {
             return Err(Error::Start("the saved state has contact edges that the scene lacks".into()));
         }
-        self.committed = edges;
-        self.rollback();
+        self.set(&edges);
         Ok(())
     }
 

@@ -10,8 +10,9 @@ use crate::geometry::shape::{SignedDistance, SurfaceTouch};
 use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::body::Body;
 use crate::mech::potential::block::{BodyBlock, Pair};
+use crate::mech::potential::edge::EdgeReading;
 use crate::mech::potential::state::{BodyMotion, BodyView, Departure};
-use crate::mech::potential::term::{Assembly, BodyTerm, EdgeReading, Stencil};
+use crate::mech::potential::term::{Assembly, BodyTerm, Stencil};
 use crate::scales::{LOOK_AHEAD, MIDDLE_CUT};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -116,7 +117,8 @@ impl BodyTerm for PointContact {
                 let e = e.on(law, c.distance, view.object.rotation * c.normal);
                 if e.pressure > 0.0 {
                     let curvature = view.object.rotation * c.curvature * view.object.rotation.transpose();
-                    let pair = normal_pair(law, &e, area * weight, world - view.object.position, &curvature, how.project);
+                    let pair =
+                        normal_pair(law, &e, area * weight, world - view.object.position, &curvature, how.project);
                     block.add_pair(body, view, &stencil, &weighed(pair, weight, how.project));
                 }
             }
@@ -195,27 +197,25 @@ impl BodyTerm for PointContact {
     fn edge_readings(&self, view: &BodyView) -> Vec<EdgeReading> {
         let of = |(i, e): (usize, &EdgeState)| EdgeReading {
             number: i,
-            gap: e.gap,
-            normal: e.normal,
-            pressure: e.pressure,
+            state: *e,
             point: self.surface.points[i].position(view.x) + view.offset,
             force: self.force(i),
-            friction: e.traction * self.surface.area[i],
-            slips: e.slips,
             touched: self.surface.points[i],
             report: self.surface.report[i],
         };
         self.pool.near().map(of).collect()
     }
 
+    fn set_edges(&mut self, edges: &[(usize, EdgeState)]) {
+        self.pool.set(edges);
+    }
+
     fn write_history(&self, history: &mut HistoryWriter) {
-        self.pool.write_history(history);
         history.write(&*self.seen);
         history.write(&self.felt);
     }
 
     fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
-        self.pool.read_history(history)?;
         history.read_into(Arc::make_mut(&mut self.seen).as_mut_slice())?;
         history.read_into(&mut self.felt)?;
         self.committed.clone_from(&self.felt);

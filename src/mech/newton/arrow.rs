@@ -10,8 +10,8 @@ use crate::error::Result;
 use crate::mech::body::Body;
 use crate::mech::body::cholesky::Factor;
 use crate::mech::body::pattern::FIXED;
-use crate::mech::potential::state::{MAX_RIGID, NewtonStep};
 use crate::mech::potential::block::{BodyBlock, RigidBlock};
+use crate::mech::potential::state::{MAX_RIGID, NewtonStep};
 use glam::DVec3;
 use std::sync::Arc;
 

@@ -14,8 +14,9 @@ use self::object::ObjectTerms;
 use self::proximal::Proximal;
 use super::body::Body;
 use super::potential::block::RigidBlock;
+use super::potential::edge::{EdgeReading, EdgeState};
 use super::potential::state::{Departure, MAX_RIGID, NewtonStep, RigidUnknowns, State};
-use super::potential::term::{Assembly, BodyTerm, EdgeReading};
+use super::potential::term::{Assembly, BodyTerm};
 use super::potential::time_step::TimeStep;
 use crate::error::Result;
 use crate::history::{HistoryReader, HistoryWriter};
@@ -429,15 +430,28 @@ impl Newton {
         self.object.satisfied() && bodies.into_iter().all(|satisfied| satisfied)
     }
 
-    /// Contact edges of body `i` that are not open at `state`, with their numbers within the body.
-    pub fn edge_readings(&self, state: &State, i: usize) -> Vec<(usize, EdgeReading)> {
+    /// Contact edges of body `i` that are not open at `state`, numbered within the body.
+    pub fn edge_readings(&self, state: &State, i: usize) -> Vec<EdgeReading> {
         let view = state.view(i, &self.rigid);
         let (mut all, mut first) = (Vec::new(), 0);
         for term in self.body_terms(i) {
-            all.extend(term.edge_readings(&view).into_iter().map(|edge| (first + edge.number, edge)));
+            let numbered = |edge: EdgeReading| EdgeReading { number: first + edge.number, ..edge };
+            all.extend(term.edge_readings(&view).into_iter().map(numbered));
             first += term.edge_count();
         }
         all
+    }
+
+    /// Puts the accepted edges of body `i` that are not open back, with their numbers within the body in rising order.
+    pub fn set_edges(&mut self, i: usize, edges: &[(usize, EdgeState)]) {
+        let (mut rest, mut first) = (edges, 0);
+        for term in self.gel[i].iter_mut().chain(&mut self.terms[i]) {
+            let next = first + term.edge_count();
+            let (own, others) = rest.split_at(rest.partition_point(|(number, _)| *number < next));
+            let own: Vec<_> = own.iter().map(|(number, edge)| (number - first, *edge)).collect();
+            term.set_edges(&own);
+            (rest, first) = (others, next);
+        }
     }
 
     /// Writes the history of all terms.

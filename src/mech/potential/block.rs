@@ -233,4 +233,3 @@ impl Pair {
         Self { force, torque: -r.cross(force), dd: DMat3::ZERO, dw: DMat3::ZERO, ww: DMat3::ZERO }
     }
 }
-

@@ -3,6 +3,7 @@
 pub mod block;
 pub mod cross;
 pub mod drive;
+pub mod edge;
 pub mod inversion_barrier;
 pub mod pad_inertia;
 pub mod rigid_inertia;

@@ -2,9 +2,10 @@
 //! what acts on a pad, [`ObjectTerm`] for what acts on the object alone. The solver sees only the sum.
 
 use super::block::{BodyBlock, RigidBlock};
-use crate::history::{HistoryReader, HistoryWriter};
+use super::edge::{EdgeReading, EdgeState};
 use super::state::{BodyMotion, BodyView, Departure, ObjectMotion, ObjectView};
 use crate::error::Result;
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::body::Body;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -108,7 +109,9 @@ pub trait BodyTerm: TermClone + Send + Sync {
     fn edge_readings(&self, _view: &BodyView) -> Vec<EdgeReading> {
         Vec::new()
     }
-    /// Writes all that the next increment depends on.
+    /// Puts the accepted edges that are not open back, with their numbers in rising order.
+    fn set_edges(&mut self, _edges: &[(usize, EdgeState)]) {}
+    /// Writes all that the next increment depends on, but the edges.
     fn write_history(&self, _history: &mut HistoryWriter) {}
     /// Reads what [`BodyTerm::write_history`] wrote.
     ///
@@ -146,38 +149,6 @@ pub trait ObjectTerm: Send + Sync {
     /// # Errors
     /// Fails for a history of something else.
     fn read_history(&mut self, history: &mut HistoryReader) -> Result<()>;
-}
-
-/// Reading of one contact edge between a pad and the object.
-#[derive(Debug, Clone, Copy)]
-pub struct EdgeReading {
-    /// Number of the edge within its term.
-    pub number: usize,
-    /// Gap, m; `+inf` if the edge is too far to matter.
-    pub gap: f64,
-    /// Outward normal of the object, hand frame.
-    pub normal: DVec3,
-    /// Normal force per area, Pa; 0 without contact.
-    pub pressure: f64,
-    /// Point at which the force acts, m, hand frame.
-    pub point: DVec3,
-    /// Force on the pad, friction included, N.
-    pub force: DVec3,
-    /// Tangential part of the force, N.
-    pub friction: DVec3,
-    /// Flag: Coulomb's limit is reached.
-    pub slips: bool,
-    /// Point of the pad that is touched.
-    pub touched: Stencil,
-    /// Nodes that share the force in reports; the weights are non-negative and sum to one.
-    pub report: Stencil,
-}
-
-impl EdgeReading {
-    /// Returns true while the edge carries force.
-    pub fn active(&self) -> bool {
-        self.force != DVec3::ZERO
-    }
 }
 
 /// Elastic energy of the gel.

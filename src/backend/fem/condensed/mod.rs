@@ -301,5 +301,5 @@ pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec
 /// Returns the points at which pad `i` carries contact.
 fn touched(path: &Path, i: usize) -> impl Iterator<Item = Stencil> {
     let edges = path.newton.edge_readings(&path.state, i).into_iter();
-    edges.filter(|(_, edge)| edge.pressure > 0.0).map(|(_, edge)| edge.touched)
+    edges.filter(|edge| edge.state.pressure > 0.0).map(|edge| edge.touched)
 }

@@ -136,7 +136,8 @@ impl CondensedPad {
     pub(crate) fn read_history(&mut self, history: &mut HistoryReader) -> Result<Option<Arc<Body>>> {
         let condensed_at: Vec<DVec3> = history.read()?;
         let (patch, center, settled, gradient): (Vec<u32>, _, _, _) = history.read()?;
-        let known = condensed_at.len() == self.body.rest.len() && patch.iter().all(|n| (*n as usize) < condensed_at.len());
+        let known =
+            condensed_at.len() == self.body.rest.len() && patch.iter().all(|n| (*n as usize) < condensed_at.len());
         let left = match condensed_at.is_empty() {
             true => None,
             false if known => self.condense(&condensed_at, patch).map_err(|e| Error::Start(e.to_string()))?,

@@ -2,9 +2,9 @@
 
 use crate::mech::body::Body;
 use crate::mech::body::pattern::FIXED;
+use crate::mech::potential::block::BodyBlock;
 use crate::mech::potential::state::BodyView;
 use crate::mech::potential::term::{Assembly, BodyTerm};
-use crate::mech::potential::block::BodyBlock;
 use faer::Mat;
 use glam::DVec3;
 use pulp::Arch;
