@@ -215,10 +215,10 @@ impl Path {
         let before = (self.state.clone(), self.level);
         let start = self.start(load, next);
         let to = (next != self.level).then_some(next);
-        let settled = self.settle(start, to, pseudo_time, done);
-        let corrected = match settled {
+        let found = self.equilibrate(start, to, pseudo_time, done);
+        let corrected = match found {
             Ok(error) if !done.halted => pads.correct(self, next, result, done).map(|()| error),
-            settled => settled,
+            found => found,
         };
         match corrected {
             Ok(error) if done.halted => Ok(error),

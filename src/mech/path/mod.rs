@@ -137,7 +137,7 @@ impl Path {
         self.tolerance.relative *= LOOSE;
         self.newton.force.fill(force);
         let mut done = Advanced::default();
-        let closed = self.settle(self.state.clone(), None, true, &mut done);
+        let closed = self.equilibrate(self.state.clone(), None, true, &mut done);
         self.tolerance = sharp;
         closed?;
         (self.level, self.history) = (force, None);
@@ -150,13 +150,13 @@ impl Path {
     /// The [`Failure`]; the state stays as it was.
     pub fn polish(&mut self) -> Result<Advanced, Failure> {
         let mut done = Advanced::default();
-        self.settle(self.state.clone(), None, true, &mut done).map(|_| done)
+        self.equilibrate(self.state.clone(), None, true, &mut done).map(|_| done)
     }
 
     /// Solves from `start`, which is at level `to` if that is another one, and accepts the result. If that fails and
     /// `pseudo_time` is set, follows the object there from the accepted state, or to the end of a stage. Returns the error of the
     /// increment over the error allowed.
-    pub(crate) fn settle(
+    pub(crate) fn equilibrate(
         &mut self,
         start: State,
         to: Option<f64>,

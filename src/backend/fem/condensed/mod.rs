@@ -121,7 +121,7 @@ impl Condensation {
 
     /// Corrects the pads at the equilibrium found at `level` until their error is small enough. If it is a `result`, the forces out
     /// of balance must be small, too.
-    fn settle(&mut self, path: &mut Path, level: f64, result: bool, done: &mut Advanced) -> Result<(), Failure> {
+    fn correct_until_converged(&mut self, path: &mut Path, level: f64, result: bool, done: &mut Advanced) -> Result<(), Failure> {
         let mut last = f64::INFINITY;
         for _ in 0..CORRECTIONS {
             let (error, residual) = self.correct(path)?;
@@ -133,7 +133,7 @@ impl Condensation {
             let balanced = !result || residual <= BALANCE * self.error * path.newton.activity();
             if error <= self.error && balanced {
                 self.levels = [self.levels[1], Some(level)];
-                self.pads.iter_mut().for_each(CondensedPad::settle);
+                self.pads.iter_mut().for_each(CondensedPad::accept);
                 return Ok(());
             }
             if error > CONTRACTION * last {
@@ -264,7 +264,7 @@ impl PadDiscretisation for CondensedPads<'_> {
     }
 
     fn correct(&mut self, path: &mut Path, level: f64, result: bool, done: &mut Advanced) -> Result<(), Failure> {
-        self.pads.settle(path, level, result, done)
+        self.pads.correct_until_converged(path, level, result, done)
     }
 
     fn fail(&mut self, path: &Path, failure: Failure) {

@@ -24,7 +24,7 @@ pub struct CondensedPad {
     condensed_at: Vec<DVec3>,
     /// Rest position of every node without load, m: now, at the last accepted level, at the one before.
     center: Vec<DVec3>,
-    settled: [Vec<DVec3>; 2],
+    accepted: [Vec<DVec3>; 2],
     /// Elastic forces and dead loads of the last corrected state, N per node.
     gradient: Vec<DVec3>,
 }
@@ -50,7 +50,7 @@ impl CondensedPad {
             patch: Arc::from([]),
             stiffness: Arc::new(Mat::new()),
             condensed_at: Vec::new(),
-            settled: [rest.clone(), rest.clone()],
+            accepted: [rest.clone(), rest.clone()],
             gradient: vec![DVec3::ZERO; rest.len()],
             center: rest,
         }
@@ -118,14 +118,14 @@ impl CondensedPad {
         self.stiffness = Arc::new(factor.condensed(3 * self.patch.len()));
         let back = solve(body, factor, &self.gradient);
         self.center = x.iter().zip(back).map(|(x, w)| *x - w).collect();
-        self.settled = [self.center.clone(), self.center.clone()];
+        self.accepted = [self.center.clone(), self.center.clone()];
         Ok(left)
     }
 
     /// Writes all that the next correction depends on.
     pub(crate) fn write_history(&self, history: &mut HistoryWriter) {
         history.write(&self.condensed_at);
-        history.write(&(&self.patch, &self.center, &self.settled, &self.gradient));
+        history.write(&(&self.patch, &self.center, &self.accepted, &self.gradient));
     }
 
     /// Reads what [`CondensedPad::write_history`] wrote; condenses the pad as it was. Returns the body that is left if it was
@@ -135,7 +135,7 @@ impl CondensedPad {
     /// Fails for a history of something else.
     pub(crate) fn read_history(&mut self, history: &mut HistoryReader) -> Result<Option<Arc<Body>>> {
         let condensed_at: Vec<DVec3> = history.read()?;
-        let (patch, center, settled, gradient): (Vec<u32>, _, _, _) = history.read()?;
+        let (patch, center, accepted, gradient): (Vec<u32>, _, _, _) = history.read()?;
         let known =
             condensed_at.len() == self.body.rest.len() && patch.iter().all(|n| (*n as usize) < condensed_at.len());
         let left = match condensed_at.is_empty() {
@@ -143,7 +143,7 @@ impl CondensedPad {
             false if known => self.condense(&condensed_at, patch).map_err(|e| Error::Start(e.to_string()))?,
             false => return Err(Error::Start("the saved state is of other pads".into())),
         };
-        (self.center, self.settled, self.gradient) = (center, settled, gradient);
+        (self.center, self.accepted, self.gradient) = (center, accepted, gradient);
         Ok(left)
     }
 
@@ -173,18 +173,18 @@ impl CondensedPad {
 
     /// Restores the centre of the last accepted level.
     pub(crate) fn restore(&mut self) {
-        self.center.clone_from(&self.settled[1]);
+        self.center.clone_from(&self.accepted[1]);
     }
 
     /// Stores the centre as that of an accepted level.
-    pub(crate) fn settle(&mut self) {
-        self.settled.swap(0, 1);
-        self.settled[1].clone_from(&self.center);
+    pub(crate) fn accept(&mut self) {
+        self.accepted.swap(0, 1);
+        self.accepted[1].clone_from(&self.center);
     }
 
     /// Extrapolates the centre by `factor` times its change between the last two accepted levels.
     pub(crate) fn predict(&mut self, factor: f64) {
-        let [before, last] = &self.settled;
+        let [before, last] = &self.accepted;
         for ((c, last), before) in self.center.iter_mut().zip(last).zip(before) {
             *c = *last + (*last - *before) * factor;
         }
