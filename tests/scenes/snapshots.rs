@@ -52,7 +52,7 @@ fn goes_on(scene: &str) {
 
 #[test]
 fn whole_pads_around_a_free_object() {
-    goes_on("torture/needle.ron");
+    goes_on("torture/cup_rim.ron");
 }
 
 #[test]
