@@ -132,13 +132,14 @@ mod tests {
     #[test]
     fn rows_stay_in_the_order_of_their_spawn_when_columns_are_added() {
         let mut world = World::new();
-        let nodes: Vec<Entity> = world.spawn_batch((0..100).map(|i| (FingerIndex(i / 60), EdgeIndex(i)))).collect();
+        let nodes: Vec<Entity> =
+            world.spawn_batch((0..100).map(|i| (FingerIndex(i / 60), FirstContact(f64::from(i))))).collect();
         add_column(&mut world, &nodes, NodalStress(0.0));
         add_column(&mut world, &nodes, NodeGap(0.0));
-        let mut query = world.query::<(&FingerIndex, &EdgeIndex, &NodalStress, &NodeGap)>();
+        let mut query = world.query::<(&FingerIndex, &FirstContact, &NodalStress, &NodeGap)>();
         let tables: Vec<_> = query.contiguous_iter(&world).expect(TABLES).collect();
         let [(finger, index, ..)] = tables[..] else { panic!("{} tables", tables.len()) };
-        assert!(index.iter().map(|i| i.0).eq(0..100));
+        assert!(index.iter().map(|i| i.0).eq((0..100).map(f64::from)));
         assert_eq!(rows_by_pad(finger).collect::<Vec<_>>(), [(0, 0..60), (1, 60..100)]);
     }
 }

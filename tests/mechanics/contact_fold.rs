@@ -11,8 +11,9 @@ use tactus::mech::contact::law::ContactLaw;
 use tactus::mech::contact::project::FaceBounds;
 use tactus::mech::contact::{ContactSurface, Feature, FeatureContact};
 use tactus::mech::material::NeoHookean;
+use tactus::mech::potential::block::BodyBlock;
 use tactus::mech::potential::state::{RigidUnknowns, State};
-use tactus::mech::potential::term::{BodyBlock, BodyTerm};
+use tactus::mech::potential::term::{Assembly, BodyTerm};
 
 /// A slab of 3 x 3 x 1 cells of length one on a fixed back.
 fn slab(quadratic: bool) -> Body {
@@ -70,9 +71,9 @@ fn press(body: &Body, x: &[DVec3], y: DVec3, others: &[DVec3]) -> (DVec3, Vec<f6
     let rigid = RigidUnknowns::new(vec![DVec3::Z], false, true, 1.0);
     let at = |position| State { x: vec![x.to_vec()], travel: vec![0.0], position, rotation: DQuat::IDENTITY };
     let (state, mut block) = (at(y), BodyBlock::new(body, rigid.size));
-    term.assemble(body, &state.view(0, &rigid), false, &mut block);
+    term.assemble(body, &state.view(0, &rigid), Assembly::WHOLE, &mut block);
     let energies = others.iter().map(|y| term.energy(body, &at(*y).view(0, &rigid))).collect();
-    (-DVec3::from_slice(&block.rigid_gradient[..3]), energies)
+    (-DVec3::from_slice(&block.rigid.gradient[..3]), energies)
 }
 
 /// Heights are those of half the offset over a flank; between them, in the fold, the feature is nearer to both.
@@ -131,9 +132,9 @@ fn a_feature_moves_along_its_edge_to_where_a_ridge_of_the_pad_crosses_it() {
         let state = State { x: vec![x.clone()], travel: vec![0.0], position: DVec3::ZERO, rotation: DQuat::IDENTITY };
         let view = state.view(0, &rigid);
         let mut block = BodyBlock::new(&body, rigid.size);
-        term.assemble(&body, &view, false, &mut block);
+        term.assemble(&body, &view, Assembly::WHOLE, &mut block);
         assert!(!term.satisfied(&body, &view), "the edge is in the pad");
-        term.assemble(&body, &view, false, &mut block);
+        term.assemble(&body, &view, Assembly::WHOLE, &mut block);
         let gap = term.edge(0).gap;
         assert!(
             (gap + 5.0 * offset / f64::hypot(1.0, 0.6)).abs() < 1.2 * offset,

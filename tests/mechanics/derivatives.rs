@@ -15,12 +15,13 @@ use tactus::mech::contact::surface::{SurfaceFace, face_frame};
 use tactus::mech::contact::{ContactSurface, EdgeState, Feature, FeatureContact, GroundContact, PointContact};
 use tactus::mech::element::{Kernel, RestTet, ShapeFunctions, Stiffness, TET4, TET10};
 use tactus::mech::material::{Dilatation, FixedCorotated, Linear, Material, NeoHookean, Tangent};
+use tactus::mech::potential::block::BodyBlock;
 use tactus::mech::potential::drive::Drive;
 use tactus::mech::potential::inversion_barrier::inversion_barrier;
 use tactus::mech::potential::pad_inertia::PadInertia;
 use tactus::mech::potential::rigid_inertia::RigidInertia;
-use tactus::mech::potential::state::{Departure, MAX_RIGID, NewtonStep, RigidUnknowns, State};
-use tactus::mech::potential::term::{BodyBlock, BodyTerm, DeadLoad, ElasticEnergy, Stencil};
+use tactus::mech::potential::state::{BodyView, Departure, MAX_RIGID, NewtonStep, RigidUnknowns, State};
+use tactus::mech::potential::term::{Assembly, BodyTerm, DeadLoad, ElasticEnergy, ObjectTerm, Stencil};
 use tactus::mech::potential::time_step::TimeStep;
 use tactus::mech::potential::viscosity::Viscosity;
 use tactus::mech::potential::weight::Weight;
@@ -269,9 +270,9 @@ impl Scene {
         Self { body, rigid, state }
     }
 
-    /// The state as one that an increment departs from.
-    fn departure(&self) -> Departure {
-        Departure::new(Arc::new(self.state.clone()), 0, &self.rigid)
+    /// The state as one that an increment departs from, over `step` if it has one.
+    fn departure(&self, step: Option<TimeStep>) -> Departure {
+        Departure::new(Arc::new(self.state.clone()), 0, &self.rigid, step)
     }
 
     /// Moves every coordinate at random, those of nodes less.
@@ -307,16 +308,16 @@ impl Scene {
         term.energy(&self.body, &state.view(0, &self.rigid))
     }
 
-    fn assemble(&self, term: &mut dyn BodyTerm, project: bool) -> BodyBlock {
+    fn assemble(&self, term: &mut dyn BodyTerm, how: Assembly) -> BodyBlock {
         let mut block = BodyBlock::new(&self.body, self.rigid.size);
-        term.assemble(&self.body, &self.state.view(0, &self.rigid), project, &mut block);
+        term.assemble(&self.body, &self.state.view(0, &self.rigid), how, &mut block);
         block
     }
 
     /// Gradient in all coordinates.
     fn gradient(&self, block: &BodyBlock) -> Vec<f64> {
         let nodes = block.gradient.iter().flat_map(|g| g.to_array());
-        nodes.chain(block.rigid_gradient[..self.rigid.size].iter().copied()).collect()
+        nodes.chain(block.rigid.gradient[..self.rigid.size].iter().copied()).collect()
     }
 
     /// Coordinates that are unknowns: those of free nodes and the rigid unknowns.
@@ -338,7 +339,7 @@ impl Scene {
             (None, None) => inner(a, b),
             (Some(a), None) => block.coupling[a * pattern.unknowns() + row(b)],
             (None, Some(b)) => block.coupling[b * pattern.unknowns() + row(a)],
-            (Some(a), Some(b)) => block.rigid_hessian[a][b],
+            (Some(a), Some(b)) => block.rigid.hessian[a][b],
         };
         let unknowns = self.unknowns();
         unknowns.iter().flat_map(|a| unknowns.iter().map(move |b| entry(*a, *b))).collect()
@@ -363,20 +364,20 @@ impl Scene {
 
     /// The gradient of a term against differences of its energy, with what it lags frozen by one assembly.
     fn check_gradient(&self, what: &str, term: &mut dyn BodyTerm) {
-        let gradient = self.gradient(&self.assemble(term, false));
+        let gradient = self.gradient(&self.assemble(term, Assembly::WHOLE));
         let energy = |c, d| self.energy(term, &self.moved(c, d, c, 0.0));
         let numeric: Vec<f64> = (0..self.size()).map(|c| slope(STEP, |d| energy(c, d))).collect();
         let error = deviation(&numeric, &gradient, 0.0);
         assert!(error < TOLERANCE, "{what}: gradient off by {error:.1e}");
     }
 
-    /// Gradient and Hessian. With `project`, the Hessian must be positive semidefinite and the gradient the same.
+    /// Gradient and Hessian. With projection, the Hessian must be positive semidefinite and the gradient the same.
     fn check(&self, what: &str, term: &mut dyn BodyTerm) {
         let unknowns = self.unknowns();
-        let projected = self.assemble(term, true);
+        let projected = self.assemble(term, Assembly::PROJECTED);
         assert_positive(what, unknowns.len(), &self.hessian(&projected));
         self.check_gradient(what, term);
-        let block = self.assemble(term, false);
+        let block = self.assemble(term, Assembly::WHOLE);
         let difference = deviation(&self.gradient(&projected), &self.gradient(&block), 0.0);
         assert!(difference < 1e-13, "{what}: projection changes the gradient");
         let numeric = self.second_differences(&unknowns, &|state| self.energy(term, state));
@@ -393,7 +394,7 @@ fn elastic_energy_and_dead_loads_have_their_derivatives_in_the_solvers_storage()
         scene.check("elastic", &mut ElasticEnergy);
         let load = (0..scene.body.rest.len()).map(|_| random.vector()).collect();
         let mut term = DeadLoad(load);
-        let gradient = scene.gradient(&scene.assemble(&mut term, false));
+        let gradient = scene.gradient(&scene.assemble(&mut term, Assembly::WHOLE));
         let slope_at = |c| slope(0.25, |d| scene.energy(&term, &scene.moved(c, d, c, 0.0)));
         let numeric: Vec<f64> = (0..scene.size()).map(slope_at).collect();
         assert!(deviation(&numeric, &gradient, 0.0) < 1e-12, "dead load");
@@ -454,14 +455,21 @@ fn near_slip(law: &ContactLaw, e: &EdgeState, slip: DVec3) -> bool {
 }
 
 /// Whether a point of the pad is near a change of its state (touch, branch, slip), where the second derivative jumps.
-fn near_jump(scene: &Scene, contact: &PointContact, law: &ContactLaw, object: &dyn SignedDistance) -> bool {
+fn near_jump(
+    scene: &Scene,
+    contact: &PointContact,
+    surface: &ContactSurface,
+    law: &ContactLaw,
+    object: &dyn SignedDistance,
+) -> bool {
     let view = scene.state.view(0, &scene.rigid);
+    let (position, rotation) = (view.object.position, view.object.rotation);
     contact.felt().any(|i| {
         let (e, own) = (contact.edge(i), contact.law_of(i));
-        let relative = contact.surface().points[i].position(view.x) + view.offset - view.position;
-        let slip = across(relative - view.rotation * e.anchor.unwrap_or_default(), e.normal) * e.share;
+        let relative = surface.points[i].position(view.x) + view.offset - position;
+        let slip = across(relative - rotation * e.anchor.unwrap_or_default(), e.normal) * e.share;
         // A skipped edge does not know its gap.
-        let gap = object.distance(view.rotation.transpose() * relative);
+        let gap = object.distance(rotation.transpose() * relative);
         // Deep inside the object the closest point jumps.
         near_kink(&own, gap) || near_slip(&own, e, slip) || gap < -law.offset
     })
@@ -498,15 +506,15 @@ fn check_contact(friction: f64, drag: f64) -> Covered {
         let mut scene = Scene::new(seed % 2 == 1, &mut random);
         let surface = Arc::new(ContactSurface::with_subdivision(&scene.body, 2));
         let law = contact_law(0.4, friction);
-        let mut contact = PointContact::new(law, surface, object.clone());
+        let mut contact = PointContact::new(law, surface.clone(), object.clone());
         // Stick here, then move on; points that went deep are stiffened.
-        scene.assemble(&mut contact, false);
+        scene.assemble(&mut contact, Assembly::WHOLE);
         contact.satisfied(&scene.body, &scene.state.view(0, &scene.rigid));
         contact.commit(&scene.body, &scene.state.view(0, &scene.rigid));
-        contact.depart(&scene.departure());
+        contact.depart(&scene.departure(None));
         scene.shake(drag, &mut random);
-        scene.assemble(&mut contact, false);
-        let kink = near_jump(&scene, &contact, &law, object.as_ref());
+        scene.assemble(&mut contact, Assembly::WHOLE);
+        let kink = near_jump(&scene, &contact, &surface, &law, object.as_ref());
         if kink || !contact.edges().any(|(_, e)| e.pressure > 0.0) {
             continue;
         }
@@ -557,20 +565,20 @@ fn forces_of_slipping_and_of_touching_points_follow_the_pressure() {
         let surface = Arc::new(ContactSurface::with_subdivision(&scene.body, 1));
         let law = contact_law(0.4, 0.3);
         let mut contact = PointContact::new(law, surface.clone(), object.clone());
-        scene.assemble(&mut contact, false);
+        scene.assemble(&mut contact, Assembly::WHOLE);
         contact.commit(&scene.body, &scene.state.view(0, &scene.rigid));
         let here = scene.state.clone();
         if seed % 3 == 0 {
             // Nothing has been touched yet: the slab was farther off.
-            contact = PointContact::new(law, surface, object.clone());
+            contact = PointContact::new(law, surface.clone(), object.clone());
             scene.state.position.z += if seed % 2 == 0 { 0.5 } else { -0.5 };
         }
-        contact.depart(&scene.departure());
+        contact.depart(&scene.departure(None));
         scene.state = here;
         scene.shake(0.2, &mut random);
-        let block = scene.assemble(&mut contact, false);
+        let block = scene.assemble(&mut contact, Assembly::WHOLE);
         let view = scene.state.view(0, &scene.rigid);
-        let kink = near_jump(&scene, &contact, &law, object.as_ref());
+        let kink = near_jump(&scene, &contact, &surface, &law, object.as_ref());
         // Differences are sharp only where gap and slip are well above what they step.
         let small = |e: &EdgeState| {
             e.slips && e.limit < 0.05 * law.tangential
@@ -597,7 +605,7 @@ fn forces_of_slipping_and_of_touching_points_follow_the_pressure() {
             let gradient = |d: f64| {
                 let mut block = BodyBlock::new(&scene.body, scene.rigid.size);
                 let state = scene.moved(c, d, c, 0.0);
-                contact.clone().assemble(&scene.body, &state.view(0, &scene.rigid), false, &mut block);
+                contact.clone().assemble(&scene.body, &state.view(0, &scene.rigid), Assembly::WHOLE, &mut block);
                 scene.gradient(&block)
             };
             let numeric: Vec<f64> = unknowns.iter().map(|&r| slope(STEP, |d| gradient(d)[r])).collect();
@@ -627,25 +635,27 @@ fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, ContactL
             let l = l.map(|v| v / l.iter().sum::<f64>());
             let (foot, normal) = face_frame(face, view.x, l);
             let point = foot + normal * felt.offset * random.number() + view.offset;
-            Feature { position: view.rotation.transpose() * (point - view.position), sharp, along: None }
+            let position = view.object.rotation.transpose() * (point - view.object.position);
+            Feature { position, sharp, along: None }
         };
         let features: Arc<[Feature]> = surface.faces.iter().map(&mut feature).collect();
         let mut terms = [friction, 0.0]
             .map(|friction| FeatureContact::new(ContactLaw { friction, ..law }, surface.clone(), features.clone()));
         for term in &mut terms {
-            scene.assemble(term, false);
+            scene.assemble(term, Assembly::WHOLE);
             term.commit(&scene.body, &scene.state.view(0, &scene.rigid));
-            term.depart(&scene.departure());
+            term.depart(&scene.departure(None));
         }
         let [mut with, mut without] = terms;
-        let stuck: Vec<Stencil> = (0..features.len()).map(|i| with.readout(i).now).collect();
+        let mut stuck = vec![Stencil::NONE; features.len()];
+        with.edge_readings(&view).iter().for_each(|edge| stuck[edge.number] = edge.touched);
         scene.shake(drag, &mut random);
-        scene.assemble(&mut with, false);
-        scene.assemble(&mut without, false);
+        scene.assemble(&mut with, Assembly::WHOLE);
+        scene.assemble(&mut without, Assembly::WHOLE);
         let view = scene.state.view(0, &scene.rigid);
         let kink = with.edges().any(|(i, e)| {
-            let arm = view.rotation * features[i].position;
-            let relative = stuck[i].position(view.x) + view.offset - view.position - arm;
+            let arm = view.object.rotation * features[i].position;
+            let relative = stuck[i].position(view.x) + view.offset - view.object.position - arm;
             let slip = across(relative + e.anchor.unwrap_or_default(), e.normal) * e.share;
             near_kink(&felt, e.gap) || near_slip(&law, e, slip) || e.gap < -0.8 * felt.offset
         });
@@ -688,22 +698,24 @@ fn hessian_of_pressure_at_features_is_exact() {
 fn projected_hessian_of_pressure_at_features_is_that_of_gauss_and_newton() {
     for (scene, law, mut term, _) in feature_scenes(true, 0.0, 0.03) {
         let unknowns = scene.unknowns();
-        let block = scene.assemble(&mut term, true);
+        let block = scene.assemble(&mut term, Assembly::PROJECTED);
         assert_positive("features", unknowns.len(), &scene.hessian(&block));
         let mut expected = vec![0.0; unknowns.len() * unknowns.len()];
-        for (i, e) in term.edges().filter(|(_, e)| e.pressure > 0.0) {
+        let readings = term.edge_readings(&scene.state.view(0, &scene.rigid));
+        for reading in readings.iter().filter(|reading| reading.state.pressure > 0.0) {
+            let (i, e) = (reading.number, term.edge(reading.number));
             let gap = |state: &State| {
                 let mut moved = term.clone();
                 moved.assemble(
                     &scene.body,
                     &state.view(0, &scene.rigid),
-                    false,
+                    Assembly::WHOLE,
                     &mut BodyBlock::new(&scene.body, scene.rigid.size),
                 );
                 moved.edge(i).gap
             };
             let slopes: Vec<f64> = unknowns.iter().map(|&c| slope(STEP, |d| gap(&scene.moved(c, d, c, 0.0)))).collect();
-            let area = term.readout(i).normal.dot(e.normal) / e.pressure;
+            let area = reading.force.dot(e.normal) / e.pressure;
             let stiffness = law.pressure(e.gap, e.scale).1 * area;
             for (k, value) in expected.iter_mut().enumerate() {
                 *value += stiffness * slopes[k / unknowns.len()] * slopes[k % unknowns.len()];
@@ -719,11 +731,11 @@ fn check_feature_friction(friction: f64, drag: f64) -> Covered {
     let mut covered = Covered::default();
     for (scene, law, mut with, mut without) in feature_scenes(true, friction, drag) {
         covered.add(&law, with.edges());
-        let projected = [&mut with, &mut without].map(|t| scene.hessian(&scene.assemble(t, true)));
+        let projected = [&mut with, &mut without].map(|t| scene.hessian(&scene.assemble(t, Assembly::PROJECTED)));
         let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>();
         let unknowns = scene.unknowns();
         assert_positive("friction at features", unknowns.len(), &difference(&projected[0], &projected[1]));
-        let blocks = [&mut with, &mut without].map(|t| scene.assemble(t, false));
+        let blocks = [&mut with, &mut without].map(|t| scene.assemble(t, Assembly::WHOLE));
         let [gradient, gradient_without] = [0, 1].map(|k| scene.gradient(&blocks[k]));
         let [hessian, hessian_without] = [0, 1].map(|k| scene.hessian(&blocks[k]));
         let energy = |state: &State| scene.energy(&with, state) - scene.energy(&without, state);
@@ -753,6 +765,32 @@ fn slipping_friction_at_features_has_its_derivatives() {
     assert!(covered.slipping > 20, "{covered:?}");
 }
 
+/// A term of the object in the place of one of a body, so that it has the same checks: nodes and travel must not feel it.
+#[derive(Clone)]
+struct OfObject<T> {
+    term: T,
+    /// Begins a time step.
+    begin: fn(&mut T, &TimeStep),
+}
+
+impl<T: ObjectTerm + Clone + 'static> BodyTerm for OfObject<T> {
+    fn energy(&self, _: &Body, view: &BodyView) -> f64 {
+        self.term.energy(&view.object)
+    }
+
+    fn assemble(&mut self, _: &Body, view: &BodyView, how: Assembly, block: &mut BodyBlock) {
+        self.term.assemble(&view.object, how, &mut block.rigid);
+    }
+
+    fn depart(&mut self, from: &Departure) {
+        from.step.iter().for_each(|step| (self.begin)(&mut self.term, step));
+    }
+
+    fn commit(&mut self, _: &Body, view: &BodyView) {
+        self.term.commit(&view.object);
+    }
+}
+
 /// A hand anywhere.
 fn hand(random: &mut Random) -> HandState {
     HandState { position: random.vector(), rotation: random.rotation(), force: 0.0 }
@@ -773,7 +811,7 @@ fn stepped<T: BodyTerm>(
     let moved =
         HandState { position: start.position + random.vector() * drag, rotation: start.rotation * turn, force: 0.0 };
     let step = TimeStep { size: 0.7, hand: moved };
-    term.begin(&step);
+    term.depart(&scene.departure(Some(step)));
     scene.shake(drag, &mut random);
     (scene, term, step)
 }
@@ -782,7 +820,8 @@ fn stepped<T: BodyTerm>(
 fn weight_has_its_derivatives() {
     for seed in 0..6 {
         let make = |scene: &Scene, _: HandState, random: &mut Random| {
-            Weight::new(random.vector(), random.vector(), scene.state.position)
+            let term = Weight::new(random.vector(), random.vector(), scene.state.position);
+            OfObject { term, begin: |_, _| {} }
         };
         let (scene, mut term, _) = stepped(seed, 0.2, make);
         scene.check("weight", &mut term);
@@ -818,7 +857,9 @@ fn inertia_of_a_rigid_object_has_its_derivatives() {
             let mut mass = MassProperties::of_ellipsoid(DVec3::new(0.9, 0.7, 0.4));
             mass.center = random.vector();
             let moving = (random.vector(), random.vector());
-            RigidInertia::new(&mass, 0.5, random.vector(), moving, hand, &scene.state.view(0, &scene.rigid))
+            let view = scene.state.object_view(&scene.rigid);
+            let term = RigidInertia::new(&mass, 0.5, random.vector(), moving, hand, &view);
+            OfObject { term, begin: RigidInertia::begin }
         };
         let (scene, mut term, _) = stepped(seed, 0.3, make);
         scene.check("rigid inertia", &mut term);
@@ -835,25 +876,27 @@ fn check_ground(friction: f64, drag: f64) -> Covered {
         let make = |scene: &Scene, hand: HandState, random: &mut Random| {
             let view = scene.state.view(0, &scene.rigid);
             let normal = random.vector().normalize();
-            let lowest = vertices.iter().map(|v| normal.dot(hand.to_world(view.position + view.rotation * *v)));
+            let lowest =
+                vertices.iter().map(|v| normal.dot(hand.to_world(view.object.position + view.object.rotation * *v)));
             let height = lowest.fold(f64::INFINITY, f64::min) - 0.1;
-            let mut term = GroundContact::new(vertices.clone(), law, normal, height, hand, &view);
+            let term = GroundContact::new(vertices.clone(), law, normal, height, hand, &view.object);
+            let mut term = OfObject { term, begin: GroundContact::begin };
             // Stick here, then move on.
-            scene.assemble(&mut term, false);
+            scene.assemble(&mut term, Assembly::WHOLE);
             term.commit(&scene.body, &view);
             term
         };
         let (scene, mut term, step) = stepped(seed, drag, make);
-        scene.assemble(&mut term, false);
-        let kink = term.edges().any(|(i, e)| {
+        scene.assemble(&mut term, Assembly::WHOLE);
+        let kink = term.term.edges().any(|(i, e)| {
             let point = scene.state.position + scene.state.rotation * vertices[i];
             let slip = across(step.hand.to_hand(e.anchor.unwrap_or_default()) - point, e.normal) * e.share;
             near_kink(&law, e.gap) || near_slip(&law, e, slip)
         });
-        if kink || !term.edges().any(|(_, e)| e.pressure > 0.0) {
+        if kink || !term.term.edges().any(|(_, e)| e.pressure > 0.0) {
             continue;
         }
-        covered.add(&law, term.edges());
+        covered.add(&law, term.term.edges());
         scene.check(&format!("ground, friction {friction}, seed {seed}"), &mut term);
     }
     println!("ground, friction {friction}: {covered:?}");

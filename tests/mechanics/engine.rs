@@ -108,14 +108,19 @@ fn what_nobody_asks_for_is_not_there() {
         (environment.components(), systems, model.unknowns().total)
     };
     let (full, full_systems, full_unknowns) = count(&scene("friction: 0.8", "gravity: (0, 0, 9.81)"));
-    for name in ["NodalStress", "TetStress", "ContactForce", "ObjectWeight"] {
+    for name in ["NodalStress", "TetStress", "ContactForce", "ContactFriction", "ObjectWeight"] {
         assert!(full.contains_key(name), "{name} is there if asked for");
     }
     let (light, _, _) = count(&scene("friction: 0.8", ""));
     assert!(!light.contains_key("ObjectWeight"), "no weight without gravity");
+    let (slick, slick_systems, _) = count(&scene("friction: 0.0", ""));
+    assert!(
+        !slick.contains_key("ContactFriction") && slick_systems < full_systems,
+        "no friction state without friction"
+    );
     let (bare, bare_systems, _) = count(&scene("friction: 0.0", "record: (fields: [])"));
     assert!(["NodalStress", "TetStress", "ContactForce"].iter().all(|n| !bare.contains_key(*n)));
-    assert!(bare_systems < full_systems && bare.len() < full.len());
+    assert!(bare_systems < slick_systems && bare.len() < slick.len());
     let (gaps, _, _) = count(&scene("friction: 0.0", "record: (fields: [Gap])"));
     assert!(gaps.contains_key("NodeGap") && !full.contains_key("NodeGap"));
     let (expected, _, _) = count(&scene("friction: 0.0", "record: (fields: []), expect: [MaxStress(at_most: 1e6)]"));

@@ -29,7 +29,7 @@ fn quadratic_pad(cells: [usize; 3], poisson: f64) -> Arc<Body> {
 /// Front-face displacement of the press at points of the rest face, m.
 fn on_face(press: &Press, points: &[DVec2]) -> Vec<DVec3> {
     let (body, u) = (press.body(), press.displacement());
-    let faces = &press.contact().surface().faces;
+    let faces = &press.surface.faces;
     let front: Vec<_> = faces.iter().filter(|f| f.corners.iter().all(|&n| body.rest[n as usize].z > -1e-9)).collect();
     let value = |p: &DVec2| {
         let inside = front.iter().find_map(|face| {
@@ -65,7 +65,7 @@ fn quadratic_tetrahedra_with_mean_dilatation_give_the_true_force_and_face() {
         let off = force / truth - 1.0;
         println!("{} nodes, {:.2} mm: {force:.4} N, {:+.2} %", body.rest.len(), depth * 1e3, 100.0 * off);
         assert!(off.abs() < force_allowed, "force {force} against {truth} N at {depth} m");
-        assert!(press.contact().min_gap() > 0.0, "no contact point is inside the sphere");
+        assert!(press.min_gap() > 0.0, "no contact point is inside the sphere");
         let Some(error) = profile_error(&press, "sphere_q20_06_top_profile.csv", depth) else { continue };
         println!("   front face: {:.2} % of the displacement (relative L2)", 100.0 * error);
         assert!(error < face_allowed, "front face off by {error:.4} at {depth} m");
@@ -113,7 +113,7 @@ fn check_linear(press: &mut Press, steps: u32, force_allowed: f64, face_allowed:
             depth * 1e3,
             100.0 * off,
             100.0 * error,
-            press.contact().min_gap() * 1e6
+            press.min_gap() * 1e6
         );
         assert!(off.abs() < force_allowed, "force {force} against {truth} N at {depth} m");
         assert!(error < face_allowed, "front face off by {error:.4} at {depth} m");
@@ -131,7 +131,7 @@ fn linear_tetrahedra_with_the_contact_law_of_calculix_give_its_force_and_face() 
     let setup = Setup { start: DVec3::Z * (RADIUS - law.offset), ..setup(body, RADIUS - law.offset) };
     let mut press = Press::with_law(setup, law, surface);
     check_linear(&mut press, 1, 0.005, 0.01);
-    let sunk = law.offset - press.contact().min_gap();
+    let sunk = law.offset - press.min_gap();
     assert!(sunk < 15e-6, "the penalty gives way by {sunk} m");
 }
 

@@ -3,16 +3,16 @@
 use crate::common::{close, elements, errors, reference, reference_mesh, rows, vectors};
 use glam::{DMat3, DQuat, DVec3};
 use serde_json::Value;
-use std::any::Any;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use tactus::geometry::mesh::{TetMesh, grid, quadratic, surface};
 use tactus::mech::body::pattern::Pattern;
 use tactus::mech::body::{Body, Elements};
 use tactus::mech::element::{Kernel, RestTet, TET4, TET10};
 use tactus::mech::material::{Linear, Material, NeoHookean, von_mises};
 use tactus::mech::newton::{Newton, NewtonTolerance};
+use tactus::mech::potential::block::BodyBlock;
 use tactus::mech::potential::state::{BodyView, RigidUnknowns, State};
-use tactus::mech::potential::term::{BodyBlock, BodyTerm, DeadLoad, ElasticEnergy};
+use tactus::mech::potential::term::{Assembly, BodyTerm, DeadLoad, ElasticEnergy};
 
 const YOUNG: f64 = 0.3;
 const POISSON: f64 = 0.45;
@@ -159,14 +159,15 @@ fn patch_of_finite_strain_is_exact() {
 #[derive(Clone)]
 struct Rollers {
     held: Vec<(usize, usize, f64)>,
-    force: Vec<f64>,
+    /// Multiplier of each spring, for the test to read.
+    force: Arc<Mutex<Vec<f64>>>,
 }
 
 const ROLLER: f64 = 1e3;
 
 impl Rollers {
     fn new(held: Vec<(usize, usize, f64)>) -> Self {
-        Self { force: vec![0.0; held.len()], held }
+        Self { force: Arc::new(Mutex::new(vec![0.0; held.len()])), held }
     }
 
     fn off(&self, view: &BodyView, k: usize) -> f64 {
@@ -177,13 +178,15 @@ impl Rollers {
 
 impl BodyTerm for Rollers {
     fn energy(&self, _: &Body, view: &BodyView) -> f64 {
-        let spring = |k| self.force[k] * self.off(view, k) + 0.5 * ROLLER * self.off(view, k).powi(2);
+        let force = self.force.lock().unwrap();
+        let spring = |k| force[k] * self.off(view, k) + 0.5 * ROLLER * self.off(view, k).powi(2);
         (0..self.held.len()).map(spring).sum()
     }
 
-    fn assemble(&mut self, body: &Body, view: &BodyView, _: bool, block: &mut BodyBlock) {
+    fn assemble(&mut self, body: &Body, view: &BodyView, _: Assembly, block: &mut BodyBlock) {
+        let force = self.force.lock().unwrap();
         for (k, &(node, axis, _)) in self.held.iter().enumerate() {
-            block.gradient[node][axis] += self.force[k] + ROLLER * self.off(view, k);
+            block.gradient[node][axis] += force[k] + ROLLER * self.off(view, k);
             let mut diagonal = DVec3::ZERO;
             diagonal[axis] = ROLLER;
             let slot = body.pattern().slot(node as u32, node as u32);
@@ -196,14 +199,10 @@ impl BodyTerm for Rollers {
         if off.iter().all(|o| o.abs() < 1e-9) {
             return true;
         }
-        for (force, off) in self.force.iter_mut().zip(&off) {
+        for (force, off) in self.force.lock().unwrap().iter_mut().zip(&off) {
             *force += ROLLER * off;
         }
         false
-    }
-
-    fn as_any(&self) -> &dyn Any {
-        self
     }
 }
 
@@ -220,12 +219,13 @@ fn bar_in_uniaxial_tension_and_compression() {
         let fixed = vec![false; mesh.nodes.len()];
         let elements = Elements::Linear(mesh.tets.clone());
         let body = Body::new(mesh.nodes.clone(), elements, fixed, neo_hookean(), true);
-        let mut solver = Solver::new(body, Some(Box::new(Rollers::new(held))));
+        let rollers = Rollers::new(held);
+        let mut solver = Solver::new(body, Some(Box::new(rollers.clone())));
         // Start from the stretched bar, so that the springs need not drag it through an inversion.
         solver.state.x[0].iter_mut().for_each(|x| x.z *= stretch);
         solver.solve();
-        let rollers: &Rollers = solver.newton.terms[0][1].as_any().downcast_ref().expect("rollers");
-        let top = rollers.held.iter().zip(&rollers.force).filter(|(h, _)| h.1 == 2 && h.2 > 0.0);
+        let multipliers = rollers.force.lock().unwrap();
+        let top = rollers.held.iter().zip(&*multipliers).filter(|(h, _)| h.1 == 2 && h.2 > 0.0);
         // The spring's multiplier is minus the force that pulls.
         let force = -top.map(|(_, f)| f).sum::<f64>();
         close(&format!("force at stretch {stretch}, N"), force, number(&row["force_exact"]), 1e-6);

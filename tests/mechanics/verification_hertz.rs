@@ -74,8 +74,7 @@ fn shear(press: &mut Press, step: f64) -> (f64, f64) {
     let (state, _) = press.path.newton.solve(&press.path.state, start, &tolerance).expect("converges");
     press.path.newton.commit(&state);
     press.path.state = state;
-    let contact = press.contact();
-    let force: DVec3 = contact.edges().map(|(i, _)| contact.force(i)).sum();
+    let force: DVec3 = press.edges().iter().map(|edge| edge.force).sum();
     (-force.z, force.x)
 }
 
@@ -113,9 +112,9 @@ fn a_ball_dragged_sideways_slides_with_mu_times_the_normal_force() {
     let mut curve = vec![0.0];
     for k in 1..=8 {
         let (normal, tangential) = shear(&mut press, 0.2e-3);
-        let contact = press.contact();
-        let area = |i: usize| contact.surface().area[i];
-        let points = || contact.edges().filter(|(_, e)| e.pressure > 0.0).map(|(i, e)| (e, area(i)));
+        let edges = press.edges();
+        let area = |i: usize| press.surface.area[i];
+        let points = || edges.iter().filter(|e| e.state.pressure > 0.0).map(|e| (e.state, area(e.number)));
         let pressure: f64 = points().map(|(e, a)| e.pressure * a).sum();
         // Of the sizes: what points carry along the leaning sides of the dent does not add up to one direction.
         let traction: f64 = points().map(|(e, a)| e.traction.length() * a).sum();

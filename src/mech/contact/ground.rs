@@ -7,7 +7,7 @@ use super::pool::EdgePool;
 use crate::error::Result;
 use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::potential::block::{Pair, RigidBlock};
-use crate::mech::potential::state::{ObjectMotion, ObjectView};
+use crate::mech::potential::state::{ObjectIncrement, ObjectView};
 use crate::mech::potential::term::{Assembly, ObjectTerm};
 use crate::mech::potential::time_step::TimeStep;
 use crate::scene::motion::HandState;
@@ -135,7 +135,7 @@ impl ObjectTerm for GroundContact {
         self.vertices.iter().map(gap).fold(f64::INFINITY, f64::min) - 0.5 * self.pool.law.offset
     }
 
-    fn couple(&self, view: &ObjectView, motion: &ObjectMotion, change: &mut RigidBlock) {
+    fn couple(&self, view: &ObjectView, motion: &ObjectIncrement, change: &mut RigidBlock) {
         for (i, v) in self.vertices.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).sticks().is_some()) {
             let r = view.rotation * *v;
             let away = -motion.position - motion.rotation.cross(r);

@@ -122,9 +122,9 @@ impl NewtonStep {
     }
 
     /// Motion of the object in this step.
-    pub fn object_motion(&self, view: &ObjectView) -> ObjectMotion {
+    pub fn object_motion(&self, view: &ObjectView) -> ObjectIncrement {
         let three = |c: usize| DVec3::new(self.rigid[c], self.rigid[c + 1], self.rigid[c + 2]);
-        let pose = view.column.map(|c| ObjectMotion { position: three(c), rotation: three(c + 3) / view.length });
+        let pose = view.column.map(|c| ObjectIncrement { position: three(c), rotation: three(c + 3) / view.length });
         pose.unwrap_or_default()
     }
 }
@@ -137,19 +137,19 @@ pub struct BodyMotion<'a> {
     /// Motion of the finger, m.
     pub offset: DVec3,
     /// Motion of the object.
-    pub object: ObjectMotion,
+    pub object: ObjectIncrement,
 }
 
 /// A small motion of the object.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct ObjectMotion {
+pub struct ObjectIncrement {
     /// Motion of the origin, m.
     pub position: DVec3,
     /// Rotation about the origin, rad.
     pub rotation: DVec3,
 }
 
-impl ObjectMotion {
+impl ObjectIncrement {
     /// Motion of the object's point at arm `r` (m from the origin), m.
     pub fn at(&self, r: DVec3) -> DVec3 {
         self.position + self.rotation.cross(r)

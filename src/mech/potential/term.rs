@@ -3,7 +3,7 @@
 
 use super::block::{BodyBlock, RigidBlock};
 use super::edge::{EdgeReading, EdgeState};
-use super::state::{BodyMotion, BodyView, Departure, ObjectMotion, ObjectView};
+use super::state::{BodyMotion, BodyView, Departure, ObjectIncrement, ObjectView};
 use crate::error::Result;
 use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::body::Body;
@@ -129,7 +129,7 @@ pub trait ObjectTerm: Send + Sync {
     /// Adds gradient and Hessian to `block`; refreshes lagged quantities.
     fn assemble(&mut self, view: &ObjectView, how: Assembly, block: &mut RigidBlock);
     /// Adds the change of the term's forces along a small `motion`, beyond what its (symmetric) Hessian says.
-    fn couple(&self, _view: &ObjectView, _motion: &ObjectMotion, _change: &mut RigidBlock) {}
+    fn couple(&self, _view: &ObjectView, _motion: &ObjectIncrement, _change: &mut RigidBlock) {}
     /// A distance that every point may move before the term must be looked at again, m.
     fn clearance(&self, _view: &ObjectView) -> f64 {
         f64::INFINITY

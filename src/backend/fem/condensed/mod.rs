@@ -121,7 +121,13 @@ impl Condensation {
 
     /// Corrects the pads at the equilibrium found at `level` until their error is small enough. If it is a `result`, the forces out
     /// of balance must be small, too.
-    fn correct_until_converged(&mut self, path: &mut Path, level: f64, result: bool, done: &mut Advanced) -> Result<(), Failure> {
+    fn correct_until_converged(
+        &mut self,
+        path: &mut Path,
+        level: f64,
+        result: bool,
+        done: &mut Advanced,
+    ) -> Result<(), Failure> {
         let mut last = f64::INFINITY;
         for _ in 0..CORRECTIONS {
             let (error, residual) = self.correct(path)?;
