@@ -55,7 +55,7 @@ pub fn check(args: &CheckArgs) -> Result<ExitCode> {
         return Err(Error::Scene("error: --export writes one object; choose it with --object".into()));
     }
     let (mut runs, mut objects, mut errors) = (true, Vec::new(), Vec::new());
-    for named in &set.scenes {
+    for named in set.scenes.iter().take(EXAMINED) {
         let (scene, name) = (&named.scene, named.name.as_str());
         let found = examine(scene).map_err(|e| set.place(e, &named.name));
         let mut json = match &found {
@@ -83,8 +83,11 @@ pub fn check(args: &CheckArgs) -> Result<ExitCode> {
             Err(error) => return Err(error),
         }
     }
+    let more = set.scenes.len().saturating_sub(EXAMINED);
     if several && args.format == Format::Json {
-        print(&format!("{}\n", json!({ "objects": objects })))?;
+        print(&format!("{}\n", json!({ "objects": objects, "more": more })))?;
+    } else if more > 0 {
+        print(&format!("// and {more} more objects, not examined: choose one with --object\n"))?;
     }
     if !errors.is_empty() {
         return Err(Error::Scene(errors.join("\n")));
@@ -102,6 +105,8 @@ fn export(path: &Path, found: &Found) -> Result<()> {
     }
 }
 
+/// Largest number of objects of a scene that are examined: a check answers within seconds.
+const EXAMINED: usize = 50;
 /// Largest number of grasps that are closed to first contact: a check answers within seconds, and the first grasps of a
 /// data set are sufficient.
 const TRIED: usize = 1000;

@@ -2,6 +2,7 @@
 
 use super::{Format, NOT_HELD, OK, inspect, kept, print, say};
 use crate::backend;
+use crate::dataset::manifest::LeftOut;
 use crate::dataset::progress::Finished;
 use crate::dataset::sensitivity::SensitivityRow;
 use crate::dataset::{Campaign, Manifest, Watcher};
@@ -18,6 +19,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
+
+/// Largest number of objects whose notices are printed; all stand in the manifest.
+const NOTED: usize = 50;
 
 /// Arguments of `tactus dataset`.
 #[derive(Debug, clap::Args)]
@@ -107,7 +111,10 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
         out.display(),
         if resumed > 0 { format!("; {resumed} grasps are there already") } else { String::new() },
     ));
-    for object in &manifest.objects {
+    for LeftOut { name, reason } in manifest.left_out.iter().take(NOTED) {
+        say(&format!("{name}: is left out: {reason}"));
+    }
+    for object in manifest.objects.iter().take(NOTED) {
         object.notices.iter().for_each(|notice| say(&format!("{}: {notice}", object.name)));
     }
     if args.dry_run {

@@ -1,11 +1,11 @@
 //! Making of a data set: object by object, with all grasps in parallel, continued from the point where an earlier run was
 //! stopped.
 
-use super::arrays::{FORMAT, FileSizes};
+use super::arrays::FORMAT;
 use super::compatible::{World, sensor};
 use super::file::{Writer, lay_out};
-use super::manifest::{MANIFEST, Manifest, ObjectEntry};
-use super::plan::{file_name, fixed_bytes, plan_hash};
+use super::manifest::{LeftOut, MANIFEST, Manifest, ObjectEntry};
+use super::plan::{Planned, PlannedPads, plan_hash};
 use super::progress::{self, Finished, Progress};
 use super::recorder::{DatasetRecorder, Watcher};
 use super::rows::Encoder;
@@ -15,14 +15,12 @@ use crate::error::{Error, Result};
 use crate::files::atomic::{cannot_write, create_dir, remove_left_over, sync_folder, write_durable};
 use crate::files::lock::FolderLock;
 use crate::geometry::mesh::io::{write_stl, write_tet};
-use crate::grasp::{aim_notice, grasps_of, write_grasps_h5};
-use crate::gripper::GraspPose;
+use crate::grasp::write_grasps_h5;
 use crate::interrupt;
 use crate::limits;
 use crate::model::Model;
-use crate::part::object;
 use crate::run::run_grasps;
-use crate::scene::{Field, LoadedSet, NamedScene};
+use crate::scene::LoadedSet;
 use crate::world::Choose;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -38,63 +36,33 @@ pub struct Campaign {
     choose: Choose,
 }
 
-/// Object of a campaign.
-#[derive(Debug)]
-struct Planned {
-    named: NamedScene,
-    poses: Vec<GraspPose>,
-    sizes: FileSizes,
-    file: PathBuf,
-    /// Largest size of all files of the object, bytes.
-    limit: u64,
-}
-
 impl Campaign {
     /// Plans a data set in `dir`, by the backends that `choose` opens: loads or samples all grasps, and fixes the content of every file.
     ///
     /// # Errors
     /// Fails if a scene cannot be built or the folder holds another data set.
     pub fn plan(set: &LoadedSet, dir: &Path, choose: Choose) -> Result<Self> {
-        let mut objects = Vec::new();
-        let mut entries = Vec::new();
-        // All objects have the same pads: they are those of the first.
-        let mut pads = None;
-        for listed in &set.scenes {
-            let mut named = listed.clone();
-            // The data set holds all of these, whatever the scene records in a run.
-            named.scene.record.fields = Field::USUAL.to_vec();
-            let place = |e| set.place(e, &listed.name);
-            let (base, pad) = match pads {
-                Some(pads) => pads,
-                None => {
-                    let model = Model::build(&named.scene).map_err(place)?;
-                    let pad = model.finger()?.bounds();
-                    *pads.insert((FileSizes::of(&model, 0)?, pad))
+        let first = set.scenes.first().ok_or_else(|| Error::Start("the scene has no object".into()))?;
+        let pads = PlannedPads::of(&first.scene).map_err(|e| set.place(e, &first.name))?;
+        let planned = set.scenes.par_iter().map(|named| {
+            interrupt::check()?;
+            match Planned::new(named, (&first.scene, pads)) {
+                Err(error) if set.drawn => Ok(Err(LeftOut::new(&named.name, &error))),
+                planned => planned.map(Ok).map_err(|e| set.place(e, &named.name)),
+            }
+        });
+        let (mut objects, mut entries, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
+        for planned in planned.collect::<Result<Vec<_>>>()? {
+            match planned {
+                Ok((object, entry)) => {
+                    objects.push(object);
+                    entries.push(entry);
                 }
-            };
-            let mut grasps = grasps_of(&named.scene).map_err(place)?;
-            let shape =
-                object::build(&named.scene.object, &mut Vec::new()).map_err(|e| place(e.about("object.shape")))?;
-            grasps.notices.extend(aim_notice(&named.scene, &shape, pad, &grasps.poses));
-            let sizes = FileSizes { grasps: grasps.poses.len(), ..base };
-            let file = Path::new("dgs_output").join(file_name(&named));
-            entries.push(ObjectEntry {
-                name: named.name.as_str().into(),
-                file: file.clone(),
-                grasps: sizes.grasps,
-                bytes: 0,
-                blake3: String::new(),
-                seal: None,
-                reached: 0,
-                fault: 0,
-                dropped: 0,
-                infeasible: 0,
-                notices: grasps.notices,
-                failures: Vec::new(),
-                promises: Vec::new(),
-            });
-            let limit = sizes.bytes() + fixed_bytes(&sizes, &shape.surface);
-            objects.push(Planned { named, poses: grasps.poses, sizes, file, limit });
+                Err(without) => left_out.push(without),
+            }
+        }
+        if objects.is_empty() {
+            return Err(Error::Start("no drawn object has a grasp; draw more, or other ones".into()));
         }
         let counts: Vec<_> = objects.iter().map(|o| (o.named.name.as_str().to_string(), o.poses.len())).collect();
         let splits = Splits::new(&set.split, &counts);
@@ -106,10 +74,11 @@ impl Campaign {
             about: set.scenes.first().map(|s| s.scene.about.clone()).unwrap_or_default(),
             plan: plan_hash(objects.iter().map(|o| (&o.named, o.poses.as_slice())), &splits)?,
             grasps: objects.iter().map(|o| o.poses.len()).sum(),
-            frames: pads.map_or(0, |(sizes, _)| sizes.frames),
+            frames: pads.sizes.frames,
             bytes: 0,
             splits: String::new(),
             objects: entries,
+            left_out,
         };
         let mut campaign = Self { dir: dir.to_path_buf(), objects, splits, manifest, choose };
         campaign.resume()?;
@@ -353,12 +322,15 @@ impl Campaign {
         let _turn = self.turn()?;
         let open = open(&self.dir.join(&object.file));
         if !open.exists() || !self.is_laid_out(object, &open) {
-            if first {
-                write_tet(self.dir.join("tactile_sensor.tet"), &sensor(&model.finger()?.topology))?;
-            }
             let name = object.named.name.as_str();
             let about = self.about(object);
             create_dir(&about)?;
+            let pad = sensor(&model.finger()?.topology);
+            if first {
+                write_tet(self.dir.join("tactile_sensor.tet"), &pad)?;
+            } else if object.own_pads {
+                write_tet(about.join(format!("{name}_sensor.tet")), &pad)?;
+            }
             write_stl(about.join(format!("{name}_processed.stl")), &model.object.surface)?;
             write_grasps_h5(about.join(format!("{name}_grasps.h5")), &object.poses)?;
             create_dir(&self.dir.join("dgs_output"))?;

@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::files::atomic::write_durable;
 use crate::judge::Verdict;
 use crate::record::Status;
+use crate::scene::Name;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -38,6 +39,25 @@ pub struct Manifest {
     pub splits: String,
     /// Entries of the objects.
     pub objects: Vec<ObjectEntry>,
+    /// Drawn objects that are not in the data set.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Drawn object without a grasp.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LeftOut {
+    /// Name of the object.
+    pub name: String,
+    /// Reason why it has none.
+    pub reason: String,
+}
+
+impl LeftOut {
+    pub(super) fn new(name: &Name, error: &Error) -> Self {
+        let text = error.to_string();
+        Self { name: name.as_str().into(), reason: text.strip_prefix("error: ").unwrap_or(&text).into() }
+    }
 }
 
 /// Entry of an object.

@@ -5,7 +5,7 @@
 //! DIR/splits.json                                     training and test poses                       (split.rs)
 //! DIR/sensitivity.csv                                 how well posed grasps are, if asked for       (sensitivity.rs)
 //! DIR/tactile_sensor.tet                              one pad                                       (compatible.rs)
-//! DIR/dgn_dataset/OBJ/OBJ_processed.stl, OBJ_grasps.h5   object and hand poses
+//! DIR/dgn_dataset/OBJ/OBJ_processed.stl, OBJ_grasps.h5   object and hand poses; OBJ_sensor.tet where its pads are not those above
 //! DIR/dgs_output/OBJ_<density>_tactus_<E>_<nu>_<load>.h5  all frames of all grasps of one object    (arrays.rs, file.rs, places.rs)
 //! DIR/.progress/OBJ/<grasp>.json                      grasps finished so far; gone at the end       (progress.rs)
 //! ```

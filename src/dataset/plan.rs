@@ -2,14 +2,82 @@
 //! content.
 
 use super::arrays::{FileSizes, REASON};
+use super::manifest::ObjectEntry;
 use super::split::Splits;
 use crate::error::{Error, Result};
+use crate::geometry::Aabb;
 use crate::geometry::mesh::TriMesh;
+use crate::grasp::{aim_notice, grasps_of};
 use crate::gripper::GraspPose;
-use crate::scene::{Loading, NamedScene, to_ron};
+use crate::model::Model;
+use crate::part::object;
+use crate::scene::{Field, Loading, NamedScene, Scene, to_ron};
+use std::path::{Path, PathBuf};
+
+/// Object of a campaign.
+#[derive(Debug)]
+pub(super) struct Planned {
+    pub named: NamedScene,
+    pub poses: Vec<GraspPose>,
+    pub sizes: FileSizes,
+    pub file: PathBuf,
+    /// Largest size of all files of the object, bytes.
+    pub limit: u64,
+    /// Flag: its pads are not those of the first object.
+    pub own_pads: bool,
+}
+
+/// Pads of an object in a data set: the sizes of its file, and how far they reach, m.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PlannedPads {
+    pub sizes: FileSizes,
+    bounds: Aabb,
+}
+
+impl PlannedPads {
+    /// Returns the pads of `scene`.
+    pub fn of(scene: &Scene) -> Result<Self> {
+        let model = Model::build(scene)?;
+        Ok(Self { sizes: FileSizes::of(&model, 0)?, bounds: model.finger()?.bounds() })
+    }
+}
+
+impl Planned {
+    /// Plans an object, beside the first one and its pads.
+    pub fn new(listed: &NamedScene, (first, pads): (&Scene, PlannedPads)) -> Result<(Self, ObjectEntry)> {
+        let mut named = listed.clone();
+        // The data set holds all of these, whatever the scene records in a run.
+        named.scene.record.fields = Field::USUAL.to_vec();
+        let scene = &named.scene;
+        let own_pads = scene.gripper != first.gripper;
+        let pads = if own_pads || scene.loading != first.loading { PlannedPads::of(scene)? } else { pads };
+        let mut grasps = grasps_of(scene)?;
+        let shape = object::build(&scene.object, &mut Vec::new()).map_err(|e| e.about("object.shape"))?;
+        grasps.notices.extend(aim_notice(scene, &shape, pads.bounds, &grasps.poses));
+        let sizes = FileSizes { grasps: grasps.poses.len(), ..pads.sizes };
+        let file = Path::new("dgs_output").join(file_name(&named));
+        let entry = ObjectEntry {
+            name: named.name.as_str().into(),
+            file: file.clone(),
+            grasps: sizes.grasps,
+            bytes: 0,
+            blake3: String::new(),
+            seal: None,
+            reached: 0,
+            fault: 0,
+            dropped: 0,
+            infeasible: 0,
+            notices: grasps.notices,
+            failures: Vec::new(),
+            promises: Vec::new(),
+        };
+        let limit = sizes.bytes() + fixed_bytes(&sizes, &shape.surface);
+        Ok((Self { named, poses: grasps.poses, sizes, file, limit, own_pads }, entry))
+    }
+}
 
 /// Returns the file name `<object>_<density>_tactus_<E>_<nu>_<load>.h5`, which the loader splits at `_`.
-pub(super) fn file_name(named: &NamedScene) -> String {
+fn file_name(named: &NamedScene) -> String {
     let scene = &named.scene;
     let spec = scene.gripper.material.spec();
     let load = match &scene.loading {
@@ -23,7 +91,7 @@ pub(super) fn file_name(named: &NamedScene) -> String {
 
 /// Returns the largest size of the content that does not grow with frames, bytes: headers and scene, pad, object (HDF5
 /// and STL), poses and records.
-pub(super) fn fixed_bytes(sizes: &FileSizes, surface: &TriMesh) -> u64 {
+fn fixed_bytes(sizes: &FileSizes, surface: &TriMesh) -> u64 {
     let pad = 25 * sizes.nodes + 2 * 120 * sizes.tets;
     let object = 24 * surface.vertices.len() + (12 + 50) * surface.triangles.len();
     (pad + object + (56 + REASON + 512) * sizes.grasps + 65_536) as u64

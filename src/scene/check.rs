@@ -34,6 +34,15 @@ pub const SHARED: usize = 256 << 20;
 /// Checks the lists of objects: no name twice, not both one object and several, and no more objects and text than the
 /// limits. `shared` is the length of the text outside the list of objects, bytes.
 pub(super) fn objects(part: &ScenePart, shared: usize) -> Result<(), Problem> {
+    if let Some(universe) = &part.universe {
+        if part.object.is_some() || part.objects.is_some() {
+            return refuse("universe", "a universe and objects are both given\ngive one of them");
+        }
+        if !matches!(part.loading, Some(Loading::Squeeze(_)) | None) {
+            return refuse("loading", "a universe draws forces\nallowed: Squeeze(force: ..., frames: ...)");
+        }
+        return universe.problem().map_or(Ok(()), |(path, message)| refuse(path, message));
+    }
     let Some(objects) = &part.objects else { return Ok(()) };
     if part.object.is_some() {
         return refuse("objects", "object and objects are both given\ngive one of them");

@@ -75,6 +75,37 @@ defaults! {
     PAD_SCALE (pad_scale): Positive = Positive::preset(1.0);
     /// Pad file: direction out of the gel towards the object, in the file's axes.
     PAD_OUTWARD (pad_outward): Vec3 = Vec3::preset3(0.0, 0.0, 1.0);
+    /// Universe: number of objects.
+    UNIVERSE_OBJECTS: Count<1, 10000> = Count::preset(2000);
+    /// Universe: number of grasps of each object.
+    UNIVERSE_GRASPS: Count<1, 1000> = Count::preset(2);
+    /// Universe: widths of objects over the thickness of the pads.
+    UNIVERSE_SIZE: Span = Tuple([Positive::preset(2.5), Positive::preset(14.0)]);
+    /// Universe: coefficients of friction.
+    UNIVERSE_FRICTION: Span = Tuple([Positive::preset(0.2), Positive::preset(1.2)]);
+    /// Universe: Poisson's ratios.
+    UNIVERSE_POISSON: Span = Tuple([Positive::preset(0.3), Positive::preset(0.495)]);
+    /// Universe: last forces on a finger over E t^2.
+    UNIVERSE_FORCE: Span = Tuple([Positive::preset(0.4), Positive::preset(1.2)]);
+    /// Universe: part of the objects whose grasps are square.
+    UNIVERSE_SQUARE: NonNegative = NonNegative::preset(0.4);
+    /// Universe: part of the objects with weight.
+    UNIVERSE_HEAVY: NonNegative = NonNegative::preset(0.4);
+    /// Universe: largest weight over the last sum of the finger forces.
+    UNIVERSE_WEIGHT: Positive = Positive::preset(0.5);
+    /// Universe: lengths of pads along the approach, m.
+    UNIVERSE_PAD_LENGTH: Span = Tuple([Positive::preset(0.015), Positive::preset(0.035)]);
+    /// Universe: widths of pads, m.
+    UNIVERSE_PAD_WIDTH: Span = Tuple([Positive::preset(0.012), Positive::preset(0.03)]);
+    /// Universe: thicknesses of pads, m.
+    UNIVERSE_PAD_THICKNESS: Span = Tuple([Positive::preset(0.002), Positive::preset(0.008)]);
+    /// Universe: numbers of cells of the sensing face.
+    UNIVERSE_PAD_CELLS: Span = Tuple([Positive::preset(60.0), Positive::preset(160.0)]);
+    /// Universe: part of the objects with round pads.
+    UNIVERSE_PAD_ROUND: NonNegative = NonNegative::preset(0.15);
+    /// Universe: part of the objects with domed pads.
+    UNIVERSE_PAD_DOMED: NonNegative = NonNegative::preset(0.15);
+
     /// Soft material: density, kg/m3.
     GEL_DENSITY (gel_density): Positive = Positive::preset(1000.0);
 

@@ -54,6 +54,8 @@ pub struct LoadedSet {
     pub scenes: Vec<NamedScene>,
     /// Division of the poses into training and test.
     pub split: Split,
+    /// Flag: the objects were drawn; one without grasps is left out of a data set.
+    pub drawn: bool,
     /// Path of the scene file.
     pub path: PathBuf,
     /// Paths of all files read: the scene file, then its includes.
@@ -137,7 +139,7 @@ pub fn load_set(path: impl AsRef<Path>) -> Result<LoadedSet> {
     let places = Places { sources: loader.sources, origins, listed };
     let at = |problem: check::Problem| places.error_at(&problem.path, &problem.message);
     check::objects(&part, places.shared()).map_err(at)?;
-    let split = part.split.unwrap_or_default();
+    let (split, drawn) = (part.split.unwrap_or_default(), part.universe.is_some());
     let name = Name::near(&path.file_stem().unwrap_or_default().to_string_lossy());
     let main = &places.sources[0];
     let scenes = part.complete(&name).map_err(|field| {
@@ -149,7 +151,7 @@ pub fn load_set(path: impl AsRef<Path>) -> Result<LoadedSet> {
         check::check(&named.scene).map_err(|p| places.error_at(&places.written(&p.path, Some(i)), &p.message))?;
     }
     let sources = places.sources.iter().map(|s| s.path.clone()).collect();
-    Ok(LoadedSet { scenes, split, path: path.to_path_buf(), sources, places: Arc::new(places) })
+    Ok(LoadedSet { scenes, split, drawn, path: path.to_path_buf(), sources, places: Arc::new(places) })
 }
 
 /// Positions of the fields in the files of a scene.
@@ -173,6 +175,7 @@ impl Places {
     fn written(&self, field: &str, index: Option<usize>) -> String {
         let listed = index.and_then(|i| Some((i, self.listed.get(i)?.1)));
         match listed {
+            _ if self.origins.contains_key("universe") && !field.starts_with("universe") => "universe".into(),
             Some((i, own)) if field.starts_with("object.") || (own && field.starts_with("grasps")) => {
                 format!("objects[{i}].{field}")
             }

@@ -36,6 +36,7 @@ mod schema;
 mod source;
 pub mod stepper;
 pub mod task;
+pub mod universe;
 pub mod vector;
 
 pub use convention::{Convention, HandAxis, QuaternionOrder};
@@ -57,3 +58,4 @@ pub use schema::Scene;
 pub use source::SIZE_LIMIT;
 pub use stepper::{Condensed, Element, Fem, Gnn, Solver, StepperChoice, Tolerance};
 pub use task::Task;
+pub use universe::Universe;

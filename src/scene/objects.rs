@@ -1,9 +1,13 @@
-//! Several objects in one scene file, each with its name and its grasps; everything else is shared. For data sets.
+//! Several objects in one scene file, each with its name and its grasps; everything else is shared, unless an object has its own. For
+//! data sets.
 
 use super::grasps::Grasps;
+use super::gripper::Gripper;
 use super::leaf::Fraction;
+use super::loading::Loading;
 use super::object::Object;
 use super::schema::Scene;
+use super::vector::Vec3;
 use serde::de::{Deserializer, Error as _};
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +22,15 @@ pub struct Entry {
     /// Grasps of the object; None takes those of the scene.
     #[serde(default)]
     pub grasps: Option<Grasps>,
+    /// Gripper for the object; None takes that of the scene.
+    #[serde(default)]
+    pub gripper: Option<Gripper>,
+    /// Loading of the object's grasps; None takes that of the scene.
+    #[serde(default)]
+    pub loading: Option<Loading>,
+    /// Gravity for the object, m/s2; None takes that of the scene.
+    #[serde(default)]
+    pub gravity: Option<Vec3>,
 }
 
 /// Name of letters, digits and `-`: other programs read the first field of a file name, up to `_`, as the object.

@@ -10,6 +10,7 @@ use super::objects::{Entry, Name, NamedScene, Split};
 use super::output::Record;
 use super::stepper::StepperChoice;
 use super::task::Task;
+use super::universe::Universe;
 use super::vector::Vec3;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -111,6 +112,7 @@ part! {
     about: String,
     object: Object,
     objects: Vec<Entry>,
+    universe: Universe,
     split: Split,
     gripper: Gripper,
     grasps: Grasps,
@@ -130,20 +132,26 @@ impl ScenePart {
     /// # Errors
     /// Returns the name of the first missing field.
     pub fn complete(self, name: &Name) -> Result<Vec<NamedScene>, &'static str> {
-        let entries = match (self.object, self.objects) {
-            (Some(object), _) => vec![Entry { name: name.clone(), object, grasps: None }],
-            (None, Some(objects)) => objects,
-            (None, None) => return Err("object"),
-        };
         let loading = self.loading.ok_or("loading")?;
+        let alone =
+            |object| Entry { name: name.clone(), object, grasps: None, gripper: None, loading: None, gravity: None };
+        let entries = match (self.object, self.objects, &self.universe, &loading) {
+            (Some(object), ..) => vec![alone(object)],
+            (None, Some(objects), ..) => objects,
+            (None, None, Some(universe), Loading::Squeeze(squeeze)) => {
+                universe.entries(&self.gripper.clone().unwrap_or_default(), squeeze)
+            }
+            (None, None, Some(_), _) => return Err("loading: Squeeze"),
+            (None, None, None, _) => return Err("object"),
+        };
         let scene = |entry: &Entry| Scene {
             about: self.about.clone().unwrap_or_default(),
             object: entry.object.clone(),
-            gripper: self.gripper.clone().unwrap_or_default(),
+            gripper: entry.gripper.clone().or_else(|| self.gripper.clone()).unwrap_or_default(),
             grasps: entry.grasps.clone().or_else(|| self.grasps.clone()).unwrap_or_default(),
-            loading: loading.clone(),
+            loading: entry.loading.clone().unwrap_or_else(|| loading.clone()),
             stepper: self.stepper.clone().unwrap_or_default(),
-            gravity: self.gravity,
+            gravity: entry.gravity.or(self.gravity),
             ground: self.ground,
             record: self.record.clone().unwrap_or_default(),
             expect: self.expect.clone().unwrap_or_default(),

@@ -242,9 +242,10 @@ fn page() -> String {
         "# Scene reference\n\nEvery field of a scene file, made from the schema in `src/scene` (`TACTUS_WRITE_DOCS=1 cargo test --release --test scenes \
          reference::` writes this page). Units are SI. A default of \"its own\" is that of the type beside it. [scenes.md](scenes.md) tells how scenes work.\n\n\
          A file may also have `include: [\"other.ron\"]`: fields that it does not give come from there; and in place of `object` a list `objects` for a\n\
-         data set, with `split` for training and test.\n",
+         data set, or a `universe` that draws them, with `split` for training and test.\n",
     );
-    let (mut queue, mut seen) = (vec!["Scene".to_string(), "Entry".into(), "Split".into()], BTreeSet::new());
+    let (mut queue, mut seen) =
+        (vec!["Scene".to_string(), "Entry".into(), "Universe".into(), "Split".into()], BTreeSet::new());
     queue.reverse();
     while let Some(name) = queue.pop() {
         let Some(item) = items.get(&name).filter(|_| seen.insert(name.clone())) else { continue };

@@ -1,0 +1,226 @@
+//! Objects, pads and loads drawn at random, for data sets that a network of any of them learns from. An alternative to `objects`.
+//!
+//! Every object has pads, friction, gel and loads of its own. They follow from the seed and the number of the object alone: a data set
+//! of more objects begins with those of a smaller one.
+
+mod pad;
+mod shape;
+
+use super::defaults;
+use super::grasps::{Antipodal, Grasps};
+use super::gripper::Gripper;
+use super::leaf::{Count, NonNegative, Positive};
+use super::loading::{Loading, Squeeze};
+use super::object::{Object, ObjectMotion};
+use super::objects::{Entry, Name};
+use super::task::Span;
+use super::vector::{Tuple, Vec3};
+use crate::random::Random;
+use serde::{Deserialize, Serialize};
+
+pub use pad::PadSpans;
+pub use shape::Family;
+
+/// Objects, pads and loads drawn at random. Parts are fractions of the objects, 0 to 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Universe {
+    /// Number of objects.
+    pub objects: Count<1, 10000>,
+    /// Number of grasps of each object.
+    pub grasps: Count<1, 1000>,
+    /// Seed; the same seed gives the same objects.
+    pub seed: u64,
+    /// Families of shapes, each as often as the others.
+    pub families: Vec<Family>,
+    /// Range of the widths of objects over the thickness of the pads, drawn with equal chance per factor; an object never fills more than
+    /// half of the open hand.
+    pub size: Span,
+    /// Range of the coefficient of friction.
+    pub friction: Span,
+    /// Range of Poisson's ratio of the gel.
+    pub poisson: Span,
+    /// Pads.
+    pub pads: PadSpans,
+    /// Range of the last force on a finger over E t^2, with the thickness t of the pad.
+    pub force: Span,
+    /// Part of the objects whose grasps meet faces and axes squarely, of the families that have any.
+    pub square: NonNegative,
+    /// Part of the objects with weight, in any direction.
+    pub heavy: NonNegative,
+    /// Largest weight over the last sum of the finger forces; never more than half of what friction holds.
+    pub weight: Positive,
+}
+
+impl Default for Universe {
+    fn default() -> Self {
+        Self {
+            objects: defaults::UNIVERSE_OBJECTS,
+            grasps: defaults::UNIVERSE_GRASPS,
+            seed: 0,
+            families: Family::ALL.to_vec(),
+            size: defaults::UNIVERSE_SIZE,
+            friction: defaults::UNIVERSE_FRICTION,
+            poisson: defaults::UNIVERSE_POISSON,
+            pads: PadSpans::default(),
+            force: defaults::UNIVERSE_FORCE,
+            square: defaults::UNIVERSE_SQUARE,
+            heavy: defaults::UNIVERSE_HEAVY,
+            weight: defaults::UNIVERSE_WEIGHT,
+        }
+    }
+}
+
+/// Gravity by which weights become densities, m/s2.
+const GRAVITY: f64 = 9.81;
+/// Largest weight over what friction holds: at the last force, and at the force from which on the fingers hold it.
+const HELD: [f64; 2] = [0.5, 0.6];
+/// Largest width of an object over the opening of the hand.
+const WIDEST: f64 = 0.5;
+/// Largest angle of square grasps to the normals, degrees.
+const SQUARE: f64 = 1e-3;
+
+/// Draws in ranges.
+struct Draws(Random);
+
+impl Draws {
+    /// Draws between two values.
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.0.unit()
+    }
+
+    /// Draws in a range.
+    fn within(&mut self, span: &Span) -> f64 {
+        self.between(span.0[0].get(), span.0[1].get())
+    }
+
+    /// Draws in a range with equal chance per factor.
+    fn factor(&mut self, span: &Span) -> f64 {
+        self.between(span.0[0].get().ln(), span.0[1].get().ln()).exp()
+    }
+
+    /// Returns true for a part of all draws.
+    fn is_in(&mut self, part: f64) -> bool {
+        self.0.unit() < part
+    }
+}
+
+/// Returns a number with six digits, as somebody would write it.
+fn written(value: f64) -> f64 {
+    let unit = 10.0_f64.powf(value.abs().max(f64::MIN_POSITIVE).log10().floor() - 5.0);
+    // Division by a power of ten gives the nearest double.
+    if unit < 1.0 { (value / unit).round() / (1.0 / unit).round() } else { (value / unit).round() * unit }
+}
+
+impl Universe {
+    /// Returns the first field that does not fit, with the message for the user.
+    pub(super) fn problem(&self) -> Option<(String, String)> {
+        let pads = &self.pads;
+        let spans = [
+            ("size", &self.size),
+            ("friction", &self.friction),
+            ("poisson", &self.poisson),
+            ("force", &self.force),
+            ("pads.length", &pads.length),
+            ("pads.width", &pads.width),
+            ("pads.thickness", &pads.thickness),
+            ("pads.cells", &pads.cells),
+        ];
+        let field = |name: &str, message: &str| Some((format!("universe.{name}"), message.to_string()));
+        if let Some((name, _)) = spans.iter().find(|(_, s)| s.0[0].get() > s.0[1].get()) {
+            return field(name, "the first number is the least, the second the most: (1, 10)");
+        }
+        if self.poisson.0[1].get() >= 0.5 {
+            return field("poisson", "a gel has a Poisson's ratio below 0.5");
+        }
+        if self.families.is_empty() {
+            return field("families", "an empty list of families\nleave it out for all of them");
+        }
+        let parts =
+            [("square", self.square), ("heavy", self.heavy), ("pads.round", pads.round), ("pads.domed", pads.domed)];
+        let above = parts.iter().find(|(_, part)| part.get() > 1.0);
+        above.and_then(|(name, _)| field(name, "a part of the objects\nallowed: 0 to 1"))
+    }
+
+    /// Returns the objects with their grasps, grippers and loads; all that is not drawn is that of `gripper`, and there are as many
+    /// frames as in `squeeze`.
+    pub(super) fn entries(&self, gripper: &Gripper, squeeze: &Squeeze) -> Vec<Entry> {
+        (0..self.objects.get()).map(|i| self.entry(i, gripper, squeeze)).collect()
+    }
+
+    fn entry(&self, index: usize, gripper: &Gripper, squeeze: &Squeeze) -> Entry {
+        let mut draws = Draws(Random::new(Random::new(self.seed).bits() ^ Random::new(index as u64).bits()));
+        let family = self.families[index % self.families.len()];
+        let (pads, thickness) = self.pads.draw(&mut draws);
+        let width = (draws.factor(&self.size) * thickness).min(WIDEST * gripper.opening.get());
+        let (shape, volume) = family.draw(width, &mut draws);
+        let friction = written(draws.within(&self.friction));
+        let spec = gripper.material.spec();
+        let poisson = written(draws.within(&self.poisson));
+        let force = written(2.0 * draws.within(&self.force) * spec.young * thickness * thickness);
+        let square = draws.is_in(self.square.get()) && family.has_faces();
+        let tilt = if square { Positive::preset(SQUARE) } else { defaults::TILT };
+        let weight = self.weight.get().min(HELD[0] * friction) * force * draws.between(0.05, 1.0);
+        let heavy = draws.is_in(self.heavy.get()).then(|| {
+            let first = Positive::preset(written(weight / (HELD[1] * friction)));
+            (weight / (GRAVITY * volume), first, direction(&mut draws))
+        });
+        let (density, first) = heavy.map_or((defaults::OBJECT_DENSITY, None), |(density, first, _)| {
+            (Positive::preset(written(density)), Some(first))
+        });
+        Entry {
+            name: Name::near(&format!("{}-{index:04}", family.name())),
+            object: Object {
+                shape,
+                scale: defaults::SCALE,
+                repair: false,
+                density,
+                segments: defaults::SEGMENTS,
+                motion: ObjectMotion::Free,
+                velocity: None,
+                spin: None,
+            },
+            grasps: Some(Grasps::Antipodal(Antipodal {
+                count: Count::preset(self.grasps.get() as u64),
+                seed: index as u64,
+                tilt_deg: tilt,
+            })),
+            gripper: Some(Gripper {
+                pads,
+                // Within the range of the leaf by the checks of the spans.
+                material: gripper.material.with(spec.young, poisson).unwrap_or(gripper.material),
+                friction: NonNegative::preset(friction),
+                ..gripper.clone()
+            }),
+            loading: Some(Loading::Squeeze(Squeeze {
+                force: Positive::preset(force),
+                from: first,
+                release: first,
+                frames: squeeze.frames,
+            })),
+            gravity: heavy.map(|(.., direction)| direction),
+        }
+    }
+}
+
+/// Draws gravity in a direction that is uniform on the sphere, m/s2.
+fn direction(draws: &mut Draws) -> Vec3 {
+    let (z, angle) = (draws.between(-1.0, 1.0), draws.between(0.0, std::f64::consts::TAU));
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    let along = [r * angle.cos(), r * angle.sin(), z];
+    Tuple(along.map(|v| super::leaf::Finite::preset(written(GRAVITY * v))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drawn_numbers_are_those_that_a_file_holds() {
+        for value in [0.0123456789, 12.345678, 1.23456789e-5, 123456789.0, 9.81] {
+            let written = written(value);
+            assert!((written / value - 1.0).abs() < 5e-6, "{written} for {value}");
+            assert!(format!("{written}").len() <= 12, "{written}");
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Pads drawn at random.
+
+use super::{Draws, written};
+use crate::scene::defaults;
+use crate::scene::leaf::{Length, NonNegative};
+use crate::scene::pad::{BoxPad, DiscPad, GelShape, GelSightMini, Pads};
+use crate::scene::task::Span;
+use crate::scene::vector::Tuple;
+use serde::{Deserialize, Serialize};
+
+/// Ranges of pads. Boxes are what is neither round nor domed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PadSpans {
+    /// Range of the length along the approach, m; the diameter of a round pad lies amid length and width.
+    pub length: Span,
+    /// Range of the width, m.
+    pub width: Span,
+    /// Range of the thickness, m, drawn with equal chance per factor.
+    pub thickness: Span,
+    /// Range of the number of cells of the sensing face, drawn with equal chance per factor; a cell is at least a third as wide as the pad is
+    /// thick, and at most as wide.
+    pub cells: Span,
+    /// Part of the objects with round pads.
+    pub round: NonNegative,
+    /// Part of the objects with the domed gel of a GelSight Mini.
+    pub domed: NonNegative,
+}
+
+impl Default for PadSpans {
+    fn default() -> Self {
+        Self {
+            length: defaults::UNIVERSE_PAD_LENGTH,
+            width: defaults::UNIVERSE_PAD_WIDTH,
+            thickness: defaults::UNIVERSE_PAD_THICKNESS,
+            cells: defaults::UNIVERSE_PAD_CELLS,
+            round: defaults::UNIVERSE_PAD_ROUND,
+            domed: defaults::UNIVERSE_PAD_DOMED,
+        }
+    }
+}
+
+/// Largest number of layers of cells from the sensing face to the finger.
+const LAYERS: f64 = 3.0;
+/// Distance of the nodes of a round pad over the width of a cell of a box: a disc is divided into triangles.
+const ROUND: f64 = 1.4;
+/// Length, width and thickness of the gel of a GelSight Mini, m.
+const GELSIGHT_MINI: [f64; 3] = [25.25e-3, 20.75e-3, 4e-3];
+
+impl PadSpans {
+    /// Draws a pad; returns it with its thickness, m.
+    pub(super) fn draw(&self, draws: &mut Draws) -> (Pads, f64) {
+        let (length, width) = (written(draws.within(&self.length)), written(draws.within(&self.width)));
+        let thickness = written(draws.factor(&self.thickness));
+        let cells = draws.factor(&self.cells);
+        let kind = draws.between(0.0, 1.0);
+        let spacing = |area: f64, thickness: f64| {
+            let cell = (area / cells).sqrt().clamp(thickness / LAYERS, thickness);
+            Some(Length::preset(written(cell)))
+        };
+        if kind < self.round.get() {
+            let radius = written(0.5 * (length * width).sqrt());
+            let disc = DiscPad {
+                radius: Length::preset(radius),
+                thickness: Length::preset(thickness),
+                spacing: spacing(ROUND * ROUND * std::f64::consts::PI * radius * radius, thickness),
+                accuracy: None,
+                grading: defaults::PAD_GRADING,
+                focus: defaults::PAD_FOCUS,
+            };
+            (Pads::Disc(disc), thickness)
+        } else if kind < self.round.get() + self.domed.get() {
+            let [length, width, thickness] = GELSIGHT_MINI;
+            let shape = GelShape::Domed;
+            let spacing = spacing(length * width, thickness);
+            (Pads::GelSightMini(GelSightMini { shape, spacing, ..GelSightMini::default() }), thickness)
+        } else {
+            let size = Tuple([length, width, thickness].map(Length::preset));
+            let spacing = spacing(length * width, thickness);
+            let (grading, focus) = (defaults::PAD_GRADING, defaults::PAD_FOCUS);
+            (Pads::Box(BoxPad { size, cells: None, spacing, accuracy: None, grading, focus }), thickness)
+        }
+    }
+}
