@@ -1,12 +1,13 @@
-//! Making of a data set: object by object, with all grasps in parallel, continued from the point where an earlier run was
+//! Making of a data set: objects and their grasps in parallel, continued from the point where an earlier run was
 //! stopped.
 
-use super::arrays::FORMAT;
+use super::arrays::{FORMAT, FileSizes};
 use super::compatible::{World, sensor};
 use super::file::{Writer, lay_out};
 use super::manifest::{LeftOut, MANIFEST, Manifest, ObjectEntry};
 use super::plan::{Planned, PlannedPads, plan_hash};
 use super::progress::{self, Finished, Progress};
+use super::queue::longest_first;
 use super::recorder::{DatasetRecorder, Watcher};
 use super::rows::Encoder;
 use super::sensitivity::{self, SensitivityRow};
@@ -152,10 +153,10 @@ impl Campaign {
         self.resume()?;
         if !self.manifest.finished {
             self.manifest.write(&self.dir)?;
-            for (index, object) in self.objects.iter().enumerate() {
-                let finished = self.object(object, index == 0, threads, watcher)?;
-                self.manifest.objects[index].tally(finished.values());
-            }
+            let finished = longest_first(&self.work(), threads, |index, threads| {
+                self.object(&self.objects[index], index == 0, threads, watcher)
+            })?;
+            self.manifest.objects.iter_mut().zip(finished).for_each(|(entry, finished)| entry.tally(finished.values()));
             let text = serde_json::to_string(&self.splits).map_err(|e| Error::file(&self.dir, e.to_string()))?;
             let text = text + "\n";
             write_durable(&self.dir.join("splits.json"), text.as_bytes())?;
@@ -220,11 +221,16 @@ impl Campaign {
         let turn = self.turn()?;
         self.manifest.write(&self.dir)?;
         drop(turn);
-        let mut ran = 0;
-        for (index, object) in self.objects.iter().enumerate() {
-            ran += self.simulate(object, index == 0, |grasp| grasp % parts == part, threads, watcher)?;
-        }
-        Ok(ran)
+        let ran = longest_first(&self.work(), threads, |index, threads| {
+            self.simulate(&self.objects[index], index == 0, |grasp| grasp % parts == part, threads, watcher)
+        })?;
+        Ok(ran.into_iter().sum())
+    }
+
+    /// Returns the expected work of each object: frames of nodes.
+    fn work(&self) -> Vec<u64> {
+        let of = |FileSizes { grasps, frames, nodes, .. }: &FileSizes| (grasps * frames * nodes) as u64;
+        self.objects.iter().map(|object| of(&object.sizes)).collect()
     }
 
     /// Runs the grasps of one object that are not finished, and gives its file its name.

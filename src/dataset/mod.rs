@@ -25,6 +25,7 @@ pub mod manifest;
 pub mod places;
 mod plan;
 pub mod progress;
+mod queue;
 pub mod reader;
 pub mod recorder;
 pub mod rows;

@@ -26,7 +26,10 @@ fn schema_files(dir: &Path) -> Vec<PathBuf> {
 /// Value of a default as a scene writes it: `Positive::preset(1.0)` is 1.
 fn value(code: &str) -> String {
     let code = code.trim().trim_end_matches([',', ';']);
-    let inner = ["::preset(", "::preset3(", "::preset_size(", "Tuple(["].iter().find_map(|mark| code.split_once(mark));
+    if code.ends_with("::ALL.to_vec()") {
+        return "all".into();
+    }
+    let inner = ["Tuple([", "::preset(", "::preset3(", "::preset_size("].iter().find_map(|mark| code.split_once(mark));
     match inner {
         Some((_, rest)) => {
             let close = rest.rfind([')', ']']).unwrap_or(rest.len());
@@ -292,6 +295,7 @@ fn the_page_has_the_values_of_defaults() {
         "| `friction` | number from 0 | 0.8 |",
         "| `force` | number above 0 | required |",
         "| `path` | number above 0 | 0.01 |",
+        "| `poisson` | (least, most) | (0.3, 0.495) |",
     ] {
         assert!(page.contains(row), "{row} is missing");
     }

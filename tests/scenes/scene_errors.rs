@@ -38,7 +38,7 @@ fn unknown_fields_list_the_allowed_ones() {
     line_three(
         "  colour: 3,",
         3,
-        &["unknown field `colour` in Scene", "allowed: include, about, object, objects, split, gripper"],
+        &["unknown field `colour` in Scene", "allowed: include, about, object, objects, universe, split, gripper"],
     );
     line_three("gripper: (openning: 0.08),", 11, &["did you mean `opening`?", "in Gripper"]);
     line_three("stepper: Fem(tolerance: (torque: 1)),", 26, &["in Tolerance", "allowed: force, displacement"]);
