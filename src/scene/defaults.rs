@@ -79,6 +79,8 @@ defaults! {
     UNIVERSE_OBJECTS: Count<1, 10000> = Count::preset(2000);
     /// Universe: number of grasps of each object.
     UNIVERSE_GRASPS: Count<1, 1000> = Count::preset(2);
+    /// Universe: number of different sensors.
+    UNIVERSE_SENSORS: Count<1, 10000> = Count::preset(32);
     /// Universe: widths of objects over the thickness of the pads.
     UNIVERSE_SIZE: Span = Tuple([Positive::preset(2.5), Positive::preset(14.0)]);
     /// Universe: coefficients of friction.

@@ -30,6 +30,10 @@ fn more_objects_begin_with_those_of_fewer_and_seeds_differ() {
     let [few, many, other] = ["objects: 3, seed: 5", "objects: 30, seed: 5", "objects: 3, seed: 6"].map(drawn);
     assert_eq!(few.scenes[..], many.scenes[..3]);
     assert!(few.scenes.iter().zip(&other.scenes).all(|(a, b)| a.scene.gripper != b.scene.gripper));
+    let pads = |set: &LoadedSet| {
+        set.scenes.iter().map(|s| format!("{:?}", s.scene.gripper.pads)).collect::<std::collections::BTreeSet<_>>()
+    };
+    assert_eq!(pads(&drawn("objects: 60, sensors: 3")).len(), 3, "as many kinds of pads as asked for");
     for named in &many.scenes {
         let text = tactus::scene::to_ron(&named.scene).unwrap();
         assert_eq!(from_ron(&text).unwrap(), named.scene, "{} is what its file says", named.name.as_str());

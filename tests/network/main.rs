@@ -9,5 +9,6 @@ mod gnn;
 mod gnn_gradients;
 mod gnn_infer;
 mod gnn_mechanics;
+mod gnn_pads;
 mod gnn_torch;
 mod gnn_train;

@@ -6,6 +6,7 @@
 
 pub mod loads;
 pub mod normalise;
+pub mod pad_range;
 pub mod range;
 pub mod volume;
 

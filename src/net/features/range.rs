@@ -1,22 +1,24 @@
 //! Range of the training of a model. The network gives no answer outside of it.
 
 use super::GraspFeatures;
+use super::pad_range::{PadRange, Sensor};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::net::features::normalise::MOST;
-use crate::record::{ElementNodes, PadTopology};
-use glam::DVec3;
+use crate::record::PadTopology;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
 /// Range of the training set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrainedRange {
-    /// Hash of the pad's mesh.
+    /// Hash of the pad's mesh; empty for pads of several kinds.
     pub pad: String,
     /// Pad in numbers, for messages; older cards have none.
     #[serde(default)]
     pub sensor: Option<Sensor>,
+    /// Range of the pads, if they are of several kinds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pads: Option<PadRange>,
     /// Law of the gel.
     pub material: String,
     /// Smallest and largest Poisson's ratio.
@@ -33,41 +35,6 @@ pub struct TrainedRange {
     pub fingers: usize,
 }
 
-/// Pad in numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Sensor {
-    /// Size along the approach, along the finger's width, and through the gel with its dome, m.
-    pub size: [f64; 3],
-    /// Mean edge of the elements on the sensing face, m.
-    pub spacing: f64,
-    /// Number of nodes.
-    pub nodes: usize,
-}
-
-impl Sensor {
-    /// Measures a pad.
-    pub fn of(pad: &PadTopology) -> Self {
-        let ends =
-            |pick: fn(DVec3, DVec3) -> DVec3, start: f64| pad.rest.iter().copied().fold(DVec3::splat(start), pick);
-        let size = (ends(DVec3::max, f64::NEG_INFINITY) - ends(DVec3::min, f64::INFINITY)).max(DVec3::ZERO);
-        let area = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|n| pad.rest[n as usize]);
-            0.5 * (b - a).cross(c - a).length()
-        };
-        let mean = pad.sensing.iter().map(area).sum::<f64>() / pad.sensing.len().max(1) as f64;
-        // A cell of the face is two triangles; of a 6-node triangle, its four parts are listed.
-        let parts = if matches!(pad.elements, ElementNodes::Quadratic(_)) { 2.0 } else { 1.0 };
-        Self { size: size.to_array(), spacing: parts * (2.0 * mean).sqrt(), nodes: pad.rest.len() }
-    }
-}
-
-impl fmt::Display for Sensor {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let [a, b, c] = self.size.map(|v| v * 1e3);
-        write!(f, "{a:.2} x {b:.2} x {c:.2} mm, spacing {:.2} mm, {} nodes", self.spacing * 1e3, self.nodes)
-    }
-}
-
 /// Tolerance for rounding at the ends of a range.
 const SLACK: f64 = 1e-6;
 
@@ -80,6 +47,7 @@ impl TrainedRange {
         Self {
             pad: features.graph.hash.clone(),
             sensor: model.fingers.first().map(|f| Sensor::of(&f.topology)),
+            pads: None,
             material: model.material.name().into(),
             poisson: [moduli.poisson; 2],
             friction: [model.law.friction; 2],
@@ -93,12 +61,18 @@ impl TrainedRange {
     /// Extends the range by `other`.
     ///
     /// # Errors
-    /// Fails for another pad, law, number of fingers or kind of object: one model serves one of each.
+    /// Fails for another law, number of fingers or kind of object: one model serves one of each.
     pub fn extend(&mut self, other: &Self) -> Result<()> {
-        let kind = |r: &Self| (r.pad.clone(), r.material.clone(), r.free, r.fingers);
+        let kind = |r: &Self| (r.material.clone(), r.free, r.fingers);
         if kind(self) != kind(other) {
-            let message = "the data set mixes pads, gel laws, fixed and free objects or numbers of fingers; train one model for each";
+            let message =
+                "the data set mixes gel laws, fixed and free objects or numbers of fingers; train one model for each";
             return Err(Error::Start(message.into()));
+        }
+        if self.pad != other.pad {
+            let of = |r: &Self| r.pads.or(r.sensor.as_ref().map(PadRange::of));
+            self.pads = of(self).zip(of(other)).map(|(own, other)| own.join(other));
+            self.pad = String::new();
         }
         let join = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
         self.poisson = join(self.poisson, other.poisson);
@@ -108,13 +82,21 @@ impl TrainedRange {
         Ok(())
     }
 
-    /// Checks that the network knows this pad, whose mesh has this hash.
+    /// Checks that the network knows this pad, whose mesh has this hash, or pads on both sides of it.
     ///
     /// # Errors
     /// Fails for another pad; the message gives both in numbers.
     pub fn admits_pad(&self, pad: &PadTopology, hash: &str) -> Result<()> {
         if hash == self.pad {
             return Ok(());
+        }
+        if let Some(pads) = &self.pads {
+            return match pads.refuses(&PadRange::of(&Sensor::of(pad)), SLACK) {
+                None => Ok(()),
+                Some((name, value, [low, high])) => refuse(format!(
+                    "the {name} of its pads is {value:.3} times their thickness, trained was {low:.3} to {high:.3}"
+                )),
+            };
         }
         let own = Sensor::of(pad).to_string();
         let unknown = || format!("a pad whose mesh has the hash {:.8}", self.pad);
@@ -178,6 +160,14 @@ impl TrainedRange {
         }
         if !(0.0..=MOST).contains(&self.weight) {
             return Err(format!("`range.weight` is {}; allowed: 0 to {MOST:e}", self.weight));
+        }
+        let pads = self.pads.iter().flat_map(PadRange::spans);
+        if let Some((name, [low, high])) =
+            pads.into_iter().find(|(_, [low, high])| !(0.0 < *low && low <= high && *high <= MOST))
+        {
+            return Err(format!(
+                "`range.pads.{name}` goes from {low} to {high}; allowed: above 0, ascending, to {MOST:e}"
+            ));
         }
         let sizes = self.sensor.map(|s| [s.size[0], s.size[1], s.size[2], s.spacing]).unwrap_or_default();
         match sizes.iter().find(|v| !(0.0..=MOST).contains(*v)) {

@@ -102,21 +102,18 @@ pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
     let fit = |pick: fn(&Sample) -> &[f32], parity: &[Parity]| {
         Normaliser::fit(samples.iter().map(pick), parity).reaching(validation.iter().map(pick), parity)
     };
-    // Values of a field, each over the depth of its level and pad.
-    let over_depth = |pick: fn(&Sample) -> &[f32]| {
+    // Stress over the depth of its level and pad, and over E / t.
+    let stress = {
         let of = |(s, l): (&Sample, &&LoadFeatures)| {
-            let all = pick(s);
-            let width = all.len() / l.depth.len();
-            all.chunks_exact(width)
-                .zip(&l.depth)
-                .flat_map(|(own, d)| own.iter().map(|v| f64::from(*v) / d).collect::<Vec<_>>())
+            let width = s.stress.len() / l.depth.len();
+            let unit = s.features.young / s.features.graph.thickness;
+            let levels = s.stress.chunks_exact(width).zip(&l.depth);
+            levels
+                .flat_map(|(own, d)| own.iter().map(|v| f64::from(*v) / (d * unit)).collect::<Vec<_>>())
                 .collect::<Vec<_>>()
         };
-        let mut values = samples.iter().zip(&loads).flat_map(of);
-        rms(&mut values)
+        rms(&mut samples.iter().zip(&loads).flat_map(of))
     };
-    let young = samples[0].features.young;
-    let thickness = samples[0].features.graph.thickness;
     let travel: Vec<f64> = samples
         .iter()
         .zip(&loads)
@@ -126,7 +123,7 @@ pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
     let motion = |turn: bool| {
         let of = |(s, l): (&Sample, &&LoadFeatures)| {
             let value = |(i, v): (usize, &f64)| {
-                let d = l.depth[i / 6] / if turn { thickness } else { 1.0 };
+                let d = l.depth[i / 6] / if turn { s.features.graph.thickness } else { 1.0 };
                 ((i % 6 >= 3) == turn).then_some((v - l.motion[i]) / d)
             };
             s.motion.iter().enumerate().filter_map(value).collect::<Vec<_>>()
@@ -142,7 +139,7 @@ pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
         pad_load: fit(|s| &s.loads.pad, &PAD_LOAD),
         volume: volume(samples, validation),
         displacement: beyond_response(samples, &loads),
-        stress: over_depth(|s| &s.stress) / (young / thickness) as f32,
+        stress,
         travel: [mean as f32, rms(&mut travel.iter().map(|v| v - mean))],
         motion: [motion(false), motion(true)],
     }

@@ -1,7 +1,8 @@
 //! Objects, pads and loads drawn at random, for data sets that a network of any of them learns from. An alternative to `objects`.
 //!
-//! Every object has pads, friction, gel and loads of its own. They follow from the seed and the number of the object alone: a data set
-//! of more objects begins with those of a smaller one.
+//! Every object has friction and loads of its own, and one of some sensors, which are pads with their gel: a network solves once for the
+//! response of each. All follows from the seed and the number of the object alone: a data set of more objects begins with those of a
+//! smaller one.
 
 mod pad;
 mod shape;
@@ -31,6 +32,8 @@ pub struct Universe {
     pub grasps: Count<1, 1000>,
     /// Seed; the same seed gives the same objects.
     pub seed: u64,
+    /// Number of different sensors: pads with their gel.
+    pub sensors: Count<1, 10000>,
     /// Families of shapes, each as often as the others.
     pub families: Vec<Family>,
     /// Range of the widths of objects over the thickness of the pads, drawn with equal chance per factor; an object never fills more than
@@ -58,6 +61,7 @@ impl Default for Universe {
             objects: defaults::UNIVERSE_OBJECTS,
             grasps: defaults::UNIVERSE_GRASPS,
             seed: 0,
+            sensors: defaults::UNIVERSE_SENSORS,
             families: Family::ALL.to_vec(),
             size: defaults::UNIVERSE_SIZE,
             friction: defaults::UNIVERSE_FRICTION,
@@ -79,6 +83,10 @@ const HELD: [f64; 2] = [0.5, 0.6];
 const WIDEST: f64 = 0.5;
 /// Largest angle of square grasps to the normals, degrees.
 const SQUARE: f64 = 1e-3;
+
+/// Streams of random numbers: of objects, of sensors.
+const OBJECTS: u64 = 0;
+const SENSORS: u64 = 1;
 
 /// Draws in ranges.
 struct Draws(Random);
@@ -148,15 +156,22 @@ impl Universe {
         (0..self.objects.get()).map(|i| self.entry(i, gripper, squeeze)).collect()
     }
 
+    /// Returns the draws of number `index` of a stream.
+    fn draws(&self, stream: u64, index: usize) -> Draws {
+        let words = [self.seed, stream, index as u64];
+        Draws(Random::new(words.into_iter().fold(0, |state, word| Random::new(state ^ word).bits())))
+    }
+
     fn entry(&self, index: usize, gripper: &Gripper, squeeze: &Squeeze) -> Entry {
-        let mut draws = Draws(Random::new(Random::new(self.seed).bits() ^ Random::new(index as u64).bits()));
+        let mut draws = self.draws(OBJECTS, index);
         let family = self.families[index % self.families.len()];
-        let (pads, thickness) = self.pads.draw(&mut draws);
+        let mut sensor = self.draws(SENSORS, draws.0.below(self.sensors.get()));
+        let (pads, thickness) = self.pads.draw(&mut sensor);
+        let poisson = written(sensor.within(&self.poisson));
         let width = (draws.factor(&self.size) * thickness).min(WIDEST * gripper.opening.get());
         let (shape, volume) = family.draw(width, &mut draws);
         let friction = written(draws.within(&self.friction));
         let spec = gripper.material.spec();
-        let poisson = written(draws.within(&self.poisson));
         let force = written(2.0 * draws.within(&self.force) * spec.young * thickness * thickness);
         let square = draws.is_in(self.square.get()) && family.has_faces();
         let tilt = if square { Positive::preset(SQUARE) } else { defaults::TILT };
