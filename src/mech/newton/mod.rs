@@ -3,23 +3,25 @@
 pub mod arrow;
 mod direction;
 pub mod effort;
+mod failure;
 mod lagging;
 pub mod object;
 pub mod proximal;
 mod solve;
+mod terms;
 
 use self::arrow::ArrowBlock;
 use self::effort::Effort;
+pub use self::failure::Failure;
 use self::object::ObjectTerms;
 use self::proximal::Proximal;
+pub use self::terms::SavedTerms;
 use super::body::Body;
 use super::potential::block::RigidBlock;
-use super::potential::edge::{EdgeReading, EdgeState};
-use super::potential::state::{Departure, MAX_RIGID, NewtonStep, RigidUnknowns, State};
+use super::potential::state::{MAX_RIGID, NewtonStep, RigidUnknowns, State};
 use super::potential::term::{Assembly, BodyTerm};
 use super::potential::time_step::TimeStep;
 use crate::error::Result;
-use crate::history::{HistoryReader, HistoryWriter};
 use crate::scales::{DISPLACEMENT_TOLERANCE, LARGEST_MOTION};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -61,71 +63,6 @@ pub struct Converged {
     pub residual: f64,
 }
 
-/// Reason why a solve stopped without converging.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Failure {
-    /// The iteration limit was reached with this residual, N.
-    Iterations(f64),
-    /// No step along the Newton direction lowers the energy; residual, N.
-    LineSearch(f64),
-    /// The stiffness is not positive definite even after projection, or not finite.
-    Singular,
-    /// The corrections of condensed pads do not settle; size of the last one over the displacement.
-    Corrections(f64),
-    /// The path bends so far that the error of the increment is this many times the error allowed.
-    Bent(f64),
-    /// Contact has reached nodes that a condensed pad has eliminated.
-    Outside,
-    /// The object kept rolling or sliding and did not come to rest.
-    Unsettled,
-    /// A finger closes on nothing: the object left the grasp.
-    Lost,
-    /// The object moved farther at one load level than counts as held.
-    Astray,
-    /// The number of Newton iterations reached this limit of a grasp.
-    Effort(u64),
-    /// The wall time that a grasp may take is over, s.
-    Time(f64),
-    /// The user asked to stop.
-    Interrupted,
-}
-
-impl Failure {
-    /// Returns true if the object leaves the grasp, as a real one would.
-    pub fn leaves_the_grasp(&self) -> bool {
-        matches!(self, Failure::Lost | Failure::Astray | Failure::Unsettled)
-    }
-
-    /// Returns true if nothing more is to be tried.
-    pub fn is_out_of_effort(&self) -> bool {
-        matches!(self, Failure::Effort(_) | Failure::Time(_) | Failure::Interrupted)
-    }
-}
-
-impl std::fmt::Display for Failure {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        match self {
-            Failure::Iterations(r) => write!(f, "no equilibrium within the iteration limit (residual {r:.1e} N)"),
-            Failure::LineSearch(r) => write!(f, "line search: no step lowers the energy (residual {r:.1e} N)"),
-            Failure::Corrections(e) => write!(f, "the corrections of the condensed pads do not settle (error {e:.1e})"),
-            Failure::Bent(error) => write!(f, "the path bends {error:.1} times as far as one increment may"),
-            Failure::Outside => f.write_str("contact outgrows what the pads are condensed onto"),
-            Failure::Lost => f.write_str("a finger closes on nothing: the object was squeezed out"),
-            Failure::Astray => f.write_str("the object moves too far to count as held"),
-            Failure::Effort(most) => write!(
-                f,
-                "no equilibrium within {most} Newton iterations, the most that a grasp of so many steps may take"
-            ),
-            Failure::Time(seconds) => {
-                write!(f, "no equilibrium within the {seconds} s of wall time that a grasp may take")
-            }
-            Failure::Interrupted => f.write_str("interrupted"),
-            Failure::Unsettled => f.write_str("the object keeps rolling or sliding and does not come to rest"),
-            Failure::Singular => f.write_str("the stiffness is not positive definite or not finite"),
-        }
-    }
-}
-
 /// Wall time by stage, s.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct SolverProfile {
@@ -143,13 +80,6 @@ pub struct SolverProfile {
     pub projections: u64,
     /// Solutions in which friction was frozen.
     pub frozen: u64,
-}
-
-/// Copy of all terms, with their history.
-pub struct SavedTerms {
-    gel: Vec<Vec<Box<dyn BodyTerm>>>,
-    terms: Vec<Vec<Box<dyn BodyTerm>>>,
-    object: ObjectTerms,
 }
 
 /// Bodies with their terms, and the rigid unknowns that join them.
@@ -254,16 +184,6 @@ impl Newton {
     fn work(&self, state: &State) -> f64 {
         let driven = self.rigid.travel.iter().enumerate().filter(|(_, c)| c.is_some());
         driven.map(|(i, _)| self.force[i] * state.travel[i]).sum()
-    }
-
-    /// Terms of body `i`: its gel, then the others.
-    fn body_terms(&self, i: usize) -> impl Iterator<Item = &dyn BodyTerm> {
-        self.gel[i].iter().chain(&self.terms[i]).map(|t| &**t)
-    }
-
-    /// Terms of all bodies.
-    fn all_terms(&mut self) -> impl Iterator<Item = &mut Box<dyn BodyTerm>> {
-        self.gel.iter_mut().chain(&mut self.terms).flatten()
     }
 
     /// Assembles every block at `state`.
@@ -376,99 +296,6 @@ impl Newton {
             .map(|(b, d)| b.block.gradient.iter().zip(d).map(|(g, d)| g.dot(*d)).sum::<f64>())
             .sum();
         nodes + rigid.iter().zip(&step.rigid).map(|(g, d)| g * d).sum::<f64>()
-    }
-
-    /// Copies all terms with their history.
-    pub fn save(&self) -> SavedTerms {
-        let copy = |terms: &Vec<Vec<Box<dyn BodyTerm>>>| {
-            terms.iter().map(|terms| terms.iter().map(|t| t.boxed_clone()).collect()).collect()
-        };
-        SavedTerms { gel: copy(&self.gel), terms: copy(&self.terms), object: self.object.clone() }
-    }
-
-    /// Puts saved terms back.
-    pub fn restore(&mut self, saved: SavedTerms) {
-        (self.gel, self.terms, self.object) = (saved.gel, saved.terms, saved.object);
-    }
-
-    /// Begins an increment at the accepted state `from`.
-    pub fn depart(&mut self, from: &State) {
-        let (from, step) = (Arc::new(from.clone()), self.step);
-        for (i, (gel, terms)) in self.gel.iter_mut().zip(&mut self.terms).enumerate() {
-            let departure = Departure::new(from.clone(), i, &self.rigid, step);
-            gel.iter_mut().chain(terms).for_each(|t| t.depart(&departure));
-        }
-        step.iter().for_each(|step| self.object.begin(step));
-    }
-
-    /// Takes over the history of an accepted state.
-    pub fn commit(&mut self, state: &State) {
-        let terms = self.gel.iter_mut().zip(&mut self.terms);
-        for (i, (b, (gel, terms))) in self.blocks.iter().zip(terms).enumerate() {
-            let view = state.view(i, &self.rigid);
-            gel.iter_mut().chain(terms).for_each(|t| t.commit(&b.body, &view));
-        }
-        self.object.commit(state, &self.rigid);
-    }
-
-    /// Forgets what terms learnt since the last commit.
-    pub fn rollback(&mut self) {
-        self.all_terms().for_each(|t| t.rollback());
-        self.object.rollback();
-    }
-
-    /// Returns true if the converged `state` satisfies every term; each is asked, since each may strengthen itself.
-    pub(crate) fn satisfied(&mut self, state: &State) -> bool {
-        let (rigid, blocks) = (&self.rigid, &self.blocks);
-        let terms = self.gel.par_iter_mut().zip(&mut self.terms).enumerate();
-        let ask = |(i, (gel, terms)): (usize, (&mut Vec<Box<dyn BodyTerm>>, &mut Vec<Box<dyn BodyTerm>>))| {
-            let view = state.view(i, rigid);
-            let asked = gel.iter_mut().chain(terms).map(|t| t.satisfied(&blocks[i].body, &view));
-            asked.filter(|satisfied| !satisfied).count() == 0
-        };
-        let bodies: Vec<bool> = terms.map(ask).collect();
-        self.object.satisfied() && bodies.into_iter().all(|satisfied| satisfied)
-    }
-
-    /// Contact edges of body `i` that are not open at `state`, numbered within the body.
-    pub fn edge_readings(&self, state: &State, i: usize) -> Vec<EdgeReading> {
-        let view = state.view(i, &self.rigid);
-        let (mut all, mut first) = (Vec::new(), 0);
-        for term in self.body_terms(i) {
-            let numbered = |edge: EdgeReading| EdgeReading { number: first + edge.number, ..edge };
-            all.extend(term.edge_readings(&view).into_iter().map(numbered));
-            first += term.edge_count();
-        }
-        all
-    }
-
-    /// Puts the accepted edges of body `i` that are not open back, with their numbers within the body in rising order.
-    pub fn set_edges(&mut self, i: usize, edges: &[(usize, EdgeState)]) {
-        let (mut rest, mut first) = (edges, 0);
-        for term in self.gel[i].iter_mut().chain(&mut self.terms[i]) {
-            let next = first + term.edge_count();
-            let (own, others) = rest.split_at(rest.partition_point(|(number, _)| *number < next));
-            let own: Vec<_> = own.iter().map(|(number, edge)| (number - first, *edge)).collect();
-            term.set_edges(&own);
-            (rest, first) = (others, next);
-        }
-    }
-
-    /// Writes the history of all terms.
-    pub fn write_history(&self, history: &mut HistoryWriter) {
-        (0..self.blocks.len()).flat_map(|i| self.body_terms(i)).for_each(|t| t.write_history(history));
-        self.object.write_history(history);
-    }
-
-    /// Reads the history of the same terms.
-    ///
-    /// # Errors
-    /// Fails for a history of something else.
-    pub fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
-        for (gel, terms) in self.gel.iter_mut().zip(&mut self.terms) {
-            gel.iter_mut().chain(terms).try_for_each(|t| t.read_history(history))?;
-        }
-        self.object.read_history(history)
     }
 }
 
