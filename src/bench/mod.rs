@@ -19,6 +19,7 @@ pub mod ladder;
 pub mod report;
 pub mod rollout;
 pub mod sizes;
+pub mod snapshots;
 pub mod sweep;
 pub mod table;
 pub mod values;

@@ -1,6 +1,7 @@
 //! Steps of many environments per second, against their number and that of the threads, and the memory of one of them.
 
 use super::clock::{forget_peak_memory, peak_memory};
+use super::snapshots::{SnapshotCost, snapshots};
 use crate::backend::choose;
 use crate::env::{BatchConfig, BatchEnv};
 use crate::error::{Error, Result};
@@ -41,6 +42,9 @@ pub struct Rollouts {
     pub rates: Vec<Rate>,
     /// Memory that an environment adds to the process, bytes, by backend.
     pub memory_per_env_bytes: Vec<(String, f64)>,
+    /// Costs of saved environments, by backend.
+    #[serde(default)]
+    pub snapshots: Vec<SnapshotCost>,
     /// Batches that would have taken too long.
     pub left_out: Vec<String>,
     /// Number of turns of each batch; rates are medians.
@@ -65,7 +69,7 @@ pub fn rollouts(
     let mut envs = envs.to_vec();
     envs.sort_unstable();
     envs.dedup();
-    let (mut rates, mut left_out) = (Vec::new(), Vec::new());
+    let (mut rates, mut saved, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
     for model in std::iter::once(None).chain(models.iter().map(Some)) {
         let mut set = set.to_vec();
         if let Some(model) = model {
@@ -73,6 +77,8 @@ pub fn rollouts(
         }
         let own = || choose(&set[0].scene).map(|stepper| stepper.name().to_string());
         let backend = model.map_or_else(own, |m| Ok(m.display().to_string()))?;
+        progress(&format!("{backend}, saved environments"));
+        saved.extend(snapshots(&set, &backend, steps)?);
         for &threads in threads {
             let mut rate = f64::INFINITY;
             for &n in &envs {
@@ -94,7 +100,7 @@ pub fn rollouts(
             }
         }
     }
-    Ok(Rollouts { memory_per_env_bytes: growth(&rates), rates, left_out, repeats })
+    Ok(Rollouts { memory_per_env_bytes: growth(&rates), rates, snapshots: saved, left_out, repeats })
 }
 
 /// Returns steps per second and peak memory of one batch.
@@ -153,6 +159,16 @@ pub fn text(report: &Rollouts) -> String {
     text.push('\n');
     for (backend, bytes) in &report.memory_per_env_bytes {
         text += &format!("an environment adds {:.2} MB: {backend}\n", bytes / 1e6);
+    }
+    for s in &report.snapshots {
+        text += &format!(
+            "saved after {} steps: {:.2} MB, {:.2} ms to save, {:.2} ms to restore: {}\n",
+            s.step,
+            s.bytes as f64 / 1e6,
+            s.save_s * 1e3,
+            s.restore_s * 1e3,
+            s.backend
+        );
     }
     for name in &report.left_out {
         text += &format!("left out, an episode would take more than {MOST:.0} s: {name}\n");

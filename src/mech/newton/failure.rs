@@ -1,0 +1,68 @@
+//! Reasons why a solve stops without an equilibrium.
+
+use std::fmt;
+
+/// Reason why a solve stopped without converging.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Failure {
+    /// The iteration limit was reached with this residual, N.
+    Iterations(f64),
+    /// No step along the Newton direction lowers the energy; residual, N.
+    LineSearch(f64),
+    /// The stiffness is not positive definite even after projection, or not finite.
+    Singular,
+    /// The corrections of condensed pads do not settle; size of the last one over the displacement.
+    Corrections(f64),
+    /// The path bends so far that the error of the increment is this many times the error allowed.
+    Bent(f64),
+    /// Contact has reached nodes that a condensed pad has eliminated.
+    Outside,
+    /// The object kept rolling or sliding and did not come to rest.
+    Unsettled,
+    /// A finger closes on nothing: the object left the grasp.
+    Lost,
+    /// The object moved farther at one load level than counts as held.
+    Astray,
+    /// The number of Newton iterations reached this limit of a grasp.
+    Effort(u64),
+    /// The wall time that a grasp may take is over, s.
+    Time(f64),
+    /// The user asked to stop.
+    Interrupted,
+}
+
+impl Failure {
+    /// Returns true if the object leaves the grasp, as a real one would.
+    pub fn leaves_the_grasp(&self) -> bool {
+        matches!(self, Failure::Lost | Failure::Astray | Failure::Unsettled)
+    }
+
+    /// Returns true if nothing more is to be tried.
+    pub fn is_out_of_effort(&self) -> bool {
+        matches!(self, Failure::Effort(_) | Failure::Time(_) | Failure::Interrupted)
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Failure::Iterations(r) => write!(f, "no equilibrium within the iteration limit (residual {r:.1e} N)"),
+            Failure::LineSearch(r) => write!(f, "line search: no step lowers the energy (residual {r:.1e} N)"),
+            Failure::Corrections(e) => write!(f, "the corrections of the condensed pads do not settle (error {e:.1e})"),
+            Failure::Bent(error) => write!(f, "the path bends {error:.1} times as far as one increment may"),
+            Failure::Outside => f.write_str("contact outgrows what the pads are condensed onto"),
+            Failure::Lost => f.write_str("a finger closes on nothing: the object was squeezed out"),
+            Failure::Astray => f.write_str("the object moves too far to count as held"),
+            Failure::Effort(most) => write!(
+                f,
+                "no equilibrium within {most} Newton iterations, the most that a grasp of so many steps may take"
+            ),
+            Failure::Time(seconds) => {
+                write!(f, "no equilibrium within the {seconds} s of wall time that a grasp may take")
+            }
+            Failure::Interrupted => f.write_str("interrupted"),
+            Failure::Unsettled => f.write_str("the object keeps rolling or sliding and does not come to rest"),
+            Failure::Singular => f.write_str("the stiffness is not positive definite or not finite"),
+        }
+    }
+}

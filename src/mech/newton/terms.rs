@@ -1,0 +1,123 @@
+//! What terms remember: increments that begin, are accepted or taken back, copies, readings, and bytes.
+
+use super::Newton;
+use super::object::ObjectTerms;
+use crate::error::Result;
+use crate::history::{HistoryReader, HistoryWriter};
+use crate::mech::potential::edge::{EdgeReading, EdgeState};
+use crate::mech::potential::state::{Departure, State};
+use crate::mech::potential::term::BodyTerm;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Copy of all terms, with their history.
+pub struct SavedTerms {
+    gel: Vec<Vec<Box<dyn BodyTerm>>>,
+    terms: Vec<Vec<Box<dyn BodyTerm>>>,
+    object: ObjectTerms,
+}
+
+impl Newton {
+    /// Terms of body `i`: its gel, then the others.
+    pub(super) fn body_terms(&self, i: usize) -> impl Iterator<Item = &dyn BodyTerm> {
+        self.gel[i].iter().chain(&self.terms[i]).map(|t| &**t)
+    }
+
+    /// Terms of all bodies.
+    fn all_terms(&mut self) -> impl Iterator<Item = &mut Box<dyn BodyTerm>> {
+        self.gel.iter_mut().chain(&mut self.terms).flatten()
+    }
+
+    /// Copies all terms with their history.
+    pub fn save(&self) -> SavedTerms {
+        let copy = |terms: &Vec<Vec<Box<dyn BodyTerm>>>| {
+            terms.iter().map(|terms| terms.iter().map(|t| t.boxed_clone()).collect()).collect()
+        };
+        SavedTerms { gel: copy(&self.gel), terms: copy(&self.terms), object: self.object.clone() }
+    }
+
+    /// Puts saved terms back.
+    pub fn restore(&mut self, saved: SavedTerms) {
+        (self.gel, self.terms, self.object) = (saved.gel, saved.terms, saved.object);
+    }
+
+    /// Begins an increment at the accepted state `from`.
+    pub fn depart(&mut self, from: &State) {
+        let (from, step) = (Arc::new(from.clone()), self.step);
+        for (i, (gel, terms)) in self.gel.iter_mut().zip(&mut self.terms).enumerate() {
+            let departure = Departure::new(from.clone(), i, &self.rigid, step);
+            gel.iter_mut().chain(terms).for_each(|t| t.depart(&departure));
+        }
+        step.iter().for_each(|step| self.object.begin(step));
+    }
+
+    /// Takes over the history of an accepted state.
+    pub fn commit(&mut self, state: &State) {
+        let terms = self.gel.iter_mut().zip(&mut self.terms);
+        for (i, (b, (gel, terms))) in self.blocks.iter().zip(terms).enumerate() {
+            let view = state.view(i, &self.rigid);
+            gel.iter_mut().chain(terms).for_each(|t| t.commit(&b.body, &view));
+        }
+        self.object.commit(state, &self.rigid);
+    }
+
+    /// Forgets what terms learnt since the last commit.
+    pub fn rollback(&mut self) {
+        self.all_terms().for_each(|t| t.rollback());
+        self.object.rollback();
+    }
+
+    /// Returns true if the converged `state` satisfies every term; each is asked, since each may strengthen itself.
+    pub(crate) fn satisfied(&mut self, state: &State) -> bool {
+        let (rigid, blocks) = (&self.rigid, &self.blocks);
+        let terms = self.gel.par_iter_mut().zip(&mut self.terms).enumerate();
+        let ask = |(i, (gel, terms)): (usize, (&mut Vec<Box<dyn BodyTerm>>, &mut Vec<Box<dyn BodyTerm>>))| {
+            let view = state.view(i, rigid);
+            let asked = gel.iter_mut().chain(terms).map(|t| t.satisfied(&blocks[i].body, &view));
+            asked.filter(|satisfied| !satisfied).count() == 0
+        };
+        let bodies: Vec<bool> = terms.map(ask).collect();
+        self.object.satisfied() && bodies.into_iter().all(|satisfied| satisfied)
+    }
+
+    /// Contact edges of body `i` that are not open at `state`, numbered within the body.
+    pub fn edge_readings(&self, state: &State, i: usize) -> Vec<EdgeReading> {
+        let view = state.view(i, &self.rigid);
+        let (mut all, mut first) = (Vec::new(), 0);
+        for term in self.body_terms(i) {
+            let numbered = |edge: EdgeReading| EdgeReading { number: first + edge.number, ..edge };
+            all.extend(term.edge_readings(&view).into_iter().map(numbered));
+            first += term.edge_count();
+        }
+        all
+    }
+
+    /// Puts the accepted edges of body `i` that are not open back, with their numbers within the body in rising order.
+    pub fn set_edges(&mut self, i: usize, edges: &[(usize, EdgeState)]) {
+        let (mut rest, mut first) = (edges, 0);
+        for term in self.gel[i].iter_mut().chain(&mut self.terms[i]) {
+            let next = first + term.edge_count();
+            let (own, others) = rest.split_at(rest.partition_point(|(number, _)| *number < next));
+            let own: Vec<_> = own.iter().map(|(number, edge)| (number - first, *edge)).collect();
+            term.set_edges(&own);
+            (rest, first) = (others, next);
+        }
+    }
+
+    /// Writes the history of all terms.
+    pub fn write_history(&self, history: &mut HistoryWriter) {
+        (0..self.blocks.len()).flat_map(|i| self.body_terms(i)).for_each(|t| t.write_history(history));
+        self.object.write_history(history);
+    }
+
+    /// Reads the history of the same terms.
+    ///
+    /// # Errors
+    /// Fails for a history of something else.
+    pub fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+        for (gel, terms) in self.gel.iter_mut().zip(&mut self.terms) {
+            gel.iter_mut().chain(terms).try_for_each(|t| t.read_history(history))?;
+        }
+        self.object.read_history(history)
+    }
+}
