@@ -71,12 +71,12 @@ impl Newton {
     pub(crate) fn satisfied(&mut self, state: &State) -> bool {
         let (rigid, blocks) = (&self.rigid, &self.blocks);
         let terms = self.gel.par_iter_mut().zip(&mut self.terms).enumerate();
-        let ask = |(i, (gel, terms)): (usize, (&mut Vec<Box<dyn BodyTerm>>, &mut Vec<Box<dyn BodyTerm>>))| {
+        let asked = terms.map(|(i, (gel, terms))| {
             let view = state.view(i, rigid);
             let asked = gel.iter_mut().chain(terms).map(|t| t.satisfied(&blocks[i].body, &view));
             asked.filter(|satisfied| !satisfied).count() == 0
-        };
-        let bodies: Vec<bool> = terms.map(ask).collect();
+        });
+        let bodies: Vec<bool> = asked.collect();
         self.object.satisfied() && bodies.into_iter().all(|satisfied| satisfied)
     }
 
