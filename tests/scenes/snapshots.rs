@@ -6,16 +6,17 @@ use tactus::grasp::poses_of;
 use tactus::history::{HistoryReader, HistoryWriter};
 use tactus::model::Model;
 use tactus::record::Frame;
-use tactus::scene::load;
+use tactus::scene::{Gnn, Scene, StepperChoice, load};
 use tactus::world::environment::Environment;
 
 /// Frames that are run in all.
 const FRAMES: usize = 6;
 
 /// Runs the scene up to some frame, moves the state into a fresh world, and compares what follows with a run without a break.
-fn goes_on(scene: &str) {
+fn goes_on(scene: &str, change: impl Fn(&mut Scene)) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
-    let scene = load(&path).unwrap_or_else(|e| panic!("{e}")).scene;
+    let mut scene = load(&path).unwrap_or_else(|e| panic!("{e}")).scene;
+    change(&mut scene);
     let (model, stepper) = (Model::build(&scene).unwrap(), choose(&scene).unwrap());
     let pose = poses_of(&scene).unwrap()[0];
     let fresh = || Environment::new(&model, stepper.as_ref(), pose).unwrap();
@@ -52,25 +53,25 @@ fn goes_on(scene: &str) {
 
 #[test]
 fn whole_pads_around_a_free_object() {
-    goes_on("torture/cup_rim.ron");
+    goes_on("torture/cup_rim.ron", |_| {});
 }
 
 #[test]
 fn condensed_pads() {
-    goes_on("condensed.ron");
+    goes_on("condensed.ron", |_| {});
 }
 
 #[test]
 fn motion_in_time_with_ground_and_drive() {
-    goes_on("dynamic/lift.ron");
+    goes_on("dynamic/lift.ron", |_| {});
 }
 
 #[test]
 fn an_object_alone_in_free_spin() {
-    goes_on("dynamic/free_spin.ron");
+    goes_on("dynamic/free_spin.ron", |_| {});
 }
 
 #[test]
 fn the_network() {
-    goes_on("quickstart.ron");
+    goes_on("quickstart.ron", |scene| scene.stepper = StepperChoice::Gnn(Gnn { model: "gelsight_mini".into() }));
 }
