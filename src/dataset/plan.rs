@@ -49,7 +49,8 @@ impl Planned {
         // The data set holds all of these, whatever the scene records in a run.
         named.scene.record.fields = Field::USUAL.to_vec();
         let scene = &named.scene;
-        let own_pads = scene.gripper != first.gripper;
+        let pad_of = |scene: &Scene| (scene.gripper.pads.clone(), scene.gripper.fingers);
+        let own_pads = pad_of(scene) != pad_of(first);
         let pads = if own_pads || scene.loading != first.loading { PlannedPads::of(scene)? } else { pads };
         let mut grasps = grasps_of(scene)?;
         let shape = object::build(&scene.object, &mut Vec::new()).map_err(|e| e.about("object.shape"))?;

@@ -13,6 +13,7 @@ use crate::world::systems::apart::keep_pads_apart;
 use crate::world::systems::inversion::inverted;
 use crate::world::systems::measure::measure_balance;
 use crate::world::systems::sense::close_to_contact;
+use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -152,34 +153,36 @@ pub fn read_edges(solver: Res<GraspSolver>, mut edges: ResMut<EdgeReadings>, mut
     report.energy = solver.energy();
 }
 
-/// Copies the edges to their columns.
-pub fn write_edges(edges: Res<EdgeReadings>, mut pool: Query<(&FingerIndex, &mut ContactEdge)>) {
+/// Writes a column of the edges from their readings; edges that are open have the default.
+fn write_column<C: Component<Mutability = Mutable> + Default + Clone>(
+    edges: &EdgeReadings,
+    mut pool: Query<(&FingerIndex, &mut C)>,
+    of: impl Fn(&EdgeReading) -> C,
+) {
     for (finger, mut column) in pool.contiguous_iter_mut().expect(TABLES) {
         let column = column.bypass_change_detection();
         for (f, rows) in rows_by_pad(finger) {
             let own = &mut column[rows];
-            own.fill(ContactEdge::default());
-            for EdgeReading { number, state, point, force, .. } in &edges.0[f] {
-                let EdgeState { gap, normal, pressure, scale, .. } = *state;
-                own[*number] = ContactEdge { gap, normal, pressure, scale, point: *point, force: *force };
-            }
+            own.fill(C::default());
+            edges.0[f].iter().for_each(|edge| own[edge.number] = of(edge));
         }
     }
 }
 
+/// Copies the edges to their columns.
+pub fn write_edges(edges: Res<EdgeReadings>, pool: Query<(&FingerIndex, &mut ContactEdge)>) {
+    write_column(&edges, pool, |EdgeReading { state, point, force, .. }| {
+        let EdgeState { gap, normal, pressure, scale, .. } = *state;
+        ContactEdge { gap, normal, pressure, scale, point: *point, force: *force }
+    });
+}
+
 /// Copies friction on the edges to its column.
-pub fn write_friction(edges: Res<EdgeReadings>, mut pool: Query<(&FingerIndex, &mut ContactFriction)>) {
-    for (finger, mut column) in pool.contiguous_iter_mut().expect(TABLES) {
-        let column = column.bypass_change_detection();
-        for (f, rows) in rows_by_pad(finger) {
-            let own = &mut column[rows];
-            own.fill(ContactFriction::default());
-            for EdgeReading { number, state, .. } in &edges.0[f] {
-                let EdgeState { anchor, plane, limit, traction, slips, .. } = *state;
-                own[*number] = ContactFriction { anchor, plane, limit, traction, slips };
-            }
-        }
-    }
+pub fn write_friction(edges: Res<EdgeReadings>, pool: Query<(&FingerIndex, &mut ContactFriction)>) {
+    write_column(&edges, pool, |EdgeReading { state, .. }| {
+        let EdgeState { anchor, plane, limit, traction, slips, .. } = *state;
+        ContactFriction { anchor, plane, limit, traction, slips }
+    });
 }
 
 /// Measures the wrench on every pad: the sum over its contact edges, in their order.

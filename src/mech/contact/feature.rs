@@ -262,8 +262,7 @@ impl BodyTerm for FeatureContact {
 
     fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
         self.accepted = history.read()?;
-        self.sites.clone_from(&self.accepted.sites);
-        self.candidates.clone_from(&self.accepted.candidates);
+        self.rollback();
         Ok(())
     }
 }

@@ -23,11 +23,6 @@ impl Newton {
         self.gel[i].iter().chain(&self.terms[i]).map(|t| &**t)
     }
 
-    /// Terms of all bodies.
-    fn all_terms(&mut self) -> impl Iterator<Item = &mut Box<dyn BodyTerm>> {
-        self.gel.iter_mut().chain(&mut self.terms).flatten()
-    }
-
     /// Copies all terms with their history.
     pub fn save(&self) -> SavedTerms {
         let copy = |terms: &Vec<Vec<Box<dyn BodyTerm>>>| {
@@ -63,7 +58,7 @@ impl Newton {
 
     /// Forgets what terms learnt since the last commit.
     pub fn rollback(&mut self) {
-        self.all_terms().for_each(|t| t.rollback());
+        self.gel.iter_mut().chain(&mut self.terms).flatten().for_each(|t| t.rollback());
         self.object.rollback();
     }
 
