@@ -69,6 +69,7 @@ impl DataSet {
         put(&arrays, names::FORCE, &data.force, &[f])?;
         put(&arrays, names::TRAVEL, &data.travel, &[f, pads])?;
         put(&arrays, names::OBJECT_POSE, &data.object_pose, &[f, 7])?;
+        put(&arrays, names::OBJECT_LOAD, &data.object_load, &[f, 6])?;
         put(&arrays, names::WRENCH, &data.wrench, &[f, pads, 6])?;
         put(&arrays, names::GRASP_POSE, &data.grasp_pose, &[7])?;
         Ok(arrays)

@@ -88,6 +88,8 @@ pub fn run<'py>(
             [p.x, p.y, p.z, q.w, q.x, q.y, q.z]
         };
         put(names::OBJECT_POSE, frames.iter().flat_map(pose).collect(), &[7])?;
+        let load = |f: &Frame| flat(&[f.object_load.force, f.object_load.torque]);
+        put(names::OBJECT_LOAD, frames.iter().flat_map(load).collect(), &[6])?;
         put(names::POSITION, of_pads(&|p| flat(&p.position)), &[pads, nodes, 3])?;
         put(names::DISPLACEMENT, of_pads(&|p| flat(&p.displacement)), &[pads, nodes, 3])?;
         put(names::CONTACT_FORCE, of_pads(&|p| flat(&p.contact_force)), &[pads, nodes, 3])?;

@@ -5,7 +5,7 @@ use crate::model::Model;
 use crate::record::names;
 
 /// Version of the layout; a reader refuses others.
-pub const FORMAT: u64 = 2;
+pub const FORMAT: u64 = 3;
 
 /// Type of the numbers, little-endian.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -133,6 +133,7 @@ arrays! {
     Travel (names::TRAVEL) F64 s [s.frames, s.pads] "m" "closing travel of each finger since first contact";
     FingerPosition (names::FINGER_POSITION) F64 s [s.frames, s.pads] "m" "closing travel of each finger since the open hand";
     ObjectPose (names::OBJECT_POSE) F64 s [s.frames, 7] "m, 1" "px py pz qw qx qy qz: x_hand = R(q) x_object + p";
+    ObjectLoad (names::OBJECT_LOAD) F64 s [s.frames, 6] "N, N m" "weight and push on the object: force and torque about its centre of mass, hand frame";
     Wrench (names::WRENCH) F64 s [s.frames, s.pads, 6] "N, N m" "force and torque of the contact on each pad about the origin of its pad frame, pad axes";
     Energy (names::ENERGY) F64 s [s.frames] "J" "value of the incremental potential";
     Residual (names::RESIDUAL) F64 s [s.frames] "N" "norm of the out-of-balance nodal forces";

@@ -300,16 +300,17 @@ impl Campaign {
         interrupt::check()?;
         let scene = &object.named.scene;
         let model = Model::build(scene)?;
+        let recorded = if scene.finer_mesh().is_some() { Model::build(&scene.on_own_mesh())? } else { model.clone() };
         let world = World::new(&scene.gripper.placement);
-        let encoder = Encoder::new(&model, object.sizes, world);
-        self.lay_out(object, &model, encoder.mirrored, first)?;
+        let encoder = Encoder::new(&recorded, object.sizes, world);
+        self.lay_out(object, &recorded, encoder.mirrored, first)?;
         let writer = Writer::open(&open(&path), object.sizes)?;
         let done = self.sound(object, &writer);
         let open_grasps = (0..object.poses.len()).filter(|g| wanted(*g) && !done.contains_key(g));
         let grasps: Vec<_> = open_grasps.map(|g| (g, object.poses[g])).collect();
         let stepper = (self.choose)(scene)?;
         let recorder =
-            DatasetRecorder::new(&object.named, &object.poses, &model, (encoder, writer), &progress, watcher);
+            DatasetRecorder::new(&object.named, &object.poses, [&model, &recorded], (encoder, writer), &progress, watcher);
         run_grasps(&model, stepper.as_ref(), &grasps, threads, &recorder)?;
         Ok(grasps.len())
     }

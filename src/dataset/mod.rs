@@ -29,6 +29,7 @@ mod queue;
 pub mod reader;
 pub mod recorder;
 pub mod rows;
+pub mod sampling;
 pub mod sensitivity;
 pub mod set;
 pub mod split;

@@ -37,7 +37,7 @@ pub(super) struct PlannedPads {
 impl PlannedPads {
     /// Returns the pads of `scene`.
     pub fn of(scene: &Scene) -> Result<Self> {
-        let model = Model::build(scene)?;
+        let model = Model::build(&scene.on_own_mesh())?;
         Ok(Self { sizes: FileSizes::of(&model, 0)?, bounds: model.finger()?.bounds() })
     }
 }

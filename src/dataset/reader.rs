@@ -59,6 +59,8 @@ pub struct StoredGrasp {
     pub finger_position: Vec<f64>,
     /// Pose of the object, px py pz qw qx qy qz, shape (frames, 7), in the hand frame.
     pub object_pose: Vec<f64>,
+    /// Weight and push on the object: force and torque about its centre of mass, shape (frames, 6), N and N m, hand frame.
+    pub object_load: Vec<f64>,
     /// Force and torque of the contact, shape (frames, pads, 6), N and N m, pad frame.
     pub wrench: Vec<f64>,
     /// Pose of the hand in the object frame, shape (7).
@@ -243,6 +245,7 @@ impl ObjectFile {
             travel: doubles(RowName::Travel),
             finger_position: doubles(RowName::FingerPosition),
             object_pose: doubles(RowName::ObjectPose),
+            object_load: doubles(RowName::ObjectLoad),
             wrench: doubles(RowName::Wrench),
             grasp_pose: row(RowName::GraspPose).as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect(),
             reason: String::from_utf8_lossy(reason).into_owned(),

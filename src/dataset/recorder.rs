@@ -3,6 +3,7 @@
 use super::file::Writer;
 use super::progress::{Finished, Progress};
 use super::rows::{Encoder, GraspRows};
+use super::sampling::Sampling;
 use crate::error::{Error, Result};
 use crate::gripper::GraspPose;
 use crate::judge::evaluate;
@@ -11,7 +12,7 @@ use crate::record::{self, Frame, PadTopology};
 use crate::run::{Observer, Outcome};
 use crate::scene::{Expectation, NamedScene};
 use std::collections::BTreeMap;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Observer of the progress of a data set, called from any thread.
 pub trait Watcher: Sync {
@@ -30,6 +31,8 @@ pub struct DatasetRecorder<'a> {
     expect: Vec<Expectation>,
     poses: &'a [GraspPose],
     topologies: Vec<&'a PadTopology>,
+    /// Map to the pads of the scene, if another mesh is simulated.
+    sampling: Option<Sampling>,
     encoder: Encoder,
     writer: Writer,
     progress: &'a Progress,
@@ -39,21 +42,23 @@ pub struct DatasetRecorder<'a> {
 }
 
 impl<'a> DatasetRecorder<'a> {
-    /// Builds a recorder for the grasps at `poses` of an object.
+    /// Builds a recorder for the grasps at `poses` of an object, for frames of the model that is simulated, at the nodes of the one that is
+    /// recorded.
     pub fn new(
         object: &'a NamedScene,
         poses: &'a [GraspPose],
-        model: &'a Model,
+        [simulated, recorded]: [&'a Arc<Model>; 2],
         (encoder, writer): (Encoder, Writer),
         progress: &'a Progress,
         watcher: &'a dyn Watcher,
     ) -> Self {
-        let topologies = model.fingers.iter().map(|f| f.topology.as_ref()).collect();
+        let sampling = (!Arc::ptr_eq(simulated, recorded)).then(|| Sampling::new(simulated, recorded.clone()));
+        let topologies = recorded.fingers.iter().map(|f| f.topology.as_ref()).collect();
         // Which grasps are reached is counted anyhow.
         let of_frames =
             object.scene.promises().into_owned().into_iter().filter(|e| !matches!(e, Expectation::ReachesForce));
         let (name, expect) = (object.name.as_str(), of_frames.collect());
-        Self { name, expect, poses, topologies, encoder, writer, progress, watcher, open: Mutex::default() }
+        Self { name, expect, poses, topologies, sampling, encoder, writer, progress, watcher, open: Mutex::default() }
     }
 
     fn take(&self, grasp: usize) -> GraspRows {
@@ -64,6 +69,8 @@ impl<'a> DatasetRecorder<'a> {
 
 impl Observer for DatasetRecorder<'_> {
     fn frame(&self, index: usize, frame: &Frame) -> Result<()> {
+        let sampled = self.sampling.as_ref().map(|sampling| sampling.frame(frame));
+        let frame = sampled.as_ref().unwrap_or(frame);
         // A number that is not finite would ruin a training set silently.
         record::check::frame(&self.topologies, frame)
             .map_err(|m| Error::Solver(format!("{}, grasp {index}: frame not recorded: {m}", self.name)))?;

@@ -70,6 +70,8 @@ impl Encoder {
             let carried = pad.position[0] - pad.displacement[0] - finger.body.rest[0];
             rows.doubles(RowName::FingerPosition, at, [carried.dot(finger.placement.closing)]);
         }
+        let load = frame.object_load;
+        rows.doubles(RowName::ObjectLoad, 6 * k, load.force.to_array().into_iter().chain(load.torque.to_array()));
         rows.doubles(RowName::ObjectPose, 7 * k, pose_row(frame.object_position, frame.object_rotation));
         for (name, value) in [
             (RowName::Force, frame.applied_force),

@@ -3,6 +3,8 @@
 use crate::mech::element::{RestTet, TET10, tet10_values};
 use crate::record::{Frame, PadTopology};
 use glam::{DVec2, DVec3, Vec3Swizzles};
+use std::iter::Sum;
+use std::ops::Mul;
 
 /// Points of a pad at rest, pad frame, each representing a part of the volume.
 #[derive(Debug, Clone)]
@@ -42,29 +44,41 @@ pub struct Fields {
     pub travel: Vec<f64>,
 }
 
-/// Positions of the points in a mesh.
+/// Nodes of a mesh around some points, with their shape functions there.
 #[derive(Debug)]
-pub struct Probe {
-    /// Nodes and their shape functions, per point.
-    stencils: Vec<Vec<(u32, f64)>>,
+pub struct Stencils(Vec<Vec<(u32, f64)>>);
+
+impl Stencils {
+    /// Finds `points` in the pad's elements. A point just outside (the rim of a coarser mesh) takes the values of the nearest place in
+    /// its best element.
+    pub fn new(points: &[DVec3], pad: &PadTopology) -> Self {
+        let tets = Tets::of(pad);
+        Self(points.iter().map(|p| tets.stencil(*p)).collect())
+    }
+
+    /// Returns the values at the points of a field that has `nodal` values.
+    pub fn of<T: Copy + Mul<f64, Output = T> + Sum>(&self, nodal: &[T]) -> Vec<T> {
+        self.0.iter().map(|stencil| stencil.iter().map(|(n, w)| nodal[*n as usize] * *w).sum()).collect()
+    }
 }
 
+/// Positions of the points in a mesh.
+#[derive(Debug)]
+pub struct Probe(Stencils);
+
 impl Probe {
-    /// Finds the points in the pad's elements. A point just outside (the rim of a coarser mesh) takes the values of the
-    /// nearest place in its best element.
+    /// Finds the points in the pad's elements.
     pub fn new(points: &Points, pad: &PadTopology) -> Self {
-        let tets = Tets::of(pad);
-        Self { stencils: points.position.iter().map(|p| tets.stencil(*p)).collect() }
+        Self(Stencils::new(&points.position, pad))
     }
 
     /// Returns the fields of a frame, with nodal stress if it is recorded.
     pub fn fields(&self, frame: &Frame) -> Fields {
         let mut fields = Fields { travel: frame.travel.clone(), ..Fields::default() };
         for pad in &frame.pads {
-            for stencil in &self.stencils {
-                fields.displacement.push(stencil.iter().map(|(n, w)| pad.displacement[*n as usize] * *w).sum());
-                let stress = |(n, w): &(u32, f64)| Some(pad.von_mises_node.get(*n as usize)? * w);
-                fields.stress.extend(stencil.iter().map(stress).sum::<Option<f64>>());
+            fields.displacement.extend(self.0.of(&pad.displacement));
+            if !pad.von_mises_node.is_empty() {
+                fields.stress.extend(self.0.of(&pad.von_mises_node));
             }
             fields.force.push(pad.wrench.force);
         }

@@ -2,6 +2,7 @@
 
 pub mod aabb;
 pub mod barycentric;
+pub mod face_lookup;
 pub mod mesh;
 pub mod pad;
 pub mod shape;

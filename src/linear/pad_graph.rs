@@ -11,11 +11,11 @@ use super::compliance_cache::{ComplianceCache, ComplianceKey};
 use super::edges::Edges;
 use super::mortar::MortarBasis;
 use crate::error::{Error, Result};
-use crate::geometry::barycentric::barycentric;
+use crate::geometry::face_lookup::FaceLookup;
 use crate::kernel::Sparse;
 use crate::part::FingerModel;
 use crate::record::PadTopology;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -167,31 +167,9 @@ fn hanging(
     thickness: f64,
     depths: usize,
 ) -> Vec<Vec<(u32, f32)>> {
-    let flat = |x: DVec3| DVec2::new(x.x, x.y);
-    let bounds = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|i| flat(face[i as usize]));
-        [a.min(b).min(c), a.max(b).max(c)]
-    };
-    let bounds: Vec<[DVec2; 2]> = triangles.iter().map(bounds).collect();
-    let above = |x: DVec3| {
-        let weights = |t: &[u32; 3]| barycentric(flat(x), t.map(|i| flat(face[i as usize])));
-        // The triangle that the node is most inside of; beside the face, the least outside.
-        let inside = |w: &[f64; 3]| w.iter().copied().fold(f64::INFINITY, f64::min);
-        let among = |near: &dyn Fn(&[DVec2; 2]) -> bool| {
-            let some = triangles.iter().zip(&bounds).filter(|(_, bounds)| near(bounds)).map(|(t, _)| (t, weights(t)));
-            some.max_by(|a, b| inside(&a.1).total_cmp(&inside(&b.1)))
-        };
-        let (p, margin) = (flat(x), DVec2::splat(1e-6 * thickness));
-        // Whoever is in a triangle is within its bounds.
-        let best = among(&|[low, high]| p.cmpge(*low - margin).all() && p.cmple(*high + margin).all());
-        let best = best.filter(|(_, w)| inside(w) > -1e-9).or_else(|| among(&|_| true));
-        let (t, w) = best.unwrap_or((&[0, 0, 0], [1.0, 0.0, 0.0]));
-        let w = w.map(|w| w.max(0.0));
-        let sum: f64 = w.iter().sum();
-        [0, 1, 2].map(|k| (t[k], w[k] / sum))
-    };
+    let lookup = FaceLookup::new(face, triangles);
     let row = |x: &DVec3| {
-        let corners = above(*x);
+        let corners = lookup.under(*x);
         let top: f64 = corners.iter().map(|(i, w)| w * face[*i as usize].z).sum();
         let part = ((top - x.z) / (top + thickness)).clamp(0.0, 1.0) * (depths - 1) as f64;
         let upper = (part.floor() as usize).min(depths.saturating_sub(2));

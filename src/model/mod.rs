@@ -10,9 +10,11 @@
 pub mod accuracy;
 pub mod dynamics;
 pub mod needs;
+pub mod push;
 
 pub use dynamics::Dynamics;
 pub use needs::Needs;
+pub use push::PushLoad;
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::quality::Quality;
@@ -67,6 +69,8 @@ pub struct Model {
     pub path_error: Option<f64>,
     /// Force per finger at which a free object is let go, N: until then it is held where it is, and its support carries its weight.
     pub release: f64,
+    /// Push that follows the squeeze; its frames have the last force among `levels`.
+    pub push: Option<PushLoad>,
     /// Motion in time; None is quasi-static.
     pub dynamics: Option<Dynamics>,
     /// Motion of a free object at one load level, once held, at which it counts as lost, m; None follows it however far it goes.
@@ -113,6 +117,8 @@ impl Model {
         let chosen = accuracy::choose(scene, &object)?;
         notices.extend(chosen.iter().map(|choice| choice.why.clone()));
         let pads = chosen.as_ref().map_or(&scene.gripper.pads, |choice| &choice.pads);
+        let finer = fem.mesh.and_then(|mesh| pads.finer(&mesh));
+        let pads = finer.as_ref().unwrap_or(pads);
         let admit = |size: PadSize| {
             let memory = limits::memory(scene, size, sides);
             limits::admit(memory, size).map(|()| memory).map_err(about_pads)
@@ -134,7 +140,14 @@ impl Model {
         let squeeze = matches!(scene.loading, Loading::Squeeze(_));
         let force_driven = squeeze || dynamics.as_ref().is_some_and(Dynamics::squeezes);
         let share = if squeeze { 1.0 / sides as f64 } else { 1.0 };
-        let levels: Vec<f64> = scene.loading.levels().into_iter().map(|l| l * share).collect();
+        let mut levels: Vec<f64> = scene.loading.levels().into_iter().map(|l| l * share).collect();
+        let push = match &scene.loading {
+            Loading::Squeeze(squeeze) => squeeze.push.map(|push| PushLoad::new(&push, levels.len())),
+            Loading::Press(_) | Loading::Dynamic(_) => None,
+        };
+        let held = push.iter().flat_map(|push| &push.parts[levels.len()..]).map(|_| levels.last().copied());
+        let held: Vec<f64> = held.flatten().collect();
+        levels.extend(held);
         if levels.is_empty() {
             return Err(Error::Start("the loading has no recorded frame; give a press `depth` or `depths`".into()));
         }
@@ -169,6 +182,7 @@ impl Model {
             gravity: scene.gravity.map(|g| g.dvec3()).filter(|g| *g != DVec3::ZERO),
             force_driven,
             levels,
+            push,
             dynamics,
             largest_drift: None,
             memory,
@@ -211,6 +225,11 @@ impl Model {
     /// Thickness of the pads, m; zero without fingers.
     pub fn thickness(&self) -> f64 {
         self.fingers.first().map_or(0.0, |f| f.topology.thickness())
+    }
+
+    /// Part of the push that acts in frame `frame`; zero without one.
+    pub fn push_part(&self, frame: usize) -> f64 {
+        self.push.as_ref().and_then(|push| push.parts.get(frame)).copied().unwrap_or(0.0)
     }
 
     /// Returns true if the object is held at first and let go at [`Model::release`].

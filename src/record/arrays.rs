@@ -35,6 +35,7 @@ pub struct GraspArrays {
     von_mises_element: Vec<f64>,
     gap: Vec<f64>,
     object_pose: Vec<f64>,
+    object_load: Vec<f64>,
     force: Vec<f64>,
     time: Vec<f64>,
     travel: Vec<f64>,
@@ -76,6 +77,7 @@ impl GraspArrays {
             von_mises_element: Vec::new(),
             gap: Vec::new(),
             object_pose: Vec::new(),
+            object_load: Vec::new(),
             force: Vec::new(),
             time: Vec::new(),
             travel: Vec::new(),
@@ -108,6 +110,7 @@ impl GraspArrays {
         }
         let (p, q) = (frame.object_position, frame.object_rotation);
         self.object_pose.extend([p.x, p.y, p.z, q.w, q.x, q.y, q.z]);
+        extend(&mut self.object_load, &[frame.object_load.force, frame.object_load.torque]);
         if let Some(m) = &frame.moving {
             let (p, q) = (m.hand_position, m.hand_rotation);
             self.hand_pose.extend([p.x, p.y, p.z, q.w, q.x, q.y, q.z]);
@@ -156,6 +159,9 @@ impl GraspArrays {
             put(out, names::GAP, (frames, nodes), &self.gap)?;
         }
         put(out, names::OBJECT_POSE, (frames, 7), &self.object_pose)?;
+        if self.object_load.iter().any(|v| *v != 0.0) {
+            put(out, names::OBJECT_LOAD, (frames, 6), &self.object_load)?;
+        }
         if !self.hand_pose.is_empty() {
             put(out, names::HAND_POSE, (frames, 7), &self.hand_pose)?;
             put(out, names::OBJECT_MOTION, (frames, 6), &self.object_motion)?;

@@ -69,6 +69,8 @@ pub struct Frame {
     pub object_position: DVec3,
     /// Rotation from the object frame to the hand frame.
     pub object_rotation: DQuat,
+    /// Weight and push on the object: force and torque about its centre of mass.
+    pub object_load: Wrench,
     /// States of the pads, left first.
     pub pads: Vec<PadFrame>,
     /// Motion in time; None in quasi-static scenes.

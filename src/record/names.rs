@@ -35,6 +35,8 @@ names! {
     FINGER_POSITION "finger_position_m" "m";
     /// Pose of the object: px py pz qw qx qy qz.
     OBJECT_POSE "object_pose" "m, 1";
+    /// Weight and push on the object: force and torque about its centre of mass, hand frame.
+    OBJECT_LOAD "object_load" "N, N m";
     /// Pose of each pad at zero travel: px py pz qw qx qy qz.
     PAD_POSE "pad_pose" "m, 1";
     /// Pose of the hand in the world: px py pz qw qx qy qz.

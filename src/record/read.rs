@@ -35,6 +35,7 @@ pub fn frames(path: &Path, own: usize, pads: usize) -> Result<Vec<Frame>> {
     let (force, time) = (needed::<Ix1>(path, &mut npz, names::FORCE)?, needed::<Ix1>(path, &mut npz, names::TIME)?);
     let travel = needed::<Ix2>(path, &mut npz, names::TRAVEL)?;
     let pose = needed::<Ix2>(path, &mut npz, names::OBJECT_POSE)?;
+    let load = optional::<Ix2>(path, &mut npz, names::OBJECT_LOAD)?;
     let wrench = needed::<Ix3>(path, &mut npz, names::WRENCH)?;
     let contact = optional::<Ix3>(path, &mut npz, names::CONTACT_FORCE)?;
     let stress = optional::<Ix2>(path, &mut npz, names::VON_MISES)?;
@@ -46,6 +47,7 @@ pub fn frames(path: &Path, own: usize, pads: usize) -> Result<Vec<Frame>> {
     let fits = vectors.into_iter().flatten().all(|a| a.shape() == [count, nodes, 3])
         && numbers.into_iter().flatten().all(|a| a.shape() == [count, nodes])
         && [Some(&pose), hand.as_ref()].into_iter().flatten().all(|a| a.shape() == [count, 7])
+        && load.as_ref().is_none_or(|a| a.shape() == [count, 6])
         && travel.shape() == [count, pads]
         && wrench.shape() == [count, pads, 6]
         && time.len() == count
@@ -85,6 +87,10 @@ pub fn frames(path: &Path, own: usize, pads: usize) -> Result<Vec<Frame>> {
             travel: travel.row(k).to_vec(),
             object_position: object.position,
             object_rotation: object.rotation,
+            object_load: load.as_ref().map_or_else(Wrench::default, |load| {
+                let part = |at: usize| DVec3::from_array([0, 1, 2].map(|i| load[[k, at + i]]));
+                Wrench { force: part(0), torque: part(3) }
+            }),
             pads: (0..pads).map(pad).collect(),
             moving,
             ..Frame::default()

@@ -3,13 +3,14 @@
 use super::expect::{Bounds, Expectation};
 use super::grasps::Grasps;
 use super::gripper::Fingers;
-use super::loading::Loading;
+use super::loading::{Loading, Squeeze};
 use super::motion;
 use super::object::{ObjectMotion, ObjectShape, Revolve};
 use super::pad::{BoxPad, DiscPad, GelSightMini, Pads};
 use super::schema::{Scene, ScenePart};
 use super::stepper::{Fem, Solver, StepperChoice};
 use crate::number::shown;
+use glam::DVec3;
 use std::collections::BTreeSet;
 
 /// Error of a field that does not fit the rest of the scene.
@@ -82,6 +83,9 @@ pub(super) fn check(scene: &Scene) -> Result<(), Problem> {
         );
     }
     pads(&scene.gripper.pads)?;
+    if scene.finer_mesh().is_some() && matches!(scene.gripper.pads, Pads::File(_)) {
+        return refuse("stepper.mesh", "pads of a file have no other mesh than theirs\nleave it out");
+    }
     grasps(&scene.grasps)?;
     antipodal(scene)?;
     loading(scene)?;
@@ -251,6 +255,14 @@ fn loading(scene: &Scene) -> Result<(), Problem> {
             let message =
                 format!("the object would never be let go\nallowed: at most force, {} N", shown(s.force.get()));
             return refuse("loading.release", message);
+        }
+        Loading::Squeeze(Squeeze { push: Some(_), .. }) if scene.object.motion == ObjectMotion::Fixed => {
+            return refuse("loading.push", "a fixed object does not feel a push\nuse motion: Free in object, or leave it out");
+        }
+        Loading::Squeeze(Squeeze { push: Some(push), .. })
+            if push.force.dvec3() == DVec3::ZERO && push.torque.dvec3() == DVec3::ZERO =>
+        {
+            return refuse("loading.push", "a push without force and torque\ngive `force` or `torque`, or leave it out");
         }
         Loading::Squeeze(s) => match s.from.map(|f| f.get()) {
             Some(from) if from >= s.force.get() => {

@@ -95,6 +95,12 @@ defaults! {
     UNIVERSE_HEAVY: NonNegative = NonNegative::preset(0.4);
     /// Universe: largest weight over the last sum of the finger forces.
     UNIVERSE_WEIGHT: Positive = Positive::preset(0.5);
+    /// Universe: part of the objects that are pushed.
+    UNIVERSE_PUSHED: NonNegative = NonNegative::preset(0.5);
+    /// Universe: largest push over what friction holds.
+    UNIVERSE_PUSH: Positive = Positive::preset(0.8);
+    /// Universe: part of the objects with one finger.
+    UNIVERSE_SINGLE: NonNegative = NonNegative::preset(0.08);
     /// Universe: lengths of pads along the approach, m.
     UNIVERSE_PAD_LENGTH: Span = Tuple([Positive::preset(0.015), Positive::preset(0.035)]);
     /// Universe: widths of pads, m.
@@ -119,6 +125,11 @@ defaults! {
 
     /// Loading: recorded frames.
     FRAMES (frames): Count<1, 10000> = Count::preset(50);
+
+    /// Push: force, N, and torque, N m.
+    PUSH (push): Vec3 = Vec3::preset3(0.0, 0.0, 0.0);
+    /// Push: recorded frames.
+    PUSH_FRAMES (push_frames): Count<1, 10000> = Count::preset(10);
 
     /// Dynamic: time step, s.
     TIME_STEP (time_step): Seconds = Seconds::preset(1e-3);

@@ -3,6 +3,7 @@
 use super::defaults;
 use super::dynamic::Dynamic;
 use super::leaf::{Count, Length, Positive};
+use super::vector::Vec3;
 use serde::{Deserialize, Serialize};
 
 /// Recorded phase of a grasp.
@@ -34,6 +35,24 @@ pub struct Squeeze {
     /// Number of recorded frames: frame k of n is at `force * k / n`, k = 1..=n, without `from`.
     #[serde(default = "defaults::frames")]
     pub frames: Count<1, 10000>,
+    /// Push on a free object that follows at the full `force`, in frames of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub push: Option<ObjectPush>,
+}
+
+/// Push on a squeezed object: it rises in equal steps, frame k of n is at the part k / n.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "Push", deny_unknown_fields)]
+pub struct ObjectPush {
+    /// Force on the object's centre of mass, N, hand frame.
+    #[serde(default = "defaults::push")]
+    pub force: Vec3,
+    /// Torque on the object, N m, hand frame: a pair of opposite forces on points that move with the object.
+    #[serde(default = "defaults::push")]
+    pub torque: Vec3,
+    /// Number of recorded frames, after those of the squeeze.
+    #[serde(default = "defaults::push_frames")]
+    pub frames: Count<1, 10000>,
 }
 
 /// Displacement-controlled press: give `depth` (and `frames`) or `depths`.
@@ -52,7 +71,7 @@ pub struct Press {
 }
 
 impl Squeeze {
-    /// Returns the total force at each recorded frame, N.
+    /// Returns the total force at each recorded frame, N; without those of the push, at which it stays the last one.
     pub fn levels(&self) -> Vec<f64> {
         let (last, n) = (self.force.get(), self.frames.get());
         match self.from.map(Positive::get) {
@@ -62,6 +81,13 @@ impl Squeeze {
             }
             _ => steps(last, n),
         }
+    }
+}
+
+impl ObjectPush {
+    /// Returns the part of the push at each of its frames.
+    pub fn parts(&self) -> Vec<f64> {
+        steps(1.0, self.frames.get())
     }
 }
 

@@ -56,6 +56,6 @@ pub use pad::Pads;
 pub use reward::Reward;
 pub use schema::Scene;
 pub use source::SIZE_LIMIT;
-pub use stepper::{Condensed, Element, Fem, Gnn, Solver, StepperChoice, Tolerance};
+pub use stepper::{Condensed, Element, Fem, FinerMesh, Gnn, Solver, StepperChoice, Tolerance};
 pub use task::Task;
 pub use universe::Universe;

@@ -2,8 +2,9 @@
 
 use super::defaults;
 use super::either::{PathOrFields, path_or_fields};
-use super::leaf::{Depth, Fraction, Length, Positive, Ratio};
-use super::vector::{Cells, Size, Vec3};
+use super::leaf::{Count, Depth, Fraction, Length, Positive, Ratio};
+use super::stepper::FinerMesh;
+use super::vector::{Cells, Size, Tuple, Vec3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::path::PathBuf;
 
@@ -47,6 +48,24 @@ impl Pads {
             | Pads::Disc(DiscPad { focus, .. }) => focus.get(),
             Pads::File(_) => defaults::PAD_FOCUS.get(),
         }
+    }
+
+    /// Returns the same pads with a finer mesh; None for those of a file.
+    pub fn finer(&self, mesh: &FinerMesh) -> Option<Self> {
+        let mut pads = self.clone();
+        let divided = |spacing: Length| Length::new(spacing.get() / mesh.finer.get()).ok();
+        match &mut pads {
+            Pads::GelSightMini(g) => (g.spacing, g.focus) = (divided(g.mesh_spacing()), mesh.focus),
+            Pads::Disc(d) => (d.spacing, d.focus) = (divided(d.mesh_spacing()), mesh.focus),
+            Pads::Box(b) => {
+                let more = |cells: usize| Count::new((cells as f64 * mesh.finer.get()).round().max(1.0) as u64).ok();
+                let cells = b.cells.map(|cells| cells.counts().map(more));
+                b.cells = cells.and_then(|[x, y, z]| Some(Tuple([x?, y?, z?])));
+                (b.spacing, b.focus) = (divided(b.mesh_spacing()), mesh.focus);
+            }
+            Pads::File(_) => return None,
+        }
+        Some(pads)
     }
 
     /// Returns the same pads with this mesh instead of an accuracy; None keeps the present value.

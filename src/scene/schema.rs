@@ -8,7 +8,7 @@ use super::loading::Loading;
 use super::object::Object;
 use super::objects::{Entry, Name, NamedScene, Split};
 use super::output::Record;
-use super::stepper::StepperChoice;
+use super::stepper::{FinerMesh, StepperChoice};
 use super::task::Task;
 use super::universe::Universe;
 use super::vector::Vec3;
@@ -68,6 +68,26 @@ impl Scene {
     /// Returns both lists with the names of their fields.
     pub(super) fn promise_lists(&self) -> [(&'static str, &[Expectation]); 2] {
         [("expect", &self.expect), ("expect_network", self.expect_network.as_deref().unwrap_or_default())]
+    }
+
+    /// Returns the finer mesh that finite elements use in place of that of the pads.
+    pub fn finer_mesh(&self) -> Option<FinerMesh> {
+        match &self.stepper {
+            StepperChoice::Fem(fem) => fem.mesh,
+            StepperChoice::Gnn(_) => None,
+        }
+    }
+
+    /// Returns the scene on the mesh of its pads, whatever mesh is simulated.
+    pub fn on_own_mesh(&self) -> Cow<'_, Self> {
+        if self.finer_mesh().is_none() {
+            return Cow::Borrowed(self);
+        }
+        let mut scene = self.clone();
+        if let StepperChoice::Fem(fem) = &mut scene.stepper {
+            fem.mesh = None;
+        }
+        Cow::Owned(scene)
     }
 
     /// Removes all promises.

@@ -1,7 +1,7 @@
 //! Backend that advances the scene from one recorded frame to the next.
 
 use super::defaults;
-use super::leaf::{Count, Length, Positive};
+use super::leaf::{Count, Length, Positive, Ratio};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -34,6 +34,10 @@ pub struct Fem {
     pub mean_dilatation: bool,
     /// Unknowns of the solver: all nodes, or those that can touch.
     pub solver: Solver,
+    /// Finer mesh on which the pads are simulated; None is that of the pads. A data set then has the results of the finer mesh at the nodes
+    /// of the pads, so that a network on these learns what the finer mesh knows. A run shows the finer mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<FinerMesh>,
     /// Tolerances of a solved increment.
     pub tolerance: Tolerance,
     /// Error that the increments of the load may cause where friction lets the answer depend on them, over the displacement: it sets the
@@ -41,6 +45,11 @@ pub struct Fem {
     pub path: Positive,
     /// Largest number of Newton iterations before an increment is halved.
     pub max_iterations: Count<1, 10000>,
+    /// Largest number of Newton iterations of a whole grasp; a longer one ends as a fault, on every machine alike. None follows from
+    /// `max_iterations` and the number of frames, and ends what would not end by itself; a large data set better leaves its few hardest
+    /// grasps out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effort: Option<Count<1, 1000000>>,
     /// Wall time that a grasp may take, s; a longer one ends as a fault. Which grasps end then depends on the machine. None is no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_time: Option<Positive>,
@@ -54,13 +63,26 @@ impl Default for Fem {
             element: Element::default(),
             mean_dilatation: defaults::MEAN_DILATATION,
             solver: Solver::default(),
+            mesh: None,
             tolerance: Tolerance::default(),
             path: defaults::PATH,
             max_iterations: defaults::MAX_ITERATIONS,
+            effort: None,
             max_time: None,
             threads: None,
         }
     }
+}
+
+/// Finer mesh of generated pads.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FinerMesh {
+    /// Spacing of the pads over that of the finer mesh.
+    pub finer: Positive,
+    /// Width of its cells at the rim over those at the centre; 1 is uniform.
+    #[serde(default = "defaults::pad_focus")]
+    pub focus: Ratio,
 }
 
 /// Shape functions of a tetrahedron.

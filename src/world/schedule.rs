@@ -12,7 +12,7 @@
 use crate::gripper::GraspPose;
 use crate::mech::path::continuation::Methods;
 use crate::model::{Model, Needs};
-use crate::record::Frame;
+use crate::record::{Frame, Wrench};
 use crate::world::systems;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
@@ -139,6 +139,8 @@ pub struct ForceCommand {
 pub struct StepLoad {
     /// Load per finger, N or m after first contact; in a dynamic scene the time, s.
     pub level: f64,
+    /// Part of the push on the object that acts; zero without one.
+    pub push: f64,
 }
 
 /// Report of the stepper on the level that it has just reached.
@@ -163,6 +165,8 @@ pub struct StepReport {
 pub struct BalanceReport {
     /// Flag: the object is held where it is by something outside the scene; then only the fingers' forces have to add up.
     pub object_fixed: bool,
+    /// Weight and push on the object: force and torque about its centre of mass, hand frame.
+    pub load: Wrench,
     /// Sum over the fingers of the closing force, N.
     pub applied: f64,
     /// Unbalanced force over `applied`.

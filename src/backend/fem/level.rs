@@ -6,9 +6,10 @@ use crate::mech::newton::effort::most_iterations;
 use crate::mech::path::continuation::WholePads;
 use crate::mech::path::{Advanced, Load};
 use crate::model::Model;
+use crate::model::push::FIRST_PART;
 use crate::scales::DROPPED;
 use crate::world::components::ObjectPose;
-use crate::world::schedule::Stop;
+use crate::world::schedule::{StepLoad, Stop};
 
 /// Number of steps in which the fingers take an object with weight over from its support.
 const HANDOVER: u32 = 4;
@@ -31,17 +32,18 @@ impl Refusal {
 }
 
 impl GraspSolver {
-    /// Brings the state to `level` (N or m per finger). The first call starts from first contact.
+    /// Brings the state to `target`. The first call starts from first contact.
     ///
     /// # Errors
     /// Returns the cause of the stop, for the record; the state is then the last accepted one.
-    pub fn advance(&mut self, model: &Model, level: f64) -> std::result::Result<Advanced, Stop> {
+    pub fn advance(&mut self, model: &Model, target: StepLoad) -> std::result::Result<Advanced, Stop> {
         self.steps += 1;
         let (each, steps) = (self.settings().max_iterations.get() as u32, model.levels.len().max(self.steps));
-        self.path.newton.effort.iterations = most_iterations(each, steps);
-        let begins = !self.started;
+        let given = self.settings().effort.map(|most| most.get() as u64);
+        self.path.newton.effort.iterations = given.unwrap_or_else(|| most_iterations(each, steps));
+        let (begins, pushing) = (!self.started, self.pushing);
         let checkpoint = self.condensed.is_some().then(|| self.path.checkpoint());
-        let stuck = match (self.raise(model, level), checkpoint) {
+        let stuck = match (self.raise(model, target), checkpoint) {
             (Err(Refusal::Condensed(_)), Some(checkpoint)) => checkpoint,
             // An object that turns far before it is held may leave what the pads are condensed onto.
             (Err(Refusal::Unfound(_)), Some(checkpoint)) if begins => checkpoint,
@@ -49,13 +51,14 @@ impl GraspSolver {
         };
         self.path.restore(stuck);
         self.path.methods.whole += 1;
-        self.started = !begins;
+        (self.started, self.pushing) = (!begins, pushing);
         self.release(model).map_err(Stop::fault)?;
-        self.raise(model, level).map_err(Refusal::stop)
+        self.raise(model, target).map_err(Refusal::stop)
     }
 
     /// Makes one attempt at [`GraspSolver::advance`].
-    fn raise(&mut self, model: &Model, level: f64) -> std::result::Result<Advanced, Refusal> {
+    fn raise(&mut self, model: &Model, target: StepLoad) -> std::result::Result<Advanced, Refusal> {
+        let StepLoad { level, push } = target;
         let before = self.path.state.clone();
         let load = if model.force_driven { Load::Force } else { Load::Travel };
         let mut done = Advanced::default();
@@ -69,14 +72,20 @@ impl GraspSolver {
             done.add(self.load(model, load, model.release)?);
             done.add(self.let_go(model)?);
         }
-        done.add(self.load(model, load, level)?);
+        let at = if push > 0.0 {
+            done.add(self.push(model, level, push)?);
+            at(Load::Push, push)
+        } else {
+            done.add(self.load(model, load, level)?);
+            at(load, level)
+        };
         if !self.is_upright() {
-            let reason = format!("{}: an element of a condensed pad turns inside out", at(load, level));
+            let reason = format!("{at}: an element of a condensed pad turns inside out");
             return Err(Refusal::Condensed(Stop::fault(reason)));
         }
         if let Some(reason) = self.lost_grip(model) {
             self.path.state = before;
-            return Err(Refusal::Final(Stop { dropped: model.free, reason: format!("{}: {reason}", at(load, level)) }));
+            return Err(Refusal::Final(Stop { dropped: model.free, reason: format!("{at}: {reason}") }));
         }
         self.path.recover();
         Ok(done)
@@ -106,13 +115,14 @@ impl GraspSolver {
         let largest_drift = self.path.largest_drift;
         self.path.largest_drift = heavy.then_some(DROPPED * model.law.offset);
         let steps = if heavy { HANDOVER } else { 1 };
+        let level = self.path.level;
         let mut done = Advanced::default();
         for k in 1..=steps {
             self.hand_over(f64::from(k) / f64::from(steps));
             // What the force did before says nothing of what the weight does.
             self.path.history = None;
             let more = match &mut self.condensed {
-                Some(pads) => pads.follow(&mut self.path, model),
+                Some(pads) => pads.follow(&mut self.path, model, Load::Force, level),
                 None => self.path.polish(),
             };
             let letting_go = format!("letting go of the object {}", at(Load::Force, self.path.level));
@@ -120,6 +130,22 @@ impl GraspSolver {
         }
         self.path.largest_drift = largest_drift;
         Ok(done)
+    }
+
+    /// Raises the push to `part` under the force `force` (N per finger).
+    fn push(&mut self, model: &Model, force: f64, part: f64) -> std::result::Result<Advanced, Refusal> {
+        if !std::mem::replace(&mut self.pushing, true) {
+            self.path.begin_load(FIRST_PART);
+            self.condensed.iter_mut().for_each(|pads| pads.begin_load());
+        }
+        self.path.tolerance = self.tolerance(model, force);
+        let largest_drift = self.path.largest_drift.replace(DROPPED * model.law.offset);
+        let done = match &mut self.condensed {
+            Some(pads) => pads.follow(&mut self.path, model, Load::Push, part),
+            None => self.path.advance(Load::Push, part, &mut WholePads),
+        };
+        self.path.largest_drift = largest_drift;
+        done.map_err(|f| self.refuse(model, &at(Load::Push, part), f))
     }
 
     fn load(&mut self, model: &Model, load: Load, level: f64) -> std::result::Result<Advanced, Refusal> {
@@ -149,5 +175,6 @@ fn at(load: Load, level: f64) -> String {
     match load {
         Load::Force => format!("at {level:.4} N per finger"),
         Load::Travel => format!("at {:.4} mm after contact", level * 1e3),
+        Load::Push => format!("at {:.1} % of the push", level * 100.0),
     }
 }

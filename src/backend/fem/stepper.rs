@@ -9,11 +9,11 @@ use crate::mech::contact::{FeatureContact, PointContact};
 use crate::mech::newton::effort::Effort;
 use crate::mech::newton::{Failure, Newton, NewtonTolerance};
 use crate::mech::path::{Path, PathControl};
+use crate::mech::potential::dead_force::DeadForce;
 use crate::mech::potential::edge::EdgeReading;
 use crate::mech::potential::inversion_barrier::inversion_barrier;
 use crate::mech::potential::state::{RigidUnknowns, State};
 use crate::mech::potential::term::{BodyTerm, DeadLoad, ElasticEnergy};
-use crate::mech::potential::weight::Weight;
 use crate::model::Model;
 use crate::part::FingerModel;
 use crate::record::pad_name;
@@ -108,6 +108,8 @@ pub struct GraspSolver {
     pub(crate) condensed: Option<Condensation>,
     settings: scene::Fem,
     pub(crate) started: bool,
+    /// Flag: the squeeze is over, and the push rises.
+    pub(crate) pushing: bool,
     /// Number of load levels so far.
     pub(crate) steps: usize,
     /// Pose at first contact.
@@ -148,15 +150,16 @@ impl GraspSolver {
         let mut newton = Newton::new(bodies, terms, rigid)?;
         newton.gel = gels;
         newton.object.weight = weight(model, pose);
+        newton.object.push = push(model, pose);
         newton.effort = Effort::within(settings.max_time.map(|seconds| seconds.get()));
         let mut path = Path::new(newton, state, NewtonTolerance::new(model.law.offset));
         path.control = control(model);
-        Ok(Self { path, condensed, settings: *settings, started: false, steps: 0, start: pose })
+        Ok(Self { path, condensed, settings: *settings, started: false, pushing: false, steps: 0, start: pose })
     }
 
     /// Writes all that the next step depends on.
     fn write_history(&self, history: &mut HistoryWriter) {
-        history.write(&(self.started, self.steps, self.start, self.condensed.is_some()));
+        history.write(&(self.started, self.pushing, self.steps, self.start, self.condensed.is_some()));
         self.condensed.iter().for_each(|pads| pads.write_history(history));
         self.path.write_history(history);
     }
@@ -164,7 +167,7 @@ impl GraspSolver {
     /// Reads what a solver of the same scene wrote.
     fn read_history(&mut self, model: &Model, history: &mut HistoryReader) -> Result<()> {
         let condensed: bool;
-        (self.started, self.steps, self.start, condensed) = history.read()?;
+        (self.started, self.pushing, self.steps, self.start, condensed) = history.read()?;
         match &mut self.condensed {
             Some(pads) if condensed => pads.read_history(&mut self.path, history)?,
             Some(_) => self.release(model).map_err(Error::Start)?,
@@ -316,10 +319,22 @@ fn contact(model: &Model, finger: &FingerModel) -> Vec<Box<dyn BodyTerm>> {
 
 /// Returns the weight of a free object at `pose`, if the scene has one. Of a dynamic scene, gravity stands with inertia; an agent's
 /// world sets its load step by step.
-fn weight(model: &Model, pose: ObjectPose) -> Option<Weight> {
+fn weight(model: &Model, pose: ObjectPose) -> Option<DeadForce> {
     let pulled = model.free && model.dynamics.is_none() && (model.needs.task || model.gravity.is_some());
     let center = model.object.mass.center;
     let start = pose.position + pose.rotation * center;
     let force = pose.rotation * model.gravity.unwrap_or_default() * model.mass;
-    pulled.then(|| Weight::new(force, center, start))
+    pulled.then(|| DeadForce::new(force, center, start))
+}
+
+/// Returns the forces of the push on an object that is at `pose` at first contact; none of them acts yet.
+fn push(model: &Model, pose: ObjectPose) -> Vec<DeadForce> {
+    let Some(push) = &model.push else { return Vec::new() };
+    let center = model.object.mass.center;
+    let at = |(arm, force): (DVec3, DVec3)| {
+        let point = center + pose.rotation.inverse() * arm;
+        DeadForce { part: 0.0, ..DeadForce::new(force, point, pose.position + pose.rotation * point) }
+    };
+    let all = std::iter::once((DVec3::ZERO, push.force)).chain(push.couple(model.object.bounding_radius));
+    all.filter(|(_, force)| *force != DVec3::ZERO).map(at).collect()
 }

@@ -109,7 +109,7 @@ pub fn advance_level(
     mut balance: ResMut<BalanceReport>,
     mut next: ResMut<Next>,
 ) {
-    match solver.advance(&shared.0, load.level) {
+    match solver.advance(&shared.0, *load) {
         Ok(done) => {
             report.reached = true;
             balance.object_fixed = solver.path.newton.object_fixed;

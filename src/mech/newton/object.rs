@@ -4,17 +4,19 @@ use crate::error::Result;
 use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::contact::GroundContact;
 use crate::mech::potential::block::RigidBlock;
+use crate::mech::potential::dead_force::DeadForce;
 use crate::mech::potential::rigid_inertia::RigidInertia;
 use crate::mech::potential::state::{NewtonStep, RigidUnknowns, State};
 use crate::mech::potential::term::{Assembly, ObjectTerm};
 use crate::mech::potential::time_step::TimeStep;
-use crate::mech::potential::weight::Weight;
 
 /// Effects on the object alone; what a scene does not need is not there. A new one is a field, and a line in `all` and `all_mut`.
 #[derive(Debug, Clone, Default)]
 pub struct ObjectTerms {
     /// Weight, or what else pulls at the object on a quasi-static path.
-    pub weight: Option<Weight>,
+    pub weight: Option<DeadForce>,
+    /// Forces of a push.
+    pub push: Vec<DeadForce>,
     /// Inertia and weight in motion.
     pub inertia: Option<RigidInertia>,
     /// Contact with the ground.
@@ -23,13 +25,23 @@ pub struct ObjectTerms {
 
 impl ObjectTerms {
     fn all(&self) -> impl Iterator<Item = &dyn ObjectTerm> {
-        let weight = self.weight.iter().map(|t| t as &dyn ObjectTerm);
-        weight.chain(self.inertia.iter().map(|t| t as _)).chain(self.ground.iter().map(|t| t as _))
+        let dead = self.weight.iter().chain(&self.push).map(|t| t as &dyn ObjectTerm);
+        dead.chain(self.inertia.iter().map(|t| t as _)).chain(self.ground.iter().map(|t| t as _))
     }
 
     fn all_mut(&mut self) -> impl Iterator<Item = &mut dyn ObjectTerm> {
-        let weight = self.weight.iter_mut().map(|t| t as &mut dyn ObjectTerm);
-        weight.chain(self.inertia.iter_mut().map(|t| t as _)).chain(self.ground.iter_mut().map(|t| t as _))
+        let dead = self.weight.iter_mut().chain(&mut self.push).map(|t| t as &mut dyn ObjectTerm);
+        dead.chain(self.inertia.iter_mut().map(|t| t as _)).chain(self.ground.iter_mut().map(|t| t as _))
+    }
+
+    /// Part of the push that acts; zero without one.
+    pub fn push_part(&self) -> f64 {
+        self.push.first().map_or(0.0, |force| force.part)
+    }
+
+    /// Sets the part of the push that acts.
+    pub fn set_push_part(&mut self, part: f64) {
+        self.push.iter_mut().for_each(|force| force.part = part);
     }
 
     /// Energy of all terms, J.

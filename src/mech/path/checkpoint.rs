@@ -1,6 +1,6 @@
 //! Checkpoints, for going back on a loading path further than the last increment, and bytes, for going on in another process.
 
-use super::Path;
+use super::{Path, PathControl};
 use crate::error::Result;
 use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::newton::SavedTerms;
@@ -46,6 +46,7 @@ impl Path {
     pub fn write_history(&self, history: &mut HistoryWriter) {
         history.write(&(&self.state, self.level, &self.history));
         history.write(&(self.step, self.spent, self.at_once, self.methods));
+        history.write(&self.control.map(|control| control.first));
         let newton = &self.newton;
         history.write(&(&newton.force, newton.object_fixed, newton.profile.iterations));
         history.write(&(newton.profile.projections, newton.profile.frozen));
@@ -59,6 +60,8 @@ impl Path {
     pub fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
         (self.state, self.level, self.history) = history.read()?;
         (self.step, self.spent, self.at_once, self.methods) = history.read()?;
+        let first: Option<f64> = history.read()?;
+        self.control = self.control.zip(first).map(|(control, first)| PathControl { first, ..control });
         let newton = &mut self.newton;
         (newton.force, newton.object_fixed, newton.profile.iterations) = history.read()?;
         (newton.profile.projections, newton.profile.frozen) = history.read()?;

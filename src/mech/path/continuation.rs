@@ -209,9 +209,7 @@ impl Path {
     ) -> Result<f64, Failure> {
         let saved = pads.corrects().then(|| self.checkpoint());
         pads.predict(self, next);
-        if load == Load::Force {
-            self.newton.force.fill(next);
-        }
+        self.apply(load, next);
         let before = (self.state.clone(), self.level);
         let start = self.start(load, next);
         let to = (next != self.level).then_some(next);
@@ -230,9 +228,7 @@ impl Path {
             }
             Err(failure) => {
                 pads.fail(self, failure);
-                if load == Load::Force {
-                    self.newton.force.fill(self.level);
-                }
+                self.apply(load, self.level);
                 if let Some(saved) = saved {
                     self.restore(saved);
                     pads.restore();

@@ -18,7 +18,7 @@ pub struct Path {
     pub newton: Newton,
     /// The last accepted state.
     pub state: State,
-    /// Load level of `state`: force per finger (N) or prescribed travel (m), whatever [`Load`] says.
+    /// Load level of `state`: force per finger (N), prescribed travel (m) or part of a push, whatever [`Load`] says.
     pub level: f64,
     /// Convergence criteria.
     pub tolerance: NewtonTolerance,
@@ -88,6 +88,8 @@ pub enum Load {
     Force,
     /// The level is the travel of every finger since the start, m.
     Travel,
+    /// The level is the part of the push on the object that acts.
+    Push,
 }
 
 /// Tolerance of intermediate states over that of results.
@@ -142,6 +144,21 @@ impl Path {
         closed?;
         (self.level, self.history) = (force, None);
         Ok(done)
+    }
+
+    /// Begins another kind of load, which is zero in the accepted state; its path begins with the load `first`.
+    pub fn begin_load(&mut self, first: f64) {
+        (self.level, self.history, self.step) = (0.0, None, StepSize(f64::INFINITY));
+        self.control = self.control.map(|control| PathControl { first, ..control });
+    }
+
+    /// Sets the load that acts in the solver to `level`.
+    fn apply(&mut self, load: Load, level: f64) {
+        match load {
+            Load::Force => self.newton.force.fill(level),
+            Load::Push => self.newton.object.set_push_part(level),
+            Load::Travel => {}
+        }
     }
 
     /// Solves once more at the level reached, to the full tolerance.
@@ -221,7 +238,7 @@ impl Path {
         let mut predicted = self.state.extrapolated(before, factor);
         match load {
             Load::Travel => predicted.travel.clone_from(&plain.travel),
-            Load::Force => plain.travel.clone_from(&predicted.travel),
+            Load::Force | Load::Push => plain.travel.clone_from(&predicted.travel),
         }
         let worse = self.newton.energy(&predicted).total_cmp(&self.newton.energy(&plain)).is_gt();
         if worse { plain } else { predicted }

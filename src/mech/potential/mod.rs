@@ -2,6 +2,7 @@
 
 pub mod block;
 pub mod cross;
+pub mod dead_force;
 pub mod drive;
 pub mod edge;
 pub mod inversion_barrier;
@@ -11,4 +12,3 @@ pub mod state;
 pub mod term;
 pub mod time_step;
 pub mod viscosity;
-pub mod weight;

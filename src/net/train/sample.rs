@@ -52,7 +52,7 @@ pub struct Sample {
 /// Fails if the scene can no longer be built.
 pub fn model_of(file: &ObjectFile) -> Result<Arc<Model>> {
     let bad = |e| Error::file(&file.path, format!("its scene cannot be read: {e}"));
-    Model::build(&from_ron(&file.scene).map_err(bad)?)
+    Model::build(&from_ron(&file.scene).map_err(bad)?.on_own_mesh())
 }
 
 impl Sample {

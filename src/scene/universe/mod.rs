@@ -9,9 +9,9 @@ mod shape;
 
 use super::defaults;
 use super::grasps::{Antipodal, Grasps};
-use super::gripper::Gripper;
+use super::gripper::{Fingers, Gripper};
 use super::leaf::{Count, NonNegative, Positive};
-use super::loading::{Loading, Squeeze};
+use super::loading::{Loading, ObjectPush, Squeeze};
 use super::object::{Object, ObjectMotion};
 use super::objects::{Entry, Name};
 use super::task::Span;
@@ -53,6 +53,12 @@ pub struct Universe {
     pub heavy: NonNegative,
     /// Largest weight over the last sum of the finger forces; never more than half of what friction holds.
     pub weight: Positive,
+    /// Part of the objects that are pushed and twisted after the squeeze, in two fifths of the frames.
+    pub pushed: NonNegative,
+    /// Largest push and twist over what friction holds, about.
+    pub push: Positive,
+    /// Part of the objects that are fixed, with one finger that presses on them.
+    pub single: NonNegative,
 }
 
 impl Default for Universe {
@@ -71,6 +77,9 @@ impl Default for Universe {
             square: defaults::UNIVERSE_SQUARE,
             heavy: defaults::UNIVERSE_HEAVY,
             weight: defaults::UNIVERSE_WEIGHT,
+            pushed: defaults::UNIVERSE_PUSHED,
+            push: defaults::UNIVERSE_PUSH,
+            single: defaults::UNIVERSE_SINGLE,
         }
     }
 }
@@ -79,6 +88,11 @@ impl Default for Universe {
 const GRAVITY: f64 = 9.81;
 /// Largest weight over what friction holds: at the last force, and at the force from which on the fingers hold it.
 const HELD: [f64; 2] = [0.5, 0.6];
+/// Part of the frames of a push.
+const PUSH_FRAMES: f64 = 0.4;
+/// Torque that friction holds about the closing direction, over the force that it holds and the thickness of the pads: that of a round
+/// contact with a radius of 0.6 thicknesses, evenly pressed.
+const TWIST: f64 = 0.4;
 /// Largest width of an object over the opening of the hand.
 const WIDEST: f64 = 0.5;
 /// Largest angle of square grasps to the normals, degrees.
@@ -145,8 +159,9 @@ impl Universe {
             return field("families", "an empty list of families\nleave it out for all of them");
         }
         let parts =
-            [("square", self.square), ("heavy", self.heavy), ("pads.round", pads.round), ("pads.domed", pads.domed)];
-        let above = parts.iter().find(|(_, part)| part.get() > 1.0);
+            [("square", self.square), ("heavy", self.heavy), ("pushed", self.pushed), ("single", self.single)];
+        let parts = parts.into_iter().chain([("pads.round", pads.round), ("pads.domed", pads.domed)]);
+        let above = parts.clone().find(|(_, part)| part.get() > 1.0);
         above.and_then(|(name, _)| field(name, "a part of the objects\nallowed: 0 to 1"))
     }
 
@@ -175,14 +190,25 @@ impl Universe {
         let force = written(2.0 * draws.within(&self.force) * spec.young * thickness * thickness);
         let square = draws.is_in(self.square.get()) && family.has_faces();
         let tilt = if square { Positive::preset(SQUARE) } else { defaults::TILT };
+        let single = draws.is_in(self.single.get());
         let weight = self.weight.get().min(HELD[0] * friction) * force * draws.between(0.05, 1.0);
-        let heavy = draws.is_in(self.heavy.get()).then(|| {
+        let heavy = draws.is_in(self.heavy.get() * f64::from(u8::from(!single))).then(|| {
             let first = Positive::preset(written(weight / (HELD[1] * friction)));
             (weight / (GRAVITY * volume), first, direction(&mut draws))
         });
+        let carried = if heavy.is_some() { weight } else { 0.0 };
         let (density, first) = heavy.map_or((defaults::OBJECT_DENSITY, None), |(density, first, _)| {
             (Positive::preset(written(density)), Some(first))
         });
+        let pushed = draws.is_in(self.pushed.get() * f64::from(u8::from(!single)));
+        let frames = squeeze.frames.get();
+        let after = (PUSH_FRAMES * frames as f64).round() as usize;
+        let push = (pushed && after > 0 && after < frames).then(|| {
+            let holds = friction * force - carried;
+            let (force, torque) = push(self.push.get() * draws.between(0.05, 1.0), holds, thickness, &mut draws);
+            ObjectPush { force, torque, frames: Count::preset(after as u64) }
+        });
+        let frames = if push.is_some() { Count::preset((frames - after) as u64) } else { squeeze.frames };
         Entry {
             name: Name::near(&format!("{}-{index:04}", family.name())),
             object: Object {
@@ -191,7 +217,7 @@ impl Universe {
                 repair: false,
                 density,
                 segments: defaults::SEGMENTS,
-                motion: ObjectMotion::Free,
+                motion: if single { ObjectMotion::Fixed } else { ObjectMotion::Free },
                 velocity: None,
                 spin: None,
             },
@@ -205,13 +231,16 @@ impl Universe {
                 // Within the range of the leaf by the checks of the spans.
                 material: gripper.material.with(spec.young, poisson).unwrap_or(gripper.material),
                 friction: NonNegative::preset(friction),
+                fingers: if single { Fingers::One } else { gripper.fingers },
                 ..gripper.clone()
             }),
             loading: Some(Loading::Squeeze(Squeeze {
-                force: Positive::preset(force),
+                // One finger carries all of it, two a half each.
+                force: Positive::preset(if single { 0.5 * force } else { force }),
                 from: first,
                 release: first,
-                frames: squeeze.frames,
+                frames,
+                push,
             })),
             gravity: heavy.map(|(.., direction)| direction),
         }
@@ -224,6 +253,19 @@ fn direction(draws: &mut Draws) -> Vec3 {
     let r = (1.0 - z * z).max(0.0).sqrt();
     let along = [r * angle.cos(), r * angle.sin(), z];
     Tuple(along.map(|v| super::leaf::Finite::preset(written(GRAVITY * v))))
+}
+
+/// Draws force, N, and torque, N m, of a push across the closing direction and about it, and a tilt, which are the `part` of what friction
+/// holds (N) between pads of a thickness, m (limit surface of Howe and Cutkosky 1996).
+fn push(part: f64, holds: f64, thickness: f64, draws: &mut Draws) -> (Vec3, Vec3) {
+    let [across, kind, about] = [(); 3].map(|()| draws.between(0.0, std::f64::consts::TAU));
+    let (force, torque) = (part * holds * kind.cos(), part * holds * TWIST * thickness);
+    let tilt = torque * draws.between(0.0, 0.5);
+    let vector = |v: [f64; 3]| Tuple(v.map(|v| super::leaf::Finite::preset(written(v))));
+    (
+        vector([0.0, force * across.cos(), force * across.sin()]),
+        vector([torque * kind.sin(), tilt * about.cos(), tilt * about.sin()]),
+    )
 }
 
 #[cfg(test)]

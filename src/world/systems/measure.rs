@@ -1,7 +1,8 @@
 //! Balance of the forces of a frame, from the wrenches alone, whatever stepper wrote them.
 
 use crate::world::components::*;
-use crate::world::schedule::{BalanceReport, Shared};
+use crate::record::Wrench;
+use crate::world::schedule::{BalanceReport, CurrentGrasp, Shared, StepLoad};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
@@ -12,6 +13,8 @@ type Loads<'a> = (&'a ObjectPose, Option<&'a ObjectWeight>, Option<&'a GroundWre
 /// fixed one, each finger's contact must carry the force that closes it; for one that is still held, their contacts together.
 pub fn measure_balance(
     shared: Res<Shared>,
+    grasp: Res<CurrentGrasp>,
+    load: Res<StepLoad>,
     mut balance: ResMut<BalanceReport>,
     fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel, &FingerForce, &FingerWrench)>,
     object: Single<Loads>,
@@ -24,6 +27,12 @@ pub fn measure_balance(
     let (mut force, mut torque) = (weight, DVec3::ZERO);
     let ground = ground.copied().unwrap_or_default();
     let inertia = inertia.copied().unwrap_or_default();
+    if let Some(push) = &model.push {
+        let turn = pose.rotation * grasp.0.object_in_hand().rotation.inverse();
+        force += push.force * load.push;
+        torque += push.torque_after(turn) * load.push;
+    }
+    balance.load = Wrench { force, torque };
     force += ground.force + inertia.force;
     torque += ground.torque + inertia.torque;
     for (index, closing, travel, given, wrench) in &fingers {
@@ -53,6 +62,7 @@ pub fn measure_balance(
         Some(_) => applied + weight.length() + ground.force.length() + pushed,
     };
     *balance = BalanceReport {
+        load: balance.load,
         object_fixed: balance.object_fixed,
         applied,
         force: relative(unbalanced, scale),

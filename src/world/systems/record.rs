@@ -86,6 +86,7 @@ pub fn record_frame(
         travel,
         object_position: object.position,
         object_rotation: object.rotation,
+        object_load: balance.load,
         pads,
         moving,
         energy: report.energy,

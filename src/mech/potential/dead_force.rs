@@ -1,4 +1,4 @@
-//! Weight of a free object, as a term of the potential.
+//! Force on a point of a free object, as a term of the potential: weight, and pushes.
 
 use super::block::RigidBlock;
 use super::state::ObjectView;
@@ -7,38 +7,38 @@ use crate::error::Result;
 use crate::history::{HistoryReader, HistoryWriter};
 use glam::{DMat3, DVec3};
 
-/// Dead load at the object's centre of mass: potential `-f . c`. A support carries as much of it as it has not handed over yet.
+/// Dead load at a point of the object: potential `-f . x`.
 #[derive(Debug, Clone, Copy)]
-pub struct Weight {
-    /// Weight, N, hand frame.
+pub struct DeadForce {
+    /// Whole force, N, hand frame.
     pub force: DVec3,
-    /// Centre of mass in the object frame, m.
-    pub center: DVec3,
-    /// Centre of mass at the start, hand frame, m: the potential counts from there, which keeps its digits.
+    /// Point in the object frame, m.
+    pub point: DVec3,
+    /// Position of the point at the start, hand frame, m: the potential counts from there, which keeps its digits.
     pub start: DVec3,
-    /// Part of the weight that the support has handed over.
+    /// Part of the force that acts: a support carries the rest of a weight, and a push rises.
     pub part: f64,
 }
 
-impl Weight {
-    /// The weight of `force` N at `center` (object frame, m), which is at `start` (hand frame, m).
-    pub fn new(force: DVec3, center: DVec3, start: DVec3) -> Self {
-        Self { force, center, start, part: 1.0 }
+impl DeadForce {
+    /// Creates a load of `force` N at `point` (object frame, m), which is at `start` (hand frame, m).
+    pub fn new(force: DVec3, point: DVec3, start: DVec3) -> Self {
+        Self { force, point, start, part: 1.0 }
     }
 
-    /// Part of the weight that the pads have to hold, N.
-    fn hanging(&self) -> DVec3 {
+    /// Force that acts, N.
+    fn acting(&self) -> DVec3 {
         self.force * self.part
     }
 }
 
-impl ObjectTerm for Weight {
+impl ObjectTerm for DeadForce {
     fn energy(&self, view: &ObjectView) -> f64 {
-        -self.hanging().dot(view.position + view.rotation * self.center - self.start)
+        -self.acting().dot(view.position + view.rotation * self.point - self.start)
     }
 
     fn assemble(&mut self, view: &ObjectView, how: Assembly, block: &mut RigidBlock) {
-        let (f, r) = (self.hanging(), view.rotation * self.center);
+        let (f, r) = (self.acting(), view.rotation * self.point);
         let (Some(c), true) = (view.column, f != DVec3::ZERO) else { return };
         let torque = r.cross(f).to_array();
         for (k, (f, t)) in f.to_array().into_iter().zip(torque).enumerate() {

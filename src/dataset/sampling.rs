@@ -1,0 +1,70 @@
+//! Results of a finer mesh at the nodes of the pads that a scene describes.
+//!
+//! Displacement and stress are interpolated by the shape functions of the finer mesh. A contact force is shared out among the corners of
+//! the triangle of the coarser face that it acts on, so that force and moment about the face stay what they are.
+
+use crate::distance::fields::Stencils;
+use crate::geometry::face_lookup::FaceLookup;
+use crate::model::Model;
+use crate::record::{Frame, PadFrame};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Map from the frames of a finer mesh to those of the pads of a scene.
+#[derive(Debug)]
+pub struct Sampling {
+    coarse: Arc<Model>,
+    /// First node of each finer pad at rest, m, hand frame.
+    first: Vec<DVec3>,
+    /// Nodes of the finer mesh with their shape functions, for each node of the coarser one.
+    nodes: Stencils,
+    /// Nodes of the coarser face with their parts, for each node of the finer mesh that can be pressed.
+    face: Vec<(u32, [(u32, f64); 3])>,
+}
+
+impl Sampling {
+    /// Creates the map between two models of the same pads.
+    pub fn new(fine: &Model, coarse: Arc<Model>) -> Self {
+        let first = fine.fingers.iter().map(|finger| finger.body.rest[0]).collect();
+        let (fine, pad) = (&fine.fingers[0].topology, &coarse.fingers[0].topology);
+        let lookup = FaceLookup::new(&pad.rest, &pad.sensing);
+        let mut pressed: Vec<u32> = fine.sensing.as_flattened().to_vec();
+        pressed.sort_unstable();
+        pressed.dedup();
+        let face = pressed.into_iter().map(|n| (n, lookup.under(fine.rest[n as usize]))).collect();
+        Self { nodes: Stencils::new(&pad.rest, fine), first, face, coarse }
+    }
+
+    /// Returns `frame` at the nodes of the coarser pads. Numbers about the whole frame stay those of the finer mesh.
+    pub fn frame(&self, frame: &Frame) -> Frame {
+        let pads = frame.pads.iter().zip(&self.coarse.fingers).zip(&self.first).map(|((pad, finger), first)| {
+            let stress = &pad.von_mises_node;
+            let displacement = self.nodes.of(&pad.displacement);
+            let von_mises_node: Vec<f64> = if stress.is_empty() { Vec::new() } else { self.nodes.of(stress) };
+            // Any node tells how far the finger has carried the pad.
+            let carried = pad.position[0] - pad.displacement[0] - first;
+            let elements = &finger.topology.elements;
+            let mean = |own: &[u32]| own.iter().map(|n| von_mises_node[*n as usize]).sum::<f64>() / own.len() as f64;
+            let tets = elements.nodes().chunks_exact(elements.width());
+            let von_mises_element = if stress.is_empty() { Vec::new() } else { tets.map(mean).collect() };
+            let mut contact_force = Vec::new();
+            if !pad.contact_force.is_empty() {
+                contact_force.resize(finger.topology.rest.len(), DVec3::ZERO);
+                for (n, parts) in &self.face {
+                    let force = pad.contact_force[*n as usize];
+                    parts.iter().for_each(|(i, part)| contact_force[*i as usize] += force * *part);
+                }
+            }
+            PadFrame {
+                position: finger.body.rest.iter().zip(&displacement).map(|(x, u)| *x + carried + *u).collect(),
+                displacement,
+                contact_force,
+                von_mises_node,
+                von_mises_element,
+                gap: if pad.gap.is_empty() { Vec::new() } else { self.nodes.of(&pad.gap) },
+                wrench: pad.wrench,
+            }
+        });
+        Frame { pads: pads.collect(), ..frame.clone() }
+    }
+}
