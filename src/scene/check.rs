@@ -87,7 +87,6 @@ pub(super) fn check(scene: &Scene) -> Result<(), Problem> {
         return refuse("stepper.mesh", "pads of a file have no other mesh than theirs\nleave it out");
     }
     grasps(&scene.grasps)?;
-    antipodal(scene)?;
     loading(scene)?;
     dynamic(scene)?;
     super::task::problem(scene).map_or(Ok(()), |(path, message)| refuse(path, message))?;
@@ -227,15 +226,6 @@ fn grasps(grasps: &Grasps) -> Result<(), Problem> {
 }
 
 /// Checks that sampled grasps have two fingers, because each of them has two contacts.
-fn antipodal(scene: &Scene) -> Result<(), Problem> {
-    match (&scene.grasps, scene.gripper.fingers) {
-        (Grasps::Antipodal(_), Fingers::One) => {
-            refuse("grasps", "Antipodal grasps need two fingers\nuse fingers: Both, or List([...])")
-        }
-        _ => Ok(()),
-    }
-}
-
 fn loading(scene: &Scene) -> Result<(), Problem> {
     if matches!(scene.loading, Loading::Dynamic(_)) {
         return Ok(());

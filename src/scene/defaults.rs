@@ -89,6 +89,8 @@ defaults! {
     UNIVERSE_POISSON: Span = Tuple([Positive::preset(0.3), Positive::preset(0.495)]);
     /// Universe: last forces on a finger over E t^2.
     UNIVERSE_FORCE: Span = Tuple([Positive::preset(0.4), Positive::preset(1.2)]);
+    /// Universe: forces on a finger over E t^2 at which objects are let go.
+    UNIVERSE_RELEASE: Span = Tuple([Positive::preset(0.02), Positive::preset(0.4)]);
     /// Universe: part of the objects whose grasps are square.
     UNIVERSE_SQUARE: NonNegative = NonNegative::preset(0.4);
     /// Universe: part of the objects with weight.

@@ -47,11 +47,14 @@ pub struct Universe {
     pub pads: PadSpans,
     /// Range of the last force on a finger over E t^2, with the thickness t of the pad.
     pub force: Span,
+    /// Range of the force on a finger over E t^2 at which an object without weight is let go, drawn with equal chance per factor. One with
+    /// weight is let go as soon as friction holds it.
+    pub release: Span,
     /// Part of the objects whose grasps meet faces and axes squarely, of the families that have any.
     pub square: NonNegative,
     /// Part of the objects with weight, in any direction.
     pub heavy: NonNegative,
-    /// Largest weight over the last sum of the finger forces; never more than half of what friction holds.
+    /// Largest weight over the last sum of the finger forces; never more than two fifths of what friction holds.
     pub weight: Positive,
     /// Part of the objects that are pushed and twisted after the squeeze, in two fifths of the frames.
     pub pushed: NonNegative,
@@ -74,6 +77,7 @@ impl Default for Universe {
             poisson: defaults::UNIVERSE_POISSON,
             pads: PadSpans::default(),
             force: defaults::UNIVERSE_FORCE,
+            release: defaults::UNIVERSE_RELEASE,
             square: defaults::UNIVERSE_SQUARE,
             heavy: defaults::UNIVERSE_HEAVY,
             weight: defaults::UNIVERSE_WEIGHT,
@@ -87,7 +91,7 @@ impl Default for Universe {
 /// Gravity by which weights become densities, m/s2.
 const GRAVITY: f64 = 9.81;
 /// Largest weight over what friction holds: at the last force, and at the force from which on the fingers hold it.
-const HELD: [f64; 2] = [0.5, 0.6];
+const HELD: [f64; 2] = [0.4, 0.45];
 /// Part of the frames of a push.
 const PUSH_FRAMES: f64 = 0.4;
 /// Torque that friction holds about the closing direction, over the force that it holds and the thickness of the pads: that of a round
@@ -143,6 +147,7 @@ impl Universe {
             ("friction", &self.friction),
             ("poisson", &self.poisson),
             ("force", &self.force),
+            ("release", &self.release),
             ("pads.length", &pads.length),
             ("pads.width", &pads.width),
             ("pads.thickness", &pads.thickness),
@@ -191,14 +196,15 @@ impl Universe {
         let square = draws.is_in(self.square.get()) && family.has_faces();
         let tilt = if square { Positive::preset(SQUARE) } else { defaults::TILT };
         let single = draws.is_in(self.single.get());
+        let release = written((draws.factor(&self.release) * 2.0 * spec.young * thickness * thickness).min(force));
         let weight = self.weight.get().min(HELD[0] * friction) * force * draws.between(0.05, 1.0);
         let heavy = draws.is_in(self.heavy.get() * f64::from(u8::from(!single))).then(|| {
             let first = Positive::preset(written(weight / (HELD[1] * friction)));
             (weight / (GRAVITY * volume), first, direction(&mut draws))
         });
         let carried = if heavy.is_some() { weight } else { 0.0 };
-        let (density, first) = heavy.map_or((defaults::OBJECT_DENSITY, None), |(density, first, _)| {
-            (Positive::preset(written(density)), Some(first))
+        let (density, first, release) = heavy.map_or((defaults::OBJECT_DENSITY, None, release), |(density, first, _)| {
+            (Positive::preset(written(density)), Some(first), first.get())
         });
         let pushed = draws.is_in(self.pushed.get() * f64::from(u8::from(!single)));
         let frames = squeeze.frames.get();
@@ -238,7 +244,7 @@ impl Universe {
                 // One finger carries all of it, two a half each.
                 force: Positive::preset(if single { 0.5 * force } else { force }),
                 from: first,
-                release: first,
+                release: (!single).then(|| Positive::preset(release)),
                 frames,
                 push,
             })),
