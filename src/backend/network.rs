@@ -3,11 +3,12 @@
 use crate::error::{Error, Result};
 use crate::history::{HistoryReader, HistoryWriter};
 use crate::linear::first_contact::GeometricContact;
+use crate::linear::{GraspLoad, loads_of};
 use crate::linear::pad_graph::PadGraph;
 use crate::model::{Model, Needs};
 use crate::net::infer::force_ladder::ForceLadder;
 use crate::net::infer::predict::{PadState, Predictor, Seen};
-use crate::net::train::sample::moved;
+use crate::linear::object_motion::moved;
 use crate::record::PadTopology;
 use crate::world::Stepper;
 use crate::world::components::*;
@@ -105,7 +106,7 @@ impl Stepper for NetworkStepper {
         }
         let ahead: usize = history.read()?;
         let Prediction { predictor, grasp: Some((_, seen)), .. } = &*prediction else { return Ok(()) };
-        let states = if ahead > 0 { predictor.ramp(seen, &model.levels)? } else { Vec::new() };
+        let states = if ahead > 0 { predictor.ramp(seen, &loads_of(&model))? } else { Vec::new() };
         let behind = states.len().saturating_sub(ahead);
         prediction.ahead = states.into_iter().skip(behind).collect();
         Ok(())
@@ -129,7 +130,7 @@ pub struct Prediction {
 
 impl Prediction {
     /// Encodes the grasp at first contact.
-    fn look(&mut self, model: &Model, contact: GeometricContact) {
+    fn look(&mut self, model: &Arc<Model>, contact: GeometricContact) {
         let seen = self.predictor.look(model, &self.graph, &contact);
         let seen = if model.needs.stress { seen } else { seen.without_stress() };
         self.grasp = Some((contact, seen));
@@ -191,9 +192,13 @@ fn predict(
         Some((_, seen)) if command.is_none() => {
             if *phase == (Phase::Ramp { frame: 0 }) {
                 // Where one of the loads has no answer, each is asked for by itself, as far as they go.
-                *ahead = predictor.ramp(seen, &shared.0.levels).map(VecDeque::from).unwrap_or_default();
+                *ahead = predictor.ramp(seen, &loads_of(&shared.0)).map(VecDeque::from).unwrap_or_default();
             }
-            ahead.pop_front().map_or_else(|| predictor.at(seen, load.level), Ok)
+            let asked = || {
+                let push = shared.0.push.as_ref().map(|push| [push.force * load.push, push.torque * load.push]);
+                predictor.at(seen, GraspLoad { force: load.level, push: push.unwrap_or_default() })
+            };
+            ahead.pop_front().map_or_else(asked, Ok)
         }
         Some((_, seen)) => {
             let known = ladder

@@ -65,8 +65,8 @@ pub struct ObjectBalance {
 }
 
 impl ObjectBalance {
-    /// Creates the balance between `pads`; `weight` is that of the object, and where it acts.
-    pub fn new(pads: &[Pressed; 2], weight: [DVec3; 2]) -> Self {
+    /// Creates the balance between `pads`; `pull` is force and moment of what else acts on the object, about the origin.
+    pub fn new(pads: &[Pressed; 2], pull: [DVec3; 2]) -> Self {
         let axes = pads.each_ref().map(|pad| {
             let [x, y, z] =
                 [pad.rotation.x_axis, pad.rotation.y_axis, pad.rotation.z_axis].map(|axis| axis * pad.force);
@@ -96,7 +96,7 @@ impl ObjectBalance {
             place: place.iter().map(|x| x.to_array().map(|v| v as f32)).collect(),
             modes: modes.iter().map(|m| m.map(|v| v as f32)).collect(),
             inverse: std::array::from_fn(|m| std::array::from_fn(|k| solved[(k, m)] as f32)),
-            load: wrench(weight[0], weight[1]).map(|v| v as f32),
+            load: std::array::from_fn(|k| pull[k / 3][k % 3] as f32),
         }
     }
 

@@ -8,12 +8,45 @@ pub mod deviator;
 pub mod edges;
 pub mod first_contact;
 pub mod mortar;
+pub mod object_motion;
 pub mod pad_graph;
 pub mod projected_gradient;
 pub mod rigid_equilibrium;
 
 use crate::model::Model;
 use glam::DVec3;
+
+/// Load on a grasp.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct GraspLoad {
+    /// Force per finger, N.
+    pub force: f64,
+    /// Push on the object beside its weight, hand frame: force on its centre of mass, N, and torque, N m.
+    pub push: [DVec3; 2],
+}
+
+impl From<f64> for GraspLoad {
+    fn from(force: f64) -> Self {
+        Self { force, ..Self::default() }
+    }
+}
+
+impl GraspLoad {
+    /// Returns the load in units of a force `unit` (N) and a length `thickness` (m).
+    pub fn over(self, unit: f64, thickness: f64) -> Self {
+        let [force, torque] = self.push;
+        Self { force: self.force / unit, push: [force / unit, torque / (unit * thickness)] }
+    }
+}
+
+/// Returns the loads of a model's frames.
+pub fn loads_of(model: &Model) -> Vec<GraspLoad> {
+    let push = |frame: usize| {
+        let part = model.push_part(frame);
+        model.push.as_ref().map_or_else(Default::default, |push| [push.force * part, push.torque * part])
+    };
+    model.levels.iter().enumerate().map(|(frame, force)| GraspLoad { force: *force, push: push(frame) }).collect()
+}
 
 /// Point amid the pads at zero travel, m, hand frame.
 pub fn amid(model: &Model) -> DVec3 {

@@ -15,7 +15,7 @@ use crate::geometry::face_lookup::FaceLookup;
 use crate::kernel::Sparse;
 use crate::part::FingerModel;
 use crate::record::PadTopology;
-use glam::DVec3;
+use glam::{DVec2, DVec3, Vec3Swizzles};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -45,8 +45,14 @@ pub struct PadGraph {
     pub face: Vec<u32>,
     /// Rest positions of these nodes.
     pub rest: Vec<DVec3>,
+    /// Triangles of the face between them.
+    pub triangles: Vec<[u32; 3]>,
     /// Area of the face that each stands for, m2.
     pub area: Vec<f64>,
+    /// Way along x and y from each to the nearest point of the rim of the face, m.
+    pub to_rim: Vec<DVec2>,
+    /// Ends of the face along x and y, m.
+    pub ends: [DVec2; 2],
     /// Edges between face nodes.
     pub edges: Edges,
     /// Rows (face node, depth channel) -> nodes of the pad.
@@ -114,6 +120,12 @@ impl PadGraph {
             node_count: pad.rest.len(),
             interpolate: Sparse::new(&rows, n * depths),
             interpolate_free: Sparse::new(&free, n * depths),
+            to_rim: to_rim(&rest, &triangles),
+            ends: [
+                rest.iter().map(|x| x.xy()).fold(DVec2::INFINITY, DVec2::min),
+                rest.iter().map(|x| x.xy()).fold(DVec2::NEG_INFINITY, DVec2::max),
+            ],
+            triangles,
             face,
             rest,
             area,
@@ -121,6 +133,11 @@ impl PadGraph {
             hash,
             poisson: finger.body.material.moduli().poisson,
         })
+    }
+
+    /// Returns true if the box around the face covers a place.
+    pub fn covers(&self, at: DVec2) -> bool {
+        at.cmpge(self.ends[0]).all() && at.cmple(self.ends[1]).all()
     }
 
     /// Returns true if the pad of `finger` has this graph.
@@ -157,6 +174,28 @@ pub fn mesh_hash(pad: &PadTopology) -> String {
         hash.update(&v.to_le_bytes());
     });
     hash.finalize().to_hex().to_string()
+}
+
+/// Way along x and y from each face node to the nearest point of the rim: of the edges that belong to one triangle only.
+fn to_rim(rest: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec2> {
+    let mut count: BTreeMap<[u32; 2], u32> = BTreeMap::new();
+    for t in triangles {
+        for k in 0..3 {
+            let (a, b) = (t[k], t[(k + 1) % 3]);
+            *count.entry([a.min(b), a.max(b)]).or_default() += 1;
+        }
+    }
+    let rim = count.into_iter().filter(|(_, n)| *n == 1).map(|(edge, _)| edge.map(|i| rest[i as usize].xy()));
+    let rim: Vec<[DVec2; 2]> = rim.collect();
+    let way = |x: &DVec3| {
+        let to = rim.iter().map(|[a, b]| {
+            let along = *b - *a;
+            let part = ((x.xy() - *a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            *a + along * part - x.xy()
+        });
+        to.min_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or_default()
+    };
+    rest.par_iter().map(way).collect()
 }
 
 /// Interpolation of every node of the pad: (face node * depths + channel, weight), non-negative and summing to one.

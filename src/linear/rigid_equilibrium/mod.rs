@@ -9,8 +9,7 @@
 
 mod step;
 
-use crate::linear::amid;
-use crate::linear::around;
+use crate::linear::{GraspLoad, amid, around};
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::PadGraph;
 use crate::model::Model;
@@ -142,13 +141,13 @@ impl RigidEquilibrium {
             let next = f64::max(FIRST, force * STEP);
             let stops = changes.iter().filter(|(at, used)| *used && force < *at && *at <= next);
             let next = stops.map(|(at, _)| *at).fold(next, f64::min);
-            let after = equilibrium.looked(equilibrium.follow(&rest, next), &object);
+            let after = equilibrium.looked(equilibrium.follow(&rest, &next.into()), &object);
             equilibrium.path.push((force, std::mem::replace(&mut rest, after)));
             force = next;
             if changes.contains(&(force, true)) {
                 equilibrium.held = force < held;
                 equilibrium.weight = if equilibrium.held { equilibrium.weight } else { heavy };
-                let after = equilibrium.looked(equilibrium.follow(&rest, force), &object);
+                let after = equilibrium.looked(equilibrium.follow(&rest, &force.into()), &object);
                 equilibrium.path.push((force.next_down(), std::mem::replace(&mut rest, after)));
             }
         }
@@ -158,25 +157,54 @@ impl RigidEquilibrium {
         equilibrium
     }
 
-    /// Force that `finger` presses with at `force` per finger: one carries more of a free object's weight than the other.
-    pub fn carried_by(&self, finger: usize, force: f64) -> f64 {
-        let share = self.weight[0].dot(self.fingers[finger].closing) / self.fingers.len() as f64;
-        if self.free { (force - share).max(LEAST * force) } else { force }
+    /// Force that `finger` presses with under `load`: one carries more of what pulls at a free object than the other.
+    pub fn carried_by(&self, finger: usize, load: &GraspLoad) -> f64 {
+        let pull = self.weight[0] + load.push[0];
+        let share = pull.dot(self.fingers[finger].closing) / self.fingers.len() as f64;
+        if self.free { (load.force - share).max(LEAST * load.force) } else { load.force }
     }
 
-    /// Weight of the object, and where it acts at `rest`.
-    pub fn hangs(&self, rest: &Rest) -> [DVec3; 2] {
-        let [weight, at] = self.weight;
-        [weight, rest.rotation * at + rest.shift]
+    /// Force and moment of weight and push on the object at `rest`, about its centre of mass.
+    pub fn pulled(&self, load: &GraspLoad) -> [DVec3; 2] {
+        [self.weight[0] + load.push[0], load.push[1]]
     }
 
-    /// State at `force` per finger: between two states of the path.
-    pub fn rest(&self, force: f64) -> Rest {
-        match (around(&self.path, force), self.path.last()) {
+    /// Force and moment of weight and push on the object at `rest`, about the point amid the pads.
+    pub fn hangs(&self, rest: &Rest, load: &GraspLoad) -> [DVec3; 2] {
+        let ([force, torque], center) = (self.pulled(load), rest.rotation * self.weight[1] + rest.shift);
+        [force, torque + center.cross(force)]
+    }
+
+    /// State under `load`: between two states of the path, and then pushed.
+    pub fn rest(&self, load: &GraspLoad) -> Rest {
+        let squeezed = match (around(&self.path, load.force), self.path.last()) {
             (Some((before, after, part)), _) => before.towards(after, part),
-            (None, Some((most, last))) if *most < force => self.follow(last, force),
+            (None, Some((most, last))) if *most < load.force => self.follow(last, &load.force.into()),
             _ => self.path[0].1.clone(),
-        }
+        };
+        if load.push == [DVec3::ZERO; 2] || !self.free { squeezed } else { self.pushed(&squeezed, load) }
+    }
+
+    /// State after a push on the squeezed object. What the pads see of it there is what they see in the nearest state of the path.
+    fn pushed(&self, squeezed: &Rest, load: &GraspLoad) -> Rest {
+        let near = self.path.partition_point(|(force, _)| *force < load.force).min(self.path.len() - 1);
+        let known = &self.path[near].1;
+        let along = |pad: usize| {
+            let functions = squeezed.moved[pad].iter().zip(&known.moved[pad]).zip(&self.graph.basis.rest);
+            functions.zip(&known.seen[pad]).map(move |(((moved, then), at), seen)| {
+                // The object is as flat as it is seen there.
+                let place = |rest: &Rest, moved: DVec3| {
+                    rest.rotation.inverse() * (self.place(pad, *at, moved, rest) - rest.shift)
+                };
+                let (now, then) = (place(squeezed, *moved), place(known, *then));
+                let turn = self.fingers[pad].rotation.transpose();
+                let normal = turn * (squeezed.rotation * known.rotation.inverse() * (self.fingers[pad].rotation * seen.normal));
+                let apart = turn * (squeezed.rotation * (now - then));
+                Seen { gap: seen.gap + normal.dot(apart), normal, place: now }
+            })
+        };
+        let seen = (0..self.fingers.len()).map(|pad| along(pad).collect()).collect();
+        self.follow(&Rest { seen, ..squeezed.clone() }, load)
     }
 
     /// Depth that the object asks of each face node of `pad` along its normal, which is given with it; negative is a gap.

@@ -6,6 +6,7 @@
 //! basis function slips against a spring along the face that is as soft as the limit asks (secant iteration).
 
 use super::{Rest, RigidEquilibrium, Seen};
+use crate::linear::GraspLoad;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
@@ -49,21 +50,21 @@ struct Solved {
 }
 
 impl RigidEquilibrium {
-    /// Finds the equilibrium under `force` per finger after `before`, without the views from its basis functions. An object
+    /// Finds the equilibrium under `load` after `before`, without the views from its basis functions. An object
     /// that nothing holds stays where it was, and the fingers close on it: linear pads cannot say whether it slips away.
-    pub(crate) fn follow(&self, before: &Rest, force: f64) -> Rest {
-        let moving = if self.free && !self.held { self.moved(before, force, true) } else { None };
-        moving.or_else(|| self.moved(before, force, false)).unwrap_or_else(|| before.clone())
+    pub(crate) fn follow(&self, before: &Rest, load: &GraspLoad) -> Rest {
+        let moving = if self.free && !self.held { self.moved(before, load, true) } else { None };
+        moving.or_else(|| self.moved(before, load, false)).unwrap_or_else(|| before.clone())
     }
 
     /// Finds the equilibrium with an object that moves or stays; None if rigid motions are larger than [`LARGEST`].
-    fn moved(&self, before: &Rest, force: f64, moves: bool) -> Option<Rest> {
+    fn moved(&self, before: &Rest, load: &GraspLoad, moves: bool) -> Option<Rest> {
         let mut contacts: Vec<Contact> = (0..self.fingers.len()).map(|p| Contact::new(before, p)).collect();
         let (mut rigid, mut now) = ([0.0; RIGID], before.clone());
         for iteration in 0..ITERATIONS {
             let solve = |(p, contact): (usize, &Contact)| self.solve(p, before, contact);
             let Some(solved) = contacts.par_iter().enumerate().map(solve).collect::<Option<Vec<_>>>() else { break };
-            rigid = self.balance(before, &solved, force, moves);
+            rigid = self.balance(before, &solved, load, moves);
             let part = if iteration < CALM { 1.0 } else { 0.5 };
             let update = |(p, contact): (usize, &mut Contact)| {
                 self.update_active_set(p, before, contact, &solved[p], &rigid, part)
@@ -146,7 +147,7 @@ impl RigidEquilibrium {
     }
 
     /// The rigid motions under which the object, if it moves, and the fingers are in balance.
-    fn balance(&self, before: &Rest, solved: &[Solved], force: f64, moves: bool) -> Rigid {
+    fn balance(&self, before: &Rest, solved: &[Solved], load: &GraspLoad, moves: bool) -> Rigid {
         let (mut stiffness, mut right) = ([[0.0; RIGID]; RIGID], [0.0; RIGID]);
         for (p, solved) in solved.iter().enumerate() {
             let dot = |a: usize, b: usize| solved.columns.col(a).transpose() * solved.columns.col(b);
@@ -154,12 +155,12 @@ impl RigidEquilibrium {
                 (0..RIGID).for_each(|b| stiffness[a][b] += dot(a, b));
                 right[a] += dot(a, RIGID);
             }
-            right[self.travel(p)] += force;
+            right[self.travel(p)] += load.force;
         }
-        let [weight, at] = self.weight;
-        let torque = (before.rotation * at).cross(weight);
+        let [force, torque] = self.pulled(load);
+        let torque = torque + (before.rotation * self.weight[1]).cross(force);
         for k in 0..3 {
-            right[2 + k] += weight[k];
+            right[2 + k] += force[k];
             right[5 + k] += torque[k];
         }
         let used = |a: usize| if a < 2 { (0..solved.len()).any(|p| self.travel(p) == a) } else { moves };

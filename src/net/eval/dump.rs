@@ -84,7 +84,7 @@ pub fn write(path: &Path, predictor: &Predictor, sample: &Sample) -> Result<()> 
     {
         // The shared block cannot tell how often it is passed.
         arrays.matrix("rounds", &Matrix::constant(1, 1, vec![sizes.rounds.get() as f32]));
-        let contact: Vec<f32> = loads.force.iter().flat_map(|force| volume.contact_edge(*force)).collect();
+        let contact: Vec<f32> = loads.load.iter().flat_map(|load| volume.contact_edge(load.force)).collect();
         arrays.matrix("node", &inputs.matrix(&volume.node, &norms.node, &VOLUME_NODE));
         arrays.matrix("mesh_edge", &inputs.matrix(&volume.mesh_edge, &norms.mesh, &MESH_EDGE));
         arrays.matrix("contact_edge", &inputs.matrix(&contact, &norms.contact, &CONTACT_EDGE));

@@ -5,9 +5,10 @@ use crate::dataset::{ObjectFile, StoredGrasp};
 use crate::error::Result;
 use crate::gripper::GraspPose;
 use crate::linear::first_contact::GeometricContact;
+use crate::linear::{GraspLoad, loads_of};
 use crate::model::Model;
 use crate::net::infer::predict::{PadState, Predictor};
-use crate::net::train::sample::moved;
+use crate::linear::object_motion::moved;
 use crate::record::{Frame, PadFrame, Wrench};
 use crate::world::components::ObjectPose;
 use glam::DVec3;
@@ -27,8 +28,9 @@ pub fn both(
 ) -> Result<[Vec<Frame>; 2]> {
     let touch = GeometricContact::find(model, GraspPose::from_row(&grasp.grasp_pose))?;
     let seen = predictor.look(model, &predictor.graph(model)?, &touch);
-    let forces: Vec<f64> = wanted.iter().map(|k| grasp.force[*k] / file.sizes.pads as f64).collect();
-    let states = predictor.ramp(&seen, &forces)?;
+    let all = loads_of(model);
+    let applied = |k: &usize| GraspLoad { force: grasp.force[*k] / file.sizes.pads as f64, ..all[*k] };
+    let states = predictor.ramp(&seen, &wanted.iter().map(applied).collect::<Vec<_>>())?;
     let truth: Vec<Frame> = wanted.iter().map(|k| frame(file, grasp, *k)).collect();
     let predicted = truth.iter().zip(&states).map(|(truth, states)| {
         let (first, pad) = (&states[0], model.fingers[0].placement.rotation);

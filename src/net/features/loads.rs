@@ -2,6 +2,7 @@
 
 use super::GraspFeatures;
 use super::Parity::{self, Even, X, XY, Y};
+use crate::linear::GraspLoad;
 use crate::linear::balance::{ObjectBalance, Pressed};
 use crate::linear::projected_gradient::{LANES, Touching, projected_contact};
 use crate::linear::rigid_equilibrium::Rest;
@@ -15,8 +16,10 @@ use std::sync::Arc;
 /// linear response over depth.
 pub const NODE_LOAD: [Parity; 12] = [Even, Even, Even, X, Y, Even, Even, X, Y, X, Y, Even];
 /// Features of a pad at a load: logarithm and cube root of the force, depth, touching area, centre of pressure, pull along the face
-/// and twist over the force, travel over depth, the travel that the projected contact adds, motion of the object over depth.
-pub const PAD_LOAD: [Parity; 17] = [Even, Even, Even, Even, X, Y, X, Y, XY, Even, Even, X, Y, Even, Y, X, XY];
+/// and twist over the force, travel over depth, the travel that the projected contact adds, motion of the object over depth, force and
+/// torque of weight and push on the object over the force.
+pub const PAD_LOAD: [Parity; 23] =
+    [Even, Even, Even, Even, X, Y, X, Y, XY, Even, Even, X, Y, Even, Y, X, XY, X, Y, Even, Y, X, XY];
 
 /// Share of the force below which a node hardly touches.
 const FAINT: f64 = 1e-3;
@@ -30,8 +33,8 @@ pub struct LoadFeatures {
     pub node: Vec<f32>,
     /// Features of pads (levels * pads, [`PAD_LOAD`]).
     pub pad: Vec<f32>,
-    /// Force per finger over `E t^2`: (levels).
-    pub force: Vec<f64>,
+    /// Force per finger over `E t^2`, and push on the object over that and the thickness: (levels).
+    pub load: Vec<GraspLoad>,
     /// Pressing force of each pad over `E t^2`: (levels * pads).
     pub pressing: Vec<f64>,
     /// Mean displacement where the force acts, m: (levels * pads).
@@ -47,11 +50,11 @@ pub struct LoadFeatures {
 impl LoadFeatures {
     /// Returns the features of the levels that `wanted` numbers.
     pub fn levels(&self, wanted: &[usize]) -> Self {
-        let count = self.force.len();
+        let count = self.load.len();
         Self {
             node: rows(&self.node, count, wanted),
             pad: rows(&self.pad, count, wanted),
-            force: rows(&self.force, count, wanted),
+            load: rows(&self.load, count, wanted),
             pressing: rows(&self.pressing, count, wanted),
             depth: rows(&self.depth, count, wanted),
             travel: rows(&self.travel, count, wanted),
@@ -82,24 +85,24 @@ struct ProjectedContact {
 }
 
 impl GraspFeatures {
-    /// Computes the features at loads given as force per finger, N.
-    pub fn loads(&self, forces: &[f64]) -> LoadFeatures {
+    /// Computes the features at these loads, in N and N m.
+    pub fn loads(&self, all: &[GraspLoad]) -> LoadFeatures {
         let t = self.graph.thickness;
         let mut loads = LoadFeatures::default();
-        for some in forces.chunks(LANES) {
-            let some: Vec<f64> = some.iter().map(|force| force / self.unit_force()).collect();
-            let rests: Vec<Rest> = some.par_iter().map(|force| self.equilibrium.rest(*force)).collect();
+        for some in all.chunks(LANES) {
+            let some: Vec<GraspLoad> = some.iter().map(|load| load.over(self.unit_force(), t)).collect();
+            let rests: Vec<Rest> = some.par_iter().map(|load| self.equilibrium.rest(load)).collect();
             let contacts: Vec<Vec<ProjectedContact>> =
                 (0..self.pads).into_par_iter().map(|p| self.contacts(p, &rests)).collect();
-            for (k, (force, rest)) in some.iter().zip(&rests).enumerate() {
-                loads.force.push(*force);
+            for (k, (load, rest)) in some.iter().zip(&rests).enumerate() {
+                loads.load.push(*load);
                 (0..self.pads).for_each(|p| self.load_pad(p, rest, &contacts[p][k], &mut loads));
             }
             if let (true, [left, right]) = (self.equilibrium.free, &contacts[..]) {
                 let of = |k: usize| {
                     let pads = [(0, &left[k]), (1, &right[k])]
-                        .map(|(p, contact)| self.pressed(p, some[k], &rests[k], contact));
-                    Arc::new(ObjectBalance::new(&pads, self.equilibrium.hangs(&rests[k])))
+                        .map(|(p, contact)| self.pressed(p, &some[k], &rests[k], contact));
+                    Arc::new(ObjectBalance::new(&pads, self.equilibrium.hangs(&rests[k], &some[k])))
                 };
                 loads.balance.par_extend((0..some.len()).into_par_iter().map(of));
             }
@@ -134,11 +137,11 @@ impl GraspFeatures {
     }
 
     /// Returns the places at which the forces of pad `p` act.
-    fn pressed(&self, p: usize, force: f64, rest: &Rest, contact: &ProjectedContact) -> Pressed {
+    fn pressed(&self, p: usize, load: &GraspLoad, rest: &Rest, contact: &ProjectedContact) -> Pressed {
         let places =
             self.graph.rest.iter().zip(&contact.given).map(|(at, moved)| self.equilibrium.place(p, *at, *moved, rest));
         Pressed {
-            force: self.equilibrium.carried_by(p, force),
+            force: self.equilibrium.carried_by(p, load),
             rotation: self.to_pad[p].transpose(),
             nodes: places.zip(contact.force.iter().map(|push| -push.z.min(0.0))).collect(),
         }
@@ -147,7 +150,8 @@ impl GraspFeatures {
     /// Adds pad `p` under the last force, all over the thickness and `E t^2`.
     fn load_pad(&self, p: usize, rest: &Rest, contact: &ProjectedContact, loads: &mut LoadFeatures) {
         let (t, to_pad) = (self.graph.thickness, self.to_pad[p]);
-        let force = self.equilibrium.carried_by(p, loads.force[loads.force.len() - 1]);
+        let load = loads.load[loads.load.len() - 1];
+        let force = self.equilibrium.carried_by(p, &load);
         let ProjectedContact { touching, moved, force: projected, closer, given } = contact;
         let carried: Vec<f64> = touching.iter().map(|t| t.force.length()).collect();
         let whole = carried.iter().sum::<f64>().max(1e-12);
@@ -183,8 +187,9 @@ impl GraspFeatures {
             travel / depth,
             *closer / depth,
         ];
-        let motion = shift.to_array().into_iter().chain(turn.to_array());
-        loads.pad.extend(row.into_iter().chain(motion.map(|v| v / depth)).map(|v| v as f32));
+        let motion = shift.to_array().into_iter().chain(turn.to_array()).map(|v| v / depth);
+        let pull = self.equilibrium.pulled(&load).map(|pull| (to_pad * pull / force).clamp_length_max(STEEPEST).to_array());
+        loads.pad.extend(row.into_iter().chain(motion).chain(pull.into_iter().flatten()).map(|v| v as f32));
         loads.pressing.push(force);
         loads.depth.push(depth);
         loads.travel.push(travel);

@@ -8,14 +8,18 @@ pub mod loads;
 pub mod normalise;
 pub mod pad_range;
 pub mod range;
+mod sub_element;
 pub mod volume;
 
+use self::sub_element::Nearest;
 use self::volume::Volume;
+use crate::gripper::FingerPlacement;
 use crate::kernel::Sparse;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::{Layout, PadGraph};
 use crate::linear::rigid_equilibrium::RigidEquilibrium;
 use crate::model::Model;
+use crate::world::components::ObjectPose;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
@@ -53,18 +57,23 @@ pub const VECTOR: [Parity; 3] = [X, Y, Even];
 pub const ROTATION: [Parity; 3] = [Y, X, XY];
 
 /// Version of the features. It is raised whenever a feature changes its meaning: a network reads only the features of its training.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 /// Features of a face node: x, y; three gap scales and the gap; object normal where the finger meets it; the object's
-/// distance and normal when the undeformed pad has closed by 0, 0.25 and 0.6 thicknesses.
-pub const NODE: [Parity; 21] =
-    [X, Y, Even, Even, Even, Even, X, Y, Even, Even, X, Y, Even, Even, X, Y, Even, Even, X, Y, Even];
+/// distance and normal when the undeformed pad has closed by 0, 0.25 and 0.6 thicknesses; height, spacing; way to the rim and its length;
+/// the least gap around the node, below its own, as it fades, and where it is.
+pub const NODE: [Parity; 31] = [
+    X, Y, Even, Even, Even, Even, X, Y, Even, Even, X, Y, Even, Even, X, Y, Even, Even, X, Y, Even, Even, Even, X, Y, Even,
+    Even, Even, Even, X, Y,
+];
 /// Features of an edge: relative position and its length.
 pub const EDGE: [Parity; 4] = [X, Y, Even, Even];
-/// Features of a pad: Poisson's ratio, friction, the object's weight on it.
-pub const PAD: [Parity; 5] = [Even, Even, X, Y, Even];
+/// Features of a pad: Poisson's ratio, friction, the object's weight on it; length, width and mean spacing; one if the object is free.
+pub const PAD: [Parity; 9] = [Even, Even, X, Y, Even, Even, Even, Even, Even];
 /// Depths to which the undeformed pad is closed into the object, over its thickness.
 const DEPTHS: [f64; 3] = [0.0, 0.25, 0.6];
+/// Distance from the rim over the thickness, beyond which it does not matter.
+const INSIDE: f64 = 1.5;
 /// Gap over the thickness, beyond which all gaps look the same to the pad.
 const FAR: f64 = 2.5;
 /// Lengths over which a gap fades, over the thickness.
@@ -89,6 +98,9 @@ pub struct GraspFeatures {
     pub near: Arc<Sparse>,
     /// Graph of the whole pads and the object, for a network that passes messages there.
     pub volume: Option<Arc<Volume>>,
+    /// Model that is grasped, and its first contact.
+    pub model: Arc<Model>,
+    pub(crate) touch: GeometricContact,
     /// Young's modulus, Pa.
     pub young: f64,
     /// Equilibrium of the grasp on pads with a linear response.
@@ -99,7 +111,7 @@ pub struct GraspFeatures {
 
 impl GraspFeatures {
     /// Computes the features of a grasp of `model` at first contact.
-    pub fn new(model: &Model, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Self {
+    pub fn new(model: &Arc<Model>, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Self {
         let (t, n, pads) = (graph.thickness, graph.face.len(), model.fingers.len());
         let moduli = model.material.moduli();
         let mut node = Vec::with_capacity(pads * n * NODE.len());
@@ -107,12 +119,11 @@ impl GraspFeatures {
         let area: Vec<f64> = graph.area.iter().map(|a| a / (t * t)).collect();
         for (finger, travel) in model.fingers.iter().zip(&touch.travel) {
             let placement = &finger.placement;
-            let view = View::new(model, touch, placement.rotation, placement.closing);
-            let mut own = Vec::with_capacity(n);
-            for x in &graph.rest {
-                let place = placement.place(*x) + placement.closing * *travel;
-                let at = view.to_object(place);
-                let gap = view.gap(at, FAR * t) / t;
+            let view = View::new(model, touch, placement, *travel);
+            let own: Vec<f64> = graph.rest.iter().map(|x| view.gap(view.of_pad(*x), FAR * t) / t).collect();
+            let nearest = sub_element::nearest(&view, graph, &own);
+            for (i, (x, gap)) in graph.rest.iter().zip(&own).enumerate() {
+                let (at, gap) = (view.of_pad(*x), *gap);
                 let normal = view.look(at + view.closing * (gap.min(FAR) * t)).1;
                 let normal = if gap < FAR { normal } else { DVec3::ZERO };
                 let mut row = vec![x.x / t, x.y / t, gap];
@@ -123,11 +134,19 @@ impl GraspFeatures {
                     row.push((distance / t).min(FAR));
                     row.extend(normal.to_array());
                 }
+                row.extend([x.z / t, area[i].sqrt()]);
+                let rim = graph.to_rim[i] / t;
+                row.extend([rim.x, rim.y, rim.length()].map(|v| v.clamp(-INSIDE, INSIDE)));
+                let Nearest { gap: least, offset } = nearest[i];
+                let fade = |gap: f64, f: f64| (-gap.max(0.0) / f).exp();
+                row.extend([gap - least, fade(least, FADES[0]), fade(least, FADES[1]), offset.x, offset.y]);
                 node.extend(row.into_iter().map(|v| v as f32));
-                own.push(gap);
             }
             let weight = placement.rotation.transpose() * touch.weight / (moduli.young * t * t);
             pad.extend([moduli.poisson, model.law.friction, weight.x, weight.y, weight.z].map(|v| v as f32));
+            let size = (graph.ends[1] - graph.ends[0]) / t;
+            let spacing = (area.iter().sum::<f64>() / n as f64).sqrt();
+            pad.extend([size.x, size.y, spacing, f64::from(u8::from(model.free))].map(|v| v as f32));
             gaps.push(own);
         }
         let edge = graph.edges.list.iter().flat_map(|(s, r)| {
@@ -151,6 +170,8 @@ impl GraspFeatures {
             node,
             edge,
             pad,
+            model: model.clone(),
+            touch: touch.clone(),
             young: moduli.young,
             equilibrium: Arc::new(RigidEquilibrium::new(model, graph, touch)),
             to_pad: model.fingers.iter().map(|f| f.placement.rotation.transpose()).collect(),
@@ -163,11 +184,14 @@ impl GraspFeatures {
     }
 }
 
-/// View of the object from a pad.
+/// View of the object from a pad at first contact.
 struct View<'a> {
     model: &'a Model,
+    placement: &'a FingerPlacement,
+    /// Way of the pad since the open hand.
+    carried: DVec3,
+    object: ObjectPose,
     inverse: DMat3,
-    position: DVec3,
     /// Rotation from the object frame to the pad frame.
     to_pad: DMat3,
     /// Closing direction in the object frame.
@@ -175,15 +199,23 @@ struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    fn new(model: &'a Model, touch: &GeometricContact, pad: DMat3, closing: DVec3) -> Self {
+    fn new(model: &'a Model, touch: &GeometricContact, placement: &'a FingerPlacement, travel: f64) -> Self {
         let rotation = DMat3::from_quat(touch.object.rotation);
         let inverse = rotation.transpose();
-        let position = touch.object.position;
-        Self { model, inverse, position, to_pad: pad.transpose() * rotation, closing: inverse * closing }
+        let carried = placement.closing * travel;
+        let to_pad = placement.rotation.transpose() * rotation;
+        Self { model, placement, carried, object: touch.object, inverse, to_pad, closing: inverse * placement.closing }
     }
 
-    fn to_object(&self, x: DVec3) -> DVec3 {
-        self.inverse * (x - self.position)
+    /// Returns a point of the pad in the object frame.
+    fn of_pad(&self, x: DVec3) -> DVec3 {
+        self.inverse * (self.placement.place(x) + self.carried - self.object.position)
+    }
+
+    /// Returns a point of the object in the pad frame.
+    fn in_pad(&self, x: DVec3) -> DVec3 {
+        let place = self.object.rotation * x + self.object.position - self.carried - self.placement.origin;
+        self.placement.rotation.transpose() * place
     }
 
     /// Returns signed distance, m, and normal in the pad frame.

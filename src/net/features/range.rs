@@ -29,10 +29,20 @@ pub struct TrainedRange {
     pub force: [f64; 2],
     /// Largest weight of the object over `E thickness^2`.
     pub weight: f64,
+    /// Largest force of a push on the object over `E thickness^2`, and largest torque over `E thickness^3`.
+    #[serde(default, skip_serializing_if = "unpushed")]
+    pub push: [f64; 2],
     /// True if the object was free.
     pub free: bool,
     /// Number of fingers.
     pub fingers: usize,
+    /// Further kinds of grasps: true if the object was free, and the number of fingers.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub others: Vec<(bool, usize)>,
+}
+
+fn unpushed(push: &[f64; 2]) -> bool {
+    *push == [0.0; 2]
 }
 
 /// Tolerance for rounding at the ends of a range.
@@ -53,21 +63,26 @@ impl TrainedRange {
             friction: [model.law.friction; 2],
             force: [low, high],
             weight: weight(model, unit),
+            push: push(model, unit, features.graph.thickness),
             free: model.free,
             fingers: model.fingers.len(),
+            others: Vec::new(),
         }
     }
 
     /// Extends the range by `other`.
     ///
     /// # Errors
-    /// Fails for another law, number of fingers or kind of object: one model serves one of each.
+    /// Fails for another law: one model serves one.
     pub fn extend(&mut self, other: &Self) -> Result<()> {
-        let kind = |r: &Self| (r.material.clone(), r.free, r.fingers);
-        if kind(self) != kind(other) {
-            let message =
-                "the data set mixes gel laws, fixed and free objects or numbers of fingers; train one model for each";
-            return Err(Error::Start(message.into()));
+        if self.material != other.material {
+            return Err(Error::Start("the data set mixes gel laws; train one model for each".into()));
+        }
+        for kind in other.kinds() {
+            if !self.kinds().contains(&kind) {
+                self.others.push(kind);
+                self.others.sort_unstable();
+            }
         }
         if self.pad != other.pad {
             let of = |r: &Self| r.pads.or(r.sensor.as_ref().map(PadRange::of));
@@ -79,7 +94,13 @@ impl TrainedRange {
         self.friction = join(self.friction, other.friction);
         self.force = join(self.force, other.force);
         self.weight = self.weight.max(other.weight);
+        self.push = [0, 1].map(|k| self.push[k].max(other.push[k]));
         Ok(())
+    }
+
+    /// Returns the kinds of grasps: true for a free object, and the number of fingers.
+    fn kinds(&self) -> Vec<(bool, usize)> {
+        std::iter::once((self.free, self.fingers)).chain(self.others.iter().copied()).collect()
     }
 
     /// Checks that the network knows this pad, whose mesh has this hash, or pads on both sides of it.
@@ -119,10 +140,11 @@ impl TrainedRange {
             return refuse("it presses by travel, the network squeezes by force".into());
         }
         let kind =
-            |free: bool, n: usize| format!("a {} object between {n} finger(s)", if free { "free" } else { "fixed" });
-        let (own, known) = ((model.free, model.fingers.len()), (self.free, self.fingers));
-        let Some(finger) = model.fingers.first().filter(|_| own == known) else {
-            return refuse(format!("{}, trained was {}", kind(own.0, own.1), kind(known.0, known.1)));
+            |(free, n): (bool, usize)| format!("a {} object between {n} finger(s)", if free { "free" } else { "fixed" });
+        let own = (model.free, model.fingers.len());
+        let Some(finger) = model.fingers.first().filter(|_| self.kinds().contains(&own)) else {
+            let known: Vec<String> = self.kinds().into_iter().map(kind).collect();
+            return refuse(format!("{}, trained was {}", kind(own), known.join(" and ")));
         };
         self.admits_pad(&finger.topology, hash)?;
         if model.material.name() != self.material || outside(moduli.poisson, self.poisson) {
@@ -141,6 +163,14 @@ impl TrainedRange {
         if own > self.weight * (1.0 + SLACK) {
             let most = self.weight * unit;
             return refuse(format!("the object weighs {:.3} N, trained was up to {most:.3} N", own * unit));
+        }
+        let thickness = finger.topology.thickness();
+        let parts = push(model, unit, thickness).into_iter().zip(self.push);
+        let names = [("pushed with", "N", unit), ("twisted with", "N m", unit * thickness)];
+        if let Some(((own, most), (what, of, unit))) =
+            parts.zip(names).find(|((own, most), _)| *own > most * (1.0 + SLACK))
+        {
+            return refuse(format!("the object is {what} {:.4} {of}, trained was up to {:.4} {of}", own * unit, most * unit));
         }
         let [low, high] = self.force.map(|f| f * unit);
         match model.levels.iter().find(|l| outside(**l, [low, high])) {
@@ -182,6 +212,12 @@ fn refuse(what: String) -> Result<()> {
     Err(Error::Start(format!(
         "the network was not trained for this scene: {what}; use stepper: Fem(), or train on such a data set"
     )))
+}
+
+/// Returns force and torque of the whole push in units of the network.
+fn push(model: &Model, unit: f64, thickness: f64) -> [f64; 2] {
+    let whole = model.push.as_ref().map(|push| [push.force.length() / unit, push.torque.length() / (unit * thickness)]);
+    whole.unwrap_or_default()
 }
 
 fn weight(model: &Model, unit: f64) -> f64 {

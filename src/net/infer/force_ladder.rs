@@ -6,7 +6,7 @@
 use super::answer::Answer;
 use super::predict::{PadState, Predictor, Seen};
 use crate::error::Result;
-use crate::linear::around;
+use crate::linear::{GraspLoad, around};
 
 /// Number of rungs; neighbours differ by a third of their force where the largest force of an agent is seven times the smallest.
 const RUNGS: i32 = 8;
@@ -27,7 +27,8 @@ impl ForceLadder {
     pub fn new(predictor: &Predictor, seen: &Seen, low: f64, high: f64) -> Result<Self> {
         let step = (high / low).powf(1.0 / f64::from(RUNGS - 1));
         let forces: Vec<f64> = (0..RUNGS).map(|k| low * step.powi(k)).collect();
-        let answer = predictor.answer(seen, &forces)?;
+        let loads: Vec<GraspLoad> = forces.iter().map(|force| (*force).into()).collect();
+        let answer = predictor.answer(seen, &loads)?;
         Ok(Self { rungs: forces.into_iter().zip(0..).collect(), answer })
     }
 

@@ -3,6 +3,7 @@
 use super::answer::Answer;
 use super::{Code, FaceEngine};
 use crate::error::{Error, Result};
+use crate::linear::GraspLoad;
 use crate::linear::compliance_cache::ComplianceCache;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::{PadGraph, mesh_hash};
@@ -134,7 +135,7 @@ impl Predictor {
     }
 
     /// Encodes a grasp at first contact: the single pass of message passing.
-    pub fn look(&self, model: &Model, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Seen {
+    pub fn look(&self, model: &Arc<Model>, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Seen {
         self.encode(GraspFeatures::new(model, graph, touch))
     }
 
@@ -151,22 +152,22 @@ impl Predictor {
         Inputs { features, normalisers: &self.card.normalisers, mirror: (false, false) }
     }
 
-    /// Predicts the states of the pads when each finger closes with `force`, N.
+    /// Predicts the states of the pads under a load: a force per finger, N, or a force and a push.
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
-    pub fn at(&self, seen: &Seen, force: f64) -> Result<Vec<PadState>> {
-        Ok(self.ramp(seen, &[force])?.swap_remove(0))
+    pub fn at(&self, seen: &Seen, load: impl Into<GraspLoad>) -> Result<Vec<PadState>> {
+        Ok(self.ramp(seen, &[load.into()])?.swap_remove(0))
     }
 
-    /// Predicts the states of the pads at each of `forces`, N per finger: (forces, pads).
+    /// Predicts the states of the pads under each of `loads`: (loads, pads).
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
-    pub fn ramp(&self, seen: &Seen, forces: &[f64]) -> Result<Vec<Vec<PadState>>> {
-        let mut states = Vec::with_capacity(forces.len());
+    pub fn ramp(&self, seen: &Seen, loads: &[GraspLoad]) -> Result<Vec<Vec<PadState>>> {
+        let mut states = Vec::with_capacity(loads.len());
         let together = if self.engine.is_some() { FaceEngine::LOADS } else { LEVELS };
-        for some in forces.chunks(together) {
+        for some in loads.chunks(together) {
             let answer = self.answer(seen, some)?;
             states.par_extend((0..some.len()).into_par_iter().map(|level| answer.mixed(&[(level, 1.0)])));
         }
@@ -185,21 +186,25 @@ impl Predictor {
         }
     }
 
-    /// Computes the answer of the network at each of `forces`, N per finger, all of them decoded together.
+    /// Computes the answer of the network under each of `given`, all of them decoded together.
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
-    pub fn answer(&self, seen: &Seen, forces: &[f64]) -> Result<Answer> {
-        let loads = seen.features.loads(forces);
+    pub fn answer(&self, seen: &Seen, given: &[GraspLoad]) -> Result<Answer> {
+        let loads = seen.features.loads(given);
         let out = self.output(seen, &loads);
         let (features, norms) = (&seen.features, self.card.normalisers.clone());
         let (graph, pads) = (features.graph.clone(), features.pads);
         let (young, unit_force) = (features.young, features.unit_force());
-        let answer = Answer { loads, out, norms, graph, pads, stress: seen.stress, young, unit_force };
-        match (0..forces.len()).find(|level| !answer.is_finite(*level)) {
-            None => Ok(answer),
+        let mut answer =
+            Answer { loads, out, norms, graph, pads, stress: seen.stress, young, unit_force, travel: Vec::new() };
+        match (0..given.len()).find(|level| !answer.is_finite(*level)) {
+            None => {
+                answer.touch(features);
+                Ok(answer)
+            }
             Some(bad) => {
-                let force = forces[bad];
+                let force = given[bad].force;
                 Err(Error::Solver(format!("the network gave numbers that are not finite at {force} N per finger")))
             }
         }

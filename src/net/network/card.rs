@@ -2,6 +2,7 @@
 //! trained.
 
 use super::Normalisers;
+use super::earlier::{EARLIER, widened};
 use super::shipped;
 use super::spec::{NetworkSpec, Spec};
 use crate::error::{Error, Result};
@@ -77,21 +78,29 @@ impl Trained {
             }
         };
         let card: Card = ron::from_str(&text).map_err(|e| Error::file(&path, format!("is no card of a model: {e}")))?;
-        if card.features != VERSION {
+        if ![VERSION, EARLIER].contains(&card.features) {
             let message = format!(
                 "its network reads features of version {}, this tactus makes version {VERSION}; train it again",
                 card.features
             );
             return Err(Error::file(&path, message));
         }
-        card.check()
+        let earlier = card.features == EARLIER;
+        let read = Self { card, weights };
+        let read = if earlier { widened(read.sound(&path)?)? } else { read };
+        read.card.check()
             .map_err(|what| Error::file(&path, format!("{what}; take the model from a copy, or train it again")))?;
-        if !card.checksum.is_empty() && card.sum(&weights)? != card.checksum {
+        if earlier { Ok(read) } else { read.sound(&path) }
+    }
+
+    /// Returns the model if card and weights are those that were written.
+    fn sound(self, path: &Path) -> Result<Self> {
+        if !self.card.checksum.is_empty() && self.card.sum(&self.weights)? != self.card.checksum {
             let message = "this card or the weights beside it were changed or damaged since the training; take both from a copy, \
                            or train again";
-            return Err(Error::file(&path, message));
+            return Err(Error::file(path, message));
         }
-        Ok(Self { card, weights })
+        Ok(self)
     }
 }
 

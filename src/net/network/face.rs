@@ -217,7 +217,7 @@ impl<T: Real> Network<T> for FaceNetwork {
     ) -> NetworkOutput<T> {
         let (f, n, graph) = (inputs.features, inputs.normalisers, &inputs.features.graph);
         let (pads, face) = (f.pads, graph.face.len());
-        let levels = loads.force.len();
+        let levels = loads.load.len();
         let (none, gated) = (Activation::None, Activation::Gated);
         let at_node = inputs.matrix(&loads.node, &n.node_load, &NODE_LOAD);
         let at_pad = inputs.matrix(&loads.pad, &n.pad_load, &PAD_LOAD);

@@ -3,6 +3,7 @@
 //! A new network needs a file that implements [`Network`], its sizes in [`NetworkSpec`], and a line in [`build`].
 
 pub mod card;
+mod earlier;
 pub mod face;
 pub mod paper;
 pub mod parameters;

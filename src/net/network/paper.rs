@@ -156,8 +156,8 @@ impl<T: Real> Network<T> for PaperNetwork {
         loads: &LoadFeatures,
     ) -> NetworkOutput<T> {
         let ((volume, norms), f) = (seen(inputs), inputs.features);
-        let levels = loads.force.len();
-        let contact: Vec<f32> = loads.force.iter().flat_map(|force| volume.contact_edge(*force)).collect();
+        let levels = loads.load.len();
+        let contact: Vec<f32> = loads.load.iter().flat_map(|load| volume.contact_edge(load.force)).collect();
         let contact = inputs.matrix(&contact, &norms.contact, &CONTACT_EDGE);
         let mut c = self.whole(tape, p, &self.encode[2], &contact);
         let [mut h, mut e] = [0, 1].map(|k| apply(tape, &repeat(levels, code[k].rows), &code[k]));

@@ -152,7 +152,7 @@ type Whole = (Arc<Volume>, Vec<f32>);
 fn volume(samples: &[Sample], validation: &[Sample]) -> Option<VolumeNormalisers> {
     let of = |s: &Sample| {
         let volume = s.features.volume.clone()?;
-        let contact = s.loads.force.iter().flat_map(|f| volume.contact_edge(*f)).collect();
+        let contact = s.loads.load.iter().flat_map(|load| volume.contact_edge(load.force)).collect();
         Some((volume, contact))
     };
     let all = |set: &[Sample]| set.iter().map(of).collect::<Option<Vec<Whole>>>();

@@ -3,9 +3,10 @@
 use crate::dataset::{ObjectFile, StoredGrasp};
 use crate::error::{Error, Result};
 use crate::gripper::GraspPose;
-use crate::linear::amid;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::PadGraph;
+use crate::linear::object_motion::motion;
+use crate::linear::{GraspLoad, loads_of};
 use crate::model::Model;
 use crate::net::autodiff::ops::{product, root_error};
 use crate::net::autodiff::real::Real;
@@ -16,7 +17,7 @@ use crate::net::features::{GraspFeatures, ROTATION, VECTOR};
 use crate::net::network::{NetworkOutput, Normalisers};
 use crate::scene::from_ron;
 use crate::world::components::ObjectPose;
-use glam::{DMat3, DQuat, DVec3};
+
 use std::sync::Arc;
 
 /// Grasp for training or for judging a model. Fields are SI, pad frames; levels, then pads, then nodes.
@@ -34,6 +35,8 @@ pub struct Sample {
     pub loads: LoadFeatures,
     /// Force per finger of each level, N.
     pub forces: Vec<f64>,
+    /// Load of each level, N and N m.
+    pub given: Vec<GraspLoad>,
     /// Displacement (levels, pads, nodes, 3), m.
     pub displacement: Vec<f32>,
     /// Stress (levels, pads, nodes), Pa.
@@ -90,10 +93,14 @@ impl Sample {
         let (pads, nodes) = (file.sizes.pads, file.sizes.nodes);
         let features = GraspFeatures::new(model, graph, &touch);
         let forces: Vec<f64> = frames.iter().map(|k| data.force[*k] / pads as f64).collect();
+        let all = loads_of(model);
+        // The force as it was applied.
+        let given = frames.iter().zip(&forces).map(|(k, force)| GraspLoad { force: *force, ..all[*k] }).collect::<Vec<_>>();
         let mut sample = Self {
             object: file.name.clone(),
             grasp,
-            loads: features.loads(&forces),
+            loads: features.loads(&given),
+            given,
             features,
             forces,
             displacement: Vec::new(),
@@ -132,6 +139,7 @@ impl Sample {
             features: self.features.clone(),
             loads: self.loads.levels(levels),
             forces: rows(&self.forces, count, levels),
+            given: rows(&self.given, count, levels),
             displacement: rows(&self.displacement, count, levels),
             stress: rows(&self.stress, count, levels),
             contact: rows(&self.contact, count, levels),
@@ -210,25 +218,5 @@ impl Sample {
             part(&output.motion, &motion, &motion_rows, weights[3]),
         ];
         crate::net::autodiff::ops::sum(tape, &parts.each_ref(), crate::net::autodiff::ops::Activation::None)
-    }
-}
-
-/// Computes the motion of the object from `start` to `now`, in the axes of a pad: translation of its point amid the pads, m, and
-/// rotation vector.
-pub fn motion(model: &Model, start: &ObjectPose, now: &ObjectPose, pad: DMat3) -> (DVec3, DVec3) {
-    let turn = (now.rotation * start.rotation.inverse()).normalize();
-    let turn = if turn.w < 0.0 { -turn } else { turn };
-    let point = amid(model);
-    let shift = turn * (point - start.position) + now.position - point;
-    (pad.transpose() * shift, pad.transpose() * turn.to_scaled_axis())
-}
-
-/// Returns the pose that [`motion`] leads to from `start`; shift (m) and rotation vector in hand axes.
-pub fn moved(model: &Model, start: &ObjectPose, shift: DVec3, turn: DVec3) -> ObjectPose {
-    let point = amid(model);
-    let turn = DQuat::from_scaled_axis(turn);
-    ObjectPose {
-        position: point + shift - turn * (point - start.position),
-        rotation: (turn * start.rotation).normalize(),
     }
 }

@@ -1,0 +1,58 @@
+//! View of the object between the nodes of a pad: the point that a pad meets first may lie between them.
+
+use super::View;
+use crate::geometry::face_lookup::FaceLookup;
+use crate::linear::pad_graph::PadGraph;
+use glam::{DVec2, DVec3, Vec3Swizzles};
+
+/// Point of the object that is nearest to the face around a node, over the thickness.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Nearest {
+    /// Gap along the closing direction.
+    pub gap: f64,
+    /// Position of the point of the face that it lies above, from the node, along x and y of the pad.
+    pub offset: DVec2,
+}
+
+/// Gap over the thickness, up to which it matters what lies between nodes.
+const NEAR: f64 = 0.6;
+
+/// Returns the nearest points around the face nodes, whose own gaps are `gaps` over the thickness: at the middles of edges and triangles
+/// of the face, and where vertices and sharp edges of the object are.
+pub(super) fn nearest(view: &View, graph: &PadGraph, gaps: &[f64]) -> Vec<Nearest> {
+    let t = graph.thickness;
+    let mut all: Vec<Nearest> = gaps.iter().map(|gap| Nearest { gap: *gap, offset: DVec2::ZERO }).collect();
+    let mut enter = |nodes: &[u32], at: DVec3, gap: f64| {
+        for i in nodes {
+            let own = &mut all[*i as usize];
+            if gap < own.gap {
+                *own = Nearest { gap, offset: (at - graph.rest[*i as usize]).xy() / t };
+            }
+        }
+    };
+    let mut between = |nodes: &[u32]| {
+        let least = nodes.iter().map(|i| gaps[*i as usize]).fold(f64::INFINITY, f64::min);
+        if least < NEAR {
+            let at = nodes.iter().map(|i| graph.rest[*i as usize]).sum::<DVec3>() / nodes.len() as f64;
+            let gap = view.gap(view.of_pad(at), least * t) / t;
+            enter(nodes, at, gap);
+        }
+    };
+    graph.edges.list.iter().filter(|(a, b)| a < b).for_each(|(a, b)| between(&[*a, *b]));
+    graph.triangles.iter().for_each(|t| between(t));
+    let lookup = FaceLookup::new(&graph.rest, &graph.triangles);
+    let highest = graph.rest.iter().map(|x| x.z).fold(f64::NEG_INFINITY, f64::max);
+    for feature in view.model.features.iter() {
+        let at = view.in_pad(feature.position);
+        if at.z > highest + NEAR * t || !graph.covers(at.xy()) {
+            continue;
+        }
+        let corners = lookup.under(at);
+        let below: DVec3 = corners.iter().map(|(i, w)| graph.rest[*i as usize] * *w).sum();
+        // Beside the face there is nothing below.
+        if below.xy().distance(at.xy()) < 1e-6 * t {
+            enter(&corners.map(|(i, _)| i), below, (at.z - below.z) / t);
+        }
+    }
+    all
+}
