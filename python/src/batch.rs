@@ -48,7 +48,7 @@ impl Batch {
         let open = move || {
             let mut set = load_set(scene)?.scenes;
             if let Some(model) = model {
-                set.iter_mut().for_each(|s| s.scene.stepper = StepperChoice::Gnn(Gnn { model: model.clone().into() }));
+                set.iter_mut().for_each(|s| s.scene.stepper = StepperChoice::Gnn(Gnn::new(model.clone())));
             }
             BatchEnv::new(&set, config)
         };

@@ -51,7 +51,7 @@ pub fn run<'py>(
     let simulate = move || -> Result<_> {
         let mut scene = load_object(scene, object.as_deref())?.scene;
         if let Some(model) = model {
-            scene.stepper = StepperChoice::Gnn(Gnn { model: model.into() });
+            scene.stepper = StepperChoice::Gnn(Gnn::new(model));
         }
         let (built, stepper) = (Model::build(&scene)?, choose(&scene)?);
         let poses: Vec<_> = poses_of(&scene)?.into_iter().enumerate().collect();

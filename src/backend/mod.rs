@@ -1,6 +1,7 @@
 //! Backends: finite elements and a trained network in the same slot of the same schedule. Only this module knows both.
 
 pub mod fem;
+pub mod hand_over;
 pub mod network;
 
 use crate::error::Result;
@@ -14,6 +15,12 @@ use crate::world::Stepper;
 pub fn choose(scene: &scene::Scene) -> Result<Box<dyn Stepper>> {
     match &scene.stepper {
         scene::StepperChoice::Fem(fem) => Ok(Box::new(fem::stepper::FemStepper::new(fem))),
-        scene::StepperChoice::Gnn(gnn) => Ok(Box::new(network::NetworkStepper::open(&gnn.model)?)),
+        scene::StepperChoice::Gnn(gnn) => {
+            let network = network::NetworkStepper::open(&gnn.model)?.extrapolating(gnn.extrapolate);
+            Ok(match gnn.error_at_most {
+                Some(most) => Box::new(hand_over::GuardedNetwork::new(network, most.get())),
+                None => Box::new(network),
+            })
+        }
     }
 }

@@ -7,13 +7,13 @@ use crate::linear::{GraspLoad, loads_of};
 use crate::linear::pad_graph::PadGraph;
 use crate::model::{Model, Needs};
 use crate::net::infer::force_ladder::ForceLadder;
-use crate::net::infer::predict::{PadState, Predictor, Seen};
+use crate::net::infer::predict::{GraspState, PadState, Predictor, Seen};
 use crate::linear::object_motion::moved;
 use crate::record::PadTopology;
 use crate::world::Stepper;
 use crate::world::components::*;
 use crate::world::schedule::{
-    ForceCommand, Next, Phase, Shared, StepLoad, StepReport, StepSet, Timings, ramping, reached,
+    CurrentGrasp, ForceCommand, Next, Phase, Shared, StepLoad, StepReport, StepSet, Timings, ramping, reached,
 };
 use crate::world::systems::sense::close_to_contact;
 use bevy_ecs::prelude::*;
@@ -30,6 +30,8 @@ pub struct NetworkStepper {
     predictor: Arc<Predictor>,
     /// Folder or name of the model.
     model: PathBuf,
+    /// Flag: scenes outside the range of the training are answered.
+    extrapolate: bool,
     /// Graphs of the pads met so far: worlds come and go, but their pads stay the same.
     graphs: Mutex<Vec<(Arc<PadTopology>, Arc<PadGraph>)>>,
 }
@@ -40,7 +42,38 @@ impl NetworkStepper {
     /// # Errors
     /// Fails as [`Predictor::open`] does.
     pub fn open(model: &Path) -> Result<Self> {
-        Ok(Self { predictor: Arc::new(Predictor::open(model)?), model: model.to_path_buf(), graphs: Mutex::default() })
+        Ok(Self { predictor: Arc::new(Predictor::open(model)?), model: model.to_path_buf(), extrapolate: false, graphs: Mutex::default() })
+    }
+
+    /// Sets whether scenes outside the range of the training are answered.
+    pub fn extrapolating(self, extrapolate: bool) -> Self {
+        Self { extrapolate, ..self }
+    }
+
+    /// Decodes all levels of the grasp of a prepared world beforehand. Returns the largest of the errors of the displacement that nine of
+    /// ten such predictions stay below; None from a model that knows nothing of its error.
+    ///
+    /// # Errors
+    /// Fails for a grasp that cannot start, and if predicted numbers are not finite.
+    pub fn foresee(&self, world: &mut World) -> Result<Option<f64>> {
+        let missing = || Error::Start("the world was not prepared for the network".into());
+        let model = world.get_resource::<Shared>().ok_or_else(missing)?.0.clone();
+        let pose = world.get_resource::<CurrentGrasp>().ok_or_else(missing)?.0;
+        let contact = GeometricContact::find(&model, pose)?;
+        let mut prediction = world.get_resource_mut::<Prediction>().ok_or_else(missing)?;
+        prediction.look(&model, contact);
+        let states = match &prediction.grasp {
+            Some((_, seen)) => prediction.predictor.ramp(seen, &loads_of(&model))?,
+            None => Vec::new(),
+        };
+        let worst = states.iter().map(|state| Some(state.error?.displacement)).try_fold(0.0, |a: f64, b| Some(a.max(b?)));
+        prediction.ahead = states.into();
+        Ok(worst)
+    }
+
+    /// Takes its resources out of `world`.
+    pub fn withdraw(&self, world: &mut World) {
+        world.remove_resource::<Prediction>();
     }
 
     /// Returns the graph of the pads of `model`, if the network was trained for it.
@@ -49,10 +82,10 @@ impl NetworkStepper {
         let pad = model.fingers.first().map(|finger| &finger.topology);
         let fits = |known: &Arc<PadTopology>| pad.is_some_and(|pad| Arc::ptr_eq(known, pad) || known == pad);
         if let Some((_, graph)) = graphs.iter().find(|(known, _)| fits(known)) {
-            self.predictor.card.range.admits(model, &graph.hash)?;
+            self.predictor.card.range.admits(model, &graph.hash, self.extrapolate)?;
             return Ok(graph.clone());
         }
-        let graph = self.predictor.admit(model)?;
+        let graph = self.predictor.admit(model, self.extrapolate)?;
         graphs.extend(pad.map(|pad| (pad.clone(), graph.clone())));
         Ok(graph)
     }
@@ -71,6 +104,10 @@ impl Stepper for NetworkStepper {
         false
     }
 
+    fn knows_error(&self) -> bool {
+        self.predictor.card.interval.is_some()
+    }
+
     fn prepare(&self, world: &mut World) -> Result<()> {
         let missing = || Error::Start("the world was not spawned for a grasp".into());
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
@@ -79,7 +116,7 @@ impl Stepper for NetworkStepper {
             predictor: self.predictor.clone(),
             graph,
             grasp: None,
-            pads: Vec::new(),
+            state: None,
             ahead: VecDeque::new(),
             ladder: OnceLock::new(),
         });
@@ -120,10 +157,10 @@ pub struct Prediction {
     graph: Arc<PadGraph>,
     /// First contact, and what the network computed from it.
     grasp: Option<(GeometricContact, Seen)>,
-    /// States of the pads at the load of this step.
-    pads: Vec<PadState>,
+    /// State at the load of this step.
+    state: Option<GraspState>,
     /// States of the next steps: loads that are known beforehand are decoded all at once.
-    ahead: VecDeque<Vec<PadState>>,
+    ahead: VecDeque<GraspState>,
     /// States at any load, for an agent; None if the network has no answer to one of its loads.
     ladder: OnceLock<Option<ForceLadder>>,
 }
@@ -135,6 +172,15 @@ impl Prediction {
         let seen = if model.needs.stress { seen } else { seen.without_stress() };
         self.grasp = Some((contact, seen));
         self.ladder = OnceLock::new();
+    }
+
+    /// States of the pads at the load of this step; none before the first.
+    fn pads(&self) -> &[PadState] {
+        self.state.as_ref().map_or(&[], |state| &state.pads)
+    }
+
+    fn pads_mut(&mut self) -> &mut [PadState] {
+        self.state.as_mut().map_or(&mut [], |state| &mut state.pads)
     }
 }
 
@@ -170,7 +216,11 @@ fn look(
     }
     let clock = Instant::now();
     let travel: Vec<(u32, f64)> = fingers.iter().map(|(f, t)| (f.0, t.0)).collect();
-    prediction.look(&shared.0, GeometricContact::new(&shared.0, **pose, &travel));
+    let contact = GeometricContact::new(&shared.0, **pose, &travel);
+    // What was foreseen need not be seen again.
+    if prediction.grasp.as_ref().is_none_or(|(known, _)| *known != contact) {
+        prediction.look(&shared.0, contact);
+    }
     timings.stages.insert("encode", clock.elapsed().as_secs_f64());
 }
 
@@ -190,7 +240,7 @@ fn predict(
     let Prediction { predictor, grasp, ahead, ladder, .. } = &mut *prediction;
     let asked = match grasp {
         Some((_, seen)) if command.is_none() => {
-            if *phase == (Phase::Ramp { frame: 0 }) {
+            if *phase == (Phase::Ramp { frame: 0 }) && ahead.is_empty() {
                 // Where one of the loads has no answer, each is asked for by itself, as far as they go.
                 *ahead = predictor.ramp(seen, &loads_of(&shared.0)).map(VecDeque::from).unwrap_or_default();
             }
@@ -210,9 +260,9 @@ fn predict(
         None => Err(Error::Start("the load rises before first contact".into())),
     };
     match asked {
-        Ok(pads) => {
-            prediction.pads = pads;
-            (report.reached, report.iterations) = (true, 1);
+        Ok(state) => {
+            (report.reached, report.iterations, report.error) = (true, 1, state.error);
+            prediction.state = Some(state);
             timings.iterations += 1;
         }
         Err(error) => next.request(Phase::Fault { reason: error.to_string() }),
@@ -225,7 +275,7 @@ fn predict(
 fn carry_load(mut prediction: ResMut<Prediction>, shared: Res<Shared>, weight: Single<&ObjectWeight>) {
     let model = &shared.0;
     let each = weight.0 / model.fingers.len() as f64;
-    for (pad, finger) in prediction.pads.iter_mut().zip(&model.fingers) {
+    for (pad, finger) in prediction.pads_mut().iter_mut().zip(&model.fingers) {
         let own = finger.placement.rotation.transpose() * each;
         // The object presses against the pad's outward axis.
         let whole: f64 = pad.contact.iter().map(|f| -f.z).sum();
@@ -243,7 +293,7 @@ fn write_state(
     mut pose: Single<&mut ObjectPose>,
 ) {
     let (Some((touch, _)), true) = (&prediction.grasp, report.reached) else { return };
-    let (model, pads) = (&shared.0, &prediction.pads);
+    let (model, pads) = (&shared.0, prediction.pads());
     let axes = |finger: usize| model.fingers[finger].placement.rotation;
     for (finger, rest, mut position) in nodes.contiguous_iter_mut().expect(TABLES) {
         let position = position.bypass_change_detection();
@@ -314,7 +364,7 @@ fn write_stress(
     for (finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {
         let column = column.bypass_change_detection();
         for (f, rows) in rows_by_pad(finger) {
-            column[rows].iter_mut().zip(&prediction.pads[f].stress).for_each(|(stress, s)| stress.0 = *s);
+            column[rows].iter_mut().zip(&prediction.pads()[f].stress).for_each(|(stress, s)| stress.0 = *s);
         }
     }
     for (finger, mut column) in tets.contiguous_iter_mut().expect(TABLES) {
@@ -323,7 +373,7 @@ fn write_stress(
             let elements = &shared.0.fingers[f].topology.elements;
             let width = elements.width();
             for (stress, own) in column[rows].iter_mut().zip(elements.nodes().chunks_exact(width)) {
-                let sum: f64 = own.iter().map(|n| prediction.pads[f].stress[*n as usize]).sum();
+                let sum: f64 = own.iter().map(|n| prediction.pads()[f].stress[*n as usize]).sum();
                 stress.0 = sum / width as f64;
             }
         }
@@ -340,7 +390,7 @@ fn write_contact(
         let column = column.bypass_change_detection();
         for (f, rows) in rows_by_pad(finger) {
             let axes = shared.0.fingers[f].placement.rotation;
-            column[rows].iter_mut().zip(&prediction.pads[f].contact).for_each(|(force, c)| force.0 = axes * *c);
+            column[rows].iter_mut().zip(&prediction.pads()[f].contact).for_each(|(force, c)| force.0 = axes * *c);
         }
     }
 }

@@ -73,7 +73,7 @@ pub fn rollouts(
     for model in std::iter::once(None).chain(models.iter().map(Some)) {
         let mut set = set.to_vec();
         if let Some(model) = model {
-            set.iter_mut().for_each(|s| s.scene.stepper = StepperChoice::Gnn(Gnn { model: model.clone() }));
+            set.iter_mut().for_each(|s| s.scene.stepper = StepperChoice::Gnn(Gnn::new(model.clone())));
         }
         let own = || choose(&set[0].scene).map(|stepper| stepper.name().to_string());
         let backend = model.map_or_else(own, |m| Ok(m.display().to_string()))?;

@@ -120,7 +120,7 @@ impl Sweep {
     /// reports what is wrong.
     fn network(&self, folder: &Path) -> Result<Configuration> {
         let trained = Trained::read(folder)?.card.range.pad;
-        let mut scene = Scene { stepper: StepperChoice::Gnn(Gnn { model: folder.into() }), ..self.scene.clone() };
+        let mut scene = Scene { stepper: StepperChoice::Gnn(Gnn::new(folder)), ..self.scene.clone() };
         for factor in self.cells(&SETTINGS[0]) {
             let mut other = scene.clone();
             other.gripper.pads = coarser(&self.scene.gripper.pads, *factor)?;

@@ -95,15 +95,20 @@ fn report(
     (encode, decode): (f64, f64),
 ) -> String {
     let mut out = format!("{grasps} grasps; relative errors in %\n");
-    out += "group                 quantity                  median       p90     worst  frames\n";
+    out += "group                 quantity                  median       p90     worst  frames  within  interval\n";
     // Writing to a String cannot fail.
     for r in table {
         let scale = if r.quantity.contains('_') && r.quantity != "contact_force" { 1.0 } else { 100.0 };
         let [median, p90, worst] = [r.median, r.p90, r.worst].map(|v| v * scale);
         let _ = writeln!(
             out,
-            "{:<20}  {:<22} {median:>9.4} {p90:>9.4} {worst:>9.4}  {:>6}",
-            r.group, r.quantity, r.samples
+            "{:<20}  {:<22} {median:>9.4} {p90:>9.4} {worst:>9.4}  {:>6}{}",
+            r.group,
+            r.quantity,
+            r.samples,
+            r.covered.zip(r.interval).map_or_else(String::new, |(part, end)| {
+                format!("  {:>4.0} %  {:>8.4}", 100.0 * part, scale * end)
+            })
         );
     }
     let _ = writeln!(out, "Kendall's tau of the grasps: peak stress {stress:.3}, peak displacement {displacement:.3}");

@@ -18,6 +18,7 @@ use crate::run::{Options, RunRecorder};
 use crate::scene::leaf::{Count, Positive};
 use crate::scene::recheck;
 use crate::scene::{Condensed, Fem, Gnn, LoadedSet, Scene, Solver, StepperChoice, load_set};
+use crate::world::Stepper;
 use clap::ValueEnum;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -68,6 +69,12 @@ pub struct RunArgs {
     /// default, `gelsight_mini_fine`.
     #[arg(long, value_name = "MODEL", requires = "backend")]
     pub model: Option<PathBuf>,
+    /// Largest error of the displacement that is accepted from a network, like 0.05; grasps of which it is not sure go to finite elements.
+    #[arg(long, value_name = "PART")]
+    pub error_at_most: Option<f64>,
+    /// Let a network answer outside the range of its training, with a wider interval of the error.
+    #[arg(long)]
+    pub extrapolate: bool,
 }
 
 /// Backend that advances the scene.
@@ -106,10 +113,11 @@ impl RunArgs {
             }
             (Some(Backend::Gnn), StepperChoice::Fem(_)) => {
                 let model = self.model.clone().unwrap_or_else(|| SHIPPED.into());
-                scene.stepper = StepperChoice::Gnn(Gnn { model });
+                scene.stepper = StepperChoice::Gnn(Gnn::new(model));
             }
             _ => {}
         }
+        self.trust(&mut scene.stepper)?;
         if let Some(threads) = self.threads {
             let threads = Count::new(threads).map_err(|m| refused(&format!("--threads {m}")))?;
             if let StepperChoice::Fem(Fem { threads: own, .. }) = &mut scene.stepper {
@@ -126,6 +134,25 @@ impl RunArgs {
             scene.record.pictures = false;
         }
         recheck(scene)
+    }
+}
+
+impl RunArgs {
+    /// Applies what says how far a network is trusted.
+    fn trust(&self, stepper: &mut StepperChoice) -> Result<()> {
+        match stepper {
+            StepperChoice::Gnn(gnn) => {
+                let most = self.error_at_most.map(Positive::new).transpose();
+                let most = most.map_err(|m| refused(&format!("--error-at-most {m}")))?;
+                gnn.error_at_most = most.or(gnn.error_at_most);
+                gnn.extrapolate |= self.extrapolate;
+                Ok(())
+            }
+            StepperChoice::Fem(_) if self.error_at_most.is_some() || self.extrapolate => {
+                Err(refused("--error-at-most and --extrapolate are for a network; add --backend gnn"))
+            }
+            StepperChoice::Fem(_) => Ok(()),
+        }
     }
 }
 
@@ -206,7 +233,7 @@ fn run_object(args: &RunArgs, scene: &Scene, out: Option<&Path>, last: bool) -> 
     report.pads = model.pad_reports();
     report.promised_in = scene.promised_in().into();
     let recorder = match out {
-        Some(dir) => Some(RunRecorder::create(dir, options(args, scene, &model), report.clone())?),
+        Some(dir) => Some(RunRecorder::create(dir, options(args, scene, &model, stepper.as_ref()), report.clone())?),
         None => None,
     };
     for notice in model.notices.iter().chain(&model.pad_notice).chain(&aim) {
@@ -293,12 +320,13 @@ pub(super) fn machine_threads() -> usize {
 }
 
 /// Returns the output options, as the scene asks.
-fn options(args: &RunArgs, scene: &Scene, model: &Model) -> Options {
+fn options(args: &RunArgs, scene: &Scene, model: &Model, stepper: &dyn Stepper) -> Options {
     let picture = if model.needs.stress { Scalar::Stress } else { Scalar::Displacement };
     Options {
         vtu: scene.record.vtu,
         arrays: scene.record.arrays.is_some(),
         moving: model.needs.dynamic,
+        predicted: stepper.knows_error(),
         // The picture is of the pads.
         picture: (scene.record.pictures && !model.fingers.is_empty()).then_some(picture),
         overwrite: args.overwrite,

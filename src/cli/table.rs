@@ -77,6 +77,12 @@ fn rows(out: &mut String, grasps: &[(usize, GraspPose)], outcomes: &[Outcome]) {
         if let Some(reason) = &s.reason {
             let _ = writeln!(out, "       {reason}");
         }
+        if let Some(reason) = &s.handed_over {
+            let _ = writeln!(out, "       computed by finite elements: {reason}");
+        }
+        if let Some(error) = &s.error {
+            let _ = writeln!(out, "       {error}");
+        }
         for moved in &s.sensitivity {
             let _ = match moved.displacement.zip(moved.object_m) {
                 Some((pads, object)) => writeln!(

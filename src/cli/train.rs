@@ -14,8 +14,9 @@ use std::time::Instant;
 /// Arguments of `tactus train`.
 #[derive(Debug, clap::Args)]
 pub struct TrainArgs {
-    /// Folder of a data set that `tactus dataset` made.
-    pub data: PathBuf,
+    /// Folders of data sets that `tactus dataset` made; several are learnt from together.
+    #[arg(required = true)]
+    pub data: Vec<PathBuf>,
     /// Model file: the network, and how it is trained.
     #[arg(long, value_name = "M.ron")]
     pub model: PathBuf,
@@ -48,8 +49,8 @@ pub fn train(args: &TrainArgs) -> Result<ExitCode> {
 
 fn run(args: &TrainArgs) -> Result<ExitCode> {
     let spec = Spec::read(&args.model)?;
-    let set = DataSet::open(&args.data)?;
-    let mut trainer = Trainer::new(&set, &spec, &args.split, &args.out)?;
+    let sets = args.data.iter().map(DataSet::open).collect::<Result<Vec<_>>>()?;
+    let mut trainer = Trainer::new(&sets, &spec, &args.split, &args.out)?;
     if let Some(notice) = &trainer.notice {
         say(&format!("note: {notice}"));
     }

@@ -1,5 +1,6 @@
 //! `frames.csv`: one row of numbers per frame, on disk as soon as the frame is recorded.
 
+use super::ErrorBound;
 use super::frame::{Frame, pad_name};
 use super::names;
 use crate::error::Result;
@@ -16,14 +17,14 @@ pub struct FramesCsv {
 }
 
 impl FramesCsv {
-    /// Creates the file with its header for grasps with `pads` pads, `moving` in time or not.
+    /// Creates the file with its header for grasps with `pads` pads, `moving` in time or not, `predicted` with an error or not.
     ///
     /// # Errors
     /// Fails if the file cannot be created or written.
-    pub fn create(path: &Path, pads: usize, moving: bool) -> Result<Self> {
+    pub fn create(path: &Path, pads: usize, moving: bool, predicted: bool) -> Result<Self> {
         let file = File::create(path).map_err(|e| cannot_write(path, &e))?;
         let mut csv = FramesCsv { path: path.to_path_buf(), file };
-        csv.line(&columns(pads, moving).join(","))?;
+        csv.line(&columns(pads, moving, predicted).join(","))?;
         Ok(csv)
     }
 
@@ -42,7 +43,7 @@ impl FramesCsv {
 }
 
 /// Returns the column names, with units as suffix (dimensionless ones have none).
-pub fn columns(pads: usize, moving: bool) -> Vec<String> {
+pub fn columns(pads: usize, moving: bool, predicted: bool) -> Vec<String> {
     let mut columns: Vec<String> = ["frame", names::TIME, names::FORCE].map(String::from).to_vec();
     columns.extend((0..pads).map(|pad| format!("travel_{}_m", pad_name(pad))));
     columns.extend(["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"].map(|part| format!("object_{part}")));
@@ -69,6 +70,9 @@ pub fn columns(pads: usize, moving: bool) -> Vec<String> {
             columns.extend(["x", "y", "z"].map(|axis| format!("{name}_{axis}_{unit}")));
         }
     }
+    if predicted {
+        columns.extend(ErrorBound::NAMES.map(String::from));
+    }
     columns
 }
 
@@ -94,7 +98,8 @@ fn row(frame: &Frame) -> Vec<String> {
         pose.chain(vectors.into_iter().flat_map(|v| v.to_array()))
     });
     let solver = [frame.newton_iterations.to_string()].into_iter().chain(rest.map(number));
-    before.chain(solver).chain(moving.map(number)).collect()
+    let error = frame.error.iter().flat_map(|error| error.to_array());
+    before.chain(solver).chain(moving.chain(error).map(number)).collect()
 }
 
 /// Returns the shortest text that reads back to the same number, in plain notation where that is usual; empty if the

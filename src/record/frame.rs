@@ -2,6 +2,7 @@
 //!
 //! Everything is in the hand frame and in SI units unless a field states otherwise.
 
+use super::ErrorBound;
 use crate::geometry::mesh::quality::EDGES;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -92,6 +93,8 @@ pub struct Frame {
     pub torque_balance: f64,
     /// Norm of the unbalanced nodal forces at the end of Newton, N.
     pub residual: f64,
+    /// Error of a prediction by its own account; None for what was computed.
+    pub error: Option<ErrorBound>,
 }
 
 impl Frame {

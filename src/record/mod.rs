@@ -18,6 +18,7 @@ pub mod arrays;
 pub(crate) mod base64;
 pub mod check;
 pub mod csv;
+pub mod error_bound;
 pub mod frame;
 pub mod meshes;
 pub mod names;
@@ -27,5 +28,6 @@ pub mod report;
 pub mod sensitivity;
 pub mod vtu;
 
+pub use error_bound::ErrorBound;
 pub use frame::{ElementNodes, Frame, Moving, PadFrame, PadTopology, Wrench, pad_name};
 pub use report::{ExpectationReport, GraspSummary, PadReport, RunReport, Status};

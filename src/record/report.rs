@@ -1,5 +1,6 @@
 //! `run.json`: the run, the end of every grasp and the expectations of the scene. Keys end in their unit.
 
+use super::ErrorBound;
 use super::frame::Frame;
 use super::sensitivity::Moved;
 use crate::error::{Error, Result};
@@ -64,6 +65,12 @@ pub struct GraspSummary {
     pub methods: Methods,
     /// Wall time of the grasp, s.
     pub wall_s: f64,
+    /// Error of the last frame by the network's own account; None for what was computed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<ErrorBound>,
+    /// Reason why finite elements computed a grasp in place of the network.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub handed_over: Option<String>,
     /// Effects of small changes on the last frame, if they were asked for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensitivity: Vec<Moved>,
@@ -85,6 +92,8 @@ impl GraspSummary {
             newton_iterations: 0,
             methods: Methods::default(),
             wall_s: 0.0,
+            error: None,
+            handed_over: None,
             sensitivity: Vec::new(),
         }
     }
@@ -103,6 +112,7 @@ impl GraspSummary {
         }
         self.force_balance = fold(self.force_balance, frame.force_balance, f64::max);
         self.newton_iterations += u64::from(frame.newton_iterations);
+        self.error = frame.error;
     }
 
     /// Returns the first number that is not finite, if any: JSON has no NaN, and serde would write `null` silently.

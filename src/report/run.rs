@@ -85,8 +85,10 @@ fn grasps(report: &RunReport) -> Table {
     for g in &report.grasps {
         let status = g.status.word();
         let reason = g.reason.as_ref().map_or(String::new(), |r| format!(": {r}"));
+        let handed = g.handed_over.as_ref().map_or(String::new(), |r| format!("; computed by finite elements: {r}"));
+        let error = g.error.map_or(String::new(), |error| format!("; {error}"));
         table.rows.push(vec![
-            format!("{} {status}{reason}", g.grasp),
+            format!("{} {status}{reason}{handed}{error}", g.grasp),
             g.frames.to_string(),
             format!("{:.2}", g.force_n),
             format!("{:.3}", 1e3 * g.travel_m),

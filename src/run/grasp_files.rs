@@ -51,7 +51,7 @@ impl GraspRecorder {
         create_dir(&if options.vtu { dir.join("frames") } else { dir.clone() })?;
         let csv = options
             .csv
-            .then(|| FramesCsv::create(&dir.join("frames.csv"), topologies.len(), options.moving))
+            .then(|| FramesCsv::create(&dir.join("frames.csv"), topologies.len(), options.moving, options.predicted))
             .transpose()?;
         let arrays =
             options.arrays.then(|| GraspArrays::new(dir.join("arrays.npz"), topologies, &options.pads)).transpose()?;

@@ -180,6 +180,7 @@ pub fn run_grasp(
     timings.stages.insert("other", (wall - accounted).max(0.0));
     let mut outcome = tally.finish(end, timings, wall);
     outcome.summary.grasp = index;
+    outcome.summary.handed_over = environment.handed_over().map(str::to_string);
     observer.end(index, &outcome)?;
     Ok(outcome)
 }

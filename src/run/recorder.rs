@@ -25,6 +25,8 @@ pub struct Options {
     pub arrays: bool,
     /// True if frames have a motion in time.
     pub moving: bool,
+    /// True if frames have the error of a prediction.
+    pub predicted: bool,
     /// Scalar that colours `pads.png` of the last frame; None for no picture.
     pub picture: Option<Scalar>,
     /// Number of frames after which `arrays.npz` is rewritten: the most that a killed run can lose of it.
@@ -44,6 +46,7 @@ impl Default for Options {
             csv: true,
             arrays: true,
             moving: false,
+            predicted: false,
             picture: Some(Scalar::Stress),
             flush_every: 10,
             overwrite: false,

@@ -141,4 +141,18 @@ impl Default for Tolerance {
 pub struct Gnn {
     /// Folder of the trained model, or the name of one that ships: `gelsight_mini`, `gelsight_mini_fine`.
     pub model: PathBuf,
+    /// Largest error of the displacement that is accepted. Where nine of ten such predictions are not that good, and where the network was
+    /// not trained for the scene, condensed finite elements compute the grasp. None takes every prediction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_at_most: Option<Positive>,
+    /// Answers outside the range of the training, with a wider interval of the error, in place of a refusal.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub extrapolate: bool,
+}
+
+impl Gnn {
+    /// Creates the backend with a model; scenes outside its range are refused.
+    pub fn new(model: impl Into<PathBuf>) -> Self {
+        Self { model: model.into(), error_at_most: None, extrapolate: false }
+    }
 }

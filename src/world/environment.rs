@@ -7,7 +7,7 @@ use crate::judge::Findings;
 use crate::model::Model;
 use crate::record::Frame;
 use crate::world::Stepper;
-use crate::world::schedule::{CurrentGrasp, Phase, Recorded, Shared, StepSet, Timings, schedule};
+use crate::world::schedule::{CurrentGrasp, HandedOver, Phase, Recorded, Shared, StepSet, Timings, schedule};
 use crate::world::spawn::{begin, spawn};
 use crate::world::systems::audit::Audited;
 use bevy_ecs::prelude::*;
@@ -83,6 +83,11 @@ impl Environment {
     /// Findings of the audit in the frame that the last step made; None if the scene promises nothing that it judges.
     pub fn findings(&self) -> Option<Findings> {
         self.frame().and(self.world.get_resource::<Audited>()?.0)
+    }
+
+    /// Reason why this grasp went from the network to finite elements; None if it did not.
+    pub fn handed_over(&self) -> Option<&str> {
+        self.world.get_resource::<HandedOver>().map(|reason| reason.0.as_str())
     }
 
     /// Time that the stepper has spent so far, by stage.

@@ -12,7 +12,7 @@
 use crate::gripper::GraspPose;
 use crate::mech::path::continuation::Methods;
 use crate::model::{Model, Needs};
-use crate::record::{Frame, Wrench};
+use crate::record::{ErrorBound, Frame, Wrench};
 use crate::world::systems;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
@@ -158,6 +158,8 @@ pub struct StepReport {
     pub min_det_f: f64,
     /// Smallest gap between pads and object, m.
     pub min_gap: f64,
+    /// Error of a prediction by its own account; None for what was computed.
+    pub error: Option<ErrorBound>,
 }
 
 /// Balance of the forces of a frame.
@@ -185,6 +187,10 @@ pub struct Timings {
     /// Counts of how often each method of the continuation was used.
     pub methods: Methods,
 }
+
+/// Reason why this grasp went from the network to finite elements.
+#[derive(Resource, Debug, Clone)]
+pub struct HandedOver(pub String);
 
 /// The last recorded frame.
 #[derive(Resource, Debug, Default)]

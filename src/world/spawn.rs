@@ -5,7 +5,7 @@ use crate::model::Model;
 use crate::part::FingerModel;
 use crate::world::components::*;
 use crate::world::schedule::{
-    BalanceReport, CurrentGrasp, ForceCommand, Next, Phase, Recorded, Shared, StepLoad, StepReport, Timings,
+    BalanceReport, CurrentGrasp, ForceCommand, HandedOver, Next, Phase, Recorded, Shared, StepLoad, StepReport, Timings,
 };
 use crate::world::systems::audit::Audited;
 use bevy_ecs::component::{Component, Mutable};
@@ -68,6 +68,7 @@ pub fn begin(world: &mut World, model: &Arc<Model>, pose: GraspPose) {
     fill(world, GroundWrench::default());
     fill(world, HandPose { position: pose.position, rotation: pose.rotation });
     world.remove_resource::<ForceCommand>();
+    world.remove_resource::<HandedOver>();
     world.insert_resource(Shared(model.clone()));
     world.insert_resource(CurrentGrasp(pose));
     world.insert_resource(Phase::Place);

@@ -24,6 +24,10 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
     fn solves_friction(&self) -> bool {
         true
     }
+    /// Returns true if its frames come with their error.
+    fn knows_error(&self) -> bool {
+        false
+    }
     /// Puts its resources into `world`, at the start of a grasp.
     ///
     /// # Errors

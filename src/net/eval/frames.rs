@@ -33,9 +33,9 @@ pub fn both(
     let states = predictor.ramp(&seen, &wanted.iter().map(applied).collect::<Vec<_>>())?;
     let truth: Vec<Frame> = wanted.iter().map(|k| frame(file, grasp, *k)).collect();
     let predicted = truth.iter().zip(&states).map(|(truth, states)| {
-        let (first, pad) = (&states[0], model.fingers[0].placement.rotation);
+        let (first, pad) = (&states.pads[0], model.fingers[0].placement.rotation);
         let object = moved(model, &touch.object, pad * first.shift, pad * first.turn);
-        predicted(file, truth, grasp, states, object)
+        predicted(file, truth, grasp, &states.pads, object)
     });
     let predicted = predicted.collect();
     Ok([truth, predicted])

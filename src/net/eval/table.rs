@@ -2,6 +2,7 @@
 
 use super::{FrameError, Judged};
 use crate::net::eval::rank::kendall;
+use crate::record::ErrorBound;
 use crate::stats::Spread;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -27,22 +28,26 @@ pub struct ErrorRow {
     pub worst: f64,
     /// Number of frames.
     pub samples: usize,
+    /// Part of the frames whose error is within the interval that the network gives; None without intervals.
+    pub covered: Option<f64>,
+    /// Median end of the intervals.
+    pub interval: Option<f64>,
 }
 
-/// Quantity and the function that reads it.
-type Quantity = (&'static str, fn(&FrameError) -> f64);
+/// Quantity, the function that reads it, and that which reads the end of its interval.
+type Quantity = (&'static str, fn(&FrameError) -> f64, fn(&ErrorBound) -> Option<f64>);
 
 const QUANTITIES: [Quantity; 10] = [
-    ("displacement", |e| e.displacement),
-    ("displacement_mm", |e| e.displacement_mm),
-    ("displacement_worst_mm", |e| e.displacement_worst_mm),
-    ("stress", |e| e.stress),
-    ("stress_kpa", |e| e.stress_kpa),
-    ("contact_force", |e| e.contact_force),
-    ("travel", |e| e.travel),
-    ("travel_mm", |e| e.travel_mm),
-    ("object_mm", |e| e.object_mm),
-    ("object_deg", |e| e.object_deg),
+    ("displacement", |e| e.displacement, |b| Some(b.displacement)),
+    ("displacement_mm", |e| e.displacement_mm, |_| None),
+    ("displacement_worst_mm", |e| e.displacement_worst_mm, |_| None),
+    ("stress", |e| e.stress, |b| Some(b.stress)),
+    ("stress_kpa", |e| e.stress_kpa, |_| None),
+    ("contact_force", |e| e.contact_force, |_| None),
+    ("travel", |e| e.travel, |b| Some(b.travel)),
+    ("travel_mm", |e| e.travel_mm, |_| None),
+    ("object_mm", |e| e.object_mm, |_| None),
+    ("object_deg", |e| e.object_deg, |_| None),
 ];
 
 /// Returns all rows of a split.
@@ -61,8 +66,10 @@ pub fn rows(split: &str, judged: &[Judged]) -> Vec<ErrorRow> {
         names.into_iter().flatten().for_each(|name| groups.entry(name).or_default().push(frame));
     }
     let row = |(group, frames): (&(u8, String), &Vec<&FrameError>)| {
-        let of = |(quantity, pick): &Quantity| {
+        let of = |(quantity, pick, end): &Quantity| {
             let Spread { median, p90, worst } = Spread::of(frames.iter().map(|f| pick(f)))?;
+            let ends = frames.iter().filter_map(|f| Some((pick(f), end(f.bound.as_ref()?)?)));
+            let ends: Vec<(f64, f64)> = ends.collect();
             Some(ErrorRow {
                 split: split.into(),
                 group: group.1.clone(),
@@ -71,6 +78,9 @@ pub fn rows(split: &str, judged: &[Judged]) -> Vec<ErrorRow> {
                 p90,
                 worst,
                 samples: frames.len(),
+                covered: (!ends.is_empty())
+                    .then(|| ends.iter().filter(|(error, end)| error <= end).count() as f64 / ends.len() as f64),
+                interval: Spread::of(ends.iter().map(|(_, end)| *end)).map(|spread| spread.median),
             })
         };
         QUANTITIES.iter().filter_map(of).collect::<Vec<_>>()

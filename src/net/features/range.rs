@@ -47,6 +47,24 @@ fn unpushed(push: &[f64; 2]) -> bool {
 
 /// Tolerance for rounding at the ends of a range.
 const SLACK: f64 = 1e-6;
+/// Factor of the interval for a pad that a network of one pad does not know.
+const OTHER_PAD: f64 = 4.0;
+/// Value over one that is zero, so that a range that ends at zero has a factor, too.
+const NOTHING: f64 = 1e-2;
+
+/// Number of a grasp that lies outside the range.
+struct Outside {
+    /// Number and range, in words.
+    what: String,
+    /// Value over the end of the range, or the other way round; above one.
+    by: f64,
+}
+
+/// Returns the value over the end of the range that it lies beyond, or the other way round; one inside.
+fn excess(value: f64, [low, high]: [f64; 2]) -> f64 {
+    let [value, low, high] = [value, low, high].map(|v| v.max(0.0) + if high < NOTHING { NOTHING } else { 0.0 });
+    f64::max(low / value.max(f64::MIN_POSITIVE), value / high.max(f64::MIN_POSITIVE)).max(1.0)
+}
 
 impl TrainedRange {
     /// Returns the range of one grasp with these forces per finger, N.
@@ -108,31 +126,37 @@ impl TrainedRange {
     /// # Errors
     /// Fails for another pad; the message gives both in numbers.
     pub fn admits_pad(&self, pad: &PadTopology, hash: &str) -> Result<()> {
+        match self.pad_outside(pad, hash) {
+            None => Ok(()),
+            Some(outside) => refuse(outside.what),
+        }
+    }
+
+    /// Returns what about a pad lies outside the range.
+    fn pad_outside(&self, pad: &PadTopology, hash: &str) -> Option<Outside> {
         if hash == self.pad {
-            return Ok(());
+            return None;
         }
         if let Some(pads) = &self.pads {
-            return match pads.refuses(&PadRange::of(&Sensor::of(pad)), SLACK) {
-                None => Ok(()),
-                Some((name, value, [low, high])) => refuse(format!(
-                    "the {name} of its pads is {value:.3} times their thickness, trained was {low:.3} to {high:.3}"
-                )),
-            };
+            let (name, value, [low, high]) = pads.refuses(&PadRange::of(&Sensor::of(pad)), SLACK)?;
+            let what =
+                format!("the {name} of its pads is {value:.3} times their thickness, trained was {low:.3} to {high:.3}");
+            return Some(Outside { what, by: excess(value, [low, high]) });
         }
         let own = Sensor::of(pad).to_string();
         let unknown = || format!("a pad whose mesh has the hash {:.8}", self.pad);
         let known = self.sensor.map_or_else(unknown, |sensor| sensor.to_string());
         let alike = if own == known { ", at other places" } else { "" };
-        refuse(format!("its pads are another sensor or another mesh: {own}; trained was {known}{alike}"))
+        let what = format!("its pads are another sensor or another mesh: {own}; trained was {known}{alike}");
+        Some(Outside { what, by: OTHER_PAD })
     }
 
-    /// Checks that a grasp of `model`, whose pads have a mesh of this hash, lies within the range. Takes almost no time.
+    /// Checks that a grasp of `model`, whose pads have a mesh of this hash, is of a kind that the network can answer, and lies within the
+    /// range unless it may `extrapolate`. Takes almost no time.
     ///
     /// # Errors
     /// Fails if something lies outside; the message says what, by how much, and what to do.
-    pub fn admits(&self, model: &Model, hash: &str) -> Result<()> {
-        let moduli = model.material.moduli();
-        let outside = |v: f64, [low, high]: [f64; 2]| v < low - SLACK * low.abs() || v > high + SLACK * high.abs();
+    pub fn admits(&self, model: &Model, hash: &str, extrapolate: bool) -> Result<()> {
         if model.dynamics.is_some() {
             return refuse("it moves in time, the network knows squeezes at rest".into());
         }
@@ -142,41 +166,60 @@ impl TrainedRange {
         let kind =
             |(free, n): (bool, usize)| format!("a {} object between {n} finger(s)", if free { "free" } else { "fixed" });
         let own = (model.free, model.fingers.len());
-        let Some(finger) = model.fingers.first().filter(|_| self.kinds().contains(&own)) else {
+        if !self.kinds().contains(&own) {
             let known: Vec<String> = self.kinds().into_iter().map(kind).collect();
             return refuse(format!("{}, trained was {}", kind(own), known.join(" and ")));
-        };
-        self.admits_pad(&finger.topology, hash)?;
-        if model.material.name() != self.material || outside(moduli.poisson, self.poisson) {
-            let (own, [a, b]) = (model.material.name(), self.poisson);
-            return refuse(format!(
-                "its gel is {own} with nu = {}, trained was {} with nu {a} to {b}",
-                moduli.poisson, self.material
-            ));
         }
-        if outside(model.law.friction, self.friction) {
-            let [a, b] = self.friction;
-            return refuse(format!("friction is {}, trained was {a} to {b}", model.law.friction));
+        if model.material.name() != self.material {
+            return refuse(format!("its gel is {}, trained was {}", model.material.name(), self.material));
         }
-        let unit = moduli.young * finger.topology.thickness().powi(2);
-        let own = weight(model, unit);
-        if own > self.weight * (1.0 + SLACK) {
-            let most = self.weight * unit;
-            return refuse(format!("the object weighs {:.3} N, trained was up to {most:.3} N", own * unit));
-        }
-        let thickness = finger.topology.thickness();
-        let parts = push(model, unit, thickness).into_iter().zip(self.push);
-        let names = [("pushed with", "N", unit), ("twisted with", "N m", unit * thickness)];
-        if let Some(((own, most), (what, of, unit))) =
-            parts.zip(names).find(|((own, most), _)| *own > most * (1.0 + SLACK))
-        {
-            return refuse(format!("the object is {what} {:.4} {of}, trained was up to {:.4} {of}", own * unit, most * unit));
-        }
-        let [low, high] = self.force.map(|f| f * unit);
-        match model.levels.iter().find(|l| outside(**l, [low, high])) {
-            Some(level) => refuse(format!("{level:.4} N per finger is outside the trained {low:.4} to {high:.4} N")),
+        match self.outside(model, hash).into_iter().next().filter(|_| !extrapolate) {
+            Some(outside) => refuse(format!("{}; or extrapolate, with a wider interval of the error", outside.what)),
             None => Ok(()),
         }
+    }
+
+    /// Returns the factor by which the interval of the error widens for a grasp of `model`: one within the range; outside, the product of
+    /// value over end of the range, of all numbers that lie outside.
+    pub fn widening(&self, model: &Model, hash: &str) -> f64 {
+        self.outside(model, hash).into_iter().map(|outside| outside.by).product()
+    }
+
+    /// Returns all numbers of a grasp that lie outside the range.
+    fn outside(&self, model: &Model, hash: &str) -> Vec<Outside> {
+        let Some(finger) = model.fingers.first() else { return Vec::new() };
+        let (moduli, t) = (model.material.moduli(), finger.topology.thickness());
+        let unit = moduli.young * t.powi(2);
+        let mut all: Vec<Outside> = self.pad_outside(&finger.topology, hash).into_iter().collect();
+        let mut check = |value: f64, range: [f64; 2], what: &dyn Fn() -> String| {
+            let by = excess(value, range);
+            if by > 1.0 + SLACK {
+                all.push(Outside { what: what(), by });
+            }
+        };
+        let [a, b] = self.poisson;
+        check(moduli.poisson, self.poisson, &|| format!("nu of its gel is {}, trained was {a} to {b}", moduli.poisson));
+        let ([a, b], own) = (self.friction, model.law.friction);
+        check(own, self.friction, &|| format!("friction is {own}, trained was {a} to {b}"));
+        let (own, most) = (weight(model, unit), self.weight);
+        check(own, [0.0, most], &|| {
+            format!("the object weighs {:.3} N, trained was up to {:.3} N", own * unit, most * unit)
+        });
+        for ((own, most), (what, of, unit)) in
+            push(model, unit, t).into_iter().zip(self.push).zip([("pushed", "N", unit), ("twisted", "N m", unit * t)])
+        {
+            check(own, [0.0, most], &|| {
+                format!("the object is {what} with {:.4} {of}, trained was up to {:.4} {of}", own * unit, most * unit)
+            });
+        }
+        let [low, high] = self.force.map(|f| f * unit);
+        let worst = model.levels.iter().map(|l| (*l, excess(*l, [low, high]))).max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((level, _)) = worst {
+            check(level, [low, high], &|| {
+                format!("{level:.4} N per finger is outside the trained {low:.4} to {high:.4} N")
+            });
+        }
+        all
     }
 
     /// Checks that training can give such numbers. The error names the field and says what is wrong.

@@ -1,12 +1,14 @@
 //! Answer of the network for a grasp at some loads, in SI on request.
 
-use super::predict::PadState;
-use crate::linear::object_motion::moved;
+use super::predict::{GraspState, PadState};
+use super::touch::touched;
 use crate::linear::pad_graph::PadGraph;
 use crate::net::autodiff::tape::Matrix;
 use crate::net::features::GraspFeatures;
 use crate::net::features::loads::LoadFeatures;
+use crate::net::network::interval::{Interval, Signs};
 use crate::net::network::{NetworkOutput, Normalisers};
+use crate::record::ErrorBound;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -27,6 +29,9 @@ pub struct Answer {
     pub(crate) unit_force: f64,
     /// Travel at which the predicted faces lie on the object, m: (levels, pads).
     pub(crate) travel: Vec<f64>,
+    /// Signs of the error of each level.
+    pub(crate) signs: Vec<Signs>,
+    pub(crate) interval: Option<Interval>,
 }
 
 /// Returns the rows of one pad at one level: the `at`th `rows` rows of a matrix.
@@ -59,9 +64,18 @@ impl Answer {
         })
     }
 
-    /// Returns the states of the pads at a mean of levels, each given with its weight.
-    pub(crate) fn mixed(&self, levels: &[(usize, f64)]) -> Vec<PadState> {
-        (0..self.pads).map(|pad| self.pad(pad, levels)).collect()
+    /// Returns the state at a mean of levels, each given with its weight; its error is the largest of theirs.
+    pub(crate) fn mixed(&self, levels: &[(usize, f64)]) -> GraspState {
+        let pads = (0..self.pads).map(|pad| self.pad(pad, levels)).collect();
+        let error = self.interval.and_then(|interval| {
+            let all = levels.iter().filter_map(|(level, _)| Some(interval.at(self.signs.get(*level)?)));
+            all.reduce(|a, b| ErrorBound {
+                displacement: a.displacement.max(b.displacement),
+                stress: a.stress.max(b.stress),
+                travel: a.travel.max(b.travel),
+            })
+        });
+        GraspState { pads, error }
     }
 
     fn pad(&self, pad: usize, levels: &[(usize, f64)]) -> PadState {
@@ -106,58 +120,17 @@ impl Answer {
         self.loads.travel[at] + self.loads.depth[at] * (mean + scale * f64::from(self.out.travel.value()[at]))
     }
 
-    /// Moves the fingers to where the predicted faces lie on the object: the travel then agrees with field and pose.
+    /// Moves the fingers to where the predicted faces lie on the object: the travel then agrees with field and pose. What does not agree
+    /// is a sign of the error.
     pub(crate) fn touch(&mut self, features: &GraspFeatures) {
         let levels = self.loads.load.len();
-        let of = |level: usize| closed(features, &self.mixed(&[(level, 1.0)]));
-        let travel: Vec<Vec<f64>> = (0..levels).into_par_iter().map(of).collect();
-        self.travel = travel.concat();
+        let of = |level: usize| {
+            let state = self.mixed(&[(level, 1.0)]);
+            let depth = self.loads.depth[level * self.pads..(level + 1) * self.pads].iter().sum::<f64>() / self.pads as f64;
+            touched(features, &state.pads, &self.loads.load[level], depth)
+        };
+        let touched: Vec<(Vec<f64>, Signs)> = (0..levels).into_par_iter().map(of).collect();
+        self.travel = touched.iter().flat_map(|(travel, _)| travel).copied().collect();
+        self.signs = touched.into_iter().map(|(_, signs)| signs).collect();
     }
 }
-
-/// Pressing force of a node over the largest, below which it does not say where the object is.
-const FAINT: f64 = 1e-2;
-
-/// Returns the travel of each finger at which the gaps of its pressed nodes are, in the mean over their forces, those that the contact
-/// law gives them.
-fn closed(features: &GraspFeatures, pads: &[PadState]) -> Vec<f64> {
-    let (model, graph, touch) = (&*features.model, &features.graph, &features.touch);
-    let mean = |pick: fn(&PadState) -> DVec3| {
-        let all = model.fingers.iter().zip(pads).map(|(f, pad)| f.placement.rotation * pick(pad));
-        all.sum::<DVec3>() / pads.len() as f64
-    };
-    let object = match model.free {
-        true => moved(model, &touch.object, mean(|p| p.shift), mean(|p| p.turn)),
-        false => touch.object,
-    };
-    let inverse = object.rotation.inverse();
-    // Sums of force times lacking gap, and of force times gap per travel.
-    let sums = model.fingers.iter().zip(pads).zip(&touch.travel).map(|((finger, pad), first)| {
-        let most = graph.face.iter().map(|i| -pad.contact[*i as usize].z).fold(0.0, f64::max);
-        let carried = finger.placement.closing * (first + pad.travel);
-        let (mut lacks, mut gains) = (0.0, 0.0);
-        for ((node, x), area) in graph.face.iter().zip(&graph.rest).zip(&graph.area) {
-            let force = -pad.contact[*node as usize].z;
-            if force <= FAINT * most {
-                continue;
-            }
-            let place = finger.placement.place(*x + pad.displacement[*node as usize]) + carried;
-            let at = inverse * (place - object.position);
-            let Some(closest) = model.object.distance.closest(at, f64::INFINITY) else { continue };
-            let wanted = (model.law.offset - force / area / model.law.stiffness).max(model.law.least());
-            lacks += force * (wanted - closest.distance);
-            gains += force * (object.rotation * closest.normal).dot(finger.placement.closing);
-        }
-        (lacks, gains)
-    });
-    let sums: Vec<(f64, f64)> = sums.collect();
-    let far = FARTHEST * features.graph.thickness;
-    let by = |(lacks, gains): (f64, f64)| if gains < 0.0 { (lacks / gains).clamp(-far, far) } else { 0.0 };
-    // Geared fingers go together.
-    let both = sums.iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-    let own = sums.iter().map(|own| by(if model.geared() { both } else { *own }));
-    pads.iter().zip(own).map(|(pad, by)| pad.travel + by).collect()
-}
-
-/// Largest correction of the travel, over the thickness: a field that asks for more is not one to go by.
-const FARTHEST: f64 = 0.3;

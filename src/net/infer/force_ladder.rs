@@ -4,7 +4,7 @@
 //! between two rungs are interpolated linearly: contact forces still sum to the pressing force of the finger.
 
 use super::answer::Answer;
-use super::predict::{PadState, Predictor, Seen};
+use super::predict::{GraspState, Predictor, Seen};
 use crate::error::Result;
 use crate::linear::{GraspLoad, around};
 
@@ -33,7 +33,7 @@ impl ForceLadder {
     }
 
     /// Returns the states of the pads at `force` per finger, N; None beyond the ladder.
-    pub fn at(&self, force: f64) -> Option<Vec<PadState>> {
+    pub fn at(&self, force: f64) -> Option<GraspState> {
         let (before, after, part) = around(&self.rungs, force)?;
         Some(self.answer.mixed(&[(*before, 1.0 - part), (*after, part)]))
     }

@@ -14,5 +14,6 @@ pub mod heads;
 pub mod message;
 pub mod predict;
 pub mod response;
+mod touch;
 
 pub use face::{Code, FaceEngine};

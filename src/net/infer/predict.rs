@@ -14,6 +14,7 @@ use crate::net::features::loads::LoadFeatures;
 use crate::net::network::card::{Card, Trained, WEIGHTS};
 use crate::net::network::parameters::Parameters;
 use crate::net::network::spec::NetworkSpec;
+use crate::record::ErrorBound;
 use crate::net::network::{Inputs, Network, NetworkOutput, build};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -45,6 +46,8 @@ pub struct Seen {
     code: Encoded,
     /// True if stress is wanted.
     stress: bool,
+    /// Factor of the interval of the error: above one outside the range of the training.
+    widened: f64,
 }
 
 impl Seen {
@@ -82,6 +85,15 @@ pub struct PadState {
     pub turn: DVec3,
 }
 
+/// State predicted for a grasp at one load level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GraspState {
+    /// States of the pads, left first.
+    pub pads: Vec<PadState>,
+    /// Errors that nine of ten such predictions stay below; None from a model that knows nothing of its error.
+    pub error: Option<ErrorBound>,
+}
+
 impl Predictor {
     /// Opens the model in the folder `model`, or the one that ships under this name.
     ///
@@ -96,11 +108,16 @@ impl Predictor {
             let message = format!("holds {} numbers, the card beside it says {}", parameters.count(), card.parameters);
             return Err(Error::file(path, message));
         }
+        Ok(Self::of(card, network, parameters))
+    }
+
+    /// Creates the predictor of a network that is trained.
+    pub fn of(card: Card, network: Box<dyn Network>, parameters: Parameters) -> Self {
         let engine = match &card.spec.network {
             NetworkSpec::Face(sizes) => Some(FaceEngine::new(sizes, &parameters, &card.normalisers)),
             NetworkSpec::Paper(_) => None,
         };
-        Ok(Self { card, network, parameters, engine, graphs: Mutex::default() })
+        Self { card, network, parameters, engine, graphs: Mutex::default() }
     }
 
     /// Switches to the reference, which is computed operation by operation as in training.
@@ -108,14 +125,14 @@ impl Predictor {
         Self { engine: None, ..self }
     }
 
-    /// Returns the graph of the pads of `model`, if the network was trained for it.
+    /// Returns the graph of the pads of `model`, if the network was trained for it, or may `extrapolate`.
     ///
     /// # Errors
     /// Fails if the scene lies outside the trained range; the message says where.
-    pub fn admit(&self, model: &Model) -> Result<Arc<PadGraph>> {
+    pub fn admit(&self, model: &Model, extrapolate: bool) -> Result<Arc<PadGraph>> {
         // Before the response of a pad is solved for that it does not know.
         let hash = model.fingers.first().map_or_else(String::new, |finger| mesh_hash(&finger.topology));
-        self.card.range.admits(model, &hash)?;
+        self.card.range.admits(model, &hash, extrapolate)?;
         self.graph(model)
     }
 
@@ -145,7 +162,8 @@ impl Predictor {
             Some(engine) => Encoded::Engine(engine.encode(&features)),
             None => Encoded::Tape(self.network.encode(&Tape::silent(), &self.parameters, &self.inputs(&features))),
         };
-        Seen { features, code, stress: true }
+        let widened = self.card.range.widening(&features.model, &features.graph.hash);
+        Seen { features, code, stress: true, widened }
     }
 
     fn inputs<'a>(&'a self, features: &'a GraspFeatures) -> Inputs<'a> {
@@ -156,15 +174,15 @@ impl Predictor {
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
-    pub fn at(&self, seen: &Seen, load: impl Into<GraspLoad>) -> Result<Vec<PadState>> {
+    pub fn at(&self, seen: &Seen, load: impl Into<GraspLoad>) -> Result<GraspState> {
         Ok(self.ramp(seen, &[load.into()])?.swap_remove(0))
     }
 
-    /// Predicts the states of the pads under each of `loads`: (loads, pads).
+    /// Predicts the states of the pads under each of `loads`.
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
-    pub fn ramp(&self, seen: &Seen, loads: &[GraspLoad]) -> Result<Vec<Vec<PadState>>> {
+    pub fn ramp(&self, seen: &Seen, loads: &[GraspLoad]) -> Result<Vec<GraspState>> {
         let mut states = Vec::with_capacity(loads.len());
         let together = if self.engine.is_some() { FaceEngine::LOADS } else { LEVELS };
         for some in loads.chunks(together) {
@@ -197,7 +215,7 @@ impl Predictor {
         let (graph, pads) = (features.graph.clone(), features.pads);
         let (young, unit_force) = (features.young, features.unit_force());
         let mut answer =
-            Answer { loads, out, norms, graph, pads, stress: seen.stress, young, unit_force, travel: Vec::new() };
+            Answer { loads, out, norms, graph, pads, stress: seen.stress, young, unit_force, travel: Vec::new(), signs: Vec::new(), interval: self.card.interval.map(|interval| interval.widened(seen.widened)) };
         match (0..given.len()).find(|level| !answer.is_finite(*level)) {
             None => {
                 answer.touch(features);

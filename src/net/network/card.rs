@@ -3,6 +3,7 @@
 
 use super::Normalisers;
 use super::earlier::{EARLIER, widened};
+use super::interval::Interval;
 use super::shipped;
 use super::spec::{NetworkSpec, Spec};
 use crate::error::{Error, Result};
@@ -47,6 +48,9 @@ pub struct Card {
     pub normalisers: Normalisers,
     /// Range of the training, in which the model may be used.
     pub range: TrainedRange,
+    /// Interval of its error; None for models that know nothing of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interval: Option<Interval>,
     /// BLAKE3 hash of the numbers above and of the weights; empty in older models.
     #[serde(default)]
     pub checksum: String,
@@ -118,6 +122,7 @@ impl Card {
     fn check(&self) -> std::result::Result<(), String> {
         self.normalisers.check(matches!(self.spec.network, NetworkSpec::Paper(_)))?;
         self.range.check()?;
+        self.interval.iter().try_for_each(Interval::check)?;
         match self.validation_loss {
             loss if (0.0..=MOST).contains(&loss) => Ok(()),
             loss => Err(format!("`validation_loss` is {loss}; allowed: 0 to {MOST:e}")),

@@ -5,6 +5,7 @@
 pub mod card;
 mod earlier;
 pub mod face;
+pub mod interval;
 pub mod paper;
 pub mod parameters;
 pub mod shipped;

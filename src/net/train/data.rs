@@ -18,6 +18,7 @@ use crate::net::network::{Normalisers, VolumeNormalisers};
 use crate::net::train::sample::{Sample, model_of};
 use crate::random::Random;
 use rayon::prelude::*;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Returns training and test poses by the name of a split: `poses`, `all`, `single:OBJECT`, `without:OBJECT`.
@@ -41,34 +42,58 @@ pub fn split(splits: &Splits, name: &str) -> Result<crate::dataset::split::Sets>
     })
 }
 
-/// Reads the grasps that `poses` names, with the range that they span; at most `frames` frames of each.
+/// Returns what names the plans of data sets in a card: the plan of one, or a hash of several.
+pub fn plan(sets: &[DataSet]) -> String {
+    match sets {
+        [set] => set.manifest.plan.clone(),
+        several => {
+            let mut hash = blake3::Hasher::new();
+            several.iter().for_each(|set| {
+                hash.update(set.manifest.plan.as_bytes());
+            });
+            hash.finalize().to_hex().to_string()
+        }
+    }
+}
+
+/// Reads the grasps that each set's poses name, with the range that they span; at most `frames` frames of each.
 ///
 /// # Errors
 /// Fails for damaged files or grasps, for a mix that one model cannot serve, and if there is no grasp.
-pub fn read(set: &DataSet, poses: &Poses, layout: Layout, frames: usize) -> Result<(Vec<Sample>, TrainedRange)> {
-    if let Some(damaged) = set.damaged.first() {
-        return Err(Error::Start(format!("the data set is damaged: {damaged}")));
-    }
-    let models = set.objects.iter().map(model_of).collect::<Result<Vec<Arc<Model>>>>()?;
+pub fn read(sets: &[(&DataSet, &Poses)], layout: Layout, frames: usize) -> Result<(Vec<Sample>, TrainedRange)> {
     let mut graphs: Vec<Arc<PadGraph>> = Vec::new();
-    for model in &models {
-        // Equal pads share one graph.
-        let finger = model.finger()?;
-        let known = graphs.iter().find(|g| g.fits(finger)).cloned();
-        let made = || PadGraph::keeping(finger, layout, ComplianceCache::of_user().as_ref()).map(Arc::new);
-        graphs.push(known.map_or_else(made, Ok)?);
+    let mut chosen = Vec::new();
+    for (set, poses) in sets {
+        if let Some(damaged) = set.damaged.first() {
+            return Err(Error::Start(format!("the data set is damaged: {damaged}")));
+        }
+        let models = set.objects.par_iter().map(model_of).collect::<Result<Vec<Arc<Model>>>>()?;
+        let mut of_object = Vec::new();
+        for model in &models {
+            // Equal pads share one graph.
+            let finger = model.finger()?;
+            let known = graphs.iter().find(|g| g.fits(finger)).cloned();
+            let graph = match known {
+                Some(graph) => graph,
+                None => {
+                    let made = Arc::new(PadGraph::keeping(finger, layout, ComplianceCache::of_user().as_ref())?);
+                    graphs.push(made.clone());
+                    made
+                }
+            };
+            of_object.push(graph);
+        }
+        let named = set.select(poses).into_iter();
+        chosen.extend(named.map(|(o, grasp)| (&set.objects[o], models[o].clone(), of_object[o].clone(), grasp)));
     }
-    let chosen = set.select(poses);
-    let samples = chosen
-        .par_iter()
-        .map(|&(o, grasp)| {
-            interrupt::check()?;
-            Sample::read(&set.objects[o], &models[o], &graphs[o], grasp, frames)
-        })
-        .collect::<Result<Vec<_>>>()?;
+    let samples = chosen.par_iter().map(|(file, model, graph, grasp)| {
+        interrupt::check()?;
+        Sample::read(file, model, graph, *grasp, frames)
+    });
+    let samples = samples.collect::<Result<Vec<_>>>()?;
     let mut range: Option<TrainedRange> = None;
-    for (sample, (o, _)) in samples.iter().zip(&chosen) {
-        let own = TrainedRange::of(&models[*o], &sample.features, &sample.forces);
+    for (sample, (_, model, ..)) in samples.iter().zip(&chosen) {
+        let own = TrainedRange::of(model, &sample.features, &sample.forces);
         match &mut range {
             Some(range) => range.extend(&own)?,
             None => range = Some(own),
@@ -78,19 +103,30 @@ pub fn read(set: &DataSet, poses: &Poses, layout: Layout, frames: usize) -> Resu
     range.map(|range| (samples, range)).ok_or_else(empty)
 }
 
-/// Takes `part` of `samples` out, by a permutation of `seed`: (kept, taken out). At least one stays; of two, one is taken out.
+/// Takes `part` of `samples` out, by a permutation of `seed`: (kept, taken out). Whole objects go out where there are at least
+/// [`MANY`]: grasps of the same object know each other. At least one sample stays; of two, one is taken out.
 pub fn set_aside(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Sample>, Vec<Sample>) {
-    let count = ((samples.len() as f64 * part).round() as usize).clamp(1, samples.len().max(2) - 1);
     let mut random = Random::new(seed);
+    let mut objects: Vec<String> = samples.iter().map(|s| s.object.clone()).collect();
+    objects.dedup();
     let mut order: Vec<usize> = (0..samples.len()).collect();
     random.shuffle(&mut order);
-    let taken: Vec<usize> = order.into_iter().take(count).collect();
+    if objects.len() >= MANY {
+        random.shuffle(&mut objects);
+        let place: HashMap<&str, usize> = objects.iter().enumerate().map(|(i, o)| (o.as_str(), i)).collect();
+        order.sort_by_key(|i| place[samples[*i].object.as_str()]);
+    }
+    let count = ((samples.len() as f64 * part).round() as usize).clamp(1, samples.len().max(2) - 1);
+    let taken: HashSet<usize> = order.into_iter().take(count).collect();
     let (mut kept, mut out) = (Vec::new(), Vec::new());
     for (i, sample) in samples.into_iter().enumerate() {
         if taken.contains(&i) { out.push(sample) } else { kept.push(sample) }
     }
     (kept, out)
 }
+
+/// Number of objects from which on whole objects are set aside.
+const MANY: usize = 30;
 
 /// Computes the statistics of a training set. The bounds of the features include those of the validation samples.
 pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {

@@ -7,14 +7,18 @@ pub mod adam;
 mod checkpoint;
 pub mod curves;
 pub mod data;
+pub mod frame_error;
 pub mod sample;
 
+use self::frame_error::frame_error;
 use self::sample::Sample;
 use super::autodiff::real::Real;
 use super::autodiff::tape::Tape;
 use super::features::VERSION;
 use super::features::range::TrainedRange;
+use super::infer::predict::Predictor;
 use super::network::card::{CARD, Card};
+use super::network::interval::{Interval, Kept, Signs};
 use super::network::parameters::Parameters;
 use super::network::spec::{Spec, Training};
 use super::network::{Inputs, Network, Normalisers, build};
@@ -75,21 +79,22 @@ pub enum End {
 }
 
 impl Trainer {
-    /// Reads the training grasps of `split`, and the state of an earlier run of the same plan in `dir`. Locks `dir` until the end.
+    /// Reads the training grasps of `split` in all of `sets`, and the state of an earlier run of the same plan in `dir`. Locks `dir` until the end.
     ///
     /// # Errors
     /// Fails if the data cannot be used, and if the folder is locked by another training or holds another model.
-    pub fn new(set: &DataSet, spec: &Spec, split: &str, dir: &Path) -> Result<Self> {
-        let sets = data::split(&set.splits, split)?;
+    pub fn new(sets: &[DataSet], spec: &Spec, split: &str, dir: &Path) -> Result<Self> {
         // Before anything long: what another one writes meanwhile must not be replaced at the end.
         let lock = FolderLock::alone(dir, "tactus train")?;
         let (network, parameters) = build(&spec.network, Some(spec.training.seed));
-        let (samples, range) = data::read(set, &sets.train, network.layout(), spec.training.frames.get())?;
+        let poses = sets.iter().map(|set| Ok(data::split(&set.splits, split)?.train)).collect::<Result<Vec<_>>>()?;
+        let all: Vec<_> = sets.iter().zip(&poses).collect();
+        let (samples, range) = data::read(&all, network.layout(), spec.training.frames.get())?;
         if samples.len() < 2 {
             return Err(Error::Start("training needs two grasps at least: one to learn from, one to stop by".into()));
         }
         let (samples, validation) = data::set_aside(samples, spec.training.validation.get(), spec.training.seed);
-        let card = card(spec, set, split, [&samples, &validation], range, &parameters);
+        let card = card(spec, sets, split, [&samples, &validation], range, &parameters);
         let adam = Adam::new(&parameters);
         let state = TrainingState { best: parameters.clone(), parameters, adam, epochs: Vec::new() };
         let mut trainer =
@@ -226,10 +231,27 @@ impl Trainer {
         (f64::from(loss.value()[0]), tape.backward(&loss, &parameters.matrices))
     }
 
-    /// Writes the model: card, best weights, curves.
+    /// Finds the interval of the error of the best weights on the grasps that were kept from training.
+    fn interval(&self) -> Result<Option<Interval>> {
+        let (network, _) = build(&self.card.spec.network, None);
+        let predictor = Predictor::of(self.card.clone(), network, self.state.best.clone());
+        let kept = self.validation.par_iter().map(|sample| {
+            interrupt::check()?;
+            let answer = predictor.answer(&predictor.encode(sample.features.clone()), &sample.given)?;
+            let level = |(k, signs): (usize, &Signs)| {
+                let error = frame_error(sample, k, &answer.mixed(&[(k, 1.0)]));
+                (*signs, [error.displacement, error.stress, error.travel])
+            };
+            Ok(answer.signs.iter().enumerate().map(level).collect())
+        });
+        Ok(Interval::fit(&kept.collect::<Result<Vec<Kept>>>()?))
+    }
+
+    /// Writes the model: card with the interval of its error, best weights, curves.
     fn finish(&mut self) -> Result<()> {
         let Some((best, loss)) = self.state.best_epoch() else { return Ok(()) };
         (self.card.epochs, self.card.validation_loss) = (best + 1, loss);
+        self.card.interval = self.interval()?;
         curves::write(&self.dir, &self.state.epochs)?;
         self.card.write(&self.dir, &self.state.best.to_bytes()?)?;
         checkpoint::remove(&self.dir)
@@ -293,7 +315,7 @@ fn add(mut a: Vec<Vec<f32>>, b: Vec<Vec<f32>>) -> Vec<Vec<f32>> {
 
 fn card(
     spec: &Spec,
-    set: &DataSet,
+    sets: &[DataSet],
     split: &str,
     [samples, validation]: [&[Sample]; 2],
     range: TrainedRange,
@@ -303,7 +325,7 @@ fn card(
         tactus: env!("CARGO_PKG_VERSION").into(),
         features: VERSION,
         spec: spec.clone(),
-        data: set.manifest.plan.clone(),
+        data: data::plan(sets),
         split: split.into(),
         grasps: samples.len(),
         parameters: parameters.count(),
@@ -312,6 +334,7 @@ fn card(
         epochs: 0,
         normalisers: data::normalisers(samples, validation),
         range,
+        interval: None,
         checksum: String::new(),
     }
 }

@@ -97,6 +97,7 @@ pub fn record_frame(
         force_balance: balance.force,
         torque_balance: balance.torque,
         residual: report.residual,
+        error: report.error,
     });
 }
 

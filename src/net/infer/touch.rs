@@ -1,0 +1,104 @@
+//! Contact of the predicted faces with the object: the travel that closes it, and how well field and pose agree.
+
+use super::predict::PadState;
+use crate::linear::GraspLoad;
+use crate::linear::object_motion::moved;
+use crate::net::features::GraspFeatures;
+use crate::net::network::interval::Signs;
+use crate::world::components::ObjectPose;
+use glam::DVec3;
+
+/// Pressing force of a node over the largest, below which it does not say where the object is.
+const FAINT: f64 = 1e-2;
+/// Largest correction of the travel, over the thickness: a field that asks for more is not one to go by.
+const FARTHEST: f64 = 0.3;
+/// Mismatch and overlap over the depth, below which all are alike.
+const LEAST: f64 = 1e-3;
+
+/// A node of a face beside the object.
+struct Beside {
+    /// Distance to the object beyond what the contact law leaves at its force, m.
+    gap: f64,
+    /// Change of that distance with the travel.
+    closing: f64,
+    /// Pressing force, N; zero if it is next to none.
+    force: f64,
+    /// What lies between it and its neighbours, over the thickness.
+    hidden: f64,
+}
+
+/// Returns the travel of each finger at which the gaps of its pressed nodes are, in the mean over their forces, those that the contact
+/// law gives them, and the signs of the error of this answer, whose pads give by `depth` (m).
+pub(super) fn touched(features: &GraspFeatures, pads: &[PadState], load: &GraspLoad, depth: f64) -> (Vec<f64>, Signs) {
+    let (model, t) = (&*features.model, features.graph.thickness);
+    let mean = |pick: fn(&PadState) -> DVec3| {
+        let all = model.fingers.iter().zip(pads).map(|(f, pad)| f.placement.rotation * pick(pad));
+        all.sum::<DVec3>() / pads.len() as f64
+    };
+    let turn = mean(|p| p.turn);
+    let object = if model.free { moved(model, &features.touch.object, mean(|p| p.shift), turn) } else { features.touch.object };
+    let nodes: Vec<Vec<Beside>> = pads.iter().enumerate().map(|(p, pad)| beside(features, p, pad, &object)).collect();
+    let sums = nodes.iter().map(|own| {
+        let pressed = own.iter().filter(|n| n.force > 0.0);
+        pressed.fold((0.0, 0.0), |(lacks, gains), n| (lacks - n.force * n.gap, gains + n.force * n.closing))
+    });
+    let sums: Vec<(f64, f64)> = sums.collect();
+    let far = FARTHEST * t;
+    let by = |(lacks, gains): (f64, f64)| if gains < 0.0 { (lacks / gains).clamp(-far, far) } else { 0.0 };
+    // Geared fingers go together.
+    let both = sums.iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+    let by: Vec<f64> = sums.iter().map(|own| by(if model.geared() { both } else { *own })).collect();
+    let (mut force, mut mismatch, mut hidden, mut overlap) = (0.0, 0.0, 0.0, 0.0_f64);
+    for (own, by) in nodes.iter().zip(&by) {
+        for n in own {
+            let gap = n.gap + n.closing * by;
+            force += n.force;
+            mismatch += n.force * gap.abs();
+            hidden += n.force * n.hidden * t;
+            overlap = overlap.max(-gap);
+        }
+    }
+    let ratio = |value: f64| value / depth.max(f64::MIN_POSITIVE);
+    let [mismatch, hidden] = [mismatch, hidden].map(|sum| ratio(sum / f64::max(force, f64::MIN_POSITIVE)));
+    let pushed = load.push[0].length() + load.push[1].length();
+    let signs = [
+        1.0,
+        (mismatch + LEAST).ln(),
+        (ratio(overlap) + LEAST).ln(),
+        (depth / t).max(LEAST).ln(),
+        turn.length().min(1.0),
+        hidden.min(1.0),
+        (pushed / load.force.max(f64::MIN_POSITIVE)).min(1.0),
+    ];
+    (pads.iter().zip(&by).map(|(pad, by)| pad.travel + by).collect(), signs)
+}
+
+/// Column of a node's features that says how far the object comes nearer between it and its neighbours.
+const HIDDEN: usize = 26;
+
+/// Looks at the object from the face nodes of pad `p` that are pressed or near.
+fn beside(features: &GraspFeatures, p: usize, pad: &PadState, object: &ObjectPose) -> Vec<Beside> {
+    let (model, graph) = (&*features.model, &features.graph);
+    let (finger, law) = (&model.fingers[p], &model.law);
+    let most = graph.face.iter().map(|i| -pad.contact[*i as usize].z).fold(0.0, f64::max);
+    let carried = finger.placement.closing * (features.touch.travel[p] + pad.travel);
+    let inverse = object.rotation.inverse();
+    let columns = features.node.len() / (features.pads * graph.face.len());
+    let of = |(i, node): (usize, &u32)| {
+        let force = -pad.contact[*node as usize].z;
+        let force = if force > FAINT * most { force } else { 0.0 };
+        let place = finger.placement.place(graph.rest[i] + pad.displacement[*node as usize]) + carried;
+        // A node that does not press matters only where it is inside.
+        let reach = if force > 0.0 { f64::INFINITY } else { law.offset };
+        let closest = model.object.distance.closest(inverse * (place - object.position), reach)?;
+        let wanted = (law.offset - force / graph.area[i] / law.stiffness).max(law.least());
+        let wanted = if force > 0.0 { wanted } else { 0.0 };
+        Some(Beside {
+            gap: closest.distance - wanted,
+            closing: (object.rotation * closest.normal).dot(finger.placement.closing),
+            force,
+            hidden: f64::from(features.node[(p * graph.face.len() + i) * columns + HIDDEN]),
+        })
+    };
+    graph.face.iter().enumerate().filter_map(of).collect()
+}

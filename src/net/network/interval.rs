@@ -1,0 +1,139 @@
+//! Interval of a network's error: split conformal prediction (Lei et al. 2018) on what an answer says of itself.
+//!
+//! The logarithm of the error is linear in the signs of an answer, by least squares over one half of the grasps that are kept from
+//! training. Of the ratios of error to estimate on the other half, nine of ten are below the factor: so are those of grasps like them.
+
+use crate::record::ErrorBound;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use serde::{Deserialize, Serialize};
+
+/// Signs of an answer's error, all dimensionless: one; logarithms of the mismatch of the pressed nodes and of the deepest overlap with the
+/// object over the depth, and of depth over thickness; rotation of the object; what lies between nodes over the depth; push over force.
+pub type Signs = [f64; 7];
+
+/// Part of unseen grasps that an interval holds.
+pub const LEVEL: f64 = 0.9;
+/// Error below which errors do not differ.
+const LEAST: f64 = 1e-3;
+/// Weight against large coefficients, per sample.
+const RIDGE: f64 = 1e-3;
+
+/// Interval of one quantity.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Bound {
+    /// Coefficients of the logarithm of the error.
+    weights: Signs,
+    /// Factor from the estimate to the end of the interval.
+    factor: f64,
+}
+
+/// Intervals of displacement, stress and travel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Interval {
+    displacement: Bound,
+    stress: Bound,
+    travel: Bound,
+    /// Number of grasps that it was found on.
+    grasps: usize,
+}
+
+/// Signs and relative errors of the levels of a grasp that was kept from training.
+pub type Kept = Vec<(Signs, [f64; 3])>;
+
+impl Bound {
+    fn fit(levels: &[(Signs, f64)], others: &[(Signs, f64)]) -> Option<Self> {
+        const N: usize = 7;
+        let (mut matrix, mut right) = (Mat::<f64>::zeros(N, N), Mat::<f64>::zeros(N, 1));
+        for (signs, error) in levels {
+            let target = error.max(LEAST).ln();
+            for (i, a) in signs.iter().enumerate() {
+                right[(i, 0)] += a * target;
+                signs.iter().enumerate().for_each(|(j, b)| matrix[(i, j)] += a * b);
+            }
+        }
+        (0..N).for_each(|i| matrix[(i, i)] += RIDGE * levels.len() as f64);
+        let solved = matrix.llt(Side::Lower).ok()?.solve(&right);
+        let weights: Signs = std::array::from_fn(|i| solved[(i, 0)]);
+        let mut own = Self { weights, factor: 1.0 };
+        let mut ratios: Vec<f64> = others.iter().map(|(signs, error)| error.max(LEAST) / own.at(signs)).collect();
+        ratios.sort_by(f64::total_cmp);
+        let rank = (LEVEL * (ratios.len() + 1) as f64).ceil() as usize;
+        own.factor = *ratios.get(rank.clamp(1, ratios.len().max(1)) - 1)?;
+        Some(own).filter(|own| own.is_finite())
+    }
+
+    /// Returns the end of the interval for an answer with these signs.
+    fn at(&self, signs: &Signs) -> f64 {
+        self.factor * self.weights.iter().zip(signs).map(|(w, s)| w * s).sum::<f64>().clamp(-10.0, 10.0).exp()
+    }
+
+    fn is_finite(&self) -> bool {
+        self.factor.is_finite() && self.factor > 0.0 && self.weights.iter().all(|w| w.is_finite())
+    }
+}
+
+impl Interval {
+    /// Finds the intervals from grasps that were kept from training; None if there are too few of them.
+    pub fn fit(kept: &[Kept]) -> Option<Self> {
+        let half = |odd: usize, k: usize| -> Vec<(Signs, f64)> {
+            let grasps = kept.iter().enumerate().filter(|(i, _)| i % 2 == odd);
+            grasps.flat_map(|(_, levels)| levels.iter().map(|(signs, errors)| (*signs, errors[k]))).collect()
+        };
+        let bound = |k: usize| Bound::fit(&half(0, k), &half(1, k));
+        Some(Self { displacement: bound(0)?, stress: bound(1)?, travel: bound(2)?, grasps: kept.len() })
+    }
+
+    /// Returns the ends of the intervals for an answer with these signs.
+    pub fn at(&self, signs: &Signs) -> ErrorBound {
+        ErrorBound {
+            displacement: self.displacement.at(signs),
+            stress: self.stress.at(signs),
+            travel: self.travel.at(signs),
+        }
+    }
+
+    /// Returns the intervals times a factor.
+    pub fn widened(self, by: f64) -> Self {
+        let wider = |bound: Bound| Bound { factor: bound.factor * by, ..bound };
+        Self { displacement: wider(self.displacement), stress: wider(self.stress), travel: wider(self.travel), ..self }
+    }
+
+    /// Checks that training can give such numbers. The error says what is wrong.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        let all = [("displacement", self.displacement), ("stress", self.stress), ("travel", self.travel)];
+        match all.into_iter().find(|(_, bound)| !bound.is_finite()) {
+            Some((name, bound)) => Err(format!("`interval.{name}` holds {bound:?}; allowed: finite numbers, a factor above 0")),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    /// Grasps whose error follows a sign, with scatter of a factor.
+    fn drawn(count: usize, random: &mut Random) -> Vec<Kept> {
+        let mut grasp = || {
+            let sign = 4.0 * random.unit() - 4.0;
+            let error = (0.8 * sign - 1.0 + 0.6 * (random.unit() + random.unit() - 1.0)).exp();
+            vec![([1.0, sign, 0.0, random.unit(), 0.0, 0.0, 0.0], [error, 2.0 * error, 0.5 * error])]
+        };
+        (0..count).map(|_| grasp()).collect()
+    }
+
+    #[test]
+    fn nine_of_ten_unseen_grasps_lie_within_and_the_interval_follows_the_signs() {
+        let mut random = Random::new(7);
+        let interval = Interval::fit(&drawn(1000, &mut random)).unwrap();
+        let unseen = drawn(4000, &mut random);
+        let within = unseen.iter().flatten().filter(|(signs, error)| error[0] <= interval.at(signs).displacement).count();
+        let part = within as f64 / unseen.len() as f64;
+        assert!((part - LEVEL).abs() < 0.03, "{part} within, not {LEVEL}");
+        let wide = |sign: f64| interval.at(&[1.0, sign, 0.0, 0.5, 0.0, 0.0, 0.0]).displacement;
+        let ratio = wide(-1.0) / wide(-3.0);
+        assert!((ratio / 1.6_f64.exp() - 1.0).abs() < 0.1, "widths differ by {ratio}");
+    }
+}
