@@ -232,6 +232,7 @@ fn predict(
     command: Option<Res<ForceCommand>>,
     mut prediction: ResMut<Prediction>,
     load: Res<StepLoad>,
+    weight: Option<Single<&ObjectWeight>>,
     mut report: ResMut<StepReport>,
     mut next: ResMut<Next>,
     mut timings: ResMut<Timings>,
@@ -251,11 +252,12 @@ fn predict(
             ahead.pop_front().map_or_else(asked, Ok)
         }
         Some((_, seen)) => {
+            let push = weight.map(|weight| weight.0).filter(|_| predictor.knows_pushes()).unwrap_or_default();
             let known = ladder
                 .get_or_init(|| ForceLadder::new(predictor, seen, shared.0.levels[0], *shared.0.levels.last()?).ok())
                 .as_ref()
-                .and_then(|ladder| ladder.at(load.level));
-            known.map_or_else(|| predictor.at(seen, load.level), Ok)
+                .and_then(|ladder| ladder.at(load.level, push));
+            known.map_or_else(|| predictor.at(seen, GraspLoad { force: load.level, push: [push, DVec3::ZERO] }), Ok)
         }
         None => Err(Error::Start("the load rises before first contact".into())),
     };
@@ -270,9 +272,12 @@ fn predict(
     *timings.stages.entry("decode").or_insert(0.0) += clock.elapsed().as_secs_f64();
 }
 
-/// Shares a load on the object out among the pads and their nodes in proportion to the pressure: the training did not include what
-/// an agent does with an object.
+/// Shares a load on the object out among the pads and their nodes in proportion to the pressure, for a network whose training did not
+/// include pushes.
 fn carry_load(mut prediction: ResMut<Prediction>, shared: Res<Shared>, weight: Single<&ObjectWeight>) {
+    if prediction.predictor.knows_pushes() {
+        return;
+    }
     let model = &shared.0;
     let each = weight.0 / model.fingers.len() as f64;
     for (pad, finger) in prediction.pads_mut().iter_mut().zip(&model.fingers) {

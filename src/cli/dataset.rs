@@ -5,12 +5,15 @@ use crate::backend;
 use crate::dataset::manifest::LeftOut;
 use crate::dataset::progress::Finished;
 use crate::dataset::sensitivity::SensitivityRow;
-use crate::dataset::{Campaign, Manifest, Watcher};
+use crate::dataset::{Campaign, Manifest, Selection, Watcher};
 use crate::error::{Error, Result};
 use crate::grasp::keep_first;
+use crate::gripper::GraspPose;
+use crate::net::infer::doubt::doubts;
+use crate::net::infer::predict::Predictor;
 use crate::record::Status;
 use crate::run::sensitivity::CHANGES;
-use crate::scene::{GraspCount, NamedScene, load_set};
+use crate::scene::{GraspCount, NamedScene, Scene, load_seeded};
 use crate::stats::median;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
@@ -51,6 +54,15 @@ pub struct DatasetArgs {
     /// Number of recorded frames of each grasp, instead of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: Option<u64>,
+    /// Seed of the objects of a universe, instead of the scene's: another seed gives other objects.
+    #[arg(long, value_name = "SEED")]
+    pub seed: Option<u64>,
+    /// Simulate only the grasps that this trained model is least sure of: a quarter of all, or as many as `--keep` says.
+    #[arg(long, value_name = "MODEL")]
+    pub worst_of: Option<PathBuf>,
+    /// Number of grasps to keep.
+    #[arg(long, value_name = "N", requires = "worst_of", value_parser = clap::value_parser!(u64).range(1..))]
+    pub keep: Option<u64>,
     /// Wall time that a grasp may take, s; a longer one ends as a fault. The files then depend on the machine.
     #[arg(long, value_name = "SECONDS")]
     pub max_time: Option<f64>,
@@ -85,7 +97,7 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
     let (Some(scene), Some(out)) = (&args.scene, &args.out) else {
         return Err(refused("a scene and `-o DIR` are needed"));
     };
-    let mut set = load_set(scene)?;
+    let mut set = load_seeded(scene, args.seed)?;
     choose(&mut set.scenes, &args.object)?;
     if let Some(most) = args.grasps {
         let most = GraspCount::new(most).map_err(|m| refused(&format!("--grasps {m}")))?;
@@ -98,7 +110,14 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
         set.scenes.iter_mut().try_for_each(|s| super::run::limit_time(&mut s.scene.stepper, seconds))?;
     }
     let threads = args.threads.map_or_else(super::run::machine_threads, |n| n as usize);
-    let mut campaign = Campaign::plan(&set, out, backend::choose)?;
+    let predictor = args.worst_of.as_deref().map(Predictor::open).transpose()?;
+    let score = |scene: &Scene, poses: &[GraspPose]| match &predictor {
+        Some(predictor) => doubts(predictor, scene, poses),
+        None => Ok(vec![0.0; poses.len()]),
+    };
+    let keep = args.keep.map(|keep| keep as usize);
+    let selection = predictor.is_some().then_some(Selection { keep, score: &score });
+    let mut campaign = Campaign::plan_some(&set, out, backend::choose, selection.as_ref())?;
     let manifest = campaign.manifest();
     let resumed = campaign.finished();
     say(&format!(

@@ -5,7 +5,7 @@ use super::arrays::{FORMAT, FileSizes};
 use super::compatible::{World, sensor};
 use super::file::{Writer, lay_out};
 use super::manifest::{LeftOut, MANIFEST, Manifest, ObjectEntry};
-use super::plan::{Planned, PlannedPads, plan_hash};
+use super::plan::{Planned, PlannedPads, Selection, plan_hash};
 use super::progress::{self, Finished, Progress};
 use super::queue::longest_first;
 use super::recorder::{DatasetRecorder, Watcher};
@@ -43,6 +43,19 @@ impl Campaign {
     /// # Errors
     /// Fails if a scene cannot be built or the folder holds another data set.
     pub fn plan(set: &LoadedSet, dir: &Path, choose: Choose) -> Result<Self> {
+        Self::plan_some(set, dir, choose, None)
+    }
+
+    /// Plans a data set of the grasps that a `selection` keeps.
+    ///
+    /// # Errors
+    /// Fails as [`Campaign::plan`] does, and if a score fails.
+    pub fn plan_some(
+        set: &LoadedSet,
+        dir: &Path,
+        choose: Choose,
+        selection: Option<&Selection>,
+    ) -> Result<Self> {
         let first = set.scenes.first().ok_or_else(|| Error::Start("the scene has no object".into()))?;
         let pads = PlannedPads::of(&first.scene).map_err(|e| set.place(e, &first.name))?;
         let planned = set.scenes.par_iter().map(|named| {
@@ -62,6 +75,7 @@ impl Campaign {
                 Err(without) => left_out.push(without),
             }
         }
+        selection.map_or(Ok(()), |selection| selection.apply(&mut objects, &mut entries))?;
         if objects.is_empty() {
             return Err(Error::Start("no drawn object has a grasp; draw more, or other ones".into()));
         }

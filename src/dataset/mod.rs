@@ -36,6 +36,7 @@ pub mod split;
 
 pub use campaign::Campaign;
 pub use manifest::Manifest;
+pub use plan::Selection;
 pub use reader::{ObjectFile, StoredGrasp};
 pub use recorder::Watcher;
 pub use set::DataSet;

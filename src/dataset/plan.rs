@@ -12,6 +12,9 @@ use crate::gripper::GraspPose;
 use crate::model::Model;
 use crate::part::object;
 use crate::scene::{Field, Loading, NamedScene, Scene, to_ron};
+use crate::interrupt;
+use rayon::prelude::*;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// Object of a campaign.
@@ -74,6 +77,44 @@ impl Planned {
         };
         let limit = sizes.bytes() + fixed_bytes(&sizes, &shape.surface);
         Ok((Self { named, poses: grasps.poses, sizes, file, limit, own_pads }, entry))
+    }
+}
+
+/// Choice of the grasps of a data set that have the largest scores.
+pub struct Selection<'a> {
+    /// Number of grasps that are kept; None is a quarter of them.
+    pub keep: Option<usize>,
+    /// Function that scores the grasps of a scene.
+    pub score: &'a (dyn Fn(&Scene, &[GraspPose]) -> Result<Vec<f64>> + Sync),
+}
+
+impl Selection<'_> {
+    /// Removes all other grasps, and objects without any.
+    ///
+    /// # Errors
+    /// Fails if a score fails.
+    pub(super) fn apply(&self, objects: &mut Vec<Planned>, entries: &mut Vec<ObjectEntry>) -> Result<()> {
+        let of = |object: &Planned| {
+            interrupt::check()?;
+            (self.score)(&object.named.scene, &object.poses)
+        };
+        let scores: Vec<Vec<f64>> = objects.par_iter().map(of).collect::<Result<_>>()?;
+        let grasps = scores.iter().enumerate().flat_map(|(o, own)| own.iter().enumerate().map(move |(g, s)| (*s, o, g)));
+        let mut order: Vec<(f64, usize, usize)> = grasps.collect();
+        let keep = self.keep.unwrap_or_else(|| order.len().div_ceil(4));
+        // Equal scores in the order of the scene.
+        order.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let kept: HashSet<(usize, usize)> = order.into_iter().take(keep).map(|(_, o, g)| (o, g)).collect();
+        for (o, (object, entry)) in objects.iter_mut().zip(entries.iter_mut()).enumerate() {
+            let before = object.sizes.bytes();
+            let poses = object.poses.iter().enumerate().filter(|(g, _)| kept.contains(&(o, *g)));
+            object.poses = poses.map(|(_, pose)| *pose).collect();
+            (object.sizes.grasps, entry.grasps) = (object.poses.len(), object.poses.len());
+            object.limit -= before - object.sizes.bytes();
+        }
+        objects.retain(|object| !object.poses.is_empty());
+        entries.retain(|entry| entry.grasps > 0);
+        Ok(())
     }
 }
 

@@ -132,9 +132,24 @@ impl LoadedSet {
 /// Returns an [`Error::Scene`] ready to print if a file cannot be read, a value is refused, a field is missing or fields
 /// do not fit together.
 pub fn load_set(path: impl AsRef<Path>) -> Result<LoadedSet> {
+    load_seeded(path, None)
+}
+
+/// Loads all scenes of a file, one per object; a universe is drawn with `seed` if that is given.
+///
+/// # Errors
+/// Fails as [`load_set`] does, and for a seed of a scene that draws nothing.
+pub fn load_seeded(path: impl AsRef<Path>, seed: Option<u64>) -> Result<LoadedSet> {
     let path = path.as_ref();
     let mut loader = Loader::default();
-    let (part, origins) = loader.tree(path, &mut Vec::new(), None)?;
+    let (mut part, origins) = loader.tree(path, &mut Vec::new(), None)?;
+    match (seed, &mut part.universe) {
+        (Some(seed), Some(universe)) => universe.seed = seed,
+        (Some(_), None) => {
+            return Err(Error::Scene("error: --seed is for a scene with a universe; this one draws nothing".into()));
+        }
+        (None, _) => {}
+    }
     let listed = part.objects.iter().flatten().map(|e| (e.name.clone(), e.grasps.is_some())).collect();
     let places = Places { sources: loader.sources, origins, listed };
     let at = |problem: check::Problem| places.error_at(&problem.path, &problem.message);

@@ -18,6 +18,8 @@ pub enum Observe {
     ObjectPose,
     /// Force that closes the fingers, N.
     Force,
+    /// Error of a network's prediction, by its own account.
+    PredictionError,
 }
 
 impl Observe {

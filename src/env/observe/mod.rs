@@ -5,6 +5,7 @@
 mod force;
 mod grid;
 mod object_pose;
+mod prediction_error;
 mod taxels;
 mod travel;
 mod wrench;
@@ -41,6 +42,7 @@ impl Observe {
             Observe::Travel => "travel",
             Observe::ObjectPose => "object_pose",
             Observe::Force => "force",
+            Observe::PredictionError => "prediction_error",
         }
     }
 
@@ -53,6 +55,7 @@ impl Observe {
             Observe::Travel => Box::new(travel::FingerTravel::new(model, task)),
             Observe::ObjectPose => Box::new(object_pose::PoseInHand::new(model, task)),
             Observe::Force => Box::new(force::Applied::new(model, task)),
+            Observe::PredictionError => Box::new(prediction_error::PredictionError::new(model, task)),
         }
     }
 }

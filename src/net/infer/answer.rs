@@ -111,6 +111,8 @@ impl Answer {
             state.shift += given(0) + vector(&motion[0]) * (depth * f64::from(norms.motion[0]));
             state.turn += given(3) + vector(&motion[1]) * (depth / t * f64::from(norms.motion[1]));
         }
+        // A combination of levels may lie beside them.
+        state.stress.iter_mut().for_each(|s| *s = s.max(0.0));
         state
     }
 

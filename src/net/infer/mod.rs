@@ -8,6 +8,7 @@
 //! The tape is the reference: a test compares both. No bit depends on threads.
 
 pub mod answer;
+pub mod doubt;
 pub mod face;
 pub mod force_ladder;
 pub mod heads;

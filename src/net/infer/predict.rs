@@ -56,6 +56,11 @@ impl Seen {
         Self { stress: false, ..self }
     }
 
+    /// Returns the model of the grasp.
+    pub fn model(&self) -> &Model {
+        &self.features.model
+    }
+
     /// Returns the unit of force of the network, N.
     pub fn unit_force(&self) -> f64 {
         self.features.unit_force()
@@ -118,6 +123,11 @@ impl Predictor {
             NetworkSpec::Paper(_) => None,
         };
         Self { card, network, parameters, engine, graphs: Mutex::default() }
+    }
+
+    /// Returns true if the training had pushes on the object.
+    pub fn knows_pushes(&self) -> bool {
+        self.card.range.push[0] > 0.0
     }
 
     /// Switches to the reference, which is computed operation by operation as in training.
