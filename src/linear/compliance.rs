@@ -1,10 +1,11 @@
 //! Linear response of a pad: the displacement of all its nodes under small forces on its sensing face.
 //!
 //! One factorisation of the stiffness at rest and a solve per force component, once per pad: the network learns what large
-//! strains and the true pressure change. Over the thickness per `E t^2`, pad frame. Bonded nodes do not move, and stress is
+//! strains and the true pressure change. The mesh is refined for it: a network knows more than its own mesh does. Over the thickness per `E t^2`, pad frame. Bonded nodes do not move, and stress is
 //! local: it follows from how the neighbours of a node move.
 
 use super::deviator::{Deviator, deviators};
+use super::refined_pad::RefinedPad;
 use crate::error::{Error, Result};
 use crate::geometry::triangle6;
 use crate::kernel::numbers::Numbers;
@@ -34,16 +35,19 @@ pub struct Compliance {
 }
 
 impl Compliance {
-    /// Computes the response of the pad of `finger` to forces on its nodes `face`; `thickness` in m.
+    /// Computes the response of the pad of `finger` to forces on its nodes `face`; `thickness` in m. It is that of a `refined` mesh, or of
+    /// the pad's own, which earlier models were trained with.
     ///
     /// # Errors
     /// Fails if the stiffness at rest cannot be factorised.
-    pub fn new(finger: &FingerModel, face: &[u32], thickness: f64) -> Result<Self> {
-        let (body, turn) = (&finger.body, finger.placement.rotation);
+    pub fn new(finger: &FingerModel, face: &[u32], thickness: f64, refined: bool) -> Result<Self> {
+        let refined = if refined { RefinedPad::of(finger) } else { None };
+        let (own, turn) = (&finger.body, finger.placement.rotation);
+        let body = refined.as_ref().map_or(&**own, |refined| &refined.body);
         let pattern = body.pattern();
-        let (free, n) = (pattern.unknowns(), body.rest.len());
+        let (free, n) = (pattern.unknowns(), own.rest.len());
         let mut values = vec![0.0; pattern.row_idx.len()];
-        body.add_stiffness(&body.rest, true, &mut vec![DVec3::ZERO; n], &mut values);
+        body.add_stiffness(&body.rest, true, &mut vec![DVec3::ZERO; body.rest.len()], &mut values);
         let mut factor = Factor::new(body.symbolic()?, COLUMNS);
         if !factor.factorize(pattern, &values) {
             return Err(Error::Mesh("the pad has no stiffness at rest: is any of its nodes bonded?".into()));
@@ -61,12 +65,18 @@ impl Compliance {
         let unit = body.material.moduli().young * thickness;
         let width = 3 * moving.len();
         let mut rows = Vec::with_capacity(3 * face.len() * width);
-        let forces: Vec<(usize, DVec3)> =
-            face.iter().flat_map(|i| [turn.x_axis, turn.y_axis, turn.z_axis].map(|axis| (*i as usize, axis))).collect();
+        let around = match &refined {
+            Some(refined) => refined.hats(finger, face),
+            None => face.iter().map(|node| vec![(*node, 1.0)]).collect(),
+        };
+        let axes = [turn.x_axis, turn.y_axis, turn.z_axis];
+        let forces: Vec<(&Vec<(u32, f64)>, DVec3)> = around.iter().flat_map(|hat| axes.map(|axis| (hat, axis))).collect();
         for some in forces.chunks(COLUMNS) {
             let mut solved = vec![0.0; free * some.len()];
-            for (column, (node, axis)) in solved.chunks_exact_mut(free).zip(some).filter(|(_, f)| !held(f.0)) {
-                column[3 * place(*node)..][..3].copy_from_slice(&axis.to_array());
+            for (column, (hat, axis)) in solved.chunks_exact_mut(free).zip(some) {
+                for (node, part) in hat.iter().filter(|(node, _)| !held(*node as usize)) {
+                    column[3 * place(*node as usize)..][..3].copy_from_slice(&(*axis * *part).to_array());
+                }
             }
             factor.solve(&mut solved, some.len());
             for column in solved.chunks_exact(free) {
@@ -74,7 +84,7 @@ impl Compliance {
                 rows.extend(moved.flat_map(|u| (turn.transpose() * u * unit).to_array().map(|v| v as f32)));
             }
         }
-        let rows = spread(&finger.topology, face, &rows, width);
+        let rows = if refined.is_some() { rows } else { spread(&finger.topology, face, &rows, width) };
         let mut response = vec![0.0; rows.len()];
         for (f, row) in rows.chunks_exact(width.max(1)).enumerate() {
             row.iter().enumerate().for_each(|(c, v)| response[c * forces.len() + f] = *v);

@@ -11,6 +11,7 @@ pub mod mortar;
 pub mod object_motion;
 pub mod pad_graph;
 pub mod projected_gradient;
+mod refined_pad;
 pub mod rigid_equilibrium;
 
 use crate::model::Model;

@@ -83,6 +83,19 @@ impl PadGraph {
     /// # Errors
     /// Fails for a pad without a sensing face, or whose stiffness at rest is not positive definite.
     pub fn keeping(finger: &FingerModel, layout: Layout, cache: Option<&ComplianceCache>) -> Result<Self> {
+        Self::with(finger, layout, cache, true)
+    }
+
+    /// Creates the graph as [`PadGraph::keeping`] does, with the linear response of the pad's own mesh: models of features of version 3 were
+    /// trained with it.
+    ///
+    /// # Errors
+    /// Fails as [`PadGraph::keeping`] does.
+    pub fn of_earlier(finger: &FingerModel, layout: Layout, cache: Option<&ComplianceCache>) -> Result<Self> {
+        Self::with(finger, layout, cache, false)
+    }
+
+    fn with(finger: &FingerModel, layout: Layout, cache: Option<&ComplianceCache>, refined: bool) -> Result<Self> {
         let pad = &finger.topology;
         let face: Vec<u32> = pad.sensing.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
         let thickness = pad.thickness();
@@ -111,7 +124,7 @@ impl PadGraph {
         let rows = hanging(&pad.rest, &rest, &triangles, thickness, depths);
         let free: Vec<_> =
             rows.iter().zip(&pad.bonded).map(|(row, bonded)| if *bonded { Vec::new() } else { row.clone() }).collect();
-        let compliance = Arc::new(response(finger, &face, thickness, &hash, cache)?);
+        let compliance = Arc::new(response(finger, &face, thickness, (&hash, refined), cache)?);
         Ok(Self {
             basis: MortarBasis::new(pad, &face, &rest, &area, &compliance),
             compliance,
@@ -151,15 +164,15 @@ fn response(
     finger: &FingerModel,
     face: &[u32],
     thickness: f64,
-    hash: &str,
+    (hash, refined): (&str, bool),
     cache: Option<&ComplianceCache>,
 ) -> Result<Compliance> {
-    let Some(cache) = cache else { return Compliance::new(finger, face, thickness) };
-    let key = ComplianceKey::of(finger, face, hash);
+    let Some(cache) = cache else { return Compliance::new(finger, face, thickness, refined) };
+    let key = ComplianceKey::of(finger, face, hash, refined);
     if let Some(known) = cache.read(&key) {
         return Ok(known);
     }
-    let found = Compliance::new(finger, face, thickness)?;
+    let found = Compliance::new(finger, face, thickness, refined)?;
     cache.write(&key, &found);
     Ok(found)
 }

@@ -58,7 +58,7 @@ pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str) -> Result<
     for object in &set.objects {
         predictor.card.range.admits_pad(&object.pad, &mesh_hash(&object.pad))?;
     }
-    let (samples, range) = data::read(&[(set, &sets.test)], predictor.network.layout(), usize::MAX)?;
+    let (samples, range) = data::read(&[(set, &sets.test)], &|model| predictor.graph(model), usize::MAX)?;
     let mut trained = predictor.card.range.clone();
     // Another pad, law or kind of object is refused; the errors are for the numbers as they are.
     trained.extend(&range)?;

@@ -11,6 +11,7 @@ use crate::model::Model;
 use crate::net::autodiff::tape::{Matrix, Tape};
 use crate::net::features::GraspFeatures;
 use crate::net::features::loads::LoadFeatures;
+use crate::net::network::card::EARLIER;
 use crate::net::network::card::{Card, Trained, WEIGHTS};
 use crate::net::network::parameters::Parameters;
 use crate::net::network::spec::NetworkSpec;
@@ -156,7 +157,8 @@ impl Predictor {
         if let Some(graph) = known.iter().find(|g| g.fits(finger)) {
             return Ok(graph.clone());
         }
-        let graph = Arc::new(PadGraph::keeping(finger, self.network.layout(), ComplianceCache::of_user().as_ref())?);
+        let make = if self.card.features == EARLIER { PadGraph::of_earlier } else { PadGraph::keeping };
+        let graph = Arc::new(make(finger, self.network.layout(), ComplianceCache::of_user().as_ref())?);
         known.push(graph.clone());
         Ok(graph)
     }

@@ -2,7 +2,8 @@
 //! trained.
 
 use super::Normalisers;
-use super::earlier::{EARLIER, widened};
+pub use super::earlier::EARLIER;
+use super::earlier::widened;
 use super::interval::Interval;
 use super::shipped;
 use super::spec::{NetworkSpec, Spec};

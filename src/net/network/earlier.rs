@@ -4,7 +4,7 @@ use super::card::{Card, Trained};
 use crate::error::{Error, Result};
 use crate::net::features::loads::PAD_LOAD;
 use crate::net::features::normalise::Normaliser;
-use crate::net::features::{NODE, PAD, VERSION};
+use crate::net::features::{NODE, PAD};
 use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView, serialize};
 use std::borrow::Cow;
@@ -49,6 +49,6 @@ pub fn widened(Trained { card, weights }: Trained) -> Result<Trained> {
         (&mut normalisers.pad_load, PAD_LOAD.len()),
     ];
     all.into_iter().for_each(|(normaliser, columns)| normaliser.widen(columns));
-    let card = Card { features: VERSION, parameters: card.parameters + more, normalisers, ..card };
+    let card = Card { parameters: card.parameters + more, normalisers, ..card };
     Ok(Trained { card, weights: Cow::Owned(weights) })
 }

@@ -18,6 +18,7 @@ use crate::net::network::{Normalisers, VolumeNormalisers};
 use crate::net::train::sample::{Sample, model_of};
 use crate::random::Random;
 use rayon::prelude::*;
+use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -56,33 +57,37 @@ pub fn plan(sets: &[DataSet]) -> String {
     }
 }
 
-/// Reads the grasps that each set's poses name, with the range that they span; at most `frames` frames of each.
+/// Returns the graph of the pads of a model; equal pads share one, which `known` keeps.
+///
+/// # Errors
+/// Fails as [`PadGraph::keeping`] does.
+pub fn graph_of(model: &Model, layout: Layout, known: &RefCell<Vec<Arc<PadGraph>>>) -> Result<Arc<PadGraph>> {
+    let finger = model.finger()?;
+    if let Some(graph) = known.borrow().iter().find(|g| g.fits(finger)) {
+        return Ok(graph.clone());
+    }
+    let graph = Arc::new(PadGraph::keeping(finger, layout, ComplianceCache::of_user().as_ref())?);
+    known.borrow_mut().push(graph.clone());
+    Ok(graph)
+}
+
+/// Reads the grasps that each set's poses name, with the range that they span; at most `frames` frames of each. `graph_of` gives the graph
+/// of the pads of a model.
 ///
 /// # Errors
 /// Fails for damaged files or grasps, for a mix that one model cannot serve, and if there is no grasp.
-pub fn read(sets: &[(&DataSet, &Poses)], layout: Layout, frames: usize) -> Result<(Vec<Sample>, TrainedRange)> {
-    let mut graphs: Vec<Arc<PadGraph>> = Vec::new();
+pub fn read(
+    sets: &[(&DataSet, &Poses)],
+    graph_of: &dyn Fn(&Model) -> Result<Arc<PadGraph>>,
+    frames: usize,
+) -> Result<(Vec<Sample>, TrainedRange)> {
     let mut chosen = Vec::new();
     for (set, poses) in sets {
         if let Some(damaged) = set.damaged.first() {
             return Err(Error::Start(format!("the data set is damaged: {damaged}")));
         }
         let models = set.objects.par_iter().map(model_of).collect::<Result<Vec<Arc<Model>>>>()?;
-        let mut of_object = Vec::new();
-        for model in &models {
-            // Equal pads share one graph.
-            let finger = model.finger()?;
-            let known = graphs.iter().find(|g| g.fits(finger)).cloned();
-            let graph = match known {
-                Some(graph) => graph,
-                None => {
-                    let made = Arc::new(PadGraph::keeping(finger, layout, ComplianceCache::of_user().as_ref())?);
-                    graphs.push(made.clone());
-                    made
-                }
-            };
-            of_object.push(graph);
-        }
+        let of_object = models.iter().map(|model| graph_of(model)).collect::<Result<Vec<_>>>()?;
         let named = set.select(poses).into_iter();
         chosen.extend(named.map(|(o, grasp)| (&set.objects[o], models[o].clone(), of_object[o].clone(), grasp)));
     }

@@ -12,14 +12,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PadSpans {
-    /// Range of the length along the approach, m; the diameter of a round pad lies amid length and width.
+    /// Range of the length along the approach, m, at most nine times the thickness; the diameter of a round pad lies amid length and width.
     pub length: Span,
     /// Range of the width, m.
     pub width: Span,
     /// Range of the thickness, m, drawn with equal chance per factor.
     pub thickness: Span,
-    /// Range of the number of cells of the sensing face, drawn with equal chance per factor; a cell is at least a third as wide as the pad is
-    /// thick, and at most as wide.
+    /// Range of the number of cells of the sensing face, drawn with equal chance per factor; a cell is a third to seven tenths as wide as
+    /// the pad is thick.
     pub cells: Span,
     /// Part of the objects with round pads.
     pub round: NonNegative,
@@ -42,6 +42,10 @@ impl Default for PadSpans {
 
 /// Largest number of layers of cells from the sensing face to the finger.
 const LAYERS: f64 = 3.0;
+/// Largest width of a cell over the thickness: a coarser mesh does not see what touches it.
+const COARSEST: f64 = 0.7;
+/// Largest length and width of a pad over its thickness.
+const FLATTEST: f64 = 9.0;
 /// Distance of the nodes of a round pad over the width of a cell of a box: a disc is divided into triangles.
 const ROUND: f64 = 1.4;
 /// Length, width and thickness of the gel of a GelSight Mini, m.
@@ -50,12 +54,13 @@ const GELSIGHT_MINI: [f64; 3] = [25.25e-3, 20.75e-3, 4e-3];
 impl PadSpans {
     /// Draws a pad; returns it with its thickness, m.
     pub(super) fn draw(&self, draws: &mut Draws) -> (Pads, f64) {
-        let (length, width) = (written(draws.within(&self.length)), written(draws.within(&self.width)));
+        let (length, width) = (draws.within(&self.length), draws.within(&self.width));
         let thickness = written(draws.factor(&self.thickness));
+        let [length, width] = [length, width].map(|size| written(size.min(FLATTEST * thickness)));
         let cells = draws.factor(&self.cells);
         let kind = draws.between(0.0, 1.0);
         let spacing = |area: f64, thickness: f64| {
-            let cell = (area / cells).sqrt().clamp(thickness / LAYERS, thickness);
+            let cell = (area / cells).sqrt().clamp(thickness / LAYERS, COARSEST * thickness);
             Some(Length::preset(written(cell)))
         };
         if kind < self.round.get() {
