@@ -18,7 +18,7 @@ const SCENE: &str = "scenes/tasks/hold.ron";
 fn batch(num_envs: usize, model: Option<PathBuf>) -> Option<BatchEnv> {
     let mut set = load_set(SCENE).ok()?.scenes;
     if let Some(model) = model {
-        set.iter_mut().for_each(|s| s.scene.stepper = StepperChoice::Gnn(Gnn { model: model.clone() }));
+        set.iter_mut().for_each(|s| s.scene.stepper = StepperChoice::Gnn(Gnn::new(model.clone())));
     }
     let mut env = BatchEnv::new(&set, BatchConfig { num_envs, ..BatchConfig::default() }).ok()?;
     env.reset(None, None).ok()?;

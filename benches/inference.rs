@@ -13,6 +13,7 @@ use tactus::grasp::poses_of;
 use tactus::linear::edges::Edges;
 use tactus::linear::first_contact::GeometricContact;
 use tactus::linear::pad_graph::{Layout, PadGraph};
+use tactus::linear::{GraspLoad, loads_of};
 use tactus::model::Model;
 use tactus::net::autodiff::tape::Tape;
 use tactus::net::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
@@ -61,10 +62,10 @@ impl Case {
         let sizes = Face::default();
         let graph = PadGraph::new(&model.fingers[0], Layout::Face { depths: sizes.depths.get() })?;
         let features = GraspFeatures::new(&model, &Arc::new(graph), &GeometricContact::find(&model, pose)?);
-        Ok(Self::of(features, sizes, &model.levels))
+        Ok(Self::of(features, sizes, &loads_of(&model)))
     }
 
-    fn of(features: GraspFeatures, sizes: Face, forces: &[f64]) -> Self {
+    fn of(features: GraspFeatures, sizes: Face, forces: &[GraspLoad]) -> Self {
         let loads = features.loads(forces);
         let fit = |rows: &[f32], parity: &[_]| Normaliser::fit(std::iter::once(rows), parity);
         let norms = Normalisers {
@@ -144,7 +145,7 @@ fn report() -> Result<()> {
         f.graph.node_count,
         f.graph.face.len(),
         f.graph.edges.list.len(),
-        case.loads.force.len()
+        case.loads.load.len()
     );
     let (mut rate, mut time, mut tape) = (0.0_f64, [f64::INFINITY; 2], [f64::INFINITY; 2]);
     let mut both = [f64::INFINITY; 2];
@@ -156,7 +157,7 @@ fn report() -> Result<()> {
         least(&mut both, two.install(|| case.times()));
         least(&mut tape, one.install(|| case.on_tape()));
     }
-    let ms = |t: [f64; 2]| format!("pass {:.2} ms, {} loads {:.2} ms", t[0] * 1e3, case.loads.force.len(), t[1] * 1e3);
+    let ms = |t: [f64; 2]| format!("pass {:.2} ms, {} loads {:.2} ms", t[0] * 1e3, case.loads.load.len(), t[1] * 1e3);
     println!("one thread: {}; two threads: {}; on a tape: {}", ms(time), ms(both), ms(tape));
     let reached = case.engine.operations(f) / time[0];
     println!(
@@ -191,7 +192,7 @@ fn growth(case: &Case) -> Result<()> {
         });
         features.edge = edge.collect::<Vec<_>>().repeat(features.pads);
         features.graph = Arc::new(graph);
-        let case = Case::of(features, Face::default(), &[1.0]);
+        let case = Case::of(features, Face::default(), &[GraspLoad::from(1.0)]);
         let pass = case.times()[0];
         println!("{} edges: pass {:.3} ms", case.features.graph.edges.list.len(), pass * 1e3);
         edges.push((case.features.graph.edges.list.len() as f64, pass));
@@ -205,7 +206,8 @@ fn growth(case: &Case) -> Result<()> {
     let mut batch = Vec::new();
     for levels in [16, 32, 64, 128, 256] {
         let forces: Vec<f64> = (1..=levels).map(|i| 7.5 * i as f64 / levels as f64).collect();
-        let case = Case::of(case.features.clone(), Face::default(), &forces);
+        let loads: Vec<GraspLoad> = forces.iter().map(|force| (*force).into()).collect();
+        let case = Case::of(case.features.clone(), Face::default(), &loads);
         let ramp = case.times()[1];
         println!("{levels} loads: {:.2} ms", ramp * 1e3);
         batch.push((f64::from(levels), ramp));

@@ -3,6 +3,7 @@
 use std::path::Path;
 use tactus::error::{Error, Result};
 use tactus::grasp::poses_of;
+use tactus::linear::GraspLoad;
 use tactus::linear::first_contact::GeometricContact;
 use tactus::model::Model;
 use tactus::net::SHIPPED;
@@ -15,12 +16,13 @@ fn main() -> Result<()> {
     let model = Model::build(&scene)?;
     // Refuses pads and gels that it was not trained on, and says why.
     let network = Predictor::open(Path::new(SHIPPED))?;
-    let graph = network.admit(&model)?;
+    let graph = network.admit(&model, false)?;
     // Once per grasp: where the pads first touch, and the messages that pass on them.
     let seen = network.look(&model, &graph, &GeometricContact::find(&model, pose)?);
     // Then any number of forces, per finger.
     let forces = [1.0, 2.5, 5.0, 7.5];
-    for (force, pads) in forces.iter().zip(network.ramp(&seen, &forces)?) {
+    for (force, state) in forces.iter().zip(network.ramp(&seen, &forces.map(GraspLoad::from))?) {
+        let pads = &state.pads;
         let stress = pads.iter().flat_map(|pad| &pad.stress).copied().fold(0.0, f64::max);
         let travel: Vec<String> = pads.iter().map(|pad| format!("{:.3}", 1e3 * pad.travel)).collect();
         println!("{force:.1} N per finger: travel {} mm, at most {:.1} kPa", travel.join(" and "), 1e-3 * stress);

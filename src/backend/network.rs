@@ -3,12 +3,12 @@
 use crate::error::{Error, Result};
 use crate::history::{HistoryReader, HistoryWriter};
 use crate::linear::first_contact::GeometricContact;
-use crate::linear::{GraspLoad, loads_of};
+use crate::linear::object_motion::moved;
 use crate::linear::pad_graph::PadGraph;
+use crate::linear::{GraspLoad, loads_of};
 use crate::model::{Model, Needs};
 use crate::net::infer::force_ladder::ForceLadder;
 use crate::net::infer::predict::{GraspState, PadState, Predictor, Seen};
-use crate::linear::object_motion::moved;
 use crate::record::PadTopology;
 use crate::world::Stepper;
 use crate::world::components::*;
@@ -42,7 +42,12 @@ impl NetworkStepper {
     /// # Errors
     /// Fails as [`Predictor::open`] does.
     pub fn open(model: &Path) -> Result<Self> {
-        Ok(Self { predictor: Arc::new(Predictor::open(model)?), model: model.to_path_buf(), extrapolate: false, graphs: Mutex::default() })
+        Ok(Self {
+            predictor: Arc::new(Predictor::open(model)?),
+            model: model.to_path_buf(),
+            extrapolate: false,
+            graphs: Mutex::default(),
+        })
     }
 
     /// Sets whether scenes outside the range of the training are answered.
@@ -66,7 +71,8 @@ impl NetworkStepper {
             Some((_, seen)) => prediction.predictor.ramp(seen, &loads_of(&model))?,
             None => Vec::new(),
         };
-        let worst = states.iter().map(|state| Some(state.error?.displacement)).try_fold(0.0, |a: f64, b| Some(a.max(b?)));
+        let worst =
+            states.iter().map(|state| Some(state.error?.displacement)).try_fold(0.0, |a: f64, b| Some(a.max(b?)));
         prediction.ahead = states.into();
         Ok(worst)
     }

@@ -106,9 +106,9 @@ fn report(
             r.group,
             r.quantity,
             r.samples,
-            r.covered.zip(r.interval).map_or_else(String::new, |(part, end)| {
-                format!("  {:>4.0} %  {:>8.4}", 100.0 * part, scale * end)
-            })
+            r.covered
+                .zip(r.interval)
+                .map_or_else(String::new, |(part, end)| { format!("  {:>4.0} %  {:>8.4}", 100.0 * part, scale * end) })
         );
     }
     let _ = writeln!(out, "Kendall's tau of the grasps: peak stress {stress:.3}, peak displacement {displacement:.3}");

@@ -50,12 +50,7 @@ impl Campaign {
     ///
     /// # Errors
     /// Fails as [`Campaign::plan`] does, and if a score fails.
-    pub fn plan_some(
-        set: &LoadedSet,
-        dir: &Path,
-        choose: Choose,
-        selection: Option<&Selection>,
-    ) -> Result<Self> {
+    pub fn plan_some(set: &LoadedSet, dir: &Path, choose: Choose, selection: Option<&Selection>) -> Result<Self> {
         let first = set.scenes.first().ok_or_else(|| Error::Start("the scene has no object".into()))?;
         let pads = PlannedPads::of(&first.scene).map_err(|e| set.place(e, &first.name))?;
         let planned = set.scenes.par_iter().map(|named| {
@@ -323,8 +318,14 @@ impl Campaign {
         let open_grasps = (0..object.poses.len()).filter(|g| wanted(*g) && !done.contains_key(g));
         let grasps: Vec<_> = open_grasps.map(|g| (g, object.poses[g])).collect();
         let stepper = (self.choose)(scene)?;
-        let recorder =
-            DatasetRecorder::new(&object.named, &object.poses, [&model, &recorded], (encoder, writer), &progress, watcher);
+        let recorder = DatasetRecorder::new(
+            &object.named,
+            &object.poses,
+            [&model, &recorded],
+            (encoder, writer),
+            &progress,
+            watcher,
+        );
         run_grasps(&model, stepper.as_ref(), &grasps, threads, &recorder)?;
         Ok(grasps.len())
     }

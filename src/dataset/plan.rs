@@ -9,10 +9,10 @@ use crate::geometry::Aabb;
 use crate::geometry::mesh::TriMesh;
 use crate::grasp::{aim_notice, grasps_of};
 use crate::gripper::GraspPose;
+use crate::interrupt;
 use crate::model::Model;
 use crate::part::object;
 use crate::scene::{Field, Loading, NamedScene, Scene, to_ron};
-use crate::interrupt;
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -99,7 +99,8 @@ impl Selection<'_> {
             (self.score)(&object.named.scene, &object.poses)
         };
         let scores: Vec<Vec<f64>> = objects.par_iter().map(of).collect::<Result<_>>()?;
-        let grasps = scores.iter().enumerate().flat_map(|(o, own)| own.iter().enumerate().map(move |(g, s)| (*s, o, g)));
+        let grasps =
+            scores.iter().enumerate().flat_map(|(o, own)| own.iter().enumerate().map(move |(g, s)| (*s, o, g)));
         let mut order: Vec<(f64, usize, usize)> = grasps.collect();
         let keep = self.keep.unwrap_or_else(|| order.len().div_ceil(4));
         // Equal scores in the order of the scene.

@@ -201,7 +201,8 @@ fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
     let mut scene = scene.clone();
     scene.promise_nothing();
     let force = leaf(Positive::new(task.force.at(1.0)))?;
-    scene.loading = Loading::Squeeze(Squeeze { force, from: None, release: None, frames: leaf(Count::new(1))?, push: None });
+    scene.loading =
+        Loading::Squeeze(Squeeze { force, from: None, release: None, frames: leaf(Count::new(1))?, push: None });
     let mut fields = vec![Field::ContactForce];
     fields.extend(task.reward.iter().any(|r| r.term().needs_stress()).then_some(Field::Stress));
     scene.record = Record { fields, pictures: false, arrays: None, vtu: false };

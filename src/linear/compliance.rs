@@ -70,7 +70,8 @@ impl Compliance {
             None => face.iter().map(|node| vec![(*node, 1.0)]).collect(),
         };
         let axes = [turn.x_axis, turn.y_axis, turn.z_axis];
-        let forces: Vec<(&Vec<(u32, f64)>, DVec3)> = around.iter().flat_map(|hat| axes.map(|axis| (hat, axis))).collect();
+        let forces: Vec<(&Vec<(u32, f64)>, DVec3)> =
+            around.iter().flat_map(|hat| axes.map(|axis| (hat, axis))).collect();
         for some in forces.chunks(COLUMNS) {
             let mut solved = vec![0.0; free * some.len()];
             for (column, (hat, axis)) in solved.chunks_exact_mut(free).zip(some) {

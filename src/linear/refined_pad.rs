@@ -58,7 +58,8 @@ impl RefinedPad {
                 }
             }
         }
-        let unit = |(parts, whole): (BTreeMap<u32, f64>, f64)| parts.into_iter().map(|(n, part)| (n, part / whole)).collect();
+        let unit =
+            |(parts, whole): (BTreeMap<u32, f64>, f64)| parts.into_iter().map(|(n, part)| (n, part / whole)).collect();
         parts.into_iter().zip(whole).map(unit).collect()
     }
 
@@ -75,10 +76,8 @@ fn divided(t: &[u32; 10], rest: &[DVec3]) -> [[u32; 4]; 8] {
     let around = |p: u32, q: u32, ring: [u32; 4]| [0, 1, 2, 3].map(|k| [p, q, ring[k], ring[(k + 1) % 4]]);
     // Each diagonal joins the middles of two opposite edges; the other four middles lie around it.
     let diagonals = [(ab, cd, [bc, bd, ad, ca]), (bc, ad, [ab, bd, cd, ca]), (ca, bd, [ab, bc, cd, ad])];
-    let (p, q, ring) = diagonals
-        .into_iter()
-        .min_by(|x, y| length(x.0, x.1).total_cmp(&length(y.0, y.1)))
-        .unwrap_or(diagonals[0]);
+    let (p, q, ring) =
+        diagonals.into_iter().min_by(|x, y| length(x.0, x.1).total_cmp(&length(y.0, y.1))).unwrap_or(diagonals[0]);
     let [e, f, g, h] = around(p, q, ring);
     [[a, ab, ca, ad], [b, bc, ab, bd], [c, ca, bc, cd], [d, ad, cd, bd], e, f, g, h].map(|mut tet| {
         let [w, x, y, z] = tet.map(|n| rest[n as usize]);

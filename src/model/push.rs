@@ -52,6 +52,9 @@ mod tests {
         let torque: DVec3 = couple.iter().map(|(arm, force)| arm.cross(*force)).sum();
         assert!((torque - push.torque).length() < 1e-15, "{torque}");
         let turned = push.torque_after(DQuat::from_axis_angle(push.torque.normalize(), 0.1));
-        assert!((turned - push.torque * 0.1_f64.cos()).length() < 1e-12, "dead forces turn less when the object follows");
+        assert!(
+            (turned - push.torque * 0.1_f64.cos()).length() < 1e-12,
+            "dead forces turn less when the object follows"
+        );
     }
 }

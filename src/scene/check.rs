@@ -247,12 +247,18 @@ fn loading(scene: &Scene) -> Result<(), Problem> {
             return refuse("loading.release", message);
         }
         Loading::Squeeze(Squeeze { push: Some(_), .. }) if scene.object.motion == ObjectMotion::Fixed => {
-            return refuse("loading.push", "a fixed object does not feel a push\nuse motion: Free in object, or leave it out");
+            return refuse(
+                "loading.push",
+                "a fixed object does not feel a push\nuse motion: Free in object, or leave it out",
+            );
         }
         Loading::Squeeze(Squeeze { push: Some(push), .. })
             if push.force.dvec3() == DVec3::ZERO && push.torque.dvec3() == DVec3::ZERO =>
         {
-            return refuse("loading.push", "a push without force and torque\ngive `force` or `torque`, or leave it out");
+            return refuse(
+                "loading.push",
+                "a push without force and torque\ngive `force` or `torque`, or leave it out",
+            );
         }
         Loading::Squeeze(s) => match s.from.map(|f| f.get()) {
             Some(from) if from >= s.force.get() => {

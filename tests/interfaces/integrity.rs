@@ -23,7 +23,7 @@ use tactus::linear::compliance_cache::{ComplianceCache, ComplianceKey, MOST};
 use tactus::linear::first_contact::GeometricContact;
 use tactus::linear::pad_graph::{Layout, PadGraph, mesh_hash};
 use tactus::net::features::GraspFeatures;
-use tactus::net::infer::predict::{PadState, Predictor};
+use tactus::net::infer::predict::{GraspState, Predictor};
 use tactus::net::network::spec::Spec;
 use tactus::net::train::Trainer;
 use tactus::part::FingerModel;
@@ -137,7 +137,7 @@ fn models_that_ship_work_in_any_folder_with_any_cache_and_number_of_threads() {
 
 fn key(finger: &FingerModel) -> ComplianceKey {
     let face: std::collections::BTreeSet<u32> = finger.topology.sensing.iter().flatten().copied().collect();
-    ComplianceKey::of(finger, &face.into_iter().collect::<Vec<_>>(), &mesh_hash(&finger.topology))
+    ComplianceKey::of(finger, &face.into_iter().collect::<Vec<_>>(), &mesh_hash(&finger.topology), true)
 }
 
 #[test]
@@ -468,11 +468,11 @@ fn no_change_of_a_file_changes_an_answer_silently() {
     let spec: Spec = ron(SPEC);
     let other = dir.path().join("other");
     let mut checkpoints = Vec::new();
-    let mut trainer = Trainer::new(&set(made), &ron(&SPEC.replace("seed: 3", "seed: 4")), "poses", &other).unwrap();
+    let mut trainer = Trainer::new(&[set(made)], &ron(&SPEC.replace("seed: 3", "seed: 4")), "poses", &other).unwrap();
     trainer.run(|_| checkpoints.push(std::fs::read(other.join("checkpoint.bin")).unwrap())).unwrap();
     let again = dir.path().join("again");
     let mut own = Vec::new();
-    let mut trainer = Trainer::new(&set(made), &spec, "poses", &again).unwrap();
+    let mut trainer = Trainer::new(&[set(made)], &spec, "poses", &again).unwrap();
     trainer.run(|_| own.push(std::fs::read(again.join("checkpoint.bin")).unwrap())).unwrap();
     std::fs::write(begun.join("checkpoint.bin"), &own[1]).unwrap();
     let (ball, pose) = ball(made);
@@ -481,7 +481,7 @@ fn no_change_of_a_file_changes_an_answer_silently() {
     let kept = cache.path(&key(&ball.fingers[0]));
     let features =
         GraspFeatures::new(&ball, &std::sync::Arc::new(graph.clone()), &GeometricContact::find(&ball, pose).unwrap());
-    let answer = || -> Option<(String, Vec<PadState>)> {
+    let answer = || -> Option<(String, GraspState)> {
         let predictor = Predictor::open(&model).ok()?;
         let states = predictor.at(&predictor.encode(features.clone()), 0.5).ok()?;
         Some((format!("{:?}", predictor.card), states))
@@ -518,7 +518,7 @@ fn no_change_of_a_file_changes_an_answer_silently() {
             "data" => told(&data).map(|told| told == expected_told),
             "model" => answer().map(|answer| answer == expected_answer),
             "checkpoint" => {
-                let trainer = Trainer::new(&set(made), &spec, "poses", &begun).ok()?;
+                let trainer = Trainer::new(&[set(made)], &spec, "poses", &begun).ok()?;
                 // Named, and begun afresh.
                 let named = trainer.notice.as_ref().is_some_and(|n| n.contains("checkpoint.bin: is damaged"));
                 if named && trainer.epochs().is_empty() {

@@ -12,6 +12,7 @@ mod synthetic;
 mod bench_cli;
 mod dataset;
 mod dataset_resume;
+mod dataset_sampling;
 mod dataset_universe;
 mod env_contract;
 mod env_task;

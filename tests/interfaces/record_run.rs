@@ -227,6 +227,6 @@ fn the_same_frames_write_the_same_bytes() {
 #[test]
 fn a_full_disk_says_so() {
     let full = Path::new("/dev/full");
-    let message = tactus::record::csv::FramesCsv::create(full, 2, false).expect_err("refused").to_string();
+    let message = tactus::record::csv::FramesCsv::create(full, 2, false, false).expect_err("refused").to_string();
     assert!(message.contains("/dev/full") && message.contains("disk or your quota is full"), "{message}");
 }

@@ -16,6 +16,7 @@ use tactus::mech::contact::{ContactSurface, EdgeState, Feature, FeatureContact, 
 use tactus::mech::element::{Kernel, RestTet, ShapeFunctions, Stiffness, TET4, TET10};
 use tactus::mech::material::{Dilatation, FixedCorotated, Linear, Material, NeoHookean, Tangent};
 use tactus::mech::potential::block::BodyBlock;
+use tactus::mech::potential::dead_force::DeadForce;
 use tactus::mech::potential::drive::Drive;
 use tactus::mech::potential::inversion_barrier::inversion_barrier;
 use tactus::mech::potential::pad_inertia::PadInertia;
@@ -24,7 +25,6 @@ use tactus::mech::potential::state::{BodyView, Departure, MAX_RIGID, NewtonStep,
 use tactus::mech::potential::term::{Assembly, BodyTerm, DeadLoad, ElasticEnergy, ObjectTerm, Stencil};
 use tactus::mech::potential::time_step::TimeStep;
 use tactus::mech::potential::viscosity::Viscosity;
-use tactus::mech::potential::weight::Weight;
 use tactus::scene::motion::HandState;
 
 /// Every law is tested by every test of this file. A new law is one line here.
@@ -817,14 +817,14 @@ fn stepped<T: BodyTerm>(
 }
 
 #[test]
-fn weight_has_its_derivatives() {
+fn a_dead_force_has_its_derivatives() {
     for seed in 0..6 {
         let make = |scene: &Scene, _: HandState, random: &mut Random| {
-            let term = Weight::new(random.vector(), random.vector(), scene.state.position);
+            let term = DeadForce::new(random.vector(), random.vector(), scene.state.position);
             OfObject { term, begin: |_, _| {} }
         };
         let (scene, mut term, _) = stepped(seed, 0.2, make);
-        scene.check("weight", &mut term);
+        scene.check("dead force", &mut term);
     }
 }
 

@@ -12,6 +12,7 @@ mod engine;
 mod feats;
 mod path;
 mod press;
+mod push;
 mod reference;
 mod scales;
 mod verification_convergence;

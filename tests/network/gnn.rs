@@ -132,8 +132,8 @@ fn numbering_the_nodes_otherwise_numbers_the_answer_otherwise() {
         predictor.at(&predictor.look(&model, &graph, &touch), 0.5).unwrap()
     };
     let (a, b) = (answer(finger), answer(&other));
-    let longest = a[0].displacement.iter().map(|u| u.length()).fold(0.0, f64::max);
-    for (p, q) in a.iter().zip(&b) {
+    let longest = a.pads[0].displacement.iter().map(|u| u.length()).fold(0.0, f64::max);
+    for (p, q) in a.pads.iter().zip(&b.pads) {
         for i in 0..n {
             let off = p.displacement[i].distance(q.displacement[to[i]]);
             assert!(off < 1e-4 * longest, "node {i}: off by {off} m of {longest} m");
@@ -149,9 +149,9 @@ fn outside_the_trained_range_it_refuses_and_says_why() {
     let refusal = |from: &str, to: &str| {
         assert!(text.contains(from), "the scene has {from}");
         let model = Model::build(&from_ron(&text.replace(from, to)).unwrap()).unwrap();
-        predictor.admit(&model).unwrap_err().to_string()
+        predictor.admit(&model, false).unwrap_err().to_string()
     };
-    assert!(predictor.admit(&ball(made).0).is_ok());
+    assert!(predictor.admit(&ball(made).0, false).is_ok());
     assert!(refusal("force: 2.0", "force: 9.0").contains("outside the trained"));
     assert!(refusal("\"gelsight_mini\"", "\"tacgrasp\"").contains("nu"));
     assert!(refusal("spacing: 0.008", "spacing: 0.005").contains("another mesh"));
@@ -211,8 +211,8 @@ fn a_ladder_of_forces_answers_an_agent_as_the_network_does() {
     let ladder = ForceLadder::new(&predictor, &seen, low, high).unwrap();
     for part in [0.03, 0.21, 0.5, 0.77, 0.99] {
         let force = low + part * (high - low);
-        let (own, known) = (predictor.at(&seen, force).unwrap(), ladder.at(force).unwrap());
-        for ((a, b), finger) in own.iter().zip(&known).zip(&model.fingers) {
+        let (own, known) = (predictor.at(&seen, force).unwrap(), ladder.at(force, DVec3::ZERO).unwrap());
+        for ((a, b), finger) in own.pads.iter().zip(&known.pads).zip(&model.fingers) {
             let size = a.displacement.iter().map(|u| u.length_squared()).sum::<f64>().sqrt();
             let off =
                 a.displacement.iter().zip(&b.displacement).map(|(a, b)| a.distance_squared(*b)).sum::<f64>().sqrt();
@@ -222,5 +222,5 @@ fn a_ladder_of_forces_answers_an_agent_as_the_network_does() {
             assert!((pressed - force).abs() < 1e-5 * force, "a finger closed by {force} N presses with {pressed} N");
         }
     }
-    assert!(ladder.at(1.01 * high).is_none(), "a ladder ends where its forces do");
+    assert!(ladder.at(1.01 * high, DVec3::ZERO).is_none(), "a ladder ends where its forces do");
 }

@@ -1,8 +1,9 @@
 //! The network without a tape against the same network on a tape, which is the reference.
 
 use crate::gnn_made::{ball, made};
+use tactus::linear::GraspLoad;
 use tactus::linear::first_contact::GeometricContact;
-use tactus::net::infer::predict::{PadState, Predictor};
+use tactus::net::infer::predict::{GraspState, PadState, Predictor};
 
 /// Relative difference of two lists of numbers, in their L2 norms.
 fn apart(a: &[f64], b: &[f64]) -> f64 {
@@ -25,11 +26,11 @@ fn lists(pads: &[PadState]) -> [(&'static str, Vec<f64>); 5] {
 
 const FORCES: [f64; 7] = [0.5, 0.55, 0.6, 0.7, 0.8, 0.9, 1.0];
 
-fn answer(predictor: &Predictor) -> Vec<Vec<PadState>> {
+fn answer(predictor: &Predictor) -> Vec<GraspState> {
     let (model, pose) = ball(made());
     let touch = GeometricContact::find(&model, pose).unwrap();
-    let graph = predictor.admit(&model).unwrap();
-    predictor.ramp(&predictor.look(&model, &graph, &touch), &FORCES).unwrap()
+    let graph = predictor.admit(&model, false).unwrap();
+    predictor.ramp(&predictor.look(&model, &graph, &touch), &FORCES.map(GraspLoad::from)).unwrap()
 }
 
 #[test]
@@ -37,7 +38,7 @@ fn the_answers_are_those_of_the_tape() {
     let open = || Predictor::open(&made().model).unwrap();
     let (fast, tape) = (answer(&open()), answer(&open().on_tape()));
     for (level, (fast, tape)) in fast.iter().zip(&tape).enumerate() {
-        for ((name, a), (_, b)) in lists(fast).iter().zip(&lists(tape)) {
+        for ((name, a), (_, b)) in lists(&fast.pads).iter().zip(&lists(&tape.pads)) {
             assert!(apart(a, b) < 1e-5, "{name} at {} N: {:e} relative", FORCES[level], apart(a, b));
         }
     }
@@ -48,10 +49,10 @@ fn one_load_at_a_time_is_the_same_as_all_at_once() {
     let predictor = Predictor::open(&made().model).unwrap();
     let (model, pose) = ball(made());
     let touch = GeometricContact::find(&model, pose).unwrap();
-    let seen = predictor.look(&model, &predictor.admit(&model).unwrap(), &touch);
-    for (force, together) in FORCES.iter().zip(predictor.ramp(&seen, &FORCES).unwrap()) {
+    let seen = predictor.look(&model, &predictor.admit(&model, false).unwrap(), &touch);
+    for (force, together) in FORCES.iter().zip(predictor.ramp(&seen, &FORCES.map(GraspLoad::from)).unwrap()) {
         let alone = predictor.at(&seen, *force).unwrap();
-        for ((name, a), (_, b)) in lists(&alone).iter().zip(&lists(&together)) {
+        for ((name, a), (_, b)) in lists(&alone.pads).iter().zip(&lists(&together.pads)) {
             assert!(apart(a, b) < 1e-5, "{name} at {force} N: {:e} relative", apart(a, b));
         }
     }

@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 use tactus::gripper::GraspPose;
+use tactus::linear::GraspLoad;
 use tactus::linear::compliance::Compliance;
 use tactus::linear::first_contact::GeometricContact;
 use tactus::linear::pad_graph::{Layout, PadGraph};
@@ -38,7 +39,7 @@ fn the_grip_carries_the_force_of_each_finger_and_holds_the_object_still() {
     let features = features(&model);
     let (equilibrium, basis) = (&features.equilibrium, &features.graph.basis);
     for force in [0.03, 0.1, 0.5] {
-        let rest = equilibrium.rest(force);
+        let rest = equilibrium.rest(&force.into());
         let (mut sum, mut torque) = (DVec3::ZERO, DVec3::ZERO);
         for (p, finger) in model.fingers.iter().enumerate() {
             let turn = finger.placement.rotation;
@@ -64,7 +65,7 @@ fn an_object_that_is_held_stays_where_it_is() {
     let model = model();
     let features = features(&model);
     let force = 0.01;
-    let rest = features.equilibrium.rest(force);
+    let rest = features.equilibrium.rest(&force.into());
     let pressed = |(p, finger): (usize, &FingerModel)| -> f64 {
         let closing = finger.placement.rotation.transpose() * finger.placement.closing;
         rest.force[p].iter().map(|push| -push.dot(closing)).sum()
@@ -82,7 +83,7 @@ fn friction_takes_up_what_pressure_leaves_over() {
     for scene in [SCENE, heavy.as_str()] {
         let model = Model::build(&from_ron(scene).unwrap()).unwrap();
         let features = features(&model);
-        let loads = features.loads(&[0.5, 4.0]);
+        let loads = features.loads(&[0.5, 4.0].map(GraspLoad::from));
         let face = features.graph.face.len();
         for (level, balance) in loads.balance.iter().enumerate() {
             let mut random = Random::new(1);
@@ -102,12 +103,12 @@ fn friction_takes_up_what_pressure_leaves_over() {
                     moment += DVec3::new(w[3], w[4], w[5]) * *c;
                 }
             }
-            let force = loads.force[level];
-            let [weight, at] = features.equilibrium.hangs(&features.equilibrium.rest(force));
+            let (load, force) = (loads.load[level], loads.load[level].force);
+            let [weight, torque] = features.equilibrium.hangs(&features.equilibrium.rest(&load), &load);
             assert_eq!(weight != DVec3::ZERO, scene != SCENE);
             assert!((sum - weight).length() < 1e-4 * force, "the pads carry {sum} E t2 of {weight}, closed by {force}");
             // A contact resists being twisted only so far.
-            let off = (moment - at.cross(weight)).reject_from(DVec3::X).length();
+            let off = (moment - torque).reject_from(DVec3::X).length();
             assert!(off < 1e-4 * force, "the object is turned by {off} E t3, closed by {force}");
         }
         assert_eq!(loads.balance.len(), 2);
@@ -137,7 +138,7 @@ fn the_linear_response_is_in_equilibrium_with_its_force() {
     let finger = &model.fingers[0];
     let graph = PadGraph::new(finger, Layout::Face { depths: 3 }).unwrap();
     let (body, thickness) = (&finger.body, graph.thickness);
-    let compliance = Compliance::new(finger, &graph.face, thickness).unwrap();
+    let compliance = Compliance::new(finger, &graph.face, thickness, false).unwrap();
     let unit = body.material.moduli().young * thickness * thickness;
     let small = 1e-5;
     for component in [0, 1, 2] {
@@ -161,6 +162,26 @@ fn the_linear_response_is_in_equilibrium_with_its_force() {
         assert!(sum.distance(force) < 1e-3 * force.length(), "{sum} N against {force} N");
         assert!(elsewhere < 1e-3 * force.length(), "{elsewhere} N where nothing pushes");
     }
+}
+
+/// A refined mesh gives way more under a force, and as much far from it.
+#[test]
+fn the_response_of_the_refined_pad_is_softer_nearby_and_alike_far_away() {
+    let model = model();
+    let finger = &model.fingers[0];
+    let graph = PadGraph::new(finger, Layout::Face { depths: 3 }).unwrap();
+    let of = |refined: bool| Compliance::new(finger, &graph.face, graph.thickness, refined).unwrap();
+    let (coarse, fine) = (of(false), of(true));
+    let node = graph.face.len() / 2;
+    let far = |i: &usize| graph.rest[*i].distance(graph.rest[node]) > 1.5 * graph.thickness;
+    let gives = |compliance: &Compliance, i: usize| f64::from(compliance.row(graph.face[i], 2).unwrap()[3 * node + 2]);
+    let own = gives(&fine, node) / gives(&coarse, node);
+    assert!((1.02..1.6).contains(&own), "{own} times as soft under the force");
+    let norm = |compliance: &dyn Fn(usize) -> f64| {
+        (0..graph.face.len()).filter(far).map(|i| compliance(i).powi(2)).sum::<f64>().sqrt()
+    };
+    let off = norm(&|i| gives(&fine, i) - gives(&coarse, i)) / norm(&|i| gives(&fine, i));
+    assert!(off < 0.2, "far away they differ by {off}");
 }
 
 #[test]

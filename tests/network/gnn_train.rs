@@ -4,6 +4,7 @@ use crate::gnn_made::{PAPER, SPEC, command, made, ron, samples, set, train};
 use std::process::Command;
 use std::sync::Arc;
 use tactus::gripper::GraspPose;
+use tactus::linear::GraspLoad;
 use tactus::linear::first_contact::GeometricContact;
 use tactus::linear::pad_graph::{Layout, PadGraph};
 use tactus::model::Model;
@@ -111,7 +112,8 @@ fn training_and_inference_see_the_same_bits() {
     assert_eq!(bits(&trained.node), bits(&run.node));
     assert_eq!(bits(&trained.edge), bits(&run.edge));
     assert_eq!(bits(&trained.pad), bits(&run.pad));
-    let (a, b) = (trained.loads(&[0.5, 1.0]), run.loads(&[0.5, 1.0]));
+    let levels = [0.5, 1.0].map(GraspLoad::from);
+    let (a, b) = (trained.loads(&levels), run.loads(&levels));
     assert_eq!((bits(&a.node), bits(&a.pad), a.depth), (bits(&b.node), bits(&b.pad), b.depth));
 }
 

@@ -12,3 +12,4 @@ mod gnn_mechanics;
 mod gnn_pads;
 mod gnn_torch;
 mod gnn_train;
+mod gnn_trust;

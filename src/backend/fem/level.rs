@@ -14,6 +14,9 @@ use crate::world::schedule::{StepLoad, Stop};
 /// Number of steps in which the fingers take an object with weight over from its support.
 const HANDOVER: u32 = 4;
 
+/// Part of the pressure at Coulomb's limit, from which on an object that finds no equilibrium under a push slips.
+const SLIPS: f64 = 0.7;
+
 /// Reason why a level was not reached.
 enum Refusal {
     /// No equilibrium exists, or no more effort is to be spent.
@@ -115,14 +118,13 @@ impl GraspSolver {
         let largest_drift = self.path.largest_drift;
         self.path.largest_drift = heavy.then_some(DROPPED * model.law.offset);
         let steps = if heavy { HANDOVER } else { 1 };
-        let level = self.path.level;
         let mut done = Advanced::default();
         for k in 1..=steps {
             self.hand_over(f64::from(k) / f64::from(steps));
             // What the force did before says nothing of what the weight does.
             self.path.history = None;
             let more = match &mut self.condensed {
-                Some(pads) => pads.follow(&mut self.path, model, Load::Force, level),
+                Some(pads) => pads.follow(&mut self.path, model),
                 None => self.path.polish(),
             };
             let letting_go = format!("letting go of the object {}", at(Load::Force, self.path.level));
@@ -139,13 +141,31 @@ impl GraspSolver {
             self.condensed.iter_mut().for_each(|pads| pads.begin_load());
         }
         self.path.tolerance = self.tolerance(model, force);
-        let largest_drift = self.path.largest_drift.replace(DROPPED * model.law.offset);
         let done = match &mut self.condensed {
-            Some(pads) => pads.follow(&mut self.path, model, Load::Push, part),
+            Some(pads) => self.path.advance(Load::Push, part, &mut pads.of(model)),
             None => self.path.advance(Load::Push, part, &mut WholePads),
         };
-        self.path.largest_drift = largest_drift;
-        done.map_err(|f| self.refuse(model, &at(Load::Push, part), f))
+        done.map_err(|failure| {
+            let (slipping, at) = (self.slipping(model), at(Load::Push, part));
+            if failure.is_out_of_effort() || slipping < SLIPS {
+                return self.refuse(model, &at, failure);
+            }
+            let [slipping, held] = [slipping, self.path.level].map(|part| 100.0 * part);
+            let reason = format!(
+                "{at}: the object slips; at {held:.1} % of it {slipping:.0} % of the contact is at Coulomb's limit"
+            );
+            Refusal::Final(Stop { dropped: true, reason })
+        })
+    }
+
+    /// Returns the part of the pressure that acts where friction is at its limit.
+    fn slipping(&self, model: &Model) -> f64 {
+        let edges = (0..model.fingers.len()).flat_map(|i| self.path.newton.edge_readings(&self.path.state, i));
+        let sums = edges.fold((0.0, 0.0), |(slips, all), edge| {
+            let pressure = edge.state.pressure;
+            (if edge.state.slips { slips + pressure } else { slips }, all + pressure)
+        });
+        sums.0 / f64::max(sums.1, f64::MIN_POSITIVE)
     }
 
     fn load(&mut self, model: &Model, load: Load, level: f64) -> std::result::Result<Advanced, Refusal> {

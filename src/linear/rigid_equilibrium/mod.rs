@@ -9,9 +9,9 @@
 
 mod step;
 
-use crate::linear::{GraspLoad, amid, around};
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::PadGraph;
+use crate::linear::{GraspLoad, amid, around};
 use crate::model::Model;
 use crate::world::components::ObjectPose;
 use glam::{DMat3, DQuat, DVec3};
@@ -198,7 +198,8 @@ impl RigidEquilibrium {
                 };
                 let (now, then) = (place(squeezed, *moved), place(known, *then));
                 let turn = self.fingers[pad].rotation.transpose();
-                let normal = turn * (squeezed.rotation * known.rotation.inverse() * (self.fingers[pad].rotation * seen.normal));
+                let normal =
+                    turn * (squeezed.rotation * known.rotation.inverse() * (self.fingers[pad].rotation * seen.normal));
                 let apart = turn * (squeezed.rotation * (now - then));
                 Seen { gap: seen.gap + normal.dot(apart), normal, place: now }
             })

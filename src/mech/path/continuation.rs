@@ -6,6 +6,7 @@
 //! |---|---|
 //! | the path bends too far | a smaller increment, by the error (`step_size.rs`) |
 //! | no equilibrium | half the increment, three times where there are rigid unknowns, else twelve |
+//! | none in a small increment of a push | the object slips, or the grasp ends (`backend/fem/level.rs`) |
 //! | none in the smallest increment either | pseudo-time from the accepted state (`pseudo_transient.rs`), over the increment that was refused first |
 //! | none in pseudo-time; corrections of condensed pads do not settle | half the increment, condensed pads anew as they are, ten times |
 //! | contact outgrows the patch of a condensed pad | condensed anew onto a larger one, the same increment |
@@ -117,6 +118,8 @@ impl PadDiscretisation for WholePads {}
 /// Number of halvings of an increment before another method: for a path with nothing but bodies, and for one whose object can
 /// move.
 const HALVINGS: [u32; 2] = [12, 3];
+/// Number of halvings of an increment of a push: the load at which an object slips is found to a hundredth.
+const PUSH_HALVINGS: u32 = 4;
 /// Maximum number of changes of the method on the way to one level.
 const CHANGES: u32 = 10;
 /// Largest increment of a force over the force reached.
@@ -129,7 +132,8 @@ impl Path {
     /// # Errors
     /// The last [`Failure`] when no method is left. State, history and level are then those of the last accepted increment.
     pub fn advance(&mut self, load: Load, target: f64, pads: &mut dyn PadDiscretisation) -> Result<Advanced, Failure> {
-        let can_roll = self.newton.rigid.size > 0;
+        // Under a dead push nothing stops an object once it goes.
+        let can_roll = self.newton.rigid.size > 0 && load != Load::Push;
         let (mut done, mut halvings, mut changes) = (Advanced::default(), 0, 0);
         // Increment that was refused first since the last one that was accepted.
         let mut refused = None;
@@ -138,7 +142,11 @@ impl Path {
             let longest = self.longest(load);
             let planned = self.step.next(rest).clamp(-longest, longest);
             // An object with a largest drift is followed at once: smaller increments would only find out later that it slides.
-            let most = if self.largest_drift.is_some() || planned == 0.0 { 0 } else { HALVINGS[usize::from(can_roll)] };
+            let most = match load {
+                _ if self.largest_drift.is_some() || planned == 0.0 => 0,
+                Load::Push => PUSH_HALVINGS,
+                Load::Force | Load::Travel => HALVINGS[usize::from(can_roll)],
+            };
             let last_resort = halvings >= most || self.exhausted();
             // Pseudo-time follows the whole increment: next to nothing would drive it on over a tiny one.
             let size =
@@ -179,6 +187,15 @@ impl Path {
                     (halvings, self.methods.halved) = (halvings + 1, self.methods.halved + 1);
                     refused = refused.or(Some(size));
                     self.step.refuse(size, None);
+                }
+                Failure::Iterations(_)
+                | Failure::LineSearch(_)
+                | Failure::Singular
+                | Failure::Lost
+                | Failure::Unsettled
+                    if load == Load::Push =>
+                {
+                    return Err(failure);
                 }
                 // Whole pads at the same load would only fail in the same way again.
                 _ if size == 0.0 && !pads.corrects() => return Err(failure),

@@ -8,9 +8,9 @@ pub mod table;
 
 use super::infer::predict::Predictor;
 use super::train::data;
+pub use super::train::frame_error::FrameError;
 use super::train::frame_error::{frame_error, truth};
 use super::train::sample::Sample;
-pub use super::train::frame_error::FrameError;
 use crate::dataset::DataSet;
 use crate::error::Result;
 use crate::interrupt;

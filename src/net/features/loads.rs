@@ -188,7 +188,8 @@ impl GraspFeatures {
             *closer / depth,
         ];
         let motion = shift.to_array().into_iter().chain(turn.to_array()).map(|v| v / depth);
-        let pull = self.equilibrium.pulled(&load).map(|pull| (to_pad * pull / force).clamp_length_max(STEEPEST).to_array());
+        let pull =
+            self.equilibrium.pulled(&load).map(|pull| (to_pad * pull / force).clamp_length_max(STEEPEST).to_array());
         loads.pad.extend(row.into_iter().chain(motion).chain(pull.into_iter().flatten()).map(|v| v as f32));
         loads.pressing.push(force);
         loads.depth.push(depth);

@@ -63,8 +63,8 @@ pub const VERSION: u32 = 4;
 /// distance and normal when the undeformed pad has closed by 0, 0.25 and 0.6 thicknesses; height, spacing; way to the rim and its length;
 /// the least gap around the node, below its own, as it fades, and where it is.
 pub const NODE: [Parity; 31] = [
-    X, Y, Even, Even, Even, Even, X, Y, Even, Even, X, Y, Even, Even, X, Y, Even, Even, X, Y, Even, Even, Even, X, Y, Even,
-    Even, Even, Even, X, Y,
+    X, Y, Even, Even, Even, Even, X, Y, Even, Even, X, Y, Even, Even, X, Y, Even, Even, X, Y, Even, Even, Even, X, Y,
+    Even, Even, Even, Even, X, Y,
 ];
 /// Features of an edge: relative position and its length.
 pub const EDGE: [Parity; 4] = [X, Y, Even, Even];

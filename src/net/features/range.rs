@@ -139,8 +139,9 @@ impl TrainedRange {
         }
         if let Some(pads) = &self.pads {
             let (name, value, [low, high]) = pads.refuses(&PadRange::of(&Sensor::of(pad)), SLACK)?;
-            let what =
-                format!("the {name} of its pads is {value:.3} times their thickness, trained was {low:.3} to {high:.3}");
+            let what = format!(
+                "the {name} of its pads is {value:.3} times their thickness, trained was {low:.3} to {high:.3}"
+            );
             return Some(Outside { what, by: excess(value, [low, high]) });
         }
         let own = Sensor::of(pad).to_string();
@@ -163,8 +164,9 @@ impl TrainedRange {
         if !model.force_driven {
             return refuse("it presses by travel, the network squeezes by force".into());
         }
-        let kind =
-            |(free, n): (bool, usize)| format!("a {} object between {n} finger(s)", if free { "free" } else { "fixed" });
+        let kind = |(free, n): (bool, usize)| {
+            format!("a {} object between {n} finger(s)", if free { "free" } else { "fixed" })
+        };
         let own = (model.free, model.fingers.len());
         if !self.kinds().contains(&own) {
             let known: Vec<String> = self.kinds().into_iter().map(kind).collect();

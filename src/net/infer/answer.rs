@@ -128,7 +128,8 @@ impl Answer {
         let levels = self.loads.load.len();
         let of = |level: usize| {
             let state = self.mixed(&[(level, 1.0)]);
-            let depth = self.loads.depth[level * self.pads..(level + 1) * self.pads].iter().sum::<f64>() / self.pads as f64;
+            let depth =
+                self.loads.depth[level * self.pads..(level + 1) * self.pads].iter().sum::<f64>() / self.pads as f64;
             touched(features, &state.pads, &self.loads.load[level], depth)
         };
         let touched: Vec<(Vec<f64>, Signs)> = (0..levels).into_par_iter().map(of).collect();

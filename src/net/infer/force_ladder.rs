@@ -37,7 +37,8 @@ impl ForceLadder {
         let model = seen.model();
         let pushed = predictor.knows_pushes() && model.free && model.law.friction > 0.0;
         let axes = model.fingers.first().map(|finger| finger.placement.rotation);
-        let directions: Vec<DVec3> = axes.filter(|_| pushed).iter().flat_map(|axes| [axes.x_axis, axes.y_axis]).collect();
+        let directions: Vec<DVec3> =
+            axes.filter(|_| pushed).iter().flat_map(|axes| [axes.x_axis, axes.y_axis]).collect();
         let push = PUSH * model.law.friction * model.fingers.len() as f64;
         let step = (high / low).powf(1.0 / f64::from(RUNGS - 1));
         let forces: Vec<f64> = (0..RUNGS).map(|k| low * step.powi(k)).collect();
@@ -64,7 +65,9 @@ impl ForceLadder {
         let mut levels = Vec::with_capacity(2 * (1 + along.len()));
         for (rung, part) in [(*before, 1.0 - part), (*after, part)] {
             levels.push((rung, part * (1.0 - whole)));
-            levels.extend(along.iter().zip(rung + 1..).filter(|(by, _)| **by != 0.0).map(|(by, level)| (level, part * by)));
+            levels.extend(
+                along.iter().zip(rung + 1..).filter(|(by, _)| **by != 0.0).map(|(by, level)| (level, part * by)),
+            );
         }
         Some(self.answer.mixed(&levels))
     }

@@ -15,8 +15,8 @@ use crate::net::network::card::EARLIER;
 use crate::net::network::card::{Card, Trained, WEIGHTS};
 use crate::net::network::parameters::Parameters;
 use crate::net::network::spec::NetworkSpec;
-use crate::record::ErrorBound;
 use crate::net::network::{Inputs, Network, NetworkOutput, build};
+use crate::record::ErrorBound;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::path::Path;
@@ -226,8 +226,19 @@ impl Predictor {
         let (features, norms) = (&seen.features, self.card.normalisers.clone());
         let (graph, pads) = (features.graph.clone(), features.pads);
         let (young, unit_force) = (features.young, features.unit_force());
-        let mut answer =
-            Answer { loads, out, norms, graph, pads, stress: seen.stress, young, unit_force, travel: Vec::new(), signs: Vec::new(), interval: self.card.interval.map(|interval| interval.widened(seen.widened)) };
+        let mut answer = Answer {
+            loads,
+            out,
+            norms,
+            graph,
+            pads,
+            stress: seen.stress,
+            young,
+            unit_force,
+            travel: Vec::new(),
+            signs: Vec::new(),
+            interval: self.card.interval.map(|interval| interval.widened(seen.widened)),
+        };
         match (0..given.len()).find(|level| !answer.is_finite(*level)) {
             None => {
                 answer.touch(features);

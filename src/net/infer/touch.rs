@@ -36,7 +36,8 @@ pub(super) fn touched(features: &GraspFeatures, pads: &[PadState], load: &GraspL
         all.sum::<DVec3>() / pads.len() as f64
     };
     let turn = mean(|p| p.turn);
-    let object = if model.free { moved(model, &features.touch.object, mean(|p| p.shift), turn) } else { features.touch.object };
+    let object =
+        if model.free { moved(model, &features.touch.object, mean(|p| p.shift), turn) } else { features.touch.object };
     let nodes: Vec<Vec<Beside>> = pads.iter().enumerate().map(|(p, pad)| beside(features, p, pad, &object)).collect();
     let sums = nodes.iter().map(|own| {
         let pressed = own.iter().filter(|n| n.force > 0.0);

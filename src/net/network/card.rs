@@ -93,7 +93,8 @@ impl Trained {
         let earlier = card.features == EARLIER;
         let read = Self { card, weights };
         let read = if earlier { widened(read.sound(&path)?)? } else { read };
-        read.card.check()
+        read.card
+            .check()
             .map_err(|what| Error::file(&path, format!("{what}; take the model from a copy, or train it again")))?;
         if earlier { Ok(read) } else { read.sound(&path) }
     }

@@ -103,7 +103,9 @@ impl Interval {
     pub(crate) fn check(&self) -> Result<(), String> {
         let all = [("displacement", self.displacement), ("stress", self.stress), ("travel", self.travel)];
         match all.into_iter().find(|(_, bound)| !bound.is_finite()) {
-            Some((name, bound)) => Err(format!("`interval.{name}` holds {bound:?}; allowed: finite numbers, a factor above 0")),
+            Some((name, bound)) => {
+                Err(format!("`interval.{name}` holds {bound:?}; allowed: finite numbers, a factor above 0"))
+            }
             None => Ok(()),
         }
     }
@@ -129,7 +131,8 @@ mod tests {
         let mut random = Random::new(7);
         let interval = Interval::fit(&drawn(1000, &mut random)).unwrap();
         let unseen = drawn(4000, &mut random);
-        let within = unseen.iter().flatten().filter(|(signs, error)| error[0] <= interval.at(signs).displacement).count();
+        let within =
+            unseen.iter().flatten().filter(|(signs, error)| error[0] <= interval.at(signs).displacement).count();
         let part = within as f64 / unseen.len() as f64;
         assert!((part - LEVEL).abs() < 0.03, "{part} within, not {LEVEL}");
         let wide = |sign: f64| interval.at(&[1.0, sign, 0.0, 0.5, 0.0, 0.0, 0.0]).displacement;

@@ -91,7 +91,8 @@ impl Trainer {
         let poses = sets.iter().map(|set| Ok(data::split(&set.splits, split)?.train)).collect::<Result<Vec<_>>>()?;
         let all: Vec<_> = sets.iter().zip(&poses).collect();
         let known = RefCell::default();
-        let (samples, range) = data::read(&all, &|model| data::graph_of(model, network.layout(), &known), spec.training.frames.get())?;
+        let (samples, range) =
+            data::read(&all, &|model| data::graph_of(model, network.layout(), &known), spec.training.frames.get())?;
         if samples.len() < 2 {
             return Err(Error::Start("training needs two grasps at least: one to learn from, one to stop by".into()));
         }

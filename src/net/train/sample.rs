@@ -4,8 +4,8 @@ use crate::dataset::{ObjectFile, StoredGrasp};
 use crate::error::{Error, Result};
 use crate::gripper::GraspPose;
 use crate::linear::first_contact::GeometricContact;
-use crate::linear::pad_graph::PadGraph;
 use crate::linear::object_motion::motion;
+use crate::linear::pad_graph::PadGraph;
 use crate::linear::{GraspLoad, loads_of};
 use crate::model::Model;
 use crate::net::autodiff::ops::{product, root_error};
@@ -95,7 +95,8 @@ impl Sample {
         let forces: Vec<f64> = frames.iter().map(|k| data.force[*k] / pads as f64).collect();
         let all = loads_of(model);
         // The force as it was applied.
-        let given = frames.iter().zip(&forces).map(|(k, force)| GraspLoad { force: *force, ..all[*k] }).collect::<Vec<_>>();
+        let given =
+            frames.iter().zip(&forces).map(|(k, force)| GraspLoad { force: *force, ..all[*k] }).collect::<Vec<_>>();
         let mut sample = Self {
             object: file.name.clone(),
             grasp,

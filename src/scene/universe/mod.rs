@@ -163,8 +163,7 @@ impl Universe {
         if self.families.is_empty() {
             return field("families", "an empty list of families\nleave it out for all of them");
         }
-        let parts =
-            [("square", self.square), ("heavy", self.heavy), ("pushed", self.pushed), ("single", self.single)];
+        let parts = [("square", self.square), ("heavy", self.heavy), ("pushed", self.pushed), ("single", self.single)];
         let parts = parts.into_iter().chain([("pads.round", pads.round), ("pads.domed", pads.domed)]);
         let above = parts.clone().find(|(_, part)| part.get() > 1.0);
         above.and_then(|(name, _)| field(name, "a part of the objects\nallowed: 0 to 1"))
@@ -185,7 +184,8 @@ impl Universe {
     fn entry(&self, index: usize, gripper: &Gripper, squeeze: &Squeeze) -> Entry {
         let mut draws = self.draws(OBJECTS, index);
         let family = self.families[index % self.families.len()];
-        let mut sensor = self.draws(SENSORS, draws.0.below(self.sensors.get()));
+        // Whatever the seed: data sets of several seeds share their sensors, whose responses are found once.
+        let mut sensor = Self { seed: 0, ..self.clone() }.draws(SENSORS, draws.0.below(self.sensors.get()));
         let (pads, thickness) = self.pads.draw(&mut sensor);
         let poisson = written(sensor.within(&self.poisson));
         let width = (draws.factor(&self.size) * thickness).min(WIDEST * gripper.opening.get());
@@ -203,9 +203,10 @@ impl Universe {
             (weight / (GRAVITY * volume), first, direction(&mut draws))
         });
         let carried = if heavy.is_some() { weight } else { 0.0 };
-        let (density, first, release) = heavy.map_or((defaults::OBJECT_DENSITY, None, release), |(density, first, _)| {
-            (Positive::preset(written(density)), Some(first), first.get())
-        });
+        let (density, first, release) = heavy
+            .map_or((defaults::OBJECT_DENSITY, None, release), |(density, first, _)| {
+                (Positive::preset(written(density)), Some(first), first.get())
+            });
         let pushed = draws.is_in(self.pushed.get() * f64::from(u8::from(!single)));
         let frames = squeeze.frames.get();
         let after = (PUSH_FRAMES * frames as f64).round() as usize;

@@ -1,7 +1,7 @@
 //! Balance of the forces of a frame, from the wrenches alone, whatever stepper wrote them.
 
-use crate::world::components::*;
 use crate::record::Wrench;
+use crate::world::components::*;
 use crate::world::schedule::{BalanceReport, CurrentGrasp, Shared, StepLoad};
 use bevy_ecs::prelude::*;
 use glam::DVec3;

@@ -76,24 +76,24 @@ impl Condensation {
         self.condense(path, patches)
     }
 
-    /// Brings a load on the object to `level`; at the current level already, finds the equilibrium again. The load may take the object
-    /// far from where the pads are condensed, so they are condensed again on the way. The motion is given up when it is longer than
-    /// the largest drift.
+    /// Finds the equilibrium at the current level again, under another load on the object. The load may take the object far from
+    /// where the pads are condensed, so they are condensed again on the way. The motion is given up when it is longer than the
+    /// largest drift.
     ///
     /// # Errors
     /// Returns the last [`Failure`]; the path is then as it was.
-    pub fn follow(&mut self, path: &mut Path, model: &Model, load: Load, level: f64) -> Result<Advanced, Failure> {
+    pub fn follow(&mut self, path: &mut Path, model: &Model) -> Result<Advanced, Failure> {
         let start = path.checkpoint();
         let gone = |path: &Path| {
             let way = path.newton.rigid.distance(&path.state, start.state());
             path.largest_drift.is_some_and(|most| way > most)
         };
         path.stage = Some(CONDENSED_MOTION * model.law.offset);
-        let mut done = path.advance(load, level, &mut self.of(model));
+        let mut done = path.advance(Load::Force, path.level, &mut self.of(model));
         let moving = |done: &Result<Advanced, Failure>| done.as_ref().is_ok_and(|done| done.halted);
         while moving(&done) && !gone(path) && !path.exhausted() {
             let renewed = self.follow_on(path, model);
-            done = renewed.and_then(|()| path.advance(load, level, &mut self.of(model)));
+            done = renewed.and_then(|()| path.advance(Load::Force, path.level, &mut self.of(model)));
         }
         path.stage = None;
         if gone(path) {

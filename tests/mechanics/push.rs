@@ -1,0 +1,78 @@
+//! Pushes on a squeezed object: balance, and the onset of slip by Coulomb's law.
+
+use std::sync::Mutex;
+use tactus::backend::choose;
+use tactus::grasp::poses_of;
+use tactus::model::Model;
+use tactus::record::{Frame, Status};
+use tactus::run::{Observer, run_grasps};
+use tactus::scene::from_ron;
+
+#[derive(Default)]
+struct Frames(Mutex<Vec<Frame>>);
+
+impl Observer for Frames {
+    fn frame(&self, _: usize, frame: &Frame) -> tactus::error::Result<()> {
+        self.0.lock().unwrap().push(frame.clone());
+        Ok(())
+    }
+}
+
+/// Squeezes a block, pushes it, and returns the frames with the end.
+fn pushed(push: &str, solver: &str) -> (Vec<Frame>, Status) {
+    let text = format!(
+        "(object: (shape: Cuboid(size: (0.02, 0.014, 0.014))),
+          gripper: (pads: Box(size: (0.02, 0.02, 0.004), spacing: 2.5e-3), friction: 0.4),
+          loading: Squeeze(force: 8.0, frames: 2, push: ({push}, frames: 8)),
+          record: (fields: [ContactForce]), stepper: Fem(solver: {solver}))"
+    );
+    let scene = from_ron(&text).unwrap();
+    let model = Model::build(&scene).unwrap();
+    let grasps: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
+    let frames = Frames::default();
+    let ends = run_grasps(&model, choose(&scene).unwrap().as_ref(), &grasps, 2, &frames).unwrap();
+    (frames.0.into_inner().unwrap(), ends[0].summary.status)
+}
+
+#[test]
+fn the_pads_carry_a_push_and_the_block_follows_it() {
+    let (frames, status) = pushed("force: (0, 1.5, -1), torque: (4e-3, 0, 0)", "Full");
+    assert_eq!((frames.len(), status), (10, Status::Reached));
+    for (k, frame) in frames.iter().enumerate() {
+        let part = k.saturating_sub(1) as f64 / 8.0;
+        let carried: glam::DVec3 = frame.pads.iter().map(|pad| pad.wrench.force).sum();
+        let wanted = glam::DVec3::new(0.0, 1.5, -1.0) * part;
+        assert!((carried - wanted).length() < 8e-3, "frame {k}: pads carry {carried} N of {wanted} N");
+        assert!((frame.object_load.force - wanted).length() < 1e-12, "the frame names its push");
+        assert!(frame.torque_balance < 1e-3, "frame {k}: {} of torque is left", frame.torque_balance);
+    }
+    let moved = frames[9].object_position - frames[1].object_position;
+    assert!(moved.y > 1e-5 && moved.z < -1e-5, "moved by {moved} m");
+    let turned = frames[9].object_rotation * frames[1].object_rotation.inverse();
+    assert!(turned.to_scaled_axis().x > 1e-3, "turned by {} rad", turned.to_scaled_axis());
+}
+
+/// Flat faces pressed with 8 N in all hold 0.4 x 8 N along them: of 4 N four fifths.
+#[test]
+fn a_block_slips_where_coulomb_says() {
+    for solver in ["Full", "Condensed(error: 0.01)"] {
+        let (frames, status) = pushed("force: (0, 4, 0)", solver);
+        assert_eq!(status, Status::Dropped, "{solver}");
+        let held = frames.last().unwrap().object_load.force.y;
+        assert!(
+            (0.9 * 3.2..=1.05 * 3.2).contains(&(held + 0.25)),
+            "{solver}: {held} N were held, the next frame had 0.5 N more"
+        );
+    }
+}
+
+#[test]
+fn condensed_pads_carry_a_push_as_whole_ones_do() {
+    let push = "force: (0, 1.5, -1), torque: (4e-3, 0, 0)";
+    let [(whole, _), (condensed, _)] = ["Full", "Condensed(error: 0.01)"].map(|solver| pushed(push, solver));
+    let (a, b) = (&whole[9].pads[0].displacement, &condensed[9].pads[0].displacement);
+    let norm = |v: &mut dyn Iterator<Item = f64>| v.sum::<f64>().sqrt();
+    let off = norm(&mut a.iter().zip(b).map(|(a, b)| a.distance_squared(*b)))
+        / norm(&mut a.iter().map(|a| a.length_squared()));
+    assert!(off < 0.02, "they differ by {off}");
+}
