@@ -80,12 +80,15 @@ impl Planned {
     }
 }
 
+/// Function that gives each grasp of a scene a score.
+pub type Score<'a> = dyn Fn(&Scene, &[GraspPose]) -> Result<Vec<f64>> + Sync + 'a;
+
 /// Choice of the grasps of a data set that have the largest scores.
 pub struct Selection<'a> {
     /// Number of grasps that are kept; None is a quarter of them.
     pub keep: Option<usize>,
     /// Function that scores the grasps of a scene.
-    pub score: &'a (dyn Fn(&Scene, &[GraspPose]) -> Result<Vec<f64>> + Sync),
+    pub score: &'a Score<'a>,
 }
 
 impl Selection<'_> {

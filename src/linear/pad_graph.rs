@@ -49,8 +49,8 @@ pub struct PadGraph {
     pub triangles: Vec<[u32; 3]>,
     /// Area of the face that each stands for, m2.
     pub area: Vec<f64>,
-    /// Way along x and y from each to the nearest point of the rim of the face, m.
-    pub to_rim: Vec<DVec2>,
+    /// Distance of each from the rim of the face, m, and the way there along x and y, the mean of those that are next to as short.
+    pub to_rim: Vec<(f64, DVec2)>,
     /// Ends of the face along x and y, m.
     pub ends: [DVec2; 2],
     /// Edges between face nodes.
@@ -133,7 +133,7 @@ impl PadGraph {
             node_count: pad.rest.len(),
             interpolate: Sparse::new(&rows, n * depths),
             interpolate_free: Sparse::new(&free, n * depths),
-            to_rim: to_rim(&rest, &triangles),
+            to_rim: to_rim(&rest, &triangles, thickness),
             ends: [
                 rest.iter().map(|x| x.xy()).fold(DVec2::INFINITY, DVec2::min),
                 rest.iter().map(|x| x.xy()).fold(DVec2::NEG_INFINITY, DVec2::max),
@@ -189,8 +189,11 @@ pub fn mesh_hash(pad: &PadTopology) -> String {
     hash.finalize().to_hex().to_string()
 }
 
-/// Way along x and y from each face node to the nearest point of the rim: of the edges that belong to one triangle only.
-fn to_rim(rest: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec2> {
+/// Difference of two ways to the rim over the thickness, up to which both are as short.
+const ALIKE: f64 = 0.1;
+
+/// Distance of each face node from the rim, the edges that belong to one triangle only, and the way there.
+fn to_rim(rest: &[DVec3], triangles: &[[u32; 3]], thickness: f64) -> Vec<(f64, DVec2)> {
     let mut count: BTreeMap<[u32; 2], u32> = BTreeMap::new();
     for t in triangles {
         for k in 0..3 {
@@ -206,7 +209,12 @@ fn to_rim(rest: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec2> {
             let part = ((x.xy() - *a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
             *a + along * part - x.xy()
         });
-        to.min_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or_default()
+        let ways: Vec<DVec2> = to.collect();
+        let least = ways.iter().map(|way| way.length()).fold(f64::INFINITY, f64::min);
+        let weight = |way: &DVec2| (-(way.length() - least) / (ALIKE * thickness)).exp();
+        let (sum, whole) =
+            ways.iter().fold((DVec2::ZERO, 0.0), |(sum, whole), way| (sum + *way * weight(way), whole + weight(way)));
+        if whole > 0.0 { (least, sum / whole) } else { (0.0, DVec2::ZERO) }
     };
     rest.par_iter().map(way).collect()
 }

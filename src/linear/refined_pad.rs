@@ -69,10 +69,17 @@ impl RefinedPad {
     }
 }
 
+/// Part by which equal diagonals differ by their direction.
+const TIE: f64 = 1e-6;
+
 /// Divides a 10-node tetrahedron into eight with 4 nodes: one at each corner, and the octahedron between them along its shortest diagonal.
 fn divided(t: &[u32; 10], rest: &[DVec3]) -> [[u32; 4]; 8] {
     let [a, b, c, d, ab, bc, ca, ad, bd, cd] = *t;
-    let length = |p: u32, q: u32| rest[p as usize].distance_squared(rest[q as usize]);
+    // Of equal ones, the same whatever the order of the nodes.
+    let length = |p: u32, q: u32| {
+        let along = rest[q as usize] - rest[p as usize];
+        along.length_squared() * (1.0 + TIE * along.normalize_or_zero().abs().dot(DVec3::new(1.0, 2.0, 3.0)))
+    };
     let around = |p: u32, q: u32, ring: [u32; 4]| [0, 1, 2, 3].map(|k| [p, q, ring[k], ring[(k + 1) % 4]]);
     // Each diagonal joins the middles of two opposite edges; the other four middles lie around it.
     let diagonals = [(ab, cd, [bc, bd, ad, ca]), (bc, ad, [ab, bd, cd, ca]), (ca, bd, [ab, bc, cd, ad])];

@@ -159,9 +159,7 @@ impl GraspArrays {
             put(out, names::GAP, (frames, nodes), &self.gap)?;
         }
         put(out, names::OBJECT_POSE, (frames, 7), &self.object_pose)?;
-        if self.object_load.iter().any(|v| *v != 0.0) {
-            put(out, names::OBJECT_LOAD, (frames, 6), &self.object_load)?;
-        }
+        put(out, names::OBJECT_LOAD, (frames, 6), &self.object_load)?;
         if !self.hand_pose.is_empty() {
             put(out, names::HAND_POSE, (frames, 7), &self.hand_pose)?;
             put(out, names::OBJECT_MOTION, (frames, 6), &self.object_motion)?;

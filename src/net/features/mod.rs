@@ -135,8 +135,8 @@ impl GraspFeatures {
                     row.extend(normal.to_array());
                 }
                 row.extend([x.z / t, area[i].sqrt()]);
-                let rim = graph.to_rim[i] / t;
-                row.extend([rim.x, rim.y, rim.length()].map(|v| v.clamp(-INSIDE, INSIDE)));
+                let (distance, way) = graph.to_rim[i];
+                row.extend([way.x, way.y, distance].map(|v| (v / t).clamp(-INSIDE, INSIDE)));
                 let Nearest { gap: least, offset } = nearest[i];
                 let fade = |gap: f64, f: f64| (-gap.max(0.0) / f).exp();
                 row.extend([gap - least, fade(least, FADES[0]), fade(least, FADES[1]), offset.x, offset.y]);

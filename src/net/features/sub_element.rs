@@ -17,17 +17,18 @@ pub(super) struct Nearest {
 /// Gap over the thickness, up to which it matters what lies between nodes.
 const NEAR: f64 = 0.6;
 
+/// Difference of gaps over the thickness, up to which points are alike.
+const ALIKE: f64 = 0.01;
+
 /// Returns the nearest points around the face nodes, whose own gaps are `gaps` over the thickness: at the middles of edges and triangles
 /// of the face, and where vertices and sharp edges of the object are.
 pub(super) fn nearest(view: &View, graph: &PadGraph, gaps: &[f64]) -> Vec<Nearest> {
     let t = graph.thickness;
-    let mut all: Vec<Nearest> = gaps.iter().map(|gap| Nearest { gap: *gap, offset: DVec2::ZERO }).collect();
+    // Points around each node, its own among them: their gaps and where they are.
+    let mut seen: Vec<Vec<Nearest>> = gaps.iter().map(|gap| vec![Nearest { gap: *gap, offset: DVec2::ZERO }]).collect();
     let mut enter = |nodes: &[u32], at: DVec3, gap: f64| {
         for i in nodes {
-            let own = &mut all[*i as usize];
-            if gap < own.gap {
-                *own = Nearest { gap, offset: (at - graph.rest[*i as usize]).xy() / t };
-            }
+            seen[*i as usize].push(Nearest { gap, offset: (at - graph.rest[*i as usize]).xy() / t });
         }
     };
     let mut between = |nodes: &[u32]| {
@@ -54,5 +55,13 @@ pub(super) fn nearest(view: &View, graph: &PadGraph, gaps: &[f64]) -> Vec<Neares
             enter(&corners.map(|(i, _)| i), below, (at.z - below.z) / t);
         }
     }
-    all
+    seen.into_iter().map(|points| least(&points)).collect()
+}
+
+/// Returns the least gap, and the mean of where points are that are next to as near: two that are alike change places without a jump.
+fn least(points: &[Nearest]) -> Nearest {
+    let gap = points.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
+    let weighted = points.iter().map(|p| (p.offset, (-(p.gap - gap) / ALIKE).exp()));
+    let (sum, whole) = weighted.fold((DVec2::ZERO, 0.0), |(sum, whole), (offset, w)| (sum + offset * w, whole + w));
+    Nearest { gap, offset: sum / whole }
 }

@@ -14,6 +14,8 @@ pub type Signs = [f64; 7];
 
 /// Part of unseen grasps that an interval holds.
 pub const LEVEL: f64 = 0.9;
+/// Number of grasps below which estimate and factor come from the same ones.
+const FEW: usize = 8;
 /// Error below which errors do not differ.
 const LEAST: f64 = 1e-3;
 /// Weight against large coefficients, per sample.
@@ -74,10 +76,10 @@ impl Bound {
 }
 
 impl Interval {
-    /// Finds the intervals from grasps that were kept from training; None if there are too few of them.
+    /// Finds the intervals from grasps that were kept from training: from halves of them, or all where they are few; None without any.
     pub fn fit(kept: &[Kept]) -> Option<Self> {
         let half = |odd: usize, k: usize| -> Vec<(Signs, f64)> {
-            let grasps = kept.iter().enumerate().filter(|(i, _)| i % 2 == odd);
+            let grasps = kept.iter().enumerate().filter(|(i, _)| kept.len() < FEW || i % 2 == odd);
             grasps.flat_map(|(_, levels)| levels.iter().map(|(signs, errors)| (*signs, errors[k]))).collect()
         };
         let bound = |k: usize| Bound::fit(&half(0, k), &half(1, k));

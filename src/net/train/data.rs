@@ -109,7 +109,7 @@ pub fn read(
 }
 
 /// Takes `part` of `samples` out, by a permutation of `seed`: (kept, taken out). Whole objects go out where there are at least
-/// [`MANY`]: grasps of the same object know each other. At least one sample stays; of two, one is taken out.
+/// thirty: grasps of the same object know each other. At least one sample stays; of two, one is taken out.
 pub fn set_aside(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Sample>, Vec<Sample>) {
     let mut random = Random::new(seed);
     let mut objects: Vec<String> = samples.iter().map(|s| s.object.clone()).collect();
