@@ -176,7 +176,11 @@ impl TrainedRange {
             return refuse(format!("its gel is {}, trained was {}", model.material.name(), self.material));
         }
         match self.outside(model, hash).into_iter().next().filter(|_| !extrapolate) {
-            Some(outside) => refuse(format!("{}; or extrapolate, with a wider interval of the error", outside.what)),
+            Some(outside) => Err(Error::Start(format!(
+                "the network was not trained for this scene: {}; use stepper: Fem(), train on such a data set, or let it answer \
+                 with a wider interval of its error: extrapolate: true, --extrapolate",
+                outside.what
+            ))),
             None => Ok(()),
         }
     }
