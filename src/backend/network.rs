@@ -9,6 +9,7 @@ use crate::linear::{GraspLoad, loads_of};
 use crate::model::{Model, Needs};
 use crate::net::infer::force_ladder::ForceLadder;
 use crate::net::infer::predict::{GraspState, PadState, Predictor, Seen};
+use crate::net::infer::touch::mean_motion;
 use crate::record::PadTopology;
 use crate::world::Stepper;
 use crate::world::components::*;
@@ -252,7 +253,7 @@ fn predict(
                 *ahead = predictor.ramp(seen, &loads_of(&shared.0)).map(VecDeque::from).unwrap_or_default();
             }
             let asked = || {
-                let push = shared.0.push.as_ref().map(|push| [push.force * load.push, push.torque * load.push]);
+                let push = shared.0.push.as_ref().map(|push| push.at(load.push));
                 predictor.at(seen, GraspLoad { force: load.level, push: push.unwrap_or_default() })
             };
             ahead.pop_front().map_or_else(asked, Ok)
@@ -322,12 +323,8 @@ fn write_state(
         *wrench = FingerWrench { force: axes(finger.0 as usize) * force, torque: axes(finger.0 as usize) * torque };
     }
     if model.free {
-        // Every pad has its own view of the object's motion: their mean.
-        let mean = |pick: fn(&PadState) -> DVec3| {
-            let all = model.fingers.iter().zip(pads).map(|(f, pad)| f.placement.rotation * pick(pad));
-            all.sum::<DVec3>() / pads.len() as f64
-        };
-        **pose = moved(model, &touch.object, mean(|p| p.shift), mean(|p| p.turn));
+        let [shift, turn] = mean_motion(model, pads);
+        **pose = moved(model, &touch.object, shift, turn);
     }
 }
 

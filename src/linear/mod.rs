@@ -42,10 +42,7 @@ impl GraspLoad {
 
 /// Returns the loads of a model's frames.
 pub fn loads_of(model: &Model) -> Vec<GraspLoad> {
-    let push = |frame: usize| {
-        let part = model.push_part(frame);
-        model.push.as_ref().map_or_else(Default::default, |push| [push.force * part, push.torque * part])
-    };
+    let push = |frame: usize| model.push.as_ref().map(|push| push.at(model.push_part(frame))).unwrap_or_default();
     model.levels.iter().enumerate().map(|(frame, force)| GraspLoad { force: *force, push: push(frame) }).collect()
 }
 

@@ -24,6 +24,11 @@ impl PushLoad {
         Self { force: push.force.dvec3(), torque: push.torque.dvec3(), parts }
     }
 
+    /// Returns force and torque of the part `part` of the push.
+    pub fn at(&self, part: f64) -> [DVec3; 2] {
+        [self.force * part, self.torque * part]
+    }
+
     /// Returns the arms of the torque, m, hand axes, with the forces on their ends, N: `torque = sum of arm x force`. There are two pairs
     /// of opposite forces, so that no direction across the torque differs from the others.
     pub fn couple(&self, length: f64) -> Vec<(DVec3, DVec3)> {

@@ -34,11 +34,6 @@ impl ObjectTerms {
         dead.chain(self.inertia.iter_mut().map(|t| t as _)).chain(self.ground.iter_mut().map(|t| t as _))
     }
 
-    /// Part of the push that acts; zero without one.
-    pub fn push_part(&self) -> f64 {
-        self.push.first().map_or(0.0, |force| force.part)
-    }
-
     /// Sets the part of the push that acts.
     pub fn set_push_part(&mut self, part: f64) {
         self.push.iter_mut().for_each(|force| force.part = part);

@@ -15,6 +15,6 @@ pub mod heads;
 pub mod message;
 pub mod predict;
 pub mod response;
-mod touch;
+pub mod touch;
 
 pub use face::{Code, FaceEngine};

@@ -3,6 +3,7 @@
 use super::predict::PadState;
 use crate::linear::GraspLoad;
 use crate::linear::object_motion::moved;
+use crate::model::Model;
 use crate::net::features::GraspFeatures;
 use crate::net::network::interval::Signs;
 use crate::world::components::ObjectPose;
@@ -27,17 +28,22 @@ struct Beside {
     hidden: f64,
 }
 
-/// Returns the travel of each finger at which the gaps of its pressed nodes are, in the mean over their forces, those that the contact
-/// law gives them, and the signs of the error of this answer, whose pads give by `depth` (m).
-pub(super) fn touched(features: &GraspFeatures, pads: &[PadState], load: &GraspLoad, depth: f64) -> (Vec<f64>, Signs) {
-    let (model, t) = (&*features.model, features.graph.thickness);
+/// Returns translation (m) and rotation vector of the object in hand axes: every pad has its own view of them, and this is their mean.
+pub fn mean_motion(model: &Model, pads: &[PadState]) -> [DVec3; 2] {
     let mean = |pick: fn(&PadState) -> DVec3| {
         let all = model.fingers.iter().zip(pads).map(|(f, pad)| f.placement.rotation * pick(pad));
         all.sum::<DVec3>() / pads.len() as f64
     };
-    let turn = mean(|p| p.turn);
-    let object =
-        if model.free { moved(model, &features.touch.object, mean(|p| p.shift), turn) } else { features.touch.object };
+    [mean(|p| p.shift), mean(|p| p.turn)]
+}
+
+/// Returns the travel of each finger at which the gaps of its pressed nodes are, in the mean over their forces, those that the contact
+/// law gives them, and the signs of the error of this answer, whose pads give by `depth` (m).
+pub(super) fn touched(features: &GraspFeatures, pads: &[PadState], load: &GraspLoad, depth: f64) -> (Vec<f64>, Signs) {
+    let (model, t) = (&*features.model, features.graph.thickness);
+    let [shift, turn] = mean_motion(model, pads);
+    let start = features.touch.object;
+    let object = if model.free { moved(model, &start, shift, turn) } else { start };
     let nodes: Vec<Vec<Beside>> = pads.iter().enumerate().map(|(p, pad)| beside(features, p, pad, &object)).collect();
     let sums = nodes.iter().map(|own| {
         let pressed = own.iter().filter(|n| n.force > 0.0);
