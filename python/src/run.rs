@@ -10,7 +10,7 @@ use tactus::backend::choose;
 use tactus::error::Result;
 use tactus::grasp::poses_of;
 use tactus::model::Model;
-use tactus::record::{Frame, names};
+use tactus::record::{ErrorBound, Frame, names};
 use tactus::run::{Observer, run_grasps};
 use tactus::scene::{Gnn, StepperChoice, load_object, load_set, to_ron};
 
@@ -83,6 +83,9 @@ pub fn run<'py>(
         let flat = |v: &[glam::DVec3]| v.iter().flat_map(|x| x.to_array()).collect::<Vec<f64>>();
         put(names::FORCE, frames.iter().map(|f| f.applied_force).collect(), &[])?;
         put(names::TRAVEL, frames.iter().flat_map(|f| f.travel.clone()).collect(), &[pads])?;
+        for (k, name) in ErrorBound::NAMES.into_iter().enumerate() {
+            put(name, frames.iter().filter_map(|f| Some(f.error?.to_array()[k])).collect(), &[])?;
+        }
         let pose = |f: &Frame| {
             let (p, q) = (f.object_position, f.object_rotation);
             [p.x, p.y, p.z, q.w, q.x, q.y, q.z]

@@ -37,7 +37,8 @@ def run(
 
     A dictionary per grasp: `status` (reached, dropped, fault, infeasible), `reason`, `wall_s`, and by frame `force_n` (F),
     `travel_m` (F, pads), `object_pose` (F, 7), `wrench` (F, pads, 6), `position_m`, `displacement_m`, `contact_force_n`
-    (F, pads, nodes, 3) and `von_mises_pa` (F, pads, nodes) where the scene records them; all in the hand frame.
+    (F, pads, nodes, 3) and `von_mises_pa` (F, pads, nodes) where the scene records them; all in the hand frame. A network
+    adds `displacement_error`, `stress_error` and `travel_error` (F): nine of ten such predictions are off by less.
     """
     path = scene.path if isinstance(scene, Scene) else os.fspath(scene)
     return _tactus.run(path, object, None if model is None else os.fspath(model), threads or os.cpu_count() or 1)

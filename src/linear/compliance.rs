@@ -7,14 +7,11 @@
 use super::deviator::{Deviator, deviators};
 use super::refined_pad::RefinedPad;
 use crate::error::{Error, Result};
-use crate::geometry::triangle6;
 use crate::kernel::numbers::Numbers;
 use crate::kernel::product::{LANES, Packed, RowsView, respond};
 use crate::mech::body::cholesky::Factor;
 use crate::part::FingerModel;
-use crate::record::PadTopology;
 use glam::DVec3;
-use std::collections::BTreeMap;
 
 /// Right-hand sides that are solved for at once.
 const COLUMNS: usize = 96;
@@ -35,13 +32,12 @@ pub struct Compliance {
 }
 
 impl Compliance {
-    /// Computes the response of the pad of `finger` to forces on its nodes `face`; `thickness` in m. It is that of a `refined` mesh, or of
-    /// the pad's own, which earlier models were trained with.
+    /// Computes the response of the pad of `finger` to forces on its nodes `face`; `thickness` in m. It is that of a refined mesh.
     ///
     /// # Errors
     /// Fails if the stiffness at rest cannot be factorised.
-    pub fn new(finger: &FingerModel, face: &[u32], thickness: f64, refined: bool) -> Result<Self> {
-        let refined = if refined { RefinedPad::of(finger) } else { None };
+    pub fn new(finger: &FingerModel, face: &[u32], thickness: f64) -> Result<Self> {
+        let refined = RefinedPad::of(finger);
         let (own, turn) = (&finger.body, finger.placement.rotation);
         let body = refined.as_ref().map_or(&**own, |refined| &refined.body);
         let pattern = body.pattern();
@@ -85,7 +81,6 @@ impl Compliance {
                 rows.extend(moved.flat_map(|u| (turn.transpose() * u * unit).to_array().map(|v| v as f32)));
             }
         }
-        let rows = if refined.is_some() { rows } else { spread(&finger.topology, face, &rows, width) };
         let mut response = vec![0.0; rows.len()];
         for (f, row) in rows.chunks_exact(width.max(1)).enumerate() {
             row.iter().enumerate().for_each(|(c, v)| response[c * forces.len() + f] = *v);
@@ -129,49 +124,3 @@ impl Compliance {
         (0..loads.len()).map(|load| face.iter().map(|node| given(node, load)).collect()).collect()
     }
 }
-
-/// Responses to forces that are spread on the face around their node, instead of acting on the node alone: on a face of
-/// 6-node triangles an even pressure loads no corner.
-fn spread(pad: &PadTopology, face: &[u32], rows: &[f32], width: usize) -> Vec<f32> {
-    if pad.elements.width() == 4 {
-        return rows.to_vec();
-    }
-    let own: BTreeMap<u32, usize> = face.iter().enumerate().map(|(i, n)| (*n, i)).collect();
-    // Per node: area, and how much of a unit traction there each node takes.
-    let (mut area, mut taken) = (vec![0.0; face.len()], vec![BTreeMap::new(); face.len()]);
-    // A 6-node triangle is listed as its four parts: those at the corners, then the middle.
-    for parts in pad.sensing.as_chunks::<4>().0 {
-        let [ab, bc, ca] = parts[3];
-        let nodes = [parts[0][0], parts[1][1], parts[2][2], ab, bc, ca];
-        for (part, at) in parts.iter().zip(CENTRES) {
-            let [p, q, r] = part.map(|n| pad.rest[n as usize]);
-            let third = (q - p).cross(r - p).length() / 6.0;
-            let values = triangle6::values(at);
-            for from in part.map(|n| own[&n]) {
-                area[from] += third;
-                for (n, value) in nodes.iter().zip(values) {
-                    *taken[from].entry(own[n]).or_insert(0.0) += third * value;
-                }
-            }
-        }
-    }
-    let mut out = vec![0.0; rows.len()];
-    for (i, (area, taken)) in area.iter().zip(&taken).enumerate() {
-        for (j, part) in taken {
-            let part = (part / area) as f32;
-            for k in 0..3 {
-                let target = &mut out[(3 * i + k) * width..(3 * i + k + 1) * width];
-                target.iter_mut().zip(&rows[(3 * j + k) * width..]).for_each(|(t, r)| *t += part * r);
-            }
-        }
-    }
-    out
-}
-
-/// Barycentric coordinates of the centres of the four parts of a triangle.
-const CENTRES: [[f64; 3]; 4] = [
-    [2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0],
-    [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0],
-    [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0],
-    [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
-];

@@ -43,13 +43,13 @@ pub struct ComplianceCache {
 pub struct ComplianceKey(String);
 
 impl ComplianceKey {
-    /// Creates the key for the pad of `finger` with the sensing nodes `face`, whose mesh has this hash, refined or not.
-    pub fn of(finger: &FingerModel, face: &[u32], mesh: &str, refined: bool) -> Self {
+    /// Creates the key for the pad of `finger` with the sensing nodes `face`, whose mesh has this hash.
+    pub fn of(finger: &FingerModel, face: &[u32], mesh: &str) -> Self {
         let (body, material) = (&finger.body, &finger.body.material);
         let mut hasher = blake3::Hasher::new();
         let (law, poisson, dilatation) = (material.name(), material.moduli().poisson, body.mean_dilatation);
         hasher.update(
-            format!("{mesh} {refined} {law} {poisson} {dilatation} {VERSION} {}", env!("CARGO_PKG_VERSION")).as_bytes(),
+            format!("{mesh} {law} {poisson} {dilatation} {VERSION} {}", env!("CARGO_PKG_VERSION")).as_bytes(),
         );
         let fixed: Vec<u8> = body.fixed.iter().map(|f| u8::from(*f)).collect();
         Self(hasher.update(&fixed).update(&bytes(face)).finalize().to_hex().to_string())

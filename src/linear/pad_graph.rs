@@ -51,6 +51,8 @@ pub struct PadGraph {
     pub area: Vec<f64>,
     /// Distance of each from the rim of the face, m, and the way there along x and y, the mean of those that are next to as short.
     pub to_rim: Vec<(f64, DVec2)>,
+    /// Gradient along x and y at each face node: weights of the nodes around it, 1/m.
+    pub gradient: Vec<Vec<(u32, DVec2)>>,
     /// Ends of the face along x and y, m.
     pub ends: [DVec2; 2],
     /// Edges between face nodes.
@@ -83,19 +85,6 @@ impl PadGraph {
     /// # Errors
     /// Fails for a pad without a sensing face, or whose stiffness at rest is not positive definite.
     pub fn keeping(finger: &FingerModel, layout: Layout, cache: Option<&ComplianceCache>) -> Result<Self> {
-        Self::with(finger, layout, cache, true)
-    }
-
-    /// Creates the graph as [`PadGraph::keeping`] does, with the linear response of the pad's own mesh: models of features of version 3 were
-    /// trained with it.
-    ///
-    /// # Errors
-    /// Fails as [`PadGraph::keeping`] does.
-    pub fn of_earlier(finger: &FingerModel, layout: Layout, cache: Option<&ComplianceCache>) -> Result<Self> {
-        Self::with(finger, layout, cache, false)
-    }
-
-    fn with(finger: &FingerModel, layout: Layout, cache: Option<&ComplianceCache>, refined: bool) -> Result<Self> {
         let pad = &finger.topology;
         let face: Vec<u32> = pad.sensing.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
         let thickness = pad.thickness();
@@ -124,7 +113,7 @@ impl PadGraph {
         let rows = hanging(&pad.rest, &rest, &triangles, thickness, depths);
         let free: Vec<_> =
             rows.iter().zip(&pad.bonded).map(|(row, bonded)| if *bonded { Vec::new() } else { row.clone() }).collect();
-        let compliance = Arc::new(response(finger, &face, thickness, (&hash, refined), cache)?);
+        let compliance = Arc::new(response(finger, &face, thickness, &hash, cache)?);
         Ok(Self {
             basis: MortarBasis::new(pad, &face, &rest, &area, &compliance),
             compliance,
@@ -133,6 +122,7 @@ impl PadGraph {
             node_count: pad.rest.len(),
             interpolate: Sparse::new(&rows, n * depths),
             interpolate_free: Sparse::new(&free, n * depths),
+            gradient: gradient(&rest, &triangles),
             to_rim: to_rim(&rest, &triangles, thickness),
             ends: [
                 rest.iter().map(|x| x.xy()).fold(DVec2::INFINITY, DVec2::min),
@@ -164,15 +154,15 @@ fn response(
     finger: &FingerModel,
     face: &[u32],
     thickness: f64,
-    (hash, refined): (&str, bool),
+    hash: &str,
     cache: Option<&ComplianceCache>,
 ) -> Result<Compliance> {
-    let Some(cache) = cache else { return Compliance::new(finger, face, thickness, refined) };
-    let key = ComplianceKey::of(finger, face, hash, refined);
+    let Some(cache) = cache else { return Compliance::new(finger, face, thickness) };
+    let key = ComplianceKey::of(finger, face, hash);
     if let Some(known) = cache.read(&key) {
         return Ok(known);
     }
-    let found = Compliance::new(finger, face, thickness, refined)?;
+    let found = Compliance::new(finger, face, thickness)?;
     cache.write(&key, &found);
     Ok(found)
 }
@@ -187,6 +177,26 @@ pub fn mesh_hash(pad: &PadTopology) -> String {
         hash.update(&v.to_le_bytes());
     });
     hash.finalize().to_hex().to_string()
+}
+
+/// Gradients at the face nodes: those of the triangles around each, weighted by their areas.
+fn gradient(rest: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Vec<(u32, DVec2)>> {
+    let mut rows: Vec<BTreeMap<u32, DVec2>> = vec![BTreeMap::new(); rest.len()];
+    let mut whole = vec![0.0; rest.len()];
+    for t in triangles {
+        let [a, b, c] = t.map(|i| rest[i as usize].xy());
+        let double = (b - a).perp_dot(c - a).abs();
+        let turn = (b - a).perp_dot(c - a).signum();
+        for i in t {
+            whole[*i as usize] += double;
+            for (k, opposite) in [c - b, a - c, b - a].into_iter().enumerate() {
+                // The gradient of a hat function is across the opposite side, over the height.
+                *rows[*i as usize].entry(t[k]).or_default() += opposite.perp() * turn;
+            }
+        }
+    }
+    let row = |(row, whole): (BTreeMap<u32, DVec2>, f64)| row.into_iter().map(|(i, g)| (i, g / whole)).collect();
+    rows.into_iter().zip(whole).map(row).collect()
 }
 
 /// Difference of two ways to the rim over the thickness, up to which both are as short.

@@ -89,6 +89,7 @@ def face():
     at_node, at_pad = d["node_load"], d["pad_load"]
     z = (h @ w["node.latent"] + w["node.bias"]).repeat(levels, 1) + at_node @ w["node.load"]
     z = gated(z + (at_pad @ w["node.pad_load"]).repeat_interleave(n, 0))
+    z = z + layer(gated(layer(z, "node.inner")), "node.outer")
     y = gated((g @ w["pad.latent"] + w["pad.bias"]).repeat(levels, 1) + at_pad @ w["pad.load"])
     y = gated(layer(y, "pad.middle"))
     depths = w["stress.weight"].shape[1]

@@ -9,6 +9,7 @@ use crate::linear::object_motion::moved;
 use crate::linear::{GraspLoad, loads_of};
 use crate::model::Model;
 use crate::net::infer::predict::{PadState, Predictor};
+use crate::net::infer::touch::mean_motion;
 use crate::record::{Frame, PadFrame, Wrench};
 use crate::world::components::ObjectPose;
 use glam::DVec3;
@@ -33,8 +34,8 @@ pub fn both(
     let states = predictor.ramp(&seen, &wanted.iter().map(applied).collect::<Vec<_>>())?;
     let truth: Vec<Frame> = wanted.iter().map(|k| frame(file, grasp, *k)).collect();
     let predicted = truth.iter().zip(&states).map(|(truth, states)| {
-        let (first, pad) = (&states.pads[0], model.fingers[0].placement.rotation);
-        let object = moved(model, &touch.object, pad * first.shift, pad * first.turn);
+        let [shift, turn] = mean_motion(model, &states.pads);
+        let object = moved(model, &touch.object, shift, turn);
         predicted(file, truth, grasp, &states.pads, object)
     });
     let predicted = predicted.collect();

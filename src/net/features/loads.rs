@@ -14,8 +14,9 @@ use std::sync::Arc;
 /// Features of a node at a load. Features of the equilibrium: pressed over depth (negative is a gap), pressed, share of the force,
 /// displacement over depth. Features of the projected contact: share of the force, the part of it that acts along the face, and the
 /// linear response over depth.
-pub const NODE_LOAD: [Parity; 12] = [Even, Even, Even, X, Y, Even, Even, X, Y, X, Y, Even];
-/// Features of a pad at a load: logarithm and cube root of the force, depth, touching area, centre of pressure, pull along the face
+pub const NODE_LOAD: [Parity; 18] =
+    [Even, Even, Even, X, Y, Even, Even, X, Y, X, Y, Even, Even, XY, X, XY, Even, Y];
+/// Features of a pad at a load: logarithm and cube root of the force, depth, area that carries it, centre of pressure, pull along the face
 /// and twist over the force, travel over depth, the travel that the projected contact adds, motion of the object over depth, force and
 /// torque of weight and push on the object over the force.
 pub const PAD_LOAD: [Parity; 23] =
@@ -156,7 +157,7 @@ impl GraspFeatures {
         let carried: Vec<f64> = touching.iter().map(|t| t.force.length()).collect();
         let whole = carried.iter().sum::<f64>().max(1e-12);
         let depth = carried.iter().zip(moved).map(|(c, u)| c / whole * u.length()).sum::<f64>().max(1e-9);
-        let (mut center, mut area, mut pull, mut twist) = (DVec3::ZERO, 0.0, DVec3::ZERO, 0.0);
+        let (mut center, mut uneven, mut pull, mut twist) = (DVec3::ZERO, 0.0, DVec3::ZERO, 0.0);
         for (i, push) in projected.iter().enumerate() {
             let (at, basis, pressed) = (self.graph.rest[i] / t, touching[i].force / force, touching[i].pressed);
             // Next to nothing where next to nothing presses: the edge of the contact is not sharp.
@@ -164,14 +165,22 @@ impl GraspFeatures {
             let sideways = sideways.truncate().clamp_length_max(STEEPEST);
             let [x, y, z] = (moved[i] / depth).to_array();
             center += at * (carried[i] / whole);
-            area += if basis.z < 0.0 { self.graph.area[i] / (t * t) } else { 0.0 };
+            uneven += basis.z.min(0.0).powi(2) / (self.graph.area[i] / (t * t));
             pull += basis;
             twist += at.x * basis.y - at.y * basis.x;
             let row = [(pressed / depth).max(-4.0), pressed.max(0.0), carried[i] / whole, x, y, z];
             let share = [-push.z.min(0.0) / force, sideways.x, sideways.y];
+            let (mut along_x, mut along_y) = (DVec3::ZERO, DVec3::ZERO);
+            for (j, g) in &self.graph.gradient[i] {
+                along_x += given[*j as usize] * (g.x * t);
+                along_y += given[*j as usize] * (g.y * t);
+            }
             let given = given[i].to_array().map(|u| u / depth);
+            let given = given.into_iter().chain(along_x.to_array()).chain(along_y.to_array());
             loads.node.extend(row.into_iter().chain(share).chain(given).map(|v| v as f32));
         }
+        // The area on which an even pressure is as large: a node that hardly presses hardly counts.
+        let area = pull.z.powi(2) / uneven.max(1e-12);
         let travel = rest.travel[p];
         let (shift, turn) = (to_pad * rest.shift, to_pad * rest.rotation.to_scaled_axis());
         let row = [

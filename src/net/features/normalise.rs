@@ -74,13 +74,6 @@ impl Normaliser {
         self
     }
 
-    /// Adds columns that become zero, up to `cols`.
-    pub(crate) fn widen(&mut self, cols: usize) {
-        self.mean.resize(cols, 0.0);
-        self.scale.resize(cols, 0.0);
-        self.seen.resize(cols, [0.0; 2]);
-    }
-
     /// Checks that training can give such values for `cols` columns of the field `name`. The error says what is wrong.
     pub(crate) fn check(&self, name: &str, cols: usize) -> Result<(), String> {
         let lengths = [self.mean.len(), self.scale.len(), self.seen.len()];

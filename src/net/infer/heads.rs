@@ -21,6 +21,10 @@ pub struct Heads {
     depths: usize,
     load: Packed,
     pad_load: Packed,
+    inner: Packed,
+    inner_bias: Vec<f32>,
+    outer: Packed,
+    outer_bias: Vec<f32>,
     node: Packed,
     node_bias: Vec<f32>,
     /// Number of channels of a node before those of the displacement, padded.
@@ -111,6 +115,10 @@ impl Heads {
             depths,
             load: packed("node.load"),
             pad_load: packed("node.pad_load"),
+            inner: packed("node.inner.weight"),
+            inner_bias: row(parameters.named("node.inner.bias").value()),
+            outer: packed("node.outer.weight"),
+            outer_bias: row(parameters.named("node.outer.bias").value()),
             node: Packed::new(&weights, width),
             node_bias: side(1).0,
             first: padded(3 + 2 * depths),
@@ -169,7 +177,7 @@ impl Heads {
             .zip(channels.channels.par_chunks_exact_mut(width * nodes))
             .zip(bias.par_chunks_exact(d).zip(loads.node.par_chunks_exact(NODE_LOAD.len() * nodes)));
         each.enumerate().for_each_init(
-            || vec![0.0; BLOCK * (d + padded(NODE_LOAD.len()))],
+            || vec![0.0; BLOCK * (2 * d + padded(NODE_LOAD.len()))],
             |memory, (item, ((contact, out), (bias, load)))| {
                 let code = &code.node[item % pads * nodes * d..][..nodes * d];
                 for (b, out) in out.chunks_mut(BLOCK * width).enumerate() {
@@ -202,13 +210,19 @@ impl WithSimd for NodeBlock<'_> {
         let Self { heads, norms, load, code, bias, memory, out } = self;
         let (d, width, wide) = (heads.load.cols, heads.node.cols, padded(NODE_LOAD.len()));
         let count = out.len() / width;
-        let (z, features) = memory.split_at_mut(BLOCK * d);
-        let (z, features) = (&mut z[..count * d], &mut features[..count * wide]);
+        let (z, rest) = memory.split_at_mut(BLOCK * d);
+        let (inner, features) = rest.split_at_mut(BLOCK * d);
+        let (z, inner, features) = (&mut z[..count * d], &mut inner[..count * d], &mut features[..count * wide]);
         norms.node_load.apply_to(load, features, wide);
         z.copy_from_slice(code);
         let rows = |data, stride| RowsView { data, stride, count };
         let (a, w) = (rows(&*features, wide), &heads.load);
         product(simd, Product { a, w, keep: true, bias: Some(bias), act: Act::Gated, out: &mut *z, stride: d });
+        let a = RowsView { data: &*z, stride: d, count };
+        let (w, bias) = (&heads.inner, Some(heads.inner_bias.as_slice()));
+        product(simd, Product { a, w, keep: false, bias, act: Act::Gated, out: &mut *inner, stride: d });
+        let (a, w, bias) = (rows(&*inner, d), &heads.outer, Some(heads.outer_bias.as_slice()));
+        product(simd, Product { a, w, keep: true, bias, act: Act::None, out: &mut *z, stride: d });
         let (a, w, bias) = (rows(&*z, d), &heads.node, Some(heads.node_bias.as_slice()));
         product(simd, Product { a, w, keep: false, bias, act: Act::None, out: &mut *out, stride: width });
         for row in out.chunks_exact_mut(width) {

@@ -11,7 +11,6 @@ use crate::model::Model;
 use crate::net::autodiff::tape::{Matrix, Tape};
 use crate::net::features::GraspFeatures;
 use crate::net::features::loads::LoadFeatures;
-use crate::net::network::card::EARLIER;
 use crate::net::network::card::{Card, Trained, WEIGHTS};
 use crate::net::network::parameters::Parameters;
 use crate::net::network::spec::NetworkSpec;
@@ -157,8 +156,7 @@ impl Predictor {
         if let Some(graph) = known.iter().find(|g| g.fits(finger)) {
             return Ok(graph.clone());
         }
-        let make = if self.card.features == EARLIER { PadGraph::of_earlier } else { PadGraph::keeping };
-        let graph = Arc::new(make(finger, self.network.layout(), ComplianceCache::of_user().as_ref())?);
+        let graph = Arc::new(PadGraph::keeping(finger, self.network.layout(), ComplianceCache::of_user().as_ref())?);
         known.push(graph.clone());
         Ok(graph)
     }

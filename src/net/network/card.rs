@@ -2,8 +2,6 @@
 //! trained.
 
 use super::Normalisers;
-pub use super::earlier::EARLIER;
-use super::earlier::widened;
 use super::interval::Interval;
 use super::shipped;
 use super::spec::{NetworkSpec, Spec};
@@ -83,20 +81,18 @@ impl Trained {
             }
         };
         let card: Card = ron::from_str(&text).map_err(|e| Error::file(&path, format!("is no card of a model: {e}")))?;
-        if ![VERSION, EARLIER].contains(&card.features) {
+        if card.features != VERSION {
             let message = format!(
                 "its network reads features of version {}, this tactus makes version {VERSION}; train it again",
                 card.features
             );
             return Err(Error::file(&path, message));
         }
-        let earlier = card.features == EARLIER;
         let read = Self { card, weights };
-        let read = if earlier { widened(read.sound(&path)?)? } else { read };
         read.card
             .check()
             .map_err(|what| Error::file(&path, format!("{what}; take the model from a copy, or train it again")))?;
-        if earlier { Ok(read) } else { read.sound(&path) }
+        read.sound(&path)
     }
 
     /// Returns the model if card and weights are those that were written.

@@ -5,7 +5,7 @@
 //!         rounds x: m_e = act(W e + W h_sender + W h_receiver)         per edge
 //!                   g   = act(W [mean h, near h, those of the other pad])   per pad
 //!                   h  += W act(W h + W sum m + W g)                    per node
-//! decode  z = act(W h + W node load + W pad load)  -> contact force, on top of the projected one, in balance
+//! decode  z = act(W h + W node load + W pad load), z += W act(W z)  -> contact force, on top of the projected one, in balance
 //!         displacement = linear response to it x W z + W z, stress = that of the response x act(W z) + act(W z), by depth
 //!         y = act(W g + W pad load)                -> travel, object motion
 //! ```
@@ -41,6 +41,8 @@ pub struct FaceNetwork {
     pools: Pools,
     node: [Id; 3],
     node_bias: Id,
+    inner: Layer,
+    outer: Layer,
     displacement: Layer,
     scale: Layer,
     stress: Layer,
@@ -141,6 +143,8 @@ impl FaceNetwork {
                 maker.weight("node.pad_load", PAD_LOAD.len(), d, 1.0),
             ],
             node_bias: maker.row("node.bias", d, 0.0),
+            inner: layer(maker, "node.inner", d, d, 1.0),
+            outer: layer(maker, "node.outer", d, d, 0.5),
             displacement: layer(maker, "displacement", d, 3 * depths, 0.01),
             scale: Layer(maker.weight("scale.weight", d, 3 * depths, 0.01), maker.row("scale.bias", 3 * depths, 1.0)),
             // Started next to nothing, and at one: the linear response as it is.
@@ -227,6 +231,8 @@ impl<T: Real> Network<T> for FaceNetwork {
             spread(tape, &linear(tape, &at_pad, p.get(self.node[2]), None, none), face),
         ];
         let z = sum(tape, &node.each_ref(), gated);
+        let inner = linear(tape, &z, p.get(self.inner.0), Some(p.get(self.inner.1)), gated);
+        let z = sum(tape, &[&z, &linear(tape, &inner, p.get(self.outer.0), Some(p.get(self.outer.1)), none)], none);
         let pad = [apply(tape, &repeat(levels, pads), &code[1]), linear(tape, &at_pad, p.get(self.pad[1]), None, none)];
         let y = sum(tape, &pad.each_ref(), gated);
         let y = linear(tape, &y, p.get(self.middle.0), Some(p.get(self.middle.1)), gated);

@@ -3,7 +3,6 @@
 //! A new network needs a file that implements [`Network`], its sizes in [`NetworkSpec`], and a line in [`build`].
 
 pub mod card;
-mod earlier;
 pub mod face;
 pub mod interval;
 pub mod paper;
