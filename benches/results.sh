@@ -51,7 +51,7 @@ press() {
 }
 
 squeeze() {
-    tactus bench scenes/lemon.ron --frames 10 --grasps 1 --repeat 1 --model gelsight_mini --model gelsight_mini_fine -o "$OUT/squeeze" > /dev/null
+    tactus bench scenes/lemon.ron --frames 10 --grasps 1 --repeat 1 --model universe -o "$OUT/squeeze" > /dev/null
     cp "$OUT/squeeze/bench.png" docs/network.png
     tactus report "$OUT/squeeze" -o "$OUT/squeeze.html" | sed '1d; /^'"${OUT//\//\\/}"'/d'
 }
@@ -93,7 +93,7 @@ hard_cases() {
 title() {
     case $1 in
         press) echo "A press against a converged force" ;;
-        squeeze) echo "Speed against error: a lemon that the networks never saw" ;;
+        squeeze) echo "Speed against error: a lemon that the network never saw" ;;
         size) echo "Cost against the size of the pad" ;;
         environments) echo "Environments" ;;
         sensitivity) echo "How well posed squeezes are" ;;

@@ -65,8 +65,7 @@ pub struct RunArgs {
     /// Backend, instead of the scene's.
     #[arg(long, value_enum)]
     pub backend: Option<Backend>,
-    /// Folder of the trained model, for `--backend gnn`, or the name of one that ships with tactus: `gelsight_mini`, which is the
-    /// default, `gelsight_mini_fine`.
+    /// Folder of the trained model, for `--backend gnn`; the default is the one that ships with tactus, `universe`.
     #[arg(long, value_name = "MODEL", requires = "backend")]
     pub model: Option<PathBuf>,
     /// Largest error of the displacement that is accepted from a network, like 0.05; grasps of which it is not sure go to finite elements.

@@ -48,9 +48,8 @@ impl ComplianceKey {
         let (body, material) = (&finger.body, &finger.body.material);
         let mut hasher = blake3::Hasher::new();
         let (law, poisson, dilatation) = (material.name(), material.moduli().poisson, body.mean_dilatation);
-        hasher.update(
-            format!("{mesh} {law} {poisson} {dilatation} {VERSION} {}", env!("CARGO_PKG_VERSION")).as_bytes(),
-        );
+        hasher
+            .update(format!("{mesh} {law} {poisson} {dilatation} {VERSION} {}", env!("CARGO_PKG_VERSION")).as_bytes());
         let fixed: Vec<u8> = body.fixed.iter().map(|f| u8::from(*f)).collect();
         Self(hasher.update(&fixed).update(&bytes(face)).finalize().to_hex().to_string())
     }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// Names of the models that ship with tactus; `./NAME` is always a folder, a plain name never is.
-pub const SHIPPED_MODELS: [&str; 2] = ["gelsight_mini", "gelsight_mini_fine"];
+pub const SHIPPED_MODELS: [&str; 1] = ["universe"];
 
 /// Choice of the backend.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -139,7 +139,7 @@ impl Default for Tolerance {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gnn {
-    /// Folder of the trained model, or the name of one that ships: `gelsight_mini`, `gelsight_mini_fine`.
+    /// Folder of the trained model, or the name of the one that ships: `universe`.
     pub model: PathBuf,
     /// Largest error of the displacement that is accepted. Where nine of ten such predictions are not that good, and where the network was
     /// not trained for the scene, condensed finite elements compute the grasp. None takes every prediction.

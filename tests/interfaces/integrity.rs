@@ -82,19 +82,20 @@ fn a_network_compares_the_pads_before_it_solves_for_them_and_names_both() {
     let dir = tempfile::tempdir().unwrap();
     let (folder, cache) = (dir.path(), dir.path().join("cache"));
     std::fs::write(folder.join("finer.ron"), ball_scene("2e-3", "")).unwrap();
-    let refused = tactus(folder, &cache, &["run", "finer.ron", "--backend", "gnn"]);
+    let model = made().model.to_str().unwrap();
+    let refused = tactus(folder, &cache, &["run", "finer.ron", "--backend", "gnn", "--model", model]);
     let text = errors(&refused);
     assert_eq!(refused.status.code(), Some(2), "{text}");
     assert!(text.contains("another mesh") && text.contains("trained was"), "{text}");
     assert_eq!(text.matches(" mm, spacing ").count(), 2, "what it met and what it knows: {text}");
-    assert!(text.contains("3625 nodes; trained was 25.25 x 20.75 x 4.00 mm, spacing 2.56 mm, 1785 nodes"), "{text}");
+    assert!(text.contains("3625 nodes; trained was"), "{text}");
     assert!(files(&cache).is_empty(), "something was solved: {:?}", files(&cache));
     for (scene, why) in
         [("fingers: None", "a free object between 0 finger(s)"), ("fingers: One", "a free object between 1 finger(s)")]
     {
         let text = ball_scene("2.6e-3", "").replace("friction: 0.8", &format!("friction: 0.8, {scene}"));
         std::fs::write(folder.join("hand.ron"), text).unwrap();
-        let refused = tactus(folder, &cache, &["run", "hand.ron", "--backend", "gnn"]);
+        let refused = tactus(folder, &cache, &["run", "hand.ron", "--backend", "gnn", "--model", model]);
         let text = errors(&refused);
         assert!(matches!(refused.status.code(), Some(1 | 2)) && !text.contains("panicked"), "{scene}: {text}");
         // What the scene itself forbids is said before.
@@ -107,8 +108,8 @@ fn models_that_ship_work_in_any_folder_with_any_cache_and_number_of_threads() {
     let dir = tempfile::tempdir().unwrap();
     let (folder, cache) = (dir.path(), dir.path().join("cache"));
     std::fs::write(folder.join("a.ron"), ball_scene("2.6e-3", "")).unwrap();
-    std::fs::write(folder.join("b.ron"), ball_scene("2.6e-3", ", stepper: Gnn(model: \"gelsight_mini\")")).unwrap();
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/gelsight_mini");
+    std::fs::write(folder.join("b.ron"), ball_scene("2.6e-3", ", stepper: Gnn(model: \"universe\")")).unwrap();
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/universe");
     let run = |cache: &Path, more: &[&str]| {
         let output = tactus(folder, cache, &[&["run"][..], more, &["--format", "json"]].concat());
         assert!(matches!(output.status.code(), Some(0 | 1)), "{}", errors(&output));
@@ -118,7 +119,7 @@ fn models_that_ship_work_in_any_folder_with_any_cache_and_number_of_threads() {
     let kept = files(&cache);
     assert!(kept.len() == 1 && kept[0].parent().unwrap() == cache.join("tactus"), "{kept:?}");
     assert_eq!(run(&cache, &["a.ron", "--backend", "gnn"]), expected);
-    assert_eq!(run(&cache, &["a.ron", "--backend", "gnn", "--model", "gelsight_mini", "--threads", "2"]), expected);
+    assert_eq!(run(&cache, &["a.ron", "--backend", "gnn", "--model", "universe", "--threads", "2"]), expected);
     assert_eq!(run(&cache, &["b.ron", "--threads", "1"]), expected, "a name in a scene");
     // A response with a block of zeros is made anew.
     let whole = std::fs::read(&kept[0]).unwrap();
@@ -132,12 +133,12 @@ fn models_that_ship_work_in_any_folder_with_any_cache_and_number_of_threads() {
     assert_eq!(run(&folder.join("file"), &["b.ron"]), expected);
     let missing = tactus(folder, &cache, &["run", "a.ron", "--backend", "gnn", "--model", "nowhere"]);
     assert_eq!(missing.status.code(), Some(2));
-    assert!(errors(&missing).contains("these ship: gelsight_mini, gelsight_mini_fine"), "{}", errors(&missing));
+    assert!(errors(&missing).contains("this ships: universe"), "{}", errors(&missing));
 }
 
 fn key(finger: &FingerModel) -> ComplianceKey {
     let face: std::collections::BTreeSet<u32> = finger.topology.sensing.iter().flatten().copied().collect();
-    ComplianceKey::of(finger, &face.into_iter().collect::<Vec<_>>(), &mesh_hash(&finger.topology), true)
+    ComplianceKey::of(finger, &face.into_iter().collect::<Vec<_>>(), &mesh_hash(&finger.topology))
 }
 
 #[test]

@@ -73,5 +73,5 @@ fn an_object_alone_in_free_spin() {
 
 #[test]
 fn the_network() {
-    goes_on("quickstart.ron", |scene| scene.stepper = StepperChoice::Gnn(Gnn::new("gelsight_mini")));
+    goes_on("quickstart.ron", |scene| scene.stepper = StepperChoice::Gnn(Gnn::new("universe")));
 }

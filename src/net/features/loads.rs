@@ -14,8 +14,7 @@ use std::sync::Arc;
 /// Features of a node at a load. Features of the equilibrium: pressed over depth (negative is a gap), pressed, share of the force,
 /// displacement over depth. Features of the projected contact: share of the force, the part of it that acts along the face, and the
 /// linear response over depth.
-pub const NODE_LOAD: [Parity; 18] =
-    [Even, Even, Even, X, Y, Even, Even, X, Y, X, Y, Even, Even, XY, X, XY, Even, Y];
+pub const NODE_LOAD: [Parity; 18] = [Even, Even, Even, X, Y, Even, Even, X, Y, X, Y, Even, Even, XY, X, XY, Even, Y];
 /// Features of a pad at a load: logarithm and cube root of the force, depth, area that carries it, centre of pressure, pull along the face
 /// and twist over the force, travel over depth, the travel that the projected contact adds, motion of the object over depth, force and
 /// torque of weight and push on the object over the force.

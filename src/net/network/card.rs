@@ -108,7 +108,7 @@ impl Trained {
 
 fn missing(model: &Path, path: &Path, e: &std::io::Error) -> Error {
     let message = format!(
-        "cannot be read: {e}; a model is made by `tactus train DATASET --model M.ron -o {}`, and these ship: {}",
+        "cannot be read: {e}; a model is made by `tactus train DATASET --model M.ron -o {}`, and this ships: {}",
         model.display(),
         shipped::names()
     );

@@ -23,11 +23,11 @@ macro_rules! shipped {
     };
 }
 
-/// List of all shipped models; both are for flat GelSight Mini pads, one of the usual and one of finer elements.
-pub static ALL: [Shipped; 2] = shipped!["gelsight_mini", "gelsight_mini_fine"];
+/// List of all shipped models.
+pub static ALL: [Shipped; 1] = shipped!["universe"];
 
 /// Name of the model that is used where none is named.
-pub const SHIPPED: &str = "gelsight_mini";
+pub const SHIPPED: &str = "universe";
 
 /// Returns the shipped model that `model` names; None if it is a folder. A name is never a folder: `./NAME` is one.
 pub fn named(model: &Path) -> Option<&'static Shipped> {
