@@ -14,7 +14,7 @@ fn main() -> Result<()> {
     let scene = load("scenes/lemon.ron")?.scene;
     let pose = poses_of(&scene)?.into_iter().next().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
     let model = Model::build(&scene)?;
-    // Refuses pads and gels that it was not trained on, and says why.
+    // Refuses what lies outside the range of its training, and says why.
     let network = Predictor::open(Path::new(SHIPPED))?;
     let graph = network.admit(&model, false)?;
     // Once per grasp: where the pads first touch, and the messages that pass on them.

@@ -108,6 +108,13 @@ impl MortarBasis {
         (0..self.count()).map(|function| DVec3::from_array([0, 1, 2].map(|k| component(function, k)))).collect()
     }
 
+    /// Forces on the corners of the elements: those in the middle of an edge are shared out between its ends.
+    pub fn gathered(&self, forces: &[DVec3]) -> Vec<DVec3> {
+        // Every node has two parts in the functions around it.
+        let of = |part: &Vec<(u32, f64)>| part.iter().map(|(i, _)| forces[*i as usize] * 0.5).sum();
+        self.parts.iter().map(of).collect()
+    }
+
     /// Forces on `nodes` face nodes when the basis functions press with `forces`.
     pub fn on_face(&self, forces: &[DVec3], nodes: usize) -> Vec<DVec3> {
         let mut out = vec![DVec3::ZERO; nodes];

@@ -1,7 +1,7 @@
 //! Contact forces node by node, under which the pad's linear response follows the object.
 //!
 //! The forces of an equilibrium are smooth between corners. They are relaxed towards those under which every touching node
-//! gives as the object asks, no node pulls, and the sums stay: projected gradient steps with momentum (Beck and Teboulle 2009).
+//! gives as the object asks, no node pulls or slips, and the sums stay: projected gradient steps with momentum (Beck and Teboulle 2009).
 //! A few steps are enough, the network learns the rest.
 //!
 //! Loads go side by side, [`LANES`] at a time: what one does to a number, all do, and the response to all of them is one
@@ -14,7 +14,7 @@ use pulp::Arch;
 
 /// Number of steps.
 const STEPS: usize = 10;
-/// Distance from touching up to which nodes take part, over the deepest.
+/// Distance from touching from which on nodes begin to take part, over the deepest.
 const REACH: f64 = 0.3;
 /// Number of loads that are iterated together.
 pub const LANES: usize = crate::kernel::product::LANES;
@@ -37,27 +37,30 @@ pub struct Touching {
     pub force: DVec3,
 }
 
-/// Computes the contact of at most [`LANES`] loads. Returns for each the forces on all of `face`, and how much farther the pad
+/// Computes the contact of at most [`LANES`] loads under Coulomb's `friction`. Returns for each the forces on all of `face`, and how much farther the pad
 /// must be closed for them.
-pub fn projected_contact(compliance: &Compliance, face: &[Vec<Touching>]) -> Vec<(Vec<DVec3>, f64)> {
+pub fn projected_contact(compliance: &Compliance, face: &[Vec<Touching>], friction: f64) -> Vec<(Vec<DVec3>, f64)> {
     let deepest: Vec<f64> = face.iter().map(|load| load.iter().map(|n| n.pressed).fold(0.0, f64::max)).collect();
-    let takes_part =
-        |load: usize, i: usize| face[load][i].pressed > -REACH * deepest[load] && face[load][i].normal != DVec3::ZERO;
+    // From zero to one, so that a node that comes near does not make the forces jump.
+    let takes_part = |load: usize, i: usize| {
+        let near = (face[load][i].pressed / (REACH * deepest[load].max(f64::MIN_POSITIVE)) + 1.0).clamp(0.0, 1.0);
+        if face[load][i].normal == DVec3::ZERO { 0.0 } else { near * near * (3.0 - 2.0 * near) }
+    };
     let count = face.first().map_or(0, Vec::len);
-    let near: Vec<usize> = (0..count).filter(|i| (0..face.len()).any(|load| takes_part(load, *i))).collect();
+    let near: Vec<usize> = (0..count).filter(|i| (0..face.len()).any(|load| takes_part(load, *i) > 0.0)).collect();
     let mut done: Vec<(Vec<DVec3>, f64)> =
         face.iter().map(|load| (load.iter().map(|n| n.force).collect(), 0.0)).collect();
     if near.is_empty() {
         return done;
     }
-    let mut iteration = ProjectedGradient::new(compliance, face, &near, &deepest, takes_part);
+    let mut iteration = ProjectedGradient::new(compliance, face, &near, &deepest, takes_part, friction);
     for step in 0..STEPS {
         iteration.respond();
         let momentum = (step + 1) as f64 / (step + 4) as f64;
         Arch::new().dispatch(|| iteration.step(momentum));
     }
     for (load, (forces, closer)) in done.iter_mut().enumerate() {
-        for (k, i) in near.iter().enumerate().filter(|(_, i)| takes_part(load, **i)) {
+        for (k, i) in near.iter().enumerate().filter(|(_, i)| takes_part(load, **i) > 0.0) {
             forces[*i] = DVec3::from_array([0, 1, 2].map(|a| iteration.nodes[k].force[a][load]));
         }
         *closer = iteration.closer[load];
@@ -69,7 +72,7 @@ pub fn projected_contact(compliance: &Compliance, face: &[Vec<Touching>]) -> Vec
 #[derive(Debug, Clone, Default)]
 struct Node {
     normal: [f64; 3],
-    /// Inverse of the response of the node to a force on itself.
+    /// Inverse of the response of the node to a force on itself, times the part that it takes.
     stiff: Lanes,
     pressed: Lanes,
     dragged: [Lanes; 3],
@@ -94,6 +97,8 @@ struct ProjectedGradient {
     deepest: Lanes,
     closer: Lanes,
     loads: usize,
+    /// Coulomb's coefficient.
+    friction: f64,
     /// Forces (nodes * 3, [`LANES`]), and the displacement that they cause.
     forces: Packed,
     moved: Vec<f32>,
@@ -105,7 +110,8 @@ impl ProjectedGradient {
         face: &[Vec<Touching>],
         near: &[usize],
         deepest: &[f64],
-        takes_part: impl Fn(usize, usize) -> bool,
+        takes_part: impl Fn(usize, usize) -> f64,
+        friction: f64,
     ) -> Self {
         let m = near.len();
         let mut matrix = Vec::with_capacity(9 * m * m);
@@ -125,12 +131,13 @@ impl ProjectedGradient {
             deepest: [0.0; LANES],
             closer: [0.0; LANES],
             loads: face.len(),
+            friction,
             forces: Packed::default(),
             moved: vec![0.0; 3 * m * LANES],
             matrix,
         };
         all.deepest[..deepest.len()].copy_from_slice(deepest);
-        // Which loads each node takes part in.
+        // The part that each node takes under each load.
         let mut part = vec![[0.0; LANES]; m];
         for (k, (node, i)) in all.nodes.iter_mut().zip(near).enumerate() {
             node.normal = face[0][*i].normal.to_array();
@@ -138,10 +145,13 @@ impl ProjectedGradient {
             let own = |a: usize, b: usize| f64::from(all.matrix[(3 * k + a) * 3 * m + 3 * k + b]);
             let give: f64 = (0..3).map(|a| (0..3).map(|b| n[a] * n[b] * own(a, b)).sum::<f64>()).sum();
             let stiff = 1.0 / give.max(1e-9);
-            for load in (0..face.len()).filter(|load| takes_part(*load, *i)) {
+            for load in 0..face.len() {
                 let at = &face[load][*i];
-                part[k][load] = 1.0;
-                node.stiff[load] = stiff;
+                part[k][load] = takes_part(load, *i);
+                if part[k][load] == 0.0 {
+                    continue;
+                }
+                node.stiff[load] = stiff * part[k][load];
                 node.pressed[load] = at.pressed;
                 let pressure = at.force.dot(at.normal);
                 all.whole[load] += pressure;
@@ -219,15 +229,19 @@ impl ProjectedGradient {
             for l in 0..LANES {
                 let gain = self.size[l] * node.stiff[l];
                 let p = node.pressure[l] + gain * self.closer[l];
-                let pushes = p > 0.0;
-                node.pressure[l] = if pushes { p } else { 0.0 };
+                let p = if p > 0.0 { p } else { 0.0 };
+                node.pressure[l] = p;
                 let wanted = [0, 1, 2].map(|a| node.ahead[a][l] + (node.dragged[a][l] - f64::from(u[a][l])) * gain);
                 let out = n[0] * wanted[0] + n[1] * wanted[1] + n[2] * wanted[2];
-                held[l] += if pushes { node.stiff[l] } else { 0.0 };
+                let wanted = [0, 1, 2].map(|a| wanted[a] - n[a] * out);
+                let length = wanted.iter().map(|w| w * w).sum::<f64>().sqrt();
+                // Coulomb's limit.
+                let most = self.friction * p;
+                let part = if length > most { most / length } else { 1.0 };
+                held[l] += p;
                 for a in 0..3 {
-                    let along = if pushes { wanted[a] - n[a] * out } else { 0.0 };
-                    node.along[a][l] = along;
-                    carried[a][l] += along;
+                    node.along[a][l] = wanted[a] * part;
+                    carried[a][l] += node.along[a][l];
                 }
             }
         }
@@ -240,8 +254,7 @@ impl ProjectedGradient {
         for node in &mut self.nodes {
             for a in 0..3 {
                 for l in 0..LANES {
-                    let part = if node.pressure[l] > 0.0 { node.stiff[l] } else { 0.0 };
-                    let force = node.normal[a] * node.pressure[l] + node.along[a][l] + lost[a][l] * part;
+                    let force = (node.normal[a] + lost[a][l]) * node.pressure[l] + node.along[a][l];
                     node.ahead[a][l] = force + (force - node.force[a][l]) * momentum;
                     node.force[a][l] = force;
                 }

@@ -70,3 +70,23 @@ fn threads_change_no_bit() {
         assert_eq!(on(threads), one, "{threads} threads");
     }
 }
+
+/// Nodes come to touch one after the other, and none of them with a jump.
+#[test]
+fn the_answer_follows_the_force_without_jumps() {
+    let predictor = Predictor::open(&made().model).unwrap();
+    let (model, pose) = ball(made());
+    let touch = GeometricContact::find(&model, pose).unwrap();
+    let seen = predictor.look(&model, &predictor.admit(&model, false).unwrap(), &touch);
+    let forces: Vec<f64> = (0..=400).map(|k| 0.5 + 0.5 * f64::from(k) / 400.0).collect();
+    let loads: Vec<GraspLoad> = forces.iter().copied().map(GraspLoad::from).collect();
+    let states = predictor.ramp(&seen, &loads).unwrap();
+    let all: Vec<_> = states.iter().map(|state| lists(&state.pads)).collect();
+    for (k, three) in all.windows(3).enumerate() {
+        for (kind, (name, now)) in three[1].iter().enumerate().take(4) {
+            let mean: Vec<f64> = three[0][kind].1.iter().zip(&three[2][kind].1).map(|(a, b)| 0.5 * (a + b)).collect();
+            let bend = apart(&mean, now);
+            assert!(bend < 1e-3, "{name} bends by {bend:e} at {} N", forces[k + 1]);
+        }
+    }
+}

@@ -183,7 +183,7 @@ fn the_response_of_the_refined_pad_is_softer_under_its_force() {
         [0, 1, 2].map(|axis| graph.compliance.row(graph.face[node], axis).unwrap()[3 * node + axis])
     });
     for (axis, (stiff, soft)) in stiff.into_iter().zip(soft).enumerate() {
-        assert!((1.0..4.0).contains(&(soft / stiff)), "{} times as soft along axis {axis}", soft / stiff);
+        assert!((1.0..8.0).contains(&(soft / stiff)), "{} times as soft along axis {axis}", soft / stiff);
     }
 }
 
@@ -202,7 +202,7 @@ fn projected_forces_push_only_and_keep_their_sum() {
     let t = graph.thickness;
     let nodes = graph.rest.iter().zip(&graph.face).zip(&graph.area);
     let face: Vec<Touching> = nodes.map(|((x, node), area)| touching((*x / t, *node, area / (t * t)))).collect();
-    let (forces, _) = projected_contact(compliance, std::slice::from_ref(&face)).remove(0);
+    let (forces, _) = projected_contact(compliance, std::slice::from_ref(&face), 0.8).remove(0);
     let before: DVec3 = face.iter().map(|n| n.force).sum();
     let after: DVec3 = forces.iter().sum();
     assert!(before.distance(after) < 1e-6 * before.length(), "{before} became {after}, E t2");

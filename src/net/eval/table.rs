@@ -37,13 +37,14 @@ pub struct ErrorRow {
 /// Quantity, the function that reads it, and that which reads the end of its interval.
 type Quantity = (&'static str, fn(&FrameError) -> f64, fn(&ErrorBound) -> Option<f64>);
 
-const QUANTITIES: [Quantity; 10] = [
+const QUANTITIES: [Quantity; 11] = [
     ("displacement", |e| e.displacement, |b| Some(b.displacement)),
     ("displacement_mm", |e| e.displacement_mm, |_| None),
     ("displacement_worst_mm", |e| e.displacement_worst_mm, |_| None),
     ("stress", |e| e.stress, |b| Some(b.stress)),
     ("stress_kpa", |e| e.stress_kpa, |_| None),
     ("contact_force", |e| e.contact_force, |_| None),
+    ("traction", |e| e.traction, |_| None),
     ("travel", |e| e.travel, |b| Some(b.travel)),
     ("travel_mm", |e| e.travel_mm, |_| None),
     ("object_mm", |e| e.object_mm, |_| None),

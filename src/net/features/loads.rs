@@ -121,14 +121,14 @@ impl GraspFeatures {
             let asked = self.equilibrium.pressed(p, &rests[load]);
             let of = |i: usize| {
                 let (force, moved, (pressed, normal)) = (pressing[load][i], moved[load][i], asked[i]);
-                let dragged = if force == DVec3::ZERO { force } else { moved - normal * moved.dot(normal) };
+                let dragged = moved - normal * moved.dot(normal);
                 Touching { node: graph.face[i] as usize, normal, pressed, dragged, force }
             };
             (0..count).map(of).collect()
         };
         let touching: Vec<Vec<Touching>> = (0..rests.len()).map(touching).collect();
         let (force, closer): (Vec<Vec<DVec3>>, Vec<f64>) =
-            projected_contact(&graph.compliance, &touching).into_iter().unzip();
+            projected_contact(&graph.compliance, &touching, self.model.law.friction).into_iter().unzip();
         let given = graph.compliance.on_face(&graph.face, &force);
         let parts = touching.into_iter().zip(moved).zip(force.into_iter().zip(closer)).zip(given);
         let of =

@@ -31,6 +31,8 @@ pub struct FrameError {
     pub stress_kpa: f64,
     /// Nodal contact force, relative.
     pub contact_force: f64,
+    /// Contact force gathered at the corners of the elements, relative.
+    pub traction: f64,
     /// Travel, mean over the fingers, relative.
     pub travel: f64,
     /// Travel, mean over the fingers, mm.
@@ -68,7 +70,12 @@ pub(crate) fn frame_error(sample: &Sample, k: usize, state: &GraspState) -> Fram
     let contact = &sample.contact[3 * k * pads * face.len()..3 * (k + 1) * pads * face.len()];
     let contact: Vec<DVec3> = contact.as_chunks::<3>().0.iter().map(|v| DVec3::from_array(v.map(f64::from))).collect();
     let own = states.iter().flat_map(|p| face.iter().map(|i| p.contact[*i as usize]));
-    let ec = norm(&mut contact.iter().zip(own).map(|(a, b)| a.distance(b)));
+    let off: Vec<DVec3> = own.zip(&contact).map(|(own, contact)| own - contact).collect();
+    let length = |forces: &[DVec3]| norm(&mut forces.iter().map(|f| f.length()));
+    let gathered = |forces: &[DVec3]| {
+        let corners = forces.chunks_exact(face.len()).flat_map(|pad| sample.features.graph.basis.gathered(pad));
+        length(&corners.collect::<Vec<_>>())
+    };
     let travel = &sample.travel[k * pads..(k + 1) * pads];
     let et = travel.iter().zip(states).map(|(a, b)| (a - b.travel).abs()).sum::<f64>() / pads as f64;
     let mean = travel.iter().sum::<f64>() / pads as f64;
@@ -88,7 +95,8 @@ pub(crate) fn frame_error(sample: &Sample, k: usize, state: &GraspState) -> Fram
         displacement_worst_mm: du.iter().copied().fold(0.0, f64::max) * 1e3,
         stress: relative(es, norm(&mut s.iter().copied())),
         stress_kpa: es / count * 1e-3,
-        contact_force: relative(ec, norm(&mut contact.iter().map(|v| v.length()))),
+        contact_force: relative(length(&off), length(&contact)),
+        traction: relative(gathered(&off), gathered(&contact)),
         travel: relative(et, mean),
         travel_mm: et * 1e3,
         object_mm: of(|s| s.shift, 0) * 1e3,
