@@ -4,6 +4,7 @@ use super::{Format, OK, print, say};
 use crate::dataset::DataSet;
 use crate::error::{Error, Result};
 use crate::files::atomic::create_dir;
+use crate::net::eval::acceptance::{Acceptance, acceptances};
 use crate::net::eval::dump;
 use crate::net::eval::table::{ErrorRow, ranks, rows};
 use crate::net::eval::{Judged, frames, judge, picture, test_grasps};
@@ -63,6 +64,7 @@ pub fn eval(args: &EvalArgs) -> Result<ExitCode> {
     let judged = judge(&set, &predictor, &split)?;
     let table = rows(&split, &judged);
     let (stress, displacement) = ranks(&judged);
+    let accepted = acceptances(&judged);
     let mean = |k: usize| judged.iter().map(|j| j.time_s[k]).sum::<f64>() / judged.len().max(1) as f64;
     let mut worst: Vec<&Judged> = judged.iter().collect();
     let badness = |j: &Judged| j.frames.last().map_or(0.0, |f| f.displacement);
@@ -73,11 +75,12 @@ pub fn eval(args: &EvalArgs) -> Result<ExitCode> {
         worst.iter().try_for_each(|j| draw(&set, &predictor, j, dir))?;
     }
     let text = match args.format {
-        Format::Text => report(&table, judged.len(), (stress, displacement), (mean(0), mean(1))),
+        Format::Text => report(&table, &accepted, judged.len(), (stress, displacement), (mean(0), mean(1))),
         Format::Json => {
             let worst: Vec<_> = worst.iter().filter_map(|j| j.frames.last()).collect();
             let object = json!({
                 "split": split, "model": args.model, "grasps": judged.len(), "tables": table,
+                "error_at_most": accepted,
                 "kendall_tau": { "peak_stress": stress, "peak_displacement": displacement },
                 "encode_s": mean(0), "decode_all_frames_s": mean(1), "worst": worst,
             });
@@ -90,6 +93,7 @@ pub fn eval(args: &EvalArgs) -> Result<ExitCode> {
 
 fn report(
     table: &[ErrorRow],
+    accepted: &[Acceptance],
     grasps: usize,
     (stress, displacement): (f64, f64),
     (encode, decode): (f64, f64),
@@ -112,6 +116,13 @@ fn report(
         );
     }
     let _ = writeln!(out, "Kendall's tau of the grasps: peak stress {stress:.3}, peak displacement {displacement:.3}");
+    for Acceptance { error_at_most, kept, median, worst } in accepted {
+        let [bound, kept, median, worst] = [error_at_most, kept, median, worst].map(|v| 100.0 * v);
+        let _ = writeln!(
+            out,
+            "error_at_most {bound:>2.0} %: the network keeps {kept:.0} % of the grasps, off by {median:.1} % in displacement (median), {worst:.1} % at worst"
+        );
+    }
     let _ = writeln!(out, "network: {:.2} ms a grasp, {:.2} ms for all its frames", encode * 1e3, decode * 1e3);
     out
 }

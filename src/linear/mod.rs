@@ -7,6 +7,7 @@ pub mod compliance_cache;
 pub mod deviator;
 pub mod edges;
 pub mod first_contact;
+pub mod known_pads;
 pub mod mortar;
 pub mod object_motion;
 pub mod pad_graph;

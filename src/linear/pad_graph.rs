@@ -143,9 +143,9 @@ impl PadGraph {
         at.cmpge(self.ends[0]).all() && at.cmple(self.ends[1]).all()
     }
 
-    /// Returns true if the pad of `finger` has this graph.
-    pub fn fits(&self, finger: &FingerModel) -> bool {
-        self.poisson == finger.body.material.moduli().poisson && self.hash == mesh_hash(&finger.topology)
+    /// Returns true if it is the graph of a pad whose mesh has this hash, of a gel of this Poisson's ratio.
+    pub fn is_of(&self, hash: &str, poisson: f64) -> bool {
+        self.poisson == poisson && self.hash == hash
     }
 }
 

@@ -122,6 +122,9 @@ fn hats_share_out_their_force_and_give_alike_to_each_other() {
     for part in &basis.parts {
         assert!((part.iter().map(|p| p.1).sum::<f64>() - 1.0).abs() < 1e-12, "a function spreads all of its force");
     }
+    let forces: Vec<DVec3> = graph.rest.iter().map(|x| DVec3::new(x.x, 1e-3, -x.y)).collect();
+    let [nodes, corners] = [&forces, &basis.gathered(&forces)].map(|all| all.iter().sum::<DVec3>());
+    assert!(nodes.distance(corners) < 1e-12, "corners carry {corners} N of {nodes} N");
     for (a, b) in [(0, 1), (0, basis.count() / 2), (basis.count() / 3, basis.count() - 1)] {
         for (k, c) in [(0, 0), (2, 2), (0, 2), (1, 2)] {
             let (there, back) = (basis.row(a, k)[3 * b + c], basis.row(b, c)[3 * a + k]);

@@ -1,5 +1,6 @@
 //! Errors of a trained model on grasps that it has not seen.
 
+pub mod acceptance;
 pub mod dump;
 pub mod frames;
 pub mod picture;
@@ -58,7 +59,7 @@ pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str) -> Result<
     for object in &set.objects {
         predictor.card.range.admits_pad(&object.pad, &mesh_hash(&object.pad))?;
     }
-    let (samples, range) = data::read(&[(set, &sets.test)], &|model| predictor.graph(model), usize::MAX)?;
+    let (samples, range) = data::read(&[(set, &sets.test)], &predictor.pads, usize::MAX)?;
     let mut trained = predictor.card.range.clone();
     // Another pad, law or kind of object is refused; the errors are for the numbers as they are.
     trained.extend(&range)?;

@@ -4,8 +4,8 @@ use super::answer::Answer;
 use super::{Code, FaceEngine};
 use crate::error::{Error, Result};
 use crate::linear::GraspLoad;
-use crate::linear::compliance_cache::ComplianceCache;
 use crate::linear::first_contact::GeometricContact;
+use crate::linear::known_pads::KnownPads;
 use crate::linear::pad_graph::{PadGraph, mesh_hash};
 use crate::model::Model;
 use crate::net::autodiff::tape::{Matrix, Tape};
@@ -19,7 +19,7 @@ use crate::record::ErrorBound;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// Number of load levels that are decoded together on a tape.
 const LEVELS: usize = 10;
@@ -35,8 +35,8 @@ pub struct Predictor {
     pub parameters: Parameters,
     /// Same network without a tape, where there is one.
     engine: Option<FaceEngine>,
-    /// Graphs of the pads asked about so far.
-    graphs: Mutex<Vec<Arc<PadGraph>>>,
+    /// Pads asked about so far.
+    pub(crate) pads: KnownPads,
 }
 
 /// Encoded grasp: all that a load level needs.
@@ -122,7 +122,8 @@ impl Predictor {
             NetworkSpec::Face(sizes) => Some(FaceEngine::new(sizes, &parameters, &card.normalisers)),
             NetworkSpec::Paper(_) => None,
         };
-        Self { card, network, parameters, engine, graphs: Mutex::default() }
+        let pads = KnownPads::new(network.layout());
+        Self { card, network, parameters, engine, pads }
     }
 
     /// Returns true if the training had pushes on the object.
@@ -151,14 +152,7 @@ impl Predictor {
     /// # Errors
     /// Fails for a pad without a sensing face.
     pub fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
-        let finger = model.finger()?;
-        let mut known = self.graphs.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(graph) = known.iter().find(|g| g.fits(finger)) {
-            return Ok(graph.clone());
-        }
-        let graph = Arc::new(PadGraph::keeping(finger, self.network.layout(), ComplianceCache::of_user().as_ref())?);
-        known.push(graph.clone());
-        Ok(graph)
+        Ok(self.pads.of(&[model.finger()?])?.remove(0))
     }
 
     /// Encodes a grasp at first contact: the single pass of message passing.

@@ -4,8 +4,8 @@ use crate::dataset::split::Poses;
 use crate::dataset::{DataSet, Splits};
 use crate::error::{Error, Result};
 use crate::interrupt;
-use crate::linear::compliance_cache::ComplianceCache;
-use crate::linear::pad_graph::{Layout, PadGraph};
+use crate::linear::known_pads::KnownPads;
+use crate::linear::pad_graph::Layout;
 use crate::model::Model;
 use crate::net::autodiff::ops::{displaced, respond};
 use crate::net::autodiff::tape::{Matrix, Tape};
@@ -18,7 +18,6 @@ use crate::net::network::{Normalisers, VolumeNormalisers};
 use crate::net::train::sample::{Sample, model_of};
 use crate::random::Random;
 use rayon::prelude::*;
-use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -57,37 +56,20 @@ pub fn plan(sets: &[DataSet]) -> String {
     }
 }
 
-/// Returns the graph of the pads of a model; equal pads share one, which `known` keeps.
-///
-/// # Errors
-/// Fails as [`PadGraph::keeping`] does.
-pub fn graph_of(model: &Model, layout: Layout, known: &RefCell<Vec<Arc<PadGraph>>>) -> Result<Arc<PadGraph>> {
-    let finger = model.finger()?;
-    if let Some(graph) = known.borrow().iter().find(|g| g.fits(finger)) {
-        return Ok(graph.clone());
-    }
-    let graph = Arc::new(PadGraph::keeping(finger, layout, ComplianceCache::of_user().as_ref())?);
-    known.borrow_mut().push(graph.clone());
-    Ok(graph)
-}
-
-/// Reads the grasps that each set's poses name, with the range that they span; at most `frames` frames of each. `graph_of` gives the graph
-/// of the pads of a model.
+/// Reads the grasps that each set's poses name, with the range that they span; at most `frames` frames of each. Their pads go to
+/// those that are `known`.
 ///
 /// # Errors
 /// Fails for damaged files or grasps, for a mix that one model cannot serve, and if there is no grasp.
-pub fn read(
-    sets: &[(&DataSet, &Poses)],
-    graph_of: &dyn Fn(&Model) -> Result<Arc<PadGraph>>,
-    frames: usize,
-) -> Result<(Vec<Sample>, TrainedRange)> {
+pub fn read(sets: &[(&DataSet, &Poses)], known: &KnownPads, frames: usize) -> Result<(Vec<Sample>, TrainedRange)> {
     let mut chosen = Vec::new();
     for (set, poses) in sets {
         if let Some(damaged) = set.damaged.first() {
             return Err(Error::Start(format!("the data set is damaged: {damaged}")));
         }
         let models = set.objects.par_iter().map(model_of).collect::<Result<Vec<Arc<Model>>>>()?;
-        let of_object = models.iter().map(|model| graph_of(model)).collect::<Result<Vec<_>>>()?;
+        let fingers = models.iter().map(|model| model.finger()).collect::<Result<Vec<_>>>()?;
+        let of_object = known.of(&fingers)?;
         let named = set.select(poses).into_iter();
         chosen.extend(named.map(|(o, grasp)| (&set.objects[o], models[o].clone(), of_object[o].clone(), grasp)));
     }

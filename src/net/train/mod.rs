@@ -26,12 +26,12 @@ use crate::dataset::DataSet;
 use crate::error::{Error, Result};
 use crate::files::lock::FolderLock;
 use crate::interrupt;
+use crate::linear::known_pads::KnownPads;
 use crate::random::Random;
 use adam::Adam;
 use checkpoint::Left;
 use curves::Epoch;
 use rayon::prelude::*;
-use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 /// Training run of a network.
@@ -90,9 +90,7 @@ impl Trainer {
         let (network, parameters) = build(&spec.network, Some(spec.training.seed));
         let poses = sets.iter().map(|set| Ok(data::split(&set.splits, split)?.train)).collect::<Result<Vec<_>>>()?;
         let all: Vec<_> = sets.iter().zip(&poses).collect();
-        let known = RefCell::default();
-        let (samples, range) =
-            data::read(&all, &|model| data::graph_of(model, network.layout(), &known), spec.training.frames.get())?;
+        let (samples, range) = data::read(&all, &KnownPads::new(network.layout()), spec.training.frames.get())?;
         if samples.len() < 2 {
             return Err(Error::Start("training needs two grasps at least: one to learn from, one to stop by".into()));
         }
