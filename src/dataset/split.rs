@@ -67,6 +67,13 @@ impl Splits {
         }
     }
 
+    /// Returns the split without the object of this name and those that begin with it and a `-`, for training against these, for the test.
+    pub fn without(&self, family: &str) -> Sets {
+        let of = |name: &str| name.strip_prefix(family).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'));
+        let (test, train) = self.all().test.into_iter().partition(|(name, _)| of(name));
+        Sets { train, test }
+    }
+
     /// Returns all poses of all objects, for training or for the test of a model that has never seen this data set.
     pub fn all(&self) -> Sets {
         let mut poses = self.poses.test.clone();

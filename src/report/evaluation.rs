@@ -38,7 +38,7 @@ pub fn data_set(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
     let mut blocks = match &wishes.model {
         Some(model) => judged(&set, model, wishes, page)?,
         None => {
-            let poses = split(&set.splits, wishes.split.as_deref().unwrap_or("poses"))?.test;
+            let poses = split(&[&set.splits], wishes.split.as_deref().unwrap_or("poses"))?.remove(0).test;
             let all = set.select(&poses);
             for at in chosen(all.len(), Some(wishes.grasps)) {
                 let (object, grasp) = all[at];

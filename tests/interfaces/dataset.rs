@@ -71,6 +71,8 @@ fn what_is_read_is_what_was_simulated_and_the_scene_rebuilds_the_model() {
     let all: usize = set.splits.poses.train.values().chain(set.splits.poses.test.values()).map(Vec::len).sum();
     assert_eq!(all, 6, "every pose is in one of the sets");
     assert_eq!(set.select(&set.splits.leave_one_object_out["box"].test), [(1, 0), (1, 2)], "reached grasps only");
+    assert_eq!(set.splits.without("box"), set.splits.leave_one_object_out["box"]);
+    assert!(set.splits.without("bo").test.is_empty(), "a part of a name is no family");
 }
 
 /// The arrays of the public loader: bonded nodes of both pads stand at its rest shapes, carried along its closing axis.

@@ -55,11 +55,11 @@ pub fn judge(set: &DataSet, predictor: &Predictor, split: &str) -> Result<Vec<Ju
 /// # Errors
 /// Fails as [`judge`] does.
 pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str) -> Result<Vec<Sample>> {
-    let sets = data::split(&set.splits, split)?;
+    let poses = data::split(&[&set.splits], split)?.remove(0).test;
     for object in &set.objects {
         predictor.card.range.admits_pad(&object.pad, &mesh_hash(&object.pad))?;
     }
-    let (samples, range) = data::read(&[(set, &sets.test)], &predictor.pads, usize::MAX)?;
+    let (samples, range) = data::read(&[(set, &poses)], &predictor.pads, usize::MAX)?;
     let mut trained = predictor.card.range.clone();
     // Another pad, law or kind of object is refused; the errors are for the numbers as they are.
     trained.extend(&range)?;

@@ -1,6 +1,6 @@
 //! Training data: grasps of a data set, their statistics and range, and the part that decides when to stop.
 
-use crate::dataset::split::Poses;
+use crate::dataset::split::{Poses, Sets};
 use crate::dataset::{DataSet, Splits};
 use crate::error::{Error, Result};
 use crate::interrupt;
@@ -21,25 +21,33 @@ use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// Returns training and test poses by the name of a split: `poses`, `all`, `single:OBJECT`, `without:OBJECT`.
+/// Returns training and test poses of each of `sets` by the name of a split: `poses`, `all`, `single:OBJECT`, `without:OBJECT`. The last
+/// leaves out the object of this name and all that begin with it and a `-`: a family of shapes of a universe.
 ///
 /// # Errors
-/// Fails for a name that the data set does not have; the message lists those that it has.
-pub fn split(splits: &Splits, name: &str) -> Result<crate::dataset::split::Sets> {
-    let sets = match name.split_once(':') {
+/// Fails for a name that no data set has; the message lists those that they have.
+pub fn split(sets: &[&Splits], name: &str) -> Result<Vec<Sets>> {
+    let of = |splits: &&Splits| match name.split_once(':') {
         None if name == "poses" => Some(splits.poses.clone()),
         None if name == "all" => Some(splits.all()),
         Some(("single", object)) => splits.single_object.get(object).cloned(),
-        Some(("without", object)) => splits.leave_one_object_out.get(object).cloned(),
+        Some(("without", family)) => Some(splits.without(family)).filter(|sets| !sets.test.is_empty()),
         _ => None,
     };
-    sets.ok_or_else(|| {
-        let objects: Vec<&str> = splits.single_object.keys().map(String::as_str).collect();
-        let objects = objects.join(", ");
-        Error::Start(format!(
-            "--split {name}: there are poses, all, single:OBJECT and without:OBJECT; objects: {objects}"
-        ))
-    })
+    let found: Vec<Option<Sets>> = sets.iter().map(of).collect();
+    if found.iter().any(Option::is_some) {
+        // A data set without this object has nothing to leave out, and nothing of it alone.
+        let rest = |splits: &&Splits| match name.starts_with("without:") {
+            true => Sets { test: Poses::new(), ..splits.all() },
+            false => Sets::default(),
+        };
+        return Ok(found.into_iter().zip(sets).map(|(found, splits)| found.unwrap_or_else(|| rest(splits))).collect());
+    }
+    let objects: Vec<&str> = sets.iter().flat_map(|s| s.single_object.keys()).map(String::as_str).collect();
+    let objects = objects.join(", ");
+    Err(Error::Start(format!(
+        "--split {name}: there are poses, all, single:OBJECT and without:OBJECT; objects: {objects}"
+    )))
 }
 
 /// Returns what names the plans of data sets in a card: the plan of one, or a hash of several.

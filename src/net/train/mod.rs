@@ -88,8 +88,8 @@ impl Trainer {
         // Before anything long: what another one writes meanwhile must not be replaced at the end.
         let lock = FolderLock::alone(dir, "tactus train")?;
         let (network, parameters) = build(&spec.network, Some(spec.training.seed));
-        let poses = sets.iter().map(|set| Ok(data::split(&set.splits, split)?.train)).collect::<Result<Vec<_>>>()?;
-        let all: Vec<_> = sets.iter().zip(&poses).collect();
+        let splits = data::split(&sets.iter().map(|set| &set.splits).collect::<Vec<_>>(), split)?;
+        let all: Vec<_> = sets.iter().zip(splits.iter().map(|split| &split.train)).collect();
         let (samples, range) = data::read(&all, &KnownPads::new(network.layout()), spec.training.frames.get())?;
         if samples.len() < 2 {
             return Err(Error::Start("training needs two grasps at least: one to learn from, one to stop by".into()));
