@@ -22,7 +22,7 @@ const SIGXCPU: i32 = 24;
 /// Wall time after which a child hangs without computing.
 const HANG: Duration = Duration::from_secs(600);
 /// Scenes of so many grasps that checking them all takes long by itself.
-const LARGE: [&str; 4] = ["paper.ron", "paper_small.ron", "data.ron", "second_sensor.ron"];
+const LARGE: [&str; 5] = ["paper.ron", "paper_small.ron", "data.ron", "second_sensor.ron", "shapes.ron"];
 
 /// One of the choices.
 fn of<'a>(random: &mut Random, choices: &[&'a str]) -> &'a str {
