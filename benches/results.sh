@@ -12,7 +12,7 @@ readonly RESULTS=docs/results.md OUT=out/results TABLES=(press squeeze network s
 commit=$(git rev-parse --short HEAD)
 git diff --quiet HEAD -- src Cargo.toml Cargo.lock || commit="$commit and uncommitted changes"
 processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1 || true)
-mechanics=$(git log -1 --format=%h -- src/mech src/backend/fem src/geometry src/grasp src/model scenes tests/network/scans.ron)
+mechanics=$(git log -1 --format=%h -- src/mech src/backend/fem src/geometry src/grasp src/model scenes tests/network/scans.ron tests/network/unseen.ron)
 made="Commit $commit, $(date +%F), ${processor:-processor unknown}, $(getconf _NPROCESSORS_ONLN) cores."
 tactus() { ./target/release/tactus "$@"; }
 
@@ -75,7 +75,7 @@ network() {
     echo '| grasps that it never saw | number | displacement, median / 90 %, % | stress | travel | within its interval, %: displacement / stress / travel | median interval, displacement, % | tau |'
     echo '|---|---|---|---|---|---|---|---|'
     judged "the objects of scenes/paper.ron, other poses" paper poses scenes/paper.ron --grasps 16 --frames 10
-    judged "another seed of scenes/universe.ron" universe all scenes/universe.ron --seed 99 --part 1/5
+    judged "another seed of scenes/universe.ron" unseen all tests/network/unseen.ron
     judged "other pads: scenes/second_sensor.ron" sensor all scenes/second_sensor.ron --grasps 3
     judged "with weight: scenes/gravity.ron" gravity all scenes/gravity.ron --grasps 3
     if [ -d ../shared/data/objects ]; then judged "sixteen scanned objects" scans all tests/network/scans.ron; fi
