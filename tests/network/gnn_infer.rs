@@ -3,7 +3,7 @@
 use crate::gnn_made::{ball, made};
 use tactus::linear::GraspLoad;
 use tactus::linear::first_contact::GeometricContact;
-use tactus::net::infer::predict::{GraspState, PadState, Predictor};
+use tactus::net::infer::predict::{GraspState, PadState, Predictor, Seen};
 
 /// Relative difference of two lists of numbers, in their L2 norms.
 fn apart(a: &[f64], b: &[f64]) -> f64 {
@@ -26,11 +26,15 @@ fn lists(pads: &[PadState]) -> [(&'static str, Vec<f64>); 5] {
 
 const FORCES: [f64; 7] = [0.5, 0.55, 0.6, 0.7, 0.8, 0.9, 1.0];
 
-fn answer(predictor: &Predictor) -> Vec<GraspState> {
+/// The grasp of the ball as `predictor` sees it.
+fn seen(predictor: &Predictor) -> Seen {
     let (model, pose) = ball(made());
     let touch = GeometricContact::find(&model, pose).unwrap();
-    let graph = predictor.admit(&model, false).unwrap();
-    predictor.ramp(&predictor.look(&model, &graph, &touch), &FORCES.map(GraspLoad::from)).unwrap()
+    predictor.look(&model, &predictor.admit(&model, false).unwrap(), &touch)
+}
+
+fn answer(predictor: &Predictor) -> Vec<GraspState> {
+    predictor.ramp(&seen(predictor), &FORCES.map(GraspLoad::from)).unwrap()
 }
 
 #[test]
@@ -47,9 +51,7 @@ fn the_answers_are_those_of_the_tape() {
 #[test]
 fn one_load_at_a_time_is_the_same_as_all_at_once() {
     let predictor = Predictor::open(&made().model).unwrap();
-    let (model, pose) = ball(made());
-    let touch = GeometricContact::find(&model, pose).unwrap();
-    let seen = predictor.look(&model, &predictor.admit(&model, false).unwrap(), &touch);
+    let seen = seen(&predictor);
     for (force, together) in FORCES.iter().zip(predictor.ramp(&seen, &FORCES.map(GraspLoad::from)).unwrap()) {
         let alone = predictor.at(&seen, *force).unwrap();
         for ((name, a), (_, b)) in lists(&alone.pads).iter().zip(&lists(&together.pads)) {
@@ -75,9 +77,7 @@ fn threads_change_no_bit() {
 #[test]
 fn the_answer_follows_the_force_without_jumps() {
     let predictor = Predictor::open(&made().model).unwrap();
-    let (model, pose) = ball(made());
-    let touch = GeometricContact::find(&model, pose).unwrap();
-    let seen = predictor.look(&model, &predictor.admit(&model, false).unwrap(), &touch);
+    let seen = seen(&predictor);
     let forces: Vec<f64> = (0..=400).map(|k| 0.5 + 0.5 * f64::from(k) / 400.0).collect();
     let loads: Vec<GraspLoad> = forces.iter().copied().map(GraspLoad::from).collect();
     let states = predictor.ramp(&seen, &loads).unwrap();
