@@ -27,21 +27,17 @@ use std::sync::Arc;
 /// # Errors
 /// Fails for a name that no data set has; the message lists those that they have.
 pub fn split(sets: &[&Splits], name: &str) -> Result<Vec<Sets>> {
-    let of = |splits: &&Splits| match name.split_once(':') {
+    let of = |splits: &Splits| match name.split_once(':') {
         None if name == "poses" => Some(splits.poses.clone()),
         None if name == "all" => Some(splits.all()),
         Some(("single", object)) => splits.single_object.get(object).cloned(),
-        Some(("without", family)) => Some(splits.without(family)).filter(|sets| !sets.test.is_empty()),
+        Some(("without", family)) => Some(splits.without(family)),
         _ => None,
     };
-    let found: Vec<Option<Sets>> = sets.iter().map(of).collect();
-    if found.iter().any(Option::is_some) {
-        // A data set without this object has nothing to leave out, and nothing of it alone.
-        let rest = |splits: &&Splits| match name.starts_with("without:") {
-            true => Sets { test: Poses::new(), ..splits.all() },
-            false => Sets::default(),
-        };
-        return Ok(found.into_iter().zip(sets).map(|(found, splits)| found.unwrap_or_else(|| rest(splits))).collect());
+    let found: Vec<Sets> = sets.iter().map(|splits| of(splits).unwrap_or_default()).collect();
+    // A data set may lack the object, all of them may not.
+    if found.iter().any(|split| !split.test.is_empty()) {
+        return Ok(found);
     }
     let objects: Vec<&str> = sets.iter().flat_map(|s| s.single_object.keys()).map(String::as_str).collect();
     let objects = objects.join(", ");
