@@ -8,11 +8,11 @@
 # Stopped at any moment it goes on with the next table. Nothing else should run beside it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-readonly RESULTS=docs/results.md OUT=out/results TABLES=(press squeeze network size environments sensitivity hard_cases)
+readonly RESULTS=docs/results.md OUT=out/results TABLES=(press squeeze network slip size environments sensitivity hard_cases)
 commit=$(git rev-parse --short HEAD)
 git diff --quiet HEAD -- src Cargo.toml Cargo.lock || commit="$commit and uncommitted changes"
 processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1 || true)
-mechanics=$(git log -1 --format=%h -- src/mech src/backend/fem src/geometry src/grasp src/model scenes tests/network/scans.ron tests/network/unseen.ron)
+mechanics=$(git log -1 --format=%h -- src/mech src/backend/fem src/geometry src/grasp src/model scenes 'tests/network/*.ron')
 made="Commit $commit, $(date +%F), ${processor:-processor unknown}, $(getconf _NPROCESSORS_ONLN) cores."
 tactus() { ./target/release/tactus "$@"; }
 
@@ -63,7 +63,7 @@ judged() {
     shift 3
     # A grasp that does not reach its force is not a failure of the measurement.
     tactus dataset "$@" -o "$set" > /dev/null || [ $? -eq 1 ]
-    tactus eval "$set" --split "$split" --model universe | awk -v what="$what" '
+    tactus eval "$set" --split "$split" --model universe | tee "$set.txt" | awk -v what="$what" '
         NR == 1 { grasps = $1 }
         /^all +(displacement|stress|travel) / { error[$2] = sprintf("%.1f / %.1f", $3, $4); within[$2] = $7; interval[$2] = $9 }
         /^Kendall/ { tau = $8 + 0 }
@@ -74,11 +74,35 @@ judged() {
 network() {
     echo '| grasps that it never saw | number | displacement, median / 90 %, % | stress | travel | within its interval, %: displacement / stress / travel | median interval, displacement, % | tau |'
     echo '|---|---|---|---|---|---|---|---|'
-    judged "the objects of scenes/paper.ron, other poses" paper poses scenes/paper.ron --grasps 16 --frames 10
+    judged "the objects of scenes/paper.ron, other poses" paper poses scenes/paper.ron --grasps 32 --frames 10
     judged "another seed of scenes/universe.ron" unseen all tests/network/unseen.ron
     judged "other pads: scenes/second_sensor.ron" sensor all scenes/second_sensor.ron --grasps 3
     judged "with weight: scenes/gravity.ron" gravity all scenes/gravity.ron --grasps 3
-    if [ -d ../shared/data/objects ]; then judged "sixteen scanned objects" scans all tests/network/scans.ron; fi
+    judged "balls of 5 to 32 mm radius" balls all tests/network/balls.ron
+    [ -d ../shared/data ] || return 0
+    judged "GelSight Mini pads meshed by gmsh" own_pads all tests/network/own_pads.ron
+    judged "skin of a BioTac, outside the range" biotac all tests/network/biotac.ron
+    judged "sixteen scanned objects" scans all tests/network/scans.ron
+    printf '\nThe scanned objects with `error_at_most`:\n\n```text\n'
+    grep '^error_at_most' "$OUT/scans_$mechanics.txt"
+    echo '```'
+}
+
+# Frames that each grasp of tests/network/slip.ron holds: three of squeeze, then fifteen of push.
+slip() {
+    local backend
+    for backend in condensed gnn; do
+        { tactus run tests/network/slip.ron --backend $backend 2> /dev/null || [ $? -eq 1 ]; } |
+            awk '/^object/ { name = $2 } /^ +[0-9]+ +(dropped|reached|fault) / { print name, $1, $2, $3 - 3, $NF }' > "$OUT/slip_$backend.txt"
+    done
+    paste -d' ' "$OUT/slip_condensed.txt" "$OUT/slip_gnn.txt" | awk '
+        { off = $4 > $9 ? $4 - $9 : $9 - $4; near += off <= 0.1 * ($4 + 1); count++; fem += $5; net += $10 }
+        { rows = rows sprintf("| %s %s | %s, %d | %s, %d |\n", $1, $2, $3, $4, $8, $9) }
+        END {
+            print "| grasp | condensed finite elements: end, steps of the push held, of fifteen | network |"
+            print "|---|---|---|"
+            printf "%s\n%d of %d grasps slip within a tenth of the load of finite elements; %.1f s a grasp against %.3f s.\n", rows, near, count, fem / count, net / count
+        }'
 }
 
 size() {
@@ -120,6 +144,7 @@ title() {
         press) echo "A press against a converged force" ;;
         squeeze) echo "Speed against error: a lemon that the network never saw" ;;
         network) echo "Error of the network that ships, against a mesh 1.4 times as fine" ;;
+        slip) echo "Load at which the object slips" ;;
         size) echo "Cost against the size of the pad" ;;
         environments) echo "Environments" ;;
         sensitivity) echo "How well posed squeezes are" ;;

@@ -2,6 +2,7 @@
 
 mod batch;
 mod dataset;
+mod predict;
 mod run;
 mod supervise;
 
@@ -22,6 +23,7 @@ fn _tactus(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<batch::Batch>()?;
     module.add_class::<dataset::DataSet>()?;
     module.add_function(wrap_pyfunction!(dataset::make, module)?)?;
+    module.add_function(wrap_pyfunction!(predict::predict, module)?)?;
     module.add_function(wrap_pyfunction!(run::objects, module)?)?;
     module.add_function(wrap_pyfunction!(run::resolved, module)?)?;
     module.add_function(wrap_pyfunction!(run::run, module)?)?;

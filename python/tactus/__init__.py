@@ -8,8 +8,8 @@ from . import shards
 from ._tactus import DataSet
 from .env import Env, VectorEnv
 from .registry import register
-from .scene import Scene, load, run
+from .scene import Scene, load, predict, run
 
-__all__ = ["DataSet", "Env", "Scene", "VectorEnv", "load", "run", "shards"]
+__all__ = ["DataSet", "Env", "Scene", "VectorEnv", "load", "predict", "run", "shards"]
 
 register()

@@ -6,6 +6,9 @@ import os
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from . import _tactus
 
 
@@ -42,3 +45,25 @@ def run(
     """
     path = scene.path if isinstance(scene, Scene) else os.fspath(scene)
     return _tactus.run(path, object, None if model is None else os.fspath(model), threads or os.cpu_count() or 1)
+
+
+def predict(
+    scene: Scene | str | os.PathLike[str],
+    object: str | None = None,
+    model: str | os.PathLike[str] = "universe",
+    poses: npt.ArrayLike | None = None,
+    frames: int | None = None,
+    extrapolate: bool = False,
+    threads: int | None = None,
+) -> dict[str, Any]:
+    """Predicts the grasps of a scene by a trained network, thousands of them in seconds; those at `poses` if they are given: (G, 7), px py
+    pz qw qx qy qz of the hand in the object frame.
+
+    Returns float32 arrays over the G grasps that have an answer, whose numbers are `grasp` (G): `force_n` (F), `rest_m` (nodes, 3);
+    `travel_m` (G, F, pads), `object_pose` (G, F, 7), `displacement_error`, `stress_error`, `travel_error` (G, F), below which nine of ten
+    predictions stay; in the frame of each pad `displacement_m`, `contact_force_n` (G, F, pads, nodes, 3) and, where the scene records it,
+    `von_mises_pa` (G, F, pads, nodes). `failed` is a dictionary from the number of a grasp without an answer to the reason.
+    """
+    path = scene.path if isinstance(scene, Scene) else os.fspath(scene)
+    rows = None if poses is None else np.atleast_2d(np.asarray(poses, dtype=np.float64))
+    return _tactus.predict(path, object, os.fspath(model), rows, frames, extrapolate, threads or os.cpu_count() or 1)

@@ -25,3 +25,24 @@ def test_a_mistake_is_reported_with_its_place(tmp_path):
     path.write_text("(object: (shape: Sphere(radius: -1)), loading: Squeeze(force: 1))")
     with pytest.raises(ValueError, match=r"bad.ron:1:\d+"):
         tactus.load(path)
+
+
+def test_many_grasps_are_predicted_as_they_are_run():
+    scene = tactus.load(SCENES / "lemon.ron")
+    many = tactus.predict(scene)
+    alone = tactus.run(scene, model="universe")
+    assert many["grasp"].tolist() == [0, 1] and many["failed"] == {}
+    for answer, run in zip(many["travel_m"], alone):
+        assert np.allclose(answer, run["travel_m"], rtol=1e-3)
+    pressed = np.abs(many["contact_force_n"].sum(axis=3)[..., 2])
+    assert np.allclose(pressed, many["force_n"][None, :, None] / 2, rtol=1e-4)
+    assert (many["displacement_error"] > 0).all()
+
+
+def test_predictions_at_given_poses_say_which_grasps_fail():
+    poses = [[0, 0, -0.1, 1, 0, 0, 0], [0, 0, 10, 1, 0, 0, 0]]
+    many = tactus.predict(SCENES / "lemon.ron", poses=poses, frames=3)
+    assert many["grasp"].tolist() == [0] and many["displacement_m"].shape[:2] == (1, 3)
+    assert list(many["failed"]) == [1]
+    with pytest.raises(ValueError, match="7 finite numbers"):
+        tactus.predict(SCENES / "lemon.ron", poses=[[0, 0, 0]])

@@ -8,9 +8,10 @@ use crate::linear::pad_graph::PadGraph;
 use crate::linear::{GraspLoad, loads_of};
 use crate::model::{Model, Needs};
 use crate::net::infer::force_ladder::ForceLadder;
+use crate::net::infer::hold::hold;
 use crate::net::infer::predict::{GraspState, PadState, Predictor, Seen};
+use crate::net::infer::ramp::Ramp;
 use crate::net::infer::touch::mean_motion;
-use crate::record::PadTopology;
 use crate::world::Stepper;
 use crate::world::components::*;
 use crate::world::schedule::{
@@ -20,9 +21,8 @@ use crate::world::systems::sense::close_to_contact;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 /// Backend with a trained model.
@@ -33,8 +33,6 @@ pub struct NetworkStepper {
     model: PathBuf,
     /// Flag: scenes outside the range of the training are answered.
     extrapolate: bool,
-    /// Graphs of the pads met so far: worlds come and go, but their pads stay the same.
-    graphs: Mutex<Vec<(Arc<PadTopology>, Arc<PadGraph>)>>,
 }
 
 impl NetworkStepper {
@@ -43,12 +41,7 @@ impl NetworkStepper {
     /// # Errors
     /// Fails as [`Predictor::open`] does.
     pub fn open(model: &Path) -> Result<Self> {
-        Ok(Self {
-            predictor: Arc::new(Predictor::open(model)?),
-            model: model.to_path_buf(),
-            extrapolate: false,
-            graphs: Mutex::default(),
-        })
+        Ok(Self { predictor: Arc::new(Predictor::open(model)?), model: model.to_path_buf(), extrapolate: false })
     }
 
     /// Sets whether scenes outside the range of the training are answered.
@@ -68,33 +61,16 @@ impl NetworkStepper {
         let contact = GeometricContact::find(&model, pose)?;
         let mut prediction = world.get_resource_mut::<Prediction>().ok_or_else(missing)?;
         prediction.look(&model, contact);
-        let states = match &prediction.grasp {
-            Some((_, seen)) => prediction.predictor.ramp(seen, &loads_of(&model))?,
-            None => Vec::new(),
-        };
-        let worst =
-            states.iter().map(|state| Some(state.error?.displacement)).try_fold(0.0, |a: f64, b| Some(a.max(b?)));
-        prediction.ahead = states.into();
+        let Some((_, seen)) = &prediction.grasp else { return Ok(None) };
+        let ramp = Ramp::new(&prediction.predictor, seen, &loads_of(&model))?;
+        let worst = ramp.error().map(|error| error.displacement);
+        prediction.ahead = Some(Ahead { ramp, next: 0 });
         Ok(worst)
     }
 
     /// Takes its resources out of `world`.
     pub fn withdraw(&self, world: &mut World) {
         world.remove_resource::<Prediction>();
-    }
-
-    /// Returns the graph of the pads of `model`, if the network was trained for it.
-    fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
-        let mut graphs = self.graphs.lock().unwrap_or_else(PoisonError::into_inner);
-        let pad = model.fingers.first().map(|finger| &finger.topology);
-        let fits = |known: &Arc<PadTopology>| pad.is_some_and(|pad| Arc::ptr_eq(known, pad) || known == pad);
-        if let Some((_, graph)) = graphs.iter().find(|(known, _)| fits(known)) {
-            self.predictor.card.range.admits(model, &graph.hash, self.extrapolate)?;
-            return Ok(graph.clone());
-        }
-        let graph = self.predictor.admit(model, self.extrapolate)?;
-        graphs.extend(pad.map(|pad| (pad.clone(), graph.clone())));
-        Ok(graph)
     }
 }
 
@@ -118,13 +94,13 @@ impl Stepper for NetworkStepper {
     fn prepare(&self, world: &mut World) -> Result<()> {
         let missing = || Error::Start("the world was not spawned for a grasp".into());
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
-        let graph = self.graph(&shared.0)?;
+        let graph = self.predictor.admit(&shared.0, self.extrapolate)?;
         world.insert_resource(Prediction {
             predictor: self.predictor.clone(),
             graph,
             grasp: None,
             state: None,
-            ahead: VecDeque::new(),
+            ahead: None,
             ladder: OnceLock::new(),
         });
         Ok(())
@@ -138,7 +114,8 @@ impl Stepper for NetworkStepper {
         let prediction = world.get_resource::<Prediction>();
         let contact = prediction.and_then(|prediction| prediction.grasp.as_ref()).map(|(contact, _)| contact);
         history.write(&contact);
-        history.write(&prediction.map_or(0, |prediction| prediction.ahead.len()));
+        let ahead = prediction.and_then(|prediction| prediction.ahead.as_ref());
+        history.write(&ahead.map(|ahead| ahead.next));
     }
 
     fn read_history(&self, world: &mut World, history: &mut HistoryReader) -> Result<()> {
@@ -148,11 +125,10 @@ impl Stepper for NetworkStepper {
         if let Some(contact) = history.read::<Option<GeometricContact>>()? {
             prediction.look(&model, contact);
         }
-        let ahead: usize = history.read()?;
+        let next: Option<usize> = history.read()?;
         let Prediction { predictor, grasp: Some((_, seen)), .. } = &*prediction else { return Ok(()) };
-        let states = if ahead > 0 { predictor.ramp(seen, &loads_of(&model))? } else { Vec::new() };
-        let behind = states.len().saturating_sub(ahead);
-        prediction.ahead = states.into_iter().skip(behind).collect();
+        let ramp = next.map(|next| Ok(Ahead { ramp: Ramp::new(predictor, seen, &loads_of(&model))?, next }));
+        prediction.ahead = ramp.transpose()?;
         Ok(())
     }
 }
@@ -166,10 +142,23 @@ pub struct Prediction {
     grasp: Option<(GeometricContact, Seen)>,
     /// State at the load of this step.
     state: Option<GraspState>,
-    /// States of the next steps: loads that are known beforehand are decoded all at once.
-    ahead: VecDeque<GraspState>,
+    /// States of the next steps, of loads that are known beforehand.
+    ahead: Option<Ahead>,
     /// States at any load, for an agent; None if the network has no answer to one of its loads.
     ladder: OnceLock<Option<ForceLadder>>,
+}
+
+/// States of a ramp, and the number of the next one.
+struct Ahead {
+    ramp: Ramp,
+    next: usize,
+}
+
+impl Ahead {
+    fn state(&mut self) -> Option<GraspState> {
+        self.next += 1;
+        self.ramp.at(self.next - 1)
+    }
 }
 
 impl Prediction {
@@ -178,7 +167,7 @@ impl Prediction {
         let seen = self.predictor.look(model, &self.graph, &contact);
         let seen = if model.needs.stress { seen } else { seen.without_stress() };
         self.grasp = Some((contact, seen));
-        self.ladder = OnceLock::new();
+        (self.ahead, self.ladder) = (None, OnceLock::new());
     }
 
     /// States of the pads at the load of this step; none before the first.
@@ -246,17 +235,16 @@ fn predict(
 ) {
     let clock = Instant::now();
     let Prediction { predictor, grasp, ahead, ladder, .. } = &mut *prediction;
+    let push = shared.0.push.as_ref().map(|push| push.at(load.push)).unwrap_or_default();
+    let applied = GraspLoad { force: load.level, push };
     let asked = match grasp {
         Some((_, seen)) if command.is_none() => {
-            if *phase == (Phase::Ramp { frame: 0 }) && ahead.is_empty() {
+            if *phase == (Phase::Ramp { frame: 0 }) && ahead.is_none() {
                 // Where one of the loads has no answer, each is asked for by itself, as far as they go.
-                *ahead = predictor.ramp(seen, &loads_of(&shared.0)).map(VecDeque::from).unwrap_or_default();
+                *ahead = Ramp::new(predictor, seen, &loads_of(&shared.0)).ok().map(|ramp| Ahead { ramp, next: 0 });
             }
-            let asked = || {
-                let push = shared.0.push.as_ref().map(|push| push.at(load.push));
-                predictor.at(seen, GraspLoad { force: load.level, push: push.unwrap_or_default() })
-            };
-            ahead.pop_front().map_or_else(asked, Ok)
+            let asked = || predictor.at(seen, applied);
+            ahead.as_mut().and_then(Ahead::state).map_or_else(asked, Ok)
         }
         Some((_, seen)) => {
             let push = weight.map(|weight| weight.0).filter(|_| predictor.knows_pushes()).unwrap_or_default();
@@ -270,6 +258,17 @@ fn predict(
     };
     match asked {
         Ok(state) => {
+            // An agent has a reward for what it holds.
+            let left =
+                grasp.as_ref().filter(|_| command.is_none()).map(|(touch, _)| hold(&shared.0, touch, &state, &applied));
+            if let Some(left) = left.filter(|left| *left < 0.0) {
+                let part = 100.0 * (1.0 - left);
+                let reason = format!(
+                    "the object slips: weight and push are {part:.0} % of what friction holds by the predicted pressure"
+                );
+                next.request(Phase::Dropped { reason });
+                return;
+            }
             (report.reached, report.iterations, report.error) = (true, 1, state.error);
             prediction.state = Some(state);
             timings.iterations += 1;

@@ -83,17 +83,8 @@ fn render(set: &DataSet, found: &Inspection) -> String {
         });
     }
     let (s, t) = (&set.splits, |poses: &crate::dataset::split::Poses| set.select(poses).len());
-    let _ = writeln!(
-        out,
-        "\nsplits (reached grasps): poses {} train, {} test; leave one object out: {}",
-        t(&s.poses.train),
-        t(&s.poses.test),
-        s.leave_one_object_out
-            .iter()
-            .map(|(n, l)| format!("{n} {}/{}", t(&l.train), t(&l.test)))
-            .collect::<Vec<_>>()
-            .join(", ")
-    );
+    let _ =
+        writeln!(out, "\nsplit of the poses (reached grasps): {} train, {} test", t(&s.poses.train), t(&s.poses.test));
     for damage in &found.damaged {
         let _ = writeln!(out, "damaged: {damage}");
     }

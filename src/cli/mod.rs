@@ -6,6 +6,7 @@ mod dataset;
 mod eval;
 mod fit;
 mod inspect;
+mod predict;
 mod report;
 mod run;
 mod table;
@@ -24,6 +25,7 @@ pub use dataset::{DatasetArgs, DatasetCommand};
 pub use eval::EvalArgs;
 pub use fit::FitArgs;
 pub use inspect::InspectArgs;
+pub use predict::PredictArgs;
 pub use report::ReportArgs;
 pub use run::{Backend, RunArgs};
 pub use train::TrainArgs;
@@ -49,6 +51,8 @@ pub struct Cli {
 pub enum Command {
     /// Simulate the grasps of a scene.
     Run(RunArgs),
+    /// Predict the grasps of a scene by a trained network: thousands of them in seconds.
+    Predict(PredictArgs),
     /// Load a scene, check everything in it and print it with all defaults written out.
     Check(CheckArgs),
     /// Simulate all grasps of all objects of a scene into a data set, continuing where an earlier run stopped.
@@ -111,6 +115,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode> {
     }
     match &cli.command {
         Command::Run(args) => run::run(args),
+        Command::Predict(args) => predict::predict(args),
         Command::Check(args) => check::check(args),
         Command::Dataset(args) => dataset::dataset(args),
         Command::Train(args) => train::train(args),

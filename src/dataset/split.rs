@@ -26,10 +26,6 @@ pub struct Splits {
     pub test_fraction: f64,
     /// Split for seen objects and unseen poses: the poses of every object are divided.
     pub poses: Sets,
-    /// Splits for one object alone and unseen poses.
-    pub single_object: BTreeMap<String, Sets>,
-    /// Splits for an unseen object: all poses of all others against all poses of this one.
-    pub leave_one_object_out: BTreeMap<String, Sets>,
 }
 
 impl Splits {
@@ -50,21 +46,13 @@ impl Splits {
             poses.test.insert(name.clone(), order);
             poses.train.insert(name.clone(), train);
         }
-        let only = |poses: &Poses, name: &String| Poses::from([(name.clone(), poses[name].clone())]);
-        let single = |name: &String| Sets { train: only(&poses.train, name), test: only(&poses.test, name) };
-        let all: Poses = objects.iter().map(|(name, count)| (name.clone(), (0..*count).collect())).collect();
-        let without = |name: &String| Sets {
-            train: all.iter().filter(|(other, _)| *other != name).map(|(n, p)| (n.clone(), p.clone())).collect(),
-            test: only(&all, name),
-        };
-        let names = || objects.iter().map(|(name, _)| name);
-        Self {
-            seed: split.seed,
-            test_fraction: split.test.get(),
-            single_object: names().map(|n| (n.clone(), single(n))).collect(),
-            leave_one_object_out: names().map(|n| (n.clone(), without(n))).collect(),
-            poses,
-        }
+        Self { seed: split.seed, test_fraction: split.test.get(), poses }
+    }
+
+    /// Returns the split of one object alone, for unseen poses; None if there is no such object.
+    pub fn single(&self, object: &str) -> Option<Sets> {
+        let only = |poses: &Poses| Some(Poses::from([(object.to_string(), poses.get(object)?.clone())]));
+        Some(Sets { train: only(&self.poses.train)?, test: only(&self.poses.test)? })
     }
 
     /// Returns the split without the object of this name and those that begin with it and a `-`, for training against these, for the test.

@@ -1,33 +1,20 @@
 //! Quality of the hold on the object: its way over the pads, and the load that the grip can still carry.
 
+use crate::linear::limit_surface::LimitSurface;
 use crate::model::Model;
 use crate::record::Frame;
 use glam::DVec3;
 
 /// Returns the part of the friction limit that the load `load` (N, hand frame, at the object's centre of mass) leaves: 1 without
 /// load, 0 where the object slips as a whole, negative beyond.
-///
-/// The limit surface of the two contacts is one ellipsoid in force and torque about the closing direction (Goyal, Ruina and
-/// Papadopoulos 1991; Howe and Cutkosky 1996), from the pressure on the pads: `(f / mu N)^2 + (m / mu sum p r)^2 = 1`.
 pub fn margin(model: &Model, friction: f64, frame: &Frame, load: DVec3) -> f64 {
-    let presses = || {
-        frame.pads.iter().zip(&model.fingers).flat_map(|(pad, finger)| {
-            let closing = finger.placement.closing;
-            pad.contact_force.iter().zip(&pad.position).map(move |(f, x)| ((-f.dot(closing)).max(0.0), *x))
-        })
-    };
-    let normal: f64 = presses().map(|(p, _)| p).sum();
-    if normal <= 0.0 {
-        return if load == DVec3::ZERO { 1.0 } else { f64::NEG_INFINITY };
-    }
-    let closing = model.fingers[0].placement.closing;
-    let across = |v: DVec3| v - closing * v.dot(closing);
-    let center = presses().map(|(p, x)| x * p).sum::<DVec3>() / normal;
-    let arm: f64 = presses().map(|(p, x)| p * across(x - center).length()).sum();
+    let Some(finger) = model.fingers.first() else { return 1.0 };
+    let presses = frame.pads.iter().zip(&model.fingers).flat_map(|(pad, finger)| {
+        let closing = finger.placement.closing;
+        pad.contact_force.iter().zip(&pad.position).map(move |(f, x)| ((-f.dot(closing)).max(0.0), *x))
+    });
     let mass = frame.object_position + frame.object_rotation * model.object.mass.center;
-    let torque = (mass - center).cross(load).dot(closing);
-    let part = |value: f64, limit: f64| if value == 0.0 { 0.0 } else { value / (friction * limit) };
-    1.0 - part(across(load).length(), normal).hypot(part(torque, arm))
+    LimitSurface::new(finger.placement.closing, presses).margin(friction, load, mass, DVec3::ZERO)
 }
 
 /// Returns the way of the object over the pads between two frames, across the closing direction, m. It is the mean over the pads of

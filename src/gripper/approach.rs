@@ -61,8 +61,14 @@ pub fn approach(
     let outline = surface.faces.iter().flat_map(|face| face.corners).map(|n| seen(x[n as usize]));
     let (low, high) = outline.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
     let (low, high) = (low - clearance, high + clearance);
+    let corners = surface.faces.iter().flat_map(|face| face.corners).map(|n| x[n as usize].dot(closing));
+    let foremost = corners.fold(f64::NEG_INFINITY, f64::max);
     for feature in features {
         let point = rotation * feature.position + position;
+        // The pad is no farther than where its foremost corner would meet the point.
+        if point.dot(closing) - foremost - clearance >= first {
+            continue;
+        }
         let before = seen(point);
         if before.cmplt(low).any() || before.cmpgt(high).any() {
             continue;

@@ -8,6 +8,7 @@ pub mod deviator;
 pub mod edges;
 pub mod first_contact;
 pub mod known_pads;
+pub mod limit_surface;
 pub mod mortar;
 pub mod object_motion;
 pub mod pad_graph;

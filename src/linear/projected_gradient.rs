@@ -41,26 +41,30 @@ pub struct Touching {
 /// must be closed for them.
 pub fn projected_contact(compliance: &Compliance, face: &[Vec<Touching>], friction: f64) -> Vec<(Vec<DVec3>, f64)> {
     let deepest: Vec<f64> = face.iter().map(|load| load.iter().map(|n| n.pressed).fold(0.0, f64::max)).collect();
-    // From zero to one, so that a node that comes near does not make the forces jump.
-    let takes_part = |load: usize, i: usize| {
-        let near = (face[load][i].pressed / (REACH * deepest[load].max(f64::MIN_POSITIVE)) + 1.0).clamp(0.0, 1.0);
-        if face[load][i].normal == DVec3::ZERO { 0.0 } else { near * near * (3.0 - 2.0 * near) }
+    // The part that each node takes, from zero to one: so a node that comes near does not make the forces jump.
+    let part = |(load, deepest): (&Vec<Touching>, &f64)| -> Vec<f64> {
+        let of = |node: &Touching| {
+            let near = (node.pressed / (REACH * deepest.max(f64::MIN_POSITIVE)) + 1.0).clamp(0.0, 1.0);
+            if node.normal == DVec3::ZERO { 0.0 } else { near * near * (3.0 - 2.0 * near) }
+        };
+        load.iter().map(of).collect()
     };
+    let part: Vec<Vec<f64>> = face.iter().zip(&deepest).map(part).collect();
     let count = face.first().map_or(0, Vec::len);
-    let near: Vec<usize> = (0..count).filter(|i| (0..face.len()).any(|load| takes_part(load, *i) > 0.0)).collect();
+    let near: Vec<usize> = (0..count).filter(|i| part.iter().any(|load| load[*i] > 0.0)).collect();
     let mut done: Vec<(Vec<DVec3>, f64)> =
         face.iter().map(|load| (load.iter().map(|n| n.force).collect(), 0.0)).collect();
     if near.is_empty() {
         return done;
     }
-    let mut iteration = ProjectedGradient::new(compliance, face, &near, &deepest, takes_part, friction);
+    let mut iteration = ProjectedGradient::new(compliance, face, &near, &deepest, &part, friction);
     for step in 0..STEPS {
         iteration.respond();
         let momentum = (step + 1) as f64 / (step + 4) as f64;
         Arch::new().dispatch(|| iteration.step(momentum));
     }
     for (load, (forces, closer)) in done.iter_mut().enumerate() {
-        for (k, i) in near.iter().enumerate().filter(|(_, i)| takes_part(load, **i) > 0.0) {
+        for (k, i) in near.iter().enumerate().filter(|(_, i)| part[load][**i] > 0.0) {
             forces[*i] = DVec3::from_array([0, 1, 2].map(|a| iteration.nodes[k].force[a][load]));
         }
         *closer = iteration.closer[load];
@@ -110,7 +114,7 @@ impl ProjectedGradient {
         face: &[Vec<Touching>],
         near: &[usize],
         deepest: &[f64],
-        takes_part: impl Fn(usize, usize) -> f64,
+        takes_part: &[Vec<f64>],
         friction: f64,
     ) -> Self {
         let m = near.len();
@@ -137,7 +141,6 @@ impl ProjectedGradient {
             matrix,
         };
         all.deepest[..deepest.len()].copy_from_slice(deepest);
-        // The part that each node takes under each load.
         let mut part = vec![[0.0; LANES]; m];
         for (k, (node, i)) in all.nodes.iter_mut().zip(near).enumerate() {
             node.normal = face[0][*i].normal.to_array();
@@ -147,7 +150,7 @@ impl ProjectedGradient {
             let stiff = 1.0 / give.max(1e-9);
             for load in 0..face.len() {
                 let at = &face[load][*i];
-                part[k][load] = takes_part(load, *i);
+                part[k][load] = takes_part[load][*i];
                 if part[k][load] == 0.0 {
                     continue;
                 }

@@ -164,7 +164,8 @@ impl Model {
         let needs = Needs::of(scene);
         // Friction makes the answer depend on the path of a quasi-static load, nothing else does.
         let depends = scene.gripper.friction.get() > 0.0 && dynamics.is_none() && !fingers.is_empty();
-        let auditor = needs.audit.then(|| Auditor::new(&scene.object, &object, &fingers, (offset, spec.density)));
+        let audit = || Auditor::new(&scene.promises(), &scene.object, &object, &fingers, (offset, spec.density));
+        let auditor = needs.audit.then(audit);
         let mut model = Self {
             release: 0.0,
             path_error: depends.then(|| fem.path.get()),

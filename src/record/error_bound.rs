@@ -15,6 +15,15 @@ pub struct ErrorBound {
 }
 
 impl ErrorBound {
+    /// Returns the larger of both errors, for each quantity.
+    pub fn or_larger(&self, other: &Self) -> Self {
+        Self {
+            displacement: self.displacement.max(other.displacement),
+            stress: self.stress.max(other.stress),
+            travel: self.travel.max(other.travel),
+        }
+    }
+
     /// Names of the three columns.
     pub const NAMES: [&str; 3] = ["displacement_error", "stress_error", "travel_error"];
 

@@ -3,6 +3,7 @@
 use super::check;
 use super::diagnose::{Diagnosis, clipped, explain};
 use super::grasps::Grasps;
+use super::gripper::Gripper;
 use super::lint::lint;
 use super::object::{Object, ObjectShape};
 use super::objects::{Name, NamedScene, Split};
@@ -404,16 +405,17 @@ fn resolve_paths(part: &mut ScenePart, dir: &Path) -> std::result::Result<(), (S
         Grasps::File(grasps) => file(&mut grasps.path, format!("{field}.path")),
         _ => Ok(()),
     };
+    let gripper = |gripper: &mut Gripper, field: &str| match &mut gripper.pads {
+        Pads::File(pad) => file(&mut pad.path, format!("{field}.pads.path")),
+        _ => Ok(()),
+    };
     part.object.as_mut().map_or(Ok(()), |o| object(o, "object"))?;
     part.grasps.as_mut().map_or(Ok(()), |g| grasps(g, "grasps"))?;
+    part.gripper.as_mut().map_or(Ok(()), |g| gripper(g, "gripper"))?;
     for (i, entry) in part.objects.iter_mut().flatten().enumerate() {
         object(&mut entry.object, &format!("objects[{i}].object"))?;
         entry.grasps.as_mut().map_or(Ok(()), |g| grasps(g, &format!("objects[{i}].grasps")))?;
-    }
-    if let Some(gripper) = &mut part.gripper
-        && let Pads::File(pad) = &mut gripper.pads
-    {
-        file(&mut pad.path, "gripper.pads.path".into())?;
+        entry.gripper.as_mut().map_or(Ok(()), |g| gripper(g, &format!("objects[{i}].gripper")))?;
     }
     if let Some(StepperChoice::Gnn(gnn)) = &mut part.stepper {
         // whether there is a model is for the engine to say

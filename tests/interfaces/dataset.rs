@@ -70,8 +70,12 @@ fn what_is_read_is_what_was_simulated_and_the_scene_rebuilds_the_model() {
     assert!(missed.frames == 0 && missed.reason.contains("meets nothing within its stroke"), "{}", missed.reason);
     let all: usize = set.splits.poses.train.values().chain(set.splits.poses.test.values()).map(Vec::len).sum();
     assert_eq!(all, 6, "every pose is in one of the sets");
-    assert_eq!(set.select(&set.splits.leave_one_object_out["box"].test), [(1, 0), (1, 2)], "reached grasps only");
-    assert_eq!(set.splits.without("box"), set.splits.leave_one_object_out["box"]);
+    let without = set.splits.without("box");
+    assert_eq!(set.select(&without.test), [(1, 0), (1, 2)], "reached grasps only");
+    assert!(!without.train.contains_key("box") && without.train.values().all(|poses| poses.len() == 3), "{without:?}");
+    let single = set.splits.single("box").unwrap();
+    assert_eq!((single.train.len(), single.test.len()), (1, 1));
+    assert!(set.splits.single("nobody").is_none());
     assert!(set.splits.without("bo").test.is_empty(), "a part of a name is no family");
 }
 

@@ -152,3 +152,31 @@ fn an_open_mesh_is_refused_with_its_file() {
         assert!(text.contains("open.obj"), "{text}");
     }
 }
+
+#[test]
+fn predictions_of_many_grasps_come_as_a_table_as_json_and_as_arrays() {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("arrays");
+    let run = tactus(&["predict", "scenes/lemon.ron", "--format", "json", "-o", out.to_str().unwrap()]);
+    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
+    let json: Value = serde_json::from_slice(&run.stdout).unwrap();
+    let object = &json["objects"][0];
+    assert_eq!((object["name"].as_str(), object["loads"].as_u64()), (Some("lemon"), Some(5)));
+    let grasps = object["grasps"].as_array().unwrap();
+    assert_eq!(grasps.len(), 2);
+    for grasp in grasps {
+        let travel = grasp["travel_mm"].as_f64();
+        assert!(travel.is_some_and(|travel| (0.1..3.0).contains(&travel)), "{grasp}");
+    }
+    let mut npz = ndarray_npy::NpzReader::new(std::fs::File::open(out.join("lemon.npz")).unwrap()).unwrap();
+    let displacement: ndarray::ArrayD<f32> = npz.by_name("displacement_m").unwrap();
+    assert_eq!(displacement.shape()[..3], [2, 5, 2]);
+
+    let scene = write(dir.path(), 2, "grasps: List([(position: (0, 0, -0.1)), (position: (0, 0.2, -0.1))])");
+    let run = tactus(&["predict", scene.to_str().unwrap(), "--extrapolate"]);
+    let text = String::from_utf8_lossy(&run.stdout);
+    assert_eq!(run.status.code(), Some(1), "{text}{}", String::from_utf8_lossy(&run.stderr));
+    assert!(text.contains("meets nothing") && text.contains("1 of 2 grasps in"), "{text}");
+    assert_eq!(tactus(&["predict", "scenes/lemon.ron", "--grasps", "5"]).status.code(), Some(0));
+    assert_eq!(tactus(&["predict", "scenes/lemon.ron", "--model", "nobody"]).status.code(), Some(2));
+}

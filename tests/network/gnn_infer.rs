@@ -4,6 +4,7 @@ use crate::gnn_made::{ball, made};
 use tactus::linear::GraspLoad;
 use tactus::linear::first_contact::GeometricContact;
 use tactus::net::infer::predict::{GraspState, PadState, Predictor, Seen};
+use tactus::net::infer::ramp::Ramp;
 
 /// Relative difference of two lists of numbers, in their L2 norms.
 fn apart(a: &[f64], b: &[f64]) -> f64 {
@@ -89,4 +90,46 @@ fn the_answer_follows_the_force_without_jumps() {
             assert!(bend < 1e-3, "{name} bends by {bend:e} at {} N", forces[k + 1]);
         }
     }
+}
+
+/// All frames of a ramp against the same frames decoded one by one: 0.4 % of displacement, stress and travel.
+#[test]
+fn a_ramp_of_few_decoded_loads_has_all_others() {
+    let predictor = Predictor::open(&made().model).unwrap();
+    let seen = seen(&predictor);
+    let loads: Vec<GraspLoad> = (0..=100).map(|k| (0.5 + 0.005 * f64::from(k)).into()).collect();
+    let ramp = Ramp::new(&predictor, &seen, &loads).unwrap();
+    assert_eq!(ramp.len(), loads.len());
+    assert!(ramp.decoded() < loads.len() / 2, "{} decoded loads", ramp.decoded());
+    for (k, decoded) in predictor.ramp(&seen, &loads).unwrap().iter().enumerate() {
+        let own = ramp.at(k).unwrap();
+        for ((name, a), (_, b)) in
+            lists(&own.pads).iter().zip(&lists(&decoded.pads)).filter(|((name, _), _)| *name != "contact force")
+        {
+            assert!(apart(a, b) < 4e-3, "{name} at load {k}: {:e} relative", apart(a, b));
+        }
+        // What is interpolated still carries the load.
+        let pressed = |state: &GraspState| state.pads.iter().flat_map(|p| &p.contact).map(|f| f.z).sum::<f64>();
+        assert!((pressed(&own) / pressed(decoded) - 1.0).abs() < 1e-5, "{} N at load {k}", pressed(&own));
+    }
+    assert!(ramp.at(loads.len()).is_none());
+}
+
+/// Many grasps at once are the same bits as one after the other, on any number of threads.
+#[test]
+fn many_grasps_are_those_of_each_alone() {
+    let predictor = Predictor::open(&made().model).unwrap();
+    let (model, pose) = ball(made());
+    let far = tactus::gripper::GraspPose { position: pose.position + glam::DVec3::Y, ..pose };
+    let states = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let many = pool.install(|| predictor.many(&model, &[pose, far, pose], false)).unwrap();
+        many.into_iter()
+            .map(|answer| answer.ok().and_then(|answer| answer.ramp.at(answer.ramp.len() - 1)))
+            .collect::<Vec<_>>()
+    };
+    let all = states(1);
+    assert!(all[0].is_some() && all[1].is_none(), "the second grasp meets nothing");
+    assert_eq!(all[0], all[2]);
+    assert_eq!(states(2), all);
 }

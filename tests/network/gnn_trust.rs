@@ -55,3 +55,27 @@ fn grasps_that_the_network_is_not_sure_of_go_to_finite_elements() {
     let unknown = ends(1e6, ("friction: 0.8", "friction: 1.6")).handed_over.unwrap();
     assert!(unknown.contains("friction is 1.6"), "{unknown}");
 }
+
+/// A push past what friction holds ends the grasp where finite elements end it, to a tenth of the load that friction holds.
+#[test]
+fn a_push_past_friction_drops_the_object_where_finite_elements_do() {
+    let frames = 15;
+    let held = |stepper: &str| {
+        let text = format!(
+            "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 2.6e-3), friction: 0.5),
+              loading: Squeeze(force: 10.0, frames: 2, push: (force: (0.0, 7.5, 0.0), frames: {frames})), stepper: {stepper})"
+        );
+        let scene = from_ron(&text).unwrap();
+        let (model, stepper) = (Model::build(&scene).unwrap(), choose(&scene).unwrap());
+        let poses: Vec<_> = tactus::grasp::poses_of(&scene).unwrap().into_iter().enumerate().collect();
+        let end = run_grasps(&model, stepper.as_ref(), &poses, 1, &()).unwrap().remove(0).summary;
+        assert_eq!(end.status, Status::Dropped, "{:?}", end.reason);
+        // Over 0.5 x 10 N.
+        1.5 * (end.frames - 2) as f64 / f64::from(frames)
+    };
+    let (truth, predicted) = (held("Fem(solver: Condensed())"), held("Gnn(model: \"universe\")"));
+    assert!(
+        (truth - predicted).abs() <= 0.1 + 1e-9,
+        "finite elements hold {truth}, the network {predicted} of Coulomb's limit"
+    );
+}

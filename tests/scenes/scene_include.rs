@@ -34,7 +34,16 @@ fn paths_start_at_the_file_that_names_them() {
         "(include: [\"parts/gripper.ron\"], object: (shape: Sphere(radius: 0.01)), loading: Squeeze(force: 1))",
     );
     let loaded = load(dir.path().join("main.ron")).unwrap();
-    assert!(matches!(&loaded.scene.gripper.pads, Pads::File(f) if f.path == dir.path().join("parts/pad.tet")));
+    let pad = dir.path().join("parts/pad.tet");
+    assert!(matches!(&loaded.scene.gripper.pads, Pads::File(f) if f.path == pad));
+    write(
+        dir.path(),
+        "objects.ron",
+        "(objects: [(name: \"ball\", object: (shape: Sphere(radius: 0.01)), gripper: (pads: File(\"parts/pad.tet\")))],
+          loading: Squeeze(force: 1))",
+    );
+    let loaded = load(dir.path().join("objects.ron")).unwrap();
+    assert!(matches!(&loaded.scene.gripper.pads, Pads::File(f) if f.path == pad));
 }
 
 #[test]

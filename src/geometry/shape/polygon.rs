@@ -124,8 +124,15 @@ impl Profile {
     /// Returns the closest point to `q` with squared distance below `limit`.
     pub(crate) fn nearest(&self, q: DVec2, limit: f64) -> Option<ProfilePoint> {
         let (mut best, mut at, mut along) = (limit, usize::MAX, 0.0);
-        for (c, b) in self.boxes.iter().enumerate() {
-            if (b.0 - q).max(q - b.1).max(DVec2::ZERO).length_squared() >= best {
+        let apart = |c: usize| {
+            let b = self.boxes[c];
+            (b.0 - q).max(q - b.1).max(DVec2::ZERO).length_squared()
+        };
+        // The nearest box first: it leaves little to the others.
+        let count = self.boxes.len();
+        let first = (0..count).map(|c| (c, apart(c))).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(c, _)| c);
+        for c in (first..count).chain(0..first) {
+            if apart(c) >= best {
                 continue;
             }
             for i in c * CHUNK..self.segments().min((c + 1) * CHUNK) {

@@ -8,7 +8,7 @@
 //! | no penetration | [`penetration`]: points of the pads against [`solid`], of the object and of the other pad against the tetrahedra |
 //! | converged | [`equilibrium`]: elastic forces of the recorded positions against the loads |
 //!
-//! A scene that makes none of these promises pays nothing.
+//! A scene pays for the promises that it makes, and for no other.
 
 pub mod columns;
 pub mod equilibrium;
@@ -21,7 +21,7 @@ pub mod triangle;
 use crate::geometry::shape::Shape;
 use crate::part::FingerModel;
 use crate::record::Frame;
-use crate::scene;
+use crate::scene::{self, Expectation};
 use glam::DVec3;
 use penetration::{ObjectPoints, PadSurface};
 use rayon::prelude::*;
@@ -34,7 +34,7 @@ use tetrahedra::Tetrahedra;
 pub struct Findings {
     /// True if every number is finite.
     pub finite: bool,
-    /// Smallest det F; positive where nothing is inverted.
+    /// Smallest det F; positive where nothing is inverted. NaN, like the next numbers, if no promise is about it.
     pub min_det_f: f64,
     /// Depth of pads and object in each other at the worst point, m; zero if they do not overlap.
     pub penetration: f64,
@@ -45,9 +45,9 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Returns true if such a state is possible: every number is finite and no element is turned inside out.
+    /// Returns true if such a state is possible: every number is finite and no element is known to be turned inside out.
     pub fn is_sound(&self) -> bool {
-        self.finite && self.min_det_f > 0.0
+        self.finite && (self.min_det_f.is_nan() || self.min_det_f > 0.0)
     }
 
     /// Returns the worse of both in every respect; NaN, which is not known to be good, is worse than any number.
@@ -64,9 +64,18 @@ impl Findings {
     }
 }
 
+/// What the promises of a scene are about.
+#[derive(Debug)]
+struct Asked {
+    inversion: bool,
+    penetration: bool,
+    equilibrium: bool,
+}
+
 /// Data of a scene that its audit needs and no frame changes.
 #[derive(Debug)]
 pub struct Auditor {
+    asked: Asked,
     solid: Solid,
     object: ObjectPoints,
     pads: Vec<PadSurface>,
@@ -77,9 +86,10 @@ pub struct Auditor {
 }
 
 impl Auditor {
-    /// Creates the auditor of the scene's object, which is `shape`, and its fingers, whose gel has `gel_density` (kg/m3). Contact
-    /// has this `offset` (m).
+    /// Creates the auditor of `promises` about the scene's object, which is `shape`, and its fingers, whose gel has `gel_density` (kg/m3).
+    /// Contact has this `offset` (m).
     pub fn new(
+        promises: &[Expectation],
         object: &scene::Object,
         shape: &Shape,
         fingers: &[FingerModel],
@@ -88,7 +98,13 @@ impl Auditor {
         let pads: Vec<_> = fingers.iter().map(|f| PadSurface::new(&f.topology)).collect();
         let spacing = pads.iter().map(|p| p.spacing).fold(f64::INFINITY, f64::min);
         let (solid, object) = (Solid::new(object, shape), ObjectPoints::new(&shape.surface, shape.exact, spacing));
-        Self { solid, object, pads, offset, gel_density }
+        let asked = |of: fn(&Expectation) -> bool| promises.iter().any(of);
+        let asked = Asked {
+            inversion: asked(|e| matches!(e, Expectation::NoInversion)),
+            penetration: asked(|e| matches!(e, Expectation::NoPenetration | Expectation::Penetration(_))),
+            equilibrium: asked(|e| matches!(e, Expectation::Converged(_))),
+        };
+        Self { asked, solid, object, pads, offset, gel_density }
     }
 
     /// Judges a frame of the same fingers; `gravity` is in the hand frame, m/s2.
@@ -98,16 +114,15 @@ impl Auditor {
             let nan = f64::NAN;
             return Findings { finite: false, min_det_f: nan, penetration: nan, offset, imbalance: nan };
         }
+        let det = || {
+            let pads = fingers.iter().zip(&frame.pads);
+            pads.map(|(f, pad)| inversion::min_det_f(&f.topology, &pad.position)).fold(f64::INFINITY, f64::min)
+        };
+        let imbalance = || equilibrium::imbalance(fingers, &self.pads, frame, gravity * self.gel_density);
+        let if_asked = |asked: bool, of: &dyn Fn() -> f64| if asked { of() } else { f64::NAN };
         let (penetration, (min_det_f, imbalance)) = rayon::join(
-            || self.penetration(fingers, frame),
-            || {
-                let pads = fingers.iter().zip(&frame.pads);
-                let det = pads.map(|(f, pad)| inversion::min_det_f(&f.topology, &pad.position));
-                (
-                    det.fold(f64::INFINITY, f64::min),
-                    equilibrium::imbalance(fingers, &self.pads, frame, gravity * self.gel_density),
-                )
-            },
+            || if_asked(self.asked.penetration, &|| self.penetration(fingers, frame)),
+            || (if_asked(self.asked.inversion, &det), if_asked(self.asked.equilibrium, &imbalance)),
         );
         Findings { finite: true, min_det_f, penetration, offset, imbalance }
     }

@@ -2,7 +2,8 @@
 //!
 //! The object is rigid and free, or held; the pads answer to contact forces by their linear response at rest. Force rises
 //! step by step: at each, the object's distance and normal are looked up where the pads are, and `step.rs` solves for
-//! contact forces, travel and pose together. The network learns what large strains do differently.
+//! contact forces, travel and pose together, anew as long as the object moves far: one that is let go, or rolls. The network learns
+//! what large strains do differently.
 //!
 //! Quantities are dimensionless: lengths over the thickness t, forces over `E t^2`. Axes are those of the hand, with the origin
 //! amid the pads; those of a pad are in its frame.
@@ -23,6 +24,10 @@ const STEP: f64 = 1.5;
 const FIRST: f64 = 1e-3;
 /// Part of its force that a finger presses with at least, however heavy the object.
 const LEAST: f64 = 0.05;
+/// Largest number of looks at the object under one force.
+const LOOKS: usize = 8;
+/// Rigid motion, over the largest of a step, below which one more look tells nothing new.
+const SETTLED: f64 = 0.1;
 /// Distance from the object beyond which face nodes do not see it.
 const FAR: f64 = 2.5;
 
@@ -141,13 +146,13 @@ impl RigidEquilibrium {
             let next = f64::max(FIRST, force * STEP);
             let stops = changes.iter().filter(|(at, used)| *used && force < *at && *at <= next);
             let next = stops.map(|(at, _)| *at).fold(next, f64::min);
-            let after = equilibrium.looked(equilibrium.follow(&rest, &next.into()), &object);
+            let after = equilibrium.settle(&rest, next, &object);
             equilibrium.path.push((force, std::mem::replace(&mut rest, after)));
             force = next;
             if changes.contains(&(force, true)) {
                 equilibrium.held = force < held;
                 equilibrium.weight = if equilibrium.held { equilibrium.weight } else { heavy };
-                let after = equilibrium.looked(equilibrium.follow(&rest, &force.into()), &object);
+                let after = equilibrium.settle(&rest, force, &object);
                 equilibrium.path.push((force.next_down(), std::mem::replace(&mut rest, after)));
             }
         }
@@ -179,10 +184,23 @@ impl RigidEquilibrium {
     pub fn rest(&self, load: &GraspLoad) -> Rest {
         let squeezed = match (around(&self.path, load.force), self.path.last()) {
             (Some((before, after, part)), _) => before.towards(after, part),
-            (None, Some((most, last))) if *most < load.force => self.follow(last, &load.force.into()),
+            (None, Some((most, last))) if *most < load.force => self.follow(last, &load.force.into()).0,
             _ => self.path[0].1.clone(),
         };
         if load.push == [DVec3::ZERO; 2] || !self.free { squeezed } else { self.pushed(&squeezed, load) }
+    }
+
+    /// State at rest under a force, with what is seen there: object and fingers move and look until they hardly move any more.
+    fn settle(&self, before: &Rest, force: f64, object: &Object) -> Rest {
+        let mut rest = before.clone();
+        for _ in 0..LOOKS {
+            let (after, motion) = self.follow(&rest, &force.into());
+            rest = self.looked(after, object);
+            if motion < SETTLED {
+                break;
+            }
+        }
+        rest
     }
 
     /// State after a push on the squeezed object. What the pads see of it there is what they see in the nearest state of the path.
@@ -205,7 +223,7 @@ impl RigidEquilibrium {
             })
         };
         let seen = (0..self.fingers.len()).map(|pad| along(pad).collect()).collect();
-        self.follow(&Rest { seen, ..squeezed.clone() }, load)
+        self.follow(&Rest { seen, ..squeezed.clone() }, load).0
     }
 
     /// Depth that the object asks of each face node of `pad` along its normal, which is given with it; negative is a gap.

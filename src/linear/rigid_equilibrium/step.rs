@@ -22,8 +22,10 @@ const ITERATIONS: usize = 16;
 /// Iteration from which on springs of slipping basis functions change by half of what they should: no two of them chase each
 /// other.
 const CALM: usize = 6;
-/// Largest rigid motions of a step: beyond them nothing holds the object, and it is lost.
-const LARGEST: [f64; RIGID] = [1.0, 1.0, 0.5, 0.5, 0.5, 0.2, 0.2, 0.2];
+/// Largest rigid motions of a step: so far gaps and normals of its start tell where the object is.
+const LARGEST: [f64; RIGID] = [1.0, 1.0, 0.25, 0.25, 0.25, 0.1, 0.1, 0.1];
+/// Damping of rigid motions over their stiffness, tried one after the other until they are no larger (Marquardt 1963).
+const DAMPING: [f64; 7] = [0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
 /// Stiffness against a rigid motion that nothing holds, over the largest of all.
 const HELD: f64 = 1e-7;
 /// Distance from the nearest basis function up to which others begin to touch when a pad does.
@@ -50,21 +52,30 @@ struct Solved {
 }
 
 impl RigidEquilibrium {
-    /// Finds the equilibrium under `load` after `before`, without the views from its basis functions. An object
-    /// that nothing holds stays where it was, and the fingers close on it: linear pads cannot say whether it slips away.
-    pub(crate) fn follow(&self, before: &Rest, load: &GraspLoad) -> Rest {
-        let moving = if self.free && !self.held { self.moved(before, load, true) } else { None };
-        moving.or_else(|| self.moved(before, load, false)).unwrap_or_else(|| before.clone())
+    /// Finds the equilibrium under `load` after `before`, or a state on the way there, without the views from its basis functions. Returns
+    /// with it the largest rigid motion over [`LARGEST`]: 1 if it was damped. An object that nothing holds stays where it was, and the
+    /// fingers close on it: linear pads cannot say whether it slips away.
+    pub(crate) fn follow(&self, before: &Rest, load: &GraspLoad) -> (Rest, f64) {
+        if self.free && !self.held {
+            for damping in DAMPING {
+                let (rest, motion) = self.moved(before, load, Some(damping));
+                if motion < 1.0 {
+                    return (rest, if damping > 0.0 { 1.0 } else { motion });
+                }
+            }
+        }
+        let (rest, motion) = self.moved(before, load, None);
+        (if motion < 1.0 { rest } else { before.clone() }, 0.0)
     }
 
-    /// Finds the equilibrium with an object that moves or stays; None if rigid motions are larger than [`LARGEST`].
-    fn moved(&self, before: &Rest, load: &GraspLoad, moves: bool) -> Option<Rest> {
+    /// Finds the equilibrium with an object that moves, damped, or that stays. Returns with it the largest rigid motion over [`LARGEST`].
+    fn moved(&self, before: &Rest, load: &GraspLoad, damping: Option<f64>) -> (Rest, f64) {
         let mut contacts: Vec<Contact> = (0..self.fingers.len()).map(|p| Contact::new(before, p)).collect();
         let (mut rigid, mut now) = ([0.0; RIGID], before.clone());
         for iteration in 0..ITERATIONS {
             let solve = |(p, contact): (usize, &Contact)| self.solve(p, before, contact);
             let Some(solved) = contacts.par_iter().enumerate().map(solve).collect::<Option<Vec<_>>>() else { break };
-            rigid = self.balance(before, &solved, load, moves);
+            rigid = self.balance(before, &solved, load, damping);
             let part = if iteration < CALM { 1.0 } else { 0.5 };
             let update = |(p, contact): (usize, &mut Contact)| {
                 self.update_active_set(p, before, contact, &solved[p], &rigid, part)
@@ -74,9 +85,6 @@ impl RigidEquilibrium {
             if unchanged.into_iter().all(|same| same) {
                 break;
             }
-        }
-        if rigid.iter().zip(LARGEST).any(|(q, most)| q.abs() >= most) {
-            return None;
         }
         (0..self.fingers.len()).for_each(|p| now.travel[p] += rigid[self.travel(p)]);
         now.shift += DVec3::from_slice(&rigid[2..5]);
@@ -92,7 +100,8 @@ impl RigidEquilibrium {
             now.force[p] = contact.force.iter().enumerate().map(held).collect();
             now.moved[p] = self.graph.basis.respond(&now.force[p]);
         }
-        Some(now)
+        let motions = rigid.iter().zip(LARGEST).map(|(q, most)| q.abs() / most);
+        (now, motions.fold(0.0, f64::max))
     }
 
     /// Index of the unknown that is the travel of `finger`: fingers around a free object are geared, as in the finite elements.
@@ -146,8 +155,8 @@ impl RigidEquilibrium {
         Some(Solved { basis, factor, columns })
     }
 
-    /// The rigid motions under which the object, if it moves, and the fingers are in balance.
-    fn balance(&self, before: &Rest, solved: &[Solved], load: &GraspLoad, moves: bool) -> Rigid {
+    /// The rigid motions under which the object, if it moves, and the fingers are in balance with `damping`.
+    fn balance(&self, before: &Rest, solved: &[Solved], load: &GraspLoad, damping: Option<f64>) -> Rigid {
         let (mut stiffness, mut right) = ([[0.0; RIGID]; RIGID], [0.0; RIGID]);
         for (p, solved) in solved.iter().enumerate() {
             let dot = |a: usize, b: usize| solved.columns.col(a).transpose() * solved.columns.col(b);
@@ -163,10 +172,11 @@ impl RigidEquilibrium {
             right[2 + k] += force[k];
             right[5 + k] += torque[k];
         }
-        let used = |a: usize| if a < 2 { (0..solved.len()).any(|p| self.travel(p) == a) } else { moves };
+        let used = |a: usize| if a < 2 { (0..solved.len()).any(|p| self.travel(p) == a) } else { damping.is_some() };
+        let damping = damping.unwrap_or(0.0);
         let scale = (0..RIGID).map(|a| stiffness[a][a]).fold(1e-9, f64::max);
         let matrix = Mat::<f64>::from_fn(RIGID, RIGID, |a, b| match (used(a) && used(b), a == b) {
-            (true, same) => stiffness[a][b] + if same { HELD * scale } else { 0.0 },
+            (true, same) => stiffness[a][b] + if same { HELD * scale + damping * stiffness[a][a] } else { 0.0 },
             (false, same) => f64::from(u8::from(same)),
         });
         let right = Mat::<f64>::from_fn(RIGID, 1, |a, _| if used(a) { right[a] } else { 0.0 });

@@ -64,56 +64,25 @@ impl Answer {
         })
     }
 
-    /// Returns the state at a mean of levels, each given with its weight; its error is the largest of theirs.
-    pub(crate) fn mixed(&self, levels: &[(usize, f64)]) -> GraspState {
-        let pads = (0..self.pads).map(|pad| self.pad(pad, levels)).collect();
-        let error = self.interval.and_then(|interval| {
-            let all = levels.iter().filter_map(|(level, _)| Some(interval.at(self.signs.get(*level)?)));
-            all.reduce(|a, b| ErrorBound {
-                displacement: a.displacement.max(b.displacement),
-                stress: a.stress.max(b.stress),
-                travel: a.travel.max(b.travel),
-            })
-        });
-        GraspState { pads, error }
+    /// Returns the state at one level.
+    pub(crate) fn at(&self, level: usize) -> GraspState {
+        mixed(&[(self, level, 1.0)])
     }
 
-    fn pad(&self, pad: usize, levels: &[(usize, f64)]) -> PadState {
-        let Self { loads, out, norms, graph, .. } = self;
-        let (t, nodes, face) = (graph.thickness, graph.node_count, graph.face.len());
-        let stressed = if self.stress { nodes } else { 0 };
-        let mut state = PadState {
-            displacement: vec![DVec3::ZERO; nodes],
-            stress: vec![0.0; stressed],
-            contact: vec![DVec3::ZERO; nodes],
-            travel: 0.0,
-            shift: DVec3::ZERO,
-            turn: DVec3::ZERO,
-        };
-        for &(level, weight) in levels {
-            // Rows are levels, then pads.
-            let at = level * self.pads + pad;
-            let depth = loads.depth[at] * weight;
-            let unit = depth * f64::from(norms.displacement);
-            let moved = own(&out.displacement, at, nodes).as_chunks().0;
-            state.displacement.iter_mut().zip(moved).for_each(|(u, v)| *u += vector(v) * unit);
-            let unit = self.young * depth / t * f64::from(norms.stress);
-            let stress = own(&out.stress, at, stressed);
-            state.stress.iter_mut().zip(stress).for_each(|(s, v)| *s += f64::from(*v) * unit);
-            let unit = loads.pressing[at] * self.unit_force * weight;
-            for (i, c) in graph.face.iter().zip(own(&out.contact, at, face).as_chunks::<3>().0) {
-                // Shares are of a force against the closing direction, friction in the same unit.
-                state.contact[*i as usize] += vector(&[c[1], c[2], -c[0]]) * unit;
-            }
-            let motion = own(&out.motion, at, 1).as_chunks().0;
-            let given = |k: usize| DVec3::from_slice(&loads.motion[6 * at + k..]) * weight;
-            state.travel += self.travel.get(at).map_or_else(|| self.head_travel(at), |travel| *travel) * weight;
-            state.shift += given(0) + vector(&motion[0]) * (depth * f64::from(norms.motion[0]));
-            state.turn += given(3) + vector(&motion[1]) * (depth / t * f64::from(norms.motion[1]));
-        }
-        // A combination of levels may lie beside them.
-        state.stress.iter_mut().for_each(|s| *s = s.max(0.0));
-        state
+    /// Returns the errors of a level that nine of ten such predictions stay below.
+    pub(crate) fn error(&self, level: usize) -> Option<ErrorBound> {
+        Some(self.interval?.at(self.signs.get(level)?))
+    }
+
+    /// Returns the displacement of the face nodes of all pads at a level, m.
+    pub(crate) fn face_displacement(&self, level: usize) -> impl ExactSizeIterator<Item = DVec3> {
+        let (graph, nodes) = (&self.graph, self.graph.node_count);
+        let count = graph.face.len();
+        (0..self.pads * count).map(move |i| {
+            let at = level * self.pads + i / count;
+            let moved = own(&self.out.displacement, at, nodes).as_chunks().0;
+            vector(&moved[graph.face[i % count] as usize]) * (self.loads.depth[at] * f64::from(self.norms.displacement))
+        })
     }
 
     /// Returns the travel that the network gives for a pad at a level, m.
@@ -127,7 +96,7 @@ impl Answer {
     pub(crate) fn touch(&mut self, features: &GraspFeatures) {
         let levels = self.loads.load.len();
         let of = |level: usize| {
-            let state = self.mixed(&[(level, 1.0)]);
+            let state = self.at(level);
             let depth =
                 self.loads.depth[level * self.pads..(level + 1) * self.pads].iter().sum::<f64>() / self.pads as f64;
             touched(features, &state.pads, &self.loads.load[level], depth)
@@ -136,4 +105,52 @@ impl Answer {
         self.travel = touched.iter().flat_map(|(travel, _)| travel).copied().collect();
         self.signs = touched.into_iter().map(|(_, signs)| signs).collect();
     }
+}
+
+/// Returns the mean of decoded states, each given by its answer and level with its weight; its error is the largest of theirs.
+pub(crate) fn mixed(parts: &[(&Answer, usize, f64)]) -> GraspState {
+    let pads = parts.first().map_or(0, |(answer, ..)| answer.pads);
+    let errors = parts.iter().map(|(answer, level, _)| answer.error(*level));
+    let error = errors.reduce(|a, b| Some(a?.or_larger(&b?))).flatten();
+    GraspState { pads: (0..pads).map(|pad| mixed_pad(pad, parts)).collect(), error }
+}
+
+fn mixed_pad(pad: usize, parts: &[(&Answer, usize, f64)]) -> PadState {
+    let (nodes, stressed) = parts.first().map_or((0, 0), |(answer, ..)| {
+        (answer.graph.node_count, if answer.stress { answer.graph.node_count } else { 0 })
+    });
+    let mut state = PadState {
+        displacement: vec![DVec3::ZERO; nodes],
+        stress: vec![0.0; stressed],
+        contact: vec![DVec3::ZERO; nodes],
+        travel: 0.0,
+        shift: DVec3::ZERO,
+        turn: DVec3::ZERO,
+    };
+    for &(answer, level, weight) in parts {
+        let Answer { loads, out, norms, graph, .. } = answer;
+        let (t, face) = (graph.thickness, graph.face.len());
+        // Rows are levels, then pads.
+        let at = level * answer.pads + pad;
+        let depth = loads.depth[at] * weight;
+        let unit = depth * f64::from(norms.displacement);
+        let moved = own(&out.displacement, at, nodes).as_chunks().0;
+        state.displacement.iter_mut().zip(moved).for_each(|(u, v)| *u += vector(v) * unit);
+        let unit = answer.young * depth / t * f64::from(norms.stress);
+        let stress = own(&out.stress, at, stressed);
+        state.stress.iter_mut().zip(stress).for_each(|(s, v)| *s += f64::from(*v) * unit);
+        let unit = loads.pressing[at] * answer.unit_force * weight;
+        for (i, c) in graph.face.iter().zip(own(&out.contact, at, face).as_chunks::<3>().0) {
+            // Shares are of a force against the closing direction, friction in the same unit.
+            state.contact[*i as usize] += vector(&[c[1], c[2], -c[0]]) * unit;
+        }
+        let motion = own(&out.motion, at, 1).as_chunks().0;
+        let given = |k: usize| DVec3::from_slice(&loads.motion[6 * at + k..]) * weight;
+        state.travel += answer.travel.get(at).map_or_else(|| answer.head_travel(at), |travel| *travel) * weight;
+        state.shift += given(0) + vector(&motion[0]) * (depth * f64::from(norms.motion[0]));
+        state.turn += given(3) + vector(&motion[1]) * (depth / t * f64::from(norms.motion[1]));
+    }
+    // A combination of levels may lie beside them.
+    state.stress.iter_mut().for_each(|s| *s = s.max(0.0));
+    state
 }

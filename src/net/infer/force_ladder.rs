@@ -5,7 +5,7 @@
 //! for pushes, each rung also has the answers to a push along each of two directions across the fingers, and other pushes are combinations of
 //! these: contact forces still balance them.
 
-use super::answer::Answer;
+use super::answer::{Answer, mixed};
 use super::predict::{GraspState, Predictor, Seen};
 use crate::error::Result;
 use crate::linear::{GraspLoad, around};
@@ -69,6 +69,7 @@ impl ForceLadder {
                 along.iter().zip(rung + 1..).filter(|(by, _)| **by != 0.0).map(|(by, level)| (level, part * by)),
             );
         }
-        Some(self.answer.mixed(&levels))
+        let parts: Vec<_> = levels.into_iter().map(|(level, part)| (&self.answer, level, part)).collect();
+        Some(mixed(&parts))
     }
 }

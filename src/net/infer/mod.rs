@@ -8,12 +8,16 @@
 //! The tape is the reference: a test compares both. No bit depends on threads.
 
 pub mod answer;
+pub mod arrays;
 pub mod doubt;
 pub mod face;
 pub mod force_ladder;
 pub mod heads;
+pub mod hold;
+pub mod many;
 pub mod message;
 pub mod predict;
+pub mod ramp;
 pub mod response;
 pub mod touch;
 

@@ -191,7 +191,7 @@ impl Predictor {
         let together = if self.engine.is_some() { FaceEngine::LOADS } else { LEVELS };
         for some in loads.chunks(together) {
             let answer = self.answer(seen, some)?;
-            states.par_extend((0..some.len()).into_par_iter().map(|level| answer.mixed(&[(level, 1.0)])));
+            states.par_extend((0..some.len()).into_par_iter().map(|level| answer.at(level)));
         }
         Ok(states)
     }

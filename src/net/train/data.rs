@@ -30,7 +30,7 @@ pub fn split(sets: &[&Splits], name: &str) -> Result<Vec<Sets>> {
     let of = |splits: &Splits| match name.split_once(':') {
         None if name == "poses" => Some(splits.poses.clone()),
         None if name == "all" => Some(splits.all()),
-        Some(("single", object)) => splits.single_object.get(object).cloned(),
+        Some(("single", object)) => splits.single(object),
         Some(("without", family)) => Some(splits.without(family)),
         _ => None,
     };
@@ -39,7 +39,7 @@ pub fn split(sets: &[&Splits], name: &str) -> Result<Vec<Sets>> {
     if found.iter().any(|split| !split.test.is_empty()) {
         return Ok(found);
     }
-    let objects: Vec<&str> = sets.iter().flat_map(|s| s.single_object.keys()).map(String::as_str).collect();
+    let objects: Vec<&str> = sets.iter().flat_map(|s| s.poses.train.keys()).map(String::as_str).collect();
     let objects = objects.join(", ");
     Err(Error::Start(format!(
         "--split {name}: there are poses, all, single:OBJECT and without:OBJECT; objects: {objects}"

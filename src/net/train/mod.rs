@@ -240,7 +240,7 @@ impl Trainer {
             interrupt::check()?;
             let answer = predictor.answer(&predictor.encode(sample.features.clone()), &sample.given)?;
             let level = |(k, signs): (usize, &Signs)| {
-                let error = frame_error(sample, k, &answer.mixed(&[(k, 1.0)]));
+                let error = frame_error(sample, k, &answer.at(k));
                 (*signs, [error.displacement, error.stress, error.travel])
             };
             Ok(answer.signs.iter().enumerate().map(level).collect())

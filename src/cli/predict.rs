@@ -1,0 +1,237 @@
+//! Command `tactus predict`: a network's answers to many grasps.
+
+use super::run::machine_threads;
+use super::{Format, NOT_HELD, OK, print};
+use crate::error::{Error, Result};
+use crate::files::atomic::{create_dir, replace};
+use crate::grasp::{keep_first, poses_of};
+use crate::linear::loads_of;
+use crate::model::Model;
+use crate::net::SHIPPED;
+use crate::net::infer::arrays::each_array;
+use crate::net::infer::many::PredictedGrasp;
+use crate::net::infer::predict::{GraspState, Predictor};
+use crate::record::ErrorBound;
+use crate::scene::{GraspCount, NamedScene, StepperChoice, load_set};
+use ndarray::ArrayD;
+use ndarray_npy::NpzWriter;
+use rayon::prelude::*;
+use serde::Serialize;
+use serde_json::json;
+use std::fmt::Write;
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Arguments of `tactus predict`.
+#[derive(Debug, clap::Args)]
+pub struct PredictArgs {
+    /// Scene file.
+    pub scene: PathBuf,
+    /// Object to take from a scene with several; without it all are predicted, one after the other.
+    #[arg(long, value_name = "NAME")]
+    pub object: Option<String>,
+    /// Folder of the trained model; the default is that of the scene, or the one that ships with tactus, `universe`.
+    #[arg(long, value_name = "MODEL")]
+    pub model: Option<PathBuf>,
+    /// Predict only the first N grasps of each object.
+    #[arg(long, value_name = "N")]
+    pub grasps: Option<u64>,
+    /// Number of loads of each grasp, instead of the scene's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]
+    pub frames: Option<u64>,
+    /// Folder for the arrays: one `NAME.npz` of each object, replaced if it is there.
+    #[arg(short, long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Answer outside the range of the training, with a wider interval of the error.
+    #[arg(long)]
+    pub extrapolate: bool,
+    /// Number of threads; the default is all that the machine has. No bit of the answers depends on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
+    pub threads: Option<u64>,
+    /// Form of the report on stdout.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Answers to the grasps of an object.
+#[derive(Debug, Serialize)]
+struct Report {
+    name: String,
+    loads: usize,
+    decoded_loads: f64,
+    threads: usize,
+    wall_s: f64,
+    grasps_per_s: f64,
+    grasps: Vec<Row>,
+}
+
+/// A grasp and its end.
+#[derive(Debug, Serialize)]
+struct Row {
+    grasp: usize,
+    #[serde(flatten)]
+    end: End,
+}
+
+/// End of a grasp.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum End {
+    /// Answer of the network.
+    Answer(Answer),
+    /// Reason why there is none.
+    Failed { reason: String },
+}
+
+/// State of a grasp at its last load.
+#[derive(Debug, Serialize)]
+struct Answer {
+    travel_mm: f64,
+    displacement_mm: f64,
+    stress_kpa: Option<f64>,
+    object_deg: f64,
+    error: Option<ErrorBound>,
+}
+
+/// Predicts the grasps of a scene.
+///
+/// # Errors
+/// Fails if the scene, the model or an argument is refused, or the file cannot be written.
+pub fn predict(args: &PredictArgs) -> Result<ExitCode> {
+    let mut set = load_set(&args.scene)?.only(args.object.as_deref())?;
+    if let Some(most) = args.grasps {
+        let most = GraspCount::new(most).map_err(|m| Error::Scene(format!("error: --grasps {m}")))?;
+        set.scenes.iter_mut().try_for_each(|s| keep_first(&mut s.scene.grasps, most))?;
+    }
+    if let Some(frames) = args.frames {
+        let set_frames = |s: &mut NamedScene| s.scene.loading.set_frames(frames);
+        set.scenes.iter_mut().try_for_each(set_frames).map_err(|m| Error::Scene(format!("error: {m}")))?;
+    }
+    let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|e| Error::Start(format!("no threads: {e}")))?;
+    let own = set.scenes.first().and_then(|named| match &named.scene.stepper {
+        StepperChoice::Gnn(gnn) => Some(gnn.model.clone()),
+        StepperChoice::Fem(_) => None,
+    });
+    let predictor = Predictor::open(&args.model.clone().or(own).unwrap_or_else(|| SHIPPED.into()))?;
+    let mut reports = Vec::new();
+    for named in &set.scenes {
+        let report =
+            pool.install(|| object(args, &predictor, named, threads)).map_err(|e| set.place(e, &named.name))?;
+        if args.format == Format::Text {
+            print(&report.text())?;
+        }
+        reports.push(report);
+    }
+    if args.format == Format::Json {
+        print(&format!("{:#}\n", json!({ "objects": reports })))?;
+    }
+    let good = reports.iter().flat_map(|report| &report.grasps).all(|row| matches!(row.end, End::Answer(_)));
+    Ok(ExitCode::from(if good { OK } else { NOT_HELD }))
+}
+
+/// Predicts the grasps of an object.
+fn object(args: &PredictArgs, predictor: &Predictor, named: &NamedScene, threads: usize) -> Result<Report> {
+    let model = Model::build(&named.scene.on_own_mesh())?;
+    let poses = poses_of(&named.scene)?;
+    // The linear response of pads that are new is not part of the time of a grasp.
+    predictor.admit(&model, args.extrapolate)?;
+    let clock = Instant::now();
+    let answers = predictor.many(&model, &poses, args.extrapolate)?;
+    let grasps = answers.par_iter().enumerate().map(|(grasp, answer)| Row { grasp, end: End::of(answer) }).collect();
+    let wall_s = clock.elapsed().as_secs_f64();
+    if let Some(dir) = &args.out {
+        let path = dir.join(named.name.as_str()).with_extension("npz");
+        create_dir(dir).and_then(|()| replace(&path, |path| write(path, &model, &answers)))?;
+    }
+    let answered: Vec<&PredictedGrasp> = answers.iter().flatten().collect();
+    let decoded: usize = answered.iter().map(|answer| answer.ramp.decoded()).sum();
+    Ok(Report {
+        name: named.name.as_str().into(),
+        loads: loads_of(&model).len(),
+        decoded_loads: decoded as f64 / answered.len().max(1) as f64,
+        threads,
+        wall_s,
+        grasps_per_s: poses.len() as f64 / wall_s,
+        grasps,
+    })
+}
+
+impl Report {
+    fn text(&self) -> String {
+        let mut text = format!("object {}\n", self.name);
+        text += "grasp  travel mm  displacement mm  stress kPa  object deg  displacement is off by at most\n";
+        for Row { grasp, end } in &self.grasps {
+            // Writing to a String cannot fail.
+            let _ = match end {
+                End::Answer(end) => writeln!(
+                    text,
+                    "{grasp:>5}  {:>9.3}  {:>15.3}  {:>10}  {:>10.2}  {}",
+                    end.travel_mm,
+                    end.displacement_mm,
+                    end.stress_kpa.map_or_else(|| "-".into(), |s| format!("{s:.1}")),
+                    end.object_deg,
+                    end.error.map_or_else(|| "unknown".into(), |e| format!("{:.1} %", 100.0 * e.displacement)),
+                ),
+                End::Failed { reason } => writeln!(text, "{grasp:>5}  {reason}"),
+            };
+        }
+        let answered = self.grasps.iter().filter(|row| matches!(row.end, End::Answer(_))).count();
+        let _ = writeln!(
+            text,
+            "{answered} of {} grasps in {:.2} s on {} threads, {:.0} a second; {} loads each, {:.1} of them decoded",
+            self.grasps.len(),
+            self.wall_s,
+            self.threads,
+            self.grasps_per_s,
+            self.loads,
+            self.decoded_loads
+        );
+        text
+    }
+}
+
+impl End {
+    fn of(answer: &Result<PredictedGrasp>) -> Self {
+        let last = |answer: &PredictedGrasp| answer.ramp.len().checked_sub(1).and_then(|last| answer.ramp.at(last));
+        let hold = answer.as_ref().map_or(1.0, |answer| answer.hold);
+        match answer.as_ref().map(last) {
+            Ok(_) if hold < 0.0 => {
+                let part = 100.0 * (1.0 - hold);
+                Self::Failed {
+                    reason: format!("the object slips: weight and push are {part:.0} % of what friction holds"),
+                }
+            }
+            Ok(Some(state)) => Self::Answer(Answer::of(&state)),
+            Ok(None) => Self::Failed { reason: "there is no load".into() },
+            Err(error) => Self::Failed { reason: error.to_string() },
+        }
+    }
+}
+
+impl Answer {
+    fn of(state: &GraspState) -> Self {
+        let most = |v: &mut dyn Iterator<Item = f64>| v.fold(0.0, f64::max);
+        let stress = most(&mut state.pads.iter().flat_map(|p| &p.stress).copied());
+        Self {
+            travel_mm: 1e3 * state.pads.iter().map(|p| p.travel).sum::<f64>() / state.pads.len() as f64,
+            displacement_mm: 1e3 * most(&mut state.pads.iter().flat_map(|p| &p.displacement).map(|u| u.length())),
+            stress_kpa: state.pads.iter().any(|p| !p.stress.is_empty()).then_some(1e-3 * stress),
+            object_deg: most(&mut state.pads.iter().map(|p| p.turn.length())).to_degrees(),
+            error: state.error,
+        }
+    }
+}
+
+/// Writes the arrays of all grasps that have an answer.
+fn write(path: &Path, model: &Model, answers: &[Result<PredictedGrasp>]) -> io::Result<()> {
+    let mut npz = NpzWriter::new(BufWriter::new(std::fs::File::create(path)?));
+    each_array(model, answers, |name, shape, numbers| {
+        let array = ArrayD::from_shape_vec(shape, numbers).map_err(io::Error::other)?;
+        npz.add_array(name, &array).map_err(io::Error::other)
+    })?;
+    npz.finish().map(drop).map_err(io::Error::other)
+}

@@ -1,0 +1,64 @@
+//! Loads that pads hold by friction.
+//!
+//! The limit surface of the contacts is one ellipsoid in force and torque about the closing direction (Goyal, Ruina and Papadopoulos 1991;
+//! Howe and Cutkosky 1996), from the pressure on the pads: `(f / mu N)^2 + (m / mu sum p r)^2 = 1`.
+
+use glam::DVec3;
+
+/// Pressure on an object between pads.
+#[derive(Debug, Clone, Copy)]
+pub struct LimitSurface {
+    closing: DVec3,
+    /// Sum of the pressing forces, N.
+    normal: f64,
+    /// Mean point of the pressure, m.
+    center: DVec3,
+    /// Sum of the pressing forces times their distances from the axis through the centre, N m.
+    arm: f64,
+}
+
+impl LimitSurface {
+    /// Creates the surface of points that press along `closing` or against it: forces (N) with their positions (m), in one frame.
+    pub fn new(closing: DVec3, presses: impl Iterator<Item = (f64, DVec3)> + Clone) -> Self {
+        let normal: f64 = presses.clone().map(|(p, _)| p).sum();
+        let center = presses.clone().map(|(p, x)| x * p).sum::<DVec3>() / normal.max(f64::MIN_POSITIVE);
+        let arm = presses.map(|(p, x)| p * (x - center).reject_from(closing).length()).sum();
+        Self { closing, normal, center, arm }
+    }
+
+    /// Returns the part of the limit under the coefficient `friction` that a force (N) at a point (m) and a torque (N m) leave: 1 without
+    /// load, 0 where the object slips as a whole, negative beyond.
+    pub fn margin(&self, friction: f64, force: DVec3, at: DVec3, torque: DVec3) -> f64 {
+        if self.normal <= 0.0 {
+            return if force == DVec3::ZERO && torque == DVec3::ZERO { 1.0 } else { f64::NEG_INFINITY };
+        }
+        let twist = ((at - self.center).cross(force) + torque).dot(self.closing);
+        let part = |value: f64, limit: f64| if value == 0.0 { 0.0 } else { value / (friction * limit) };
+        let across = force.reject_from(self.closing);
+        1.0 - part(across.length(), self.normal).hypot(part(twist, self.arm))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ring of pressure of 8 N and 5 mm radius under friction 0.5: 4 N across, 20 N mm about the closing direction.
+    #[test]
+    fn a_ring_of_pressure_holds_what_coulomb_lets_it() {
+        let ring = (0..16).map(|k| {
+            let angle = std::f64::consts::TAU * f64::from(k) / 16.0;
+            (0.5, DVec3::new(0.0, angle.cos(), angle.sin()) * 5e-3)
+        });
+        let surface = LimitSurface::new(DVec3::X, ring);
+        let margin = |force: DVec3, torque: f64| surface.margin(0.5, force, DVec3::ZERO, DVec3::X * torque);
+        assert_eq!(margin(DVec3::ZERO, 0.0), 1.0);
+        assert!(margin(DVec3::Y * 4.0, 0.0).abs() < 1e-12);
+        assert!(margin(DVec3::ZERO, 0.02).abs() < 1e-12);
+        assert!(
+            (margin(DVec3::new(9.0, 0.0, 2.0), 0.01) - (1.0 - 0.5_f64.sqrt())).abs() < 1e-12,
+            "the pads carry what is along them"
+        );
+        assert!(LimitSurface::new(DVec3::X, std::iter::empty()).margin(0.5, DVec3::Y, DVec3::ZERO, DVec3::ZERO) < 0.0);
+    }
+}

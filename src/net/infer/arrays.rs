@@ -1,0 +1,60 @@
+//! Arrays of many predictions, for files and for Python.
+
+use super::many::PredictedGrasp;
+use super::predict::{GraspState, PadState};
+use crate::error::Result;
+use crate::linear::loads_of;
+use crate::model::Model;
+use crate::record::{ErrorBound, names};
+use glam::DVec3;
+
+/// Calls `put` with name, shape and numbers of each array of those of `answers` that are there, one after the other: all of them at once
+/// may not fit in memory. Fields are in the frame of each pad: displacement, contact force (grasps, loads, pads, nodes, 3), stress (grasps,
+/// loads, pads, nodes), if the model needs them; travel (grasps, loads, pads), pose of the object (grasps, loads, 7), errors that nine of
+/// ten such predictions stay below (grasps, loads). `grasp` numbers the grasps that have an answer.
+///
+/// # Errors
+/// Fails as `put` does.
+pub fn each_array<E>(
+    model: &Model,
+    answers: &[Result<PredictedGrasp>],
+    mut put: impl FnMut(&str, &[usize], Vec<f32>) -> std::result::Result<(), E>,
+) -> std::result::Result<(), E> {
+    let known = answers.iter().enumerate().filter_map(|(i, answer)| Some((i, answer.as_ref().ok()?)));
+    let (numbers, known): (Vec<usize>, Vec<&PredictedGrasp>) = known.unzip();
+    let loads = loads_of(model);
+    let (pads, topology) = (model.fingers.len(), model.fingers.first().map(|finger| &finger.topology));
+    let nodes = topology.map_or(0, |pad| pad.rest.len());
+    let of_loads = [known.len(), loads.len()];
+    let of_pads = [known.len(), loads.len(), pads];
+    let of_nodes = [known.len(), loads.len(), pads, nodes];
+    let of_vectors = [known.len(), loads.len(), pads, nodes, 3];
+    let flat = |v: &[DVec3]| v.iter().flat_map(|x| x.to_array()).map(|x| x as f32).collect::<Vec<_>>();
+    let every = |of: &dyn Fn(&PredictedGrasp, &GraspState) -> Vec<f32>| {
+        let states =
+            known.iter().flat_map(|answer| (0..loads.len()).filter_map(|k| Some((*answer, answer.ramp.at(k)?))));
+        states.flat_map(|(answer, state)| of(answer, &state)).collect::<Vec<_>>()
+    };
+    let every_pad = |of: &dyn Fn(&PadState) -> Vec<f32>| every(&|_, state| state.pads.iter().flat_map(of).collect());
+    put("grasp", &[known.len()], numbers.into_iter().map(|i| i as f32).collect())?;
+    put(names::FORCE, &[loads.len()], loads.iter().map(|load| (load.force * pads as f64) as f32).collect())?;
+    put(names::REST, &[nodes, 3], topology.map_or_else(Vec::new, |pad| flat(&pad.rest)))?;
+    put(names::DISPLACEMENT, &of_vectors, every_pad(&|pad| flat(&pad.displacement)))?;
+    put(names::CONTACT_FORCE, &of_vectors, every_pad(&|pad| flat(&pad.contact)))?;
+    if model.needs.stress {
+        put(names::VON_MISES, &of_nodes, every_pad(&|pad| pad.stress.iter().map(|s| *s as f32).collect()))?;
+    }
+    put(names::TRAVEL, &of_pads, every_pad(&|pad| vec![pad.travel as f32]))?;
+    let pose = |answer: &PredictedGrasp, state: &GraspState| {
+        let at = answer.object(model, state);
+        let (p, q) = (at.position, at.rotation);
+        [p.x, p.y, p.z, q.w, q.x, q.y, q.z].map(|v| v as f32).to_vec()
+    };
+    put(names::OBJECT_POSE, &[known.len(), loads.len(), 7], every(&pose))?;
+    if known.iter().any(|answer| answer.ramp.error().is_some()) {
+        for (k, name) in ErrorBound::NAMES.into_iter().enumerate() {
+            put(name, &of_loads, every(&|_, state| state.error.iter().map(|e| e.to_array()[k] as f32).collect()))?;
+        }
+    }
+    Ok(())
+}

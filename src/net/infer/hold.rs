@@ -1,0 +1,33 @@
+//! Hold of the pads on the object, from the predicted pressure.
+
+use super::predict::GraspState;
+use super::touch::mean_motion;
+use crate::linear::GraspLoad;
+use crate::linear::first_contact::GeometricContact;
+use crate::linear::limit_surface::LimitSurface;
+use crate::linear::object_motion::moved;
+use crate::model::Model;
+use glam::DVec3;
+
+/// Returns true if weight or push act on the object of a grasp that first touched at `touch`.
+pub fn pulls(touch: &GeometricContact, load: &GraspLoad) -> bool {
+    touch.weight != DVec3::ZERO || load.push != [DVec3::ZERO; 2]
+}
+
+/// Returns the part of the friction limit that weight and push leave in a state of a grasp that first touched at `touch`: 1 without a load
+/// across the fingers or for an object that is held otherwise, negative where the object slips.
+pub fn hold(model: &Model, touch: &GeometricContact, state: &GraspState, load: &GraspLoad) -> f64 {
+    // Until it is let go its support carries the object.
+    let held = !model.free || load.force < model.release || !pulls(touch, load);
+    let (Some(finger), false) = (model.fingers.first(), held) else { return 1.0 };
+    let presses = model.fingers.iter().zip(&state.pads).zip(&touch.travel).flat_map(|((finger, pad), first)| {
+        let carried = finger.placement.closing * (first + pad.travel);
+        let nodes = finger.topology.rest.iter().zip(&pad.displacement).zip(&pad.contact);
+        nodes.map(move |((x, u), force)| ((-force.z).max(0.0), finger.placement.place(*x + *u) + carried))
+    });
+    let [shift, turn] = mean_motion(model, &state.pads);
+    let object = moved(model, &touch.object, shift, turn);
+    let mass = object.position + object.rotation * model.object.mass.center;
+    let surface = LimitSurface::new(finger.placement.closing, presses);
+    surface.margin(model.law.friction, touch.weight + load.push[0], mass, load.push[1])
+}

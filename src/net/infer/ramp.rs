@@ -1,0 +1,232 @@
+//! All loads of a grasp from a few.
+//!
+//! The fields of a grasp are smooth in its load. So a few loads are decoded, and the others are interpolated when somebody asks for them:
+//! by cubic Hermite polynomials with the slope of the parabola through three loads, which are weights of decoded states, so that contact
+//! forces still balance the load. Every decoded load tells how well its neighbours would have given it; where they would not, more loads
+//! are decoded.
+
+use super::FaceEngine;
+use super::answer::{Answer, mixed};
+use super::predict::{GraspState, Predictor, Seen};
+use crate::error::Result;
+use crate::linear::GraspLoad;
+use crate::record::ErrorBound;
+use glam::DVec3;
+use std::ops::Range;
+
+/// Number of loads of a ramp, and of a push, that are decoded at first.
+const FEW: usize = 12;
+/// Largest error of an interpolated displacement over the displacement.
+const TOLERANCE: f64 = 3e-3;
+/// Least factor by which the error of a cubic polynomial falls with half the distance of its loads, even at a kink.
+const FALL: f64 = 2.0;
+
+/// States of a grasp under rising loads.
+#[derive(Debug)]
+pub struct Ramp {
+    /// Loads side by side that one polynomial may cross.
+    pieces: Vec<Piece>,
+    answers: Vec<Answer>,
+}
+
+/// Loads in a row: of a squeeze, or of a push under one squeeze.
+#[derive(Debug)]
+struct Piece {
+    loads: Range<usize>,
+    /// Coordinate of every load: the root of a force, in which displacements are next to straight, or the number of a push.
+    along: Vec<f64>,
+    /// Decoded loads by rising number: (load, answer, level in it).
+    known: Vec<(usize, usize, usize)>,
+}
+
+impl Ramp {
+    /// Decodes as many of `loads` as it takes.
+    ///
+    /// # Errors
+    /// Fails if predicted numbers are not finite.
+    pub fn new(predictor: &Predictor, seen: &Seen, loads: &[GraspLoad]) -> Result<Self> {
+        let mut ramp = Self { pieces: pieces(loads), answers: Vec::new() };
+        let mut wanted: Vec<usize> = ramp.pieces.iter().flat_map(|piece| evenly(&piece.loads, &piece.along)).collect();
+        while !wanted.is_empty() {
+            for some in wanted.chunks(FaceEngine::LOADS) {
+                let given: Vec<GraspLoad> = some.iter().map(|load| loads[*load]).collect();
+                ramp.answers.push(predictor.answer(seen, &given)?);
+                for (level, load) in some.iter().enumerate() {
+                    let answer = ramp.answers.len() - 1;
+                    let piece = ramp.pieces.iter_mut().find(|piece| piece.loads.contains(load));
+                    piece.into_iter().for_each(|piece| piece.known.push((*load, answer, level)));
+                }
+            }
+            ramp.pieces.iter_mut().for_each(|piece| piece.known.sort_unstable());
+            wanted = ramp.pieces.iter().flat_map(|piece| ramp.missing(piece)).collect();
+        }
+        Ok(ramp)
+    }
+
+    /// Returns the number of loads.
+    pub fn len(&self) -> usize {
+        self.pieces.last().map_or(0, |piece| piece.loads.end)
+    }
+
+    /// Returns true if there is no load.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Returns the number of loads that were decoded.
+    pub fn decoded(&self) -> usize {
+        self.pieces.iter().map(|piece| piece.known.len()).sum()
+    }
+
+    /// Returns the state under load number `load`; None beyond the last.
+    pub fn at(&self, load: usize) -> Option<GraspState> {
+        let piece = self.pieces.iter().find(|piece| piece.loads.contains(&load))?;
+        Some(mixed(&self.parts(piece, &piece.known, load)))
+    }
+
+    /// Returns the largest errors of all decoded states that nine of ten such predictions stay below.
+    pub fn error(&self) -> Option<ErrorBound> {
+        let all = self.answers.iter().flat_map(|answer| (0..answer.loads.load.len()).map(|level| answer.error(level)));
+        all.reduce(|a, b| Some(a?.or_larger(&b?))).flatten()
+    }
+
+    /// Returns the decoded states with their weights that give the state of `load` from those `known`.
+    fn parts(&self, piece: &Piece, known: &[(usize, usize, usize)], load: usize) -> Vec<(&Answer, usize, f64)> {
+        let along = |load: usize| piece.along[load - piece.loads.start];
+        let nodes: Vec<f64> = known.iter().map(|(load, ..)| along(*load)).collect();
+        let weights = hermite(&nodes, along(load)).into_iter();
+        weights.map(|(k, weight)| (&self.answers[known[k].1], known[k].2, weight)).collect()
+    }
+
+    /// Returns the loads to be decoded next: amid those between which interpolation would not do.
+    fn missing(&self, piece: &Piece) -> Vec<usize> {
+        let Piece { known, .. } = piece;
+        let mut missing = Vec::new();
+        for k in 1..known.len().saturating_sub(1) {
+            let (load, answer, level) = known[k];
+            let others: Vec<_> = [&known[..k], &known[k + 1..]].concat();
+            let exact = displacement(&[(&self.answers[answer], level, 1.0)]);
+            let guessed = displacement(&self.parts(piece, &others, load));
+            let norm = |v: &mut dyn Iterator<Item = DVec3>| v.map(|v| v.length_squared()).sum::<f64>().sqrt();
+            let off = norm(&mut exact.iter().zip(&guessed).map(|(a, b)| *a - *b));
+            if off > FALL * TOLERANCE * norm(&mut exact.iter().copied()) {
+                missing.extend([[known[k - 1].0, load], [load, known[k + 1].0]].iter().filter_map(|[a, b]| {
+                    let amid = a.midpoint(*b);
+                    (amid != *a).then_some(amid)
+                }));
+            }
+        }
+        missing.dedup();
+        missing
+    }
+}
+
+/// Returns the loads in pieces: the squeeze, and the push under its last force.
+fn pieces(loads: &[GraspLoad]) -> Vec<Piece> {
+    let pushed = |load: &GraspLoad| load.push != [DVec3::ZERO; 2];
+    let start = loads.iter().position(pushed).unwrap_or(loads.len());
+    let rising = loads[..start].windows(2).all(|pair| pair[0].force < pair[1].force);
+    let along = |i: usize| if i < start { loads[i].force.sqrt() } else { (1 + i - start) as f64 };
+    let piece = |loads: Range<usize>| Piece { along: loads.clone().map(along).collect(), loads, known: Vec::new() };
+    // Loads that go up and down stand each for itself.
+    let width = if rising { start.max(1) } else { 1 };
+    let squeeze = (0..start).step_by(width).map(|i| i..i + width);
+    squeeze.chain(std::iter::once(start..loads.len())).filter(|range| !range.is_empty()).map(piece).collect()
+}
+
+/// Returns at most [`FEW`] numbers of a range, evenly spread along its coordinate, the first and the last among them.
+fn evenly(range: &Range<usize>, along: &[f64]) -> Vec<usize> {
+    let last = along.len() - 1;
+    if last < FEW {
+        return range.clone().collect();
+    }
+    let wanted = |k: usize| along[0] + (along[last] - along[0]) * k as f64 / (FEW - 1) as f64;
+    let mut few: Vec<usize> = (0..FEW).map(|k| along.partition_point(|x| *x < wanted(k)).min(last)).collect();
+    few.dedup();
+    few.into_iter().map(|k| range.start + k).collect()
+}
+
+/// Returns the displacement of the face nodes of all pads in a mean of states, in units of the network.
+fn displacement(parts: &[(&Answer, usize, f64)]) -> Vec<DVec3> {
+    let mut sum: Vec<DVec3> = Vec::new();
+    for (answer, level, weight) in parts {
+        let own = answer.face_displacement(*level);
+        sum.resize(own.len(), DVec3::ZERO);
+        sum.iter_mut().zip(own).for_each(|(sum, u)| *sum += u * *weight);
+    }
+    sum
+}
+
+/// Returns the weights of the values at rising `nodes` that give the value at `x`: a cubic polynomial with the slopes of the parabolas
+/// through three neighbours; exact for parabolas.
+fn hermite(nodes: &[f64], x: f64) -> Vec<(usize, f64)> {
+    let last = nodes.len() - 1;
+    let right = nodes.partition_point(|node| *node < x);
+    if right <= last && nodes[right] == x || last == 0 {
+        return vec![(right.min(last), 1.0)];
+    }
+    let right = right.clamp(1, last);
+    let left = right - 1;
+    let (width, s) = (nodes[right] - nodes[left], (x - nodes[left]) / (nodes[right] - nodes[left]));
+    let [a, b] = [(1.0 + 2.0 * s) * (1.0 - s) * (1.0 - s), s * s * (3.0 - 2.0 * s)];
+    let [c, d] = [s * (1.0 - s) * (1.0 - s) * width, s * s * (s - 1.0) * width];
+    let mut weights = vec![(left, a), (right, b)];
+    let mut add = |node: usize, weight: f64| match weights.iter_mut().find(|(k, _)| *k == node) {
+        Some((_, sum)) => *sum += weight,
+        None => weights.push((node, weight)),
+    };
+    for (node, weight) in [(left, c), (right, d)] {
+        slope(nodes, node).into_iter().for_each(|(k, part)| add(k, weight * part));
+    }
+    weights
+}
+
+/// Returns the weights of the values at `nodes` that give the slope at one of them: of the parabola through it and its neighbours.
+fn slope(nodes: &[f64], at: usize) -> Vec<(usize, f64)> {
+    let last = nodes.len() - 1;
+    if last == 1 {
+        let width = nodes[1] - nodes[0];
+        return vec![(0, -1.0 / width), (1, 1.0 / width)];
+    }
+    let first = at.saturating_sub(1).min(last - 2);
+    let own = [first, first + 1, first + 2];
+    let x = nodes[at];
+    let of = |k: usize| {
+        let [p, q] = [0, 1].map(|i| nodes[own[(k + 1 + i) % 3]]);
+        (2.0 * x - p - q) / ((nodes[own[k]] - p) * (nodes[own[k]] - q))
+    };
+    (0..3).map(|k| (own[k], of(k))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parabolas_are_interpolated_exactly_and_nodes_have_their_values() {
+        let nodes = [0.3, 1.0, 1.4, 3.0, 3.5];
+        let parabola = |x: f64| 2.0 - 3.0 * x + 0.7 * x * x;
+        for x in [0.3, 0.5, 1.0, 1.2, 2.9, 3.2, 3.5] {
+            let weights = hermite(&nodes, x);
+            let value: f64 = weights.iter().map(|(k, w)| w * parabola(nodes[*k])).sum();
+            assert!((value - parabola(x)).abs() < 1e-12, "{value} at {x}");
+            assert!((weights.iter().map(|(_, w)| w).sum::<f64>() - 1.0).abs() < 1e-12);
+        }
+        assert_eq!(hermite(&nodes, 1.4), [(2, 1.0)]);
+        assert_eq!(hermite(&[2.0], 2.0), [(0, 1.0)]);
+        let between: f64 = hermite(&[1.0, 3.0], 1.5).iter().map(|(k, w)| w * [10.0, 30.0][*k]).sum();
+        assert!((between - 15.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn few_loads_are_spread_from_the_first_to_the_last() {
+        assert_eq!(evenly(&(3..6), &[1.0, 2.0, 3.0]), [3, 4, 5]);
+        let along: Vec<f64> = (0..50).map(|k| f64::from(1 + k).sqrt()).collect();
+        let few = evenly(&(0..50), &along);
+        assert_eq!((few[0], few[1], few[few.len() - 1]), (0, 2, 49), "{few:?}");
+        let load = |force: f64, push: f64| GraspLoad { force, push: [DVec3::X * push, DVec3::ZERO] };
+        let loads = [load(1.0, 0.0), load(2.0, 0.0), load(2.0, 0.5), load(2.0, 1.0)];
+        let ranges: Vec<_> = pieces(&loads).into_iter().map(|piece| piece.loads).collect();
+        assert_eq!(ranges, [0..2, 2..4]);
+    }
+}
