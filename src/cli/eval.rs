@@ -28,6 +28,9 @@ pub struct EvalArgs {
     /// trained.
     #[arg(long)]
     pub split: Option<String>,
+    /// Judge pads outside the range of the training, too, with a wider interval of the error.
+    #[arg(long)]
+    pub extrapolate: bool,
     /// Folder for pictures of the worst grasps, truth above prediction.
     #[arg(short, long, value_name = "DIR")]
     pub pictures: Option<PathBuf>,
@@ -58,10 +61,10 @@ pub fn eval(args: &EvalArgs) -> Result<ExitCode> {
         ));
     }
     if let Some(path) = &args.dump {
-        let samples = test_grasps(&set, &predictor, &split)?;
+        let samples = test_grasps(&set, &predictor, &split, args.extrapolate)?;
         samples.first().map_or(Ok(()), |sample| dump::write(path, &predictor, sample))?;
     }
-    let judged = judge(&set, &predictor, &split)?;
+    let judged = judge(&set, &predictor, &split, args.extrapolate)?;
     let table = rows(&split, &judged);
     let (stress, displacement) = ranks(&judged);
     let accepted = acceptances(&judged);

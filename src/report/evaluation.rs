@@ -94,7 +94,7 @@ fn truth(file: &ObjectFile, number: usize, most: usize) -> Result<Recording> {
 fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Result<Vec<PageBlock>> {
     let predictor = Predictor::open(model)?;
     let split = wishes.split.clone().unwrap_or_else(|| predictor.card.split.clone());
-    let judged = judge(set, &predictor, &split)?;
+    let judged = judge(set, &predictor, &split, false)?;
     let table = rows(&split, &judged);
     let mut ranked: Vec<&Judged> = judged.iter().filter(|j| !j.frames.is_empty()).collect();
     ranked.sort_by(|a, b| last(a).total_cmp(&last(b)));

@@ -45,8 +45,8 @@ pub struct Judged {
 ///
 /// # Errors
 /// Fails if data cannot be read, or lies outside the range that the model was trained on.
-pub fn judge(set: &DataSet, predictor: &Predictor, split: &str) -> Result<Vec<Judged>> {
-    let samples = test_grasps(set, predictor, split)?;
+pub fn judge(set: &DataSet, predictor: &Predictor, split: &str, extrapolate: bool) -> Result<Vec<Judged>> {
+    let samples = test_grasps(set, predictor, split, extrapolate)?;
     samples.par_iter().map(|sample| interrupt::check().and_then(|()| judge_grasp(predictor, sample))).collect()
 }
 
@@ -54,15 +54,18 @@ pub fn judge(set: &DataSet, predictor: &Predictor, split: &str) -> Result<Vec<Ju
 ///
 /// # Errors
 /// Fails as [`judge`] does.
-pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str) -> Result<Vec<Sample>> {
+pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str, extrapolate: bool) -> Result<Vec<Sample>> {
     let poses = data::split(&[&set.splits], split)?.remove(0).test;
-    for object in &set.objects {
-        predictor.card.range.admits_pad(&object.pad, &mesh_hash(&object.pad))?;
+    if !extrapolate {
+        for object in &set.objects {
+            predictor.card.range.admits_pad(&object.pad, &mesh_hash(&object.pad))?;
+        }
     }
     let (samples, range) = data::read(&[(set, &poses)], &predictor.pads, usize::MAX)?;
-    let mut trained = predictor.card.range.clone();
-    // Another pad, law or kind of object is refused; the errors are for the numbers as they are.
-    trained.extend(&range)?;
+    if !extrapolate {
+        // Another pad, law or kind of object is refused; the errors are for the numbers as they are.
+        predictor.card.range.clone().extend(&range)?;
+    }
     Ok(samples)
 }
 
