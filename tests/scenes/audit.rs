@@ -36,7 +36,7 @@ fn scene(folder: &Path, text: &str) -> Scene {
 fn squeezed() -> (Arc<Model>, Frame) {
     let folder = tempfile::tempdir().unwrap();
     let text = "(object: (shape: Sphere(radius: 0.015)), gripper: (pads: GelSightMini(spacing: 4e-3)),
-        loading: Squeeze(force: 4, frames: 1), expect: [NoInversion])";
+        loading: Squeeze(force: 4, frames: 1), expect: [NoInversion, NoPenetration, Converged(relative: 1e-3)])";
     let scene = scene(folder.path(), text);
     let model = Model::build(&scene).unwrap();
     let last = Last::default();
