@@ -56,7 +56,7 @@ def predict(
     extrapolate: bool = False,
     threads: int | None = None,
 ) -> dict[str, Any]:
-    """Predicts the grasps of a scene by a trained network, thousands of them in seconds; those at `poses` if they are given: (G, 7), px py
+    """Predicts the grasps of a scene by a trained network, all at once; those at `poses` if they are given: (G, 7), px py
     pz qw qx qy qz of the hand in the object frame.
 
     Returns float32 arrays over the G grasps that have an answer, whose numbers are `grasp` (G): `force_n` (F), `rest_m` (nodes, 3);

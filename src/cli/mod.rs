@@ -51,7 +51,7 @@ pub struct Cli {
 pub enum Command {
     /// Simulate the grasps of a scene.
     Run(RunArgs),
-    /// Predict the grasps of a scene by a trained network: thousands of them in seconds.
+    /// Predict all grasps of a scene at once by a trained network.
     Predict(PredictArgs),
     /// Load a scene, check everything in it and print it with all defaults written out.
     Check(CheckArgs),
