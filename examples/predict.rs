@@ -21,7 +21,7 @@ fn main() -> Result<()> {
     let seen = network.look(&model, &graph, &GeometricContact::find(&model, pose)?);
     // Then any number of forces, per finger.
     let forces = [1.0, 2.5, 5.0, 7.5];
-    for (force, state) in forces.iter().zip(network.ramp(&seen, &forces.map(GraspLoad::from))?) {
+    for (force, state) in forces.iter().zip(network.states(&seen, &forces.map(GraspLoad::from))?) {
         let pads = &state.pads;
         let stress = pads.iter().flat_map(|pad| &pad.stress).copied().fold(0.0, f64::max);
         let travel: Vec<String> = pads.iter().map(|pad| format!("{:.3}", 1e3 * pad.travel)).collect();

@@ -3,15 +3,14 @@
 use crate::error::{Error, Result};
 use crate::history::{HistoryReader, HistoryWriter};
 use crate::linear::first_contact::GeometricContact;
-use crate::linear::object_motion::moved;
 use crate::linear::pad_graph::PadGraph;
 use crate::linear::{GraspLoad, loads_of};
 use crate::model::{Model, Needs};
 use crate::net::infer::force_ladder::ForceLadder;
-use crate::net::infer::hold::hold;
+use crate::net::infer::hold::{hold, slip};
 use crate::net::infer::predict::{GraspState, PadState, Predictor, Seen};
 use crate::net::infer::ramp::Ramp;
-use crate::net::infer::touch::mean_motion;
+use crate::net::infer::touch::object_at;
 use crate::world::Stepper;
 use crate::world::components::*;
 use crate::world::schedule::{
@@ -64,7 +63,7 @@ impl NetworkStepper {
         let Some((_, seen)) = &prediction.grasp else { return Ok(None) };
         let ramp = Ramp::new(&prediction.predictor, seen, &loads_of(&model))?;
         let worst = ramp.error().map(|error| error.displacement);
-        prediction.ahead = Some(Ahead { ramp, next: 0 });
+        prediction.ahead = Some(ramp);
         Ok(worst)
     }
 
@@ -114,8 +113,7 @@ impl Stepper for NetworkStepper {
         let prediction = world.get_resource::<Prediction>();
         let contact = prediction.and_then(|prediction| prediction.grasp.as_ref()).map(|(contact, _)| contact);
         history.write(&contact);
-        let ahead = prediction.and_then(|prediction| prediction.ahead.as_ref());
-        history.write(&ahead.map(|ahead| ahead.next));
+        history.write(&prediction.is_some_and(|prediction| prediction.ahead.is_some()));
     }
 
     fn read_history(&self, world: &mut World, history: &mut HistoryReader) -> Result<()> {
@@ -125,9 +123,9 @@ impl Stepper for NetworkStepper {
         if let Some(contact) = history.read::<Option<GeometricContact>>()? {
             prediction.look(&model, contact);
         }
-        let next: Option<usize> = history.read()?;
+        let ahead: bool = history.read()?;
         let Prediction { predictor, grasp: Some((_, seen)), .. } = &*prediction else { return Ok(()) };
-        let ramp = next.map(|next| Ok(Ahead { ramp: Ramp::new(predictor, seen, &loads_of(&model))?, next }));
+        let ramp = ahead.then(|| Ramp::new(predictor, seen, &loads_of(&model)));
         prediction.ahead = ramp.transpose()?;
         Ok(())
     }
@@ -142,30 +140,16 @@ pub struct Prediction {
     grasp: Option<(GeometricContact, Seen)>,
     /// State at the load of this step.
     state: Option<GraspState>,
-    /// States of the next steps, of loads that are known beforehand.
-    ahead: Option<Ahead>,
+    /// States of all frames, of loads that are known beforehand.
+    ahead: Option<Ramp>,
     /// States at any load, for an agent; None if the network has no answer to one of its loads.
     ladder: OnceLock<Option<ForceLadder>>,
-}
-
-/// States of a ramp, and the number of the next one.
-struct Ahead {
-    ramp: Ramp,
-    next: usize,
-}
-
-impl Ahead {
-    fn state(&mut self) -> Option<GraspState> {
-        self.next += 1;
-        self.ramp.at(self.next - 1)
-    }
 }
 
 impl Prediction {
     /// Encodes the grasp at first contact.
     fn look(&mut self, model: &Arc<Model>, contact: GeometricContact) {
-        let seen = self.predictor.look(model, &self.graph, &contact);
-        let seen = if model.needs.stress { seen } else { seen.without_stress() };
+        let seen = self.predictor.look(model, &self.graph, &contact).as_needed();
         self.grasp = Some((contact, seen));
         (self.ahead, self.ladder) = (None, OnceLock::new());
     }
@@ -239,12 +223,13 @@ fn predict(
     let applied = GraspLoad { force: load.level, push };
     let asked = match grasp {
         Some((_, seen)) if command.is_none() => {
-            if *phase == (Phase::Ramp { frame: 0 }) && ahead.is_none() {
+            let Phase::Ramp { frame } = *phase else { return };
+            if frame == 0 && ahead.is_none() {
                 // Where one of the loads has no answer, each is asked for by itself, as far as they go.
-                *ahead = Ramp::new(predictor, seen, &loads_of(&shared.0)).ok().map(|ramp| Ahead { ramp, next: 0 });
+                *ahead = Ramp::new(predictor, seen, &loads_of(&shared.0)).ok();
             }
-            let asked = || predictor.at(seen, applied);
-            ahead.as_mut().and_then(Ahead::state).map_or_else(asked, Ok)
+            let known = ahead.as_ref().and_then(|ramp| ramp.at(frame));
+            known.map_or_else(|| predictor.at(seen, applied), Ok)
         }
         Some((_, seen)) => {
             let push = weight.map(|weight| weight.0).filter(|_| predictor.knows_pushes()).unwrap_or_default();
@@ -259,19 +244,15 @@ fn predict(
     match asked {
         Ok(state) => {
             // An agent has a reward for what it holds.
-            let left =
-                grasp.as_ref().filter(|_| command.is_none()).map(|(touch, _)| hold(&shared.0, touch, &state, &applied));
-            if let Some(left) = left.filter(|left| *left < 0.0) {
-                let part = 100.0 * (1.0 - left);
-                let reason = format!(
-                    "the object slips: weight and push are {part:.0} % of what friction holds by the predicted pressure"
-                );
+            let scene = grasp.as_ref().filter(|_| command.is_none());
+            let slips = scene.and_then(|(touch, _)| slip(hold(&shared.0, touch, &state, &applied)));
+            if let Some(reason) = slips {
                 next.request(Phase::Dropped { reason });
-                return;
+            } else {
+                (report.reached, report.iterations, report.error) = (true, 1, state.error);
+                prediction.state = Some(state);
+                timings.iterations += 1;
             }
-            (report.reached, report.iterations, report.error) = (true, 1, state.error);
-            prediction.state = Some(state);
-            timings.iterations += 1;
         }
         Err(error) => next.request(Phase::Fault { reason: error.to_string() }),
     }
@@ -322,8 +303,7 @@ fn write_state(
         *wrench = FingerWrench { force: axes(finger.0 as usize) * force, torque: axes(finger.0 as usize) * torque };
     }
     if model.free {
-        let [shift, turn] = mean_motion(model, pads);
-        **pose = moved(model, &touch.object, shift, turn);
+        **pose = object_at(model, touch, pads);
     }
 }
 

@@ -169,14 +169,9 @@ fn response(
 
 /// BLAKE3 of a pad's mesh, by which a network knows its pads.
 pub fn mesh_hash(pad: &PadTopology) -> String {
-    let mut hash = blake3::Hasher::new();
-    pad.rest.iter().flat_map(|x| x.to_array()).for_each(|v| {
-        hash.update(&v.to_le_bytes());
-    });
-    pad.elements.nodes().iter().for_each(|v| {
-        hash.update(&v.to_le_bytes());
-    });
-    hash.finalize().to_hex().to_string()
+    let mut bytes: Vec<u8> = pad.rest.iter().flat_map(|x| x.to_array()).flat_map(f64::to_le_bytes).collect();
+    bytes.extend(pad.elements.nodes().iter().flat_map(|node| node.to_le_bytes()));
+    blake3::hash(&bytes).to_hex().to_string()
 }
 
 /// Gradients at the face nodes: those of the triangles around each, weighted by their areas.

@@ -182,7 +182,7 @@ impl GraspArrays {
 }
 
 /// Adds an array to an archive.
-pub(super) fn put<T, D, S>(
+pub(crate) fn put<T, D, S>(
     npz: &mut NpzWriter<BufWriter<std::fs::File>>,
     name: &str,
     shape: S,
@@ -198,7 +198,7 @@ where
 }
 
 /// Returns the I/O error inside, so that "disk full" stays recognisable under two layers of wrapping.
-pub(super) fn io_error(error: ndarray_npy::WriteNpzError) -> io::Error {
+pub(crate) fn io_error(error: ndarray_npy::WriteNpzError) -> io::Error {
     let mut source: Option<&(dyn std::error::Error + 'static)> = Some(&error);
     while let Some(inner) = source {
         if let Some(io) = inner.downcast_ref::<io::Error>() {

@@ -35,7 +35,7 @@ fn seen(predictor: &Predictor) -> Seen {
 }
 
 fn answer(predictor: &Predictor) -> Vec<GraspState> {
-    predictor.ramp(&seen(predictor), &FORCES.map(GraspLoad::from)).unwrap()
+    predictor.states(&seen(predictor), &FORCES.map(GraspLoad::from)).unwrap()
 }
 
 #[test]
@@ -53,7 +53,7 @@ fn the_answers_are_those_of_the_tape() {
 fn one_load_at_a_time_is_the_same_as_all_at_once() {
     let predictor = Predictor::open(&made().model).unwrap();
     let seen = seen(&predictor);
-    for (force, together) in FORCES.iter().zip(predictor.ramp(&seen, &FORCES.map(GraspLoad::from)).unwrap()) {
+    for (force, together) in FORCES.iter().zip(predictor.states(&seen, &FORCES.map(GraspLoad::from)).unwrap()) {
         let alone = predictor.at(&seen, *force).unwrap();
         for ((name, a), (_, b)) in lists(&alone.pads).iter().zip(&lists(&together.pads)) {
             assert!(apart(a, b) < 1e-5, "{name} at {force} N: {:e} relative", apart(a, b));
@@ -81,7 +81,7 @@ fn the_answer_follows_the_force_without_jumps() {
     let seen = seen(&predictor);
     let forces: Vec<f64> = (0..=400).map(|k| 0.5 + 0.5 * f64::from(k) / 400.0).collect();
     let loads: Vec<GraspLoad> = forces.iter().copied().map(GraspLoad::from).collect();
-    let states = predictor.ramp(&seen, &loads).unwrap();
+    let states = predictor.states(&seen, &loads).unwrap();
     let all: Vec<_> = states.iter().map(|state| lists(&state.pads)).collect();
     for (k, three) in all.windows(3).enumerate() {
         for (kind, (name, now)) in three[1].iter().enumerate().take(4) {
@@ -101,7 +101,7 @@ fn a_ramp_of_few_decoded_loads_has_all_others() {
     let ramp = Ramp::new(&predictor, &seen, &loads).unwrap();
     assert_eq!(ramp.len(), loads.len());
     assert!(ramp.decoded() < loads.len() / 2, "{} decoded loads", ramp.decoded());
-    for (k, decoded) in predictor.ramp(&seen, &loads).unwrap().iter().enumerate() {
+    for (k, decoded) in predictor.states(&seen, &loads).unwrap().iter().enumerate() {
         let own = ramp.at(k).unwrap();
         for ((name, a), (_, b)) in
             lists(&own.pads).iter().zip(&lists(&decoded.pads)).filter(|((name, _), _)| *name != "contact force")

@@ -5,11 +5,10 @@ use crate::dataset::{ObjectFile, StoredGrasp};
 use crate::error::Result;
 use crate::gripper::GraspPose;
 use crate::linear::first_contact::GeometricContact;
-use crate::linear::object_motion::moved;
 use crate::linear::{GraspLoad, loads_of};
 use crate::model::Model;
 use crate::net::infer::predict::{PadState, Predictor};
-use crate::net::infer::touch::mean_motion;
+use crate::net::infer::touch::object_at;
 use crate::record::{Frame, PadFrame, Wrench};
 use crate::world::components::ObjectPose;
 use glam::DVec3;
@@ -31,13 +30,12 @@ pub fn both(
     let seen = predictor.look(model, &predictor.graph(model)?, &touch);
     let all = loads_of(model);
     let applied = |k: &usize| GraspLoad { force: grasp.force[*k] / file.sizes.pads as f64, ..all[*k] };
-    let states = predictor.ramp(&seen, &wanted.iter().map(applied).collect::<Vec<_>>())?;
+    let states = predictor.states(&seen, &wanted.iter().map(applied).collect::<Vec<_>>())?;
     let truth: Vec<Frame> = wanted.iter().map(|k| frame(file, grasp, *k)).collect();
-    let predicted = truth.iter().zip(&states).map(|(truth, states)| {
-        let [shift, turn] = mean_motion(model, &states.pads);
-        let object = moved(model, &touch.object, shift, turn);
-        predicted(file, truth, grasp, &states.pads, object)
-    });
+    let predicted = truth
+        .iter()
+        .zip(&states)
+        .map(|(truth, states)| predicted(file, truth, grasp, &states.pads, object_at(model, &touch, &states.pads)));
     let predicted = predicted.collect();
     Ok([truth, predicted])
 }

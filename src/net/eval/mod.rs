@@ -74,7 +74,7 @@ fn judge_grasp(predictor: &Predictor, sample: &Sample) -> Result<Judged> {
     let seen = predictor.encode(sample.features.clone());
     let encode = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
-    let states = predictor.ramp(&seen, &sample.given)?;
+    let states = predictor.states(&seen, &sample.given)?;
     let time_s = [encode, clock.elapsed().as_secs_f64()];
     let frames: Vec<FrameError> = states.iter().enumerate().map(|(k, s)| frame_error(sample, k, s)).collect();
     let truth = |k: usize| {

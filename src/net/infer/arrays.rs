@@ -2,10 +2,13 @@
 
 use super::many::PredictedGrasp;
 use super::predict::{GraspState, PadState};
+use super::touch::object_at;
 use crate::error::Result;
+use crate::gripper::GraspPose;
 use crate::linear::loads_of;
 use crate::model::Model;
 use crate::record::{ErrorBound, names};
+use crate::world::components::ObjectPose;
 use glam::DVec3;
 
 /// Calls `put` with name, shape and numbers of each array of those of `answers` that are there, one after the other: all of them at once
@@ -46,9 +49,8 @@ pub fn each_array<E>(
     }
     put(names::TRAVEL, &of_pads, every_pad(&|pad| vec![pad.travel as f32]))?;
     let pose = |answer: &PredictedGrasp, state: &GraspState| {
-        let at = answer.object(model, state);
-        let (p, q) = (at.position, at.rotation);
-        [p.x, p.y, p.z, q.w, q.x, q.y, q.z].map(|v| v as f32).to_vec()
+        let ObjectPose { position, rotation } = object_at(model, &answer.touch, &state.pads);
+        GraspPose { position, rotation }.row().map(|v| v as f32).to_vec()
     };
     put(names::OBJECT_POSE, &[known.len(), loads.len(), 7], every(&pose))?;
     if known.iter().any(|answer| answer.ramp.error().is_some()) {

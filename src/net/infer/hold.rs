@@ -1,11 +1,10 @@
 //! Hold of the pads on the object, from the predicted pressure.
 
 use super::predict::GraspState;
-use super::touch::mean_motion;
+use super::touch::object_at;
 use crate::linear::GraspLoad;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::limit_surface::LimitSurface;
-use crate::linear::object_motion::moved;
 use crate::model::Model;
 use glam::DVec3;
 
@@ -25,9 +24,15 @@ pub fn hold(model: &Model, touch: &GeometricContact, state: &GraspState, load: &
         let nodes = finger.topology.rest.iter().zip(&pad.displacement).zip(&pad.contact);
         nodes.map(move |((x, u), force)| ((-force.z).max(0.0), finger.placement.place(*x + *u) + carried))
     });
-    let [shift, turn] = mean_motion(model, &state.pads);
-    let object = moved(model, &touch.object, shift, turn);
+    let object = object_at(model, touch, &state.pads);
     let mass = object.position + object.rotation * model.object.mass.center;
     let surface = LimitSurface::new(finger.placement.closing, presses);
     surface.margin(model.law.friction, touch.weight + load.push[0], mass, load.push[1])
+}
+
+/// Returns why a grasp with this [`hold`] is dropped; None if it is not.
+pub fn slip(hold: f64) -> Option<String> {
+    let part = 100.0 * (1.0 - hold);
+    let message = "of what friction holds by the predicted pressure";
+    (hold < 0.0).then(|| format!("the object slips: weight and push are {part:.0} % {message}"))
 }

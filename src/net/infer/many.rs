@@ -1,17 +1,14 @@
 //! Many grasps of an object at once: each finds its first contact, is encoded and decoded on a thread of its own.
 
 use super::hold::{hold, pulls};
-use super::predict::{GraspState, Predictor};
+use super::predict::Predictor;
 use super::ramp::Ramp;
-use super::touch::mean_motion;
 use crate::error::Result;
 use crate::gripper::GraspPose;
 use crate::interrupt;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::loads_of;
-use crate::linear::object_motion::moved;
 use crate::model::Model;
-use crate::world::components::ObjectPose;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -24,14 +21,6 @@ pub struct PredictedGrasp {
     pub ramp: Ramp,
     /// Part of the friction limit that the loads leave at the worst; negative where the object slips.
     pub hold: f64,
-}
-
-impl PredictedGrasp {
-    /// Returns the pose of the object of `model` in a state of this grasp.
-    pub fn object(&self, model: &Model, state: &GraspState) -> ObjectPose {
-        let [shift, turn] = mean_motion(model, &state.pads);
-        if model.free { moved(model, &self.touch.object, shift, turn) } else { self.touch.object }
-    }
 }
 
 impl Predictor {
@@ -53,8 +42,7 @@ impl Predictor {
                 Ok(touch) => touch,
                 Err(error) => return Ok(Err(error)),
             };
-            let seen = self.look(model, &graph, &touch);
-            let seen = if model.needs.stress { seen } else { seen.without_stress() };
+            let seen = self.look(model, &graph, &touch).as_needed();
             let ramp = match Ramp::new(self, &seen, &loads) {
                 Ok(ramp) => ramp,
                 Err(error) => return Ok(Err(error)),

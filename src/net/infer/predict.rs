@@ -51,9 +51,9 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Turns stress off: it stays empty in all answers.
-    pub fn without_stress(self) -> Self {
-        Self { stress: false, ..self }
+    /// Turns stress off where its scene does not need it: it stays empty in all answers.
+    pub fn as_needed(self) -> Self {
+        Self { stress: self.features.model.needs.stress, ..self }
     }
 
     /// Returns the model of the grasp.
@@ -179,14 +179,14 @@ impl Predictor {
     /// # Errors
     /// Fails if predicted numbers are not finite.
     pub fn at(&self, seen: &Seen, load: impl Into<GraspLoad>) -> Result<GraspState> {
-        Ok(self.ramp(seen, &[load.into()])?.swap_remove(0))
+        Ok(self.states(seen, &[load.into()])?.swap_remove(0))
     }
 
     /// Predicts the states of the pads under each of `loads`.
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
-    pub fn ramp(&self, seen: &Seen, loads: &[GraspLoad]) -> Result<Vec<GraspState>> {
+    pub fn states(&self, seen: &Seen, loads: &[GraspLoad]) -> Result<Vec<GraspState>> {
         let mut states = Vec::with_capacity(loads.len());
         let together = if self.engine.is_some() { FaceEngine::LOADS } else { LEVELS };
         for some in loads.chunks(together) {

@@ -2,6 +2,7 @@
 
 use super::predict::PadState;
 use crate::linear::GraspLoad;
+use crate::linear::first_contact::GeometricContact;
 use crate::linear::object_motion::moved;
 use crate::model::Model;
 use crate::net::features::GraspFeatures;
@@ -29,7 +30,7 @@ struct Beside {
 }
 
 /// Returns translation (m) and rotation vector of the object in hand axes: every pad has its own view of them, and this is their mean.
-pub fn mean_motion(model: &Model, pads: &[PadState]) -> [DVec3; 2] {
+fn mean_motion(model: &Model, pads: &[PadState]) -> [DVec3; 2] {
     let mean = |pick: fn(&PadState) -> DVec3| {
         let all = model.fingers.iter().zip(pads).map(|(f, pad)| f.placement.rotation * pick(pad));
         all.sum::<DVec3>() / pads.len() as f64
@@ -37,13 +38,18 @@ pub fn mean_motion(model: &Model, pads: &[PadState]) -> [DVec3; 2] {
     [mean(|p| p.shift), mean(|p| p.turn)]
 }
 
+/// Returns the pose of the object of a grasp that first touched at `touch` in a state of its pads.
+pub fn object_at(model: &Model, touch: &GeometricContact, pads: &[PadState]) -> ObjectPose {
+    let [shift, turn] = mean_motion(model, pads);
+    if model.free { moved(model, &touch.object, shift, turn) } else { touch.object }
+}
+
 /// Returns the travel of each finger at which the gaps of its pressed nodes are, in the mean over their forces, those that the contact
 /// law gives them, and the signs of the error of this answer, whose pads give by `depth` (m).
 pub(super) fn touched(features: &GraspFeatures, pads: &[PadState], load: &GraspLoad, depth: f64) -> (Vec<f64>, Signs) {
     let (model, t) = (&*features.model, features.graph.thickness);
-    let [shift, turn] = mean_motion(model, pads);
-    let start = features.touch.object;
-    let object = if model.free { moved(model, &start, shift, turn) } else { start };
+    let object = object_at(model, &features.touch, pads);
+    let [_, turn] = mean_motion(model, pads);
     let nodes: Vec<Vec<Beside>> = pads.iter().enumerate().map(|(p, pad)| beside(features, p, pad, &object)).collect();
     let sums = nodes.iter().map(|own| {
         let pressed = own.iter().filter(|n| n.force > 0.0);
