@@ -1,12 +1,13 @@
 //! Command `tactus dataset`: all grasps of all objects of a scene, into a folder; and `tactus dataset inspect`.
 
+use super::run::{machine_threads, refused};
 use super::{Format, NOT_HELD, OK, inspect, kept, print, say};
 use crate::backend;
 use crate::dataset::manifest::LeftOut;
 use crate::dataset::progress::Finished;
 use crate::dataset::sensitivity::SensitivityRow;
 use crate::dataset::{Campaign, Manifest, Selection, Watcher};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::grasp::keep_first;
 use crate::gripper::GraspPose;
 use crate::net::infer::doubt::doubts;
@@ -99,17 +100,11 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
     };
     let mut set = load_seeded(scene, args.seed)?;
     choose(&mut set.scenes, &args.object)?;
-    if let Some(most) = args.grasps {
-        let most = GraspCount::new(most).map_err(|m| refused(&format!("--grasps {m}")))?;
-        set.scenes.iter_mut().try_for_each(|s| keep_first(&mut s.scene.grasps, most))?;
-    }
-    if let Some(frames) = args.frames {
-        set.scenes.iter_mut().try_for_each(|s| s.scene.loading.set_frames(frames)).map_err(|m| refused(&m))?;
-    }
+    limit(&mut set.scenes, args.grasps, args.frames)?;
     if let Some(seconds) = args.max_time {
         set.scenes.iter_mut().try_for_each(|s| super::run::limit_time(&mut s.scene.stepper, seconds))?;
     }
-    let threads = args.threads.map_or_else(super::run::machine_threads, |n| n as usize);
+    let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
     let predictor = args.worst_of.as_deref().map(Predictor::open).transpose()?;
     let score = |scene: &Scene, poses: &[GraspPose]| match &predictor {
         Some(predictor) => doubts(predictor, scene, poses),
@@ -201,8 +196,16 @@ fn part(text: &str) -> std::result::Result<(usize, usize), String> {
     inside.ok_or_else(|| "allowed: I/N with I from 1 to N, like 2/8".into())
 }
 
-fn refused(message: &str) -> Error {
-    Error::Scene(format!("error: {message}"))
+/// Applies `--grasps` and `--frames` to all objects.
+pub(super) fn limit(scenes: &mut [NamedScene], grasps: Option<u64>, frames: Option<u64>) -> Result<()> {
+    if let Some(most) = grasps {
+        let most = GraspCount::new(most).map_err(|m| refused(&format!("--grasps {m}")))?;
+        scenes.iter_mut().try_for_each(|s| keep_first(&mut s.scene.grasps, most))?;
+    }
+    if let Some(frames) = frames {
+        scenes.iter_mut().try_for_each(|s| s.scene.loading.set_frames(frames)).map_err(|m| refused(&m))?;
+    }
+    Ok(())
 }
 
 /// Keeps the objects with these names; all if none is given.

@@ -1,19 +1,22 @@
 //! Command `tactus predict`: a network's answers to many grasps.
 
-use super::run::machine_threads;
+use super::dataset::limit;
+use super::run::{machine_threads, pool};
 use super::{Format, NOT_HELD, OK, print};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::files::atomic::{create_dir, replace};
-use crate::grasp::{keep_first, poses_of};
+use crate::grasp::poses_of;
 use crate::linear::loads_of;
 use crate::model::Model;
 use crate::net::SHIPPED;
 use crate::net::infer::arrays::each_array;
+use crate::net::infer::hold::slip;
 use crate::net::infer::many::PredictedGrasp;
 use crate::net::infer::predict::{GraspState, Predictor};
 use crate::record::ErrorBound;
-use crate::scene::{GraspCount, NamedScene, StepperChoice, load_set};
-use ndarray::ArrayD;
+use crate::record::arrays::{io_error, put};
+use crate::scene::{NamedScene, StepperChoice, load_set};
+use ndarray::IxDyn;
 use ndarray_npy::NpzWriter;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -101,17 +104,9 @@ struct Answer {
 /// Fails if the scene, the model or an argument is refused, or the file cannot be written.
 pub fn predict(args: &PredictArgs) -> Result<ExitCode> {
     let mut set = load_set(&args.scene)?.only(args.object.as_deref())?;
-    if let Some(most) = args.grasps {
-        let most = GraspCount::new(most).map_err(|m| Error::Scene(format!("error: --grasps {m}")))?;
-        set.scenes.iter_mut().try_for_each(|s| keep_first(&mut s.scene.grasps, most))?;
-    }
-    if let Some(frames) = args.frames {
-        let set_frames = |s: &mut NamedScene| s.scene.loading.set_frames(frames);
-        set.scenes.iter_mut().try_for_each(set_frames).map_err(|m| Error::Scene(format!("error: {m}")))?;
-    }
+    limit(&mut set.scenes, args.grasps, args.frames)?;
     let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|e| Error::Start(format!("no threads: {e}")))?;
+    let pool = pool(threads)?;
     let own = set.scenes.first().and_then(|named| match &named.scene.stepper {
         StepperChoice::Gnn(gnn) => Some(gnn.model.clone()),
         StepperChoice::Fem(_) => None,
@@ -197,16 +192,10 @@ impl Report {
 impl End {
     fn of(answer: &Result<PredictedGrasp>) -> Self {
         let last = |answer: &PredictedGrasp| answer.ramp.len().checked_sub(1).and_then(|last| answer.ramp.at(last));
-        let hold = answer.as_ref().map_or(1.0, |answer| answer.hold);
-        match answer.as_ref().map(last) {
-            Ok(_) if hold < 0.0 => {
-                let part = 100.0 * (1.0 - hold);
-                Self::Failed {
-                    reason: format!("the object slips: weight and push are {part:.0} % of what friction holds"),
-                }
-            }
-            Ok(Some(state)) => Self::Answer(Answer::of(&state)),
-            Ok(None) => Self::Failed { reason: "there is no load".into() },
+        match answer.as_ref().map(|answer| (slip(answer.hold), last(answer))) {
+            Ok((Some(reason), _)) => Self::Failed { reason },
+            Ok((None, Some(state))) => Self::Answer(Answer::of(&state)),
+            Ok((None, None)) => Self::Failed { reason: "there is no load".into() },
             Err(error) => Self::Failed { reason: error.to_string() },
         }
     }
@@ -229,9 +218,6 @@ impl Answer {
 /// Writes the arrays of all grasps that have an answer.
 fn write(path: &Path, model: &Model, answers: &[Result<PredictedGrasp>]) -> io::Result<()> {
     let mut npz = NpzWriter::new(BufWriter::new(std::fs::File::create(path)?));
-    each_array(model, answers, |name, shape, numbers| {
-        let array = ArrayD::from_shape_vec(shape, numbers).map_err(io::Error::other)?;
-        npz.add_array(name, &array).map_err(io::Error::other)
-    })?;
-    npz.finish().map(drop).map_err(io::Error::other)
+    each_array(model, answers, |name, shape, numbers| put(&mut npz, name, IxDyn(shape), &numbers))?;
+    npz.finish().map(drop).map_err(io_error)
 }

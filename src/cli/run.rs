@@ -167,7 +167,8 @@ pub(super) fn limit_time(stepper: &mut StepperChoice, seconds: f64) -> Result<()
     Ok(())
 }
 
-fn refused(message: &str) -> Error {
+/// Returns the error of a refused argument.
+pub(super) fn refused(message: &str) -> Error {
     Error::Scene(format!("error: {message}"))
 }
 
@@ -316,6 +317,12 @@ fn threads(scene: &Scene) -> usize {
 /// Returns the number of threads that the machine has.
 pub(super) fn machine_threads() -> usize {
     std::thread::available_parallelism().map_or(1, |n| n.get())
+}
+
+/// Starts threads for parallel work.
+pub(super) fn pool(threads: usize) -> Result<rayon::ThreadPool> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|e| Error::Start(format!("cannot start {threads} threads: {e}")))
 }
 
 /// Returns the output options, as the scene asks.

@@ -1,8 +1,9 @@
 //! Command `tactus train`: trains a network on a data set.
 
+use super::run::{machine_threads, pool};
 use super::{Format, OK, kept, print, say};
 use crate::dataset::DataSet;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::net::network::spec::Spec;
 use crate::net::train::{End, Trainer};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -39,12 +40,7 @@ pub struct TrainArgs {
 /// # Errors
 /// Fails if the data set or the model file cannot be read, the split is refused, or a file cannot be written.
 pub fn train(args: &TrainArgs) -> Result<ExitCode> {
-    let threads = args.threads.map_or_else(super::run::machine_threads, |n| n as usize);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|e| Error::Start(format!("cannot start {threads} threads: {e}")))?;
-    pool.install(|| run(args))
+    pool(args.threads.map_or_else(machine_threads, |n| n as usize))?.install(|| run(args))
 }
 
 fn run(args: &TrainArgs) -> Result<ExitCode> {
