@@ -21,9 +21,8 @@ use std::time::SystemTime;
 /// Version of the responses: another one is computed anew.
 const VERSION: u32 = 3;
 
-/// Largest size of all kept files together, bytes: 100 pads of the usual mesh. The files that were not used for longest go
-/// first.
-pub const MOST: u64 = 2 << 30;
+/// Largest size of all kept files together, bytes: the pads of a universe. The files that were not used for longest go first.
+pub const MOST: u64 = 6 << 30;
 
 /// Slot of a bonded node: it has none.
 const NONE: u32 = u32::MAX;

@@ -8,10 +8,13 @@ use crate::mech::element::EDGES;
 use crate::record::{ElementNodes, PadTopology};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Additional response of a basis function to its own force, over the linear one: the pressure is not even within it, either.
+/// Additional response of a basis function to its own force, over the linear one, where its neighbours carry none: the pressure is not even
+/// within it, either. Between neighbours that press alike it is.
 const LOCAL: f64 = 0.4;
+/// Number of neighbours of a basis function inside a face of triangles.
+const NEIGHBOURS: f64 = 6.0;
 
 /// Basis functions on a face, pad frame.
 #[derive(Debug, Clone)]
@@ -20,6 +23,8 @@ pub struct MortarBasis {
     pub parts: Vec<Vec<(u32, f64)>>,
     /// Point where each force acts at rest, m.
     pub rest: Vec<DVec3>,
+    /// Distance from there at which its parts act, root mean square, m.
+    pub radius: Vec<f64>,
     /// Compliance (basis functions * 3, basis functions * 3), symmetric: mean displacement under a basis function by force
     /// components, over the thickness per `E t^2`.
     compliance: Vec<f64>,
@@ -44,10 +49,8 @@ impl MortarBasis {
             }
         }
         let mut parts: Vec<_> = parts.into_values().collect();
-        for part in &mut parts {
-            let whole: f64 = part.iter().map(|p| p.1).sum();
-            part.iter_mut().for_each(|p| p.1 /= whole);
-        }
+        let sizes: Vec<f64> = parts.iter().map(|part| part.iter().map(|p| p.1).sum()).collect();
+        parts.iter_mut().zip(&sizes).for_each(|(part, size)| part.iter_mut().for_each(|p| p.1 /= size));
         let n = parts.len();
         let mut compliance = vec![0.0; 9 * n * n];
         compliance.par_chunks_exact_mut(9 * n.max(1)).zip(&parts).for_each(|(own, to)| {
@@ -71,13 +74,13 @@ impl MortarBasis {
                 (compliance[r * 3 * n + c], compliance[c * 3 * n + r]) = (mean, mean);
             }
         }
-        for a in 0..n {
-            for at in (0..9).map(|k| (3 * a + k / 3) * 3 * n + 3 * a + k % 3) {
-                compliance[at] *= 1.0 + LOCAL;
-            }
-        }
+        add_local(&mut compliance, &neighbours(&parts), &sizes);
         let mean = |part: &Vec<(u32, f64)>| part.iter().map(|(i, w)| rest[*i as usize] * *w).sum();
-        Self { rest: parts.iter().map(mean).collect(), parts, compliance }
+        let center: Vec<DVec3> = parts.iter().map(mean).collect();
+        let around = |(part, center): (&Vec<(u32, f64)>, &DVec3)| {
+            part.iter().map(|(i, w)| rest[*i as usize].distance_squared(*center) * w).sum::<f64>().sqrt()
+        };
+        Self { radius: parts.iter().zip(&center).map(around).collect(), rest: center, parts, compliance }
     }
 
     /// Number of basis functions.
@@ -122,5 +125,38 @@ impl MortarBasis {
             part.iter().for_each(|(i, w)| out[*i as usize] += *force * *w);
         }
         out
+    }
+}
+
+/// Pairs of basis functions that share a face node.
+fn neighbours(parts: &[Vec<(u32, f64)>]) -> BTreeSet<[usize; 2]> {
+    let mut at: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for (function, part) in parts.iter().enumerate() {
+        part.iter().for_each(|(node, _)| at.entry(*node).or_default().push(function));
+    }
+    let mut pairs = BTreeSet::new();
+    for all in at.values() {
+        for (k, a) in all.iter().enumerate() {
+            pairs.extend(all[k + 1..].iter().map(|b| [*a, *b]));
+        }
+    }
+    pairs
+}
+
+/// Adds to the `compliance` what an uneven pressure within basis functions does: a spring between the pressures of each pair of neighbours,
+/// whose functions stand for `sizes` of the face.
+fn add_local(compliance: &mut [f64], pairs: &BTreeSet<[usize; 2]>, sizes: &[f64]) {
+    let n = sizes.len();
+    let at = |a: usize, b: usize, k: usize| (3 * a + k / 3) * 3 * n + 3 * b + k % 3;
+    // Response to an even pressure on the function alone.
+    let alone: Vec<[f64; 9]> =
+        (0..n).map(|a| std::array::from_fn(|k| compliance[at(a, a, k)] * sizes[a] * sizes[a])).collect();
+    for [a, b] in pairs {
+        for k in 0..9 {
+            let spring = LOCAL / NEIGHBOURS * 0.5 * (alone[*a][k] + alone[*b][k]);
+            for (p, q, sign) in [(a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)] {
+                compliance[at(*p, *q, k)] += sign * spring / (sizes[*p] * sizes[*q]);
+            }
+        }
     }
 }

@@ -80,7 +80,7 @@ defaults! {
     /// Universe: number of grasps of each object.
     UNIVERSE_GRASPS: Count<1, 1000> = Count::preset(2);
     /// Universe: number of different sensors.
-    UNIVERSE_SENSORS: Count<1, 10000> = Count::preset(32);
+    UNIVERSE_SENSORS: Count<1, 10000> = Count::preset(96);
     /// Universe: widths of objects over the thickness of the pads.
     UNIVERSE_SIZE: Span = Tuple([Positive::preset(2.5), Positive::preset(14.0)]);
     /// Universe: coefficients of friction.

@@ -86,6 +86,8 @@ pub struct Rest {
     pub force: Vec<Vec<DVec3>>,
     /// Displacement under each basis function.
     pub moved: Vec<Vec<DVec3>>,
+    /// Moment on each pad about its closing direction by friction within the basis functions.
+    twist: [f64; 2],
     /// View of the object from each basis function; empty between two states of the path.
     seen: Vec<Vec<Seen>>,
 }
@@ -103,6 +105,7 @@ impl Rest {
             rotation: self.rotation.lerp(other.rotation, part),
             force: all(&self.force, &other.force),
             moved: all(&self.moved, &other.moved),
+            twist: [0, 1].map(|k| self.twist[k] + part * (other.twist[k] - self.twist[k])),
             seen: Vec::new(),
         }
     }
@@ -264,6 +267,7 @@ impl RigidEquilibrium {
             rotation: DQuat::IDENTITY,
             force: all(),
             moved: all(),
+            twist: [0.0; 2],
             seen: Vec::new(),
         };
         self.looked(rest, object)

@@ -75,7 +75,7 @@ impl RigidEquilibrium {
         for iteration in 0..ITERATIONS {
             let solve = |(p, contact): (usize, &Contact)| self.solve(p, before, contact);
             let Some(solved) = contacts.par_iter().enumerate().map(solve).collect::<Option<Vec<_>>>() else { break };
-            rigid = self.balance(before, &solved, load, damping);
+            rigid = self.balance(before, &contacts, &solved, load, damping);
             let part = if iteration < CALM { 1.0 } else { 0.5 };
             let update = |(p, contact): (usize, &mut Contact)| {
                 self.update_active_set(p, before, contact, &solved[p], &rigid, part)
@@ -87,8 +87,9 @@ impl RigidEquilibrium {
             }
         }
         (0..self.fingers.len()).for_each(|p| now.travel[p] += rigid[self.travel(p)]);
+        let turn = DVec3::from_slice(&rigid[5..8]);
         now.shift += DVec3::from_slice(&rigid[2..5]);
-        now.rotation = (DQuat::from_scaled_axis(DVec3::from_slice(&rigid[5..8])) * now.rotation).normalize();
+        now.rotation = (DQuat::from_scaled_axis(turn) * now.rotation).normalize();
         for (p, contact) in contacts.iter().enumerate() {
             let held = |(function, force): (usize, &DVec3)| {
                 let normal = before.seen[p][function].normal;
@@ -99,6 +100,10 @@ impl RigidEquilibrium {
             };
             now.force[p] = contact.force.iter().enumerate().map(held).collect();
             now.moved[p] = self.graph.basis.respond(&now.force[p]);
+            // Friction holds no more than Coulomb's limit here, either.
+            let (stiffness, most) = self.twisted(contact);
+            let twist = now.twist[p] + stiffness * turn.dot(self.fingers[p].closing);
+            now.twist[p] = twist.clamp(-most, most);
         }
         let motions = rigid.iter().zip(LARGEST).map(|(q, most)| q.abs() / most);
         (now, motions.fold(0.0, f64::max))
@@ -155,8 +160,21 @@ impl RigidEquilibrium {
         Some(Solved { basis, factor, columns })
     }
 
+    /// Stiffness of a pad against twisting about its closing direction within the basis functions that touch, and the moment that friction
+    /// holds there: a function is as wide as the part of the face that it stands for, and does not turn about its centre for nothing.
+    fn twisted(&self, contact: &Contact) -> (f64, f64) {
+        let (basis, t) = (&self.graph.basis, self.graph.thickness);
+        let touching = (0..contact.touching.len()).filter(|function| contact.touching[*function]);
+        let of = |function: usize| {
+            let radius = basis.radius[function] / t;
+            let pressing = contact.force[function].z.abs();
+            (radius * radius / (basis.own(function) + contact.give[function]), self.friction * pressing * radius)
+        };
+        touching.map(of).fold((0.0, 0.0), |sum, of| (sum.0 + of.0, sum.1 + of.1))
+    }
+
     /// The rigid motions under which the object, if it moves, and the fingers are in balance with `damping`.
-    fn balance(&self, before: &Rest, solved: &[Solved], load: &GraspLoad, damping: Option<f64>) -> Rigid {
+    fn balance(&self, before: &Rest, contacts: &[Contact], solved: &[Solved], load: &GraspLoad, damping: Option<f64>) -> Rigid {
         let (mut stiffness, mut right) = ([[0.0; RIGID]; RIGID], [0.0; RIGID]);
         for (p, solved) in solved.iter().enumerate() {
             let dot = |a: usize, b: usize| solved.columns.col(a).transpose() * solved.columns.col(b);
@@ -165,6 +183,11 @@ impl RigidEquilibrium {
                 right[a] += dot(a, RIGID);
             }
             right[self.travel(p)] += load.force;
+            let (twisted, closing) = (self.twisted(&contacts[p]).0, self.fingers[p].closing);
+            for a in 0..3 {
+                (0..3).for_each(|b| stiffness[5 + a][5 + b] += twisted * closing[a] * closing[b]);
+                right[5 + a] -= before.twist[p] * closing[a];
+            }
         }
         let [force, torque] = self.pulled(load);
         let torque = torque + (before.rotation * self.weight[1]).cross(force);

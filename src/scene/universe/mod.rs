@@ -41,7 +41,7 @@ pub struct Universe {
     pub size: Span,
     /// Range of the coefficient of friction.
     pub friction: Span,
-    /// Range of Poisson's ratio of the gel.
+    /// Range of Poisson's ratio of the gel; its distance to one half is drawn with equal chance per factor: what a pad does depends on that.
     pub poisson: Span,
     /// Pads.
     pub pads: PadSpans,
@@ -187,7 +187,8 @@ impl Universe {
         // Whatever the seed: data sets of several seeds share their sensors, whose responses are found once.
         let mut sensor = Self { seed: 0, ..self.clone() }.draws(SENSORS, draws.0.below(self.sensors.get()));
         let (pads, thickness) = self.pads.draw(&mut sensor);
-        let poisson = written(sensor.within(&self.poisson));
+        let [low, high] = [0, 1].map(|k| (0.5 - self.poisson.0[k].get()).ln());
+        let poisson = written(0.5 - sensor.between(low, high).exp());
         let width = (draws.factor(&self.size) * thickness).min(WIDEST * gripper.opening.get());
         let (shape, volume) = family.draw(width, &mut draws);
         let friction = written(draws.within(&self.friction));
