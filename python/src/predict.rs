@@ -51,7 +51,7 @@ pub fn predict<'py>(
             Some(rows) => rows.iter().map(|row| pose(row)).collect(),
             None => poses_of(&scene)?,
         };
-        let answers = predictor.many(&model, &poses, extrapolate)?;
+        let answers = predictor.many(&model, &poses, extrapolate || scene.stepper.extrapolates())?;
         let mut arrays = Vec::new();
         each_array(&model, &answers, |name, shape, numbers| {
             arrays.push((name.to_string(), shape.to_vec(), numbers));

@@ -62,7 +62,8 @@ def predict(
     Returns float32 arrays over the G grasps that have an answer, whose numbers are `grasp` (G): `force_n` (F), `rest_m` (nodes, 3);
     `travel_m` (G, F, pads), `object_pose` (G, F, 7), `displacement_error`, `stress_error`, `travel_error` (G, F), below which nine of ten
     predictions stay; in the frame of each pad `displacement_m`, `contact_force_n` (G, F, pads, nodes, 3) and, where the scene records it,
-    `von_mises_pa` (G, F, pads, nodes). `failed` is a dictionary from the number of a grasp without an answer to the reason.
+    `von_mises_pa` (G, F, pads, nodes). `slip_margin` (G) is the part of what friction holds that the loads leave at the worst: below zero
+    the object slips. `failed` is a dictionary from the number of a grasp without an answer to the reason.
     """
     path = scene.path if isinstance(scene, Scene) else os.fspath(scene)
     rows = None if poses is None else np.atleast_2d(np.asarray(poses, dtype=np.float64))

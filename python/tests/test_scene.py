@@ -36,7 +36,17 @@ def test_many_grasps_are_predicted_as_they_are_run():
         assert np.allclose(answer, run["travel_m"], rtol=1e-3)
     pressed = np.abs(many["contact_force_n"].sum(axis=3)[..., 2])
     assert np.allclose(pressed, many["force_n"][None, :, None] / 2, rtol=1e-4)
-    assert (many["displacement_error"] > 0).all()
+    assert (many["displacement_error"] > 0).all() and many["slip_margin"].tolist() == [1, 1]
+
+
+def test_predictions_say_which_objects_slip(tmp_path):
+    text = (SCENES / "lemon.ron").read_text().replace("Squeeze(", "Squeeze(push: (force: (0, 0, FORCE), frames: 2), ", 1)
+    margins = []
+    for force in (1.0, 100.0):
+        path = tmp_path / f"{force}.ron"
+        path.write_text(text.replace("FORCE", str(force)))
+        margins.append(tactus.predict(path, extrapolate=True)["slip_margin"])
+    assert (margins[0] > 0).all() and (margins[1] < 0).all()
 
 
 def test_predictions_at_given_poses_say_which_grasps_fail():

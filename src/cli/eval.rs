@@ -1,12 +1,13 @@
 //! Command `tactus eval`: errors of a trained model.
 
+use super::run::{machine_threads, pool};
 use super::{Format, OK, print, say};
 use crate::dataset::DataSet;
 use crate::error::{Error, Result};
 use crate::files::atomic::create_dir;
 use crate::net::eval::acceptance::{Acceptance, acceptances};
 use crate::net::eval::dump;
-use crate::net::eval::table::{ErrorRow, ranks, rows};
+use crate::net::eval::table::{ALL, ErrorRow, ranks, rows};
 use crate::net::eval::{Judged, frames, judge, picture, test_grasps};
 use crate::net::infer::predict::Predictor;
 use crate::net::train::sample::model_of;
@@ -41,6 +42,12 @@ pub struct EvalArgs {
     /// can check itself: see tests/network/torch_check.py.
     #[arg(long, value_name = "FILE")]
     pub dump: Option<PathBuf>,
+    /// Print the errors of each object, fifth of the load and frame, too.
+    #[arg(long)]
+    pub groups: bool,
+    /// Number of threads; the default is all that the machine has. No bit of the errors depends on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
+    pub threads: Option<u64>,
     /// Form of the report on stdout.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -51,6 +58,10 @@ pub struct EvalArgs {
 /// # Errors
 /// Fails if the data set or the model cannot be read, the split is refused, or a file cannot be written.
 pub fn eval(args: &EvalArgs) -> Result<ExitCode> {
+    pool(args.threads.map_or_else(machine_threads, |n| n as usize))?.install(|| judged(args))
+}
+
+fn judged(args: &EvalArgs) -> Result<ExitCode> {
     let set = DataSet::open(&args.data)?;
     let predictor = Predictor::open(&args.model)?;
     let split = args.split.clone().unwrap_or_else(|| predictor.card.split.clone());
@@ -65,7 +76,7 @@ pub fn eval(args: &EvalArgs) -> Result<ExitCode> {
         samples.first().map_or(Ok(()), |sample| dump::write(path, &predictor, sample))?;
     }
     let judged = judge(&set, &predictor, &split, args.extrapolate)?;
-    let table = rows(&split, &judged);
+    let mut table = rows(&split, &judged);
     let (stress, displacement) = ranks(&judged);
     let accepted = acceptances(&judged);
     let mean = |k: usize| judged.iter().map(|j| j.time_s[k]).sum::<f64>() / judged.len().max(1) as f64;
@@ -78,7 +89,10 @@ pub fn eval(args: &EvalArgs) -> Result<ExitCode> {
         worst.iter().try_for_each(|j| draw(&set, &predictor, j, dir))?;
     }
     let text = match args.format {
-        Format::Text => report(&table, &accepted, judged.len(), (stress, displacement), (mean(0), mean(1))),
+        Format::Text => {
+            table.retain(|row| args.groups || row.group == ALL);
+            report(&table, &accepted, judged.len(), (stress, displacement), (mean(0), mean(1)))
+        }
         Format::Json => {
             let worst: Vec<_> = worst.iter().filter_map(|j| j.frames.last()).collect();
             let object = json!({

@@ -132,10 +132,11 @@ pub fn predict(args: &PredictArgs) -> Result<ExitCode> {
 fn object(args: &PredictArgs, predictor: &Predictor, named: &NamedScene, threads: usize) -> Result<Report> {
     let model = Model::build(&named.scene.on_own_mesh())?;
     let poses = poses_of(&named.scene)?;
+    let extrapolate = args.extrapolate || named.scene.stepper.extrapolates();
     // The linear response of pads that are new is not part of the time of a grasp.
-    predictor.admit(&model, args.extrapolate)?;
+    predictor.admit(&model, extrapolate)?;
     let clock = Instant::now();
-    let answers = predictor.many(&model, &poses, args.extrapolate)?;
+    let answers = predictor.many(&model, &poses, extrapolate)?;
     let grasps = answers.par_iter().enumerate().map(|(grasp, answer)| Row { grasp, end: End::of(answer) }).collect();
     let wall_s = clock.elapsed().as_secs_f64();
     if let Some(dir) = &args.out {

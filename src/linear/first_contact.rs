@@ -50,7 +50,21 @@ impl GeometricContact {
     /// # Errors
     /// Fails for a grasp that cannot start; the error gives the reason.
     pub fn find(model: &Arc<Model>, pose: GraspPose) -> Result<Self> {
-        let mut environment = Environment::new(model, &Still, pose)?;
+        Self::find_in(&mut None, model, pose)
+    }
+
+    /// Closes the fingers of a grasp at `pose` in an environment of `model` that is kept for the next grasp: the first one makes it.
+    ///
+    /// # Errors
+    /// Fails for a grasp that cannot start; the error gives the reason.
+    pub fn find_in(kept: &mut Option<Environment>, model: &Arc<Model>, pose: GraspPose) -> Result<Self> {
+        let environment = match kept {
+            Some(environment) => {
+                environment.restart(&Still, pose)?;
+                environment
+            }
+            None => kept.insert(Environment::new(model, &Still, pose)?),
+        };
         loop {
             match environment.step() {
                 Phase::Ramp { .. } => break,

@@ -49,6 +49,8 @@ names! {
     GROUND_FORCE "ground_force_n" "N";
     /// Force and torque of the contact on each pad.
     WRENCH "wrench" "N, N m";
+    /// Part of what friction holds that the loads of a grasp leave at the worst; negative if the object slips.
+    SLIP_MARGIN "slip_margin" "1";
     /// Value of the incremental potential.
     ENERGY "energy_j" "J";
     /// Norm of the out-of-balance nodal forces.

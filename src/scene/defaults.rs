@@ -63,7 +63,9 @@ defaults! {
     /// Placement: centre of the pads along the finger width (hand y), m.
     PLACEMENT_Y: Finite = Finite::preset(0.0);
 
-    /// Pad: distance between nodes of the sensing face, m.
+    /// Gel of a GelSight Mini: distance between nodes of the sensing face, m; that of the network's training.
+    GELSIGHT_SPACING: Length = Length::preset(2.6e-3);
+    /// Box of gel: distance between nodes, m.
     PAD_SPACING: Length = Length::preset(1.5e-3);
     /// Pad: thickness of a layer over that of the layer before it, away from the sensing face.
     PAD_GRADING (pad_grading): Ratio = Ratio::preset(1.0);

@@ -89,7 +89,7 @@ impl Pads {
 pub struct GelSightMini {
     /// Shape of the sensing face: flat, as simulators model it, or domed, like the real one.
     pub shape: GelShape,
-    /// Smallest distance between nodes of the sensing face, m. If neither it nor `accuracy` is given: [`defaults::PAD_SPACING`].
+    /// Smallest distance between nodes of the sensing face, m. If neither it nor `accuracy` is given: [`defaults::GELSIGHT_SPACING`].
     pub spacing: Option<Length>,
     /// Relative error of the displacement (L2 over the volume), an alternative to a spacing: spacing and focus are chosen for it from the
     /// object and the load, see [`crate::model::accuracy`].
@@ -116,7 +116,7 @@ impl Default for GelSightMini {
 impl GelSightMini {
     /// Returns the spacing of the mesh if no accuracy asks for another.
     pub fn mesh_spacing(&self) -> Length {
-        self.spacing.unwrap_or(defaults::PAD_SPACING)
+        self.spacing.unwrap_or(defaults::GELSIGHT_SPACING)
     }
 }
 

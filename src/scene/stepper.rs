@@ -135,6 +135,13 @@ impl Default for Tolerance {
     }
 }
 
+impl StepperChoice {
+    /// Returns true if the scene asks a network to answer outside the range of its training.
+    pub fn extrapolates(&self) -> bool {
+        matches!(self, StepperChoice::Gnn(gnn) if gnn.extrapolate)
+    }
+}
+
 /// Network backend.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

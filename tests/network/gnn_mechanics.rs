@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
+use tactus::grasp::poses_of;
 use tactus::gripper::GraspPose;
 use tactus::linear::GraspLoad;
 use tactus::linear::first_contact::GeometricContact;
@@ -48,6 +49,7 @@ fn the_grip_carries_the_force_of_each_finger_and_holds_the_object_still() {
                 carried -= push.dot(finger.placement.closing);
                 (sum, torque) = (sum + push, torque + (equilibrium.place(p, *x, *u, &rest) - rest.shift).cross(push));
             }
+            torque += finger.placement.closing * rest.twist[p];
             assert!((carried - force).abs() < 1e-2 * force, "a finger closed by {force} E t2 is held by {carried}");
         }
         assert!(sum.length() < 1e-2 * force, "the object feels {sum} E t2 in all, closed by {force}");
@@ -95,6 +97,28 @@ fn a_block_that_is_let_go_under_load_turns_between_the_pads() {
     };
     assert!(turned(8.0) < 1e-9, "held: {} degrees", turned(8.0));
     assert!((turned(15.0) - 9.05).abs() < 1.0, "let go: {} degrees", turned(15.0));
+}
+
+/// Capsules that are let go askew tilt between the pads, but hardly spin about the closing direction. Angles of condensed finite elements, degrees:
+/// `tactus run --backend condensed` with this scene.
+#[test]
+fn friction_within_a_small_contact_resists_spinning() {
+    let scene = r#"Scene(
+        object: (shape: Capsule(radius: 0.018, height: 0.04)),
+        gripper: (pads: GelSightMini(spacing: 2.6e-3), friction: 0.8),
+        grasps: Antipodal(count: 11, seed: 5),
+        loading: Squeeze(force: 3.0, frames: 1),
+    )"#;
+    let scene = from_ron(scene).unwrap();
+    let (model, poses) = (Model::build(&scene).unwrap(), poses_of(&scene).unwrap());
+    let graph = Arc::new(PadGraph::new(&model.fingers[0], Layout::Face { depths: 3 }).unwrap());
+    for (grasp, turned) in [(1, [-0.159, -0.432, -2.902]), (9, [0.190, -0.278, 4.976]), (10, [-0.229, -0.261, 2.914])] {
+        let features = GraspFeatures::new(&model, &graph, &GeometricContact::find(&model, poses[grasp]).unwrap());
+        let rest = features.equilibrium.rest(&(1.5 / features.unit_force()).into());
+        let off = rest.rotation.to_scaled_axis() * 1_f64.to_degrees() - DVec3::from_array(turned);
+        assert!(off.x.abs() < 0.5, "grasp {grasp} spins by {} degrees more than it should", off.x);
+        assert!(off.length() < 1.0, "grasp {grasp} turns otherwise by {} degrees", off.length());
+    }
 }
 
 /// Whatever a network makes of the pressure: friction holds the object and its weight, and the pressure stays to the bit.
@@ -155,6 +179,29 @@ fn hats_share_out_their_force_and_give_alike_to_each_other() {
             assert_eq!(there.to_bits(), back.to_bits(), "basis {a} and {b}: {there} and {back} t per E t2");
         }
     }
+}
+
+/// Under a face that presses evenly the pad gives as its linear response says: nothing is softer between basis functions that press alike. One
+/// alone gives more than that.
+#[test]
+fn basis_functions_that_press_evenly_give_as_the_response_does() {
+    let graph = PadGraph::new(&model().fingers[0], Layout::Face { depths: 3 }).unwrap();
+    let basis = &graph.basis;
+    // Part of the face that a function stands for, from the half of each of its nodes.
+    let even: Vec<DVec3> =
+        basis.parts.iter().map(|part| DVec3::Z * (0.5 * graph.area[part[0].0 as usize] / part[0].1)).collect();
+    let mut alone = vec![DVec3::ZERO; basis.count()];
+    let middle = basis.count() / 2;
+    alone[middle] = even[middle];
+    let off = |forces: &[DVec3]| {
+        let nodes = graph.compliance.on_face(&graph.face, &[basis.on_face(forces, graph.face.len())]).remove(0);
+        let mean = |part: &Vec<(u32, f64)>| part.iter().map(|(i, w)| nodes[*i as usize] * *w).sum::<DVec3>();
+        let (given, asked) = (basis.respond(forces), basis.parts.iter().map(mean).collect::<Vec<_>>());
+        let largest = asked.iter().map(|u| u.length()).fold(0.0, f64::max);
+        given.iter().zip(&asked).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max) / largest
+    };
+    assert!(off(&even) < 1e-4, "{} of the largest displacement under an even pressure", off(&even));
+    assert!(off(&alone) > 0.1, "{} of the largest displacement under one function", off(&alone));
 }
 
 #[test]

@@ -87,7 +87,7 @@ pub struct Rest {
     /// Displacement under each basis function.
     pub moved: Vec<Vec<DVec3>>,
     /// Moment on each pad about its closing direction by friction within the basis functions.
-    twist: [f64; 2],
+    pub twist: [f64; 2],
     /// View of the object from each basis function; empty between two states of the path.
     seen: Vec<Vec<Seen>>,
 }

@@ -174,7 +174,14 @@ impl RigidEquilibrium {
     }
 
     /// The rigid motions under which the object, if it moves, and the fingers are in balance with `damping`.
-    fn balance(&self, before: &Rest, contacts: &[Contact], solved: &[Solved], load: &GraspLoad, damping: Option<f64>) -> Rigid {
+    fn balance(
+        &self,
+        before: &Rest,
+        contacts: &[Contact],
+        solved: &[Solved],
+        load: &GraspLoad,
+        damping: Option<f64>,
+    ) -> Rigid {
         let (mut stiffness, mut right) = ([[0.0; RIGID]; RIGID], [0.0; RIGID]);
         for (p, solved) in solved.iter().enumerate() {
             let dot = |a: usize, b: usize| solved.columns.col(a).transpose() * solved.columns.col(b);

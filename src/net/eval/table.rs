@@ -51,6 +51,9 @@ const QUANTITIES: [Quantity; 11] = [
     ("object_deg", |e| e.object_deg, |_| None),
 ];
 
+/// Group of all frames from [`FROM_LOAD`] on.
+pub const ALL: &str = "all";
+
 /// Returns all rows of a split.
 pub fn rows(split: &str, judged: &[Judged]) -> Vec<ErrorRow> {
     let frames: Vec<&FrameError> = judged.iter().flat_map(|j| &j.frames).collect();
@@ -59,7 +62,7 @@ pub fn rows(split: &str, judged: &[Judged]) -> Vec<ErrorRow> {
         let fifth = ((frame.load * 5.0 - 1e-9).floor() as usize).min(4);
         let loaded = frame.load >= FROM_LOAD - 1e-9;
         let names = [
-            loaded.then(|| (0, "all".to_string())),
+            loaded.then(|| (0, ALL.to_string())),
             loaded.then(|| (1, format!("object {}", frame.object))),
             Some((2, format!("load {}-{} %", 20 * fifth, 20 * fifth + 20))),
             Some((3, format!("frame {:03}", frame.frame))),

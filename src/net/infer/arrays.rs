@@ -14,7 +14,7 @@ use glam::DVec3;
 /// Calls `put` with name, shape and numbers of each array of those of `answers` that are there, one after the other: all of them at once
 /// may not fit in memory. Fields are in the frame of each pad: displacement, contact force (grasps, loads, pads, nodes, 3), stress (grasps,
 /// loads, pads, nodes), if the model needs them; travel (grasps, loads, pads), pose of the object (grasps, loads, 7), errors that nine of
-/// ten such predictions stay below (grasps, loads). `grasp` numbers the grasps that have an answer.
+/// ten such predictions stay below (grasps, loads), part of the friction limit that is left (grasps). `grasp` numbers the grasps that have an answer.
 ///
 /// # Errors
 /// Fails as `put` does.
@@ -53,6 +53,7 @@ pub fn each_array<E>(
         GraspPose { position, rotation }.row().map(|v| v as f32).to_vec()
     };
     put(names::OBJECT_POSE, &[known.len(), loads.len(), 7], every(&pose))?;
+    put(names::SLIP_MARGIN, &[known.len()], known.iter().map(|answer| answer.hold as f32).collect())?;
     if known.iter().any(|answer| answer.ramp.error().is_some()) {
         for (k, name) in ErrorBound::NAMES.into_iter().enumerate() {
             put(name, &of_loads, every(&|_, state| state.error.iter().map(|e| e.to_array()[k] as f32).collect()))?;

@@ -9,6 +9,7 @@ use crate::interrupt;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::loads_of;
 use crate::model::Model;
+use crate::world::environment::Environment;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -36,9 +37,9 @@ impl Predictor {
     ) -> Result<Vec<Result<PredictedGrasp>>> {
         let graph = self.admit(model, extrapolate)?;
         let loads = loads_of(model);
-        let predict = |pose: &GraspPose| {
+        let predict = |environment: &mut Option<Environment>, pose: &GraspPose| {
             interrupt::check()?;
-            let touch = match GeometricContact::find(model, *pose) {
+            let touch = match GeometricContact::find_in(environment, model, *pose) {
                 Ok(touch) => touch,
                 Err(error) => return Ok(Err(error)),
             };
@@ -52,6 +53,6 @@ impl Predictor {
             let hold = holds.fold(1.0, f64::min);
             Ok(Ok(PredictedGrasp { touch, ramp, hold }))
         };
-        poses.par_iter().map(predict).collect()
+        poses.par_iter().map_init(|| None, predict).collect()
     }
 }

@@ -12,6 +12,8 @@ use std::sync::Arc;
 
 /// Number of loads that share the reading of the matrix.
 const LANES: usize = 8;
+/// Number of rows of the matrix that share the reading of the gradient of the forces.
+const ROWS: usize = 12;
 /// Number for each of these loads.
 type Lanes<T> = [T; LANES];
 
@@ -119,15 +121,22 @@ impl<T: Real> WithSimd for TimesTransposed<'_, T> {
     fn with_simd<S: Simd>(self, _: S) {
         let Self { pad, y, x } = self;
         let (k, m) = (pad.forces, pad.moving());
-        for (node, rows) in pad.response.chunks_exact(3 * k).enumerate() {
-            let (a, rest) = rows.split_at(k);
-            let (b, c) = rest.split_at(k);
+        for (block, rows) in pad.response.chunks(ROWS * k).enumerate() {
             for (x, y) in x.chunks_exact_mut(k).zip(y.chunks_exact(m)) {
-                let [p, q, r] = [0, 1, 2].map(|i| y[3 * node + i]);
-                for (((a, b), c), x) in a.iter().zip(b).zip(c).zip(x) {
-                    add(x, *a, &p);
-                    add(x, *b, &q);
-                    add(x, *c, &r);
+                let y = &y[ROWS * block..m.min(ROWS * (block + 1))];
+                match y.as_array::<ROWS>() {
+                    Some(y) => {
+                        let rows: [&[f32]; ROWS] = std::array::from_fn(|i| &rows[i * k..(i + 1) * k]);
+                        // Each gradient stays in its register for all of these rows.
+                        for (j, x) in x.iter_mut().enumerate() {
+                            rows.iter().zip(y).for_each(|(row, y)| add(x, row[j], y));
+                        }
+                    }
+                    None => {
+                        for (row, y) in rows.chunks_exact(k).zip(y) {
+                            row.iter().zip(&mut *x).for_each(|(a, x)| add(x, *a, y));
+                        }
+                    }
                 }
             }
         }
