@@ -1,6 +1,6 @@
 //! Chart of time against error, both logarithmic, as PNG and as SVG: points, the Pareto front, dominated points.
 
-use super::report::{BenchReport, Point};
+use super::report::{BenchReport, Point, SpeedUp};
 use crate::error::Result;
 use crate::render::canvas::{Area, Drawn, INK, KINDS, MUTED, Picture, axes, range, save_picture, text_style};
 use plotters::prelude::*;
@@ -91,8 +91,8 @@ fn names(report: &BenchReport) -> Vec<(String, RGBColor)> {
     lines.push(("line and full circles: the Pareto front".into(), INK));
     lines.push((format!("errors against: {}", report.reference.label), INK));
     let faster = |point: &Point| {
-        let ratio = point.speedup_at_equal_error?;
-        let most = if point.speedup_is_bound { "at most " } else { "" };
+        let SpeedUp { ratio, is_bound, .. } = point.speedup_at_equal_error.as_ref()?;
+        let most = if *is_bound { "at most " } else { "" };
         Some((format!("{most}{ratio:.1}  {}", point.label), color(point)))
     };
     let faster: Vec<_> = report.points.iter().filter(|p| p.contender).filter_map(faster).collect();

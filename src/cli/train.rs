@@ -24,7 +24,7 @@ pub struct TrainArgs {
     /// Folder of the trained model; an unfinished one is continued.
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Training grasps: `poses`, `all`, `single:OBJECT` or `without:OBJECT`, which leaves out all objects whose names begin with that and a `-`, too.
+    /// Training grasps: `poses`, `all`, `single:OBJECT` or `without:OBJECT,OBJECT`, which leaves out all objects whose names begin with one of these and a `-`, too.
     #[arg(long, default_value = "poses")]
     pub split: String,
     /// Form of the report on stdout.

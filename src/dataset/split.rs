@@ -55,9 +55,13 @@ impl Splits {
         Some(Sets { train: only(&self.poses.train)?, test: only(&self.poses.test)? })
     }
 
-    /// Returns the split without the object of this name and those that begin with it and a `-`, for training against these, for the test.
-    pub fn without(&self, family: &str) -> Sets {
-        let of = |name: &str| name.strip_prefix(family).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'));
+    /// Returns the split without the objects of these names, separated by commas, and those that begin with one and a `-`, for training against
+    /// these, for the test.
+    pub fn without(&self, families: &str) -> Sets {
+        let is = |name: &str, family: &str| {
+            name.strip_prefix(family).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
+        };
+        let of = |name: &str| families.split(',').any(|family| is(name, family));
         let (test, train) = self.all().test.into_iter().partition(|(name, _)| of(name));
         Sets { train, test }
     }

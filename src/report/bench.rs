@@ -27,11 +27,7 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
     }
     blocks.push(PageBlock::Table(points(&report)));
     for point in report.points.iter().filter(|p| p.contender) {
-        let text = match point.speedup() {
-            Some(speedup) => format!("{}: speed-up at equal error {speedup}.", point.label),
-            None => format!("{}: no rival here reaches its error.", point.label),
-        };
-        blocks.push(PageBlock::Note(text));
+        blocks.extend(point.speedups().into_iter().map(|text| PageBlock::Note(format!("{text}."))));
     }
     blocks.extend(report.notices.iter().map(|notice| PageBlock::Note(notice.clone())));
     blocks.push(PageBlock::Table(stages(&report)));

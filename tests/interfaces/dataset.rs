@@ -77,6 +77,9 @@ fn what_is_read_is_what_was_simulated_and_the_scene_rebuilds_the_model() {
     assert_eq!((single.train.len(), single.test.len()), (1, 1));
     assert!(set.splits.single("nobody").is_none());
     assert!(set.splits.without("bo").test.is_empty(), "a part of a name is no family");
+    let both: Vec<&String> = set.objects.iter().map(|object| &object.name).collect();
+    let all = set.splits.without(&format!("{},{}", both[0], both[1]));
+    assert!(all.train.is_empty() && all.test.len() == 2, "several names: {all:?}");
 }
 
 /// The arrays of the public loader: bonded nodes of both pads stand at its rest shapes, carried along its closing axis.

@@ -17,6 +17,10 @@ const HANDOVER: u32 = 4;
 /// Part of the pressure at Coulomb's limit, from which on an object that finds no equilibrium under a push slips.
 const SLIPS: f64 = 0.7;
 
+/// Part of the pressure at Coulomb's limit, from which on the object slides as a whole: what holds it then is that a push which stays dead
+/// turns it less the farther it has turned.
+const SLIDES: f64 = 0.99;
+
 /// Reason why a level was not reached.
 enum Refusal {
     /// No equilibrium exists, or no more effort is to be spent.
@@ -86,7 +90,9 @@ impl GraspSolver {
             let reason = format!("{at}: an element of a condensed pad turns inside out");
             return Err(Refusal::Condensed(Stop::fault(reason)));
         }
-        if let Some(reason) = self.lost_grip(model) {
+        let slides = push > 0.0 && self.slipping(model) > SLIDES;
+        let sliding = || slides.then(|| "the object slips: all of the contact is at Coulomb's limit".to_string());
+        if let Some(reason) = self.lost_grip(model).or_else(sliding) {
             self.path.state = before;
             return Err(Refusal::Final(Stop { dropped: model.free, reason: format!("{at}: {reason}") }));
         }

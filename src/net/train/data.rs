@@ -21,8 +21,8 @@ use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// Returns training and test poses of each of `sets` by the name of a split: `poses`, `all`, `single:OBJECT`, `without:OBJECT`. The last
-/// leaves out the object of this name and all that begin with it and a `-`: a family of shapes of a universe.
+/// Returns training and test poses of each of `sets` by the name of a split: `poses`, `all`, `single:OBJECT`, `without:OBJECT,OBJECT`. The
+/// last leaves out objects of these names and all that begin with one and a `-`: families of shapes of a universe.
 ///
 /// # Errors
 /// Fails for a name that no data set has; the message lists those that they have.
