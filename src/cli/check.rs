@@ -5,6 +5,7 @@ use super::{Format, OK, REFUSED, print};
 use crate::backend::choose;
 use crate::backend::fem::condensed::nodes_at_contact;
 use crate::error::{Error, Result};
+use crate::geometry::aabb::Aabb;
 use crate::geometry::mesh::io::{write_obj, write_stl};
 use crate::geometry::mesh::topology::watertight;
 use crate::grasp::{aim_notice, grasps_of, write_grasps_h5};
@@ -241,14 +242,67 @@ impl Found {
     /// Returns the findings as comment lines.
     fn text(&self) -> String {
         let mut out = String::from("\n");
-        let m = &self.model;
         // Writing to a String cannot fail.
         let mut line = |text: &str| {
             let _ = writeln!(out, "{}", format!("// {text}").trim_end());
         };
-        for (index, pad) in m.pad_reports().iter().enumerate() {
-            line(&format!("{} pad: {} nodes, {} tetrahedra, {}", pad_name(index), pad.nodes, pad.tets, pad.element));
+        self.overview(&mut line);
+        line("");
+        self.details(&mut line);
+        out
+    }
+
+    /// Passes what a reader asks first, line by line: sizes, places, loads, and what is odd about them.
+    fn overview(&self, line: &mut dyn FnMut(&str)) {
+        let m = &self.model;
+        let own = Aabb::of(m.object.surface.vertices.iter().copied());
+        line(&format!("object: {}, {} in its own frame", extent(&own), reach(&own)));
+        if let Some(pose) = self.poses.first().map(GraspPose::object_in_hand) {
+            let held = Aabb::of(m.object.surface.vertices.iter().map(|x| pose.rotation * *x + pose.position));
+            line(&format!(
+                "in the hand of grasp 0: {}; fingers close along x, the hand approaches along z",
+                reach(&held)
+            ));
         }
+        let solid = watertight(&m.object.surface);
+        line(&format!(
+            "{}: {}, {}, volume {:.2} cm3, mass {:.2} g, {}",
+            m.object.name,
+            if m.object.exact { "distance in closed form" } else { "distance to its facets" },
+            solid.complaint().unwrap_or_else(|| "watertight".into()),
+            m.object.mass.volume * 1e6,
+            m.mass * 1e3,
+            if m.free { "free" } else { "fixed" },
+        ));
+        for (index, pad) in m.pad_reports().iter().enumerate() {
+            let size = m.fingers.get(index).map(|finger| extent(&finger.bounds())).unwrap_or_default();
+            let (name, element) = (pad_name(index), &pad.element);
+            line(&format!("{name} pad: {size} in the hand, {} nodes, {} tetrahedra, {element}", pad.nodes, pad.tets));
+        }
+        let total = m.fingers.len() as f64;
+        if m.lets_go() {
+            line(&format!(
+                "release: the object is held where it is up to {:.4} N, the sum over the fingers",
+                m.release * total
+            ));
+        }
+        line(&format!(
+            "contact: begins at a gap of {} m, of which all lengths of the method are multiples",
+            shown(m.law.offset)
+        ));
+        if let Some(path) = m.path_error {
+            line(&format!("path: increments are as many as an error of {path:e} of the displacement asks for"));
+        }
+        let (all, tried) = (self.poses.len(), self.tried());
+        let untried = if tried < all { format!("; {} more were not tried", all - tried) } else { String::new() };
+        line(&format!("{} of {tried} grasps can start{untried}", tried - self.problems.len()));
+        m.notices.iter().chain(&m.pad_notice).chain(&self.notices).for_each(|notice| line(&format!("note: {notice}")));
+        self.problems.iter().for_each(|problem| line(&format!("problem: {problem}")));
+    }
+
+    /// Passes the rest, line by line: the mesh, and all that is active.
+    fn details(&self, line: &mut dyn FnMut(&str)) {
+        let m = &self.model;
         let q = &m.quality;
         let c = q.worst_centroid * 1e3;
         line(&format!(
@@ -261,16 +315,6 @@ impl Found {
             c.z,
             q.min_edge * 1e3,
             q.max_edge * 1e3
-        ));
-        let solid = watertight(&m.object.surface);
-        line(&format!(
-            "object: {}, {}, {}, volume {:.2} cm3, mass {:.2} g, {}",
-            m.object.name,
-            if m.object.exact { "distance in closed form" } else { "distance to its facets" },
-            solid.complaint().unwrap_or_else(|| "watertight".into()),
-            m.object.mass.volume * 1e6,
-            m.mass * 1e3,
-            if m.free { "free" } else { "fixed" },
         ));
         line("");
         for (set, names) in &self.systems {
@@ -288,26 +332,18 @@ impl Found {
             u.travels,
             u.pose
         ));
-        let total = m.fingers.len() as f64;
-        if m.lets_go() {
-            line(&format!(
-                "release: the object is held where it is up to {:.4} N, the sum over the fingers",
-                m.release * total
-            ));
-        }
-        line(&format!(
-            "contact: begins at a gap of {} m, of which all lengths of the method are multiples",
-            shown(m.law.offset)
-        ));
-        if let Some(path) = m.path_error {
-            line(&format!("path: increments are as many as an error of {path:e} of the displacement asks for"));
-        }
-        line("");
-        m.notices.iter().chain(&m.pad_notice).chain(&self.notices).for_each(|notice| line(&format!("note: {notice}")));
-        self.problems.iter().for_each(|problem| line(&format!("problem: {problem}")));
-        let (all, tried) = (self.poses.len(), self.tried());
-        let untried = if tried < all { format!("; {} more were not tried", all - tried) } else { String::new() };
-        line(&format!("{} of {tried} grasps can start{untried}", tried - self.problems.len()));
-        out
     }
+}
+
+/// Returns the edge lengths of a box, as text.
+fn extent(bounds: &Aabb) -> String {
+    let size = bounds.size() * 1e3;
+    format!("{:.1} x {:.1} x {:.1} mm", size.x, size.y, size.z)
+}
+
+/// Returns the corners of a box, as text.
+fn reach(bounds: &Aabb) -> String {
+    let [low, high] =
+        [bounds.min, bounds.max].map(|x| x * 1e3).map(|x| format!("({:.1}, {:.1}, {:.1})", x.x, x.y, x.z));
+    format!("from {low} to {high} mm")
 }
