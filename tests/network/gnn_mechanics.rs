@@ -99,7 +99,7 @@ fn a_block_that_is_let_go_under_load_turns_between_the_pads() {
     assert!((turned(15.0) - 9.05).abs() < 1.0, "let go: {} degrees", turned(15.0));
 }
 
-/// Capsules that are let go askew tilt between the pads, but hardly spin about the closing direction. Angles of condensed finite elements, degrees:
+/// Capsules that are let go askew tilt between the pads, linearly to within a third, but hardly spin about the closing direction. Angles of condensed finite elements, degrees:
 /// `tactus run --backend condensed` with this scene.
 #[test]
 fn friction_within_a_small_contact_resists_spinning() {
@@ -117,7 +117,8 @@ fn friction_within_a_small_contact_resists_spinning() {
         let rest = features.equilibrium.rest(&(1.5 / features.unit_force()).into());
         let off = rest.rotation.to_scaled_axis() * 1_f64.to_degrees() - DVec3::from_array(turned);
         assert!(off.x.abs() < 0.5, "grasp {grasp} spins by {} degrees more than it should", off.x);
-        assert!(off.length() < 1.0, "grasp {grasp} turns otherwise by {} degrees", off.length());
+        let all = DVec3::from_array(turned).length();
+        assert!(off.length() < all / 3.0, "grasp {grasp} turns otherwise by {} of {all} degrees", off.length());
     }
 }
 
@@ -193,15 +194,15 @@ fn basis_functions_that_press_evenly_give_as_the_response_does() {
     let mut alone = vec![DVec3::ZERO; basis.count()];
     let middle = basis.count() / 2;
     alone[middle] = even[middle];
-    let off = |forces: &[DVec3]| {
+    // Work of the forces over that on the response itself; one of the two is symmetric, and the work does not tell.
+    let softer = |forces: &[DVec3]| {
         let nodes = graph.compliance.on_face(&graph.face, &[basis.on_face(forces, graph.face.len())]).remove(0);
         let mean = |part: &Vec<(u32, f64)>| part.iter().map(|(i, w)| nodes[*i as usize] * *w).sum::<DVec3>();
-        let (given, asked) = (basis.respond(forces), basis.parts.iter().map(mean).collect::<Vec<_>>());
-        let largest = asked.iter().map(|u| u.length()).fold(0.0, f64::max);
-        given.iter().zip(&asked).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max) / largest
+        let work = |moved: &[DVec3]| forces.iter().zip(moved).map(|(f, u)| f.dot(*u)).sum::<f64>();
+        work(&basis.respond(forces)) / work(&basis.parts.iter().map(mean).collect::<Vec<_>>()) - 1.0
     };
-    assert!(off(&even) < 1e-4, "{} of the largest displacement under an even pressure", off(&even));
-    assert!(off(&alone) > 0.1, "{} of the largest displacement under one function", off(&alone));
+    assert!(softer(&even).abs() < 1e-4, "softer by {} under an even pressure", softer(&even));
+    assert!(softer(&alone) > 0.1, "softer by {} under one function", softer(&alone));
 }
 
 #[test]
