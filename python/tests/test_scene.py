@@ -40,7 +40,8 @@ def test_many_grasps_are_predicted_as_they_are_run():
 
 
 def test_predictions_say_which_objects_slip(tmp_path):
-    text = (SCENES / "lemon.ron").read_text().replace("Squeeze(", "Squeeze(push: (force: (0, 0, FORCE), frames: 2), ", 1)
+    text = (SCENES / "lemon.ron").read_text().replace('"common/', f'"{(SCENES / "common").as_posix()}/')
+    text = text.replace("Squeeze(", "Squeeze(push: (force: (0, 0, FORCE), frames: 2), ", 1)
     margins = []
     for force in (1.0, 100.0):
         path = tmp_path / f"{force}.ron"
