@@ -48,6 +48,7 @@ impl MortarBasis {
                 parts.entry(own.get(&corner).copied().unwrap_or(i as u32)).or_default().push((i as u32, 0.5 * area[i]));
             }
         }
+        let corners: Vec<u32> = parts.keys().map(|i| face[*i as usize]).collect();
         let mut parts: Vec<_> = parts.into_values().collect();
         let sizes: Vec<f64> = parts.iter().map(|part| part.iter().map(|p| p.1).sum()).collect();
         parts.iter_mut().zip(&sizes).for_each(|(part, size)| part.iter_mut().for_each(|p| p.1 /= size));
@@ -74,7 +75,7 @@ impl MortarBasis {
                 (compliance[r * 3 * n + c], compliance[c * 3 * n + r]) = (mean, mean);
             }
         }
-        add_local(&mut compliance, &neighbours(&parts), &sizes);
+        add_local(&mut compliance, &neighbours(pad, &corners), &sizes);
         let mean = |part: &Vec<(u32, f64)>| part.iter().map(|(i, w)| rest[*i as usize] * *w).sum();
         let center: Vec<DVec3> = parts.iter().map(mean).collect();
         let around = |(part, center): (&Vec<(u32, f64)>, &DVec3)| {
@@ -128,19 +129,15 @@ impl MortarBasis {
     }
 }
 
-/// Pairs of basis functions that share a face node.
-fn neighbours(parts: &[Vec<(u32, f64)>]) -> BTreeSet<[usize; 2]> {
-    let mut at: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-    for (function, part) in parts.iter().enumerate() {
-        part.iter().for_each(|(node, _)| at.entry(*node).or_default().push(function));
-    }
-    let mut pairs = BTreeSet::new();
-    for all in at.values() {
-        for (k, a) in all.iter().enumerate() {
-            pairs.extend(all[k + 1..].iter().map(|b| [*a, *b]));
-        }
-    }
-    pairs
+/// Pairs of the basis functions around the corners `nodes` that an edge of the surface of `pad` connects.
+fn neighbours(pad: &PadTopology, nodes: &[u32]) -> BTreeSet<[usize; 2]> {
+    let function: BTreeMap<u32, usize> = nodes.iter().enumerate().map(|(function, node)| (*node, function)).collect();
+    let edges = pad.surface.iter().flat_map(|t| [0, 1, 2].map(|k| [t[k], t[(k + 1) % 3]]));
+    let pair = |[a, b]: [u32; 2]| {
+        let (a, b) = (*function.get(&a)?, *function.get(&b)?);
+        Some([a.min(b), a.max(b)])
+    };
+    edges.filter_map(pair).collect()
 }
 
 /// Adds to the `compliance` what an uneven pressure within basis functions does: a spring between the pressures of each pair of neighbours,

@@ -186,23 +186,25 @@ fn hats_share_out_their_force_and_give_alike_to_each_other() {
 /// alone gives more than that.
 #[test]
 fn basis_functions_that_press_evenly_give_as_the_response_does() {
-    let graph = PadGraph::new(&model().fingers[0], Layout::Face { depths: 3 }).unwrap();
-    let basis = &graph.basis;
-    // Part of the face that a function stands for, from the half of each of its nodes.
-    let even: Vec<DVec3> =
-        basis.parts.iter().map(|part| DVec3::Z * (0.5 * graph.area[part[0].0 as usize] / part[0].1)).collect();
-    let mut alone = vec![DVec3::ZERO; basis.count()];
-    let middle = basis.count() / 2;
-    alone[middle] = even[middle];
-    // Work of the forces over that on the response itself; one of the two is symmetric, and the work does not tell.
-    let softer = |forces: &[DVec3]| {
-        let nodes = graph.compliance.on_face(&graph.face, &[basis.on_face(forces, graph.face.len())]).remove(0);
-        let mean = |part: &Vec<(u32, f64)>| part.iter().map(|(i, w)| nodes[*i as usize] * *w).sum::<DVec3>();
-        let work = |moved: &[DVec3]| forces.iter().zip(moved).map(|(f, u)| f.dot(*u)).sum::<f64>();
-        work(&basis.respond(forces)) / work(&basis.parts.iter().map(mean).collect::<Vec<_>>()) - 1.0
-    };
-    assert!(softer(&even).abs() < 1e-4, "softer by {} under an even pressure", softer(&even));
-    assert!(softer(&alone) > 0.1, "softer by {} under one function", softer(&alone));
+    for element in ["Quadratic", "Linear"] {
+        let graph = PadGraph::new(&pad(element).fingers[0], Layout::Face { depths: 3 }).unwrap();
+        let basis = &graph.basis;
+        // Part of the face that a function stands for, from the half of each of its nodes.
+        let even: Vec<DVec3> =
+            basis.parts.iter().map(|part| DVec3::Z * (0.5 * graph.area[part[0].0 as usize] / part[0].1)).collect();
+        let mut alone = vec![DVec3::ZERO; basis.count()];
+        let middle = basis.count() / 2;
+        alone[middle] = even[middle];
+        // Work of the forces over that on the response itself; one of the two is symmetric, and the work does not tell.
+        let softer = |forces: &[DVec3]| {
+            let nodes = graph.compliance.on_face(&graph.face, &[basis.on_face(forces, graph.face.len())]).remove(0);
+            let mean = |part: &Vec<(u32, f64)>| part.iter().map(|(i, w)| nodes[*i as usize] * *w).sum::<DVec3>();
+            let work = |moved: &[DVec3]| forces.iter().zip(moved).map(|(f, u)| f.dot(*u)).sum::<f64>();
+            work(&basis.respond(forces)) / work(&basis.parts.iter().map(mean).collect::<Vec<_>>()) - 1.0
+        };
+        assert!(softer(&even).abs() < 1e-4, "{element}: softer by {} under an even pressure", softer(&even));
+        assert!(softer(&alone) > 0.1, "{element}: softer by {} under one function", softer(&alone));
+    }
 }
 
 #[test]
