@@ -113,7 +113,9 @@ fn numbering_the_nodes_otherwise_numbers_the_answer_otherwise() {
         (renumbered.rest[to[i]], renumbered.bonded[to[i]]) = (pad.rest[i], pad.bonded[i]);
         rest[to[i]] = finger.body.rest[i];
     }
-    renumbered.sensing = pad.sensing.iter().map(|t| t.map(|i| to[i as usize] as u32)).collect();
+    for (new, old) in [(&mut renumbered.sensing, &pad.sensing), (&mut renumbered.surface, &pad.surface)] {
+        *new = old.iter().map(|t| t.map(|i| to[i as usize] as u32)).collect();
+    }
     let Elements::Quadratic(tets) = &finger.body.elements else { panic!("the pads are quadratic") };
     let tets: Vec<[u32; 10]> = tets.iter().map(|t| t.map(|i| to[i as usize] as u32)).collect();
     renumbered.elements = tactus::record::ElementNodes::Quadratic(tets.clone());
