@@ -19,8 +19,8 @@ use tactus::net::autodiff::tape::Tape;
 use tactus::net::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use tactus::net::features::normalise::Normaliser;
 use tactus::net::features::{EDGE, GraspFeatures, NODE, PAD};
-use tactus::net::infer::FaceEngine;
 use tactus::net::infer::predict::Predictor;
+use tactus::net::infer::{Decoding, FaceEngine};
 use tactus::net::network::parameters::Parameters;
 use tactus::net::network::spec::{Face, NetworkSpec};
 use tactus::net::network::{Inputs, Network, Normalisers, build};
@@ -102,7 +102,9 @@ impl Case {
     fn times(&self) -> [f64; 2] {
         let code = self.engine.encode(&self.features);
         let encode = best(|| drop(black_box(self.engine.encode(&self.features))));
-        let decode = |loads| drop(black_box(self.engine.decode(&self.features, &code, loads, true)));
+        let decode = |loads| {
+            drop(black_box(self.engine.decode(&[Decoding { features: &self.features, code: &code, loads }], true)));
+        };
         [encode, best(|| self.pieces.iter().for_each(decode))]
     }
 

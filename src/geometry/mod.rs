@@ -3,6 +3,7 @@
 pub mod aabb;
 pub mod barycentric;
 pub mod face_lookup;
+pub mod height_field;
 pub mod mesh;
 pub mod pad;
 pub mod shape;

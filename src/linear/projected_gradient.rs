@@ -99,7 +99,9 @@ struct ProjectedGradient {
     whole: Lanes,
     along: [Lanes; 3],
     deepest: Lanes,
+    /// How much farther the pad closes, and slides.
     closer: Lanes,
+    slid: [Lanes; 3],
     loads: usize,
     /// Coulomb's coefficient.
     friction: f64,
@@ -134,6 +136,7 @@ impl ProjectedGradient {
             along: [[0.0; LANES]; 3],
             deepest: [0.0; LANES],
             closer: [0.0; LANES],
+            slid: [[0.0; LANES]; 3],
             loads: face.len(),
             friction,
             forces: Packed::default(),
@@ -226,7 +229,7 @@ impl ProjectedGradient {
                 self.closer[l] += if slope[l] > 0.0 { lacks } else { self.deepest[l] };
             }
         }
-        let (mut held, mut carried) = ([0.0; LANES], [[0.0; LANES]; 3]);
+        let (mut gains, mut carried) = ([0.0; LANES], [[0.0; LANES]; 3]);
         for (node, u) in self.nodes.iter_mut().zip(moved) {
             let n = node.normal;
             for l in 0..LANES {
@@ -234,30 +237,31 @@ impl ProjectedGradient {
                 let p = node.pressure[l] + gain * self.closer[l];
                 let p = if p > 0.0 { p } else { 0.0 };
                 node.pressure[l] = p;
-                let wanted = [0, 1, 2].map(|a| node.ahead[a][l] + (node.dragged[a][l] - f64::from(u[a][l])) * gain);
+                let wanted = [0, 1, 2]
+                    .map(|a| node.ahead[a][l] + (node.dragged[a][l] + self.slid[a][l] - f64::from(u[a][l])) * gain);
                 let out = n[0] * wanted[0] + n[1] * wanted[1] + n[2] * wanted[2];
                 let wanted = [0, 1, 2].map(|a| wanted[a] - n[a] * out);
                 let length = wanted.iter().map(|w| w * w).sum::<f64>().sqrt();
                 // Coulomb's limit.
                 let most = self.friction * p;
                 let part = if length > most { most / length } else { 1.0 };
-                held[l] += p;
+                gains[l] += if p > 0.0 { gain } else { 0.0 };
                 for a in 0..3 {
                     node.along[a][l] = wanted[a] * part;
                     carried[a][l] += node.along[a][l];
                 }
             }
         }
-        let mut lost = [[0.0; LANES]; 3];
+        // The sum of the forces along the face comes back to what it was, and hardly moves those that slip.
         for a in 0..3 {
             for l in 0..LANES {
-                lost[a][l] = (self.along[a][l] - carried[a][l]) / held[l].max(1e-9);
+                self.slid[a][l] += (self.along[a][l] - carried[a][l]) / gains[l].max(1e-9);
             }
         }
         for node in &mut self.nodes {
             for a in 0..3 {
                 for l in 0..LANES {
-                    let force = (node.normal[a] + lost[a][l]) * node.pressure[l] + node.along[a][l];
+                    let force = node.normal[a] * node.pressure[l] + node.along[a][l];
                     node.ahead[a][l] = force + (force - node.force[a][l]) * momentum;
                     node.force[a][l] = force;
                 }

@@ -13,6 +13,7 @@ use crate::mech::material::Material;
 use crate::record::{self, PadTopology};
 use crate::scene::{self, Element, Gripper, Pads};
 use glam::DVec3;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Finger: its pad in hand axes, and the data that the solver and the recorder need of it.
@@ -28,6 +29,17 @@ pub struct FingerModel {
     pub placement: FingerPlacement,
     /// Kind of element, for reports.
     pub element: String,
+}
+
+impl FingerModel {
+    /// Returns the faces of the elements that are part of the sensing face.
+    pub fn sensing_faces(&self) -> Vec<SurfaceFace> {
+        let sensing: BTreeSet<u32> = self.topology.sensing.iter().flatten().copied().collect();
+        let sensing = |face: &&SurfaceFace| {
+            face.corners.iter().chain(face.mids.iter().flatten()).all(|node| sensing.contains(node))
+        };
+        self.surface.faces.iter().filter(sensing).copied().collect()
+    }
 }
 
 /// Returns the size of a generated pad along x, y and z, m; None for one from a file.

@@ -10,6 +10,8 @@ pub enum Observe {
     TaxelForce(Grid),
     /// Displacement of the sensing face as an image, m.
     TaxelDisplacement(Grid),
+    /// Height of the deformed sensing face as an image, m.
+    HeightMap(Grid),
     /// Force and torque on each pad.
     Wrench,
     /// Travel of each finger since first contact, m.

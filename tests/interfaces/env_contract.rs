@@ -269,3 +269,21 @@ fn taxels_sum_to_the_wrench(set: &[NamedScene]) {
         }
     }
 }
+
+/// A pressed face dents, bulges beside the dent, and fills no volume: the gel is nearly incompressible and bonded.
+#[test]
+fn a_height_map_shows_the_dent_and_the_bulge_around_it() {
+    let map = |task: &str| task.replacen("observe: [", "observe: [HeightMap(rows: 40, cols: 48), ", 1);
+    let set = changed(map);
+    let mut env = batch(&set[..1], config(1));
+    env.reset(None, None).unwrap();
+    let view = env.step(&actions(0, 1, 0)).unwrap();
+    for (pad, map) in view.obs("height_map").unwrap().chunks_exact(40 * 48).enumerate() {
+        let deepest = map.iter().copied().fold(0.0, f32::min);
+        let highest = map.iter().copied().fold(0.0, f32::max);
+        let mean = map.iter().sum::<f32>() / map.len() as f32;
+        assert!(deepest < -1e-4, "pad {pad}: the ball dents it by {deepest} m only");
+        assert!(highest > 1e-6, "pad {pad}: nothing bulges");
+        assert!(mean.abs() < 0.2 * deepest.abs(), "pad {pad}: {mean} m on average, {deepest} m at the deepest");
+    }
+}

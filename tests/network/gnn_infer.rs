@@ -1,6 +1,8 @@
 //! The network without a tape against the same network on a tape, which is the reference.
 
 use crate::gnn_made::{ball, made};
+use glam::DVec3;
+use tactus::gripper::GraspPose;
 use tactus::linear::GraspLoad;
 use tactus::linear::first_contact::GeometricContact;
 use tactus::net::infer::predict::{GraspState, PadState, Predictor, Seen};
@@ -115,21 +117,27 @@ fn a_ramp_of_few_decoded_loads_has_all_others() {
     assert!(ramp.at(loads.len()).is_none());
 }
 
-/// Many grasps at once are the same bits as one after the other, on any number of threads.
+/// Many grasps at once are the same bits as one after the other, on any number of threads and in any company.
 #[test]
 fn many_grasps_are_those_of_each_alone() {
     let predictor = Predictor::open(&made().model).unwrap();
     let (model, pose) = ball(made());
-    let far = tactus::gripper::GraspPose { position: pose.position + glam::DVec3::Y, ..pose };
-    let states = |threads: usize| {
+    let moved = |by: DVec3| GraspPose { position: pose.position + by, ..pose };
+    // More than are decoded together.
+    let mut poses: Vec<GraspPose> = (0..19).map(|k| moved(DVec3::X * 1e-4 * f64::from(k))).collect();
+    poses.insert(1, moved(DVec3::Y));
+    let states = |threads: usize, poses: &[GraspPose]| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let many = pool.install(|| predictor.many(&model, &[pose, far, pose], false)).unwrap();
+        let many = pool.install(|| predictor.many(&model, poses, false)).unwrap();
         many.into_iter()
             .map(|answer| answer.ok().and_then(|answer| answer.ramp.at(answer.ramp.len() - 1)))
             .collect::<Vec<_>>()
     };
-    let all = states(1);
+    let all = states(1, &poses);
     assert!(all[0].is_some() && all[1].is_none(), "the second grasp meets nothing");
-    assert_eq!(all[0], all[2]);
-    assert_eq!(states(2), all);
+    assert!(all[0] != all[2]);
+    assert_eq!(states(2, &poses), all);
+    for k in [0, 7, 8, 19] {
+        assert_eq!(states(1, &poses[k..=k])[0], all[k], "grasp {k}");
+    }
 }

@@ -1,11 +1,18 @@
 //! A regular grid of taxels on the sensing face.
 
 use crate::geometry::barycentric::barycentric;
+use crate::geometry::height_field::PlaneGrid;
 use crate::record::PadTopology;
 use crate::scene::Grid;
 use glam::{DVec2, DVec3};
 
 impl Grid {
+    /// Returns the middles of the taxels on the sensing face of `pad`, m, pad frame.
+    pub(crate) fn over(&self, pad: &PadTopology) -> PlaneGrid {
+        let (low, size) = extent(pad);
+        PlaneGrid { low, size, cells: [self.rows.get(), self.cols.get()] }
+    }
+
     /// Returns, for every node, the taxels among which its force is shared out. The weights are non-negative and sum to one, so the
     /// image sums to the resultant. Shares are bilinear between the taxels' centres; beyond the outermost centres the whole force
     /// goes to the outermost taxels.
@@ -28,13 +35,8 @@ impl Grid {
     /// Returns, for every taxel, the nodes of the sensing triangle at its centre with their weights. Where the face does not reach,
     /// it returns those of the nearest triangle.
     pub(crate) fn samples(&self, pad: &PadTopology) -> Vec<[(u32, f64); 3]> {
-        let (low, size) = extent(pad);
         let flat = |n: u32| pad.rest[n as usize].truncate();
-        let (rows, cols) = (self.rows.get(), self.cols.get());
-        let at = |k: usize| {
-            let part = DVec2::new((k / cols) as f64 + 0.5, (k % cols) as f64 + 0.5);
-            low + size * part / DVec2::new(rows as f64, cols as f64)
-        };
+        let (grid, cols) = (self.over(pad), self.cols.get());
         let sample = |p: DVec2| {
             let weights = |t: &[u32; 3]| barycentric(p, t.map(flat));
             let inside = |w: &[f64; 3]| w.iter().copied().fold(f64::INFINITY, f64::min);
@@ -44,7 +46,7 @@ impl Grid {
             let sum: f64 = w.iter().sum();
             [0, 1, 2].map(|k| (t[k], w[k] / sum))
         };
-        (0..rows * cols).map(|k| sample(at(k))).collect()
+        (0..self.taxels()).map(|k| sample(grid.point(k / cols, k % cols))).collect()
     }
 }
 

@@ -4,6 +4,7 @@
 
 mod force;
 mod grid;
+mod height_map;
 mod object_pose;
 mod prediction_error;
 mod taxels;
@@ -38,6 +39,7 @@ impl Observe {
         match self {
             Observe::TaxelForce(_) => "taxel_force",
             Observe::TaxelDisplacement(_) => "taxel_displacement",
+            Observe::HeightMap(_) => "height_map",
             Observe::Wrench => "wrench",
             Observe::Travel => "travel",
             Observe::ObjectPose => "object_pose",
@@ -51,6 +53,7 @@ impl Observe {
         match self {
             Observe::TaxelForce(grid) => Box::new(taxels::ForceImage::new(model, task, grid)),
             Observe::TaxelDisplacement(grid) => Box::new(taxels::DisplacementImage::new(model, task, grid)),
+            Observe::HeightMap(grid) => Box::new(height_map::HeightMap::new(model, grid)),
             Observe::Wrench => Box::new(wrench::PadWrench::new(model, task)),
             Observe::Travel => Box::new(travel::FingerTravel::new(model, task)),
             Observe::ObjectPose => Box::new(object_pose::PoseInHand::new(model, task)),

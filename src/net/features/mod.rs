@@ -57,7 +57,7 @@ pub const VECTOR: [Parity; 3] = [X, Y, Even];
 pub const ROTATION: [Parity; 3] = [Y, X, XY];
 
 /// Version of the features. It is raised whenever a feature changes its meaning: a network reads only the features of its training.
-pub const VERSION: u32 = 7;
+pub const VERSION: u32 = 8;
 
 /// Features of a face node: x, y; three gap scales and the gap; object normal where the finger meets it; the object's
 /// distance and normal when the undeformed pad has closed by 0, 0.25 and 0.6 thicknesses; height, spacing; way to the rim and its length;

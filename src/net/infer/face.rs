@@ -57,6 +57,17 @@ pub struct FaceEngine {
     workspaces: Mutex<Vec<Workspace>>,
 }
 
+/// Encoded grasp, and the loads at which it is to be decoded.
+#[derive(Debug, Clone, Copy)]
+pub struct Decoding<'a> {
+    /// Features of the grasp.
+    pub features: &'a GraspFeatures,
+    /// Code of the grasp.
+    pub code: &'a Code,
+    /// Features of the loads.
+    pub loads: &'a LoadFeatures,
+}
+
 /// Memory of a pass.
 #[derive(Debug, Default)]
 struct Workspace {
@@ -69,7 +80,8 @@ struct Workspace {
     pool: Vec<f32>,
     global: Vec<f32>,
     response: response::Memory,
-    channels: Channels,
+    /// Channels of each grasp that is decoded with others.
+    channels: Vec<Channels>,
 }
 
 /// Returns a row, padded with zeros.
@@ -232,29 +244,43 @@ impl FaceEngine {
         multiply(rows, &pools.weights, false, Some(&pools.bias), Act::Gated, out);
     }
 
-    /// Computes the answers at some loads, in the units of the network; stress is empty where it is not wanted.
-    pub fn decode(&self, f: &GraspFeatures, code: &Code, loads: &LoadFeatures, stress: bool) -> NetworkOutput {
-        let (n, nodes) = (f.graph.face.len(), f.graph.node_count);
+    /// Computes the answers of grasps on pads of one graph, each at some loads, in the units of the network; stress is empty where it is not
+    /// wanted. The response of the pads is read once for all of them.
+    pub fn decode(&self, grasps: &[Decoding], stress: bool) -> Vec<NetworkOutput> {
+        let Some(graph) = grasps.first().map(|grasp| &grasp.features.graph) else { return Vec::new() };
+        let (n, nodes) = (graph.face.len(), graph.node_count);
         let mut own = self.take();
-        let Workspace { channels, response: memory, .. } = &mut own;
-        self.heads.run(n, f.pads, &self.normalisers, code, loads, channels);
-        if !loads.balance.is_empty() {
-            let levels = channels.contact.par_chunks_exact_mut(3 * f.pads * n).zip(&loads.balance);
-            levels.for_each(|(contact, balance)| balance.balance(contact, [1.0; 2]));
+        let Workspace { channels: all, response: memory, .. } = &mut own;
+        all.resize_with(grasps.len().max(all.len()), Channels::default);
+        for (Decoding { features, code, loads }, channels) in grasps.iter().zip(all.iter_mut()) {
+            self.heads.run(n, features.pads, &self.normalisers, code, loads, channels);
+            if !loads.balance.is_empty() {
+                let levels = channels.contact.par_chunks_exact_mut(3 * features.pads * n).zip(&loads.balance);
+                levels.for_each(|(contact, balance)| balance.balance(contact, [1.0; 2]));
+            }
         }
-        let given = respond(&f.graph, &channels.contact, &loads.scale(f), stress, memory);
-        let (displacement, stress) = given.correct(channels, &self.normalisers);
-        let [contact, travel, motion] =
-            [&mut channels.contact, &mut channels.travel, &mut channels.motion].map(std::mem::take);
+        let scales: Vec<Vec<f32>> = grasps.iter().map(|grasp| grasp.loads.scale(grasp.features)).collect();
+        let items =
+            all.iter().zip(&scales).flat_map(|(c, scales)| c.contact.chunks_exact(3 * n).zip(scales.iter().copied()));
+        let given = respond(graph, &items.collect::<Vec<_>>(), stress, memory);
+        let mut first = 0;
+        let mut outputs = Vec::with_capacity(grasps.len());
+        for (scales, channels) in scales.iter().zip(all.iter_mut()) {
+            let (displacement, stress) = given.correct(first, channels, &self.normalisers);
+            let items = scales.len();
+            first += items;
+            let [contact, travel, motion] =
+                [&mut channels.contact, &mut channels.travel, &mut channels.motion].map(std::mem::take);
+            outputs.push(NetworkOutput {
+                displacement: Matrix::constant(items * nodes, 3, displacement),
+                stress: Matrix::constant(stress.len(), 1, stress),
+                contact: Matrix::constant(items * n, 3, contact),
+                travel: Matrix::constant(items, 1, travel),
+                motion: Matrix::constant(items, 6, motion),
+            });
+        }
         self.put(own);
-        let items = loads.depth.len();
-        NetworkOutput {
-            displacement: Matrix::constant(items * nodes, 3, displacement),
-            stress: Matrix::constant(stress.len(), 1, stress),
-            contact: Matrix::constant(items * n, 3, contact),
-            travel: Matrix::constant(items, 1, travel),
-            motion: Matrix::constant(items, 6, motion),
-        }
+        outputs
     }
 }
 

@@ -1,7 +1,8 @@
-//! Many grasps of an object at once: each finds its first contact, is encoded and decoded on a thread of its own.
+//! Many grasps of an object at once. Some go together on a thread: each finds its first contact and is encoded, then all are decoded.
 
+use super::FaceEngine;
 use super::hold::{hold, pulls};
-use super::predict::Predictor;
+use super::predict::{Predictor, Seen};
 use super::ramp::Ramp;
 use crate::error::Result;
 use crate::gripper::GraspPose;
@@ -12,6 +13,9 @@ use crate::model::Model;
 use crate::world::environment::Environment;
 use rayon::prelude::*;
 use std::sync::Arc;
+
+/// Largest number of grasps that are decoded together: with two pads each, they fill a register.
+const TOGETHER: usize = 8;
 
 /// Prediction of a grasp under all loads of its model.
 #[derive(Debug)]
@@ -37,22 +41,24 @@ impl Predictor {
     ) -> Result<Vec<Result<PredictedGrasp>>> {
         let graph = self.admit(model, extrapolate)?;
         let loads = loads_of(model);
-        let predict = |environment: &mut Option<Environment>, pose: &GraspPose| {
+        let together = (FaceEngine::LOADS / Ramp::first(&loads).max(1)).clamp(1, TOGETHER);
+        let predict = |environment: &mut Option<Environment>, poses: &[GraspPose]| -> Result<Vec<_>> {
             interrupt::check()?;
-            let touch = match GeometricContact::find_in(environment, model, *pose) {
-                Ok(touch) => touch,
-                Err(error) => return Ok(Err(error)),
+            let touch = |pose: &GraspPose| GeometricContact::find_in(environment, model, *pose);
+            let touches: Vec<Result<GeometricContact>> = poses.iter().map(touch).collect();
+            let seen: Vec<Seen> =
+                touches.iter().flatten().map(|touch| self.look(model, &graph, touch).as_needed()).collect();
+            let mut ramps = Ramp::many(self, &seen.iter().collect::<Vec<_>>(), &loads).into_iter();
+            let grasp = |touch: Result<GeometricContact>| {
+                let (touch, ramp) = (touch?, ramps.next().expect("every contact has a ramp")?);
+                let pulled = loads.iter().enumerate().filter(|(_, load)| pulls(&touch, load));
+                let holds = pulled.filter_map(|(k, load)| Some(hold(model, &touch, &ramp.at(k)?, load)));
+                let hold = holds.fold(1.0, f64::min);
+                Ok(PredictedGrasp { touch, ramp, hold })
             };
-            let seen = self.look(model, &graph, &touch).as_needed();
-            let ramp = match Ramp::new(self, &seen, &loads) {
-                Ok(ramp) => ramp,
-                Err(error) => return Ok(Err(error)),
-            };
-            let pulled = loads.iter().enumerate().filter(|(_, load)| pulls(&touch, load));
-            let holds = pulled.filter_map(|(k, load)| Some(hold(model, &touch, &ramp.at(k)?, load)));
-            let hold = holds.fold(1.0, f64::min);
-            Ok(Ok(PredictedGrasp { touch, ramp, hold }))
+            Ok(touches.into_iter().map(grasp).collect())
         };
-        poses.par_iter().map_init(|| None, predict).collect()
+        let groups: Result<Vec<Vec<_>>> = poses.par_chunks(together).map_init(|| None, predict).collect();
+        Ok(groups?.into_iter().flatten().collect())
     }
 }

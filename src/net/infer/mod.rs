@@ -3,7 +3,7 @@
 //! ```text
 //! weights, packed once -> product.rs, activation.rs            registers
 //! encode  features     -> message.rs (face.rs)                 once per grasp
-//! decode  loads        -> heads.rs -> response.rs -> face.rs   all loads of a grasp at once
+//! decode  loads        -> heads.rs -> response.rs -> face.rs   all loads of a grasp at once, grasps together
 //! ```
 //! The tape is the reference: a test compares both. No bit depends on threads.
 
@@ -21,4 +21,4 @@ pub mod ramp;
 pub mod response;
 pub mod touch;
 
-pub use face::{Code, FaceEngine};
+pub use face::{Code, Decoding, FaceEngine};

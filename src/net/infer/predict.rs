@@ -1,7 +1,7 @@
 //! Trained model in use: one pass per grasp, then any load level, in SI.
 
 use super::answer::Answer;
-use super::{Code, FaceEngine};
+use super::{Code, Decoding, FaceEngine};
 use crate::error::{Error, Result};
 use crate::linear::GraspLoad;
 use crate::linear::first_contact::GeometricContact;
@@ -196,25 +196,46 @@ impl Predictor {
         Ok(states)
     }
 
-    fn output(&self, seen: &Seen, loads: &LoadFeatures) -> NetworkOutput {
-        match (&seen.code, &self.engine) {
-            (Encoded::Engine(code), Some(engine)) => engine.decode(&seen.features, code, loads, seen.stress),
-            (Encoded::Tape(code), _) => {
+    /// Computes the output for `grasps` on pads of one graph, in their order.
+    fn outputs<'a>(&self, grasps: &'a [(&'a Seen, LoadFeatures)]) -> Vec<NetworkOutput> {
+        let coded = |grasp: &'a (&'a Seen, LoadFeatures)| match &grasp.0.code {
+            Encoded::Engine(code) => Some(Decoding { features: &grasp.0.features, code, loads: &grasp.1 }),
+            Encoded::Tape(_) => None,
+        };
+        let together: Option<Vec<Decoding>> = grasps.iter().map(coded).collect();
+        if let (Some(engine), Some(together)) = (&self.engine, together) {
+            return engine.decode(&together, grasps.iter().any(|(seen, _)| seen.stress));
+        }
+        let alone = |(seen, loads): &(&Seen, LoadFeatures)| match &seen.code {
+            Encoded::Tape(code) => {
                 let inputs = self.inputs(&seen.features);
                 self.network.decode(&Tape::silent(), &self.parameters, &inputs, code, loads)
             }
             // What one predictor has seen, another one sees anew.
-            (Encoded::Engine(_), None) => self.output(&self.encode(seen.features.clone()), loads),
-        }
+            Encoded::Engine(_) => self.outputs(&[(&self.encode(seen.features.clone()), loads.clone())]).swap_remove(0),
+        };
+        grasps.iter().map(alone).collect()
     }
 
-    /// Computes the answer of the network under each of `given`, all of them decoded together.
+    /// Computes the answer of the network for a grasp under each of `given`, all of them decoded together.
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
     pub fn answer(&self, seen: &Seen, given: &[GraspLoad]) -> Result<Answer> {
-        let loads = seen.features.loads(given);
-        let out = self.output(seen, &loads);
+        self.answers(&[seen], given).swap_remove(0)
+    }
+
+    /// Computes the answer of the network for each of `grasps` on pads of one graph, under each of `given`, all of them decoded together. One
+    /// fails if its numbers are not finite.
+    pub fn answers(&self, grasps: &[&Seen], given: &[GraspLoad]) -> Vec<Result<Answer>> {
+        let grasps: Vec<(&Seen, LoadFeatures)> =
+            grasps.iter().map(|seen| (*seen, seen.features.loads(given))).collect();
+        let outputs = self.outputs(&grasps);
+        grasps.into_iter().zip(outputs).map(|((seen, loads), out)| self.checked(seen, given, loads, out)).collect()
+    }
+
+    /// Returns the answer with the travel that its field asks for, and what tells its error.
+    fn checked(&self, seen: &Seen, given: &[GraspLoad], loads: LoadFeatures, out: NetworkOutput) -> Result<Answer> {
         let (features, norms) = (&seen.features, self.card.normalisers.clone());
         let (graph, pads) = (features.graph.clone(), features.pads);
         let (young, unit_force) = (features.young, features.unit_force());

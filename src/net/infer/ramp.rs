@@ -40,27 +40,69 @@ struct Piece {
 }
 
 impl Ramp {
-    /// Decodes as many of `loads` as it takes.
+    /// Number of the loads that are decoded at first.
+    pub fn first(loads: &[GraspLoad]) -> usize {
+        Self::of(loads).missing_at_first().len()
+    }
+
+    /// Decodes as many of `loads` as a grasp takes.
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
     pub fn new(predictor: &Predictor, seen: &Seen, loads: &[GraspLoad]) -> Result<Self> {
-        let mut ramp = Self { pieces: pieces(loads), answers: Vec::new() };
-        let mut wanted: Vec<usize> = ramp.pieces.iter().flat_map(|piece| evenly(&piece.loads, &piece.along)).collect();
-        while !wanted.is_empty() {
-            for some in wanted.chunks(FaceEngine::LOADS) {
-                let given: Vec<GraspLoad> = some.iter().map(|load| loads[*load]).collect();
-                ramp.answers.push(predictor.answer(seen, &given)?);
-                for (level, load) in some.iter().enumerate() {
-                    let answer = ramp.answers.len() - 1;
-                    let piece = ramp.pieces.iter_mut().find(|piece| piece.loads.contains(load));
-                    piece.into_iter().for_each(|piece| piece.known.push((*load, answer, level)));
+        Self::many(predictor, &[seen], loads).swap_remove(0)
+    }
+
+    /// Decodes as many of `loads` as each of `grasps` takes, on pads of one graph. The loads that are decoded at first are so for all grasps
+    /// together. A grasp fails if its predicted numbers are not finite.
+    pub fn many(predictor: &Predictor, grasps: &[&Seen], loads: &[GraspLoad]) -> Vec<Result<Self>> {
+        let first = Self::of(loads).missing_at_first();
+        let mut ramps: Vec<Result<Self>> = grasps.iter().map(|_| Ok(Self::of(loads))).collect();
+        for some in first.chunks(FaceEngine::LOADS) {
+            let given: Vec<GraspLoad> = some.iter().map(|load| loads[*load]).collect();
+            for (ramp, answer) in ramps.iter_mut().zip(predictor.answers(grasps, &given)) {
+                match (ramp.as_mut(), answer) {
+                    (Ok(ramp), Ok(answer)) => ramp.add(some, answer),
+                    (_, Err(error)) => *ramp = Err(error),
+                    (Err(_), Ok(_)) => {}
                 }
             }
-            ramp.pieces.iter_mut().for_each(|piece| piece.known.sort_unstable());
-            wanted = ramp.pieces.iter().flat_map(|piece| ramp.missing(piece)).collect();
         }
-        Ok(ramp)
+        let goes_on = |(ramp, seen): (Result<Self>, &&Seen)| ramp?.refined(predictor, seen, loads);
+        ramps.into_iter().zip(grasps).map(goes_on).collect()
+    }
+
+    /// Creates the ramp of `loads` of which none is decoded.
+    fn of(loads: &[GraspLoad]) -> Self {
+        Self { pieces: pieces(loads), answers: Vec::new() }
+    }
+
+    fn missing_at_first(&self) -> Vec<usize> {
+        self.pieces.iter().flat_map(|piece| evenly(&piece.loads, &piece.along)).collect()
+    }
+
+    /// Decodes more loads until interpolation does for the others.
+    fn refined(mut self, predictor: &Predictor, seen: &Seen, loads: &[GraspLoad]) -> Result<Self> {
+        loop {
+            self.pieces.iter_mut().for_each(|piece| piece.known.sort_unstable());
+            let missing: Vec<usize> = self.pieces.iter().flat_map(|piece| self.missing(piece)).collect();
+            if missing.is_empty() {
+                return Ok(self);
+            }
+            for some in missing.chunks(FaceEngine::LOADS) {
+                let given: Vec<GraspLoad> = some.iter().map(|load| loads[*load]).collect();
+                self.add(some, predictor.answer(seen, &given)?);
+            }
+        }
+    }
+
+    /// Adds the answer under the loads that `some` numbers.
+    fn add(&mut self, some: &[usize], answer: Answer) {
+        self.answers.push(answer);
+        for (level, load) in some.iter().enumerate() {
+            let piece = self.pieces.iter_mut().find(|piece| piece.loads.contains(load));
+            piece.into_iter().for_each(|piece| piece.known.push((*load, self.answers.len() - 1, level)));
+        }
     }
 
     /// Returns the number of loads.

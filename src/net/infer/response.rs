@@ -3,7 +3,8 @@
 //! Loads lie side by side, one register of them at a time.
 
 use super::heads::Channels;
-use crate::kernel::product::{self, Packed, RowsView, padded};
+use crate::kernel::activation::Act;
+use crate::kernel::product::{Packed, Product, RowsView, padded};
 use crate::linear::compliance::Compliance;
 use crate::linear::pad_graph::PadGraph;
 use crate::net::autodiff::ops::LITTLE;
@@ -21,30 +22,25 @@ pub struct Memory {
     at_nodes: Vec<f32>,
 }
 
-/// Computes the response of a pad of this graph to `contact` (items, face nodes, 3: share, friction along x and y) times `scale`
-/// (items), with its `stress` if that is wanted.
-pub fn respond<'a>(
-    graph: &'a PadGraph,
-    contact: &[f32],
-    scale: &[f32],
-    stress: bool,
-    memory: &'a mut Memory,
-) -> Given<'a> {
+/// Computes the response of a pad of this graph to the forces of `items`: the contact of each (face nodes, 3: share, friction along x and y)
+/// with its scale; with its `stress` if that is wanted.
+pub fn respond<'a>(graph: &'a PadGraph, items: &[(&[f32], f32)], stress: bool, memory: &'a mut Memory) -> Given<'a> {
     let pad = &graph.compliance;
-    let (items, k) = (scale.len(), pad.forces);
+    let (forced, items, k) = (items, items.len(), pad.forces);
     let wide = padded(items);
     let Memory { forces, moved, at_nodes } = memory;
     // From (against the closing direction, x, y) to (x, y, z) of the pad.
     let turn = [(1, 1.0), (2, 1.0), (0, -1.0)];
     forces.fill(k, items, |r, item| {
-        let (from, sign) = turn[r % 3];
-        sign * scale[item] * contact[item * k + r - r % 3 + from]
+        let ((from, sign), (contact, scale)) = (turn[r % 3], forced[item]);
+        sign * scale * contact[r - r % 3 + from]
     });
     moved.resize(pad.moving() * wide, 0.0);
     let rows = 3 * BLOCK;
     moved.par_chunks_mut(rows * wide).zip(pad.response.par_chunks(rows * k)).for_each(|(out, response)| {
         let a = RowsView { data: response, stride: k, count: out.len() / wide };
-        product::respond(a, forces, items, out);
+        let (act, stride) = (Act::None, wide);
+        Arch::new().dispatch(Product { a, w: forces, keep: false, bias: None, act, out, stride });
     });
     at_nodes.resize(pad.nodes.div_ceil(BLOCK) * BLOCK * items * 4, 0.0);
     at_nodes.par_chunks_exact_mut(BLOCK * items * 4).enumerate().for_each(|(block, out)| {
@@ -120,10 +116,10 @@ pub struct Given<'a> {
 }
 
 impl Given<'_> {
-    /// Returns the response corrected by the network, in its units: displacement (items, nodes, 3) and stress (items, nodes), which
-    /// is empty where it is not wanted.
-    pub fn correct(&self, heads: &Channels, norms: &Normalisers) -> (Vec<f32>, Vec<f32>) {
-        let (n, items, face) = (self.pad.nodes, self.items, self.graph.face.len());
+    /// Returns the response of the items from number `first` on, corrected by the network's channels of these items, in its units:
+    /// displacement (items, nodes, 3) and stress (items, nodes), which is empty where it is not wanted.
+    pub fn correct(&self, first: usize, heads: &Channels, norms: &Normalisers) -> (Vec<f32>, Vec<f32>) {
+        let (n, items, face) = (self.pad.nodes, heads.travel.len(), self.graph.face.len());
         let stresses = if self.stress { n } else { 0 };
         let (mut displacement, mut stress) = (vec![0.0; items * n * 3], vec![0.0; items * stresses]);
         let [length, force] = [1.0 / norms.displacement, 1.0 / (norms.stress * norms.stress)];
@@ -133,7 +129,7 @@ impl Given<'_> {
         each.enumerate().for_each(|(item, (displacement, stress))| {
             let own = heads.item(item, face);
             for (node, u) in displacement.as_chunks_mut::<3>().0.iter_mut().enumerate() {
-                let at = ((node / BLOCK * items + item) * BLOCK + node % BLOCK) * 4;
+                let at = ((node / BLOCK * self.items + first + item) * BLOCK + node % BLOCK) * 4;
                 let given = &self.at_nodes[at..at + 4];
                 let (mut factor, mut more, mut beyond) = (0.0, 0.0, [0.0; 6]);
                 for (channel, weight) in self.graph.interpolate.row(node) {

@@ -1,0 +1,131 @@
+//! Height of a curved face over a regular grid of points in the plane below it.
+
+use super::barycentric::barycentric;
+use super::triangle6::{position, tangents};
+use glam::{DMat2, DVec2, DVec3, Vec3Swizzles};
+
+/// Points amid the cells of a rectangle in the plane.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PlaneGrid {
+    /// Corner of the rectangle with the least coordinates.
+    pub low: DVec2,
+    /// Its size.
+    pub size: DVec2,
+    /// Number of cells along x and y.
+    pub cells: [usize; 2],
+}
+
+/// Number of Newton iterations for the place of a triangle over a point.
+const ITERATIONS: usize = 8;
+/// Distance from the point, over the size of the triangle, that is as good as none.
+const CLOSE: f64 = 1e-9;
+/// Barycentric coordinate below which a place lies outside of its triangle.
+const OUTSIDE: f64 = -1e-6;
+
+impl PlaneGrid {
+    /// Returns point (row, column), the middle of that cell.
+    pub fn point(&self, row: usize, col: usize) -> DVec2 {
+        let part = DVec2::new(row as f64 + 0.5, col as f64 + 0.5);
+        self.low + self.size * part / DVec2::new(self.cells[0] as f64, self.cells[1] as f64)
+    }
+
+    /// Returns the numbers along one axis of the cells whose points lie between two coordinates.
+    fn within(&self, axis: usize, [low, high]: [f64; 2]) -> std::ops::Range<usize> {
+        let at = |x: f64| (x - self.low[axis]) / self.size[axis] * self.cells[axis] as f64 - 0.5;
+        let bound = |v: f64| v.clamp(0.0, self.cells[axis] as f64) as usize;
+        bound(at(low).ceil())..bound(at(high).floor() + 1.0)
+    }
+
+    /// Computes the height (rows, columns) of a face of 6-node `triangles`: three corners, then the middles of (0,1), (1,2) and (2,0). A point
+    /// beside the face has the height of the triangle that it is least outside of.
+    pub fn heights(&self, triangles: &[[DVec3; 6]]) -> Vec<f64> {
+        let [rows, cols] = self.cells;
+        let mut heights = vec![None; rows * cols];
+        for x in triangles {
+            let ends = |axis: usize| {
+                let along = x.map(|p| p[axis]);
+                let (low, high) = (
+                    along.iter().copied().fold(f64::INFINITY, f64::min),
+                    along.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+                );
+                // A curved edge may reach beyond its nodes.
+                let more = 0.25 * (high - low);
+                [low - more, high + more]
+            };
+            for row in self.within(0, ends(0)) {
+                for col in self.within(1, ends(1)) {
+                    let height = &mut heights[row * cols + col];
+                    *height = height.or_else(|| over(x, self.point(row, col)));
+                }
+            }
+        }
+        let beside = |k: usize| {
+            let p = self.point(k / cols, k % cols);
+            let flat = |x: &[DVec3; 6]| barycentric(p, [x[0].xy(), x[1].xy(), x[2].xy()]);
+            let inside = |x: &[DVec3; 6]| flat(x).into_iter().fold(f64::INFINITY, f64::min);
+            let nearest = triangles.iter().max_by(|a, b| inside(a).total_cmp(&inside(b)));
+            nearest.map_or(0.0, |x| {
+                let held = flat(x).map(|l| l.max(0.0));
+                let sum: f64 = held.iter().sum();
+                position(x, held.map(|l| l / sum)).z
+            })
+        };
+        heights.into_iter().enumerate().map(|(k, height)| height.unwrap_or_else(|| beside(k))).collect()
+    }
+}
+
+/// Height of the triangle over a point; None beside it.
+fn over(x: &[DVec3; 6], p: DVec2) -> Option<f64> {
+    let size = x[0].xy().distance(x[1].xy());
+    let mut l = barycentric(p, [x[0].xy(), x[1].xy(), x[2].xy()]);
+    for _ in 0..ITERATIONS {
+        let off = p - position(x, l).xy();
+        if off.length() < CLOSE * size {
+            return (l.into_iter().fold(f64::INFINITY, f64::min) > OUTSIDE).then(|| position(x, l).z);
+        }
+        let [u, v] = tangents(x, l).map(|t| t.xy());
+        let step = DMat2::from_cols(u, v).inverse() * off;
+        l = [1.0 - l[1] - step.x - l[2] - step.y, l[1] + step.x, l[2] + step.y];
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A face of two triangles that bends, stretches and shears by a map of second degree, which their shape functions follow exactly.
+    #[test]
+    fn heights_of_a_bent_face_are_exact() {
+        let map = |u: f64, v: f64| {
+            DVec3::new(u + 0.1 * u * v + 0.05 * v * v, v - 0.08 * u * v + 0.1 * u, 0.3 * u * u - 0.2 * u * v + 0.1 * v)
+        };
+        let triangle = |corners: [(f64, f64); 3]| {
+            let middle = |a: usize, b: usize| {
+                let ((a, b), (c, d)) = (corners[a], corners[b]);
+                map(0.5 * (a + c), 0.5 * (b + d))
+            };
+            let [a, b, c] = corners.map(|(u, v)| map(u, v));
+            [a, b, c, middle(0, 1), middle(1, 2), middle(2, 0)]
+        };
+        let face = [triangle([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]), triangle([(0.0, 0.0), (1.0, 1.0), (0.0, 1.0)])];
+        let grid = PlaneGrid { low: DVec2::new(0.2, 0.3), size: DVec2::new(0.6, 0.4), cells: [7, 5] };
+        for (k, height) in grid.heights(&face).into_iter().enumerate() {
+            let p = grid.point(k / 5, k % 5);
+            // The parameters of the point, by fixed-point iteration.
+            let (mut u, mut v) = (p.x, p.y);
+            for _ in 0..200 {
+                (u, v) = (p.x - 0.1 * u * v - 0.05 * v * v, p.y + 0.08 * u * v - 0.1 * u);
+            }
+            assert!((height - map(u, v).z).abs() < 1e-9, "{height} at {p}, {} by the map", map(u, v).z);
+        }
+    }
+
+    #[test]
+    fn points_beside_a_face_have_the_height_of_its_rim() {
+        let [a, b, c] = [DVec3::Z, DVec3::X + DVec3::Z, DVec3::Y + DVec3::Z];
+        let face = [[a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)]];
+        let grid = PlaneGrid { low: DVec2::splat(-1.0), size: DVec2::splat(4.0), cells: [6, 6] };
+        assert!(grid.heights(&face).iter().all(|z| (z - 1.0).abs() < 1e-12));
+    }
+}
