@@ -288,7 +288,6 @@ fn projected_forces_push_only_and_keep_their_sum() {
     let (forces, _) = projected_contact(compliance, std::slice::from_ref(&face), FRICTION).remove(0);
     let before: DVec3 = face.iter().map(|n| n.force).sum();
     let after: DVec3 = forces.iter().sum();
-    println!("{before} became {after}, E t2");
     assert!((before.z - after.z).abs() < 1e-6 * before.length(), "{before} became {after}, E t2");
     assert!(before.distance(after) < 1e-2 * before.length(), "{before} became {after}, E t2");
     assert!(forces.iter().all(|f| f.z <= 0.0), "a pad never pulls");
@@ -321,7 +320,6 @@ fn projected_forces_converge_where_the_contact_slips() {
             change = face.iter().zip(&forces).map(|(node, f)| node.force.distance(*f)).sum::<f64>() / whole;
             face.iter_mut().zip(&forces).for_each(|(node, force)| node.force = *force);
         }
-        println!("slip {slip}, lean {lean}: {change}");
-        assert!(change < 0.02, "slip {slip}, lean {lean}: ten more steps change the forces by {change} of all");
+        assert!(change < 3e-3, "slip {slip}, lean {lean}: ten more steps change the forces by {change} of all");
     }
 }
