@@ -41,7 +41,9 @@ impl Predictor {
     ) -> Result<Vec<Result<PredictedGrasp>>> {
         let graph = self.admit(model, extrapolate)?;
         let loads = loads_of(model);
-        let together = (FaceEngine::LOADS / Ramp::first(&loads).max(1)).clamp(1, TOGETHER);
+        // No thread waits for work, and no bit depends on the company.
+        let each = poses.len().div_ceil(rayon::current_num_threads());
+        let together = (FaceEngine::LOADS / Ramp::first(&loads).max(1)).min(each).clamp(1, TOGETHER);
         let predict = |environment: &mut Option<Environment>, poses: &[GraspPose]| -> Result<Vec<_>> {
             interrupt::check()?;
             let touch = |pose: &GraspPose| GeometricContact::find_in(environment, model, *pose);
