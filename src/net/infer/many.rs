@@ -43,7 +43,7 @@ impl Predictor {
         let loads = loads_of(model);
         // No thread waits for work, and no bit depends on the company.
         let each = poses.len().div_ceil(rayon::current_num_threads());
-        let together = (FaceEngine::LOADS / Ramp::first(&loads).max(1)).min(each).clamp(1, TOGETHER);
+        let together = (FaceEngine::LOADS / Ramp::decoded_at_first(&loads).max(1)).min(each).clamp(1, TOGETHER);
         let predict = |environment: &mut Option<Environment>, poses: &[GraspPose]| -> Result<Vec<_>> {
             interrupt::check()?;
             let touch = |pose: &GraspPose| GeometricContact::find_in(environment, model, *pose);

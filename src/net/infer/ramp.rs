@@ -40,8 +40,8 @@ struct Piece {
 }
 
 impl Ramp {
-    /// Number of the loads that are decoded at first.
-    pub fn first(loads: &[GraspLoad]) -> usize {
+    /// Returns the number of the loads that are decoded at first.
+    pub fn decoded_at_first(loads: &[GraspLoad]) -> usize {
         Self::of(loads).missing_at_first().len()
     }
 
@@ -77,6 +77,7 @@ impl Ramp {
         Self { pieces: pieces(loads), answers: Vec::new() }
     }
 
+    /// Returns the loads that are decoded before anything is known.
     fn missing_at_first(&self) -> Vec<usize> {
         self.pieces.iter().flat_map(|piece| evenly(&piece.loads, &piece.along)).collect()
     }
