@@ -14,6 +14,8 @@ use pulp::Arch;
 
 /// Number of steps.
 const STEPS: usize = 10;
+/// Number of slidings that are tried in each step.
+const SLIDES: usize = 4;
 /// Distance from touching from which on nodes begin to take part, over the deepest.
 const REACH: f64 = 0.3;
 /// Number of loads that are iterated together.
@@ -95,13 +97,13 @@ struct ProjectedGradient {
     matrix: Vec<f32>,
     /// Size of a step.
     size: Lanes,
-    /// Sums that stay: pressure, force along the face.
+    /// Sums that stay: pressure, force along the face across the closing direction.
     whole: Lanes,
-    along: [Lanes; 3],
+    along: [Lanes; 2],
     deepest: Lanes,
     /// How much farther the pad closes, and slides.
     closer: Lanes,
-    slid: [Lanes; 3],
+    slid: [Lanes; 2],
     loads: usize,
     /// Coulomb's coefficient.
     friction: f64,
@@ -133,10 +135,10 @@ impl ProjectedGradient {
             nodes: vec![Node::default(); m],
             size: [1.0; LANES],
             whole: [0.0; LANES],
-            along: [[0.0; LANES]; 3],
+            along: [[0.0; LANES]; 2],
             deepest: [0.0; LANES],
             closer: [0.0; LANES],
-            slid: [[0.0; LANES]; 3],
+            slid: [[0.0; LANES]; 2],
             loads: face.len(),
             friction,
             forces: Packed::default(),
@@ -164,8 +166,8 @@ impl ProjectedGradient {
                 for a in 0..3 {
                     node.dragged[a][load] = at.dragged[a];
                     node.force[a][load] = at.force[a];
-                    all.along[a][load] += at.force[a] - n[a] * pressure;
                 }
+                (0..2).for_each(|a| all.along[a][load] += at.force[a] - n[a] * pressure);
             }
             node.ahead = node.force;
         }
@@ -229,35 +231,18 @@ impl ProjectedGradient {
                 self.closer[l] += if slope[l] > 0.0 { lacks } else { self.deepest[l] };
             }
         }
-        let (mut gains, mut carried) = ([0.0; LANES], [[0.0; LANES]; 3]);
         for (node, u) in self.nodes.iter_mut().zip(moved) {
             let n = node.normal;
             for l in 0..LANES {
                 let gain = self.size[l] * node.stiff[l];
                 let p = node.pressure[l] + gain * self.closer[l];
-                let p = if p > 0.0 { p } else { 0.0 };
-                node.pressure[l] = p;
-                let wanted = [0, 1, 2]
-                    .map(|a| node.ahead[a][l] + (node.dragged[a][l] + self.slid[a][l] - f64::from(u[a][l])) * gain);
+                node.pressure[l] = if p > 0.0 { p } else { 0.0 };
+                let wanted = [0, 1, 2].map(|a| node.ahead[a][l] + (node.dragged[a][l] - f64::from(u[a][l])) * gain);
                 let out = n[0] * wanted[0] + n[1] * wanted[1] + n[2] * wanted[2];
-                let wanted = [0, 1, 2].map(|a| wanted[a] - n[a] * out);
-                let length = wanted.iter().map(|w| w * w).sum::<f64>().sqrt();
-                // Coulomb's limit.
-                let most = self.friction * p;
-                let part = if length > most { most / length } else { 1.0 };
-                gains[l] += if p > 0.0 { gain } else { 0.0 };
-                for a in 0..3 {
-                    node.along[a][l] = wanted[a] * part;
-                    carried[a][l] += node.along[a][l];
-                }
+                (0..3).for_each(|a| node.along[a][l] = wanted[a] - n[a] * out);
             }
         }
-        // The sum of the forces along the face comes back to what it was, and hardly moves those that slip.
-        for a in 0..3 {
-            for l in 0..LANES {
-                self.slid[a][l] += (self.along[a][l] - carried[a][l]) / gains[l].max(1e-9);
-            }
-        }
+        self.slide();
         for node in &mut self.nodes {
             for a in 0..3 {
                 for l in 0..LANES {
@@ -267,5 +252,68 @@ impl ProjectedGradient {
                 }
             }
         }
+    }
+    /// Finds the sliding of the pad across the closing direction under which the sum of the forces along the face stays, by Newton's method
+    /// with halved steps (Coulomb's limit bends the sum), and puts these forces in place. Where more is asked than friction holds, the sum falls short.
+    #[inline(always)]
+    fn slide(&mut self) {
+        let (mut step, mut least) = ([[0.0; LANES]; 2], [f64::INFINITY; LANES]);
+        let mut tried = self.slid;
+        for _ in 0..SLIDES {
+            // What is lacking from the sum, and its derivative: xx, xy, yy.
+            let (mut lacks, mut slope) = (self.along, [[0.0; LANES]; 3]);
+            for node in &self.nodes {
+                let n = node.normal;
+                for l in 0..LANES {
+                    let gain = self.size[l] * node.stiff[l];
+                    let (f, part, bends) = node.slipped(l, gain, self.friction, [tried[0][l], tried[1][l]]);
+                    lacks[0][l] -= f[0];
+                    lacks[1][l] -= f[1];
+                    slope[0][l] += gain * part * (1.0 - n[0] * n[0] - bends * f[0] * f[0]);
+                    slope[1][l] -= gain * part * (n[0] * n[1] + bends * f[0] * f[1]);
+                    slope[2][l] += gain * part * (1.0 - n[1] * n[1] - bends * f[1] * f[1]);
+                }
+            }
+            for l in 0..LANES {
+                let lack = lacks[0][l] * lacks[0][l] + lacks[1][l] * lacks[1][l];
+                let better = lack < least[l];
+                let [xx, xy, yy] = [0, 1, 2].map(|k| slope[k][l]);
+                let determinant = xx * yy - xy * xy;
+                let bounded = determinant > 1e-9 * (xx + yy) * (xx + yy);
+                let newton = [yy * lacks[0][l] - xy * lacks[1][l], xx * lacks[1][l] - xy * lacks[0][l]];
+                for a in 0..2 {
+                    self.slid[a][l] = if better { tried[a][l] } else { self.slid[a][l] };
+                    let whole = if bounded { newton[a] / determinant } else { 0.0 };
+                    step[a][l] = if better { whole } else { 0.5 * step[a][l] };
+                    tried[a][l] = self.slid[a][l] + step[a][l];
+                }
+                least[l] = if better { lack } else { least[l] };
+            }
+        }
+        for node in &mut self.nodes {
+            for l in 0..LANES {
+                let gain = self.size[l] * node.stiff[l];
+                let (f, ..) = node.slipped(l, gain, self.friction, [self.slid[0][l], self.slid[1][l]]);
+                (0..3).for_each(|a| node.along[a][l] = f[a]);
+            }
+        }
+    }
+}
+
+impl Node {
+    /// Computes the force along the face after sliding by `slid` under Coulomb's limit, the part of it that the limit leaves, and the inverse of its
+    /// square where it is at the limit, zero elsewhere.
+    #[inline(always)]
+    fn slipped(&self, load: usize, gain: f64, friction: f64, slid: [f64; 2]) -> ([f64; 3], f64, f64) {
+        let n = self.normal;
+        let out = n[0] * slid[0] + n[1] * slid[1];
+        let slid = [slid[0] - n[0] * out, slid[1] - n[1] * out, -n[2] * out];
+        let wanted = [0, 1, 2].map(|a| self.along[a][load] + gain * slid[a]);
+        let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1] + wanted[2] * wanted[2]).sqrt();
+        let most = friction * self.pressure[load];
+        let slips = length > most;
+        let part = if slips { most / length } else { 1.0 };
+        let bends = if slips && most > 0.0 { 1.0 / (most * most) } else { 0.0 };
+        (wanted.map(|w| w * part), part, bends)
     }
 }
