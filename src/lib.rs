@@ -39,6 +39,7 @@ pub mod random;
 pub mod record;
 pub mod render;
 pub mod report;
+pub mod robot;
 pub mod run;
 pub mod scales;
 pub mod scene;
