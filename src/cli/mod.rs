@@ -2,6 +2,7 @@
 
 mod bench;
 mod check;
+mod completions;
 mod dataset;
 mod eval;
 mod fit;
@@ -18,9 +19,11 @@ use crate::interrupt;
 use clap::{Parser, Subcommand, ValueEnum};
 use std::io::Write;
 use std::process::ExitCode;
+use std::sync::LazyLock;
 
 pub use bench::BenchArgs;
 pub use check::CheckArgs;
+pub use completions::{CompletionsArgs, ManArgs};
 pub use dataset::{DatasetArgs, DatasetCommand};
 pub use eval::EvalArgs;
 pub use fit::FitArgs;
@@ -39,7 +42,7 @@ pub const REFUSED: u8 = 2;
 
 /// A parallel gripper with two soft tactile pads squeezes a rigid object.
 #[derive(Debug, Parser)]
-#[command(name = "tactus", version, arg_required_else_help = true)]
+#[command(name = "tactus", version, long_version = long_version(), arg_required_else_help = true)]
 pub struct Cli {
     /// Command to run.
     #[command(subcommand)]
@@ -67,6 +70,10 @@ pub enum Command {
     Fit(FitArgs),
     /// Put results into one page: tables, charts, both pads in 3-D.
     Report(ReportArgs),
+    /// Print the completions of a shell.
+    Completions(CompletionsArgs),
+    /// Write the pages of the manual.
+    Man(ManArgs),
 }
 
 /// Form of what is printed on stdout.
@@ -77,6 +84,19 @@ pub enum Format {
     Text,
     /// JSON object.
     Json,
+}
+
+/// Version, and of what the build reads and runs on.
+fn long_version() -> &'static str {
+    static TEXT: LazyLock<String> = LazyLock::new(|| {
+        let (os, arch) = (std::env::consts::OS, std::env::consts::ARCH);
+        let (data, features) = (crate::dataset::arrays::FORMAT, crate::net::features::VERSION);
+        format!(
+            "{}\n{os} {arch}; data sets of layout {data}, networks of features {features}",
+            env!("CARGO_PKG_VERSION")
+        )
+    });
+    &TEXT
 }
 
 /// Runs the command; an error is printed to stderr and gives exit code 2. Wrong arguments are reported by clap, with the
@@ -110,7 +130,9 @@ fn kept(error: Error, kept: impl FnOnce() -> String) -> Error {
 
 fn dispatch(cli: &Cli) -> Result<ExitCode> {
     // The others are short; a signal ends them as it ends any program.
-    if !matches!(cli.command, Command::Check(_) | Command::Report(_)) {
+    let short =
+        matches!(cli.command, Command::Check(_) | Command::Report(_) | Command::Completions(_) | Command::Man(_));
+    if !short {
         interrupt::on_signals(REFUSED, last_words)?;
     }
     match &cli.command {
@@ -123,6 +145,8 @@ fn dispatch(cli: &Cli) -> Result<ExitCode> {
         Command::Bench(args) => bench::bench(args),
         Command::Fit(args) => fit::fit(args),
         Command::Report(args) => report::report_page(args),
+        Command::Completions(args) => completions::completions(args),
+        Command::Man(args) => completions::man(args),
     }
 }
 
