@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Files and folders of `src`, from the ground up.
-const LAYERS: [&str; 34] = [
+const LAYERS: [&str; 35] = [
     "error",
     "number",
     "stats",
@@ -26,6 +26,7 @@ const LAYERS: [&str; 34] = [
     "part",
     "grasp",
     "judge",
+    "observe",
     "model",
     "world",
     "run",

@@ -2,13 +2,13 @@
 
 use super::draw::{Draw, EpisodeKey, draw};
 use super::identity::identity;
-use super::observe::Sense;
 use super::reward::{Custom, StepInfo};
 use crate::backend::choose;
 use crate::error::{Error, Result};
 use crate::grasp::poses_of;
 use crate::gripper::GraspPose;
 use crate::model::Model;
+use crate::observe::{Sense, SensedHand};
 use crate::scene::leaf::{Count, NonNegative, Positive};
 use crate::scene::{Field, Loading, MaterialChoice, NamedScene, Record, Scene, Squeeze, Task};
 use crate::world::Stepper;
@@ -83,9 +83,10 @@ impl EnvShared {
         let kinds =
             set.iter().map(|named| ObjectKind::new(named, &task, stepper.as_ref())).collect::<Result<Vec<_>>>()?;
         let model = &kinds[0].variants[0].model;
+        let hand = SensedHand { fingers: &model.fingers, stroke: model.stroke, force: task.force.at(1.0) };
         Ok(Self {
             identity: identity(first, &task, &kinds)?,
-            senses: task.observe.iter().map(|o| o.sense(model, &task)).collect(),
+            senses: task.observe.iter().map(|o| o.sense(&hand)).collect(),
             stepper,
             steps: max_steps.unwrap_or(task.steps.get()).max(1),
             gravity: task.gravity.map_or(DVec3::ZERO, |g| g.dvec3()),

@@ -10,6 +10,10 @@ pub enum Observe {
     TaxelForce(Grid),
     /// Displacement of the sensing face as an image, m.
     TaxelDisplacement(Grid),
+    /// Normal traction on the sensing face as an image, Pa: the pressure along the closing direction.
+    Pressure(Grid),
+    /// Tangential traction on the sensing face as an image, Pa.
+    Shear(Grid),
     /// Height of the deformed sensing face as an image, m.
     HeightMap(Grid),
     /// Force and torque on each pad.
