@@ -66,8 +66,7 @@ impl Encoder {
             let wrench = vectors(&[pad.wrench.force, pad.wrench.torque]);
             rows.doubles(RowName::Wrench, 6 * at, wrench);
             rows.doubles(RowName::Travel, at, [frame.travel[i]]);
-            // Any node tells: it is where its finger carried it, and displaced.
-            let carried = pad.position[0] - pad.displacement[0] - finger.body.rest[0];
+            let carried = pad.carried(&finger.body.rest);
             rows.doubles(RowName::FingerPosition, at, [carried.dot(finger.placement.closing)]);
         }
         let load = frame.object_load;

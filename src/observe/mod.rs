@@ -2,10 +2,12 @@
 //!
 //! A new observation needs a variant in [`Observe`], a file with a [`Sense`], and a line each in `name` and `sense`.
 
+mod depth_map;
 mod force;
 mod force_image;
 mod grid;
 mod height_map;
+mod markers;
 mod object_pose;
 mod prediction_error;
 mod pressure;
@@ -62,6 +64,8 @@ impl Observe {
             Observe::Pressure(_) => "pressure",
             Observe::Shear(_) => "shear",
             Observe::HeightMap(_) => "height_map",
+            Observe::DepthMap(_) => "depth_map",
+            Observe::Markers(_) => "markers",
             Observe::Wrench => "wrench",
             Observe::Travel => "travel",
             Observe::ObjectPose => "object_pose",
@@ -78,6 +82,8 @@ impl Observe {
             Observe::Pressure(grid) => Box::new(pressure::Pressure::new(hand, grid)),
             Observe::Shear(grid) => Box::new(shear::Shear::new(hand, grid)),
             Observe::HeightMap(grid) => Box::new(height_map::HeightMap::new(hand, grid)),
+            Observe::DepthMap(grid) => Box::new(depth_map::DepthMap::new(hand, grid)),
+            Observe::Markers(markers) => Box::new(markers::MarkerTracks::new(hand, markers)),
             Observe::Wrench => Box::new(wrench::PadWrench::new(hand)),
             Observe::Travel => Box::new(travel::FingerTravel::new(hand)),
             Observe::ObjectPose => Box::new(object_pose::PoseInHand::new(hand)),
@@ -95,6 +101,12 @@ impl SensedHand<'_> {
     fn force_bounds(&self) -> [f64; 2] {
         let most = MOST * self.force;
         [-most, most]
+    }
+
+    /// Returns the largest distance of a node from the middle of its sensing face along any axis, m.
+    fn reach(&self) -> f64 {
+        let rest = self.fingers.iter().flat_map(|f| &f.topology.rest);
+        rest.map(|x| x.abs().max_element()).fold(0.0, f64::max) + self.displacement_bounds()[1]
     }
 
     /// Returns the bounds of a displacement, m: a bonded gel does not move by more than its thickness.

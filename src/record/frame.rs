@@ -36,6 +36,14 @@ pub struct PadFrame {
     pub wrench: Wrench,
 }
 
+impl PadFrame {
+    /// Returns how far the finger has carried the pad from where its nodes are at `rest`, m.
+    pub fn carried(&self, rest: &[DVec3]) -> DVec3 {
+        // Any node tells: it is where its finger carried it, and displaced.
+        self.position[0] - self.displacement[0] - rest[0]
+    }
+}
+
 /// Additional state of a frame of a dynamic scene. The world's frame is that of the object at the start.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Moving {

@@ -1,6 +1,7 @@
 //! Observations that an agent may ask for.
 
-use super::leaf::Count;
+use super::defaults;
+use super::leaf::{Count, Length};
 use serde::{Deserialize, Serialize};
 
 /// Observation.
@@ -16,6 +17,10 @@ pub enum Observe {
     Shear(Grid),
     /// Height of the deformed sensing face as an image, m.
     HeightMap(Grid),
+    /// Depth of the object in the undeformed sensing face as an image, m, as if it were a rigid mould.
+    DepthMap(Grid),
+    /// Dots printed on the sensing face: position and displacement, m, and place in the camera's image, pixels.
+    Markers(Markers),
     /// Force and torque on each pad.
     Wrench,
     /// Travel of each finger since first contact, m.
@@ -57,5 +62,30 @@ impl Grid {
 impl Default for Grid {
     fn default() -> Self {
         Self::USUAL
+    }
+}
+
+/// Dots printed on the sensing face in rows and columns, each amid its part of the face.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Markers {
+    /// Number along x of the pad, which is the hand's approach.
+    pub rows: Count<1, 512>,
+    /// Number along y of the pad.
+    pub cols: Count<1, 512>,
+    /// Size of a pixel of the camera on the sensing face, m; by default that of a GelSight Mini.
+    pub pixel: Length,
+}
+
+impl Markers {
+    /// Grid with a marker amid each cell.
+    pub fn grid(&self) -> Grid {
+        Grid { rows: self.rows, cols: self.cols }
+    }
+}
+
+impl Default for Markers {
+    fn default() -> Self {
+        Self { rows: defaults::MARKER_ROWS, cols: defaults::MARKER_COLS, pixel: defaults::MARKER_PIXEL }
     }
 }

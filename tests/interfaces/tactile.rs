@@ -7,6 +7,8 @@ use tactus::scene::NamedScene;
 const GRIDS: [[usize; 2]; 2] = [[5, 4], [120, 100]];
 /// Size of the GelSight Mini gel, m.
 const SIZE: [f64; 2] = [25.25e-3, 20.75e-3];
+/// Height of the pads over the hand base, m, where the scene says nothing.
+const PLACED: f64 = 0.1;
 
 /// The task with more observations, of the elements or condensed.
 fn seeing(observe: &str) -> Vec<NamedScene> {
@@ -66,4 +68,77 @@ fn a_fine_image_of_the_pressure_is_smooth() {
         assert!(jump < 0.15 * most, "{jump} Pa between neighbours, {most} Pa at most");
         assert!(image.iter().all(|p| *p > -0.02 * most), "nothing pulls");
     }
+}
+
+/// Where gel and object touch, the dent is the mould of the object: they are apart by the gap of the contact, at most 10 um, a 400th
+/// of the thickness. Nowhere does the gel reach into the object by more than 5 um between the points of contact.
+#[test]
+fn the_dent_is_the_mould_of_the_object_where_they_touch() {
+    let [rows, cols] = [40, 48];
+    let set = seeing(&format!("DepthMap(rows: {rows}, cols: {cols}), HeightMap(rows: {rows}, cols: {cols})"));
+    let mut env = batch(&set[..1], config(1));
+    env.reset(None, None).unwrap();
+    let view = env.step(&actions(0, 1, 0)).unwrap();
+    let (depth, height) = (view.obs("depth_map").unwrap(), view.obs("height_map").unwrap());
+    for (depth, height) in depth.chunks_exact(rows * cols).zip(height.chunks_exact(rows * cols)) {
+        let deepest = (0..rows * cols).max_by(|a, b| depth[*a].total_cmp(&depth[*b])).unwrap();
+        assert!(depth[deepest] > 1e-4, "{} m deep", depth[deepest]);
+        assert!(depth.contains(&0.0), "the ball is not as wide as the pad");
+        let apart = -height[deepest] - depth[deepest];
+        assert!((0.0..1e-5).contains(&apart), "{apart} m between the dent and the mould at the deepest");
+        let into = depth.iter().zip(height).map(|(d, h)| d + h).filter(|v| v.is_finite());
+        let worst = into.zip(depth).filter(|(_, d)| **d > 0.0).map(|(v, _)| v).fold(f32::MIN, f32::max);
+        assert!(worst < 5e-6, "the gel reaches {worst} m into the object");
+    }
+}
+
+/// A ball as a rigid mould leaves a cap: below its deepest point, the depth falls as its surface does, to 1 um.
+#[test]
+fn a_ball_leaves_a_spherical_cap_in_the_depth_map() {
+    let [rows, cols] = [41, 41];
+    let set = seeing(&format!("DepthMap(rows: {rows}, cols: {cols})"));
+    let mut env = batch(&set[..1], config(1));
+    env.reset(None, None).unwrap();
+    let view = env.step(&actions(0, 1, 0)).unwrap();
+    let pose = view.obs("object_pose").unwrap();
+    for (pad, depth) in view.obs("depth_map").unwrap().chunks_exact(rows * cols).enumerate() {
+        let at = |k: usize| {
+            [(k / cols, rows, 0), (k % cols, cols, 1)].map(|(i, n, a)| SIZE[a] * ((i as f64 + 0.5) / n as f64 - 0.5))
+        };
+        let deepest = (0..depth.len()).max_by(|a, b| depth[*a].total_cmp(&depth[*b])).unwrap();
+        // Height of the ball's surface above its lowest point; the pads stand at the height of the hand's default, across from each other.
+        let side = [-1.0, 1.0][pad];
+        let center = [f64::from(pose[2]) - PLACED, side * f64::from(pose[1])];
+        let rise = |k: usize| {
+            let [x, y] = at(k);
+            0.02 - (0.02f64.powi(2) - (x - center[0]).powi(2) - (y - center[1]).powi(2)).sqrt()
+        };
+        for (k, found) in depth.iter().enumerate().filter(|(_, d)| **d > 0.0) {
+            let wanted = f64::from(depth[deepest]) - (rise(k) - rise(deepest));
+            assert!((f64::from(*found) - wanted).abs() < 1e-6, "{found} m in place of {wanted} m at {:?}", at(k));
+        }
+    }
+}
+
+/// Markers move with the face: at the middles of taxels they are displaced as these are, and a camera sees them where they are.
+#[test]
+fn markers_move_with_the_face() {
+    let set = seeing("Markers(rows: 5, cols: 4, pixel: 1e-4)");
+    let mut env = batch(&set[..1], config(1));
+    env.reset(None, None).unwrap();
+    let view = env.step(&actions(0, 1, 0)).unwrap();
+    let taxels = view.obs("taxel_displacement").unwrap().chunks_exact(3);
+    let mut most = 0.0_f32;
+    for (k, (marker, taxel)) in view.obs("markers").unwrap().chunks_exact(8).zip(taxels).enumerate() {
+        assert_eq!(marker[3..6], *taxel);
+        most = taxel.iter().fold(most, |most, u| most.max(u.abs()));
+        let rest =
+            [(k / 4 % 5, 5, 0), (k % 4, 4, 1)].map(|(i, n, a)| SIZE[a] * ((i as f64 + 0.5) / f64::from(n) - 0.5));
+        for axis in 0..2 {
+            let moved = f64::from(marker[axis]) - f64::from(marker[3 + axis]);
+            assert!((moved - rest[axis]).abs() < 1e-8, "printed at {moved} m, not at {} m", rest[axis]);
+            assert!((marker[6 + axis] * 1e-4 - marker[axis]).abs() < 1e-8);
+        }
+    }
+    assert!(most > 1e-4, "{most} m");
 }
