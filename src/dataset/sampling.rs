@@ -61,6 +61,9 @@ impl Sampling {
                 von_mises_node,
                 von_mises_element,
                 gap: if pad.gap.is_empty() { Vec::new() } else { self.nodes.of(&pad.gap) },
+                // Images of it are made on the finer mesh.
+                slip: Vec::new(),
+                contact_area: pad.contact_area,
                 wrench: pad.wrench,
             }
         });

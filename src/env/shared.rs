@@ -180,6 +180,7 @@ impl ObjectKind {
             let mut model = Model::build(&scene)?;
             if let Some(model) = Arc::get_mut(&mut model) {
                 model.needs.task = true;
+                model.needs.observe(&task.observe);
                 model.largest_drift = Some(LEASH * task.slip_limit.get());
                 let share = 1.0 / model.fingers.len() as f64;
                 model.levels = vec![task.force.at(0.0) * share, task.force.at(1.0) * share];

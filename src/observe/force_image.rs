@@ -3,6 +3,7 @@
 use super::{Now, SensedHand};
 use crate::scene::Grid;
 use glam::DVec3;
+use std::ops::{AddAssign, Mul};
 
 /// Contact force per taxel. The taxels of a pad sum to its contact force.
 #[derive(Debug)]
@@ -29,22 +30,34 @@ impl ForceImage {
 
     /// Area of a taxel, m2.
     pub fn taxel_area(&self) -> f64 {
-        self.area / self.grid.taxels() as f64
+        self.area / self.taxels() as f64
+    }
+
+    /// Number of taxels of a pad.
+    pub fn taxels(&self) -> usize {
+        self.grid.taxels()
+    }
+
+    /// Gathers what the nodes of a pad have in the taxels; the sum stays.
+    pub fn gathered<V>(&self, nodal: impl Iterator<Item = V>) -> Vec<V>
+    where
+        V: Copy + Default + PartialEq + AddAssign + Mul<f64, Output = V>,
+    {
+        let mut image = vec![V::default(); self.taxels()];
+        for (value, shares) in nodal.zip(&self.shares).filter(|(value, _)| *value != V::default()) {
+            shares.iter().for_each(|(taxel, weight)| image[*taxel as usize] += value * *weight);
+        }
+        image
     }
 
     /// Writes `N` numbers per taxel that follow from its force, N, pad frame.
     pub fn write<const N: usize>(&self, now: &Now, out: &mut [f32], numbers: impl Fn(DVec3) -> [f64; N]) {
-        let taxels = self.grid.taxels();
-        let mut image = vec![DVec3::ZERO; taxels];
-        for ((pad, finger), out) in now.frame.pads.iter().zip(now.fingers).zip(out.chunks_exact_mut(N * taxels)) {
-            image.fill(DVec3::ZERO);
-            let touching = pad.contact_force.iter().zip(&self.shares).filter(|(f, _)| **f != DVec3::ZERO);
-            for (force, shares) in touching {
-                shares.iter().for_each(|(taxel, weight)| image[*taxel as usize] += *force * *weight);
-            }
+        let size = N * self.taxels();
+        for ((pad, finger), out) in now.frame.pads.iter().zip(now.fingers).zip(out.chunks_exact_mut(size)) {
             let axes = finger.placement.rotation.transpose();
-            for (out, force) in out.chunks_exact_mut(N).zip(&image) {
-                out.iter_mut().zip(numbers(axes * *force)).for_each(|(out, number)| *out = number as f32);
+            let image = self.gathered(pad.contact_force.iter().copied());
+            for (out, force) in out.chunks_exact_mut(N).zip(image) {
+                out.iter_mut().zip(numbers(axes * force)).for_each(|(out, number)| *out = number as f32);
             }
         }
     }

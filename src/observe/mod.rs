@@ -2,6 +2,8 @@
 //!
 //! A new observation needs a variant in [`Observe`], a file with a [`Sense`], and a line each in `name` and `sense`.
 
+mod center_of_pressure;
+mod contact_area;
 mod depth_map;
 mod force;
 mod force_image;
@@ -12,6 +14,7 @@ mod object_pose;
 mod prediction_error;
 mod pressure;
 mod shear;
+mod slip;
 mod spec;
 mod taxel_displacement;
 mod taxel_force;
@@ -66,6 +69,9 @@ impl Observe {
             Observe::HeightMap(_) => "height_map",
             Observe::DepthMap(_) => "depth_map",
             Observe::Markers(_) => "markers",
+            Observe::CenterOfPressure => "center_of_pressure",
+            Observe::ContactArea => "contact_area",
+            Observe::Slip(_) => "slip",
             Observe::Wrench => "wrench",
             Observe::Travel => "travel",
             Observe::ObjectPose => "object_pose",
@@ -84,6 +90,9 @@ impl Observe {
             Observe::HeightMap(grid) => Box::new(height_map::HeightMap::new(hand, grid)),
             Observe::DepthMap(grid) => Box::new(depth_map::DepthMap::new(hand, grid)),
             Observe::Markers(markers) => Box::new(markers::MarkerTracks::new(hand, markers)),
+            Observe::CenterOfPressure => Box::new(center_of_pressure::CenterOfPressure::new(hand)),
+            Observe::ContactArea => Box::new(contact_area::TouchedArea::new(hand)),
+            Observe::Slip(grid) => Box::new(slip::SlipImage::new(hand, grid)),
             Observe::Wrench => Box::new(wrench::PadWrench::new(hand)),
             Observe::Travel => Box::new(travel::FingerTravel::new(hand)),
             Observe::ObjectPose => Box::new(object_pose::PoseInHand::new(hand)),

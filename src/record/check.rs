@@ -79,6 +79,9 @@ fn pad_frame(name: &str, pad: &PadFrame, topology: &PadTopology) -> Verdict {
     numbers(name, "von_mises_element", &pad.von_mises_element)?;
     optional(name, "gap", pad.gap.len(), nodes, "nodes")?;
     numbers(name, "gap", &pad.gap)?;
+    optional(name, "slip", pad.slip.len(), nodes, "nodes")?;
+    numbers(name, "slip", &pad.slip)?;
+    finite(name, "contact_area", pad.contact_area)?;
     vectors(name, "wrench.force", &[pad.wrench.force])?;
     vectors(name, "wrench.torque", &[pad.wrench.torque])
 }

@@ -32,6 +32,10 @@ pub struct PadFrame {
     pub von_mises_element: Vec<f64>,
     /// Signed distance of each node to the object, m; negative inside; empty if not recorded.
     pub gap: Vec<f64>,
+    /// Part of the contact force of each node that is carried by points that slide, 0 to 1; empty if nothing asks for it.
+    pub slip: Vec<f64>,
+    /// Area that touches the object, m2, at rest; zero if nothing asks for it.
+    pub contact_area: f64,
     /// Resultant of the contact on this pad.
     pub wrench: Wrench,
 }

@@ -21,6 +21,12 @@ pub enum Observe {
     DepthMap(Grid),
     /// Dots printed on the sensing face: position and displacement, m, and place in the camera's image, pixels.
     Markers(Markers),
+    /// Centre of pressure of each pad, m.
+    CenterOfPressure,
+    /// Area of each pad that touches the object, m2.
+    ContactArea,
+    /// Part of the contact force that is carried by points that slide, as an image.
+    Slip(Grid),
     /// Force and torque on each pad.
     Wrench,
     /// Travel of each finger since first contact, m.

@@ -1,6 +1,6 @@
 //! What a tactile sensor sees: images of the sensing faces against the forces and nodes they are made of.
 
-use crate::env_made::{actions, batch, changed, condensed, config};
+use crate::env_made::{actions, batch, changed, condensed, config, gnn};
 use tactus::scene::NamedScene;
 
 /// Numbers of rows and columns: taxels wider than the elements, and much finer.
@@ -141,4 +141,80 @@ fn markers_move_with_the_face() {
         }
     }
     assert!(most > 1e-4, "{most} m");
+}
+
+/// Observations right after the hand has closed with 1.5 N on the ball, with friction `mu`.
+fn closed(observe: &str, mu: &str, look: impl Fn(tactus::env::StepView)) {
+    let pads = "gripper: (pads: GelSightMini(spacing: 8e-3)";
+    let set = changed(|task| {
+        let task = task.replacen("observe: [", &format!("observe: [{observe}, "), 1);
+        task.replacen(pads, &format!("{pads}, friction: {mu}"), 1)
+    });
+    let mut env = batch(&set[..1], config(1));
+    look(env.reset(None, None).unwrap());
+}
+
+/// The torque about the middle of the face is that of the pressing force at the centre of pressure, to 0.1 mm of lever: the rest is
+/// shear on a face that is not flat.
+#[test]
+fn the_centre_of_pressure_is_the_lever_of_the_torque() {
+    closed("CenterOfPressure", "0.8", |view| {
+        let centers = view.obs("center_of_pressure").unwrap().chunks_exact(3);
+        for (center, wrench) in centers.zip(view.obs("wrench").unwrap().chunks_exact(6)) {
+            let [force, x, y] = [wrench[2], wrench[3], wrench[4]];
+            let lever = [-y / force, x / force];
+            for (center, lever) in center.iter().zip(lever) {
+                assert!((center - lever).abs() < 1e-4, "{center} m, a lever of {lever} m");
+            }
+            assert!((-2e-3..0.0).contains(&center[2]), "pressed in by {} m", -center[2]);
+        }
+    });
+}
+
+/// The area that touches is that where the gel lies on the object, to 15 %: the area of a sample point is 3 mm2 of 40.
+#[test]
+fn the_contact_area_is_that_where_the_gel_lies_on_the_object() {
+    let [rows, cols] = [100, 80];
+    let maps = format!("ContactArea, DepthMap(rows: {rows}, cols: {cols}), HeightMap(rows: {rows}, cols: {cols})");
+    closed(&maps, "0.8", |view| {
+        let (depth, height) = (view.obs("depth_map").unwrap(), view.obs("height_map").unwrap());
+        let images = depth.chunks_exact(rows * cols).zip(height.chunks_exact(rows * cols));
+        for ((depth, height), found) in images.zip(view.obs("contact_area").unwrap()) {
+            let touches = depth.iter().zip(height).filter(|(d, h)| **d > 0.0 && **d + **h > -1e-5).count();
+            let seen = touches as f64 * area([rows, cols]);
+            assert!(seen > 1e-5 && (f64::from(*found) / seen - 1.0).abs() < 0.15, "{found} m2, by the gaps {seen} m2");
+        }
+    });
+}
+
+/// Without friction all that touches slides, with a friction of 100 nothing does, and with 0.3 the rim does before the middle.
+#[test]
+fn slip_is_all_nothing_or_at_the_rim() {
+    let observe = "Slip(rows: 9, cols: 9), Pressure(rows: 9, cols: 9)";
+    let extremes = |mu: &str, wanted: f32| {
+        closed(observe, mu, |view| {
+            let pressed =
+                view.obs("pressure").unwrap().iter().zip(view.obs("slip").unwrap()).filter(|(p, _)| **p > 0.0);
+            let slips: Vec<f32> = pressed.map(|(_, slip)| *slip).collect();
+            assert!(slips.len() > 8 && slips.iter().all(|s| (s - wanted).abs() < 1e-6), "friction {mu}: {slips:?}");
+        });
+    };
+    extremes("0", 1.0);
+    extremes("100", 0.0);
+    closed(observe, "0.3", |view| {
+        let slip = view.obs("slip").unwrap();
+        assert!(slip.iter().all(|s| (0.0..=1.0).contains(s)));
+        let middle = 9 * 4 + 4;
+        assert!(slip[middle] < 0.1, "{} of the middle slides", slip[middle]);
+    });
+}
+
+/// A network has no points of contact: what touches and slides follows from its forces at the nodes.
+#[test]
+fn a_network_says_what_touches_and_slides() {
+    let set = gnn(seeing("ContactArea, Slip(rows: 8, cols: 8)"), &crate::gnn_made::made().model);
+    let mut env = batch(&set[..1], config(1));
+    let view = env.reset(None, None).unwrap();
+    assert!(view.obs("contact_area").unwrap().iter().all(|area| (1e-6..5.3e-4).contains(area)));
+    assert!(view.obs("slip").unwrap().iter().all(|slip| (0.0..=1.0).contains(slip)));
 }

@@ -1,0 +1,38 @@
+//! Area of each pad that touches the object.
+
+use crate::world::components::*;
+use crate::world::schedule::Shared;
+use bevy_ecs::prelude::*;
+
+/// Measures the area of each pad that touches: that of the points of contact that press. Where forces are known at nodes alone, a point
+/// counts if all nodes around it are pressed.
+pub fn measure_contact_area(
+    shared: Res<Shared>,
+    edges: Query<(&FingerIndex, &ContactEdge)>,
+    nodes: Query<(&FingerIndex, &ContactForce)>,
+    mut fingers: Query<(&FingerIndex, &mut ContactArea)>,
+) {
+    let model = &shared.0;
+    let mut area = vec![0.0; model.fingers.len()];
+    for (finger, edges) in edges.contiguous_iter().expect(TABLES) {
+        for (f, rows) in rows_by_pad(finger) {
+            let surface = &model.fingers[f].surface;
+            let points = surface.area[..surface.vertices].iter().zip(&edges[rows]);
+            area[f] = points.filter(|(_, edge)| edge.pressure > 0.0).map(|(area, _)| area).sum();
+        }
+    }
+    if edges.is_empty() {
+        for (finger, force) in nodes.contiguous_iter().expect(TABLES) {
+            for (f, rows) in rows_by_pad(finger) {
+                let (surface, closing) = (&model.fingers[f].surface, model.fingers[f].placement.closing);
+                let pressed = |node: &u32| force[rows.start + *node as usize].0.dot(closing) < 0.0;
+                let points = surface.area[..surface.vertices].iter().zip(surface.report.iter());
+                area[f] =
+                    points.filter(|(_, around)| around.slices().0.iter().all(pressed)).map(|(area, _)| area).sum();
+            }
+        }
+    }
+    for (finger, mut own) in &mut fingers {
+        own.0 = area[finger.0 as usize];
+    }
+}
