@@ -207,7 +207,7 @@ fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
         Loading::Squeeze(Squeeze { force, from: None, release: None, frames: leaf(Count::new(1))?, push: None });
     let mut fields = vec![Field::ContactForce];
     fields.extend(task.reward.iter().any(|r| r.term().needs_stress()).then_some(Field::Stress));
-    scene.record = Record { fields, pictures: false, arrays: None, vtu: false };
+    scene.record = Record { fields, pictures: false, arrays: None, vtu: false, tactile: Vec::new() };
     Ok(scene)
 }
 

@@ -14,6 +14,8 @@ pub struct Needs {
     pub slip: bool,
     /// Area of each pad that touches: observed.
     pub contact_area: bool,
+    /// Arrays of tactile sensors in the frames: recorded.
+    pub tactile: bool,
     /// Distance to the object per node: recorded.
     pub gap: bool,
     /// Friction state per contact edge: Coulomb's coefficient is above zero.
@@ -39,12 +41,13 @@ impl Needs {
     pub fn of(scene: &Scene) -> Self {
         let promises = scene.promises();
         let recorded = |field: Field| scene.record.fields.contains(&field);
-        Self {
+        let mut needs = Self {
             stress: recorded(Field::Stress) || promises.iter().any(|e| matches!(e, Expectation::MaxStress(_))),
             contact_force: recorded(Field::ContactForce),
             gap: recorded(Field::Gap),
             friction: scene.gripper.friction.get() > 0.0,
             gravity: scene.gravity.is_some_and(|g| g.dvec3() != glam::DVec3::ZERO),
+            tactile: !scene.record.tactile.is_empty(),
             slip: false,
             contact_area: false,
             pads_apart: scene.gripper.fingers == Fingers::Both,
@@ -53,7 +56,9 @@ impl Needs {
             ground: scene.ground.is_some(),
             task: false,
             free_object: scene.object.motion == ObjectMotion::Free,
-        }
+        };
+        needs.observe(&scene.record.tactile);
+        needs
     }
 
     /// Adds what these observations are made of.

@@ -25,7 +25,7 @@ pub use spec::ArraySpec;
 
 use crate::geometry::shape::Shape;
 use crate::part::FingerModel;
-use crate::record::Frame;
+use crate::record::{Frame, TactileArray};
 use crate::scene::Observe;
 
 /// Hand whose senses are set up: what shapes and bounds of the arrays follow from.
@@ -56,6 +56,13 @@ pub trait Sense: Send + Sync + std::fmt::Debug {
     fn spec(&self) -> ArraySpec;
     /// Fills `out`, which has the size of the array.
     fn write(&self, now: &Now, out: &mut [f32]);
+    /// Returns the array as files hold it.
+    fn record(&self, now: &Now) -> TactileArray {
+        let spec = self.spec();
+        let mut values = vec![0.0; spec.size()];
+        self.write(now, &mut values);
+        TactileArray { name: spec.file_name(), unit: spec.unit, shape: spec.shape, values }
+    }
 }
 
 impl Observe {

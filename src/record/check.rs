@@ -1,6 +1,7 @@
 //! Checks before writing: sizes match and numbers are finite. A file with a NaN ruins a training set silently.
 
 use super::frame::{Frame, PadFrame, PadTopology, pad_name};
+use super::tactile::TactileArray;
 use crate::geometry::mesh::TriMesh;
 use glam::DVec3;
 use std::borrow::Borrow;
@@ -59,6 +60,11 @@ pub fn frame<T: Borrow<PadTopology>>(topologies: &[T], frame: &Frame) -> Verdict
     numbers(&name, "travel", &frame.travel)?;
     vectors(&name, "object_position", &[frame.object_position])?;
     numbers(&name, "object_rotation", &frame.object_rotation.to_array())?;
+    for TactileArray { name: field, shape, values, .. } in &frame.tactile {
+        length(&name, field, values.len(), shape.iter().product(), "its shape")?;
+        let bad = values.iter().position(|v| !v.is_finite());
+        bad.map_or(Ok(()), |i| finite(&name, &format!("{field}[{i}]"), f64::from(values[i])))?;
+    }
     for (index, (pad, topology)) in frame.pads.iter().zip(topologies).enumerate() {
         pad_frame(&format!("{name}, pad {index} ({})", pad_name(index)), pad, topology.borrow())?;
     }

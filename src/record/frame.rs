@@ -2,7 +2,7 @@
 //!
 //! Everything is in the hand frame and in SI units unless a field states otherwise.
 
-use super::ErrorBound;
+use super::{ErrorBound, TactileArray};
 use crate::geometry::mesh::quality::EDGES;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -107,6 +107,8 @@ pub struct Frame {
     pub residual: f64,
     /// Error of a prediction by its own account; None for what was computed.
     pub error: Option<ErrorBound>,
+    /// Arrays of what tactile sensors see, in the order of the scene; empty if it does not record them.
+    pub tactile: Vec<TactileArray>,
 }
 
 impl Frame {

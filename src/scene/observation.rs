@@ -40,6 +40,12 @@ pub enum Observe {
 }
 
 impl Observe {
+    /// Returns true for what a tactile sensor sees, which runs and data sets record if they are asked to.
+    pub fn is_tactile(&self) -> bool {
+        use Observe::{Force, ObjectPose, PredictionError, Travel, Wrench};
+        !matches!(self, Wrench | Travel | ObjectPose | Force | PredictionError)
+    }
+
     /// Observations of an agent by default.
     pub const USUAL: [Observe; 4] =
         [Observe::TaxelForce(Grid::USUAL), Observe::Wrench, Observe::Travel, Observe::Force];

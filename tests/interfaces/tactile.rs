@@ -1,6 +1,9 @@
 //! What a tactile sensor sees: images of the sensing faces against the forces and nodes they are made of.
 
 use crate::env_made::{actions, batch, changed, condensed, config, gnn};
+use tactus::dataset::DataSet;
+use tactus::env::StepView;
+use tactus::model::Needs;
 use tactus::scene::NamedScene;
 
 /// Numbers of rows and columns: taxels wider than the elements, and much finer.
@@ -143,12 +146,12 @@ fn markers_move_with_the_face() {
     assert!(most > 1e-4, "{most} m");
 }
 
-/// Observations right after the hand has closed with 1.5 N on the ball, with friction `mu`.
-fn closed(observe: &str, mu: &str, look: impl Fn(tactus::env::StepView)) {
-    let pads = "gripper: (pads: GelSightMini(spacing: 8e-3)";
+/// Observations right after the hand has closed on the ball, with friction `mu`, force (N) and distance of nodes (m).
+fn closed(observe: &str, [mu, force, spacing]: [&str; 3], look: impl Fn(StepView)) {
     let set = changed(|task| {
         let task = task.replacen("observe: [", &format!("observe: [{observe}, "), 1);
-        task.replacen(pads, &format!("{pads}, friction: {mu}"), 1)
+        let task = task.replacen("spacing: 8e-3)", &format!("spacing: {spacing}), friction: {mu}"), 1);
+        task.replacen("force: (1.0, 2.0), start: 1.5", &format!("force: (1.0, 10.0), start: {force}"), 1)
     });
     let mut env = batch(&set[..1], config(1));
     look(env.reset(None, None).unwrap());
@@ -158,7 +161,7 @@ fn closed(observe: &str, mu: &str, look: impl Fn(tactus::env::StepView)) {
 /// shear on a face that is not flat.
 #[test]
 fn the_centre_of_pressure_is_the_lever_of_the_torque() {
-    closed("CenterOfPressure", "0.8", |view| {
+    closed("CenterOfPressure", ["0.8", "1.5", "8e-3"], |view| {
         let centers = view.obs("center_of_pressure").unwrap().chunks_exact(3);
         for (center, wrench) in centers.zip(view.obs("wrench").unwrap().chunks_exact(6)) {
             let [force, x, y] = [wrench[2], wrench[3], wrench[4]];
@@ -171,12 +174,12 @@ fn the_centre_of_pressure_is_the_lever_of_the_torque() {
     });
 }
 
-/// The area that touches is that where the gel lies on the object, to 15 %: the area of a sample point is 3 mm2 of 40.
+/// The area that touches is that where the gel lies on the object, to 15 %: a point of contact stands for 0.4 mm2 of 13 mm2.
 #[test]
 fn the_contact_area_is_that_where_the_gel_lies_on_the_object() {
     let [rows, cols] = [100, 80];
     let maps = format!("ContactArea, DepthMap(rows: {rows}, cols: {cols}), HeightMap(rows: {rows}, cols: {cols})");
-    closed(&maps, "0.8", |view| {
+    closed(&maps, ["0.8", "8.0", "2.6e-3"], |view| {
         let (depth, height) = (view.obs("depth_map").unwrap(), view.obs("height_map").unwrap());
         let images = depth.chunks_exact(rows * cols).zip(height.chunks_exact(rows * cols));
         for ((depth, height), found) in images.zip(view.obs("contact_area").unwrap()) {
@@ -192,7 +195,7 @@ fn the_contact_area_is_that_where_the_gel_lies_on_the_object() {
 fn slip_is_all_nothing_or_at_the_rim() {
     let observe = "Slip(rows: 9, cols: 9), Pressure(rows: 9, cols: 9)";
     let extremes = |mu: &str, wanted: f32| {
-        closed(observe, mu, |view| {
+        closed(observe, [mu, "1.5", "8e-3"], |view| {
             let pressed =
                 view.obs("pressure").unwrap().iter().zip(view.obs("slip").unwrap()).filter(|(p, _)| **p > 0.0);
             let slips: Vec<f32> = pressed.map(|(_, slip)| *slip).collect();
@@ -201,7 +204,7 @@ fn slip_is_all_nothing_or_at_the_rim() {
     };
     extremes("0", 1.0);
     extremes("100", 0.0);
-    closed(observe, "0.3", |view| {
+    closed(observe, ["0.3", "1.5", "8e-3"], |view| {
         let slip = view.obs("slip").unwrap();
         assert!(slip.iter().all(|s| (0.0..=1.0).contains(s)));
         let middle = 9 * 4 + 4;
@@ -217,4 +220,49 @@ fn a_network_says_what_touches_and_slides() {
     let view = env.reset(None, None).unwrap();
     assert!(view.obs("contact_area").unwrap().iter().all(|area| (1e-6..5.3e-4).contains(area)));
     assert!(view.obs("slip").unwrap().iter().all(|slip| (0.0..=1.0).contains(slip)));
+}
+
+/// A data set holds the images of a run bit for bit, of a finer mesh, too, and what vouches for its rows covers them.
+#[test]
+fn a_data_set_holds_the_images_of_a_run() {
+    let scene = "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 8e-3), friction: 0.2), stepper: Fem(mesh: (finer: 1.2)),
+        loading: Squeeze(force: 2.0, frames: 2), record: (vtu: false, pictures: false, tactile: [Pressure(), Slip(rows: 3, cols: 2)]))";
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("scene.ron");
+    std::fs::write(&path, scene).unwrap();
+    for (command, out) in [("run", "run"), ("dataset", "set")] {
+        let mut tactus = std::process::Command::new(env!("CARGO_BIN_EXE_tactus"));
+        let output = tactus.arg(command).arg(&path).arg("-o").arg(dir.path().join(out)).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let set = DataSet::open(dir.path().join("set")).unwrap();
+    let grasp = set.objects[0].grasp(0).unwrap();
+    let file = std::fs::File::open(dir.path().join("run/grasp_000/arrays.npz")).unwrap();
+    let mut run = ndarray_npy::NpzReader::new(file).unwrap();
+    let names: Vec<_> = grasp.tactile.iter().map(|array| (array.name.as_str(), array.unit.as_str())).collect();
+    assert_eq!(names, [("pressure_pa", "Pa"), ("slip", "1")]);
+    for array in &grasp.tactile {
+        let own: ndarray::ArrayD<f32> = run.by_name(&array.name).unwrap();
+        assert_eq!(own.shape(), array.shape, "{}", array.name);
+        assert!(own.iter().eq(&array.values) && own.iter().any(|v| *v != 0.0), "{}", array.name);
+    }
+    assert!(tactus::scene::from_ron(&scene.replace("Pressure()", "Wrench")).is_err(), "runs have it anyway");
+}
+
+/// What a scene does not ask for is neither in its world nor in its frames.
+#[test]
+fn nothing_is_computed_that_the_scene_does_not_ask_for() {
+    let needs = |record: &str| {
+        let scene = format!(
+            "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 8e-3)), loading: Squeeze(force: 2.0),
+              record: (fields: [], {record}))"
+        );
+        Needs::of(&tactus::scene::from_ron(&scene).unwrap())
+    };
+    let none = needs("");
+    assert!(!none.tactile && !none.slip && !none.contact_area && !none.contact_force);
+    let shape = needs("tactile: [HeightMap()]");
+    assert!(shape.tactile && !shape.slip && !shape.contact_area && !shape.contact_force);
+    let slip = needs("tactile: [Slip()]");
+    assert!(slip.tactile && slip.slip && slip.contact_force && !slip.contact_area);
 }

@@ -1,11 +1,12 @@
 //! Area of each pad that touches the object.
 
+use crate::mech::potential::term::Stencil;
 use crate::world::components::*;
 use crate::world::schedule::Shared;
 use bevy_ecs::prelude::*;
 
 /// Measures the area of each pad that touches: that of the points of contact that press. Where forces are known at nodes alone, a point
-/// counts if all nodes around it are pressed.
+/// counts for the pressed ones of the nodes around it.
 pub fn measure_contact_area(
     shared: Res<Shared>,
     edges: Query<(&FingerIndex, &ContactEdge)>,
@@ -26,9 +27,12 @@ pub fn measure_contact_area(
             for (f, rows) in rows_by_pad(finger) {
                 let (surface, closing) = (&model.fingers[f].surface, model.fingers[f].placement.closing);
                 let pressed = |node: &u32| force[rows.start + *node as usize].0.dot(closing) < 0.0;
+                let part = |around: &Stencil| {
+                    let (nodes, weights) = around.slices();
+                    nodes.iter().zip(weights).filter(|(node, _)| pressed(node)).map(|(_, weight)| weight).sum::<f64>()
+                };
                 let points = surface.area[..surface.vertices].iter().zip(surface.report.iter());
-                area[f] =
-                    points.filter(|(_, around)| around.slices().0.iter().all(pressed)).map(|(area, _)| area).sum();
+                area[f] = points.map(|(area, around)| area * part(around)).sum();
             }
         }
     }

@@ -9,6 +9,7 @@ pub(crate) mod measure;
 mod record;
 pub(crate) mod sense;
 mod slip;
+mod tactile;
 
 use crate::model::Needs;
 use crate::world::schedule::{StepSet, ramping, reached};
@@ -37,6 +38,10 @@ pub fn register(schedule: &mut Schedule, needs: &Needs) {
     }
     if needs.slip {
         schedule.add_systems(slip::measure_slip.run_if(reached).before(record::record_frame).in_set(StepSet::Record));
+    }
+    if needs.tactile {
+        let see = tactile::record_tactile.run_if(reached).after(record::record_frame).before(record::turn_phase);
+        schedule.add_systems(see.before(audit_frame).in_set(StepSet::Record));
     }
     if needs.audit {
         let judge = audit_frame.run_if(reached).after(record::record_frame).before(record::turn_phase);

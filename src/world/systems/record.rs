@@ -110,6 +110,7 @@ pub fn record_frame(
         torque_balance: balance.torque,
         residual: report.residual,
         error: report.error,
+        tactile: Vec::new(),
     });
 }
 
