@@ -10,7 +10,7 @@ use crate::scene::Grid;
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
 
-/// Samples per edge of a triangle of nodes, along which its force is shared out.
+/// Samples along an edge of a triangle of nodes of mean size, for how its force is shared out.
 const SAMPLES: f64 = 4.0;
 /// Barycentric coordinate below which a sample lies outside of a triangle.
 const OUTSIDE: f64 = -1e-9;
@@ -29,9 +29,10 @@ impl Grid {
     pub(crate) fn shares(&self, pad: &PadTopology) -> Vec<Vec<(u32, f64)>> {
         let (grid, cols) = (self.over(pad), self.cols.get());
         let flat = |n: u32| pad.rest[n as usize].truncate();
-        let edges = pad.sensing.iter().flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)]);
-        let shortest = edges.map(|(a, b)| flat(*a).distance(flat(*b))).fold(f64::INFINITY, f64::min);
-        let cut = (SAMPLES * grid.cell().max_element() / shortest).ceil().max(1.0) as usize;
+        let double = |[a, b, c]: &[u32; 3]| (flat(*b) - flat(*a)).perp_dot(flat(*c) - flat(*a)).abs();
+        // The mean, not the shortest: one sliver must not ask for a million samples.
+        let edge = (pad.sensing.iter().map(double).sum::<f64>() / pad.sensing.len() as f64).sqrt();
+        let cut = (SAMPLES * grid.cell().max_element() / edge).ceil().max(1.0) as usize;
         let fine = PlaneGrid { cells: grid.cells.map(|n| n * cut), ..grid };
         let mut shares = vec![BTreeMap::new(); pad.rest.len()];
         let mut taken = vec![false; fine.cells.iter().product()];
