@@ -4,6 +4,17 @@ use crate::mech::potential::term::Stencil;
 use crate::world::components::*;
 use crate::world::schedule::Shared;
 use bevy_ecs::prelude::*;
+use glam::DVec3;
+
+/// Part of the largest force of a node from which another counts as pressed: those of a network are nowhere quite zero.
+const PRESSED: f64 = 0.01;
+
+/// Returns which nodes of a pad that closes along `closing` are pressed, where forces are known at nodes alone.
+pub(super) fn pressed(force: &[ContactForce], closing: DVec3) -> Vec<bool> {
+    let pressing = |force: &ContactForce| -force.0.dot(closing);
+    let most = force.iter().map(pressing).fold(0.0, f64::max);
+    force.iter().map(|force| pressing(force) > PRESSED * most).collect()
+}
 
 /// Measures the area of each pad that touches: that of the points of contact that press. Where forces are known at nodes alone, a point
 /// counts for the pressed ones of the nodes around it.
@@ -26,10 +37,11 @@ pub fn measure_contact_area(
         for (finger, force) in nodes.contiguous_iter().expect(TABLES) {
             for (f, rows) in rows_by_pad(finger) {
                 let (surface, closing) = (&model.fingers[f].surface, model.fingers[f].placement.closing);
-                let pressed = |node: &u32| force[rows.start + *node as usize].0.dot(closing) < 0.0;
+                let pressed = pressed(&force[rows], closing);
                 let part = |around: &Stencil| {
                     let (nodes, weights) = around.slices();
-                    nodes.iter().zip(weights).filter(|(node, _)| pressed(node)).map(|(_, weight)| weight).sum::<f64>()
+                    let own = nodes.iter().zip(weights).filter(|(node, _)| pressed[**node as usize]);
+                    own.map(|(_, weight)| weight).sum::<f64>()
                 };
                 let points = surface.area[..surface.vertices].iter().zip(surface.report.iter());
                 area[f] = points.map(|(area, around)| area * part(around)).sum();

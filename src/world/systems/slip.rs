@@ -5,6 +5,7 @@ use crate::mech::potential::term::Stencil;
 use crate::model::Model;
 use crate::world::components::*;
 use crate::world::schedule::Shared;
+use crate::world::systems::contact_area::pressed;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
@@ -42,11 +43,17 @@ pub fn measure_slip(
                 edges.for_each(|(edges, friction)| by_points((model, f), carried[f], x, edges, friction, own));
             } else {
                 let back = object.rotation.inverse();
-                for ((x, force), own) in x.iter().zip(&force[rows]).zip(own) {
+                let force = &force[rows];
+                let pressed = pressed(force, model.fingers[f].placement.closing);
+                for (((x, force), pressed), own) in x.iter().zip(force).zip(pressed).zip(own) {
                     let at = back * (x.0 + carried[f] - object.position);
                     let normal =
                         || model.object.distance.closest(at, f64::INFINITY).map(|c| object.rotation * c.normal);
-                    own.0 = f64::from(force.0 != DVec3::ZERO && normal().is_some_and(|n| slides(force.0, n, model)));
+                    own.0 = f64::from(match model.needs.friction {
+                        true => pressed && normal().is_some_and(|n| slides(force.0, n, model)),
+                        // Nothing holds what touches.
+                        false => force.0 != DVec3::ZERO,
+                    });
                 }
             }
         }
