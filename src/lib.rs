@@ -34,6 +34,7 @@ pub mod mech;
 pub mod model;
 pub mod net;
 pub mod number;
+pub mod observe;
 pub mod part;
 pub mod random;
 pub mod record;

@@ -27,6 +27,7 @@ const LAYERS: [&str; 35] = [
     "part",
     "grasp",
     "judge",
+    "observe",
     "model",
     "world",
     "run",

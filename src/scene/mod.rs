@@ -50,7 +50,7 @@ pub use loading::{Loading, Press, Squeeze};
 pub use material::{Law, MaterialChoice, MaterialSpec, Preset};
 pub use object::{Object, ObjectMotion, ObjectShape};
 pub use objects::{Name, NamedScene, Split};
-pub use observation::{Grid, Observe};
+pub use observation::{Grid, Markers, Observe};
 pub use output::{Arrays, Field, Record};
 pub use pad::Pads;
 pub use reward::Reward;
