@@ -42,6 +42,7 @@ pub mod report;
 pub mod run;
 pub mod scales;
 pub mod scene;
+pub mod simulate;
 pub mod stats;
 pub mod table;
 pub mod world;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Files and folders of `src`, from the ground up.
-const LAYERS: [&str; 34] = [
+const LAYERS: [&str; 35] = [
     "error",
     "number",
     "stats",
@@ -33,6 +33,7 @@ const LAYERS: [&str; 34] = [
     "dataset",
     "net",
     "backend",
+    "simulate",
     "env",
     "bench",
     "fit",
