@@ -24,7 +24,7 @@ fn refused(error: impl std::fmt::Display) -> PyErr {
     let mut said = parts.next().unwrap_or_default().to_string();
     for part in parts {
         let name = part.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(part.len());
-        let whole = said.ends_with([' ', '`', '(']) || said.is_empty();
+        let whole = said.ends_with([' ', '`', '(', '\'']) || said.is_empty();
         if whole && name > 0 {
             said += &part[..name].replace('-', "_");
             said += &part[name..];
