@@ -16,12 +16,15 @@ def faces(pads: tuple[Pad, ...], displacement_m: F64, contact_force_n: F64 | Non
     """Draws the sensing face of each pad: magnitude of the displacement, and below it the pressure if the forces are there.
 
     displacement_m, contact_force_n: (P, n, 3), m and N. The faces are seen from outside.
+    ValueError without pads.
     """
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
         raise ImportError("this needs matplotlib, which is not installed: pip install matplotlib") from error
 
+    if not pads:
+        raise ValueError("a grasp without pads has no sensing face to draw")
     rows: list[tuple[str, str, list[F64], list[Any]]] = []
     moved = [1e3 * np.linalg.norm(displacement, axis=1) for displacement in displacement_m]
     rows.append(("displacement, mm", "viridis", moved, [pad.sensing for pad in pads]))

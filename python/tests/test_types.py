@@ -54,6 +54,13 @@ def test_the_package_is_typed(monkeypatch):
     assert code == 0, out + errors
 
 
+def test_the_compiled_half_is_as_its_stub_says(monkeypatch):
+    stubtest = pytest.importorskip("mypy.stubtest")
+    monkeypatch.chdir(PACKAGE)
+    monkeypatch.setattr("sys.argv", ["stubtest", "tactus._tactus"])
+    assert stubtest.main() == 0, "the captured output says where they differ"
+
+
 def test_a_program_is_typed(monkeypatch, tmp_path):
     monkeypatch.setenv("MYPYPATH", str(PACKAGE))
     (tmp_path / "program.py").write_text(PROGRAM)
