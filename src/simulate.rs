@@ -10,8 +10,8 @@ use crate::model::Model;
 use crate::part::FingerModel;
 use crate::record::{ExpectationReport, RunReport, Status};
 use crate::render::Scalar;
-use crate::run::recording::Recording;
 use crate::run::sensitivity::{Ends, LastFrames, sensitivity};
+use crate::run::writer::RunWriter;
 use crate::run::{Observer, Options, Outcome, RunRecorder, run_grasps};
 use crate::scene::{Scene, StepperChoice};
 use crate::world::Stepper;
@@ -80,7 +80,7 @@ impl Simulation {
     ///
     /// # Errors
     /// Fails if the folder holds an earlier run and may not be overwritten, is in use, or cannot be written.
-    pub fn record(&self, dir: &Path, overwrite: bool) -> Result<Recording> {
+    pub fn record(&self, dir: &Path, overwrite: bool) -> Result<RunWriter> {
         let (scene, model) = (&self.scene, &self.model);
         let picture = if model.needs.stress { Scalar::Stress } else { Scalar::Displacement };
         let options = Options {
@@ -95,16 +95,16 @@ impl Simulation {
             pads: model.fingers.iter().map(|f| f.placement.pose()).collect(),
             ..Options::default()
         };
-        Ok(Recording::new(model, RunRecorder::create(dir, options, self.report()?)?))
+        Ok(RunWriter::new(model, RunRecorder::create(dir, options, self.report()?)?))
     }
 
     /// Runs the grasps and judges them. `sense` also measures how well posed they are: five times the work.
     ///
     /// # Errors
     /// Fails as [`run_grasps`] does, and if a file cannot be written.
-    pub fn run(&self, recording: Option<Recording>, sense: bool, observer: &dyn Observer) -> Result<Simulated> {
+    pub fn run(&self, writer: Option<RunWriter>, sense: bool, observer: &dyn Observer) -> Result<Simulated> {
         let last_frames = LastFrames::default();
-        let recorded = recording.as_ref().map_or(&() as &dyn Observer, |recording| recording);
+        let recorded = writer.as_ref().map_or(&() as &dyn Observer, |writer| writer);
         let watched = (observer, recorded);
         let kept = (&watched as &dyn Observer, &last_frames as &dyn Observer);
         let observer: &dyn Observer = if sense { &kept } else { &watched };
@@ -112,7 +112,7 @@ impl Simulation {
         let stepper = self.stepper.as_ref();
         let mut outcomes = run_grasps(&self.model, stepper, &self.grasps, self.threads, observer)?;
         let wall_s = clock.elapsed().as_secs_f64();
-        let mut recorder = recording.map(Recording::finish);
+        let mut recorder = writer.map(RunWriter::finish);
         if sense {
             let ends = Ends::of(&outcomes, last_frames);
             let answers = sensitivity(&self.scene, &self.model, stepper, (&self.grasps, &ends), self.threads)?;

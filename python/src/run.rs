@@ -91,8 +91,8 @@ pub fn run<'py>(
                 frames: simulation.grasps.iter().map(|_| Mutex::default()).collect(),
                 news: own.clone(),
             };
-            let recording = out.as_ref().map(|dir| simulation.record(dir, overwrite)).transpose()?;
-            let simulated = simulation.run(recording, sensitivity, &keep)?;
+            let writer = out.as_ref().map(|dir| simulation.record(dir, overwrite)).transpose()?;
+            let simulated = simulation.run(writer, sensitivity, &keep)?;
             Ok((simulation, simulated, keep))
         };
         simulate().map_err(|e| loaded.place(e))

@@ -142,11 +142,11 @@ fn run_object(
     console: &dyn Console,
 ) -> Result<(String, bool)> {
     let simulation = Simulation::new(scene, &args.grasp, args.threads.map(|n| n as usize))?;
-    let recording = out.map(|dir| simulation.record(dir, args.overwrite)).transpose()?;
+    let writer = out.map(|dir| simulation.record(dir, args.overwrite)).transpose()?;
     simulation.notices.iter().for_each(|notice| console.warn(&format!("note: {notice}")));
     let (grasps, frames) = (simulation.grasps.len(), simulation.model.levels.len());
     let watch = Watch::new(console.show(ProgressBar::new((grasps * frames) as u64)), frames);
-    let simulated = simulation.run(recording, args.sensitivity, &watch);
+    let simulated = simulation.run(writer, args.sensitivity, &watch);
     let ended = watch.finish();
     let simulated = simulated.map_err(|error| {
         kept(error, || {

@@ -3,8 +3,8 @@
 pub mod grasp_files;
 mod motion;
 pub mod recorder;
-pub mod recording;
 pub mod sensitivity;
+pub mod writer;
 
 use crate::error::{Error, Result};
 use crate::gripper::GraspPose;

@@ -7,9 +7,9 @@ use crate::record::{Frame, PadTopology};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Recording of a run: every frame as it comes.
+/// Writer of a run: every frame as it comes.
 #[derive(Debug)]
-pub struct Recording {
+pub struct RunWriter {
     model: Arc<Model>,
     topologies: Vec<PadTopology>,
     recorder: Mutex<RunRecorder>,
@@ -17,7 +17,7 @@ pub struct Recording {
     open: Mutex<BTreeMap<usize, GraspRecorder>>,
 }
 
-impl Recording {
+impl RunWriter {
     /// Creates an observer that writes with `recorder`.
     pub fn new(model: &Arc<Model>, recorder: RunRecorder) -> Self {
         let topologies = model.fingers.iter().map(|f| PadTopology::clone(&f.topology)).collect();
@@ -34,7 +34,7 @@ fn lock<T>(mutex: &Mutex<T>) -> Result<MutexGuard<'_, T>> {
     mutex.lock().map_err(|_| Error::Solver("another grasp panicked while recording".into()))
 }
 
-impl Observer for Recording {
+impl Observer for RunWriter {
     fn frame(&self, index: usize, frame: &Frame) -> Result<()> {
         // Out of the map while it writes, so that other grasps need not wait.
         let open = lock(&self.open)?.remove(&index);
