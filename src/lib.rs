@@ -44,6 +44,7 @@ pub mod robot;
 pub mod run;
 pub mod scales;
 pub mod scene;
+pub mod simulate;
 pub mod stats;
 pub mod table;
 pub mod world;

@@ -1,4 +1,4 @@
-//! Limits of memory and disk space: the free amounts, and the amounts that a scene will take. They are checked before anything large is
+//! Limits of threads, memory and disk space: the free amounts, and the amounts that a scene will take. They are checked before anything large is
 //! made, so that a scene that is too large is refused at once and no program is killed.
 
 use crate::error::{Error, Result};
@@ -6,6 +6,11 @@ use crate::geometry::mesh::quadratic::midpoint_edges;
 use crate::geometry::pad::PadMesh;
 use crate::scene::{Element, Scene, StepperChoice};
 use std::path::Path;
+
+/// Returns the number of threads that the machine has.
+pub fn machine_threads() -> usize {
+    std::thread::available_parallelism().map_or(1, |n| n.get())
+}
 
 /// Size of one pad.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

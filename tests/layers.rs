@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Files and folders of `src`, from the ground up.
-const LAYERS: [&str; 35] = [
+const LAYERS: [&str; 37] = [
     "error",
     "number",
     "stats",
@@ -35,6 +35,7 @@ const LAYERS: [&str; 35] = [
     "dataset",
     "net",
     "backend",
+    "simulate",
     "env",
     "bench",
     "fit",

@@ -1,12 +1,10 @@
 //! Data sets as numpy arrays, one grasp at a time.
 
+use crate::arrays::{pad, put, surface};
 use crate::refused;
 use crate::supervise::supervise;
-use numpy::{Element, PyArrayMethods, ToPyArray};
-use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
 use tactus::dataset::{self, Campaign};
@@ -14,20 +12,15 @@ use tactus::error::Error;
 use tactus::record::names;
 use tactus::scene::load_set;
 
-/// A data set that `tactus dataset` wrote.
+/// A data set on disk.
 #[pyclass(frozen)]
-pub struct DataSet(Arc<dataset::DataSet>);
+pub struct Files(Arc<dataset::DataSet>);
 
 #[pymethods]
-impl DataSet {
+impl Files {
     #[new]
     fn new(py: Python<'_>, folder: PathBuf) -> PyResult<Self> {
-        let set = supervise(py, Some(1), move || dataset::DataSet::open(folder))?;
-        for refused in &set.damaged {
-            let text = CString::new(format!("left out: {refused}"))?;
-            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
-        }
-        Ok(Self(Arc::new(set)))
+        Ok(Self(Arc::new(supervise(py, Some(1), move || dataset::DataSet::open(folder))?)))
     }
 
     /// Why objects were left out, a sentence each.
@@ -35,14 +28,9 @@ impl DataSet {
         self.0.damaged.iter().map(Error::to_string).collect()
     }
 
-    /// Names of the objects.
-    fn objects(&self) -> Vec<String> {
-        self.0.objects.iter().map(|o| o.name.clone()).collect()
-    }
-
-    /// Numbers of the grasps of an object that reached their force.
-    fn reached(&self, object: &str) -> PyResult<Vec<usize>> {
-        Ok(self.object(object)?.reached().collect())
+    /// Name, number of grasps and numbers of those that reached their load, of each object.
+    fn objects(&self) -> Vec<(String, usize, Vec<usize>)> {
+        self.0.objects.iter().map(|o| (o.name.clone(), o.sizes.grasps, o.reached().collect())).collect()
     }
 
     /// (object, grasp) of the training or the test set of a split.
@@ -54,20 +42,17 @@ impl DataSet {
 
     /// The arrays of a grasp.
     fn grasp<'py>(&self, py: Python<'py>, object: &str, grasp: usize) -> PyResult<Bound<'py, PyDict>> {
-        let file = self.object(object)?;
-        let (pads, nodes) = (file.sizes.pads, file.sizes.nodes);
-        let (set, name) = (self.0.clone(), object.to_string());
-        let data = supervise(py, Some(1), move || {
-            let file = set.objects.iter().find(|o| o.name == name);
-            file.ok_or_else(|| Error::Start(format!("no object {name:?}")))?.grasp(grasp)
-        })?;
-        let arrays = PyDict::new(py);
-        let f = data.frames;
+        let at = self.index(object)?;
+        let set = self.0.clone();
+        let data = supervise(py, Some(1), move || set.objects[at].grasp(grasp))?;
+        let (pads, nodes) = (self.0.objects[at].sizes.pads, self.0.objects[at].sizes.nodes);
+        let (arrays, f) = (PyDict::new(py), data.frames);
         put(&arrays, names::DISPLACEMENT, &data.displacement, &[f, pads, nodes, 3])?;
         put(&arrays, names::CONTACT_FORCE, &data.contact_force, &[f, pads, nodes, 3])?;
         put(&arrays, names::VON_MISES, &data.von_mises, &[f, pads, nodes])?;
         put(&arrays, names::FORCE, &data.force, &[f])?;
         put(&arrays, names::TRAVEL, &data.travel, &[f, pads])?;
+        put(&arrays, names::FINGER_POSITION, &data.finger_position, &[f, pads])?;
         put(&arrays, names::OBJECT_POSE, &data.object_pose, &[f, 7])?;
         put(&arrays, names::OBJECT_LOAD, &data.object_load, &[f, 6])?;
         put(&arrays, names::WRENCH, &data.wrench, &[f, pads, 6])?;
@@ -75,28 +60,29 @@ impl DataSet {
         Ok(arrays)
     }
 
-    /// Rest positions of the nodes of a pad in its frame, m: (nodes, 3).
-    fn pad_rest<'py>(&self, py: Python<'py>, object: &str) -> PyResult<Bound<'py, PyAny>> {
-        let rest: Vec<f64> = self.object(object)?.pad.rest.iter().flat_map(|x| x.to_array()).collect();
-        let n = rest.len() / 3;
-        Ok(rest.to_pyarray(py).reshape([n, 3])?.into_any())
+    /// The pads of an object, left first.
+    fn pads<'py>(&self, py: Python<'py>, object: &str) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let file = &self.0.objects[self.index(object)?];
+        file.pad_poses.iter().zip(&file.closing).map(|(pose, closing)| pad(py, &file.pad, pose, *closing)).collect()
+    }
+
+    /// The surface of an object.
+    fn surface<'py>(&self, py: Python<'py>, object: &str) -> PyResult<Bound<'py, PyDict>> {
+        surface(py, &self.0.objects[self.index(object)?].object)
+    }
+
+    /// The scene of an object as RON.
+    fn scene(&self, object: &str) -> PyResult<String> {
+        Ok(self.0.objects[self.index(object)?].scene.clone())
     }
 }
 
-impl DataSet {
-    fn object(&self, name: &str) -> PyResult<&dataset::ObjectFile> {
-        let names = || self.objects().join(", ");
-        let found = self.0.objects.iter().find(|o| o.name == name);
+impl Files {
+    fn index(&self, name: &str) -> PyResult<usize> {
+        let names = || self.0.objects.iter().map(|o| o.name.as_str()).collect::<Vec<_>>().join(", ");
+        let found = self.0.objects.iter().position(|o| o.name == name);
         found.ok_or_else(|| refused(format!("the data set has no object {name:?}; it has: {}", names())))
     }
-}
-
-fn put<T: Element + Copy>(to: &Bound<'_, PyDict>, name: &str, numbers: &[T], shape: &[usize]) -> PyResult<()> {
-    let whole: usize = shape.iter().product();
-    if numbers.len() < whole {
-        return Err(refused(format!("{name}: {} numbers for {shape:?}", numbers.len())));
-    }
-    to.set_item(name, numbers[..whole].to_pyarray(to.py()).reshape(shape.to_vec())?)
 }
 
 /// Makes part (i, n) of a data set, i from 0 to n - 1, and returns how many grasps ran; without a part what is left of it, and

@@ -1,37 +1,44 @@
 //! A network's answers to many grasps, as numpy arrays.
 
+use crate::arrays::{pads, surface};
 use crate::refused;
 use crate::supervise::supervise;
 use numpy::{PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::path::PathBuf;
 use tactus::error::Error;
 use tactus::grasp::poses_of;
 use tactus::gripper::GraspPose;
+use tactus::limits::machine_threads;
 use tactus::model::Model;
+use tactus::net::SHIPPED;
 use tactus::net::infer::arrays::each_array;
 use tactus::net::infer::predict::Predictor;
-use tactus::scene::load_object;
+use tactus::scene::{Overrides, load_object};
 
 fn pose(row: &[f64]) -> GraspPose {
     let GraspPose { position, rotation } = GraspPose::from_row(row);
     GraspPose { position, rotation: rotation.normalize() }
 }
 
-/// Predicts the grasps of a scene, or at `poses`: a dictionary of arrays over all grasps that have an answer, and `failed`, the reason of
-/// each that has none by its number.
+/// Predictions for Python: arrays, pads, object, and the reason of each grasp that has no answer, by its number.
+type Predictions<'py> = (Bound<'py, PyDict>, Vec<Bound<'py, PyDict>>, Bound<'py, PyDict>, Bound<'py, PyDict>);
+
+/// Predicts the grasps of a scene, or at `poses`.
 #[pyfunction]
-#[allow(clippy::too_many_arguments)]
+#[allow(clippy::too_many_arguments, reason = "the names are Python's")]
 pub fn predict<'py>(
     py: Python<'py>,
     scene: String,
     object: Option<String>,
-    model: String,
+    model: Option<PathBuf>,
     poses: Option<PyReadonlyArray2<'py, f64>>,
+    force: Option<f64>,
     frames: Option<u64>,
     extrapolate: bool,
-    threads: usize,
-) -> PyResult<Bound<'py, PyDict>> {
+    threads: Option<usize>,
+) -> PyResult<Predictions<'py>> {
     let given = poses.map(|poses| poses.as_array().rows().into_iter().map(|row| row.to_vec()).collect::<Vec<_>>());
     let wrong =
         |row: &Vec<f64>| row.len() != 7 || row.iter().any(|v| !v.is_finite()) || row[3..].iter().all(|v| *v == 0.0);
@@ -41,36 +48,35 @@ pub fn predict<'py>(
         ));
     }
     let answer = move || -> Result<_, Error> {
-        let mut scene = load_object(scene, object.as_deref())?.scene;
-        if let Some(frames) = frames {
-            scene.loading.set_frames(frames).map_err(|m| Error::Scene(format!("error: frames: {m}")))?;
-        }
-        let predictor = Predictor::open(model.as_ref())?;
-        let model = Model::build(&scene.on_own_mesh())?;
-        let poses = match given {
-            Some(rows) => rows.iter().map(|row| pose(row)).collect(),
-            None => poses_of(&scene)?,
+        let mut loaded = load_object(scene, object.as_deref())?;
+        let overrides = Overrides { force, frames, ..Overrides::default() };
+        overrides.apply(&mut loaded.scene)?;
+        let predict = || {
+            let scene = &loaded.scene;
+            let model = model.as_deref().or(scene.stepper.model()).unwrap_or(SHIPPED.as_ref());
+            let predictor = Predictor::open(model)?;
+            let model = Model::build(&scene.on_own_mesh())?;
+            let poses = match given {
+                Some(rows) => rows.iter().map(|row| pose(row)).collect(),
+                None => poses_of(scene)?,
+            };
+            let answers = predictor.many(&model, &poses, extrapolate || scene.stepper.extrapolates())?;
+            let mut arrays = Vec::new();
+            each_array(&model, &answers, |name, shape, numbers| {
+                arrays.push((name.to_string(), shape.to_vec(), numbers));
+                Ok::<(), Error>(())
+            })?;
+            let reason = |answer: &Result<_, Error>| answer.as_ref().err().map(Error::to_string);
+            let failed = answers.iter().map(reason).enumerate().filter_map(|(i, reason)| Some((i, reason?)));
+            Ok((model, arrays, failed.collect::<Vec<_>>()))
         };
-        let answers = predictor.many(&model, &poses, extrapolate || scene.stepper.extrapolates())?;
-        let mut arrays = Vec::new();
-        each_array(&model, &answers, |name, shape, numbers| {
-            arrays.push((name.to_string(), shape.to_vec(), numbers));
-            Ok::<(), Error>(())
-        })?;
-        let failed = answers.iter().enumerate().filter_map(|(i, answer)| Some((i, answer.as_ref().err()?.to_string())));
-        Ok((arrays, failed.collect::<Vec<_>>()))
+        predict().map_err(|e| loaded.place(e))
     };
-    let (arrays, failed) = supervise(py, Some(threads), answer)?;
-    let out = PyDict::new(py);
+    let (model, arrays, failed) = supervise(py, Some(threads.unwrap_or_else(machine_threads)), answer)?;
+    let (out, reasons) = (PyDict::new(py), PyDict::new(py));
     for (name, shape, numbers) in arrays {
         out.set_item(name, numbers.to_pyarray(py).reshape(shape)?)?;
     }
-    out.set_item(
-        "grasp",
-        out.get_item("grasp")?.map(|numbers| numbers.call_method1("astype", ("int64",))).transpose()?,
-    )?;
-    let reasons = PyDict::new(py);
     failed.into_iter().try_for_each(|(grasp, reason)| reasons.set_item(grasp, reason))?;
-    out.set_item("failed", reasons)?;
-    Ok(out)
+    Ok((out, pads(py, &model)?, surface(py, &model.object.surface)?, reasons))
 }

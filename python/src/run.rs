@@ -1,104 +1,169 @@
-//! Scenes for Python: what they resolve to, and what their grasps do.
+//! Simulated grasps, as numpy arrays.
 
+use crate::arrays::{flat, pads, put, surface};
+use crate::progress::{Level, Progress};
 use crate::refused;
-use crate::supervise::supervise;
-use numpy::{PyArrayMethods, ToPyArray};
+use crate::supervise::watch;
+use clap::ValueEnum;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::sync::Mutex;
-use tactus::backend::choose;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
 use tactus::error::Result;
-use tactus::grasp::poses_of;
+use tactus::limits::machine_threads;
 use tactus::model::Model;
-use tactus::record::{ErrorBound, Frame, names};
-use tactus::run::{Observer, run_grasps};
-use tactus::scene::{Gnn, StepperChoice, load_object, load_set, to_ron};
+use tactus::record::{ErrorBound, Frame, Moving, PadFrame, names};
+use tactus::run::{Observer, Outcome};
+use tactus::scene::{Backend, Overrides, load_object};
+use tactus::simulate::Simulation;
 
-/// Names of the objects of a scene file.
-#[pyfunction]
-pub fn objects(py: Python<'_>, scene: String) -> PyResult<Vec<String>> {
-    let set = supervise(py, Some(1), || load_set(scene))?;
-    Ok(set.scenes.iter().map(|s| s.name.as_str().to_string()).collect())
+/// Keeps the frames of every grasp, which `numbers` counts, and says how many have ended.
+struct Keep {
+    numbers: Vec<usize>,
+    frames: Vec<Mutex<Vec<Frame>>>,
+    news: Arc<Progress>,
 }
-
-/// The scene of one object as RON, all defaults written out.
-#[pyfunction]
-pub fn resolved(scene: &str, object: Option<&str>) -> PyResult<String> {
-    to_ron(&load_object(scene, object).map_err(refused)?.scene).map_err(refused)
-}
-
-/// Keeps the frames of every grasp.
-struct Keep(Vec<Mutex<Vec<Frame>>>);
 
 impl Observer for Keep {
     fn frame(&self, index: usize, frame: &Frame) -> Result<()> {
-        if let Ok(mut frames) = self.0[index].lock() {
-            frames.push(frame.clone());
-        }
+        let slot = self.numbers.binary_search(&index).ok().and_then(|at| self.frames[at].lock().ok());
+        slot.into_iter().for_each(|mut frames| frames.push(frame.clone()));
+        Ok(())
+    }
+
+    fn end(&self, _index: usize, _outcome: &Outcome) -> Result<()> {
+        self.news.advance();
         Ok(())
     }
 }
 
-/// Simulates all grasps of a scene: a dictionary of arrays for each.
+/// A run for Python: content of `run.json`, whether all is as it should be, notices, wall time, meshes, and the arrays of each grasp.
+type Run<'py> = (String, bool, Vec<String>, f64, Vec<Bound<'py, PyDict>>, Bound<'py, PyDict>, Vec<Bound<'py, PyDict>>);
+
+/// Simulates grasps of a scene.
 #[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "the names are Python's")]
 pub fn run<'py>(
     py: Python<'py>,
     scene: String,
     object: Option<String>,
-    model: Option<String>,
-    threads: usize,
-) -> PyResult<Vec<Bound<'py, PyDict>>> {
-    let simulate = move || -> Result<_> {
-        let mut scene = load_object(scene, object.as_deref())?.scene;
-        if let Some(model) = model {
-            scene.stepper = StepperChoice::Gnn(Gnn::new(model));
-        }
-        let (built, stepper) = (Model::build(&scene)?, choose(&scene)?);
-        let poses: Vec<_> = poses_of(&scene)?.into_iter().enumerate().collect();
-        let keep = Keep(poses.iter().map(|_| Mutex::default()).collect());
-        let outcomes = run_grasps(&built, stepper.as_ref(), &poses, threads.max(1), &keep)?;
-        let frames = keep.0.into_iter().map(|f| f.into_inner().unwrap_or_default());
-        Ok(outcomes.into_iter().zip(frames).collect::<Vec<_>>())
+    backend: Option<&str>,
+    model: Option<PathBuf>,
+    force: Option<f64>,
+    frames: Option<u64>,
+    grasps: Vec<usize>,
+    error_at_most: Option<f64>,
+    extrapolate: bool,
+    threads: Option<u64>,
+    max_time: Option<f64>,
+    sensitivity: bool,
+    out: Option<PathBuf>,
+    overwrite: bool,
+    pictures: bool,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Run<'py>> {
+    let backend = backend.map(|name| {
+        Backend::from_str(name, false)
+            .map_err(|_| refused(format!("backend {name:?}; allowed: \"fem\", \"condensed\", \"gnn\"")))
+    });
+    let overrides = Overrides {
+        backend: backend.transpose()?,
+        model,
+        error_at_most,
+        extrapolate,
+        force,
+        frames,
+        threads,
+        max_time,
+        no_pictures: !pictures,
     };
-    let done = supervise(py, Some(threads), simulate)?;
-    let grasp = |(outcome, frames): (tactus::run::Outcome, Vec<Frame>)| {
-        let grasp = PyDict::new(py);
-        let summary = &outcome.summary;
-        grasp.set_item("status", summary.status.word())?;
-        grasp.set_item("reason", summary.reason.clone())?;
-        grasp.set_item("wall_s", summary.wall_s)?;
-        let (count, pads) = (frames.len(), frames.first().map_or(0, |f| f.pads.len()));
-        let put = |name: &str, numbers: Vec<f64>, shape: &[usize]| -> PyResult<()> {
-            let shape: Vec<usize> = std::iter::once(count).chain(shape.iter().copied()).collect();
-            // What the scene does not record is left out.
-            if numbers.len() == shape.iter().product::<usize>() && !numbers.is_empty() {
-                grasp.set_item(name, numbers.to_pyarray(py).reshape(shape)?)?;
-            }
-            Ok(())
+    let news = Arc::new(Progress::default());
+    let (own, mut told) = (news.clone(), None);
+    let work = move || -> Result<_> {
+        let mut loaded = load_object(scene, object.as_deref())?;
+        overrides.apply(&mut loaded.scene)?;
+        let simulate = || {
+            let simulation = Simulation::new(&loaded.scene, &grasps, overrides.threads.map(|n| n as usize))?;
+            simulation.notices.iter().for_each(|notice| own.note(Level::Warning, notice));
+            own.expect(simulation.grasps.len());
+            let keep = Keep {
+                numbers: simulation.grasps.iter().map(|(number, _)| *number).collect(),
+                frames: simulation.grasps.iter().map(|_| Mutex::default()).collect(),
+                news: own.clone(),
+            };
+            let writer = out.as_ref().map(|dir| simulation.record(dir, overwrite)).transpose()?;
+            let simulated = simulation.run(writer, sensitivity, &keep)?;
+            Ok((simulation, simulated, keep))
         };
-        let nodes = frames.first().and_then(|f| f.pads.first()).map_or(0, |p| p.position.len());
-        let of_pads = |pick: &dyn Fn(&tactus::record::PadFrame) -> Vec<f64>| {
-            frames.iter().flat_map(|f| f.pads.iter().flat_map(pick)).collect::<Vec<f64>>()
-        };
-        let flat = |v: &[glam::DVec3]| v.iter().flat_map(|x| x.to_array()).collect::<Vec<f64>>();
-        put(names::FORCE, frames.iter().map(|f| f.applied_force).collect(), &[])?;
-        put(names::TRAVEL, frames.iter().flat_map(|f| f.travel.clone()).collect(), &[pads])?;
+        simulate().map_err(|e| loaded.place(e))
+    };
+    let look = |py: Python<'py>| news.tell(py, progress.as_ref(), &mut told);
+    let pool = threads.map_or_else(machine_threads, |n| n as usize);
+    let (simulation, simulated, keep) = watch(py, Some(pool), look, work)?;
+    let frames = keep.frames.into_iter().map(|f| f.into_inner().unwrap_or_default());
+    let grasps = simulation.grasps.iter().zip(frames);
+    let grasps = grasps.map(|((_, pose), frames)| grasp(py, &simulation.model, &pose.row(), &frames));
+    Ok((
+        simulated.report.to_json().map_err(refused)?,
+        simulated.good(),
+        simulation.notices,
+        simulated.wall_s,
+        pads(py, &simulation.model)?,
+        surface(py, &simulation.model.object.surface)?,
+        grasps.collect::<PyResult<_>>()?,
+    ))
+}
+
+/// The arrays of a grasp, by name; what is not recorded is left out.
+fn grasp<'py>(py: Python<'py>, model: &Model, pose: &[f64; 7], frames: &[Frame]) -> PyResult<Bound<'py, PyDict>> {
+    let to = PyDict::new(py);
+    let (count, pads) = (frames.len(), model.fingers.len());
+    let topology = model.fingers.first().map(|f| &f.topology);
+    let (nodes, tets) = topology.map_or((0, 0), |t| (t.rest.len(), t.elements.len()));
+    let each = |name: &str, of: &dyn Fn(&Frame) -> Vec<f64>, shape: &[usize]| {
+        let numbers: Vec<f64> = frames.iter().flat_map(of).collect();
+        let shape: Vec<usize> = std::iter::once(count).chain(shape.iter().copied()).collect();
+        put(&to, name, &numbers, &shape)
+    };
+    let each_pad = |name: &str, of: &dyn Fn(&PadFrame) -> Vec<f64>, shape: &[usize]| {
+        let shape: Vec<usize> = std::iter::once(pads).chain(shape.iter().copied()).collect();
+        each(name, &|f| f.pads.iter().flat_map(of).collect(), &shape)
+    };
+    put(&to, names::GRASP_POSE, pose, &[7])?;
+    each(names::FORCE, &|f| vec![f.applied_force], &[])?;
+    each(names::TIME, &|f| vec![f.time], &[])?;
+    each(names::TRAVEL, &|f| f.travel.clone(), &[pads])?;
+    let row = |p: glam::DVec3, q: glam::DQuat| vec![p.x, p.y, p.z, q.w, q.x, q.y, q.z];
+    each(names::OBJECT_POSE, &|f| row(f.object_position, f.object_rotation), &[7])?;
+    each(names::OBJECT_LOAD, &|f| flat(&[f.object_load.force, f.object_load.torque]), &[6])?;
+    each_pad(names::POSITION, &|p| flat(&p.position), &[nodes, 3])?;
+    each_pad(names::DISPLACEMENT, &|p| flat(&p.displacement), &[nodes, 3])?;
+    each_pad(names::WRENCH, &|p| flat(&[p.wrench.force, p.wrench.torque]), &[6])?;
+    if model.needs.contact_force {
+        each_pad(names::CONTACT_FORCE, &|p| flat(&p.contact_force), &[nodes, 3])?;
+    }
+    let first = frames.first().and_then(|f| f.pads.first());
+    if first.is_some_and(|p| !p.von_mises_node.is_empty()) {
+        each_pad(names::VON_MISES, &|p| p.von_mises_node.clone(), &[nodes])?;
+    }
+    if first.is_some_and(|p| !p.von_mises_element.is_empty()) {
+        each_pad(names::ELEMENT_VON_MISES, &|p| p.von_mises_element.clone(), &[tets])?;
+    }
+    if first.is_some_and(|p| !p.gap.is_empty()) {
+        each_pad(names::GAP, &|p| p.gap.clone(), &[nodes])?;
+    }
+    if !frames.is_empty() && frames.iter().all(|f| f.error.is_some()) {
         for (k, name) in ErrorBound::NAMES.into_iter().enumerate() {
-            put(name, frames.iter().filter_map(|f| Some(f.error?.to_array()[k])).collect(), &[])?;
+            each(name, &|f| f.error.iter().map(|e| e.to_array()[k]).collect(), &[])?;
         }
-        let pose = |f: &Frame| {
-            let (p, q) = (f.object_position, f.object_rotation);
-            [p.x, p.y, p.z, q.w, q.x, q.y, q.z]
+    }
+    if model.needs.dynamic {
+        let moving = |name: &str, of: &dyn Fn(&Moving) -> Vec<f64>, size: usize| {
+            each(name, &|f| f.moving.iter().flat_map(of).collect(), &[size])
         };
-        put(names::OBJECT_POSE, frames.iter().flat_map(pose).collect(), &[7])?;
-        let load = |f: &Frame| flat(&[f.object_load.force, f.object_load.torque]);
-        put(names::OBJECT_LOAD, frames.iter().flat_map(load).collect(), &[6])?;
-        put(names::POSITION, of_pads(&|p| flat(&p.position)), &[pads, nodes, 3])?;
-        put(names::DISPLACEMENT, of_pads(&|p| flat(&p.displacement)), &[pads, nodes, 3])?;
-        put(names::CONTACT_FORCE, of_pads(&|p| flat(&p.contact_force)), &[pads, nodes, 3])?;
-        put(names::VON_MISES, of_pads(&|p| p.von_mises_node.clone()), &[pads, nodes])?;
-        put(names::WRENCH, of_pads(&|p| flat(&[p.wrench.force, p.wrench.torque])), &[pads, 6])?;
-        Ok(grasp)
-    };
-    done.into_iter().map(grasp).collect()
+        moving(names::HAND_POSE, &|m| row(m.hand_position, m.hand_rotation), 7)?;
+        moving(names::OBJECT_MOTION, &|m| flat(&[m.velocity, m.spin]), 6)?;
+        moving(names::GROUND_FORCE, &|m| flat(&[m.ground_force]), 3)?;
+    }
+    Ok(to)
 }

@@ -94,6 +94,23 @@ where
     T: Send + 'static,
     E: Display + Send + 'static,
 {
+    watch(py, threads, |_| Ok(()), work)
+}
+
+/// Does `work` as [`supervise`] does, and calls `look` in the caller's thread while it lasts, and once more when it is done.
+///
+/// # Errors
+/// As [`supervise`]; what `look` raises ends the work, too.
+pub fn watch<'py, T, E>(
+    py: Python<'py>,
+    threads: Option<usize>,
+    mut look: impl FnMut(Python<'py>) -> PyResult<()>,
+    work: impl FnOnce() -> Result<T, E> + Send + 'static,
+) -> PyResult<T>
+where
+    T: Send + 'static,
+    E: Display + Send + 'static,
+{
     let given_up = Arc::new(AtomicBool::new(false));
     let (send, mut receive) = channel();
     let forsaken = given_up.clone();
@@ -118,7 +135,7 @@ where
             (receive, got)
         });
         match got {
-            Ok(Done::Good(value)) => return Ok(value),
+            Ok(Done::Good(value)) => return look(py).map(|()| value),
             Ok(Done::Refused(message)) => return Err(refused(message)),
             Ok(Done::Interrupted) => return Err(PyKeyboardInterrupt::new_err("interrupted")),
             Ok(Done::Panicked(message)) => {
@@ -126,7 +143,7 @@ where
             }
             Err(RecvTimeoutError::Disconnected) => return Err(PyRuntimeError::new_err("a thread of tactus is lost")),
             Err(RecvTimeoutError::Timeout) => {
-                if let Err(raised) = py.check_signals() {
+                if let Err(raised) = py.check_signals().and_then(|()| look(py)) {
                     given_up.store(true, Ordering::SeqCst);
                     request();
                     let _ = py.detach(move || receive.recv_timeout(PATIENCE).is_ok());

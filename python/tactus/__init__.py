@@ -1,15 +1,47 @@
 """tactus: a parallel gripper with two soft visual-tactile pads squeezes a rigid object.
 
 Everything is SI: m, N, Pa, kg; quaternions are (w, x, y, z). The tasks that ship with it are `tactus/Hold-v0`,
-`tactus/Squeeze-v0` and `tactus/Regrasp-v0` of `gymnasium.make`.
+`tactus/Squeeze-v0` and `tactus/Regrasp-v0` of `gymnasium.make`. Warnings go to the logger `tactus`.
 """
 
-from . import shards
-from ._tactus import DataSet
+from . import ron, shards
+from .commands import Report, bench, check, command, dataset, eval, fit, inspect, report, train
+from .data import DataSet, StoredGrasp
 from .env import Env, VectorEnv
+from .meshes import Pad, Surface
+from .prediction import Predictions, predict
 from .registry import register
-from .scene import Scene, load, predict, run
+from .scenes import Scene, load, scene
+from .simulation import Expectation, Grasp, Run, run
 
-__all__ = ["DataSet", "Env", "Scene", "VectorEnv", "load", "predict", "run", "shards"]
+__all__ = [
+    "DataSet",
+    "Env",
+    "Expectation",
+    "Grasp",
+    "Pad",
+    "Predictions",
+    "Report",
+    "Run",
+    "Scene",
+    "StoredGrasp",
+    "Surface",
+    "VectorEnv",
+    "bench",
+    "check",
+    "command",
+    "dataset",
+    "eval",
+    "fit",
+    "inspect",
+    "load",
+    "predict",
+    "report",
+    "ron",
+    "run",
+    "scene",
+    "shards",
+    "train",
+]
 
 register()

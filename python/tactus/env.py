@@ -26,11 +26,18 @@ Picture = npt.NDArray[np.uint8]
 class VectorEnv(gym.vector.VectorEnv[Obs, Array, Array]):
     """N environments of one scene, stepped together in Rust.
 
-    scene: scene file with a `task`. model: folder of a trained network; None takes the scene's backend. seed: of all
-    episodes until `reset(seed=...)`; what is drawn depends on (seed, environment, episode) alone; None draws a seed from the
-    system, which `np_random_seed` tells. autoreset_mode: Gymnasium's, or its name (`"SameStep"`). objects: names of the
-    scene's objects to draw from. first_env: number of the first environment, for shards of one batch. copy: True gives
-    arrays of your own; False alternates between two sets of arrays, so that a result stays valid for one further step.
+    scene: scene file with a `task`.
+    num_envs: number of environments.
+    seed: of all episodes until `reset(seed=...)`; what is drawn depends on (seed, environment, episode) alone; None draws a
+      seed from the system, which `np_random_seed` tells.
+    model: folder of a trained network; None takes the scene's backend.
+    autoreset_mode: Gymnasium's, or its name (`"SameStep"`).
+    max_steps: of an episode, in place of the scene's.
+    threads: number; all of the machine if None.
+    objects: names of the scene's objects to draw from.
+    first_env: number of the first environment, for shards of one batch.
+    copy: True gives arrays of your own; False alternates between two sets of arrays, so that a result stays valid for one
+      further step.
     render_mode: `"rgb_array"` draws what `tactus run` draws.
 
     Observations are a dictionary of float32 arrays in SI (`units` names the unit of each); actions are float32 from -1

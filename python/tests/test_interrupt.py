@@ -56,16 +56,32 @@ def interrupted(work, after=1.5):
 
 def test_a_run_ends_and_the_next_one_works(long):
     interrupted(lambda: tactus.run(long))
-    assert [g["status"] for g in tactus.run(HOLD, object="sphere")] == ["reached"] * 2
+    assert [g.status for g in tactus.run(HOLD, object="sphere")] == ["reached"] * 2
 
 
 def test_a_data_set_ends_and_goes_on(long, tmp_path):
-    interrupted(lambda: tactus.shards.dataset(long, tmp_path / "set", parts=1))
+    interrupted(lambda: tactus.dataset(long, tmp_path / "set"))
     small = long.with_name("small.ron")
     text = LONG.replace("count: 40", "count: 2").replace("frames: 50", "frames: 2").replace("2.0e-3", "6.0e-3")
     small.write_text(text)
-    assert tactus.shards.dataset(small, tmp_path / "small", parts=1) == 2
+    assert tactus.dataset(small, tmp_path / "small")["computed"] == 2
     assert tactus.DataSet(tmp_path / "small").objects() == ["small"], "a path is as good as a string"
+
+
+def test_an_exception_of_the_progress_ends_a_run(long):
+    class Enough(Exception):
+        pass
+
+    told = []
+
+    def progress(done, of):
+        told.append((done, of))
+        if done:
+            raise Enough
+
+    with pytest.raises(Enough):
+        tactus.run(long, frames=1, progress=progress)
+    assert told[-1][0] < 40 and {of for _, of in told} == {40}
 
 
 def test_steps_end_and_a_reset_begins_the_same_episodes(tmp_path):

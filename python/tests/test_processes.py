@@ -30,7 +30,7 @@ def in_child(env, to):
 
 
 def simulate(_):
-    return [g["status"] for g in tactus.run(HOLD, object="sphere", threads=2)]
+    return [g.status for g in tactus.run(HOLD, object="sphere", threads=2)]
 
 
 def used():

@@ -77,4 +77,9 @@ def test_a_snippet_runs(block, tmp_path, monkeypatch):
             line = line.replace("address='auto'", "")
         if "shards.dataset(scene" in line:
             line = line.replace("scene, out", f"{str(tmp_path / 'small.ron')!r}, {str(tmp_path / 'set')!r}")
-        exec(line, names)
+        try:
+            exec(line, names)
+        except ImportError as error:
+            if "which is not installed" in str(error):
+                pytest.skip(f"for the rest of the snippet: {error}")
+            raise

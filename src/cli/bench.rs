@@ -1,18 +1,18 @@
 //! Command `tactus bench`: speed against error of all settings and networks, or cost against size, or steps of a task per
 //! second.
 
-use super::run::machine_threads;
-use super::{Format, OK, print};
+use super::console::Console;
+use super::{Format, OK};
 use crate::bench::certify::References;
 use crate::bench::contest::Rules;
 use crate::bench::{certify, chart, contest, cost_by_size, ladder, rollout, rollouts, sizes, table};
 use crate::error::{Error, Result};
 use crate::files::atomic::{create_dir, write_atomic};
+use crate::limits::machine_threads;
 use crate::scene::{Scene, load_object, load_set};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::Duration;
 
 /// Arguments of `tactus bench`.
@@ -68,8 +68,8 @@ pub struct BenchArgs {
 ///
 /// # Errors
 /// Fails if an argument is refused, the measurement fails or a file cannot be written.
-pub fn bench(args: &BenchArgs) -> Result<ExitCode> {
-    let bar = ProgressBar::new_spinner();
+pub fn bench(args: &BenchArgs, console: &dyn Console) -> Result<u8> {
+    let bar = console.show(ProgressBar::new_spinner());
     bar.enable_steady_tick(Duration::from_millis(200));
     let progress = |text: &str| bar.set_message(text.to_string());
     args.out.as_deref().map_or(Ok(()), create_dir)?;
@@ -80,8 +80,8 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode> {
     };
     bar.finish_and_clear();
     let (text, json) = measured?;
-    print(if args.format == Format::Json { &json } else { &text })?;
-    Ok(ExitCode::from(OK))
+    console.print(if args.format == Format::Json { &json } else { &text })?;
+    Ok(OK)
 }
 
 /// Computes certified references: the rows as text and as JSON; files are written after each row.

@@ -1,7 +1,8 @@
 //! Command `tactus check`: checks a scene, shows it with defaults and includes, and shows what would run.
 
+use super::console::Console;
 use super::run::about_object;
-use super::{Format, OK, REFUSED, print};
+use super::{Format, OK, REFUSED};
 use crate::backend::choose;
 use crate::backend::fem::condensed::nodes_at_contact;
 use crate::error::{Error, Result};
@@ -24,7 +25,6 @@ use crate::world::schedule::Phase;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::sync::Arc;
 
 /// Arguments of `tactus check`.
@@ -49,7 +49,7 @@ pub struct CheckArgs {
 ///
 /// # Errors
 /// Fails if the scene or an argument is refused, or a file cannot be written.
-pub fn check(args: &CheckArgs) -> Result<ExitCode> {
+pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
     let set = load_set(&args.scene)?.only(args.object.as_deref())?;
     let several = set.scenes.len() > 1;
     if several && args.export.is_some() {
@@ -69,11 +69,11 @@ pub fn check(args: &CheckArgs) -> Result<ExitCode> {
             json["name"] = json!(name);
             objects.push(json);
         } else if args.format == Format::Json {
-            print(&format!("{json}\n"))?;
+            console.print(&format!("{json}\n"))?;
         } else if let Ok(found) = &found {
             let head = if several { format!("// object {name}\n") } else { String::new() };
             let foot = if several { "\n" } else { "" };
-            print(&format!("{head}{}{}{foot}", to_ron(scene)?, found.text()))?;
+            console.print(&format!("{head}{}{}{foot}", to_ron(scene)?, found.text()))?;
         }
         match found {
             Ok(found) => {
@@ -86,14 +86,14 @@ pub fn check(args: &CheckArgs) -> Result<ExitCode> {
     }
     let more = set.scenes.len().saturating_sub(EXAMINED);
     if several && args.format == Format::Json {
-        print(&format!("{}\n", json!({ "objects": objects, "more": more })))?;
+        console.print(&format!("{}\n", json!({ "objects": objects, "more": more })))?;
     } else if more > 0 {
-        print(&format!("// and {more} more objects, not examined: choose one with --object\n"))?;
+        console.print(&format!("// and {more} more objects, not examined: choose one with --object\n"))?;
     }
     if !errors.is_empty() {
         return Err(Error::Scene(errors.join("\n")));
     }
-    Ok(ExitCode::from(if runs { OK } else { REFUSED }))
+    Ok(if runs { OK } else { REFUSED })
 }
 
 /// Writes the export that the file's name asks for.

@@ -1,12 +1,12 @@
 //! Commands `tactus completions` and `tactus man`: what a package puts beside the program.
 
-use super::{Cli, OK, print};
+use super::console::Console;
+use super::{Cli, OK};
 use crate::error::{Error, Result};
 use crate::files::atomic::create_dir;
 use clap::CommandFactory;
 use clap_complete::Shell;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 /// Arguments of `tactus completions`.
 #[derive(Debug, clap::Args)]
@@ -28,19 +28,19 @@ pub struct ManArgs {
 ///
 /// # Errors
 /// Fails if stdout cannot be written.
-pub fn completions(args: &CompletionsArgs) -> Result<ExitCode> {
+pub fn completions(args: &CompletionsArgs, console: &dyn Console) -> Result<u8> {
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "tactus", &mut text);
-    print(&String::from_utf8_lossy(&text))?;
-    Ok(ExitCode::from(OK))
+    console.print(&String::from_utf8_lossy(&text))?;
+    Ok(OK)
 }
 
 /// Writes the pages of the manual.
 ///
 /// # Errors
 /// Fails if a file cannot be written.
-pub fn man(args: &ManArgs) -> Result<ExitCode> {
+pub fn man(args: &ManArgs) -> Result<u8> {
     create_dir(&args.out)?;
     clap_mangen::generate_to(Cli::command(), &args.out).map_err(|e| Error::file(&args.out, e.to_string()))?;
-    Ok(ExitCode::from(OK))
+    Ok(OK)
 }

@@ -1,7 +1,8 @@
 //! Command `tactus dataset`: all grasps of all objects of a scene, into a folder; and `tactus dataset inspect`.
 
-use super::run::{machine_threads, refused};
-use super::{Format, NOT_HELD, OK, inspect, kept, print, say};
+use super::console::Console;
+use super::run::refused;
+use super::{Format, NOT_HELD, OK, inspect, kept};
 use crate::backend;
 use crate::dataset::manifest::LeftOut;
 use crate::dataset::progress::Finished;
@@ -10,17 +11,18 @@ use crate::dataset::{Campaign, Manifest, Selection, Watcher};
 use crate::error::Result;
 use crate::grasp::keep_first;
 use crate::gripper::GraspPose;
+use crate::limits::machine_threads;
 use crate::net::infer::doubt::doubts;
 use crate::net::infer::predict::Predictor;
 use crate::record::Status;
 use crate::run::sensitivity::CHANGES;
+use crate::scene::overrides::limit_time;
 use crate::scene::{GraspCount, NamedScene, Scene, load_seeded};
 use crate::stats::median;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -91,9 +93,9 @@ pub enum DatasetCommand {
 ///
 /// # Errors
 /// Fails if the scene or an argument is refused, the folder is in use, or a file cannot be written.
-pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
+pub fn dataset(args: &DatasetArgs, console: &dyn Console) -> Result<u8> {
     if let Some(DatasetCommand::Inspect(args)) = &args.command {
-        return inspect::inspect(args);
+        return inspect::inspect(args, console);
     }
     let (Some(scene), Some(out)) = (&args.scene, &args.out) else {
         return Err(refused("a scene and `-o DIR` are needed"));
@@ -102,7 +104,7 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
     choose(&mut set.scenes, &args.object)?;
     limit(&mut set.scenes, args.grasps, args.frames)?;
     if let Some(seconds) = args.max_time {
-        set.scenes.iter_mut().try_for_each(|s| super::run::limit_time(&mut s.scene.stepper, seconds))?;
+        set.scenes.iter_mut().try_for_each(|s| limit_time(&mut s.scene.stepper, seconds))?;
     }
     let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
     let predictor = args.worst_of.as_deref().map(Predictor::open).transpose()?;
@@ -115,7 +117,7 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
     let mut campaign = Campaign::plan_some(&set, out, backend::choose, selection.as_ref())?;
     let manifest = campaign.manifest();
     let resumed = campaign.finished();
-    say(&format!(
+    console.say(&format!(
         "{} object{}, {} grasps of {} frames; at most {:.1} MB in {}{}",
         manifest.objects.len(),
         if manifest.objects.len() == 1 { "" } else { "s" },
@@ -126,20 +128,21 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
         if resumed > 0 { format!("; {resumed} grasps are there already") } else { String::new() },
     ));
     for LeftOut { name, reason } in manifest.left_out.iter().take(NOTED) {
-        say(&format!("{name}: is left out: {reason}"));
+        console.warn(&format!("{name}: is left out: {reason}"));
     }
     for object in manifest.objects.iter().take(NOTED) {
-        object.notices.iter().for_each(|notice| say(&format!("{}: {notice}", object.name)));
+        object.notices.iter().for_each(|notice| console.warn(&format!("{}: {notice}", object.name)));
     }
     if args.dry_run {
-        return Ok(ExitCode::from(OK));
+        return Ok(OK);
     }
     let (bytes, grasps) = (campaign.bytes(), manifest.grasps);
     let (own, there) = match args.part {
         None => (grasps, resumed),
         Some((part, parts)) => (manifest.sum(|o| (o.grasps + parts - part) / parts), 0),
     };
-    let bar = Bar::new(own, there, manifest.frames);
+    let bar =
+        Bar::new(console.show(ProgressBar::new(((own - there) * manifest.frames) as u64)), own, there, manifest.frames);
     let clock = Instant::now();
     if let Some((part, parts)) = args.part {
         let ran = campaign.run_part(part - 1, parts, threads, &bar);
@@ -157,8 +160,8 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
             Format::Text => format!("part {part} of {parts}: {ran} grasps; without --part the data set is closed\n"),
             Format::Json => format!("{}\n", json!({ "part": part, "parts": parts, "computed": ran, "dir": out })),
         };
-        print(&text)?;
-        return Ok(ExitCode::from(OK));
+        console.print(&text)?;
+        return Ok(OK);
     }
     let manifest = campaign.run(threads, &bar);
     bar.bar.finish_and_clear();
@@ -183,10 +186,10 @@ pub fn dataset(args: &DatasetArgs) -> Result<ExitCode> {
             format!("{object}\n")
         }
     };
-    print(&text)?;
+    console.print(&text)?;
     let all = manifest.sum(|o| o.reached) == manifest.grasps;
     let kept = manifest.objects.iter().flat_map(|o| &o.promises).all(|p| p.worst.held);
-    Ok(ExitCode::from(if all && kept { OK } else { NOT_HELD }))
+    Ok(if all && kept { OK } else { NOT_HELD })
 }
 
 /// Parses `I/N`.
@@ -288,8 +291,7 @@ struct Bar {
 }
 
 impl Bar {
-    fn new(grasps: usize, resumed: usize, frames: usize) -> Self {
-        let bar = ProgressBar::new(((grasps - resumed) * frames) as u64);
+    fn new(bar: ProgressBar, grasps: usize, resumed: usize, frames: usize) -> Self {
         // The template is a constant; if it were wrong the default style would do.
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}  {per_sec} frames  {elapsed}, {eta} left") {
             bar.set_style(style);

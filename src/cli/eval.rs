@@ -1,10 +1,12 @@
 //! Command `tactus eval`: errors of a trained model.
 
-use super::run::{machine_threads, pool};
-use super::{Format, OK, print, say};
+use super::console::Console;
+use super::run::pool;
+use super::{Format, OK};
 use crate::dataset::DataSet;
 use crate::error::{Error, Result};
 use crate::files::atomic::create_dir;
+use crate::limits::machine_threads;
 use crate::net::eval::acceptance::{Acceptance, acceptances};
 use crate::net::eval::dump;
 use crate::net::eval::table::{ALL, ErrorRow, ranks, rows};
@@ -15,7 +17,6 @@ use crate::render::save;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// Arguments of `tactus eval`.
 #[derive(Debug, clap::Args)]
@@ -57,16 +58,16 @@ pub struct EvalArgs {
 ///
 /// # Errors
 /// Fails if the data set or the model cannot be read, the split is refused, or a file cannot be written.
-pub fn eval(args: &EvalArgs) -> Result<ExitCode> {
-    pool(args.threads.map_or_else(machine_threads, |n| n as usize))?.install(|| judged(args))
+pub fn eval(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
+    pool(args.threads.map_or_else(machine_threads, |n| n as usize))?.install(|| judged(args, console))
 }
 
-fn judged(args: &EvalArgs) -> Result<ExitCode> {
+fn judged(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
     let set = DataSet::open(&args.data)?;
     let predictor = Predictor::open(&args.model)?;
     let split = args.split.clone().unwrap_or_else(|| predictor.card.split.clone());
     if set.manifest.plan == predictor.card.data && split != predictor.card.split {
-        say(&format!(
+        console.warn(&format!(
             "note: trained on split {} of this data set: {split} may hold grasps it has seen",
             predictor.card.split
         ));
@@ -104,8 +105,8 @@ fn judged(args: &EvalArgs) -> Result<ExitCode> {
             format!("{object}\n")
         }
     };
-    print(&text)?;
-    Ok(ExitCode::from(OK))
+    console.print(&text)?;
+    Ok(OK)
 }
 
 fn report(

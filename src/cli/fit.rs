@@ -1,14 +1,14 @@
 //! Command `tactus fit`: constants of a press fitted to a measured curve.
 
-use super::run::machine_threads;
-use super::{Format, NOT_HELD, OK, print};
+use super::console::Console;
+use super::{Format, NOT_HELD, OK};
 use crate::error::{Error, Result};
 use crate::files::atomic::{create_dir, write_atomic};
 use crate::fit::{self, Curve, Ranges, chart};
+use crate::limits::machine_threads;
 use crate::scene::load_object;
 use indicatif::ProgressBar;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::Duration;
 
 /// Arguments of `tactus fit`.
@@ -41,7 +41,7 @@ pub struct FitArgs {
 ///
 /// # Errors
 /// Fails if the scene, the curve or a range is refused, a press fails, or a file cannot be written.
-pub fn fit(args: &FitArgs) -> Result<ExitCode> {
+pub fn fit(args: &FitArgs, console: &dyn Console) -> Result<u8> {
     let loaded = load_object(&args.scene, args.object.as_deref())?;
     let curve = Curve::read(&args.curve)?;
     let mut ranges = Ranges::default();
@@ -50,7 +50,7 @@ pub fn fit(args: &FitArgs) -> Result<ExitCode> {
     }
     let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
     args.out.as_deref().map_or(Ok(()), create_dir)?;
-    let bar = ProgressBar::new_spinner();
+    let bar = console.show(ProgressBar::new_spinner());
     bar.enable_steady_tick(Duration::from_millis(200));
     let report = fit::fit(&loaded.scene, &curve, &ranges, threads, |text| bar.set_message(text.to_string()));
     bar.finish_and_clear();
@@ -62,6 +62,6 @@ pub fn fit(args: &FitArgs) -> Result<ExitCode> {
         write_atomic(&dir.join("fit.json"), json.as_bytes())?;
         chart::save_chart(&report, dir)?;
     }
-    print(&if args.format == Format::Json { json } else { report.text() })?;
-    Ok(ExitCode::from(if report.converged() { OK } else { NOT_HELD }))
+    console.print(&if args.format == Format::Json { json } else { report.text() })?;
+    Ok(if report.converged() { OK } else { NOT_HELD })
 }

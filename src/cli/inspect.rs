@@ -1,13 +1,13 @@
 //! Command `tactus dataset inspect`: contents and soundness of a data set.
 
-use super::{Format, NOT_HELD, OK, print};
+use super::console::Console;
+use super::{Format, NOT_HELD, OK};
 use crate::dataset::DataSet;
 use crate::dataset::inspect::{self, Inspection, Thinning};
 use crate::error::Result;
 use crate::files::atomic::create_dir;
 use std::fmt::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 /// Arguments of `tactus dataset inspect`.
 #[derive(Debug, clap::Args)]
@@ -32,7 +32,7 @@ pub struct InspectArgs {
 ///
 /// # Errors
 /// Fails if the data set cannot be opened or a picture cannot be written.
-pub fn inspect(args: &InspectArgs) -> Result<ExitCode> {
+pub fn inspect(args: &InspectArgs, console: &dyn Console) -> Result<u8> {
     let set = DataSet::open(&args.dir)?;
     if let Some(dir) = &args.pictures {
         create_dir(dir)?;
@@ -43,8 +43,8 @@ pub fn inspect(args: &InspectArgs) -> Result<ExitCode> {
         Format::Text => render(&set, &found),
         Format::Json => format!("{}\n", serde_json::json!({"manifest": set.manifest, "inspection": found})),
     };
-    print(&text)?;
-    Ok(ExitCode::from(if found.damaged.is_empty() { OK } else { NOT_HELD }))
+    console.print(&text)?;
+    Ok(if found.damaged.is_empty() { OK } else { NOT_HELD })
 }
 
 fn render(set: &DataSet, found: &Inspection) -> String {

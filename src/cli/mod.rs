@@ -3,6 +3,7 @@
 mod bench;
 mod check;
 mod completions;
+mod console;
 mod dataset;
 mod eval;
 mod fit;
@@ -17,20 +18,20 @@ mod watch;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use clap::{Parser, Subcommand, ValueEnum};
-use std::io::Write;
 use std::process::ExitCode;
 use std::sync::LazyLock;
 
 pub use bench::BenchArgs;
 pub use check::CheckArgs;
 pub use completions::{CompletionsArgs, ManArgs};
+pub use console::{Console, Terminal};
 pub use dataset::{DatasetArgs, DatasetCommand};
 pub use eval::EvalArgs;
 pub use fit::FitArgs;
 pub use inspect::InspectArgs;
 pub use predict::PredictArgs;
 pub use report::ReportArgs;
-pub use run::{Backend, RunArgs};
+pub use run::RunArgs;
 pub use train::TrainArgs;
 
 /// Exit code for success: everything requested was done and every expectation held.
@@ -102,13 +103,13 @@ fn long_version() -> &'static str {
 /// Runs the command; an error is printed to stderr and gives exit code 2. Wrong arguments are reported by clap, with the
 /// same code.
 pub fn main() -> ExitCode {
-    match dispatch(&Cli::parse()) {
-        Ok(code) => code,
+    match on_terminal(&Cli::parse()) {
+        Ok(code) => ExitCode::from(code),
         Err(error) => {
             let text = error.to_string();
             let plain = text.starts_with("error:") || matches!(error, Error::Interrupted(_));
             let start = if plain { "" } else { "error: " };
-            say(&format!("{start}{text}"));
+            Terminal.say(&format!("{start}{text}"));
             ExitCode::from(REFUSED)
         }
     }
@@ -117,7 +118,7 @@ pub fn main() -> ExitCode {
 /// Prints the last message of a command that is ended in the middle of work that does not check the stop flag.
 fn last_words() {
     // Whoever asked for the end may have closed the terminal.
-    let _ = writeln!(std::io::stderr(), "\ninterrupted; files that were being written are as they were before");
+    Terminal.say("\ninterrupted; files that were being written are as they were before");
 }
 
 /// Returns the error of a command; if an end was requested, it says what is kept.
@@ -128,37 +129,34 @@ fn kept(error: Error, kept: impl FnOnce() -> String) -> Error {
     }
 }
 
-fn dispatch(cli: &Cli) -> Result<ExitCode> {
+fn on_terminal(cli: &Cli) -> Result<u8> {
     // The others are short; a signal ends them as it ends any program.
     let short =
         matches!(cli.command, Command::Check(_) | Command::Report(_) | Command::Completions(_) | Command::Man(_));
     if !short {
         interrupt::on_signals(REFUSED, last_words)?;
     }
-    match &cli.command {
-        Command::Run(args) => run::run(args),
-        Command::Predict(args) => predict::predict(args),
-        Command::Check(args) => check::check(args),
-        Command::Dataset(args) => dataset::dataset(args),
-        Command::Train(args) => train::train(args),
-        Command::Eval(args) => eval::eval(args),
-        Command::Bench(args) => bench::bench(args),
-        Command::Fit(args) => fit::fit(args),
-        Command::Report(args) => report::report_page(args),
-        Command::Completions(args) => completions::completions(args),
-        Command::Man(args) => completions::man(args),
-    }
+    cli.command.run(&Terminal)
 }
 
-/// Prints on stdout; a closed pipe (`tactus check x.ron | head`) is the reader's choice, not an error.
-fn print(text: &str) -> Result<()> {
-    match std::io::stdout().write_all(text.as_bytes()) {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::file("<stdout>", e.to_string())),
-        _ => Ok(()),
+impl Command {
+    /// Runs the command and returns its exit code.
+    ///
+    /// # Errors
+    /// Fails if an argument or a file is refused, or the command cannot go on.
+    pub fn run(&self, console: &dyn Console) -> Result<u8> {
+        match self {
+            Command::Run(args) => run::run(args, console),
+            Command::Predict(args) => predict::predict(args, console),
+            Command::Check(args) => check::check(args, console),
+            Command::Dataset(args) => dataset::dataset(args, console),
+            Command::Train(args) => train::train(args, console),
+            Command::Eval(args) => eval::eval(args, console),
+            Command::Bench(args) => bench::bench(args, console),
+            Command::Fit(args) => fit::fit(args, console),
+            Command::Report(args) => report::report_page(args, console),
+            Command::Completions(args) => completions::completions(args, console),
+            Command::Man(args) => completions::man(args),
+        }
     }
-}
-
-/// Prints a line on stderr. A line that cannot be written (`2>/dev/full`, a closed pipe) does not affect the work.
-fn say(line: &str) {
-    let _ = std::io::stderr().write_all(format!("{line}\n").as_bytes());
 }

@@ -1,11 +1,13 @@
 //! Command `tactus predict`: a network's answers to many grasps.
 
+use super::console::Console;
 use super::dataset::limit;
-use super::run::{machine_threads, pool};
-use super::{Format, NOT_HELD, OK, print};
+use super::run::pool;
+use super::{Format, NOT_HELD, OK};
 use crate::error::Result;
 use crate::files::atomic::{create_dir, replace};
 use crate::grasp::poses_of;
+use crate::limits::machine_threads;
 use crate::linear::loads_of;
 use crate::model::Model;
 use crate::net::SHIPPED;
@@ -15,7 +17,7 @@ use crate::net::infer::many::PredictedGrasp;
 use crate::net::infer::predict::{GraspState, Predictor};
 use crate::record::ErrorBound;
 use crate::record::arrays::{io_error, put};
-use crate::scene::{NamedScene, StepperChoice, load_set};
+use crate::scene::{NamedScene, load_set};
 use ndarray::IxDyn;
 use ndarray_npy::NpzWriter;
 use rayon::prelude::*;
@@ -24,7 +26,6 @@ use serde_json::json;
 use std::fmt::Write;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Instant;
 
 /// Arguments of `tactus predict`.
@@ -102,30 +103,27 @@ struct Answer {
 ///
 /// # Errors
 /// Fails if the scene, the model or an argument is refused, or the file cannot be written.
-pub fn predict(args: &PredictArgs) -> Result<ExitCode> {
+pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
     let mut set = load_set(&args.scene)?.only(args.object.as_deref())?;
     limit(&mut set.scenes, args.grasps, args.frames)?;
     let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
     let pool = pool(threads)?;
-    let own = set.scenes.first().and_then(|named| match &named.scene.stepper {
-        StepperChoice::Gnn(gnn) => Some(gnn.model.clone()),
-        StepperChoice::Fem(_) => None,
-    });
-    let predictor = Predictor::open(&args.model.clone().or(own).unwrap_or_else(|| SHIPPED.into()))?;
+    let own = set.scenes.first().and_then(|named| named.scene.stepper.model());
+    let predictor = Predictor::open(args.model.as_deref().or(own).unwrap_or(SHIPPED.as_ref()))?;
     let mut reports = Vec::new();
     for named in &set.scenes {
         let report =
             pool.install(|| object(args, &predictor, named, threads)).map_err(|e| set.place(e, &named.name))?;
         if args.format == Format::Text {
-            print(&report.text())?;
+            console.print(&report.text())?;
         }
         reports.push(report);
     }
     if args.format == Format::Json {
-        print(&format!("{:#}\n", json!({ "objects": reports })))?;
+        console.print(&format!("{:#}\n", json!({ "objects": reports })))?;
     }
     let good = reports.iter().flat_map(|report| &report.grasps).all(|row| matches!(row.end, End::Answer(_)));
-    Ok(ExitCode::from(if good { OK } else { NOT_HELD }))
+    Ok(if good { OK } else { NOT_HELD })
 }
 
 /// Predicts the grasps of an object.

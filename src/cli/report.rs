@@ -1,12 +1,12 @@
 //! Command `tactus report`: results as one page that needs only a browser.
 
-use super::{Format, OK, print};
+use super::console::Console;
+use super::{Format, OK};
 use crate::error::Result;
 use crate::files::atomic::{create_dir, write_atomic};
 use crate::report::{Wishes, report};
 use serde_json::json;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 /// Arguments of `tactus report`.
 #[derive(Debug, clap::Args)]
@@ -40,7 +40,7 @@ pub struct ReportArgs {
 ///
 /// # Errors
 /// Fails if a folder has no readable results, the model cannot be judged, or the page cannot be written.
-pub fn report_page(args: &ReportArgs) -> Result<ExitCode> {
+pub fn report_page(args: &ReportArgs, console: &dyn Console) -> Result<u8> {
     let wishes = Wishes {
         model: args.model.clone(),
         split: args.split.clone(),
@@ -61,6 +61,6 @@ pub fn report_page(args: &ReportArgs) -> Result<ExitCode> {
         }
         Format::Json => format!("{}\n", json!({ "page": args.out, "bytes": html.len(), "grasps": grasps })),
     };
-    print(&text)?;
-    Ok(ExitCode::from(OK))
+    console.print(&text)?;
+    Ok(OK)
 }

@@ -7,17 +7,12 @@ use crate::number::shown;
 use crate::record::RunReport;
 use crate::run::Outcome;
 use crate::scene::{Expectation, Scene, StepperChoice};
+use crate::simulate::Simulated;
 use std::fmt::Write;
 
 /// Renders heading, a row per grasp, expectations and the profile.
-pub fn render(
-    scene: &Scene,
-    grasps: &[(usize, GraspPose)],
-    outcomes: &[Outcome],
-    held: &[Verdict],
-    report: &RunReport,
-    wall: f64,
-) -> String {
+pub fn render(scene: &Scene, grasps: &[(usize, GraspPose)], simulated: &Simulated) -> String {
+    let Simulated { outcomes, held, report, wall_s } = simulated;
     let mut out = String::new();
     // Writing to a String cannot fail; the results below are dropped for that reason.
     if !scene.about.is_empty() {
@@ -42,7 +37,7 @@ pub fn render(
         }
         scene.promises().iter().zip(held).for_each(|(e, h)| expectation(&mut out, e, h));
     }
-    profile(&mut out, outcomes, report, wall);
+    profile(&mut out, outcomes, report, *wall_s);
     out
 }
 

@@ -1,15 +1,16 @@
 //! Command `tactus train`: trains a network on a data set.
 
-use super::run::{machine_threads, pool};
-use super::{Format, OK, kept, print, say};
+use super::console::Console;
+use super::run::pool;
+use super::{Format, OK, kept};
 use crate::dataset::DataSet;
 use crate::error::Result;
+use crate::limits::machine_threads;
 use crate::net::network::spec::Spec;
 use crate::net::train::{End, Trainer};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::Instant;
 
 /// Arguments of `tactus train`.
@@ -39,25 +40,25 @@ pub struct TrainArgs {
 ///
 /// # Errors
 /// Fails if the data set or the model file cannot be read, the split is refused, or a file cannot be written.
-pub fn train(args: &TrainArgs) -> Result<ExitCode> {
-    pool(args.threads.map_or_else(machine_threads, |n| n as usize))?.install(|| run(args))
+pub fn train(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
+    pool(args.threads.map_or_else(machine_threads, |n| n as usize))?.install(|| run(args, console))
 }
 
-fn run(args: &TrainArgs) -> Result<ExitCode> {
+fn run(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
     let spec = Spec::read(&args.model)?;
     let sets = args.data.iter().map(DataSet::open).collect::<Result<Vec<_>>>()?;
     let mut trainer = Trainer::new(&sets, &spec, &args.split, &args.out)?;
     if let Some(notice) = &trainer.notice {
-        say(&format!("note: {notice}"));
+        console.warn(&format!("note: {notice}"));
     }
     let (training, validation) = trainer.counts();
     let resumed = trainer.epochs().len();
-    say(&format!(
+    console.say(&format!(
         "{} parameters; {training} grasps to learn from, {validation} to stop by{}",
         trainer.card().parameters,
         if resumed > 0 { format!("; {resumed} epochs are there already") } else { String::new() }
     ));
-    let bar = ProgressBar::new((spec.training.epochs.get() - resumed) as u64);
+    let bar = console.show(ProgressBar::new((spec.training.epochs.get() - resumed) as u64));
     // The template is a constant; if it were wrong the default style would do.
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}  epoch {pos}/{len}  {elapsed}, {eta} left") {
         bar.set_style(style);
@@ -99,6 +100,6 @@ fn run(args: &TrainArgs) -> Result<ExitCode> {
             format!("{object}\n")
         }
     };
-    print(&text)?;
-    Ok(ExitCode::from(OK))
+    console.print(&text)?;
+    Ok(OK)
 }

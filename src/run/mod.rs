@@ -4,6 +4,7 @@ pub mod grasp_files;
 mod motion;
 pub mod recorder;
 pub mod sensitivity;
+pub mod writer;
 
 use crate::error::{Error, Result};
 use crate::gripper::GraspPose;
@@ -44,7 +45,7 @@ pub trait Observer: Sync {
 impl Observer for () {}
 
 /// Pair of observers that both receive all events.
-impl<A: Observer, B: Observer> Observer for (&A, &B) {
+impl<A: Observer + ?Sized, B: Observer + ?Sized> Observer for (&A, &B) {
     fn begin(&self, index: usize) -> Result<()> {
         self.0.begin(index)?;
         self.1.begin(index)

@@ -113,6 +113,19 @@ impl Loading {
         }
     }
 
+    /// Sets the final force of a squeeze, the sum over the fingers, N.
+    ///
+    /// # Errors
+    /// Returns a message for the user if the force is not allowed, or the loading is another one.
+    pub fn set_force(&mut self, force: f64) -> Result<(), String> {
+        let force = Positive::new(force).map_err(|m| format!("--force {m}"))?;
+        match self {
+            Loading::Squeeze(squeeze) => squeeze.force = force,
+            Loading::Press(_) | Loading::Dynamic(_) => return Err("--force is for a squeeze".into()),
+        }
+        Ok(())
+    }
+
     /// Sets the number of recorded frames up to the same load.
     ///
     /// # Errors

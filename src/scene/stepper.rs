@@ -3,7 +3,7 @@
 use super::defaults;
 use super::leaf::{Count, Length, Positive, Ratio};
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Names of the models that ship with tactus; `./NAME` is always a folder, a plain name never is.
 pub const SHIPPED_MODELS: [&str; 1] = ["universe"];
@@ -136,6 +136,14 @@ impl Default for Tolerance {
 }
 
 impl StepperChoice {
+    /// Returns the model of a network.
+    pub fn model(&self) -> Option<&Path> {
+        match self {
+            StepperChoice::Gnn(gnn) => Some(&gnn.model),
+            StepperChoice::Fem(_) => None,
+        }
+    }
+
     /// Returns true if the scene asks a network to answer outside the range of its training.
     pub fn extrapolates(&self) -> bool {
         matches!(self, StepperChoice::Gnn(gnn) if gnn.extrapolate)

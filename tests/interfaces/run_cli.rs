@@ -44,6 +44,32 @@ fn exit_codes_say_whether_expectations_held() {
 }
 
 #[test]
+fn options_replace_what_the_scene_says() {
+    let dir = tempfile::tempdir().unwrap();
+    let scene = write(dir.path(), 4, "");
+    let run = |options: &[&str]| tactus(&[&["run", scene.to_str().unwrap(), "--format", "json"], options].concat());
+    let json = |options: &[&str]| serde_json::from_slice::<Value>(&run(options).stdout).unwrap();
+    let changed = json(&["--force", "3", "--frames", "2", "--backend", "condensed"]);
+    let grasp = &changed["grasps"][0];
+    assert!((grasp["force_n"].as_f64().unwrap() - 3.0).abs() < 1e-9, "N, of {grasp}");
+    assert_eq!((grasp["frames"].as_u64(), &changed["scene"]["loading"]["Squeeze"]["frames"]), (Some(2), &2.into()));
+    assert!(changed["backend"].as_str().unwrap().contains("condensed"), "{}", changed["backend"]);
+    let network = json(&["--backend", "gnn", "--frames", "1", "--extrapolate"]);
+    assert_eq!(network["scene"]["stepper"]["Gnn"]["model"], "universe", "the one that ships");
+    let refused = |options: &[&str], reason: &str| {
+        let out = run(options);
+        let said = String::from_utf8_lossy(&out.stderr);
+        assert!(out.status.code() == Some(2) && said.contains(reason), "{said}");
+    };
+    refused(&["--force", "0"], "error: --force must be above zero");
+    refused(&["--backend", "fem", "--model", "universe"], "--model is for a network; add --backend gnn");
+    refused(&["--extrapolate"], "--error-at-most and --extrapolate are for a network");
+    refused(&["--grasp", "1"], "--grasp 1: the scene has 1 grasps, 0 to 0");
+    let press = tactus(&["run", "scenes/press_sphere.ron", "--force", "3"]);
+    assert!(String::from_utf8_lossy(&press.stderr).contains("--force is for a squeeze"));
+}
+
+#[test]
 fn json_has_the_documented_keys_and_files_are_not_overwritten_by_accident() {
     let dir = tempfile::tempdir().unwrap();
     let scene = write(dir.path(), 2, "expect: [ReachesForce]");

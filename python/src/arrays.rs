@@ -1,0 +1,63 @@
+//! Numbers of tactus as numpy arrays, by name.
+
+use crate::refused;
+use numpy::{Element, PyArrayMethods, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use tactus::geometry::mesh::TriMesh;
+use tactus::gripper::GraspPose;
+use tactus::model::Model;
+use tactus::record::{PadTopology, names};
+
+/// Enters the first numbers as an array of this shape.
+pub fn put<T: Element + Copy>(to: &Bound<'_, PyDict>, name: &str, numbers: &[T], shape: &[usize]) -> PyResult<()> {
+    let whole: usize = shape.iter().product();
+    if numbers.len() < whole {
+        return Err(refused(format!("{name}: {} numbers for {shape:?}", numbers.len())));
+    }
+    to.set_item(name, numbers[..whole].to_pyarray(to.py()).reshape(shape.to_vec())?)
+}
+
+/// Coordinates of vectors, one after the other.
+pub fn flat(vectors: &[glam::DVec3]) -> Vec<f64> {
+    vectors.iter().flat_map(|x| x.to_array()).collect()
+}
+
+/// The pads of a model, left first: topology and place of each.
+pub fn pads<'py>(py: Python<'py>, model: &Model) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    let pad = |finger: &tactus::part::FingerModel| {
+        pad(py, &finger.topology, &finger.placement.pose(), finger.placement.closing)
+    };
+    model.fingers.iter().map(pad).collect()
+}
+
+/// Topology and place of a pad.
+pub fn pad<'py>(
+    py: Python<'py>,
+    topology: &PadTopology,
+    pose: &GraspPose,
+    closing: glam::DVec3,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (to, pad) = (PyDict::new(py), topology);
+    put(&to, names::REST, &flat(&pad.rest), &[pad.rest.len(), 3])?;
+    put(&to, names::TETS, &whole(pad.elements.nodes()), &[pad.elements.len(), pad.elements.width()])?;
+    put(&to, names::SURFACE, &whole(pad.surface.as_flattened()), &[pad.surface.len(), 3])?;
+    put(&to, names::SENSING, &whole(pad.sensing.as_flattened()), &[pad.sensing.len(), 3])?;
+    put(&to, names::BONDED, &pad.bonded, &[pad.bonded.len()])?;
+    put(&to, names::PAD_POSE, &pose.row(), &[7])?;
+    put(&to, names::CLOSING, &closing.to_array(), &[3])?;
+    Ok(to)
+}
+
+/// The surface of an object.
+pub fn surface<'py>(py: Python<'py>, mesh: &TriMesh) -> PyResult<Bound<'py, PyDict>> {
+    let to = PyDict::new(py);
+    put(&to, names::VERTICES, &flat(&mesh.vertices), &[mesh.vertices.len(), 3])?;
+    put(&to, names::TRIANGLES, &whole(mesh.triangles.as_flattened()), &[mesh.triangles.len(), 3])?;
+    Ok(to)
+}
+
+/// Indices as numpy has them.
+fn whole(indices: &[u32]) -> Vec<i64> {
+    indices.iter().map(|i| i64::from(*i)).collect()
+}

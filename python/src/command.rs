@@ -1,0 +1,79 @@
+//! Commands of the command line for Python: the same code, in this process.
+
+use crate::progress::{Level, Progress};
+use crate::supervise::watch;
+use indicatif::{ProgressBar, ProgressDrawTarget};
+use pyo3::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
+use tactus::cli::{Cli, Console};
+use tactus::error::{Error, Result};
+use tactus::limits::machine_threads;
+
+/// Keeps what a command says.
+#[derive(Default)]
+struct Kept {
+    report: Mutex<String>,
+    bar: Mutex<Option<ProgressBar>>,
+    news: Progress,
+}
+
+impl Console for Kept {
+    fn print(&self, text: &str) -> Result<()> {
+        self.report.lock().unwrap_or_else(PoisonError::into_inner).push_str(text);
+        Ok(())
+    }
+
+    fn say(&self, line: &str) {
+        self.news.note(Level::Info, line);
+    }
+
+    fn warn(&self, line: &str) {
+        self.news.note(Level::Warning, line);
+    }
+
+    fn show(&self, bar: ProgressBar) -> ProgressBar {
+        bar.set_draw_target(ProgressDrawTarget::hidden());
+        *self.bar.lock().unwrap_or_else(PoisonError::into_inner) = Some(bar.clone());
+        bar
+    }
+}
+
+impl Kept {
+    /// Reads the bar.
+    fn look(&self) {
+        if let Some(bar) = &*self.bar.lock().unwrap_or_else(PoisonError::into_inner) {
+            self.news.expect(bar.length().unwrap_or(0) as usize);
+            self.news.reach(bar.position() as usize);
+        }
+    }
+}
+
+/// Runs a command with these arguments: its exit code, and what it prints on stdout.
+#[pyfunction]
+pub fn command<'py>(
+    py: Python<'py>,
+    arguments: Vec<String>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<(u8, String)> {
+    let kept = Arc::new(Kept::default());
+    let (own, mut told) = (kept.clone(), None);
+    let work = move || {
+        let arguments = std::iter::once("tactus".to_string()).chain(arguments);
+        let cli: Cli = clap::Parser::try_parse_from(arguments).map_err(|e| Error::Scene(unusable(&e.to_string())))?;
+        cli.command.run(own.as_ref())
+    };
+    let look = |py: Python<'py>| {
+        kept.look();
+        kept.news.tell(py, progress.as_ref(), &mut told)
+    };
+    let code = watch(py, Some(machine_threads()), look, work)?;
+    let report = std::mem::take(&mut *kept.report.lock().unwrap_or_else(PoisonError::into_inner));
+    Ok((code, report))
+}
+
+/// What clap says, without its advice on the command line.
+fn unusable(text: &str) -> String {
+    let before = |mark| text.split(mark).next();
+    let first = before("\n\nUsage:").into_iter().chain(before("\n\nFor more information")).min_by_key(|t| t.len());
+    first.unwrap_or(text).trim_end().to_string()
+}

@@ -1,0 +1,72 @@
+//! What is told in the caller's thread while work lasts: progress to a callback, notes to the logger `tactus`.
+
+use pyo3::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// Weight of a note.
+#[derive(Clone, Copy)]
+pub enum Level {
+    Info,
+    Warning,
+}
+
+/// News of work under way.
+#[derive(Default)]
+pub struct Progress {
+    done: AtomicUsize,
+    of: AtomicUsize,
+    notes: Mutex<Vec<(Level, String)>>,
+}
+
+impl Progress {
+    /// Says how much there is to do.
+    pub fn expect(&self, of: usize) {
+        self.of.store(of, Ordering::SeqCst);
+    }
+
+    /// Says how much of it is done.
+    pub fn reach(&self, done: usize) {
+        self.done.store(done, Ordering::SeqCst);
+    }
+
+    /// Says that one more part is done.
+    pub fn advance(&self) {
+        self.done.fetch_add(1, Ordering::SeqCst);
+    }
+
+    /// Adds a note.
+    pub fn note(&self, level: Level, text: &str) {
+        let text = text.strip_prefix("note: ").unwrap_or(text).to_string();
+        self.notes.lock().unwrap_or_else(PoisonError::into_inner).push((level, text));
+    }
+
+    /// Logs what was noted, and calls `callback` with (done, of how many) if that has changed since `told`.
+    pub fn tell(
+        &self,
+        py: Python<'_>,
+        callback: Option<&Bound<'_, PyAny>>,
+        told: &mut Option<(usize, usize)>,
+    ) -> PyResult<()> {
+        let notes = std::mem::take(&mut *self.notes.lock().unwrap_or_else(PoisonError::into_inner));
+        if !notes.is_empty() {
+            let logger = py.import("logging")?.call_method1("getLogger", ("tactus",))?;
+            for (level, text) in notes {
+                let method = match level {
+                    Level::Info => "info",
+                    Level::Warning => "warning",
+                };
+                // As an argument, since a text may hold a percent sign.
+                logger.call_method1(method, ("%s", text))?;
+            }
+        }
+        let (done, of) = (self.done.load(Ordering::SeqCst), self.of.load(Ordering::SeqCst));
+        match callback {
+            Some(callback) if of > 0 && *told != Some((done, of)) => {
+                *told = Some((done, of));
+                callback.call1((done, of)).map(drop)
+            }
+            _ => Ok(()),
+        }
+    }
+}

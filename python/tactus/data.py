@@ -1,0 +1,131 @@
+"""Data sets, one grasp at a time."""
+
+from __future__ import annotations
+
+import logging
+import os
+from typing import Iterator, Literal, TypedDict, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _tactus
+from .meshes import F64, Pad, Surface
+
+F32 = npt.NDArray[np.float32]
+
+
+class StoredGrasp(TypedDict):
+    """A grasp of a data set; fields in the frame of each pad. `F` frames, `P` pads, left first, `n` nodes of a pad.
+
+    object: name of the object.
+    grasp: number of the grasp.
+    displacement_m: (F, P, n, 3), m.
+    contact_force_n: (F, P, n, 3), N, on the pad.
+    von_mises_pa: (F, P, n), Pa.
+    force_n: (F), N, sum over the fingers of |normal force|.
+    travel_m: (F, P), m, closing travel of each finger since first contact.
+    finger_position_m: (F, P), m, since the open hand.
+    object_pose: (F, 7), m and 1, of the object in the hand.
+    object_load: (F, 6), N and N m, weight and push on the object, hand axes.
+    wrench: (F, P, 6), N and N m, force and torque of the contact on each pad.
+    grasp_pose: (7), m and 1, of the hand in the object frame at the start.
+    """
+
+    object: str
+    grasp: int
+    displacement_m: F32
+    contact_force_n: F32
+    von_mises_pa: F32
+    force_n: F64
+    travel_m: F64
+    finger_position_m: F64
+    object_pose: F64
+    object_load: F64
+    wrench: F64
+    grasp_pose: F64
+
+
+class DataSet:
+    """A data set that `tactus dataset` wrote: a sequence of its grasps that reached their load, read as they are asked for.
+
+    folder: of the data set.
+    part: `"all"`, or the `"train"` or `"test"` set of its split by poses.
+
+    `len(data)` and `data[i]` are those of a map-style `torch.utils.data.Dataset`, so a `DataLoader` takes it, with workers,
+    too. Copies and pickles hold the folder and open it again. Objects whose files are not as they were written are left out
+    with a warning to the logger `tactus`. ValueError if there is no finished data set.
+    """
+
+    def __init__(self, folder: str | os.PathLike[str], part: Literal["all", "train", "test"] = "all") -> None:
+        if part not in ("all", "train", "test"):
+            raise ValueError(f'part {part!r}; allowed: "all", "train", "test"')
+        self.folder = os.path.abspath(folder)
+        self.part = part
+        self._open()
+        for damage in self.damaged():
+            logging.getLogger("tactus").warning("left out: %s", damage)
+        if part == "all":
+            self._chosen = [(name, grasp) for name, reached in self._reached.items() for grasp in reached]
+        else:
+            self._chosen = self.split(test=part == "test")
+
+    def _open(self) -> None:
+        self._files, self._process = _tactus.Files(self.folder), os.getpid()
+        self._reached = {name: reached for name, _, reached in self._files.objects()}
+
+    def _own(self) -> _tactus.Files:
+        # Open files have one position, which a forked process would share with its parent.
+        if self._process != os.getpid():
+            self._open()
+        return self._files
+
+    def __len__(self) -> int:
+        return len(self._chosen)
+
+    def __getitem__(self, index: int) -> StoredGrasp:
+        return self.grasp(*self._chosen[index])
+
+    def __iter__(self) -> Iterator[StoredGrasp]:
+        return (self[index] for index in range(len(self)))
+
+    def __reduce__(self) -> tuple[type[DataSet], tuple[str, str]]:
+        return DataSet, (self.folder, self.part)
+
+    def __repr__(self) -> str:
+        return f"DataSet({self.folder!r}, {self.part!r}): {len(self)} grasps of {len(self._reached)} objects"
+
+    def damaged(self) -> list[str]:
+        """Why objects were left out, a sentence each."""
+        return self._files.damaged()
+
+    def objects(self) -> list[str]:
+        """Names of the objects."""
+        return list(self._reached)
+
+    def reached(self, object: str) -> list[int]:
+        """Numbers of the grasps of an object that reached their load. ValueError if there is no such object, as below."""
+        if object not in self._reached:
+            raise ValueError(f"the data set has no object {object!r}; it has: {', '.join(self._reached)}")
+        return self._reached[object]
+
+    def split(self, test: bool) -> list[tuple[str, int]]:
+        """(object, grasp) of the training or the test set of the split by poses."""
+        return self._files.split(test)
+
+    def grasp(self, object: str, grasp: int) -> StoredGrasp:
+        """The arrays of a grasp. ValueError too if its rows are damaged."""
+        arrays = self._own().grasp(object, grasp)
+        return cast(StoredGrasp, {"object": object, "grasp": grasp, **arrays})
+
+    def pads(self, object: str) -> tuple[Pad, ...]:
+        """Rest meshes of the pads of an object, left first."""
+        return tuple(Pad(**pad) for pad in self._files.pads(object))
+
+    def surface(self, object: str) -> Surface:
+        """The surface of an object."""
+        return Surface(**self._files.surface(object))
+
+    def scene(self, object: str) -> str:
+        """The scene of an object as RON with every default written out."""
+        return self._files.scene(object)

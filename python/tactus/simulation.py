@@ -1,0 +1,264 @@
+"""Simulated grasps: `tactus.run` and what it returns."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Literal, Sequence
+
+from . import _tactus, plots
+from .meshes import F64, Library, Pad, Surface, rotate, tetrahedra_of, triangles_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Backend = Literal["fem", "condensed", "gnn"]
+Status = Literal["reached", "dropped", "fault", "infeasible"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Grasp:
+    """A simulated grasp, in the hand frame: origin at the hand base, +z approach, fingers close along x.
+
+    `F` frames up to the end of the grasp, all of them valid; `P` pads, left first; `n` nodes and `t` tetrahedra of a pad.
+
+    number: of the grasp in its scene, from 0.
+    status: `reached`, `dropped` (the object left the grasp), `fault` (the solver gave up) or `infeasible` (it could not start).
+    reason: why the load was not reached, else None.
+    handed_over: why finite elements computed it in place of a network, else None.
+    wall_s: wall time, s.
+    summary: its entry in `run.json`, with iterations, methods, smallest det F and gap, sensitivity.
+    pads: rest meshes of the pads.
+    object: surface of the object.
+    grasp_pose: (7), m and 1, pose of the hand in the object frame at the start: px py pz qw qx qy qz.
+    force_n: (F), N, applied force: sum over the fingers of |normal force|.
+    time_s: (F), s, time of a dynamic scene, else zero.
+    travel_m: (F, P), m, closing travel of each finger since first contact.
+    object_pose: (F, 7), m and 1, pose of the object in the hand.
+    object_load: (F, 6), N and N m, weight and push on the object: force and torque about its centre of mass.
+    wrench: (F, P, 6), N and N m, force and torque of the contact on each pad, about the origin of its pad frame.
+    position_m: (F, P, n, 3), m, node positions.
+    displacement_m: (F, P, n, 3), m, of every node against the pad carried rigidly by its finger.
+
+    None where the scene does not record it, or it does not exist:
+
+    contact_force_n: (F, P, n, 3), N, on the pad, per node, friction included.
+    von_mises_pa: (F, P, n), Pa, per node.
+    element_von_mises_pa: (F, P, t), Pa, per tetrahedron.
+    gap_m: (F, P, n), m, signed distance of each node to the object, negative inside.
+    displacement_error, stress_error, travel_error: (F), relative, what nine of ten predictions of a network stay below.
+    hand_pose: (F, 7), m and 1, pose of the hand in the world, of a dynamic scene, as the two that follow.
+    object_motion: (F, 6), m/s and rad/s, velocity of the centre of mass and spin, world axes.
+    ground_force_n: (F, 3), N, of the ground on the object, world axes.
+    """
+
+    number: int
+    status: Status
+    reason: str | None
+    handed_over: str | None
+    wall_s: float
+    summary: dict[str, Any]
+    pads: tuple[Pad, ...]
+    object: Surface
+    grasp_pose: F64
+    force_n: F64
+    time_s: F64
+    travel_m: F64
+    object_pose: F64
+    object_load: F64
+    wrench: F64
+    position_m: F64
+    displacement_m: F64
+    contact_force_n: F64 | None = None
+    von_mises_pa: F64 | None = None
+    element_von_mises_pa: F64 | None = None
+    gap_m: F64 | None = None
+    displacement_error: F64 | None = None
+    stress_error: F64 | None = None
+    travel_error: F64 | None = None
+    hand_pose: F64 | None = None
+    object_motion: F64 | None = None
+    ground_force_n: F64 | None = None
+
+    def __repr__(self) -> str:
+        return f"Grasp({self.number}: {self.status}, {len(self.force_n)} frames, {len(self.pads)} pads)"
+
+    def plot(self, frame: int = -1) -> Figure:
+        """Draws the sensing faces of a frame by Matplotlib: displacement, and pressure where contact forces are recorded.
+
+        IndexError if the grasp has no such frame, ImportError without Matplotlib.
+        """
+        self._check(frame)
+        force = None if self.contact_force_n is None else self.contact_force_n[frame]
+        title = f"grasp {self.number}, {self.force_n[frame]:.3g} N, {self.status}"
+        return plots.faces(self.pads, self.displacement_m[frame], force, title)
+
+    def pad_mesh(self, pad: int, frame: int = -1, library: Library = "trimesh") -> Any:
+        """A deformed pad in the hand, m, with displacement, contact force and stress of its nodes: its tetrahedra in
+        PyVista (`UnstructuredGrid`) and meshio (`Mesh`), its surface in trimesh (`Trimesh`).
+
+        IndexError if there is no such pad or frame, ImportError without the library.
+        """
+        self._check(frame)
+        fields = ("displacement_m", "contact_force_n", "von_mises_pa", "gap_m")
+        known = {name: getattr(self, name) for name in fields}
+        values = {name: array[frame, pad] for name, array in known.items() if array is not None}
+        return tetrahedra_of(self.position_m[frame, pad], self.pads[pad], values, library)
+
+    def object_mesh(self, frame: int = -1, library: Library = "trimesh") -> Any:
+        """The surface of the object in the hand, m, as trimesh, PyVista or meshio have it. Errors as `pad_mesh`."""
+        self._check(frame)
+        pose = self.object_pose[frame]
+        points = pose[:3] + rotate(pose[3:], self.object.vertices_m)
+        return triangles_of(points, self.object.triangles, {}, library)
+
+    def _check(self, frame: int) -> None:
+        if not -len(self.force_n) <= frame < len(self.force_n):
+            raise IndexError(f"frame {frame} of grasp {self.number}, which has {len(self.force_n)}")
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """A promise of the scene and what became of it.
+
+    name: as in the scene.
+    held: in every grasp.
+    value: the worst one, None without a frame.
+    bound: of the value.
+    """
+
+    name: str
+    held: bool
+    value: float | None
+    bound: float | None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Run:
+    """Simulated grasps of a scene: a sequence of `Grasp`.
+
+    grasps: in the order of the scene.
+    good: every promise of the scene is kept; without any, every grasp reached its load.
+    expectations: the promises of the scene.
+    backend: with its settings.
+    threads: their number.
+    notices: what to know before a result is trusted, as logged.
+    wall_s: wall time of all grasps together, s.
+    pads: rest meshes of the pads.
+    object: surface of the object.
+    report: content of `run.json`.
+    """
+
+    grasps: tuple[Grasp, ...]
+    good: bool
+    expectations: tuple[Expectation, ...]
+    backend: str
+    threads: int
+    notices: tuple[str, ...]
+    wall_s: float
+    pads: tuple[Pad, ...]
+    object: Surface
+    report: dict[str, Any]
+
+    def __len__(self) -> int:
+        return len(self.grasps)
+
+    def __getitem__(self, index: int) -> Grasp:
+        return self.grasps[index]
+
+    def __iter__(self) -> Iterator[Grasp]:
+        return iter(self.grasps)
+
+    def __repr__(self) -> str:
+        return f"Run({len(self)} grasps, {self.backend}, {'good' if self.good else 'not good'})"
+
+
+def run(
+    scene: str | os.PathLike[str],
+    object: str | None = None,
+    *,
+    backend: Backend | None = None,
+    model: str | os.PathLike[str] | None = None,
+    force: float | None = None,
+    frames: int | None = None,
+    grasps: Sequence[int] | None = None,
+    error_at_most: float | None = None,
+    extrapolate: bool = False,
+    threads: int | None = None,
+    max_time: float | None = None,
+    sensitivity: bool = False,
+    out: str | os.PathLike[str] | None = None,
+    overwrite: bool = False,
+    pictures: bool = True,
+    progress: Callable[[int, int], object] | None = None,
+) -> Run:
+    """Simulates grasps of a scene, like `tactus run`; None keeps what the scene says.
+
+    object: name, for scenes with several.
+    backend: `"fem"`, `"condensed"` or `"gnn"`.
+    model: folder of a trained network or name of the one that ships, `"universe"`; it means `"gnn"`.
+    force: final force of a squeeze, the sum over the fingers, N.
+    frames: number of recorded frames.
+    grasps: numbers of the grasps to run, from 0.
+    error_at_most: largest relative error of the displacement that is accepted from a network; finite elements compute the
+      other grasps.
+    extrapolate: a network answers outside the range of its training, too.
+    threads: number; all of the machine unless the scene says otherwise.
+    max_time: wall time that a grasp may take, s.
+    sensitivity: also measures how well posed each grasp is, into `Grasp.summary`: five times the work.
+    out: folder for the files of a run.
+    overwrite: replaces an earlier run there.
+    pictures: draws `pads.png` of each grasp there.
+    progress: function that is called with (grasps done, of how many).
+
+    ValueError with file, line and column for what is refused; KeyboardInterrupt within a second of Ctrl-C.
+    """
+    if grasps is not None and len(grasps) == 0:
+        raise ValueError("grasps: at least one number is needed; None runs all")
+    text, good, notices, wall_s, pads, surface, arrays = _tactus.run(
+        os.fspath(scene),
+        object,
+        "gnn" if backend is None and model is not None else backend,
+        None if model is None else os.fspath(model),
+        force,
+        frames,
+        [] if grasps is None else list(grasps),
+        error_at_most,
+        extrapolate,
+        threads,
+        max_time,
+        sensitivity,
+        None if out is None else os.fspath(out),
+        overwrite,
+        pictures,
+        progress,
+    )
+    report = json.loads(text)
+    meshes, body = tuple(Pad(**pad) for pad in pads), Surface(**surface)
+    return Run(
+        grasps=tuple(_grasp(own, meshes, body, rows) for own, rows in zip(report["grasps"], arrays)),
+        good=good,
+        expectations=tuple(Expectation(**held) for held in report["expectations"]),
+        backend=report["backend"],
+        threads=report["threads"],
+        notices=tuple(notices),
+        wall_s=wall_s,
+        pads=meshes,
+        object=body,
+        report=report,
+    )
+
+
+def _grasp(summary: dict[str, Any], pads: tuple[Pad, ...], object: Surface, arrays: dict[str, Any]) -> Grasp:
+    return Grasp(
+        number=summary["grasp"],
+        status=summary["status"],
+        reason=summary["reason"],
+        handed_over=summary.get("handed_over"),
+        wall_s=summary["wall_s"],
+        summary=summary,
+        pads=pads,
+        object=object,
+        **arrays,
+    )

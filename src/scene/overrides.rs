@@ -1,0 +1,132 @@
+//! Overrides of a scene for one run: what the command line and Python may set in place of what the file says.
+
+use super::leaf::{Count, Positive};
+use super::load::recheck;
+use super::schema::Scene;
+use super::stepper::{Condensed, Fem, Gnn, SHIPPED_MODELS, Solver, StepperChoice};
+use crate::error::{Error, Result};
+use clap::ValueEnum;
+use std::path::PathBuf;
+
+/// Backend that advances the scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Backend {
+    /// Finite elements.
+    Fem,
+    /// Finite elements with pads condensed onto the nodes that touch: fast, with an error.
+    Condensed,
+    /// Trained network.
+    Gnn,
+}
+
+/// Values in place of those of the scene; None and false keep them.
+#[derive(Debug, Clone, Default)]
+pub struct Overrides {
+    /// Backend.
+    pub backend: Option<Backend>,
+    /// Folder or name of the trained model of a network.
+    pub model: Option<PathBuf>,
+    /// Largest error of the displacement that is accepted from a network.
+    pub error_at_most: Option<f64>,
+    /// Switch that lets a network answer outside the range of its training.
+    pub extrapolate: bool,
+    /// Final force of a squeeze, the sum over the fingers, N.
+    pub force: Option<f64>,
+    /// Number of recorded frames.
+    pub frames: Option<u64>,
+    /// Number of threads.
+    pub threads: Option<u64>,
+    /// Wall time that a grasp may take, s.
+    pub max_time: Option<f64>,
+    /// Switch that leaves the pictures out.
+    pub no_pictures: bool,
+}
+
+impl Overrides {
+    /// Changes the scene, and checks it once more.
+    ///
+    /// # Errors
+    /// Fails if a value is not allowed, does not go with the backend, or does not fit the rest of the scene.
+    pub fn apply(&self, scene: &mut Scene) -> Result<()> {
+        self.choose(&mut scene.stepper)?;
+        self.trust(&mut scene.stepper)?;
+        if let Some(threads) = self.threads {
+            let threads = Count::new(threads).map_err(|m| refused(&format!("--threads {m}")))?;
+            if let StepperChoice::Fem(Fem { threads: own, .. }) = &mut scene.stepper {
+                *own = Some(threads);
+            }
+        }
+        if let Some(seconds) = self.max_time {
+            limit_time(&mut scene.stepper, seconds)?;
+        }
+        if let Some(force) = self.force {
+            scene.loading.set_force(force).map_err(|m| refused(&m))?;
+        }
+        if let Some(frames) = self.frames {
+            scene.loading.set_frames(frames).map_err(|m| refused(&m))?;
+        }
+        scene.record.pictures &= !self.no_pictures;
+        recheck(scene)
+    }
+
+    /// Applies backend and model.
+    fn choose(&self, stepper: &mut StepperChoice) -> Result<()> {
+        match (self.backend, &mut *stepper) {
+            (Some(Backend::Fem | Backend::Condensed), stepper) => {
+                let mut fem = if let StepperChoice::Fem(fem) = stepper { *fem } else { Fem::default() };
+                fem.solver = match (self.backend, fem.solver) {
+                    (Some(Backend::Fem), _) => Solver::Full,
+                    (_, Solver::Full) => Solver::Condensed(Condensed::default()),
+                    (_, given) => given,
+                };
+                *stepper = StepperChoice::Fem(fem);
+            }
+            (Some(Backend::Gnn), StepperChoice::Fem(_)) => *stepper = StepperChoice::Gnn(Gnn::new(SHIPPED_MODELS[0])),
+            _ => {}
+        }
+        match (&self.model, stepper) {
+            (None, _) => Ok(()),
+            (Some(model), StepperChoice::Gnn(gnn)) => {
+                gnn.model.clone_from(model);
+                Ok(())
+            }
+            (Some(_), StepperChoice::Fem(_)) => Err(refused("--model is for a network; add --backend gnn")),
+        }
+    }
+
+    /// Applies what says how far a network is trusted.
+    fn trust(&self, stepper: &mut StepperChoice) -> Result<()> {
+        match stepper {
+            StepperChoice::Gnn(gnn) => {
+                let most = self.error_at_most.map(Positive::new).transpose();
+                let most = most.map_err(|m| refused(&format!("--error-at-most {m}")))?;
+                gnn.error_at_most = most.or(gnn.error_at_most);
+                gnn.extrapolate |= self.extrapolate;
+                Ok(())
+            }
+            StepperChoice::Fem(_) if self.error_at_most.is_some() || self.extrapolate => {
+                Err(refused("--error-at-most and --extrapolate are for a network; add --backend gnn"))
+            }
+            StepperChoice::Fem(_) => Ok(()),
+        }
+    }
+}
+
+/// Limits the wall time of each grasp, s.
+///
+/// # Errors
+/// Fails if the time is not above zero, or a network advances the scene.
+pub fn limit_time(stepper: &mut StepperChoice, seconds: f64) -> Result<()> {
+    let seconds = Positive::new(seconds).map_err(|m| refused(&format!("--max-time {m}")))?;
+    match stepper {
+        StepperChoice::Fem(fem) => fem.max_time = Some(seconds),
+        StepperChoice::Gnn(_) => {
+            return Err(refused("--max-time is for finite elements: a network takes the same time for every grasp"));
+        }
+    }
+    Ok(())
+}
+
+fn refused(message: &str) -> Error {
+    Error::Scene(format!("error: {message}"))
+}

@@ -1,0 +1,184 @@
+//! All grasps of a scene, from the scene to the verdict: `tactus run` and `tactus.run` of Python.
+
+use crate::backend::choose;
+use crate::error::{Error, Result};
+use crate::grasp::{aim_notice, poses_of};
+use crate::gripper::GraspPose;
+use crate::judge::{Measured, Verdict, evaluate_all};
+use crate::limits::machine_threads;
+use crate::model::Model;
+use crate::part::FingerModel;
+use crate::record::{ExpectationReport, RunReport, Status};
+use crate::render::Scalar;
+use crate::run::sensitivity::{Ends, LastFrames, sensitivity};
+use crate::run::writer::RunWriter;
+use crate::run::{Observer, Options, Outcome, RunRecorder, run_grasps};
+use crate::scene::{Scene, StepperChoice};
+use crate::world::Stepper;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Scene that is ready to run.
+#[derive(Debug)]
+pub struct Simulation {
+    /// Scene.
+    pub scene: Scene,
+    /// What no grasp changes.
+    pub model: Arc<Model>,
+    /// Numbers and poses of the grasps.
+    pub grasps: Vec<(usize, GraspPose)>,
+    /// Number of threads.
+    pub threads: usize,
+    /// Notices for the user, a sentence each.
+    pub notices: Vec<String>,
+    stepper: Box<dyn Stepper>,
+}
+
+/// Simulated grasps.
+#[derive(Debug)]
+pub struct Simulated {
+    /// Outcomes in the order of the grasps.
+    pub outcomes: Vec<Outcome>,
+    /// Verdicts on the promises of the scene.
+    pub held: Vec<Verdict>,
+    /// Content of `run.json`.
+    pub report: RunReport,
+    /// Wall time of all grasps together, s.
+    pub wall_s: f64,
+}
+
+impl Simulation {
+    /// Builds all that the grasps of a scene share. `wanted`: numbers of the grasps to run, all if there is none. `threads`: instead of the
+    /// scene's, or of all that the machine has.
+    ///
+    /// # Errors
+    /// Fails if the model cannot be built, the network cannot be read, or the scene has no such grasp.
+    pub fn new(scene: &Scene, wanted: &[usize], threads: Option<usize>) -> Result<Self> {
+        // A network takes as long to read as the pads to mesh.
+        let (stepper, model) = rayon::join(|| choose(scene), || Model::build(scene));
+        let (stepper, model) = (stepper?, model?);
+        let poses = poses_of(scene)?;
+        let pad = model.fingers.first().map(FingerModel::bounds);
+        let aim = pad.and_then(|pad| aim_notice(scene, &model.object, pad, &poses));
+        let own = match &scene.stepper {
+            StepperChoice::Fem(fem) => fem.threads.map(|t| t.get()),
+            StepperChoice::Gnn(_) => None,
+        };
+        Ok(Self {
+            grasps: select(&poses, wanted)?,
+            threads: threads.or(own).unwrap_or_else(machine_threads),
+            notices: model.notices.iter().chain(&model.pad_notice).cloned().chain(aim).collect(),
+            scene: scene.clone(),
+            model,
+            stepper,
+        })
+    }
+
+    /// Creates the folder of the run, and an observer that writes into it.
+    ///
+    /// # Errors
+    /// Fails if the folder holds an earlier run and may not be overwritten, is in use, or cannot be written.
+    pub fn record(&self, dir: &Path, overwrite: bool) -> Result<RunWriter> {
+        let (scene, model) = (&self.scene, &self.model);
+        let picture = if model.needs.stress { Scalar::Stress } else { Scalar::Displacement };
+        let options = Options {
+            vtu: scene.record.vtu,
+            arrays: scene.record.arrays.is_some(),
+            moving: model.needs.dynamic,
+            predicted: self.stepper.knows_error(),
+            // The picture is of the pads.
+            picture: (scene.record.pictures && !model.fingers.is_empty()).then_some(picture),
+            overwrite,
+            object_name: model.object.name.clone(),
+            pads: model.fingers.iter().map(|f| f.placement.pose()).collect(),
+            ..Options::default()
+        };
+        Ok(RunWriter::new(model, RunRecorder::create(dir, options, self.report()?)?))
+    }
+
+    /// Runs the grasps and judges them. `sense` also measures how well posed they are: five times the work.
+    ///
+    /// # Errors
+    /// Fails as [`run_grasps`] does, and if a file cannot be written.
+    pub fn run(&self, writer: Option<RunWriter>, sense: bool, observer: &dyn Observer) -> Result<Simulated> {
+        let last_frames = LastFrames::default();
+        let recorded = writer.as_ref().map_or(&() as &dyn Observer, |writer| writer);
+        let watched = (observer, recorded);
+        let kept = (&watched as &dyn Observer, &last_frames as &dyn Observer);
+        let observer: &dyn Observer = if sense { &kept } else { &watched };
+        let clock = Instant::now();
+        let stepper = self.stepper.as_ref();
+        let mut outcomes = run_grasps(&self.model, stepper, &self.grasps, self.threads, observer)?;
+        let wall_s = clock.elapsed().as_secs_f64();
+        let mut recorder = writer.map(RunWriter::finish);
+        if sense {
+            let ends = Ends::of(&outcomes, last_frames);
+            let answers = sensitivity(&self.scene, &self.model, stepper, (&self.grasps, &ends), self.threads)?;
+            outcomes.iter_mut().zip(&answers).for_each(|(o, moved)| o.summary.sensitivity = moved.clone());
+            recorder.iter_mut().for_each(|recorder| recorder.add_sensitivity(answers.clone()));
+        }
+        let measured: Vec<Measured> = outcomes.iter().map(|o| o.measured.clone()).collect();
+        let held: Vec<Verdict> = self.scene.promises().iter().map(|e| evaluate_all(e, &measured)).collect();
+        let (expectations, profile) = (held.iter().map(as_report).collect(), profile(&outcomes));
+        let report = match recorder {
+            Some(recorder) => recorder.finish(expectations, profile)?,
+            None => {
+                let mut report = self.report()?;
+                report.grasps = outcomes.iter().map(|o| o.summary.clone()).collect();
+                (report.expectations, report.profile_s, report.finished) = (expectations, profile, true);
+                report
+            }
+        };
+        Ok(Simulated { outcomes, held, report, wall_s })
+    }
+
+    /// Returns the report of a run that has not begun.
+    fn report(&self) -> Result<RunReport> {
+        let value = serde_json::to_value(&self.scene)
+            .map_err(|e| Error::Scene(format!("error: the scene cannot be written as JSON: {e}")))?;
+        let backend = format!("{} ({})", self.stepper.name(), self.stepper.settings());
+        let mut report = RunReport::new(backend, self.threads, value);
+        report.pads = self.model.pad_reports();
+        report.promised_in = self.scene.promised_in().into();
+        Ok(report)
+    }
+}
+
+impl Simulated {
+    /// Returns true if the scene's promises are kept; of a scene without any, if all grasps reached their load.
+    pub fn good(&self) -> bool {
+        match self.held.is_empty() {
+            true => self.outcomes.iter().all(|o| o.summary.status == Status::Reached),
+            false => self.held.iter().all(|h| h.held),
+        }
+    }
+}
+
+/// Returns the grasps to run, with their numbers; all if none is requested.
+fn select(poses: &[GraspPose], wanted: &[usize]) -> Result<Vec<(usize, GraspPose)>> {
+    let mut numbers: Vec<usize> = if wanted.is_empty() { (0..poses.len()).collect() } else { wanted.to_vec() };
+    numbers.sort_unstable();
+    numbers.dedup();
+    let pick = |i: usize| {
+        poses.get(i).map(|p| (i, *p)).ok_or_else(|| {
+            let last = poses.len().saturating_sub(1);
+            Error::Scene(format!("error: --grasp {i}: the scene has {} grasps, 0 to {last}", poses.len()))
+        })
+    };
+    numbers.into_iter().map(pick).collect()
+}
+
+fn as_report(held: &Verdict) -> ExpectationReport {
+    ExpectationReport { name: held.name.to_string(), held: held.held, value: held.value, bound: held.bound }
+}
+
+/// Returns the wall time by stage over all grasps, s.
+fn profile(outcomes: &[Outcome]) -> BTreeMap<String, f64> {
+    let mut sum = BTreeMap::new();
+    for (stage, seconds) in outcomes.iter().flat_map(|o| &o.timings.stages) {
+        *sum.entry(stage.to_string()).or_insert(0.0) += seconds;
+    }
+    sum
+}
