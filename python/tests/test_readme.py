@@ -18,6 +18,7 @@ STAND_INS = {
     "num_envs=64": "num_envs=2",
     "steps=100": "steps=2",
     "parts=64": "parts=2",
+    '"out/small", grasps=4': '"out/small", grasps=1, frames=2',
 }
 
 SMALL = """Scene(
