@@ -2,6 +2,7 @@
 
 mod batch;
 mod dataset;
+mod inputs;
 mod predict;
 mod run;
 mod supervise;
@@ -22,7 +23,9 @@ fn refused(error: impl std::fmt::Display) -> PyErr {
 fn _tactus(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<batch::Batch>()?;
     module.add_class::<dataset::DataSet>()?;
+    module.add_class::<inputs::FaceInputs>()?;
     module.add_function(wrap_pyfunction!(dataset::make, module)?)?;
+    module.add_function(wrap_pyfunction!(inputs::face_weights, module)?)?;
     module.add_function(wrap_pyfunction!(predict::predict, module)?)?;
     module.add_function(wrap_pyfunction!(run::objects, module)?)?;
     module.add_function(wrap_pyfunction!(run::resolved, module)?)?;
