@@ -76,6 +76,9 @@ def test_a_snippet_runs(block, tmp_path, monkeypatch):
             ray = pytest.importorskip("ray", reason="the rest of the snippet is for a Ray cluster, which is not installed")
             names["ray"] = ray
             line = line.replace("address='auto'", "")
+        if line == "import torch":
+            for package in ("torch", "safetensors"):
+                pytest.importorskip(package, reason=f"the rest of the snippet needs {package}, which is not installed")
         if "shards.dataset(scene" in line:
             line = line.replace("scene, out", f"{str(tmp_path / 'small.ron')!r}, {str(tmp_path / 'set')!r}")
         try:
