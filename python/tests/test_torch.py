@@ -36,6 +36,6 @@ def test_fields_of_fifty_grasps_are_those_of_the_engine_within_1e_4(network, nam
     poses = on.seen.usual()["poses"][:5]
     many = tactus.predict(SCENES / "paper.ron", object=name, poses=poses, frames=3)
     answer = on(poses)
-    assert answer.grasp == many["grasp"].tolist() and list(answer.failed) == list(many["failed"])
+    assert answer.grasp == many.grasp.tolist() and list(answer.failed) == list(many.failed)
     for field, mine in zip(FIELDS, answer):
-        assert off(mine, many[field]) < 1e-4, field
+        assert off(mine, getattr(many, field)) < 1e-4, field
