@@ -42,10 +42,10 @@ fn file(dir: &Path) -> tactus::error::Result<ObjectFile> {
     let named = &set.scenes[0];
     let model = Model::build(&named.scene)?;
     let sizes = FileSizes::of(&model, GRASPS)?;
-    let encoder = Encoder::new(&model, sizes, World::new(&named.scene.gripper.placement));
+    let encoder = Encoder::new(&model, sizes.clone(), World::new(&named.scene.gripper.placement));
     let path = dir.join("sphere.h5");
     lay_out(&path, named, &model, &sizes, encoder.mirrored)?;
-    let writer = Writer::open(&path, sizes)?;
+    let writer = Writer::open(&path, &sizes)?;
     let mut random = Random::new(1);
     let pose = GraspPose { position: glam::DVec3::ZERO, rotation: glam::DQuat::IDENTITY };
     for grasp in 0..GRASPS {

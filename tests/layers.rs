@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Files and folders of `src`, from the ground up.
-const LAYERS: [&str; 35] = [
+const LAYERS: [&str; 37] = [
     "error",
     "number",
     "stats",
@@ -15,6 +15,7 @@ const LAYERS: [&str; 35] = [
     "history",
     "scales",
     "geometry",
+    "robot",
     "scene",
     "limits",
     "mech",
@@ -26,6 +27,7 @@ const LAYERS: [&str; 35] = [
     "part",
     "grasp",
     "judge",
+    "observe",
     "model",
     "world",
     "run",

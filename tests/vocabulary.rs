@@ -159,3 +159,44 @@ fn a_fixed_object_is_written_once() {
     };
     assert_eq!(objects("motion: Fixed"), (1, 2), "one file, in both frames of the collection");
 }
+
+/// Rows of the table of tactile arrays: name, unit, and shape without frames and pads.
+fn tactile() -> BTreeMap<String, (String, String)> {
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/data-format.md")).unwrap();
+    let table = text.split("\n## Tactile arrays").nth(1).and_then(|rest| rest.split("\n## ").next()).unwrap();
+    let row = |line: &str| {
+        let cells: Vec<String> = line.split('|').map(|cell| cell.trim().to_string()).collect();
+        assert_eq!(cells.len(), 6, "{line}");
+        (cells[1].trim_matches('`').to_string(), (cells[2].clone(), cells[3].clone()))
+    };
+    table.lines().filter(|line| line.starts_with("| `")).map(row).collect()
+}
+
+const TACTILE: &str = "tactile: [TaxelForce(rows: 5, cols: 3), TaxelDisplacement(rows: 5, cols: 3), Pressure(rows: 5, cols: 3),
+    Shear(rows: 5, cols: 3), HeightMap(rows: 5, cols: 3), DepthMap(rows: 5, cols: 3), Markers(rows: 5, cols: 3), CenterOfPressure,
+    ContactArea, Slip(rows: 5, cols: 3)]";
+
+#[test]
+fn tactile_arrays_are_those_that_are_listed_and_asked_for() {
+    let dir = tempfile::tempdir().unwrap();
+    run(&SQUEEZE.replace("pictures: false", &format!("{TACTILE}, pictures: false")), dir.path());
+    let grasp = dir.path().join("run/grasp_000/arrays.npz");
+    let listed = tactile();
+    let plain: BTreeSet<String> = documented().into_keys().collect();
+    let found: BTreeSet<String> = archive(&grasp).difference(&plain).cloned().collect();
+    assert_eq!(found, listed.keys().cloned().collect::<BTreeSet<_>>());
+    let mut npz = NpzReader::new(File::open(&grasp).unwrap()).unwrap();
+    for (name, (unit, shape)) in &listed {
+        let single = !unit.contains(',') && unit != "1";
+        assert!(!single || name.ends_with(&format!("_{}", unit.to_lowercase())), "{name} is in {unit}");
+        let array: ndarray::ArrayD<f32> = npz.by_name(name).unwrap();
+        let sizes = shape.trim_matches(['(', ')']).split(", ").map(|size| match size {
+            "F" | "P" => 2,
+            "R" => 5,
+            "C" => 3,
+            number => number.parse().unwrap(),
+        });
+        assert_eq!(array.shape(), sizes.collect::<Vec<usize>>(), "{name}");
+        assert!(array.iter().any(|v| *v != 0.0) || name == "slip", "{name}");
+    }
+}

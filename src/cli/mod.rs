@@ -2,6 +2,7 @@
 
 mod bench;
 mod check;
+mod completions;
 mod console;
 mod dataset;
 mod eval;
@@ -18,9 +19,11 @@ use crate::error::{Error, Result};
 use crate::interrupt;
 use clap::{Parser, Subcommand, ValueEnum};
 use std::process::ExitCode;
+use std::sync::LazyLock;
 
 pub use bench::BenchArgs;
 pub use check::CheckArgs;
+pub use completions::{CompletionsArgs, ManArgs};
 pub use console::{Console, Terminal};
 pub use dataset::{DatasetArgs, DatasetCommand};
 pub use eval::EvalArgs;
@@ -40,7 +43,7 @@ pub const REFUSED: u8 = 2;
 
 /// A parallel gripper with two soft tactile pads squeezes a rigid object.
 #[derive(Debug, Parser)]
-#[command(name = "tactus", version, arg_required_else_help = true)]
+#[command(name = "tactus", version, long_version = long_version(), arg_required_else_help = true)]
 pub struct Cli {
     /// Command to run.
     #[command(subcommand)]
@@ -68,6 +71,10 @@ pub enum Command {
     Fit(FitArgs),
     /// Put results into one page: tables, charts, both pads in 3-D.
     Report(ReportArgs),
+    /// Print the completions of a shell.
+    Completions(CompletionsArgs),
+    /// Write the pages of the manual.
+    Man(ManArgs),
 }
 
 /// Form of what is printed on stdout.
@@ -78,6 +85,19 @@ pub enum Format {
     Text,
     /// JSON object.
     Json,
+}
+
+/// Version, and of what the build reads and runs on.
+fn long_version() -> &'static str {
+    static TEXT: LazyLock<String> = LazyLock::new(|| {
+        let (os, arch) = (std::env::consts::OS, std::env::consts::ARCH);
+        let (data, features) = (crate::dataset::arrays::FORMAT, crate::net::features::VERSION);
+        format!(
+            "{}\n{os} {arch}; data sets of layout {data}, networks of features {features}",
+            env!("CARGO_PKG_VERSION")
+        )
+    });
+    &TEXT
 }
 
 /// Runs the command; an error is printed to stderr and gives exit code 2. Wrong arguments are reported by clap, with the
@@ -111,7 +131,9 @@ fn kept(error: Error, kept: impl FnOnce() -> String) -> Error {
 
 fn on_terminal(cli: &Cli) -> Result<u8> {
     // The others are short; a signal ends them as it ends any program.
-    if !matches!(cli.command, Command::Check(_) | Command::Report(_)) {
+    let short =
+        matches!(cli.command, Command::Check(_) | Command::Report(_) | Command::Completions(_) | Command::Man(_));
+    if !short {
         interrupt::on_signals(REFUSED, last_words)?;
     }
     cli.command.run(&Terminal)
@@ -133,6 +155,8 @@ impl Command {
             Command::Bench(args) => bench::bench(args, console),
             Command::Fit(args) => fit::fit(args, console),
             Command::Report(args) => report::report_page(args, console),
+            Command::Completions(args) => completions::completions(args, console),
+            Command::Man(args) => completions::man(args),
         }
     }
 }

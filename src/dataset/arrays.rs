@@ -2,6 +2,7 @@
 
 use crate::error::Result;
 use crate::model::Model;
+use crate::observe::ArraySpec;
 use crate::record::names;
 
 /// Version of the layout; a reader refuses others.
@@ -32,7 +33,7 @@ impl NumberKind {
 }
 
 /// Numbers that fix all shapes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileSizes {
     /// Number of grasps of the object.
     pub grasps: usize,
@@ -46,6 +47,25 @@ pub struct FileSizes {
     pub corners: usize,
     /// Number of tetrahedra of a pad.
     pub tets: usize,
+    /// Arrays of tactile sensors.
+    pub tactile: Vec<TactileLayout>,
+}
+
+/// Layout of an array of tactile sensors.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TactileLayout {
+    /// Name of the dataset.
+    pub name: String,
+    /// Unit of the numbers.
+    pub unit: String,
+    /// Shape in a frame, pads first.
+    pub shape: Vec<usize>,
+}
+
+impl TactileLayout {
+    fn of(spec: ArraySpec) -> Self {
+        Self { name: spec.file_name(), unit: spec.unit, shape: spec.shape }
+    }
 }
 
 impl FileSizes {
@@ -62,16 +82,58 @@ impl FileSizes {
             nodes: pad.rest.len(),
             corners: pad.corner_count,
             tets: pad.elements.len(),
+            tactile: model.senses.iter().map(|sense| TactileLayout::of(sense.spec())).collect(),
         })
     }
 
     /// Returns the size of all rows of all grasps, bytes.
     pub fn bytes(&self) -> u64 {
-        ARRAYS.iter().map(|a| self.grasps as u64 * a.row_bytes(self) as u64).sum()
+        self.rows().map(|row| self.grasps as u64 * row.bytes() as u64).sum()
+    }
+
+    /// Returns the layouts of all rows of a grasp, in the order of the file: those of [`ARRAYS`], then those of tactile sensors.
+    pub fn rows(&self) -> impl Iterator<Item = RowLayout<'_>> {
+        let fixed = ARRAYS.iter().map(|array| RowLayout {
+            name: array.name,
+            kind: array.kind,
+            shape: array.row_shape(self),
+            unit: array.unit,
+            about: array.about,
+        });
+        let tactile = self.tactile.iter().map(|array| RowLayout {
+            name: &array.name,
+            kind: NumberKind::F32,
+            shape: [&[self.frames], array.shape.as_slice()].concat(),
+            unit: &array.unit,
+            about: "of tactile sensors, pad frame: docs/data-format.md",
+        });
+        fixed.chain(tactile)
     }
 }
 
-/// Layout of an array with one row per grasp.
+/// Layout of the row of a grasp in an array of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RowLayout<'a> {
+    /// Name of the dataset.
+    pub name: &'a str,
+    /// Type of the numbers.
+    pub kind: NumberKind,
+    /// Shape of the row.
+    pub shape: Vec<usize>,
+    /// Unit of the numbers.
+    pub unit: &'a str,
+    /// Description of the content.
+    pub about: &'a str,
+}
+
+impl RowLayout<'_> {
+    /// Returns the size of the row, bytes.
+    pub fn bytes(&self) -> usize {
+        self.shape.iter().product::<usize>() * self.kind.size()
+    }
+}
+
+/// Layout of an array that every file has, with one row per grasp.
 #[derive(Debug, Clone, Copy)]
 pub struct ArrayLayout {
     /// Name of the dataset.
@@ -108,7 +170,7 @@ macro_rules! arrays {
             $(#[doc = $about] $row,)*
         }
 
-        /// All arrays with one row per grasp, in the order of the file.
+        /// Arrays with one row per grasp that every file has, in the order of the file.
         pub const ARRAYS: &[ArrayLayout] = &[$(ArrayLayout {
             name: $name,
             kind: NumberKind::$kind,

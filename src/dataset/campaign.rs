@@ -55,7 +55,7 @@ impl Campaign {
         let pads = PlannedPads::of(&first.scene).map_err(|e| set.place(e, &first.name))?;
         let planned = set.scenes.par_iter().map(|named| {
             interrupt::check()?;
-            match Planned::new(named, (&first.scene, pads)) {
+            match Planned::new(named, (&first.scene, &pads)) {
                 Err(error) if set.drawn => Ok(Err(LeftOut::new(&named.name, &error))),
                 planned => planned.map(Ok).map_err(|e| set.place(e, &named.name)),
             }
@@ -173,7 +173,7 @@ impl Campaign {
             for (entry, object) in self.manifest.objects.iter_mut().zip(&self.objects) {
                 let path = self.dir.join(&entry.file);
                 (entry.bytes, entry.blake3) = (size(&path)?, super::set::hash(&path)?);
-                entry.seal = Some(Writer::open(&path, object.sizes)?.seal()?);
+                entry.seal = Some(Writer::open(&path, &object.sizes)?.seal()?);
             }
             self.manifest.bytes = self.manifest.objects.iter().map(|o| o.bytes).sum();
             self.manifest.finished = true;
@@ -270,14 +270,14 @@ impl Campaign {
 
     /// Returns true if the file at `path` has the layout of the object and sound rows of all its grasps.
     fn is_whole(&self, object: &Planned, path: &Path) -> bool {
-        let Ok(writer) = Writer::open(path, object.sizes) else { return false };
+        let Ok(writer) = Writer::open(path, &object.sizes) else { return false };
         let sound = self.sound(object, &writer);
         sound.len() == object.poses.len() && self.is_laid_out(object, path)
     }
 
     /// Returns true if the file at `path` has the layout of the object, whatever its rows.
     fn is_laid_out(&self, object: &Planned, path: &Path) -> bool {
-        let layout = Writer::open(path, object.sizes).and_then(|writer| writer.layout());
+        let layout = Writer::open(path, &object.sizes).and_then(|writer| writer.layout());
         layout.is_ok_and(|layout| self.progress(object).layout() == Some(self.of_plan(&layout)))
     }
 
@@ -311,9 +311,9 @@ impl Campaign {
         let model = Model::build(scene)?;
         let recorded = if scene.finer_mesh().is_some() { Model::build(&scene.on_own_mesh())? } else { model.clone() };
         let world = World::new(&scene.gripper.placement);
-        let encoder = Encoder::new(&recorded, object.sizes, world);
+        let encoder = Encoder::new(&recorded, object.sizes.clone(), world);
         self.lay_out(object, &recorded, encoder.mirrored, first)?;
-        let writer = Writer::open(&open(&path), object.sizes)?;
+        let writer = Writer::open(&open(&path), &object.sizes)?;
         let done = self.sound(object, &writer);
         let open_grasps = (0..object.poses.len()).filter(|g| wanted(*g) && !done.contains_key(g));
         let grasps: Vec<_> = open_grasps.map(|g| (g, object.poses[g])).collect();
@@ -359,7 +359,7 @@ impl Campaign {
             // Records without a file are of no use.
             self.progress(object).clear()?;
             lay_out(&open, &object.named, model, &object.sizes, mirrored)?;
-            let layout = Writer::open(&open, object.sizes)?.layout()?;
+            let layout = Writer::open(&open, &object.sizes)?.layout()?;
             self.progress(object).enter_layout(&self.of_plan(&layout))?;
         }
         Ok(())

@@ -3,7 +3,7 @@
 //! The arrays are contiguous and uncompressed. A row has its place before its content is known, so a grasp is written by
 //! seeking there. Memory holds one grasp per thread, whatever the number of grasps, and reading is as fast as the disk.
 
-use super::arrays::{ARRAYS, FORMAT, FileSizes, NumberKind, RowName};
+use super::arrays::{FORMAT, FileSizes, NumberKind, RowName};
 use super::places::{Places, Seal, vouched_for};
 use super::progress::Finished;
 use super::rows::{GraspRows, checksum, code};
@@ -18,6 +18,9 @@ use hdf5_pure::{AttrValue, Datatype, File, FileBuilder, GroupBuilder};
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+/// Attribute of a file that names its arrays of tactile sensors, in their order.
+pub const TACTILE: &str = "tactile";
+
 /// Lays out the file of an object at `path`, whole or not at all.
 ///
 /// # Errors
@@ -28,10 +31,13 @@ pub fn lay_out(path: &Path, named: &NamedScene, model: &Model, sizes: &FileSizes
         let mut builder = FileBuilder::new();
         attributes(&mut builder, named, model, &scene, mirrored);
         fixed(&mut builder, model);
-        for array in ARRAYS {
-            let row = array.row_shape(sizes);
-            let shape: Vec<u64> = std::iter::once(sizes.grasps).chain(row).map(|n| n as u64).collect();
-            let bytes = sizes.grasps * array.row_bytes(sizes);
+        let tactile: Vec<&str> = sizes.tactile.iter().map(|array| array.name.as_str()).collect();
+        if !tactile.is_empty() {
+            builder.set_attr(TACTILE, text(&tactile.join(",")));
+        }
+        for array in sizes.rows() {
+            let bytes = sizes.grasps * array.bytes();
+            let shape: Vec<u64> = std::iter::once(sizes.grasps).chain(array.shape).map(|n| n as u64).collect();
             // Zeros fresh from the system take no memory until they are touched, and nobody touches them.
             builder
                 .create_dataset(array.name)
@@ -182,7 +188,7 @@ impl Writer {
     ///
     /// # Errors
     /// Fails if the file cannot be read or is laid out differently.
-    pub fn open(path: &Path, sizes: FileSizes) -> Result<Self> {
+    pub fn open(path: &Path, sizes: &FileSizes) -> Result<Self> {
         let file = File::open_streaming(path).map_err(|e| Error::file(path, e.to_string()))?;
         Ok(Self { path: path.to_path_buf(), places: Places::find(path, &file, sizes)? })
     }

@@ -1,18 +1,18 @@
 //! Positions of the rows of a file, and checksums of its bytes. The rows of a grasp have a checksum in the file, all other bytes have one
 //! in the manifest, so that a reader need not read more than it asks for.
 
-use super::arrays::{ARRAYS, ArrayLayout, FileSizes, RowName};
+use super::arrays::{FileSizes, RowLayout, RowName};
 use crate::error::{Error, Result};
 use hdf5_pure::{File, Layout};
 use serde::{Deserialize, Serialize};
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// Start of the rows of each array, bytes from the start of the file, in the order of [`ARRAYS`].
+/// Start of the rows of each array, bytes from the start of the file, and the length of one, in the order of [`FileSizes::rows`].
 #[derive(Debug, Clone)]
 pub struct Places {
-    sizes: FileSizes,
-    start: Vec<u64>,
+    grasps: usize,
+    rows: Vec<(u64, usize)>,
 }
 
 impl Places {
@@ -20,26 +20,26 @@ impl Places {
     ///
     /// # Errors
     /// Fails if the file is not laid out for `sizes`; the error names the array.
-    pub fn find(path: &Path, file: &File, sizes: FileSizes) -> Result<Self> {
-        let place = |array: &ArrayLayout| {
+    pub fn find(path: &Path, file: &File, sizes: &FileSizes) -> Result<Self> {
+        let place = |array: RowLayout| {
             let fail = |message: String| Error::file(path, format!("array `{}`: {message}", array.name));
             let dataset = file.dataset(array.name).map_err(|e| fail(e.to_string()))?;
-            let wanted = sizes.grasps as u64 * array.row_bytes(&sizes) as u64;
+            let wanted = sizes.grasps as u64 * array.bytes() as u64;
             match dataset.layout().map_err(|e| fail(e.to_string()))? {
                 Layout::Contiguous { address: Some(at), size } if size == wanted && at + size <= file.file_size() => {
-                    Ok(at)
+                    Ok((at, array.bytes()))
                 }
                 Layout::Contiguous { size, .. } => Err(fail(format!("{size} bytes instead of {wanted}, or cut off"))),
                 _ => Err(fail("is not contiguous; write the file with `tactus dataset`".into())),
             }
         };
-        Ok(Self { sizes, start: ARRAYS.iter().map(place).collect::<Result<_>>()? })
+        Ok(Self { grasps: sizes.grasps, rows: sizes.rows().map(place).collect::<Result<_>>()? })
     }
 
     /// Returns the first byte of the row of `grasp` in the array with this index, and its length.
     pub fn row(&self, array: usize, grasp: usize) -> (u64, usize) {
-        let length = ARRAYS[array].row_bytes(&self.sizes);
-        (self.start[array] + (grasp * length) as u64, length)
+        let (start, length) = self.rows[array];
+        (start + (grasp * length) as u64, length)
     }
 
     /// Reads all rows of a grasp from an open file.
@@ -54,14 +54,13 @@ impl Places {
             (&mut *file).take(length as u64).read_to_end(&mut row)?;
             if row.len() == length { Ok(row) } else { Err(std::io::ErrorKind::UnexpectedEof.into()) }
         };
-        (0..ARRAYS.len()).map(read).collect()
+        (0..self.rows.len()).map(read).collect()
     }
 
     /// Returns the bytes (start, length) of the arrays for which `pick` holds, ascending; neighbours are joined.
     pub fn ranges(&self, pick: impl Fn(usize) -> bool) -> Vec<[u64; 2]> {
-        let length = |array: usize| self.sizes.grasps as u64 * ARRAYS[array].row_bytes(&self.sizes) as u64;
-        let picked = (0..ARRAYS.len()).filter(|a| pick(*a));
-        let mut all: Vec<[u64; 2]> = picked.map(|array| [self.start[array], length(array)]).collect();
+        let picked = self.rows.iter().enumerate().filter(|(array, _)| pick(*array));
+        let mut all: Vec<[u64; 2]> = picked.map(|(_, (start, row))| [*start, (self.grasps * row) as u64]).collect();
         all.sort_unstable();
         all.dedup_by(|next, last| {
             let joins = last[0] + last[1] == next[0];

@@ -31,7 +31,7 @@ pub(super) struct Planned {
 }
 
 /// Pads of an object in a data set: the sizes of its file, and how far they reach, m.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct PlannedPads {
     pub sizes: FileSizes,
     bounds: Aabb,
@@ -47,14 +47,14 @@ impl PlannedPads {
 
 impl Planned {
     /// Plans an object, beside the first one and its pads.
-    pub fn new(listed: &NamedScene, (first, pads): (&Scene, PlannedPads)) -> Result<(Self, ObjectEntry)> {
+    pub fn new(listed: &NamedScene, (first, pads): (&Scene, &PlannedPads)) -> Result<(Self, ObjectEntry)> {
         let mut named = listed.clone();
         // The data set holds all of these, whatever the scene records in a run.
         named.scene.record.fields = Field::USUAL.to_vec();
         let scene = &named.scene;
         let pad_of = |scene: &Scene| (scene.gripper.pads.clone(), scene.gripper.fingers);
         let own_pads = pad_of(scene) != pad_of(first);
-        let pads = if own_pads || scene.loading != first.loading { PlannedPads::of(scene)? } else { pads };
+        let pads = if own_pads || scene.loading != first.loading { PlannedPads::of(scene)? } else { pads.clone() };
         let mut grasps = grasps_of(scene)?;
         let shape = object::build(&scene.object, &mut Vec::new()).map_err(|e| e.about("object.shape"))?;
         grasps.notices.extend(aim_notice(scene, &shape, pads.bounds, &grasps.poses));

@@ -1,12 +1,13 @@
 //! Reader of the file of one object, one grasp at a time: memory holds only what is asked for.
 
-use super::arrays::{FORMAT, FileSizes, RowName};
+use super::arrays::{ARRAYS, FORMAT, FileSizes, RowName, TactileLayout};
+use super::file::TACTILE;
 use super::places::Places;
 use super::rows::checksum;
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TriMesh;
 use crate::gripper::GraspPose;
-use crate::record::{ElementNodes, PadTopology, names};
+use crate::record::{ElementNodes, PadTopology, TactileArray, names};
 use glam::DVec3;
 use hdf5_pure::{AttrValue, File, Layout};
 use std::collections::HashMap;
@@ -65,6 +66,8 @@ pub struct StoredGrasp {
     pub wrench: Vec<f64>,
     /// Pose of the hand in the object frame, shape (7).
     pub grasp_pose: Vec<f64>,
+    /// Arrays of tactile sensors, each of shape (frames, pads, ...).
+    pub tactile: Vec<TactileArray>,
     /// Reason if the load was not reached; otherwise empty.
     pub reason: String,
 }
@@ -122,6 +125,13 @@ impl ObjectFile {
                 names::DISPLACEMENT
             )));
         };
+        let seen = attributes.get(TACTILE).and_then(AttrValue::as_str).unwrap_or_default();
+        let tactile = seen.split(',').filter(|name| !name.is_empty()).map(|name| {
+            let unit = file.dataset(name).and_then(|dataset| dataset.attrs()).map_err(|e| bad(name, e))?;
+            let unit = unit.get("unit").and_then(AttrValue::as_str).unwrap_or_default().to_string();
+            // In front are grasps and frames.
+            Ok(TactileLayout { name: name.into(), unit, shape: shape(name)?.into_iter().skip(2).collect() })
+        });
         let per_pad = |n: usize| n / (*pads).max(1);
         let sizes = FileSizes {
             grasps: *grasps,
@@ -130,9 +140,10 @@ impl ObjectFile {
             nodes: *nodes,
             corners: per_pad(*corners),
             tets: per_pad(*tets),
+            tactile: tactile.collect::<Result<_>>()?,
         };
         let in_pad = |name: &str| format!("pad/{name}");
-        let places = Places::find(path, &file, sizes)?;
+        let places = Places::find(path, &file, &sizes)?;
         let width = shape("pad/tets")?.get(1).copied().unwrap_or(0);
         let nodes_of_tets = integers("pad/tets")?;
         let elements = match width {
@@ -235,6 +246,12 @@ impl ObjectFile {
         };
         let singles = |name: RowName| cut(name).as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
         let doubles = |name: RowName| cut(name).as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
+        let tactile = |(array, row): (&TactileLayout, &Vec<u8>)| {
+            let size: usize = array.shape.iter().product();
+            let values = row.as_chunks().0[..frames * size].iter().map(|b| f32::from_le_bytes(*b)).collect();
+            let shape = [&[frames], array.shape.as_slice()].concat();
+            TactileArray { name: array.name.clone(), unit: array.unit.clone(), shape, values }
+        };
         let reason = row(RowName::Reason).split(|b| *b == 0).next().unwrap_or_default();
         StoredGrasp {
             frames,
@@ -247,6 +264,7 @@ impl ObjectFile {
             object_pose: doubles(RowName::ObjectPose),
             object_load: doubles(RowName::ObjectLoad),
             wrench: doubles(RowName::Wrench),
+            tactile: self.sizes.tactile.iter().zip(&rows[ARRAYS.len()..]).map(tactile).collect(),
             grasp_pose: row(RowName::GraspPose).as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect(),
             reason: String::from_utf8_lossy(reason).into_owned(),
         }

@@ -20,7 +20,7 @@ pub struct Encoder {
     pub mirrored: bool,
 }
 
-/// Rows of one grasp: bytes by array, in the order of [`ARRAYS`].
+/// Rows of one grasp: bytes by array, in the order of [`FileSizes::rows`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspRows(pub Vec<Vec<u8>>);
 
@@ -37,7 +37,7 @@ impl Encoder {
 
     /// Returns empty rows of a grasp at `pose`.
     pub fn rows(&self, pose: &GraspPose) -> GraspRows {
-        let mut rows = GraspRows(ARRAYS.iter().map(|a| vec![0; a.row_bytes(&self.sizes)]).collect());
+        let mut rows = GraspRows(self.sizes.rows().map(|row| vec![0; row.bytes()]).collect());
         rows.doubles(RowName::GraspPose, 0, pose_row(pose.position, pose.rotation));
         rows
     }
@@ -66,8 +66,7 @@ impl Encoder {
             let wrench = vectors(&[pad.wrench.force, pad.wrench.torque]);
             rows.doubles(RowName::Wrench, 6 * at, wrench);
             rows.doubles(RowName::Travel, at, [frame.travel[i]]);
-            // Any node tells: it is where its finger carried it, and displaced.
-            let carried = pad.position[0] - pad.displacement[0] - finger.body.rest[0];
+            let carried = pad.carried(&finger.body.rest);
             rows.doubles(RowName::FingerPosition, at, [carried.dot(finger.placement.closing)]);
         }
         let load = frame.object_load;
@@ -85,6 +84,9 @@ impl Encoder {
             rows.doubles(name, k, [value]);
         }
         rows.integer(RowName::NewtonIterations, k, frame.newton_iterations);
+        for (array, row) in frame.tactile.iter().zip(&mut rows.0[ARRAYS.len()..]) {
+            singles(row, k * array.values.len(), array.values.iter().copied());
+        }
     }
 
     /// Closes the rows with the end of the grasp and the checksum, which is returned.
@@ -106,10 +108,11 @@ impl Encoder {
     }
 }
 
-/// Computes the BLAKE3 of the rows except the last, which holds it.
+/// Computes the BLAKE3 of the rows except the one that holds it.
 pub fn checksum(rows: &[Vec<u8>]) -> blake3::Hash {
     let mut hasher = blake3::Hasher::new();
-    rows[..ARRAYS.len() - 1].iter().for_each(|row| {
+    let others = rows.iter().enumerate().filter(|(array, _)| *array != RowName::Checksum as usize);
+    others.for_each(|(_, row)| {
         hasher.update(row);
     });
     hasher.finalize()
@@ -129,10 +132,14 @@ fn pose_row(p: DVec3, q: glam::DQuat) -> [f64; 7] {
     [p.x, p.y, p.z, q.w, q.x, q.y, q.z]
 }
 
+/// Enters numbers of single precision into a row, from number `first` on.
+fn singles(row: &mut [u8], first: usize, values: impl Iterator<Item = f32>) {
+    row[4 * first..].chunks_exact_mut(4).zip(values).for_each(|(b, v)| b.copy_from_slice(&v.to_le_bytes()));
+}
+
 impl GraspRows {
     fn singles(&mut self, name: RowName, first: usize, values: impl IntoIterator<Item = f64>) {
-        let row = &mut self.0[name as usize][4 * first..];
-        row.chunks_exact_mut(4).zip(values).for_each(|(b, v)| b.copy_from_slice(&(v as f32).to_le_bytes()));
+        singles(&mut self.0[name as usize], first, values.into_iter().map(|v| v as f32));
     }
 
     fn doubles(&mut self, name: RowName, first: usize, values: impl IntoIterator<Item = f64>) {

@@ -41,8 +41,7 @@ impl Sampling {
             let stress = &pad.von_mises_node;
             let displacement = self.nodes.of(&pad.displacement);
             let von_mises_node: Vec<f64> = if stress.is_empty() { Vec::new() } else { self.nodes.of(stress) };
-            // Any node tells how far the finger has carried the pad.
-            let carried = pad.position[0] - pad.displacement[0] - first;
+            let carried = pad.carried(std::slice::from_ref(first));
             let elements = &finger.topology.elements;
             let mean = |own: &[u32]| own.iter().map(|n| von_mises_node[*n as usize]).sum::<f64>() / own.len() as f64;
             let tets = elements.nodes().chunks_exact(elements.width());
@@ -62,6 +61,9 @@ impl Sampling {
                 von_mises_node,
                 von_mises_element,
                 gap: if pad.gap.is_empty() { Vec::new() } else { self.nodes.of(&pad.gap) },
+                // Images of it are made on the finer mesh.
+                slip: Vec::new(),
+                contact_area: pad.contact_area,
                 wrench: pad.wrench,
             }
         });

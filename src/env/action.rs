@@ -1,7 +1,7 @@
 //! Actions of an agent: numbers from -1 to 1; a number beyond counts as the nearest end.
 
-use super::spec::ArraySpec;
 use crate::gripper::GraspPose;
+use crate::observe::ArraySpec;
 use crate::scene::Task;
 use crate::scene::task::Control;
 use glam::{DQuat, DVec3};

@@ -3,7 +3,6 @@
 use super::action::{self, Action};
 use super::draw::{Draw, EpisodeKey};
 use super::load::EpisodeLoads;
-use super::observe::Now;
 use super::picture::picture;
 use super::reward::StepInfo;
 use super::shared::EnvShared;
@@ -13,6 +12,7 @@ use crate::error::{self, Error};
 use crate::gripper::GraspPose;
 use crate::history::{HistoryReader, HistoryWriter};
 use crate::model::Model;
+use crate::observe::Now;
 use crate::record::Frame;
 use crate::render::Pixmap;
 use crate::world::components::ObjectWeight;
@@ -295,7 +295,7 @@ fn drive(environment: &mut Environment, model: &Model, force: f64, load: DVec3) 
 
 /// Writes all observations.
 fn see(shared: &EnvShared, model: &Model, frame: &Frame, out: &mut [f32]) {
-    let (now, mut rest) = (Now { model, frame }, out);
+    let (now, mut rest) = (Now { fingers: &model.fingers, object: &model.object, frame }, out);
     for sense in &shared.senses {
         let (own, others) = rest.split_at_mut(sense.spec().size());
         sense.write(&now, own);

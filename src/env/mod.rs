@@ -8,7 +8,7 @@
 //!                    weight and pushes -> load           (load.rs)
 //!                    one step of the world's schedule    (crate::world::environment)
 //!                    frame -> slip, margin -> reward     (slip.rs, reward/)
-//!                          -> arrays                     (observe/)
+//!                          -> arrays                     (crate::observe)
 //! ```
 //!
 //! An interruption ([`crate::interrupt`]) leaves a batch without episodes, never with steps that count for some and not for others.
@@ -28,19 +28,17 @@ pub mod draw;
 mod environment;
 mod identity;
 pub mod load;
-pub mod observe;
 mod picture;
 mod pool;
 pub mod reward;
 pub mod shared;
 pub mod slip;
 pub mod snapshot;
-pub mod spec;
 pub mod view;
 
+pub use crate::observe::ArraySpec;
 pub use batch::BatchEnv;
 pub use config::{Autoreset, BatchConfig};
 pub use reward::StepInfo;
 pub use snapshot::Snapshot;
-pub use spec::ArraySpec;
 pub use view::{StepError, StepView};

@@ -2,13 +2,13 @@
 
 use super::draw::{Draw, EpisodeKey, draw};
 use super::identity::identity;
-use super::observe::Sense;
 use super::reward::{Custom, StepInfo};
 use crate::backend::choose;
 use crate::error::{Error, Result};
 use crate::grasp::poses_of;
 use crate::gripper::GraspPose;
 use crate::model::Model;
+use crate::observe::{Sense, SensedHand};
 use crate::scene::leaf::{Count, NonNegative, Positive};
 use crate::scene::{Field, Loading, MaterialChoice, NamedScene, Record, Scene, Squeeze, Task};
 use crate::world::Stepper;
@@ -83,9 +83,10 @@ impl EnvShared {
         let kinds =
             set.iter().map(|named| ObjectKind::new(named, &task, stepper.as_ref())).collect::<Result<Vec<_>>>()?;
         let model = &kinds[0].variants[0].model;
+        let hand = SensedHand { fingers: &model.fingers, stroke: model.stroke, force: task.force.at(1.0) };
         Ok(Self {
             identity: identity(first, &task, &kinds)?,
-            senses: task.observe.iter().map(|o| o.sense(model, &task)).collect(),
+            senses: task.observe.iter().map(|o| o.sense(&hand)).collect(),
             stepper,
             steps: max_steps.unwrap_or(task.steps.get()).max(1),
             gravity: task.gravity.map_or(DVec3::ZERO, |g| g.dvec3()),
@@ -179,6 +180,7 @@ impl ObjectKind {
             let mut model = Model::build(&scene)?;
             if let Some(model) = Arc::get_mut(&mut model) {
                 model.needs.task = true;
+                model.needs.observe(&task.observe);
                 model.largest_drift = Some(LEASH * task.slip_limit.get());
                 let share = 1.0 / model.fingers.len() as f64;
                 model.levels = vec![task.force.at(0.0) * share, task.force.at(1.0) * share];
@@ -205,7 +207,7 @@ fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
         Loading::Squeeze(Squeeze { force, from: None, release: None, frames: leaf(Count::new(1))?, push: None });
     let mut fields = vec![Field::ContactForce];
     fields.extend(task.reward.iter().any(|r| r.term().needs_stress()).then_some(Field::Stress));
-    scene.record = Record { fields, pictures: false, arrays: None, vtu: false };
+    scene.record = Record { fields, pictures: false, arrays: None, vtu: false, tactile: Vec::new() };
     Ok(scene)
 }
 

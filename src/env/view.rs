@@ -1,7 +1,7 @@
 //! View of the results of a step: borrowed from the batch, so that no one keeps arrays that the next step overwrites.
 
 use super::reward::StepInfo;
-use super::spec::ArraySpec;
+use crate::observe::ArraySpec;
 
 /// Array of all environments: (environments, shape of the spec).
 #[derive(Debug, Clone)]

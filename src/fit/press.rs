@@ -49,7 +49,13 @@ impl<'a> PressRuns<'a> {
         };
         let mut scene = scene.clone();
         scene.promise_nothing();
-        scene.record = Record { fields: vec![Field::ContactForce], pictures: false, arrays: None, vtu: false };
+        scene.record = Record {
+            fields: vec![Field::ContactForce],
+            pictures: false,
+            arrays: None,
+            vtu: false,
+            tactile: Vec::new(),
+        };
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()

@@ -8,3 +8,15 @@ pub fn barycentric(p: DVec2, [a, b, c]: [DVec2; 3]) -> [f64; 3] {
     let [u, v] = [(b - p).perp_dot(c - p) / whole, (c - p).perp_dot(a - p) / whole];
     [u, v, 1.0 - u - v]
 }
+
+/// Returns the least of the coordinates: negative outside of the triangle, the more the farther.
+pub fn least(l: [f64; 3]) -> f64 {
+    l.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// Returns the coordinates of a place in the triangle near one that may lie outside.
+pub fn held(l: [f64; 3]) -> [f64; 3] {
+    let l = l.map(|v| v.max(0.0));
+    let sum: f64 = l.iter().sum();
+    l.map(|v| v / sum)
+}

@@ -1,6 +1,6 @@
 //! Triangles of a sensing face, seen from above.
 
-use super::barycentric::barycentric;
+use super::barycentric::{barycentric, held, least};
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
 /// Triangles that are looked up by x and y.
@@ -28,23 +28,25 @@ impl<'a> FaceLookup<'a> {
         Self { points, triangles, bounds, margin: DVec2::splat(MARGIN * (high - low).max_element().max(0.0)) }
     }
 
-    /// Returns the corners of the triangle above or below `x` with their weights, which are not negative and sum to one; beside the face,
-    /// those of the nearest place in the triangle that `x` is least outside of.
-    pub fn under(&self, x: DVec3) -> [(u32, f64); 3] {
-        let weights = |t: &[u32; 3]| barycentric(x.xy(), t.map(|i| self.points[i as usize].xy()));
+    /// Returns the number of the triangle at `p` and barycentric coordinates in it, which are not negative and sum to one; beside the
+    /// face, those of the nearest place in the triangle that `p` is least outside of. None without triangles.
+    pub fn place(&self, p: DVec2) -> Option<(usize, [f64; 3])> {
+        let weights = |t: &[u32; 3]| barycentric(p, t.map(|i| self.points[i as usize].xy()));
         // The triangle that the point is most inside of; beside the face, the least outside.
-        let inside = |w: &[f64; 3]| w.iter().copied().fold(f64::INFINITY, f64::min);
         let among = |near: &dyn Fn(&[DVec2; 2]) -> bool| {
-            let some = self.triangles.iter().zip(&self.bounds).filter(|(_, bounds)| near(bounds));
-            some.map(|(t, _)| (t, weights(t))).max_by(|a, b| inside(&a.1).total_cmp(&inside(&b.1)))
+            let all = self.triangles.iter().zip(&self.bounds).enumerate();
+            let some = all.filter(|(_, (_, bounds))| near(bounds)).map(|(k, (t, _))| (k, weights(t)));
+            some.max_by(|a, b| least(a.1).total_cmp(&least(b.1)))
         };
         // Whoever is in a triangle is within its bounds.
-        let p = x.xy();
         let best = among(&|[low, high]| p.cmpge(*low - self.margin).all() && p.cmple(*high + self.margin).all());
-        let best = best.filter(|(_, w)| inside(w) > -1e-9).or_else(|| among(&|_| true));
-        let (t, w) = best.unwrap_or((&[0, 0, 0], [1.0, 0.0, 0.0]));
-        let w = w.map(|w| w.max(0.0));
-        let sum: f64 = w.iter().sum();
-        [0, 1, 2].map(|k| (t[k], w[k] / sum))
+        let best = best.filter(|(_, l)| least(*l) > -1e-9).or_else(|| among(&|_| true));
+        best.map(|(k, l)| (k, held(l)))
+    }
+
+    /// Returns the corners of the triangle above or below `x` with their weights, as [`FaceLookup::place`] does.
+    pub fn under(&self, x: DVec3) -> [(u32, f64); 3] {
+        let (nodes, l) = self.place(x.xy()).map_or(([0; 3], [1.0, 0.0, 0.0]), |(k, l)| (self.triangles[k], l));
+        [0, 1, 2].map(|k| (nodes[k], l[k]))
     }
 }

@@ -1,6 +1,7 @@
 //! Height of a curved face over a regular grid of points in the plane below it.
 
-use super::barycentric::barycentric;
+use super::barycentric::{barycentric, least};
+use super::face_lookup::FaceLookup;
 use super::triangle6::{position, tangents};
 use glam::{DMat2, DVec2, DVec3, Vec3Swizzles};
 
@@ -25,8 +26,26 @@ const OUTSIDE: f64 = -1e-6;
 impl PlaneGrid {
     /// Returns point (row, column), the middle of that cell.
     pub fn point(&self, row: usize, col: usize) -> DVec2 {
-        let part = DVec2::new(row as f64 + 0.5, col as f64 + 0.5);
-        self.low + self.size * part / DVec2::new(self.cells[0] as f64, self.cells[1] as f64)
+        self.low + self.cell() * DVec2::new(row as f64 + 0.5, col as f64 + 0.5)
+    }
+
+    /// Returns the size of a cell.
+    pub fn cell(&self) -> DVec2 {
+        self.size / DVec2::new(self.cells[0] as f64, self.cells[1] as f64)
+    }
+
+    /// Returns the row and column of the cell that is nearest to a point.
+    pub fn nearest(&self, p: DVec2) -> [usize; 2] {
+        let at = (p - self.low) / self.cell();
+        [0, 1].map(|axis| at[axis].clamp(0.0, (self.cells[axis] - 1) as f64) as usize)
+    }
+
+    /// Returns the rows and columns of the cells whose points lie in the rectangle around some points.
+    pub fn amid(&self, points: &[DVec2]) -> impl Iterator<Item = [usize; 2]> + use<> {
+        let (low, high) =
+            points.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+        let [rows, cols] = [0, 1].map(|axis| self.within(axis, [low[axis], high[axis]]));
+        rows.flat_map(move |row| cols.clone().map(move |col| [row, col]))
     }
 
     /// Returns the numbers along one axis of the cells whose points lie between two coordinates.
@@ -42,33 +61,21 @@ impl PlaneGrid {
         let [rows, cols] = self.cells;
         let mut heights = vec![None; rows * cols];
         for x in triangles {
-            let ends = |axis: usize| {
-                let along = x.map(|p| p[axis]);
-                let (low, high) = (
-                    along.iter().copied().fold(f64::INFINITY, f64::min),
-                    along.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-                );
-                // A curved edge may reach beyond its nodes.
-                let more = 0.25 * (high - low);
-                [low - more, high + more]
-            };
-            for row in self.within(0, ends(0)) {
-                for col in self.within(1, ends(1)) {
-                    let height = &mut heights[row * cols + col];
-                    *height = height.or_else(|| over(x, self.point(row, col)));
-                }
+            let nodes = x.map(|p| p.xy());
+            // A curved edge may reach beyond its nodes.
+            let (low, high) = (nodes.into_iter().reduce(DVec2::min), nodes.into_iter().reduce(DVec2::max));
+            let (low, high) = (low.unwrap_or_default(), high.unwrap_or_default());
+            let more = 0.25 * (high - low);
+            for [row, col] in self.amid(&[low - more, high + more]) {
+                let height = &mut heights[row * cols + col];
+                *height = height.or_else(|| over(x, self.point(row, col)));
             }
         }
+        let corners: Vec<[u32; 3]> = (0..triangles.len() as u32).map(|k| [6 * k, 6 * k + 1, 6 * k + 2]).collect();
+        let lookup = FaceLookup::new(triangles.as_flattened(), &corners);
         let beside = |k: usize| {
-            let p = self.point(k / cols, k % cols);
-            let flat = |x: &[DVec3; 6]| barycentric(p, [x[0].xy(), x[1].xy(), x[2].xy()]);
-            let inside = |x: &[DVec3; 6]| flat(x).into_iter().fold(f64::INFINITY, f64::min);
-            let nearest = triangles.iter().max_by(|a, b| inside(a).total_cmp(&inside(b)));
-            nearest.map_or(0.0, |x| {
-                let held = flat(x).map(|l| l.max(0.0));
-                let sum: f64 = held.iter().sum();
-                position(x, held.map(|l| l / sum)).z
-            })
+            let place = lookup.place(self.point(k / cols, k % cols));
+            place.map_or(0.0, |(triangle, l)| position(&triangles[triangle], l).z)
         };
         heights.into_iter().enumerate().map(|(k, height)| height.unwrap_or_else(|| beside(k))).collect()
     }
@@ -81,7 +88,7 @@ fn over(x: &[DVec3; 6], p: DVec2) -> Option<f64> {
     for _ in 0..ITERATIONS {
         let off = p - position(x, l).xy();
         if off.length() < CLOSE * size {
-            return (l.into_iter().fold(f64::INFINITY, f64::min) > OUTSIDE).then(|| position(x, l).z);
+            return (least(l) > OUTSIDE).then(|| position(x, l).z);
         }
         let [u, v] = tangents(x, l).map(|t| t.xy());
         let step = DMat2::from_cols(u, v).inverse() * off;

@@ -26,6 +26,7 @@ use crate::mech::contact::Feature;
 use crate::mech::contact::law::ContactLaw;
 use crate::mech::material::{FixedCorotated, Linear, Material, NeoHookean};
 use crate::number::shown;
+use crate::observe::{Sense, SensedHand};
 use crate::part::{FingerModel, object, pad};
 use crate::record::{PadReport, pad_name};
 use crate::scales::{self, CONTACT_FORCE};
@@ -81,6 +82,8 @@ pub struct Model {
     pub needs: Needs,
     /// Judge of the recorded frames, if the scene needs one.
     pub auditor: Option<Auditor>,
+    /// Senses of the tactile sensors that the scene records.
+    pub senses: Vec<Box<dyn Sense>>,
     /// Repairs and assumptions, one sentence each.
     pub notices: Vec<String>,
     /// Notice to be read before the pads' stiffness is trusted.
@@ -166,6 +169,9 @@ impl Model {
         let depends = scene.gripper.friction.get() > 0.0 && dynamics.is_none() && !fingers.is_empty();
         let audit = || Auditor::new(&scene.promises(), &scene.object, &object, &fingers, (offset, spec.density));
         let auditor = needs.audit.then(audit);
+        let stroke = scene.gripper.stroke.get();
+        let hand = SensedHand { fingers: &fingers, stroke, force: f64::INFINITY };
+        let senses = scene.record.tactile.iter().map(|observe| observe.sense(&hand)).collect();
         let mut model = Self {
             release: 0.0,
             path_error: depends.then(|| fem.path.get()),
@@ -178,7 +184,7 @@ impl Model {
             law: ContactLaw::new(spec.young, spacing, scene.gripper.friction.get(), offset),
             material,
             gel_density: spec.density,
-            stroke: scene.gripper.stroke.get(),
+            stroke,
             opening: scene.gripper.opening.get(),
             gravity: scene.gravity.map(|g| g.dvec3()).filter(|g| *g != DVec3::ZERO),
             force_driven,
@@ -189,6 +195,7 @@ impl Model {
             memory,
             needs,
             auditor,
+            senses,
             notices,
             object,
         };

@@ -1,6 +1,6 @@
 //! Needs of a scene in its world: nothing is spawned, computed or solved for without a request.
 
-use crate::scene::{Expectation, Field, Fingers, Loading, ObjectMotion, Scene};
+use crate::scene::{Expectation, Field, Fingers, Loading, ObjectMotion, Observe, Scene};
 use serde::Serialize;
 
 /// Parts of the world that are there only if the scene asks for them.
@@ -10,6 +10,12 @@ pub struct Needs {
     pub stress: bool,
     /// Contact force per node: recorded.
     pub contact_force: bool,
+    /// Part of the contact force per node that slides: observed.
+    pub slip: bool,
+    /// Area of each pad that touches: observed.
+    pub contact_area: bool,
+    /// Arrays of tactile sensors in the frames: recorded.
+    pub tactile: bool,
     /// Distance to the object per node: recorded.
     pub gap: bool,
     /// Friction state per contact edge: Coulomb's coefficient is above zero.
@@ -35,18 +41,33 @@ impl Needs {
     pub fn of(scene: &Scene) -> Self {
         let promises = scene.promises();
         let recorded = |field: Field| scene.record.fields.contains(&field);
-        Self {
+        let mut needs = Self {
             stress: recorded(Field::Stress) || promises.iter().any(|e| matches!(e, Expectation::MaxStress(_))),
             contact_force: recorded(Field::ContactForce),
             gap: recorded(Field::Gap),
             friction: scene.gripper.friction.get() > 0.0,
             gravity: scene.gravity.is_some_and(|g| g.dvec3() != glam::DVec3::ZERO),
+            tactile: !scene.record.tactile.is_empty(),
+            slip: false,
+            contact_area: false,
             pads_apart: scene.gripper.fingers == Fingers::Both,
             audit: promises.iter().any(Expectation::audited),
             dynamic: matches!(scene.loading, Loading::Dynamic(_)),
             ground: scene.ground.is_some(),
             task: false,
             free_object: scene.object.motion == ObjectMotion::Free,
-        }
+        };
+        needs.observe(&scene.record.tactile);
+        needs
+    }
+
+    /// Adds what these observations are made of.
+    pub fn observe(&mut self, observed: &[Observe]) {
+        use Observe::{CenterOfPressure, ContactArea, Pressure, Shear, Slip, TaxelForce};
+        let any = |made_of: fn(&Observe) -> bool| observed.iter().any(made_of);
+        self.slip |= any(|o| matches!(o, Slip(_)));
+        self.contact_area |= any(|o| matches!(o, ContactArea));
+        self.contact_force |= self.slip || self.contact_area;
+        self.contact_force |= any(|o| matches!(o, TaxelForce(_) | Pressure(_) | Shear(_) | CenterOfPressure));
     }
 }

@@ -4,7 +4,7 @@
 //! Nodes and tetrahedra of the pads are concatenated, left first; `pad_of_node` tells them apart and `tets` counts nodes over both pads.
 
 use super::frame::{Frame, PadTopology};
-use super::names;
+use super::{TactileArray, names};
 use crate::error::{Error, Result};
 use crate::files::atomic::replace_durable;
 use crate::gripper::GraspPose;
@@ -43,6 +43,8 @@ pub struct GraspArrays {
     hand_pose: Vec<f64>,
     object_motion: Vec<f64>,
     ground_force: Vec<f64>,
+    /// Arrays of tactile sensors, with the values of all frames.
+    tactile: Vec<TactileArray>,
 }
 
 impl GraspArrays {
@@ -85,6 +87,7 @@ impl GraspArrays {
             hand_pose: Vec::new(),
             object_motion: Vec::new(),
             ground_force: Vec::new(),
+            tactile: Vec::new(),
         };
         for (pad, topology) in (0..).zip(topologies) {
             let first = arrays.bonded.len() as u32;
@@ -116,6 +119,12 @@ impl GraspArrays {
             self.hand_pose.extend([p.x, p.y, p.z, q.w, q.x, q.y, q.z]);
             extend(&mut self.object_motion, &[m.velocity, m.spin]);
             extend(&mut self.ground_force, &[m.ground_force]);
+        }
+        for (k, array) in frame.tactile.iter().enumerate() {
+            match self.tactile.get_mut(k) {
+                Some(own) => own.values.extend(&array.values),
+                None => self.tactile.push(array.clone()),
+            }
         }
         self.force.push(frame.applied_force);
         self.time.push(frame.time);
@@ -177,6 +186,9 @@ impl GraspArrays {
         put(out, names::BONDED, nodes, &self.bonded)?;
         put(out, names::PAD_OF_NODE, nodes, &self.pad_of_node)?;
         put(out, names::PAD_OF_TET, tets, &self.pad_of_tet)?;
+        for TactileArray { name, shape, values, .. } in &self.tactile {
+            put(out, name, [&[frames], shape.as_slice()].concat(), values)?;
+        }
         npz.finish().map_err(io_error)?.flush()
     }
 }

@@ -1,6 +1,7 @@
 //! Checks before writing: sizes match and numbers are finite. A file with a NaN ruins a training set silently.
 
 use super::frame::{Frame, PadFrame, PadTopology, pad_name};
+use super::tactile::TactileArray;
 use crate::geometry::mesh::TriMesh;
 use glam::DVec3;
 use std::borrow::Borrow;
@@ -59,6 +60,11 @@ pub fn frame<T: Borrow<PadTopology>>(topologies: &[T], frame: &Frame) -> Verdict
     numbers(&name, "travel", &frame.travel)?;
     vectors(&name, "object_position", &[frame.object_position])?;
     numbers(&name, "object_rotation", &frame.object_rotation.to_array())?;
+    for TactileArray { name: field, shape, values, .. } in &frame.tactile {
+        length(&name, field, values.len(), shape.iter().product(), "its shape")?;
+        let bad = values.iter().position(|v| !v.is_finite());
+        bad.map_or(Ok(()), |i| finite(&name, &format!("{field}[{i}]"), f64::from(values[i])))?;
+    }
     for (index, (pad, topology)) in frame.pads.iter().zip(topologies).enumerate() {
         pad_frame(&format!("{name}, pad {index} ({})", pad_name(index)), pad, topology.borrow())?;
     }
@@ -79,6 +85,9 @@ fn pad_frame(name: &str, pad: &PadFrame, topology: &PadTopology) -> Verdict {
     numbers(name, "von_mises_element", &pad.von_mises_element)?;
     optional(name, "gap", pad.gap.len(), nodes, "nodes")?;
     numbers(name, "gap", &pad.gap)?;
+    optional(name, "slip", pad.slip.len(), nodes, "nodes")?;
+    numbers(name, "slip", &pad.slip)?;
+    finite(name, "contact_area", pad.contact_area)?;
     vectors(name, "wrench.force", &[pad.wrench.force])?;
     vectors(name, "wrench.torque", &[pad.wrench.torque])
 }

@@ -2,7 +2,7 @@
 //!
 //! Everything is in the hand frame and in SI units unless a field states otherwise.
 
-use super::ErrorBound;
+use super::{ErrorBound, TactileArray};
 use crate::geometry::mesh::quality::EDGES;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -32,8 +32,20 @@ pub struct PadFrame {
     pub von_mises_element: Vec<f64>,
     /// Signed distance of each node to the object, m; negative inside; empty if not recorded.
     pub gap: Vec<f64>,
+    /// Part of the contact force of each node that is carried by points that slide, 0 to 1; empty if nothing asks for it.
+    pub slip: Vec<f64>,
+    /// Area that touches the object, m2, at rest; zero if nothing asks for it.
+    pub contact_area: f64,
     /// Resultant of the contact on this pad.
     pub wrench: Wrench,
+}
+
+impl PadFrame {
+    /// Returns how far the finger has carried the pad from where its nodes are at `rest`, m.
+    pub fn carried(&self, rest: &[DVec3]) -> DVec3 {
+        // Any node tells: it is where its finger carried it, and displaced.
+        self.position[0] - self.displacement[0] - rest[0]
+    }
 }
 
 /// Additional state of a frame of a dynamic scene. The world's frame is that of the object at the start.
@@ -95,6 +107,8 @@ pub struct Frame {
     pub residual: f64,
     /// Error of a prediction by its own account; None for what was computed.
     pub error: Option<ErrorBound>,
+    /// Arrays of what tactile sensors see, in the order of the scene; empty if it does not record them.
+    pub tactile: Vec<TactileArray>,
 }
 
 impl Frame {

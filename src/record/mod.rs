@@ -26,8 +26,10 @@ pub mod pvd;
 pub mod read;
 pub mod report;
 pub mod sensitivity;
+pub mod tactile;
 pub mod vtu;
 
 pub use error_bound::ErrorBound;
 pub use frame::{ElementNodes, Frame, Moving, PadFrame, PadTopology, Wrench, pad_name};
 pub use report::{ExpectationReport, GraspSummary, PadReport, RunReport, Status};
+pub use tactile::TactileArray;

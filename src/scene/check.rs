@@ -90,6 +90,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Problem> {
     loading(scene)?;
     dynamic(scene)?;
     super::task::problem(scene).map_or(Ok(()), |(path, message)| refuse(path, message))?;
+    super::output::problem(scene).map_or(Ok(()), |(path, message)| refuse(path, message))?;
     promises(scene)
 }
 

@@ -163,6 +163,13 @@ defaults! {
     /// Task: turn of the hand, degrees.
     TASK_TURN: NonNegative = NonNegative::preset(0.0);
 
+    /// Markers: number along the long side of the pad.
+    MARKER_ROWS: Count<1, 512> = Count::preset(9);
+    /// Markers: number along its short side.
+    MARKER_COLS: Count<1, 512> = Count::preset(7);
+    /// Markers: pixel of the camera on the face, m: that of a GelSight Mini at 320 x 240.
+    MARKER_PIXEL: Length = Length::preset(63.4e-6);
+
     /// FEM: constant dilatation within each element (no volumetric locking).
     MEAN_DILATATION: bool = true;
     /// FEM: residual force over the loading's force at which an increment counts as solved.

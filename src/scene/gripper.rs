@@ -1,10 +1,13 @@
 //! Gripper: two fingers (or one), each with a soft pad.
 
+use super::convention::HandAxis;
 use super::defaults;
 use super::leaf::{Finite, Length, NonNegative};
 use super::material::MaterialChoice;
 use super::pad::Pads;
+use crate::robot::Mount;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// Gripper. Hand frame: origin at the hand base, +z is the approach, the fingers close along x, y is the finger width.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,6 +27,9 @@ pub struct Gripper {
     pub placement: Placement,
     /// Choice of the fingers that carry a pad and move.
     pub fingers: Fingers,
+    /// Description of the robot that the pads are mounted on, in place of opening, stroke and placement; a scene that is loaded has its numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robot: Option<Robot>,
 }
 
 impl Default for Gripper {
@@ -36,7 +42,37 @@ impl Default for Gripper {
             friction: defaults::FRICTION,
             placement: Placement::default(),
             fingers: Fingers::default(),
+            robot: None,
         }
+    }
+}
+
+/// Description of a robot with a parallel gripper: URDF (`.urdf`) or MJCF (`.xml`), of which links and their joints are read. Grasps are those of its
+/// hand: `grasps: File(path: "...", convention: (closing: Y, approach: Z))` reads poses in the axes of a Franka hand.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Robot {
+    /// Path of the description.
+    pub path: PathBuf,
+    /// Name of the link that is the base of the hand.
+    pub hand: String,
+    /// Names of the links, or of the sites, whose origins are the centres of the two sensing faces, left first.
+    pub pads: (String, String),
+    /// Axis of the hand's link along which the hand approaches the object.
+    #[serde(default = "defaults::approach")]
+    pub approach: HandAxis,
+}
+
+impl Gripper {
+    /// Takes opening, stroke and placement of the pads from the description of its robot.
+    ///
+    /// # Errors
+    /// Fails if a number is none that the scene could give.
+    pub(super) fn take_over(&mut self, mount: &Mount) -> Result<(), String> {
+        (self.opening, self.stroke) = (Length::new(mount.opening)?, Length::new(mount.stroke)?);
+        self.placement = Placement { y: Finite::new(mount.y)?, z: Finite::new(mount.z)? };
+        self.robot = None;
+        Ok(())
     }
 }
 

@@ -14,6 +14,7 @@ use super::source::{self, SIZE_LIMIT};
 use super::stepper::{SHIPPED_MODELS, StepperChoice};
 use crate::error::{Error, Result};
 use crate::files::regular::other_kind;
+use crate::robot::mount;
 use ron::extensions::Extensions;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -326,7 +327,8 @@ impl Loader {
         let source = &self.sources[index];
         let mut own = read_part(source)?;
         let dir = folder(path);
-        resolve_paths(&mut own, &dir).map_err(|(field, message)| source.error_at(&field, &message))?;
+        let outline = Outline::of(&source.text);
+        resolve_paths(&mut own, &dir, &outline).map_err(|(field, message)| source.error_at(&field, &message))?;
 
         chain.push(path.canonicalize().unwrap_or_else(|_| path.to_path_buf()));
         let (mut whole, mut origins) = (ScenePart::default(), Origins::new());
@@ -383,8 +385,9 @@ fn read_part(source: &Source) -> Result<ScenePart> {
     Ok(part)
 }
 
-/// Resolves paths from the folder of the file that names them, and refuses those that lead nowhere.
-fn resolve_paths(part: &mut ScenePart, dir: &Path) -> std::result::Result<(), (String, String)> {
+/// Resolves paths from the folder of the file that names them, refuses those that lead nowhere, and takes over what the descriptions of
+/// robots say.
+fn resolve_paths(part: &mut ScenePart, dir: &Path, outline: &Outline) -> std::result::Result<(), (String, String)> {
     let file = |path: &mut PathBuf, field: String| {
         *path = dir.join(&*path);
         match path.metadata() {
@@ -405,9 +408,22 @@ fn resolve_paths(part: &mut ScenePart, dir: &Path) -> std::result::Result<(), (S
         Grasps::File(grasps) => file(&mut grasps.path, format!("{field}.path")),
         _ => Ok(()),
     };
-    let gripper = |gripper: &mut Gripper, field: &str| match &mut gripper.pads {
-        Pads::File(pad) => file(&mut pad.path, format!("{field}.pads.path")),
-        _ => Ok(()),
+    let gripper = |gripper: &mut Gripper, field: &str| {
+        if let Pads::File(pad) = &mut gripper.pads {
+            file(&mut pad.path, format!("{field}.pads.path"))?;
+        }
+        let Some(mut robot) = gripper.robot.take() else { return Ok(()) };
+        file(&mut robot.path, format!("{field}.robot.path"))?;
+        for name in ["opening", "stroke", "placement"] {
+            let field = format!("{field}.{name}");
+            if outline.find(&field).is_some_and(|entry| outline.path(entry) == field) {
+                return Err((field, format!("the robot says what the {name} is; leave one of them out")));
+            }
+        }
+        let pads = [robot.pads.0.as_str(), robot.pads.1.as_str()];
+        let mount = mount(&robot.path, &robot.hand, pads, robot.approach.vector());
+        let taken = mount.and_then(|mount| gripper.take_over(&mount));
+        taken.map_err(|message| (format!("{field}.robot"), format!("{}: {message}", robot.path.display())))
     };
     part.object.as_mut().map_or(Ok(()), |o| object(o, "object"))?;
     part.grasps.as_mut().map_or(Ok(()), |g| grasps(g, "grasps"))?;

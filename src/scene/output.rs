@@ -1,13 +1,18 @@
 //! Output of a run.
 
+use super::gripper::Fingers;
+use super::observation::Observe;
+use super::schema::Scene;
 use serde::{Deserialize, Serialize};
 
 /// Output of a run; by default everything except the gaps.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Record", default, deny_unknown_fields)]
 pub struct Record {
     /// Fields of each frame.
     pub fields: Vec<Field>,
+    /// Observations of tactile sensors, for the arrays of runs and data sets.
+    pub tactile: Vec<Observe>,
     /// Switch for PNG pictures.
     pub pictures: bool,
     /// Format of the file with the arrays of all frames; None writes none.
@@ -18,8 +23,31 @@ pub struct Record {
 
 impl Default for Record {
     fn default() -> Self {
-        Self { fields: Field::USUAL.to_vec(), pictures: true, arrays: Some(Arrays::Npz), vtu: true }
+        Self {
+            fields: Field::USUAL.to_vec(),
+            tactile: Vec::new(),
+            pictures: true,
+            arrays: Some(Arrays::Npz),
+            vtu: true,
+        }
     }
+}
+
+/// Returns the first value that does not fit, as field and message.
+pub(super) fn problem(scene: &Scene) -> Option<(String, String)> {
+    let tactile = &scene.record.tactile;
+    let field = |message: String| Some(("record.tactile".to_string(), message));
+    if let Some(other) = tactile.iter().find(|observe| !observe.is_tactile()) {
+        return field(format!(
+            "`{}` is none of a tactile sensor\nruns and data sets have such numbers anyway",
+            other.name()
+        ));
+    }
+    if (1..tactile.len()).any(|i| tactile[..i].iter().any(|o| o.name() == tactile[i].name())) {
+        return field("two observations have the same name".into());
+    }
+    (!tactile.is_empty() && scene.gripper.fingers == Fingers::None)
+        .then(|| ("record.tactile".into(), "the scene has no pads that see anything\nuse fingers: Both".into()))
 }
 
 /// Recorded field.

@@ -6,10 +6,12 @@
 //! | | [`NodalStress`] | stress is recorded or expected |
 //! | | [`ContactForce`] | contact forces are recorded |
 //! | | [`NodeGap`] | gaps are recorded |
+//! | | [`NodeSlip`] | slip is observed |
 //! | tetrahedron | [`FingerIndex`], [`TetStress`] | stress is recorded or expected |
 //! | contact edge | [`FingerIndex`], [`ContactEdge`] | with finite elements, a fixed pool |
 //! | | [`ContactFriction`] | friction is above zero |
 //! | finger | [`FingerIndex`], [`ClosingDirection`], [`FirstContact`], [`FingerTravel`], [`FingerForce`], [`FingerWrench`] | always |
+//! | | [`ContactArea`] | the area that touches is observed |
 //! | object | [`ObjectPose`] | always |
 //! | | [`ObjectWeight`] | gravity is set, or an agent acts, and the object may move |
 //! | | [`ObjectVelocity`], [`ObjectMomentum`], [`InertialWrench`] | the scene is dynamic and the object may move |
@@ -56,12 +58,14 @@ pub(crate) fn visit_columns(visitor: &mut impl ColumnVisitor) -> Result<()> {
     visitor.visit::<TetStress>()?;
     visitor.visit::<ContactForce>()?;
     visitor.visit::<NodeGap>()?;
+    visitor.visit::<NodeSlip>()?;
     visitor.visit::<ContactEdge>()?;
     visitor.visit::<ContactFriction>()?;
     visitor.visit::<FirstContact>()?;
     visitor.visit::<FingerTravel>()?;
     visitor.visit::<FingerForce>()?;
     visitor.visit::<FingerWrench>()?;
+    visitor.visit::<ContactArea>()?;
     visitor.visit::<ObjectPose>()?;
     visitor.visit::<ObjectWeight>()?;
     visitor.visit::<ObjectVelocity>()?;
@@ -96,6 +100,10 @@ components! {
     ContactForce(DVec3);
     /// Signed distance of a node to the object, m; negative inside. Written by `measure_gap`.
     NodeGap(f64);
+    /// Part of the contact force of a node that is carried by points that slide, 0 to 1. Written by `measure_slip`.
+    NodeSlip(f64);
+    /// Area of the pad of a finger that touches the object, m2, at rest. Written by `measure_contact_area`.
+    ContactArea(f64);
     /// Unit vector along which a finger closes, hand frame. Written at spawn.
     ClosingDirection(DVec3);
     /// Travel of a finger at first contact, m, 0 to the stroke. Written once by `close_to_contact`.

@@ -23,7 +23,11 @@ pub fn spawn(model: &Arc<Model>, pose: GraspPose) -> World {
             world.spawn_batch((0..finger.body.element_count()).map(|_| (of, TetStress(0.0))));
         }
         let closing = ClosingDirection(finger.placement.closing);
-        world.spawn((of, closing, FirstContact(0.0), FingerTravel(0.0), FingerForce(0.0), FingerWrench::default()));
+        let state = (FirstContact(0.0), FingerTravel(0.0), FingerForce(0.0), FingerWrench::default());
+        let mut entity = world.spawn((of, closing, state));
+        if model.needs.contact_area {
+            entity.insert(ContactArea(0.0));
+        }
     }
     let mut object = world.spawn(ObjectPose { position: DVec3::ZERO, rotation: DQuat::IDENTITY });
     if model.needs.free_object {
@@ -52,6 +56,7 @@ pub fn begin(world: &mut World, model: &Arc<Model>, pose: GraspPose) {
     fill(world, NodalStress(0.0));
     fill(world, ContactForce(DVec3::ZERO));
     fill(world, NodeGap(0.0));
+    fill(world, NodeSlip(0.0));
     fill(world, TetStress(0.0));
     fill(world, ContactEdge::default());
     fill(world, ContactFriction::default());
@@ -59,6 +64,7 @@ pub fn begin(world: &mut World, model: &Arc<Model>, pose: GraspPose) {
     fill(world, FingerTravel(0.0));
     fill(world, FingerForce(0.0));
     fill(world, FingerWrench::default());
+    fill(world, ContactArea(0.0));
     let start = pose.object_in_hand();
     fill(world, ObjectPose { position: start.position, rotation: start.rotation });
     fill(world, ObjectWeight(start.rotation * model.gravity.unwrap_or_default() * model.mass));
@@ -113,6 +119,9 @@ fn spawn_nodes(world: &mut World, model: &Model) {
     }
     if model.needs.gap {
         add_column(world, &nodes, NodeGap(0.0));
+    }
+    if model.needs.slip {
+        add_column(world, &nodes, NodeSlip(0.0));
     }
 }
 

@@ -373,7 +373,7 @@ fn an_unfinished_data_set_goes_on_from_its_plan_whatever_its_files_say() {
 
 #[test]
 fn an_array_that_claims_more_than_its_file_holds_is_refused_unread() {
-    let sizes = FileSizes { grasps: 1, frames: 1, pads: 1, nodes: 4, corners: 4, tets: 1 };
+    let sizes = FileSizes { grasps: 1, frames: 1, pads: 1, nodes: 4, corners: 4, tets: 1, tactile: Vec::new() };
     let mut builder = FileBuilder::new();
     builder.set_attr("format", AttrValue::U64(FORMAT));
     for array in ARRAYS {

@@ -24,3 +24,4 @@ mod record_vtu;
 mod render_pads;
 mod report;
 mod run_cli;
+mod tactile;

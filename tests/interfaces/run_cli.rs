@@ -206,3 +206,18 @@ fn predictions_of_many_grasps_come_as_a_table_as_json_and_as_arrays() {
     assert_eq!(tactus(&["predict", "scenes/lemon.ron", "--grasps", "5"]).status.code(), Some(0));
     assert_eq!(tactus(&["predict", "scenes/lemon.ron", "--model", "nobody"]).status.code(), Some(2));
 }
+
+#[test]
+fn completions_and_manual_name_every_command() {
+    let completions = tactus(&["completions", "bash"]);
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(tactus(&["man", "-o", folder.path().to_str().unwrap()]).status.code(), Some(0));
+    let shown = String::from_utf8(completions.stdout).unwrap();
+    for command in ["run", "predict", "check", "dataset", "train", "eval", "bench", "fit", "report"] {
+        assert!(shown.contains(&format!("tactus,{command}")), "completions miss {command}");
+        let page = std::fs::read_to_string(folder.path().join(format!("tactus-{command}.1"))).unwrap();
+        assert!(page.contains("OPTIONS"), "{command}: {page}");
+    }
+    let version = String::from_utf8(tactus(&["--version"]).stdout).unwrap();
+    assert!(version.contains("data sets of layout") && version.contains(env!("CARGO_PKG_VERSION")), "{version}");
+}

@@ -14,6 +14,7 @@ mod mutations;
 mod outcomes;
 mod real_grasps;
 mod reference;
+mod robots;
 mod scene_cli;
 mod scene_errors;
 mod scene_expect;

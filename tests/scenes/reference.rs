@@ -29,6 +29,9 @@ fn value(code: &str) -> String {
     if code.ends_with("::ALL.to_vec()") {
         return "all".into();
     }
+    if code == "Vec::new()" {
+        return "empty".into();
+    }
     let inner = ["Tuple([", "::preset(", "::preset3(", "::preset_size("].iter().find_map(|mark| code.split_once(mark));
     match inner {
         Some((_, rest)) => {

@@ -42,7 +42,7 @@ fn unknown_fields_list_the_allowed_ones() {
     );
     line_three("gripper: (openning: 0.08),", 11, &["did you mean `opening`?", "in Gripper"]);
     line_three("stepper: Fem(tolerance: (torque: 1)),", 26, &["in Tolerance", "allowed: force, displacement"]);
-    line_three("record: (png: true),", 10, &["in Record", "allowed: fields, pictures, arrays, vtu"]);
+    line_three("record: (png: true),", 10, &["in Record", "allowed: fields, tactile, pictures, arrays, vtu"]);
     line_three("grasps: Antipodal(count: 3, sed: 4),", 29, &["did you mean `seed`?"]);
 }
 

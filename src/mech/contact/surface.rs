@@ -147,6 +147,12 @@ impl SurfaceFace {
         self.corners.into_iter().chain(self.mids.into_iter().flatten())
     }
 
+    /// Positions of corners and middles of the edges for node positions `x`, m: of a linear face, too.
+    pub fn positions(&self, x: &[DVec3]) -> [DVec3; 6] {
+        let [a, b, c] = self.corners.map(|n| x[n as usize]);
+        self.six_nodes(x).unwrap_or([a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)])
+    }
+
     /// Positions of the six nodes of a quadratic face for node positions `x`, m; None for a linear one.
     pub(crate) fn six_nodes(&self, x: &[DVec3]) -> Option<[DVec3; 6]> {
         let [a, b, c] = self.corners;

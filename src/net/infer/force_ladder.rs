@@ -2,8 +2,8 @@
 //!
 //! Several loads side by side cost the network little more than one. So a grasp is answered once at a ladder of forces, and answers
 //! between two rungs are interpolated linearly: contact forces still sum to the pressing force of the finger. Where the network was trained
-//! for pushes, each rung also has the answers to a push along each of two directions across the fingers, and other pushes are combinations of
-//! these: contact forces still balance them.
+//! for pushes, some rungs also have the answers to a push along each of two directions across the fingers. What a push changes is in
+//! proportion to it, and linear between these rungs: contact forces still balance it.
 
 use super::answer::{Answer, mixed};
 use super::predict::{GraspState, Predictor, Seen};
@@ -12,15 +12,19 @@ use crate::linear::{GraspLoad, around};
 use glam::DVec3;
 
 /// Number of rungs; neighbours differ by a third of their force where the largest force of an agent is seven times the smallest.
-const RUNGS: i32 = 8;
+const RUNGS: usize = 8;
+/// Rungs that are pushed. Pushes on all of them would hardly be less off: other pushes are combinations of theirs.
+const PUSHED: [usize; 3] = [0, 4, RUNGS - 1];
 /// Push of a rung over what friction holds.
 const PUSH: f64 = 0.4;
 
 /// States of the pads of a grasp at rising forces per finger, N.
 #[derive(Debug)]
 pub struct ForceLadder {
-    /// Forces, with the number of their first level.
+    /// Forces of the rungs with their levels.
     rungs: Vec<(f64, usize)>,
+    /// Forces of the pushed rungs with their levels: without a push, then the first of their pushes.
+    pushed: Vec<(f64, [usize; 2])>,
     /// Directions of the pushes, hand frame; empty for a network that knows none.
     directions: Vec<DVec3>,
     /// Push over the force per finger.
@@ -35,21 +39,22 @@ impl ForceLadder {
     /// Fails if predicted numbers are not finite.
     pub fn new(predictor: &Predictor, seen: &Seen, low: f64, high: f64) -> Result<Self> {
         let model = seen.model();
-        let pushed = predictor.knows_pushes() && model.free && model.law.friction > 0.0;
+        let pushes = predictor.knows_pushes() && model.free && model.law.friction > 0.0;
         let axes = model.fingers.first().map(|finger| finger.placement.rotation);
         let directions: Vec<DVec3> =
-            axes.filter(|_| pushed).iter().flat_map(|axes| [axes.x_axis, axes.y_axis]).collect();
+            axes.filter(|_| pushes).iter().flat_map(|axes| [axes.x_axis, axes.y_axis]).collect();
         let push = PUSH * model.law.friction * model.fingers.len() as f64;
-        let step = (high / low).powf(1.0 / f64::from(RUNGS - 1));
-        let forces: Vec<f64> = (0..RUNGS).map(|k| low * step.powi(k)).collect();
-        let levels = |force: &f64| {
-            let pushes = std::iter::once(DVec3::ZERO).chain(directions.iter().map(|along| *along * (push * force)));
-            pushes.map(|push| GraspLoad { force: *force, push: [push, DVec3::ZERO] }).collect::<Vec<_>>()
-        };
-        let loads: Vec<GraspLoad> = forces.iter().flat_map(levels).collect();
+        let step = (high / low).powf(1.0 / (RUNGS - 1) as f64);
+        let rungs: Vec<(f64, usize)> = (0..RUNGS).map(|k| (low * step.powi(k as i32), k)).collect();
+        let mut loads: Vec<GraspLoad> = rungs.iter().map(|(force, _)| (*force).into()).collect();
+        let mut pushed = Vec::new();
+        for (force, level) in PUSHED.iter().map(|rung| &rungs[*rung]) {
+            pushed.push((*force, [*level, loads.len()]));
+            let along = |along: &DVec3| GraspLoad { force: *force, push: [*along * (push * force), DVec3::ZERO] };
+            loads.extend(directions.iter().map(along));
+        }
         let answer = predictor.answer(seen, &loads)?;
-        let rungs = forces.into_iter().zip((0..).step_by(1 + directions.len())).collect();
-        Ok(Self { rungs, directions, push, answer })
+        Ok(Self { rungs, pushed, directions, push, answer })
     }
 
     /// Returns true if it answers pushes.
@@ -60,15 +65,15 @@ impl ForceLadder {
     /// Returns the states of the pads at `force` per finger, N, with a `push` on the object, N, hand frame; None beyond the ladder.
     pub fn at(&self, force: f64, push: DVec3) -> Option<GraspState> {
         let (before, after, part) = around(&self.rungs, force)?;
+        let mut levels = vec![(*before, 1.0 - part), (*after, part)];
+        let (before, after, part) = around(&self.pushed, force)?;
         let along: Vec<f64> = self.directions.iter().map(|d| d.dot(push) / (self.push * force)).collect();
         let whole: f64 = along.iter().sum();
-        let mut levels = Vec::with_capacity(2 * (1 + along.len()));
-        for (rung, part) in [(*before, 1.0 - part), (*after, part)] {
-            levels.push((rung, part * (1.0 - whole)));
-            levels.extend(
-                along.iter().zip(rung + 1..).filter(|(by, _)| **by != 0.0).map(|(by, level)| (level, part * by)),
-            );
+        for ([still, first], part) in [(before, 1.0 - part), (after, part)] {
+            levels.extend(along.iter().zip(*first..).map(|(by, level)| (level, part * by)));
+            levels.push((*still, -part * whole));
         }
+        levels.retain(|(_, weight)| *weight != 0.0);
         let parts: Vec<_> = levels.into_iter().map(|(level, part)| (&self.answer, level, part)).collect();
         Some(mixed(&parts))
     }

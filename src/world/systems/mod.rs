@@ -2,11 +2,14 @@
 
 pub(crate) mod apart;
 pub mod audit;
+mod contact_area;
 mod control;
 pub(crate) mod inversion;
 pub(crate) mod measure;
 mod record;
 pub(crate) mod sense;
+mod slip;
+mod tactile;
 
 use crate::model::Needs;
 use crate::world::schedule::{StepSet, ramping, reached};
@@ -27,6 +30,18 @@ pub fn register(schedule: &mut Schedule, needs: &Needs) {
     schedule.add_systems(measure::measure_balance.run_if(reached).in_set(StepSet::Measure));
     if needs.gap {
         schedule.add_systems(measure::measure_gap.run_if(reached).in_set(StepSet::Measure));
+    }
+    // All that the stepper measures is written by then.
+    if needs.contact_area {
+        let area = contact_area::measure_contact_area.run_if(reached).before(record::record_frame);
+        schedule.add_systems(area.in_set(StepSet::Record));
+    }
+    if needs.slip {
+        schedule.add_systems(slip::measure_slip.run_if(reached).before(record::record_frame).in_set(StepSet::Record));
+    }
+    if needs.tactile {
+        let see = tactile::record_tactile.run_if(reached).after(record::record_frame).before(record::turn_phase);
+        schedule.add_systems(see.before(audit_frame).in_set(StepSet::Record));
     }
     if needs.audit {
         let judge = audit_frame.run_if(reached).after(record::record_frame).before(record::turn_phase);

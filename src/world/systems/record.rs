@@ -14,9 +14,17 @@ type Nodes<'a> = (
     Option<&'a NodalStress>,
     Option<&'a ContactForce>,
     Option<&'a NodeGap>,
+    Option<&'a NodeSlip>,
 );
-/// Finger columns of a frame.
-type Fingers<'a> = (&'a FingerIndex, &'a ClosingDirection, &'a FirstContact, &'a FingerTravel, &'a FingerWrench);
+/// Finger columns of a frame; the area that touches only where the scene asks for it.
+type Fingers<'a> = (
+    &'a FingerIndex,
+    &'a ClosingDirection,
+    &'a FirstContact,
+    &'a FingerTravel,
+    &'a FingerWrench,
+    Option<&'a ContactArea>,
+);
 
 /// Columns of the object; all but the pose only where it moves in time.
 type Object<'a> = (&'a ObjectPose, Option<(&'a ObjectVelocity, &'a ObjectMomentum)>, Option<&'a GroundWrench>);
@@ -40,13 +48,14 @@ pub fn record_frame(
     let mut pads = vec![PadFrame::default(); shared.0.fingers.len()];
     let mut travel = vec![0.0; pads.len()];
     let mut carried = vec![DVec3::ZERO; pads.len()];
-    for (finger, closing, first, now, wrench) in &fingers {
+    for (finger, closing, first, now, wrench, area) in &fingers {
         let f = finger.0 as usize;
         travel[f] = now.0 - first.0;
         carried[f] = closing.0 * now.0;
         pads[f].wrench = Wrench { force: wrench.force, torque: wrench.torque };
+        pads[f].contact_area = area.map_or(0.0, |area| area.0);
     }
-    for (finger, rest, position, stress, force, gap) in nodes.contiguous_iter().expect(TABLES) {
+    for (finger, rest, position, stress, force, gap, slip) in nodes.contiguous_iter().expect(TABLES) {
         for (f, rows) in rows_by_pad(finger) {
             let (pad, x) = (&mut pads[f], &position[rows.clone()]);
             pad.position = x.iter().map(|x| x.0 + carried[f]).collect();
@@ -58,7 +67,10 @@ pub fn record_frame(
                 pad.contact_force = force[rows.clone()].iter().map(|f| f.0).collect();
             }
             if let Some(gap) = gap {
-                pad.gap = gap[rows].iter().map(|g| g.0).collect();
+                pad.gap = gap[rows.clone()].iter().map(|g| g.0).collect();
+            }
+            if let Some(slip) = slip {
+                pad.slip = slip[rows].iter().map(|s| s.0).collect();
             }
         }
     }
@@ -98,6 +110,7 @@ pub fn record_frame(
         torque_balance: balance.torque,
         residual: report.residual,
         error: report.error,
+        tactile: Vec::new(),
     });
 }
 

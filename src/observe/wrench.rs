@@ -1,9 +1,6 @@
 //! Wrenches of the contact that a force-torque sensor behind each pad would read.
 
-use super::{Now, Sense, force_bounds};
-use crate::env::spec::ArraySpec;
-use crate::model::Model;
-use crate::scene::Task;
+use super::{ArraySpec, Now, Sense, SensedHand};
 
 /// Wrench of each pad, in its frame: force (N), then torque about the middle of its sensing face (N m).
 #[derive(Debug)]
@@ -13,8 +10,8 @@ pub struct PadWrench {
 }
 
 impl PadWrench {
-    pub fn new(model: &Model, task: &Task) -> Self {
-        Self { pads: model.fingers.len(), bounds: force_bounds(task) }
+    pub fn new(hand: &SensedHand) -> Self {
+        Self { pads: hand.fingers.len(), bounds: hand.force_bounds() }
     }
 }
 
@@ -24,7 +21,7 @@ impl Sense for PadWrench {
     }
 
     fn write(&self, now: &Now, out: &mut [f32]) {
-        for ((pad, finger), out) in now.frame.pads.iter().zip(&now.model.fingers).zip(out.chunks_exact_mut(6)) {
+        for ((pad, finger), out) in now.frame.pads.iter().zip(now.fingers).zip(out.chunks_exact_mut(6)) {
             let axes = finger.placement.rotation.transpose();
             let (force, torque) = (axes * pad.wrench.force, axes * pad.wrench.torque);
             out.iter_mut().zip(force.to_array().into_iter().chain(torque.to_array())).for_each(|(o, v)| *o = v as f32);

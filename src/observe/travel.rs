@@ -1,9 +1,6 @@
 //! Observation of the travel of the fingers.
 
-use super::{Now, Sense};
-use crate::env::spec::ArraySpec;
-use crate::model::Model;
-use crate::scene::Task;
+use super::{ArraySpec, Now, Sense, SensedHand};
 
 /// Travel of each finger since first contact, left first.
 #[derive(Debug)]
@@ -13,8 +10,8 @@ pub struct FingerTravel {
 }
 
 impl FingerTravel {
-    pub fn new(model: &Model, _: &Task) -> Self {
-        Self { fingers: model.fingers.len(), stroke: model.stroke }
+    pub fn new(hand: &SensedHand) -> Self {
+        Self { fingers: hand.fingers.len(), stroke: hand.stroke }
     }
 }
 

@@ -1,9 +1,6 @@
 //! Pose of the object in the hand: no tactile sensor measures it; it serves teachers and comparisons.
 
-use super::{Now, Sense};
-use crate::env::spec::ArraySpec;
-use crate::model::Model;
-use crate::scene::Task;
+use super::{ArraySpec, Now, Sense, SensedHand};
 use crate::scene::leaf::LENGTH_LIMIT;
 
 /// Position (m) and quaternion (w, x, y, z) of the object frame in the hand frame.
@@ -11,7 +8,7 @@ use crate::scene::leaf::LENGTH_LIMIT;
 pub struct PoseInHand;
 
 impl PoseInHand {
-    pub fn new(_: &Model, _: &Task) -> Self {
+    pub fn new(_: &SensedHand) -> Self {
         Self
     }
 }

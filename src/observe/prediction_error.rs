@@ -1,10 +1,7 @@
 //! Observation of the error of a prediction, by the network's own account.
 
-use super::{Now, Sense};
-use crate::env::spec::ArraySpec;
-use crate::model::Model;
+use super::{ArraySpec, Now, Sense, SensedHand};
 use crate::record::ErrorBound;
-use crate::scene::Task;
 
 /// Relative errors that nine of ten predictions stay below: displacement, stress, travel; zero for what was computed.
 #[derive(Debug)]
@@ -14,7 +11,7 @@ pub struct PredictionError;
 const MOST: f64 = 10.0;
 
 impl PredictionError {
-    pub fn new(_: &Model, _: &Task) -> Self {
+    pub fn new(_: &SensedHand) -> Self {
         Self
     }
 }

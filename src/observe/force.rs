@@ -1,9 +1,6 @@
 //! Observation of the closing force of the fingers.
 
-use super::{Now, Sense};
-use crate::env::spec::ArraySpec;
-use crate::model::Model;
-use crate::scene::Task;
+use super::{ArraySpec, Now, Sense, SensedHand};
 
 /// Sum of the finger forces.
 #[derive(Debug)]
@@ -12,8 +9,8 @@ pub struct Applied {
 }
 
 impl Applied {
-    pub fn new(_: &Model, task: &Task) -> Self {
-        Self { most: task.force.at(1.0) }
+    pub fn new(hand: &SensedHand) -> Self {
+        Self { most: hand.force }
     }
 }
 

@@ -21,6 +21,18 @@ impl ArraySpec {
         Self { name: name.into(), shape: shape.to_vec(), unit: unit.into(), low: low as f32, high: high as f32 }
     }
 
+    /// Returns the name of the array in files, which ends in its unit if there is a single one.
+    pub fn file_name(&self) -> String {
+        let ending = match self.unit.as_str() {
+            "m" => "_m",
+            "m2" => "_m2",
+            "N" => "_n",
+            "Pa" => "_pa",
+            _ => "",
+        };
+        format!("{}{ending}", self.name)
+    }
+
     /// Returns the number of its values.
     pub fn size(&self) -> usize {
         self.shape.iter().product()

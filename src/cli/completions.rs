@@ -1,0 +1,46 @@
+//! Commands `tactus completions` and `tactus man`: what a package puts beside the program.
+
+use super::console::Console;
+use super::{Cli, OK};
+use crate::error::{Error, Result};
+use crate::files::atomic::create_dir;
+use clap::CommandFactory;
+use clap_complete::Shell;
+use std::path::PathBuf;
+
+/// Arguments of `tactus completions`.
+#[derive(Debug, clap::Args)]
+pub struct CompletionsArgs {
+    /// Shell that completes.
+    #[arg(value_enum)]
+    pub shell: Shell,
+}
+
+/// Arguments of `tactus man`.
+#[derive(Debug, clap::Args)]
+pub struct ManArgs {
+    /// Folder for the pages, `tactus.1` and one for each command.
+    #[arg(short, long, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+/// Prints the completions of a shell.
+///
+/// # Errors
+/// Fails if stdout cannot be written.
+pub fn completions(args: &CompletionsArgs, console: &dyn Console) -> Result<u8> {
+    let mut text = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), "tactus", &mut text);
+    console.print(&String::from_utf8_lossy(&text))?;
+    Ok(OK)
+}
+
+/// Writes the pages of the manual.
+///
+/// # Errors
+/// Fails if a file cannot be written.
+pub fn man(args: &ManArgs) -> Result<u8> {
+    create_dir(&args.out)?;
+    clap_mangen::generate_to(Cli::command(), &args.out).map_err(|e| Error::file(&args.out, e.to_string()))?;
+    Ok(OK)
+}

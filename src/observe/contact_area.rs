@@ -1,0 +1,27 @@
+//! Area that touches.
+
+use super::{ArraySpec, Now, Sense, SensedHand};
+
+/// Area of each pad that touches the object, m2, on the face at rest: (pads).
+#[derive(Debug)]
+pub struct TouchedArea {
+    pads: usize,
+    most: f64,
+}
+
+impl TouchedArea {
+    pub fn new(hand: &SensedHand) -> Self {
+        let whole = |f: &crate::part::FingerModel| f.surface.area[..f.surface.vertices].iter().sum();
+        Self { pads: hand.fingers.len(), most: hand.fingers.first().map_or(0.0, whole) }
+    }
+}
+
+impl Sense for TouchedArea {
+    fn spec(&self) -> ArraySpec {
+        ArraySpec::new("contact_area", &[self.pads], "m2", [0.0, self.most])
+    }
+
+    fn write(&self, now: &Now, out: &mut [f32]) {
+        out.iter_mut().zip(&now.frame.pads).for_each(|(out, pad)| *out = pad.contact_area as f32);
+    }
+}

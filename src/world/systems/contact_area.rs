@@ -1,0 +1,54 @@
+//! Area of each pad that touches the object.
+
+use crate::mech::potential::term::Stencil;
+use crate::world::components::*;
+use crate::world::schedule::Shared;
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+
+/// Part of the largest force of a node from which another counts as pressed: those of a network are nowhere quite zero.
+const PRESSED: f64 = 0.01;
+
+/// Returns which nodes of a pad that closes along `closing` are pressed, where forces are known at nodes alone.
+pub(super) fn pressed(force: &[ContactForce], closing: DVec3) -> Vec<bool> {
+    let pressing = |force: &ContactForce| -force.0.dot(closing);
+    let most = force.iter().map(pressing).fold(0.0, f64::max);
+    force.iter().map(|force| pressing(force) > PRESSED * most).collect()
+}
+
+/// Measures the area of each pad that touches: that of the points of contact that press. Where forces are known at nodes alone, a point
+/// counts for the pressed ones of the nodes around it.
+pub fn measure_contact_area(
+    shared: Res<Shared>,
+    edges: Query<(&FingerIndex, &ContactEdge)>,
+    nodes: Query<(&FingerIndex, &ContactForce)>,
+    mut fingers: Query<(&FingerIndex, &mut ContactArea)>,
+) {
+    let model = &shared.0;
+    let mut area = vec![0.0; model.fingers.len()];
+    for (finger, edges) in edges.contiguous_iter().expect(TABLES) {
+        for (f, rows) in rows_by_pad(finger) {
+            let surface = &model.fingers[f].surface;
+            let points = surface.area[..surface.vertices].iter().zip(&edges[rows]);
+            area[f] = points.filter(|(_, edge)| edge.pressure > 0.0).map(|(area, _)| area).sum();
+        }
+    }
+    if edges.is_empty() {
+        for (finger, force) in nodes.contiguous_iter().expect(TABLES) {
+            for (f, rows) in rows_by_pad(finger) {
+                let (surface, closing) = (&model.fingers[f].surface, model.fingers[f].placement.closing);
+                let pressed = pressed(&force[rows], closing);
+                let part = |around: &Stencil| {
+                    let (nodes, weights) = around.slices();
+                    let own = nodes.iter().zip(weights).filter(|(node, _)| pressed[**node as usize]);
+                    own.map(|(_, weight)| weight).sum::<f64>()
+                };
+                let points = surface.area[..surface.vertices].iter().zip(surface.report.iter());
+                area[f] = points.map(|(area, around)| area * part(around)).sum();
+            }
+        }
+    }
+    for (finger, mut own) in &mut fingers {
+        own.0 = area[finger.0 as usize];
+    }
+}

@@ -1,0 +1,102 @@
+//! Slip of the nodes of the pads over the object.
+
+use crate::geometry::face_lookup::FaceLookup;
+use crate::mech::potential::term::Stencil;
+use crate::model::Model;
+use crate::world::components::*;
+use crate::world::schedule::Shared;
+use crate::world::systems::contact_area::pressed;
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+
+/// Part of Coulomb's limit from which a tangential force counts as at the limit, where forces are known at nodes alone.
+const AT_LIMIT: f64 = 0.99;
+
+/// Node columns.
+type Nodes<'a> = (&'a FingerIndex, &'a Position, &'a ContactForce, &'a mut NodeSlip);
+
+/// Measures which part of the contact force of each node is carried by points that slide. With friction at points of contact, these say
+/// whether they slide; where forces are known at nodes alone, a node slides whose tangential force is at Coulomb's limit.
+pub fn measure_slip(
+    shared: Res<Shared>,
+    edges: Query<(&FingerIndex, &ContactEdge, &ContactFriction)>,
+    fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel)>,
+    object: Single<&ObjectPose>,
+    mut nodes: Query<Nodes>,
+) {
+    let model = &shared.0;
+    let mut carried = vec![DVec3::ZERO; model.fingers.len()];
+    for (index, closing, travel) in &fingers {
+        carried[index.0 as usize] = closing.0 * travel.0;
+    }
+    let known = !edges.is_empty();
+    for (finger, position, force, mut slip) in nodes.contiguous_iter_mut().expect(TABLES) {
+        let slip = slip.bypass_change_detection();
+        for (f, rows) in rows_by_pad(finger) {
+            let (x, own) = (&position[rows.clone()], &mut slip[rows.clone()]);
+            if known {
+                own.fill(NodeSlip(0.0));
+                let edges = edges.contiguous_iter().expect(TABLES).flat_map(|(finger, edges, friction)| {
+                    let pads = rows_by_pad(finger).filter(move |(pad, _)| *pad == f);
+                    pads.map(move |(_, rows)| (&edges[rows.clone()], &friction[rows]))
+                });
+                edges.for_each(|(edges, friction)| by_points((model, f), carried[f], x, edges, friction, own));
+            } else {
+                let back = object.rotation.inverse();
+                let force = &force[rows];
+                let pressed = pressed(force, model.fingers[f].placement.closing);
+                for (((x, force), pressed), own) in x.iter().zip(force).zip(pressed).zip(own) {
+                    let at = back * (x.0 + carried[f] - object.position);
+                    let normal =
+                        || model.object.distance.closest(at, f64::INFINITY).map(|c| object.rotation * c.normal);
+                    own.0 = f64::from(match model.needs.friction {
+                        true => pressed && normal().is_some_and(|n| slides(force.0, n, model)),
+                        // Nothing holds what touches.
+                        false => force.0 != DVec3::ZERO,
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// Returns true if a force on a pad (N), pressed along the outward normal of the object, is at Coulomb's limit.
+fn slides(force: DVec3, normal: DVec3, model: &Model) -> bool {
+    let pressing = force.dot(normal);
+    pressing > 0.0 && (force - normal * pressing).length() >= AT_LIMIT * model.law.friction * pressing
+}
+
+/// Gathers the slip of the points of contact of pad `f` at its nodes: `x` relative to the finger, which has `carried` them so far, m.
+fn by_points(
+    (model, f): (&Model, usize),
+    carried: DVec3,
+    x: &[Position],
+    edges: &[ContactEdge],
+    friction: &[ContactFriction],
+    slip: &mut [NodeSlip],
+) {
+    let finger = &model.fingers[f];
+    let points = finger.surface.points.len();
+    let (axes, origin) = (finger.placement.rotation.transpose(), finger.placement.origin);
+    let moved = edges[points..].iter().any(|edge| edge.force != DVec3::ZERO);
+    let face: Vec<DVec3> = if moved { x.iter().map(|x| axes * (x.0 - origin)).collect() } else { Vec::new() };
+    let lookup = moved.then(|| FaceLookup::new(&face, &finger.topology.sensing));
+    // Features of the object touch anywhere.
+    let touched = |edge: &ContactEdge| {
+        let under = lookup.as_ref().map(|lookup| lookup.under(axes * (edge.point - carried - origin)));
+        under.map_or(Stencil::NONE, |nodes| Stencil::new(nodes.into_iter()))
+    };
+    let mut whole = vec![0.0; slip.len()];
+    for (i, (edge, friction)) in
+        edges.iter().zip(friction).enumerate().filter(|(_, (edge, _))| edge.force != DVec3::ZERO)
+    {
+        let report = if i < points { finger.surface.report[i] } else { touched(edge) };
+        let (nodes, weights) = report.slices();
+        for (node, weight) in nodes.iter().zip(weights) {
+            let part = weight * edge.force.length();
+            whole[*node as usize] += part;
+            slip[*node as usize].0 += if friction.slips { part } else { 0.0 };
+        }
+    }
+    slip.iter_mut().zip(whole).filter(|(_, whole)| *whole > 0.0).for_each(|(own, whole)| own.0 /= whole);
+}

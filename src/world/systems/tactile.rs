@@ -1,0 +1,13 @@
+//! What tactile sensors see in the frame of a step.
+
+use crate::observe::Now;
+use crate::world::schedule::{Recorded, Shared};
+use bevy_ecs::prelude::*;
+
+/// Adds the arrays of the tactile sensors that the scene records to the frame.
+pub fn record_tactile(shared: Res<Shared>, mut recorded: ResMut<Recorded>) {
+    let Some(frame) = &mut recorded.0 else { return };
+    let model = &shared.0;
+    let now = Now { fingers: &model.fingers, object: &model.object, frame };
+    frame.tactile = model.senses.iter().map(|sense| sense.record(&now)).collect();
+}

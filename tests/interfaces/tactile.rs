@@ -1,0 +1,281 @@
+//! What a tactile sensor sees: images of the sensing faces against the forces and nodes they are made of.
+
+use crate::env_made::{actions, batch, changed, condensed, config, gnn};
+use std::path::Path;
+use tactus::dataset::DataSet;
+use tactus::env::StepView;
+use tactus::model::Needs;
+use tactus::scene::NamedScene;
+
+/// Numbers of rows and columns: taxels wider than the elements, and much finer.
+const GRIDS: [[usize; 2]; 2] = [[5, 4], [120, 100]];
+/// Size of the GelSight Mini gel, m.
+const SIZE: [f64; 2] = [25.25e-3, 20.75e-3];
+/// Height of the pads over the hand base, m, where the scene says nothing.
+const PLACED: f64 = 0.1;
+
+/// The task with more observations, of the elements or condensed.
+fn seeing(observe: &str) -> Vec<NamedScene> {
+    changed(|task| task.replacen("observe: [", &format!("observe: [{observe}, "), 1))
+}
+
+fn area([rows, cols]: [usize; 2]) -> f64 {
+    SIZE[0] * SIZE[1] / (rows * cols) as f64
+}
+
+/// Pressure and shear are the contact force per area of a taxel, whatever its size: their integrals are the wrench, to 1e-5 N of 1 N.
+#[test]
+fn pressure_and_shear_integrate_to_the_contact_force() {
+    for [rows, cols] in GRIDS {
+        let images = format!("Pressure(rows: {rows}, cols: {cols}), Shear(rows: {rows}, cols: {cols})");
+        let mut sets = [seeing(&images), seeing(&images)];
+        sets[1].iter_mut().zip(condensed()).for_each(|(own, other)| own.scene.stepper = other.scene.stepper);
+        for set in sets {
+            let mut env = batch(&set, config(2));
+            env.reset(None, None).unwrap();
+            for step in 0..3 {
+                let view = env.step(&actions(0, 2, step)).unwrap();
+                let pressure = view.obs("pressure").unwrap().chunks_exact(rows * cols);
+                let shear = view.obs("shear").unwrap().chunks_exact(rows * cols * 2);
+                for ((pressure, shear), wrench) in pressure.zip(shear).zip(view.obs("wrench").unwrap().chunks_exact(6))
+                {
+                    let sum = |values: &[f32], first: usize, step: usize| -> f64 {
+                        let own = values.iter().skip(first).step_by(step);
+                        own.map(|v| f64::from(*v)).sum::<f64>() * area([rows, cols])
+                    };
+                    let found = [sum(shear, 0, 2), sum(shear, 1, 2), -sum(pressure, 0, 1)];
+                    assert!(found[2] < -0.5, "the object presses with {found:?} N");
+                    for (found, wrench) in found.into_iter().zip(wrench) {
+                        let off = (found - f64::from(*wrench)).abs();
+                        assert!(off < 1e-5, "{found} N of the image, {wrench} N of the wrench, {rows} x {cols}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Traction is linear between the nodes: however fine the image, it has no holes and no spikes. Over one taxel it changes by at most
+/// the largest value times the size of the taxel over the least height of a triangle, here about 1.8 mm.
+#[test]
+fn a_fine_image_of_the_pressure_is_smooth() {
+    let [rows, cols] = GRIDS[1];
+    let set = seeing(&format!("Pressure(rows: {rows}, cols: {cols})"));
+    let mut env = batch(&set[..1], config(1));
+    env.reset(None, None).unwrap();
+    let view = env.step(&actions(0, 1, 0)).unwrap();
+    for image in view.obs("pressure").unwrap().chunks_exact(rows * cols) {
+        let most = image.iter().copied().fold(0.0, f32::max);
+        let along = (0..rows).flat_map(|r| (1..cols).map(move |c| (r * cols + c - 1, r * cols + c)));
+        let across = (1..rows).flat_map(|r| (0..cols).map(move |c| ((r - 1) * cols + c, r * cols + c)));
+        let jump = along.chain(across).map(|(a, b)| (image[a] - image[b]).abs()).fold(0.0, f32::max);
+        assert!(jump < 0.15 * most, "{jump} Pa between neighbours, {most} Pa at most");
+        assert!(image.iter().all(|p| *p > -0.02 * most), "nothing pulls");
+    }
+}
+
+/// Where gel and object touch, the dent is the mould of the object: they are apart by the gap of the contact, at most 10 um, a 400th
+/// of the thickness. Nowhere does the gel reach into the object by more than 5 um between the points of contact.
+#[test]
+fn the_dent_is_the_mould_of_the_object_where_they_touch() {
+    let [rows, cols] = [40, 48];
+    let set = seeing(&format!("DepthMap(rows: {rows}, cols: {cols}), HeightMap(rows: {rows}, cols: {cols})"));
+    let mut env = batch(&set[..1], config(1));
+    env.reset(None, None).unwrap();
+    let view = env.step(&actions(0, 1, 0)).unwrap();
+    let (depth, height) = (view.obs("depth_map").unwrap(), view.obs("height_map").unwrap());
+    for (depth, height) in depth.chunks_exact(rows * cols).zip(height.chunks_exact(rows * cols)) {
+        let deepest = (0..rows * cols).max_by(|a, b| depth[*a].total_cmp(&depth[*b])).unwrap();
+        assert!(depth[deepest] > 1e-4, "{} m deep", depth[deepest]);
+        assert!(depth.contains(&0.0), "the ball is not as wide as the pad");
+        let apart = -height[deepest] - depth[deepest];
+        assert!((0.0..1e-5).contains(&apart), "{apart} m between the dent and the mould at the deepest");
+        let into = depth.iter().zip(height).map(|(d, h)| d + h).filter(|v| v.is_finite());
+        let worst = into.zip(depth).filter(|(_, d)| **d > 0.0).map(|(v, _)| v).fold(f32::MIN, f32::max);
+        assert!(worst < 5e-6, "the gel reaches {worst} m into the object");
+    }
+}
+
+/// A ball as a rigid mould leaves a cap: below its deepest point, the depth falls as its surface does, to 1 um.
+#[test]
+fn a_ball_leaves_a_spherical_cap_in_the_depth_map() {
+    let [rows, cols] = [41, 41];
+    let set = seeing(&format!("DepthMap(rows: {rows}, cols: {cols})"));
+    let mut env = batch(&set[..1], config(1));
+    env.reset(None, None).unwrap();
+    let view = env.step(&actions(0, 1, 0)).unwrap();
+    let pose = view.obs("object_pose").unwrap();
+    for (pad, depth) in view.obs("depth_map").unwrap().chunks_exact(rows * cols).enumerate() {
+        let at = |k: usize| {
+            [(k / cols, rows, 0), (k % cols, cols, 1)].map(|(i, n, a)| SIZE[a] * ((i as f64 + 0.5) / n as f64 - 0.5))
+        };
+        let deepest = (0..depth.len()).max_by(|a, b| depth[*a].total_cmp(&depth[*b])).unwrap();
+        // Height of the ball's surface above its lowest point; the pads stand at the height of the hand's default, across from each other.
+        let side = [-1.0, 1.0][pad];
+        let center = [f64::from(pose[2]) - PLACED, side * f64::from(pose[1])];
+        let rise = |k: usize| {
+            let [x, y] = at(k);
+            0.02 - (0.02f64.powi(2) - (x - center[0]).powi(2) - (y - center[1]).powi(2)).sqrt()
+        };
+        for (k, found) in depth.iter().enumerate().filter(|(_, d)| **d > 0.0) {
+            let wanted = f64::from(depth[deepest]) - (rise(k) - rise(deepest));
+            assert!((f64::from(*found) - wanted).abs() < 1e-6, "{found} m in place of {wanted} m at {:?}", at(k));
+        }
+    }
+}
+
+/// Markers move with the face: at the middles of taxels they are displaced as these are, and a camera sees them where they are.
+#[test]
+fn markers_move_with_the_face() {
+    let set = seeing("Markers(rows: 5, cols: 4, pixel: 1e-4)");
+    let mut env = batch(&set[..1], config(1));
+    env.reset(None, None).unwrap();
+    let view = env.step(&actions(0, 1, 0)).unwrap();
+    let taxels = view.obs("taxel_displacement").unwrap().chunks_exact(3);
+    let mut most = 0.0_f32;
+    for (k, (marker, taxel)) in view.obs("markers").unwrap().chunks_exact(8).zip(taxels).enumerate() {
+        assert_eq!(marker[3..6], *taxel);
+        most = taxel.iter().fold(most, |most, u| most.max(u.abs()));
+        let rest =
+            [(k / 4 % 5, 5, 0), (k % 4, 4, 1)].map(|(i, n, a)| SIZE[a] * ((i as f64 + 0.5) / f64::from(n) - 0.5));
+        for axis in 0..2 {
+            let moved = f64::from(marker[axis]) - f64::from(marker[3 + axis]);
+            assert!((moved - rest[axis]).abs() < 1e-8, "printed at {moved} m, not at {} m", rest[axis]);
+            assert!((marker[6 + axis] * 1e-4 - marker[axis]).abs() < 1e-8);
+        }
+    }
+    assert!(most > 1e-4, "{most} m");
+}
+
+/// The task with friction `mu`, force of the closing hand (N) and distance of nodes (m).
+fn pressing(observe: &str, [mu, force, spacing]: [&str; 3]) -> Vec<NamedScene> {
+    changed(|task| {
+        let task = task.replacen("observe: [", &format!("observe: [{observe}, "), 1);
+        let task = task.replacen("spacing: 8e-3)", &format!("spacing: {spacing}), friction: {mu}"), 1);
+        task.replacen("force: (1.0, 2.0), start: 1.5", &format!("force: (1.0, 10.0), start: {force}"), 1)
+    })
+}
+
+/// Looks at the observations right after the hand has closed on the ball.
+fn closed(observe: &str, numbers: [&str; 3], look: impl Fn(StepView)) {
+    let set = pressing(observe, numbers);
+    let mut env = batch(&set[..1], config(1));
+    look(env.reset(None, None).unwrap());
+}
+
+/// The torque about the middle of the face is that of the pressing force at the centre of pressure, to 0.1 mm of lever: the rest is
+/// shear on a face that is not flat.
+#[test]
+fn the_centre_of_pressure_is_the_lever_of_the_torque() {
+    closed("CenterOfPressure", ["0.8", "1.5", "8e-3"], |view| {
+        let centers = view.obs("center_of_pressure").unwrap().chunks_exact(3);
+        for (center, wrench) in centers.zip(view.obs("wrench").unwrap().chunks_exact(6)) {
+            let [force, x, y] = [wrench[2], wrench[3], wrench[4]];
+            let lever = [-y / force, x / force];
+            for (center, lever) in center.iter().zip(lever) {
+                assert!((center - lever).abs() < 1e-4, "{center} m, a lever of {lever} m");
+            }
+            assert!((-2e-3..0.0).contains(&center[2]), "pressed in by {} m", -center[2]);
+        }
+    });
+}
+
+/// The area that touches is that where the gel lies on the object, to 15 %: a point of contact stands for 0.4 mm2 of 13 mm2.
+#[test]
+fn the_contact_area_is_that_where_the_gel_lies_on_the_object() {
+    let [rows, cols] = [100, 80];
+    let maps = format!("ContactArea, DepthMap(rows: {rows}, cols: {cols}), HeightMap(rows: {rows}, cols: {cols})");
+    closed(&maps, ["0.8", "8.0", "2.6e-3"], |view| {
+        let (depth, height) = (view.obs("depth_map").unwrap(), view.obs("height_map").unwrap());
+        let images = depth.chunks_exact(rows * cols).zip(height.chunks_exact(rows * cols));
+        for ((depth, height), found) in images.zip(view.obs("contact_area").unwrap()) {
+            let touches = depth.iter().zip(height).filter(|(d, h)| **d > 0.0 && **d + **h > -1e-5).count();
+            let seen = touches as f64 * area([rows, cols]);
+            assert!(seen > 1e-5 && (f64::from(*found) / seen - 1.0).abs() < 0.15, "{found} m2, by the gaps {seen} m2");
+        }
+    });
+}
+
+/// Without friction all that touches slides, with a friction of 100 nothing does, and with 0.3 the rim does before the middle.
+#[test]
+fn slip_is_all_nothing_or_at_the_rim() {
+    let observe = "Slip(rows: 9, cols: 9), Pressure(rows: 9, cols: 9)";
+    let extremes = |mu: &str, wanted: f32| {
+        closed(observe, [mu, "1.5", "8e-3"], |view| {
+            let pressed =
+                view.obs("pressure").unwrap().iter().zip(view.obs("slip").unwrap()).filter(|(p, _)| **p > 0.0);
+            let slips: Vec<f32> = pressed.map(|(_, slip)| *slip).collect();
+            assert!(slips.len() > 8 && slips.iter().all(|s| (s - wanted).abs() < 1e-6), "friction {mu}: {slips:?}");
+        });
+    };
+    extremes("0", 1.0);
+    extremes("100", 0.0);
+    closed(observe, ["0.3", "1.5", "8e-3"], |view| {
+        let slip = view.obs("slip").unwrap();
+        assert!(slip.iter().all(|s| (0.0..=1.0).contains(s)));
+        let middle = 9 * 4 + 4;
+        assert!(slip[middle] < 0.1, "{} of the middle slides", slip[middle]);
+    });
+}
+
+/// A network has no points of contact: what touches and slides follows from its forces at the nodes. The network that ships and finite
+/// elements agree on the area to a third, and on a ball that is held nothing slides where it is pressed most.
+#[test]
+fn a_network_says_what_touches_and_slides() {
+    let set = || pressing("ContactArea, Slip(rows: 9, cols: 9)", ["0.8", "8.0", "2.6e-3"]);
+    let look = |set: Vec<NamedScene>| {
+        let mut env = batch(&set[..1], config(1));
+        let view = env.reset(None, None).unwrap();
+        ["contact_area", "slip"].map(|name| view.obs(name).unwrap().to_vec())
+    };
+    let ([elements, _], [network, slip]) = (look(set()), look(gnn(set(), Path::new("universe"))));
+    for (elements, network) in elements.iter().zip(&network) {
+        assert!((network / elements - 1.0).abs() < 0.33, "{network} m2 of the network, {elements} m2 of elements");
+    }
+    assert!(slip.iter().all(|slip| (0.0..=1.0).contains(slip)) && slip[9 * 4 + 4] == 0.0, "{slip:?}");
+}
+
+/// A data set holds the images of a run bit for bit, of a finer mesh, too, and what vouches for its rows covers them.
+#[test]
+fn a_data_set_holds_the_images_of_a_run() {
+    let scene = "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 8e-3), friction: 0.2), stepper: Fem(mesh: (finer: 1.2)),
+        loading: Squeeze(force: 2.0, frames: 2), record: (vtu: false, pictures: false, tactile: [Pressure(), Slip(rows: 3, cols: 2)]))";
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("scene.ron");
+    std::fs::write(&path, scene).unwrap();
+    for (command, out) in [("run", "run"), ("dataset", "set")] {
+        let mut tactus = std::process::Command::new(env!("CARGO_BIN_EXE_tactus"));
+        let output = tactus.arg(command).arg(&path).arg("-o").arg(dir.path().join(out)).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let set = DataSet::open(dir.path().join("set")).unwrap();
+    let grasp = set.objects[0].grasp(0).unwrap();
+    let file = std::fs::File::open(dir.path().join("run/grasp_000/arrays.npz")).unwrap();
+    let mut run = ndarray_npy::NpzReader::new(file).unwrap();
+    let names: Vec<_> = grasp.tactile.iter().map(|array| (array.name.as_str(), array.unit.as_str())).collect();
+    assert_eq!(names, [("pressure_pa", "Pa"), ("slip", "1")]);
+    for array in &grasp.tactile {
+        let own: ndarray::ArrayD<f32> = run.by_name(&array.name).unwrap();
+        assert_eq!(own.shape(), array.shape, "{}", array.name);
+        assert!(own.iter().eq(&array.values) && own.iter().any(|v| *v != 0.0), "{}", array.name);
+    }
+    assert!(tactus::scene::from_ron(&scene.replace("Pressure()", "Wrench")).is_err(), "runs have it anyway");
+}
+
+/// What a scene does not ask for is neither in its world nor in its frames.
+#[test]
+fn nothing_is_computed_that_the_scene_does_not_ask_for() {
+    let needs = |record: &str| {
+        let scene = format!(
+            "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 8e-3)), loading: Squeeze(force: 2.0),
+              record: (fields: [], {record}))"
+        );
+        Needs::of(&tactus::scene::from_ron(&scene).unwrap())
+    };
+    let none = needs("");
+    assert!(!none.tactile && !none.slip && !none.contact_area && !none.contact_force);
+    let shape = needs("tactile: [HeightMap()]");
+    assert!(shape.tactile && !shape.slip && !shape.contact_area && !shape.contact_force);
+    let slip = needs("tactile: [Slip()]");
+    assert!(slip.tactile && slip.slip && slip.contact_force && !slip.contact_area);
+}
