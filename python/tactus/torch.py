@@ -65,7 +65,7 @@ class Network(FaceNetwork):
         """Returns the network on the object and the pads of a scene, to be asked often; arguments as of `tactus.predict`."""
         path = scene.path if isinstance(scene, Scene) else os.fspath(scene)
         seen = _tactus.FaceInputs(path, object, self.model, frames, extrapolate, threads or os.cpu_count() or 1)
-        return SceneNetwork(self, seen).to(self.weight("node.bias"))
+        return SceneNetwork(self, seen)
 
     def answer(
         self,
@@ -94,7 +94,11 @@ class SceneNetwork(nn.Module):
         the fingers, with `friction`, a number or (G); what is not given is as in the scene. Tensors among them that require a gradient have
         one: each load by its own force, poses by all seven numbers."""
         grasp, *which = self.inputs(poses, force, friction)
-        return Answer(*self.network(dict(self.of_pad.named_buffers()), grasp), *which)
+        return Answer(*self.network(self.pad(), grasp), *which)
+
+    def pad(self) -> dict[str, Tensor]:
+        """Returns what the network sees of the pads, where its weights are and as exact as they are."""
+        return dict(self.of_pad.to(self.network.weight("node.bias")).named_buffers())
 
     def inputs(
         self, poses: Any = None, force: Any = None, friction: Any = None
@@ -102,20 +106,26 @@ class SceneNetwork(nn.Module):
         """Returns what the network sees of the grasps, as `src/net/infer/inputs.rs` lists it, and `grasp` and `failed` of :class:`Answer`."""
         usual = self.seen.usual()
         given = [usual[name] if value is None else value for name, value in zip(usual, (poses, force, friction))]
-        poses, force, friction = (torch.as_tensor(value).double() for value in given)
+        # Where there are always f64.
+        poses, force, friction = (torch.as_tensor(value).cpu().double() for value in given)
         poses = poses.reshape(-1, poses.shape[-1])
         force, friction = force.reshape(1, -1) if force.dim() < 2 else force, friction.reshape(-1)
+        for name, value in (("force", force), ("friction", friction)):
+            if len(value) not in (1, len(poses)):
+                raise ValueError(f"{name}: for {len(value)} grasps, and there are {len(poses)} poses; give one, or as many")
         force, friction = force.expand(len(poses), -1), friction.expand(len(poses))
         needed = (force, friction, *[poses] * 6)
         changes = [k for k, value in enumerate(needed) if value.requires_grad and torch.is_grad_enabled()]
-        arrays = [np.ascontiguousarray(value.detach().cpu().numpy()) for value in (poses, force, friction)]
-        values, slopes, grasp, failed = self.seen.grasps(*arrays, changes)
+        at, under, rubbing = (value.detach().contiguous().numpy() for value in (poses, force, friction))
+        values, slopes, grasp, failed = self.seen.grasps(at, under, rubbing, changes)
+        if not grasp:
+            raise ValueError(f"no grasp has an answer: {failed}")
         along = changed(poses[grasp], force[grasp], friction[grasp])[..., changes]
         return {name: self.moved(name, value, slopes[name], along) for name, value in values.items()}, grasp, failed
 
     def moved(self, name: str, value: np.ndarray, slope: np.ndarray, along: Tensor) -> Tensor:
         """An input as a tensor that is linear in the changes `along` (G, F, changes)."""
-        own = self.of_pad.units
+        own = self.network.weight("node.bias")
         x, slope_, along = torch.from_numpy(value).to(own), torch.from_numpy(slope).to(own), along.to(own)
         if not along.shape[-1]:
             return x
@@ -127,18 +137,18 @@ class SceneNetwork(nn.Module):
         """Writes the network on these pads as ONNX, for any number of grasps and loads. Returns the names of its inputs, in order: those of
         :meth:`inputs`. It answers with `displacement_m`, `von_mises_pa` and `contact_force_n`. Needs onnxscript."""
         with torch.no_grad():
-            grasp, known, failed = self.inputs()
-        if not known:
-            raise ValueError(f"no grasp of the scene can be looked at: {failed}")
+            grasp, *_ = self.inputs()
+        self.pad()
         # An axis of length one would be taken for constant.
-        grasp = {name: value[:1].repeat(2, *[1] * (value.dim() - 1)) for name, value in grasp.items()}
-        free = {name: {0: "grasps"} if name in LOADLESS else {0: "grasps", 1: "loads"} for name in grasp}
+        grasp = {k: v[:1].repeat(2, *[1] * (v.dim() - 1)) for k, v in grasp.items()}
+        grasp = {k: v if k in LOADLESS else v[:, :1].repeat(1, 2, *[1] * (v.dim() - 2)) for k, v in grasp.items()}
+        axes = dict(enumerate(map(torch.export.Dim, ("grasps", "loads"))))
         program = torch.onnx.export(
-            OnPads(self, list(grasp)),
+            OnPads(self, list(grasp)).eval(),
             tuple(grasp.values()),
             input_names=list(grasp),
             output_names=list(Answer._fields[:3]),
-            dynamic_shapes=(tuple(free.values()),),
+            dynamic_shapes=(tuple({0: axes[0]} if name in LOADLESS else axes for name in grasp),),
             dynamo=True,
             verbose=False,
         )
@@ -154,8 +164,7 @@ class OnPads(nn.Module):
         self.on, self.names = on, names
 
     def forward(self, *arrays: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        pad = dict(self.on.of_pad.named_buffers())
-        return self.on.network(pad, dict(zip(self.names, arrays)))
+        return self.on.network(dict(self.on.of_pad.named_buffers()), dict(zip(self.names, arrays)))
 
 
 def changed(poses: Tensor, force: Tensor, friction: Tensor) -> Tensor:

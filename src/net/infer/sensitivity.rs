@@ -171,9 +171,10 @@ impl SceneInputs {
         Ok(grasp_inputs(&features, &features.loads(&loads), &self.predictor.card.normalisers))
     }
 
-    /// Returns the step of a central difference. Inputs are f32: rounding makes an error of `eps / h`, curvature one of `h^2`, and their sum
-    /// is least near the cube root of `eps` (Press et al. 2007, section 5.7), over the scale of what changes. That of the position is the
-    /// thickness of a pad, that of the rotation the angle which moves the farthest node of a face as far.
+    /// Returns the step of a central difference: the square root of the precision of inputs, which are f32, over the scale of what changes.
+    /// Rounding makes an error of `eps / h`, and kinks, as where a node begins to press, make one that falls with `h` alone: at the square
+    /// root their sum is least. The scale of the position is the thickness of a pad, that of the rotation the angle which moves the farthest
+    /// node of a face as far.
     ///
     /// # Errors
     /// Fails for the friction of a grasp without any.
@@ -190,7 +191,7 @@ impl SceneInputs {
                 self.graph.thickness / self.model.fingers.iter().map(farthest).fold(f64::MIN_POSITIVE, f64::max)
             }
         };
-        Ok(f64::from(f32::EPSILON).cbrt() * scale)
+        Ok(f64::from(f32::EPSILON).sqrt() * scale)
     }
 }
 
