@@ -92,7 +92,7 @@ def differences(path, force, friction, pose, scales, step):
 
     def predicted(force, friction, poses):
         many = tactus.predict(scene(path, force, friction), poses=np.stack(poses))
-        assert many["failed"] == {}
+        assert many.failed == {}
         return [getattr(many, field).astype(np.float64).reshape(len(poses), -1) for field in FIELDS]
 
     steps = np.diag(scales * step)
