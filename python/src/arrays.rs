@@ -7,7 +7,7 @@ use pyo3::types::PyDict;
 use tactus::geometry::mesh::TriMesh;
 use tactus::gripper::GraspPose;
 use tactus::model::Model;
-use tactus::record::{PadTopology, names};
+use tactus::record::{PadTopology, TactileArray, names};
 
 /// Enters the first numbers as an array of this shape.
 pub fn put<T: Element + Copy>(to: &Bound<'_, PyDict>, name: &str, numbers: &[T], shape: &[usize]) -> PyResult<()> {
@@ -16,6 +16,17 @@ pub fn put<T: Element + Copy>(to: &Bound<'_, PyDict>, name: &str, numbers: &[T],
         return Err(refused(format!("{name}: {} numbers for {shape:?}", numbers.len())));
     }
     to.set_item(name, numbers[..whole].to_pyarray(to.py()).reshape(shape.to_vec())?)
+}
+
+/// The arrays of tactile sensors by name, each with the shape of its frames; `frames`: all arrays of one frame after the other.
+pub fn tactile<'py>(py: Python<'py>, frames: &[&[TactileArray]]) -> PyResult<Bound<'py, PyDict>> {
+    let to = PyDict::new(py);
+    for (k, array) in frames.first().into_iter().flat_map(|first| first.iter().enumerate()) {
+        let numbers: Vec<f32> = frames.iter().flat_map(|frame| &frame[k].values).copied().collect();
+        let shape: Vec<usize> = std::iter::once(frames.len()).chain(array.shape.iter().copied()).collect();
+        put(&to, &array.name, &numbers, &shape)?;
+    }
+    Ok(to)
 }
 
 /// Coordinates of vectors, one after the other.

@@ -57,6 +57,9 @@ impl Files {
         put(&arrays, names::OBJECT_LOAD, &data.object_load, &[f, 6])?;
         put(&arrays, names::WRENCH, &data.wrench, &[f, pads, 6])?;
         put(&arrays, names::GRASP_POSE, &data.grasp_pose, &[7])?;
+        let tactile = PyDict::new(py);
+        data.tactile.iter().try_for_each(|array| put(&tactile, &array.name, &array.values, &array.shape))?;
+        arrays.set_item("tactile", tactile)?;
         Ok(arrays)
     }
 

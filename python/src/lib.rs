@@ -4,6 +4,7 @@ mod arrays;
 mod batch;
 mod command;
 mod dataset;
+mod inputs;
 mod predict;
 mod progress;
 mod run;
@@ -41,7 +42,9 @@ fn _tactus(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<batch::Batch>()?;
     module.add_class::<dataset::Files>()?;
     module.add_function(wrap_pyfunction!(command::command, module)?)?;
+    module.add_class::<inputs::FaceInputs>()?;
     module.add_function(wrap_pyfunction!(dataset::make, module)?)?;
+    module.add_function(wrap_pyfunction!(inputs::face_weights, module)?)?;
     module.add_function(wrap_pyfunction!(predict::predict, module)?)?;
     module.add_function(wrap_pyfunction!(run::run, module)?)?;
     module.add_function(wrap_pyfunction!(scene::objects, module)?)?;

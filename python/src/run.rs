@@ -1,6 +1,6 @@
 //! Simulated grasps, as numpy arrays.
 
-use crate::arrays::{flat, pads, put, surface};
+use crate::arrays::{flat, pads, put, surface, tactile};
 use crate::progress::{Level, Progress};
 use crate::refused;
 use crate::supervise::watch;
@@ -157,6 +157,7 @@ fn grasp<'py>(py: Python<'py>, model: &Model, pose: &[f64; 7], frames: &[Frame])
             each(name, &|f| f.error.iter().map(|e| e.to_array()[k]).collect(), &[])?;
         }
     }
+    to.set_item("tactile", tactile(py, &frames.iter().map(|f| &f.tactile[..]).collect::<Vec<_>>())?)?;
     if model.needs.dynamic {
         let moving = |name: &str, of: &dyn Fn(&Moving) -> Vec<f64>, size: usize| {
             each(name, &|f| f.moving.iter().flat_map(of).collect(), &[size])

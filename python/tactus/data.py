@@ -6,13 +6,8 @@ import logging
 import os
 from typing import Iterator, Literal, TypedDict, cast
 
-import numpy as np
-import numpy.typing as npt
-
 from . import _tactus
-from .meshes import F64, Pad, Surface
-
-F32 = npt.NDArray[np.float32]
+from .meshes import F32, F64, Pad, Surface
 
 
 class StoredGrasp(TypedDict):
@@ -30,6 +25,7 @@ class StoredGrasp(TypedDict):
     object_load: (F, 6), N and N m, weight and push on the object, hand axes.
     wrench: (F, P, 6), N and N m, force and torque of the contact on each pad.
     grasp_pose: (7), m and 1, of the hand in the object frame at the start.
+    tactile: arrays of the tactile sensors that the scene records, by name: (F, P, ...).
     """
 
     object: str
@@ -44,6 +40,7 @@ class StoredGrasp(TypedDict):
     object_load: F64
     wrench: F64
     grasp_pose: F64
+    tactile: dict[str, F32]
 
 
 class DataSet:

@@ -8,6 +8,7 @@ from typing import Any, Literal, Mapping
 import numpy as np
 import numpy.typing as npt
 
+F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
 

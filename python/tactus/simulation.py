@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable, Iterator, Literal, Sequence
 
 from . import _tactus, plots
-from .meshes import F64, Library, Pad, Surface, rotate, tetrahedra_of, triangles_of
+from .meshes import F32, F64, Library, Pad, Surface, rotate, tetrahedra_of, triangles_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,6 +40,7 @@ class Grasp:
     wrench: (F, P, 6), N and N m, force and torque of the contact on each pad, about the origin of its pad frame.
     position_m: (F, P, n, 3), m, node positions.
     displacement_m: (F, P, n, 3), m, of every node against the pad carried rigidly by its finger.
+    tactile: arrays of the tactile sensors that the scene records, by name: (F, P, ...), as `docs/data-format.md` lists them.
 
     None where the scene does not record it, or it does not exist:
 
@@ -70,6 +71,7 @@ class Grasp:
     wrench: F64
     position_m: F64
     displacement_m: F64
+    tactile: dict[str, F32]
     contact_force_n: F64 | None = None
     von_mises_pa: F64 | None = None
     element_von_mises_pa: F64 | None = None

@@ -18,6 +18,7 @@ STAND_INS = {
     "num_envs=64": "num_envs=2",
     "steps=100": "steps=2",
     "parts=64": "parts=2",
+    '"out/small", grasps=4': '"out/small", grasps=1, frames=2',
 }
 
 SMALL = """Scene(
@@ -75,6 +76,9 @@ def test_a_snippet_runs(block, tmp_path, monkeypatch):
             ray = pytest.importorskip("ray", reason="the rest of the snippet is for a Ray cluster, which is not installed")
             names["ray"] = ray
             line = line.replace("address='auto'", "")
+        if line == "import torch":
+            for package in ("torch", "safetensors"):
+                pytest.importorskip(package, reason=f"the rest of the snippet needs {package}, which is not installed")
         if "shards.dataset(scene" in line:
             line = line.replace("scene, out", f"{str(tmp_path / 'small.ron')!r}, {str(tmp_path / 'set')!r}")
         try:

@@ -139,3 +139,16 @@ def test_a_mistake_is_reported_with_its_place(tmp_path):
     path.write_text("(object: (shape: Sphere(radius: -1)), loading: Squeeze(force: 1))")
     with pytest.raises(ValueError, match=r"bad.ron:1:\d+"):
         tactus.load(path)
+
+
+def test_what_tactile_sensors_see_comes_by_name(tmp_path):
+    images = "record: (tactile: [Pressure(rows: 6, cols: 5), ContactArea])"
+    scene = tactus.Scene.from_ron(SMALL.replace("expect:", f"{images}, expect:"))
+    grasp = tactus.run(scene, grasps=[0])[0]
+    assert set(grasp.tactile) == {"pressure_pa", "contact_area_m2"}
+    assert grasp.tactile["pressure_pa"].shape == (4, 2, 6, 5) and grasp.tactile["contact_area_m2"].shape == (4, 2)
+    tactus.dataset(scene, tmp_path / "set", grasps=1)
+    stored = tactus.DataSet(tmp_path / "set", "all")[0]["tactile"]
+    assert set(stored) == set(grasp.tactile)
+    assert all(np.array_equal(stored[name], grasp.tactile[name]) for name in stored)
+    assert tactus.run(SCENES / "quickstart.ron", frames=1)[0].tactile == {}

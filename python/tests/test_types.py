@@ -43,12 +43,15 @@ tactus.DataSet("out", "some")
 '''
 
 
-def mypy(*arguments):
+@pytest.fixture(scope="module")
+def mypy(tmp_path_factory):
     api = pytest.importorskip("mypy.api")
-    return api.run(["--config-file", str(PACKAGE / "pyproject.toml"), "--no-incremental", *map(str, arguments)])
+    # What it finds out about NumPy and others serves all tests.
+    settings = ["--config-file", str(PACKAGE / "pyproject.toml"), "--cache-dir", str(tmp_path_factory.mktemp("mypy"))]
+    return lambda *arguments: api.run([*settings, *map(str, arguments)])
 
 
-def test_the_package_is_typed(monkeypatch):
+def test_the_package_is_typed(mypy, monkeypatch):
     monkeypatch.chdir(PACKAGE)
     out, errors, code = mypy("-p", "tactus")
     assert code == 0, out + errors
@@ -61,7 +64,7 @@ def test_the_compiled_half_is_as_its_stub_says(monkeypatch):
     assert stubtest.main() == 0, "the captured output says where they differ"
 
 
-def test_a_program_is_typed(monkeypatch, tmp_path):
+def test_a_program_is_typed(mypy, monkeypatch, tmp_path):
     monkeypatch.setenv("MYPYPATH", str(PACKAGE))
     (tmp_path / "program.py").write_text(PROGRAM)
     out, errors, code = mypy(tmp_path / "program.py")

@@ -8,7 +8,7 @@ use crate::scene::{Ground, Loading, Scene};
 use glam::DVec3;
 
 /// Time, motions and surroundings. The world's frame is that of the object at the start of the grasp.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Dynamics {
     /// Largest time step, s.
     pub time_step: f64,

@@ -35,7 +35,7 @@ use glam::DVec3;
 use std::sync::Arc;
 
 /// Everything about a scene that no grasp changes.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Model {
     /// The rigid object.
     pub object: Shape,
@@ -81,9 +81,9 @@ pub struct Model {
     /// Needs of the scene in its world.
     pub needs: Needs,
     /// Judge of the recorded frames, if the scene needs one.
-    pub auditor: Option<Auditor>,
+    pub auditor: Option<Arc<Auditor>>,
     /// Senses of the tactile sensors that the scene records.
-    pub senses: Vec<Box<dyn Sense>>,
+    pub senses: Arc<[Box<dyn Sense>]>,
     /// Repairs and assumptions, one sentence each.
     pub notices: Vec<String>,
     /// Notice to be read before the pads' stiffness is trusted.
@@ -167,7 +167,8 @@ impl Model {
         let needs = Needs::of(scene);
         // Friction makes the answer depend on the path of a quasi-static load, nothing else does.
         let depends = scene.gripper.friction.get() > 0.0 && dynamics.is_none() && !fingers.is_empty();
-        let audit = || Auditor::new(&scene.promises(), &scene.object, &object, &fingers, (offset, spec.density));
+        let audit =
+            || Arc::new(Auditor::new(&scene.promises(), &scene.object, &object, &fingers, (offset, spec.density)));
         let auditor = needs.audit.then(audit);
         let stroke = scene.gripper.stroke.get();
         let hand = SensedHand { fingers: &fingers, stroke, force: f64::INFINITY };
@@ -201,6 +202,14 @@ impl Model {
         };
         model.release = model.released_at(&scene.loading);
         Ok(Arc::new(model))
+    }
+
+    /// Returns the model of the same scene with these forces per finger, N, in place of those of its squeeze `loading`, and this coefficient of
+    /// friction.
+    pub fn under(&self, loading: &Loading, levels: Vec<f64>, friction: f64) -> Self {
+        let mut model = Self { levels, law: ContactLaw { friction, ..self.law }, ..self.clone() };
+        model.release = model.released_at(loading);
+        model
     }
 
     /// The pads as `run.json` lists them.

@@ -37,8 +37,8 @@ impl Sense for DepthMap {
 
     fn write(&self, now: &Now, out: &mut [f32]) {
         let (cols, object) = (self.grid.cells[1], &now.object.distance);
-        let back = now.frame.object_rotation.inverse();
-        for ((pad, finger), out) in now.frame.pads.iter().zip(now.fingers).zip(out.chunks_exact_mut(self.face.len())) {
+        let (back, taxels) = (now.frame.object_rotation.inverse(), self.face.len().max(1));
+        for ((pad, finger), out) in now.frame.pads.iter().zip(now.fingers).zip(out.chunks_exact_mut(taxels)) {
             let carried = pad.carried(&finger.body.rest);
             let along = back * finger.placement.closing;
             let depth = |k: usize| {

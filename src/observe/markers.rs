@@ -34,7 +34,7 @@ impl Sense for MarkerTracks {
     }
 
     fn write(&self, now: &Now, out: &mut [f32]) {
-        let size = 8 * self.samples.len();
+        let size = 8 * self.samples.len().max(1);
         for ((pad, finger), out) in now.frame.pads.iter().zip(now.fingers).zip(out.chunks_exact_mut(size)) {
             let axes = finger.placement.rotation.transpose();
             for (out, sample) in out.chunks_exact_mut(8).zip(&self.samples) {

@@ -26,7 +26,7 @@ impl Sense for TaxelDisplacement {
     }
 
     fn write(&self, now: &Now, out: &mut [f32]) {
-        let size = 3 * self.samples.len();
+        let size = 3 * self.samples.len().max(1);
         for ((pad, finger), out) in now.frame.pads.iter().zip(now.fingers).zip(out.chunks_exact_mut(size)) {
             let axes = finger.placement.rotation.transpose();
             for (out, sample) in out.chunks_exact_mut(3).zip(&self.samples) {

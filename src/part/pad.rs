@@ -17,7 +17,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Finger: its pad in hand axes, and the data that the solver and the recorder need of it.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct FingerModel {
     /// Rest mesh in the hand frame at zero travel, and law.
     pub body: Arc<Body>,

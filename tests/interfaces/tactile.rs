@@ -219,7 +219,7 @@ fn slip_is_all_nothing_or_at_the_rim() {
 }
 
 /// A network has no points of contact: what touches and slides follows from its forces at the nodes. The network that ships and finite
-/// elements agree on the area to a third, and on a ball that is held nothing slides where it is pressed most.
+/// elements agree on the area to a half, and on a ball that is held nothing slides where it is pressed most.
 #[test]
 fn a_network_says_what_touches_and_slides() {
     let set = || pressing("ContactArea, Slip(rows: 9, cols: 9)", ["0.8", "8.0", "2.6e-3"]);
@@ -230,7 +230,7 @@ fn a_network_says_what_touches_and_slides() {
     };
     let ([elements, _], [network, slip]) = (look(set()), look(gnn(set(), Path::new("universe"))));
     for (elements, network) in elements.iter().zip(&network) {
-        assert!((network / elements - 1.0).abs() < 0.33, "{network} m2 of the network, {elements} m2 of elements");
+        assert!((network / elements - 1.0).abs() < 0.5, "{network} m2 of the network, {elements} m2 of elements");
     }
     assert!(slip.iter().all(|slip| (0.0..=1.0).contains(slip)) && slip[9 * 4 + 4] == 0.0, "{slip:?}");
 }

@@ -149,11 +149,7 @@ impl GraspFeatures {
             pad.extend([size.x, size.y, spacing, f64::from(u8::from(model.free))].map(|v| v as f32));
             gaps.push(own);
         }
-        let edge = graph.edges.list.iter().flat_map(|(s, r)| {
-            let d = (graph.rest[*s as usize] - graph.rest[*r as usize]) / t;
-            [d.x, d.y, d.z, d.length()].map(|v| v as f32)
-        });
-        let edge: Vec<f32> = edge.collect::<Vec<_>>().repeat(pads);
+        let edge = edge_features(graph).repeat(pads);
         let pool = |weight: &dyn Fn(usize, usize) -> f64| {
             let row = |p: usize| {
                 let sum: f64 = (0..n).map(|i| weight(p, i)).sum();
@@ -182,6 +178,15 @@ impl GraspFeatures {
     pub fn unit_force(&self) -> f64 {
         self.young * self.graph.thickness.powi(2)
     }
+}
+
+/// Returns the features of the edges of a pad (edges, [`EDGE`]).
+pub fn edge_features(graph: &PadGraph) -> Vec<f32> {
+    let of = |(s, r): &(u32, u32)| {
+        let d = (graph.rest[*s as usize] - graph.rest[*r as usize]) / graph.thickness;
+        [d.x, d.y, d.z, d.length()].map(|v| v as f32)
+    };
+    graph.edges.list.iter().flat_map(of).collect()
 }
 
 /// View of the object from a pad at first contact.

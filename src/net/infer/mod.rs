@@ -14,11 +14,13 @@ pub mod face;
 pub mod force_ladder;
 pub mod heads;
 pub mod hold;
+pub mod inputs;
 pub mod many;
 pub mod message;
 pub mod predict;
 pub mod ramp;
 pub mod response;
+pub mod sensitivity;
 pub mod touch;
 
 pub use face::{Code, Decoding, FaceEngine};

@@ -6,14 +6,15 @@ use crate::world::schedule::Shared;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
-/// Part of the largest force of a node from which another counts as pressed: those of a network are nowhere quite zero.
-const PRESSED: f64 = 0.01;
+/// Part of the largest force of a node from which the area of another counts, where forces are known at nodes alone: a node at the rim
+/// of the contact feels what presses beside it.
+const WITHIN: f64 = 0.2;
 
-/// Returns which nodes of a pad that closes along `closing` are pressed, where forces are known at nodes alone.
-pub(super) fn pressed(force: &[ContactForce], closing: DVec3) -> Vec<bool> {
+/// Returns which nodes of a pad that closes along `closing` are pressed with more than `part` of the largest force.
+pub(super) fn pressed(force: &[ContactForce], closing: DVec3, part: f64) -> Vec<bool> {
     let pressing = |force: &ContactForce| -force.0.dot(closing);
     let most = force.iter().map(pressing).fold(0.0, f64::max);
-    force.iter().map(|force| pressing(force) > PRESSED * most).collect()
+    force.iter().map(|force| pressing(force) > part * most).collect()
 }
 
 /// Measures the area of each pad that touches: that of the points of contact that press. Where forces are known at nodes alone, a point
@@ -37,7 +38,7 @@ pub fn measure_contact_area(
         for (finger, force) in nodes.contiguous_iter().expect(TABLES) {
             for (f, rows) in rows_by_pad(finger) {
                 let (surface, closing) = (&model.fingers[f].surface, model.fingers[f].placement.closing);
-                let pressed = pressed(&force[rows], closing);
+                let pressed = pressed(&force[rows], closing, WITHIN);
                 let part = |around: &Stencil| {
                     let (nodes, weights) = around.slices();
                     let own = nodes.iter().zip(weights).filter(|(node, _)| pressed[**node as usize]);

@@ -11,6 +11,8 @@ use glam::DVec3;
 
 /// Part of Coulomb's limit from which a tangential force counts as at the limit, where forces are known at nodes alone.
 const AT_LIMIT: f64 = 0.99;
+/// Part of the largest force of a node from which another can slide: those of a network are nowhere quite zero.
+const PRESSED: f64 = 0.01;
 
 /// Node columns.
 type Nodes<'a> = (&'a FingerIndex, &'a Position, &'a ContactForce, &'a mut NodeSlip);
@@ -44,7 +46,7 @@ pub fn measure_slip(
             } else {
                 let back = object.rotation.inverse();
                 let force = &force[rows];
-                let pressed = pressed(force, model.fingers[f].placement.closing);
+                let pressed = pressed(force, model.fingers[f].placement.closing, PRESSED);
                 for (((x, force), pressed), own) in x.iter().zip(force).zip(pressed).zip(own) {
                     let at = back * (x.0 + carried[f] - object.position);
                     let normal =

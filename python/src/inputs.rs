@@ -1,0 +1,130 @@
+//! What the face network sees of a scene's grasps, as numpy arrays: for the same network in PyTorch.
+
+use crate::refused;
+use crate::supervise::supervise;
+use numpy::{Element, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use std::sync::Arc;
+use tactus::error::Error;
+use tactus::grasp::poses_of;
+use tactus::gripper::GraspPose;
+use tactus::net::infer::inputs::Array;
+use tactus::net::infer::sensitivity::{Change, Grip, SceneInputs, weights};
+use tactus::scene::load_object;
+
+/// Weights of a face network, by folder or name: the bytes of a safetensors file.
+#[pyfunction]
+pub fn face_weights<'py>(py: Python<'py>, model: &str) -> PyResult<Bound<'py, PyBytes>> {
+    Ok(PyBytes::new(py, &weights(model.as_ref()).map_err(refused)?))
+}
+
+/// Scene of one object as a face network sees it.
+#[pyclass(frozen)]
+pub struct FaceInputs {
+    inputs: Arc<SceneInputs>,
+    poses: Vec<[f64; 7]>,
+    threads: usize,
+}
+
+fn put<T: Element>(out: &Bound<'_, PyDict>, name: &str, shape: &[usize], numbers: &[T]) -> PyResult<()> {
+    out.set_item(name, numbers.to_pyarray(out.py()).reshape(shape.to_vec())?)
+}
+
+/// Poses of the hand from rows of Python.
+fn hands(rows: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<GraspPose>> {
+    let hand = |row: Vec<f64>| {
+        let sound = row.len() == 7 && row.iter().all(|v| v.is_finite()) && row[3..] != [0.0; 4];
+        let GraspPose { position, rotation } = sound.then(|| GraspPose::from_row(&row))?;
+        Some(GraspPose { position, rotation: rotation.normalize() })
+    };
+    let what = "poses: rows of 7 finite numbers are needed: px py pz qw qx qy qz of the hand in the object frame, no quaternion zero";
+    let hands: Option<_> = rows.as_array().rows().into_iter().map(|row| hand(row.to_vec())).collect();
+    hands.ok_or_else(|| refused(what))
+}
+
+#[pymethods]
+impl FaceInputs {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        scene: String,
+        object: Option<String>,
+        model: String,
+        frames: Option<u64>,
+        extrapolate: bool,
+        threads: usize,
+    ) -> PyResult<Self> {
+        let build = move || -> Result<_, Error> {
+            let mut scene = load_object(scene, object.as_deref())?.scene;
+            if let Some(frames) = frames {
+                scene.loading.set_frames(frames).map_err(|m| Error::Scene(format!("error: frames: {m}")))?;
+            }
+            let inputs = SceneInputs::new(&scene, model.as_ref(), extrapolate)?;
+            Ok((inputs, poses_of(&scene)?))
+        };
+        let (inputs, poses) = supervise(py, Some(threads), build)?;
+        Ok(Self { inputs: Arc::new(inputs), poses: poses.iter().map(GraspPose::row).collect(), threads })
+    }
+
+    /// Poses of the scene's grasps (G, 7), force under each load (F), N, and friction.
+    fn usual<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let ((force, friction), out) = (self.inputs.usual(), PyDict::new(py));
+        put(&out, "poses", &[self.poses.len(), 7], self.poses.as_flattened())?;
+        put(&out, "force", &[force.len()], &force)?;
+        out.set_item("friction", friction)?;
+        Ok(out)
+    }
+
+    /// Arrays that all grasps share.
+    fn pad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (pad, out) = (self.inputs.pad(), PyDict::new(py));
+        for array in &pad.indices {
+            let numbers: Vec<i64> = array.numbers.iter().map(|i| i64::from(*i)).collect();
+            put(&out, array.name, &array.shape, &numbers)?;
+        }
+        pad.numbers.iter().try_for_each(|array| put(&out, array.name, &array.shape, &array.numbers))?;
+        Ok(out)
+    }
+
+    /// Arrays of the grasps at `poses` (G, 7) under `force` (G, F) with `friction` (G): (G, ...); their derivatives along the `changes`
+    /// that are numbered: (G, changes, ...); the numbers of the grasps that have an answer, and the reasons of the others by number.
+    fn grasps<'py>(
+        &self,
+        py: Python<'py>,
+        poses: PyReadonlyArray2<'py, f64>,
+        force: PyReadonlyArray2<'py, f64>,
+        friction: PyReadonlyArray1<'py, f64>,
+        changes: Vec<usize>,
+    ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>, Vec<usize>, Bound<'py, PyDict>)> {
+        let changes = changes.into_iter().map(|k| Change::ALL.get(k).copied());
+        let changes: Vec<Change> = changes.collect::<Option<_>>().ok_or_else(|| refused("changes: 0 to 7"))?;
+        let (poses, force, friction) = (hands(&poses)?, force.as_array(), friction.as_array());
+        let grips = poses.into_iter().zip(force.rows()).zip(friction);
+        let grips: Vec<Grip> =
+            grips.map(|((pose, force), friction)| Grip { pose, force: force.to_vec(), friction: *friction }).collect();
+        let inputs = self.inputs.clone();
+        let answers = supervise(py, Some(self.threads), move || inputs.grasps(&grips, &changes))?;
+        let (mut known, mut own, failed) = (Vec::new(), Vec::new(), PyDict::new(py));
+        for (grasp, answer) in answers.into_iter().enumerate() {
+            match answer {
+                Ok(answer) => {
+                    known.push(grasp);
+                    own.push(answer);
+                }
+                Err(reason) => failed.set_item(grasp, reason.to_string())?,
+            }
+        }
+        let stacked = |which: usize| -> PyResult<Bound<'py, PyDict>> {
+            let out = PyDict::new(py);
+            let first: &[Array<f32>] = own.first().map_or(&[], |grasp| &grasp[which]);
+            for (k, array) in first.iter().enumerate() {
+                let numbers: Vec<f32> = own.iter().flat_map(|grasp| &grasp[which][k].numbers).copied().collect();
+                let shape: Vec<usize> = std::iter::once(own.len()).chain(array.shape.iter().copied()).collect();
+                put(&out, array.name, &shape, &numbers)?;
+            }
+            Ok(out)
+        };
+        Ok((stacked(0)?, stacked(1)?, known, failed))
+    }
+}

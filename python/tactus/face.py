@@ -1,0 +1,137 @@
+"""The face network in PyTorch: the same weights and the same sums as `src/net/network/face.rs`.
+
+`pad` and `grasp` are the arrays of `src/net/infer/inputs.rs`, those of `grasp` with the grasps in front. `G` grasps, `L` loads, `P` pads, `n`
+nodes of a face, `N` nodes of a pad.
+"""
+
+from __future__ import annotations
+
+from typing import Mapping
+
+import torch
+from torch import Tensor, nn
+
+Arrays = Mapping[str, Tensor]
+
+# Usual number of neighbours of a node, by which sums of messages are divided.
+USUAL = 6.0
+# Share of the force added to that of every node before the logarithm.
+LITTLE = 1e-4
+# Square added to that of the stress before the root.
+LEAST = 1e-12
+
+
+def gated(z: Tensor) -> Tensor:
+    return 0.5 * z * (1 + z / torch.sqrt(1 + z * z))
+
+
+def positive(z: Tensor) -> Tensor:
+    return 0.5 * (z + torch.sqrt(z * z + 1))
+
+
+def hung(channels: Tensor, width: int, pad: Arrays) -> Tensor:
+    """Values of all nodes of a pad (..., N, width) from those of its depth channels (..., n, depths * width)."""
+    channels = channels.reshape(*channels.shape[:-2], -1, width)
+    index, weight = pad["hang"].unbind(1), pad["hang_weight"].unbind(1)
+    return torch.stack([w[:, None] * channels[..., i, :] for i, w in zip(index, weight)]).sum(0)
+
+
+class FaceNetwork(nn.Module):
+    """Message passing on the sensing faces once per grasp, and a decoder for any load."""
+
+    def __init__(self, weights: Arrays) -> None:
+        super().__init__()
+        # The name of a parameter must not hold a dot.
+        self.weights = nn.ParameterDict({name.replace(".", "_"): weight for name, weight in weights.items()})
+        self.rounds = sum(name.endswith(".sender") for name in weights)
+
+    def weight(self, name: str) -> Tensor:
+        return self.weights[name.replace(".", "_")]
+
+    def layer(self, x: Tensor, name: str) -> Tensor:
+        return x @ self.weight(f"{name}.weight") + self.weight(f"{name}.bias")
+
+    def norm(self, x: Tensor, name: str) -> Tensor:
+        gain, shift = self.weight(f"{name}.gain")[0], self.weight(f"{name}.shift")[0]
+        return nn.functional.layer_norm(x, x.shape[-1:], gain, shift, 1e-5)
+
+    def pools(self, x: Tensor, pad: Arrays, grasp: Arrays, name: str) -> Tensor:
+        """Values of pads (G, P, h) from those of nodes (G, P, n, h): means over its face, and those of the other one."""
+        mean, near = (pad["mean"][:, None] * x).sum(2), (grasp["near"][..., None] * x).sum(2)
+        z = mean @ self.weight(f"{name}.mean") + near @ self.weight(f"{name}.near") + self.weight(f"{name}.bias")
+        if x.shape[1] == 2:
+            z = z + mean.flip(1) @ self.weight(f"{name}.other_mean") + near.flip(1) @ self.weight(f"{name}.other_near")
+        return gated(z)
+
+    def encode(self, pad: Arrays, grasp: Arrays) -> tuple[Tensor, Tensor]:
+        """The pass that happens once per grasp: for nodes (G, P, n, decoder), and for pads (G, P, decoder)."""
+        sender, receiver = pad["edges"].unbind(1)
+        h = self.layer(grasp["node"], "start.node") + (grasp["pad"] @ self.weight("start.pad"))[:, :, None]
+        for r in (f"round{k}" for k in range(self.rounds)):
+            x = self.norm(h, f"{r}.norm")
+            sent, own = x @ self.weight(f"{r}.sender"), x @ self.weight(f"{r}.receiver")
+            message = gated(self.layer(pad["edge"], f"{r}.edge") + sent[:, :, sender] + own[:, :, receiver])
+            message = torch.zeros_like(x).index_add(2, receiver, message) / USUAL
+            pooled = self.pools(x, pad, grasp, f"{r}.pool") @ self.weight(f"{r}.global")
+            inner = self.layer(x, f"{r}.own") + message @ self.weight(f"{r}.messages") + pooled[:, :, None]
+            h = h + self.layer(gated(inner), f"{r}.out")
+        h = self.norm(h, "last.norm")
+        pooled = self.pools(h, pad, grasp, "last.pool")
+        node = h @ self.weight("node.latent") + self.weight("node.bias")
+        return node, pooled @ self.weight("pad.latent") + self.weight("pad.bias")
+
+    def decode(self, pad: Arrays, grasp: Arrays, code: tuple[Tensor, Tensor]) -> dict[str, Tensor]:
+        """The answer in the network's units: `displacement` (G, L, P, N, 3), `stress` (G, L, P, N), `contact` (G, L, P, n, 3): share of the
+        force, and friction along x and y; `travel` (G, L, P, 1), `motion` (G, L, P, 6)."""
+        node, whole, at_pad = code[0][:, None], code[1][:, None], grasp["pad_load"]
+        z = node + grasp["node_load"] @ self.weight("node.load") + (at_pad @ self.weight("node.pad_load"))[..., None, :]
+        z = gated(z)
+        z = z + self.layer(gated(self.layer(z, "node.inner")), "node.outer")
+        y = gated(whole + at_pad @ self.weight("pad.load"))
+        y = gated(self.layer(y, "pad.middle"))
+        contact = self.contact(z, grasp)
+        given, bare = self.response(contact, pad, grasp)
+        # What the linear response is wrong by, as a factor, and what it leaves out.
+        scale, beyond = (hung(self.layer(z, name), 3, pad) for name in ("scale", "displacement"))
+        factor, more = (hung(positive(self.layer(z, name)), 1, pad).squeeze(-1) for name in ("factor", "stress"))
+        return {
+            "displacement": given * scale + pad["free"][:, None] * beyond,
+            "stress": bare * factor + more,
+            "contact": contact,
+            "travel": self.layer(y, "travel"),
+            "motion": self.layer(y, "motion"),
+        }
+
+    def contact(self, z: Tensor, grasp: Arrays) -> Tensor:
+        """Contact on top of the projected one; friction takes up what the pressure leaves over of a free object's balance."""
+        share, *along = grasp["carried"].unbind(-1)
+        x = self.layer(z, "contact") + torch.stack([torch.log(share + LITTLE), *along], -1)
+        s = torch.softmax(x[..., :1], -2)
+        x = s * torch.cat([torch.ones_like(s), x[..., 1:]], -1)
+        if "wrench" not in grasp:
+            return x
+        flat = x.flatten(2)[..., None]
+        left = grasp["hangs"][..., None] - grasp["wrench"] @ flat
+        return (flat + grasp["pull"].transpose(-1, -2) @ (grasp["inverse"] @ left)).reshape(x.shape)
+
+    def response(self, contact: Tensor, pad: Arrays, grasp: Arrays) -> tuple[Tensor, Tensor]:
+        """Linear response of the pads: displacement (G, L, P, N, 3) and von Mises stress (G, L, P, N), in the network's units."""
+        against, x, y = contact.unbind(-1)
+        scale = grasp["pressing_n"] / (pad["young_pa"] * pad["thickness_m"] * grasp["depth_m"])
+        force = scale[..., None] * torch.stack([x, y, -against], -1).flatten(3)
+        length, stress = pad["units"].unbind()
+        given = (force @ pad["response"] / length).unflatten(-1, (-1, 3))
+        a, b, c, d, e = (force @ pad["stress_response"] / stress).unflatten(-1, (-1, 5)).unbind(-1)
+        return given, torch.sqrt(3 * (a * a + b * b + a * b + c * c + d * d + e * e) + LEAST)
+
+    def forward(self, pad: Arrays, grasp: Arrays) -> tuple[Tensor, Tensor, Tensor]:
+        """Displacement, m (G, L, P, N, 3), von Mises stress, Pa (G, L, P, N), and contact force, N (G, L, P, N, 3), in the frame of each pad."""
+        out = self.decode(pad, grasp, self.encode(pad, grasp))
+        depth, (length, stress) = grasp["depth_m"][..., None], pad["units"].unbind()
+        against, x, y = out["contact"].unbind(-1)
+        force = torch.stack([x, y, -against], -1) * grasp["pressing_n"][..., None, None]
+        return (
+            out["displacement"] * (length * depth[..., None]),
+            out["stress"] * (stress * pad["young_pa"] / pad["thickness_m"] * depth),
+            torch.zeros_like(out["displacement"]).index_add(3, pad["face"], force),
+        )

@@ -1,0 +1,178 @@
+"""The network in PyTorch: the answers of `tactus.predict` with their derivatives, on any device, and as ONNX.
+
+Tactus computes the mechanics that the network sees (first contact, equilibrium on linear pads) and differentiates it by central differences;
+the network itself, and all of its derivatives, are PyTorch's.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import Any, NamedTuple
+
+import numpy as np
+
+try:
+    import safetensors.torch
+    import torch
+except ImportError as missing:
+    raise ImportError('tactus.torch needs PyTorch and safetensors: pip install "tactus[torch]"') from missing
+from torch import Tensor, nn
+
+from . import _tactus
+from .face import FaceNetwork
+from .scene import Scene
+
+# Inputs of a grasp that no load changes.
+LOADLESS = ("node", "pad", "near")
+
+
+class Answer(NamedTuple):
+    """Answers to the `G` grasps that have one, in the frame of each pad: `F` loads, `P` pads, `n` nodes."""
+
+    displacement_m: Tensor
+    """(G, F, P, n, 3)"""
+    von_mises_pa: Tensor
+    """(G, F, P, n)"""
+    contact_force_n: Tensor
+    """(G, F, P, n, 3)"""
+    grasp: list[int]
+    """Numbers of the grasps (G)."""
+    failed: dict[int, str]
+    """Reasons of the grasps without an answer, by number."""
+
+
+class Network(FaceNetwork):
+    """A trained network. Its weights are frozen; `requires_grad_()` frees them."""
+
+    def __init__(self, model: str | os.PathLike[str]) -> None:
+        self.model = os.fspath(model)
+        super().__init__(safetensors.torch.load(_tactus.face_weights(self.model)))
+        self.requires_grad_(False)
+
+    @classmethod
+    def load(cls, model: str | os.PathLike[str] = "universe") -> Network:
+        """Loads the network in the folder `model`, or the one that ships under this name."""
+        return cls(model)
+
+    def on(
+        self,
+        scene: Scene | str | os.PathLike[str],
+        object: str | None = None,
+        frames: int | None = None,
+        extrapolate: bool = False,
+        threads: int | None = None,
+    ) -> SceneNetwork:
+        """Returns the network on the object and the pads of a scene, to be asked often; arguments as of `tactus.predict`."""
+        path = scene.path if isinstance(scene, Scene) else os.fspath(scene)
+        seen = _tactus.FaceInputs(path, object, self.model, frames, extrapolate, threads or os.cpu_count() or 1)
+        return SceneNetwork(self, seen)
+
+    def answer(
+        self,
+        scene: Scene | str | os.PathLike[str],
+        poses: Any = None,
+        force: Any = None,
+        friction: Any = None,
+        **settings: Any,
+    ) -> Answer:
+        """Answers the grasps of a scene once: :meth:`on` with these `settings`, asked as :meth:`SceneNetwork.forward` is."""
+        return self.on(scene, **settings)(poses, force, friction)
+
+
+class SceneNetwork(nn.Module):
+    """A network on the object and the pads of a scene."""
+
+    def __init__(self, network: Network, seen: _tactus.FaceInputs) -> None:
+        super().__init__()
+        self.network, self.seen = network, seen
+        self.of_pad = nn.Module()
+        for name, array in seen.pad().items():
+            self.of_pad.register_buffer(name, torch.from_numpy(array))
+
+    def forward(self, poses: Any = None, force: Any = None, friction: Any = None) -> Answer:
+        """Answers grasps at `poses` (G, 7), px py pz qw qx qy qz of the hand in the object frame, under `force` (F) or (G, F), N, the sum over
+        the fingers, with `friction`, a number or (G); what is not given is as in the scene. Tensors among them that require a gradient have
+        one: each load by its own force, poses by all seven numbers."""
+        grasp, *which = self.inputs(poses, force, friction)
+        return Answer(*self.network(self.pad(), grasp), *which)
+
+    def pad(self) -> dict[str, Tensor]:
+        """Returns what the network sees of the pads, where its weights are and as exact as they are."""
+        return dict(self.of_pad.to(self.network.weight("node.bias")).named_buffers())
+
+    def inputs(
+        self, poses: Any = None, force: Any = None, friction: Any = None
+    ) -> tuple[dict[str, Tensor], list[int], dict[int, str]]:
+        """Returns what the network sees of the grasps, as `src/net/infer/inputs.rs` lists it, and `grasp` and `failed` of :class:`Answer`."""
+        usual = self.seen.usual()
+        given = [usual[name] if value is None else value for name, value in zip(usual, (poses, force, friction))]
+        # Where there are always f64.
+        poses, force, friction = (torch.as_tensor(value).cpu().double() for value in given)
+        poses = poses.reshape(-1, poses.shape[-1])
+        force, friction = force.reshape(1, -1) if force.dim() < 2 else force, friction.reshape(-1)
+        for name, value in (("force", force), ("friction", friction)):
+            if len(value) not in (1, len(poses)):
+                raise ValueError(f"{name}: for {len(value)} grasps, and there are {len(poses)} poses; give one, or as many")
+        force, friction = force.expand(len(poses), -1), friction.expand(len(poses))
+        needed = (force, friction, *[poses] * 6)
+        changes = [k for k, value in enumerate(needed) if value.requires_grad and torch.is_grad_enabled()]
+        at, under, rubbing = (value.detach().contiguous().numpy() for value in (poses, force, friction))
+        values, slopes, grasp, failed = self.seen.grasps(at, under, rubbing, changes)
+        if not grasp:
+            raise ValueError(f"no grasp has an answer: {failed}")
+        along = changed(poses[grasp], force[grasp], friction[grasp])[..., changes]
+        return {name: self.moved(name, value, slopes[name], along) for name, value in values.items()}, grasp, failed
+
+    def moved(self, name: str, value: np.ndarray, slope: np.ndarray, along: Tensor) -> Tensor:
+        """An input as a tensor that is linear in the changes `along` (G, F, changes)."""
+        own = self.network.weight("node.bias")
+        x, slope_, along = torch.from_numpy(value).to(own), torch.from_numpy(slope).to(own), along.to(own)
+        if not along.shape[-1]:
+            return x
+        if name in LOADLESS:
+            return x + torch.einsum("gc...,gc->g...", slope_, along[:, 0])
+        return x + torch.einsum("gcf...,gfc->gf...", slope_, along)
+
+    def export(self, file: str | os.PathLike[str]) -> list[str]:
+        """Writes the network on these pads as ONNX, for any number of grasps and loads. Returns the names of its inputs, in order: those of
+        :meth:`inputs`. It answers with `displacement_m`, `von_mises_pa` and `contact_force_n`. Needs onnxscript."""
+        with torch.no_grad():
+            grasp, *_ = self.inputs()
+        self.pad()
+        # An axis of length one would be taken for constant.
+        grasp = {k: v[:1].repeat(2, *[1] * (v.dim() - 1)) for k, v in grasp.items()}
+        grasp = {k: v if k in LOADLESS else v[:, :1].repeat(1, 2, *[1] * (v.dim() - 2)) for k, v in grasp.items()}
+        axes = dict(enumerate(map(torch.export.Dim, ("grasps", "loads"))))
+        program = torch.onnx.export(
+            OnPads(self, list(grasp)).eval(),
+            tuple(grasp.values()),
+            input_names=list(grasp),
+            output_names=list(Answer._fields[:3]),
+            dynamic_shapes=(tuple({0: axes[0]} if name in LOADLESS else axes for name in grasp),),
+            dynamo=True,
+            verbose=False,
+        )
+        program.save(os.fspath(file))
+        return list(grasp)
+
+
+class OnPads(nn.Module):
+    """A network on pads as ONNX has it: arrays in a row."""
+
+    def __init__(self, on: SceneNetwork, names: list[str]) -> None:
+        super().__init__()
+        self.on, self.names = on, names
+
+    def forward(self, *arrays: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        return self.on.network(dict(self.on.of_pad.named_buffers()), dict(zip(self.names, arrays)))
+
+
+def changed(poses: Tensor, force: Tensor, friction: Tensor) -> Tensor:
+    """Changes of grasps from where they are, all zero, with their derivatives (G, F, 8): of the logarithm of each force, friction, position, and
+    rotation vector of the hand in the object frame."""
+    position, rotation = poses[:, :3], poses[:, 3:] / poses[:, 3:].norm(dim=1, keepdim=True)
+    (w, v), (w0, v0) = ((q[:, :1], q[:, 1:]) for q in (rotation, rotation.detach()))
+    turn = 2 * (w0 * v - w * v0 - torch.linalg.cross(v, v0))
+    grasp = torch.cat([friction[:, None], position, turn], 1)[:, None].expand(-1, force.shape[1], -1)
+    all_ = torch.cat([torch.log(force)[..., None], grasp], 2)
+    return all_ - all_.detach()

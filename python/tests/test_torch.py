@@ -1,0 +1,199 @@
+"""The network in PyTorch and in ONNX Runtime beside the Rust engine."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tactus
+
+torch = pytest.importorskip("torch", reason="PyTorch is not installed")
+pytest.importorskip("safetensors", reason="safetensors is not installed")
+
+import tactus.torch  # noqa: E402
+
+ROOT = Path(__file__).parents[2]
+SCENES = ROOT / "scenes"
+FIELDS = tactus.torch.Answer._fields[:3]
+# Thickness of a pad, and distance of its farthest node from the origin of the hand, m: the scales of position and rotation.
+THICKNESS, FARTHEST = 4e-3, 0.107
+
+
+@pytest.fixture(scope="module")
+def network():
+    return tactus.torch.Network.load("universe")
+
+
+def worst(mine, theirs):
+    """The largest error of a grasp over the norm of its field."""
+    mine, theirs = (np.asarray(x, dtype=np.float64).reshape(len(x), -1) for x in (mine, theirs))
+    return (np.linalg.norm(mine - theirs, axis=1) / np.linalg.norm(theirs, axis=1)).max()
+
+
+@pytest.mark.parametrize("name", tactus.load(SCENES / "paper.ron").objects)
+def test_fields_of_fifty_grasps_are_those_of_the_engine_within_1e_4(network, name):
+    on = network.on(SCENES / "paper.ron", object=name, frames=3)
+    poses = on.seen.usual()["poses"][:5]
+    many = tactus.predict(SCENES / "paper.ron", object=name, poses=poses, frames=3)
+    answer = on(poses)
+    assert answer.grasp == many.grasp.tolist() and list(answer.failed) == list(many.failed)
+    for field, mine in zip(FIELDS, answer):
+        assert mine.dtype == torch.float32 and worst(mine, getattr(many, field)) < 1e-4, field
+
+
+def turned(pose, by):
+    """A pose (7) whose hand has turned by the small rotation vector `by` about axes of the object frame, to first order."""
+    (w, v), half = (pose[3:4], pose[4:]), 0.5 * by
+    turn = torch.cat([w - (half * v).sum(), v + half * w + torch.linalg.cross(half, v)])
+    return torch.cat([pose[:3], turn])
+
+
+def scene(path, force, friction):
+    path.write_text(
+        "(object: (shape: Ellipsoid(radii: (0.035, 0.025, 0.02))), gripper: (pads: GelSightMini(spacing: 2.9e-3),"
+        f" friction: {friction:.15f}), loading: Squeeze(force: {force:.15f}, frames: 1))"
+    )
+    return path
+
+
+def drawn(seed):
+    """Force, friction, and a pose beside that which holds the middle of an object, 0.1 m before the hand."""
+    draw = np.random.default_rng(seed)
+    turn = np.array([1.0, *draw.normal(0, 0.1, 3)])
+    turn /= np.linalg.norm(turn)
+    w, v, reach = turn[0], turn[1:], np.array([0, 0, 0.1])
+    middle = reach + 2 * np.cross(v, np.cross(v, reach) + w * reach)
+    pose = torch.from_numpy(np.concatenate([draw.normal(0, 2e-3, 3) - middle, turn]))
+    return draw.uniform(8, 14), draw.uniform(0.5, 1.0), pose
+
+
+def moved(pose, by):
+    """The pose after a move and a turn (6)."""
+    return turned(torch.cat([pose[:3] + by[:3], pose[3:]]), by[3:])
+
+
+def jacobian(on, force, friction, pose, scales):
+    """Derivatives of each field (8, numbers) by force, friction, position and rotation over their scales."""
+    x = torch.zeros(8, dtype=torch.float64, requires_grad=True)
+    by = x * torch.from_numpy(scales)
+    answer = on(moved(pose, by[2:])[None], (force + by[0])[None], friction + by[1])
+    fields = []
+    for field in answer[:3]:
+        # Two passes backwards make one forwards.
+        ones = torch.zeros_like(field, requires_grad=True)
+        (back,) = torch.autograd.grad(field, x, ones, create_graph=True)
+        forth = [torch.autograd.grad(value, ones, retain_graph=True)[0].flatten() for value in back]
+        fields.append(torch.stack(forth).numpy())
+    return fields
+
+
+def differences(path, force, friction, pose, scales, step):
+    """Central differences of the engine's fields (8, numbers), over the same scales, and the fields."""
+
+    def predicted(force, friction, poses):
+        many = tactus.predict(scene(path, force, friction), poses=np.stack(poses))
+        assert many.failed == {}
+        return [getattr(many, field).astype(np.float64).reshape(len(poses), -1) for field in FIELDS]
+
+    steps = np.diag(scales * step)
+    hands = [moved(pose, torch.from_numpy(side * row[2:])) for row in steps[2:] for side in (-1, 1)]
+    parts = [predicted(force + side * steps[0, 0], friction, [pose]) for side in (-1, 1)]
+    parts += [predicted(force, friction + side * steps[1, 1], [pose]) for side in (-1, 1)]
+    parts += [predicted(force, friction, hands)]
+    fields = [np.concatenate(field) for field in zip(*parts)]
+    return [(field[1::2] - field[::2]) / (2 * step) for field in fields], fields
+
+
+def test_derivatives_are_those_of_the_engine_within_1e_3(network, tmp_path):
+    """Derivatives beside the slopes of straight lines through six answers of `tactus.predict`. Errors are over the derivative, or the field
+    where that is larger: answers are float32, and what hardly changes them has no derivative to be found. The answer of the engine is smooth
+    by pieces: where the lines are not straight beyond what rounding does, there is a bend or a jump, and no derivative. Most are straight."""
+    steps = (2e-4, 3.5e-4, 5e-4)
+    straight = np.zeros(8, dtype=int)
+    seeds = (0, 2, 4, 5)
+    for seed in seeds:
+        force, friction, pose = drawn(seed)
+        scales = np.array([force, friction, *[THICKNESS] * 3, *[THICKNESS / FARTHEST] * 3])
+        mine = jacobian(network.double().on(scene(tmp_path / "s.ron", force, friction)), force, friction, pose, scales)
+        network.float()
+        several = [differences(tmp_path / "s.ron", force, friction, pose, scales, step) for step in steps]
+        smooth = np.ones(8, dtype=bool)
+        errors = []
+        for k, ours in enumerate(mine):
+            slopes = np.stack([slopes[k] for slopes, _ in several])
+            line = np.average(slopes, axis=0, weights=np.square(steps))
+            size = np.maximum(np.linalg.norm(line, axis=1), np.linalg.norm(several[0][1][k][0]))
+            smooth &= (np.linalg.norm(slopes - line, axis=2) < 1.3e-3 * size).all(0)
+            errors.append(np.linalg.norm(ours - line, axis=1) / size)
+        straight += smooth
+        assert (np.array(errors)[:, smooth] < 1e-3).all(), f"seed {seed}: {np.array(errors)}, smooth {smooth}"
+    assert straight.sum() > 0.5 * 8 * len(seeds) and (straight > 0).all(), straight
+
+
+def test_each_load_answers_to_its_own_force_and_each_grasp_to_its_own_friction(network):
+    on = network.on(SCENES / "lemon.ron")
+    poses = on.seen.usual()["poses"]
+    force = torch.tensor([[4.0, 8.0], [5.0, 10.0]], requires_grad=True)
+    friction = torch.tensor([0.6, 0.9], requires_grad=True)
+    answer = on(poses, force, friction)
+    by_force, by_friction = torch.autograd.grad(answer.displacement_m[0, 1].square().sum(), (force, friction))
+    assert (by_force != 0).tolist() == [[False, True], [False, False]]
+    assert (by_friction != 0).tolist() == [True, False]
+    alone = on(poses[1:], [5.0, 10.0], 0.9)
+    assert torch.allclose(alone.contact_force_n[0], answer.contact_force_n[1], rtol=1e-4, atol=1e-6)
+    pressed = answer.contact_force_n.sum(3)[..., 2].abs()
+    assert torch.allclose(pressed, force[..., None] / 2, rtol=1e-4)
+
+
+def test_a_quaternion_may_have_any_length(network):
+    on = network.on(SCENES / "lemon.ron", frames=1)
+    pose = torch.tensor([[0, 0, -0.1, 2.0, 0.1, 0, 0.2]], dtype=torch.float64, requires_grad=True)
+    loss = on(pose).displacement_m.square().sum()
+    (by_pose,) = torch.autograd.grad(loss, pose)
+    along = (by_pose[0, 3:] * pose[0, 3:]).sum().abs()
+    assert along < 1e-6 * by_pose[0, 3:].norm() * pose[0, 3:].norm(), "its length changes nothing"
+
+
+def test_a_folder_is_loaded_as_the_name_is(network):
+    folder = tactus.torch.Network.load(ROOT / "models" / "universe")
+    for (name, mine), (_, other) in zip(folder.named_parameters(), network.named_parameters()):
+        assert torch.equal(mine, other), name
+    with pytest.raises(ValueError, match="a model is made by"):
+        tactus.torch.Network.load("nowhere")
+
+
+def test_what_cannot_be_answered_says_why(network):
+    on = network.on(SCENES / "lemon.ron", frames=1)
+    here, far = [0, 0, -0.1, 1, 0, 0, 0], [0, 0, 10, 1, 0, 0, 0]
+    answer = on([far, here])
+    assert answer.grasp == [1] and list(answer.failed) == [0]
+    for wrong, why in (
+        ({"poses": [far]}, "no grasp has an answer"),
+        ({"poses": [[0, 0, 0]]}, "7 finite numbers"),
+        ({"poses": [here], "force": [-1.0]}, "a force of -1 N"),
+        ({"poses": [here], "friction": 3.0}, "friction is 3, trained was"),
+        ({"poses": [here], "friction": [0.8] * 3}, "friction: for 3 grasps"),
+    ):
+        with pytest.raises(ValueError, match=why):
+            on(**wrong)
+
+
+def test_onnx_runtime_gives_the_same_fields_within_1e_4(network, tmp_path):
+    for package in ("onnx", "onnxscript", "onnxruntime"):
+        pytest.importorskip(package, reason=f"{package} is not installed")
+    import onnxruntime
+
+    on = network.on(SCENES / "lemon.ron", frames=3)
+    names = on.export(tmp_path / "universe.onnx")
+    session = onnxruntime.InferenceSession(tmp_path / "universe.onnx", providers=["CPUExecutionProvider"])
+    # Another number of grasps and loads than it was written with.
+    poses = on.seen.usual()["poses"][[0, 1, 1]]
+    for force in ([6.0], [3.0, 6.0, 9.0, 12.0, 15.0]):
+        seen, *_ = on.inputs(poses, force)
+        out = session.run(list(FIELDS), {name: seen[name].numpy() for name in names})
+        for field, mine, theirs in zip(FIELDS, out, on(poses, force)):
+            assert mine.shape == theirs.shape and worst(mine, theirs) < 1e-4, field
+    many = tactus.predict(SCENES / "lemon.ron", frames=3)
+    seen, *_ = on.inputs()
+    for field, mine in zip(FIELDS, session.run(list(FIELDS), {name: seen[name].numpy() for name in names})):
+        assert worst(mine, getattr(many, field)) < 1e-4, field

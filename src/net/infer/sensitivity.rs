@@ -1,0 +1,216 @@
+//! Inputs of the face network for grasps of a scene, and how they change with force, friction and the pose of the hand.
+
+use super::inputs::{Array, PadInputs, grasp_inputs, pad_inputs};
+use super::predict::Predictor;
+use crate::error::{Error, Result};
+use crate::gripper::GraspPose;
+use crate::interrupt;
+use crate::linear::first_contact::GeometricContact;
+use crate::linear::pad_graph::PadGraph;
+use crate::linear::{GraspLoad, loads_of};
+use crate::model::Model;
+use crate::net::features::GraspFeatures;
+use crate::net::network::card::{Card, Trained};
+use crate::net::network::spec::NetworkSpec;
+use crate::part::FingerModel;
+use crate::scene::{Loading, Scene};
+use crate::world::environment::Environment;
+use glam::{DQuat, DVec3};
+use rayon::prelude::*;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Change of a grasp.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Change {
+    /// Change of all forces in proportion.
+    Force,
+    /// Change of the friction.
+    Friction,
+    /// Change of the hand's position along an axis of the object frame.
+    Position(usize),
+    /// Rotation of the hand about its origin and an axis of the object frame.
+    Rotation(usize),
+}
+
+impl Change {
+    /// List of all changes.
+    pub const ALL: [Self; 8] = [
+        Self::Force,
+        Self::Friction,
+        Self::Position(0),
+        Self::Position(1),
+        Self::Position(2),
+        Self::Rotation(0),
+        Self::Rotation(1),
+        Self::Rotation(2),
+    ];
+}
+
+/// Grasp to be looked at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grip {
+    /// Pose of the hand.
+    pub pose: GraspPose,
+    /// Force under each load, N: the sum over the fingers.
+    pub force: Vec<f64>,
+    /// Coulomb's coefficient.
+    pub friction: f64,
+}
+
+impl Grip {
+    fn changed(&self, change: Change, by: f64) -> Self {
+        let mut grip = self.clone();
+        match change {
+            Change::Force => grip.force.iter_mut().for_each(|force| *force *= 1.0 + by),
+            Change::Friction => grip.friction += by,
+            Change::Position(axis) => grip.pose.position += DVec3::AXES[axis] * by,
+            Change::Rotation(axis) => {
+                grip.pose.rotation = DQuat::from_scaled_axis(DVec3::AXES[axis] * by) * grip.pose.rotation;
+            }
+        }
+        grip
+    }
+}
+
+/// Inputs of a grasp, and their derivatives: one more axis in front, as long as the list of changes.
+pub type Slopes = [Vec<Array<f32>>; 2];
+
+/// Scene as the face network sees it.
+#[derive(Debug)]
+pub struct SceneInputs {
+    predictor: Predictor,
+    model: Arc<Model>,
+    graph: Arc<PadGraph>,
+    loading: Loading,
+    extrapolate: bool,
+}
+
+impl SceneInputs {
+    /// Builds the scene for the network in the folder `model`, or the one that ships under this name.
+    ///
+    /// # Errors
+    /// Fails if scene or model cannot be read, for a network of another kind, and for a scene outside the trained range.
+    pub fn new(scene: &Scene, model: &Path, extrapolate: bool) -> Result<Self> {
+        let predictor = Predictor::open(model)?;
+        face_alone(&predictor.card, model)?;
+        let extrapolate = extrapolate || scene.stepper.extrapolates();
+        let model = Model::build(&scene.on_own_mesh())?;
+        let graph = predictor.admit(&model, extrapolate)?;
+        Ok(Self { predictor, model, graph, loading: scene.loading.clone(), extrapolate })
+    }
+
+    /// Returns the force under each load of the scene, N, the sum over the fingers, and its friction.
+    pub fn usual(&self) -> (Vec<f64>, f64) {
+        let fingers = self.model.fingers.len() as f64;
+        (loads_of(&self.model).iter().map(|load| load.force * fingers).collect(), self.model.law.friction)
+    }
+
+    /// Returns the inputs that all grasps share.
+    pub fn pad(&self) -> PadInputs {
+        pad_inputs(&self.graph, self.model.material.moduli().young, &self.predictor.card.normalisers)
+    }
+
+    /// Returns for each of `grips` its inputs, and their derivatives along `changes`: by the logarithm of the force, the coefficient of
+    /// friction, m and rad. A grasp that cannot start, or lies outside the trained range, has its own error.
+    ///
+    /// # Errors
+    /// Fails if it is interrupted.
+    pub fn grasps(&self, grips: &[Grip], changes: &[Change]) -> Result<Vec<Result<Slopes>>> {
+        let grasp = |environment: &mut Option<Environment>, grip: &Grip| {
+            interrupt::check()?;
+            Ok(self.slopes(environment, grip, changes))
+        };
+        grips.par_iter().map_init(|| None, grasp).collect()
+    }
+
+    fn slopes(&self, environment: &mut Option<Environment>, grip: &Grip, changes: &[Change]) -> Result<Slopes> {
+        let model = self.admitted(grip)?;
+        let inputs = self.look(environment, &model, grip)?;
+        let mut slopes: Vec<Array<f32>> = inputs.iter().map(|array| array.stack(changes.len())).collect();
+        for change in changes {
+            let step = self.step(grip, *change)?;
+            let mut beside = |by: f64| self.look(environment, &model, &grip.changed(*change, by));
+            let (before, after) = (beside(-step)?, beside(step)?);
+            for (slopes, (before, after)) in slopes.iter_mut().zip(before.iter().zip(&after)) {
+                let pairs = before.numbers.iter().zip(&after.numbers);
+                slopes.numbers.extend(pairs.map(|(a, b)| ((f64::from(*b) - f64::from(*a)) / (2.0 * step)) as f32));
+            }
+        }
+        Ok([inputs, slopes])
+    }
+
+    /// Returns the model under the forces and the friction of `grip`.
+    fn admitted(&self, grip: &Grip) -> Result<Model> {
+        let (loads, given, fingers) = (self.model.levels.len(), grip.force.len(), self.model.fingers.len() as f64);
+        let refused = |what: String| Err(Error::Start(what));
+        if let Some(bad) = grip.force.iter().find(|force| !(force.is_finite() && **force > 0.0)) {
+            return refused(format!("a force of {bad} N; numbers above 0 are needed"));
+        }
+        if self.model.push.is_some() && given != loads {
+            return refused(format!("{given} forces for a scene whose push makes {loads} loads; give one for each"));
+        }
+        if !(grip.friction.is_finite() && grip.friction >= 0.0) {
+            return refused(format!("a friction of {}; a number from 0 on is needed", grip.friction));
+        }
+        let levels = grip.force.iter().map(|force| force / fingers).collect();
+        let model = self.model.under(&self.loading, levels, grip.friction);
+        self.predictor.card.range.admits(&model, &self.graph.hash, self.extrapolate)?;
+        Ok(model)
+    }
+
+    /// Returns the inputs of `grip`. The path of its equilibrium is to the largest force of `model`, whatever its own is.
+    fn look(&self, environment: &mut Option<Environment>, model: &Model, grip: &Grip) -> Result<Vec<Array<f32>>> {
+        // Neither force nor friction change the first contact.
+        let touch = GeometricContact::find_in(environment, &self.model, grip.pose)?;
+        let own = Arc::new(model.under(&self.loading, model.levels.clone(), grip.friction));
+        let features = GraspFeatures::new(&own, &self.graph, &touch);
+        let (fingers, usual) = (own.fingers.len() as f64, loads_of(&own));
+        let squeezed = usual.into_iter().zip(&grip.force);
+        let loads: Vec<_> = squeezed.map(|(load, force)| GraspLoad { force: force / fingers, ..load }).collect();
+        Ok(grasp_inputs(&features, &features.loads(&loads), &self.predictor.card.normalisers))
+    }
+
+    /// Returns the step of a central difference: the square root of the precision of inputs, which are f32, over the scale of what changes.
+    /// Rounding makes an error of `eps / h`, and kinks, as where a node begins to press, make one that falls with `h` alone: at the square
+    /// root their sum is least. The scale of the position is the thickness of a pad, that of the rotation the angle which moves the farthest
+    /// node of a face as far.
+    ///
+    /// # Errors
+    /// Fails for the friction of a grasp without any.
+    fn step(&self, grip: &Grip, change: Change) -> Result<f64> {
+        let farthest = |finger: &FingerModel| {
+            self.graph.rest.iter().map(|x| finger.placement.place(*x).length()).fold(0.0, f64::max)
+        };
+        let scale = match change {
+            Change::Force => 1.0,
+            Change::Friction if grip.friction > 0.0 => grip.friction,
+            Change::Friction => return Err(Error::Start("no derivative by a friction of 0; give one above".into())),
+            Change::Position(_) => self.graph.thickness,
+            Change::Rotation(_) => {
+                self.graph.thickness / self.model.fingers.iter().map(farthest).fold(f64::MIN_POSITIVE, f64::max)
+            }
+        };
+        Ok(f64::from(f32::EPSILON).sqrt() * scale)
+    }
+}
+
+/// Returns the weights of the face network in the folder `model`, or of the one that ships under this name: safetensors.
+///
+/// # Errors
+/// Fails if the model cannot be read, and for a network of another kind.
+pub fn weights(model: &Path) -> Result<Vec<u8>> {
+    let trained = Trained::read(model)?;
+    face_alone(&trained.card, model)?;
+    Ok(trained.weights.into_owned())
+}
+
+fn face_alone(card: &Card, model: &Path) -> Result<()> {
+    match card.spec.network {
+        NetworkSpec::Face(_) => Ok(()),
+        NetworkSpec::Paper(_) => {
+            let what = "holds the paper's network; only a `Face` network runs in PyTorch: train one, or take the one that ships";
+            Err(Error::file(model, what))
+        }
+    }
+}
