@@ -10,7 +10,7 @@ use tactus::error::Error;
 use tactus::grasp::poses_of;
 use tactus::gripper::GraspPose;
 use tactus::net::infer::inputs::Array;
-use tactus::net::infer::sensitivity::{Change, Grip, SceneInputs, weights};
+use tactus::net::infer::slopes::{Grip, GripChange, SceneInputs, weights};
 use tactus::scene::load_object;
 
 /// Weights of a face network, by folder or name: the bytes of a safetensors file.
@@ -97,8 +97,8 @@ impl FaceInputs {
         friction: PyReadonlyArray1<'py, f64>,
         changes: Vec<usize>,
     ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>, Vec<usize>, Bound<'py, PyDict>)> {
-        let changes = changes.into_iter().map(|k| Change::ALL.get(k).copied());
-        let changes: Vec<Change> = changes.collect::<Option<_>>().ok_or_else(|| refused("changes: 0 to 7"))?;
+        let changes = changes.into_iter().map(|k| GripChange::ALL.get(k).copied());
+        let changes: Vec<GripChange> = changes.collect::<Option<_>>().ok_or_else(|| refused("changes: 0 to 7"))?;
         let (poses, force, friction) = (hands(&poses)?, force.as_array(), friction.as_array());
         let grips = poses.into_iter().zip(force.rows()).zip(friction);
         let grips: Vec<Grip> =
