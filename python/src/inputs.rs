@@ -31,6 +31,9 @@ fn put<T: Element>(out: &Bound<'_, PyDict>, name: &str, shape: &[usize], numbers
     out.set_item(name, numbers.to_pyarray(out.py()).reshape(shape.to_vec())?)
 }
 
+/// Arrays of grasps, their derivatives, the numbers of the grasps, and reasons by the numbers of the others.
+type Looked<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>, Vec<usize>, Bound<'py, PyDict>);
+
 /// Poses of the hand from rows of Python.
 fn hands(rows: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<GraspPose>> {
     let hand = |row: Vec<f64>| {
@@ -96,7 +99,7 @@ impl FaceInputs {
         force: PyReadonlyArray2<'py, f64>,
         friction: PyReadonlyArray1<'py, f64>,
         changes: Vec<usize>,
-    ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>, Vec<usize>, Bound<'py, PyDict>)> {
+    ) -> PyResult<Looked<'py>> {
         let changes = changes.into_iter().map(|k| GripChange::ALL.get(k).copied());
         let changes: Vec<GripChange> = changes.collect::<Option<_>>().ok_or_else(|| refused("changes: 0 to 7"))?;
         let (poses, force, friction) = (hands(&poses)?, force.as_array(), friction.as_array());

@@ -7,7 +7,7 @@ use tactus::net::infer::inputs::Array;
 use tactus::net::infer::slopes::{Grip, GripChange, SceneInputs};
 use tactus::scene::from_ron;
 
-const SCENE: &str = "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 5e-3)),
+const SCENE: &str = "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 2.9e-3)),
     loading: Squeeze(force: 6.0, frames: 2))";
 /// Distance of the ball from the origin of the hand, m.
 const REACH: f64 = 0.1;
@@ -35,7 +35,8 @@ fn the_pressing_force_grows_with_the_force_alone() {
     let pressing = named(&inputs, "pressing_n");
     assert_eq!(pressing.len(), 4, "two loads, two pads");
     let off = norm(named(&slopes, "pressing_n"), -1.0, pressing) / norm(pressing, 0.0, pressing);
-    assert!(off < 1e-4, "{off} of the force");
+    // What f32 rounds, over the step.
+    assert!(off < 4e-4, "{off} of the force");
     assert!(named(&slopes, "node").iter().all(|slope| *slope == 0.0), "first contact knows no force");
     let [_, slopes] = ball(GripChange::Friction);
     assert!(named(&slopes, "pressing_n").iter().all(|slope| *slope == 0.0));
