@@ -10,7 +10,7 @@ use tactus::error::Error;
 use tactus::grasp::poses_of;
 use tactus::gripper::GraspPose;
 use tactus::net::infer::inputs::Array;
-use tactus::net::infer::sensitivity::{Change, Grip, SceneInputs, weights};
+use tactus::net::infer::slopes::{Grip, GripChange, SceneInputs, weights};
 use tactus::scene::load_object;
 
 /// Weights of a face network, by folder or name: the bytes of a safetensors file.
@@ -30,6 +30,9 @@ pub struct FaceInputs {
 fn put<T: Element>(out: &Bound<'_, PyDict>, name: &str, shape: &[usize], numbers: &[T]) -> PyResult<()> {
     out.set_item(name, numbers.to_pyarray(out.py()).reshape(shape.to_vec())?)
 }
+
+/// Arrays of grasps, their derivatives, the numbers of the grasps, and reasons by the numbers of the others.
+type Looked<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>, Vec<usize>, Bound<'py, PyDict>);
 
 /// Poses of the hand from rows of Python.
 fn hands(rows: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<GraspPose>> {
@@ -96,9 +99,9 @@ impl FaceInputs {
         force: PyReadonlyArray2<'py, f64>,
         friction: PyReadonlyArray1<'py, f64>,
         changes: Vec<usize>,
-    ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>, Vec<usize>, Bound<'py, PyDict>)> {
-        let changes = changes.into_iter().map(|k| Change::ALL.get(k).copied());
-        let changes: Vec<Change> = changes.collect::<Option<_>>().ok_or_else(|| refused("changes: 0 to 7"))?;
+    ) -> PyResult<Looked<'py>> {
+        let changes = changes.into_iter().map(|k| GripChange::ALL.get(k).copied());
+        let changes: Vec<GripChange> = changes.collect::<Option<_>>().ok_or_else(|| refused("changes: 0 to 7"))?;
         let (poses, force, friction) = (hands(&poses)?, force.as_array(), friction.as_array());
         let grips = poses.into_iter().zip(force.rows()).zip(friction);
         let grips: Vec<Grip> =

@@ -110,7 +110,7 @@ def test_derivatives_are_those_of_the_engine_within_1e_3(network, tmp_path):
     by pieces: where the lines are not straight beyond what rounding does, there is a bend or a jump, and no derivative. Most are straight."""
     steps = (2e-4, 3.5e-4, 5e-4)
     straight = np.zeros(8, dtype=int)
-    seeds = (0, 2, 4, 5)
+    seeds = (0, 4, 5)
     for seed in seeds:
         force, friction, pose = drawn(seed)
         scales = np.array([force, friction, *[THICKNESS] * 3, *[THICKNESS / FARTHEST] * 3])

@@ -4,16 +4,16 @@ use glam::{DQuat, DVec3};
 use tactus::gripper::GraspPose;
 use tactus::net::SHIPPED;
 use tactus::net::infer::inputs::Array;
-use tactus::net::infer::sensitivity::{Change, Grip, SceneInputs};
+use tactus::net::infer::slopes::{Grip, GripChange, SceneInputs};
 use tactus::scene::from_ron;
 
-const SCENE: &str = "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 5e-3)),
+const SCENE: &str = "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 2.9e-3)),
     loading: Squeeze(force: 6.0, frames: 2))";
 /// Distance of the ball from the origin of the hand, m.
 const REACH: f64 = 0.1;
 
 /// Looks at a ball between the fingers, which close along x; its inputs and their derivative along `change`.
-fn ball(change: Change) -> [Vec<Array<f32>>; 2] {
+fn ball(change: GripChange) -> [Vec<Array<f32>>; 2] {
     let inputs = SceneInputs::new(&from_ron(SCENE).unwrap(), SHIPPED.as_ref(), false).unwrap();
     let (force, friction) = inputs.usual();
     let pose = GraspPose { position: DVec3::NEG_Z * REACH, rotation: DQuat::IDENTITY };
@@ -31,19 +31,21 @@ fn norm(a: &[f32], by: f64, b: &[f32]) -> f64 {
 
 #[test]
 fn the_pressing_force_grows_with_the_force_alone() {
-    let [inputs, slopes] = ball(Change::Force);
+    let [inputs, slopes] = ball(GripChange::Force);
     let pressing = named(&inputs, "pressing_n");
     assert_eq!(pressing.len(), 4, "two loads, two pads");
     let off = norm(named(&slopes, "pressing_n"), -1.0, pressing) / norm(pressing, 0.0, pressing);
-    assert!(off < 1e-4, "{off} of the force");
+    // What f32 rounds, over the step.
+    assert!(off < 4e-4, "{off} of the force");
     assert!(named(&slopes, "node").iter().all(|slope| *slope == 0.0), "first contact knows no force");
-    let [_, slopes] = ball(Change::Friction);
+    let [_, slopes] = ball(GripChange::Friction);
     assert!(named(&slopes, "pressing_n").iter().all(|slope| *slope == 0.0));
 }
 
 #[test]
 fn fingers_center_a_free_ball_and_a_turn_of_the_hand_carries_the_pads_along() {
-    let slopes = [Change::Position(0), Change::Position(1), Change::Rotation(0)].map(|change| ball(change)[1].clone());
+    let slopes = [GripChange::Position(0), GripChange::Position(1), GripChange::Rotation(0)]
+        .map(|change| ball(change)[1].clone());
     for name in ["node", "node_load", "pad_load"] {
         let [closing, across, turned] = slopes.each_ref().map(|slopes| named(slopes, name));
         let whole = norm(across, 0.0, across);

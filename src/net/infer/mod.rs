@@ -20,7 +20,7 @@ pub mod message;
 pub mod predict;
 pub mod ramp;
 pub mod response;
-pub mod sensitivity;
+pub mod slopes;
 pub mod touch;
 
 pub use face::{Code, Decoding, FaceEngine};

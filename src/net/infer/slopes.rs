@@ -22,7 +22,7 @@ use std::sync::Arc;
 
 /// Change of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Change {
+pub enum GripChange {
     /// Change of all forces in proportion.
     Force,
     /// Change of the friction.
@@ -33,7 +33,7 @@ pub enum Change {
     Rotation(usize),
 }
 
-impl Change {
+impl GripChange {
     /// List of all changes.
     pub const ALL: [Self; 8] = [
         Self::Force,
@@ -59,13 +59,13 @@ pub struct Grip {
 }
 
 impl Grip {
-    fn changed(&self, change: Change, by: f64) -> Self {
+    fn changed(&self, change: GripChange, by: f64) -> Self {
         let mut grip = self.clone();
         match change {
-            Change::Force => grip.force.iter_mut().for_each(|force| *force *= 1.0 + by),
-            Change::Friction => grip.friction += by,
-            Change::Position(axis) => grip.pose.position += DVec3::AXES[axis] * by,
-            Change::Rotation(axis) => {
+            GripChange::Force => grip.force.iter_mut().for_each(|force| *force *= 1.0 + by),
+            GripChange::Friction => grip.friction += by,
+            GripChange::Position(axis) => grip.pose.position += DVec3::AXES[axis] * by,
+            GripChange::Rotation(axis) => {
                 grip.pose.rotation = DQuat::from_scaled_axis(DVec3::AXES[axis] * by) * grip.pose.rotation;
             }
         }
@@ -116,7 +116,7 @@ impl SceneInputs {
     ///
     /// # Errors
     /// Fails if it is interrupted.
-    pub fn grasps(&self, grips: &[Grip], changes: &[Change]) -> Result<Vec<Result<Slopes>>> {
+    pub fn grasps(&self, grips: &[Grip], changes: &[GripChange]) -> Result<Vec<Result<Slopes>>> {
         let grasp = |environment: &mut Option<Environment>, grip: &Grip| {
             interrupt::check()?;
             Ok(self.slopes(environment, grip, changes))
@@ -124,7 +124,7 @@ impl SceneInputs {
         grips.par_iter().map_init(|| None, grasp).collect()
     }
 
-    fn slopes(&self, environment: &mut Option<Environment>, grip: &Grip, changes: &[Change]) -> Result<Slopes> {
+    fn slopes(&self, environment: &mut Option<Environment>, grip: &Grip, changes: &[GripChange]) -> Result<Slopes> {
         let model = self.admitted(grip)?;
         let inputs = self.look(environment, &model, grip)?;
         let mut slopes: Vec<Array<f32>> = inputs.iter().map(|array| array.stack(changes.len())).collect();
@@ -178,16 +178,18 @@ impl SceneInputs {
     ///
     /// # Errors
     /// Fails for the friction of a grasp without any.
-    fn step(&self, grip: &Grip, change: Change) -> Result<f64> {
+    fn step(&self, grip: &Grip, change: GripChange) -> Result<f64> {
         let farthest = |finger: &FingerModel| {
             self.graph.rest.iter().map(|x| finger.placement.place(*x).length()).fold(0.0, f64::max)
         };
         let scale = match change {
-            Change::Force => 1.0,
-            Change::Friction if grip.friction > 0.0 => grip.friction,
-            Change::Friction => return Err(Error::Start("no derivative by a friction of 0; give one above".into())),
-            Change::Position(_) => self.graph.thickness,
-            Change::Rotation(_) => {
+            GripChange::Force => 1.0,
+            GripChange::Friction if grip.friction > 0.0 => grip.friction,
+            GripChange::Friction => {
+                return Err(Error::Start("no derivative by a friction of 0; give one above".into()));
+            }
+            GripChange::Position(_) => self.graph.thickness,
+            GripChange::Rotation(_) => {
                 self.graph.thickness / self.model.fingers.iter().map(farthest).fold(f64::MIN_POSITIVE, f64::max)
             }
         };
