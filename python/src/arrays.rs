@@ -1,7 +1,7 @@
 //! Numbers of tactus as numpy arrays, by name.
 
 use crate::refused;
-use numpy::{Element, PyArrayMethods, ToPyArray};
+use numpy::{Element, PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use tactus::geometry::mesh::TriMesh;
@@ -32,6 +32,18 @@ pub fn tactile<'py>(py: Python<'py>, frames: &[&[TactileArray]]) -> PyResult<Bou
 /// Coordinates of vectors, one after the other.
 pub fn flat(vectors: &[glam::DVec3]) -> Vec<f64> {
     vectors.iter().flat_map(|x| x.to_array()).collect()
+}
+
+/// Poses of the hand from rows of Python.
+pub fn hands(rows: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<GraspPose>> {
+    let hand = |row: Vec<f64>| {
+        let sound = row.len() == 7 && row.iter().all(|v| v.is_finite()) && row[3..] != [0.0; 4];
+        let GraspPose { position, rotation } = sound.then(|| GraspPose::from_row(&row))?;
+        Some(GraspPose { position, rotation: rotation.normalize() })
+    };
+    let what = "poses: rows of 7 finite numbers are needed: px py pz qw qx qy qz of the hand in the object frame, no quaternion zero";
+    let hands: Option<_> = rows.as_array().rows().into_iter().map(|row| hand(row.to_vec())).collect();
+    hands.ok_or_else(|| refused(what))
 }
 
 /// The pads of a model, left first: topology and place of each.

@@ -1,8 +1,9 @@
 //! What the face network sees of a scene's grasps, as numpy arrays: for the same network in PyTorch.
 
+use crate::arrays::{hands, put};
 use crate::refused;
 use crate::supervise::supervise;
-use numpy::{Element, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, ToPyArray};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::sync::Arc;
@@ -27,24 +28,8 @@ pub struct FaceInputs {
     threads: usize,
 }
 
-fn put<T: Element>(out: &Bound<'_, PyDict>, name: &str, shape: &[usize], numbers: &[T]) -> PyResult<()> {
-    out.set_item(name, numbers.to_pyarray(out.py()).reshape(shape.to_vec())?)
-}
-
 /// Arrays of grasps, their derivatives, the numbers of the grasps, and reasons by the numbers of the others.
 type Looked<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>, Vec<usize>, Bound<'py, PyDict>);
-
-/// Poses of the hand from rows of Python.
-fn hands(rows: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<GraspPose>> {
-    let hand = |row: Vec<f64>| {
-        let sound = row.len() == 7 && row.iter().all(|v| v.is_finite()) && row[3..] != [0.0; 4];
-        let GraspPose { position, rotation } = sound.then(|| GraspPose::from_row(&row))?;
-        Some(GraspPose { position, rotation: rotation.normalize() })
-    };
-    let what = "poses: rows of 7 finite numbers are needed: px py pz qw qx qy qz of the hand in the object frame, no quaternion zero";
-    let hands: Option<_> = rows.as_array().rows().into_iter().map(|row| hand(row.to_vec())).collect();
-    hands.ok_or_else(|| refused(what))
-}
 
 #[pymethods]
 impl FaceInputs {
@@ -73,8 +58,8 @@ impl FaceInputs {
     /// Poses of the scene's grasps (G, 7), force under each load (F), N, and friction.
     fn usual<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let ((force, friction), out) = (self.inputs.usual(), PyDict::new(py));
-        put(&out, "poses", &[self.poses.len(), 7], self.poses.as_flattened())?;
-        put(&out, "force", &[force.len()], &force)?;
+        put(&out, "poses", self.poses.as_flattened(), &[self.poses.len(), 7])?;
+        put(&out, "force", &force, &[force.len()])?;
         out.set_item("friction", friction)?;
         Ok(out)
     }
@@ -84,9 +69,9 @@ impl FaceInputs {
         let (pad, out) = (self.inputs.pad(), PyDict::new(py));
         for array in &pad.indices {
             let numbers: Vec<i64> = array.numbers.iter().map(|i| i64::from(*i)).collect();
-            put(&out, array.name, &array.shape, &numbers)?;
+            put(&out, array.name, &numbers, &array.shape)?;
         }
-        pad.numbers.iter().try_for_each(|array| put(&out, array.name, &array.shape, &array.numbers))?;
+        pad.numbers.iter().try_for_each(|array| put(&out, array.name, &array.numbers, &array.shape))?;
         Ok(out)
     }
 
@@ -124,7 +109,7 @@ impl FaceInputs {
             for (k, array) in first.iter().enumerate() {
                 let numbers: Vec<f32> = own.iter().flat_map(|grasp| &grasp[which][k].numbers).copied().collect();
                 let shape: Vec<usize> = std::iter::once(own.len()).chain(array.shape.iter().copied()).collect();
-                put(&out, array.name, &shape, &numbers)?;
+                put(&out, array.name, &numbers, &shape)?;
             }
             Ok(out)
         };

@@ -1,6 +1,6 @@
 //! A network's answers to many grasps, as numpy arrays.
 
-use crate::arrays::{pads, surface};
+use crate::arrays::{hands, pads, surface};
 use crate::refused;
 use crate::supervise::supervise;
 use numpy::{PyArrayMethods, PyReadonlyArray2, ToPyArray};
@@ -9,18 +9,12 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 use tactus::error::Error;
 use tactus::grasp::poses_of;
-use tactus::gripper::GraspPose;
 use tactus::limits::machine_threads;
 use tactus::model::Model;
 use tactus::net::SHIPPED;
 use tactus::net::infer::arrays::each_array;
 use tactus::net::infer::predict::Predictor;
 use tactus::scene::{Overrides, load_object};
-
-fn pose(row: &[f64]) -> GraspPose {
-    let GraspPose { position, rotation } = GraspPose::from_row(row);
-    GraspPose { position, rotation: rotation.normalize() }
-}
 
 /// Predictions for Python: arrays, pads, object, and the reason of each grasp that has no answer, by its number.
 type Predictions<'py> = (Bound<'py, PyDict>, Vec<Bound<'py, PyDict>>, Bound<'py, PyDict>, Bound<'py, PyDict>);
@@ -39,14 +33,7 @@ pub fn predict<'py>(
     extrapolate: bool,
     threads: Option<usize>,
 ) -> PyResult<Predictions<'py>> {
-    let given = poses.map(|poses| poses.as_array().rows().into_iter().map(|row| row.to_vec()).collect::<Vec<_>>());
-    let wrong =
-        |row: &Vec<f64>| row.len() != 7 || row.iter().any(|v| !v.is_finite()) || row[3..].iter().all(|v| *v == 0.0);
-    if given.iter().flatten().any(wrong) {
-        return Err(refused(
-            "poses: rows of 7 finite numbers are needed: px py pz qw qx qy qz of the hand in the object frame, no quaternion zero",
-        ));
-    }
+    let given = poses.map(|poses| hands(&poses)).transpose()?;
     let answer = move || -> Result<_, Error> {
         let mut loaded = load_object(scene, object.as_deref())?;
         let overrides = Overrides { force, frames, ..Overrides::default() };
@@ -57,7 +44,7 @@ pub fn predict<'py>(
             let predictor = Predictor::open(model)?;
             let model = Model::build(&scene.on_own_mesh())?;
             let poses = match given {
-                Some(rows) => rows.iter().map(|row| pose(row)).collect(),
+                Some(poses) => poses,
                 None => poses_of(scene)?,
             };
             let answers = predictor.many(&model, &poses, extrapolate || scene.stepper.extrapolates())?;

@@ -104,6 +104,11 @@ impl Finger {
         Err("is not carried by")
     }
 
+    /// Returns its position in the middle of its range, m.
+    fn amid(&self) -> DVec3 {
+        self.position + self.direction * (0.5 * (self.range[0] + self.range[1]))
+    }
+
     /// Returns the range of its joint as ways along `closing`, m, ascending.
     fn along(&self, closing: DVec3) -> [f64; 2] {
         let [a, b] = self.range.map(|way| (self.position + self.direction * way).dot(closing));
@@ -113,7 +118,8 @@ impl Finger {
 
 /// Returns the pads of two fingers, the left one first.
 fn gripper([left, right]: [Finger; 2], approach: DVec3) -> Result<Mount, String> {
-    let apart = right.position - left.position;
+    // With the joints at zero the pads may stand behind each other.
+    let apart = right.amid() - left.amid();
     let closing = left.direction * if apart.dot(left.direction) < 0.0 { -1.0 } else { 1.0 };
     if left.direction.cross(right.direction).length() > SLACK {
         return Err(format!(

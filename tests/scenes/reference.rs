@@ -79,6 +79,7 @@ fn kind(name: &str) -> String {
         "Cells" => "(x, y, z), whole numbers",
         "Span" => "(least, most)",
         "String" | "Reason" => "text",
+        "(String, String)" => "two texts",
         "PathBuf" => "path",
         "bool" => "true or false",
         other => return format!("[`{}`](#{})", shown(other), shown(other).to_lowercase()),
