@@ -6,7 +6,7 @@ import numpy.typing as npt
 
 _F32 = npt.NDArray[np.float32]
 
-__all__ = ["Batch", "Files", "command", "make", "objects", "predict", "resolved", "run"]
+__all__ = ["Batch", "FaceInputs", "Files", "command", "face_weights", "make", "objects", "predict", "resolved", "run"]
 
 @final
 class Batch:

@@ -20,7 +20,6 @@ from torch import Tensor, nn
 
 from . import _tactus
 from .face import FaceNetwork
-from .scene import Scene
 
 # Inputs of a grasp that no load changes.
 LOADLESS = ("node", "pad", "near")
@@ -56,20 +55,20 @@ class Network(FaceNetwork):
 
     def on(
         self,
-        scene: Scene | str | os.PathLike[str],
+        scene: str | os.PathLike[str],
         object: str | None = None,
         frames: int | None = None,
         extrapolate: bool = False,
         threads: int | None = None,
     ) -> SceneNetwork:
         """Returns the network on the object and the pads of a scene, to be asked often; arguments as of `tactus.predict`."""
-        path = scene.path if isinstance(scene, Scene) else os.fspath(scene)
+        path = os.fspath(scene)
         seen = _tactus.FaceInputs(path, object, self.model, frames, extrapolate, threads or os.cpu_count() or 1)
         return SceneNetwork(self, seen)
 
     def answer(
         self,
-        scene: Scene | str | os.PathLike[str],
+        scene: str | os.PathLike[str],
         poses: Any = None,
         force: Any = None,
         friction: Any = None,
