@@ -41,7 +41,7 @@ pub struct ObjectFile {
     handles: Mutex<Vec<std::fs::File>>,
 }
 
-/// Frames of one grasp. Arrays are row-major, pads left first; see [`ARRAYS`](super::arrays::ARRAYS) for units and frames.
+/// Frames of one grasp. Arrays are row-major, pads left first; see [`ARRAYS`] for units and frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredGrasp {
     /// Number of valid frames; all arrays are cut to them.
