@@ -142,7 +142,8 @@ class SceneNetwork(nn.Module):
         grasp = {k: v[:1].repeat(2, *[1] * (v.dim() - 1)) for k, v in grasp.items()}
         grasp = {k: v if k in LOADLESS else v[:, :1].repeat(1, 2, *[1] * (v.dim() - 2)) for k, v in grasp.items()}
         axes = dict(enumerate(map(torch.export.Dim, ("grasps", "loads"))))
-        program = torch.onnx.export(
+        # PyTorch's type leaves room for the exporter that dynamo replaced.
+        program: Any = torch.onnx.export(
             OnPads(self, list(grasp)).eval(),
             tuple(grasp.values()),
             input_names=list(grasp),
