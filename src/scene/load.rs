@@ -327,8 +327,7 @@ impl Loader {
         let source = &self.sources[index];
         let mut own = read_part(source)?;
         let dir = folder(path);
-        let outline = Outline::of(&source.text);
-        resolve_paths(&mut own, &dir, &outline).map_err(|(field, message)| source.error_at(&field, &message))?;
+        resolve_paths(&mut own, &dir, &source.text).map_err(|(field, message)| source.error_at(&field, &message))?;
 
         chain.push(path.canonicalize().unwrap_or_else(|_| path.to_path_buf()));
         let (mut whole, mut origins) = (ScenePart::default(), Origins::new());
@@ -387,7 +386,7 @@ fn read_part(source: &Source) -> Result<ScenePart> {
 
 /// Resolves paths from the folder of the file that names them, refuses those that lead nowhere, and takes over what the descriptions of
 /// robots say.
-fn resolve_paths(part: &mut ScenePart, dir: &Path, outline: &Outline) -> std::result::Result<(), (String, String)> {
+fn resolve_paths(part: &mut ScenePart, dir: &Path, text: &str) -> std::result::Result<(), (String, String)> {
     let file = |path: &mut PathBuf, field: String| {
         *path = dir.join(&*path);
         match path.metadata() {
@@ -414,6 +413,7 @@ fn resolve_paths(part: &mut ScenePart, dir: &Path, outline: &Outline) -> std::re
         }
         let Some(mut robot) = gripper.robot.take() else { return Ok(()) };
         file(&mut robot.path, format!("{field}.robot.path"))?;
+        let outline = Outline::of(text);
         for name in ["opening", "stroke", "placement"] {
             let field = format!("{field}.{name}");
             if outline.find(&field).is_some_and(|entry| outline.path(entry) == field) {
