@@ -126,11 +126,20 @@ impl SceneInputs {
 
     fn slopes(&self, environment: &mut Option<Environment>, grip: &Grip, changes: &[GripChange]) -> Result<Slopes> {
         let model = self.admitted(grip)?;
-        let inputs = self.look(environment, &model, grip)?;
+        let mut touches = |pose| GeometricContact::find_in(environment, &self.model, pose);
+        let touch = touches(grip.pose)?;
+        let inputs = self.look(&touch, &model, grip);
         let mut slopes: Vec<Array<f32>> = inputs.iter().map(|array| array.stack(changes.len())).collect();
         for change in changes {
             let step = self.step(grip, *change)?;
-            let mut beside = |by: f64| self.look(environment, &model, &grip.changed(*change, by));
+            let mut beside = |by: f64| -> Result<_> {
+                let changed = grip.changed(*change, by);
+                // Neither force nor friction change the first contact.
+                Ok(match changed.pose == grip.pose {
+                    true => self.look(&touch, &model, &changed),
+                    false => self.look(&touches(changed.pose)?, &model, &changed),
+                })
+            };
             let (before, after) = (beside(-step)?, beside(step)?);
             for (slopes, (before, after)) in slopes.iter_mut().zip(before.iter().zip(&after)) {
                 let pairs = before.numbers.iter().zip(&after.numbers);
@@ -159,16 +168,15 @@ impl SceneInputs {
         Ok(model)
     }
 
-    /// Returns the inputs of `grip`. The path of its equilibrium is to the largest force of `model`, whatever its own is.
-    fn look(&self, environment: &mut Option<Environment>, model: &Model, grip: &Grip) -> Result<Vec<Array<f32>>> {
-        // Neither force nor friction change the first contact.
-        let touch = GeometricContact::find_in(environment, &self.model, grip.pose)?;
+    /// Returns the inputs of `grip`, which first touches at `touch`. The path of its equilibrium is to the largest force of `model`, whatever its
+    /// own is.
+    fn look(&self, touch: &GeometricContact, model: &Model, grip: &Grip) -> Vec<Array<f32>> {
         let own = Arc::new(model.under(&self.loading, model.levels.clone(), grip.friction));
-        let features = GraspFeatures::new(&own, &self.graph, &touch);
+        let features = GraspFeatures::new(&own, &self.graph, touch);
         let (fingers, usual) = (own.fingers.len() as f64, loads_of(&own));
         let squeezed = usual.into_iter().zip(&grip.force);
         let loads: Vec<_> = squeezed.map(|(load, force)| GraspLoad { force: force / fingers, ..load }).collect();
-        Ok(grasp_inputs(&features, &features.loads(&loads), &self.predictor.card.normalisers))
+        grasp_inputs(&features, &features.loads(&loads), &self.predictor.card.normalisers)
     }
 
     /// Returns the step of a central difference: the square root of the precision of inputs, which are f32, over the scale of what changes.
