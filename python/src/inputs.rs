@@ -12,7 +12,7 @@ use tactus::grasp::poses_of;
 use tactus::gripper::GraspPose;
 use tactus::net::infer::inputs::Array;
 use tactus::net::infer::slopes::{Grip, GripChange, SceneInputs, weights};
-use tactus::scene::load_object;
+use tactus::scene::{Overrides, load_object};
 
 /// Weights of a face network, by folder or name: the bytes of a safetensors file.
 #[pyfunction]
@@ -45,9 +45,7 @@ impl FaceInputs {
     ) -> PyResult<Self> {
         let build = move || -> Result<_, Error> {
             let mut scene = load_object(scene, object.as_deref())?.scene;
-            if let Some(frames) = frames {
-                scene.loading.set_frames(frames).map_err(|m| Error::Scene(format!("error: frames: {m}")))?;
-            }
+            Overrides { frames, ..Overrides::default() }.apply(&mut scene)?;
             let inputs = SceneInputs::new(&scene, model.as_ref(), extrapolate)?;
             Ok((inputs, poses_of(&scene)?))
         };
