@@ -82,6 +82,8 @@ pub const MIDDLE_CUT: f64 = 0.2;
 
 /// Distance within which the exact gap is computed: farther points are skipped until they may have come this close.
 pub const LOOK_AHEAD: f64 = 50.0;
+/// Distance up to which points are listed: as far as pad and object may move against each other before they are listed anew.
+pub const POINTS_LISTED: f64 = 30.0;
 /// Difference of distances up to which a feature keeps the face that it pressed on, below the offset of features that are felt late.
 pub const FACE_KEPT: f64 = 0.2;
 /// Motion of a pad after which distances are computed anew: a fraction of the distance of most features.

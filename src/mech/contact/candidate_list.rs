@@ -3,11 +3,12 @@
 
 use super::closest_point::ClosestPoint;
 use super::incident_faces::IncidentFace;
+use super::nearby::{BULGE, Nearby, motion};
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
 use crate::mech::potential::state::BodyView;
 use crate::scales::{DISTANCES_STALE, FACE_KEPT, FEATURES_LISTED};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -29,19 +30,6 @@ struct Seen {
     /// Node positions then, m.
     x: Vec<DVec3>,
     features: Vec<GapBounds>,
-}
-
-/// The only features that can matter while pad and object have not moved far.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-struct Nearby {
-    /// Numbers of the features, ascending.
-    features: Vec<usize>,
-    /// Node positions when they were listed, m.
-    x: Vec<DVec3>,
-    /// Position of the object then, relative to the finger, m, and its orientation.
-    object: (DVec3, DMat3),
-    /// Largest distance of a feature from the origin of the object, m.
-    radius: f64,
 }
 
 /// Earlier position of a feature relative to the finger, and bounds of its distance outside the pad, m.
@@ -150,26 +138,22 @@ impl CandidateList {
             .filter(|(i, bounds)| bounds.within(FEATURES_LISTED * self.offset) || matter(*i))
             .map(|(i, _)| i)
             .collect();
-        self.nearby = Arc::new(Nearby { features, x: view.x.to_vec(), object: object(view), radius });
+        self.nearby = Arc::new(Nearby::new(features, view, radius));
     }
 
     /// Adds feature `i`, whose place has changed, to the list, at `distance` (m) from the origin of the object.
     pub fn add(&mut self, i: usize, distance: f64) {
         let listed = Arc::make_mut(&mut self.nearby);
-        if let Err(k) = listed.features.binary_search(&i) {
-            listed.features.insert(k, i);
+        if let Err(k) = listed.list.binary_search(&i) {
+            listed.list.insert(k, i);
         }
         listed.radius = listed.radius.max(distance);
     }
 
     /// Returns the listed features, ascending, if under `view` no other one can be nearer than `reach` (m).
     pub fn nearby(&self, view: &BodyView, reach: f64) -> Option<&[usize]> {
-        let listed = &self.nearby;
-        let ((place, turn), (then, turned)) = (object(view), listed.object);
-        let turn = turn - turned;
-        let turn = [turn.x_axis, turn.y_axis, turn.z_axis].map(|c| c.length_squared()).iter().sum::<f64>().sqrt();
-        let moved = BULGE * motion(&listed.x, view.x) + place.distance(then) + turn * listed.radius;
-        (moved + reach <= FEATURES_LISTED * self.offset).then_some(&listed.features)
+        let moved = self.nearby.moved(view);
+        (moved + reach <= FEATURES_LISTED * self.offset).then_some(&self.nearby.list)
     }
 
     /// Largest motions of the nodes of the pad, which are at `x` now.
@@ -183,22 +167,6 @@ impl CandidateList {
         GapBounds { at: y, least: looked.least.max(last.least), most: looked.most.min(last.most) }
     }
 }
-
-/// Largest distance between two positions of a node, m; `+inf` if they are not of the same mesh.
-fn motion(before: &[DVec3], x: &[DVec3]) -> f64 {
-    if before.len() != x.len() {
-        return f64::INFINITY;
-    }
-    before.iter().zip(x).map(|(a, b)| a.distance_squared(*b)).fold(0.0, f64::max).sqrt()
-}
-
-/// Position of the object relative to the finger, m, and its orientation.
-fn object(view: &BodyView) -> (DVec3, DMat3) {
-    (view.object.position - view.offset, view.object.rotation)
-}
-
-/// Largest motion of a point of a quadratic face over that of its nodes: the sum of the magnitudes of its shape functions.
-const BULGE: f64 = 5.0 / 3.0;
 
 #[cfg(test)]
 mod tests {

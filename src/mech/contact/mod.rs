@@ -16,6 +16,7 @@ mod gap_hessian;
 pub mod ground;
 mod incident_faces;
 pub mod law;
+mod nearby;
 pub(crate) mod pair;
 mod pool;
 pub mod project;

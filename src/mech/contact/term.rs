@@ -2,6 +2,7 @@
 
 use super::edge::EdgeState;
 use super::law::ContactLaw;
+use super::nearby::Nearby;
 use super::pair::{friction_pair, normal_pair, slip, weighed};
 use super::pool::EdgePool;
 use super::surface::ContactSurface;
@@ -13,7 +14,7 @@ use crate::mech::potential::block::{BodyBlock, Pair};
 use crate::mech::potential::edge::EdgeReading;
 use crate::mech::potential::state::{BodyMotion, BodyView, Departure};
 use crate::mech::potential::term::{Assembly, BodyTerm, Stencil};
-use crate::scales::{LOOK_AHEAD, MIDDLE_CUT};
+use crate::scales::{LOOK_AHEAD, MIDDLE_CUT, POINTS_LISTED};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -30,6 +31,8 @@ pub struct PointContact {
     committed: Vec<bool>,
     surface: Arc<ContactSurface>,
     object: Arc<dyn SignedDistance>,
+    /// Points that are near, and middles that are felt.
+    nearby: Arc<Nearby>,
     /// State from which the increment departed.
     from: Option<Departure>,
 }
@@ -56,7 +59,8 @@ impl PointContact {
     pub fn new(law: ContactLaw, surface: Arc<ContactSurface>, object: Arc<dyn SignedDistance>) -> Self {
         let felt: Vec<bool> = (0..surface.points.len()).map(|i| i < surface.vertices).collect();
         let seen = Arc::new(vec![Seen { at: DVec3::ZERO, bound: f64::NEG_INFINITY }; felt.len()]);
-        Self { pool: EdgePool::new(law, felt.len()), seen, committed: felt.clone(), felt, surface, object, from: None }
+        let (pool, nearby) = (EdgePool::new(law, felt.len()), Arc::default());
+        Self { pool, seen, committed: felt.clone(), felt, surface, object, nearby, from: None }
     }
 
     /// Edges of the points near the object, with the numbers of the points; in the order of these once accepted.
@@ -85,7 +89,7 @@ fn locate(stencil: &Stencil, view: &BodyView) -> (DVec3, DVec3) {
 impl BodyTerm for PointContact {
     fn energy(&self, _: &Body, view: &BodyView) -> f64 {
         let mut energy = 0.0;
-        for i in self.felt() {
+        for i in self.points(view).filter(|i| self.felt[*i]) {
             let (e, stencil, area, law) =
                 (self.pool.edge(i), &self.surface.points[i], self.surface.area[i], self.law_of(i));
             let (world, q) = locate(stencil, view);
@@ -103,7 +107,9 @@ impl BodyTerm for PointContact {
     }
 
     fn assemble(&mut self, body: &Body, view: &BodyView, how: Assembly, block: &mut BodyBlock) {
-        for i in 0..self.felt.len() {
+        self.list(view);
+        let nearby = self.nearby.clone();
+        for i in nearby.list.iter().copied() {
             if !self.felt[i] {
                 continue;
             }
@@ -131,8 +137,8 @@ impl BodyTerm for PointContact {
     }
 
     fn couple(&self, body: &Body, view: &BodyView, motion: &BodyMotion, change: &mut BodyBlock) {
-        for (i, (stencil, area)) in self.surface.points.iter().zip(&self.surface.area).enumerate() {
-            let e = self.pool.edge(i);
+        for i in self.points(view) {
+            let (e, stencil, area) = (self.pool.edge(i), &self.surface.points[i], self.surface.area[i]);
             if e.sticks().is_none() {
                 continue;
             }
@@ -146,14 +152,15 @@ impl BodyTerm for PointContact {
     }
 
     fn clearance(&self, _: &Body, view: &BodyView) -> f64 {
-        let mut nearest = f64::INFINITY;
-        for i in self.felt() {
-            let (_, q) = locate(&self.surface.points[i], view);
-            // The bound of the last query spares most of the others.
-            if self.seen[i].bound(q) < nearest {
-                nearest = nearest.min(self.object.distance(q));
-            }
-        }
+        let nearest = |among: &mut dyn Iterator<Item = usize>| {
+            among.filter(|i| self.felt[*i]).fold(f64::INFINITY, |nearest, i| {
+                let (_, q) = locate(&self.surface.points[i], view);
+                // The bound of the last query spares most of the others.
+                if self.seen[i].bound(q) < nearest { nearest.min(self.object.distance(q)) } else { nearest }
+            })
+        };
+        let (listed, others) = (nearest(&mut self.points(view)), self.reach() - self.nearby.moved(view));
+        let nearest = if listed <= others { listed } else { nearest(&mut (0..self.felt.len())) };
         nearest - 0.5 * self.pool.law.offset
     }
 
@@ -168,7 +175,8 @@ impl BodyTerm for PointContact {
             let drag = e.traction * (1.0 / tangential) - e.normal * e.gap;
             q + view.object.rotation.transpose() * drag
         });
-        for i in self.surface.vertices..self.felt.len() {
+        // What is pressed, and the middles around it, are listed.
+        for i in self.nearby.list.iter().copied().filter(|i| *i >= self.surface.vertices) {
             let pressed = |i: usize| self.pool.edge(i).pressure > 0.0;
             let patch = pressed(i) || self.surface.around(i).into_iter().any(pressed);
             if self.felt[i] && !patch {
@@ -208,6 +216,9 @@ impl BodyTerm for PointContact {
 
     fn set_edges(&mut self, edges: &[(usize, EdgeState)]) {
         self.pool.set(edges);
+        if edges.iter().any(|(i, _)| self.nearby.list.binary_search(i).is_err()) {
+            self.nearby = Arc::default();
+        }
     }
 
     fn write_history(&self, history: &mut HistoryWriter) {
@@ -224,9 +235,40 @@ impl BodyTerm for PointContact {
 }
 
 impl PointContact {
-    /// Numbers of the points that are felt.
-    pub fn felt(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.felt.len()).filter(|i| self.felt[*i])
+    /// Distance beyond which points are not listed, m.
+    fn reach(&self) -> f64 {
+        POINTS_LISTED * self.pool.law.offset
+    }
+
+    /// Numbers of the points that can matter under `view`, ascending: those listed, or all where too much has moved since.
+    fn points(&self, view: &BodyView) -> impl Iterator<Item = usize> + '_ {
+        let known = self.nearby.moved(view) + self.pool.law.offset <= self.reach();
+        let list = known.then_some(&self.nearby.list);
+        (0..list.map_or(self.felt.len(), Vec::len)).map(move |k| list.map_or(k, |list| list[k]))
+    }
+
+    /// Lists the points anew where pad and object have moved too far: those that are near or have an edge, and the middles that are felt
+    /// or next to them.
+    fn list(&mut self, view: &BodyView) {
+        if self.nearby.moved(view) + self.pool.law.offset <= self.reach() {
+            return;
+        }
+        let (reach, far) = (self.reach(), LOOK_AHEAD * self.pool.law.offset);
+        let seen = Arc::make_mut(&mut self.seen);
+        let mut listed: Vec<bool> = (0..seen.len()).map(|i| i >= self.surface.vertices && self.felt[i]).collect();
+        self.pool.near().for_each(|(i, _)| listed[i] = true);
+        let mut radius = 0.0_f64;
+        for (i, stencil) in self.surface.points.iter().enumerate() {
+            let (_, q) = locate(stencil, view);
+            radius = radius.max(q.length());
+            if seen[i].bound(q) < reach {
+                seen[i] = Seen { at: q, bound: self.object.closest(q, far).map_or(far, |c| c.distance) };
+            }
+            let around = |i: usize| self.surface.around(i).into_iter().any(|vertex| listed[vertex]);
+            listed[i] |= seen[i].bound(q) < reach || i >= self.surface.vertices && around(i);
+        }
+        let list = (0..listed.len()).filter(|i| listed[*i]).collect();
+        self.nearby = Arc::new(Nearby::new(list, view, radius));
     }
 
     /// Feels the middles at which the object comes through between vertices; returns true if there were none.
@@ -234,10 +276,8 @@ impl PointContact {
         let mut none = true;
         let offset = self.pool.law.offset;
         let (ahead, through) = (LOOK_AHEAD * offset, MIDDLE_CUT * offset);
-        for i in self.surface.vertices..self.felt.len() {
-            if self.felt[i] {
-                continue;
-            }
+        let near: Vec<usize> = self.points(view).filter(|i| !self.felt[*i]).collect();
+        for i in near {
             let (_, q) = locate(&self.surface.points[i], view);
             if self.seen[i].bound(q) > -through {
                 continue;

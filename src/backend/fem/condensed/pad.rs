@@ -10,14 +10,16 @@ use crate::mech::newton::Failure;
 use crate::mech::potential::term::Stencil;
 use crate::part::FingerModel;
 use faer::Mat;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 /// A pad with the factor of its stiffness.
 pub struct CondensedPad {
     body: Arc<Body>,
     dead: Vec<DVec3>,
-    eliminated: Option<(Body, Factor)>,
+    /// Pad whose patch is eliminated last, and the factor of its stiffness, by which it is brought back. Single precision is enough: what the
+    /// real law leaves out of balance corrects the rest.
+    eliminated: Option<(Arc<Body>, Factor<f32>)>,
     patch: Arc<[u32]>,
     stiffness: Arc<Mat<f64>>,
     /// Positions at which the pad was condensed, m.
@@ -93,14 +95,10 @@ impl CondensedPad {
     /// # Errors
     /// Returns [`Failure::Singular`] if the stiffness cannot be factorised.
     pub fn condense(&mut self, x: &[DVec3], patch: Vec<u32>) -> std::result::Result<Option<Arc<Body>>, Failure> {
-        let mut left = None;
-        if self.eliminated.is_none() || *patch != *self.patch {
-            let body = self.body.eliminating_last(&patch);
-            let factor = Factor::new(body.symbolic().map_err(|_| Failure::Singular)?, 1);
-            left = Some(Arc::new(self.body.condensed(&patch)));
-            (self.eliminated, self.patch) = (Some((body, factor)), patch.into());
-        }
-        let Some((body, factor)) = &mut self.eliminated else { return Err(Failure::Singular) };
+        let known = self.eliminated.iter().find(|_| *patch == *self.patch).map(|(body, _)| body.clone());
+        let left = known.is_none().then(|| Arc::new(self.body.condensed(&patch)));
+        let body = known.unwrap_or_else(|| Arc::new(self.body.eliminating_last(&patch)));
+        let mut factor = Factor::new(body.symbolic().map_err(|_| Failure::Singular)?, 1);
         let mut factorized = false;
         for project in [false, true] {
             let mut values = vec![0.0; body.pattern().row_idx.len()];
@@ -115,8 +113,11 @@ impl CondensedPad {
             return Err(Failure::Singular);
         }
         self.condensed_at = x.to_vec();
+        self.patch = patch.into();
         self.stiffness = Arc::new(factor.condensed(3 * self.patch.len()));
-        let back = solve(body, factor, &self.gradient);
+        let mut factor = factor.rounded();
+        let back = solve(&body, &mut factor, &self.gradient);
+        self.eliminated = Some((body, factor));
         self.center = x.iter().zip(back).map(|(x, w)| *x - w).collect();
         self.accepted = [self.center.clone(), self.center.clone()];
         Ok(left)
@@ -199,13 +200,13 @@ fn loads(dead: &[DVec3], nodes: usize) -> Vec<DVec3> {
 }
 
 /// Computes the displacements under `force` (N per node), m; zero at fixed nodes.
-fn solve(body: &Body, factor: &mut Factor, force: &[DVec3]) -> Vec<DVec3> {
+fn solve(body: &Body, factor: &mut Factor<f32>, force: &[DVec3]) -> Vec<DVec3> {
     let position = &body.pattern().position;
     let mut rhs = vec![0.0; body.unknowns()];
     for (f, &p) in force.iter().zip(position).filter(|(_, p)| **p != FIXED) {
-        rhs[3 * p as usize..3 * p as usize + 3].copy_from_slice(&f.to_array());
+        rhs[3 * p as usize..3 * p as usize + 3].copy_from_slice(&f.as_vec3().to_array());
     }
     factor.solve(&mut rhs, 1);
-    let entry = |p: u32| if p == FIXED { DVec3::ZERO } else { DVec3::from_slice(&rhs[3 * p as usize..]) };
+    let entry = |p: u32| if p == FIXED { DVec3::ZERO } else { Vec3::from_slice(&rhs[3 * p as usize..]).as_dvec3() };
     position.iter().map(|&p| entry(p)).collect()
 }
