@@ -8,7 +8,7 @@
 # Stopped at any moment it goes on with the next table. Nothing else should run beside it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-readonly RESULTS=docs/results.md OUT=out/results TABLES=(press squeeze network slip size environments sensitivity hard_cases)
+readonly RESULTS=docs/results.md OUT=out/results TABLES=(press squeeze network slip size predictions growth environments sensitivity hard_cases)
 commit=$(git rev-parse --short HEAD)
 git diff --quiet HEAD -- src Cargo.toml Cargo.lock || commit="$commit and uncommitted changes"
 processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1 || true)
@@ -110,6 +110,54 @@ size() {
     tactus report "$OUT/size" -o "$OUT/size.html" | sed '1d; /^'"${OUT//\//\\/}"'/d'
 }
 
+# Grasps a second of `tactus predict` on lemons, with the options that follow.
+a_second() { tactus predict tests/network/lemons.ron "$@" 2> /dev/null | sed -n 's/.* on [0-9]* threads, \([0-9]*\) a second.*/\1/p'; }
+
+predictions() {
+    local frames
+    echo '| loads of a grasp | grasps a second on one thread | on two |'
+    echo '|---|---|---|'
+    for frames in 1 12 50; do
+        echo "| $frames | $(a_second --frames "$frames" --grasps 100 --threads 1) | $(a_second --frames "$frames" --threads 2) |"
+    done
+    printf '\nFour hundred grasps of a lemon on pads of 1,785 nodes; their error is that of the rows of the network under "Error of the network".\n'
+}
+
+# Wall time of a command, s.
+seconds() {
+    local TIMEFORMAT=%R
+    { time "$@" > /dev/null 2>&1; } 2>&1
+}
+
+# Row $1: the time of the rest with its last number $2, and with $3 in place of it.
+grows() {
+    local what=$1 small=$2 large=$3
+    shift 3
+    echo "$what|$small|$large|$(seconds "$@" "$small")|$(seconds "$@" "$large")" |
+        awk -F'|' '{ printf "| %s | %d | %d | %.2f | %.2f | %.2f |\n", $1, $2, $3, $4, $5, log($5 / $4) / log($3 / $2) }'
+}
+
+# How times grow: exponents of the number that is varied.
+growth() {
+    local lemons=tests/network/lemons.ron
+    echo '| number of | from | to | s | s | exponent |'
+    echo '|---|---|---|---|---|---|'
+    grows "loads of a grasp, all decoded" 3 12 tactus predict $lemons --grasps 200 --frames
+    grows "frames of a grasp, some decoded" 12 50 tactus predict $lemons --grasps 200 --frames
+    grows "grasps" 100 400 tactus predict $lemons --grasps
+    grows "threads, predictions" 1 2 tactus predict $lemons --threads
+    grows "threads, grasps by finite elements" 1 2 tactus run scenes/lemon.ron --backend condensed --frames 50 --threads
+    grows "frames by finite elements" 10 40 tactus run scenes/lemon.ron --backend condensed --threads 1 --frames
+    printf '\n'
+    tactus bench scenes/press/quadratic_coarse.ron --sizes 1000,4000 --threads 1 --repeat 1 -o "$OUT/growth" > /dev/null
+    tactus report "$OUT/growth" -o "$OUT/growth.html" | awk -F'|' '/^\| [0-9]/ { nodes[++n] = $3; s[n] = $7; mb[n] = $9 }
+        END {
+            by = log(nodes[2] / nodes[1])
+            printf "Nodes of a pad, from %d to %d: a frame of a press takes time with the exponent %.2f, memory with %.2f.\n",
+                nodes[1], nodes[2], log(s[2] / s[1]) / by, log(mb[2] / mb[1]) / by
+        }'
+}
+
 environments() {
     echo '```text'
     tactus bench scenes/tasks/hold.ron --envs 1,4,16,64 --repeat 1 -o "$OUT/environments"
@@ -146,6 +194,8 @@ title() {
         network) echo "Error of the network that ships, against a mesh 1.4 times as fine" ;;
         slip) echo "Load at which the object slips" ;;
         size) echo "Cost against the size of the pad" ;;
+        predictions) echo "Grasps a second by the network" ;;
+        growth) echo "How times grow" ;;
         environments) echo "Environments" ;;
         sensitivity) echo "How well posed squeezes are" ;;
         hard_cases) echo "Hard cases and the methods they take" ;;

@@ -12,6 +12,10 @@ use crate::record::{check, vtu};
 use crate::render::{self, Style};
 use glam::{DQuat, DVec3};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Least time between two writings of the arrays over that of a writing.
+const WORK: u32 = 10;
 
 /// Recorder that writes the frames of one grasp as they come. If it is dropped early, it still writes the arrays it holds.
 #[derive(Debug)]
@@ -28,6 +32,8 @@ pub struct GraspRecorder {
     shown: Option<(String, (DVec3, DQuat))>,
     last: Option<Frame>,
     frames: usize,
+    /// Time of the last writing of the arrays, and how long it took.
+    written: (Instant, Duration),
 }
 
 impl GraspRecorder {
@@ -68,6 +74,7 @@ impl GraspRecorder {
             shown: None,
             last: None,
             frames: 0,
+            written: (Instant::now(), Duration::ZERO),
         })
     }
 
@@ -116,8 +123,11 @@ impl GraspRecorder {
         if let Some(arrays) = &mut self.arrays {
             arrays.push(frame);
             // Rewriting the whole archive per frame would cost the square of the frames.
-            if arrays.pending() >= self.options.flush_every.max(1) {
+            let (at, took) = self.written;
+            if at.elapsed() >= self.options.flush_after.max(took * WORK) {
+                let clock = Instant::now();
                 arrays.write()?;
+                self.written = (Instant::now(), clock.elapsed());
             }
         }
         if self.options.picture.is_some() {

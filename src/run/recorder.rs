@@ -13,6 +13,7 @@ use crate::record::sensitivity::Moved;
 use crate::render::Scalar;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Files that a run writes, and how.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,8 +30,9 @@ pub struct Options {
     pub predicted: bool,
     /// Scalar that colours `pads.png` of the last frame; None for no picture.
     pub picture: Option<Scalar>,
-    /// Number of frames after which `arrays.npz` is rewritten: the most that a killed run can lose of it.
-    pub flush_every: usize,
+    /// Time after which `arrays.npz` is rewritten with the frames since: the most work that a killed run can lose of it, and ten times that of
+    /// the writing, where that is more.
+    pub flush_after: Duration,
     /// True to replace an earlier run in the same directory instead of refusing.
     pub overwrite: bool,
     /// Name of the object in the picture's title.
@@ -48,7 +50,7 @@ impl Default for Options {
             moving: false,
             predicted: false,
             picture: Some(Scalar::Stress),
-            flush_every: 10,
+            flush_after: Duration::from_secs(5),
             overwrite: false,
             object_name: "object".into(),
             pads: Vec::new(),

@@ -7,6 +7,7 @@ use ndarray_npy::NpzReader;
 use std::collections::BTreeMap;
 use std::fs::{File, read, read_to_string};
 use std::path::Path;
+use std::time::Duration;
 use tactus::record::{Frame, GraspSummary, PadTopology, RunReport, Status};
 use tactus::run::{Options, RunRecorder};
 
@@ -15,7 +16,7 @@ fn report() -> RunReport {
 }
 
 fn options() -> Options {
-    Options { object_name: "sphere".into(), flush_every: 2, ..Options::default() }
+    Options { object_name: "sphere".into(), flush_after: Duration::ZERO, ..Options::default() }
 }
 
 fn ramp(pads: &[PadTopology], frames: usize) -> Vec<Frame> {
@@ -135,8 +136,8 @@ fn an_interrupted_run_leaves_readable_files() {
             .expect("force_n")
             .len()
     };
-    // Killed here: two of three frames (flush_every = 2) are in the arrays, all three everywhere else.
-    assert_eq!(npz_frames(), 2);
+    // Killed here: the first frame is in the arrays, and more if that was quick; all three are everywhere else.
+    assert!((1..=3).contains(&npz_frames()));
     let pvd = read_to_string(dir.path().join("grasp_000/run.pvd")).expect("pvd");
     assert!(pvd.trim_end().ends_with("</VTKFile>"));
     let named: Vec<&str> = pvd.split("file=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();

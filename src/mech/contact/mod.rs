@@ -18,6 +18,7 @@ mod incident_faces;
 pub mod law;
 mod nearby;
 pub(crate) mod pair;
+mod point_list;
 mod pool;
 pub mod project;
 mod site;

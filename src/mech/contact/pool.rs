@@ -46,6 +46,11 @@ impl EdgePool {
         self.near.get(self.slot[i] as usize).map_or(&EdgeState::OPEN, |(_, e)| e)
     }
 
+    /// Returns true if point `i` has an edge.
+    pub fn has(&self, i: usize) -> bool {
+        self.slot[i] != NOWHERE
+    }
+
     /// Mutable edge of point `i`.
     pub fn edge_mut(&mut self, i: usize) -> &mut EdgeState {
         if self.slot[i] == NOWHERE {

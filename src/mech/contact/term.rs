@@ -2,8 +2,8 @@
 
 use super::edge::EdgeState;
 use super::law::ContactLaw;
-use super::nearby::Nearby;
 use super::pair::{friction_pair, normal_pair, slip, weighed};
+use super::point_list::{PointList, Seen};
 use super::pool::EdgePool;
 use super::surface::ContactSurface;
 use crate::error::Result;
@@ -14,53 +14,31 @@ use crate::mech::potential::block::{BodyBlock, Pair};
 use crate::mech::potential::edge::EdgeReading;
 use crate::mech::potential::state::{BodyMotion, BodyView, Departure};
 use crate::mech::potential::term::{Assembly, BodyTerm, Stencil};
-use crate::scales::{LOOK_AHEAD, MIDDLE_CUT, POINTS_LISTED};
+use crate::scales::{LOOK_AHEAD, MIDDLE_CUT};
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Contact and friction between a pad and the object.
 #[derive(Debug, Clone)]
 pub struct PointContact {
     pool: EdgePool,
-    /// Known bound of the distance of every point.
-    seen: Arc<Vec<Seen>>,
+    near: PointList,
     /// Flags of the points that are felt, at present and as last accepted: all vertices, and the middles where vertices carry
     /// contact or the object would come through.
     felt: Vec<bool>,
     committed: Vec<bool>,
     surface: Arc<ContactSurface>,
     object: Arc<dyn SignedDistance>,
-    /// Points that are near, and middles that are felt.
-    nearby: Arc<Nearby>,
     /// State from which the increment departed.
     from: Option<Departure>,
-}
-
-/// Distance of a point to the object when that was last looked up. It holds whatever is accepted or taken back.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-struct Seen {
-    /// Position of the point then, object frame, m.
-    at: DVec3,
-    /// Lower bound of the distance there, m.
-    bound: f64,
-}
-
-impl Seen {
-    /// Lower bound of the distance of the point, now at `q`, m: it changes no faster than the point moves.
-    #[inline(always)]
-    fn bound(&self, q: DVec3) -> f64 {
-        self.bound - q.distance(self.at)
-    }
 }
 
 impl PointContact {
     /// Creates the term with all edges open.
     pub fn new(law: ContactLaw, surface: Arc<ContactSurface>, object: Arc<dyn SignedDistance>) -> Self {
         let felt: Vec<bool> = (0..surface.points.len()).map(|i| i < surface.vertices).collect();
-        let seen = Arc::new(vec![Seen { at: DVec3::ZERO, bound: f64::NEG_INFINITY }; felt.len()]);
-        let (pool, nearby) = (EdgePool::new(law, felt.len()), Arc::default());
-        Self { pool, seen, committed: felt.clone(), felt, surface, object, nearby, from: None }
+        let (pool, near) = (EdgePool::new(law, felt.len()), PointList::new(felt.len(), law.offset));
+        Self { pool, near, committed: felt.clone(), felt, surface, object, from: None }
     }
 
     /// Edges of the points near the object, with the numbers of the points; in the order of these once accepted.
@@ -81,7 +59,8 @@ impl PointContact {
 }
 
 /// Position of a point in the hand frame and in the object's frame.
-fn locate(stencil: &Stencil, view: &BodyView) -> (DVec3, DVec3) {
+#[inline(always)]
+pub(crate) fn locate(stencil: &Stencil, view: &BodyView) -> (DVec3, DVec3) {
     let world = stencil.position(view.x) + view.offset;
     (world, view.object.rotation.transpose() * (world - view.object.position))
 }
@@ -89,11 +68,11 @@ fn locate(stencil: &Stencil, view: &BodyView) -> (DVec3, DVec3) {
 impl BodyTerm for PointContact {
     fn energy(&self, _: &Body, view: &BodyView) -> f64 {
         let mut energy = 0.0;
-        for i in self.points(view).filter(|i| self.felt[*i]) {
+        for (i, seen) in self.near.points(view).filter(|(i, _)| self.felt[*i]) {
             let (e, stencil, area, law) =
                 (self.pool.edge(i), &self.surface.points[i], self.surface.area[i], self.law_of(i));
             let (world, q) = locate(stencil, view);
-            if self.seen[i].bound(q) < law.offset
+            if seen.bound(q) < law.offset
                 && let Some(touch) = self.object.touch(q, law.offset, law.offset)
             {
                 energy += area * touch.sum(|c| law.normal_energy(c.distance, e.scale));
@@ -107,15 +86,15 @@ impl BodyTerm for PointContact {
     }
 
     fn assemble(&mut self, body: &Body, view: &BodyView, how: Assembly, block: &mut BodyBlock) {
-        self.list(view);
-        let nearby = self.nearby.clone();
-        for i in nearby.list.iter().copied() {
+        self.update_list(view);
+        for k in 0..self.near.numbers().len() {
+            let (i, _) = self.near.get(k);
             if !self.felt[i] {
                 continue;
             }
             let stencil = self.surface.points[i];
             let area = self.surface.area[i];
-            let (lag, touch) = self.update(i, &stencil, view, how.damping);
+            let (lag, touch) = self.update(k, &stencil, view, how.damping);
             block.rigid.lag += (area * lag).powi(2);
             let (law, e) = (&self.law_of(i), self.pool.edge(i));
             let (world, _) = locate(&stencil, view);
@@ -137,7 +116,7 @@ impl BodyTerm for PointContact {
     }
 
     fn couple(&self, body: &Body, view: &BodyView, motion: &BodyMotion, change: &mut BodyBlock) {
-        for i in self.points(view) {
+        for (i, _) in self.near.points(view) {
             let (e, stencil, area) = (self.pool.edge(i), &self.surface.points[i], self.surface.area[i]);
             if e.sticks().is_none() {
                 continue;
@@ -152,16 +131,14 @@ impl BodyTerm for PointContact {
     }
 
     fn clearance(&self, _: &Body, view: &BodyView) -> f64 {
-        let nearest = |among: &mut dyn Iterator<Item = usize>| {
-            among.filter(|i| self.felt[*i]).fold(f64::INFINITY, |nearest, i| {
+        let nearest = |points: &mut dyn Iterator<Item = (usize, Seen)>| {
+            points.filter(|(i, _)| self.felt[*i]).fold(f64::INFINITY, |nearest, (i, seen)| {
                 let (_, q) = locate(&self.surface.points[i], view);
                 // The bound of the last query spares most of the others.
-                if self.seen[i].bound(q) < nearest { nearest.min(self.object.distance(q)) } else { nearest }
+                if seen.bound(q) < nearest { nearest.min(self.object.distance(q)) } else { nearest }
             })
         };
-        let (listed, others) = (nearest(&mut self.points(view)), self.reach() - self.nearby.moved(view));
-        let nearest = if listed <= others { listed } else { nearest(&mut (0..self.felt.len())) };
-        nearest - 0.5 * self.pool.law.offset
+        self.near.least(view, nearest) - 0.5 * self.pool.law.offset
     }
 
     fn depart(&mut self, from: &Departure) {
@@ -176,7 +153,7 @@ impl BodyTerm for PointContact {
             q + view.object.rotation.transpose() * drag
         });
         // What is pressed, and the middles around it, are listed.
-        for i in self.nearby.list.iter().copied().filter(|i| *i >= self.surface.vertices) {
+        for i in self.near.numbers().iter().copied().filter(|i| *i >= self.surface.vertices) {
             let pressed = |i: usize| self.pool.edge(i).pressure > 0.0;
             let patch = pressed(i) || self.surface.around(i).into_iter().any(pressed);
             if self.felt[i] && !patch {
@@ -216,18 +193,17 @@ impl BodyTerm for PointContact {
 
     fn set_edges(&mut self, edges: &[(usize, EdgeState)]) {
         self.pool.set(edges);
-        if edges.iter().any(|(i, _)| self.nearby.list.binary_search(i).is_err()) {
-            self.nearby = Arc::default();
+        if edges.iter().any(|(i, _)| self.near.numbers().binary_search(i).is_err()) {
+            self.near.clear();
         }
     }
 
     fn write_history(&self, history: &mut HistoryWriter) {
-        history.write(&*self.seen);
         history.write(&self.felt);
     }
 
     fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
-        history.read_into(Arc::make_mut(&mut self.seen).as_mut_slice())?;
+        self.near.clear();
         history.read_into(&mut self.felt)?;
         self.committed.clone_from(&self.felt);
         Ok(())
@@ -235,40 +211,10 @@ impl BodyTerm for PointContact {
 }
 
 impl PointContact {
-    /// Distance beyond which points are not listed, m.
-    fn reach(&self) -> f64 {
-        POINTS_LISTED * self.pool.law.offset
-    }
-
-    /// Numbers of the points that can matter under `view`, ascending: those listed, or all where too much has moved since.
-    fn points(&self, view: &BodyView) -> impl Iterator<Item = usize> + '_ {
-        let known = self.nearby.moved(view) + self.pool.law.offset <= self.reach();
-        let list = known.then_some(&self.nearby.list);
-        (0..list.map_or(self.felt.len(), Vec::len)).map(move |k| list.map_or(k, |list| list[k]))
-    }
-
-    /// Lists the points anew where pad and object have moved too far: those that are near or have an edge, and the middles that are felt
-    /// or next to them.
-    fn list(&mut self, view: &BodyView) {
-        if self.nearby.moved(view) + self.pool.law.offset <= self.reach() {
-            return;
-        }
-        let (reach, far) = (self.reach(), LOOK_AHEAD * self.pool.law.offset);
-        let seen = Arc::make_mut(&mut self.seen);
-        let mut listed: Vec<bool> = (0..seen.len()).map(|i| i >= self.surface.vertices && self.felt[i]).collect();
-        self.pool.near().for_each(|(i, _)| listed[i] = true);
-        let mut radius = 0.0_f64;
-        for (i, stencil) in self.surface.points.iter().enumerate() {
-            let (_, q) = locate(stencil, view);
-            radius = radius.max(q.length());
-            if seen[i].bound(q) < reach {
-                seen[i] = Seen { at: q, bound: self.object.closest(q, far).map_or(far, |c| c.distance) };
-            }
-            let around = |i: usize| self.surface.around(i).into_iter().any(|vertex| listed[vertex]);
-            listed[i] |= seen[i].bound(q) < reach || i >= self.surface.vertices && around(i);
-        }
-        let list = (0..listed.len()).filter(|i| listed[*i]).collect();
-        self.nearby = Arc::new(Nearby::new(list, view, radius));
+    /// Lists the points that can matter under `view`, if those listed may not be all of them.
+    fn update_list(&mut self, view: &BodyView) {
+        let Self { pool, felt, surface, object, near, .. } = self;
+        near.update(surface, &**object, view, |i| pool.has(i) || i >= surface.vertices && felt[i]);
     }
 
     /// Feels the middles at which the object comes through between vertices; returns true if there were none.
@@ -276,14 +222,15 @@ impl PointContact {
         let mut none = true;
         let offset = self.pool.law.offset;
         let (ahead, through) = (LOOK_AHEAD * offset, MIDDLE_CUT * offset);
-        let near: Vec<usize> = self.points(view).filter(|i| !self.felt[*i]).collect();
-        for i in near {
+        self.update_list(view);
+        for k in 0..self.near.numbers().len() {
+            let (i, seen) = self.near.get(k);
             let (_, q) = locate(&self.surface.points[i], view);
-            if self.seen[i].bound(q) > -through {
+            if self.felt[i] || seen.bound(q) > -through {
                 continue;
             }
             let distance = self.object.closest(q, ahead).map_or(ahead, |c| c.distance);
-            Arc::make_mut(&mut self.seen)[i] = Seen { at: q, bound: distance };
+            self.near.note(k, Seen { at: q, bound: distance });
             if distance < -through {
                 (self.felt[i], none) = (true, false);
             }
@@ -296,19 +243,20 @@ impl PointContact {
         if i < self.surface.vertices { self.pool.law } else { self.pool.law.late() }
     }
 
-    /// Refreshes gap, pressure and friction of edge `i`. Returns how far its friction limit lags, Pa, and where it touches the
+    /// Refreshes gap, pressure and friction of the edge of listed point `k`. Returns how far its friction limit lags, Pa, and where it touches the
     /// object, object axes.
-    fn update(&mut self, i: usize, stencil: &Stencil, view: &BodyView, damping: f64) -> (f64, Option<SurfaceTouch>) {
+    fn update(&mut self, k: usize, stencil: &Stencil, view: &BodyView, damping: f64) -> (f64, Option<SurfaceTouch>) {
+        let (i, seen) = self.near.get(k);
         let law = self.law_of(i);
         let (world, q) = locate(stencil, view);
         let mut touch = None;
         // Far points are skipped without a query.
-        if self.seen[i].bound(q) < law.offset {
+        if seen.bound(q) < law.offset {
             // Look farther than needed, so that the bound spares the next queries.
             let reach = LOOK_AHEAD * self.pool.law.offset;
             touch = self.object.touch(q, reach, law.offset);
             let bound = touch.as_ref().map_or(reach, |t| t.nearest.distance);
-            Arc::make_mut(&mut self.seen)[i] = Seen { at: q, bound };
+            self.near.note(k, Seen { at: q, bound });
         }
         let places = touch.iter().flat_map(SurfaceTouch::places);
         let places = places.map(|(c, weight)| (c.distance, view.object.rotation * c.normal, weight));

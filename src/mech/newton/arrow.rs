@@ -25,6 +25,8 @@ pub struct ArrowBlock {
     pub extra: BodyBlock,
     factor: Factor,
     rhs: Vec<f64>,
+    /// `B^T K^-1 B` of the last columns that were solved for.
+    schur: [[f64; MAX_RIGID]; MAX_RIGID],
 }
 
 impl ArrowBlock {
@@ -36,7 +38,7 @@ impl ArrowBlock {
         let block = BodyBlock::new(&body, columns);
         let factor = Factor::new(body.symbolic()?, columns + 1);
         let extra = BodyBlock::gradients(&body);
-        Ok(Self { body, block, extra, factor, rhs: Vec::new() })
+        Ok(Self { body, block, extra, factor, rhs: Vec::new(), schur: [[0.0; MAX_RIGID]; MAX_RIGID] })
     }
 
     /// Factorises the block; false if it is not positive definite.
@@ -62,25 +64,29 @@ impl ArrowBlock {
         let start = if columns { 0 } else { coupled };
         let rhs = &mut self.rhs[start..];
         self.factor.solve(rhs, rhs.len() / n.max(1));
+        if columns {
+            let coupling = self.block.coupling.chunks_exact(n.max(1));
+            for (row, b) in self.schur.iter_mut().zip(coupling) {
+                row.iter_mut().zip(self.rhs.chunks_exact(n.max(1))).for_each(|(s, solved)| *s = dot(b, solved));
+            }
+        }
     }
 
-    /// Computes `B^T K^-1 B` and `B^T K^-1 g` of this body.
-    fn schur(&self, size: usize) -> ([[f64; MAX_RIGID]; MAX_RIGID], [f64; MAX_RIGID]) {
-        let n = self.body.unknowns();
-        let (mut s, mut r) = ([[0.0; MAX_RIGID]; MAX_RIGID], [0.0; MAX_RIGID]);
-        for i in 0..size {
-            let b = &self.block.coupling[i * n..(i + 1) * n];
-            for (j, target) in s[i].iter_mut().enumerate().take(size) {
-                *target = dot(b, &self.rhs[j * n..(j + 1) * n]);
-            }
-            r[i] = dot(b, &self.rhs[size * n..(size + 1) * n]);
-        }
-        (s, r)
+    /// Computes `B^T K^-1 g` of this body.
+    fn reduced(&self) -> impl Iterator<Item = f64> + '_ {
+        let solved = &self.rhs[self.block.coupling.len()..];
+        self.block.coupling.chunks_exact(self.body.unknowns().max(1)).map(|b| dot(b, solved))
     }
 }
 
+/// Computes a scalar product in eight sums side by side, which do not wait for each other.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let ((a, rest), (b, other)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    let mut sums = [0.0; 8];
+    for (a, b) in a.iter().zip(b) {
+        (0..8).for_each(|k| sums[k] += a[k] * b[k]);
+    }
+    sums.iter().sum::<f64>() + rest.iter().zip(other).map(|(a, b)| a * b).sum::<f64>()
 }
 
 /// Combines solved blocks, and the block of the object alone, into the full Newton step. Negative or
@@ -97,13 +103,12 @@ pub fn step(
 ) -> NewtonStep {
     let (mut s, mut g) = ([[0.0; MAX_RIGID]; MAX_RIGID], *rigid_gradient);
     for b in blocks {
-        let (schur, reduced) = b.schur(size);
         for i in 0..size {
             for j in 0..size {
-                s[i][j] += b.block.rigid.hessian[i][j] - schur[i][j];
+                s[i][j] += b.block.rigid.hessian[i][j] - b.schur[i][j];
             }
-            g[i] -= reduced[i];
         }
+        g.iter_mut().zip(b.reduced()).for_each(|(g, reduced)| *g -= reduced);
     }
     (0..size).for_each(|i| (0..size).for_each(|j| s[i][j] += object.hessian[i][j]));
     let dy = solve_rigid(&s, &g, unknowns, cap);

@@ -74,6 +74,19 @@ impl<T: Real> Grads<'_, T> {
         slot.resize(matrix.rows * matrix.cols, T::of(0.0));
         Some(slot)
     }
+
+    /// Adds `values` to the gradient of `matrix`, if it has one; the first ones are taken over as they are.
+    pub fn add(&mut self, matrix: &Matrix<T>, values: Vec<T>) {
+        if !matrix.tracked {
+            return;
+        }
+        let Ok(slot) = self.0.get_or_alloc_mut(&matrix.name) else { return };
+        if slot.is_empty() {
+            **slot = values;
+        } else {
+            slot.iter_mut().zip(values).for_each(|(d, g)| *d += g);
+        }
+    }
 }
 
 /// Record of a pass.
@@ -101,7 +114,7 @@ impl<T: Real> Tape<T> {
         inputs: &[&Matrix<T>],
         (rows, cols): (usize, usize),
         value: Vec<T>,
-        backward: impl FnOnce(&mut Grads<T>, &[T]) + 'static,
+        backward: impl FnOnce(&mut Grads<T>, Vec<T>) + 'static,
     ) -> Matrix<T> {
         let out = Matrix { tracked: self.tracks(inputs), ..Matrix::constant(rows, cols, value) };
         self.record(&out, backward);
@@ -109,14 +122,14 @@ impl<T: Real> Tape<T> {
     }
 
     /// Records how the gradient of `out` is passed on.
-    pub(crate) fn record(&self, out: &Matrix<T>, backward: impl FnOnce(&mut Grads<T>, &[T]) + 'static) {
+    pub(crate) fn record(&self, out: &Matrix<T>, backward: impl FnOnce(&mut Grads<T>, Vec<T>) + 'static) {
         let (Some(tape), true) = (&self.0, out.tracked) else { return };
         let name = out.name.clone();
         tape.borrow_mut().add_backward_op(move |gradients| {
             // The operation that made a matrix runs after all that used it: its gradient is complete, and not needed again.
             let own = std::mem::take(&mut **gradients.get_or_alloc_mut(&name)?);
             if !own.is_empty() {
-                backward(&mut Grads(gradients), &own);
+                backward(&mut Grads(gradients), own);
             }
             Ok(())
         });

@@ -22,10 +22,8 @@ pub fn balanced<T: Real>(
     y.chunks_exact_mut(size).zip(balances).for_each(|(y, own)| own.balance(y, mirror));
     let (x, balances) = (x.clone(), balances.to_vec());
     let input = x.clone();
-    tape.result(&[&input], (x.rows, 3), y, move |grads, out| {
-        let Some(dx) = grads.of(&x) else { return };
-        let mut back = out.to_vec();
+    tape.result(&[&input], (x.rows, 3), y, move |grads, mut back| {
         back.chunks_exact_mut(size).zip(&balances).for_each(|(back, own)| own.gradient(back, mirror));
-        dx.iter_mut().zip(back).for_each(|(d, g)| *d += g);
+        grads.add(&x, back);
     })
 }

@@ -4,7 +4,6 @@ use crate::net::autodiff::real::Real;
 use crate::net::autodiff::tape::{Matrix, Tape};
 use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
 
 /// Function of one number, with its slope. No activation needs exp, which does not vectorise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -59,41 +58,31 @@ impl Activation {
     pub fn applied<T: Real>(self, z: Vec<T>) -> (Vec<T>, Vec<T>) {
         match self {
             Activation::None => (z, Vec::new()),
-            _ => {
-                let mut y = vec![T::of(0.0); z.len()];
-                Arch::new().dispatch(Values { act: self, z: &z, y: &mut y });
-                (y, z)
-            }
+            _ => (Arch::new().dispatch(Values { act: self, z: &z }), z),
         }
     }
 
-    /// Computes the gradient of `z` from that of the values.
-    pub fn sloped<'a, T: Real>(self, out: &'a [T], z: &[T]) -> Cow<'a, [T]> {
-        match self {
-            Activation::None => Cow::Borrowed(out),
-            _ => {
-                let mut dz = out.to_vec();
-                Arch::new().dispatch(Slopes { act: self, z, dz: &mut dz });
-                Cow::Owned(dz)
-            }
+    /// Turns the gradient of the values into that of `z`.
+    pub fn sloped<T: Real>(self, mut out: Vec<T>, z: &[T]) -> Vec<T> {
+        if self != Activation::None {
+            Arch::new().dispatch(Slopes { act: self, z, dz: &mut out });
         }
+        out
     }
 }
 
-/// Kernel of `y = act(z)`.
+/// Kernel of `act(z)`.
 struct Values<'a, T> {
     act: Activation,
     z: &'a [T],
-    y: &'a mut [T],
 }
 
 impl<T: Real> WithSimd for Values<'_, T> {
-    type Output = ();
+    type Output = Vec<T>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { act, z, y } = self;
-        y.iter_mut().zip(z).for_each(|(y, z)| *y = act.value(*z));
+    fn with_simd<S: Simd>(self, _: S) -> Vec<T> {
+        self.z.iter().map(|z| self.act.value(*z)).collect()
     }
 }
 
@@ -126,11 +115,9 @@ pub fn sum<T: Real>(tape: &Tape<T>, terms: &[&Matrix<T>], act: Activation) -> Ma
     let kept: Vec<Matrix<T>> = terms.iter().map(|t| (*t).clone()).collect();
     tape.result(terms, (rows, cols), y, move |grads, out| {
         let dz = act.sloped(out, &z);
-        for term in &kept {
-            if let Some(d) = grads.of(term) {
-                d.iter_mut().zip(&*dz).for_each(|(d, g)| *d += *g);
-            }
-        }
+        let Some((last, others)) = kept.split_last() else { return };
+        others.iter().filter(|term| term.tracked()).for_each(|term| grads.add(term, dz.clone()));
+        grads.add(last, dz);
     })
 }
 
@@ -153,11 +140,7 @@ pub fn product<T: Real>(tape: &Tape<T>, a: &Matrix<T>, b: &Matrix<T>) -> Matrix<
 pub fn reshape<T: Real>(tape: &Tape<T>, x: &Matrix<T>, rows: usize) -> Matrix<T> {
     let out = x.shaped(rows, x.rows * x.cols / rows, tape.tracks(&[x]));
     let x = x.clone();
-    tape.record(&out, move |grads, out| {
-        if let Some(d) = grads.of(&x) {
-            d.iter_mut().zip(out).for_each(|(d, g)| *d += *g);
-        }
-    });
+    tape.record(&out, move |grads, out| grads.add(&x, out));
     out
 }
 

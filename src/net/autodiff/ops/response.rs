@@ -25,10 +25,9 @@ pub fn respond<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, force: &Matrix<T>
     let y = one_by_one(&y, m, n);
     let (pad, input) = (pad.clone(), force.clone());
     tape.result(&[force], (n, m), y, move |grads, out| {
-        let Some(dx) = grads.of(&input) else { return };
-        let (dy, mut sum) = (side_by_side(out, m), zeros(n, k));
+        let (dy, mut sum) = (side_by_side(&out, m), zeros(n, k));
         Arch::new().dispatch(TimesTransposed { pad: &pad, y: &dy, x: &mut sum });
-        dx.iter_mut().zip(one_by_one(&sum, k, n)).for_each(|(dx, v)| *dx += v);
+        grads.add(&input, one_by_one(&sum, k, n));
     })
 }
 
@@ -61,10 +60,9 @@ pub fn deviated<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, moved: &Matrix<T
     let s = one_by_one(&s, 5 * nodes, n);
     let (pad, input) = (pad.clone(), moved.clone());
     tape.result(&[moved], (n * nodes, 5), s, move |grads, out| {
-        let Some(du) = grads.of(&input) else { return };
-        let (ds, mut sum) = (side_by_side(out, 5 * nodes), zeros(n, m));
+        let (ds, mut sum) = (side_by_side(&out, 5 * nodes), zeros(n, m));
         Arch::new().dispatch(DeviateTransposed { pad: &pad, s: &ds, u: &mut sum });
-        du.iter_mut().zip(one_by_one(&sum, m, n)).for_each(|(du, v)| *du += v);
+        grads.add(&input, one_by_one(&sum, m, n));
     })
 }
 

@@ -14,7 +14,7 @@ pub fn apply<T: Real>(tape: &Tape<T>, map: &Arc<Sparse>, x: &Matrix<T>) -> Matri
     let input = x.clone();
     tape.result(&[&input], (rows, m), y, move |grads, out| {
         if let Some(dx) = grads.of(&x) {
-            map.add_transposed(out, dx, m);
+            map.add_transposed(&out, dx, m);
         }
     })
 }

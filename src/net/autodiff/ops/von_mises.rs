@@ -20,7 +20,7 @@ pub fn von_mises<T: Real>(tape: &Tape<T>, x: &Matrix<T>) -> Matrix<T> {
         let Some(dx) = grads.of(&x) else { return };
         let rows = dx.as_chunks_mut::<5>().0.iter_mut().zip(x.value().as_chunks::<5>().0);
         for ((dx, [a, b, c, d, e]), (y, g)) in rows.zip(kept.iter().zip(out)) {
-            let scale = three * *g / *y;
+            let scale = three * g / *y;
             dx[0] += scale * (*a + *b / two);
             dx[1] += scale * (*b + *a / two);
             dx[2] += scale * *c;

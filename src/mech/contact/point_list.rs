@@ -1,0 +1,121 @@
+//! The points of a pad that can matter, and what is known of their distances to the object.
+
+use super::nearby::Nearby;
+use super::surface::ContactSurface;
+use super::term::locate;
+use crate::geometry::shape::SignedDistance;
+use crate::mech::potential::state::BodyView;
+use crate::scales::{LOOK_AHEAD, POINTS_LISTED};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Distance of a point to the object when that was last looked up. It holds whatever is accepted or taken back.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Seen {
+    /// Position of the point then, object frame, m.
+    pub at: DVec3,
+    /// Lower bound of the distance there, m.
+    pub bound: f64,
+}
+
+impl Seen {
+    /// Lower bound of the distance of the point, now at `q`, m: it changes no faster than the point moves.
+    #[inline(always)]
+    pub fn bound(&self, q: DVec3) -> f64 {
+        self.bound - q.distance(self.at)
+    }
+}
+
+/// Points that are near the object, have an edge or are felt.
+#[derive(Debug, Clone)]
+pub(crate) struct PointList {
+    /// Distances of all points when they were last listed, or before.
+    all: Arc<Vec<Seen>>,
+    nearby: Arc<Nearby>,
+    /// Distances of the listed points when they were last looked up.
+    listed: Vec<Seen>,
+    /// Contact offset, m.
+    offset: f64,
+}
+
+impl PointList {
+    /// Creates the list of `count` points of which nothing is known; contact has this `offset` (m).
+    pub fn new(count: usize, offset: f64) -> Self {
+        let all = Arc::new(vec![Seen { at: DVec3::ZERO, bound: f64::NEG_INFINITY }; count]);
+        Self { all, nearby: Arc::default(), listed: Vec::new(), offset }
+    }
+
+    /// Forgets which points are near.
+    pub fn clear(&mut self) {
+        (self.nearby, self.listed) = (Arc::default(), Vec::new());
+    }
+
+    /// Least distance of the points that are not listed, under `view`, m; `-inf` where that is not known.
+    fn others(&self, view: &BodyView) -> f64 {
+        POINTS_LISTED * self.offset - self.nearby.moved(view)
+    }
+
+    /// Returns true if no point that is not listed can touch under `view`.
+    fn holds(&self, view: &BodyView) -> bool {
+        self.others(view) >= self.offset
+    }
+
+    /// Returns the least of the distances that `nearest` finds among the points it is given: those listed, or all where these may be nearer.
+    pub fn least(&self, view: &BodyView, nearest: impl Fn(&mut dyn Iterator<Item = (usize, Seen)>) -> f64) -> f64 {
+        let listed = nearest(&mut (0..self.listed.len()).map(|k| self.get(k)));
+        let found = listed <= self.others(view);
+        if found { listed } else { nearest(&mut self.all.iter().copied().enumerate()) }
+    }
+
+    /// Numbers of the listed points, ascending.
+    pub fn numbers(&self) -> &[usize] {
+        &self.nearby.list
+    }
+
+    /// Number of listed point `k`, and what is known of it.
+    pub fn get(&self, k: usize) -> (usize, Seen) {
+        (self.nearby.list[k], self.listed[k])
+    }
+
+    /// Notes the distance of listed point `k`.
+    pub fn note(&mut self, k: usize, seen: Seen) {
+        self.listed[k] = seen;
+    }
+
+    /// The points that can matter under `view`, ascending: those listed, or all where too much has moved since.
+    pub fn points(&self, view: &BodyView) -> impl Iterator<Item = (usize, Seen)> + '_ {
+        let known = self.holds(view);
+        let count = if known { self.listed.len() } else { self.all.len() };
+        (0..count).map(move |k| if known { self.get(k) } else { (k, self.all[k]) })
+    }
+
+    /// Lists the points of `surface` anew where pad and object have moved too far: those near the `object`, those that `matter` wherever they
+    /// are, and the middles next to them.
+    pub fn update(
+        &mut self,
+        surface: &ContactSurface,
+        object: &dyn SignedDistance,
+        view: &BodyView,
+        matter: impl Fn(usize) -> bool,
+    ) {
+        if self.holds(view) {
+            return;
+        }
+        let (reach, far) = (POINTS_LISTED * self.offset, LOOK_AHEAD * self.offset);
+        let all = Arc::make_mut(&mut self.all);
+        let mut near = vec![false; all.len()];
+        let mut radius = 0.0_f64;
+        for (i, stencil) in surface.points.iter().enumerate() {
+            let (_, q) = locate(stencil, view);
+            radius = radius.max(q.length());
+            if all[i].bound(q) < reach {
+                all[i] = Seen { at: q, bound: object.closest(q, far).map_or(far, |c| c.distance) };
+            }
+            let beside = |i: usize| i >= surface.vertices && surface.around(i).into_iter().any(|vertex| near[vertex]);
+            near[i] = all[i].bound(q) < reach || matter(i) || beside(i);
+        }
+        let list: Vec<usize> = (0..near.len()).filter(|i| near[*i]).collect();
+        self.listed = list.iter().map(|i| all[*i]).collect();
+        self.nearby = Arc::new(Nearby::new(list, view, radius));
+    }
+}
