@@ -552,6 +552,37 @@ fn slipping_friction_has_its_derivatives_in_nodes_travel_and_pose() {
     assert!(covered.slipping > 50, "{covered:?}");
 }
 
+/// What a term listed in an earlier state is enough until it lists anew: energy, forces and clearance are those of a term that looks at all
+/// points, bit for bit, however far pad and object have moved since.
+#[test]
+fn points_that_are_not_listed_do_not_matter() {
+    let object: Arc<dyn SignedDistance> = Arc::new(Ellipsoid { semi: DVec3::new(0.9, 0.7, 0.8) });
+    let mut touched = 0;
+    for seed in 0..60 {
+        let mut random = Random(seed);
+        let mut scene = Scene::new(seed % 2 == 1, &mut random);
+        let surface = Arc::new(ContactSurface::with_subdivision(&scene.body, 4));
+        let new = || PointContact::new(contact_law(0.01, 0.0), surface.clone(), object.clone());
+        let mut known = new();
+        for motion in [0.0, 1e-3, 1e-2, 0.05, 0.3, 1e-2] {
+            scene.shake(motion, &mut random);
+            let mut fresh = new();
+            let view = scene.state.view(0, &scene.rigid);
+            let same = |known: &PointContact, fresh: &PointContact| {
+                let of = |term: &PointContact| [term.energy(&scene.body, &view), term.clearance(&scene.body, &view)];
+                assert_eq!(of(known).map(f64::to_bits), of(fresh).map(f64::to_bits), "seed {seed}, motion {motion}");
+            };
+            same(&known, &fresh);
+            let [forces, expected] =
+                [&mut known, &mut fresh].map(|term| scene.assemble(term, Assembly::WHOLE).gradient);
+            assert_eq!(forces, expected, "seed {seed}, motion {motion}");
+            touched += usize::from(forces.iter().any(|f| *f != DVec3::ZERO));
+            same(&known, &fresh);
+        }
+    }
+    assert!(touched > 60, "{touched} states with contact");
+}
+
 /// How the true gradient changes along every coordinate that does not turn the object: the Hessian of the frozen potential plus what
 /// `couple` adds, which is that friction limits follow the pressure, and that a point that touches within the increment sticks for more of
 /// it the deeper it gets. The object is a slab, whose normal does not turn.

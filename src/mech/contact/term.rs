@@ -211,6 +211,11 @@ impl BodyTerm for PointContact {
 }
 
 impl PointContact {
+    /// Numbers of the points that are felt.
+    pub fn felt(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.felt.len()).filter(|i| self.felt[*i])
+    }
+
     /// Lists the points that can matter under `view`, if those listed may not be all of them.
     fn update_list(&mut self, view: &BodyView) {
         let Self { pool, felt, surface, object, near, .. } = self;
