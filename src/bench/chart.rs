@@ -49,7 +49,7 @@ fn pareto<B: DrawingBackend>(area: &Area<B>, report: &BenchReport) -> Drawn<B> {
         chart.draw_series(DashedLineSeries::new(line, 6, 5, MUTED.into()))?;
         // At the right, where nobody is both slow and wrong.
         let style = text_style(14, &MUTED).pos(Pos::new(HPos::Right, VPos::Bottom));
-        let name = Text::new("error of the reference itself", (times.end / 1.05, own * 1.01), style);
+        let name = Text::new("error of the reference itself", (times.end / 1.05, own * 1.04), style);
         chart.draw_series([name])?;
     }
     let mut front: Vec<(f64, f64)> = placed.iter().filter(|p| !p.1.dominated).map(|p| p.2).collect();
@@ -74,7 +74,7 @@ fn labels(
 ) -> Vec<((f64, f64), String)> {
     // Distance as a part of the whole axis.
     let apart = |a: f64, b: f64, axis: &Range<f64>| (a / b).ln().abs() / (axis.end / axis.start).ln();
-    let near = |a: (f64, f64), b: (f64, f64)| apart(a.0, b.0, times) < 0.05 && apart(a.1, b.1, errors) < 0.03;
+    let near = |a: (f64, f64), b: (f64, f64)| apart(a.0, b.0, times) < 0.08 && apart(a.1, b.1, errors) < 0.03;
     let mut labels: Vec<((f64, f64), String)> = Vec::new();
     for (number, _, at) in placed {
         match labels.iter_mut().find(|(known, _)| near(*known, *at)) {

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::interrupt;
 use crate::report::Wishes;
 use content::Content;
-use server::{Answer, Server};
+use server::{Reply, Server};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -29,10 +29,10 @@ impl Viewer {
     pub fn start(dir: PathBuf, wishes: Wishes, port: u16) -> Result<Self> {
         let content = Content::new(dir, wishes);
         let answer = move |path: &str| match path {
-            "/" => Some(Answer { kind: "text/html; charset=utf-8", body: content.page() }),
+            "/" => Some(Reply { kind: "text/html; charset=utf-8", body: content.page() }),
             "/state" => {
                 let state = serde_json::json!({ "state": content.state() });
-                Some(Answer { kind: "application/json", body: state.to_string() })
+                Some(Reply { kind: "application/json", body: state.to_string() })
             }
             _ => None,
         };

@@ -16,9 +16,9 @@ const AT_ONCE: usize = 32;
 /// Time after which a client that is silent, or does not read, is given up.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Answer to a request.
+/// Reply to a request that is good.
 #[derive(Debug)]
-pub struct Answer {
+pub struct Reply {
     /// Media type.
     pub kind: &'static str,
     /// Content.
@@ -38,7 +38,7 @@ impl Server {
     ///
     /// # Errors
     /// Fails if the port is taken or no thread can be started.
-    pub fn start(port: u16, answer: impl Fn(&str) -> Option<Answer> + Send + Sync + 'static) -> Result<Self> {
+    pub fn start(port: u16, answer: impl Fn(&str) -> Option<Reply> + Send + Sync + 'static) -> Result<Self> {
         let cannot = |e: std::io::Error| {
             Error::Start(format!("cannot listen on 127.0.0.1:{port}: {e}; --port takes another, 0 any that is free"))
         };
@@ -71,7 +71,7 @@ impl Drop for Server {
 
 fn accept<F>(listener: &TcpListener, ended: &AtomicBool, answer: &Arc<F>)
 where
-    F: Fn(&str) -> Option<Answer> + Send + Sync + 'static,
+    F: Fn(&str) -> Option<Reply> + Send + Sync + 'static,
 {
     let running = Arc::new(AtomicUsize::new(0));
     for stream in listener.incoming() {
@@ -96,7 +96,7 @@ where
 }
 
 /// Answers one request and closes the connection.
-fn serve(mut stream: TcpStream, answer: &dyn Fn(&str) -> Option<Answer>) -> std::io::Result<()> {
+fn serve(mut stream: TcpStream, answer: &dyn Fn(&str) -> Option<Reply>) -> std::io::Result<()> {
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
     let reply = match read(&mut stream)? {
@@ -104,7 +104,7 @@ fn serve(mut stream: TcpStream, answer: &dyn Fn(&str) -> Option<Answer>) -> std:
         Err(refusal) => Err(refusal),
     };
     let (status, kind, body) = match reply {
-        Ok(Answer { kind, body }) => ("200 OK".into(), kind, body),
+        Ok(Reply { kind, body }) => ("200 OK".into(), kind, body),
         Err(refusal) => (refusal.to_string(), "text/plain; charset=utf-8", format!("{refusal}\n")),
     };
     let allow = if status.starts_with("405") { "Allow: GET\r\n" } else { "" };
