@@ -56,16 +56,12 @@ impl Section {
         Self { title: title.into(), lead: lead.into(), blocks, written: None, made: Vec::new() }
     }
 
-    /// Returns heading, origin and introduction. The browser writes the date in the reader's own way.
-    fn head(&self) -> String {
+    /// Returns a line about the origin of the section, for the top of the page. The browser writes the date in the reader's own way.
+    fn origin(&self) -> String {
         let date = self.written.map(|at| format!("<time data-at=\"{at}\"></time>"));
         let made = self.made.iter().map(|text| format!("<span>{}</span>", escape(text)));
         let origin: String = date.into_iter().chain(made).collect();
-        format!(
-            "<section>\n<h2>{}</h2>\n<p class=\"origin\">{origin}</p>\n<p class=\"lead\">{}</p>\n",
-            escape(&self.title),
-            escape(&self.lead)
-        )
+        format!("<p><strong>{}</strong>{origin}</p>\n", escape(&self.title))
     }
 }
 
@@ -101,9 +97,14 @@ impl Page {
     }
 
     fn write(&self, state: Option<&str>) -> Result<String> {
-        let (mut charts, mut body) = (Vec::new(), String::new());
+        let (mut charts, mut origins, mut body) = (Vec::new(), String::new(), String::new());
         for section in &self.sections {
-            body += &section.head();
+            origins += &section.origin();
+            body += &format!(
+                "<section>\n<h2>{}</h2>\n<p class=\"lead\">{}</p>\n",
+                escape(&section.title),
+                escape(&section.lead)
+            );
             for block in &section.blocks {
                 body += &match block {
                     PageBlock::Table(table) => table.html(),
@@ -126,13 +127,14 @@ impl Page {
             json!({ "charts": charts, "meshes": meshes, "grasps": grasps, "colors": base64(&colors), "state": state });
         let data =
             serde_json::to_string(&data).map_err(|e| Error::Start(format!("the page cannot be written: {e}")))?;
-        let (origin, live, end) = match state {
+        let (connect, live, end) = match state {
             None => ("", "", "This file holds all it needs; nothing is loaded from elsewhere."),
             Some(_) => ("; connect-src 'self'", LIVE, "It asks this machine for news, and nothing else."),
         };
         let parts = [
             ("style", STYLE.to_string()),
-            ("origin", origin.to_string()),
+            ("connect", connect.to_string()),
+            ("origins", origins),
             ("end", end.to_string()),
             ("version", env!("CARGO_PKG_VERSION").to_string()),
             ("viewer", if grasps.is_empty() { String::new() } else { VIEWER.to_string() }),

@@ -22,6 +22,7 @@ function renew(page) {
   const chosen = new Map(charts().map(([title, choice]) => [title, choice.value]));
   const open = new Set(folds().filter(([, fold]) => fold.open).map(([title]) => title));
   data = dataOf(page);
+  byId("origins").replaceWith(page.getElementById("origins"));
   meshes.clear();
   const pads = byId("viewer") || page.getElementById("viewer");
   page.getElementById("viewer")?.remove();
