@@ -47,4 +47,5 @@ pub mod scene;
 pub mod simulate;
 pub mod stats;
 pub mod table;
+pub mod view;
 pub mod world;

@@ -7,6 +7,15 @@ use crate::geometry::pad::PadMesh;
 use crate::scene::{Element, Scene, StepperChoice};
 use std::path::Path;
 
+/// Returns the processor and the number of cores, for readers.
+pub fn machine() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    let model = model.map_or(std::env::consts::ARCH, |(_, name)| name.trim());
+    let cores = machine_threads();
+    format!("{model}, {cores} core{}", if cores == 1 { "" } else { "s" })
+}
+
 /// Returns the number of threads that the machine has.
 pub fn machine_threads() -> usize {
     std::thread::available_parallelism().map_or(1, |n| n.get())

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Files and folders of `src`, from the ground up.
-const LAYERS: [&str; 37] = [
+const LAYERS: [&str; 38] = [
     "error",
     "number",
     "stats",
@@ -40,6 +40,7 @@ const LAYERS: [&str; 37] = [
     "bench",
     "fit",
     "report",
+    "view",
     "cli",
     "main",
 ];

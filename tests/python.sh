@@ -14,6 +14,8 @@ python3 -c 'import sys; sys.exit(sys.version_info < (3, 10))' || skip "python3 i
     skip "its packages cannot be fetched"
 "$environment/bin/pip" install -q --retries 1 --timeout 30 mypy matplotlib trimesh meshio ||
     echo "skipped: Python tests of types, pictures and meshes (their packages cannot be fetched)"
+"$environment/bin/pip" install -q --retries 1 --timeout 30 playwright ||
+    echo "skipped: Python tests of the viewer in a browser (Playwright cannot be fetched)"
 cargo fetch -q --locked --manifest-path python/Cargo.toml || skip "the crates of its bindings cannot be fetched"
 # Shares the dependencies that are built already.
 export CARGO_TARGET_DIR=$PWD/target VIRTUAL_ENV=$environment

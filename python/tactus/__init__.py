@@ -5,7 +5,7 @@ Everything is SI: m, N, Pa, kg; quaternions are (w, x, y, z). The tasks that shi
 """
 
 from . import ron, shards
-from .commands import Report, bench, check, command, dataset, eval, fit, inspect, report, train
+from .commands import Report, bench, check, command, dataset, eval, fit, inspect, report, train, view
 from .data import DataSet, StoredGrasp
 from .env import Env, VectorEnv
 from .meshes import Pad, Surface
@@ -42,6 +42,7 @@ __all__ = [
     "scene",
     "shards",
     "train",
+    "view",
 ]
 
 register()

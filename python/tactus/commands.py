@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import json
 import os
+import socket
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Callable, Iterable, Mapping, Sequence, Union
 
@@ -193,6 +195,22 @@ def report(
     """Puts runs, benches and data sets into one HTML page, the file `out`."""
     options = dict(out=out, model=model, split=split, grasps=grasps, frames=frames)
     return _report(["report"], _several(folders), options)
+
+
+def view(path: Path, *, model: Path | None = None, port: int | None = None, browser: bool = True) -> None:
+    """Shows a folder of results, or a scene that runs meanwhile, in the browser until Ctrl-C; prints the address of the page.
+
+    model: folder of a trained model to judge on a data set.
+    port: port on 127.0.0.1; any that is free by default.
+    browser: True to open the page.
+    """
+    if port is None:
+        with socket.create_server(("127.0.0.1", 0)) as free:
+            port = free.getsockname()[1]
+    print(f"http://127.0.0.1:{port}/", flush=True)
+    options = [f"--port={port}", *(["--open"] if browser else []), *([f"--model={os.fspath(model)}"] if model else [])]
+    with suppress(KeyboardInterrupt):
+        command("view", *options, "--", path)
 
 
 def _report(name: list[str], paths: Sequence[Path], options: Mapping[str, Any], progress: Told | None = None) -> Report:

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::render::canvas::{Area, Drawn, INK, KINDS, MUTED, Picture, axes, range, save_picture, text_style};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::ops::Range;
 use std::path::Path;
 
 /// Writes `bench.png` and `bench.svg` into `dir`.
@@ -41,13 +42,14 @@ fn pareto<B: DrawingBackend>(area: &Area<B>, report: &BenchReport) -> Drawn<B> {
     let times = range(placed.iter().map(|p| p.2.0));
     let errors = range(placed.iter().map(|p| p.2.1).chain(own));
     let name = format!("wall time of a grasp, s (threads: {})", report.threads);
-    let mut chart = axes(area, (times.clone(), name), (errors, "error of the displacement, % (median)".into()))?;
+    let mut chart =
+        axes(area, (times.clone(), name), (errors.clone(), "error of the displacement, % (median)".into()))?;
     if let Some(own) = own {
         let line = [(times.start, own), (times.end, own)];
         chart.draw_series(DashedLineSeries::new(line, 6, 5, MUTED.into()))?;
         // At the right, where nobody is both slow and wrong.
         let style = text_style(14, &MUTED).pos(Pos::new(HPos::Right, VPos::Bottom));
-        let name = Text::new("error of the reference itself", (times.end / 1.05, own * 1.01), style);
+        let name = Text::new("error of the reference itself", (times.end / 1.05, own * 1.04), style);
         chart.draw_series([name])?;
     }
     let mut front: Vec<(f64, f64)> = placed.iter().filter(|p| !p.1.dominated).map(|p| p.2).collect();
@@ -57,16 +59,22 @@ fn pareto<B: DrawingBackend>(area: &Area<B>, report: &BenchReport) -> Drawn<B> {
         let style = if point.dominated { color(point).stroke_width(2) } else { color(point).filled() };
         chart.draw_series([Circle::new(*at, 6, style)])?;
     }
-    for (at, numbers) in labels(&placed) {
+    for (at, numbers) in labels(&placed, &times, &errors) {
         let label = EmptyElement::at(at) + Text::new(numbers, (8, -18), text_style(16, &INK));
         chart.draw_series([label])?;
     }
     Ok(())
 }
 
-/// Returns the number of every point; points that lie on each other share a label.
-fn labels(placed: &[(usize, &Point, (f64, f64))]) -> Vec<((f64, f64), String)> {
-    let near = |a: (f64, f64), b: (f64, f64)| (a.0 / b.0).ln().abs() < 0.1 && (a.1 / b.1).ln().abs() < 0.05;
+/// Returns the number of every point; points whose labels would lie on each other share one.
+fn labels(
+    placed: &[(usize, &Point, (f64, f64))],
+    times: &Range<f64>,
+    errors: &Range<f64>,
+) -> Vec<((f64, f64), String)> {
+    // Distance as a part of the whole axis.
+    let apart = |a: f64, b: f64, axis: &Range<f64>| (a / b).ln().abs() / (axis.end / axis.start).ln();
+    let near = |a: (f64, f64), b: (f64, f64)| apart(a.0, b.0, times) < 0.08 && apart(a.1, b.1, errors) < 0.03;
     let mut labels: Vec<((f64, f64), String)> = Vec::new();
     for (number, _, at) in placed {
         match labels.iter_mut().find(|(known, _)| near(*known, *at)) {

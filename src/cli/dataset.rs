@@ -2,6 +2,7 @@
 
 use super::console::Console;
 use super::run::refused;
+use super::view::{WatchArgs, watched};
 use super::{Format, NOT_HELD, OK, inspect, kept};
 use crate::backend;
 use crate::dataset::manifest::LeftOut;
@@ -22,7 +23,7 @@ use crate::stats::median;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -78,8 +79,11 @@ pub struct DatasetArgs {
     #[arg(long, value_name = "N", conflicts_with = "part", value_parser = clap::value_parser!(u64).range(1..))]
     pub sensitivity: Option<u64>,
     /// Say what would be made and how large it is, and stop.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "watch")]
     pub dry_run: bool,
+    /// Page in the browser.
+    #[command(flatten)]
+    pub watch: WatchArgs,
 }
 
 /// Other commands on data sets.
@@ -100,6 +104,10 @@ pub fn dataset(args: &DatasetArgs, console: &dyn Console) -> Result<u8> {
     let (Some(scene), Some(out)) = (&args.scene, &args.out) else {
         return Err(refused("a scene and `-o DIR` are needed"));
     };
+    watched(&args.watch, out, console, || make(args, scene, out, console))
+}
+
+fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> Result<u8> {
     let mut set = load_seeded(scene, args.seed)?;
     choose(&mut set.scenes, &args.object)?;
     limit(&mut set.scenes, args.grasps, args.frames)?;

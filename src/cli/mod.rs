@@ -9,11 +9,12 @@ mod eval;
 mod fit;
 mod inspect;
 mod predict;
+mod progress;
 mod report;
 mod run;
 mod table;
 mod train;
-mod watch;
+mod view;
 
 use crate::error::{Error, Result};
 use crate::interrupt;
@@ -33,6 +34,7 @@ pub use predict::PredictArgs;
 pub use report::ReportArgs;
 pub use run::RunArgs;
 pub use train::TrainArgs;
+pub use view::{ViewArgs, WatchArgs};
 
 /// Exit code for success: everything requested was done and every expectation held.
 pub const OK: u8 = 0;
@@ -71,6 +73,8 @@ pub enum Command {
     Fit(FitArgs),
     /// Put results into one page: tables, charts, both pads in 3-D.
     Report(ReportArgs),
+    /// Show results in the browser, while they are written, too.
+    View(ViewArgs),
     /// Print the completions of a shell.
     Completions(CompletionsArgs),
     /// Write the pages of the manual.
@@ -155,6 +159,7 @@ impl Command {
             Command::Bench(args) => bench::bench(args, console),
             Command::Fit(args) => fit::fit(args, console),
             Command::Report(args) => report::report_page(args, console),
+            Command::View(args) => view::view(args, console),
             Command::Completions(args) => completions::completions(args, console),
             Command::Man(args) => completions::man(args),
         }

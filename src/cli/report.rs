@@ -4,7 +4,7 @@ use super::console::Console;
 use super::{Format, OK};
 use crate::error::Result;
 use crate::files::atomic::{create_dir, write_atomic};
-use crate::report::{Wishes, report};
+use crate::report::{FRAMES, Wishes, report};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -26,7 +26,7 @@ pub struct ReportArgs {
     #[arg(long, value_name = "N", default_value_t = 3)]
     pub grasps: usize,
     /// Largest number of frames of each, spread over it.
-    #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u64).range(1..=10000))]
+    #[arg(long, value_name = "N", default_value_t = FRAMES as u64, value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: u64,
     /// File of the page.
     #[arg(short, long, value_name = "FILE", default_value = "report.html")]

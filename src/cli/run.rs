@@ -1,7 +1,8 @@
 //! Command `tactus run`: simulates the grasps of a scene.
 
 use super::console::Console;
-use super::watch::Watch;
+use super::progress::RunProgress;
+use super::view::{WatchArgs, folder, watched};
 use super::{Format, NOT_HELD, OK, kept, table};
 use crate::error::{Error, Result};
 use crate::scene::{Backend, LoadedSet, Overrides, Scene, load_set};
@@ -11,14 +12,14 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `tactus run`.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Clone, Default, clap::Args)]
 pub struct RunArgs {
     /// Scene file.
     pub scene: PathBuf,
     /// Object to take from a scene with several; without it all run, one after the other, into `DIR/NAME`.
     #[arg(long, value_name = "NAME")]
     pub object: Option<String>,
-    /// Folder for the results; without it nothing is written.
+    /// Folder for the results; without it nothing is kept.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace an earlier run in the folder instead of refusing.
@@ -61,6 +62,9 @@ pub struct RunArgs {
     /// Let a network answer outside the range of its training, with a wider interval of the error.
     #[arg(long)]
     pub extrapolate: bool,
+    /// Page in the browser.
+    #[command(flatten)]
+    pub watch: WatchArgs,
 }
 
 impl RunArgs {
@@ -98,6 +102,15 @@ pub(super) fn refused(message: &str) -> Error {
 /// Fails if the scene or an argument is refused, a model cannot be built, or a file cannot be written.
 pub fn run(args: &RunArgs, console: &dyn Console) -> Result<u8> {
     let set = args.load()?;
+    if !args.watch.watch {
+        return run_set(args, &set, console);
+    }
+    let (out, _kept) = folder(args.out.as_deref())?;
+    let args = RunArgs { out: Some(out.clone()), ..args.clone() };
+    watched(&args.watch, &out, console, || run_set(&args, &set, console))
+}
+
+fn run_set(args: &RunArgs, set: &LoadedSet, console: &dyn Console) -> Result<u8> {
     let (several, mut good, mut reports) = (set.scenes.len() > 1, true, Vec::new());
     for named in &set.scenes {
         let name = named.name.as_str();
@@ -145,7 +158,7 @@ fn run_object(
     let writer = out.map(|dir| simulation.record(dir, args.overwrite)).transpose()?;
     simulation.notices.iter().for_each(|notice| console.warn(&format!("note: {notice}")));
     let (grasps, frames) = (simulation.grasps.len(), simulation.model.levels.len());
-    let watch = Watch::new(console.show(ProgressBar::new((grasps * frames) as u64)), frames);
+    let watch = RunProgress::new(console.show(ProgressBar::new((grasps * frames) as u64)), frames);
     let simulated = simulation.run(writer, args.sensitivity, &watch);
     let ended = watch.finish();
     let simulated = simulated.map_err(|error| {

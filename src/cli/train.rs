@@ -2,6 +2,7 @@
 
 use super::console::Console;
 use super::run::pool;
+use super::view::{WatchArgs, watched};
 use super::{Format, OK, kept};
 use crate::dataset::DataSet;
 use crate::error::Result;
@@ -34,6 +35,9 @@ pub struct TrainArgs {
     /// Number of threads; the default is all that the machine has. The weights do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
+    /// Page in the browser.
+    #[command(flatten)]
+    pub watch: WatchArgs,
 }
 
 /// Trains a network.
@@ -41,7 +45,8 @@ pub struct TrainArgs {
 /// # Errors
 /// Fails if the data set or the model file cannot be read, the split is refused, or a file cannot be written.
 pub fn train(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
-    pool(args.threads.map_or_else(machine_threads, |n| n as usize))?.install(|| run(args, console))
+    let pool = pool(args.threads.map_or_else(machine_threads, |n| n as usize))?;
+    watched(&args.watch, &args.out, console, || pool.install(|| run(args, console)))
 }
 
 fn run(args: &TrainArgs, console: &dyn Console) -> Result<u8> {

@@ -375,12 +375,12 @@ fn allocated(meta: &std::fs::Metadata) -> u64 {
 }
 
 /// Returns the name of an object's file while it has open rows.
-fn open(path: &Path) -> PathBuf {
+pub(super) fn open(path: &Path) -> PathBuf {
     path.with_extension("h5.open")
 }
 
 /// Folder of the records of finished grasps.
-const PROGRESS: &str = ".progress";
+pub(super) const PROGRESS: &str = ".progress";
 /// Name of the command that holds the folder.
 const COMMAND: &str = "tactus dataset";
 /// File that is locked while the manifest is written and an object's files are laid out.

@@ -32,6 +32,7 @@ pub mod rows;
 pub mod sampling;
 pub mod sensitivity;
 pub mod set;
+pub mod so_far;
 pub mod split;
 
 pub use campaign::Campaign;

@@ -7,7 +7,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Name of the file that is locked.
-const LOCK: &str = ".lock";
+pub const LOCK: &str = ".lock";
 
 /// Folder held by this process until dropped; a process that ends, in whatever way, releases it.
 #[derive(Debug)]

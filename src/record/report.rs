@@ -5,6 +5,7 @@ use super::frame::Frame;
 use super::sensitivity::Moved;
 use crate::error::{Error, Result};
 use crate::files::atomic::write_atomic;
+use crate::limits::machine;
 use crate::mech::path::continuation::Methods;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -166,6 +167,12 @@ pub struct RunReport {
     pub backend: String,
     /// Number of threads.
     pub threads: usize,
+    /// Command that made the run, as it was typed; empty in older files.
+    #[serde(default)]
+    pub command: String,
+    /// Machine on which it ran; empty in older files.
+    #[serde(default)]
+    pub machine: String,
     /// False until the run has finished, so that an interrupted run is recognisable.
     pub finished: bool,
     /// Scene with every default and include resolved.
@@ -183,6 +190,15 @@ pub struct RunReport {
     pub profile_s: BTreeMap<String, f64>,
 }
 
+/// Returns the command of this process, its program without the folder.
+fn command() -> String {
+    let mut words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+    if let Some(program) = words.first_mut() {
+        *program = Path::new(program.as_str()).file_name().map_or_else(String::new, |n| n.to_string_lossy().into());
+    }
+    words.join(" ")
+}
+
 impl RunReport {
     /// Returns an empty report of this version of tactus.
     pub fn new(backend: impl Into<String>, threads: usize, scene: serde_json::Value) -> Self {
@@ -190,6 +206,8 @@ impl RunReport {
             tactus: env!("CARGO_PKG_VERSION").into(),
             backend: backend.into(),
             threads,
+            command: command(),
+            machine: machine(),
             finished: false,
             scene,
             pads: Vec::new(),

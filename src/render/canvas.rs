@@ -1,5 +1,8 @@
 //! Chart as PNG and as SVG, from one drawing.
 
+use super::draw::{PAPER, clear};
+use super::sheet::Sheet;
+use super::text::Label;
 use crate::error::{Error, Result};
 use crate::files::atomic::write_atomic;
 use crate::render::{Pixmap, save};
@@ -52,16 +55,14 @@ pub fn save_picture(picture: &impl Picture, dir: &Path, name: &str) -> Result<()
     let mut svg = String::new();
     draw(&SVGBackend::with_string(&mut svg, SIZE).into_drawing_area(), picture).map_err(refuse)?;
     write_atomic(&png.with_extension("svg"), svg.as_bytes())?;
-    let mut rgb = vec![0; 3 * (SIZE.0 * SIZE.1) as usize];
-    draw(&BitMapBackend::with_buffer(&mut rgb, SIZE).into_drawing_area(), picture).map_err(refuse)?;
     let mut page = Pixmap::new(SIZE.0, SIZE.1).ok_or_else(|| refuse("no memory for the picture".into()))?;
-    let opaque = rgb.as_chunks::<3>().0.iter().flat_map(|[r, g, b]| [*r, *g, *b, 255]);
-    page.data_mut().iter_mut().zip(opaque).for_each(|(slot, value)| *slot = value);
+    clear(&mut page, PAPER);
+    draw(&Sheet::new(&mut page, &Label::new()?).into_drawing_area(), picture).map_err(refuse)?;
     save(&page, &png)
 }
 
 fn draw<B: DrawingBackend>(page: &Area<B>, picture: &impl Picture) -> std::result::Result<(), String> {
-    page.fill(&RGBColor(252, 252, 250)).map_err(|e| e.to_string())?;
+    page.fill(&RGBColor(PAPER[0], PAPER[1], PAPER[2])).map_err(|e| e.to_string())?;
     let (plot, list) = page.split_horizontally(SIZE.0 - LIST);
     picture.plot(&plot).map_err(|e| e.to_string())?;
     for ((text, color), y) in picture.list().into_iter().zip((30..).step_by(22)) {

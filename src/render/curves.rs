@@ -25,12 +25,16 @@ pub fn render_curves(curves: &[(&str, Vec<f64>)]) -> Result<Pixmap> {
     let drawn = |v: f64| v.is_finite() && v > 0.0;
     let values = || curves.iter().flat_map(|c| c.1.iter().copied()).filter(|v| drawn(*v)).map(f64::log10);
     let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
-    let (low, high) = if low < high { (low.floor(), high.ceil()) } else { (-1.0, 1.0) };
+    // A single value, or none, stands in the middle.
+    let middle = if low.is_finite() { low } else { 0.0 };
+    let (low, high) = if low < high { (low, high) } else { (middle - 0.5, middle + 0.5) };
+    let rim = 0.04 * (high - low);
+    let (low, high) = (low - rim, high + rim);
     let y = |v: f64| bottom - (bottom - top) * ((v.log10() - low) / (high - low)) as f32;
-    for decade in low as i32..=high as i32 {
-        let at = y(10_f64.powi(decade));
+    for value in marks(10_f64.powf(low), 10_f64.powf(high)) {
+        let at = y(value);
         polyline(&mut page, &[(left, at), (right, at)], 1.0, LINE, 1.0);
-        label.draw(&mut page, &format!("1e{decade}"), (left - 8.0, at + 5.0), 15.0, MUTED, Align::Right);
+        label.draw(&mut page, &short(value), (left - 8.0, at + 5.0), 15.0, MUTED, Align::Right);
     }
     frame(&mut page, left, top, right - left, bottom - top, LINE);
     let longest = curves.iter().map(|c| c.1.len()).max().unwrap_or(0).max(2);
@@ -42,14 +46,37 @@ pub fn render_curves(curves: &[(&str, Vec<f64>)]) -> Result<Pixmap> {
         polyline(&mut page, &points, 2.0, color, 1.0);
         label.draw(&mut page, name, (right - 12.0, top + 26.0 + 22.0 * k as f32), 17.0, color, Align::Right);
     }
-    label.draw(
-        &mut page,
-        &format!("epoch, 1 to {longest}"),
-        (0.5 * (left + right), bottom + 34.0),
-        16.0,
-        INK,
-        Align::Center,
-    );
+    let step = step(longest as f64 / 8.0).max(1.0) as usize;
+    for epoch in std::iter::once(1).chain((step..=longest).step_by(step).filter(|epoch| *epoch > 1)) {
+        let at = x(epoch - 1);
+        polyline(&mut page, &[(at, bottom), (at, bottom + 5.0)], 1.0, MUTED, 1.0);
+        label.draw(&mut page, &epoch.to_string(), (at, bottom + 22.0), 15.0, MUTED, Align::Center);
+    }
+    label.draw(&mut page, "epoch", (right, bottom + 44.0), 16.0, INK, Align::Right);
     label.draw(&mut page, "loss", (left, top - 12.0), 16.0, INK, Align::Left);
     Ok(page)
+}
+
+/// Returns the round number of 1, 2 or 5 times a power of ten that is at least `size`.
+fn step(size: f64) -> f64 {
+    let power = 10_f64.powf(size.log10().floor());
+    [1.0, 2.0, 5.0, 10.0].map(|f| f * power).into_iter().find(|s| *s >= size * (1.0 - 1e-9)).unwrap_or(size)
+}
+
+/// Returns round numbers between `low` and `high`: powers of ten over many decades, equal steps over less than one.
+fn marks(low: f64, high: f64) -> Vec<f64> {
+    if high > 10.0 * low {
+        let decades = low.log10().ceil() as i32..=high.log10().floor() as i32;
+        let each: &[f64] = if high > 1e3 * low { &[1.0] } else { &[1.0, 2.0, 5.0] };
+        let all =
+            decades.clone().chain([decades.start() - 1]).flat_map(|d| each.iter().map(move |f| f * 10_f64.powi(d)));
+        return all.filter(|v| (low..=high).contains(v)).collect();
+    }
+    let step = step((high - low) / 6.0);
+    ((low / step).ceil() as i64..=(high / step).floor() as i64).map(|k| k as f64 * step).collect()
+}
+
+/// Formats a mark with as many digits as it has.
+fn short(value: f64) -> String {
+    if (1e-3..1e4).contains(&value) { format!("{}", (value * 1e6).round() / 1e6) } else { format!("{value:.0e}") }
 }

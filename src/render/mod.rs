@@ -14,13 +14,14 @@ mod pads;
 mod pose;
 mod raster;
 mod section;
+mod sheet;
 mod style;
 mod surface;
 mod text;
 mod view;
 
 pub use curves::render_curves;
-pub use pads::{encode, render_pads, save};
+pub use pads::{encode, longest_arrow, render_pads, save};
 pub use pose::pad_pose;
 pub use style::{HEIGHT, Scalar, Style, WIDTH};
 pub use tiny_skia::Pixmap;

@@ -10,7 +10,7 @@ use super::view::CutView;
 use crate::error::{Error, Result};
 use crate::files::atomic;
 use crate::geometry::mesh::TriMesh;
-use crate::record::{Frame, PadTopology, check, pad_name};
+use crate::record::{Frame, PadFrame, PadTopology, check, pad_name};
 use glam::DVec2;
 use std::path::Path;
 use tiny_skia::Pixmap;
@@ -103,6 +103,22 @@ fn heading(page: &mut Pixmap, label: &Label, frame: &Frame, style: &Style) {
     polyline(page, &[(28.0, 92.0), (WIDTH as f32 - 28.0, 92.0)], 1.0, LINE, 1.0);
 }
 
+fn sensing_faces(topologies: &[PadTopology], frame: &Frame, scalar: Scalar) -> Vec<(usize, SensingFace)> {
+    let face = |(pad, (topology, own)): (usize, (&PadTopology, &PadFrame))| {
+        pad_pose(topology, own).map(|pose| (pad, SensingFace::new(topology, own, scalar, pose)))
+    };
+    topologies.iter().zip(&frame.pads).enumerate().filter_map(face).collect()
+}
+
+fn longest(faces: &[(usize, SensingFace)]) -> f64 {
+    faces.iter().flat_map(|(_, face)| face.markers()).map(|(_, u)| u.length()).fold(0.0, f64::max)
+}
+
+/// Returns the largest in-plane displacement that an arrow of a picture shows, m: [`Style::longest`] of pictures to be compared.
+pub fn longest_arrow(topologies: &[PadTopology], frame: &Frame) -> f64 {
+    longest(&sensing_faces(topologies, frame, Scalar::default()))
+}
+
 fn faces(
     page: &mut Pixmap,
     label: &Label,
@@ -111,14 +127,7 @@ fn faces(
     range: (f64, f64),
     style: &Style,
 ) {
-    let drawn =
-        |(pad, topology): (usize, &'_ PadTopology)| pad_pose(topology, &frame.pads[pad]).map(|pose| (pad, pose));
-    let faces: Vec<(usize, SensingFace)> = topologies
-        .iter()
-        .enumerate()
-        .filter_map(drawn)
-        .map(|(pad, pose)| (pad, SensingFace::new(&topologies[pad], &frame.pads[pad], style.face, pose)))
-        .collect();
+    let faces = sensing_faces(topologies, frame, style.face);
     let bounds = faces.iter().filter_map(|(_, face)| face.bounds()).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
     let Some((low, high)) = bounds else { return };
     // One scale and one centre for all pads, so that they can be compared.
@@ -127,7 +136,7 @@ fn faces(
     let size = (FACE_X.1 - FACE_X.0, height.max(1.0).floor());
     let span = (high - low).max(DVec2::splat(1e-6));
     let scale = 0.94 * (f64::from(size.0) / span.x).min(f64::from(size.1) / span.y);
-    let longest = faces.iter().flat_map(|(_, face)| face.markers()).map(|(_, u)| u.length()).fold(0.0, f64::max);
+    let longest = style.longest.unwrap_or_else(|| longest(&faces));
     for (row, (pad, face)) in faces.iter().enumerate() {
         let at = (FACE_X.0, BODY_Y.0 + row as f32 * (size.1 + gap));
         let panel = Panel { at, size, center: (low + high) / 2.0, scale };

@@ -90,6 +90,8 @@ pub struct Style {
     pub face_range: Option<(f64, f64)>,
     /// Switch for arrows of the in-plane displacement on the sensing faces, as the markers of a tactile sensor show it.
     pub markers: bool,
+    /// In-plane displacement of the longest arrow, m; `None` takes the largest of this frame.
+    pub longest: Option<f64>,
     /// Switch for a cut of the 3-D view through the middle of the pads, which shows the stress inside the gel.
     pub cut: bool,
 }
@@ -103,6 +105,7 @@ impl Default for Style {
             range: None,
             face_range: None,
             markers: true,
+            longest: None,
             cut: true,
         }
     }

@@ -38,7 +38,7 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
         counted(report.threads, "thread"),
         report.reference.label
     );
-    page.sections.push(Section { title: "Speed against error".into(), lead, blocks });
+    page.sections.push(Section::new("Speed against error", lead, blocks));
     Ok(())
 }
 
@@ -71,7 +71,7 @@ pub fn sizes(dir: &Path, page: &mut Page) -> Result<()> {
         power(report.memory_exponent),
         counted(report.threads, "thread")
     );
-    page.sections.push(Section { title: "Cost against size".into(), lead, blocks: vec![PageBlock::Table(table)] });
+    page.sections.push(Section::new("Cost against size", lead, vec![PageBlock::Table(table)]));
     Ok(())
 }
 

@@ -28,17 +28,29 @@ pub enum Over {
     },
 }
 
-/// Quantity with median, 90th percentile and worst value, each as long as the abscissa.
+/// Quantity with its series; over names these are median, 90th percentile and worst value.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Quantity {
     /// Name of the quantity.
     pub name: String,
     /// Unit of the quantity.
     pub unit: String,
-    /// Median: half of the values are at most this.
-    pub median: Vec<f64>,
-    /// 90th percentile: nine tenths of the values are at most this.
-    pub p90: Vec<f64>,
-    /// Largest value.
-    pub worst: Vec<f64>,
+    /// Series, three at most.
+    pub series: Vec<Series>,
+}
+
+/// Series of a quantity, as long as the abscissa.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Series {
+    /// Name for the key of the chart.
+    pub name: String,
+    /// Values; NaN where there is none.
+    pub values: Vec<f64>,
+}
+
+impl Series {
+    /// Returns a series.
+    pub fn new(name: &str, values: Vec<f64>) -> Self {
+        Self { name: name.into(), values }
+    }
 }

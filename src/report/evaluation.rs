@@ -1,13 +1,14 @@
 //! Section of a data set, and of a network judged on it.
 
 use super::bench::counted;
-use super::chart::{Chart, Over, Quantity};
+use super::chart::{Chart, Over, Quantity, Series};
 use super::page::{Page, PageBlock, Section};
 use super::recording::{Errors, RecordedState, Recording};
 use super::run::name;
 use super::source::Wishes;
+use super::unfinished::unfinished;
 use crate::dataset::inspect::{chosen, frame};
-use crate::dataset::{DataSet, ObjectFile};
+use crate::dataset::{DataSet, Manifest, ObjectFile};
 use crate::error::{Error, Result};
 use crate::net::eval::table::{ErrorRow, ranks, rows};
 use crate::net::eval::{Judged, frames, judge};
@@ -34,6 +35,12 @@ const ABSOLUTE: [(&str, &str); 5] = [
 /// # Errors
 /// Fails if the data set or the model cannot be read, or the data lies outside of the training range of the model.
 pub fn data_set(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
+    if let Some(manifest) = Manifest::read(dir)?
+        && !manifest.finished
+    {
+        unfinished(dir, &manifest, wishes, page);
+        return Ok(());
+    }
     let set = DataSet::open(dir)?;
     let mut blocks = match &wishes.model {
         Some(model) => judged(&set, model, wishes, page)?,
@@ -57,7 +64,7 @@ pub fn data_set(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
         counted(m.grasps, "grasp"),
         counted(m.frames, "frame")
     );
-    page.sections.push(Section { title: format!("Data set {}", name(dir)), lead: lead.trim().into(), blocks });
+    page.sections.push(Section::new(format!("Data set {}", name(dir)), lead.trim(), blocks));
     Ok(())
 }
 
@@ -77,7 +84,7 @@ fn objects(set: &DataSet) -> Table {
     table
 }
 
-fn truth(file: &ObjectFile, number: usize, most: usize) -> Result<Recording> {
+pub(super) fn truth(file: &ObjectFile, number: usize, most: usize) -> Result<Recording> {
     let grasp = file.grasp(number)?;
     let frames = chosen(grasp.frames, Some(most)).into_iter().map(|k| frame(file, &grasp, k)).collect();
     Ok(Recording {
@@ -222,9 +229,11 @@ fn quantities(table: &[ErrorRow], groups: &[String]) -> Vec<Quantity> {
         Quantity {
             name: name.to_string(),
             unit: "%".into(),
-            median: pick(|r| r.median),
-            p90: pick(|r| r.p90),
-            worst: pick(|r| r.worst),
+            series: vec![
+                Series::new("median", pick(|r| r.median)),
+                Series::new("90 % below", pick(|r| r.p90)),
+                Series::new("worst", pick(|r| r.worst)),
+            ],
         }
     };
     RELATIVE.iter().map(of).collect()

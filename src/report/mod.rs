@@ -1,8 +1,8 @@
 //! Results as one page that needs only a browser: tables, charts, and both pads in 3-D.
 //!
 //! ```text
-//! folder -> source.rs: bench | sizes | run | data set
-//!        -> bench.rs, run.rs, evaluation.rs: Section (tables, charts) + Recording (frames of a grasp)
+//! folder -> source.rs: bench | sizes | run | data set | training
+//!        -> bench.rs, run.rs, evaluation.rs, ...: Section (tables, charts) + Recording (frames of a grasp)
 //!        -> page.rs: one HTML file; table.rs also as Markdown
 //!           page/: style, viewer and charts of the page, written for it and put inside it
 //! ```
@@ -15,11 +15,13 @@ mod page;
 mod recording;
 mod run;
 mod source;
+mod training;
+mod unfinished;
 
 pub use chart::Chart;
 pub use page::{Page, PageBlock, Section};
 pub use recording::{Errors, RecordedState, Recording};
-pub use source::Wishes;
+pub use source::{FRAMES, Wishes, holds_results};
 
 use crate::error::{Error, Result};
 use source::{Source, sources};
@@ -39,12 +41,15 @@ pub fn report(dirs: &[PathBuf], wishes: &Wishes) -> Result<Page> {
     }
     let mut page = Page::default();
     for source in &found {
+        let first = page.sections.len();
         match source {
             Source::Bench(dir) => bench::contest(dir, &mut page)?,
             Source::Sizes(dir) => bench::sizes(dir, &mut page)?,
             Source::Run(dir) => run::run(dir, wishes, &mut page)?,
             Source::Data(dir) => evaluation::data_set(dir, wishes, &mut page)?,
+            Source::Training(dir) => training::training(dir, &mut page)?,
         }
+        page.sections[first..].iter_mut().for_each(|section| section.written = source.written());
     }
     Ok(page)
 }

@@ -23,6 +23,9 @@ const SCRIPT: [&str; 8] = [
     include_str!("page/check.js"),
 ];
 
+/// Part of the script that keeps a served page up to date.
+const LIVE: &str = include_str!("page/live.js");
+
 /// Content of the page.
 #[derive(Debug, Clone, Default)]
 pub struct Page {
@@ -41,6 +44,25 @@ pub struct Section {
     pub lead: String,
     /// Content of the section.
     pub blocks: Vec<PageBlock>,
+    /// Date of the results, s since 1970.
+    pub written: Option<u64>,
+    /// Command and machine that made them; may be empty.
+    pub made: Vec<String>,
+}
+
+impl Section {
+    /// Returns a section without date and origin.
+    pub fn new(title: impl Into<String>, lead: impl Into<String>, blocks: Vec<PageBlock>) -> Self {
+        Self { title: title.into(), lead: lead.into(), blocks, written: None, made: Vec::new() }
+    }
+
+    /// Returns a line about the origin of the section, for the top of the page. The browser writes the date in the reader's own way.
+    fn origin(&self) -> String {
+        let date = self.written.map(|at| format!("<time data-at=\"{at}\"></time>"));
+        let made = self.made.iter().map(|text| format!("<span>{}</span>", escape(text)));
+        let origin: String = date.into_iter().chain(made).collect();
+        format!("<p><strong>{}</strong>{origin}</p>\n", escape(&self.title))
+    }
 }
 
 /// Part of a section.
@@ -57,13 +79,27 @@ pub enum PageBlock {
 }
 
 impl Page {
-    /// Returns the HTML file.
+    /// Returns the HTML file, which needs nothing else.
     ///
     /// # Errors
     /// Fails in the cases of [`Recording::json`].
     pub fn html(&self) -> Result<String> {
-        let (mut charts, mut body) = (Vec::new(), String::new());
+        self.write(None)
+    }
+
+    /// Returns the page of a server that it asks for the state of the results, `state` now: where that is another, it takes over the new
+    /// content.
+    ///
+    /// # Errors
+    /// Fails in the cases of [`Recording::json`].
+    pub fn live(&self, state: &str) -> Result<String> {
+        self.write(Some(state))
+    }
+
+    fn write(&self, state: Option<&str>) -> Result<String> {
+        let (mut charts, mut origins, mut body) = (Vec::new(), String::new(), String::new());
         for section in &self.sections {
+            origins += &section.origin();
             body += &format!(
                 "<section>\n<h2>{}</h2>\n<p class=\"lead\">{}</p>\n",
                 escape(&section.title),
@@ -87,17 +123,25 @@ impl Page {
         let mut meshes: Vec<Value> = Vec::new();
         let grasps = self.recordings.iter().map(|r| r.json(&mut meshes)).collect::<Result<Vec<_>>>()?;
         let colors: Vec<u8> = (0..256).flat_map(|i| color(f64::from(i) / 255.0).map(|c| c.round() as u8)).collect();
-        let data = json!({ "charts": charts, "meshes": meshes, "grasps": grasps, "colors": base64(&colors) });
+        let data =
+            json!({ "charts": charts, "meshes": meshes, "grasps": grasps, "colors": base64(&colors), "state": state });
         let data =
             serde_json::to_string(&data).map_err(|e| Error::Start(format!("the page cannot be written: {e}")))?;
+        let (connect, live, end) = match state {
+            None => ("", "", "This file holds all it needs; nothing is loaded from elsewhere."),
+            Some(_) => ("; connect-src 'self'", LIVE, "It asks this machine for news, and nothing else."),
+        };
         let parts = [
             ("style", STYLE.to_string()),
+            ("connect", connect.to_string()),
+            ("origins", origins),
+            ("end", end.to_string()),
             ("version", env!("CARGO_PKG_VERSION").to_string()),
             ("viewer", if grasps.is_empty() { String::new() } else { VIEWER.to_string() }),
             ("sections", body),
             // Nothing in the data may end its element.
             ("data", data.replace('<', "\\u003c")),
-            ("script", SCRIPT.concat()),
+            ("script", SCRIPT.concat() + live),
         ];
         Ok(fill(FRAME, &parts))
     }

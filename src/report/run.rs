@@ -6,7 +6,7 @@ use super::recording::{RecordedState, Recording};
 use super::source::Wishes;
 use crate::dataset::inspect::chosen;
 use crate::error::Result;
-use crate::record::{RunReport, meshes, read};
+use crate::record::{Frame, RunReport, meshes, read};
 use crate::run::grasp_files::directory;
 use crate::table::Table;
 use std::path::Path;
@@ -23,7 +23,8 @@ pub fn run(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
     }
     blocks.extend(report.pads.first().and_then(|p| p.notice.clone()).map(PageBlock::Note));
     if !report.finished {
-        blocks.push(PageBlock::Note("The run did not finish: this is what it left.".into()));
+        let so_far = counted(report.grasps.len(), "grasp");
+        blocks.insert(0, PageBlock::Note(format!("The run is not finished: so far {so_far} ended.")));
     }
     match recordings(dir, &report, wishes) {
         Ok(found) => page.recordings.extend(found),
@@ -32,7 +33,9 @@ pub fn run(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
     let about = report.scene.get("about").and_then(|v| v.as_str()).unwrap_or_default();
     let pad = report.pads.first().map_or("no pads".into(), |p| format!("pads of {} nodes ({})", p.nodes, p.element));
     let lead = format!("{about} {}, {pad}, backend {}.", counted(report.grasps.len(), "grasp"), report.backend);
-    page.sections.push(Section { title: format!("Run {}", name(dir)), lead: lead.trim().into(), blocks });
+    let mut section = Section::new(format!("Run {}", name(dir)), lead.trim(), blocks);
+    section.made = [&report.command, &report.machine].into_iter().filter(|text| !text.is_empty()).cloned().collect();
+    page.sections.push(section);
     Ok(())
 }
 
@@ -54,18 +57,25 @@ fn recordings(dir: &Path, report: &RunReport, wishes: &Wishes) -> Result<Vec<Rec
     let label = if report.backend.starts_with("gnn") { "network" } else { "finite elements" };
     let recording = |grasp: usize| {
         let path = dir.join(directory(grasp)).join("arrays.npz");
-        let frames = read::frames(&path, pad.rest.len(), report.pads.len())?;
-        let frames = chosen(frames.len(), Some(wishes.frames)).into_iter().map(|k| frames[k].clone()).collect();
-        Ok(Recording {
+        let frames = match read::frames(&path, pad.rest.len(), report.pads.len()) {
+            // It has ended, and its arrays are being written.
+            Err(_) if !report.finished => return None,
+            frames => frames,
+        };
+        let of = |frames: Vec<Frame>| Recording {
             name: format!("{}, {}, grasp {grasp}", name(dir), shape),
             about: String::new(),
             pad: pad.clone(),
             object: object.clone(),
-            states: vec![RecordedState { label: label.into(), frames }],
+            states: vec![RecordedState {
+                label: label.into(),
+                frames: chosen(frames.len(), Some(wishes.frames)).into_iter().map(|k| frames[k].clone()).collect(),
+            }],
             errors: None,
-        })
+        };
+        Some(frames.map(of))
     };
-    shown.into_iter().map(recording).collect()
+    shown.into_iter().filter_map(recording).collect()
 }
 
 fn grasps(report: &RunReport) -> Table {

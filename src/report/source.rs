@@ -1,7 +1,13 @@
 //! Kinds of results in a folder.
 
+use crate::dataset::manifest::MANIFEST;
 use crate::error::{Error, Result};
+use crate::net::train::curves::CURVES;
 use std::path::{Path, PathBuf};
+use std::time::UNIX_EPOCH;
+
+/// Largest number of frames of a grasp in 3-D, unless another is wished.
+pub const FRAMES: usize = 25;
 
 /// Choice of the results that are shown.
 #[derive(Debug, Clone)]
@@ -27,29 +33,60 @@ pub enum Source {
     Run(PathBuf),
     /// Results of `tactus dataset`.
     Data(PathBuf),
+    /// Results of `tactus train`.
+    Training(PathBuf),
 }
 
 /// File that reveals the kind of results in a folder.
 type Mark = (&'static str, fn(PathBuf) -> Source);
 
-const MARKS: [Mark; 4] = [
+const MARKS: [Mark; 5] = [
     ("bench.json", Source::Bench),
     ("sizes.json", Source::Sizes),
-    ("manifest.json", Source::Data),
+    (MANIFEST, Source::Data),
     ("run.json", Source::Run),
+    (CURVES, Source::Training),
 ];
 
-/// Returns all results in `dir`, at least one.
+/// Returns all results in `dir`, at least one; where it has none itself, those of its folders, by name: a run of several objects has a
+/// folder for each.
 ///
 /// # Errors
-/// Fails if the folder has none.
+/// Fails if there are none.
 pub fn sources(dir: &Path) -> Result<Vec<Source>> {
-    let found = MARKS.iter().filter(|(name, _)| dir.join(name).is_file());
-    let found: Vec<Source> = found.map(|(_, source)| source(dir.to_path_buf())).collect();
+    let own = in_folder(dir);
+    if !own.is_empty() {
+        return Ok(own);
+    }
+    let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
+    let mut folders: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+    folders.sort();
+    let found: Vec<Source> = folders.iter().flat_map(|folder| in_folder(folder)).collect();
     if found.is_empty() {
-        let message = "holds no results; a report is of a folder that `tactus bench`, `run` or `dataset` wrote with -o \
-                       (bench.json, sizes.json, run.json or manifest.json in it)";
+        let message = "holds no results; a report is of a folder that `tactus run`, `dataset`, `train` or `bench` wrote with -o \
+                       (run.json, manifest.json, curves.csv, bench.json or sizes.json in it)";
         return Err(Error::file(dir, message));
     }
     Ok(found)
+}
+
+/// Returns true if there are results in `dir` or in one of its folders.
+pub fn holds_results(dir: &Path) -> bool {
+    sources(dir).is_ok()
+}
+
+fn in_folder(dir: &Path) -> Vec<Source> {
+    let found = MARKS.iter().filter(|(name, _)| dir.join(name).is_file());
+    found.map(|(_, source)| source(dir.to_path_buf())).collect()
+}
+
+impl Source {
+    /// Returns the date of the results: when the file that reveals them was written, s since 1970.
+    pub fn written(&self) -> Option<u64> {
+        let (Source::Bench(dir) | Source::Sizes(dir) | Source::Run(dir) | Source::Data(dir) | Source::Training(dir)) =
+            self;
+        let (name, _) = MARKS.iter().find(|(_, source)| source(dir.clone()) == *self)?;
+        let date = std::fs::metadata(dir.join(name)).and_then(|meta| meta.modified()).ok()?;
+        date.duration_since(UNIX_EPOCH).ok().map(|since| since.as_secs())
+    }
 }

@@ -25,3 +25,5 @@ mod render_pads;
 mod report;
 mod run_cli;
 mod tactile;
+#[cfg(unix)]
+mod view;

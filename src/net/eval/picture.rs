@@ -1,9 +1,9 @@
-//! Pictures of truth above prediction, on the same colour scales.
+//! Pictures of truth above prediction, with the same scales of colours and arrows.
 
 use crate::dataset::ObjectFile;
 use crate::error::{Error, Result};
 use crate::record::Frame;
-use crate::render::{Pixmap, Scalar, Style, WIDTH, render_pads};
+use crate::render::{Pixmap, Scalar, Style, WIDTH, longest_arrow, render_pads};
 use tiny_skia::{PixmapPaint, Transform};
 
 /// Draws a frame of grasp `number` and its prediction.
@@ -16,10 +16,11 @@ pub fn draw(file: &ObjectFile, number: usize, truth: &Frame, predicted: &Frame) 
         let largest = truth.pads.iter().flat_map(|p| scalar.values(p)).fold(0.0, f64::max);
         (largest > 0.0).then_some((0.0, largest))
     };
+    let longest = Some(longest_arrow(&topologies, truth)).filter(|longest| *longest > 0.0);
     let picture = |what: &str, frame: &Frame| {
         let title = format!("{}, grasp {number:03}: {what}", file.name);
         let plain = Style::default();
-        let style = Style { title, range: range(plain.scalar), face_range: range(plain.face), ..plain };
+        let style = Style { title, range: range(plain.scalar), face_range: range(plain.face), longest, ..plain };
         render_pads(&topologies, frame, Some(&file.object), &style)
     };
     let (above, below) = (picture("finite elements", truth)?, picture("network", predicted)?);

@@ -1,6 +1,6 @@
-//! Loss curve as CSV and PNG.
+//! Loss curve as CSV, which grows with every epoch, and as PNG.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::files::atomic::write_atomic;
 use crate::render::{encode, render_curves};
 use serde::{Deserialize, Serialize};
@@ -17,16 +17,44 @@ pub struct Epoch {
     pub rate: f64,
 }
 
-/// Writes `curves.csv` and `curves.png`.
+/// Name of the table.
+pub const CURVES: &str = "curves.csv";
+/// Header of the table.
+const HEADER: &str = "epoch,training_loss,validation_loss,learning_rate";
+
+/// Writes `curves.csv`, whole or not at all.
 ///
 /// # Errors
-/// Fails if the picture cannot be drawn or a file cannot be written.
+/// Fails if the file cannot be written.
 pub fn write(dir: &Path, epochs: &[Epoch]) -> Result<()> {
-    let mut text = String::from("epoch,training_loss,validation_loss,learning_rate\n");
+    let mut text = format!("{HEADER}\n");
     for (i, e) in epochs.iter().enumerate() {
         text += &format!("{},{},{},{}\n", i + 1, e.training, e.validation, e.rate);
     }
-    write_atomic(&dir.join("curves.csv"), text.as_bytes())?;
+    write_atomic(&dir.join(CURVES), text.as_bytes())
+}
+
+/// Reads `curves.csv`.
+///
+/// # Errors
+/// Fails if the file cannot be read or is not what [`write`] makes.
+pub fn read(dir: &Path) -> Result<Vec<Epoch>> {
+    let path = dir.join(CURVES);
+    let text = std::fs::read_to_string(&path).map_err(|e| Error::file(&path, format!("cannot be read: {e}")))?;
+    let epoch = |line: &str| {
+        let numbers: Option<Vec<f64>> = line.split(',').map(|field| field.parse().ok()).collect();
+        let [_, training, validation, rate] = numbers?.try_into().ok()?;
+        Some(Epoch { training, validation, rate })
+    };
+    let epochs = text.strip_prefix(HEADER).and_then(|rows| rows.trim().lines().map(epoch).collect());
+    epochs.ok_or_else(|| Error::file(&path, "is not the loss curve that `tactus train` writes"))
+}
+
+/// Draws `curves.png`.
+///
+/// # Errors
+/// Fails if the picture cannot be drawn or the file cannot be written.
+pub fn draw(dir: &Path, epochs: &[Epoch]) -> Result<()> {
     let curve = |pick: fn(&Epoch) -> f64| epochs.iter().map(pick).collect::<Vec<_>>();
     let picture = render_curves(&[("training", curve(|e| e.training)), ("validation", curve(|e| e.validation))])?;
     write_atomic(&dir.join("curves.png"), &encode(&picture)?)

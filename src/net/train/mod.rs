@@ -154,6 +154,7 @@ impl Trainer {
             }
             self.epoch(done)?;
             checkpoint::write(&self.dir, &plan, &self.state)?;
+            curves::write(&self.dir, &self.state.epochs)?;
             watch(self);
         };
         self.finish()?;
@@ -253,7 +254,7 @@ impl Trainer {
         let Some((best, loss)) = self.state.best_epoch() else { return Ok(()) };
         (self.card.epochs, self.card.validation_loss) = (best + 1, loss);
         self.card.interval = self.interval()?;
-        curves::write(&self.dir, &self.state.epochs)?;
+        curves::draw(&self.dir, &self.state.epochs)?;
         self.card.write(&self.dir, &self.state.best.to_bytes()?)?;
         checkpoint::remove(&self.dir)
     }

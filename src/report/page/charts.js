@@ -34,7 +34,7 @@ function drawBars(figure, names, quantity) {
   const height = top + row * names.length + 40;
   const [svg, width] = canvasOf(figure, height);
   // One grasp far off must not flatten all others: what lies beyond the axis stands at its end, with its number.
-  const [usual, extreme] = [Math.max(...numbers(quantity.p90), 0), Math.max(...numbers(quantity.worst), 0)];
+  const [usual, extreme] = [1, 2].map((k) => Math.max(...numbers(quantity.series[k].values), 0));
   const marks = ticks(extreme > 4 * usual && usual > 0 ? 2 * usual : extreme, 6);
   const most = marks[marks.length - 1];
   const x = (v) => left + ((width - left - 20) * v) / most;
@@ -46,7 +46,7 @@ function drawBars(figure, names, quantity) {
   put(svg, "text", { class: "muted", x: width - 20, y: bottom + 32, "text-anchor": "end" }, `error of the ${quantity.name}, ${quantity.unit}`);
   names.forEach((name, i) => {
     const y = top + row * (i + 0.5);
-    const [median, p90, worst] = [quantity.median[i], quantity.p90[i], quantity.worst[i]];
+    const [median, p90, worst] = quantity.series.map((s) => s.values[i]);
     const group = put(svg, "g", {});
     put(group, "title", {}, `${name}: median ${short(median)}, 90 % below ${short(p90)}, worst ${short(worst)} ${quantity.unit}`);
     put(group, "text", { x: left - 10, y: y + 4, "text-anchor": "end" }, name);
@@ -69,7 +69,10 @@ function drawLines(figure, { label, at }, series, unit, now, pick) {
   const bounds = decades ? [Math.floor(Math.log10(least)), Math.ceil(Math.log10(largest))] : [];
   const marks = decades ? [...Array(bounds[1] - bounds[0] + 1).keys()].map((k) => +(10 ** (bounds[0] + k)).toPrecision(6)) : ticks(largest);
   const part = (v) => decades ? (Math.log10(Math.max(v, 10 ** bounds[0])) - bounds[0]) / (bounds[1] - bounds[0]) : v / marks[marks.length - 1];
-  const stops = ticks(Math.max(...at), 6).filter((v) => v <= Math.max(...at) * 1.001);
+  // Where all places are whole, as epochs are, there is nothing between them.
+  const whole = at.every(Number.isInteger);
+  const room = width < 420 ? 4 : 6;
+  const stops = ticks(Math.max(...at), room).filter((v) => v <= Math.max(...at) * 1.001 && (!whole || Number.isInteger(v)));
   const y = (v) => height - bottom - (height - bottom - 22) * part(v);
   const x = (v) => left + ((width - left - right) * v) / Math.max(...at);
   for (const v of marks) {
@@ -101,38 +104,42 @@ function atWidth(element, draw) {
   let width = element.clientWidth;
   draw();
   new ResizeObserver(() => requestAnimationFrame(() => {
-    if (element.clientWidth === width) return;
+    if (element.clientWidth === width || !element.isConnected) return;
     width = element.clientWidth;
     draw();
   })).observe(element);
 }
 
-function head(figure, title, keys) {
+function keys(line, names) {
+  line.querySelectorAll(".key").forEach((key) => key.remove());
+  names.forEach((name, i) => {
+    const item = document.createElement("span");
+    item.className = `key ${LINES[i]}`;
+    item.append(document.createElement("i"), name);
+    line.append(item);
+  });
+}
+
+function head(figure, title, names) {
   figure.dataset.title = title;
   const line = document.createElement("div");
   line.className = "head";
   const name = document.createElement("strong");
   name.textContent = title;
   line.append(name);
-  keys.forEach((key, i) => {
-    const item = document.createElement("span");
-    item.className = `key ${LINES[i]}`;
-    item.append(document.createElement("i"), key);
-    line.append(item);
-  });
+  keys(line, names);
   figure.replaceChildren(line);
   return line;
 }
 
 // A chart of the page with the choice of its quantity.
 function chart(figure, { title, over, quantities }) {
-  const bars = Boolean(over.names);
-  const line = head(figure, title, bars ? [] : ["median", "90 % below", "worst"]);
+  const line = head(figure, title, []);
   const choice = document.createElement("select");
   choice.setAttribute("aria-label", "quantity");
   quantities.forEach((q, i) => choice.add(new Option(q.name, i)));
   line.append(choice);
-  if (bars) {
+  if (over.names) {
     const key = document.createElement("span");
     key.className = "key";
     key.textContent = "bar: median, line: 90 % below, dot: worst";
@@ -140,12 +147,20 @@ function chart(figure, { title, over, quantities }) {
   }
   const draw = () => {
     const q = quantities[choice.value];
-    if (bars) return drawBars(figure, over.names, q);
-    const series = ["median", "p90", "worst"].map((name) => ({ name, values: q[name] }));
-    drawLines(figure, over.axis, series, q.unit);
+    if (over.names) return drawBars(figure, over.names, q);
+    keys(line, q.series.map((s) => s.name));
+    drawLines(figure, over.axis, q.series, q.unit === "1" ? "" : q.unit);
   };
   choice.addEventListener("change", draw);
   atWidth(figure, draw);
 }
 
-document.querySelectorAll("[data-chart]").forEach((figure) => chart(figure, data.charts[figure.dataset.chart]));
+function drawCharts() {
+  document.querySelectorAll("[data-chart]").forEach((figure) => chart(figure, data.charts[figure.dataset.chart]));
+  document.querySelectorAll("time[data-at]").forEach((time) => {
+    const date = new Date(1000 * time.dataset.at);
+    time.dateTime = date.toISOString();
+    time.textContent = date.toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" });
+  });
+}
+drawCharts();

@@ -10,9 +10,11 @@ class Controls {
   constructor() {
     this.viewer = new Viewer(byId("canvas"));
     this.opened = new Map();
-    data.grasps.forEach((g, i) => byId("grasp").add(new Option(g.about ? `${g.name} (${g.about})` : g.name, i)));
+    this.list();
     const on = (id, kind, act) => byId(id).addEventListener(kind, act);
-    on("grasp", "change", () => this.choose(+byId("grasp").value));
+    on("grasp", "change", () => { byId("newest").checked = false; this.choose(+byId("grasp").value); });
+    on("newest", "change", () => byId("newest").checked && this.refresh());
+    byId("newest").parentElement.hidden = data.state === null;
     for (const id of ["show", "quantity", "object", "mesh", "own"]) on(id, "change", () => this.draw());
     for (const id of ["frame", "gain"]) on(id, "input", () => this.draw());
     on("open", "input", () => { this.follow(+byId("open").value); this.draw(); });
@@ -23,6 +25,29 @@ class Controls {
     byId("grasp").value = Math.max(0, typical);
     this.choose(+byId("grasp").value);
     atWidth(byId("canvas"), () => this.draw());
+  }
+
+  list() {
+    byId("grasp").replaceChildren(...data.grasps.map((g, i) => new Option(g.about ? `${g.name} (${g.about})` : g.name, i)));
+  }
+
+  // Takes over new data, and keeps what is shown: a grasp that is no more among them stays in the list while it is chosen.
+  refresh() {
+    const { grasp } = this;
+    const frame = +byId("frame").value;
+    this.opened.clear();
+    const newest = byId("newest").checked;
+    let place = newest ? data.grasps.length - 1 : data.grasps.findIndex((g) => g.name === grasp.json.name);
+    if (place < 0) {
+      place = data.grasps.push(grasp.json) - 1;
+      this.opened.set(place, grasp);
+    }
+    this.list();
+    byId("grasp").value = place;
+    this.choose(place);
+    if (newest || frame > +byId("frame").max) return;
+    byId("frame").value = frame;
+    this.draw();
   }
 
   choose(i) {
@@ -50,6 +75,8 @@ class Controls {
 
   draw() {
     const options = this.options;
+    // On a phone several states stand above each other, and need the room.
+    byId("stage").classList.toggle("many", options.shows.length > 1);
     const panes = this.viewer.draw(options);
     this.write(options, panes);
   }
@@ -71,9 +98,9 @@ class Controls {
       if (pane.pads.length < 2) return [title];
       const names = pane.pads.map(({ model, vertices }, k) => {
         const all = times(pane.camera.matrix, model);
-        const points = this.viewer.mesh.nodes.reduce((out, _, i) => (i % 7 ? out : [...out, project(all, vertices.subarray(7 * i, 7 * i + 3))]), []);
+        const points = Array.from(this.viewer.mesh.nodes, (_, i) => project(all, vertices.subarray(7 * i, 7 * i + 3)));
         const x = points.reduce((sum, p) => sum + p[0], 0) / points.length;
-        const top = Math.max(...points.map((p) => p[1]));
+        const top = points.reduce((most, p) => Math.max(most, p[1]), -Infinity);
         return { text: ["left", "right"][k] || `pad ${k}`, x: pane.x + (pane.w * (x + 1)) / 2, y: pane.y + (pane.h * (1 - top)) / 2 };
       });
       return [title, ...names];
@@ -96,10 +123,12 @@ class Controls {
     const scale = (show) => {
       const [legend, title, ramp, row] = [0, 0, 0, 0].map(() => document.createElement("div"));
       [legend.className, ramp.className, row.className] = ["legend", "ramp", "ticks"];
-      title.textContent = `${show === "difference" ? "difference of the " : ""}${name}, ${units}`;
+      title.textContent = show !== "difference" ? `${name}, ${units}` : shows.length > 1 ? `difference, ${units}` : `difference of the ${name}, ${units}`;
       ramp.style.background = `linear-gradient(90deg, ${stops(COLORS[show === "difference" ? "error" : "field"])})`;
       const most = ranges[show];
-      const marks = ticks(most, 4).filter((v) => v < most * 0.8);
+      // The last number stands at the end; the one before it needs room for both.
+      const wide = Math.min(310, 0.6 * byId("canvas").clientWidth);
+      const marks = ticks(most, 4).filter((v) => v < most * (1 - 62 / wide));
       row.append(...[...marks, most].map((v, i) => {
         const mark = document.createElement("span");
         mark.textContent = short(v);
@@ -246,7 +275,7 @@ class Controls {
 }
 
 let controls;
-if (byId("viewer")) {
+function start() {
   try {
     controls = new Controls();
   } catch (error) {
@@ -255,4 +284,5 @@ if (byId("viewer")) {
     document.body.dataset.errors = errors.join("; ");
   }
 }
+if (byId("viewer")) start();
 document.body.dataset.ready = "true";

@@ -1,5 +1,6 @@
 // Arrays of the page, and a grasp as numbers.
-const data = JSON.parse(document.getElementById("data").textContent);
+const dataOf = (page) => JSON.parse(page.getElementById("data").textContent);
+let data = dataOf(document);
 
 const bytesOf = (base64) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
 

@@ -69,13 +69,15 @@ class Viewer {
     this.object = this.buffer(withNormals(grasp.object), grasp.object.triangles instanceof Uint32Array ? grasp.object.triangles : Uint32Array.from(grasp.object.triangles));
   }
 
-  camera(aspect, open) {
+  // Camera of a pane of this aspect and height, pixels; above the pads laid open is room for their names and that of the pane.
+  camera(aspect, open, height) {
     const { yaw, pitch, zoom } = this.view;
     const { radius, openFit, middle } = this.stand;
     const towards = [Math.sin(yaw) * Math.cos(pitch), Math.cos(yaw) * Math.cos(pitch), -Math.sin(pitch)];
     const right = unit(cross([0, 0, -1], towards));
     const up = cross(towards, right);
-    const [w, h] = [radius, 0.95 * radius].map((r, i) => r + ((i ? openFit.h * 1.25 : openFit.w * 1.1) - r) * open);
+    const room = Math.max(1.25, 1 / Math.max(0.4, 1 - 108 / height));
+    const [w, h] = [radius, 0.95 * radius].map((r, i) => r + ((i ? openFit.h * room : openFit.w * 1.1) - r) * open);
     const far = Math.max(w / aspect, h) / LENS + radius * 0.3 * (1 - open);
     const distance = far / zoom;
     const eye = add(middle, towards, distance);
@@ -108,7 +110,7 @@ class Viewer {
     this.panes = shows.map((show, i) => {
       const [x, y] = across ? [i * w, 0] : [0, i * h];
       gl.viewport(Math.round(x), Math.round(canvas.height - y - h), Math.round(w), Math.round(h));
-      const camera = this.camera(w / h, options.open);
+      const camera = this.camera(w / h, options.open, (canvas.clientHeight * h) / canvas.height);
       const pads = this.drawPane(show, options, camera);
       return { show, camera, pads, x: x / canvas.width, y: y / canvas.height, w: w / canvas.width, h: h / canvas.height };
     });

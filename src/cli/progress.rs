@@ -8,14 +8,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Shows the progress of a run.
-pub struct Watch {
+pub struct RunProgress {
     bar: ProgressBar,
     frames: usize,
     ended: AtomicUsize,
     clock: Instant,
 }
 
-impl Watch {
+impl RunProgress {
     /// Returns an observer that moves `bar`: a step for each of the `frames` of a grasp.
     pub fn new(bar: ProgressBar, frames: usize) -> Self {
         // The template is a constant; if it were wrong the default style would do.
@@ -32,7 +32,7 @@ impl Watch {
     }
 }
 
-impl Observer for Watch {
+impl Observer for RunProgress {
     fn frame(&self, _index: usize, _frame: &Frame) -> Result<()> {
         self.bar.inc(1);
         Ok(())

@@ -1,0 +1,23 @@
+//! What an unfinished data set holds so far: the records of its finished grasps, and the file with their rows.
+
+use super::campaign::{PROGRESS, open};
+use super::manifest::ObjectEntry;
+use super::progress::{Finished, Progress};
+use super::reader::ObjectFile;
+use crate::error::Result;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Returns the finished grasps of an object of the data set in `dir`.
+pub fn finished(dir: &Path, object: &ObjectEntry) -> BTreeMap<usize, Finished> {
+    Progress::of(dir.join(PROGRESS).join(&object.name)).finished(object.grasps)
+}
+
+/// Opens the file of an object, whether it has its final name yet or not; rows of unfinished grasps fail their checksum.
+///
+/// # Errors
+/// Fails as [`ObjectFile::open`] does.
+pub fn file(dir: &Path, object: &ObjectEntry) -> Result<ObjectFile> {
+    let path = dir.join(&object.file);
+    ObjectFile::open(&if path.exists() { path } else { open(&path) })
+}

@@ -1,0 +1,39 @@
+//! Section of a data set that is not finished: how far it is, and the grasps that have ended.
+
+use super::bench::counted;
+use super::evaluation::truth;
+use super::page::{Page, PageBlock, Section};
+use super::run::name;
+use super::source::Wishes;
+use crate::dataset::inspect::chosen;
+use crate::dataset::{Manifest, so_far};
+use crate::record::Status;
+use crate::table::Table;
+use std::path::Path;
+
+/// Adds the unfinished data set in `dir`. Rows that cannot be read yet are left out.
+pub fn unfinished(dir: &Path, manifest: &Manifest, wishes: &Wishes, page: &mut Page) {
+    let mut table = Table::new("Objects", &["object", "grasps", "ended", "reached"]);
+    let (mut ended, mut shown) = (0, Vec::new());
+    for object in &manifest.objects {
+        let finished = so_far::finished(dir, object);
+        let reached = finished.values().filter(|f| f.status == Status::Reached).map(|f| f.grasp);
+        let reached: Vec<usize> = reached.collect();
+        let counts = [object.grasps, finished.len(), reached.len()].map(|n| n.to_string());
+        table.rows.push([object.name.clone()].into_iter().chain(counts).collect());
+        ended += finished.len();
+        shown.extend(reached.into_iter().map(|grasp| (object, grasp)));
+    }
+    for at in chosen(shown.len(), Some(wishes.grasps)) {
+        let (object, grasp) = shown[at];
+        let recording = so_far::file(dir, object).and_then(|file| truth(&file, grasp, wishes.frames));
+        page.recordings.extend(recording);
+    }
+    let mut blocks = vec![PageBlock::Table(table)];
+    if wishes.model.is_some() {
+        blocks.push(PageBlock::Note("The network is judged once the data set is finished.".into()));
+    }
+    let all = counted(manifest.grasps, "grasp");
+    let lead = format!("{} The data set is not finished: so far {ended} of {all} ended.", manifest.about);
+    page.sections.push(Section::new(format!("Data set {}", name(dir)), lead.trim(), blocks));
+}

@@ -1,0 +1,53 @@
+//! Page of results on this machine: the report of a folder, made anew whenever the folder changes.
+//!
+//! ```text
+//! browser -> server.rs: GET of this machine alone -> content.rs: state of the folder, page of crate::report
+//! ```
+
+mod content;
+mod server;
+
+use crate::error::Result;
+use crate::interrupt;
+use crate::report::Wishes;
+use content::Content;
+use server::{Reply, Server};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Viewer of a folder. The page ends when this is dropped.
+#[derive(Debug)]
+pub struct Viewer {
+    server: Server,
+}
+
+impl Viewer {
+    /// Serves the results in `dir`, which need not be there yet, on the loopback address and `port`; 0 takes any that is free.
+    ///
+    /// # Errors
+    /// Fails if the port is taken, or no thread can be started.
+    pub fn start(dir: PathBuf, wishes: Wishes, port: u16) -> Result<Self> {
+        let content = Content::new(dir, wishes);
+        let answer = move |path: &str| match path {
+            "/" => Some(Reply { kind: "text/html; charset=utf-8", body: content.page() }),
+            "/state" => {
+                let state = serde_json::json!({ "state": content.state() });
+                Some(Reply { kind: "application/json", body: state.to_string() })
+            }
+            _ => None,
+        };
+        Ok(Self { server: Server::start(port, answer)? })
+    }
+
+    /// Returns the address of the page.
+    pub fn address(&self) -> String {
+        format!("http://{}/", self.server.address())
+    }
+
+    /// Waits until an end is requested.
+    pub fn wait(&self) {
+        while !interrupt::requested() {
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+}
