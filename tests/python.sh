@@ -1,23 +1,35 @@
 #!/usr/bin/env bash
-# The Python tests, in an environment of their own in target/python; says why where they cannot run.
+# The Python tests against the wheel, in an environment of their own in target/python, and what the wheel does without the repository in a
+# bare one; says why where they cannot run.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 skip() {
     echo "skipped: Python tests ($1)"
     exit 0
 }
-environment=$PWD/target/python
+target=$PWD/target
+environment=$target/python bare=$target/bare wheels=$target/wheels
+install=(install -q --retries 1 --timeout 30)
 command -v python3 > /dev/null || skip "there is no python3"
 python3 -c 'import sys; sys.exit(sys.version_info < (3, 10))' || skip "python3 is older than 3.10"
 [ -x "$environment/bin/pip" ] || python3 -m venv "$environment" > /dev/null || skip "python3 makes no environment"
-"$environment/bin/pip" install -q --retries 1 --timeout 30 "maturin>=1.7,<2" pytest "numpy>=1.26" "gymnasium>=1.1" ||
-    skip "its packages cannot be fetched"
-"$environment/bin/pip" install -q --retries 1 --timeout 30 mypy matplotlib trimesh meshio ||
+"$environment/bin/pip" "${install[@]}" "maturin>=1.7,<2" pytest "numpy>=1.26" "gymnasium>=1.1" || skip "its packages cannot be fetched"
+"$environment/bin/pip" "${install[@]}" mypy matplotlib trimesh meshio ||
     echo "skipped: Python tests of types, pictures and meshes (their packages cannot be fetched)"
 "$environment/bin/pip" install -q --retries 1 --timeout 30 playwright ||
     echo "skipped: Python tests of the viewer in a browser (Playwright cannot be fetched)"
 cargo fetch -q --locked --manifest-path python/Cargo.toml || skip "the crates of its bindings cannot be fetched"
-# Shares the dependencies that are built already.
-export CARGO_TARGET_DIR=$PWD/target VIRTUAL_ENV=$environment
-"$environment/bin/maturin" develop --release --quiet --manifest-path python/Cargo.toml > /dev/null
+rm -rf "$wheels" "$bare"
+# Shares the dependencies that are built already. One wheel is for all CPython from 3.10 on.
+CARGO_TARGET_DIR=$target VIRTUAL_ENV=$environment \
+    "$environment/bin/maturin" build --release --quiet --strip --manifest-path python/Cargo.toml --out "$wheels" > /dev/null
+wheel=$(echo "$wheels"/tactus-*-cp310-abi3-*.whl)
+[ -f "$wheel" ] || { echo "no wheel for the stable ABI of CPython 3.10 in $wheels" && exit 1; }
+"$environment/bin/pip" "${install[@]}" --force-reinstall --no-deps "$wheel"
+# Nothing but the wheel and what it requires, in an empty folder.
+python3 -m venv "$bare"
+"$bare/bin/pip" "${install[@]}" "$wheel"
+empty=$(mktemp -d)
+trap 'rm -rf "$empty"' EXIT
+(cd "$empty" && "$bare/bin/python" -I - < "$target/../python/tests/without_repository.py")
 cd "$environment" && bin/python -P -m pytest -q -p no:cacheprovider ../../python/tests

@@ -1,7 +1,6 @@
 //! A network's answers to many grasps, as numpy arrays.
 
 use crate::arrays::{hands, pads, surface};
-use crate::refused;
 use crate::supervise::supervise;
 use numpy::{PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
@@ -60,10 +59,13 @@ pub fn predict<'py>(
         predict().map_err(|e| loaded.place(e))
     };
     let (model, arrays, failed) = supervise(py, Some(threads.unwrap_or_else(machine_threads)), answer)?;
-    let (out, reasons) = (PyDict::new(py), PyDict::new(py));
+    let (out, tactile, reasons) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
+    let seen: Vec<String> = model.senses.iter().map(|sense| sense.spec().file_name()).collect();
     for (name, shape, numbers) in arrays {
-        out.set_item(name, numbers.to_pyarray(py).reshape(shape)?)?;
+        let to = if seen.contains(&name) { &tactile } else { &out };
+        to.set_item(name, numbers.to_pyarray(py).reshape(shape)?)?;
     }
+    out.set_item("tactile", tactile)?;
     failed.into_iter().try_for_each(|(grasp, reason)| reasons.set_item(grasp, reason))?;
     Ok((out, pads(py, &model)?, surface(py, &model.object.surface)?, reasons))
 }

@@ -31,6 +31,7 @@ class Predictions:
     von_mises_pa: (G, F, P, n), Pa; None where the scene does not record it.
     displacement_error, stress_error, travel_error: (G, F), relative, what nine of ten predictions stay below; None of a
       network that does not know it.
+    tactile: arrays of the tactile sensors that the scene records, by name: (G, F, P, ...), as of a run.
     """
 
     grasp: Indices
@@ -43,6 +44,7 @@ class Predictions:
     displacement_m: F32
     contact_force_n: F32
     slip_margin: F32
+    tactile: dict[str, F32]
     von_mises_pa: F32 | None = None
     displacement_error: F32 | None = None
     stress_error: F32 | None = None

@@ -215,6 +215,34 @@ def test_tasks_of_gymnasium(name):
     assert many.observation_space.contains(obs)
 
 
+@pytest.mark.parametrize("mode", list(AutoresetMode)[:2])
+def test_returns_and_lengths_of_episodes_are_recorded(mode):
+    env = gym.wrappers.vector.RecordEpisodeStatistics(vector(autoreset_mode=mode))
+    env.reset(seed=1)
+    paid, taken, fresh, ends = np.zeros(2), np.zeros(2, int), np.zeros(2, bool), 0
+    for _ in range(8):
+        _, reward, terminated, truncated, infos = env.step(np.full((2, 1), 0.8, np.float32))
+        done = terminated | truncated
+        paid, taken = paid + reward, taken + ~fresh
+        if done.any():
+            assert np.array_equal(infos["_episode"], done)
+            assert np.allclose(infos["episode"]["r"][done], paid[done], atol=1e-6)
+            assert np.array_equal(infos["episode"]["l"][done], taken[done])
+        # A step that only resets is none of an episode.
+        fresh = done & (mode == AutoresetMode.NEXT_STEP)
+        paid[done], taken[done], ends = 0, 0, ends + done.sum()
+    assert ends >= 4
+
+
+def test_the_return_of_a_single_environment_is_recorded():
+    env = gym.wrappers.RecordEpisodeStatistics(tactus.Env(HOLD, objects=["sphere"], max_steps=3))
+    env.reset(seed=1)
+    steps = [env.step(np.ones(1)) for _ in range(3)]
+    assert [row[3] for row in steps] == [False, False, True]
+    assert steps[-1][4]["episode"]["r"] == pytest.approx(sum(row[1] for row in steps))
+    assert steps[-1][4]["episode"]["l"] == 3
+
+
 def test_tasks_are_found_from_anywhere(tmp_path):
     script = "import gymnasium, tactus; gymnasium.make('tactus/Hold-v0', objects=['sphere']).reset(seed=1); print('good')"
     done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, timeout=300)

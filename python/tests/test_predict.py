@@ -43,3 +43,22 @@ def test_predictions_at_given_poses_say_which_grasps_fail():
     assert list(many.failed) == [1]
     with pytest.raises(ValueError, match="7 finite numbers"):
         tactus.predict(SCENES / "lemon.ron", poses=[[0, 0, 0]])
+
+
+def test_sensors_of_predictions_see_what_those_of_runs_see(tmp_path):
+    grid = "(rows: 6, cols: 5)"
+    images = ", ".join(f"{name}{grid}" for name in ("TaxelForce", "TaxelDisplacement", "Pressure", "Shear", "HeightMap", "DepthMap", "Slip"))
+    text = (SCENES / "lemon.ron").read_text().replace('"common/', f'"{(SCENES / "common").as_posix()}/')
+    text = text.replace("Squeeze(", "Squeeze(push: (force: (0, 0, 8), frames: 2), ", 1)
+    closing = text.rindex(")")
+    (tmp_path / "scene.ron").write_text(
+        f"{text[:closing]}record: (tactile: [{images}, Markers(rows: 3, cols: 2), CenterOfPressure, ContactArea]),\n)"
+    )
+    scene = tactus.load(tmp_path / "scene.ron")
+    many = tactus.predict(scene, frames=3)
+    alone = tactus.run(scene, backend="gnn", frames=3)
+    assert len(many.tactile) == 10 and set(many.tactile) == set(alone[0].tactile)
+    for name, seen in many.tactile.items():
+        assert seen.shape[:3] == (len(many), 5, 2) and seen.any(), name
+        assert all(np.array_equal(own, run.tactile[name]) for own, run in zip(seen, alone)), name
+    assert tactus.predict(SCENES / "lemon.ron", frames=2).tactile == {}

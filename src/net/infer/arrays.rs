@@ -7,14 +7,17 @@ use crate::error::Result;
 use crate::gripper::GraspPose;
 use crate::linear::loads_of;
 use crate::model::Model;
+use crate::observe::Now;
 use crate::record::{ErrorBound, names};
 use crate::world::components::ObjectPose;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Calls `put` with name, shape and numbers of each array of those of `answers` that are there, one after the other: all of them at once
 /// may not fit in memory. Fields are in the frame of each pad: displacement, contact force (grasps, loads, pads, nodes, 3), stress (grasps,
 /// loads, pads, nodes), if the model needs them; travel (grasps, loads, pads), pose of the object (grasps, loads, 7), errors that nine of
 /// ten such predictions stay below (grasps, loads), part of the friction limit that is left (grasps). `grasp` numbers the grasps that have an answer.
+/// What tactile sensors see comes with the names that runs have, (grasps, loads, pads, ...), if the scene records it.
 ///
 /// # Errors
 /// Fails as `put` does.
@@ -58,6 +61,17 @@ pub fn each_array<E>(
         for (k, name) in ErrorBound::NAMES.into_iter().enumerate() {
             put(name, &of_loads, every(&|_, state| state.error.iter().map(|e| e.to_array()[k] as f32).collect()))?;
         }
+    }
+    let frames: Vec<(&PredictedGrasp, usize)> =
+        known.iter().flat_map(|answer| (0..loads.len()).map(move |k| (*answer, k))).collect();
+    for sense in model.senses.iter() {
+        let spec = sense.spec();
+        let shape = [&of_loads[..], &spec.shape].concat();
+        let seen = frames.par_iter().map(|(answer, k)| {
+            let frame = answer.frame(model, *k).unwrap_or_default();
+            sense.record(&Now { fingers: &model.fingers, object: &model.object, frame: &frame }).values
+        });
+        put(&spec.file_name(), &shape, seen.flatten().collect())?;
     }
     Ok(())
 }

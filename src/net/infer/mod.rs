@@ -12,6 +12,7 @@ pub mod arrays;
 pub mod doubt;
 pub mod face;
 pub mod force_ladder;
+pub mod frame;
 pub mod heads;
 pub mod hold;
 pub mod inputs;

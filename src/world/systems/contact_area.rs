@@ -1,6 +1,7 @@
 //! Area of each pad that touches the object.
 
 use crate::mech::potential::term::Stencil;
+use crate::part::FingerModel;
 use crate::world::components::*;
 use crate::world::schedule::Shared;
 use bevy_ecs::prelude::*;
@@ -15,6 +16,19 @@ pub(super) fn pressed(force: &[ContactForce], closing: DVec3, part: f64) -> Vec<
     let pressing = |force: &ContactForce| -force.0.dot(closing);
     let most = force.iter().map(pressing).fold(0.0, f64::max);
     force.iter().map(|force| pressing(force) > part * most).collect()
+}
+
+/// Returns the area of a pad that touches, m2, where forces are known at nodes alone.
+pub fn by_nodes(finger: &FingerModel, force: &[ContactForce]) -> f64 {
+    let pressed = pressed(force, finger.placement.closing, WITHIN);
+    let part = |around: &Stencil| {
+        let (nodes, weights) = around.slices();
+        let own = nodes.iter().zip(weights).filter(|(node, _)| pressed[**node as usize]);
+        own.map(|(_, weight)| weight).sum::<f64>()
+    };
+    let surface = &finger.surface;
+    let points = surface.area[..surface.vertices].iter().zip(surface.report.iter());
+    points.map(|(area, around)| area * part(around)).sum()
 }
 
 /// Measures the area of each pad that touches: that of the points of contact that press. Where forces are known at nodes alone, a point
@@ -37,15 +51,7 @@ pub fn measure_contact_area(
     if edges.is_empty() {
         for (finger, force) in nodes.contiguous_iter().expect(TABLES) {
             for (f, rows) in rows_by_pad(finger) {
-                let (surface, closing) = (&model.fingers[f].surface, model.fingers[f].placement.closing);
-                let pressed = pressed(&force[rows], closing, WITHIN);
-                let part = |around: &Stencil| {
-                    let (nodes, weights) = around.slices();
-                    let own = nodes.iter().zip(weights).filter(|(node, _)| pressed[**node as usize]);
-                    own.map(|(_, weight)| weight).sum::<f64>()
-                };
-                let points = surface.area[..surface.vertices].iter().zip(surface.report.iter());
-                area[f] = points.map(|(area, around)| area * part(around)).sum();
+                area[f] = by_nodes(&model.fingers[f], &force[rows]);
             }
         }
     }

@@ -2,13 +2,13 @@
 
 pub(crate) mod apart;
 pub mod audit;
-mod contact_area;
+pub(crate) mod contact_area;
 mod control;
 pub(crate) mod inversion;
 pub(crate) mod measure;
 mod record;
 pub(crate) mod sense;
-mod slip;
+pub(crate) mod slip;
 mod tactile;
 
 use crate::model::Needs;

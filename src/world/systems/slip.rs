@@ -44,22 +44,34 @@ pub fn measure_slip(
                 });
                 edges.for_each(|(edges, friction)| by_points((model, f), carried[f], x, edges, friction, own));
             } else {
-                let back = object.rotation.inverse();
-                let force = &force[rows];
-                let pressed = pressed(force, model.fingers[f].placement.closing, PRESSED);
-                for (((x, force), pressed), own) in x.iter().zip(force).zip(pressed).zip(own) {
-                    let at = back * (x.0 + carried[f] - object.position);
-                    let normal =
-                        || model.object.distance.closest(at, f64::INFINITY).map(|c| object.rotation * c.normal);
-                    own.0 = f64::from(match model.needs.friction {
-                        true => pressed && normal().is_some_and(|n| slides(force.0, n, model)),
-                        // Nothing holds what touches.
-                        false => force.0 != DVec3::ZERO,
-                    });
-                }
+                let x = x.iter().map(|x| x.0 + carried[f]);
+                let parts = by_nodes((model, f), x, &force[rows], &object);
+                own.iter_mut().zip(parts).for_each(|(own, part)| own.0 = part);
             }
         }
     }
+}
+
+/// Returns which part of the force of each node of pad `f` is carried by points that slide, 0 or 1, where forces are known at nodes alone:
+/// `x` are the places of the nodes, hand frame.
+pub fn by_nodes(
+    (model, f): (&Model, usize),
+    x: impl Iterator<Item = DVec3>,
+    force: &[ContactForce],
+    object: &ObjectPose,
+) -> Vec<f64> {
+    let back = object.rotation.inverse();
+    let pressed = pressed(force, model.fingers[f].placement.closing, PRESSED);
+    let part = |((x, force), pressed): ((DVec3, &ContactForce), bool)| {
+        let at = back * (x - object.position);
+        let normal = || model.object.distance.closest(at, f64::INFINITY).map(|c| object.rotation * c.normal);
+        f64::from(match model.needs.friction {
+            true => pressed && normal().is_some_and(|n| slides(force.0, n, model)),
+            // Nothing holds what touches.
+            false => force.0 != DVec3::ZERO,
+        })
+    };
+    x.zip(force).zip(pressed).map(part).collect()
 }
 
 /// Returns true if a force on a pad (N), pressed along the outward normal of the object, is at Coulomb's limit.

@@ -1,0 +1,48 @@
+//! Frame of a prediction for tactile sensors, to the bit as a run of the network records it.
+
+use super::many::PredictedGrasp;
+use super::predict::PadState;
+use super::touch::object_at;
+use crate::model::Model;
+use crate::record::{Frame, PadFrame};
+use crate::world::components::{ContactForce, ObjectPose};
+use crate::world::systems::{contact_area, slip};
+use glam::DVec3;
+
+impl PredictedGrasp {
+    /// Returns the frame under load `load` with what tactile sensors look at: shape and forces of the pads, pose of the object; None past the
+    /// last load.
+    pub fn frame(&self, model: &Model, load: usize) -> Option<Frame> {
+        let state = self.ramp.at(load)?;
+        let object = object_at(model, &self.touch, &state.pads);
+        let pad = |(f, pad): (usize, &PadState)| self.pad(model, f, pad, &object);
+        Some(Frame {
+            index: load,
+            travel: state.pads.iter().map(|pad| pad.travel).collect(),
+            object_position: object.position,
+            object_rotation: object.rotation,
+            pads: state.pads.iter().enumerate().map(pad).collect(),
+            error: state.error,
+            ..Frame::default()
+        })
+    }
+
+    fn pad(&self, model: &Model, f: usize, state: &PadState, object: &ObjectPose) -> PadFrame {
+        let finger = &model.fingers[f];
+        let axes = finger.placement.rotation;
+        let carried = finger.placement.closing * (self.touch.travel[f] + state.travel);
+        let rest = &finger.body.rest;
+        let place: Vec<DVec3> = rest.iter().zip(&state.displacement).map(|(x, u)| *x + axes * *u).collect();
+        let position: Vec<DVec3> = place.iter().map(|x| *x + carried).collect();
+        let force: Vec<ContactForce> = state.contact.iter().map(|force| ContactForce(axes * *force)).collect();
+        let slips = || slip::by_nodes((model, f), position.iter().copied(), &force, object);
+        PadFrame {
+            displacement: place.iter().zip(rest).map(|(x, rest)| *x - *rest).collect(),
+            slip: if model.needs.slip { slips() } else { Vec::new() },
+            contact_area: if model.needs.contact_area { contact_area::by_nodes(finger, &force) } else { 0.0 },
+            contact_force: force.into_iter().map(|force| force.0).collect(),
+            position,
+            ..PadFrame::default()
+        }
+    }
+}
