@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
+use crate::geometry::mesh::io::read_tri_mesh;
 use crate::geometry::mesh::quality::{Quality, quality};
 use crate::geometry::mesh::{quadratic, surface};
 use crate::geometry::pad::{self, Bonding, Density, PadMesh, Resolution};
@@ -11,9 +12,12 @@ use crate::mech::body::{self, Body};
 use crate::mech::contact::{ContactSurface, SurfaceFace};
 use crate::mech::material::Material;
 use crate::record::{self, PadTopology};
+use crate::scene::bonding::BondingRule;
+use crate::scene::pad::FilePad;
 use crate::scene::{self, Element, Gripper, Pads};
 use glam::DVec3;
 use std::collections::BTreeSet;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Finger: its pad in hand axes, and the data that the solver and the recorder need of it.
@@ -114,21 +118,37 @@ pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(PadMesh, Quality
 /// Mean ratio below which an element is named in a notice.
 const POOR: f64 = 0.1;
 
-fn read(file: &scene::pad::FilePad, notices: &mut Vec<String>) -> Result<PadMesh> {
+fn read(file: &FilePad, notices: &mut Vec<String>) -> Result<PadMesh> {
     let scale = file.scale.get();
-    let placement = pad::PadPlacement {
-        outward: file.outward.dvec3().normalize(),
-        across: file.across.map(|a| a.dvec3()),
-        // The reader bonds in the file's unit.
-        bonding: Bonding::AttachDistance(file.attach_distance.map_or(0.0, |d| d.get()) / scale),
-    };
-    let (mut pad, news) = pad::read_pad(&file.path, &placement, None)?;
+    let (bonding, listed) = bonding(file, notices)?;
+    let (outward, across) = (file.outward.dvec3().normalize(), file.across.map(|a| a.dvec3()));
+    let (mut pad, news) = pad::read_pad(&file.path, &pad::PadPlacement { outward, across, bonding }, listed)?;
     // The reader takes coordinates as metres, which `scale` says they are not.
     notices.extend(news.into_iter().filter(|n| scale == 1.0 || !n.contains("taken as metres")));
     pad.mesh.nodes.iter_mut().for_each(|p| *p *= scale);
-    let bonded = pad.bonded.iter().filter(|b| **b).count();
-    notices.push(format!("{}: {bonded} nodes are bonded to the finger", file.path.display()));
+    let (bonded, nodes) = (pad.bonded.iter().filter(|b| **b).count(), pad.bonded.len());
+    notices.push(format!("{}: {bonded} of {nodes} nodes are bonded to the finger", file.path.display()));
     Ok(pad)
+}
+
+/// Returns the rule that bonds the pad, in the unit of its file, and the file that lists nodes, if there is one.
+fn bonding<'f>(file: &'f FilePad, notices: &mut Vec<String>) -> Result<(Bonding, Option<&'f Path>)> {
+    let scale = file.scale.get();
+    let rule = match &file.bonded {
+        BondingRule::Plane(plane) => Bonding::Plane {
+            normal: plane.normal.map(|n| n.dvec3().normalize()),
+            offset: plane.offset.map(|offset| offset.get() / scale),
+            within: plane.within.map_or(0.0, |within| within.get() / scale),
+        },
+        BondingRule::NearMesh(core) => {
+            let (surface, news) = read_tri_mesh(&core.path)?;
+            notices.extend(news);
+            Bonding::Surface { surface: Arc::new(surface), within: core.within.get() / scale }
+        }
+        BondingRule::Nodes(nodes) => Bonding::Nodes(nodes.clone()),
+        BondingRule::NodesFile(path) => return Ok((Bonding::back(0.0), Some(path))),
+    };
+    Ok((rule, None))
 }
 
 impl FingerModel {

@@ -1,5 +1,6 @@
 //! Checks across fields, which no single value can make.
 
+use super::bonding::{BondingPlane, BondingRule};
 use super::expect::{Bounds, Expectation};
 use super::grasps::Grasps;
 use super::gripper::Fingers;
@@ -206,6 +207,13 @@ fn pads(pads: &Pads) -> Result<(), Problem> {
         Pads::File(f) if f.outward.dvec3().length() < 1e-9 => {
             refuse("gripper.pads.outward", "a direction of length zero\n(0, 0, 1) is along +z of the file")
         }
+        Pads::File(f) => match &f.bonded {
+            BondingRule::Plane(BondingPlane { normal: Some(normal), .. }) if normal.dvec3().length() < 1e-9 => refuse(
+                "gripper.pads.bonded.normal",
+                "a direction of length zero\nleave it out for the opposite of outward",
+            ),
+            _ => Ok(()),
+        },
         _ => Ok(()),
     }
 }

@@ -1,5 +1,6 @@
 //! Reads a scene file with its includes: `path -> Scene`, or one error that shows the line and says what is allowed.
 
+use super::bonding::BondingRule;
 use super::check;
 use super::diagnose::{Diagnosis, clipped, explain};
 use super::grasps::Grasps;
@@ -410,6 +411,11 @@ fn resolve_paths(part: &mut ScenePart, dir: &Path, text: &str) -> std::result::R
     let gripper = |gripper: &mut Gripper, field: &str| {
         if let Pads::File(pad) = &mut gripper.pads {
             file(&mut pad.path, format!("{field}.pads.path"))?;
+            match &mut pad.bonded {
+                BondingRule::NearMesh(mesh) => file(&mut mesh.path, format!("{field}.pads.bonded.path"))?,
+                BondingRule::NodesFile(path) => file(path, format!("{field}.pads.bonded"))?,
+                BondingRule::Plane(_) | BondingRule::Nodes(_) => {}
+            }
         }
         let Some(mut robot) = gripper.robot.take() else { return Ok(()) };
         file(&mut robot.path, format!("{field}.robot.path"))?;

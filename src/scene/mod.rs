@@ -8,6 +8,7 @@
 //!                    any refusal -> diagnose: message, file:line:column, caret, what is allowed
 //! ```
 
+pub mod bonding;
 mod check;
 pub mod convention;
 pub mod defaults;

@@ -1,14 +1,16 @@
 //! Soft pad: a tetrahedral mesh in the pad frame with its bonded back face.
 //!
-//! [`generate`] makes box, disc and GelSight Mini pads; [`place`] takes a mesh from a file.
+//! [`generate`] makes box, disc and GelSight Mini pads; [`place`] takes a mesh from a file, and [`bonding`] says which of its nodes are bonded.
 
+pub mod bonding;
 pub mod dome;
 pub mod generate;
 pub mod place;
 pub mod resolution;
 
+pub use bonding::Bonding;
 pub use generate::{GELSIGHT_MINI, GelProfile, box_pad, disc_pad, gelsight_mini};
-pub use place::{Bonding, PadPlacement, from_mesh, read_pad};
+pub use place::{PadPlacement, from_mesh, read_pad};
 pub use resolution::{Density, Resolution};
 
 use glam::DVec3;
