@@ -9,9 +9,11 @@ use crate::geometry::pad::{self, Bonding, Density, PadMesh, Resolution};
 use crate::gripper::FingerPlacement;
 use crate::limits::PadSize;
 use crate::mech::body::{self, Body};
+use crate::mech::contact::law::ContactLaw;
 use crate::mech::contact::{ContactSurface, SurfaceFace};
 use crate::mech::material::Material;
 use crate::record::{self, PadTopology};
+use crate::scales::CONTACT_FORCE;
 use crate::scene::bonding::BondingRule;
 use crate::scene::pad::FilePad;
 use crate::scene::{self, Element, Gripper, Pads};
@@ -33,6 +35,12 @@ pub struct FingerModel {
     pub placement: FingerPlacement,
     /// Kind of element, for reports.
     pub element: String,
+    /// Mesh quality before mid-edge nodes.
+    pub quality: Quality,
+    /// Density of the gel, kg/m3.
+    pub gel_density: f64,
+    /// Law of the contact with the object.
+    pub law: ContactLaw,
 }
 
 impl FingerModel {
@@ -157,12 +165,19 @@ impl FingerModel {
         Aabb::of(self.topology.rest.iter().copied())
     }
 
-    /// Places `pad` on the left finger.
+    /// Places `pad` with its mesh quality on finger `side` (0 left, 1 right) of a gripper whose pads are all like it. Contact begins at the gap
+    /// `offset` (m).
     ///
     /// # Errors
     /// Fails for a pad without a free surface.
-    pub fn build(pad: &PadMesh, gripper: &Gripper, fem: &scene::Fem, material: Arc<dyn Material>) -> Result<Self> {
-        let placement = placement(0, gripper);
+    pub fn build(
+        (pad, quality): (&PadMesh, Quality),
+        side: usize,
+        gripper: &Gripper,
+        fem: &scene::Fem,
+        (material, offset): (Arc<dyn Material>, f64),
+    ) -> Result<Self> {
+        let placement = placement(side, gripper);
         let corner_count = pad.mesh.nodes.len();
         let (nodes, elements, bonded, mean_dilatation) = match fem.element {
             Element::Linear => {
@@ -189,7 +204,10 @@ impl FingerModel {
             (Element::Quadratic, true) => "quadratic, mean dilatation".into(),
             (Element::Quadratic, false) => "quadratic".into(),
         };
-        Ok(Self { body, surface, topology: Arc::new(topology), placement, element })
+        let spec = gripper.material.spec();
+        let law = ContactLaw::new(spec.young, surface.spacing, gripper.friction.get(), offset);
+        let topology = Arc::new(topology);
+        Ok(Self { body, surface, topology, placement, element, quality, gel_density: spec.density, law })
     }
 
     /// Returns this pad on finger `side` (0 left, 1 right): all data but the placement are shared.
@@ -197,8 +215,12 @@ impl FingerModel {
         let placement = placement(side, gripper);
         let rest: Vec<DVec3> = self.topology.rest.iter().map(|x| placement.place(*x)).collect();
         let surface = Arc::new(self.surface.placed(&rest));
-        let (topology, element) = (self.topology.clone(), self.element.clone());
-        Self { body: Arc::new(self.body.placed(rest)), surface, topology, placement, element }
+        Self { body: Arc::new(self.body.placed(rest)), surface, placement, ..self.clone() }
+    }
+
+    /// Returns the force that turns single points of contact into patches, N: `0.02 E t^2`.
+    pub fn contact_force(&self) -> f64 {
+        CONTACT_FORCE * self.body.material.moduli().young * self.topology.thickness().powi(2)
     }
 }
 

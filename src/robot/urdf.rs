@@ -1,12 +1,12 @@
-//! Links of a robot in URDF.
+//! Links of a robot in URDF, and their shapes.
 
 use super::{Joint, Link};
 use glam::{DQuat, DVec3, EulerRot};
 use std::path::Path;
-use urdf_rs::JointType;
+use urdf_rs::{Collision, JointType};
 
-/// Reads the links of a file.
-pub(super) fn read(path: &Path) -> Result<Vec<Link>, String> {
+/// Reads the links of a file, and of each the shapes that it collides with.
+pub(super) fn read(path: &Path) -> Result<(Vec<Link>, Vec<Vec<Collision>>), String> {
     let robot = urdf_rs::read_file(path).map_err(|e| format!("is no readable URDF: {e}"))?;
     let root = |link: &urdf_rs::Link| Link {
         name: link.name.clone(),
@@ -34,5 +34,5 @@ pub(super) fn read(path: &Path) -> Result<Vec<Link>, String> {
             _ => Joint::Other,
         };
     }
-    Ok(links)
+    Ok((links, robot.links.into_iter().map(|link| link.collision).collect()))
 }

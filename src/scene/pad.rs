@@ -6,6 +6,7 @@ use super::either::{PathOrFields, path_or_fields};
 use super::leaf::{Count, Fraction, Length, Positive, Ratio};
 use super::stepper::FinerMesh;
 use super::vector::{Cells, Size, Tuple, Vec3};
+use crate::robot::SoftPad;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::path::PathBuf;
 
@@ -210,6 +211,19 @@ pub struct FilePad {
     /// Rule for the nodes that are bonded to the finger; by default those on the back plane.
     #[serde(default)]
     pub bonded: BondingRule,
+}
+
+impl FilePad {
+    /// Returns the pad of a robot.
+    pub(super) fn of_robot(pad: &SoftPad) -> Result<Self, String> {
+        Ok(Self {
+            path: pad.mesh.clone(),
+            outward: Vec3::of(pad.outward)?,
+            across: Some(Vec3::of(pad.across)?),
+            scale: Positive::new(pad.scale)?,
+            bonded: BondingRule::Nodes(pad.bonded.clone()),
+        })
+    }
 }
 
 impl<'de> PathOrFields<'de> for FilePad {

@@ -31,6 +31,13 @@ pub struct PadMesh {
     pub bonded: Vec<bool>,
 }
 
+impl PadMesh {
+    /// Returns the depth of the deepest node below the sensing face, m.
+    pub fn thickness(&self) -> f64 {
+        self.mesh.nodes.iter().map(|x| -x.z).fold(0.0, f64::max)
+    }
+}
+
 /// Returns the faces of the pad that can touch something: all boundary faces except those with three bonded nodes.
 pub fn free_surface(pad: &PadMesh) -> Vec<BoundaryFace> {
     free_faces(&pad.mesh, &pad.bonded)
