@@ -33,7 +33,7 @@ pub trait Console: Sync {
 
 /// How much is said beside the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Volume {
+pub enum Verbosity {
     /// Errors alone.
     Quiet,
     /// Notes and progress.
@@ -45,10 +45,10 @@ pub enum Volume {
 
 /// Terminal: the report goes to stdout, all else to stderr.
 #[derive(Debug, Default)]
-pub struct Terminal(pub Volume);
+pub struct Terminal(pub Verbosity);
 
 impl Terminal {
-    /// Prints an error on stderr, whatever the volume. A line that cannot be written (`2>/dev/full`, a closed pipe) does not affect the work.
+    /// Prints an error on stderr, however little is to be said. A line that cannot be written (`2>/dev/full`, a closed pipe) does not affect the work.
     pub fn fail(line: &str) {
         let _ = std::io::stderr().write_all(format!("{line}\n").as_bytes());
     }
@@ -64,17 +64,17 @@ impl Console for Terminal {
     }
 
     fn say(&self, line: &str) {
-        if self.0 != Volume::Quiet {
+        if self.0 != Verbosity::Quiet {
             Terminal::fail(line);
         }
     }
 
     fn follows(&self) -> bool {
-        self.0 == Volume::Verbose
+        self.0 == Verbosity::Verbose
     }
 
     fn show(&self, bar: ProgressBar) -> ProgressBar {
-        if self.0 == Volume::Quiet { ProgressBar::hidden() } else { bar }
+        if self.0 == Verbosity::Quiet { ProgressBar::hidden() } else { bar }
     }
 
     fn ends(&self) -> bool {

@@ -9,6 +9,7 @@ use crate::part::FingerModel;
 use crate::record::pad_name;
 use crate::run::effort::EXPECTED_WITHIN;
 use crate::scene::Scene;
+use glam::DVec3;
 use indicatif::HumanDuration;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -115,7 +116,8 @@ impl Found {
         let own = Aabb::of(m.object.surface.vertices.iter().copied());
         line(&format!("object: {}, {} in its own frame", extent(&own), reach(&own)));
         if let (Some(pose), Some(held)) = (self.poses.first(), self.held()) {
-            let (p, q) = (pose.position * 1e3, pose.rotation);
+            // Adding zero takes the sign from a zero.
+            let (p, q) = (pose.position * 1e3 + DVec3::ZERO, pose.rotation);
             line(&format!(
                 "grasp 0: the hand stands at ({:.1}, {:.1}, {:.1}) mm in the frame of the object, turned by ({:.4}, {:.4}, {:.4}, {:.4})",
                 p.x, p.y, p.z, q.w, q.x, q.y, q.z

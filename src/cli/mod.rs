@@ -25,7 +25,7 @@ use std::sync::LazyLock;
 pub use bench::BenchArgs;
 pub use check::CheckArgs;
 pub use completions::{CompletionsArgs, ManArgs};
-pub use console::{Console, Terminal, Volume};
+pub use console::{Console, Terminal, Verbosity};
 pub use dataset::{DatasetArgs, DatasetCommand};
 pub use eval::EvalArgs;
 pub use fit::FitArgs;
@@ -59,11 +59,11 @@ pub struct Cli {
 
 impl Cli {
     /// Returns how much is said beside the report.
-    fn volume(&self) -> Volume {
+    fn verbosity(&self) -> Verbosity {
         match (self.quiet, self.verbose) {
-            (true, _) => Volume::Quiet,
-            (_, true) => Volume::Verbose,
-            _ => Volume::Usual,
+            (true, _) => Verbosity::Quiet,
+            (_, true) => Verbosity::Verbose,
+            _ => Verbosity::Usual,
         }
     }
 }
@@ -154,7 +154,7 @@ fn on_terminal(cli: &Cli) -> Result<u8> {
     if !short {
         interrupt::on_signals(REFUSED, last_words)?;
     }
-    cli.command.run(&Terminal(cli.volume()))
+    cli.command.run(&Terminal(cli.verbosity()))
 }
 
 impl Command {

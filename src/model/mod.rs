@@ -29,7 +29,7 @@ use crate::part::{FingerModel, object};
 use crate::record::{PadReport, pad_name};
 use crate::scene::{self, Loading, ObjectMotion, Scene, StepperChoice};
 use glam::DVec3;
-use pads::Pads;
+use pads::MeshedPads;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -100,7 +100,7 @@ impl Model {
             StepperChoice::Fem(fem) => *fem,
             StepperChoice::Gnn(_) => scene::Fem::default(),
         };
-        let Pads { fingers, memory, offset } = pads::build(scene, &object, &fem, &mut notices)?;
+        let MeshedPads { fingers, memory, offset } = pads::build(scene, &object, &fem, &mut notices)?;
         let sides = fingers.len();
         let mass = object.mass.volume * scene.object.density.get();
         let dynamics = Dynamics::of(scene, &object, mass, offset);

@@ -12,7 +12,7 @@ use crate::scene::{self, Fingers, MaterialSpec, Scene};
 use std::sync::Arc;
 
 /// Pads of a scene.
-pub(super) struct Pads {
+pub(super) struct MeshedPads {
     /// The fingers, left first.
     pub fingers: Vec<FingerModel>,
     /// Approximate memory of a grasp, bytes.
@@ -25,7 +25,7 @@ pub(super) struct Pads {
 ///
 /// # Errors
 /// Fails if a pad cannot be meshed, or takes more memory than is free.
-pub(super) fn build(scene: &Scene, object: &Shape, fem: &scene::Fem, notices: &mut Vec<String>) -> Result<Pads> {
+pub(super) fn build(scene: &Scene, object: &Shape, fem: &scene::Fem, notices: &mut Vec<String>) -> Result<MeshedPads> {
     let sides = match scene.gripper.fingers {
         Fingers::Both => 2,
         Fingers::One => 1,
@@ -48,7 +48,10 @@ pub(super) fn build(scene: &Scene, object: &Shape, fem: &scene::Fem, notices: &m
             limits::admit(memory, size).map(|()| memory).map_err(about)
         };
         let known = pad::size(pads, fem.element).map_err(about)?.map(admit).transpose()?;
-        let (mesh, quality) = pad::build(pads, notices).map_err(about)?;
+        let mut news = Vec::new();
+        let (mesh, quality) = pad::build(pads, &mut news).map_err(about)?;
+        news.retain(|notice| !notices.contains(notice));
+        notices.extend(news);
         memory = known.map_or_else(|| admit(PadSize::of_pad(&mesh, fem.element)), Ok)?;
         meshed.push((mesh, quality, own.gripper));
     }
@@ -68,7 +71,7 @@ pub(super) fn build(scene: &Scene, object: &Shape, fem: &scene::Fem, notices: &m
         right.law = left.law;
         fingers.push(right);
     }
-    Ok(Pads { fingers, memory, offset })
+    Ok(MeshedPads { fingers, memory, offset })
 }
 
 /// Returns the law of a gel.
