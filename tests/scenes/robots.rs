@@ -46,6 +46,7 @@ fn what_is_no_parallel_gripper_is_refused_with_the_reason() {
         (changed("-0.005 0.0544", "-0.005 0.05"), "do not face each other"),
         (changed("link name=\"left_gel\"", "link name=\"gel\""), "left_mount"),
         (changed("<robot", "<robt"), "no readable URDF"),
+        (changed("upper=\"0.04\"", "upper=\"1e9.0\""), "line 15: upper=\"1e9.0\" is no number"),
         (
             scene(folder.path(), &robot(&shipped("franka_gelsight.urdf"), "stroke: 0.03")).unwrap_err(),
             "leave one of them out",
