@@ -1,5 +1,5 @@
 //! `meshes.npz`: meshes that no frame of a run changes, written once, so that a run can be shown wherever its folder goes. It holds a pad
-//! (all are alike) and the object, as in the files of a data set.
+//! and the object, as in the files of a data set; of pads that differ it is not written.
 
 use super::arrays::{io_error, put};
 use super::check;
