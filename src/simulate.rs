@@ -7,7 +7,6 @@ use crate::gripper::GraspPose;
 use crate::judge::{Measured, Verdict, evaluate_all};
 use crate::limits::machine_threads;
 use crate::model::Model;
-use crate::part::FingerModel;
 use crate::record::{ExpectationReport, RunReport, Status};
 use crate::render::Scalar;
 use crate::run::sensitivity::{Ends, LastFrames, sensitivity};
@@ -60,7 +59,7 @@ impl Simulation {
         let (stepper, model) = rayon::join(|| choose(scene), || Model::build(scene));
         let (stepper, model) = (stepper?, model?);
         let poses = poses_of(scene)?;
-        let pad = model.fingers.first().map(FingerModel::bounds);
+        let pad = model.pad_bounds();
         let aim = pad.and_then(|pad| aim_notice(scene, &model.object, pad, &poses));
         let own = match &scene.stepper {
             StepperChoice::Fem(fem) => fem.threads.map(|t| t.get()),
@@ -69,7 +68,7 @@ impl Simulation {
         Ok(Self {
             grasps: select(&poses, wanted)?,
             threads: threads.or(own).unwrap_or_else(machine_threads),
-            notices: model.notices.iter().chain(&model.pad_notice).cloned().chain(aim).collect(),
+            notices: model.notices.iter().cloned().chain(model.pad_notices()).chain(aim).collect(),
             scene: scene.clone(),
             model,
             stepper,
@@ -103,6 +102,9 @@ impl Simulation {
     /// # Errors
     /// Fails as [`run_grasps`] does, and if a file cannot be written.
     pub fn run(&self, writer: Option<RunWriter>, sense: bool, observer: &dyn Observer) -> Result<Simulated> {
+        if sense {
+            self.scene.gripper.needs_alike("a sensitivity")?;
+        }
         let last_frames = LastFrames::default();
         let recorded = writer.as_ref().map_or(&() as &dyn Observer, |writer| writer);
         let watched = (observer, recorded);

@@ -118,6 +118,11 @@ pub fn run<'py>(
 fn grasp<'py>(py: Python<'py>, model: &Model, pose: &[f64; 7], frames: &[Frame]) -> PyResult<Bound<'py, PyDict>> {
     let to = PyDict::new(py);
     let (count, pads) = (frames.len(), model.fingers.len());
+    let sizes = |i: usize| (model.fingers[i].topology.rest.len(), model.fingers[i].topology.elements.len());
+    if (1..pads).any(|i| sizes(i) != sizes(0)) {
+        let text = "the two pads have different numbers of nodes, which one array does not hold; `tactus run` writes `arrays.npz`";
+        return Err(refused(text));
+    }
     let topology = model.fingers.first().map(|f| &f.topology);
     let (nodes, tets) = topology.map_or((0, 0), |t| (t.rest.len(), t.elements.len()));
     let each = |name: &str, of: &dyn Fn(&Frame) -> Vec<f64>, shape: &[usize]| {

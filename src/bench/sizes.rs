@@ -67,6 +67,7 @@ pub fn cost_by_size(
     let StepperChoice::Fem(fem) = scene.stepper else {
         return Err(Error::Start("cost against size is for finite elements; the scene's stepper is a network".into()));
     };
+    scene.gripper.needs_alike("a bench")?;
     let scene = &accuracy::meshed(scene)?;
     let mut wanted = wanted.to_vec();
     wanted.sort_unstable();

@@ -83,6 +83,7 @@ impl Sweep {
         if matches!(scene.loading, Loading::Dynamic(_)) {
             return Err(Error::Start("a bench is for `Squeeze` and `Press`; the scene's loading is `Dynamic`".into()));
         }
+        scene.gripper.needs_alike("a bench")?;
         let mut scene = accuracy::meshed(scene)?;
         scene.promise_nothing();
         for field in [Field::Displacement, Field::Stress] {

@@ -1,29 +1,26 @@
 //! Command `tactus check`: checks a scene, shows it with defaults and includes, and shows what would run.
 
 use super::console::Console;
+use super::findings::{Found, TRIED};
 use super::run::about_object;
 use super::{Format, OK, REFUSED};
 use crate::backend::choose;
 use crate::backend::fem::condensed::nodes_at_contact;
 use crate::error::{Error, Result};
-use crate::geometry::aabb::Aabb;
 use crate::geometry::mesh::io::{write_obj, write_stl};
-use crate::geometry::mesh::topology::watertight;
 use crate::grasp::{aim_notice, grasps_of, write_grasps_h5};
 use crate::gripper::GraspPose;
 use crate::gripper::Hand;
 use crate::gripper::hand::HandPart;
-use crate::model::{Model, Unknowns};
-use crate::number::shown;
-use crate::part::FingerModel;
-use crate::record::pad_name;
+use crate::limits::machine_threads;
+use crate::model::Model;
+use crate::run::effort::expected_seconds;
 use crate::scene::{self, Scene, load_set, to_ron};
 use crate::world::Stepper;
 use crate::world::components::{FingerIndex, FingerTravel, ObjectPose};
 use crate::world::environment::Environment;
 use crate::world::schedule::Phase;
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -73,7 +70,7 @@ pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
         } else if let Ok(found) = &found {
             let head = if several { format!("// object {name}\n") } else { String::new() };
             let foot = if several { "\n" } else { "" };
-            console.print(&format!("{head}{}{}{foot}", to_ron(scene)?, found.text()))?;
+            console.print(&format!("{head}{}{}{}{foot}", found.overview(), to_ron(scene)?, found.details()))?;
         }
         match found {
             Ok(found) => {
@@ -108,22 +105,6 @@ fn export(path: &Path, found: &Found) -> Result<()> {
 
 /// Largest number of objects of a scene that are examined: a check answers within seconds.
 const EXAMINED: usize = 50;
-/// Largest number of grasps that are closed to first contact: a check answers within seconds, and the first grasps of a
-/// data set are sufficient.
-const TRIED: usize = 1000;
-
-/// Findings about a scene.
-struct Found {
-    model: Arc<Model>,
-    systems: Vec<(String, Vec<String>)>,
-    components: Vec<(String, usize)>,
-    unknowns: Unknowns,
-    poses: Vec<GraspPose>,
-    notices: Vec<String>,
-    problems: Vec<String>,
-    runs: bool,
-}
-
 fn examine(scene: &Scene) -> Result<Found> {
     let stepper = choose(scene)?;
     // First, as it refuses what is too large.
@@ -140,10 +121,11 @@ fn examine(scene: &Scene) -> Result<Found> {
         poses: poses.clone(),
         notices: grasps.notices,
         problems: Vec::new(),
+        expected: expected_seconds(scene, &model, poses.len(), machine_threads()),
         runs: false,
         model: model.clone(),
     };
-    let pad = model.fingers.first().map(FingerModel::bounds);
+    let pad = model.pad_bounds();
     found.notices.extend(pad.and_then(|pad| aim_notice(scene, &model.object, pad, &poses)));
     let hand = pad.map(|pad| Hand::new(pad, &scene.gripper));
     for (index, pose) in poses.iter().enumerate().take(TRIED) {
@@ -173,11 +155,6 @@ fn start(model: &Arc<Model>, stepper: &dyn Stepper, pose: GraspPose) -> Result<E
 }
 
 impl Found {
-    /// Returns the number of grasps that were closed to first contact.
-    fn tried(&self) -> usize {
-        self.poses.len().min(TRIED)
-    }
-
     /// Adds the unknowns of condensed pads, which only a grasp at first contact has.
     fn condense(&mut self, scene: &Scene, grasp: usize, mut environment: Environment) {
         let scene::StepperChoice::Fem(scene::Fem { solver: scene::Solver::Condensed(_), .. }) = scene.stepper else {
@@ -197,153 +174,4 @@ impl Found {
             full.iter().sum::<usize>()
         ));
     }
-
-    fn json(&self, scene: &Scene, sources: &[PathBuf]) -> Value {
-        let m = &self.model;
-        let solid = watertight(&m.object.surface);
-        let worst = m.quality.worst_centroid;
-        let object = |pairs: &[(String, Value)]| Value::Object(pairs.iter().cloned().collect());
-        let systems: Vec<_> = self.systems.iter().map(|(set, names)| (set.clone(), json!(names))).collect();
-        let components: Vec<_> = self.components.iter().map(|(name, count)| (name.clone(), json!(count))).collect();
-        json!({
-            "scene": scene,
-            "sources": sources,
-            "systems": object(&systems),
-            "components": object(&components),
-            "unknowns": self.unknowns,
-            "needs": m.needs,
-            "release_n": m.lets_go().then(|| m.release * m.fingers.len() as f64),
-            "path_error": m.path_error,
-            "pads": m.pad_reports(),
-            "quality": {
-                "worst_index": m.quality.worst_index,
-                "worst_mean_ratio": m.quality.worst,
-                "worst_centroid_m": worst.to_array(),
-                "mean_mean_ratio": m.quality.mean,
-                "min_edge_m": m.quality.min_edge,
-                "max_edge_m": m.quality.max_edge,
-                "volume_m3": m.quality.total_volume,
-            },
-            "object": {
-                "name": m.object.name,
-                "closed_form": m.object.exact,
-                "watertight": solid.is_solid(),
-                "volume_m3": m.object.mass.volume,
-                "mass_kg": m.mass,
-                "bounding_radius_m": m.object.bounding_radius,
-            },
-            "grasps": self.poses.len(),
-            "tried": self.tried(),
-            "notices": m.notices.iter().chain(&m.pad_notice).chain(&self.notices).collect::<Vec<_>>(),
-            "problems": self.problems,
-        })
-    }
-
-    /// Returns the findings as comment lines.
-    fn text(&self) -> String {
-        let mut out = String::from("\n");
-        // Writing to a String cannot fail.
-        let mut line = |text: &str| {
-            let _ = writeln!(out, "{}", format!("// {text}").trim_end());
-        };
-        self.overview(&mut line);
-        line("");
-        self.details(&mut line);
-        out
-    }
-
-    /// Passes what a reader asks first, line by line: sizes, places, loads, and what is odd about them.
-    fn overview(&self, line: &mut dyn FnMut(&str)) {
-        let m = &self.model;
-        let own = Aabb::of(m.object.surface.vertices.iter().copied());
-        line(&format!("object: {}, {} in its own frame", extent(&own), reach(&own)));
-        if let Some(pose) = self.poses.first().map(GraspPose::object_in_hand) {
-            let held = Aabb::of(m.object.surface.vertices.iter().map(|x| pose.rotation * *x + pose.position));
-            line(&format!(
-                "in the hand of grasp 0: {}; fingers close along x, the hand approaches along z",
-                reach(&held)
-            ));
-        }
-        let solid = watertight(&m.object.surface);
-        line(&format!(
-            "{}: {}, {}, volume {:.2} cm3, mass {:.2} g, {}",
-            m.object.name,
-            if m.object.exact { "distance in closed form" } else { "distance to its facets" },
-            solid.complaint().unwrap_or_else(|| "watertight".into()),
-            m.object.mass.volume * 1e6,
-            m.mass * 1e3,
-            if m.free { "free" } else { "fixed" },
-        ));
-        for (index, pad) in m.pad_reports().iter().enumerate() {
-            let size = m.fingers.get(index).map(|finger| extent(&finger.bounds())).unwrap_or_default();
-            let (name, element) = (pad_name(index), &pad.element);
-            line(&format!("{name} pad: {size} in the hand, {} nodes, {} tetrahedra, {element}", pad.nodes, pad.tets));
-        }
-        let total = m.fingers.len() as f64;
-        if m.lets_go() {
-            line(&format!(
-                "release: the object is held where it is up to {:.4} N, the sum over the fingers",
-                m.release * total
-            ));
-        }
-        line(&format!(
-            "contact: begins at a gap of {} m, of which all lengths of the method are multiples",
-            shown(m.law.offset)
-        ));
-        if let Some(path) = m.path_error {
-            line(&format!("path: increments are as many as an error of {path:e} of the displacement asks for"));
-        }
-        let (all, tried) = (self.poses.len(), self.tried());
-        let untried = if tried < all { format!("; {} more were not tried", all - tried) } else { String::new() };
-        line(&format!("{} of {tried} grasps can start{untried}", tried - self.problems.len()));
-        m.notices.iter().chain(&m.pad_notice).chain(&self.notices).for_each(|notice| line(&format!("note: {notice}")));
-        self.problems.iter().for_each(|problem| line(&format!("problem: {problem}")));
-    }
-
-    /// Passes the rest, line by line: the mesh, and all that is active.
-    fn details(&self, line: &mut dyn FnMut(&str)) {
-        let m = &self.model;
-        let q = &m.quality;
-        let c = q.worst_centroid * 1e3;
-        line(&format!(
-            "pad mesh: mean ratio {:.3} on average, worst {:.3} in tetrahedron {} at ({:.3}, {:.3}, {:.3}) mm of the pad; edges {:.3} to {:.3} mm",
-            q.mean,
-            q.worst,
-            q.worst_index,
-            c.x,
-            c.y,
-            c.z,
-            q.min_edge * 1e3,
-            q.max_edge * 1e3
-        ));
-        line("");
-        for (set, names) in &self.systems {
-            line(&format!("{set:<8} {}", names.join(", ")));
-        }
-        line("");
-        let components: Vec<_> = self.components.iter().map(|(name, count)| format!("{count} {name}")).collect();
-        line(&format!("components: {}", components.join(", ")));
-        let u = &self.unknowns;
-        let pads: Vec<_> = u.pads.iter().map(usize::to_string).collect();
-        line(&format!(
-            "unknowns: {} = {} (pads) + {} (travels) + {} (pose)",
-            u.total,
-            pads.join(" + "),
-            u.travels,
-            u.pose
-        ));
-    }
-}
-
-/// Returns the edge lengths of a box, as text.
-fn extent(bounds: &Aabb) -> String {
-    let size = bounds.size() * 1e3;
-    format!("{:.1} x {:.1} x {:.1} mm", size.x, size.y, size.z)
-}
-
-/// Returns the corners of a box, as text.
-fn reach(bounds: &Aabb) -> String {
-    let [low, high] =
-        [bounds.min, bounds.max].map(|x| x * 1e3).map(|x| format!("({:.1}, {:.1}, {:.1})", x.x, x.y, x.z));
-    format!("from {low} to {high} mm")
 }

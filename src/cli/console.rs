@@ -17,6 +17,10 @@ pub trait Console: Sync {
     fn warn(&self, line: &str) {
         self.say(line);
     }
+    /// Returns true if a reader wants to follow what the solver does.
+    fn follows(&self) -> bool {
+        false
+    }
     /// Shows a progress bar.
     fn show(&self, bar: ProgressBar) -> ProgressBar {
         bar
@@ -27,9 +31,28 @@ pub trait Console: Sync {
     }
 }
 
+/// How much is said beside the report.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Verbosity {
+    /// Errors alone.
+    Quiet,
+    /// Notes and progress.
+    #[default]
+    Usual,
+    /// Notes, progress, and what the solver does.
+    Verbose,
+}
+
 /// Terminal: the report goes to stdout, all else to stderr.
-#[derive(Debug)]
-pub struct Terminal;
+#[derive(Debug, Default)]
+pub struct Terminal(pub Verbosity);
+
+impl Terminal {
+    /// Prints an error on stderr, however little is to be said. A line that cannot be written (`2>/dev/full`, a closed pipe) does not affect the work.
+    pub fn fail(line: &str) {
+        let _ = std::io::stderr().write_all(format!("{line}\n").as_bytes());
+    }
+}
 
 impl Console for Terminal {
     /// Prints on stdout; a closed pipe (`tactus check x.ron | head`) is the reader's choice, not an error.
@@ -40,9 +63,18 @@ impl Console for Terminal {
         }
     }
 
-    /// Prints a line on stderr. A line that cannot be written (`2>/dev/full`, a closed pipe) does not affect the work.
     fn say(&self, line: &str) {
-        let _ = std::io::stderr().write_all(format!("{line}\n").as_bytes());
+        if self.0 != Verbosity::Quiet {
+            Terminal::fail(line);
+        }
+    }
+
+    fn follows(&self) -> bool {
+        self.0 == Verbosity::Verbose
+    }
+
+    fn show(&self, bar: ProgressBar) -> ProgressBar {
+        if self.0 == Verbosity::Quiet { ProgressBar::hidden() } else { bar }
     }
 
     fn ends(&self) -> bool {

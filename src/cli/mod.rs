@@ -6,6 +6,7 @@ mod completions;
 mod console;
 mod dataset;
 mod eval;
+mod findings;
 mod fit;
 mod inspect;
 mod predict;
@@ -25,7 +26,7 @@ use std::sync::LazyLock;
 pub use bench::BenchArgs;
 pub use check::CheckArgs;
 pub use completions::{CompletionsArgs, ManArgs};
-pub use console::{Console, Terminal};
+pub use console::{Console, Terminal, Verbosity};
 pub use dataset::{DatasetArgs, DatasetCommand};
 pub use eval::EvalArgs;
 pub use fit::FitArgs;
@@ -47,9 +48,26 @@ pub const REFUSED: u8 = 2;
 #[derive(Debug, Parser)]
 #[command(name = "tactus", version, long_version = long_version(), arg_required_else_help = true)]
 pub struct Cli {
+    /// Say nothing beside the report: no notes, no progress. Errors are said.
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Say what the solver does: a line for each frame of a run.
+    #[arg(short, long, global = true)]
+    pub verbose: bool,
     /// Command to run.
     #[command(subcommand)]
     pub command: Command,
+}
+
+impl Cli {
+    /// Returns how much is said beside the report.
+    fn verbosity(&self) -> Verbosity {
+        match (self.quiet, self.verbose) {
+            (true, _) => Verbosity::Quiet,
+            (_, true) => Verbosity::Verbose,
+            _ => Verbosity::Usual,
+        }
+    }
 }
 
 /// Commands of tactus.
@@ -113,7 +131,7 @@ pub fn main() -> ExitCode {
             let text = error.to_string();
             let plain = text.starts_with("error:") || matches!(error, Error::Interrupted(_));
             let start = if plain { "" } else { "error: " };
-            Terminal.say(&format!("{start}{text}"));
+            Terminal::fail(&format!("{start}{text}"));
             ExitCode::from(REFUSED)
         }
     }
@@ -122,7 +140,7 @@ pub fn main() -> ExitCode {
 /// Prints the last message of a command that is ended in the middle of work that does not check the stop flag.
 fn last_words() {
     // Whoever asked for the end may have closed the terminal.
-    Terminal.say("\ninterrupted; files that were being written are as they were before");
+    Terminal::fail("\ninterrupted; files that were being written are as they were before");
 }
 
 /// Returns the error of a command; if an end was requested, it says what is kept.
@@ -140,7 +158,7 @@ fn on_terminal(cli: &Cli) -> Result<u8> {
     if !short {
         interrupt::on_signals(REFUSED, last_words)?;
     }
-    cli.command.run(&Terminal)
+    cli.command.run(&Terminal(cli.verbosity()))
 }
 
 impl Command {

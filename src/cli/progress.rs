@@ -1,6 +1,8 @@
 //! Observer of running grasps that moves a bar.
 
+use super::console::Console;
 use crate::error::Result;
+use crate::number::shown;
 use crate::record::Frame;
 use crate::run::{Observer, Outcome};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -8,21 +10,31 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Shows the progress of a run.
-pub struct RunProgress {
+pub struct RunProgress<'c> {
     bar: ProgressBar,
+    /// Console that wants a line for each frame, if there is one.
+    follower: Option<&'c dyn Console>,
     frames: usize,
     ended: AtomicUsize,
     clock: Instant,
 }
 
-impl RunProgress {
-    /// Returns an observer that moves `bar`: a step for each of the `frames` of a grasp.
-    pub fn new(bar: ProgressBar, frames: usize) -> Self {
+impl<'c> RunProgress<'c> {
+    /// Returns an observer that moves a bar on `console`, a step for each of the `frames` of each of the `grasps`, and says what was done for a
+    /// frame if a reader wants to follow.
+    pub fn new(console: &'c dyn Console, grasps: usize, frames: usize) -> Self {
+        let bar = console.show(ProgressBar::new((grasps * frames) as u64));
         // The template is a constant; if it were wrong the default style would do.
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} frame {pos}/{len}  {msg}  {elapsed}") {
             bar.set_style(style);
         }
-        Self { bar, frames, ended: AtomicUsize::new(0), clock: Instant::now() }
+        Self {
+            bar,
+            follower: console.follows().then_some(console),
+            frames,
+            ended: AtomicUsize::new(0),
+            clock: Instant::now(),
+        }
     }
 
     /// Returns the number of grasps that have ended, and removes the bar.
@@ -32,8 +44,27 @@ impl RunProgress {
     }
 }
 
-impl Observer for RunProgress {
-    fn frame(&self, _index: usize, _frame: &Frame) -> Result<()> {
+/// Describes a frame of grasp `grasp` in a line.
+fn line(grasp: usize, frame: &Frame) -> String {
+    let travel: Vec<String> = frame.travel.iter().map(|t| format!("{:.4}", t * 1e3)).collect();
+    format!(
+        "grasp {grasp} frame {}: {} N, travel {} mm, {} iterations, residual {:.1e} N, force balance {:.1e}, gap {:.2} um, det F from {:.3}",
+        frame.index,
+        shown(frame.applied_force),
+        travel.join(" and "),
+        frame.newton_iterations,
+        frame.residual,
+        frame.force_balance,
+        frame.min_gap * 1e6,
+        frame.min_det_f
+    )
+}
+
+impl Observer for RunProgress<'_> {
+    fn frame(&self, index: usize, frame: &Frame) -> Result<()> {
+        if let Some(console) = self.follower {
+            self.bar.suspend(|| console.say(&line(index, frame)));
+        }
         self.bar.inc(1);
         Ok(())
     }

@@ -7,7 +7,6 @@ use super::{Format, NOT_HELD, OK, kept, table};
 use crate::error::{Error, Result};
 use crate::scene::{Backend, LoadedSet, Overrides, Scene, load_set};
 use crate::simulate::Simulation;
-use indicatif::ProgressBar;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -158,7 +157,7 @@ fn run_object(
     let writer = out.map(|dir| simulation.record(dir, args.overwrite)).transpose()?;
     simulation.notices.iter().for_each(|notice| console.warn(&format!("note: {notice}")));
     let (grasps, frames) = (simulation.grasps.len(), simulation.model.levels.len());
-    let watch = RunProgress::new(console.show(ProgressBar::new((grasps * frames) as u64)), frames);
+    let watch = RunProgress::new(console, grasps, frames);
     let simulated = simulation.run(writer, args.sensitivity, &watch);
     let ended = watch.finish();
     let simulated = simulated.map_err(|error| {

@@ -18,11 +18,13 @@ pub fn render(scene: &Scene, grasps: &[(usize, GraspPose)], simulated: &Simulate
     if !scene.about.is_empty() {
         let _ = writeln!(out, "{}", scene.about);
     }
-    let pad = report.pads.first();
-    let (nodes, tets) = pad.map_or((0, 0), |p| (p.nodes, p.tets));
+    let mut sizes: Vec<String> =
+        report.pads.iter().map(|p| format!("{} nodes, {} tetrahedra", p.nodes, p.tets)).collect();
+    sizes.dedup();
+    let sizes = if sizes.is_empty() { "0 nodes, 0 tetrahedra".into() } else { sizes.join(", and of ") };
     let _ = writeln!(
         out,
-        "{} on {} thread{}; {} pad{} of {nodes} nodes, {tets} tetrahedra\n",
+        "{} on {} thread{}; {} pad{} of {sizes}\n",
         report.backend,
         report.threads,
         plural(report.threads),

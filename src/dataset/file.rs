@@ -94,7 +94,7 @@ fn attributes(builder: &mut FileBuilder, named: &NamedScene, model: &Model, scen
     for (name, value) in [
         ("young_pa", spec.young),
         ("poisson", spec.poisson),
-        ("gel_density_kg_m3", model.gel_density),
+        ("gel_density_kg_m3", model.fingers[0].gel_density),
         ("friction", named.scene.gripper.friction.get()),
         ("object_mass_kg", model.mass),
         ("opening_m", model.opening),

@@ -40,6 +40,7 @@ pub(super) struct PlannedPads {
 impl PlannedPads {
     /// Returns the pads of `scene`.
     pub fn of(scene: &Scene) -> Result<Self> {
+        scene.gripper.needs_alike("a data set")?;
         let model = Model::build(&scene.on_own_mesh())?;
         Ok(Self { sizes: FileSizes::of(&model, 0)?, bounds: model.finger()?.bounds() })
     }
@@ -52,7 +53,7 @@ impl Planned {
         // The data set holds all of these, whatever the scene records in a run.
         named.scene.record.fields = Field::USUAL.to_vec();
         let scene = &named.scene;
-        let pad_of = |scene: &Scene| (scene.gripper.pads.clone(), scene.gripper.fingers);
+        let pad_of = |scene: &Scene| (scene.gripper.pads.clone(), scene.gripper.right.clone(), scene.gripper.fingers);
         let own_pads = pad_of(scene) != pad_of(first);
         let pads = if own_pads || scene.loading != first.loading { PlannedPads::of(scene)? } else { pads.clone() };
         let mut grasps = grasps_of(scene)?;

@@ -79,6 +79,7 @@ impl EnvShared {
         let first = &set.first().ok_or_else(none)?.scene;
         let missing = || Error::Start("the scene has no `task: (...)`, which says what an agent does".into());
         let task = first.task.clone().ok_or_else(missing)?;
+        set.iter().try_for_each(|named| named.scene.gripper.needs_alike("a task"))?;
         let stepper = choose(first)?;
         let kinds =
             set.iter().map(|named| ObjectKind::new(named, &task, stepper.as_ref())).collect::<Result<Vec<_>>>()?;

@@ -36,6 +36,7 @@ impl<'a> PressRuns<'a> {
     /// # Errors
     /// Fails for a scene without a press, with several grasps or with weight.
     pub fn new(scene: &Scene, curve: &'a Curve, threads: usize) -> Result<Self> {
+        scene.gripper.needs_alike("a fit")?;
         let refused = |message: &str| Err(Error::Scene(format!("error: a fit {message}")));
         if !matches!(scene.loading, Loading::Press(_)) {
             return refused("needs a press; use loading: Press(depths: [...])");

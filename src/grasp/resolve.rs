@@ -95,8 +95,14 @@ pub fn sample_of(scene: &Scene, wanted: &Antipodal) -> Result<Sampled> {
     // Building the model says what was repaired.
     let mut notices = Vec::new();
     let object = object::build(&scene.object, &mut notices).map_err(|e| e.about("object.shape"))?;
-    let (pad, _) = pad::build(&scene.gripper.pads, &mut notices).map_err(|e| e.about("gripper.pads"))?;
     let gripper = &scene.gripper;
-    let hand = Hand::new(Aabb::of(pad.mesh.nodes), gripper);
-    antipodal::sample(wanted, &object, &hand, gripper.friction.get(), gripper.stroke.get())
+    let (mut nodes, mut friction) = (Vec::new(), f64::INFINITY);
+    for side in 0..if gripper.alike() { 1 } else { 2 } {
+        let own = gripper.like(side);
+        let (pad, _) = pad::build(&own.pads, &mut notices).map_err(|e| e.about("gripper.pads"))?;
+        nodes.extend(pad.mesh.nodes);
+        friction = friction.min(own.friction.get());
+    }
+    let hand = Hand::new(Aabb::of(nodes), gripper);
+    antipodal::sample(wanted, &object, &hand, friction, gripper.stroke.get())
 }

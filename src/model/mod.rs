@@ -2,14 +2,14 @@
 //!
 //! ```text
 //! Scene -> object.rs (shape, mass) --+
-//!       -> accuracy.rs (which mesh)  |
-//!       -> pad.rs (mesh, bodies) ----+-> Model -> every Environment
+//!       -> pads.rs (mesh, bodies) ---+-> Model -> every Environment
 //!       -> needs.rs (what to spawn) -+
 //! ```
 
 pub mod accuracy;
 pub mod dynamics;
 pub mod needs;
+mod pads;
 pub mod push;
 
 pub use dynamics::Dynamics;
@@ -17,21 +17,20 @@ pub use needs::Needs;
 pub use push::PushLoad;
 
 use crate::error::{Error, Result};
-use crate::geometry::mesh::quality::Quality;
+use crate::geometry::Aabb;
 use crate::geometry::shape::Shape;
 use crate::judge::Auditor;
-use crate::limits::{self, PadSize};
 use crate::mech::body::locking::locking_notice;
 use crate::mech::contact::Feature;
-use crate::mech::contact::law::ContactLaw;
-use crate::mech::material::{FixedCorotated, Linear, Material, NeoHookean};
+use crate::mech::material::Material;
 use crate::number::shown;
 use crate::observe::{Sense, SensedHand};
-use crate::part::{FingerModel, object, pad};
+use crate::part::{FingerModel, object};
 use crate::record::{PadReport, pad_name};
-use crate::scales::{self, CONTACT_FORCE};
-use crate::scene::{self, Fingers, Loading, ObjectMotion, Scene, StepperChoice};
+use crate::scene::{self, Loading, ObjectMotion, Scene, StepperChoice};
 use glam::DVec3;
+use pads::MeshedPads;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Everything about a scene that no grasp changes.
@@ -47,14 +46,12 @@ pub struct Model {
     pub features: Arc<[Feature]>,
     /// The fingers, left first.
     pub fingers: Vec<FingerModel>,
-    /// Mesh quality of a pad before mid-edge nodes; the same on both fingers.
-    pub quality: Quality,
-    /// The law of the gel.
+    /// Gap at which contact begins, m.
+    pub offset: f64,
+    /// Coefficient of friction of the left pad, and of the right one if it is alike.
+    pub friction: f64,
+    /// The law of the gel of the left pad, and of the right one if it is alike.
     pub material: Arc<dyn Material>,
-    /// Density of the gel, kg/m3.
-    pub gel_density: f64,
-    /// The contact law.
-    pub law: ContactLaw,
     /// Largest travel of a finger, m.
     pub stroke: f64,
     /// Distance of the open sensing faces, m.
@@ -86,8 +83,6 @@ pub struct Model {
     pub senses: Arc<[Box<dyn Sense>]>,
     /// Repairs and assumptions, one sentence each.
     pub notices: Vec<String>,
-    /// Notice to be read before the pads' stiffness is trusted.
-    pub pad_notice: Option<String>,
 }
 
 /// Force at which an object with weight is let go, over the last one.
@@ -101,44 +96,13 @@ impl Model {
     pub fn build(scene: &Scene) -> Result<Arc<Self>> {
         let mut notices = Vec::new();
         let object = object::build(&scene.object, &mut notices).map_err(|e| e.about("object.shape"))?;
-        let spec = scene.gripper.material.spec();
-        let material: Arc<dyn Material> = match spec.law {
-            scene::Law::NeoHookean => Arc::new(NeoHookean::new(spec.young, spec.poisson)),
-            scene::Law::Corotational => Arc::new(FixedCorotated::new(spec.young, spec.poisson)),
-            scene::Law::Linear => Arc::new(Linear::new(spec.young, spec.poisson)),
-        };
         let fem = match &scene.stepper {
             StepperChoice::Fem(fem) => *fem,
             StepperChoice::Gnn(_) => scene::Fem::default(),
         };
-        let sides = match scene.gripper.fingers {
-            Fingers::Both => 2,
-            Fingers::One => 1,
-            Fingers::None => 0,
-        };
-        let about_pads = |e: Error| e.about("gripper.pads");
-        let chosen = accuracy::choose(scene, &object)?;
-        notices.extend(chosen.iter().map(|choice| choice.why.clone()));
-        let pads = chosen.as_ref().map_or(&scene.gripper.pads, |choice| &choice.pads);
-        let finer = fem.mesh.and_then(|mesh| pads.finer(&mesh));
-        let pads = finer.as_ref().unwrap_or(pads);
-        let admit = |size: PadSize| {
-            let memory = limits::memory(scene, size, sides);
-            limits::admit(memory, size).map(|()| memory).map_err(about_pads)
-        };
-        let known = pad::size(pads, fem.element).map_err(about_pads)?.map(admit).transpose()?;
-        let (pad, quality) = pad::build(pads, &mut notices).map_err(about_pads)?;
-        let memory = known.map_or_else(|| admit(PadSize::of_pad(&pad, fem.element)), Ok)?;
-        let mut fingers = Vec::new();
-        if sides > 0 {
-            fingers.push(FingerModel::build(&pad, &scene.gripper, &fem, material.clone())?);
-        }
-        let others =
-            fingers.first().map(|first| (1..sides).map(|side| first.on(side, &scene.gripper)).collect::<Vec<_>>());
-        fingers.extend(others.into_iter().flatten());
+        let MeshedPads { fingers, memory, offset } = pads::build(scene, &object, &fem, &mut notices)?;
+        let sides = fingers.len();
         let mass = object.mass.volume * scene.object.density.get();
-        let thickness = fingers.first().map(|f| f.topology.thickness());
-        let offset = scales::contact_offset(thickness, object.bounding_radius);
         let dynamics = Dynamics::of(scene, &object, mass, offset);
         let squeeze = matches!(scene.loading, Loading::Squeeze(_));
         let force_driven = squeeze || dynamics.as_ref().is_some_and(Dynamics::squeezes);
@@ -154,8 +118,8 @@ impl Model {
         if levels.is_empty() {
             return Err(Error::Start("the loading has no recorded frame; give a press `depth` or `depths`".into()));
         }
-        if let (Loading::Press(_), Some(finger)) = (&scene.loading, fingers.first()) {
-            let (depth, thickness) = (levels.iter().copied().fold(0.0, f64::max), finger.topology.thickness());
+        if let (Loading::Press(_), Some(thickness)) = (&scene.loading, thinnest(&fingers)) {
+            let depth = levels.iter().copied().fold(0.0, f64::max);
             if depth >= thickness {
                 let [depth, thickness] = [depth, thickness].map(|v| shown(v * 1e3));
                 let message = format!("a press of {depth} mm goes through the pad, which is {thickness} mm thick");
@@ -166,9 +130,8 @@ impl Model {
         let free = scene.object.motion == ObjectMotion::Free;
         let needs = Needs::of(scene);
         // Friction makes the answer depend on the path of a quasi-static load, nothing else does.
-        let depends = scene.gripper.friction.get() > 0.0 && dynamics.is_none() && !fingers.is_empty();
-        let audit =
-            || Arc::new(Auditor::new(&scene.promises(), &scene.object, &object, &fingers, (offset, spec.density)));
+        let depends = needs.friction && dynamics.is_none() && !fingers.is_empty();
+        let audit = || Arc::new(Auditor::new(&scene.promises(), &scene.object, &object, &fingers, offset));
         let auditor = needs.audit.then(audit);
         let stroke = scene.gripper.stroke.get();
         let hand = SensedHand { fingers: &fingers, stroke, force: f64::INFINITY };
@@ -179,12 +142,10 @@ impl Model {
             mass,
             free,
             features: object::features(&object, spacing, offset)?,
-            pad_notice: fingers.first().and_then(|f| locking_notice(&f.body)),
             fingers,
-            quality,
-            law: ContactLaw::new(spec.young, spacing, scene.gripper.friction.get(), offset),
-            material,
-            gel_density: spec.density,
+            offset,
+            friction: scene.gripper.friction.get(),
+            material: pads::law(scene.gripper.material.spec()),
             stroke,
             opening: scene.gripper.opening.get(),
             gravity: scene.gravity.map(|g| g.dvec3()).filter(|g| *g != DVec3::ZERO),
@@ -207,7 +168,8 @@ impl Model {
     /// Returns the model of the same scene with these forces per finger, N, in place of those of its squeeze `loading`, and this coefficient of
     /// friction.
     pub fn under(&self, loading: &Loading, levels: Vec<f64>, friction: f64) -> Self {
-        let mut model = Self { levels, law: ContactLaw { friction, ..self.law }, ..self.clone() };
+        let mut model = Self { levels, friction, ..self.clone() };
+        model.fingers.iter_mut().for_each(|finger| finger.law.friction = friction);
         model.release = model.released_at(loading);
         model
     }
@@ -222,12 +184,28 @@ impl Model {
                 nodes: f.body.rest.len(),
                 tets: f.body.element_count(),
                 element: f.element.clone(),
-                notice: self.pad_notice.clone(),
+                notice: locking_notice(&f.body),
             })
             .collect()
     }
 
-    /// The first finger; its pad is like that of the others.
+    /// Returns notices to be read before the pads' stiffness is trusted.
+    pub fn pad_notices(&self) -> BTreeSet<String> {
+        self.fingers.iter().filter_map(|f| locking_notice(&f.body)).collect()
+    }
+
+    /// Returns true if all pads are the same.
+    pub fn alike(&self) -> bool {
+        self.fingers.windows(2).all(|pair| Arc::ptr_eq(&pair[0].topology, &pair[1].topology))
+    }
+
+    /// Returns the box around all pads at rest, pad frame, m; None without fingers.
+    pub fn pad_bounds(&self) -> Option<Aabb> {
+        let pads = self.fingers.iter().map(FingerModel::bounds);
+        pads.reduce(|a, b| Aabb { min: a.min.min(b.min), max: a.max.max(b.max) })
+    }
+
+    /// The first finger; its pad is like that of the others, if they are alike.
     ///
     /// # Errors
     /// Fails for a scene without fingers.
@@ -239,9 +217,9 @@ impl Model {
         })
     }
 
-    /// Thickness of the pads, m; zero without fingers.
+    /// Thickness of the pads, of the thinner one if they differ, m; zero without fingers.
     pub fn thickness(&self) -> f64 {
-        self.fingers.first().map_or(0.0, |f| f.topology.thickness())
+        thinnest(&self.fingers).unwrap_or(0.0)
     }
 
     /// Part of the push that acts in frame `frame`; zero without one.
@@ -254,9 +232,9 @@ impl Model {
         self.force_driven && self.free && self.dynamics.is_none()
     }
 
-    /// Force per finger that turns single points of contact into patches, N: `0.02 E t^2`.
+    /// Force per finger that turns single points of contact into patches on every pad, N.
     pub fn contact_force(&self) -> f64 {
-        CONTACT_FORCE * self.material.moduli().young * self.thickness().powi(2)
+        self.fingers.iter().map(FingerModel::contact_force).fold(0.0, f64::max)
     }
 
     /// Force per finger at which a free object is let go, N, from what the scene says. If it says nothing, an object is let go
@@ -286,6 +264,11 @@ impl Model {
         let pose = if self.free { 6 } else { 0 };
         Unknowns { total: pads.iter().sum::<usize>() + travels + pose, pads, travels, pose }
     }
+}
+
+/// Returns the thickness of the thinnest pad, m.
+fn thinnest(fingers: &[FingerModel]) -> Option<f64> {
+    fingers.iter().map(|f| f.topology.thickness()).reduce(f64::min)
 }
 
 /// Number of unknowns of a scene.

@@ -45,7 +45,7 @@ impl Needs {
             stress: recorded(Field::Stress) || promises.iter().any(|e| matches!(e, Expectation::MaxStress(_))),
             contact_force: recorded(Field::ContactForce),
             gap: recorded(Field::Gap),
-            friction: scene.gripper.friction.get() > 0.0,
+            friction: [0, 1].iter().any(|side| scene.gripper.like(*side).friction.get() > 0.0),
             gravity: scene.gravity.is_some_and(|g| g.dvec3() != glam::DVec3::ZERO),
             tactile: !scene.record.tactile.is_empty(),
             slip: false,

@@ -2,18 +2,24 @@
 
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
+use crate::geometry::mesh::io::read_tri_mesh;
 use crate::geometry::mesh::quality::{Quality, quality};
 use crate::geometry::mesh::{quadratic, surface};
 use crate::geometry::pad::{self, Bonding, Density, PadMesh, Resolution};
 use crate::gripper::FingerPlacement;
 use crate::limits::PadSize;
 use crate::mech::body::{self, Body};
+use crate::mech::contact::law::ContactLaw;
 use crate::mech::contact::{ContactSurface, SurfaceFace};
 use crate::mech::material::Material;
 use crate::record::{self, PadTopology};
+use crate::scales::CONTACT_FORCE;
+use crate::scene::bonding::BondingRule;
+use crate::scene::pad::FilePad;
 use crate::scene::{self, Element, Gripper, Pads};
 use glam::DVec3;
 use std::collections::BTreeSet;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Finger: its pad in hand axes, and the data that the solver and the recorder need of it.
@@ -29,6 +35,12 @@ pub struct FingerModel {
     pub placement: FingerPlacement,
     /// Kind of element, for reports.
     pub element: String,
+    /// Mesh quality before mid-edge nodes.
+    pub quality: Quality,
+    /// Density of the gel, kg/m3.
+    pub gel_density: f64,
+    /// Law of the contact with the object.
+    pub law: ContactLaw,
 }
 
 impl FingerModel {
@@ -114,21 +126,37 @@ pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(PadMesh, Quality
 /// Mean ratio below which an element is named in a notice.
 const POOR: f64 = 0.1;
 
-fn read(file: &scene::pad::FilePad, notices: &mut Vec<String>) -> Result<PadMesh> {
+fn read(file: &FilePad, notices: &mut Vec<String>) -> Result<PadMesh> {
     let scale = file.scale.get();
-    let placement = pad::PadPlacement {
-        outward: file.outward.dvec3().normalize(),
-        across: file.across.map(|a| a.dvec3()),
-        // The reader bonds in the file's unit.
-        bonding: Bonding::AttachDistance(file.attach_distance.map_or(0.0, |d| d.get()) / scale),
-    };
-    let (mut pad, news) = pad::read_pad(&file.path, &placement, None)?;
+    let (bonding, listed) = bonding(file, notices)?;
+    let (outward, across) = (file.outward.dvec3().normalize(), file.across.map(|a| a.dvec3()));
+    let (mut pad, news) = pad::read_pad(&file.path, &pad::PadPlacement { outward, across, bonding }, listed)?;
     // The reader takes coordinates as metres, which `scale` says they are not.
     notices.extend(news.into_iter().filter(|n| scale == 1.0 || !n.contains("taken as metres")));
     pad.mesh.nodes.iter_mut().for_each(|p| *p *= scale);
-    let bonded = pad.bonded.iter().filter(|b| **b).count();
-    notices.push(format!("{}: {bonded} nodes are bonded to the finger", file.path.display()));
+    let (bonded, nodes) = (pad.bonded.iter().filter(|b| **b).count(), pad.bonded.len());
+    notices.push(format!("{}: {bonded} of {nodes} nodes are bonded to the finger", file.path.display()));
     Ok(pad)
+}
+
+/// Returns the rule that bonds the pad, in the unit of its file, and the file that lists nodes, if there is one.
+fn bonding<'f>(file: &'f FilePad, notices: &mut Vec<String>) -> Result<(Bonding, Option<&'f Path>)> {
+    let scale = file.scale.get();
+    let rule = match &file.bonded {
+        BondingRule::Plane(plane) => Bonding::Plane {
+            normal: plane.normal.map(|n| n.dvec3().normalize()),
+            offset: plane.offset.map(|offset| offset.get() / scale),
+            within: plane.within.map_or(0.0, |within| within.get() / scale),
+        },
+        BondingRule::NearMesh(core) => {
+            let (surface, news) = read_tri_mesh(&core.path)?;
+            notices.extend(news);
+            Bonding::Surface { surface: Arc::new(surface), within: core.within.get() / scale }
+        }
+        BondingRule::Nodes(nodes) => Bonding::Nodes(nodes.clone()),
+        BondingRule::NodesFile(path) => return Ok((Bonding::back(0.0), Some(path))),
+    };
+    Ok((rule, None))
 }
 
 impl FingerModel {
@@ -137,12 +165,19 @@ impl FingerModel {
         Aabb::of(self.topology.rest.iter().copied())
     }
 
-    /// Places `pad` on the left finger.
+    /// Places `pad` with its mesh quality on finger `side` (0 left, 1 right) of a gripper whose pads are all like it. Contact begins at the gap
+    /// `offset` (m).
     ///
     /// # Errors
     /// Fails for a pad without a free surface.
-    pub fn build(pad: &PadMesh, gripper: &Gripper, fem: &scene::Fem, material: Arc<dyn Material>) -> Result<Self> {
-        let placement = placement(0, gripper);
+    pub fn build(
+        (pad, quality): (&PadMesh, Quality),
+        side: usize,
+        gripper: &Gripper,
+        fem: &scene::Fem,
+        (material, offset): (Arc<dyn Material>, f64),
+    ) -> Result<Self> {
+        let placement = placement(side, gripper);
         let corner_count = pad.mesh.nodes.len();
         let (nodes, elements, bonded, mean_dilatation) = match fem.element {
             Element::Linear => {
@@ -169,7 +204,10 @@ impl FingerModel {
             (Element::Quadratic, true) => "quadratic, mean dilatation".into(),
             (Element::Quadratic, false) => "quadratic".into(),
         };
-        Ok(Self { body, surface, topology: Arc::new(topology), placement, element })
+        let spec = gripper.material.spec();
+        let law = ContactLaw::new(spec.young, surface.spacing, gripper.friction.get(), offset);
+        let topology = Arc::new(topology);
+        Ok(Self { body, surface, topology, placement, element, quality, gel_density: spec.density, law })
     }
 
     /// Returns this pad on finger `side` (0 left, 1 right): all data but the placement are shared.
@@ -177,8 +215,12 @@ impl FingerModel {
         let placement = placement(side, gripper);
         let rest: Vec<DVec3> = self.topology.rest.iter().map(|x| placement.place(*x)).collect();
         let surface = Arc::new(self.surface.placed(&rest));
-        let (topology, element) = (self.topology.clone(), self.element.clone());
-        Self { body: Arc::new(self.body.placed(rest)), surface, topology, placement, element }
+        Self { body: Arc::new(self.body.placed(rest)), surface, placement, ..self.clone() }
+    }
+
+    /// Returns the force that turns single points of contact into patches, N: `0.02 E t^2`.
+    pub fn contact_force(&self) -> f64 {
+        CONTACT_FORCE * self.body.material.moduli().young * self.topology.thickness().powi(2)
     }
 }
 

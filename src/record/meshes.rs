@@ -1,5 +1,5 @@
 //! `meshes.npz`: meshes that no frame of a run changes, written once, so that a run can be shown wherever its folder goes. It holds a pad
-//! (all are alike) and the object, as in the files of a data set.
+//! and the object, as in the files of a data set; of pads that differ it is not written.
 
 use super::arrays::{io_error, put};
 use super::check;
@@ -47,8 +47,11 @@ fn write_to(path: &Path, pad: &PadTopology, object: &TriMesh) -> io::Result<()> 
 pub fn read(dir: &Path) -> Result<(PadTopology, TriMesh)> {
     let path = dir.join(MESHES);
     let fail = |message: String| Error::file(&path, message);
-    let file = File::open(&path)
-        .map_err(|e| fail(format!("cannot be read: {e}; runs write it with `arrays.npz`: run the scene again")))?;
+    let file = File::open(&path).map_err(|e| {
+        fail(format!(
+            "cannot be read: {e}; runs of pads that are alike write it with `arrays.npz`: run the scene again"
+        ))
+    })?;
     let mut npz = NpzReader::new(file).map_err(|e| fail(format!("is no archive of arrays: {e}")))?;
     let mut archive = Archive { path: &path, npz: &mut npz };
     let rest = archive.points(&of_pad(names::REST))?;

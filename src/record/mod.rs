@@ -15,7 +15,6 @@
 //! time stamps: the same run writes the same bytes, apart from the wall times in `run.json`. Numbers are finite or refused ([`check`]).
 
 pub mod arrays;
-pub(crate) mod base64;
 pub mod check;
 pub mod csv;
 pub mod error_bound;

@@ -3,10 +3,10 @@
 //! Arrays are inline base64 (`format="binary"`), little-endian, each compressed by zlib as one block (`vtkZLibDataCompressor`). The file
 //! stays well-formed XML, which every reader accepts. Bytes depend on the data alone.
 
-use super::base64;
 use super::frame::{ElementNodes, Frame, PadTopology};
 use super::names;
 use crate::geometry::mesh::TriMesh;
+use base64::prelude::{BASE64_STANDARD, Engine};
 use flate2::{Compression, write::ZlibEncoder};
 use glam::DVec3;
 use std::fmt::Write as _;
@@ -147,9 +147,9 @@ fn array(out: &mut String, kind: &str, name: &str, components: usize, bytes: &[u
         0 => vec![0, 0, 0],
         size => vec![1, size, 0, packed.len() as u64],
     };
-    base64::encode_into(out, &header.iter().flat_map(|n: &u64| n.to_le_bytes()).collect::<Vec<u8>>());
+    BASE64_STANDARD.encode_string(header.iter().flat_map(|n: &u64| n.to_le_bytes()).collect::<Vec<u8>>(), out);
     if !bytes.is_empty() {
-        base64::encode_into(out, &packed);
+        BASE64_STANDARD.encode_string(&packed, out);
     }
     out.push_str("\n</DataArray>\n");
 }

@@ -1,6 +1,6 @@
 //! Arrays of the page: little-endian integers in base64, described by JSON.
 
-use crate::record::base64::encode_into;
+use base64::prelude::{BASE64_STANDARD, Engine};
 use serde_json::{Value, json};
 
 /// Packs numbers as 16-bit integers times `scale`: off by at most `scale / 2`, 1.6e-5 of the largest.
@@ -25,9 +25,7 @@ pub fn indices(shape: &[usize], values: &[u32]) -> Value {
 
 /// Encodes bytes in base64.
 pub fn base64(bytes: &[u8]) -> String {
-    let mut text = String::new();
-    encode_into(&mut text, bytes);
-    text
+    BASE64_STANDARD.encode(bytes)
 }
 
 #[cfg(test)]

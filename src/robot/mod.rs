@@ -1,9 +1,14 @@
 //! Parallel grippers of robots: where the pads of a description in URDF or MJCF stand, and how far its fingers slide.
 
+mod fem;
 mod mjcf;
+mod soft;
 mod urdf;
 
+pub use soft::SoftPad;
+
 use glam::{DQuat, DVec3};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Largest length, m, and sine by which two fingers of one gripper may differ: descriptions are written by hand.
@@ -50,12 +55,23 @@ pub struct Mount {
 /// Reads the description at `path`, URDF (`.urdf`) or MJCF (`.xml`), and finds the pads whose sensing faces are centred at the links `pads`,
 /// left first, on the hand whose base is the link `hand`; `approach` is the direction of the approach in its axes.
 ///
+/// Links of a URDF that have a `<fem>` are soft pads: then the sensing faces are where their meshes say, and the pads are returned, too.
+///
 /// # Errors
-/// Fails if the file cannot be read, lacks a link, or its fingers are no parallel gripper; the message says why.
-pub fn mount(path: &Path, hand: &str, pads: [&str; 2], approach: DVec3) -> Result<Mount, String> {
-    let links = match path.extension().and_then(|e| e.to_str()) {
-        Some("urdf") => urdf::read(path)?,
-        Some("xml") => mjcf::read(path)?,
+/// Fails if the file cannot be read, lacks a link, its fingers are no parallel gripper, or a soft pad cannot be read or bonded; the message
+/// says why.
+pub fn mount(
+    path: &Path,
+    hand: &str,
+    pads: [&str; 2],
+    approach: DVec3,
+) -> Result<(Mount, Option<[SoftPad; 2]>), String> {
+    let (links, collisions, soft) = match path.extension().and_then(|e| e.to_str()) {
+        Some("urdf") => {
+            let (links, collisions) = urdf::read(path)?;
+            (links, collisions, fem::read(path)?)
+        }
+        Some("xml") => (mjcf::read(path)?, Vec::new(), BTreeMap::new()),
         _ => return Err("is no description of a robot; allowed: URDF (.urdf), MJCF (.xml)".into()),
     };
     let find = |name: &str| {
@@ -67,28 +83,45 @@ pub fn mount(path: &Path, hand: &str, pads: [&str; 2], approach: DVec3) -> Resul
         links.iter().position(|link| link.name == name).ok_or_else(none)
     };
     let base = find(hand)?;
-    let finger = |name: &str| Finger::of(&links, base, find(name)?).map_err(|m| format!("{name:?} {m} {hand:?}"));
-    gripper([finger(pads[0])?, finger(pads[1])?], approach)
+    let ends = [find(pads[0])?, find(pads[1])?];
+    let finger = |side: usize, face: DVec3| {
+        Finger::of(&links, base, (ends[side], face)).map_err(|m| format!("{:?} {m} {hand:?}", pads[side]))
+    };
+    let tags = match pads.map(|name| soft.get(name)) {
+        [Some(left), Some(right)] => [left, right],
+        [None, None] => return Ok((gripper([finger(0, DVec3::ZERO)?, finger(1, DVec3::ZERO)?], approach)?, None)),
+        _ => return Err(format!("has a <fem> for one of the links {:?} and {:?}, not for both", pads[0], pads[1])),
+    };
+    let fingers = [finger(0, tags[0].position)?, finger(1, tags[1].position)?];
+    let closing = closing(&fingers);
+    let place = |side: usize, closing: DVec3| {
+        let to_link = fingers[side].rotation.inverse();
+        soft::place(path, (&links, &collisions), ends[side], tags[side], [to_link * closing, to_link * approach])
+    };
+    let ((left, left_face), (right, right_face)) = (place(0, closing)?, place(1, -closing)?);
+    Ok((gripper([finger(0, left_face)?, finger(1, right_face)?], approach)?, Some([left, right])))
 }
 
 /// Centre of a sensing face in the axes of the hand.
 struct Finger {
     /// Position with the joint at zero, m.
     position: DVec3,
+    /// Rotation from the axes of its link to those of the hand.
+    rotation: DQuat,
     /// Direction in which its joint slides.
     direction: DVec3,
     range: [f64; 2],
 }
 
 impl Finger {
-    /// Follows the links from `pad` up to `base`. The message of an error is about the pad, and ends before the name of the hand.
-    fn of(links: &[Link], base: usize, pad: usize) -> Result<Self, &'static str> {
-        let (mut at, mut position, mut slides) = (pad, DVec3::ZERO, None);
+    /// Follows the links from `pad` up to `base`; the centre of the face is at `face` in the axes of `pad`, m. The message of an error is about the pad, and ends before the name of the hand.
+    fn of(links: &[Link], base: usize, (pad, face): (usize, DVec3)) -> Result<Self, &'static str> {
+        let (mut at, mut position, mut rotation, mut slides) = (pad, face, DQuat::IDENTITY, None);
         // A description whose links carry each other in a circle ends, too.
         for _ in 0..=links.len() {
             if at == base {
                 let (direction, range) = slides.ok_or("does not slide on")?;
-                return Ok(Self { position, direction, range });
+                return Ok(Self { position, rotation, direction, range });
             }
             let link = &links[at];
             match (link.joint, slides) {
@@ -98,6 +131,7 @@ impl Finger {
                 (Joint::Other, _) => return Err("moves by a joint that does not slide on"),
             }
             position = link.rotation * position + link.position;
+            rotation = link.rotation * rotation;
             slides = slides.map(|(direction, range)| (link.rotation * direction, range));
             at = link.parent.ok_or("is not carried by")?;
         }
@@ -116,11 +150,16 @@ impl Finger {
     }
 }
 
-/// Returns the pads of two fingers, the left one first.
-fn gripper([left, right]: [Finger; 2], approach: DVec3) -> Result<Mount, String> {
+/// Returns the direction in which the left one of two fingers closes, hand frame.
+fn closing([left, right]: &[Finger; 2]) -> DVec3 {
     // With the joints at zero the pads may stand behind each other.
     let apart = right.amid() - left.amid();
-    let closing = left.direction * if apart.dot(left.direction) < 0.0 { -1.0 } else { 1.0 };
+    left.direction * if apart.dot(left.direction) < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// Returns the pads of two fingers, the left one first.
+fn gripper(fingers: [Finger; 2], approach: DVec3) -> Result<Mount, String> {
+    let (closing, [left, right]) = (closing(&fingers), fingers);
     if left.direction.cross(right.direction).length() > SLACK {
         return Err(format!(
             "the fingers slide along {} and {}; they must be parallel",

@@ -1,13 +1,18 @@
-//! Links of a robot in URDF.
+//! Links of a robot in URDF, and their shapes.
 
 use super::{Joint, Link};
 use glam::{DQuat, DVec3, EulerRot};
+use roxmltree::Document;
 use std::path::Path;
-use urdf_rs::JointType;
+use urdf_rs::{Collision, JointType};
 
-/// Reads the links of a file.
-pub(super) fn read(path: &Path) -> Result<Vec<Link>, String> {
-    let robot = urdf_rs::read_file(path).map_err(|e| format!("is no readable URDF: {e}"))?;
+/// Reads the links of a file, and of each the shapes that it collides with.
+pub(super) fn read(path: &Path) -> Result<(Vec<Link>, Vec<Vec<Collision>>), String> {
+    let unreadable = |e: urdf_rs::UrdfError| match misspelt(path) {
+        Some(culprit) => format!("is no readable URDF: {culprit}"),
+        None => format!("is no readable URDF: {e}"),
+    };
+    let robot = urdf_rs::read_file(path).map_err(unreadable)?;
     let root = |link: &urdf_rs::Link| Link {
         name: link.name.clone(),
         parent: None,
@@ -34,5 +39,20 @@ pub(super) fn read(path: &Path) -> Result<Vec<Link>, String> {
             _ => Joint::Other,
         };
     }
-    Ok(links)
+    Ok((links, robot.links.into_iter().map(|link| link.collision).collect()))
+}
+
+/// Returns the first attribute of a file that begins like a number and is none, with its line: `urdf-rs` says neither.
+fn misspelt(path: &Path) -> Option<String> {
+    let text = std::fs::read_to_string(path).ok()?;
+    let document = Document::parse(&text).ok()?;
+    let attributes = document.descendants().flat_map(|node| node.attributes());
+    let mut numbers = attributes.filter(|a| !["name", "link", "joint", "filename"].contains(&a.name()));
+    let wrong = |value: &str| {
+        let begins = value.trim_start().starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+        begins && value.split_whitespace().any(|word| word.parse::<f64>().is_err())
+    };
+    let found = numbers.find(|a| wrong(a.value()))?;
+    let line = document.text_pos_at(found.range().start).row;
+    Some(format!("line {line}: {}={:?} is no number", found.name(), found.value()))
 }

@@ -1,5 +1,6 @@
 //! Execution of the grasps of a scene, several at once, with the same bits on any number of threads.
 
+pub mod effort;
 pub mod grasp_files;
 mod motion;
 pub mod recorder;

@@ -1,5 +1,6 @@
 //! Checks across fields, which no single value can make.
 
+use super::bonding::{BondingPlane, BondingRule};
 use super::expect::{Bounds, Expectation};
 use super::grasps::Grasps;
 use super::gripper::Fingers;
@@ -42,6 +43,9 @@ pub(super) fn objects(part: &ScenePart, shared: usize) -> Result<(), Problem> {
         if !matches!(part.loading, Some(Loading::Squeeze(_)) | None) {
             return refuse("loading", "a universe draws forces\nallowed: Squeeze(force: ..., frames: ...)");
         }
+        if part.gripper.as_ref().is_some_and(|gripper| gripper.right.is_some()) {
+            return refuse("gripper.right", "a universe draws pads that are alike\nleave it out");
+        }
         return universe.problem().map_or(Ok(()), |(path, message)| refuse(path, message));
     }
     let Some(objects) = &part.objects else { return Ok(()) };
@@ -82,8 +86,9 @@ pub(super) fn check(scene: &Scene) -> Result<(), Problem> {
             "only the surface of a file is repaired\nleave it out, or give `shape: Mesh(\"file\")`",
         );
     }
-    pads(&scene.gripper.pads)?;
-    if scene.finer_mesh().is_some() && matches!(scene.gripper.pads, Pads::File(_)) {
+    gripper(scene)?;
+    if scene.finer_mesh().is_some() && [0, 1].iter().any(|side| matches!(scene.gripper.like(*side).pads, Pads::File(_)))
+    {
         return refuse("stepper.mesh", "pads of a file have no other mesh than theirs\nleave it out");
     }
     grasps(&scene.grasps)?;
@@ -183,29 +188,54 @@ fn profile(r: &Revolve) -> Result<(), Problem> {
 /// Smallest thickness and width of a pad, m: far below any gel.
 const PAD: f64 = 1e-5;
 
-fn pads(pads: &Pads) -> Result<(), Problem> {
+/// Checks the pads of both fingers, and that nothing reads pads that differ as if they were alike.
+fn gripper(scene: &Scene) -> Result<(), Problem> {
+    let gripper = &scene.gripper;
+    pads(&gripper.pads, "gripper.pads")?;
+    let Some(right) = &gripper.right else { return Ok(()) };
+    right.pads.as_ref().map_or(Ok(()), |own| pads(own, "gripper.right.pads"))?;
+    if gripper.fingers != Fingers::Both {
+        return refuse("gripper.right", "there is no right finger\nleave it out, or use fingers: Both");
+    }
+    if !gripper.alike() && !scene.record.tactile.is_empty() {
+        return refuse(
+            "record.tactile",
+            "tactile images are of two pads that are alike\nleave it out, or `right` in gripper",
+        );
+    }
+    Ok(())
+}
+
+fn pads(pads: &Pads, at: &str) -> Result<(), Problem> {
     let too_small = |field: &str, length: f64| {
         let message = format!("{} m is too small for a pad\nallowed: at least {} m", shown(length), shown(PAD));
-        refuse(format!("gripper.pads.{field}"), message)
+        refuse(format!("{at}.{field}"), message)
     };
     match pads {
         Pads::Box(b) if b.size.size().min_element() < PAD => too_small("size", b.size.size().min_element()),
         Pads::Disc(d) if d.radius.get() < PAD => too_small("radius", d.radius.get()),
         Pads::Disc(d) if d.thickness.get() < PAD => too_small("thickness", d.thickness.get()),
         Pads::Box(b) if b.cells.is_some() && b.spacing.is_some() => {
-            refuse("gripper.pads.cells", "cells and spacing are both given\ngive one of them")
+            refuse(format!("{at}.cells"), "cells and spacing are both given\ngive one of them")
         }
         Pads::GelSightMini(GelSightMini { spacing: Some(_), accuracy: Some(_), .. })
         | Pads::Box(BoxPad { spacing: Some(_), accuracy: Some(_), .. })
         | Pads::Disc(DiscPad { spacing: Some(_), accuracy: Some(_), .. }) => {
-            refuse("gripper.pads.accuracy", "accuracy and spacing are both given\ngive one of them")
+            refuse(format!("{at}.accuracy"), "accuracy and spacing are both given\ngive one of them")
         }
         Pads::Box(BoxPad { cells: Some(_), accuracy: Some(_), .. }) => {
-            refuse("gripper.pads.accuracy", "accuracy and cells are both given\ngive one of them")
+            refuse(format!("{at}.accuracy"), "accuracy and cells are both given\ngive one of them")
         }
         Pads::File(f) if f.outward.dvec3().length() < 1e-9 => {
-            refuse("gripper.pads.outward", "a direction of length zero\n(0, 0, 1) is along +z of the file")
+            refuse(format!("{at}.outward"), "a direction of length zero\n(0, 0, 1) is along +z of the file")
         }
+        Pads::File(f) => match &f.bonded {
+            BondingRule::Plane(BondingPlane { normal: Some(normal), .. }) if normal.dvec3().length() < 1e-9 => refuse(
+                "gripper.pads.bonded.normal",
+                "a direction of length zero\nleave it out for the opposite of outward",
+            ),
+            _ => Ok(()),
+        },
         _ => Ok(()),
     }
 }

@@ -4,8 +4,9 @@ use super::convention::HandAxis;
 use super::defaults;
 use super::leaf::{Finite, Length, NonNegative};
 use super::material::MaterialChoice;
-use super::pad::Pads;
-use crate::robot::Mount;
+use super::pad::{FilePad, Pads};
+use crate::error::Error;
+use crate::robot::{Mount, SoftPad};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -13,7 +14,7 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Gripper {
-    /// Soft pads, the same on both fingers.
+    /// Soft pads, the same on both fingers unless `right` says otherwise.
     pub pads: Pads,
     /// Material of the pads.
     pub material: MaterialChoice,
@@ -23,6 +24,9 @@ pub struct Gripper {
     pub stroke: Length,
     /// Coefficient of Coulomb friction between pad and object; zero is frictionless.
     pub friction: NonNegative,
+    /// Pad, material and friction of the right finger, where they differ from those above, which are then of the left one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub right: Option<RightFinger>,
     /// Position of the pads in the hand frame.
     pub placement: Placement,
     /// Choice of the fingers that carry a pad and move.
@@ -40,6 +44,7 @@ impl Default for Gripper {
             opening: defaults::OPENING,
             stroke: defaults::STROKE,
             friction: defaults::FRICTION,
+            right: None,
             placement: Placement::default(),
             fingers: Fingers::default(),
             robot: None,
@@ -63,15 +68,65 @@ pub struct Robot {
     pub approach: HandAxis,
 }
 
+/// Right finger of a gripper whose two pads differ; what is left out is as on the left.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RightFinger {
+    /// Soft pad.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pads: Option<Pads>,
+    /// Material of the pad.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<MaterialChoice>,
+    /// Coefficient of Coulomb friction between pad and object; zero is frictionless.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<NonNegative>,
+}
+
 impl Gripper {
-    /// Takes opening, stroke and placement of the pads from the description of its robot.
+    /// Returns the gripper whose fingers are both like finger `side` of this one (0 left, 1 right).
+    pub fn like(&self, side: usize) -> Self {
+        let mut gripper = Self { right: None, ..self.clone() };
+        if let (Some(right), 1) = (&self.right, side) {
+            gripper.pads = right.pads.clone().unwrap_or(gripper.pads);
+            gripper.material = right.material.unwrap_or(gripper.material);
+            gripper.friction = right.friction.unwrap_or(gripper.friction);
+        }
+        gripper
+    }
+
+    /// Returns true if both fingers have the same pad, material and friction.
+    pub fn alike(&self) -> bool {
+        self.right.is_none() || self.like(0) == self.like(1)
+    }
+
+    /// Refuses fingers that differ for `what` (a noun with its article), which knows them alike only.
+    ///
+    /// # Errors
+    /// Fails if they differ.
+    pub fn needs_alike(&self, what: &str) -> Result<(), Error> {
+        let refused = || Error::Start(format!("{what} takes two pads that are alike; leave `right` out"));
+        if self.alike() { Ok(()) } else { Err(refused().about("gripper.right")) }
+    }
+
+    /// Takes opening, stroke and placement of the pads from the description of its robot, and `soft` pads, if it has them.
     ///
     /// # Errors
     /// Fails if a number is none that the scene could give.
-    pub(super) fn take_over(&mut self, mount: &Mount) -> Result<(), String> {
+    pub(super) fn take_over(&mut self, mount: &Mount, soft: Option<[SoftPad; 2]>) -> Result<(), String> {
         (self.opening, self.stroke) = (Length::new(mount.opening)?, Length::new(mount.stroke)?);
         self.placement = Placement { y: Finite::new(mount.y)?, z: Finite::new(mount.z)? };
         self.robot = None;
+        let Some([left, right]) = soft else { return Ok(()) };
+        (self.pads, self.material) = (Pads::File(FilePad::of_robot(&left)?), MaterialChoice::of_robot(&left)?);
+        self.right = Some(RightFinger {
+            pads: Some(Pads::File(FilePad::of_robot(&right)?)),
+            material: Some(MaterialChoice::of_robot(&right)?),
+            friction: self.right.take().and_then(|right| right.friction),
+        });
+        if self.alike() {
+            self.right = None;
+        }
         Ok(())
     }
 }

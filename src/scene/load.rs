@@ -1,5 +1,6 @@
 //! Reads a scene file with its includes: `path -> Scene`, or one error that shows the line and says what is allowed.
 
+use super::bonding::BondingRule;
 use super::check;
 use super::diagnose::{Diagnosis, clipped, explain};
 use super::grasps::Grasps;
@@ -407,22 +408,41 @@ fn resolve_paths(part: &mut ScenePart, dir: &Path, text: &str) -> std::result::R
         Grasps::File(grasps) => file(&mut grasps.path, format!("{field}.path")),
         _ => Ok(()),
     };
+    let pads = |pads: &mut Pads, field: String| {
+        let Pads::File(pad) = pads else { return Ok(()) };
+        file(&mut pad.path, format!("{field}.path"))?;
+        match &mut pad.bonded {
+            BondingRule::NearMesh(mesh) => file(&mut mesh.path, format!("{field}.bonded.path")),
+            BondingRule::NodesFile(path) => file(path, format!("{field}.bonded")),
+            BondingRule::Plane(_) | BondingRule::Nodes(_) => Ok(()),
+        }
+    };
     let gripper = |gripper: &mut Gripper, field: &str| {
-        if let Pads::File(pad) = &mut gripper.pads {
-            file(&mut pad.path, format!("{field}.pads.path"))?;
+        pads(&mut gripper.pads, format!("{field}.pads"))?;
+        if let Some(own) = gripper.right.as_mut().and_then(|right| right.pads.as_mut()) {
+            pads(own, format!("{field}.right.pads"))?;
         }
         let Some(mut robot) = gripper.robot.take() else { return Ok(()) };
         file(&mut robot.path, format!("{field}.robot.path"))?;
         let outline = Outline::of(text);
-        for name in ["opening", "stroke", "placement"] {
+        let given = |name: &&&str| {
             let field = format!("{field}.{name}");
-            if outline.find(&field).is_some_and(|entry| outline.path(entry) == field) {
-                return Err((field, format!("the robot says what the {name} is; leave one of them out")));
+            outline.find(&field).is_some_and(|entry| outline.path(entry) == field)
+        };
+        let twice = |names: &[&str]| match names.iter().find(given) {
+            Some(name) => {
+                let message = format!("the robot says what the {name} is; leave one of them out");
+                Err((format!("{field}.{name}"), message))
             }
-        }
+            None => Ok(()),
+        };
+        twice(&["opening", "stroke", "placement"])?;
         let pads = [robot.pads.0.as_str(), robot.pads.1.as_str()];
-        let mount = mount(&robot.path, &robot.hand, pads, robot.approach.vector());
-        let taken = mount.and_then(|mount| gripper.take_over(&mount));
+        let mounted = mount(&robot.path, &robot.hand, pads, robot.approach.vector());
+        if let Ok((_, Some(_))) = &mounted {
+            twice(&["pads", "material", "right.pads", "right.material"])?;
+        }
+        let taken = mounted.and_then(|(mount, soft)| gripper.take_over(&mount, soft));
         taken.map_err(|message| (format!("{field}.robot"), format!("{}: {message}", robot.path.display())))
     };
     part.object.as_mut().map_or(Ok(()), |o| object(o, "object"))?;

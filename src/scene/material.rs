@@ -2,6 +2,7 @@
 
 use super::defaults;
 use super::leaf::{Modulus, Poisson, Positive};
+use crate::robot::SoftPad;
 use serde::de::{Deserializer, Error as _};
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -170,6 +171,17 @@ impl MaterialChoice {
             Law::Corotational => MaterialChoice::Corotational(elastic),
             Law::Linear => MaterialChoice::Linear(elastic),
         })
+    }
+}
+
+impl MaterialChoice {
+    /// Returns the gel of a robot's pad: corotated linear elasticity, as Isaac Gym has it.
+    pub(super) fn of_robot(pad: &SoftPad) -> Result<Self, String> {
+        Ok(MaterialChoice::Corotational(Elastic {
+            young: Modulus::new(pad.young)?,
+            poisson: Poisson::new(pad.poisson)?,
+            density: pad.density.map_or(Ok(defaults::GEL_DENSITY), Positive::new)?,
+        }))
     }
 }
 

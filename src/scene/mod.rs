@@ -8,6 +8,7 @@
 //!                    any refusal -> diagnose: message, file:line:column, caret, what is allowed
 //! ```
 
+pub mod bonding;
 mod check;
 pub mod convention;
 pub mod defaults;
@@ -44,7 +45,7 @@ pub use convention::{Convention, HandAxis, QuaternionOrder};
 pub use dynamic::Dynamic;
 pub use expect::Expectation;
 pub use grasps::{Antipodal, GraspCount, GraspFile, Grasps, Pose, Select};
-pub use gripper::{Fingers, Gripper, Placement, Robot};
+pub use gripper::{Fingers, Gripper, Placement, RightFinger, Robot};
 pub use ground::Ground;
 pub use load::{Loaded, LoadedSet, from_json, from_ron, load, load_object, load_seeded, load_set, recheck, to_ron};
 pub use loading::{Loading, Press, Squeeze};

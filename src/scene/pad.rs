@@ -1,10 +1,12 @@
 //! Soft pads, generated or read from a file.
 
+use super::bonding::BondingRule;
 use super::defaults;
 use super::either::{PathOrFields, path_or_fields};
-use super::leaf::{Count, Depth, Fraction, Length, Positive, Ratio};
+use super::leaf::{Count, Fraction, Length, Positive, Ratio};
 use super::stepper::FinerMesh;
 use super::vector::{Cells, Size, Tuple, Vec3};
+use crate::robot::SoftPad;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::path::PathBuf;
 
@@ -18,7 +20,7 @@ pub enum Pads {
     Box(BoxPad),
     /// Round disc.
     Disc(DiscPad),
-    /// Tetrahedral mesh: `.tet`, `.msh` or `.mesh`.
+    /// Tetrahedral mesh from a file.
     File(FilePad),
 }
 
@@ -206,15 +208,28 @@ pub struct FilePad {
     /// Factor from the file's unit to metres.
     #[serde(default = "defaults::pad_scale")]
     pub scale: Positive,
-    /// Distance from the back plane within which nodes are bonded to the finger, m. None bonds the nodes on the plane
-    /// only.
+    /// Rule for the nodes that are bonded to the finger; by default those on the back plane.
     #[serde(default)]
-    pub attach_distance: Option<Depth>,
+    pub bonded: BondingRule,
+}
+
+impl FilePad {
+    /// Returns the pad of a robot.
+    pub(super) fn of_robot(pad: &SoftPad) -> Result<Self, String> {
+        Ok(Self {
+            path: pad.mesh.clone(),
+            outward: Vec3::of(pad.outward)?,
+            across: Some(Vec3::of(pad.across)?),
+            scale: Positive::new(pad.scale)?,
+            bonded: BondingRule::Nodes(pad.bonded.clone()),
+        })
+    }
 }
 
 impl<'de> PathOrFields<'de> for FilePad {
     fn from_path(path: PathBuf) -> Self {
-        Self { path, outward: defaults::PAD_OUTWARD, across: None, scale: defaults::PAD_SCALE, attach_distance: None }
+        let bonded = BondingRule::default();
+        Self { path, outward: defaults::PAD_OUTWARD, across: None, scale: defaults::PAD_SCALE, bonded }
     }
     fn from_fields<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         Self::deserialize(deserializer)

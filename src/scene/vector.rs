@@ -28,6 +28,13 @@ impl Vec3 {
     pub fn dvec3(self) -> DVec3 {
         DVec3::from_array(self.0.map(Finite::get))
     }
+    /// Returns the tuple of a glam vector.
+    ///
+    /// # Errors
+    /// Fails if a component is not finite.
+    pub(super) fn of(v: DVec3) -> Result<Self, String> {
+        Ok(Tuple([Finite::new(v.x)?, Finite::new(v.y)?, Finite::new(v.z)?]))
+    }
     pub(crate) const fn preset3(x: f64, y: f64, z: f64) -> Self {
         Tuple([Finite::preset(x), Finite::preset(y), Finite::preset(z)])
     }

@@ -2,13 +2,15 @@
 
 use crate::shared_data::data;
 use std::fs;
+use std::sync::Arc;
 
 use glam::DVec3;
-use tactus::geometry::mesh::{TetMesh, io};
+use tactus::geometry::mesh::{TetMesh, TriMesh, io};
 use tactus::geometry::pad::{self, Bonding, PadMesh, PadPlacement, Resolution};
+use tactus::geometry::shape::ShapeKind;
 
 fn placement(outward: DVec3, attach_distance: f64) -> PadPlacement {
-    PadPlacement { outward, across: None, bonding: Bonding::AttachDistance(attach_distance) }
+    PadPlacement { outward, across: None, bonding: Bonding::back(attach_distance) }
 }
 
 fn count(pad: &PadMesh) -> usize {
@@ -64,6 +66,38 @@ fn unusable_placements_are_refused() {
     assert!(message(nodes(vec![45])).contains("allowed: 0..=44"));
     assert!(message(nodes((30..45).collect())).contains("no free face of the pad looks along outward"));
     assert!(pad::from_mesh(TetMesh::default(), &placement(DVec3::Z, 0.0)).is_err());
+}
+
+/// A plane, the surface of what carries the gel and a list say the same in three ways.
+#[test]
+fn every_rule_bonds_the_back() {
+    let pad = small();
+    // An open plate 1 mm behind the back face at z = -4 mm.
+    let corners = [(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)].map(|(x, y)| DVec3::new(x, y, -5e-3));
+    let plate = Arc::new(TriMesh { vertices: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]] });
+    // A closed slab about the whole pad.
+    let slab =
+        ShapeKind::Cuboid { size: DVec3::new(0.2, 0.2, 10e-3), edge_radius: 0.0 }.build(8).expect("slab").surface;
+    let bonded = |bonding: Bonding| {
+        pad::from_mesh(pad.mesh.clone(), &PadPlacement { bonding, ..placement(DVec3::Z, 0.0) }).map(|pad| pad.bonded)
+    };
+    let plane = |offset: f64, within: f64| Bonding::Plane { normal: Some(DVec3::NEG_Z), offset: Some(offset), within };
+    let back: Vec<usize> = (0..45).filter(|i| pad.bonded[*i]).collect();
+    for (name, rule) in [
+        ("behind a plane", plane(3e-3, 0.0)),
+        ("in front of a plane", plane(5e-3, 1e-3)),
+        ("near an open surface", Bonding::Surface { surface: plate.clone(), within: 1e-3 }),
+        ("listed", Bonding::Nodes(back)),
+    ] {
+        assert_eq!(bonded(rule).expect(name), pad.bonded, "{name}");
+    }
+    let message = |rule: Bonding| bonded(rule).expect_err("refused").to_string();
+    let far = message(Bonding::Surface { surface: plate, within: 0.5e-3 });
+    assert!(far.contains("of its 45 nodes the nearest is 0.001 m away from the surface"), "{far}");
+    let far = message(plane(6e-3, 0.0));
+    assert!(far.contains("of its 45 nodes the nearest is 0.002 m away from the plane"), "{far}");
+    let inside = message(Bonding::Surface { surface: slab, within: 0.0 });
+    assert!(inside.contains("all 45 nodes of the pad are glued"), "{inside}");
 }
 
 #[test]
@@ -125,7 +159,19 @@ fn real_pads() {
     }
     if let Some(mesh) = data("pads/biotac/int_ext_skin_combined_ftw.tet") {
         let (mesh, _) = io::read_tet_mesh(&mesh).expect("mesh");
-        let pad = pad::from_mesh(mesh, &placement(DVec3::Z, 1e-3)).expect("pad");
+        let pad = pad::from_mesh(mesh.clone(), &placement(DVec3::Z, 1e-3)).expect("pad");
         assert!(count(&pad) > 0 && !pad::sensing_faces(&pad).is_empty());
+        // The fingertip that looks along -y is held by a core from 6 mm below its back on: two rules take the same nodes.
+        let back = mesh.nodes.iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);
+        let mut core =
+            (*ShapeKind::Cuboid { size: DVec3::splat(0.1), edge_radius: 0.0 }.build(8).expect("box").surface).clone();
+        core.vertices.iter_mut().for_each(|p| p.y += back - 6e-3 + 0.05);
+        let held = PadPlacement {
+            bonding: Bonding::Surface { surface: Arc::new(core), within: 0.0 },
+            ..placement(DVec3::NEG_Y, 0.0)
+        };
+        let [by_core, by_plane] =
+            [held, placement(DVec3::NEG_Y, 6e-3)].map(|p| pad::from_mesh(mesh.clone(), &p).expect("pad"));
+        assert_eq!(by_core.bonded, by_plane.bonded, "{} and {} nodes", count(&by_core), count(&by_plane));
     }
 }

@@ -125,8 +125,7 @@ fn numbering_the_nodes_otherwise_numbers_the_answer_otherwise() {
         body: Arc::new(body),
         surface: finger.surface.clone(),
         topology: Arc::new(renumbered),
-        placement: finger.placement,
-        element: finger.element.clone(),
+        ..finger.clone()
     };
     let touch = GeometricContact::find(&model, pose).unwrap();
     let answer = |finger: &FingerModel| {

@@ -25,3 +25,4 @@ mod shipped;
 mod snapshots;
 mod torture;
 mod torture_meshes;
+mod uneven_pads;

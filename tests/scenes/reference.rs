@@ -81,6 +81,8 @@ fn kind(name: &str) -> String {
         "String" | "Reason" => "text",
         "(String, String)" => "two texts",
         "PathBuf" => "path",
+        "usize" => "whole number from 0",
+        "usize, usize" => "two whole numbers from 0",
         "bool" => "true or false",
         other => return format!("[`{}`](#{})", shown(other), shown(other).to_lowercase()),
     }

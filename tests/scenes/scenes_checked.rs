@@ -286,7 +286,7 @@ fn fifos_and_devices_are_refused_by_name() {
         ("grasps: File(\"/dev/zero\")", "/dev/zero is a device, not a file"),
         ("grasps: File(\"fifo\")", "fifo is a fifo, not a file"),
         (
-            "gripper: (pads: File(path: \"fifo\", outward: (0, 0, 1), attach_distance: 1e-4))",
+            "gripper: (pads: File(path: \"fifo\", outward: (0, 0, 1), bonded: Plane(within: 1e-4)))",
             "fifo is a fifo, not a file",
         ),
     ] {

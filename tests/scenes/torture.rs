@@ -20,10 +20,10 @@ fn hard_scenes_keep_their_promises() {
 const PADS: [(&str, &str, &str, bool); 4] = [
     ("gelsight_mini_e430/tet.msh", "", "", true),
     ("gelsight_mini_875/tet.msh", "", "", false),
-    ("round_pad/round_pad.tet", "attach_distance: 1e-6,", "stepper: Fem(element: Linear),", true),
+    ("round_pad/round_pad.tet", "bonded: Plane(within: 1e-6),", "stepper: Fem(element: Linear),", true),
     (
         "biotac/int_ext_skin_combined_ftw.tet",
-        "outward: (0, -1, 0), attach_distance: 6e-3,",
+        "outward: (0, -1, 0), bonded: Plane(within: 6e-3),",
         "stepper: Fem(element: Linear),",
         false,
     ),

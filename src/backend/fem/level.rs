@@ -122,7 +122,7 @@ impl GraspSolver {
         self.path.newton.object_fixed = false;
         let heavy = model.gravity.is_some();
         let largest_drift = self.path.largest_drift;
-        self.path.largest_drift = heavy.then_some(DROPPED * model.law.offset);
+        self.path.largest_drift = heavy.then_some(DROPPED * model.offset);
         let steps = if heavy { HANDOVER } else { 1 };
         let mut done = Advanced::default();
         for k in 1..=steps {

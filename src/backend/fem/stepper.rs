@@ -152,7 +152,7 @@ impl GraspSolver {
         newton.object.weight = weight(model, pose);
         newton.object.push = push(model, pose);
         newton.effort = Effort::within(settings.max_time.map(|seconds| seconds.get()));
-        let mut path = Path::new(newton, state, NewtonTolerance::new(model.law.offset));
+        let mut path = Path::new(newton, state, NewtonTolerance::new(model.offset));
         path.control = control(model);
         Ok(Self { path, condensed, settings: *settings, started: false, pushing: false, steps: 0, start: pose })
     }
@@ -193,8 +193,10 @@ impl GraspSolver {
 
     /// Returns the convergence criteria at `level`.
     pub(crate) fn tolerance(&self, model: &Model, level: f64) -> NewtonTolerance {
-        // A press does not know its force: modulus x depth x thickness is its order of magnitude.
-        let force = if model.force_driven { level } else { model.material.moduli().young * level * model.thickness() };
+        // A press does not know its force: modulus x depth x thickness of the softer pad is its order of magnitude.
+        let pads = model.fingers.iter().map(|f| f.body.material.moduli().young * level * f.topology.thickness());
+        let press = pads.reduce(f64::min).unwrap_or(0.0);
+        let force = if model.force_driven { level } else { press };
         let given = self.settings.tolerance;
         // No sharper than the pads are.
         let blunt = match self.settings.solver {
@@ -204,7 +206,7 @@ impl GraspSolver {
             _ => 1.0,
         };
         let relative = blunt * given.force.get();
-        let usual = NewtonTolerance::new(model.law.offset);
+        let usual = NewtonTolerance::new(model.offset);
         NewtonTolerance {
             relative,
             // Where nothing touches yet there is no contact force to compare with.
@@ -218,7 +220,7 @@ impl GraspSolver {
     /// Moves the fingers to where they begin to press.
     pub(crate) fn back_off(&mut self, model: &Model) -> std::result::Result<(), String> {
         let pose = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
-        let clearance = 0.5 * model.law.offset;
+        let clearance = 0.5 * model.offset;
         let state = &mut self.path.state;
         for i in 0..model.fingers.len() {
             state.travel[i] = first_contact(model, i, &pose, clearance)?;
@@ -304,15 +306,16 @@ pub(crate) fn gel(loads: Vec<DVec3>) -> Vec<Box<dyn BodyTerm>> {
 pub(crate) fn gel_loads(model: &Model, i: usize, pose: ObjectPose) -> Vec<DVec3> {
     let (Some(gravity), None) = (model.gravity, &model.dynamics) else { return Vec::new() };
     let g = pose.rotation * gravity;
-    model.fingers[i].body.nodal_volume().iter().map(|v| g * (v * model.gel_density)).collect()
+    let finger = &model.fingers[i];
+    finger.body.nodal_volume().iter().map(|v| g * (v * finger.gel_density)).collect()
 }
 
 /// Returns the terms of contact between the pad of `finger` and the object.
 fn contact(model: &Model, finger: &FingerModel) -> Vec<Box<dyn BodyTerm>> {
-    let points = PointContact::new(model.law, finger.surface.clone(), model.object.distance.clone());
+    let points = PointContact::new(finger.law, finger.surface.clone(), model.object.distance.clone());
     let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(points)];
     if !model.features.is_empty() {
-        terms.push(Box::new(FeatureContact::new(model.law, finger.surface.clone(), model.features.clone())));
+        terms.push(Box::new(FeatureContact::new(finger.law, finger.surface.clone(), model.features.clone())));
     }
     terms
 }

@@ -68,7 +68,8 @@ impl GraspSolver {
 
     /// Returns the weight of the gel of finger `i`, N, hand frame.
     pub fn gel_weight(&self, model: &Model, i: usize) -> DVec3 {
-        let volume = || model.fingers[i].body.nodal_volume().iter().sum::<f64>();
-        model.gravity.map_or(DVec3::ZERO, |g| self.start.rotation * g * (volume() * model.gel_density))
+        let finger = &model.fingers[i];
+        let volume = || finger.body.nodal_volume().iter().sum::<f64>();
+        model.gravity.map_or(DVec3::ZERO, |g| self.start.rotation * g * (volume() * finger.gel_density))
     }
 }

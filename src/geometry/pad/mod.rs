@@ -1,14 +1,16 @@
 //! Soft pad: a tetrahedral mesh in the pad frame with its bonded back face.
 //!
-//! [`generate`] makes box, disc and GelSight Mini pads; [`place`] takes a mesh from a file.
+//! [`generate`] makes box, disc and GelSight Mini pads; [`place`] takes a mesh from a file, and [`bonding`] says which of its nodes are bonded.
 
+pub mod bonding;
 pub mod dome;
 pub mod generate;
 pub mod place;
 pub mod resolution;
 
+pub use bonding::Bonding;
 pub use generate::{GELSIGHT_MINI, GelProfile, box_pad, disc_pad, gelsight_mini};
-pub use place::{Bonding, PadPlacement, from_mesh, read_pad};
+pub use place::{PadPlacement, from_mesh, read_pad};
 pub use resolution::{Density, Resolution};
 
 use glam::DVec3;
@@ -27,6 +29,13 @@ pub struct PadMesh {
     pub mesh: TetMesh,
     /// Flag per node: true if it is glued to the finger.
     pub bonded: Vec<bool>,
+}
+
+impl PadMesh {
+    /// Returns the depth of the deepest node below the sensing face, m.
+    pub fn thickness(&self) -> f64 {
+        self.mesh.nodes.iter().map(|x| -x.z).fold(0.0, f64::max)
+    }
 }
 
 /// Returns the faces of the pad that can touch something: all boundary faces except those with three bonded nodes.

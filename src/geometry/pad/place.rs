@@ -1,4 +1,4 @@
-//! Pads from mesh files: outward direction, glued nodes and the move into the pad frame.
+//! Pads from mesh files: outward direction and the move into the pad frame.
 
 use std::path::Path;
 
@@ -7,20 +7,11 @@ use glam::{DMat3, DVec3};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::io::{self, text};
 use crate::geometry::mesh::{TetMesh, clean};
-use crate::geometry::pad::{PadMesh, free_faces, looks_along};
+use crate::geometry::pad::{Bonding, PadMesh, free_faces, looks_along};
 use crate::number::shown;
 
 /// Size above which a pad gets a notice, m: its file is probably in millimetres.
 pub const UNLIKELY_SIZE: f64 = 0.5;
-
-/// Choice of the nodes that are glued to the finger.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Bonding {
-    /// Nodes at most this far above the lowest node along `outward`, m.
-    AttachDistance(f64),
-    /// Nodes with these indices, 0-based.
-    Nodes(Vec<usize>),
-}
 
 /// Placement of a mesh of an arbitrary frame as a pad.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +21,7 @@ pub struct PadPlacement {
     /// Direction that becomes +x of the pad, in the frame of the mesh; its part along `outward` is dropped. None takes
     /// the mesh's +x, or its +y if `outward` is nearly along x.
     pub across: Option<DVec3>,
-    /// Choice of the glued nodes.
+    /// Rule that chooses the glued nodes, in the frame of the mesh.
     pub bonding: Bonding,
 }
 
@@ -45,11 +36,11 @@ pub fn from_mesh(mesh: TetMesh, placement: &PadPlacement) -> Result<PadMesh> {
     let [x, y, z] = axes(placement)?;
     // Rows are the pad's axes: from the mesh's frame to the pad's.
     let rotation = DMat3::from_cols(x, y, z).transpose();
+    let bonded = placement.bonding.choose(&mesh, z)?;
     let mut mesh = mesh;
     for p in &mut mesh.nodes {
         *p = rotation * *p;
     }
-    let bonded = glued(&mesh, &placement.bonding)?;
     let face: Vec<DVec3> = free_faces(&mesh, &bonded)
         .iter()
         .filter(|f| looks_along(&mesh, f, DVec3::Z))
@@ -96,7 +87,7 @@ pub fn read_pad(
     let listed = match (nodes_file, &placement.bonding) {
         (Some(file), _) => Some(read_nodes(file, count)?),
         (None, Bonding::Nodes(list)) => Some(list.clone()),
-        (None, Bonding::AttachDistance(_)) => None,
+        (None, Bonding::Plane { .. } | Bonding::Surface { .. }) => None,
     };
     let mut placement = placement.clone();
     if let Some(list) = listed {
@@ -185,44 +176,4 @@ fn axes(placement: &PadPlacement) -> Result<[DVec3; 3]> {
     }
     let x = part.normalize();
     Ok([x, z.cross(x), z])
-}
-
-/// Returns a flag per node of a mesh whose +z points out of the gel: true if it is glued.
-fn glued(mesh: &TetMesh, bonding: &Bonding) -> Result<Vec<bool>> {
-    let count = mesh.nodes.len();
-    let bonded = match bonding {
-        Bonding::AttachDistance(distance) => {
-            if !(distance.is_finite() && *distance >= 0.0) {
-                let message = format!("attach distance is {} m; a length of 0 or more is needed", shown(*distance));
-                return Err(Error::Mesh(message));
-            }
-            let low = mesh.nodes.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
-            let high = mesh.nodes.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
-            // Rounding of the rotation must not decide.
-            let reach = low + distance + 1e-9 * (high - low);
-            mesh.nodes.iter().map(|p| p.z <= reach).collect::<Vec<bool>>()
-        }
-        Bonding::Nodes(list) => {
-            let mut bonded = vec![false; count];
-            for i in list {
-                match bonded.get_mut(*i) {
-                    Some(b) => *b = true,
-                    None => {
-                        let message = format!("glued node index {i} is outside the mesh; allowed: 0..={}", count - 1);
-                        return Err(Error::Mesh(message));
-                    }
-                }
-            }
-            bonded
-        }
-    };
-    match bonded.iter().filter(|b| **b).count() {
-        0 => Err(Error::Mesh(
-            "no node of the pad is glued to the finger; give an attach distance or a list of nodes".into(),
-        )),
-        n if n == count => Err(Error::Mesh(format!(
-            "all {count} nodes of the pad are glued to the finger: nothing could deform; reduce the attach distance or list"
-        ))),
-        _ => Ok(bonded),
-    }
 }

@@ -32,6 +32,7 @@ mod scaled;
 mod solid;
 mod sound;
 pub mod sphere;
+mod surface_distance;
 mod topology;
 pub(crate) mod winding;
 
@@ -43,6 +44,7 @@ pub use params::{DEFAULT_SEGMENTS, MAX_SEGMENTS, MIN_SEGMENTS};
 pub use ray::{Hit, trace, trace_convex};
 pub use solid::Shape;
 pub(crate) use sound::sound;
+pub use surface_distance::SurfaceDistance;
 
 /// Closest surface point of a query point `q`.
 #[derive(Debug, Clone, Copy, PartialEq)]

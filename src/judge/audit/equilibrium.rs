@@ -8,13 +8,13 @@ use glam::DVec3;
 
 /// Returns the largest unbalanced force of a quasi-static frame over the force of a finger. It is the largest of three kinds, none
 /// of which uses the contact of the solver: forces on nodes that can touch nothing (norm over all of them); the reaction of the
-/// mount against the load of the finger; the forces on the free surface against the recorded contact force. `weight` is that of a
-/// volume of gel, N/m3, hand frame.
-pub fn imbalance(fingers: &[FingerModel], surfaces: &[PadSurface], frame: &Frame, weight: DVec3) -> f64 {
+/// mount against the load of the finger; the forces on the free surface against the recorded contact force. `gravity` is in the
+/// hand frame, m/s2.
+pub fn imbalance(fingers: &[FingerModel], surfaces: &[PadSurface], frame: &Frame, gravity: DVec3) -> f64 {
     let load = frame.applied_force / frame.pads.len().max(1) as f64;
     let (mut worst, mut missing) = (0.0_f64, 0.0);
     for ((finger, pad), surface) in fingers.iter().zip(&frame.pads).zip(surfaces) {
-        let body = &finger.body;
+        let (body, weight) = (&finger.body, gravity * finger.gel_density);
         let mut force = vec![DVec3::ZERO; body.rest.len()];
         body.add_gradient(&pad.position, &mut force);
         add_barrier_gradient(body, &pad.position, &mut force);

@@ -81,19 +81,16 @@ pub struct Auditor {
     pads: Vec<PadSurface>,
     /// Contact offset, m.
     offset: f64,
-    /// Density of the gel, kg/m3.
-    gel_density: f64,
 }
 
 impl Auditor {
-    /// Creates the auditor of `promises` about the scene's object, which is `shape`, and its fingers, whose gel has `gel_density` (kg/m3).
-    /// Contact has this `offset` (m).
+    /// Creates the auditor of `promises` about the scene's object, which is `shape`, and its fingers. Contact has this `offset` (m).
     pub fn new(
         promises: &[Expectation],
         object: &scene::Object,
         shape: &Shape,
         fingers: &[FingerModel],
-        (offset, gel_density): (f64, f64),
+        offset: f64,
     ) -> Self {
         let pads: Vec<_> = fingers.iter().map(|f| PadSurface::new(&f.topology)).collect();
         let spacing = pads.iter().map(|p| p.spacing).fold(f64::INFINITY, f64::min);
@@ -104,7 +101,7 @@ impl Auditor {
             penetration: asked(|e| matches!(e, Expectation::NoPenetration | Expectation::Penetration(_))),
             equilibrium: asked(|e| matches!(e, Expectation::Converged(_))),
         };
-        Self { asked, solid, object, pads, offset, gel_density }
+        Self { asked, solid, object, pads, offset }
     }
 
     /// Judges a frame of the same fingers; `gravity` is in the hand frame, m/s2.
@@ -118,7 +115,7 @@ impl Auditor {
             let pads = fingers.iter().zip(&frame.pads);
             pads.map(|(f, pad)| inversion::min_det_f(&f.topology, &pad.position)).fold(f64::INFINITY, f64::min)
         };
-        let imbalance = || equilibrium::imbalance(fingers, &self.pads, frame, gravity * self.gel_density);
+        let imbalance = || equilibrium::imbalance(fingers, &self.pads, frame, gravity);
         let if_asked = |asked: bool, of: &dyn Fn() -> f64| if asked { of() } else { f64::NAN };
         let (penetration, (min_det_f, imbalance)) = rayon::join(
             || if_asked(self.asked.penetration, &|| self.penetration(fingers, frame)),

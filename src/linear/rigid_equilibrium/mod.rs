@@ -125,7 +125,7 @@ impl RigidEquilibrium {
         let mut equilibrium = Self {
             fingers: model.fingers.iter().zip(&touch.travel).map(finger).collect(),
             graph: graph.clone(),
-            friction: model.law.friction,
+            friction: model.friction,
             weight: [touch.weight / unit, (center - amid) / t],
             free: model.free,
             held: true,

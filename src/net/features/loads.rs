@@ -128,7 +128,7 @@ impl GraspFeatures {
         };
         let touching: Vec<Vec<Touching>> = (0..rests.len()).map(touching).collect();
         let (force, closer): (Vec<Vec<DVec3>>, Vec<f64>) =
-            projected_contact(&graph.compliance, &touching, self.model.law.friction).into_iter().unzip();
+            projected_contact(&graph.compliance, &touching, self.model.friction).into_iter().unzip();
         let given = graph.compliance.on_face(&graph.face, &force);
         let parts = touching.into_iter().zip(moved).zip(force.into_iter().zip(closer)).zip(given);
         let of =

@@ -143,7 +143,7 @@ impl GraspFeatures {
                 node.extend(row.into_iter().map(|v| v as f32));
             }
             let weight = placement.rotation.transpose() * touch.weight / (moduli.young * t * t);
-            pad.extend([moduli.poisson, model.law.friction, weight.x, weight.y, weight.z].map(|v| v as f32));
+            pad.extend([moduli.poisson, model.friction, weight.x, weight.y, weight.z].map(|v| v as f32));
             let size = (graph.ends[1] - graph.ends[0]) / t;
             let spacing = (area.iter().sum::<f64>() / n as f64).sqrt();
             pad.extend([size.x, size.y, spacing, f64::from(u8::from(model.free))].map(|v| v as f32));

@@ -78,7 +78,7 @@ impl TrainedRange {
             pads: None,
             material: model.material.name().into(),
             poisson: [moduli.poisson; 2],
-            friction: [model.law.friction; 2],
+            friction: [model.friction; 2],
             force: [low, high],
             weight: weight(model, unit),
             push: push(model, unit, features.graph.thickness),
@@ -158,6 +158,9 @@ impl TrainedRange {
     /// # Errors
     /// Fails if something lies outside; the message says what, by how much, and what to do.
     pub fn admits(&self, model: &Model, hash: &str, extrapolate: bool) -> Result<()> {
+        if !model.alike() {
+            return refuse("its two pads differ, the network knows pads that are alike".into());
+        }
         if model.dynamics.is_some() {
             return refuse("it moves in time, the network knows squeezes at rest".into());
         }
@@ -205,7 +208,7 @@ impl TrainedRange {
         };
         let [a, b] = self.poisson;
         check(moduli.poisson, self.poisson, &|| format!("nu of its gel is {}, trained was {a} to {b}", moduli.poisson));
-        let ([a, b], own) = (self.friction, model.law.friction);
+        let ([a, b], own) = (self.friction, model.friction);
         check(own, self.friction, &|| format!("friction is {own}, trained was {a} to {b}"));
         let (own, most) = (weight(model, unit), self.weight);
         check(own, [0.0, most], &|| {

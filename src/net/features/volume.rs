@@ -74,7 +74,7 @@ impl Volume {
         let object = object(model, touch, &seen, &face.iter().map(|i| x[*i as usize]).collect::<Vec<_>>());
 
         let surface = outside(topology);
-        let material = [model.material.moduli().poisson, model.law.friction].map(|v| v as f32);
+        let material = [model.material.moduli().poisson, model.friction].map(|v| v as f32);
         let mut node = Vec::new();
         for (p, finger) in model.fingers.iter().enumerate() {
             let closing = (inverse * finger.placement.closing).to_array().map(|v| v as f32);

@@ -39,11 +39,11 @@ impl ForceLadder {
     /// Fails if predicted numbers are not finite.
     pub fn new(predictor: &Predictor, seen: &Seen, low: f64, high: f64) -> Result<Self> {
         let model = seen.model();
-        let pushes = predictor.knows_pushes() && model.free && model.law.friction > 0.0;
+        let pushes = predictor.knows_pushes() && model.free && model.friction > 0.0;
         let axes = model.fingers.first().map(|finger| finger.placement.rotation);
         let directions: Vec<DVec3> =
             axes.filter(|_| pushes).iter().flat_map(|axes| [axes.x_axis, axes.y_axis]).collect();
-        let push = PUSH * model.law.friction * model.fingers.len() as f64;
+        let push = PUSH * model.friction * model.fingers.len() as f64;
         let step = (high / low).powf(1.0 / (RUNGS - 1) as f64);
         let rungs: Vec<(f64, usize)> = (0..RUNGS).map(|k| (low * step.powi(k as i32), k)).collect();
         let mut loads: Vec<GraspLoad> = rungs.iter().map(|(force, _)| (*force).into()).collect();

@@ -27,7 +27,7 @@ pub fn hold(model: &Model, touch: &GeometricContact, state: &GraspState, load: &
     let object = object_at(model, touch, &state.pads);
     let mass = object.position + object.rotation * model.object.mass.center;
     let surface = LimitSurface::new(finger.placement.closing, presses);
-    surface.margin(model.law.friction, touch.weight + load.push[0], mass, load.push[1])
+    surface.margin(model.friction, touch.weight + load.push[0], mass, load.push[1])
 }
 
 /// Returns why a grasp with this [`hold`] is dropped; None if it is not.

@@ -103,7 +103,7 @@ impl SceneInputs {
     /// Returns the force under each load of the scene, N, the sum over the fingers, and its friction.
     pub fn usual(&self) -> (Vec<f64>, f64) {
         let fingers = self.model.fingers.len() as f64;
-        (loads_of(&self.model).iter().map(|load| load.force * fingers).collect(), self.model.law.friction)
+        (loads_of(&self.model).iter().map(|load| load.force * fingers).collect(), self.model.friction)
     }
 
     /// Returns the inputs that all grasps share.

@@ -92,7 +92,7 @@ const HIDDEN: usize = 26;
 /// Looks at the object from the face nodes of pad `p` that are pressed or near.
 fn beside(features: &GraspFeatures, p: usize, pad: &PadState, object: &ObjectPose) -> Vec<Beside> {
     let (model, graph) = (&*features.model, &features.graph);
-    let (finger, law) = (&model.fingers[p], &model.law);
+    let finger = &model.fingers[p];
     let most = graph.face.iter().map(|i| -pad.contact[*i as usize].z).fold(0.0, f64::max);
     let carried = finger.placement.closing * (features.touch.travel[p] + pad.travel);
     let inverse = object.rotation.inverse();
@@ -102,9 +102,9 @@ fn beside(features: &GraspFeatures, p: usize, pad: &PadState, object: &ObjectPos
         let force = if force > FAINT * most { force } else { 0.0 };
         let place = finger.placement.place(graph.rest[i] + pad.displacement[*node as usize]) + carried;
         // A node that does not press matters only where it is inside.
-        let reach = if force > 0.0 { f64::INFINITY } else { law.offset };
+        let reach = if force > 0.0 { f64::INFINITY } else { finger.law.offset };
         let closest = model.object.distance.closest(inverse * (place - object.position), reach)?;
-        let wanted = (law.offset - force / graph.area[i] / law.stiffness).max(law.least());
+        let wanted = (finger.law.offset - force / graph.area[i] / finger.law.stiffness).max(finger.law.least());
         let wanted = if force > 0.0 { wanted } else { 0.0 };
         Some(Beside {
             gap: closest.distance - wanted,

@@ -30,7 +30,7 @@ pub fn keep_pads_apart(
             if finger.0 == 0 { tip = tip.max(height) } else { lowest = lowest.min(height) }
         }
     }
-    let offset = shared.0.law.offset;
+    let offset = shared.0.offset;
     if tip + FACE_BULGE * offset <= lowest {
         return;
     }

@@ -36,7 +36,7 @@ pub fn close_to_contact(
     }
     let mut travel = Vec::new();
     for index in 0..model.fingers.len() {
-        match first_contact(model, index, &pose, model.law.offset) {
+        match first_contact(model, index, &pose, model.offset) {
             Ok(t) => travel.push(t),
             Err(reason) => return next.request(Phase::Infeasible { reason }),
         }
@@ -77,7 +77,7 @@ fn keep_apart(model: &Model, travel: &[f64]) -> Result<(), String> {
         finger.body.rest.iter().map(|x| *x + finger.placement.closing * t).collect()
     };
     let depth = overlap(&first.surface, &moved(first, *t), &second.surface, &moved(second, *u), axis);
-    if depth <= model.law.offset {
+    if depth <= model.offset {
         return Ok(());
     }
     Err(format!(
@@ -89,7 +89,7 @@ fn keep_apart(model: &Model, travel: &[f64]) -> Result<(), String> {
 
 /// Common travel of geared fingers until the first pad touches the object.
 fn close_together(model: &Model, pose: &ObjectPose) -> Result<f64, String> {
-    let mut each = (0..model.fingers.len()).map(|i| first_contact(model, i, pose, model.law.offset));
+    let mut each = (0..model.fingers.len()).map(|i| first_contact(model, i, pose, model.offset));
     each.try_fold(model.stroke, |first, travel| Ok(first.min(travel?)))
 }
 

@@ -18,7 +18,7 @@ const PRESSED: f64 = 0.01;
 type Nodes<'a> = (&'a FingerIndex, &'a Position, &'a ContactForce, &'a mut NodeSlip);
 
 /// Measures which part of the contact force of each node is carried by points that slide. With friction at points of contact, these say
-/// whether they slide; where forces are known at nodes alone, a node slides whose tangential force is at Coulomb's limit.
+/// whether they slide; where forces are known at nodes alone, a node slides whose tangential force is at Coulomb's limit of this friction.
 pub fn measure_slip(
     shared: Res<Shared>,
     edges: Query<(&FingerIndex, &ContactEdge, &ContactFriction)>,
@@ -66,7 +66,7 @@ pub fn by_nodes(
         let at = back * (x - object.position);
         let normal = || model.object.distance.closest(at, f64::INFINITY).map(|c| object.rotation * c.normal);
         f64::from(match model.needs.friction {
-            true => pressed && normal().is_some_and(|n| slides(force.0, n, model)),
+            true => pressed && normal().is_some_and(|n| slides(force.0, n, model.fingers[f].law.friction)),
             // Nothing holds what touches.
             false => force.0 != DVec3::ZERO,
         })
@@ -74,10 +74,10 @@ pub fn by_nodes(
     x.zip(force).zip(pressed).map(part).collect()
 }
 
-/// Returns true if a force on a pad (N), pressed along the outward normal of the object, is at Coulomb's limit.
-fn slides(force: DVec3, normal: DVec3, model: &Model) -> bool {
+/// Returns true if a force on a pad (N), pressed along the outward normal of the object, is at Coulomb's limit of this friction.
+fn slides(force: DVec3, normal: DVec3, friction: f64) -> bool {
     let pressing = force.dot(normal);
-    pressing > 0.0 && (force - normal * pressing).length() >= AT_LIMIT * model.law.friction * pressing
+    pressing > 0.0 && (force - normal * pressing).length() >= AT_LIMIT * friction * pressing
 }
 
 /// Gathers the slip of the points of contact of pad `f` at its nodes: `x` relative to the finger, which has `carried` them so far, m.

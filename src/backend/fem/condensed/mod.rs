@@ -72,7 +72,7 @@ impl Condensation {
     /// # Errors
     /// Returns [`Failure::Singular`] if the stiffness cannot be factorised.
     pub fn begin(&mut self, path: &mut Path, model: &Model) -> Result<(), Failure> {
-        let patches = self.patches(path, model, FIRST_DEPTH * model.law.offset);
+        let patches = self.patches(path, model, FIRST_DEPTH * model.offset);
         self.condense(path, patches)
     }
 
@@ -88,7 +88,7 @@ impl Condensation {
             let way = path.newton.rigid.distance(&path.state, start.state());
             path.largest_drift.is_some_and(|most| way > most)
         };
-        path.stage = Some(CONDENSED_MOTION * model.law.offset);
+        path.stage = Some(CONDENSED_MOTION * model.offset);
         let mut done = path.advance(Load::Force, path.level, &mut self.of(model));
         let moving = |done: &Result<Advanced, Failure>| done.as_ref().is_ok_and(|done| done.halted);
         while moving(&done) && !gone(path) && !path.exhausted() {
@@ -250,7 +250,7 @@ impl Condensation {
         let pads = model.fingers.par_iter().enumerate();
         let of = |(i, finger)| {
             let view = path.state.view(i, &path.newton.rigid);
-            Some(choose(finger, &view, &model.object, model.law.offset, nearer, touched(path, i)))
+            Some(choose(finger, &view, &model.object, model.offset, nearer, touched(path, i)))
         };
         pads.map(of).collect()
     }
@@ -305,7 +305,7 @@ pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec
         rotation: pose.rotation,
     };
     let pads = model.fingers.iter().enumerate();
-    let patch = |(i, f)| choose(f, &state.view(i, &rigid), &model.object, model.law.offset, 0.0, std::iter::empty());
+    let patch = |(i, f)| choose(f, &state.view(i, &rigid), &model.object, model.offset, 0.0, std::iter::empty());
     pads.map(|pad| patch(pad).len()).collect()
 }
 

@@ -93,7 +93,7 @@ impl Integrator {
         path.newton.effort.iterations = most_iterations(settings.max_iterations.get() as u32, steps);
         let relative = SHARP * settings.tolerance.force.get();
         let force = dynamics.rated_force + model.mass * dynamics.gravity.length().max(1.0);
-        let usual = NewtonTolerance::new(model.law.offset);
+        let usual = NewtonTolerance::new(model.offset);
         path.tolerance = NewtonTolerance {
             relative,
             force: 1e-2 * relative * force,

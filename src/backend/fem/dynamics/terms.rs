@@ -16,13 +16,13 @@ pub fn add(newton: &mut Newton, model: &Model, dynamics: &Dynamics, state: &Stat
     for (i, finger) in model.fingers.iter().enumerate() {
         let (body, view) = (&finger.body, state.view(i, &newton.rigid));
         let terms = &mut newton.terms[i];
-        terms.push(Box::new(PadInertia::new(body, model.gel_density, dynamics.gravity, hand, &view)));
+        terms.push(Box::new(PadInertia::new(body, finger.gel_density, dynamics.gravity, hand, &view)));
         if dynamics.damping > 0.0 {
             terms.push(Box::new(Viscosity::new(body, dynamics.damping, view.x)));
         }
         if dynamics.squeezes() {
             let rated = dynamics.rated_force / model.fingers.len() as f64;
-            let yields = STROKE_YIELD * model.law.offset;
+            let yields = STROKE_YIELD * model.offset;
             terms.push(Box::new(Drive::new(rated, dynamics.closing_speed, model.stroke, yields, state.travel[i])));
         }
     }

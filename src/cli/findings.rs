@@ -1,0 +1,231 @@
+//! Findings about a scene, as text that leads with what a reader asks first, and as JSON.
+
+use crate::geometry::Aabb;
+use crate::geometry::mesh::topology::watertight;
+use crate::gripper::GraspPose;
+use crate::model::{Model, Unknowns};
+use crate::number::shown;
+use crate::part::FingerModel;
+use crate::record::pad_name;
+use crate::run::effort::EXPECTED_WITHIN;
+use crate::scene::Scene;
+use glam::DVec3;
+use indicatif::HumanDuration;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Largest number of grasps that are closed to first contact: a check answers within seconds, and the first grasps of a
+/// data set are sufficient.
+pub(super) const TRIED: usize = 1000;
+
+/// Findings about a scene.
+pub(super) struct Found {
+    pub model: Arc<Model>,
+    pub systems: Vec<(String, Vec<String>)>,
+    pub components: Vec<(String, usize)>,
+    pub unknowns: Unknowns,
+    pub poses: Vec<GraspPose>,
+    pub notices: Vec<String>,
+    pub problems: Vec<String>,
+    /// Expected wall time of all grasps, s; None where it is not known.
+    pub expected: Option<f64>,
+    pub runs: bool,
+}
+
+impl Found {
+    /// Returns the number of grasps that were closed to first contact.
+    fn tried(&self) -> usize {
+        self.poses.len().min(TRIED)
+    }
+
+    pub fn json(&self, scene: &Scene, sources: &[PathBuf]) -> Value {
+        let m = &self.model;
+        let solid = watertight(&m.object.surface);
+        let own = Aabb::of(m.object.surface.vertices.iter().copied());
+        let held = self.held();
+        let corners = |bounds: &Aabb| json!([bounds.min.to_array(), bounds.max.to_array()]);
+        let quality = |f: &FingerModel| {
+            let q = &f.quality;
+            json!({
+                "worst_index": q.worst_index,
+                "worst_mean_ratio": q.worst,
+                "worst_centroid_m": q.worst_centroid.to_array(),
+                "mean_mean_ratio": q.mean,
+                "min_edge_m": q.min_edge,
+                "max_edge_m": q.max_edge,
+                "volume_m3": q.total_volume,
+            })
+        };
+        let object = |pairs: &[(String, Value)]| Value::Object(pairs.iter().cloned().collect());
+        let systems: Vec<_> = self.systems.iter().map(|(set, names)| (set.clone(), json!(names))).collect();
+        let components: Vec<_> = self.components.iter().map(|(name, count)| (name.clone(), json!(count))).collect();
+        json!({
+            "scene": scene,
+            "sources": sources,
+            "systems": object(&systems),
+            "components": object(&components),
+            "unknowns": self.unknowns,
+            "needs": m.needs,
+            "release_n": m.lets_go().then(|| m.release * m.fingers.len() as f64),
+            "path_error": m.path_error,
+            "pads": m.pad_reports(),
+            "quality": m.fingers.first().map(quality),
+            "right_quality": m.fingers.get(1).filter(|_| !m.alike()).map(quality),
+            "expected_s": self.expected,
+            "object": {
+                "name": m.object.name,
+                "closed_form": m.object.exact,
+                "watertight": solid.is_solid(),
+                "volume_m3": m.object.mass.volume,
+                "mass_kg": m.mass,
+                "bounding_radius_m": m.object.bounding_radius,
+                "bounds_m": corners(&own),
+                "bounds_in_hand_m": held.as_ref().map(corners),
+            },
+            "grasps": self.poses.len(),
+            "tried": self.tried(),
+            "notices": m.notices.iter().chain(&m.pad_notices()).chain(&self.notices).collect::<Vec<_>>(),
+            "problems": self.problems,
+        })
+    }
+
+    /// Returns the bounds of the object in the hand of the first grasp, m.
+    fn held(&self) -> Option<Aabb> {
+        let pose = self.poses.first().map(GraspPose::object_in_hand)?;
+        Some(Aabb::of(self.model.object.surface.vertices.iter().map(|x| pose.rotation * *x + pose.position)))
+    }
+
+    /// Returns what a reader asks first as comment lines: sizes, places, time, loads, and what is odd about them.
+    pub fn overview(&self) -> String {
+        let mut lines = Vec::new();
+        self.first(&mut |text| lines.push(text.to_string()));
+        comment(&lines)
+    }
+
+    /// Returns the rest as comment lines: the mesh, and all that is active.
+    pub fn details(&self) -> String {
+        let mut lines = vec![String::new()];
+        self.rest(&mut |text| lines.push(text.to_string()));
+        comment(&lines)
+    }
+
+    fn first(&self, line: &mut dyn FnMut(&str)) {
+        let m = &self.model;
+        let own = Aabb::of(m.object.surface.vertices.iter().copied());
+        line(&format!("object: {}, {} in its own frame", extent(&own), reach(&own)));
+        if let (Some(pose), Some(held)) = (self.poses.first(), self.held()) {
+            // Adding zero takes the sign from a zero.
+            let (p, q) = (pose.position * 1e3 + DVec3::ZERO, pose.rotation);
+            line(&format!(
+                "grasp 0: the hand stands at ({:.1}, {:.1}, {:.1}) mm in the frame of the object, turned by ({:.4}, {:.4}, {:.4}, {:.4})",
+                p.x, p.y, p.z, q.w, q.x, q.y, q.z
+            ));
+            line(&format!(
+                "in the hand of grasp 0: {}; fingers close along x, the hand approaches along z",
+                reach(&held)
+            ));
+        }
+        if let Some(seconds) = self.expected {
+            let all = if self.poses.len() == 1 { "1 grasp".into() } else { format!("{} grasps", self.poses.len()) };
+            line(&format!("time: about {} for {all}, within a factor of {EXPECTED_WITHIN}", duration(seconds)));
+        }
+        let solid = watertight(&m.object.surface);
+        line(&format!(
+            "{}: {}, {}, volume {:.2} cm3, mass {:.2} g, {}",
+            m.object.name,
+            if m.object.exact { "distance in closed form" } else { "distance to its facets" },
+            solid.complaint().unwrap_or_else(|| "watertight".into()),
+            m.object.mass.volume * 1e6,
+            m.mass * 1e3,
+            if m.free { "free" } else { "fixed" },
+        ));
+        for (index, pad) in m.pad_reports().iter().enumerate() {
+            let size = m.fingers.get(index).map(|finger| extent(&finger.bounds())).unwrap_or_default();
+            let (name, element) = (pad_name(index), &pad.element);
+            line(&format!("{name} pad: {size} in the hand, {} nodes, {} tetrahedra, {element}", pad.nodes, pad.tets));
+        }
+        let total = m.fingers.len() as f64;
+        if m.lets_go() {
+            line(&format!(
+                "release: the object is held where it is up to {:.4} N, the sum over the fingers",
+                m.release * total
+            ));
+        }
+        line(&format!(
+            "contact: begins at a gap of {} m, of which all lengths of the method are multiples",
+            shown(m.offset)
+        ));
+        if let Some(path) = m.path_error {
+            line(&format!("path: increments are as many as an error of {path:e} of the displacement asks for"));
+        }
+        let (all, tried) = (self.poses.len(), self.tried());
+        let untried = if tried < all { format!("; {} more were not tried", all - tried) } else { String::new() };
+        line(&format!("{} of {tried} grasps can start{untried}", tried - self.problems.len()));
+        m.notices
+            .iter()
+            .chain(&m.pad_notices())
+            .chain(&self.notices)
+            .for_each(|notice| line(&format!("note: {notice}")));
+        self.problems.iter().for_each(|problem| line(&format!("problem: {problem}")));
+    }
+
+    fn rest(&self, line: &mut dyn FnMut(&str)) {
+        let m = &self.model;
+        for (side, finger) in m.fingers.iter().enumerate().take(if m.alike() { 1 } else { 2 }) {
+            let (q, c) = (&finger.quality, finger.quality.worst_centroid * 1e3);
+            let name = if m.alike() { "pad".into() } else { format!("{} pad", pad_name(side)) };
+            line(&format!(
+                "{name} mesh: mean ratio {:.3} on average, worst {:.3} in tetrahedron {} at ({:.3}, {:.3}, {:.3}) mm of the pad; edges {:.3} to {:.3} mm",
+                q.mean,
+                q.worst,
+                q.worst_index,
+                c.x,
+                c.y,
+                c.z,
+                q.min_edge * 1e3,
+                q.max_edge * 1e3
+            ));
+        }
+        line("");
+        for (set, names) in &self.systems {
+            line(&format!("{set:<8} {}", names.join(", ")));
+        }
+        line("");
+        let components: Vec<_> = self.components.iter().map(|(name, count)| format!("{count} {name}")).collect();
+        line(&format!("components: {}", components.join(", ")));
+        let u = &self.unknowns;
+        let pads: Vec<_> = u.pads.iter().map(usize::to_string).collect();
+        line(&format!(
+            "unknowns: {} = {} (pads) + {} (travels) + {} (pose)",
+            u.total,
+            pads.join(" + "),
+            u.travels,
+            u.pose
+        ));
+    }
+}
+
+/// Returns a time as text.
+fn duration(seconds: f64) -> String {
+    if seconds < 2.0 { format!("{seconds:.1} s") } else { HumanDuration(Duration::from_secs_f64(seconds)).to_string() }
+}
+
+/// Returns lines of text as comments of a scene.
+fn comment(lines: &[String]) -> String {
+    lines.iter().map(|line| format!("{}\n", format!("// {line}").trim_end())).collect()
+}
+
+/// Returns the edge lengths of a box, as text.
+fn extent(bounds: &Aabb) -> String {
+    let size = bounds.size() * 1e3;
+    format!("{:.1} x {:.1} x {:.1} mm", size.x, size.y, size.z)
+}
+
+/// Returns the corners of a box, as text.
+fn reach(bounds: &Aabb) -> String {
+    let [low, high] =
+        [bounds.min, bounds.max].map(|x| x * 1e3).map(|x| format!("({:.1}, {:.1}, {:.1})", x.x, x.y, x.z));
+    format!("from {low} to {high} mm")
+}

@@ -1,0 +1,30 @@
+//! Distance to a surface that need not be closed.
+
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::shape::winding::Winding;
+use glam::DVec3;
+
+/// Winding number from which on a point is inside, whatever way the triangles turn.
+const INSIDE: f64 = 0.5;
+
+/// Distance to a surface: zero inside of what it encloses.
+#[derive(Debug)]
+pub struct SurfaceDistance(Winding);
+
+impl SurfaceDistance {
+    /// Builds the distance of a mesh with at least one triangle that has an area; its indices must be valid.
+    pub fn new(mesh: &TriMesh) -> Self {
+        Self(Winding::new(mesh))
+    }
+
+    /// Returns the distance from `q` to the surface, m; zero inside.
+    pub fn outside(&self, q: DVec3) -> f64 {
+        let (squared, _) = self.0.bvh.nearest(q, (f64::INFINITY, u32::MAX));
+        if self.0.at(q).abs() > INSIDE { 0.0 } else { squared.sqrt() }
+    }
+
+    /// Returns the largest extent of the surface along an axis, m.
+    pub fn size(&self) -> f64 {
+        self.0.bvh.bounds().size().max_element()
+    }
+}

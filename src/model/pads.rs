@@ -1,0 +1,84 @@
+//! Pads of a scene, meshed and placed on its fingers: one for both, or each its own.
+
+use super::accuracy;
+use crate::error::{Error, Result};
+use crate::geometry::shape::Shape;
+use crate::limits::{self, PadSize};
+use crate::mech::contact::law::ContactLaw;
+use crate::mech::material::{FixedCorotated, Linear, Material, NeoHookean};
+use crate::part::{FingerModel, pad};
+use crate::scales;
+use crate::scene::{self, Fingers, MaterialSpec, Scene};
+use std::sync::Arc;
+
+/// Pads of a scene.
+pub(super) struct MeshedPads {
+    /// The fingers, left first.
+    pub fingers: Vec<FingerModel>,
+    /// Approximate memory of a grasp, bytes.
+    pub memory: u64,
+    /// Gap at which contact begins, m: that of the thinner pad.
+    pub offset: f64,
+}
+
+/// Meshes the pads of `scene` and places them; the reason for a mesh, repairs and assumptions go to `notices`.
+///
+/// # Errors
+/// Fails if a pad cannot be meshed, or takes more memory than is free.
+pub(super) fn build(scene: &Scene, object: &Shape, fem: &scene::Fem, notices: &mut Vec<String>) -> Result<MeshedPads> {
+    let sides = match scene.gripper.fingers {
+        Fingers::Both => 2,
+        Fingers::One => 1,
+        Fingers::None => 0,
+    };
+    let alike = scene.gripper.alike();
+    let fields: &[&'static str] = if alike { &["gripper.pads"] } else { &["gripper.pads", "gripper.right"] };
+    let (mut memory, mut meshed) = (0, Vec::new());
+    for (side, field) in fields.iter().enumerate() {
+        let about = |e: Error| e.about(field);
+        let own = Scene { gripper: scene.gripper.like(side), ..scene.clone() };
+        let chosen = accuracy::choose(&own, object)?;
+        notices.extend(chosen.iter().map(|choice| choice.why.clone()));
+        let pads = chosen.as_ref().map_or(&own.gripper.pads, |choice| &choice.pads);
+        let finer = fem.mesh.and_then(|mesh| pads.finer(&mesh));
+        let pads = finer.as_ref().unwrap_or(pads);
+        let before = memory;
+        let admit = |size: PadSize| {
+            let memory = before + limits::memory(scene, size, sides / fields.len());
+            limits::admit(memory, size).map(|()| memory).map_err(about)
+        };
+        let known = pad::size(pads, fem.element).map_err(about)?.map(admit).transpose()?;
+        let mut news = Vec::new();
+        let (mesh, quality) = pad::build(pads, &mut news).map_err(about)?;
+        news.retain(|notice| !notices.contains(notice));
+        notices.extend(news);
+        memory = known.map_or_else(|| admit(PadSize::of_pad(&mesh, fem.element)), Ok)?;
+        meshed.push((mesh, quality, own.gripper));
+    }
+    let thickness = meshed.iter().map(|(mesh, ..)| mesh.thickness()).reduce(f64::min);
+    let offset = scales::contact_offset(thickness.filter(|_| sides > 0), object.bounding_radius);
+    let mut fingers = Vec::new();
+    for (side, (mesh, quality, gripper)) in meshed.iter().enumerate().take(sides) {
+        let material = law(gripper.material.spec());
+        fingers.push(FingerModel::build((mesh, quality.clone()), side, gripper, fem, (material, offset))?);
+    }
+    if let (true, 2, [left]) = (alike, sides, fingers.as_mut_slice()) {
+        let mut right = left.on(1, &scene.gripper);
+        // The same law for both: they are alike up to the rounding of their places.
+        let spacing = left.surface.spacing.min(right.surface.spacing);
+        let young = scene.gripper.material.spec().young;
+        left.law = ContactLaw::new(young, spacing, left.law.friction, offset);
+        right.law = left.law;
+        fingers.push(right);
+    }
+    Ok(MeshedPads { fingers, memory, offset })
+}
+
+/// Returns the law of a gel.
+pub(super) fn law(spec: MaterialSpec) -> Arc<dyn Material> {
+    match spec.law {
+        scene::Law::NeoHookean => Arc::new(NeoHookean::new(spec.young, spec.poisson)),
+        scene::Law::Corotational => Arc::new(FixedCorotated::new(spec.young, spec.poisson)),
+        scene::Law::Linear => Arc::new(Linear::new(spec.young, spec.poisson)),
+    }
+}

@@ -1,0 +1,129 @@
+//! Two pads that differ: each finger has its own shape, gel and friction, and the grasp is still in balance.
+
+use std::process::Command;
+use std::sync::Mutex;
+use tactus::backend::choose;
+use tactus::error::Result;
+use tactus::grasp::poses_of;
+use tactus::model::Model;
+use tactus::record::{Frame, PadFrame};
+use tactus::run::{Observer, run_grasps};
+use tactus::scene::{Scene, load};
+
+#[derive(Default)]
+struct Frames(Mutex<Vec<Frame>>);
+
+impl Observer for Frames {
+    fn frame(&self, _: usize, frame: &Frame) -> Result<()> {
+        self.0.lock().unwrap().push(frame.clone());
+        Ok(())
+    }
+}
+
+const BOX: &str = "Box(size: (0.02, 0.016, 0.004), cells: (4, 4, 2))";
+const SOFT: &str = "NeoHookean(young: 1e5, poisson: 0.45)";
+const HARD: &str = "NeoHookean(young: 4e5, poisson: 0.45)";
+
+/// Loads a scene whose gripper has these fields: a ball is squeezed to 4 N.
+fn scene(gripper: &str, more: &str) -> std::result::Result<Scene, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    let text = format!(
+        "(object: (shape: Sphere(radius: 0.012)), gripper: ({gripper}), loading: Squeeze(force: 4, frames: 2), {more})"
+    );
+    std::fs::write(&path, text).unwrap();
+    load(&path).map(|loaded| loaded.scene).map_err(|e| e.to_string())
+}
+
+fn frames(gripper: &str) -> Vec<Frame> {
+    let scene = scene(gripper, "expect: [Finite]").unwrap();
+    let model = Model::build(&scene).unwrap();
+    let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
+    let frames = Frames::default();
+    run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 1, &frames).unwrap();
+    let frames = frames.0.into_inner().unwrap();
+    assert_eq!(frames.len(), 2, "{gripper} reaches its force");
+    frames
+}
+
+/// Largest displacement of a node, m.
+fn deepest(pad: &PadFrame) -> f64 {
+    pad.displacement.iter().map(|u| u.length()).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_pair_that_is_alike_is_one_pad_bit_for_bit() {
+    let one = frames(&format!("pads: {BOX}, material: {SOFT}, friction: 0.6"));
+    let pair = frames(&format!(
+        "pads: {BOX}, material: {SOFT}, friction: 0.6, right: (pads: {BOX}, material: {SOFT}, friction: 0.6)"
+    ));
+    assert_eq!(one, pair);
+}
+
+#[test]
+fn the_softer_pad_gives_way_and_the_forces_balance() {
+    let frame = frames(&format!("pads: {BOX}, material: {SOFT}, right: (material: {HARD})")).pop().unwrap();
+    let [soft, hard] = [0, 1].map(|i| &frame.pads[i]);
+    // Both carry the same force, which goes as E d^1.5 on a half space (Hertz) and as E d^3 on a thin incompressible layer: a gel that is four
+    // times as soft yields by 4^(1/3) to 4^(2/3) times as much.
+    let ratio = deepest(soft) / deepest(hard);
+    assert!(ratio > 1.55 && ratio < 2.6, "the soft pad yields by {ratio} times as much");
+    let [left, right] = [soft, hard].map(|pad| pad.wrench.force);
+    assert!((left + right).length() < 1e-3 * 2.0, "{left} N and {right} N cancel to 1e-3 of 2 N");
+    assert!((left.length() - 2.0).abs() < 2e-3, "{left} N is half of 4 N");
+    assert!(frame.object_position.x.abs() > 1e-4, "the ball sinks into the soft pad: {} m", frame.object_position);
+}
+
+/// The hand turned by half a turn about the approach is the one with its fingers swapped, and a ball does not notice.
+#[test]
+fn swapped_pads_give_the_swapped_answer() {
+    let (a, b) = (
+        format!("material: {SOFT}, friction: 0.5"),
+        format!("pads: Disc(radius: 0.01, thickness: 0.003, spacing: 2.5e-3), material: {HARD}, friction: 0.9"),
+    );
+    let there = frames(&format!("pads: {BOX}, {a}, right: ({b})"));
+    let back = frames(&format!("{b}, right: (pads: {BOX}, {a})"));
+    for (there, back) in there.iter().zip(&back) {
+        for (i, j) in [(0, 1), (1, 0)] {
+            let (p, q) = (&there.pads[i], &back.pads[j]);
+            assert_eq!(p.displacement.len(), q.displacement.len());
+            let scale = deepest(p);
+            for (u, v) in p.displacement.iter().zip(&q.displacement) {
+                let off = (u.length() - v.length()).abs();
+                assert!(off < 1e-3 * scale, "{u} m and {v} m are as long to 1e-3 of {scale} m");
+            }
+        }
+        let moved = there.object_position.x + back.object_position.x;
+        assert!(moved.abs() < 1e-7, "the ball moves to the other side, but for {moved} m");
+    }
+}
+
+#[test]
+fn what_knows_pads_alike_alone_refuses_others() {
+    let right = format!("pads: {BOX}, right: (material: {SOFT})");
+    let refused = |gripper: &str, more: &str| scene(gripper, more).unwrap_err();
+    let message = refused(&format!("{right}, fingers: One"), "");
+    assert!(message.contains("gripper.right: there is no right finger"), "{message}");
+    let message = refused(&right, "record: (tactile: [Pressure(rows: 4, cols: 4)])");
+    assert!(message.contains("record.tactile: tactile images are of two pads that are alike"), "{message}");
+    let message = refused(&format!("pads: {BOX}, right: (pads: Disc(radius: 1e-6, thickness: 0.003))"), "");
+    assert!(message.contains("gripper.right.pads.radius"), "{message}");
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    let text =
+        format!("(object: (shape: Sphere(radius: 0.012)), gripper: ({right}), loading: Squeeze(force: 4, frames: 2))");
+    std::fs::write(&path, text).unwrap();
+    let (path, out) = (path.to_str().unwrap(), folder.path().join("out"));
+    let out = out.to_str().unwrap();
+    for (arguments, says) in [
+        (&["dataset", path, "-o", out][..], "a data set takes two pads that are alike"),
+        (&["bench", path], "a bench takes two pads that are alike"),
+        (&["run", path, "--sensitivity"], "a sensitivity takes two pads that are alike"),
+        (&["run", path, "--backend", "gnn"], "its two pads differ"),
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_tactus")).args(arguments).output().unwrap();
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && text.contains(says), "{arguments:?}: {text}");
+    }
+}
