@@ -192,7 +192,7 @@ def report(
     grasps: int | None = None,
     frames: int | None = None,
 ) -> Report:
-    """Puts runs, benches and data sets into one HTML page, the file `out`."""
+    """Puts runs, data sets, trainings and benches into one HTML page, the file `out`."""
     options = dict(out=out, model=model, split=split, grasps=grasps, frames=frames)
     return _report(["report"], _several(folders), options)
 

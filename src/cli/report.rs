@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// Arguments of `tactus report`.
 #[derive(Debug, clap::Args)]
 pub struct ReportArgs {
-    /// Folders of runs, benches and data sets; they share a page.
+    /// Folders of runs, data sets, trainings and benches; they share a page.
     #[arg(required = true)]
     pub dirs: Vec<PathBuf>,
     /// Folder of a trained model to judge on the data sets.
