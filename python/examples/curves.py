@@ -44,7 +44,7 @@ def draw(folders, path):
             axes.axhline(max(constant), color="k", ls="--", label="best constant force, finite elements")
         axes.set(title=folder.name, xlabel="steps, thousands")
     panels[0][0].set_ylabel("return of an episode")
-    handles = dict(zip(*reversed(panels[0][-1].get_legend_handles_labels())))
+    handles = {label: handle for axes in panels[0] for handle, label in zip(*axes.get_legend_handles_labels())}
     columns = 2 if len(folders) > 1 else 1
     lines = -(-len(handles) // columns)
     figure.set_figheight(2.8 + 0.2 * lines)
