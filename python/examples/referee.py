@@ -1,0 +1,77 @@
+"""The judge of what was learned: whole episodes on seeds that no training saw, beside constant forces and chance.
+
+A policy is a function of the observations (a dictionary of arrays) and of its last actions (N, size); it returns actions (N, size).
+"""
+
+import csv
+import re
+
+import numpy as np
+
+import tactus
+
+# Kept apart from the seeds of training.
+HELD_OUT = 1_000_003
+# Constant forces, as parts of the range of the task.
+FORCES = np.linspace(0, 1, 9)
+
+
+def steady(scene, part, size):
+    """The policy that keeps the force at `part` (0 to 1) of the task's range; where actions are rates it goes there at the highest."""
+    text = tactus.load(scene).ron(tactus.load(scene).objects[0])
+    least, most = map(float, re.search(r"task: \(.*?\bforce: \(([^,]+), ([^)]+)\)", text, re.S).groups())
+    rate = re.search(r"control: Rate\(([^)]+)\)", text)
+
+    def act(obs, last):
+        actions = np.zeros((len(last), size), np.float32)
+        actions[:, 0] = 2 * part - 1
+        if rate:
+            actions[:, 0] = np.clip((least + part * (most - least) - obs["force"][:, 0]) / float(rate[1]), -1, 1)
+        return actions
+
+    return act, least + part * (most - least)
+
+
+def play(act, scene, episodes, seed=HELD_OUT, **settings):
+    """Return of one whole episode in each of `episodes` environments, and whether its object was lost in the end."""
+    env = tactus.VectorEnv(scene, episodes, **settings)
+    obs, _ = env.reset(seed=seed)
+    last = np.zeros(env.action_space.shape, np.float32)
+    total, lost, runs = np.zeros(episodes), np.zeros(episodes, bool), np.ones(episodes, bool)
+    # What has ended grips hard: an object that is lost again and again costs a grasp each time.
+    hard = np.eye(1, last.shape[1], dtype=np.float32)
+    while runs.any():
+        last = np.where(runs[:, None], np.clip(act(obs, last), -1, 1), hard)
+        obs, reward, terminated, truncated, infos = env.step(last)
+        total += np.where(runs, reward, 0)
+        lost = np.where(runs, ~infos["held"], lost)
+        runs &= ~(terminated | truncated)
+    return total, lost
+
+
+def judge(policies, scene, episodes, path=None, **settings):
+    """Prints, for policies by name, mean return with its standard error, objects lost, and by how much the first beats the best constant
+    force, episode by episode; writes all but the last to a CSV file. The constant force is the best of nine in these very episodes.
+    """
+    size = tactus.VectorEnv(scene, 1, objects=tactus.load(scene).objects[:1], **settings).single_action_space.shape[0]
+    rng = np.random.default_rng(0)
+    policies = policies | {"random": lambda obs, last: rng.uniform(-1, 1, last.shape).astype(np.float32)}
+    played = {name: play(act, scene, episodes, **settings) for name, act in policies.items()}
+    for part in FORCES:
+        act, force = steady(scene, part, size)
+        played[f"always {force:.1f} N"] = play(act, scene, episodes, **settings)
+    rows = [(name, total.mean(), error(total), lost.mean()) for name, (total, lost) in played.items()]
+    for name, mean, deviation, lost in rows:
+        print(f"  {name:14} return {mean:7.2f} +- {deviation:.2f}, objects lost {lost:4.0%}", flush=True)
+    best = max(rows[len(policies) :], key=lambda row: row[1])[0]
+    first = next(iter(policies))
+    gain = played[first][0] - played[best][0]
+    print(f"  {first} - {best}: {gain.mean():.2f} +- {error(gain):.2f}", flush=True)
+    if path is not None:
+        with open(path, "w", newline="") as file:
+            csv.writer(file).writerows([("policy", "return", "standard_error", "lost"), *rows])
+
+
+def error(values):
+    """Standard error of the mean."""
+    return np.std(values, ddof=1) / len(values) ** 0.5
