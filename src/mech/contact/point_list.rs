@@ -11,14 +11,14 @@ use std::sync::Arc;
 
 /// Distance of a point to the object when that was last looked up. It holds whatever is accepted or taken back.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Seen {
+pub(crate) struct DistanceBound {
     /// Position of the point then, object frame, m.
     pub at: DVec3,
     /// Lower bound of the distance there, m.
     pub bound: f64,
 }
 
-impl Seen {
+impl DistanceBound {
     /// Lower bound of the distance of the point, now at `q`, m: it changes no faster than the point moves.
     #[inline(always)]
     pub fn bound(&self, q: DVec3) -> f64 {
@@ -30,10 +30,10 @@ impl Seen {
 #[derive(Debug, Clone)]
 pub(crate) struct PointList {
     /// Distances of all points when they were last listed, or before.
-    all: Arc<Vec<Seen>>,
+    all: Arc<Vec<DistanceBound>>,
     nearby: Arc<Nearby>,
     /// Distances of the listed points when they were last looked up.
-    listed: Vec<Seen>,
+    listed: Vec<DistanceBound>,
     /// Contact offset, m.
     offset: f64,
 }
@@ -41,7 +41,7 @@ pub(crate) struct PointList {
 impl PointList {
     /// Creates the list of `count` points of which nothing is known; contact has this `offset` (m).
     pub fn new(count: usize, offset: f64) -> Self {
-        let all = Arc::new(vec![Seen { at: DVec3::ZERO, bound: f64::NEG_INFINITY }; count]);
+        let all = Arc::new(vec![DistanceBound { at: DVec3::ZERO, bound: f64::NEG_INFINITY }; count]);
         Self { all, nearby: Arc::default(), listed: Vec::new(), offset }
     }
 
@@ -61,7 +61,11 @@ impl PointList {
     }
 
     /// Returns the least of the distances that `nearest` finds among the points it is given: those listed, or all where these may be nearer.
-    pub fn least(&self, view: &BodyView, nearest: impl Fn(&mut dyn Iterator<Item = (usize, Seen)>) -> f64) -> f64 {
+    pub fn least(
+        &self,
+        view: &BodyView,
+        nearest: impl Fn(&mut dyn Iterator<Item = (usize, DistanceBound)>) -> f64,
+    ) -> f64 {
         let listed = nearest(&mut (0..self.listed.len()).map(|k| self.get(k)));
         let found = listed <= self.others(view);
         if found { listed } else { nearest(&mut self.all.iter().copied().enumerate()) }
@@ -73,17 +77,17 @@ impl PointList {
     }
 
     /// Number of listed point `k`, and what is known of it.
-    pub fn get(&self, k: usize) -> (usize, Seen) {
+    pub fn get(&self, k: usize) -> (usize, DistanceBound) {
         (self.nearby.list[k], self.listed[k])
     }
 
     /// Notes the distance of listed point `k`.
-    pub fn note(&mut self, k: usize, seen: Seen) {
+    pub fn note(&mut self, k: usize, seen: DistanceBound) {
         self.listed[k] = seen;
     }
 
     /// The points that can matter under `view`, ascending: those listed, or all where too much has moved since.
-    pub fn points(&self, view: &BodyView) -> impl Iterator<Item = (usize, Seen)> + '_ {
+    pub fn points(&self, view: &BodyView) -> impl Iterator<Item = (usize, DistanceBound)> + '_ {
         let known = self.holds(view);
         let count = if known { self.listed.len() } else { self.all.len() };
         (0..count).map(move |k| if known { self.get(k) } else { (k, self.all[k]) })
@@ -109,7 +113,7 @@ impl PointList {
             let (_, q) = locate(stencil, view);
             radius = radius.max(q.length());
             if all[i].bound(q) < reach {
-                all[i] = Seen { at: q, bound: object.closest(q, far).map_or(far, |c| c.distance) };
+                all[i] = DistanceBound { at: q, bound: object.closest(q, far).map_or(far, |c| c.distance) };
             }
             let beside = |i: usize| i >= surface.vertices && surface.around(i).into_iter().any(|vertex| near[vertex]);
             near[i] = all[i].bound(q) < reach || matter(i) || beside(i);

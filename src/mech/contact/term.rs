@@ -3,7 +3,7 @@
 use super::edge::EdgeState;
 use super::law::ContactLaw;
 use super::pair::{friction_pair, normal_pair, slip, weighed};
-use super::point_list::{PointList, Seen};
+use super::point_list::{DistanceBound, PointList};
 use super::pool::EdgePool;
 use super::surface::ContactSurface;
 use crate::error::Result;
@@ -131,7 +131,7 @@ impl BodyTerm for PointContact {
     }
 
     fn clearance(&self, _: &Body, view: &BodyView) -> f64 {
-        let nearest = |points: &mut dyn Iterator<Item = (usize, Seen)>| {
+        let nearest = |points: &mut dyn Iterator<Item = (usize, DistanceBound)>| {
             points.filter(|(i, _)| self.felt[*i]).fold(f64::INFINITY, |nearest, (i, seen)| {
                 let (_, q) = locate(&self.surface.points[i], view);
                 // The bound of the last query spares most of the others.
@@ -235,7 +235,7 @@ impl PointContact {
                 continue;
             }
             let distance = self.object.closest(q, ahead).map_or(ahead, |c| c.distance);
-            self.near.note(k, Seen { at: q, bound: distance });
+            self.near.note(k, DistanceBound { at: q, bound: distance });
             if distance < -through {
                 (self.felt[i], none) = (true, false);
             }
@@ -261,7 +261,7 @@ impl PointContact {
             let reach = LOOK_AHEAD * self.pool.law.offset;
             touch = self.object.touch(q, reach, law.offset);
             let bound = touch.as_ref().map_or(reach, |t| t.nearest.distance);
-            self.near.note(k, Seen { at: q, bound });
+            self.near.note(k, DistanceBound { at: q, bound });
         }
         let places = touch.iter().flat_map(SurfaceTouch::places);
         let places = places.map(|(c, weight)| (c.distance, view.object.rotation * c.normal, weight));
