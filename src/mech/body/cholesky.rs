@@ -8,7 +8,6 @@ use faer::sparse::linalg::cholesky::{
     factorize_symbolic_cholesky, supernodal::SupernodalLltRef,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::traits::ComplexField;
 use faer::{Accum, Conj, Mat, MatMut, Par, Side};
 use std::sync::Arc;
 
@@ -62,26 +61,10 @@ fn transpose(col_ptr: &[usize], row_idx: &[usize]) -> (Vec<usize>, Vec<usize>) {
 }
 
 /// Numeric factor with its workspace, owned by one environment.
-pub struct Factor<T = f64> {
+pub struct Factor {
     symbolic: Arc<Symbolic>,
-    values: Vec<T>,
+    values: Vec<f64>,
     memory: MemBuffer,
-}
-
-impl<T: ComplexField + Copy> Factor<T> {
-    /// Solves in place for `columns` right-hand sides stored one after the other.
-    pub fn solve(&mut self, rhs: &mut [T], columns: usize) {
-        if rhs.is_empty() {
-            return;
-        }
-        let rows = rhs.len() / columns;
-        LltRef::new(&self.symbolic.0, &self.values).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(rhs, rows, columns),
-            Par::Seq,
-            MemStack::new(&mut self.memory),
-        );
-    }
 }
 
 impl Factor {
@@ -118,11 +101,18 @@ impl Factor {
             .is_ok()
     }
 
-    /// Rounds the factor to single precision, for solves with one right-hand side that iterations correct anyway: they read half as much.
-    pub fn rounded(&self) -> Factor<f32> {
-        let memory = MemBuffer::new(self.symbolic.0.solve_in_place_scratch::<f32>(1, Par::Seq));
-        let values = self.values.iter().map(|v| *v as f32).collect();
-        Factor { symbolic: self.symbolic.clone(), values, memory }
+    /// Solves in place for `columns` right-hand sides stored one after the other.
+    pub fn solve(&mut self, rhs: &mut [f64], columns: usize) {
+        if rhs.is_empty() {
+            return;
+        }
+        let rows = rhs.len() / columns;
+        LltRef::new(&self.symbolic.0, &self.values).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(rhs, rows, columns),
+            Par::Seq,
+            MemStack::new(&mut self.memory),
+        );
     }
 
     /// Computes the Schur complement of the last matrix for its last `size` unknowns, by columns: the product of the factor's

@@ -9,15 +9,15 @@ use crate::mech::body::pattern::FIXED;
 use crate::mech::newton::Failure;
 use crate::mech::potential::term::Stencil;
 use crate::part::FingerModel;
-use faer::{Mat, Scale};
-use glam::{DVec3, Vec3};
+use faer::Mat;
+use glam::DVec3;
 use std::sync::Arc;
 
 /// A pad with the factor of its stiffness.
 pub struct CondensedPad {
     body: Arc<Body>,
     dead: Vec<DVec3>,
-    eliminated: Option<Eliminated>,
+    eliminated: Option<(Body, Factor)>,
     patch: Arc<[u32]>,
     stiffness: Arc<Mat<f64>>,
     /// Positions at which the pad was condensed, m.
@@ -27,15 +27,6 @@ pub struct CondensedPad {
     accepted: [Vec<DVec3>; 2],
     /// Elastic forces and dead loads of the last corrected state, N per node.
     gradient: Vec<DVec3>,
-}
-
-/// Pad whose patch is eliminated last, and by which it is brought back.
-struct Eliminated {
-    body: Arc<Body>,
-    /// Factor of its stiffness over `unit`. Single precision is enough: what the real law leaves out of balance corrects the rest.
-    factor: Factor<f32>,
-    /// Largest entry of the stiffness, N/m: over it, rounding is the same at every scale of the scene.
-    unit: f64,
 }
 
 /// Sums of squares over the nodes of the effects of a correction.
@@ -102,17 +93,19 @@ impl CondensedPad {
     /// # Errors
     /// Returns [`Failure::Singular`] if the stiffness cannot be factorised.
     pub fn condense(&mut self, x: &[DVec3], patch: Vec<u32>) -> std::result::Result<Option<Arc<Body>>, Failure> {
-        let known = self.eliminated.iter().find(|_| *patch == *self.patch).map(|known| known.body.clone());
-        let left = known.is_none().then(|| Arc::new(self.body.condensed(&patch)));
-        let body = known.unwrap_or_else(|| Arc::new(self.body.eliminating_last(&patch)));
-        let mut factor = Factor::new(body.symbolic().map_err(|_| Failure::Singular)?, 1);
-        let (mut factorized, mut unit) = (false, 1.0);
+        let mut left = None;
+        if self.eliminated.is_none() || *patch != *self.patch {
+            let body = self.body.eliminating_last(&patch);
+            let factor = Factor::new(body.symbolic().map_err(|_| Failure::Singular)?, 1);
+            left = Some(Arc::new(self.body.condensed(&patch)));
+            (self.eliminated, self.patch) = (Some((body, factor)), patch.into());
+        }
+        let Some((body, factor)) = &mut self.eliminated else { return Err(Failure::Singular) };
+        let mut factorized = false;
         for project in [false, true] {
             let mut values = vec![0.0; body.pattern().row_idx.len()];
             self.gradient = loads(&self.dead, x.len());
             body.add_stiffness(x, project, &mut self.gradient, &mut values);
-            unit = values.iter().fold(f64::MIN_POSITIVE, |most, v| most.max(v.abs()));
-            values.iter_mut().for_each(|v| *v /= unit);
             factorized = factor.factorize(body.pattern(), &values);
             if factorized {
                 break;
@@ -122,11 +115,8 @@ impl CondensedPad {
             return Err(Failure::Singular);
         }
         self.condensed_at = x.to_vec();
-        self.patch = patch.into();
-        self.stiffness = Arc::new(factor.condensed(3 * self.patch.len()) * Scale(unit));
-        let mut eliminated = Eliminated { body, factor: factor.rounded(), unit };
-        let back = eliminated.solve(&self.gradient);
-        self.eliminated = Some(eliminated);
+        self.stiffness = Arc::new(factor.condensed(3 * self.patch.len()));
+        let back = solve(body, factor, &self.gradient);
         self.center = x.iter().zip(back).map(|(x, w)| *x - w).collect();
         self.accepted = [self.center.clone(), self.center.clone()];
         Ok(left)
@@ -165,14 +155,13 @@ impl CondensedPad {
             contact[n as usize] = DVec3::from_slice(f);
         }
         let nothing = Correction { change: 0.0, displacement: 0.0, residual: 0.0 };
-        let Some(eliminated) = &mut self.eliminated else { return nothing };
-        let from_center = eliminated.solve(&contact);
+        let Some((body, factor)) = &mut self.eliminated else { return nothing };
+        let from_center = solve(body, factor, &contact);
         x.iter_mut().zip(&self.center).zip(from_center).for_each(|((x, c), u)| *x = *c + u);
         self.gradient = loads(&self.dead, x.len());
-        eliminated.body.add_gradient(x, &mut self.gradient);
+        body.add_gradient(x, &mut self.gradient);
         contact.iter_mut().zip(&self.gradient).for_each(|(f, g)| *f = *g - *f);
-        let change = eliminated.solve(&contact);
-        let body = &eliminated.body;
+        let change = solve(body, factor, &contact);
         self.center.iter_mut().zip(&change).for_each(|(c, w)| *c -= *w);
         let free = |(i, f): (usize, &DVec3)| if body.fixed[i] { 0.0 } else { f.length_squared() };
         Correction {
@@ -209,16 +198,14 @@ fn loads(dead: &[DVec3], nodes: usize) -> Vec<DVec3> {
     gradient
 }
 
-impl Eliminated {
-    /// Computes the displacements under `force` (N per node), m; zero at fixed nodes.
-    fn solve(&mut self, force: &[DVec3]) -> Vec<DVec3> {
-        let position = &self.body.pattern().position;
-        let mut rhs = vec![0.0; self.body.unknowns()];
-        for (f, &p) in force.iter().zip(position).filter(|(_, p)| **p != FIXED) {
-            rhs[3 * p as usize..3 * p as usize + 3].copy_from_slice(&(*f / self.unit).as_vec3().to_array());
-        }
-        self.factor.solve(&mut rhs, 1);
-        let entry = |p: u32| if p == FIXED { DVec3::ZERO } else { Vec3::from_slice(&rhs[3 * p as usize..]).as_dvec3() };
-        position.iter().map(|&p| entry(p)).collect()
+/// Computes the displacements under `force` (N per node), m; zero at fixed nodes.
+fn solve(body: &Body, factor: &mut Factor, force: &[DVec3]) -> Vec<DVec3> {
+    let position = &body.pattern().position;
+    let mut rhs = vec![0.0; body.unknowns()];
+    for (f, &p) in force.iter().zip(position).filter(|(_, p)| **p != FIXED) {
+        rhs[3 * p as usize..3 * p as usize + 3].copy_from_slice(&f.to_array());
     }
+    factor.solve(&mut rhs, 1);
+    let entry = |p: u32| if p == FIXED { DVec3::ZERO } else { DVec3::from_slice(&rhs[3 * p as usize..]) };
+    position.iter().map(|&p| entry(p)).collect()
 }
