@@ -104,7 +104,14 @@ def opened(browser, folder, model=None, size=DESKTOP, **more):
 
 
 def picture(page):
-    return page.locator("#canvas").screenshot()
+    """The canvas at a place and size of its own: lines above it, as that of the command, would shift it by a part of a pixel."""
+    alone = "position: fixed !important; inset: 0 auto auto 0; width: 640px !important; height: 400px !important; background: white; z-index: 9"
+    fixed = page.add_style_tag(content=f"#canvas {{ {alone} }}")
+    page.wait_for_function("() => document.getElementById('canvas').clientWidth === 640")
+    page.wait_for_timeout(300)
+    shot = page.locator("#canvas").screenshot()
+    fixed.evaluate("(style) => style.remove()")
+    return shot
 
 
 class Driven:
