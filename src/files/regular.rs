@@ -19,7 +19,7 @@ pub fn open(path: &Path) -> Result<File> {
 /// Reads all bytes of a regular file of at most `limit` bytes.
 ///
 /// # Errors
-/// Fails in the cases of [`open`], for a larger file and for a failing disk.
+/// Fails in the cases of [`open()`], for a larger file and for a failing disk.
 pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let (file, meta) = checked(path)?;
     let too_large = |size: String| Error::file(path, format!("{size} bytes; at most {limit} are read"));

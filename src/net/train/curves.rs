@@ -37,7 +37,7 @@ pub fn write(dir: &Path, epochs: &[Epoch]) -> Result<()> {
 /// Reads `curves.csv`.
 ///
 /// # Errors
-/// Fails if the file cannot be read or is not what [`write`] makes.
+/// Fails if the file cannot be read or is not what [`write()`] makes.
 pub fn read(dir: &Path) -> Result<Vec<Epoch>> {
     let path = dir.join(CURVES);
     let text = std::fs::read_to_string(&path).map_err(|e| Error::file(&path, format!("cannot be read: {e}")))?;
