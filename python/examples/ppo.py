@@ -4,10 +4,8 @@ on seeds that it never saw, beside constant forces and chance (`referee.py`).
     python python/examples/ppo.py scenes/tasks/hold.ron --model out/tasks_model --out out/ppo/hold
 """
 
-import argparse
 import csv
 import time
-from pathlib import Path
 
 import numpy as np
 import torch
@@ -16,12 +14,7 @@ from torch import nn
 import referee
 import tactus
 
-parser = argparse.ArgumentParser(formatter_class=argparse.ArgumentDefaultsHelpFormatter)
-parser.add_argument("scene")
-parser.add_argument("--model", help="folder of a trained network; without it the scene's backend")
-parser.add_argument("--envs", type=int, default=64)
-parser.add_argument("--steps", type=int, default=200_000, help="on the network")
-parser.add_argument("--refine", type=int, default=0, help="steps after them on finite elements")
+parser = referee.arguments("out/ppo")
 parser.add_argument("--margin", type=float, default=0.0, help="of friction that steps on the network leave; less costs 1")
 parser.add_argument("--horizon", type=int, default=32)
 parser.add_argument("--epochs", type=int, default=6)
@@ -32,10 +25,6 @@ parser.add_argument("--gamma", type=float, default=0.97)
 parser.add_argument("--lam", type=float, default=0.95)
 parser.add_argument("--clip", type=float, default=0.2)
 parser.add_argument("--entropy", type=float, default=1e-3)
-parser.add_argument("--seed", type=int, default=1)
-parser.add_argument("--episodes", type=int, default=64, help="judged on held-out seeds; 0 is none")
-parser.add_argument("--threads", type=int)
-parser.add_argument("--out", type=Path, default=Path("out/ppo"), help="folder for curves and results")
 args = parser.parse_args()
 args.out.mkdir(parents=True, exist_ok=True)
 torch.manual_seed(args.seed)

@@ -3,8 +3,10 @@
 A policy is a function of the observations (a dictionary of arrays) and of its last actions (N, size); it returns actions (N, size).
 """
 
+import argparse
 import csv
 import re
+from pathlib import Path
 
 import numpy as np
 
@@ -14,6 +16,21 @@ import tactus
 HELD_OUT = 1_000_003
 # Constant forces, as parts of the range of the task.
 FORCES = np.linspace(0, 1, 9)
+
+
+def arguments(out):
+    """The arguments that all learners have; curves and results go to the folder `out` unless told otherwise."""
+    parser = argparse.ArgumentParser(formatter_class=argparse.ArgumentDefaultsHelpFormatter)
+    parser.add_argument("scene")
+    parser.add_argument("--model", help="folder of a trained network; without it the scene's backend")
+    parser.add_argument("--envs", type=int, default=64)
+    parser.add_argument("--steps", type=int, default=200_000, help="on the network")
+    parser.add_argument("--refine", type=int, default=0, help="steps after them on finite elements")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--episodes", type=int, default=64, help="judged on held-out seeds; 0 is none")
+    parser.add_argument("--threads", type=int)
+    parser.add_argument("--out", type=Path, default=Path(out), help="folder for curves and results")
+    return parser
 
 
 def steady(scene, part, size):

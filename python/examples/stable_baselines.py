@@ -3,9 +3,7 @@
     python python/examples/stable_baselines.py scenes/tasks/hold.ron --model out/tasks_model --out out/sb3/hold
 """
 
-import argparse
 import csv
-from pathlib import Path
 
 import gymnasium as gym
 import numpy as np
@@ -17,17 +15,8 @@ from stable_baselines3.common.vec_env import VecEnvWrapper, VecMonitor, VecNorma
 import referee
 from tactus.stable_baselines import VecEnv
 
-parser = argparse.ArgumentParser(formatter_class=argparse.ArgumentDefaultsHelpFormatter)
-parser.add_argument("scene")
-parser.add_argument("--model", help="folder of a trained network; without it the scene's backend")
-parser.add_argument("--envs", type=int, default=64)
-parser.add_argument("--steps", type=int, default=200_000, help="on the network")
-parser.add_argument("--refine", type=int, default=0, help="steps after them on finite elements")
-parser.add_argument("--seed", type=int, default=1)
-parser.add_argument("--episodes", type=int, default=64, help="judged on held-out seeds; 0 is none")
-parser.add_argument("--threads", type=int)
+parser = referee.arguments("out/sb3")
 parser.add_argument("--tensorboard", help="folder for TensorBoard, which has to be installed then")
-parser.add_argument("--out", type=Path, default=Path("out/sb3"), help="folder for curves and results")
 args = parser.parse_args()
 args.out.mkdir(parents=True, exist_ok=True)
 torch.set_num_threads(1)
