@@ -5,15 +5,19 @@
 #   benches/results.sh                  every table that was not measured at this commit yet; about an hour on two cores
 #   benches/results.sh press squeeze    these tables alone, once more
 #
+# The tables `peers` and `inference` run other systems, `objects` compares arrays: PYTHON names a Python that has mujoco, drake, torch,
+# safetensors, onnx, onnxscript, onnxruntime and numpy. What it has not is left out and said.
+#
 # Stopped at any moment it goes on with the next table. Nothing else should run beside it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-readonly RESULTS=docs/results.md OUT=out/results TABLES=(press squeeze network slip size predictions growth environments sensitivity hard_cases)
+readonly RESULTS=docs/results.md OUT=out/results TABLES=(press peers squeeze objects network slip size predictions inference growth environments sensitivity hard_cases)
 commit=$(git rev-parse --short HEAD)
 git diff --quiet HEAD -- src Cargo.toml Cargo.lock || commit="$commit and uncommitted changes"
 processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1 || true)
 mechanics=$(git log -1 --format=%h -- src/mech src/backend/fem src/geometry src/grasp src/model scenes 'tests/network/*.ron')
 made="Commit $commit, $(date +%F), ${processor:-processor unknown}, $(getconf _NPROCESSORS_ONLN) cores."
+python=${PYTHON:-python3}
 tactus() { ./target/release/tactus "$@"; }
 
 # The text between the markers of table $1 in file $2 becomes stdin; a table that is not there yet goes to the end.
@@ -49,6 +53,38 @@ press() {
             { gap = $travel - 1e-3; if (gap < 0) gap = -gap; if (gap < 1e-7) at = $force }
             END { printf "| %s | %s | %.3f | %+.1f %% | %.1f |\n", scene, nodes, at, 100 * (at / 2.548 - 1), seconds }' "$OUT/$scene/grasp_000/frames.csv"
     done
+}
+
+# Processor time of a command, s.
+processor_seconds() {
+    local TIMEFORMAT='%U %S'
+    { time "$@" > /dev/null 2>&1; } 2>&1 | awk '{ print $1 + $2 }'
+}
+
+# The ball pressed into one pad by a force that rises to 10 N, in 50 steps, one thread each; 1 mm at 2.548 N on converged meshes.
+peers() {
+    local cells solver scene turn row peer
+    echo '| system | depth at 2.548 N, mm | error | processor ms a step, best of three |'
+    echo '|---|---|---|---|'
+    for turn in 1 2 3; do
+        for cells in "6, 8, 2" "8, 10, 2"; do
+            for solver in full condensed; do
+                scene=$OUT/peers_${cells//, /x}_$solver
+                sed -e "s/cells: (6, 8, 2)/cells: ($cells)/" -e '/^ *expect: \[/,/^ *\],/d' scenes/press/ramp.ron > "$scene.ron"
+                row=$(processor_seconds tactus run "$scene.ron" $([ $solver = full ] || echo --backend condensed) --threads 1 -o "$scene" --overwrite)
+                awk -F, -v s="$row" -v name="tactus, $solver pad, ${cells//, / x } cells" '
+                    NR == 1 { for (i = 1; i <= NF; i++) { if ($i ~ /^force_n/) force = i; if ($i ~ /^travel/ && !travel) travel = i } next }
+                    $force >= 2.548 && !depth { depth = before + (2.548 - least) / ($force - least) * ($travel - before) }
+                    { before = $travel; least = $force }
+                    END { printf "%s|%.4f|%.1f\n", name, 1e3 * depth, 1e3 * s / (NR - 1) }' "$scene/grasp_000/frames.csv"
+            done
+        done
+        for peer in mujoco drake; do
+            [ -d ../shared/bench ] && OMP_NUM_THREADS=1 "$python" ../shared/bench/${peer}_press.py pad_1k 2> /dev/null |
+                sed -n 's/^\([a-z]*\) .*cpu\/step \([0-9.]*\) ms depth mm at [^ ]* N \([0-9.-]*\) .*/\1, linear pad, 6 x 8 x 2 cells|\3|\2/p'
+        done || true
+    done | sort -t'|' -k1,1 -k3,3g | awk -F'|' '!seen[$1]++ { printf "| %s | %.3f | %+.1f %% | %s |\n", $1, $2, 100 * ($2 - 1), $3 }'
+    printf '\nFor tactus the time of the whole program, start and meshing included; for the others that of their step calls alone, with settings tuned by hand until they pressed at all.\n'
 }
 
 squeeze() {
@@ -108,6 +144,37 @@ slip() {
 size() {
     tactus bench scenes/press/quadratic_coarse.ron --sizes 500,1000,2000,5000,10000 --threads 1 --repeat 1 -o "$OUT/size" > /dev/null
     tactus report "$OUT/size" -o "$OUT/size.html" | sed '1d; /^'"${OUT//\//\\/}"'/d'
+}
+
+# The first grasp of each object of scenes/paper.ron to 15 N in 50 frames, on the pads that are recorded.
+objects() {
+    local object solver whole condensed
+    sed 's/, mesh: (finer: [^)]*)//' scenes/paper.ron > "$OUT/objects.ron"
+    echo '| object | whole pads, s | condensed, s | differ in displacement at 15 N, % |'
+    echo '|---|---|---|---|'
+    for object in $(sed -n 's/.*(name: "\([^"]*\)".*/\1/p' scenes/paper.ron); do
+        for solver in fem condensed; do
+            tactus_run=(tactus run "$OUT/objects.ron" --object "$object" --grasps 1 --backend $solver --threads 2 --no-pictures -o "$OUT/objects_$solver" --overwrite)
+            if [ $solver = fem ]; then whole=$(seconds "${tactus_run[@]}"); else condensed=$(seconds "${tactus_run[@]}"); fi
+        done
+        echo "$object $whole $condensed $("$python" -c '
+import sys, numpy
+whole, condensed = (numpy.load(f"{folder}/grasp_000/arrays.npz")["displacement_m"][-1] for folder in sys.argv[1:])
+print(100 * numpy.linalg.norm(condensed - whole) / numpy.linalg.norm(whole))' "$OUT/objects_fem" "$OUT/objects_condensed" 2> /dev/null || echo nan)"
+    done | tee "$OUT/objects.txt" | awk '{ printf "| %s | %.2f | %.2f | %.1f |\n", $1, $2, $3, $4 }'
+    for solver in 2 3; do cut -d' ' -f$solver "$OUT/objects.txt" | sort -g | awk '{ s[NR] = $1 } END { print (s[NR / 2] + s[NR / 2 + 1]) / 2 }'; done |
+        awk '{ printf "%s%.2f s", NR == 1 ? "\nMedians: whole " : ", condensed ", $1 } END { print ", start, meshing and recording included." }'
+}
+
+# Message passing and all 50 loads of a grasp by the engine, PyTorch and ONNX Runtime: the same weights, graphs of the same size.
+inference() {
+    local set=$OUT/inference_$commit
+    tactus dataset scenes/lemon.ron --grasps 1 --frames 50 -o "$set" > /dev/null || [ $? -eq 1 ]
+    tactus eval "$set" --split all --extrapolate --model universe --dump "$set.npz" > /dev/null
+    echo '```text'
+    TACTUS_MODEL=models/universe cargo bench -q --bench inference | head -n 3
+    "$python" benches/torch_inference.py models/universe "$set.npz"
+    echo '```'
 }
 
 # Grasps a second of `tactus predict` on lemons, with the options that follow.
@@ -190,6 +257,9 @@ hard_cases() {
 title() {
     case $1 in
         press) echo "A press against a converged force" ;;
+        peers) echo "A press beside other systems" ;;
+        objects) echo "Ten objects, whole pads and condensed ones" ;;
+        inference) echo "A pass of the network beside PyTorch and ONNX Runtime" ;;
         squeeze) echo "Speed against error: a lemon that the network never saw" ;;
         network) echo "Error of the network that ships, against a mesh 1.4 times as fine" ;;
         slip) echo "Load at which the object slips" ;;

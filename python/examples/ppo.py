@@ -6,6 +6,7 @@ on seeds that it never saw, beside constant forces and chance (`referee.py`).
 
 import csv
 import time
+from pathlib import Path
 
 import numpy as np
 import torch
@@ -15,6 +16,7 @@ import referee
 import tactus
 
 parser = referee.arguments("out/ppo")
+parser.add_argument("--start", type=Path, help="policy.pt of an earlier run to go on from")
 parser.add_argument("--margin", type=float, default=0.0, help="of friction that steps on the network leave; less costs 1")
 parser.add_argument("--horizon", type=int, default=32)
 parser.add_argument("--epochs", type=int, default=6)
@@ -76,6 +78,25 @@ adam = torch.optim.Adam(parameters, eps=1e-5)
 scale, pay = Scaler(size), Scaler(1)
 
 
+# (steps, what they were taken on, mean return of the last 200 episodes)
+curve = []
+if args.start:
+    kept = torch.load(args.start, weights_only=False)
+    actor.load_state_dict(kept["actor"])
+    critic.load_state_dict(kept["critic"])
+    spread.data, scale, pay, curve = (kept[key] for key in ("spread", "scale", "pay", "curve"))
+
+
+def keep():
+    """Writes policy and curve, so that work done is not lost."""
+    kept = {"actor": actor.state_dict(), "critic": critic.state_dict(), "spread": spread.data}
+    kept |= {"scale": scale, "pay": pay, "curve": curve}
+    torch.save(kept, args.out / "policy.part")
+    (args.out / "policy.part").replace(args.out / "policy.pt")
+    with open(args.out / "curve.csv", "w", newline="") as file:
+        csv.writer(file).writerows([("steps", "on", "return"), *curve])
+
+
 def policy(x):
     return torch.distributions.Normal(actor(x), spread.exp())
 
@@ -85,8 +106,8 @@ def learned(obs, last):
         return actor(scale(flat(obs, last))).numpy()
 
 
-def train(env, stage, steps, rate, curve, margin=0.0):
-    """Goes on learning in `env` for `steps` steps; adds (steps, stage, mean return of the last 200 episodes) to `curve`.
+def train(env, stage, steps, rate, margin=0.0):
+    """Goes on learning in `env` for `steps` steps, and draws `curve` on.
 
     A step whose load leaves less than `margin` of the friction limit costs 1: a network says less surely than finite elements what holds.
     """
@@ -134,6 +155,7 @@ def train(env, stage, steps, rate, curve, margin=0.0):
         curve.append((done_steps, stage, np.mean(returns[-200:]) if returns else np.nan))
         if update % 10 == 9 or update == updates - 1:
             print(f"{done_steps} steps, {time.perf_counter() - begin:.0f} s: return {curve[-1][2]:.2f}", flush=True)
+            keep()
 
 
 def learn(flatten, adv):
@@ -161,18 +183,14 @@ def judge(stage, **settings):
         referee.judge({"PPO": learned}, args.scene, args.episodes, args.out / f"judged_{stage}.csv", threads=args.threads, **settings)
 
 
-curve = []
 if args.model:
-    train(env, "network", args.steps, args.rate, curve, args.margin)
+    train(env, "network", args.steps, args.rate, args.margin)
     judge("network", model=args.model)
     if args.refine:
-        train(make(None), "fem", args.refine, args.refine_rate, curve)
+        train(make(None), "fem", args.refine, args.refine_rate)
 else:
-    train(env, "fem", args.steps, args.rate, curve)
+    train(env, "fem", args.steps, args.rate)
 judge("fem")
-with open(args.out / "curve.csv", "w", newline="") as file:
-    csv.writer(file).writerows([("steps", "on", "return"), *curve])
-torch.save({"actor": actor.state_dict(), "mean": scale.mean, "square": scale.square}, args.out / "policy.pt")
 
 from curves import draw  # noqa: E402
 

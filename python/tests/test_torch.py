@@ -19,14 +19,17 @@ FIELDS = tactus.torch.Answer._fields[:3]
 THICKNESS, FARTHEST = 4e-3, 0.107
 
 
-@pytest.fixture(scope="module")
-def network():
-    return tactus.torch.Network.load("universe")
+CUDA = pytest.param("cuda", marks=pytest.mark.skipif(not torch.cuda.is_available(), reason="PyTorch has no CUDA here"))
+
+
+@pytest.fixture(scope="module", params=["cpu", CUDA])
+def network(request):
+    return tactus.torch.Network.load("universe").to(request.param)
 
 
 def worst(mine, theirs):
     """The largest error of a grasp over the norm of its field."""
-    mine, theirs = (np.asarray(x, dtype=np.float64).reshape(len(x), -1) for x in (mine, theirs))
+    mine, theirs = (np.asarray(torch.as_tensor(x).cpu(), dtype=np.float64).reshape(len(x), -1) for x in (mine, theirs))
     return (np.linalg.norm(mine - theirs, axis=1) / np.linalg.norm(theirs, axis=1)).max()
 
 
@@ -83,7 +86,7 @@ def jacobian(on, force, friction, pose, scales):
         ones = torch.zeros_like(field, requires_grad=True)
         (back,) = torch.autograd.grad(field, x, ones, create_graph=True)
         forth = [torch.autograd.grad(value, ones, retain_graph=True)[0].flatten() for value in back]
-        fields.append(torch.stack(forth).numpy())
+        fields.append(torch.stack(forth).cpu().numpy())
     return fields
 
 
@@ -142,7 +145,7 @@ def test_each_load_answers_to_its_own_force_and_each_grasp_to_its_own_friction(n
     alone = on(poses[1:], [5.0, 10.0], 0.9)
     assert torch.allclose(alone.contact_force_n[0], answer.contact_force_n[1], rtol=1e-4, atol=1e-6)
     pressed = answer.contact_force_n.sum(3)[..., 2].abs()
-    assert torch.allclose(pressed, force[..., None] / 2, rtol=1e-4)
+    assert torch.allclose(pressed, (force[..., None] / 2).to(pressed), rtol=1e-4)
 
 
 def test_a_quaternion_may_have_any_length(network):
@@ -157,7 +160,7 @@ def test_a_quaternion_may_have_any_length(network):
 def test_a_folder_is_loaded_as_the_name_is(network):
     folder = tactus.torch.Network.load(ROOT / "models" / "universe")
     for (name, mine), (_, other) in zip(folder.named_parameters(), network.named_parameters()):
-        assert torch.equal(mine, other), name
+        assert torch.equal(mine.cpu(), other), name
     with pytest.raises(ValueError, match="a model is made by"):
         tactus.torch.Network.load("nowhere")
 
@@ -190,10 +193,10 @@ def test_onnx_runtime_gives_the_same_fields_within_1e_4(network, tmp_path):
     poses = on.seen.usual()["poses"][[0, 1, 1]]
     for force in ([6.0], [3.0, 6.0, 9.0, 12.0, 15.0]):
         seen, *_ = on.inputs(poses, force)
-        out = session.run(list(FIELDS), {name: seen[name].numpy() for name in names})
+        out = session.run(list(FIELDS), {name: seen[name].cpu().numpy() for name in names})
         for field, mine, theirs in zip(FIELDS, out, on(poses, force)):
             assert mine.shape == theirs.shape and worst(mine, theirs) < 1e-4, field
     many = tactus.predict(SCENES / "lemon.ron", frames=3)
     seen, *_ = on.inputs()
-    for field, mine in zip(FIELDS, session.run(list(FIELDS), {name: seen[name].numpy() for name in names})):
+    for field, mine in zip(FIELDS, session.run(list(FIELDS), {name: seen[name].cpu().numpy() for name in names})):
         assert worst(mine, getattr(many, field)) < 1e-4, field
