@@ -190,6 +190,7 @@ if args.model:
         train(make(None), "fem", args.refine, args.refine_rate)
 else:
     train(env, "fem", args.steps, args.rate)
+keep()
 judge("fem")
 
 from curves import draw  # noqa: E402
