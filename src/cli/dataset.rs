@@ -111,6 +111,12 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
     if let Some(seconds) = args.max_time {
         set.scenes.iter_mut().try_for_each(|s| limit_time(&mut s.scene.stepper, seconds))?;
     }
+    if args.sensitivity.is_some() {
+        let alike = |named: &NamedScene| {
+            named.scene.gripper.needs_alike("a sensitivity").map_err(|e| set.place(e, &named.name))
+        };
+        set.scenes.iter().try_for_each(alike)?;
+    }
     let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
     let predictor = args.worst_of.as_deref().map(Predictor::open).transpose()?;
     let score = |scene: &Scene, poses: &[GraspPose]| match &predictor {

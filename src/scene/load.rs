@@ -4,7 +4,7 @@ use super::check;
 use super::diagnose::{Diagnosis, clipped};
 use super::include::{Loader, folder};
 use super::objects::{Name, NamedScene, Split};
-use super::places::FieldPlaces;
+use super::places::{FieldPlaces, Origins, SceneText};
 use super::schema::Scene;
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -31,6 +31,13 @@ impl Loaded {
     pub fn place(&self, error: Error) -> Error {
         self.places.place(error, None)
     }
+}
+
+/// Turns an error about a field of a scene whose `text` the file at `path` holds into one that shows the place of the field; returns other
+/// errors unchanged.
+pub fn place_in(path: &Path, text: &str, error: Error) -> Error {
+    let sources = vec![SceneText { path: path.to_path_buf(), text: text.into() }];
+    FieldPlaces { sources, origins: Origins::new(), listed: Vec::new() }.place(error, None)
 }
 
 /// All scenes of a file, one per object.

@@ -52,7 +52,7 @@ pub use expect::Expectation;
 pub use grasps::{Antipodal, GraspCount, GraspFile, Grasps, Pose, Select};
 pub use gripper::{Fingers, Gripper, Placement, RightFinger, Robot};
 pub use ground::Ground;
-pub use load::{Loaded, LoadedSet, load, load_object, load_seeded, load_set};
+pub use load::{Loaded, LoadedSet, load, load_object, load_seeded, load_set, place_in};
 pub use loading::{Loading, Press, Squeeze};
 pub use material::{Law, MaterialChoice, MaterialSpec, Preset};
 pub use object::{Object, ObjectMotion, ObjectShape};
