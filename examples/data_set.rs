@@ -9,7 +9,7 @@ fn main() -> Result<()> {
     let set = DataSet::open(dir)?;
     println!("{}", set.manifest.about);
     for object in &set.objects {
-        let nodes = object.pad.rest.len();
+        let nodes = object.sizes.nodes;
         println!("{}: {} grasps reached their force; a pad has {nodes} nodes", object.name, object.reached().count());
         let Some(first) = object.reached().next() else { continue };
         let grasp = object.grasp(first)?;

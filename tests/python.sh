@@ -18,10 +18,10 @@ python3 -c 'import sys; sys.exit(sys.version_info < (3, 10))' || skip "python3 i
     echo "skipped: Python tests of types, pictures and meshes (their packages cannot be fetched)"
 "$environment/bin/pip" install -q --retries 1 --timeout 30 playwright ||
     echo "skipped: Python tests of the viewer in a browser (Playwright cannot be fetched)"
-cargo fetch -q --locked --manifest-path python/Cargo.toml || skip "the crates of its bindings cannot be fetched"
+cargo fetch -q --locked || skip "the crates of its bindings cannot be fetched"
 rm -rf "$wheels" "$bare"
-# Shares the dependencies that are built already. One wheel is for all CPython from 3.10 on.
-CARGO_TARGET_DIR=$target VIRTUAL_ENV=$environment \
+# The crate and its dependencies are built already. One wheel is for all CPython from 3.10 on.
+VIRTUAL_ENV=$environment \
     "$environment/bin/maturin" build --release --quiet --strip --manifest-path python/Cargo.toml --out "$wheels" > /dev/null
 wheel=$(echo "$wheels"/tactus-*-cp310-abi3-*.whl)
 [ -f "$wheel" ] || { echo "no wheel for the stable ABI of CPython 3.10 in $wheels" && exit 1; }

@@ -66,7 +66,8 @@ impl Files {
     /// The pads of an object, left first.
     fn pads<'py>(&self, py: Python<'py>, object: &str) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let file = &self.0.objects[self.index(object)?];
-        file.pad_poses.iter().zip(&file.closing).map(|(pose, closing)| pad(py, &file.pad, pose, *closing)).collect()
+        let placed = file.pads.iter().zip(&file.pad_poses).zip(&file.closing);
+        placed.map(|((mesh, pose), closing)| pad(py, mesh, pose, *closing)).collect()
     }
 
     /// The surface of an object.

@@ -9,52 +9,36 @@ import pytest
 import tactus
 
 SCENES = Path(__file__).parents[2] / "scenes"
-SMALL = """Scene(
-    object: (shape: Sphere(radius: 0.02)),
-    grasps: Antipodal(count: 6, seed: 1),
-    gripper: (pads: GelSightMini(spacing: 8.0e-3)),
-    loading: Squeeze(force: 5.0, frames: 2),
-)"""
 PRESS = """Scene(
     object: (shape: Sphere(radius: 0.02), motion: Fixed),
     gripper: (pads: GelSightMini(spacing: 8.0e-3), fingers: One),
     loading: Press(depth: 0.001, frames: 2),
 )"""
-MODEL = """Model(
-    network: Face(latent: 8, rounds: 2, decoder: 8, depths: 3),
-    training: (epochs: 3, batch: 2, levels: 2, frames: 2, validation: 0.3, seed: 3),
-)"""
-
-
-@pytest.fixture(scope="module")
-def small():
-    return tactus.Scene.from_ron(SMALL)
 
 
 def test_check_shows_what_would_run(small, tmp_path):
     report = tactus.check(small, export=tmp_path / "grasps.h5")
     assert report.good and report["grasps"] == 6 and report["problems"] == []
     assert report["pads"][0]["nodes"] > 100 and (tmp_path / "grasps.h5").exists()
-    far = tactus.Scene.from_ron(SMALL.replace("Antipodal(count: 6, seed: 1)", "List([(position: (0, 0, 10))])"))
+    far = tactus.Scene.from_ron(Path(small.path).read_text().replace("Antipodal(count: 6, seed: 1)", "List([(position: (0, 0, 10))])"))
     refused = tactus.check(far)
     assert not refused.good and len(refused["problems"]) == 1
     with pytest.raises(ValueError, match="has no object \"cup\""):
         tactus.check(SCENES / "tasks" / "hold.ron", object="cup")
 
 
-def test_a_network_is_trained_and_judged_and_reported(small, tmp_path):
-    data, model = tmp_path / "data", tmp_path / "model"
-    assert tactus.dataset(small, data, dry_run=True).data == {}
-    assert tactus.dataset(small, data, part=(1, 2))["computed"] == 3
-    assert tactus.dataset(small, data)["computed"] == 3
-    (tmp_path / "tiny.ron").write_text(MODEL)
-    told = []
-    trained = tactus.train(data, tmp_path / "tiny.ron", model, progress=lambda *news: told.append(news))
-    assert trained.good and len(trained["curve"]) == trained["epochs"] == told[-1][0]
-    judged = tactus.eval(data, model, worst=1)
+def test_a_data_set_is_made_in_parts(small, tmp_path):
+    assert tactus.dataset(small, tmp_path, grasps=2, dry_run=True).data == {}
+    assert tactus.dataset(small, tmp_path, grasps=2, part=(1, 2))["computed"] == 1
+    assert tactus.dataset(small, tmp_path, grasps=2)["computed"] == 1
+
+
+def test_a_network_is_trained_and_judged_and_reported(small, data_set, trained, tmp_path):
+    assert trained.report.good and len(trained.report["curve"]) == trained.report["epochs"] == trained.told[-1][0]
+    judged = tactus.eval(data_set.folder, trained.folder, worst=1)
     assert judged["grasps"] >= 1 and len(judged["worst"]) == 1
     tactus.run(small, grasps=[0], out=tmp_path / "run")
-    page = tactus.report([tmp_path / "run", data], tmp_path / "page.html", grasps=1)
+    page = tactus.report([tmp_path / "run", data_set.folder], tmp_path / "page.html", grasps=1)
     assert page["bytes"] == len((tmp_path / "page.html").read_bytes())
 
 
@@ -80,7 +64,7 @@ def test_wrong_arguments_are_named_as_in_python(small, tmp_path):
 def test_what_a_command_says_is_logged(small, tmp_path, caplog):
     with caplog.at_level(logging.INFO, logger="tactus"):
         tactus.dataset(small, tmp_path / "data", dry_run=True)
-    assert "6 grasps of 2 frames" in caplog.text
+    assert "6 grasps of 3 frames" in caplog.text
 
 
 def test_any_command_runs(small, tmp_path):

@@ -10,26 +10,15 @@ import pytest
 
 import tactus
 
-SCENE = """Scene(
-    objects: [
-        (name: "ball", object: (shape: Sphere(radius: 0.02))),
-        (name: "box", object: (shape: Cuboid(size: (0.03, 0.03, 0.03)))),
-    ],
-    grasps: Antipodal(count: 5, seed: 1),
-    gripper: (pads: GelSightMini(spacing: 8.0e-3)),
-    loading: Squeeze(force: 5.0, frames: 2),
-)"""
-
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("data") / "set"
-    scene = tactus.Scene.from_ron(SCENE)
-    told = []
-    report = tactus.dataset(scene, folder, progress=lambda *news: told.append(news))
-    assert report["computed"] == 10 and told[-1] == (20, 20), "frames"
-    assert tactus.dataset(scene, folder)["computed"] == 0, "it goes on where it was"
-    return folder
+def folder(data_set):
+    return data_set.folder
+
+
+def test_a_data_set_is_made_once(two, data_set):
+    assert data_set.report["computed"] == 10 and data_set.told[-1] == (30, 30), "frames"
+    assert tactus.dataset(two, data_set.folder)["computed"] == 0, "it goes on where it was"
 
 
 def same(a, b):
@@ -46,7 +35,7 @@ def test_a_data_set_is_a_sequence_of_its_grasps(folder):
     with pytest.raises(IndexError):
         data[len(data)]
     grasp, (left, right) = data[0], data.pads("ball")
-    assert grasp["displacement_m"].shape == (2, 2, len(left.rest_m), 3) and np.array_equal(left.tets, right.tets)
+    assert grasp["displacement_m"].shape == (3, 2, len(left.rest_m), 3) and np.array_equal(left.tets, right.tets)
     assert "Sphere" in data.scene("ball") and len(data.surface("ball").triangles) > 0
     with pytest.raises(ValueError, match="has no object 'cup'; it has: ball, box"):
         data.reached("cup")

@@ -19,16 +19,6 @@ pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium on the path
 
 FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 DESKTOP, PHONE = {"width": 1280, "height": 900}, {"width": 390, "height": 844}
-SMALL = """Scene(
-    object: (shape: Sphere(radius: 0.02)),
-    grasps: Antipodal(count: 12, seed: 1),
-    gripper: (pads: GelSightMini(spacing: 8.0e-3)),
-    loading: Squeeze(force: 5.0, frames: 3),
-)"""
-MODEL = """Model(
-    network: Face(latent: 8, rounds: 2, decoder: 8, depths: 3),
-    training: (epochs: 3, batch: 2, levels: 2, frames: 2, validation: 0.3, seed: 3),
-)"""
 CONTROLS = "button, input, select, summary, canvas"
 OVERLAPS = """() => {
     const groups = [...document.querySelectorAll("svg, .ticks, #labels")].map((of) => [...of.querySelectorAll("text, span")]);
@@ -39,11 +29,6 @@ OVERLAPS = """() => {
 
 
 @pytest.fixture(scope="module")
-def small():
-    return tactus.Scene.from_ron(SMALL)
-
-
-@pytest.fixture(scope="module")
 def run(small, tmp_path_factory):
     folder = tmp_path_factory.mktemp("run")
     tactus.run(small, grasps=[0, 1, 2], out=folder / "ball")
@@ -51,13 +36,9 @@ def run(small, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def judged(small, tmp_path_factory):
+def judged(data_set, trained):
     """A data set, and a network trained on it."""
-    folder = tmp_path_factory.mktemp("judged")
-    (folder / "tiny.ron").write_text(MODEL)
-    tactus.dataset(small, folder / "data")
-    tactus.train(folder / "data", folder / "tiny.ron", folder / "model")
-    return folder / "data", folder / "model"
+    return data_set.folder, trained.folder
 
 
 @pytest.fixture(scope="module")
@@ -256,8 +237,7 @@ def test_a_run_shows_its_grasps_as_they_finish_and_the_view_stays(browser, small
         page.evaluate("window.kept = document.getElementById('canvas')")
         before = picture(page)
         again = "import sys, tactus; tactus.command('run', *sys.argv[1:])"
-        (tmp_path / "scene.ron").write_text(SMALL)
-        arguments = [tmp_path / "scene.ron", "-o", folder, "--overwrite", "--grasp=0", "--grasp=3", "--no-pictures"]
+        arguments = [small.path, "-o", folder, "--overwrite", "--grasp=0", "--grasp=3", "--no-pictures"]
         subprocess.run([sys.executable, "-c", again, *map(str, arguments)], check=True)
         page.wait_for_function("() => [...document.querySelectorAll('#grasp option')].some((o) => o.textContent.includes('grasp 3'))")
         assert page.locator("#grasp option:checked").text_content().endswith("grasp 0")

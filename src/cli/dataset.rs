@@ -1,14 +1,14 @@
 //! Command `tactus dataset`: all grasps of all objects of a scene, into a folder; and `tactus dataset inspect`.
 
 use super::console::Console;
+use super::dataset_table::{made, moved};
 use super::run::refused;
 use super::view::{WatchArgs, watched};
 use super::{Format, NOT_HELD, OK, inspect, kept};
 use crate::backend;
 use crate::dataset::manifest::LeftOut;
 use crate::dataset::progress::Finished;
-use crate::dataset::sensitivity::SensitivityRow;
-use crate::dataset::{Campaign, Manifest, Selection, Watcher};
+use crate::dataset::{Campaign, Selection, Watcher};
 use crate::error::Result;
 use crate::grasp::keep_first;
 use crate::gripper::GraspPose;
@@ -16,13 +16,10 @@ use crate::limits::machine_threads;
 use crate::net::infer::doubt::doubts;
 use crate::net::infer::predict::Predictor;
 use crate::record::Status;
-use crate::run::sensitivity::CHANGES;
 use crate::scene::overrides::limit_time;
 use crate::scene::{GraspCount, NamedScene, Scene, load_seeded};
-use crate::stats::median;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -114,6 +111,12 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
     if let Some(seconds) = args.max_time {
         set.scenes.iter_mut().try_for_each(|s| limit_time(&mut s.scene.stepper, seconds))?;
     }
+    if args.sensitivity.is_some() {
+        let alike = |named: &NamedScene| {
+            named.scene.gripper.needs_alike("a sensitivity").map_err(|e| set.place(e, &named.name))
+        };
+        set.scenes.iter().try_for_each(alike)?;
+    }
     let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
     let predictor = args.worst_of.as_deref().map(Predictor::open).transpose()?;
     let score = |scene: &Scene, poses: &[GraspPose]| match &predictor {
@@ -185,7 +188,7 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
         None => Vec::new(),
     };
     let text = match args.format {
-        Format::Text => report(&manifest, resumed, wall) + &spread(&spreads),
+        Format::Text => made(&manifest, resumed, wall) + &moved(&spreads),
         Format::Json => {
             let object = json!({
                 "manifest": manifest, "resumed": resumed, "computed": grasps - resumed, "announced_bytes": bytes,
@@ -227,66 +230,6 @@ fn choose(scenes: &mut Vec<NamedScene>, wanted: &[String]) -> Result<()> {
     }
     scenes.retain(|s| wanted.is_empty() || wanted.iter().any(|w| w == s.name.as_str()));
     Ok(())
-}
-
-fn report(manifest: &Manifest, resumed: usize, wall: f64) -> String {
-    let mut out = String::from("object            grasps  reached  dropped  fault  infeasible        MB\n");
-    // Writing to a String cannot fail.
-    for o in &manifest.objects {
-        let (mb, name) = (o.bytes as f64 / 1e6, &o.name);
-        let _ = writeln!(
-            out,
-            "{name:<16}  {:>6}  {:>7}  {:>7}  {:>5}  {:>10}  {mb:>8.2}",
-            o.grasps, o.reached, o.dropped, o.fault, o.infeasible
-        );
-    }
-    for o in &manifest.objects {
-        for f in &o.failures {
-            let _ = writeln!(out, "{} grasp {}: {}", o.name, f.grasp, f.reason);
-        }
-    }
-    for o in &manifest.objects {
-        for p in &o.promises {
-            let (verdict, worst) = (p.worst.verdict(), &p.worst);
-            let by: Vec<String> = p.broken_by.iter().map(usize::to_string).collect();
-            let by = if by.is_empty() { String::new() } else { format!(" (grasps {})", by.join(", ")) };
-            let _ = writeln!(out, "{verdict}  {:<16} {:<14} at worst {worst}{by}", o.name, worst.name);
-        }
-    }
-    let computed = manifest.grasps - resumed;
-    let rate = if computed > 0 { format!(", {:.2} s a grasp", wall / computed as f64) } else { String::new() };
-    let _ = writeln!(
-        out,
-        "{} of {} grasps reached; {computed} computed in {wall:.1} s{rate}; {resumed} were there",
-        manifest.sum(|o| o.reached),
-        manifest.grasps
-    );
-    out
-}
-
-/// Describes the effect of each change on the grasps that are reached with and without it.
-fn spread(spreads: &[SensitivityRow]) -> String {
-    let mut out = String::new();
-    for change in CHANGES {
-        let moved = spreads.iter().filter(|s| s.change == change).filter_map(|s| s.displacement.zip(s.object_m));
-        let (pads, object): (Vec<_>, Vec<_>) = moved.unzip();
-        if pads.is_empty() {
-            continue;
-        }
-        let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            out,
-            "{}: pads of {} grasps move by {:.2} % (median) to {:.1} %, objects by {:.3} to {:.2} mm",
-            change.name(),
-            pads.len(),
-            1e2 * median(pads.iter().copied()),
-            1e2 * most(&pads),
-            1e3 * median(object.iter().copied()),
-            1e3 * most(&object),
-        );
-    }
-    out
 }
 
 /// Progress bar on stderr: frames, rate, time left, failures.

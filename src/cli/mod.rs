@@ -5,6 +5,7 @@ mod check;
 mod completions;
 mod console;
 mod dataset;
+mod dataset_table;
 mod eval;
 mod findings;
 mod fit;

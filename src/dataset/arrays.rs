@@ -41,11 +41,11 @@ pub struct FileSizes {
     pub frames: usize,
     /// Number of pads.
     pub pads: usize,
-    /// Number of nodes of a pad, mid-edge ones included.
+    /// Number of nodes of a pad, mid-edge ones included; of pads that differ that of the larger one, and rows of the other end in zeros.
     pub nodes: usize,
-    /// Number of corner nodes of a pad; they come first.
+    /// Number of corner nodes of all pads; those of a pad come first.
     pub corners: usize,
-    /// Number of tetrahedra of a pad.
+    /// Number of tetrahedra of all pads.
     pub tets: usize,
     /// Arrays of tactile sensors.
     pub tactile: Vec<TactileLayout>,
@@ -74,14 +74,15 @@ impl FileSizes {
     /// # Errors
     /// Fails for a scene without fingers: a data set holds what pads feel.
     pub fn of(model: &Model, grasps: usize) -> Result<Self> {
-        let pad = &model.finger()?.topology;
+        model.finger()?;
+        let pads = || model.fingers.iter().map(|finger| &finger.topology);
         Ok(Self {
             grasps,
             frames: model.levels.len(),
             pads: model.fingers.len(),
-            nodes: pad.rest.len(),
-            corners: pad.corner_count,
-            tets: pad.elements.len(),
+            nodes: pads().map(|pad| pad.rest.len()).max().unwrap_or(0),
+            corners: pads().map(|pad| pad.corner_count).sum(),
+            tets: pads().map(|pad| pad.elements.len()).sum(),
             tactile: model.senses.iter().map(|sense| TactileLayout::of(sense.spec())).collect(),
         })
     }
@@ -185,8 +186,8 @@ macro_rules! arrays {
 
 arrays! {
     StackedForces "_1_stacked_forces"       F32 s [s.frames] "N" "force of DefGraspSim: sum over the fingers of |normal force|; zero for a grasp that did not reach its load";
-    StackedPositions "_1_stacked_positions"    F32 s [s.frames, s.pads * s.corners, 3] "m" "corner nodes, left pad first, loader's world (Y up)";
-    StackedStresses "_1_stacked_stresses"     F32 s [s.frames, s.pads * s.tets] "Pa" "von Mises stress of the tetrahedra, left pad first";
+    StackedPositions "_1_stacked_positions"    F32 s [s.frames, s.corners, 3] "m" "corner nodes, left pad first, loader's world (Y up)";
+    StackedStresses "_1_stacked_stresses"     F32 s [s.frames, s.tets] "Pa" "von Mises stress of the tetrahedra, left pad first";
     StackedObjectFrame "_1_stacked_object_frame" F32 s [s.frames, 4, 4] "1, m" "object frame to loader's world, homogeneous";
     Displacement (names::DISPLACEMENT) F32 s [s.frames, s.pads, s.nodes, 3] "m" "of every node against the pad carried rigidly by its finger, pad frame";
     ContactForce (names::CONTACT_FORCE) F32 s [s.frames, s.pads, s.nodes, 3] "N" "on the pad, per node, friction included, pad frame";

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::files::atomic::{cannot_write, replace_durable};
 use crate::model::Model;
 use crate::part::FingerModel;
-use crate::record::names;
+use crate::record::{PadTopology, names};
 use crate::scene::{NamedScene, to_ron};
 use glam::{DQuat, DVec3};
 use hdf5_pure::{AttrValue, Datatype, File, FileBuilder, GroupBuilder};
@@ -85,7 +85,7 @@ fn attributes(builder: &mut FileBuilder, named: &NamedScene, model: &Model, scen
             if mirrored {
                 "node and tetrahedron i of the right pad mirror those of the left along pad x"
             } else {
-                "the mesh is not its own mirror image: the loader's rest shape of the right pad does not fit"
+                "the right pad is not the mirror image of the left one: the loader's rest shape of it does not fit"
             },
         ),
     ] {
@@ -107,11 +107,9 @@ fn attributes(builder: &mut FileBuilder, named: &NamedScene, model: &Model, scen
 
 /// Adds the content that no grasp changes: pads and object.
 fn fixed(builder: &mut FileBuilder, model: &Model) {
-    let pad = &model.fingers[0].topology;
-    let flat = |v: &[DVec3]| v.iter().flat_map(|p| p.to_array()).collect::<Vec<_>>();
-    let mut group = builder.create_group("pad");
-    let about = "rest positions of the nodes of a pad, pad frame; corners first";
-    doubles(&mut group, names::REST, "m", about, 3, &flat(&pad.rest));
+    let [left, right] = names::PADS;
+    let mut group = builder.create_group(left);
+    topology(&mut group, &model.fingers[0].topology);
     let pose = |f: &FingerModel| {
         let (p, q) = (f.placement.origin, DQuat::from_mat3(&f.placement.rotation));
         [p.x, p.y, p.z, q.w, q.x, q.y, q.z]
@@ -121,26 +119,37 @@ fn fixed(builder: &mut FileBuilder, model: &Model) {
     doubles(&mut group, names::PAD_POSE, "m, 1", about, 7, &poses);
     let closing: Vec<_> = model.fingers.iter().map(|f| f.placement.closing).collect();
     doubles(&mut group, names::CLOSING, "1", "closing direction of each finger, hand frame", 3, &flat(&closing));
-    let about = "nodes of each tetrahedron: 4 corners, then the middles of (0,1) (1,2) (2,0) (0,3) (1,3) (2,3)";
-    integers(&mut group, names::TETS, about, pad.elements.width(), pad.elements.nodes());
-    integers(
-        &mut group,
-        names::SURFACE,
-        "corner triangles of the whole surface, outward",
-        3,
-        pad.surface.as_flattened(),
-    );
-    integers(&mut group, names::SENSING, "triangles of the sensing face, outward", 3, pad.sensing.as_flattened());
-    let bonded: Vec<u8> = pad.bonded.iter().map(|b| u8::from(*b)).collect();
-    let dataset = group.create_dataset(names::BONDED).with_u8_data(&bonded);
-    dataset.set_attr("unit", text("1")).set_attr("about", text("1 where the node is glued to the finger"));
     builder.add_group(group.finish());
+    if let [one, other] = model.fingers.as_slice()
+        && one.topology != other.topology
+    {
+        let mut group = builder.create_group(right);
+        topology(&mut group, &other.topology);
+        builder.add_group(group.finish());
+    }
 
     let surface = &model.object.surface;
     let mut group = builder.create_group("object");
     doubles(&mut group, names::VERTICES, "m", "surface of the object, object frame", 3, &flat(&surface.vertices));
     integers(&mut group, names::TRIANGLES, "triangles of the object, outward", 3, surface.triangles.as_flattened());
     builder.add_group(group.finish());
+}
+
+fn flat(vectors: &[DVec3]) -> Vec<f64> {
+    vectors.iter().flat_map(|v| v.to_array()).collect()
+}
+
+/// Adds the mesh of a pad.
+fn topology(group: &mut GroupBuilder, pad: &PadTopology) {
+    let about = "rest positions of the nodes of a pad, pad frame; corners first";
+    doubles(group, names::REST, "m", about, 3, &flat(&pad.rest));
+    let about = "nodes of each tetrahedron: 4 corners, then the middles of (0,1) (1,2) (2,0) (0,3) (1,3) (2,3)";
+    integers(group, names::TETS, about, pad.elements.width(), pad.elements.nodes());
+    integers(group, names::SURFACE, "corner triangles of the whole surface, outward", 3, pad.surface.as_flattened());
+    integers(group, names::SENSING, "triangles of the sensing face, outward", 3, pad.sensing.as_flattened());
+    let bonded: Vec<u8> = pad.bonded.iter().map(|b| u8::from(*b)).collect();
+    let dataset = group.create_dataset(names::BONDED).with_u8_data(&bonded);
+    dataset.set_attr("unit", text("1")).set_attr("about", text("1 where the node is glued to the finger"));
 }
 
 fn doubles(group: &mut GroupBuilder, name: &str, unit: &str, about: &str, width: usize, values: &[f64]) {

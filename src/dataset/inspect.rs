@@ -49,9 +49,9 @@ pub struct ObjectSummary {
     pub read_grasps: usize,
     /// Number of frames that were inspected.
     pub read_frames: usize,
-    /// Number of nodes of a pad.
+    /// Number of nodes of a pad, of the larger one if they differ.
     pub nodes: usize,
-    /// Number of tetrahedra of a pad.
+    /// Number of tetrahedra of a pad, of the larger one if they differ.
     pub tets: usize,
 }
 
@@ -92,7 +92,7 @@ pub fn inspect(set: &DataSet, thinning: Thinning, pictures: Option<&Path>) -> Re
             read_grasps: 0,
             read_frames: 0,
             nodes: file.sizes.nodes,
-            tets: file.sizes.tets,
+            tets: file.pads.iter().map(|pad| pad.elements.len()).max().unwrap_or(0),
         };
         // A look at part of the file must not read all of it.
         let whole = thinning.every <= 1;
@@ -172,10 +172,9 @@ fn quantities(file: &ObjectFile, grasp: &StoredGrasp, k: usize) -> [f64; 6] {
 
 /// Draws a frame as a run would draw it.
 fn draw(file: &ObjectFile, grasp: &StoredGrasp, number: usize, k: usize, dir: &Path) -> Result<()> {
-    let topologies = vec![file.pad.clone(); file.sizes.pads];
     let title = format!("{}, grasp {number:03}", file.name);
     let style = Style { title, ..Style::default() };
-    let picture = render::render_pads(&topologies, &frame(file, grasp, k), Some(&file.object), &style)?;
+    let picture = render::render_pads(&file.pads, &frame(file, grasp, k), Some(&file.object), &style)?;
     render::save(&picture, &dir.join(format!("{}_{number:03}.png", file.name)))
 }
 
@@ -184,19 +183,19 @@ pub fn frame(file: &ObjectFile, grasp: &StoredGrasp, k: usize) -> Frame {
     let s = &file.sizes;
     let vector = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from));
     let pad = |i: usize| {
-        let (at, pose) = (k * s.pads + i, &file.pad_poses[i]);
+        let (at, pose, nodes) = (k * s.pads + i, &file.pad_poses[i], file.pads[i].rest.len());
         let vectors = |all: &[f32]| {
-            let own = &all[3 * s.nodes * at..3 * s.nodes * (at + 1)];
+            let own = &all[3 * s.nodes * at..][..3 * nodes];
             own.as_chunks::<3>().0.iter().map(|v| pose.rotation * vector(v)).collect::<Vec<_>>()
         };
         let displacement = vectors(&grasp.displacement);
         let carried = pose.position + file.closing[i] * grasp.finger_position[at];
-        let rest = file.pad.rest.iter().map(|x| pose.rotation * *x + carried);
+        let rest = file.pads[i].rest.iter().map(|x| pose.rotation * *x + carried);
         let wrench = &grasp.wrench[6 * at..6 * at + 6];
         PadFrame {
             position: rest.zip(&displacement).map(|(x, u)| x + *u).collect(),
             contact_force: vectors(&grasp.contact_force),
-            von_mises_node: grasp.von_mises[s.nodes * at..s.nodes * (at + 1)].iter().map(|v| f64::from(*v)).collect(),
+            von_mises_node: grasp.von_mises[s.nodes * at..][..nodes].iter().map(|v| f64::from(*v)).collect(),
             wrench: Wrench {
                 force: pose.rotation * DVec3::from_slice(&wrench[..3]),
                 torque: pose.rotation * DVec3::from_slice(&wrench[3..]),

@@ -40,9 +40,9 @@ pub(super) struct PlannedPads {
 impl PlannedPads {
     /// Returns the pads of `scene`.
     pub fn of(scene: &Scene) -> Result<Self> {
-        scene.gripper.needs_alike("a data set")?;
         let model = Model::build(&scene.on_own_mesh())?;
-        Ok(Self { sizes: FileSizes::of(&model, 0)?, bounds: model.finger()?.bounds() })
+        let sizes = FileSizes::of(&model, 0)?;
+        Ok(Self { sizes, bounds: model.pad_bounds().unwrap_or(Aabb::EMPTY) })
     }
 }
 
@@ -139,7 +139,7 @@ fn file_name(named: &NamedScene) -> String {
 /// Returns the largest size of the content that does not grow with frames, bytes: headers and scene, pad, object (HDF5
 /// and STL), poses and records.
 fn fixed_bytes(sizes: &FileSizes, surface: &TriMesh) -> u64 {
-    let pad = 25 * sizes.nodes + 2 * 120 * sizes.tets;
+    let pad = sizes.pads * 25 * sizes.nodes + 2 * 120 * sizes.tets;
     let object = 24 * surface.vertices.len() + (12 + 50) * surface.triangles.len();
     (pad + object + (56 + REASON + 512) * sizes.grasps + 65_536) as u64
 }

@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::geometry::mesh::TriMesh;
 use crate::gripper::GraspPose;
 use crate::record::{ElementNodes, PadTopology, TactileArray, names};
+use crate::scene::{from_ron, place_in};
 use glam::DVec3;
 use hdf5_pure::{AttrValue, File, Layout};
 use std::collections::HashMap;
@@ -25,8 +26,8 @@ pub struct ObjectFile {
     pub sizes: FileSizes,
     /// Scene with every default, RON: [`crate::model::Model::build`] makes the same model from it.
     pub scene: String,
-    /// Mesh of the pads: rest positions, tetrahedra, faces; pad frame.
-    pub pad: PadTopology,
+    /// Meshes of the pads, left first: rest positions, tetrahedra, faces; pad frame.
+    pub pads: Vec<PadTopology>,
     /// Pose of each pad in the hand at zero travel: `x_hand = rotation * x_pad + position`.
     pub pad_poses: Vec<GraspPose>,
     /// Closing direction of each finger, hand frame.
@@ -46,7 +47,7 @@ pub struct ObjectFile {
 pub struct StoredGrasp {
     /// Number of valid frames; all arrays are cut to them.
     pub frames: usize,
-    /// Displacement, shape (frames, pads, nodes, 3), m, pad frame.
+    /// Displacement, shape (frames, pads, nodes, 3), m, pad frame; of pads that differ, that of the smaller one ends in zeros.
     pub displacement: Vec<f32>,
     /// Contact force, shape (frames, pads, nodes, 3), N, pad frame.
     pub contact_force: Vec<f32>,
@@ -125,6 +126,9 @@ impl ObjectFile {
                 names::DISPLACEMENT
             )));
         };
+        if !(1..=2).contains(pads) {
+            return Err(fail(format!("has {pads} pads; it must be 1 or 2")));
+        }
         let seen = attributes.get(TACTILE).and_then(AttrValue::as_str).unwrap_or_default();
         let tactile = seen.split(',').filter(|name| !name.is_empty()).map(|name| {
             let unit = file.dataset(name).and_then(|dataset| dataset.attrs()).map_err(|e| bad(name, e))?;
@@ -132,54 +136,66 @@ impl ObjectFile {
             // In front are grasps and frames.
             Ok(TactileLayout { name: name.into(), unit, shape: shape(name)?.into_iter().skip(2).collect() })
         });
-        let per_pad = |n: usize| n / (*pads).max(1);
         let sizes = FileSizes {
             grasps: *grasps,
             frames: *frames,
             pads: *pads,
             nodes: *nodes,
-            corners: per_pad(*corners),
-            tets: per_pad(*tets),
+            corners: *corners,
+            tets: *tets,
             tactile: tactile.collect::<Result<_>>()?,
         };
-        let in_pad = |name: &str| format!("pad/{name}");
         let places = Places::find(path, &file, &sizes)?;
-        let width = shape("pad/tets")?.get(1).copied().unwrap_or(0);
-        let nodes_of_tets = integers("pad/tets")?;
-        let elements = match width {
-            4 => ElementNodes::Linear(nodes_of_tets.as_chunks::<4>().0.to_vec()),
-            10 => ElementNodes::Quadratic(nodes_of_tets.as_chunks::<10>().0.to_vec()),
-            other => return Err(fail(format!("`pad/tets` has {other} nodes per tetrahedron; it must be 4 or 10"))),
-        };
         let triangles = |name: &str| Ok::<_, Error>(integers(name)?.as_chunks::<3>().0.to_vec());
         let points = |name: &str| {
             Ok::<_, Error>(doubles(name)?.as_chunks::<3>().0.iter().map(|p| DVec3::from_array(*p)).collect::<Vec<_>>())
         };
-        let pad = PadTopology {
-            rest: points(&in_pad(names::REST))?,
-            corner_count: sizes.corners,
-            elements,
-            surface: triangles("pad/surface")?,
-            sensing: triangles("pad/sensing")?,
-            bonded: bytes("pad/bonded")?.into_iter().map(|b| b != 0).collect(),
+        let mesh = |group: &str| -> Result<PadTopology> {
+            let of = |name: &str| format!("{group}/{name}");
+            let width = shape(&of(names::TETS))?.get(1).copied().unwrap_or(0);
+            let nodes = integers(&of(names::TETS))?;
+            let elements = match width {
+                4 => ElementNodes::Linear(nodes.as_chunks::<4>().0.to_vec()),
+                10 => ElementNodes::Quadratic(nodes.as_chunks::<10>().0.to_vec()),
+                other => {
+                    return Err(fail(format!("`{group}/tets` has {other} nodes per tetrahedron; it must be 4 or 10")));
+                }
+            };
+            // Corners come first.
+            let corners = nodes.chunks_exact(width).flat_map(|n| &n[..4]).max().map_or(0, |n| *n as usize + 1);
+            Ok(PadTopology {
+                rest: points(&of(names::REST))?,
+                corner_count: corners,
+                elements,
+                surface: triangles(&of(names::SURFACE))?,
+                sensing: triangles(&of(names::SENSING))?,
+                bonded: bytes(&of(names::BONDED))?.into_iter().map(|b| b != 0).collect(),
+            })
         };
-        crate::record::check::topology(0, &pad).map_err(fail)?;
+        let [left, right] = names::PADS;
+        let mut meshes = vec![mesh(left)?; *pads];
+        if let (Some(own), true) = (meshes.get_mut(1), file.group(right).is_ok()) {
+            *own = mesh(right)?;
+        }
+        meshes.iter().enumerate().try_for_each(|(i, pad)| crate::record::check::topology(i, pad)).map_err(fail)?;
         let object = TriMesh {
             vertices: points(&format!("object/{}", names::VERTICES))?,
             triangles: triangles("object/triangles")?,
         };
         crate::record::check::object(&object).map_err(fail)?;
         let (pad_poses, closing) = (
-            doubles(&in_pad(names::PAD_POSE))?
+            doubles(&format!("{left}/{}", names::PAD_POSE))?
                 .as_chunks::<7>()
                 .0
                 .iter()
                 .map(|v| GraspPose::from_row(v))
                 .collect::<Vec<_>>(),
-            points("pad/closing")?,
+            points(&format!("{left}/{}", names::CLOSING))?,
         );
-        if pad.rest.len() != sizes.nodes
-            || pad.elements.len() != sizes.tets
+        let count = |of: fn(&PadTopology) -> usize| meshes.iter().map(of);
+        if count(|pad| pad.rest.len()).max() != Some(sizes.nodes)
+            || count(|pad| pad.corner_count).sum::<usize>() != sizes.corners
+            || count(|pad| pad.elements.len()).sum::<usize>() != sizes.tets
             || pad_poses.len() != *pads
             || closing.len() != *pads
         {
@@ -192,13 +208,22 @@ impl ObjectFile {
             status: bytes("status")?,
             path: path.to_path_buf(),
             sizes,
-            pad,
+            pads: meshes,
             pad_poses,
             closing,
             object,
             places,
             handles: Mutex::default(),
         })
+    }
+
+    /// Refuses pads that differ for `what` (a noun with its article), which knows them alike only; the error shows the scene's line.
+    ///
+    /// # Errors
+    /// Fails if they differ, or if the scene cannot be read.
+    pub fn needs_alike(&self, what: &str) -> Result<()> {
+        let refused = from_ron(&self.scene)?.gripper.needs_alike(what);
+        refused.map_err(|e| place_in(&self.path, &self.scene, e))
     }
 
     /// Returns the numbers of the grasps that reached their load.

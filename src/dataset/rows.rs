@@ -4,7 +4,7 @@ use super::arrays::{ARRAYS, FileSizes, REASON, RowName};
 use super::compatible::{Mirror, World};
 use crate::gripper::GraspPose;
 use crate::model::Model;
-use crate::record::{Frame, Status};
+use crate::record::{Frame, PadTopology, Status};
 use glam::{DMat4, DVec3};
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ pub struct Encoder {
     world: World,
     /// Mirror image of each pad.
     mirrors: Vec<Mirror>,
-    /// False if the loader's rest shape of the right pad is not that of the mesh.
+    /// False if the loader's rest shape of the right pad, the mirror image of the left one, is not that of its mesh.
     pub mirrored: bool,
 }
 
@@ -27,12 +27,14 @@ pub struct GraspRows(pub Vec<Vec<u8>>);
 impl Encoder {
     /// Builds an encoder for grasps of `model`.
     pub fn new(model: &Arc<Model>, sizes: FileSizes, world: World) -> Self {
-        let pad = &model.fingers[0].topology;
-        let mirror = Mirror::of(pad);
-        let identity = Mirror::identity(pad);
-        let right = mirror.clone().unwrap_or_else(|| identity.clone());
-        let mirrors = [identity, right].into_iter().take(sizes.pads).collect();
-        Self { model: model.clone(), sizes, world, mirrors, mirrored: mirror.is_some() }
+        let pads: Vec<&PadTopology> = model.fingers.iter().map(|finger| finger.topology.as_ref()).collect();
+        let mut mirrors: Vec<Mirror> = pads.iter().map(|pad| Mirror::identity(pad)).collect();
+        let mirror = Mirror::of(pads[0]).filter(|_| pads.iter().all(|pad| *pad == pads[0]));
+        let mirrored = mirror.is_some();
+        if let (Some(right), Some(mirror)) = (mirrors.get_mut(1), mirror) {
+            *right = mirror;
+        }
+        Self { model: model.clone(), sizes, world, mirrors, mirrored }
     }
 
     /// Returns empty rows of a grasp at `pose`.
@@ -53,12 +55,14 @@ impl Encoder {
         matrix.w_axis = self.world.point(frame.object_position).extend(1.0);
         // Row-major, as NumPy reads it.
         rows.singles(RowName::StackedObjectFrame, k * 16, matrix.transpose().to_cols_array());
+        let (mut corner, mut tet) = (k * s.corners, k * s.tets);
         for (i, (pad, finger)) in frame.pads.iter().zip(&self.model.fingers).enumerate() {
             let to_pad = finger.placement.rotation.transpose();
             let (mirror, at) = (&self.mirrors[i], k * pads + i);
             let positions = mirror.nodes.iter().flat_map(|&n| self.world.point(pad.position[n]).to_array());
-            rows.singles(RowName::StackedPositions, 3 * s.corners * at, positions);
-            rows.singles(RowName::StackedStresses, s.tets * at, mirror.tets.iter().map(|&t| pad.von_mises_element[t]));
+            rows.singles(RowName::StackedPositions, 3 * corner, positions);
+            rows.singles(RowName::StackedStresses, tet, mirror.tets.iter().map(|&t| pad.von_mises_element[t]));
+            (corner, tet) = (corner + mirror.nodes.len(), tet + mirror.tets.len());
             let vectors = |v: &[DVec3]| v.iter().flat_map(|v| (to_pad * *v).to_array()).collect::<Vec<_>>();
             rows.singles(RowName::Displacement, 3 * s.nodes * at, vectors(&pad.displacement));
             rows.singles(RowName::ContactForce, 3 * s.nodes * at, vectors(&pad.contact_force));

@@ -6,7 +6,7 @@
 use crate::distance::fields::Stencils;
 use crate::geometry::face_lookup::FaceLookup;
 use crate::model::Model;
-use crate::record::{Frame, PadFrame};
+use crate::record::{Frame, PadFrame, PadTopology};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -16,31 +16,49 @@ pub struct Sampling {
     coarse: Arc<Model>,
     /// First node of each finer pad at rest, m, hand frame.
     first: Vec<DVec3>,
+    /// Map of each pad.
+    pads: Vec<Arc<PadMap>>,
+}
+
+/// Map from the nodes of a finer mesh of a pad to those of a coarser one.
+#[derive(Debug)]
+struct PadMap {
     /// Nodes of the finer mesh with their shape functions, for each node of the coarser one.
     nodes: Stencils,
     /// Nodes of the coarser face with their parts, for each node of the finer mesh that can be pressed.
     face: Vec<(u32, [(u32, f64); 3])>,
 }
 
-impl Sampling {
-    /// Creates the map between two models of the same pads.
-    pub fn new(fine: &Model, coarse: Arc<Model>) -> Self {
-        let first = fine.fingers.iter().map(|finger| finger.body.rest[0]).collect();
-        let (fine, pad) = (&fine.fingers[0].topology, &coarse.fingers[0].topology);
-        let lookup = FaceLookup::new(&pad.rest, &pad.sensing);
+impl PadMap {
+    fn new(fine: &PadTopology, coarse: &PadTopology) -> Self {
+        let lookup = FaceLookup::new(&coarse.rest, &coarse.sensing);
         let mut pressed: Vec<u32> = fine.sensing.as_flattened().to_vec();
         pressed.sort_unstable();
         pressed.dedup();
         let face = pressed.into_iter().map(|n| (n, lookup.under(fine.rest[n as usize]))).collect();
-        Self { nodes: Stencils::new(&pad.rest, fine), first, face, coarse }
+        Self { nodes: Stencils::new(&coarse.rest, fine), face }
+    }
+}
+
+impl Sampling {
+    /// Creates the map between two models of the same pads.
+    pub fn new(fine: &Model, coarse: Arc<Model>) -> Self {
+        let first = fine.fingers.iter().map(|finger| finger.body.rest[0]).collect();
+        let mut pads: Vec<Arc<PadMap>> = Vec::new();
+        for (fine, own) in fine.fingers.iter().zip(&coarse.fingers) {
+            let known = pads.first().filter(|_| coarse.alike()).cloned();
+            pads.push(known.unwrap_or_else(|| Arc::new(PadMap::new(&fine.topology, &own.topology))));
+        }
+        Self { pads, first, coarse }
     }
 
     /// Returns `frame` at the nodes of the coarser pads. Numbers about the whole frame stay those of the finer mesh.
     pub fn frame(&self, frame: &Frame) -> Frame {
-        let pads = frame.pads.iter().zip(&self.coarse.fingers).zip(&self.first).map(|((pad, finger), first)| {
+        let maps = self.first.iter().zip(&self.pads);
+        let pads = frame.pads.iter().zip(&self.coarse.fingers).zip(maps).map(|((pad, finger), (first, map))| {
             let stress = &pad.von_mises_node;
-            let displacement = self.nodes.of(&pad.displacement);
-            let von_mises_node: Vec<f64> = if stress.is_empty() { Vec::new() } else { self.nodes.of(stress) };
+            let displacement = map.nodes.of(&pad.displacement);
+            let von_mises_node: Vec<f64> = if stress.is_empty() { Vec::new() } else { map.nodes.of(stress) };
             let carried = pad.carried(std::slice::from_ref(first));
             let elements = &finger.topology.elements;
             let mean = |own: &[u32]| own.iter().map(|n| von_mises_node[*n as usize]).sum::<f64>() / own.len() as f64;
@@ -49,7 +67,7 @@ impl Sampling {
             let mut contact_force = Vec::new();
             if !pad.contact_force.is_empty() {
                 contact_force.resize(finger.topology.rest.len(), DVec3::ZERO);
-                for (n, parts) in &self.face {
+                for (n, parts) in &map.face {
                     let force = pad.contact_force[*n as usize];
                     parts.iter().for_each(|(i, part)| contact_force[*i as usize] += force * *part);
                 }
@@ -60,7 +78,7 @@ impl Sampling {
                 contact_force,
                 von_mises_node,
                 von_mises_element,
-                gap: if pad.gap.is_empty() { Vec::new() } else { self.nodes.of(&pad.gap) },
+                gap: if pad.gap.is_empty() { Vec::new() } else { map.nodes.of(&pad.gap) },
                 // Images of it are made on the finer mesh.
                 slip: Vec::new(),
                 contact_area: pad.contact_area,

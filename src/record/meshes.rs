@@ -1,5 +1,5 @@
 //! `meshes.npz`: meshes that no frame of a run changes, written once, so that a run can be shown wherever its folder goes. It holds a pad
-//! and the object, as in the files of a data set; of pads that differ it is not written.
+//! and the object, as in the files of a data set; of pads that differ it holds both.
 
 use super::arrays::{io_error, put};
 use super::check;
@@ -22,68 +22,56 @@ pub const MESHES: &str = "meshes.npz";
 ///
 /// # Errors
 /// Fails if the file cannot be written.
-pub fn write(dir: &Path, pad: &PadTopology, object: &TriMesh) -> Result<()> {
-    replace(&dir.join(MESHES), |temporary| write_to(temporary, pad, object))
+pub fn write(dir: &Path, pads: &[PadTopology], object: &TriMesh) -> Result<()> {
+    replace(&dir.join(MESHES), |temporary| write_to(temporary, pads, object))
 }
 
-fn write_to(path: &Path, pad: &PadTopology, object: &TriMesh) -> io::Result<()> {
+fn write_to(path: &Path, pads: &[PadTopology], object: &TriMesh) -> io::Result<()> {
     let mut npz = NpzWriter::new(BufWriter::new(File::create(path)?));
     let flat = |v: &[DVec3]| v.iter().flat_map(|p| p.to_array()).collect::<Vec<f64>>();
-    let (nodes, elements) = (pad.rest.len(), &pad.elements);
-    put(&mut npz, &of_pad(names::REST), (nodes, 3), &flat(&pad.rest))?;
-    put(&mut npz, &of_pad(names::TETS), (elements.len(), elements.width()), elements.nodes())?;
-    put(&mut npz, &of_pad(names::SURFACE), (pad.surface.len(), 3), pad.surface.as_flattened())?;
-    put(&mut npz, &of_pad(names::SENSING), (pad.sensing.len(), 3), pad.sensing.as_flattened())?;
-    put(&mut npz, &of_pad(names::BONDED), nodes, &pad.bonded)?;
+    for (group, pad) in names::PADS.iter().zip(different(pads)) {
+        let (nodes, elements) = (pad.rest.len(), &pad.elements);
+        let of = |name: &str| format!("{group}/{name}");
+        put(&mut npz, &of(names::REST), (nodes, 3), &flat(&pad.rest))?;
+        put(&mut npz, &of(names::TETS), (elements.len(), elements.width()), elements.nodes())?;
+        put(&mut npz, &of(names::SURFACE), (pad.surface.len(), 3), pad.surface.as_flattened())?;
+        put(&mut npz, &of(names::SENSING), (pad.sensing.len(), 3), pad.sensing.as_flattened())?;
+        put(&mut npz, &of(names::BONDED), nodes, &pad.bonded)?;
+    }
     put(&mut npz, &of_object(names::VERTICES), (object.vertices.len(), 3), &flat(&object.vertices))?;
     put(&mut npz, &of_object(names::TRIANGLES), (object.triangles.len(), 3), object.triangles.as_flattened())?;
     npz.finish().map_err(io_error)?.flush()
 }
 
-/// Reads the meshes of the run in `dir`: a pad and the object.
+/// Returns the meshes of pads, or one that they all have.
+fn different(pads: &[PadTopology]) -> &[PadTopology] {
+    if pads.windows(2).all(|pair| pair[0] == pair[1]) { &pads[..pads.len().min(1)] } else { pads }
+}
+
+/// Reads the meshes of the run in `dir`: those of its `count` pads, left first, and the object.
 ///
 /// # Errors
 /// Fails if the file is not there or is damaged.
-pub fn read(dir: &Path) -> Result<(PadTopology, TriMesh)> {
+pub fn read(dir: &Path, count: usize) -> Result<(Vec<PadTopology>, TriMesh)> {
     let path = dir.join(MESHES);
     let fail = |message: String| Error::file(&path, message);
-    let file = File::open(&path).map_err(|e| {
-        fail(format!(
-            "cannot be read: {e}; runs of pads that are alike write it with `arrays.npz`: run the scene again"
-        ))
-    })?;
+    let file = File::open(&path)
+        .map_err(|e| fail(format!("cannot be read: {e}; runs write it with `arrays.npz`: run the scene again")))?;
     let mut npz = NpzReader::new(file).map_err(|e| fail(format!("is no archive of arrays: {e}")))?;
+    let arrays = npz.names().map_err(|e| fail(format!("is no archive of arrays: {e}")))?;
     let mut archive = Archive { path: &path, npz: &mut npz };
-    let rest = archive.points(&of_pad(names::REST))?;
-    let tets = archive.table::<u32>(&of_pad(names::TETS))?;
-    let width = tets.ncols();
-    let nodes: Vec<u32> = tets.into_iter().collect();
-    let elements = match width {
-        4 => ElementNodes::Linear(nodes.as_chunks::<4>().0.to_vec()),
-        10 => ElementNodes::Quadratic(nodes.as_chunks::<10>().0.to_vec()),
-        other => return Err(fail(format!("has {other} nodes per tetrahedron; it must be 4 or 10"))),
-    };
-    // Corners come first.
-    let corners = nodes.chunks_exact(width).flat_map(|n| &n[..4]).max().map_or(0, |n| *n as usize + 1);
-    let pad = PadTopology {
-        rest,
-        corner_count: corners,
-        elements,
-        surface: archive.triangles(&of_pad(names::SURFACE))?,
-        sensing: archive.triangles(&of_pad(names::SENSING))?,
-        bonded: archive.row::<bool>(&of_pad(names::BONDED))?,
-    };
-    check::topology(0, &pad).map_err(fail)?;
+    let [left, right] = names::PADS;
+    let mut pads = vec![archive.pad(left)?; count];
+    if let (Some(pad), true) = (pads.get_mut(1), arrays.iter().any(|name| name.starts_with(right))) {
+        *pad = archive.pad(right)?;
+    }
+    pads.iter().enumerate().try_for_each(|(i, pad)| check::topology(i, pad)).map_err(fail)?;
     let object = TriMesh {
         vertices: archive.points(&of_object(names::VERTICES))?,
         triangles: archive.triangles(&of_object(names::TRIANGLES))?,
     };
     check::object(&object).map_err(fail)?;
-    Ok((pad, object))
-}
-
-fn of_pad(name: &str) -> String {
-    format!("pad/{name}")
+    Ok((pads, object))
 }
 
 fn of_object(name: &str) -> String {
@@ -97,6 +85,33 @@ struct Archive<'a> {
 }
 
 impl Archive<'_> {
+    /// Reads the mesh of a pad.
+    fn pad(&mut self, group: &str) -> Result<PadTopology> {
+        let of = |name: &str| format!("{group}/{name}");
+        let rest = self.points(&of(names::REST))?;
+        let tets = self.table::<u32>(&of(names::TETS))?;
+        let width = tets.ncols();
+        let nodes: Vec<u32> = tets.into_iter().collect();
+        let elements = match width {
+            4 => ElementNodes::Linear(nodes.as_chunks::<4>().0.to_vec()),
+            10 => ElementNodes::Quadratic(nodes.as_chunks::<10>().0.to_vec()),
+            other => {
+                let message = format!("has {other} nodes per tetrahedron; it must be 4 or 10");
+                return Err(Error::file(self.path, message));
+            }
+        };
+        // Corners come first.
+        let corners = nodes.chunks_exact(width).flat_map(|n| &n[..4]).max().map_or(0, |n| *n as usize + 1);
+        Ok(PadTopology {
+            rest,
+            corner_count: corners,
+            elements,
+            surface: self.triangles(&of(names::SURFACE))?,
+            sensing: self.triangles(&of(names::SENSING))?,
+            bonded: self.row::<bool>(&of(names::BONDED))?,
+        })
+    }
+
     fn table<T: ReadableElement>(&mut self, name: &str) -> Result<Array<T, Ix2>> {
         let fail = |e| Error::file(self.path, format!("array `{name}` cannot be read: {e}"));
         self.npz.by_name(name).map_err(fail)

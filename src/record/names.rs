@@ -1,6 +1,9 @@
 //! Names of the recorded quantities, defined once: `arrays.npz`, `.vtu`, `frames.csv`, data sets and Python use the same. A name ends in
 //! its unit if it has a single unit; shapes, frames and files are in `docs/data-format.md`.
 
+/// Groups of the arrays that no frame changes, of the left pad and of a right one that differs.
+pub const PADS: [&str; 2] = ["pad", "right_pad"];
+
 /// Declares names with their units.
 macro_rules! names {
     ($($(#[$doc:meta])* $name:ident $text:literal $unit:literal;)*) => {

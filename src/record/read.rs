@@ -21,12 +21,12 @@ pub fn run_report(dir: &Path) -> Result<RunReport> {
     serde_json::from_slice(&bytes).map_err(|e| Error::file(&path, format!("is no report of a run: {e}")))
 }
 
-/// Reads the frames of a grasp of `pads` pads with `own` nodes each, as they were recorded. A frame has the content of `arrays.npz`,
+/// Reads the frames of a grasp whose pads have so many `nodes` each, as they were recorded. A frame has the content of `arrays.npz`,
 /// wrenches and motion included, without the numbers of `frames.csv`.
 ///
 /// # Errors
 /// Fails if the file is not there, is damaged or belongs to other pads.
-pub fn frames(path: &Path, own: usize, pads: usize) -> Result<Vec<Frame>> {
+pub fn frames(path: &Path, nodes: &[usize]) -> Result<Vec<Frame>> {
     let fail = |message: String| Error::file(path, message);
     let file = File::open(path).map_err(|e| fail(format!("cannot be read: {e}")))?;
     let mut npz = NpzReader::new(file).map_err(|e| fail(format!("is no archive of arrays: {e}")))?;
@@ -41,26 +41,27 @@ pub fn frames(path: &Path, own: usize, pads: usize) -> Result<Vec<Frame>> {
     let stress = optional::<Ix2>(path, &mut npz, names::VON_MISES)?;
     let gap = optional::<Ix2>(path, &mut npz, names::GAP)?;
     let hand = optional::<Ix2>(path, &mut npz, names::HAND_POSE)?;
-    let (count, nodes) = (force.len(), displacement.shape()[1]);
+    let (count, pads, all) = (force.len(), nodes.len(), nodes.iter().sum::<usize>());
     let vectors = [Some(&position), Some(&displacement), contact.as_ref()];
     let numbers = [stress.as_ref(), gap.as_ref()];
-    let fits = vectors.into_iter().flatten().all(|a| a.shape() == [count, nodes, 3])
-        && numbers.into_iter().flatten().all(|a| a.shape() == [count, nodes])
+    let fits = vectors.into_iter().flatten().all(|a| a.shape() == [count, all, 3])
+        && numbers.into_iter().flatten().all(|a| a.shape() == [count, all])
         && [Some(&pose), hand.as_ref()].into_iter().flatten().all(|a| a.shape() == [count, 7])
         && load.as_ref().is_none_or(|a| a.shape() == [count, 6])
         && travel.shape() == [count, pads]
         && wrench.shape() == [count, pads, 6]
-        && time.len() == count
-        && nodes == pads * own;
+        && time.len() == count;
     if !fits {
-        return Err(fail(format!("its arrays do not fit each other, or are not of {pads} pads with {own} nodes each")));
+        return Err(fail(format!("its arrays do not fit each other, or are not of {pads} pads with {nodes:?} nodes")));
     }
+    let own = |pad: usize| {
+        let first: usize = nodes[..pad].iter().sum();
+        first..first + nodes[pad]
+    };
     let vectors = |all: &Array<f64, Ix3>, k: usize, pad: usize| -> Vec<DVec3> {
-        (pad * own..(pad + 1) * own).map(|i| DVec3::new(all[[k, i, 0]], all[[k, i, 1]], all[[k, i, 2]])).collect()
+        own(pad).map(|i| DVec3::new(all[[k, i, 0]], all[[k, i, 1]], all[[k, i, 2]])).collect()
     };
-    let numbers = |all: &Array<f64, Ix2>, k: usize, pad: usize| -> Vec<f64> {
-        (pad * own..(pad + 1) * own).map(|i| all[[k, i]]).collect()
-    };
+    let numbers = |all: &Array<f64, Ix2>, k: usize, pad: usize| -> Vec<f64> { own(pad).map(|i| all[[k, i]]).collect() };
     let placed = |all: &Array<f64, Ix2>, k: usize| GraspPose::from_row(&all.row(k).to_vec());
     let frame = |k: usize| {
         let pad = |pad: usize| {

@@ -15,6 +15,7 @@ use crate::net::eval::{Judged, frames, judge};
 use crate::net::infer::predict::Predictor;
 use crate::net::train::data::split;
 use crate::net::train::sample::model_of;
+use crate::record::PadTopology;
 use crate::table::Table;
 use std::path::Path;
 
@@ -76,9 +77,13 @@ fn objects(set: &DataSet) -> Table {
     table.folded = true;
     for o in &set.manifest.objects {
         let file = set.objects.iter().find(|f| f.name == o.name);
-        let size = |pick: fn(&ObjectFile) -> usize| file.map_or("-".into(), |f| pick(f).to_string());
+        let size = |pick: fn(&PadTopology) -> usize| {
+            let mut sizes: Vec<_> = file.iter().flat_map(|f| &f.pads).map(|pad| pick(pad).to_string()).collect();
+            sizes.dedup();
+            if sizes.is_empty() { "-".into() } else { sizes.join(", ") }
+        };
         let counts = [o.grasps, o.reached, o.dropped, o.fault, o.infeasible].map(|n| n.to_string());
-        let sizes = [size(|f| f.sizes.nodes), size(|f| f.sizes.tets)];
+        let sizes = [size(|pad| pad.rest.len()), size(|pad| pad.elements.len())];
         table.rows.push([o.name.clone()].into_iter().chain(counts).chain(sizes).collect());
     }
     table
@@ -90,7 +95,7 @@ pub(super) fn truth(file: &ObjectFile, number: usize, most: usize) -> Result<Rec
     Ok(Recording {
         name: format!("{}, grasp {number}", file.name),
         about: String::new(),
-        pad: file.pad.clone(),
+        pads: file.pads.clone(),
         object: file.object.clone(),
         states: vec![RecordedState { label: "finite elements".into(), frames }],
         errors: None,
@@ -177,7 +182,7 @@ fn compared(set: &DataSet, predictor: &Predictor, judged: &Judged, role: &str, m
     Ok(Recording {
         name: format!("{}, grasp {}", file.name, error.grasp),
         about: format!("{role}: {:.1} % of the displacement", 100.0 * error.displacement),
-        pad: file.pad.clone(),
+        pads: file.pads.clone(),
         object: file.object.clone(),
         states: vec![
             RecordedState { label: "finite elements".into(), frames: truth },

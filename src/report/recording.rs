@@ -19,8 +19,8 @@ pub struct Recording {
     pub name: String,
     /// Role of the grasp as an example; may be empty.
     pub about: String,
-    /// Topology of its pads, all alike.
-    pub pad: PadTopology,
+    /// Topologies of its pads, left first.
+    pub pads: Vec<PadTopology>,
     /// Surface of the object, object frame, m.
     pub object: TriMesh,
     /// States: the truth, then a prediction if there is one; equal frames.
@@ -58,14 +58,13 @@ impl Recording {
     pub fn json(&self, meshes: &mut Vec<Value>) -> Result<Value> {
         let fail = |message: &str| Error::Start(format!("{}: {message}", self.name));
         let first = self.states.first().and_then(|s| s.frames.first()).ok_or_else(|| fail("has no frame to show"))?;
-        let pads = first.pads.len();
-        let surface = Surface::of(&self.pad);
-        let poses = |k: usize| pad_pose(&self.pad, &first.pads[k]);
-        let rotations: Vec<DMat3> = (0..pads).filter_map(|k| poses(k).map(|p| p.0)).collect();
-        if rotations.len() != pads || pads == 0 {
+        let poses = self.pads.iter().zip(&first.pads).map(|(pad, frame)| pad_pose(pad, frame));
+        let rotations: Vec<DMat3> = poses.filter_map(|pose| pose.map(|p| p.0)).collect();
+        if rotations.len() != first.pads.len() || rotations.is_empty() {
             return Err(fail("has no pad with an extent"));
         }
-        let states = self.states.iter().map(|s| surface.state(&self.pad, &rotations, s)).collect::<Vec<_>>();
+        let surfaces: Vec<Surface> = self.pads.iter().zip(&rotations).map(|(pad, r)| Surface::of(pad, *r)).collect();
+        let states = self.states.iter().map(|s| state(&surfaces, s)).collect::<Vec<_>>();
         let time = first.moving.is_some();
         let at = self.states[0].frames.iter().map(|f| if time { f.time } else { f.applied_force });
         let axis = if time { json!({ "name": "time", "unit": "s" }) } else { json!({ "name": "force", "unit": "N" }) };
@@ -75,8 +74,7 @@ impl Recording {
             "axis": axis,
             "at": at.collect::<Vec<_>>(),
             "force": self.states[0].frames.iter().map(|f| f.applied_force).collect::<Vec<_>>(),
-            "pads": pads,
-            "pad": place(meshes, surface.json(&self.pad)),
+            "pads": surfaces.iter().map(|surface| place(meshes, surface.json())).collect::<Vec<_>>(),
             "object": place(meshes, object(&self.object)),
             "rotations": rotations.iter().map(DMat3::to_cols_array).collect::<Vec<_>>(),
             "states": states,
@@ -105,14 +103,17 @@ fn flat(vectors: &[DVec3]) -> Vec<f64> {
 }
 
 /// Visible nodes of a pad.
-struct Surface {
+struct Surface<'a> {
+    pad: &'a PadTopology,
+    /// From the pad frame to the hand frame.
+    rotation: DMat3,
     nodes: Vec<usize>,
     sensing: Vec<u32>,
     outside: Vec<u32>,
 }
 
-impl Surface {
-    fn of(pad: &PadTopology) -> Self {
+impl<'a> Surface<'a> {
+    fn of(pad: &'a PadTopology, rotation: DMat3) -> Self {
         let outside = pad.outside();
         let mut seen = vec![false; pad.rest.len()];
         pad.sensing.iter().chain(&outside).flatten().for_each(|n| seen[*n as usize] = true);
@@ -121,11 +122,11 @@ impl Surface {
         (0..).zip(&nodes).for_each(|(k, n)| number[*n] = k);
         let renumbered =
             |all: &[[u32; 3]]| all.as_flattened().iter().map(|n| number[*n as usize]).collect::<Vec<u32>>();
-        Self { sensing: renumbered(&pad.sensing), outside: renumbered(&outside), nodes }
+        Self { sensing: renumbered(&pad.sensing), outside: renumbered(&outside), nodes, pad, rotation }
     }
 
-    fn json(&self, pad: &PadTopology) -> Value {
-        let rest: Vec<DVec3> = self.nodes.iter().map(|n| pad.rest[*n]).collect();
+    fn json(&self) -> Value {
+        let rest: Vec<DVec3> = self.nodes.iter().map(|n| self.pad.rest[*n]).collect();
         json!({
             "rest": numbers(&[rest.len(), 3], &flat(&rest)),
             "sensing": indices(&[self.sensing.len() / 3, 3], &self.sensing),
@@ -133,51 +134,57 @@ impl Surface {
         })
     }
 
-    /// Returns a state: fields of the visible nodes, frames then pads then nodes; places of pads and object in the hand
-    /// frame.
-    fn state(&self, pad: &PadTopology, rotations: &[DMat3], state: &RecordedState) -> Value {
-        let (frames, pads, nodes) = (state.frames.len(), rotations.len(), self.nodes.len());
-        let all = || state.frames.iter().flat_map(|f| f.pads.iter().zip(rotations));
-        let vectors = |pick: fn(&PadFrame) -> &Vec<DVec3>| -> Option<Vec<DVec3>> {
-            let of = |(pad, rotation): (&PadFrame, &DMat3)| {
-                self.nodes.iter().map(|n| pick(pad).get(*n).map(|v| rotation.transpose() * *v)).collect::<Vec<_>>()
-            };
-            all().flat_map(of).collect()
-        };
-        let displacement = vectors(|p| &p.displacement).unwrap_or_default();
-        let stress: Option<Vec<f64>> =
-            all().flat_map(|(p, _)| self.nodes.iter().map(|n| p.von_mises_node.get(*n).copied())).collect();
-        let force = vectors(|p| &p.contact_force).map(|force| {
-            // Few nodes ever touch: the others are left out.
-            let touched = |i: &usize| (0..frames).any(|k| force[k * pads * nodes + i] != DVec3::ZERO);
-            let touched: Vec<usize> = (0..pads * nodes).filter(touched).collect();
-            let kept = (0..frames).flat_map(|k| touched.iter().map(move |i| (k, *i)));
-            let kept: Vec<DVec3> = kept.map(|(k, i)| force[k * pads * nodes + i]).collect();
-            let places: Vec<u32> = touched.iter().map(|i| *i as u32).collect();
-            json!({
-                "nodes": indices(&[touched.len()], &places),
-                "values": numbers(&[frames, touched.len(), 3], &flat(&kept)),
-            })
-        });
-        let origins = state.frames.iter().map(|f| {
-            let own = f.pads.iter().zip(rotations).map(|(p, r)| {
-                // Any node: `position - displacement` is the rest shape carried rigidly.
-                (p.position[0] - p.displacement[0] - *r * pad.rest[0]).to_array()
-            });
-            own.collect::<Vec<_>>()
-        });
-        let object = state.frames.iter().map(|f| {
-            let (p, q) = (f.object_position, f.object_rotation);
-            [p.x, p.y, p.z, q.w, q.x, q.y, q.z]
-        });
-        json!({
-            "label": state.label,
-            "displacement": numbers(&[frames, pads, nodes, 3], &flat(&displacement)),
-            "stress": stress.map(|s| numbers(&[frames, pads, nodes], &s)),
-            "contact_force": force,
-            "origins": origins.collect::<Vec<_>>(),
-            "object": object.collect::<Vec<_>>(),
-            "travel": state.frames.iter().map(|f| &f.travel).collect::<Vec<_>>(),
-        })
+    /// Returns a field of the visible nodes in the frame of the pad; None if it was not recorded.
+    fn vectors(&self, field: &[DVec3]) -> Option<Vec<DVec3>> {
+        self.nodes.iter().map(|n| field.get(*n).map(|v| self.rotation.transpose() * *v)).collect()
     }
+
+    /// Returns the origin of the pad frame.
+    fn origin(&self, pad: &PadFrame) -> DVec3 {
+        // Any node: `position - displacement` is the rest shape carried rigidly.
+        pad.position[0] - pad.displacement[0] - self.rotation * self.pad.rest[0]
+    }
+}
+
+/// Returns a state: fields of the visible nodes, frames then the nodes of all pads, left first; places of pads and object in the hand
+/// frame.
+fn state(surfaces: &[Surface], state: &RecordedState) -> Value {
+    let (frames, nodes) = (state.frames.len(), surfaces.iter().map(|s| s.nodes.len()).sum::<usize>());
+    let all = || state.frames.iter().flat_map(|f| f.pads.iter().zip(surfaces));
+    let vectors = |pick: fn(&PadFrame) -> &Vec<DVec3>| -> Option<Vec<DVec3>> {
+        let fields = all().map(|(pad, surface)| surface.vectors(pick(pad))).collect::<Option<Vec<_>>>();
+        fields.map(|fields| fields.concat())
+    };
+    let displacement = vectors(|p| &p.displacement).unwrap_or_default();
+    let stress: Option<Vec<f64>> =
+        all().flat_map(|(p, surface)| surface.nodes.iter().map(|n| p.von_mises_node.get(*n).copied())).collect();
+    let force = vectors(|p| &p.contact_force).map(|force| {
+        // Few nodes ever touch: the others are left out.
+        let touched = |i: &usize| (0..frames).any(|k| force[k * nodes + i] != DVec3::ZERO);
+        let touched: Vec<usize> = (0..nodes).filter(touched).collect();
+        let kept = (0..frames).flat_map(|k| touched.iter().map(move |i| (k, *i)));
+        let kept: Vec<DVec3> = kept.map(|(k, i)| force[k * nodes + i]).collect();
+        let places: Vec<u32> = touched.iter().map(|i| *i as u32).collect();
+        json!({
+            "nodes": indices(&[touched.len()], &places),
+            "values": numbers(&[frames, touched.len(), 3], &flat(&kept)),
+        })
+    });
+    let origins = state.frames.iter().map(|f| {
+        let own = f.pads.iter().zip(surfaces).map(|(pad, surface)| surface.origin(pad).to_array());
+        own.collect::<Vec<_>>()
+    });
+    let object = state.frames.iter().map(|f| {
+        let (p, q) = (f.object_position, f.object_rotation);
+        [p.x, p.y, p.z, q.w, q.x, q.y, q.z]
+    });
+    json!({
+        "label": state.label,
+        "displacement": numbers(&[frames, nodes, 3], &flat(&displacement)),
+        "stress": stress.map(|s| numbers(&[frames, nodes], &s)),
+        "contact_force": force,
+        "origins": origins.collect::<Vec<_>>(),
+        "object": object.collect::<Vec<_>>(),
+        "travel": state.frames.iter().map(|f| &f.travel).collect::<Vec<_>>(),
+    })
 }

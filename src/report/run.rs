@@ -31,8 +31,10 @@ pub fn run(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
         Err(error) => blocks.push(PageBlock::Note(format!("No grasp in 3-D: {error}"))),
     }
     let about = report.scene.get("about").and_then(|v| v.as_str()).unwrap_or_default();
-    let pad = report.pads.first().map_or("no pads".into(), |p| format!("pads of {} nodes ({})", p.nodes, p.element));
-    let lead = format!("{about} {}, {pad}, backend {}.", counted(report.grasps.len(), "grasp"), report.backend);
+    let mut pads: Vec<String> = report.pads.iter().map(|p| format!("{} nodes ({})", p.nodes, p.element)).collect();
+    pads.dedup();
+    let pads = if pads.is_empty() { "no pads".into() } else { format!("pads of {}", pads.join(" and ")) };
+    let lead = format!("{about} {}, {pads}, backend {}.", counted(report.grasps.len(), "grasp"), report.backend);
     let mut section = Section::new(format!("Run {}", name(dir)), lead.trim(), blocks);
     section.made = [&report.command, &report.machine].into_iter().filter(|text| !text.is_empty()).cloned().collect();
     page.sections.push(section);
@@ -51,13 +53,14 @@ fn recordings(dir: &Path, report: &RunReport, wishes: &Wishes) -> Result<Vec<Rec
     if shown.is_empty() || report.pads.is_empty() {
         return Ok(Vec::new());
     }
-    let (pad, object) = meshes::read(dir)?;
+    let (pads, object) = meshes::read(dir, report.pads.len())?;
+    let nodes: Vec<usize> = pads.iter().map(|pad| pad.rest.len()).collect();
     let shape = report.scene.pointer("/object/shape").and_then(|shape| shape.as_object()?.keys().next());
     let shape = shape.map_or("object".into(), |name| name.to_lowercase());
     let label = if report.backend.starts_with("gnn") { "network" } else { "finite elements" };
     let recording = |grasp: usize| {
         let path = dir.join(directory(grasp)).join("arrays.npz");
-        let frames = match read::frames(&path, pad.rest.len(), report.pads.len()) {
+        let frames = match read::frames(&path, &nodes) {
             // It has ended, and its arrays are being written.
             Err(_) if !report.finished => return None,
             frames => frames,
@@ -65,7 +68,7 @@ fn recordings(dir: &Path, report: &RunReport, wishes: &Wishes) -> Result<Vec<Rec
         let of = |frames: Vec<Frame>| Recording {
             name: format!("{}, {}, grasp {grasp}", name(dir), shape),
             about: String::new(),
-            pad: pad.clone(),
+            pads: pads.clone(),
             object: object.clone(),
             states: vec![RecordedState {
                 label: label.into(),

@@ -104,12 +104,8 @@ impl RunRecorder {
     /// # Errors
     /// Fails if the meshes cannot be written, and as [`GraspRecorder::create`] does.
     pub fn begin_grasp(&self, index: usize, topologies: &[PadTopology], object: &TriMesh) -> Result<GraspRecorder> {
-        // The file has room for one pad.
-        let alike = topologies.windows(2).all(|pair| pair[0] == pair[1]);
-        if let Some(pad) =
-            topologies.first().filter(|_| self.options.arrays && alike && !self.dir.join(MESHES).exists())
-        {
-            meshes::write(&self.dir, pad, object)?;
+        if self.options.arrays && !topologies.is_empty() && !self.dir.join(MESHES).exists() {
+            meshes::write(&self.dir, topologies, object)?;
         }
         GraspRecorder::create(&self.dir, &self.options, index, topologies, object)
     }

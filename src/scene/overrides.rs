@@ -1,7 +1,7 @@
 //! Overrides of a scene for one run: what the command line and Python may set in place of what the file says.
 
+use super::dialect::recheck;
 use super::leaf::{Count, Positive};
-use super::load::recheck;
 use super::schema::Scene;
 use super::stepper::{Condensed, Fem, Gnn, SHIPPED_MODELS, Solver, StepperChoice};
 use crate::error::{Error, Result};

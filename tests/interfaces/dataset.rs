@@ -39,7 +39,7 @@ fn what_is_read_is_what_was_simulated_and_the_scene_rebuilds_the_model() {
         std::fs::write(&path, &object.scene).unwrap();
         let scene = load(&path).unwrap().scene;
         let model = Model::build(&scene).unwrap();
-        assert_eq!(*model.fingers[0].topology, object.pad, "the same pad to the bit");
+        assert_eq!(*model.fingers[0].topology, object.pads[0], "the same pad to the bit");
         assert_eq!(*model.object.surface, object.object);
         let frames = Frames::default();
         let grasps: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();

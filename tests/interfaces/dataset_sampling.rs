@@ -30,7 +30,7 @@ fn results_of_a_finer_mesh_stand_at_the_nodes_of_the_pads_with_the_same_forces()
     };
     let (fine, own) = (set("fine", ", mesh: (finer: 1.6, focus: 1.5)"), set("own", ""));
     let (a, b) = (&fine.objects[0], &own.objects[0]);
-    assert_eq!(a.pad, b.pad, "the pads are those of the scene");
+    assert_eq!(a.pads, b.pads, "the pads are those of the scene");
     let (fine, own) = (a.grasp(0).unwrap(), b.grasp(0).unwrap());
     for (k, pad) in (0..2).flat_map(|k| (0..2).map(move |pad| (k, pad))) {
         let nodes = a.sizes.nodes;

@@ -35,7 +35,7 @@ fn rewards_pay_what_they_say() {
     assert_eq!((hold.pay(&info), hold.pay(&StepInfo { held: false, ..info })), (1.0, -10.0));
     assert_eq!(SlipReward::default().pay(&info), -2.0, "per mm");
     assert_eq!(EconomyReward::default().pay(&info), -0.5);
-    let stress: Reward = tactus::scene::load::options().from_str("Stress(limit: 2e4)").unwrap();
+    let stress: Reward = tactus::scene::dialect::options().from_str("Stress(limit: 2e4)").unwrap();
     assert!((stress.term().pay(&info) + 0.5).abs() < 1e-12, "half as much again as the limit");
     assert!(stress.term().needs_stress() && !hold.needs_stress());
 }

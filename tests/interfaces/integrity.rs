@@ -89,7 +89,7 @@ fn a_network_compares_the_pads_before_it_solves_for_them_and_names_both() {
     assert_eq!(refused.status.code(), Some(2), "{text}");
     assert!(text.contains("another mesh") && text.contains("trained was"), "{text}");
     assert_eq!(text.matches(" mm, spacing ").count(), 2, "what it met and what it knows: {text}");
-    let known = Sensor::of(&set(made()).objects[0].pad);
+    let known = Sensor::of(&set(made()).objects[0].pads[0]);
     assert!(text.contains(&format!("3625 nodes; trained was {known}")), "{text}");
     assert!(files(&cache).is_empty(), "something was solved: {:?}", files(&cache));
     for (scene, why) in
@@ -415,7 +415,7 @@ fn told(dir: &Path) -> Option<Told> {
         let mut numbers: Vec<_> = o.numbers.clone().into_iter().collect();
         numbers.sort_by(|a, b| a.0.cmp(&b.0));
         let grasps = (0..o.sizes.grasps).map(|g| o.grasp(g).ok()).collect::<Option<Vec<_>>>()?;
-        let geometry = format!("{} {:?} {:?} {:?}", o.scene, o.pad, o.object, o.pad_poses);
+        let geometry = format!("{} {:?} {:?} {:?}", o.scene, o.pads, o.object, o.pad_poses);
         Some((o.name.clone(), geometry, o.status.clone(), numbers, grasps))
     };
     let mut all = set.objects.iter().map(of).collect::<Option<Told>>()?;

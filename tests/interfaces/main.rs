@@ -19,6 +19,7 @@ mod env_task;
 mod examples;
 mod fit;
 mod integrity;
+mod pads_that_differ;
 mod record_run;
 mod record_vtu;
 mod render_pads;

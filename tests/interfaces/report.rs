@@ -6,17 +6,17 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-fn tactus(arguments: &[&str]) -> Output {
+pub fn tactus(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tactus")).args(arguments).output().unwrap()
 }
 
-fn good(arguments: &[&str]) -> String {
+pub fn good(arguments: &[&str]) -> String {
     let output = tactus(arguments);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }
 
-fn text(path: &Path) -> &str {
+pub fn text(path: &Path) -> &str {
     path.to_str().unwrap()
 }
 
@@ -28,7 +28,7 @@ fn judged(made: &Made, page: &Path) -> String {
 }
 
 /// The data inside the page.
-fn data_of(html: &str) -> Value {
+pub fn data_of(html: &str) -> Value {
     let start = "<script type=\"application/json\" id=\"data\">";
     let own = html.split_once(start).unwrap().1.split_once("</script>").unwrap().0;
     serde_json::from_str(own).unwrap()
@@ -46,7 +46,7 @@ fn base64(text: &str) -> Vec<u8> {
 }
 
 /// Numbers of an array of the page; half a step is their error.
-fn numbers(packed: &Value) -> (Vec<f64>, f64) {
+pub fn numbers(packed: &Value) -> (Vec<f64>, f64) {
     let scale = packed["scale"].as_f64().unwrap_or(1.0);
     let bytes = base64(packed["base64"].as_str().unwrap());
     let values: Vec<f64> = match packed["type"].as_str().unwrap() {
@@ -90,7 +90,7 @@ fn the_page_holds_the_truth_to_the_last_step_of_its_scale() {
         let file = set.objects.iter().find(|f| f.name == name).unwrap();
         let grasp = file.grasp(number.parse().unwrap()).unwrap();
         let (mesh, object) =
-            (&data["meshes"][shown["pad"].as_u64().unwrap() as usize], shown["object"].as_u64().unwrap());
+            (&data["meshes"][shown["pads"][0].as_u64().unwrap() as usize], shown["object"].as_u64().unwrap());
         let (rest, step) = numbers(&mesh["rest"]);
         // Which node of the pad each node of the page is.
         let of: Vec<usize> = rest
@@ -98,12 +98,13 @@ fn the_page_holds_the_truth_to_the_last_step_of_its_scale() {
             .0
             .iter()
             .map(|x| {
-                let near =
-                    |n: &usize| x.iter().zip(file.pad.rest[*n].to_array()).all(|(a, b)| (a - b).abs() <= 1.01 * step);
-                (0..file.pad.rest.len()).find(near).unwrap()
+                let near = |n: &usize| {
+                    x.iter().zip(file.pads[0].rest[*n].to_array()).all(|(a, b)| (a - b).abs() <= 1.01 * step)
+                };
+                (0..file.pads[0].rest.len()).find(near).unwrap()
             })
             .collect();
-        for triangle in numbers(&mesh["sensing"]).0.as_chunks::<3>().0.iter().zip(&file.pad.sensing) {
+        for triangle in numbers(&mesh["sensing"]).0.as_chunks::<3>().0.iter().zip(&file.pads[0].sensing) {
             assert_eq!(triangle.0.map(|i| of[i as usize] as u32), *triangle.1, "a triangle of the sensing face");
         }
         let vertices = numbers(&data["meshes"][object as usize]["vertices"]).0.len() / 3;
@@ -149,7 +150,7 @@ fn the_page_holds_the_truth_to_the_last_step_of_its_scale() {
 #[test]
 fn the_surface_of_a_pad_that_is_shown_has_no_gap() {
     let set = set(made());
-    let pad = &set.objects[0].pad;
+    let pad = &set.objects[0].pads[0];
     let mut edges: BTreeMap<[u32; 2], usize> = BTreeMap::new();
     for t in pad.sensing.iter().chain(&pad.outside()) {
         for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
@@ -180,7 +181,7 @@ fn a_page_of_a_run_and_a_bench_has_their_tables_the_chart_and_the_truth() {
     let data = data_of(&html);
     let shown = &data["grasps"][0];
     assert_eq!(shown["states"].as_array().unwrap().len(), 1, "a run knows no second state");
-    assert_eq!(shown["pads"], 1);
+    assert_eq!(shown["pads"].as_array().unwrap().len(), 1);
     let (u, _) = numbers(&shown["states"][0]["displacement"]);
     let deepest = u.as_chunks::<3>().0.iter().map(|v| v[2]).fold(0.0, f64::min);
     assert!((-4e-4..-2e-4).contains(&deepest), "a press of 0.3 mm goes as deep: {deepest} m");
@@ -250,15 +251,12 @@ fn browser() -> Option<PathBuf> {
     given.or_else(found)
 }
 
-#[test]
-fn in_a_browser_the_pads_are_drawn_and_every_control_changes_the_picture() {
+/// What a page finds when it tries its picture in a browser, and its content then; None, and a word about it, without a browser.
+pub fn checked(page: &Path) -> Option<(Value, String)> {
     let Some(browser) = browser() else {
         println!("skipped: no chromium or chrome on the path (TACTUS_BROWSER names one), so the page was not opened");
-        return;
+        return None;
     };
-    let made = made();
-    let page = made.tiny.out("browser.html");
-    judged(made, &page);
     let profile = tempfile::tempdir().unwrap();
     let output = Command::new(&browser)
         .args(["--headless", "--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader"])
@@ -267,7 +265,7 @@ fn in_a_browser_the_pads_are_drawn_and_every_control_changes_the_picture() {
         .arg(format!("file://{}#check", page.display()))
         .output()
         .unwrap();
-    let dom = String::from_utf8_lossy(&output.stdout);
+    let dom = String::from_utf8_lossy(&output.stdout).into_owned();
     let body = dom.split_once("<body").map_or("", |(_, body)| body.split('>').next().unwrap_or(""));
     let attribute = |name: &str| {
         let value = body.split_once(&format!(" data-{name}=\"")).and_then(|(_, v)| v.split('"').next());
@@ -277,6 +275,15 @@ fn in_a_browser_the_pads_are_drawn_and_every_control_changes_the_picture() {
     assert_eq!(attribute("errors"), None, "errors of the script");
     let found: Value = serde_json::from_str(&attribute("check").unwrap()).unwrap();
     println!("{found}");
+    Some((found, dom))
+}
+
+#[test]
+fn in_a_browser_the_pads_are_drawn_and_every_control_changes_the_picture() {
+    let made = made();
+    let page = made.tiny.out("browser.html");
+    judged(made, &page);
+    let Some((found, dom)) = checked(&page) else { return };
     assert!(found["drawn"].as_f64().unwrap() > 0.05, "part of the picture that is not empty");
     assert_eq!(found["glError"], 0);
     assert_eq!(found["colors"], serde_json::json!([true]), "every grasp is drawn");

@@ -33,11 +33,11 @@ fn one_network_learns_from_pads_of_several_kinds() {
     tactus(dir.path(), &["eval", "data", "--split", "all", "--model", "model"]);
     let range = Trained::read(&dir.path().join("model")).unwrap().card.range;
     let set = DataSet::open(dir.path().join("data")).unwrap();
-    let hashes: std::collections::BTreeSet<_> = set.objects.iter().map(|object| mesh_hash(&object.pad)).collect();
+    let hashes: std::collections::BTreeSet<_> = set.objects.iter().map(|object| mesh_hash(&object.pads[0])).collect();
     assert!(hashes.len() > 1 && range.pad.is_empty(), "{} kinds of pads", hashes.len());
     let pads = range.pads.expect("a range of pads");
     assert!(pads.length[0] < pads.length[1] && pads.spacing[0] < pads.spacing[1], "{pads:?}");
-    set.objects.iter().for_each(|object| range.admits_pad(&object.pad, &mesh_hash(&object.pad)).unwrap());
+    set.objects.iter().for_each(|object| range.admits_pad(&object.pads[0], &mesh_hash(&object.pads[0])).unwrap());
 
     let long = 2.0 * pads.length[1] * 4e-3;
     let text = format!(

@@ -114,11 +114,6 @@ fn every_shipped_scene_is_planned_as_a_data_set() {
             let bare = String::from_utf8_lossy(&tactus(&["check", scene]).stdout).contains("fingers: r#None");
             return other(&planned, &[2]).or_else(|| (!bare).then(|| "has fingers".into()));
         }
-        // Its layout has room for one pad.
-        if errors(&planned).contains("a data set takes two pads that are alike") {
-            let differ = String::from_utf8_lossy(&tactus(&["check", scene]).stdout).contains("right: ");
-            return other(&planned, &[2]).or_else(|| (!differ).then(|| "has pads that are alike".into()));
-        }
         other(&planned, &[0])
     });
     assert!(found.is_empty(), "{}", found.join("\n"));

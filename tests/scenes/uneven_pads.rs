@@ -117,7 +117,7 @@ fn what_knows_pads_alike_alone_refuses_others() {
     let (path, out) = (path.to_str().unwrap(), folder.path().join("out"));
     let out = out.to_str().unwrap();
     for (arguments, says) in [
-        (&["dataset", path, "-o", out][..], "a data set takes two pads that are alike"),
+        (&["dataset", path, "-o", out, "--sensitivity", "1"][..], "a sensitivity takes two pads that are alike"),
         (&["bench", path], "a bench takes two pads that are alike"),
         (&["run", path, "--sensitivity"], "a sensitivity takes two pads that are alike"),
         (&["run", path, "--backend", "gnn"], "its two pads differ"),

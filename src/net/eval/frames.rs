@@ -49,7 +49,12 @@ fn predicted(file: &ObjectFile, truth: &Frame, grasp: &StoredGrasp, states: &[Pa
         let carried = pose.position + file.closing[i] * (touch + state.travel);
         let displacement: Vec<DVec3> = state.displacement.iter().map(|u| pose.rotation * *u).collect();
         PadFrame {
-            position: file.pad.rest.iter().zip(&displacement).map(|(x, u)| pose.rotation * *x + carried + *u).collect(),
+            position: file.pads[i]
+                .rest
+                .iter()
+                .zip(&displacement)
+                .map(|(x, u)| pose.rotation * *x + carried + *u)
+                .collect(),
             displacement,
             contact_force: state.contact.iter().map(|f| pose.rotation * *f).collect(),
             von_mises_node: state.stress.clone(),

@@ -58,7 +58,8 @@ pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str, extrapolat
     let poses = data::split(&[&set.splits], split)?.remove(0).test;
     if !extrapolate {
         for object in &set.objects {
-            predictor.card.range.admits_pad(&object.pad, &mesh_hash(&object.pad))?;
+            object.needs_alike("a network")?;
+            predictor.card.range.admits_pad(&object.pads[0], &mesh_hash(&object.pads[0]))?;
         }
     }
     let (samples, range) = data::read(&[(set, &poses)], &predictor.pads, usize::MAX)?;

@@ -11,17 +11,16 @@ use tiny_skia::{PixmapPaint, Transform};
 /// # Errors
 /// Fails if the frame cannot be drawn.
 pub fn draw(file: &ObjectFile, number: usize, truth: &Frame, predicted: &Frame) -> Result<Pixmap> {
-    let topologies = vec![file.pad.clone(); file.sizes.pads];
     let range = |scalar: Scalar| {
         let largest = truth.pads.iter().flat_map(|p| scalar.values(p)).fold(0.0, f64::max);
         (largest > 0.0).then_some((0.0, largest))
     };
-    let longest = Some(longest_arrow(&topologies, truth)).filter(|longest| *longest > 0.0);
+    let longest = Some(longest_arrow(&file.pads, truth)).filter(|longest| *longest > 0.0);
     let picture = |what: &str, frame: &Frame| {
         let title = format!("{}, grasp {number:03}: {what}", file.name);
         let plain = Style::default();
         let style = Style { title, range: range(plain.scalar), face_range: range(plain.face), longest, ..plain };
-        render_pads(&topologies, frame, Some(&file.object), &style)
+        render_pads(&file.pads, frame, Some(&file.object), &style)
     };
     let (above, below) = (picture("finite elements", truth)?, picture("network", predicted)?);
     let no_memory = || Error::file("picture", "no memory for the picture");

@@ -123,6 +123,6 @@ impl Spec {
             let at = e.span.start;
             Error::Scene(format!("error: {}:{}:{}: {}", path.display(), at.line, at.col, e.code))
         };
-        crate::scene::load::options().from_str(&text).map_err(bad)
+        crate::scene::dialect::options().from_str(&text).map_err(bad)
     }
 }

@@ -71,6 +71,7 @@ pub fn read(sets: &[(&DataSet, &Poses)], known: &KnownPads, frames: usize) -> Re
         if let Some(damaged) = set.damaged.first() {
             return Err(Error::Start(format!("the data set is damaged: {damaged}")));
         }
+        set.objects.iter().try_for_each(|object| object.needs_alike("a network"))?;
         let models = set.objects.par_iter().map(model_of).collect::<Result<Vec<Arc<Model>>>>()?;
         let fingers = models.iter().map(|model| model.finger()).collect::<Result<Vec<_>>>()?;
         let of_object = known.of(&fingers)?;

@@ -98,7 +98,7 @@ class Controls {
       if (pane.pads.length < 2) return [title];
       const names = pane.pads.map(({ model, vertices }, k) => {
         const all = times(pane.camera.matrix, model);
-        const points = Array.from(this.viewer.mesh.nodes, (_, i) => project(all, vertices.subarray(7 * i, 7 * i + 3)));
+        const points = Array.from(this.viewer.meshes[k].nodes, (_, i) => project(all, vertices.subarray(7 * i, 7 * i + 3)));
         const x = points.reduce((sum, p) => sum + p[0], 0) / points.length;
         const top = points.reduce((most, p) => Math.max(most, p[1]), -Infinity);
         return { text: ["left", "right"][k] || `pad ${k}`, x: pane.x + (pane.w * (x + 1)) / 2, y: pane.y + (pane.h * (1 - top)) / 2 };

@@ -30,8 +30,10 @@ const QUANTITIES = {
 
 class Grasp {
   constructor(json) {
-    Object.assign(this, { json, pads: json.pads, pad: mesh(json.pad), object: mesh(json.object) });
-    this.nodes = this.pad.rest.length / 3;
+    Object.assign(this, { json, pads: json.pads.map(mesh), object: mesh(json.object) });
+    // Nodes of all pads follow each other; those of pad k are first[k] to first[k + 1].
+    this.first = this.pads.reduce((first, pad) => [...first, first.at(-1) + pad.rest.length / 3], [0]);
+    this.nodes = this.first.at(-1);
     this.frames = json.at.length;
     this.states = json.states.map((state) => ({
       ...state,
@@ -44,7 +46,7 @@ class Grasp {
 
   // Nodes that never touch were left out.
   spread({ nodes, values }) {
-    const [places, given, width] = [unpack(nodes), unpack(values), this.pads * this.nodes];
+    const [places, given, width] = [unpack(nodes), unpack(values), this.nodes];
     const all = new Float32Array(3 * this.frames * width);
     for (let k = 0; k < this.frames; k++)
       places.forEach((node, i) => all.set(given.subarray(3 * (k * places.length + i), 3 * (k * places.length + i) + 3), 3 * (k * width + node)));
@@ -63,7 +65,7 @@ class Grasp {
   }
 
   compute(quantity, show, frame) {
-    const width = this.pads * this.nodes;
+    const width = this.nodes;
     const [a, b] = show === "truth" ? [this.states[0]] : show === "prediction" ? [this.states[1]] : [this.states[1], this.states[0]];
     const at = (state, i) => (state ? state[quantity][frame * width * size + i] : 0);
     const size = quantity === "stress" ? 1 : 3;

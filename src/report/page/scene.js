@@ -56,8 +56,8 @@ class PadMesh {
 
 // Pads closed around the object (open = 0) or laid open like a book, faces to the reader (open = 1).
 class Stand {
-  constructor(grasp, extent) {
-    Object.assign(this, { grasp, extent });
+  constructor(grasp, extents) {
+    Object.assign(this, { grasp, extents });
     const last = grasp.states[0].origins[grasp.frames - 1].map((o) => scaled(o, MM));
     this.middle = scaled(last.reduce((a, b) => add(a, b)), 1 / last.length);
     // The hinge is that of a book: the shortest turn that shows the face to the reader, who looks along -y.
@@ -94,7 +94,7 @@ class Stand {
   spans() {
     return this.grasp.json.rotations.map((r, k) => {
       const rotation = this.rotation(k, 1);
-      const corners = this.extent[0].flatMap((x) => this.extent[1].map((y) => turned(rotation, [x, y, 0])));
+      const corners = this.extents[k][0].flatMap((x) => this.extents[k][1].map((y) => turned(rotation, [x, y, 0])));
       const range = (axis) => [Math.min(...corners.map((c) => c[axis])), Math.max(...corners.map((c) => c[axis]))];
       const [[l, h], [b, t]] = [range(0), range(2)];
       return { width: h - l, height: t - b, center: [(l + h) / 2, (b + t) / 2] };

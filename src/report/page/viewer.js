@@ -63,9 +63,9 @@ class Viewer {
   show(grasp) {
     this.buffers.splice(0).forEach((buffer) => this.gl.deleteBuffer(buffer));
     this.grasp = grasp;
-    this.mesh = new PadMesh(grasp.pad);
-    this.stand = new Stand(grasp, this.mesh.extent);
-    this.pad = this.buffer(this.mesh.vertices, this.mesh.triangles, this.mesh.edges);
+    this.meshes = grasp.pads.map((pad) => new PadMesh(pad));
+    this.stand = new Stand(grasp, this.meshes.map((mesh) => mesh.extent));
+    this.pads = this.meshes.map((mesh) => this.buffer(mesh.vertices, mesh.triangles, mesh.edges));
     this.object = this.buffer(withNormals(grasp.object), grasp.object.triangles instanceof Uint32Array ? grasp.object.triangles : Uint32Array.from(grasp.object.triangles));
   }
 
@@ -127,21 +127,19 @@ class Viewer {
   }
 
   drawPane(show, options, camera) {
-    const { gl, grasp, mesh, stand } = this;
+    const { gl, grasp, stand } = this;
     const state = show === "prediction" ? 1 : 0;
     const { frame, open } = options;
-    const size = 3 * grasp.nodes;
     const values = grasp.values(options.quantity, show, frame);
     gl.bindTexture(gl.TEXTURE_2D, this.textures[show === "difference" ? "error" : "field"]);
-    const pads = [];
-    for (let k = 0; k < grasp.pads; k++) {
-      const from = (frame * grasp.pads + k) * size;
-      const own = values.subarray(k * grasp.nodes, (k + 1) * grasp.nodes);
-      const displacement = grasp.states[state].displacement.subarray(from, from + size);
-      const vertices = mesh.fill(displacement, own, options.ranges[show], options.gain);
+    const pads = this.pads.map((pad, k) => {
+      const [from, to] = [grasp.first[k], grasp.first[k + 1]];
+      const own = values.subarray(from, to);
+      const displacement = grasp.states[state].displacement.subarray(3 * (frame * grasp.nodes + from), 3 * (frame * grasp.nodes + to));
+      const vertices = this.meshes[k].fill(displacement, own, options.ranges[show], options.gain);
       const model = stand.pad(k, state, frame, open);
-      gl.bindVertexArray(this.pad.array);
-      gl.bindBuffer(gl.ARRAY_BUFFER, this.pad.corners);
+      gl.bindVertexArray(pad.array);
+      gl.bindBuffer(gl.ARRAY_BUFFER, pad.corners);
       gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.DYNAMIC_DRAW);
       const drawList = (list, kind, ink, lift) => {
         const places = this.use(this.surface, camera, ink);
@@ -150,10 +148,10 @@ class Viewer {
         gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, list.buffer);
         gl.drawElements(kind, list.count, gl.UNSIGNED_INT, 0);
       };
-      drawList(this.pad.lists[0], gl.TRIANGLES, [0, 0, 0, 0], 0);
-      if (options.mesh) drawList(this.pad.lists[1], gl.LINES, [0.05, 0.06, 0.08, 0.45], 4e-4);
-      pads.push({ model, vertices: vertices.slice(), values: own });
-    }
+      drawList(pad.lists[0], gl.TRIANGLES, [0, 0, 0, 0], 0);
+      if (options.mesh) drawList(pad.lists[1], gl.LINES, [0.05, 0.06, 0.08, 0.45], 4e-4);
+      return { model, vertices: vertices.slice(), values: own };
+    });
     if (options.object && open < 0.98) this.drawObject(stand.object(state, frame), camera, 1 - open);
     return pads;
   }
@@ -184,13 +182,13 @@ class Viewer {
     let best = { far: 12 };
     pane.pads.forEach(({ model, vertices, values }, pad) => {
       const all = times(pane.camera.matrix, model);
-      for (let i = 0; i < this.mesh.face; i++) {
+      for (let i = 0; i < this.meshes[pad].face; i++) {
         const normal = turned([0, 1, 2].flatMap((c) => model.slice(4 * c, 4 * c + 3)), [3, 4, 5].map((k) => vertices[7 * i + k]));
         if (dot(normal, pane.camera.towards) < 0) continue;
         const p = project(all, vertices.subarray(7 * i, 7 * i + 3));
         const at = [pane.x + (pane.w * (p[0] + 1)) / 2, pane.y + (pane.h * (1 - p[1])) / 2];
         const far = Math.hypot((at[0] - x) * size[0], (at[1] - y) * size[1]);
-        if (far < best.far) best = { far, pad, show: pane.show, value: values[this.mesh.nodes[i]] };
+        if (far < best.far) best = { far, pad, show: pane.show, value: values[this.meshes[pad].nodes[i]] };
       }
     });
     return best.show ? best : null;

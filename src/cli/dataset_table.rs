@@ -1,0 +1,68 @@
+//! Text of what `tactus dataset` made.
+
+use crate::dataset::Manifest;
+use crate::dataset::sensitivity::SensitivityRow;
+use crate::run::sensitivity::CHANGES;
+use crate::stats::median;
+use std::fmt::Write;
+
+/// Describes a data set: a row for each object, failures, promises, the time of a grasp.
+pub(super) fn made(manifest: &Manifest, resumed: usize, wall: f64) -> String {
+    let mut out = String::from("object            grasps  reached  dropped  fault  infeasible        MB\n");
+    // Writing to a String cannot fail.
+    for o in &manifest.objects {
+        let (mb, name) = (o.bytes as f64 / 1e6, &o.name);
+        let _ = writeln!(
+            out,
+            "{name:<16}  {:>6}  {:>7}  {:>7}  {:>5}  {:>10}  {mb:>8.2}",
+            o.grasps, o.reached, o.dropped, o.fault, o.infeasible
+        );
+    }
+    for o in &manifest.objects {
+        for f in &o.failures {
+            let _ = writeln!(out, "{} grasp {}: {}", o.name, f.grasp, f.reason);
+        }
+    }
+    for o in &manifest.objects {
+        for p in &o.promises {
+            let (verdict, worst) = (p.worst.verdict(), &p.worst);
+            let by: Vec<String> = p.broken_by.iter().map(usize::to_string).collect();
+            let by = if by.is_empty() { String::new() } else { format!(" (grasps {})", by.join(", ")) };
+            let _ = writeln!(out, "{verdict}  {:<16} {:<14} at worst {worst}{by}", o.name, worst.name);
+        }
+    }
+    let computed = manifest.grasps - resumed;
+    let rate = if computed > 0 { format!(", {:.2} s a grasp", wall / computed as f64) } else { String::new() };
+    let _ = writeln!(
+        out,
+        "{} of {} grasps reached; {computed} computed in {wall:.1} s{rate}; {resumed} were there",
+        manifest.sum(|o| o.reached),
+        manifest.grasps
+    );
+    out
+}
+
+/// Describes the effect of each change on the grasps that are reached with and without it.
+pub(super) fn moved(spreads: &[SensitivityRow]) -> String {
+    let mut out = String::new();
+    for change in CHANGES {
+        let moved = spreads.iter().filter(|s| s.change == change).filter_map(|s| s.displacement.zip(s.object_m));
+        let (pads, object): (Vec<_>, Vec<_>) = moved.unzip();
+        if pads.is_empty() {
+            continue;
+        }
+        let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            out,
+            "{}: pads of {} grasps move by {:.2} % (median) to {:.1} %, objects by {:.3} to {:.2} mm",
+            change.name(),
+            pads.len(),
+            1e2 * median(pads.iter().copied()),
+            1e2 * most(&pads),
+            1e3 * median(object.iter().copied()),
+            1e3 * most(&object),
+        );
+    }
+    out
+}

@@ -1,0 +1,112 @@
+//! A scene file with the files that it includes, each field from the last file that gives it.
+
+use super::diagnose::{Diagnosis, explain};
+use super::dialect::options;
+use super::lint::lint;
+use super::outline::{Outline, VALUE_LIMIT};
+use super::paths;
+use super::places::{Origins, SceneText};
+use super::schema::ScenePart;
+use super::source::{self, SIZE_LIMIT};
+use crate::error::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// Longest chain of includes.
+const INCLUDE_DEPTH: usize = 16;
+/// Largest number of files that one scene may read: includes that include each other's includes multiply.
+const INCLUDE_FILES: usize = 256;
+
+/// Reader of a scene file and of all that it includes.
+#[derive(Default)]
+pub(super) struct Loader {
+    /// Files read so far.
+    pub(super) sources: Vec<SceneText>,
+}
+
+impl Loader {
+    /// Reads the file with all that it includes. `chain` holds the files being read, outermost first.
+    pub(super) fn tree(
+        &mut self,
+        path: &Path,
+        chain: &mut Vec<PathBuf>,
+        from: Option<(usize, usize)>,
+    ) -> Result<(ScenePart, Origins)> {
+        let text = match (source::read(path), from) {
+            (Ok(text), _) => text,
+            (Err(e), None) => return Err(e),
+            (Err(e), Some((parent, place))) => {
+                let message = e.to_string().trim_start_matches("error: ").to_string();
+                return Err(self.sources[parent].error_at(&format!("include[{place}]"), &message));
+            }
+        };
+        let index = self.sources.len();
+        if self.sources.iter().map(|s| s.text.len()).sum::<usize>() + text.len() > SIZE_LIMIT as usize {
+            let message =
+                format!("{} and the files before it are together larger than {} MiB", path.display(), SIZE_LIMIT >> 20);
+            return Err(Error::Scene(format!("error: {message}, the limit for a scene")));
+        }
+        self.sources.push(SceneText { path: path.to_path_buf(), text });
+        let source = &self.sources[index];
+        let mut own = read_part(source)?;
+        let dir = folder(path);
+        paths::resolve(&mut own, &dir, &source.text).map_err(|(field, message)| source.error_at(&field, &message))?;
+
+        chain.push(path.canonicalize().unwrap_or_else(|_| path.to_path_buf()));
+        let (mut whole, mut origins) = (ScenePart::default(), Origins::new());
+        for (i, name) in std::mem::take(&mut own.include).iter().enumerate() {
+            let included = dir.join(name);
+            self.may_include(&included, chain)
+                .map_err(|m| self.sources[index].error_at(&format!("include[{i}]"), &m))?;
+            let (part, theirs) = self.tree(&included, chain, Some((index, i)))?;
+            whole.take_over(part);
+            origins.extend(theirs);
+        }
+        chain.pop();
+        origins.extend(own.given().into_iter().map(|field| (field, index)));
+        whole.take_over(own);
+        Ok((whole, origins))
+    }
+
+    fn may_include(&self, path: &Path, chain: &[PathBuf]) -> std::result::Result<(), String> {
+        let show = |chain: &[PathBuf]| {
+            let names: Vec<_> = chain.iter().map(|p| p.file_name().unwrap_or_default().to_string_lossy()).collect();
+            names.join(" -> ")
+        };
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if let Ok(canonical) = path.canonicalize()
+            && let Some(first) = chain.iter().position(|p| *p == canonical)
+        {
+            return Err(format!("the files include each other in a circle: {} -> {name}", show(&chain[first..])));
+        }
+        if chain.len() > INCLUDE_DEPTH {
+            return Err(format!("includes are nested more than {INCLUDE_DEPTH} deep: {} -> {name}", show(chain)));
+        }
+        if self.sources.len() >= INCLUDE_FILES {
+            return Err(format!("the scene includes more than {INCLUDE_FILES} files"));
+        }
+        Ok(())
+    }
+}
+
+/// Reads one file, not its includes.
+fn read_part(source: &SceneText) -> Result<ScenePart> {
+    let outline = Outline::of(&source.text);
+    if outline.is_empty() {
+        let message = "the scene is empty\na smallest scene: (object: (shape: Sphere(radius: 0.02)), loading: Squeeze(force: 15))";
+        return Err(source.error(&Diagnosis::new(message, 0..0)));
+    }
+    if outline.is_full() {
+        let message = format!(
+            "the scene holds more than {VALUE_LIMIT} values, the limit for a scene file\nlong lists of grasps go into a file: grasps: File(\"x_grasps.h5\")"
+        );
+        return Err(source.error(&Diagnosis::new(&message, 0..0)));
+    }
+    let part = options().from_str(&source.text).map_err(|e| source.error(&explain(&e, &source.text, &outline)))?;
+    lint(&source.text, &outline).map_err(|d| source.error(&d))?;
+    Ok(part)
+}
+
+/// Returns the folder of a file.
+pub(super) fn folder(path: &Path) -> PathBuf {
+    path.parent().map(Path::to_path_buf).unwrap_or_default()
+}
