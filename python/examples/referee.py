@@ -67,23 +67,23 @@ def play(act, scene, episodes, seed=HELD_OUT, **settings):
 
 
 def judge(policies, scene, episodes, path=None, **settings):
-    """Prints, for policies by name, mean return with its standard error, objects lost, and by how much the first beats the best constant
+    """Prints, for policies by name, mean return with its standard error, objects lost, and by how much they beat the best constant
     force, episode by episode; writes all but the last to a CSV file. The constant force is the best of nine in these very episodes.
     """
     size = tactus.VectorEnv(scene, 1, objects=tactus.load(scene).objects[:1], **settings).single_action_space.shape[0]
     rng = np.random.default_rng(0)
+    learned = list(policies)
     policies = policies | {"random": lambda obs, last: rng.uniform(-1, 1, last.shape).astype(np.float32)}
-    played = {name: play(act, scene, episodes, **settings) for name, act in policies.items()}
-    for part in FORCES:
-        act, force = steady(scene, part, size)
-        played[f"always {force:.1f} N"] = play(act, scene, episodes, **settings)
-    rows = [(name, total.mean(), error(total), lost.mean()) for name, (total, lost) in played.items()]
-    for name, mean, deviation, lost in rows:
-        print(f"  {name:14} return {mean:7.2f} +- {deviation:.2f}, objects lost {lost:4.0%}", flush=True)
-    best = max(rows[len(policies) :], key=lambda row: row[1])[0]
-    first = next(iter(policies))
-    gain = played[first][0] - played[best][0]
-    print(f"  {first} - {best}: {gain.mean():.2f} +- {error(gain):.2f}", flush=True)
+    constant = {f"always {force:.1f} N": act for act, force in (steady(scene, part, size) for part in FORCES)}
+    totals, rows = {}, []
+    for name, act in (policies | constant).items():
+        totals[name], lost = play(act, scene, episodes, **settings)
+        rows.append((name, totals[name].mean(), error(totals[name]), lost.mean()))
+        print("  {:14} return {:7.2f} +- {:.2f}, objects lost {:4.0%}".format(*rows[-1]), flush=True)
+    best = max(constant, key=lambda name: totals[name].mean())
+    for name in learned:
+        gain = totals[name] - totals[best]
+        print(f"  {name} - {best}: {gain.mean():.2f} +- {error(gain):.2f}", flush=True)
     if path is not None:
         with open(path, "w", newline="") as file:
             csv.writer(file).writerows([("policy", "return", "standard_error", "lost"), *rows])
