@@ -41,13 +41,19 @@ page() {
     printf '\n%s\n' "$made"
 }
 
+# Processor time of a command, s.
+processor_seconds() {
+    local TIMEFORMAT='%U %S'
+    { time "$@" > /dev/null 2>&1; } 2>&1 | awk '{ print $1 + $2 }'
+}
+
 # A ball of 6 mm radius pressed 1 mm into a pad of E = 0.3 MPa, nu = 0.45, without friction: 2.548 N on converged meshes.
 press() {
     local scene seconds
     echo '| setting | nodes | force at 1 mm, N | error | s |'
     echo '|---|---|---|---|---|'
     for scene in linear quadratic_coarse quadratic_fine; do
-        seconds=$( { TIMEFORMAT=%U; time tactus run "scenes/press/$scene.ron" --threads 1 -o "$OUT/$scene" --overwrite --no-pictures > /dev/null; } 2>&1 | tail -n 1)
+        seconds=$(processor_seconds tactus run "scenes/press/$scene.ron" --threads 1 -o "$OUT/$scene" --overwrite --no-pictures)
         awk -F, -v scene="$scene" -v seconds="$seconds" -v nodes="$(sed -n 's/.*"nodes": *\([0-9]*\).*/\1/p' "$OUT/$scene/run.json" | head -n 1)" '
             NR == 1 { for (i = 1; i <= NF; i++) { if ($i ~ /^force_n/) force = i; if ($i ~ /^travel/ && !travel) travel = i } next }
             { gap = $travel - 1e-3; if (gap < 0) gap = -gap; if (gap < 1e-7) at = $force }
@@ -55,15 +61,9 @@ press() {
     done
 }
 
-# Processor time of a command, s.
-processor_seconds() {
-    local TIMEFORMAT='%U %S'
-    { time "$@" > /dev/null 2>&1; } 2>&1 | awk '{ print $1 + $2 }'
-}
-
 # The ball pressed into one pad by a force that rises to 10 N, in 50 steps, one thread each; 1 mm at 2.548 N on converged meshes.
 peers() {
-    local cells solver scene turn row peer
+    local cells solver scene turn spent peer root=$PWD
     echo '| system | depth at 2.548 N, mm | error | processor ms a step, best of three |'
     echo '|---|---|---|---|'
     for turn in 1 2 3; do
@@ -71,8 +71,8 @@ peers() {
             for solver in full condensed; do
                 scene=$OUT/peers_${cells//, /x}_$solver
                 sed -e "s/cells: (6, 8, 2)/cells: ($cells)/" -e '/^ *expect: \[/,/^ *\],/d' scenes/press/ramp.ron > "$scene.ron"
-                row=$(processor_seconds tactus run "$scene.ron" $([ $solver = full ] || echo --backend condensed) --threads 1 -o "$scene" --overwrite)
-                awk -F, -v s="$row" -v name="tactus, $solver pad, ${cells//, / x } cells" '
+                spent=$(processor_seconds tactus run "$scene.ron" $([ $solver = full ] || echo --backend condensed) --threads 1 -o "$scene" --overwrite)
+                awk -F, -v s="$spent" -v name="tactus, $solver pad, ${cells//, / x } cells" '
                     NR == 1 { for (i = 1; i <= NF; i++) { if ($i ~ /^force_n/) force = i; if ($i ~ /^travel/ && !travel) travel = i } next }
                     $force >= 2.548 && !depth { depth = before + (2.548 - least) / ($force - least) * ($travel - before) }
                     { before = $travel; least = $force }
@@ -80,7 +80,8 @@ peers() {
             done
         done
         for peer in mujoco drake; do
-            [ -d ../shared/bench ] && OMP_NUM_THREADS=1 "$python" ../shared/bench/${peer}_press.py pad_1k 2> /dev/null |
+            # They write logs where they run.
+            [ -d ../shared/bench ] && (cd "$OUT" && OMP_NUM_THREADS=1 "$python" "$root/../shared/bench/${peer}_press.py" pad_1k 2> /dev/null) |
                 sed -n 's/^\([a-z]*\) .*cpu\/step \([0-9.]*\) ms depth mm at [^ ]* N \([0-9.-]*\) .*/\1, linear pad, 6 x 8 x 2 cells|\3|\2/p'
         done || true
     done | sort -t'|' -k1,1 -k3,3g | awk -F'|' '!seen[$1]++ { printf "| %s | %.3f | %+.1f %% | %s |\n", $1, $2, 100 * ($2 - 1), $3 }'
@@ -148,21 +149,21 @@ size() {
 
 # The first grasp of each object of scenes/paper.ron to 15 N in 50 frames, on the pads that are recorded.
 objects() {
-    local object solver whole condensed
+    local object solver whole condensed column command
     sed 's/, mesh: (finer: [^)]*)//' scenes/paper.ron > "$OUT/objects.ron"
     echo '| object | whole pads, s | condensed, s | differ in displacement at 15 N, % |'
     echo '|---|---|---|---|'
     for object in $(sed -n 's/.*(name: "\([^"]*\)".*/\1/p' scenes/paper.ron); do
         for solver in fem condensed; do
-            tactus_run=(tactus run "$OUT/objects.ron" --object "$object" --grasp 0 --backend $solver --threads 2 --no-pictures -o "$OUT/objects_$solver" --overwrite)
-            if [ $solver = fem ]; then whole=$(seconds "${tactus_run[@]}"); else condensed=$(seconds "${tactus_run[@]}"); fi
+            command=(tactus run "$OUT/objects.ron" --object "$object" --grasp 0 --backend $solver --threads 2 --no-pictures -o "$OUT/objects_$solver" --overwrite)
+            if [ $solver = fem ]; then whole=$(seconds "${command[@]}"); else condensed=$(seconds "${command[@]}"); fi
         done
         echo "$object $whole $condensed $("$python" -c '
 import sys, numpy
 whole, condensed = (numpy.load(f"{folder}/grasp_000/arrays.npz")["displacement_m"][-1] for folder in sys.argv[1:])
 print(100 * numpy.linalg.norm(condensed - whole) / numpy.linalg.norm(whole))' "$OUT/objects_fem" "$OUT/objects_condensed" 2> /dev/null || echo nan)"
     done | tee "$OUT/objects.txt" | awk '{ printf "| %s | %.2f | %.2f | %s |\n", $1, $2, $3, $4 == "nan" ? "not reached" : sprintf("%.1f", $4) }'
-    for solver in 2 3; do cut -d' ' -f$solver "$OUT/objects.txt" | sort -g | awk '{ s[NR] = $1 } END { print (s[NR / 2] + s[NR / 2 + 1]) / 2 }'; done |
+    for column in 2 3; do cut -d' ' -f$column "$OUT/objects.txt" | sort -g | awk '{ s[NR] = $1 } END { print (s[NR / 2] + s[NR / 2 + 1]) / 2 }'; done |
         awk '{ printf "%s%.2f s", NR == 1 ? "\nMedians: whole " : ", condensed ", $1 } END { print ", start, meshing and recording included." }'
 }
 
