@@ -3,11 +3,11 @@
 //! The network is the one in the folder that `TACTUS_MODEL` names; without it, one of the sizes of `models/face.ron` with
 //! start values for weights: time does not depend on them. `torch_inference.py` times the same in other systems.
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par};
+mod clock;
+
+use clock::{best, sgemm};
 use std::hint::black_box;
 use std::sync::Arc;
-use std::time::Instant;
 use tactus::error::{Error, Result};
 use tactus::grasp::poses_of;
 use tactus::linear::edges::Edges;
@@ -25,18 +25,6 @@ use tactus::net::network::parameters::Parameters;
 use tactus::net::network::spec::{Face, NetworkSpec};
 use tactus::net::network::{Inputs, Network, Normalisers, build};
 use tactus::scene::from_ron;
-
-/// Wall time of `work`, the best of at least five turns and half a second, s.
-fn best(mut work: impl FnMut()) -> f64 {
-    let (start, mut best, mut turns) = (Instant::now(), f64::INFINITY, 0);
-    while turns < 5 || start.elapsed().as_secs_f64() < 0.5 {
-        let clock = Instant::now();
-        work();
-        best = best.min(clock.elapsed().as_secs_f64());
-        turns += 1;
-    }
-    best
-}
 
 /// A grasp, its loads and the network.
 struct Case {
@@ -126,15 +114,6 @@ fn exponent(points: &[(f64, f64)]) -> f64 {
     let (x, y) = (logs.iter().map(|p| p.0).sum::<f64>() / n, logs.iter().map(|p| p.1).sum::<f64>() / n);
     let up: f64 = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
     up / logs.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>()
-}
-
-/// Products of large matrices by `faer`, which uses the widest registers that there are, floating-point operations a second.
-fn sgemm() -> f64 {
-    let (m, n) = (1536, 384);
-    let matrix = |rows: usize, cols: usize| Mat::from_fn(rows, cols, |i, j| ((i * cols + j) as f32 * 0.37).sin());
-    let (a, b, mut out) = (matrix(m, n), matrix(n, n), Mat::<f32>::zeros(m, n));
-    let time = best(|| matmul(black_box(&mut out), Accum::Replace, &a, &b, 1.0, Par::Seq));
-    2.0 * (m * n * n) as f64 / time
 }
 
 fn report() -> Result<()> {

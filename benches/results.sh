@@ -11,7 +11,7 @@
 # Stopped at any moment it goes on with the next table. Nothing else should run beside it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-readonly RESULTS=docs/results.md OUT=out/results TABLES=(press peers squeeze objects network slip size predictions inference growth environments sensitivity hard_cases)
+readonly RESULTS=docs/results.md OUT=out/results TABLES=(press peers squeeze objects network slip size predictions stages inference growth environments sensitivity hard_cases)
 commit=$(git rev-parse --short HEAD)
 git diff --quiet HEAD -- src Cargo.toml Cargo.lock || commit="$commit and uncommitted changes"
 processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1 || true)
@@ -47,6 +47,12 @@ processor_seconds() {
     { time "$@" > /dev/null 2>&1; } 2>&1 | awk '{ print $1 + $2 }'
 }
 
+# Force, N, and travel of the first finger, m, of each frame in the table $1.
+force_and_travel() {
+    awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) { if ($i ~ /^force_n/) force = i; if ($i ~ /^travel/ && !travel) travel = i } next }
+        { print $force, $travel }' "$1"
+}
+
 # A ball of 6 mm radius pressed 1 mm into a pad of E = 0.3 MPa, nu = 0.45, without friction: 2.548 N on converged meshes.
 press() {
     local scene seconds
@@ -54,10 +60,10 @@ press() {
     echo '|---|---|---|---|---|'
     for scene in linear quadratic_coarse quadratic_fine; do
         seconds=$(processor_seconds tactus run "scenes/press/$scene.ron" --threads 1 -o "$OUT/$scene" --overwrite --no-pictures)
-        awk -F, -v scene="$scene" -v seconds="$seconds" -v nodes="$(sed -n 's/.*"nodes": *\([0-9]*\).*/\1/p' "$OUT/$scene/run.json" | head -n 1)" '
-            NR == 1 { for (i = 1; i <= NF; i++) { if ($i ~ /^force_n/) force = i; if ($i ~ /^travel/ && !travel) travel = i } next }
-            { gap = $travel - 1e-3; if (gap < 0) gap = -gap; if (gap < 1e-7) at = $force }
-            END { printf "| %s | %s | %.3f | %+.1f %% | %.1f |\n", scene, nodes, at, 100 * (at / 2.548 - 1), seconds }' "$OUT/$scene/grasp_000/frames.csv"
+        force_and_travel "$OUT/$scene/grasp_000/frames.csv" | awk -v scene="$scene" -v seconds="$seconds" \
+            -v nodes="$(sed -n 's/.*"nodes": *\([0-9]*\).*/\1/p' "$OUT/$scene/run.json" | head -n 1)" '
+            { gap = $2 - 1e-3; if (gap < 0) gap = -gap; if (gap < 1e-7) at = $1 }
+            END { printf "| %s | %s | %.3f | %+.1f %% | %.1f |\n", scene, nodes, at, 100 * (at / 2.548 - 1), seconds }'
     done
 }
 
@@ -72,11 +78,10 @@ peers() {
                 scene=$OUT/peers_${cells//, /x}_$solver
                 sed -e "s/cells: (6, 8, 2)/cells: ($cells)/" -e '/^ *expect: \[/,/^ *\],/d' scenes/press/ramp.ron > "$scene.ron"
                 spent=$(processor_seconds tactus run "$scene.ron" $([ $solver = full ] || echo --backend condensed) --threads 1 -o "$scene" --overwrite)
-                awk -F, -v s="$spent" -v name="tactus, $solver pad, ${cells//, / x } cells" '
-                    NR == 1 { for (i = 1; i <= NF; i++) { if ($i ~ /^force_n/) force = i; if ($i ~ /^travel/ && !travel) travel = i } next }
-                    $force >= 2.548 && !depth { depth = before + (2.548 - least) / ($force - least) * ($travel - before) }
-                    { before = $travel; least = $force }
-                    END { printf "%s|%.4f|%.1f\n", name, 1e3 * depth, 1e3 * s / (NR - 1) }' "$scene/grasp_000/frames.csv"
+                force_and_travel "$scene/grasp_000/frames.csv" | awk -v s="$spent" -v name="tactus, $solver pad, ${cells//, / x } cells" '
+                    $1 >= 2.548 && !depth { depth = before + (2.548 - least) / ($1 - least) * ($2 - before) }
+                    { before = $2; least = $1 }
+                    END { printf "%s|%.4f|%.1f\n", name, 1e3 * depth, 1e3 * s / NR }'
             done
         done
         for peer in mujoco drake; do
@@ -191,6 +196,8 @@ predictions() {
     printf '\nFour hundred grasps of a lemon on pads of 1,785 nodes; their error is that of the rows of the network under "Error of the network".\n'
 }
 
+stages() { cargo bench -q --bench prediction; }
+
 # Wall time of a command, s; a promise of a scene that is not kept is not a failure of the measurement.
 seconds() {
     local TIMEFORMAT=%R
@@ -266,6 +273,7 @@ title() {
         slip) echo "Load at which the object slips" ;;
         size) echo "Cost against the size of the pad" ;;
         predictions) echo "Grasps a second by the network" ;;
+        stages) echo "A prediction by stage, beside the least time of its arithmetic" ;;
         growth) echo "How times grow" ;;
         environments) echo "Environments" ;;
         sensitivity) echo "How well posed squeezes are" ;;

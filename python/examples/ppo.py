@@ -17,7 +17,6 @@ import tactus
 
 parser = referee.arguments("out/ppo")
 parser.add_argument("--start", type=Path, help="policy.pt of an earlier run to go on from")
-parser.add_argument("--margin", type=float, default=0.0, help="of friction that steps on the network leave; less costs 1")
 parser.add_argument("--horizon", type=int, default=32)
 parser.add_argument("--epochs", type=int, default=6)
 parser.add_argument("--minibatches", type=int, default=8)
@@ -107,10 +106,7 @@ def learned(obs, last):
 
 
 def train(env, stage, steps, rate, margin=0.0):
-    """Goes on learning in `env` for `steps` steps, and draws `curve` on.
-
-    A step whose load leaves less than `margin` of the friction limit costs 1: a network says less surely than finite elements what holds.
-    """
+    """Goes on learning in `env` for `steps` steps, and draws `curve` on; a step that leaves less than `margin` of the friction limit costs 1."""
     begin, before = time.perf_counter(), curve[-1][0] if curve else 0
     last = np.zeros((args.envs, acts), np.float32)
     seen = flat(env.reset(seed=args.seed)[0], last)

@@ -45,8 +45,25 @@ class LastAction(VecEnvWrapper):
         return {**obs, "last_action": self.last}, reward, done, infos
 
 
+class Margin(VecEnvWrapper):
+    """Takes 1 off the reward of a step that holds the object, but leaves less than `margin` of the friction limit."""
+
+    def __init__(self, venv, margin):
+        super().__init__(venv)
+        self.margin = margin
+
+    def reset(self):
+        return self.venv.reset()
+
+    def step_wait(self):
+        obs, reward, done, infos = self.venv.step_wait()
+        # The infos of an episode that ends are those of the next one.
+        slack = [not end and info["held"] and info["margin"] < self.margin for end, info in zip(done, infos)]
+        return obs, reward - np.array(slack, np.float32), done, infos
+
+
 class Curve(BaseCallback):
-    """Keeps the mean return of the last 200 episodes after each rollout."""
+    """Keeps the policy and the mean return of the last 200 episodes after each rollout."""
 
     def __init__(self, stage, rows):
         super().__init__()
@@ -59,16 +76,22 @@ class Curve(BaseCallback):
         returns = [episode["r"] for episode in self.model.ep_info_buffer]
         self.rows.append((self.num_timesteps, self.stage, np.mean(returns) if returns else np.nan))
         print(f"{self.num_timesteps} steps: return {self.rows[-1][2]:.2f}", flush=True)
+        self.model.save(args.out / "policy")
+        self.model.get_vec_normalize_env().save(args.out / "normalize.pkl")
+        with open(args.out / "curve.csv", "w", newline="") as file:
+            csv.writer(file).writerows([("steps", "on", "return"), *self.rows])
 
 
 def make(model):
     env = VecEnv(args.scene, args.envs, model=model, threads=args.threads, seed=args.seed)
-    return VecNormalize(VecMonitor(LastAction(env)), gamma=0.97)
+    # Curves show the rewards of the task.
+    watched = VecMonitor(LastAction(env))
+    return VecNormalize(Margin(watched, args.margin) if model else watched, gamma=0.97)
 
 
 env, curve = make(args.model), []
 agent = PPO(
-    "MultiInputPolicy", env, n_steps=32, batch_size=256, n_epochs=6, learning_rate=5e-4, gamma=0.97, ent_coef=1e-3,
+    "MultiInputPolicy", env, n_steps=32, batch_size=256, n_epochs=6, learning_rate=lambda left: 1e-3 * left, gamma=0.97, ent_coef=1e-3,
     policy_kwargs={"log_std_init": -0.5, "net_arch": [64, 64]}, stats_window_size=200, seed=args.seed, device="cpu",
     tensorboard_log=args.tensorboard,
 )  # fmt: skip
@@ -98,9 +121,6 @@ if args.model:
 else:
     agent.learn(args.steps, callback=Curve("fem", curve))
 judge("fem")
-with open(args.out / "curve.csv", "w", newline="") as file:
-    csv.writer(file).writerows([("steps", "on", "return"), *curve])
-agent.save(args.out / "policy")
 
 from curves import draw  # noqa: E402
 

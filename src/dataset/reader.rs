@@ -153,19 +153,11 @@ impl ObjectFile {
         let mesh = |group: &str| -> Result<PadTopology> {
             let of = |name: &str| format!("{group}/{name}");
             let width = shape(&of(names::TETS))?.get(1).copied().unwrap_or(0);
-            let nodes = integers(&of(names::TETS))?;
-            let elements = match width {
-                4 => ElementNodes::Linear(nodes.as_chunks::<4>().0.to_vec()),
-                10 => ElementNodes::Quadratic(nodes.as_chunks::<10>().0.to_vec()),
-                other => {
-                    return Err(fail(format!("`{group}/tets` has {other} nodes per tetrahedron; it must be 4 or 10")));
-                }
-            };
-            // Corners come first.
-            let corners = nodes.chunks_exact(width).flat_map(|n| &n[..4]).max().map_or(0, |n| *n as usize + 1);
+            let elements = ElementNodes::of_table(&integers(&of(names::TETS))?, width)
+                .ok_or_else(|| fail(format!("`{group}/tets` has {width} nodes per tetrahedron; it must be 4 or 10")))?;
             Ok(PadTopology {
                 rest: points(&of(names::REST))?,
-                corner_count: corners,
+                corner_count: elements.corners(),
                 elements,
                 surface: triangles(&of(names::SURFACE))?,
                 sensing: triangles(&of(names::SENSING))?,

@@ -144,6 +144,20 @@ impl Default for ElementNodes {
 }
 
 impl ElementNodes {
+    /// Returns the tetrahedra whose `nodes` stand one after the other, `width` each; None if it is neither 4 nor 10.
+    pub fn of_table(nodes: &[u32], width: usize) -> Option<Self> {
+        match width {
+            4 => Some(ElementNodes::Linear(nodes.as_chunks().0.to_vec())),
+            10 => Some(ElementNodes::Quadratic(nodes.as_chunks().0.to_vec())),
+            _ => None,
+        }
+    }
+
+    /// Returns the number of corners, which are the first nodes.
+    pub fn corners(&self) -> usize {
+        self.nodes().chunks_exact(self.width()).flat_map(|n| &n[..4]).max().map_or(0, |n| *n as usize + 1)
+    }
+
     /// Returns the number of tetrahedra.
     pub fn len(&self) -> usize {
         match self {

@@ -92,19 +92,12 @@ impl Archive<'_> {
         let tets = self.table::<u32>(&of(names::TETS))?;
         let width = tets.ncols();
         let nodes: Vec<u32> = tets.into_iter().collect();
-        let elements = match width {
-            4 => ElementNodes::Linear(nodes.as_chunks::<4>().0.to_vec()),
-            10 => ElementNodes::Quadratic(nodes.as_chunks::<10>().0.to_vec()),
-            other => {
-                let message = format!("has {other} nodes per tetrahedron; it must be 4 or 10");
-                return Err(Error::file(self.path, message));
-            }
-        };
-        // Corners come first.
-        let corners = nodes.chunks_exact(width).flat_map(|n| &n[..4]).max().map_or(0, |n| *n as usize + 1);
+        let elements = ElementNodes::of_table(&nodes, width).ok_or_else(|| {
+            Error::file(self.path, format!("`{group}/tets` has {width} nodes per tetrahedron; it must be 4 or 10"))
+        })?;
         Ok(PadTopology {
             rest,
-            corner_count: corners,
+            corner_count: elements.corners(),
             elements,
             surface: self.triangles(&of(names::SURFACE))?,
             sensing: self.triangles(&of(names::SENSING))?,

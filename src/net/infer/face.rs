@@ -171,6 +171,13 @@ impl FaceEngine {
         self.rounds.len() as f64 * round + ends
     }
 
+    /// Counts multiplications and additions of [`Self::decode`] for one load of a grasp, and the bytes of the response of the pads that it
+    /// reads, once for all loads.
+    pub fn cost_of_load(&self, f: &GraspFeatures, stress: bool) -> (f64, f64) {
+        let (operations, bytes) = response::cost(&f.graph, stress);
+        (f.pads as f64 * (f.graph.face.len() as f64 * self.heads.operations() + operations), bytes)
+    }
+
     fn take(&self) -> Workspace {
         self.workspaces.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default()
     }

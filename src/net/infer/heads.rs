@@ -130,6 +130,12 @@ impl Heads {
         }
     }
 
+    /// Counts multiplications and additions at one node under one load, the zeros of padding among them; activations are not counted.
+    pub(crate) fn operations(&self) -> f64 {
+        let product = |weights: &Packed| 2.0 * (weights.rows * weights.cols) as f64;
+        [&self.load, &self.inner, &self.outer, &self.node].into_iter().map(product).sum()
+    }
+
     /// Computes all channels at some loads; `nodes` of a face, `pads` of a grasp. `channels` may be those of an earlier run.
     pub fn run(
         &self,

@@ -49,6 +49,17 @@ pub fn respond<'a>(graph: &'a PadGraph, items: &[(&[f32], f32)], stress: bool, m
     Given { graph, pad, items, stress, at_nodes }
 }
 
+/// Counts multiplications and additions of [`respond`] and [`Given::correct`] for a pad under one load, and the bytes of the response that
+/// every group of loads reads.
+pub(crate) fn cost(graph: &PadGraph, stress: bool) -> (f64, f64) {
+    let pad = &graph.compliance;
+    let of_stress = |node: usize| if stress { 22.0 * pad.deviator.of(node).0.len() as f64 } else { 0.0 };
+    let of_channels = |node: usize| 16.0 * graph.interpolate.row(node).len() as f64;
+    let nodes: f64 = (0..pad.nodes).map(|node| of_stress(node) + of_channels(node)).sum();
+    let response = pad.response.len() as f64;
+    (2.0 * response + nodes, size_of::<f32>() as f64 * response)
+}
+
 /// Displacement and von Mises' norm of the stress of some nodes, from the motion of all nodes.
 struct NodeBlock<'a> {
     pad: &'a Compliance,

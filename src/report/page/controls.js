@@ -126,9 +126,7 @@ class Controls {
       title.textContent = show !== "difference" ? `${name}, ${units}` : shows.length > 1 ? `difference, ${units}` : `difference of the ${name}, ${units}`;
       ramp.style.background = `linear-gradient(90deg, ${stops(COLORS[show === "difference" ? "error" : "field"])})`;
       const most = ranges[show];
-      // The last number stands at the end; the one before it needs room for both.
-      const wide = Math.min(310, 0.6 * byId("canvas").clientWidth);
-      const marks = ticks(most, 4).filter((v) => v < most * (1 - 62 / wide));
+      const marks = ticks(most, 4).filter((v) => v < most);
       row.append(...[...marks, most].map((v, i) => {
         const mark = document.createElement("span");
         mark.textContent = short(v);
@@ -140,6 +138,12 @@ class Controls {
       return legend;
     };
     byId("legends").replaceChildren(...(shows.length > 1 ? ["truth", "difference"] : shows).map(scale));
+    // The last number stands at the end; what it would touch makes room.
+    document.querySelectorAll("#legends .ticks").forEach((row) => {
+      const marks = [...row.children];
+      const end = marks.pop().getBoundingClientRect();
+      marks.filter((mark) => mark.getBoundingClientRect().right > end.left - 10).forEach((mark) => mark.remove());
+    });
     byId("hint").hidden = shows.length > 1;
   }
 

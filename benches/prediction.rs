@@ -1,0 +1,119 @@
+//! A prediction of all frames of a grasp by stage, beside the least time that its arithmetic and its memory traffic would take on the same
+//! thread in the same run: at the rate of products of large matrices, and of sums over more numbers than the caches hold.
+
+mod clock;
+
+use clock::{best, sgemm};
+use mimalloc::MiMalloc;
+use std::hint::black_box;
+use std::path::Path;
+use tactus::error::{Error, Result};
+use tactus::grasp::poses_of;
+use tactus::linear::first_contact::GeometricContact;
+use tactus::linear::{GraspLoad, loads_of};
+use tactus::model::Model;
+use tactus::net::features::GraspFeatures;
+use tactus::net::infer::predict::Predictor;
+use tactus::net::infer::ramp::Ramp;
+use tactus::net::infer::{Decoding, FaceEngine};
+use tactus::net::network::spec::NetworkSpec;
+use tactus::scene::load;
+
+/// As in the program and the Python package.
+#[global_allocator]
+static ALLOCATOR: MiMalloc = MiMalloc;
+
+const SCENE: &str = "scenes/lemon.ron";
+const FRAMES: u64 = 50;
+
+/// Bytes that one thread reads in a second from memory.
+fn reading() -> f64 {
+    let numbers = vec![1.0_f32; 1 << 26];
+    let add = |sum: [f32; 32], v: &[f32; 32]| std::array::from_fn(|k| sum[k] + v[k]);
+    let sum = |some: &[f32]| some.as_chunks::<32>().0.iter().fold([0.0; 32], add);
+    let time = best(|| {
+        black_box(sum(black_box(&numbers)));
+    });
+    size_of_val(numbers.as_slice()) as f64 / time
+}
+
+/// Stage of a prediction.
+struct Stage {
+    name: &'static str,
+    /// Wall time, s.
+    time: f64,
+    /// Least time, s: of its arithmetic, and of its memory traffic.
+    least: Option<[f64; 2]>,
+}
+
+fn stages() -> Result<Vec<Stage>> {
+    let mut scene = load(Path::new(SCENE))?.scene;
+    scene.loading.set_frames(FRAMES).map_err(Error::Start)?;
+    let model = Model::build(&scene)?;
+    let pose = *poses_of(&scene)?.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
+    let predictor = Predictor::open(Path::new("models/universe"))?;
+    let NetworkSpec::Face(sizes) = &predictor.card.spec.network else {
+        return Err(Error::Start("the model is no face network".into()));
+    };
+    let engine = FaceEngine::new(sizes, &predictor.parameters, &predictor.card.normalisers);
+    let graph = predictor.admit(&model, true)?;
+    let touch = GeometricContact::find(&model, pose)?;
+    let features = GraspFeatures::new(&model, &graph, &touch);
+    let seen = predictor.look(&model, &graph, &touch);
+    let all = loads_of(&model);
+    let ramp = Ramp::new(&predictor, &seen, &all)?;
+    // Which ones does not matter for time.
+    let few: Vec<GraspLoad> = all.iter().copied().step_by(all.len().div_ceil(ramp.decoded())).collect();
+    let loads = features.loads(&few);
+    let code = engine.encode(&features);
+    let decoding = Decoding { features: &features, code: &code, loads: &loads };
+
+    let mut kept = None;
+    let find = best(|| drop(black_box(GeometricContact::find_in(&mut kept, &model, pose))));
+    let describe = best(|| drop(black_box(GraspFeatures::new(&model, &graph, &touch))));
+    let encode = best(|| drop(black_box(engine.encode(&features))));
+    let balance = best(|| drop(black_box(features.loads(&few))));
+    let decode = best(|| drop(black_box(engine.decode(&[decoding], true))));
+    let answer = best(|| drop(black_box(predictor.answer(&seen, &few))));
+    let states = best(|| (0..all.len()).for_each(|load| drop(black_box(ramp.at(load)))));
+
+    let (arithmetic, memory) = (sgemm(), reading());
+    let (of_load, bytes) = engine.cost_of_load(&features, true);
+    let stage = |name, time| Stage { name, time, least: None };
+    Ok(vec![
+        stage("first contact", find),
+        stage("features of the grasp", describe),
+        Stage { least: Some([engine.operations(&features) / arithmetic, 0.0]), ..stage("message passing", encode) },
+        stage("equilibrium of the object under twelve loads", balance),
+        Stage {
+            least: Some([few.len() as f64 * of_load / arithmetic, bytes / memory]),
+            ..stage("decoding of twelve loads", decode)
+        },
+        stage("travel and interval of the error", answer - balance - decode),
+        stage("fifty frames from twelve loads", states),
+    ])
+}
+
+fn report() -> Result<()> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|e| Error::Start(e.to_string()))?;
+    let stages = pool.install(stages)?;
+    println!("| stage | ms | least ms, arithmetic | least ms, memory |");
+    println!("|---|---|---|---|");
+    let ms = |s: f64| format!("{:.2}", 1e3 * s);
+    for Stage { name, time, least } in &stages {
+        let [arithmetic, memory] = least.map_or(["-".into(), "-".into()], |least| least.map(ms));
+        println!("| {name} | {} | {arithmetic} | {memory} |", ms(*time));
+    }
+    let time = stages.iter().map(|stage| stage.time).sum();
+    let products: f64 = stages.iter().filter(|stage| stage.least.is_some()).map(|stage| stage.time).sum();
+    let least: f64 = stages.iter().filter_map(|stage| stage.least).map(|[a, m]| a.max(m)).sum();
+    let [time, products, least, rest] = [time, products, least, time - products].map(ms);
+    println!("\n{time} ms in all; products of matrices {products}, at least {least}; the rest {rest}.");
+    Ok(())
+}
+
+fn main() {
+    if let Err(error) = report() {
+        eprintln!("{error}");
+    }
+}
