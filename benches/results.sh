@@ -11,7 +11,7 @@
 # Stopped at any moment it goes on with the next table. Nothing else should run beside it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-readonly RESULTS=docs/results.md OUT=out/results TABLES=(press peers squeeze objects network slip size predictions stages inference growth environments sensitivity hard_cases)
+readonly RESULTS=docs/results.md OUT=out/results TABLES=(press peers squeeze objects network slip size predictions stages inference growth environments data_set sensitivity hard_cases)
 commit=$(git rev-parse --short HEAD)
 git diff --quiet HEAD -- src Cargo.toml Cargo.lock || commit="$commit and uncommitted changes"
 processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1 || true)
@@ -233,10 +233,25 @@ growth() {
         }'
 }
 
+# Beside finite elements the network of the tasks, made as docs/rl.md says; its picture goes to docs.
 environments() {
+    local model=out/tasks_model
+    if [ ! -d $model ]; then
+        tactus dataset scenes/tasks/data.ron -o out/tasks > /dev/null || [ $? -eq 1 ]
+        tactus train out/tasks --model models/small.ron -o $model > /dev/null
+    fi
     echo '```text'
-    tactus bench scenes/tasks/hold.ron --envs 1,4,16,64 --repeat 1 -o "$OUT/environments"
+    tactus bench scenes/tasks/hold.ron --envs 1,4,16,64,256,1024 --model $model --repeat 1 -o "$OUT/environments"
     echo '```'
+    cp "$OUT/environments/envs.png" docs/envs.png
+}
+
+# Some grasps of each object of scenes/paper.ron on all cores; the whole data set has a hundred.
+data_set() {
+    local grasps=4 spent
+    rm -rf "$OUT/data_set"
+    spent=$(seconds tactus dataset scenes/paper.ron --grasps $grasps -o "$OUT/data_set")
+    awk -v s="$spent" -v n=$grasps 'BEGIN { printf "%d grasps of each of ten objects, 50 frames, fifteen newtons: %.0f s. At this rate the data set of a hundred takes %.0f minutes.\n", n, s, s * 100 / n / 60 }'
 }
 
 sensitivity() {
@@ -276,6 +291,7 @@ title() {
         stages) echo "A prediction by stage, beside the least time of its arithmetic" ;;
         growth) echo "How times grow" ;;
         environments) echo "Environments" ;;
+        data_set) echo "Time of a data set" ;;
         sensitivity) echo "How well posed squeezes are" ;;
         hard_cases) echo "Hard cases and the methods they take" ;;
     esac
