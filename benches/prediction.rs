@@ -39,7 +39,7 @@ fn reading() -> f64 {
 
 /// Stage of a prediction.
 struct Stage {
-    name: &'static str,
+    name: String,
     /// Wall time, s.
     time: f64,
     /// Least time, s: of its arithmetic, and of its memory traffic.
@@ -63,7 +63,7 @@ fn stages() -> Result<Vec<Stage>> {
     let all = loads_of(&model);
     let ramp = Ramp::new(&predictor, &seen, &all)?;
     // Which ones does not matter for time.
-    let few: Vec<GraspLoad> = all.iter().copied().step_by(all.len().div_ceil(ramp.decoded())).collect();
+    let few: Vec<GraspLoad> = (0..ramp.decoded()).map(|k| all[k * all.len() / ramp.decoded()]).collect();
     let loads = features.loads(&few);
     let code = engine.encode(&features);
     let decoding = Decoding { features: &features, code: &code, loads: &loads };
@@ -79,18 +79,19 @@ fn stages() -> Result<Vec<Stage>> {
 
     let (arithmetic, memory) = (sgemm(), reading());
     let (of_load, bytes) = engine.cost_of_load(&features, true);
-    let stage = |name, time| Stage { name, time, least: None };
+    let stage = |name: &str, time| Stage { name: name.into(), time, least: None };
+    let (frames, decoded) = (all.len(), few.len());
     Ok(vec![
         stage("first contact", find),
         stage("features of the grasp", describe),
         Stage { least: Some([engine.operations(&features) / arithmetic, 0.0]), ..stage("message passing", encode) },
-        stage("equilibrium of the object under twelve loads", balance),
+        stage(&format!("equilibrium of the object under {decoded} loads"), balance),
         Stage {
-            least: Some([few.len() as f64 * of_load / arithmetic, bytes / memory]),
-            ..stage("decoding of twelve loads", decode)
+            least: Some([decoded as f64 * of_load / arithmetic, bytes / memory]),
+            ..stage(&format!("decoding of {decoded} loads"), decode)
         },
         stage("travel and interval of the error", answer - balance - decode),
-        stage("fifty frames from twelve loads", states),
+        stage(&format!("{frames} frames from {decoded} loads"), states),
     ])
 }
 

@@ -70,5 +70,5 @@ for table in "${wanted[@]:-${TABLES[@]}}"; do
     echo "measuring $table" >&2
     "$table" > "$OUT/$table.md"
     page "$(sed -n '1s/^# //p' "benches/tables/$table.sh")" "benches/results.sh $table" < "$OUT/$table.md" | put "$table" "$RESULTS"
-    if declare -F "readme_$table" > /dev/null; then "readme_$table" < "$OUT/$table.md" | put "$table" README.md; fi
+    if declare -F "readme_$table" > /dev/null; then { "readme_$table" < "$OUT/$table.md"; printf '\n%s\n' "$made"; } | put "$table" README.md; fi
 done

@@ -1,4 +1,4 @@
-//! Best times, and the rates of arithmetic and of memory that they are compared with.
+//! Best times, and the rate of arithmetic that they are compared with.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};

@@ -10,6 +10,5 @@ squeeze() {
 readme_squeeze() {
     awk -F'|' '
         /^\| setting/ { print "| setting | s a grasp | displacement, median / 90 % / worst, % |"; print "|---|---|---|" }
-        /^\| (network|condensed (2.60|1.84) mm|quadratic (2.60|1.84) mm)/ { printf "|%s|%s|%s|\n", $2, $4, $6 }' |
-        { cat; printf '\n%s\n' "$made"; }
+        /^\| (network|condensed (2.60|1.84) mm|quadratic (2.60|1.84) mm)/ { printf "|%s|%s|%s|\n", $2, $4, $6 }'
 }
