@@ -1,7 +1,7 @@
 # Speed against error: a lemon that the network never saw
 
 squeeze() {
-    tactus bench scenes/lemon.ron --frames 10 --grasps 1 --repeat 1 --model universe -o "$OUT/squeeze" > /dev/null
+    tactus bench scenes/lemon.ron --frames 50 --grasps 1 --repeat 1 --model universe -o "$OUT/squeeze" > /dev/null
     cp "$OUT/squeeze/bench.png" docs/network.png
     tactus report "$OUT/squeeze" -o "$OUT/squeeze.html" | sed '1d; /^'"${OUT//\//\\/}"'/d'
 }
