@@ -72,9 +72,13 @@ fn stages() -> Result<Vec<Stage>> {
     let find = best(|| drop(black_box(GeometricContact::find_in(&mut kept, &model, pose))));
     let describe = best(|| drop(black_box(GraspFeatures::new(&model, &graph, &touch))));
     let encode = best(|| drop(black_box(engine.encode(&features))));
-    let balance = best(|| drop(black_box(features.loads(&few))));
-    let decode = best(|| drop(black_box(engine.decode(&[decoding], true))));
-    let answer = best(|| drop(black_box(predictor.answer(&seen, &few))));
+    // In turns, as their difference is a stage, too.
+    let [mut balance, mut decode, mut answer] = [f64::INFINITY; 3];
+    for _ in 0..4 {
+        balance = balance.min(best(|| drop(black_box(features.loads(&few)))));
+        decode = decode.min(best(|| drop(black_box(engine.decode(&[decoding], true)))));
+        answer = answer.min(best(|| drop(black_box(predictor.answer(&seen, &few)))));
+    }
     let states = best(|| (0..all.len()).for_each(|load| drop(black_box(ramp.at(load)))));
 
     let (arithmetic, memory) = (sgemm(), reading());

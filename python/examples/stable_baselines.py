@@ -76,8 +76,11 @@ class Curve(BaseCallback):
         returns = [episode["r"] for episode in self.model.ep_info_buffer]
         self.rows.append((self.num_timesteps, self.stage, np.mean(returns) if returns else np.nan))
         print(f"{self.num_timesteps} steps: return {self.rows[-1][2]:.2f}", flush=True)
-        self.model.save(args.out / "policy")
-        self.model.get_vec_normalize_env().save(args.out / "normalize.pkl")
+        self.model.save(args.out / "policy.part")
+        self.model.get_vec_normalize_env().save(args.out / "normalize.part")
+        # A stop in between leaves what the rollout before had.
+        (args.out / "normalize.part").replace(args.out / "normalize.pkl")
+        (args.out / "policy.part").replace(args.out / "policy.zip")
         with open(args.out / "curve.csv", "w", newline="") as file:
             csv.writer(file).writerows([("steps", "on", "return"), *self.rows])
 
