@@ -170,8 +170,8 @@ fn register(schedule: &mut Schedule, needs: &Needs) {
     schedule.add_systems((predict, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
     if needs.task {
         schedule.add_systems(carry_load.run_if(ramping).after(predict).before(write_state).in_set(StepSet::Advance));
-    } else {
-        // What the prediction costs in truth is for reports, not for agents.
+    }
+    if needs.shape {
         schedule.add_systems(measure_shape.run_if(reached).in_set(StepSet::Measure));
     }
     if needs.stress {

@@ -297,7 +297,7 @@ impl ContestEntry {
         let first = !self.wall_s.contains_key(&index);
         let (cold, prepared) = match self.prepared.take() {
             Some(prepared) => (false, self.prepared.insert(prepared)),
-            None => (true, self.prepared.insert(Prepared::new(&self.configuration, points)?)),
+            None => (true, self.prepared.insert(Prepared::new(&self.configuration, points, pose)?)),
         };
         let (keep, before) = (Keep::default(), processor_time());
         let outcome = pool.install(|| run_grasp(&prepared.model, prepared.stepper.as_ref(), index, pose, &keep))?;
@@ -352,9 +352,15 @@ pub fn add_stages(stages: &mut BTreeMap<&'static str, f64>, outcome: &Outcome) {
 }
 
 impl Prepared {
-    fn new(configuration: &Configuration, points: &Points) -> Result<Self> {
+    fn new(configuration: &Configuration, points: &Points, pose: GraspPose) -> Result<Self> {
         let clock = Instant::now();
-        let (model, stepper) = (Model::build(&configuration.scene)?, choose(&configuration.scene)?);
+        let (mut model, stepper) = (Model::build(&configuration.scene)?, choose(&configuration.scene)?);
+        if let Some(model) = Arc::get_mut(&mut model) {
+            // Nothing here reads it.
+            model.needs.shape = false;
+        }
+        // Pads are read from the cache once for all grasps.
+        drop(Environment::new(&model, stepper.as_ref(), pose)?);
         let setup_s = clock.elapsed().as_secs_f64();
         let probe = Probe::new(points, &model.fingers[0].topology);
         Ok(Self { model, stepper, probe, setup_s })

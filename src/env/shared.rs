@@ -180,7 +180,8 @@ impl ObjectKind {
             }
             let mut model = Model::build(&scene)?;
             if let Some(model) = Arc::get_mut(&mut model) {
-                model.needs.task = true;
+                // What a prediction costs in truth is for reports, not for agents.
+                (model.needs.task, model.needs.shape) = (true, false);
                 model.needs.observe(&task.observe);
                 model.largest_drift = Some(LEASH * task.slip_limit.get());
                 let share = 1.0 / model.fingers.len() as f64;

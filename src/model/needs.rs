@@ -22,6 +22,8 @@ pub struct Needs {
     pub friction: bool,
     /// Weight of the gel and of a free object: gravity is set.
     pub gravity: bool,
+    /// Smallest det F and gap of a prediction: reported by a run.
+    pub shape: bool,
     /// An independent judge of every frame: the scene promises something that it judges.
     pub audit: bool,
     /// Velocities, the pose of the hand and time: the loading is dynamic.
@@ -49,6 +51,7 @@ impl Needs {
             gravity: scene.gravity.is_some_and(|g| g.dvec3() != glam::DVec3::ZERO),
             tactile: !scene.record.tactile.is_empty(),
             slip: false,
+            shape: true,
             contact_area: false,
             pads_apart: scene.gripper.fingers == Fingers::Both,
             audit: promises.iter().any(Expectation::audited),
