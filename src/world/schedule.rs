@@ -144,7 +144,7 @@ pub struct StepLoad {
 }
 
 /// Report of the stepper on the level that it has just reached.
-#[derive(Resource, Debug, Clone, Copy, Default, Serialize, Deserialize)]
+#[derive(Resource, Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct StepReport {
     /// Flag: the level was reached in this step.
     pub reached: bool,
@@ -154,12 +154,19 @@ pub struct StepReport {
     pub residual: f64,
     /// Value of the potential, J.
     pub energy: f64,
-    /// Smallest det F, see [`crate::mech::body::Body::min_det_f`].
+    /// Smallest det F, see [`crate::mech::body::Body::min_det_f`]; `+inf` if nobody measures it.
     pub min_det_f: f64,
-    /// Smallest gap between pads and object, m.
+    /// Smallest gap between pads and object, m; `+inf` if nobody measures it.
     pub min_gap: f64,
     /// Error of a prediction by its own account; None for what was computed.
     pub error: Option<ErrorBound>,
+}
+
+impl Default for StepReport {
+    fn default() -> Self {
+        let [min_det_f, min_gap] = [f64::INFINITY; 2];
+        Self { reached: false, iterations: 0, residual: 0.0, energy: 0.0, min_det_f, min_gap, error: None }
+    }
 }
 
 /// Balance of the forces of a frame.
