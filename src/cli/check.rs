@@ -9,20 +9,17 @@ use crate::backend::fem::condensed::nodes_at_contact;
 use crate::error::{Error, Result};
 use crate::geometry::mesh::io::{write_obj, write_stl};
 use crate::grasp::{aim_notice, grasps_of, write_grasps_h5};
-use crate::gripper::GraspPose;
 use crate::gripper::Hand;
 use crate::gripper::hand::HandPart;
 use crate::limits::machine_threads;
 use crate::model::Model;
 use crate::run::effort::expected_seconds;
 use crate::scene::{self, Scene, load_set, to_ron};
-use crate::world::Stepper;
 use crate::world::components::{FingerIndex, FingerTravel, ObjectPose};
 use crate::world::environment::Environment;
 use crate::world::schedule::Phase;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// Arguments of `tactus check`.
 #[derive(Debug, clap::Args)]
@@ -112,7 +109,7 @@ fn examine(scene: &Scene) -> Result<Found> {
     let grasps = grasps_of(scene)?;
     let poses = grasps.poses;
     let first = poses.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
-    let environment = Environment::new(&model, stepper.as_ref(), *first)?;
+    let mut environment = Environment::new(&model, stepper.as_ref(), *first)?;
     let systems = environment.systems().into_iter().map(|(set, names)| (format!("{set:?}").to_lowercase(), names));
     let mut found = Found {
         systems: systems.collect(),
@@ -135,28 +132,22 @@ fn examine(scene: &Scene) -> Result<Found> {
             let part = part.name();
             found.notices.push(format!("grasp {index}: the {part} of a real hand would collide with the object"));
         }
-        let environment = start(&model, stepper.as_ref(), *pose)?;
+        environment.restart(stepper.as_ref(), *pose)?;
+        while matches!(environment.phase(), Phase::Place | Phase::Close) {
+            environment.step();
+        }
         match environment.phase() {
             Phase::Infeasible { reason } => found.problems.push(format!("grasp {index}: {reason}")),
-            _ if !std::mem::replace(&mut found.runs, true) => found.condense(scene, index, environment),
+            _ if !std::mem::replace(&mut found.runs, true) => found.condense(scene, index, &mut environment),
             _ => {}
         }
     }
     Ok(found)
 }
 
-/// Places the object and closes the fingers.
-fn start(model: &Arc<Model>, stepper: &dyn Stepper, pose: GraspPose) -> Result<Environment> {
-    let mut environment = Environment::new(model, stepper, pose)?;
-    while matches!(environment.phase(), Phase::Place | Phase::Close) {
-        environment.step();
-    }
-    Ok(environment)
-}
-
 impl Found {
     /// Adds the unknowns of condensed pads, which only a grasp at first contact has.
-    fn condense(&mut self, scene: &Scene, grasp: usize, mut environment: Environment) {
+    fn condense(&mut self, scene: &Scene, grasp: usize, environment: &mut Environment) {
         let scene::StepperChoice::Fem(scene::Fem { solver: scene::Solver::Condensed(_), .. }) = scene.stepper else {
             return;
         };

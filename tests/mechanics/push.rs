@@ -18,11 +18,11 @@ impl Observer for Frames {
     }
 }
 
-/// Squeezes a block, pushes it, and returns the frames with the end.
-fn pushed(push: &str, solver: &str) -> (Vec<Frame>, Status) {
+/// Squeezes a block between pads with elements of `spacing` mm, pushes it, and returns the frames with the end.
+fn pushed(spacing: f64, push: &str, solver: &str) -> (Vec<Frame>, Status) {
     let text = format!(
         "(object: (shape: Cuboid(size: (0.02, 0.014, 0.014))),
-          gripper: (pads: Box(size: (0.02, 0.02, 0.004), spacing: 2.5e-3), friction: 0.4),
+          gripper: (pads: Box(size: (0.02, 0.02, 0.004), spacing: {spacing}e-3), friction: 0.4),
           loading: Squeeze(force: 8.0, frames: 2, push: ({push}, frames: 8)),
           record: (fields: [ContactForce]), stepper: Fem(solver: {solver}))"
     );
@@ -36,7 +36,7 @@ fn pushed(push: &str, solver: &str) -> (Vec<Frame>, Status) {
 
 #[test]
 fn the_pads_carry_a_push_and_the_block_follows_it() {
-    let (frames, status) = pushed("force: (0, 1.5, -1), torque: (4e-3, 0, 0)", "Full");
+    let (frames, status) = pushed(2.5, "force: (0, 1.5, -1), torque: (4e-3, 0, 0)", "Full");
     assert_eq!((frames.len(), status), (10, Status::Reached));
     for (k, frame) in frames.iter().enumerate() {
         let part = k.saturating_sub(1) as f64 / 8.0;
@@ -56,7 +56,7 @@ fn the_pads_carry_a_push_and_the_block_follows_it() {
 #[test]
 fn a_block_slips_where_coulomb_says() {
     for solver in ["Full", "Condensed(error: 0.01)"] {
-        let (frames, status) = pushed("force: (0, 4, 0)", solver);
+        let (frames, status) = pushed(4.0, "force: (0, 4, 0)", solver);
         assert_eq!(status, Status::Dropped, "{solver}");
         let held = frames.last().unwrap().object_load.force.y;
         assert!(
@@ -69,7 +69,7 @@ fn a_block_slips_where_coulomb_says() {
 #[test]
 fn condensed_pads_carry_a_push_as_whole_ones_do() {
     let push = "force: (0, 1.5, -1), torque: (4e-3, 0, 0)";
-    let [(whole, _), (condensed, _)] = ["Full", "Condensed(error: 0.01)"].map(|solver| pushed(push, solver));
+    let [(whole, _), (condensed, _)] = ["Full", "Condensed(error: 0.01)"].map(|solver| pushed(2.5, push, solver));
     let (a, b) = (&whole[9].pads[0].displacement, &condensed[9].pads[0].displacement);
     let norm = |v: &mut dyn Iterator<Item = f64>| v.sum::<f64>().sqrt();
     let off = norm(&mut a.iter().zip(b).map(|(a, b)| a.distance_squared(*b)))
