@@ -1,6 +1,7 @@
 //! The fast mode: pads condensed onto where they can touch, against the full solver and against themselves.
 
-use crate::common::{Keep, Random};
+use crate::common::Random;
+use crate::keep::Keep;
 use glam::DVec3;
 use tactus::backend::choose;
 use tactus::grasp::poses_of;

@@ -1,6 +1,6 @@
 //! Motion in time: what an integrator with contact must get right, and what a scene without it does not pay.
 
-use crate::common::Keep;
+use crate::keep::Keep;
 use glam::{DQuat, DVec3};
 use tactus::backend::choose;
 use tactus::grasp::poses_of;

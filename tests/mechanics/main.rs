@@ -2,6 +2,8 @@
 
 #[path = "../fixtures/common.rs"]
 mod common;
+#[path = "../fixtures/keep.rs"]
+mod keep;
 
 mod condensed;
 mod contact_fold;

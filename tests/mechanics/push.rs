@@ -1,22 +1,12 @@
 //! Pushes on a squeezed object: balance, and the onset of slip by Coulomb's law.
 
-use std::sync::Mutex;
+use crate::keep::Keep;
 use tactus::backend::choose;
 use tactus::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::{Frame, Status};
-use tactus::run::{Observer, run_grasps};
+use tactus::run::run_grasps;
 use tactus::scene::from_ron;
-
-#[derive(Default)]
-struct Frames(Mutex<Vec<Frame>>);
-
-impl Observer for Frames {
-    fn frame(&self, _: usize, frame: &Frame) -> tactus::error::Result<()> {
-        self.0.lock().unwrap().push(frame.clone());
-        Ok(())
-    }
-}
 
 /// Squeezes a block between pads with elements of `spacing` mm, pushes it, and returns the frames with the end.
 fn pushed(spacing: f64, push: &str, solver: &str) -> (Vec<Frame>, Status) {
@@ -29,7 +19,7 @@ fn pushed(spacing: f64, push: &str, solver: &str) -> (Vec<Frame>, Status) {
     let scene = from_ron(&text).unwrap();
     let model = Model::build(&scene).unwrap();
     let grasps: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
-    let frames = Frames::default();
+    let frames = Keep::default();
     let ends = run_grasps(&model, choose(&scene).unwrap().as_ref(), &grasps, 2, &frames).unwrap();
     (frames.0.into_inner().unwrap(), ends[0].summary.status)
 }

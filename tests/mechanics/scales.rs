@@ -2,14 +2,13 @@
 //!
 //! Nothing in quasi-static mechanics without weight has a length of its own; what a numerical method adds goes by the scales of the scene.
 
+use crate::keep::Keep;
 use glam::DVec3;
-use std::sync::Mutex;
 use tactus::backend::choose;
-use tactus::error::Result;
 use tactus::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::{Frame, Status};
-use tactus::run::{Observer, run_grasps};
+use tactus::run::run_grasps;
 use tactus::scene::load;
 
 /// Objects of every kind of contact sample, in units of the scale: `L(x)` is a length.
@@ -37,17 +36,6 @@ fn scaled(text: &str, scale: f64) -> String {
     out + rest
 }
 
-/// The frames of a grasp.
-#[derive(Default)]
-struct Frames(Mutex<Vec<Frame>>);
-
-impl Observer for Frames {
-    fn frame(&self, _: usize, frame: &Frame) -> Result<()> {
-        self.0.lock().expect("one thread").push(frame.clone());
-        Ok(())
-    }
-}
-
 /// Last frame of a squeeze of `object` at `scale`.
 fn squeeze(object: &str, motion: &str, friction: f64, fem: &str, scale: f64) -> Frame {
     let text = format!(
@@ -63,7 +51,7 @@ fn squeeze(object: &str, motion: &str, friction: f64, fem: &str, scale: f64) -> 
     let scene = load(&path).expect("a scene").scene;
     let model = Model::build(&scene).expect("a model");
     let grasps: Vec<_> = poses_of(&scene).expect("poses").into_iter().enumerate().collect();
-    let (frames, stepper) = (Frames::default(), choose(&scene).expect("a backend"));
+    let (frames, stepper) = (Keep::default(), choose(&scene).expect("a backend"));
     let outcomes = run_grasps(&model, stepper.as_ref(), &grasps, 1, &frames).expect("a run");
     assert_eq!(outcomes[0].summary.status, Status::Reached, "{object}, {scale}: {:?}", outcomes[0].summary.reason);
     frames.0.into_inner().expect("one thread").pop().expect("a frame")

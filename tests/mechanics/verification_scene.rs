@@ -1,7 +1,8 @@
 //! Whole scenes: the answer does not depend on how the object's frame is turned, nor on which finger is called left; the
 //! force grows with the travel.
 
-use crate::common::{Keep, Random};
+use crate::common::Random;
+use crate::keep::Keep;
 use glam::{DQuat, DVec3};
 use std::path::Path;
 use tactus::backend::choose;

@@ -1,9 +1,9 @@
 //! The network without a tape against the same network on a tape, which is the reference.
 
 use crate::gnn_made::{ball, made};
+use crate::keep::Keep;
 use glam::DVec3;
 use std::path::Path;
-use std::sync::Mutex;
 use tactus::backend::choose;
 use tactus::gripper::GraspPose;
 use tactus::linear::first_contact::GeometricContact;
@@ -12,18 +12,8 @@ use tactus::model::Model;
 use tactus::net::infer::predict::{GraspState, PadState, Predictor, Seen};
 use tactus::net::infer::ramp::Ramp;
 use tactus::record::Frame;
-use tactus::run::{Observer, run_grasps};
+use tactus::run::run_grasps;
 use tactus::scene::from_ron;
-
-#[derive(Default)]
-struct Frames(Mutex<Vec<Frame>>);
-
-impl Observer for Frames {
-    fn frame(&self, _: usize, frame: &Frame) -> tactus::error::Result<()> {
-        self.0.lock().unwrap().push(frame.clone());
-        Ok(())
-    }
-}
 
 /// Relative difference of two lists of numbers, in their L2 norms.
 fn apart(a: &[f64], b: &[f64]) -> f64 {
@@ -111,8 +101,8 @@ fn the_answer_follows_the_force_without_jumps() {
     }
 }
 
-/// All frames of a ramp against the same frames decoded one by one: a fifth of the error that the network states, of displacement, stress
-/// and travel.
+/// All frames of a ramp against the same frames decoded one by one: a fifth of the error that the network states, and 2 %. The motion of the
+/// object goes with the displacement.
 #[test]
 fn a_ramp_of_few_decoded_loads_has_all_others() {
     let predictor = Predictor::open(&made().model).unwrap();
@@ -122,12 +112,16 @@ fn a_ramp_of_few_decoded_loads_has_all_others() {
     assert_eq!(ramp.len(), loads.len());
     assert!(ramp.decoded() < loads.len() / 4, "{} decoded loads", ramp.decoded());
     for (k, decoded) in predictor.states(&seen, &loads).unwrap().iter().enumerate() {
-        let own = ramp.at(k).unwrap();
-        let error = decoded.error.unwrap();
-        let (own_lists, decoded_lists) = (lists(&own.pads), lists(&decoded.pads));
-        for (field, error) in [(0, error.displacement), (2, error.stress), (3, error.travel)] {
-            let ((name, a), (_, b)) = (&own_lists[field], &decoded_lists[field]);
-            assert!(apart(a, b) < error / 5.0, "{name} at load {k}: {:e} relative, stated {error:e}", apart(a, b));
+        let (own, error) = (ramp.at(k).unwrap(), decoded.error.unwrap());
+        for ((name, a), (_, b)) in
+            lists(&own.pads).iter().zip(&lists(&decoded.pads)).filter(|((name, _), _)| *name != "contact force")
+        {
+            let stated = match *name {
+                "stress" => error.stress,
+                "travel" => error.travel,
+                _ => error.displacement,
+            };
+            assert!(apart(a, b) < (stated / 5.0).min(0.02), "{name} at load {k}: {:e}, stated {stated:e}", apart(a, b));
         }
         // What is interpolated still carries the load.
         let pressed = |state: &GraspState| state.pads.iter().flat_map(|p| &p.contact).map(|f| f.z).sum::<f64>();
@@ -144,7 +138,7 @@ fn a_ramp_is_as_close_to_finite_elements_as_all_of_its_loads() {
     let scene = from_ron(text).unwrap();
     let (model, stepper) = (Model::build(&scene).unwrap(), choose(&scene).unwrap());
     let poses: Vec<_> = tactus::grasp::poses_of(&scene).unwrap().into_iter().enumerate().collect();
-    let frames = Frames::default();
+    let frames = Keep::default();
     run_grasps(&model, stepper.as_ref(), &poses, 2, &frames).unwrap();
     let truth = frames.0.into_inner().unwrap();
 

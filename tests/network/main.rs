@@ -4,6 +4,8 @@
 mod dataset_tiny;
 #[path = "../fixtures/gnn_made.rs"]
 mod gnn_made;
+#[path = "../fixtures/keep.rs"]
+mod keep;
 
 mod gnn;
 mod gnn_gradients;

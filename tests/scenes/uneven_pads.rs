@@ -1,31 +1,20 @@
 //! Two pads that differ: each finger has its own shape, gel and friction, and the grasp is still in balance.
 
+use crate::keep::Keep;
 use std::process::Command;
-use std::sync::Mutex;
 use tactus::backend::choose;
-use tactus::error::Result;
 use tactus::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::{Frame, PadFrame};
-use tactus::run::{Observer, run_grasps};
+use tactus::run::run_grasps;
 use tactus::scene::{Scene, load};
-
-#[derive(Default)]
-struct Frames(Mutex<Vec<Frame>>);
-
-impl Observer for Frames {
-    fn frame(&self, _: usize, frame: &Frame) -> Result<()> {
-        self.0.lock().unwrap().push(frame.clone());
-        Ok(())
-    }
-}
 
 const BOX: &str = "Box(size: (0.02, 0.016, 0.004), cells: (4, 4, 2))";
 const SOFT: &str = "NeoHookean(young: 1e5, poisson: 0.45)";
 const HARD: &str = "NeoHookean(young: 4e5, poisson: 0.45)";
 
 /// Loads a scene whose gripper has these fields: a ball is squeezed to 4 N.
-fn scene(gripper: &str, more: &str) -> std::result::Result<Scene, String> {
+fn scene(gripper: &str, more: &str) -> Result<Scene, String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.ron");
     let text = format!(
@@ -39,7 +28,7 @@ fn frames(gripper: &str) -> Vec<Frame> {
     let scene = scene(gripper, "expect: [Finite]").unwrap();
     let model = Model::build(&scene).unwrap();
     let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
-    let frames = Frames::default();
+    let frames = Keep::default();
     run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 1, &frames).unwrap();
     let frames = frames.0.into_inner().unwrap();
     assert_eq!(frames.len(), 2, "{gripper} reaches its force");
