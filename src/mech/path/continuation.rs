@@ -6,7 +6,7 @@
 //! |---|---|
 //! | the path bends too far | a smaller increment, by the error (`step_size.rs`) |
 //! | no equilibrium | half the increment, three times where there are rigid unknowns, else twelve |
-//! | none in a small increment of a push | the object slips, or the grasp ends (`backend/fem/level.rs`) |
+//! | no equilibrium under a push | halfway to the load that found none; within a hundredth of it the object slips, or the grasp ends (`backend/fem/level.rs`) |
 //! | none in the smallest increment either | pseudo-time from the accepted state (`pseudo_transient.rs`), over the increment that was refused first |
 //! | none in pseudo-time; corrections of condensed pads do not settle | half the increment, condensed pads anew as they are, ten times |
 //! | contact outgrows the patch of a condensed pad | condensed anew onto a larger one, the same increment |
@@ -118,8 +118,9 @@ impl PadDiscretisation for WholePads {}
 /// Number of halvings of an increment before another method: for a path with nothing but bodies, and for one whose object can
 /// move.
 const HALVINGS: [u32; 2] = [12, 3];
-/// Number of halvings of an increment of a push: the load at which an object slips is found to a hundredth.
-const PUSH_HALVINGS: u32 = 4;
+/// Distance from a push that finds no equilibrium, over the push wanted, at which none exists: the load at which an object slips is
+/// found to a hundredth.
+const SLIP_ERROR: f64 = 0.01;
 /// Maximum number of changes of the method on the way to one level.
 const CHANGES: u32 = 10;
 /// Largest increment of a force over the force reached.
@@ -137,17 +138,21 @@ impl Path {
         let (mut done, mut halvings, mut changes) = (Advanced::default(), 0, 0);
         // Increment that was refused first since the last one that was accepted.
         let mut refused = None;
+        // Push that found no equilibrium, nearest to the one accepted.
+        let mut beyond = None;
         loop {
             let rest = target - self.level;
-            let longest = self.longest(load);
-            let planned = self.step.next(rest).clamp(-longest, longest);
+            let gap = beyond.map_or(f64::INFINITY, |push: f64| (push - self.level).abs());
+            let near = gap <= SLIP_ERROR * target.abs();
+            let longest = self.longest(load).min(0.5 * gap);
+            let planned = if near { gap.copysign(rest) } else { self.step.next(rest).clamp(-longest, longest) };
             // An object with a largest drift is followed at once: smaller increments would only find out later that it slides.
-            let most = match load {
-                _ if self.largest_drift.is_some() || planned == 0.0 => 0,
-                Load::Push => PUSH_HALVINGS,
-                Load::Force | Load::Travel => HALVINGS[usize::from(can_roll)],
+            let tried = match load {
+                _ if self.largest_drift.is_some() || planned == 0.0 => true,
+                Load::Push => near,
+                Load::Force | Load::Travel => halvings >= HALVINGS[usize::from(can_roll)],
             };
-            let last_resort = halvings >= most || self.exhausted();
+            let last_resort = tried || self.exhausted();
             // Pseudo-time follows the whole increment: next to nothing would drive it on over a tiny one.
             let size =
                 refused.filter(|_| last_resort).map_or(planned, |first: f64| first.clamp(-rest.abs(), rest.abs()));
@@ -163,6 +168,7 @@ impl Path {
                         self.step.accept(size, done.iterations - cost, error, shortest);
                     }
                     (halvings, refused) = (0, None);
+                    beyond = beyond.filter(|_| !near);
                     if next == target {
                         return Ok(done);
                     }
@@ -186,6 +192,7 @@ impl Path {
                 {
                     (halvings, self.methods.halved) = (halvings + 1, self.methods.halved + 1);
                     refused = refused.or(Some(size));
+                    beyond = (load == Load::Push).then_some(next);
                     self.step.refuse(size, None);
                 }
                 Failure::Iterations(_)
@@ -204,7 +211,7 @@ impl Path {
                     pads.renew(self)?;
                     (halvings, changes) = (0, changes + 1);
                     self.methods.condensed_anew += u64::from(pads.corrects());
-                    refused = None;
+                    (refused, beyond) = (None, None);
                     if failure != Failure::Outside && size != 0.0 {
                         self.step.refuse(size, None);
                     }
