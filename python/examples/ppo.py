@@ -22,7 +22,6 @@ parser.add_argument("--epochs", type=int, default=6)
 parser.add_argument("--minibatches", type=int, default=8)
 parser.add_argument("--rate", type=float, default=1e-3)
 parser.add_argument("--refine-rate", type=float, default=5e-4)
-parser.add_argument("--gamma", type=float, default=0.97)
 parser.add_argument("--lam", type=float, default=0.95)
 parser.add_argument("--clip", type=float, default=0.2)
 parser.add_argument("--entropy", type=float, default=1e-3)
@@ -106,7 +105,7 @@ def learned(obs, last):
 
 
 def train(env, stage, steps, rate, margin=0.0):
-    """Goes on learning in `env` for `steps` steps, and draws `curve` on; a step that leaves less than `margin` of the friction limit costs 1."""
+    """Goes on learning in `env` for `steps` steps, and draws `curve` on; a step that leaves less than `margin` of the friction limit costs up to 1."""
     begin, before = time.perf_counter(), curve[-1][0] if curve else 0
     last = np.zeros((args.envs, acts), np.float32)
     seen = flat(env.reset(seed=args.seed)[0], last)
@@ -126,7 +125,8 @@ def train(env, stage, steps, rate, margin=0.0):
             obs, reward, terminated, truncated, infos = env.step(a.numpy())
             done = terminated | truncated
             running = running + reward
-            reward = reward - (infos["held"] & (infos["margin"] < margin))
+            if margin:
+                reward = reward - infos["held"] * (1 - infos["margin"] / margin).clip(0, 1)
             discounted = args.gamma * discounted + reward
             pay.update(discounted[:, None])
             returns += running[done].tolist()

@@ -197,7 +197,8 @@ fn the_curve_of_the_real_sensor_is_met_within_5_percent_by_zero_and_friction() {
     let dir = tempfile::tempdir().unwrap();
     let shipped = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/press_sphere.ron")).unwrap();
     let coarse = shipped.replace("spacing: 2.5e-3", "spacing: 3.5e-3");
-    let quick = coarse.replace("    loading: Press", "    stepper: Fem(solver: Condensed(error: 0.005)),\n    loading: Press");
+    let quick =
+        coarse.replace("    loading: Press", "    stepper: Fem(solver: Condensed(error: 0.005)),\n    loading: Press");
     assert!(coarse != shipped && quick != coarse);
     let (scene, out) = (file(dir.path(), "press.ron", &quick), dir.path().join("out"));
     let arguments = ["fit", scene.to_str().unwrap(), "--curve", "scenes/press_sphere.csv", "--format", "json", "-o"];

@@ -6,6 +6,8 @@ mod dataset_tiny;
 mod env_made;
 #[path = "../fixtures/gnn_made.rs"]
 mod gnn_made;
+#[path = "../fixtures/keep.rs"]
+mod keep;
 #[path = "../fixtures/synthetic.rs"]
 mod synthetic;
 

@@ -1,14 +1,12 @@
 //! Claims about the picture: size, colours where the numbers are, refusal of what cannot be drawn.
 
+use crate::keep::Keep;
 use crate::synthetic::{frame, pad, pads, sphere};
-use std::sync::Mutex;
 use tactus::backend::choose;
-use tactus::error::Result;
 use tactus::grasp::poses_of;
 use tactus::model::Model;
-use tactus::record::Frame;
 use tactus::render::{HEIGHT, Pixmap, Scalar, Style, WIDTH, colormap, encode, render_pads, save};
-use tactus::run::{Observer, run_grasps};
+use tactus::run::run_grasps;
 use tactus::scene::from_ron;
 
 /// Centre of the drawing of the left pad: see the layout in `src/render/pads.rs`.
@@ -73,17 +71,6 @@ fn odd_inputs_are_drawn_or_refused_never_a_panic() {
     let _ = render_pads(&good, &far, None, &style);
 }
 
-/// Keeps the last frame.
-#[derive(Default)]
-struct Last(Mutex<Option<Frame>>);
-
-impl Observer for Last {
-    fn frame(&self, _: usize, frame: &Frame) -> Result<()> {
-        *self.0.lock().unwrap() = Some(frame.clone());
-        Ok(())
-    }
-}
-
 /// A ball of 20 mm radius pressed 0.65 mm into a pad of 2.6 mm elements, as finite elements have it, without arrows.
 fn pressed_ball() -> Pixmap {
     let scene = from_ron(
@@ -92,10 +79,10 @@ fn pressed_ball() -> Pixmap {
           loading: Press(depths: [0.65e-3]))",
     )
     .expect("scene");
-    let (model, last) = (Model::build(&scene).expect("model"), Last::default());
+    let (model, last) = (Model::build(&scene).expect("model"), Keep::default());
     let grasps = [(0, poses_of(&scene).expect("poses")[0])];
     run_grasps(&model, choose(&scene).expect("stepper").as_ref(), &grasps, 1, &last).expect("run");
-    let frame = last.0.into_inner().unwrap().expect("a frame");
+    let frame = last.last();
     let pads = vec![model.fingers[0].topology.as_ref().clone()];
     let style = Style { markers: false, ..Style::default() };
     render_pads(&pads, &frame, Some(&model.object.surface), &style).expect("drawn")

@@ -1,25 +1,14 @@
 //! Answers do not depend on the number of frames: friction acts from the moment of touch, and increments are as many as an error of the
 //! displacement asks for.
 
+use crate::keep::Keep;
 use glam::DVec3;
-use std::sync::Mutex;
 use tactus::backend::choose;
 use tactus::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::{Frame, Status};
-use tactus::run::{Observer, run_grasps};
+use tactus::run::run_grasps;
 use tactus::scene::load;
-
-/// Keeps the last frame.
-#[derive(Default)]
-struct Last(Mutex<Option<Frame>>);
-
-impl Observer for Last {
-    fn frame(&self, _: usize, frame: &Frame) -> tactus::error::Result<()> {
-        *self.0.lock().unwrap() = Some(frame.clone());
-        Ok(())
-    }
-}
 
 /// The last frame of the one grasp of a scene, and the Newton iterations to it.
 fn last(text: &str) -> (Frame, u64) {
@@ -29,11 +18,11 @@ fn last(text: &str) -> (Frame, u64) {
     let scene = load(&path).unwrap_or_else(|e| panic!("{e}")).scene;
     let model = Model::build(&scene).unwrap();
     let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
-    let keep = Last::default();
+    let keep = Keep::default();
     let outcomes = run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 2, &keep).unwrap();
     let summary = &outcomes[0].summary;
     assert_eq!(summary.status, Status::Reached, "{:?}", summary.reason);
-    (keep.0.into_inner().unwrap().unwrap(), summary.newton_iterations)
+    (keep.last(), summary.newton_iterations)
 }
 
 /// Distance of the displacements of all nodes over their norm.

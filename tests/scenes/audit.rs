@@ -1,11 +1,11 @@
 //! The audit finds what it is there to find: a recorded frame is spoilt in one respect at a time.
 
 use crate::common::Random;
+use crate::keep::Keep;
 use glam::DVec3;
 use std::path::Path;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use tactus::backend::choose;
-use tactus::error::Result;
 use tactus::grasp::poses_of;
 use tactus::judge::Findings;
 use tactus::judge::audit::solid::Solid;
@@ -13,18 +13,8 @@ use tactus::mech::element::TET10;
 use tactus::model::Model;
 use tactus::part::object;
 use tactus::record::{ElementNodes, Frame};
-use tactus::run::{Observer, run_grasps};
+use tactus::run::run_grasps;
 use tactus::scene::{Scene, load};
-
-#[derive(Default)]
-struct Last(Mutex<Option<Frame>>);
-
-impl Observer for Last {
-    fn frame(&self, _: usize, frame: &Frame) -> Result<()> {
-        *self.0.lock().unwrap() = Some(frame.clone());
-        Ok(())
-    }
-}
 
 fn scene(folder: &Path, text: &str) -> Scene {
     let path = folder.join("scene.ron");
@@ -39,10 +29,10 @@ fn squeezed() -> (Arc<Model>, Frame) {
         loading: Squeeze(force: 4, frames: 1), expect: [NoInversion, NoPenetration, Converged(relative: 1e-3)])";
     let scene = scene(folder.path(), text);
     let model = Model::build(&scene).unwrap();
-    let last = Last::default();
+    let last = Keep::default();
     let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
     let outcomes = run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 2, &last).unwrap();
-    let frame = last.0.into_inner().unwrap().unwrap();
+    let frame = last.last();
     assert_eq!(outcomes[0].measured.findings, Some(judge(&model, &frame)), "what the run measured");
     (model, frame)
 }
@@ -125,10 +115,10 @@ fn a_tip_between_the_points_of_the_pad_is_found() {
         grasps: List([(position: (-0.1, 0.0003, 0.0003), rotation: RpyDeg((0, 90, 0)))]), loading: Press(depth: 1e-4, frames: 1))";
     let scene = scene(folder.path(), text);
     let model = Model::build(&scene).unwrap();
-    let last = Last::default();
+    let last = Keep::default();
     let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
     run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 1, &last).unwrap();
-    let mut frame = last.0.into_inner().unwrap().unwrap();
+    let mut frame = last.last();
     assert!(judge(&model, &frame).penetration < 1e-5);
     frame.object_position.x -= 1e-4;
     let depth = judge(&model, &frame).penetration;

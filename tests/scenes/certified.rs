@@ -1,18 +1,18 @@
 //! Default settings against references whose own error is known (`docs/references.json`), and meshes chosen for an accuracy.
 
+use crate::keep::Keep;
 use std::path::PathBuf;
 use std::process::Command;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use tactus::backend::choose;
 use tactus::bench::certify::{Reference, References};
 use tactus::bench::density::coarser;
 use tactus::bench::values::{FrameValues, values};
 use tactus::distance::{Distance, Points, Probe};
-use tactus::error::Result;
 use tactus::grasp::poses_of;
 use tactus::model::{Model, accuracy};
 use tactus::record::{Frame, Status};
-use tactus::run::{Observer, run_grasp};
+use tactus::run::run_grasp;
 use tactus::scene::leaf::Fraction;
 use tactus::scene::pad::GelSightMini;
 use tactus::scene::{Field, NamedScene, Pads, Scene, from_ron, load_set};
@@ -21,23 +21,13 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-#[derive(Default)]
-struct Last(Mutex<Option<Frame>>);
-
-impl Observer for Last {
-    fn frame(&self, _index: usize, frame: &Frame) -> Result<()> {
-        *self.0.lock().unwrap() = Some(frame.clone());
-        Ok(())
-    }
-}
-
 /// The last frame of the first grasp.
 fn last(scene: &Scene) -> (Arc<Model>, Frame) {
     let (model, stepper) = (Model::build(scene).unwrap(), choose(scene).unwrap());
-    let keep = Last::default();
+    let keep = Keep::default();
     let outcome = run_grasp(&model, stepper.as_ref(), 0, poses_of(scene).unwrap()[0], &keep).unwrap();
     assert_eq!(outcome.summary.status, Status::Reached, "{:?}", outcome.summary.reason);
-    (model, keep.0.into_inner().unwrap().unwrap())
+    (model, keep.last())
 }
 
 /// Values and the bar on each, relative: those of the issue for displacement, stress and force; the others are shown.
