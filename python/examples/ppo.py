@@ -105,7 +105,7 @@ def learned(obs, last):
 
 
 def train(env, stage, steps, rate, margin=0.0):
-    """Goes on learning in `env` for `steps` steps, and draws `curve` on; a step that leaves less than `margin` of the friction limit costs up to 1."""
+    """Goes on learning in `env` for `steps` steps, and draws `curve` on; a step that leaves less than `margin` of the friction limit costs 1."""
     begin, before = time.perf_counter(), curve[-1][0] if curve else 0
     last = np.zeros((args.envs, acts), np.float32)
     seen = flat(env.reset(seed=args.seed)[0], last)
@@ -125,8 +125,7 @@ def train(env, stage, steps, rate, margin=0.0):
             obs, reward, terminated, truncated, infos = env.step(a.numpy())
             done = terminated | truncated
             running = running + reward
-            if margin:
-                reward = reward - infos["held"] * (1 - infos["margin"] / margin).clip(0, 1)
+            reward = reward - (infos["held"] & (infos["margin"] < margin))
             discounted = args.gamma * discounted + reward
             pay.update(discounted[:, None])
             returns += running[done].tolist()

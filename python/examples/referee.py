@@ -26,7 +26,7 @@ def arguments(out):
     parser.add_argument("--envs", type=int, default=64)
     parser.add_argument("--steps", type=int, default=200_000, help="on the network")
     # A network says less surely than finite elements what holds.
-    parser.add_argument("--margin", type=float, default=0.0, help="of friction that steps on the network leave; less costs up to 1")
+    parser.add_argument("--margin", type=float, default=0.0, help="of friction that steps on the network leave; less costs 1")
     # Where every step grasps anew, what it earns says all of it: 0.
     parser.add_argument("--gamma", type=float, default=0.97)
     parser.add_argument("--refine", type=int, default=0, help="steps after them on finite elements")

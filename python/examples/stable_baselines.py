@@ -46,7 +46,7 @@ class LastAction(VecEnvWrapper):
 
 
 class Margin(VecEnvWrapper):
-    """Takes up to 1 off the reward of a step that holds the object, but leaves less than `margin` of the friction limit."""
+    """Takes 1 off the reward of a step that holds the object, but leaves less than `margin` of the friction limit."""
 
     def __init__(self, venv, margin):
         super().__init__(venv)
@@ -58,8 +58,8 @@ class Margin(VecEnvWrapper):
     def step_wait(self):
         obs, reward, done, infos = self.venv.step_wait()
         # The infos of an episode that ends are those of the next one.
-        short = [0 if end or not info["held"] else 1 - info["margin"] / self.margin for end, info in zip(done, infos)]
-        return obs, reward - np.clip(short, 0, 1).astype(np.float32), done, infos
+        slack = [not end and info["held"] and info["margin"] < self.margin for end, info in zip(done, infos)]
+        return obs, reward - np.array(slack, np.float32), done, infos
 
 
 class Curve(BaseCallback):
@@ -89,7 +89,7 @@ def make(model):
     env = VecEnv(args.scene, args.envs, model=model, threads=args.threads, seed=args.seed)
     # Curves show the rewards of the task.
     watched = VecMonitor(LastAction(env))
-    return VecNormalize(Margin(watched, args.margin) if model and args.margin else watched, gamma=args.gamma)
+    return VecNormalize(Margin(watched, args.margin) if model else watched, gamma=args.gamma)
 
 
 env, curve = make(args.model), []
