@@ -19,6 +19,7 @@ const LONG: &str = r#"Scene(
     grasps: Antipodal(count: 400, seed: 1),
     gripper: (pads: GelSightMini(spacing: 4.0e-3)),
     loading: Squeeze(force: 10.0, frames: 5),
+    stepper: Fem(element: Linear),
 )"#;
 
 /// Nothing here takes a tenth of it.
@@ -85,7 +86,7 @@ fn a_run_keeps_its_finished_grasps() {
 #[test]
 fn a_data_set_goes_on_after_a_signal() {
     let dir = tempfile::tempdir().unwrap();
-    let (path, out) = (scene(dir.path(), &LONG.replace("count: 400", "count: 12")), dir.path().join("set"));
+    let (path, out) = (scene(dir.path(), &LONG.replace("count: 400", "count: 24")), dir.path().join("set"));
     let args = ["dataset", path.to_str().unwrap(), "-o", out.to_str().unwrap(), "--threads", "1"];
     let child = start(&args);
     let progress = out.join(".progress").join("long");
@@ -97,7 +98,7 @@ fn a_data_set_goes_on_after_a_signal() {
     let stderr = String::from_utf8_lossy(&ended.stderr).into_owned();
     assert_eq!(ended.status.code(), Some(2), "{stderr}");
     let said = format!(
-        "interrupted; {} of 12 grasps are finished in {}; the same command goes on from there",
+        "interrupted; {} of 24 grasps are finished in {}; the same command goes on from there",
         entered(),
         out.display()
     );
@@ -106,7 +107,7 @@ fn a_data_set_goes_on_after_a_signal() {
     assert_eq!(whole.status.code(), Some(0), "{}", String::from_utf8_lossy(&whole.stderr));
     let report: serde_json::Value = serde_json::from_slice(&whole.stdout).unwrap();
     assert!(report["resumed"].as_u64().unwrap() >= 2, "what was finished did not run again");
-    assert_eq!(report["manifest"]["objects"][0]["reached"], 12);
+    assert_eq!(report["manifest"]["objects"][0]["reached"], 24);
 }
 
 #[test]
