@@ -6,7 +6,7 @@
 //! |---|---|
 //! | the path bends too far | a smaller increment, by the error (`step_size.rs`) |
 //! | no equilibrium | half the increment, three times where there are rigid unknowns, else twelve |
-//! | no equilibrium under a push | halfway to the load that found none; within a hundredth of it the object slips, or the grasp ends (`backend/fem/level.rs`) |
+//! | no equilibrium under a push | halfway to the load that found none; within a thousandth of it the object slips, or the grasp ends (`backend/fem/level.rs`) |
 //! | none in the smallest increment either | pseudo-time from the accepted state (`pseudo_transient.rs`), over the increment that was refused first |
 //! | none in pseudo-time; corrections of condensed pads do not settle | half the increment, condensed pads anew as they are, ten times |
 //! | contact outgrows the patch of a condensed pad | condensed anew onto a larger one, the same increment |
@@ -118,9 +118,9 @@ impl PadDiscretisation for WholePads {}
 /// Number of halvings of an increment before another method: for a path with nothing but bodies, and for one whose object can
 /// move.
 const HALVINGS: [u32; 2] = [12, 3];
-/// Distance from a push that finds no equilibrium, over the push wanted, at which none exists: the load at which an object slips is
-/// found to a hundredth.
-const SLIP_ERROR: f64 = 0.01;
+/// Distance from a push that finds no equilibrium, over the push wanted, at which none exists. An object that slips is told
+/// from one that only rolls on by increments this small: at a hundredth, an ellipsoid counts as lost at nine tenths of what it bears.
+const SLIP_ERROR: f64 = 0.001;
 /// Maximum number of changes of the method on the way to one level.
 const CHANGES: u32 = 10;
 /// Largest increment of a force over the force reached.
