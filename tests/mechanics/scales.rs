@@ -54,7 +54,7 @@ fn squeeze(object: &str, motion: &str, friction: f64, fem: &str, scale: f64) -> 
     let (frames, stepper) = (Keep::default(), choose(&scene).expect("a backend"));
     let outcomes = run_grasps(&model, stepper.as_ref(), &grasps, 1, &frames).expect("a run");
     assert_eq!(outcomes[0].summary.status, Status::Reached, "{object}, {scale}: {:?}", outcomes[0].summary.reason);
-    frames.0.into_inner().expect("one thread").pop().expect("a frame")
+    frames.last()
 }
 
 /// Largest difference of the displacements of `a` and of `b`, which is `scale` times as large, over the largest; the same of the forces.

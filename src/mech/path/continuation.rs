@@ -143,19 +143,21 @@ impl Path {
         loop {
             let rest = target - self.level;
             let gap = beyond.map_or(f64::INFINITY, |push: f64| (push - self.level).abs());
-            let near = gap <= SLIP_ERROR * target.abs();
+            let smallest = SLIP_ERROR * target.abs();
+            let near = gap <= smallest;
             let longest = self.longest(load).min(0.5 * gap);
             let planned = if near { gap.copysign(rest) } else { self.step.next(rest).clamp(-longest, longest) };
             // An object with a largest drift is followed at once: smaller increments would only find out later that it slides.
             let tried = match load {
                 _ if self.largest_drift.is_some() || planned == 0.0 => true,
-                Load::Push => near,
+                Load::Push => planned.abs() <= smallest,
                 Load::Force | Load::Travel => halvings >= HALVINGS[usize::from(can_roll)],
             };
             let last_resort = tried || self.exhausted();
-            // Pseudo-time follows the whole increment: next to nothing would drive it on over a tiny one.
-            let size =
-                refused.filter(|_| last_resort).map_or(planned, |first: f64| first.clamp(-rest.abs(), rest.abs()));
+            // Pseudo-time follows the whole increment: next to nothing would drive it on over a tiny one. A push has none, and what was
+            // refused would only be refused again.
+            let whole = refused.filter(|_| last_resort && load != Load::Push);
+            let size = whole.map_or(planned, |first: f64| first.clamp(-rest.abs(), rest.abs()));
             let next = if size.abs() >= rest.abs() { target } else { self.level + size };
             self.at_once |= last_resort && can_roll && refused.is_some();
             let cost = done.iterations;
