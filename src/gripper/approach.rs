@@ -36,23 +36,24 @@ pub fn approach(
     let (mut first, mut deepest) = (f64::INFINITY, 0.0_f64);
     let inverse = rotation.transpose();
     let direction = inverse * closing;
-    for stencil in &surface.points[..surface.vertices] {
-        let start = inverse * (stencil.position(x) - position);
-        let mut t = 0.0;
+    let starts = surface.points[..surface.vertices].iter().map(|stencil| inverse * (stencil.position(x) - position));
+    let mut points: Vec<(DVec3, f64)> = starts.map(|start| (start, object.distance(start))).collect();
+    // The nearest ones first: they leave little to the others.
+    points.sort_by(|a, b| a.1.total_cmp(&b.1));
+    for (start, distance) in points {
+        deepest = deepest.max(-distance);
+        let (mut t, mut d) = (0.0, distance);
         // Grazing rays converge slowly; after the cap the point is close enough to count as touching.
         for step in 0..200 {
-            if t >= first.min(stroke) {
-                break;
-            }
-            let d = object.distance(start + direction * t);
-            if step == 0 {
-                deepest = deepest.max(-d);
-            }
             if d <= clearance * 1.001 || step == 199 {
-                first = t;
+                first = first.min(t);
                 break;
             }
             t += d - clearance;
+            if t >= first.min(stroke) {
+                break;
+            }
+            d = object.distance(start + direction * t);
         }
     }
     // Seen along the closing direction only what lies before the pad can meet it.

@@ -103,13 +103,14 @@ impl MortarBasis {
 
     /// Mean displacement under every basis function when they press with `forces`.
     pub fn respond(&self, forces: &[DVec3]) -> Vec<DVec3> {
-        let pressing: Vec<usize> = (0..forces.len()).filter(|function| forces[*function] != DVec3::ZERO).collect();
-        let component = |function: usize, k: usize| {
-            let row = self.row(function, k);
-            let of = |j: &usize| DVec3::from_slice(&row[3 * j..]).dot(forces[*j]);
-            pressing.iter().map(of).sum()
-        };
-        (0..self.count()).map(|function| DVec3::from_array([0, 1, 2].map(|k| component(function, k)))).collect()
+        let mut moved = vec![0.0; 3 * self.count()];
+        for (function, force) in forces.iter().enumerate().filter(|(_, force)| **force != DVec3::ZERO) {
+            for k in 0..3 {
+                // The compliance is symmetric: its rows are its columns.
+                moved.iter_mut().zip(self.row(function, k)).for_each(|(u, c)| *u += c * force[k]);
+            }
+        }
+        moved.as_chunks::<3>().0.iter().map(|u| DVec3::from_array(*u)).collect()
     }
 
     /// Forces on the corners of the elements: those in the middle of an edge are shared out between its ends.

@@ -10,7 +10,7 @@
 use super::compliance::Compliance;
 use crate::kernel::product::{Packed, RowsView, respond};
 use glam::DVec3;
-use pulp::Arch;
+use pulp::{Arch, NullaryFnOnce};
 
 /// Number of steps.
 const STEPS: usize = 10;
@@ -63,7 +63,7 @@ pub fn projected_contact(compliance: &Compliance, face: &[Vec<Touching>], fricti
     for step in 0..STEPS {
         iteration.respond();
         let momentum = (step + 1) as f64 / (step + 4) as f64;
-        Arch::new().dispatch(|| iteration.step(momentum));
+        Arch::new().dispatch(Step { iteration: &mut iteration, momentum });
     }
     for (load, (forces, closer)) in done.iter_mut().enumerate() {
         for (k, i) in near.iter().enumerate().filter(|(_, i)| part[load][**i] > 0.0) {
@@ -171,18 +171,7 @@ impl ProjectedGradient {
             }
             node.ahead = node.force;
         }
-        let matrix = &all.matrix;
-        let mut sums = vec![[0.0_f64; LANES]; m];
-        Arch::new().dispatch(|| {
-            for (k, part) in part.iter().enumerate() {
-                let [x, y, z] = [0, 1, 2].map(|a| &matrix[(3 * k + a) * 3 * m..(3 * k + a + 1) * 3 * m]);
-                for (j, sums) in sums.iter_mut().enumerate() {
-                    let size: f32 = (3 * j..3 * j + 3).map(|c| x[c].abs() + y[c].abs() + z[c].abs()).sum();
-                    let size = f64::from(size);
-                    sums.iter_mut().zip(part).for_each(|(sum, part)| *sum += size * part);
-                }
-            }
-        });
+        let sums = Arch::new().dispatch(Sums { matrix: &all.matrix, part: &part });
         // A bound of the largest eigenvalue of the scaled matrix gives the step.
         let mut bound = [1.0; LANES];
         for (sums, node) in sums.iter().zip(&all.nodes) {
@@ -297,6 +286,46 @@ impl ProjectedGradient {
                 (0..3).for_each(|a| node.along[a][l] = f[a]);
             }
         }
+    }
+}
+
+/// [`ProjectedGradient::step`] as a callable struct: it uses all registers of a processor, which a closure of this size would not.
+struct Step<'a> {
+    iteration: &'a mut ProjectedGradient,
+    momentum: f64,
+}
+
+impl NullaryFnOnce for Step<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.iteration.step(self.momentum);
+    }
+}
+
+/// Sums of the magnitudes of the responses of each node to all others, weighed by the `part` that these take: (nodes, loads).
+struct Sums<'a> {
+    matrix: &'a [f32],
+    part: &'a [Lanes],
+}
+
+impl NullaryFnOnce for Sums<'_> {
+    type Output = Vec<Lanes>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<Lanes> {
+        let m = self.part.len();
+        let mut sums = vec![[0.0_f64; LANES]; m];
+        for (k, part) in self.part.iter().enumerate() {
+            let [x, y, z] = [0, 1, 2].map(|a| &self.matrix[(3 * k + a) * 3 * m..(3 * k + a + 1) * 3 * m]);
+            for (j, sums) in sums.iter_mut().enumerate() {
+                let size: f32 = (3 * j..3 * j + 3).map(|c| x[c].abs() + y[c].abs() + z[c].abs()).sum();
+                let size = f64::from(size);
+                sums.iter_mut().zip(part).for_each(|(sum, part)| *sum += size * part);
+            }
+        }
+        sums
     }
 }
 

@@ -3,9 +3,11 @@
 use crate::error::Result;
 use crate::geometry::shape::params::require;
 use glam::{DVec2, DVec3};
+use pulp::{Arch, NullaryFnOnce};
 
 /// Largest number of points of a profile.
 pub const MAX_POINTS: usize = 2048;
+/// Number of segments that are looked at together.
 const CHUNK: usize = 8;
 
 /// Outline of a meridian section: points (rho, z), m, counter-clockwise (inside on the left).
@@ -15,8 +17,50 @@ pub struct Profile {
     closed: bool,
     /// Outward unit normal of segment `i`, from point `i` to the next.
     normals: Vec<DVec2>,
-    /// Boxes of `CHUNK` segments each.
-    boxes: Vec<(DVec2, DVec2)>,
+    chunks: Vec<Chunk>,
+    /// Boxes around the chunks.
+    boxes: Vec<Boxes>,
+}
+
+/// Some segments one after the other, side by side for the processor; the last one fills up what is left.
+#[derive(Debug, Clone, PartialEq)]
+struct Chunk {
+    /// Starts of the segments, and the way along each to its end.
+    start: [[f64; CHUNK]; 2],
+    along: [[f64; CHUNK]; 2],
+    /// Inverse of the squared length.
+    inverse: [f64; CHUNK],
+}
+
+impl Chunk {
+    /// Puts at most [`CHUNK`] segments, given by their ends, side by side.
+    fn new(segments: &[(DVec2, DVec2)]) -> Self {
+        let of = |value: fn(DVec2, DVec2) -> f64| {
+            std::array::from_fn(|k| {
+                let (start, end) = segments[k.min(segments.len() - 1)];
+                value(start, end - start)
+            })
+        };
+        Self {
+            start: [of(|start, _| start.x), of(|start, _| start.y)],
+            along: [of(|_, along| along.x), of(|_, along| along.y)],
+            inverse: of(|_, along| along.length_squared().recip()),
+        }
+    }
+
+    /// Squared distance of `q` from each segment, and the part of its length at which the closest point lies.
+    #[inline(always)]
+    fn distances(&self, q: DVec2) -> ([f64; CHUNK], [f64; CHUNK]) {
+        let ([ax, ay], [ex, ey]) = (&self.start, &self.along);
+        let (mut distance, mut part) = ([0.0; CHUNK], [0.0; CHUNK]);
+        for k in 0..CHUNK {
+            let (x, y) = (q.x - ax[k], q.y - ay[k]);
+            let t = ((x * ex[k] + y * ey[k]) * self.inverse[k]).clamp(0.0, 1.0);
+            let (x, y) = (x - t * ex[k], y - t * ey[k]);
+            (distance[k], part[k]) = (x * x + y * y, t);
+        }
+        (distance, part)
+    }
 }
 
 /// Closest point of a profile.
@@ -26,6 +70,36 @@ pub(crate) struct ProfilePoint {
     pub normal: DVec2,
     /// True if the point lies on a segment rather than on a corner.
     pub smooth: bool,
+}
+
+/// Boxes around some chunks, side by side; what is left of the last ones is nowhere.
+#[derive(Debug, Clone, PartialEq)]
+struct Boxes {
+    low: [[f64; CHUNK]; 2],
+    high: [[f64; CHUNK]; 2],
+}
+
+impl Boxes {
+    /// Creates the boxes around at most [`CHUNK`] chunks of `segments`.
+    fn new(segments: &[(DVec2, DVec2)]) -> Self {
+        let mut boxes = Self { low: [[f64::INFINITY; CHUNK]; 2], high: [[f64::NEG_INFINITY; CHUNK]; 2] };
+        for (k, chunk) in segments.chunks(CHUNK).enumerate() {
+            for end in chunk.iter().flat_map(|(a, b)| [a, b]) {
+                for axis in 0..2 {
+                    boxes.low[axis][k] = boxes.low[axis][k].min(end[axis]);
+                    boxes.high[axis][k] = boxes.high[axis][k].max(end[axis]);
+                }
+            }
+        }
+        boxes
+    }
+
+    /// Squared distances of `q` from the boxes.
+    #[inline(always)]
+    fn distances(&self, q: DVec2) -> [f64; CHUNK] {
+        let apart = |k: usize, axis: usize| (self.low[axis][k] - q[axis]).max(q[axis] - self.high[axis][k]).max(0.0);
+        std::array::from_fn(|k| apart(k, 0) * apart(k, 0) + apart(k, 1) * apart(k, 1))
+    }
 }
 
 impl Profile {
@@ -75,14 +149,10 @@ impl Profile {
         })?;
         let ends = |i: usize| (points[i], points[(i + 1) % n]);
         let normals = (0..count).map(|i| -(ends(i).1 - ends(i).0).normalize().perp()).collect();
-        let boxes = (0..count)
-            .step_by(CHUNK)
-            .map(|c| {
-                let all = (c..count.min(c + CHUNK)).flat_map(|i| [ends(i).0, ends(i).1]);
-                all.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |b, p| (b.0.min(p), b.1.max(p)))
-            })
-            .collect();
-        Ok(Self { points, closed, normals, boxes })
+        let segments: Vec<(DVec2, DVec2)> = (0..count).map(ends).collect();
+        let chunks = segments.chunks(CHUNK).map(Chunk::new).collect();
+        let boxes = segments.chunks(CHUNK * CHUNK).map(Boxes::new).collect();
+        Ok(Self { points, closed, normals, chunks, boxes })
     }
 
     /// Returns the points (rho, z), m, counter-clockwise.
@@ -123,27 +193,7 @@ impl Profile {
 
     /// Returns the closest point to `q` with squared distance below `limit`.
     pub(crate) fn nearest(&self, q: DVec2, limit: f64) -> Option<ProfilePoint> {
-        let (mut best, mut at, mut along) = (limit, usize::MAX, 0.0);
-        let apart = |c: usize| {
-            let b = self.boxes[c];
-            (b.0 - q).max(q - b.1).max(DVec2::ZERO).length_squared()
-        };
-        // The nearest box first: it leaves little to the others.
-        let count = self.boxes.len();
-        let first = (0..count).map(|c| (c, apart(c))).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(c, _)| c);
-        for c in (first..count).chain(0..first) {
-            if apart(c) >= best {
-                continue;
-            }
-            for i in c * CHUNK..self.segments().min((c + 1) * CHUNK) {
-                let (a, e) = (self.points[i], self.segment(i).1 - self.points[i]);
-                let t = ((q - a).dot(e) / e.length_squared()).clamp(0.0, 1.0);
-                let d = (q - a - t * e).length_squared();
-                if d < best {
-                    (best, at, along) = (d, i, t);
-                }
-            }
-        }
+        let (at, along) = Arch::new().dispatch(NearestSegment { profile: self, q, limit });
         if at == usize::MAX {
             return None;
         }
@@ -173,6 +223,46 @@ impl Profile {
         let p = self.points.iter().copied().max_by(|a, b| a.dot(d).total_cmp(&b.dot(d)))?;
         let radial = DVec3::new(direction.x, direction.y, 0.0).normalize_or(DVec3::X);
         Some(p.x * radial + p.y * DVec3::Z)
+    }
+}
+
+/// Search for the segment nearest to `q`: its number (`usize::MAX` if none is nearer than the root of `limit`), and the part of its length
+/// at which the closest point lies. A callable struct, which uses all registers of a processor.
+struct NearestSegment<'a> {
+    profile: &'a Profile,
+    q: DVec2,
+    limit: f64,
+}
+
+impl NullaryFnOnce for NearestSegment<'_> {
+    type Output = (usize, f64);
+
+    #[inline(always)]
+    fn call(self) -> (usize, f64) {
+        let Self { profile: Profile { chunks, boxes, normals, .. }, q, limit } = self;
+        let mut apart = [f64::INFINITY; MAX_POINTS / CHUNK];
+        for (apart, boxes) in apart.as_chunks_mut::<CHUNK>().0.iter_mut().zip(boxes) {
+            *apart = boxes.distances(q);
+        }
+        let apart = &apart[..chunks.len()];
+        // The nearest box first: it leaves little to the others.
+        let (mut first, mut least) = (0, f64::INFINITY);
+        for (c, apart) in apart.iter().enumerate() {
+            (first, least) = if *apart < least { (c, *apart) } else { (first, least) };
+        }
+        let (mut best, mut at, mut along) = (limit, usize::MAX, 0.0);
+        for c in (first..chunks.len()).chain(0..first) {
+            if apart[c] >= best {
+                continue;
+            }
+            let (distance, part) = chunks[c].distances(q);
+            for k in (0..CHUNK).filter(|k| c * CHUNK + k < normals.len()) {
+                if distance[k] < best {
+                    (best, at, along) = (distance[k], c * CHUNK + k, part[k]);
+                }
+            }
+        }
+        (at, along)
     }
 }
 

@@ -4,7 +4,7 @@
 
 use crate::geometry::shape::polygon::Profile;
 use crate::geometry::shape::{Closest, SignedDistance, outer};
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3, Vec3Swizzles};
 
 /// Solid of revolution; round about z, with a polygon as its profile.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,12 +29,12 @@ impl Revolved {
 
 impl SignedDistance for Revolved {
     fn distance(&self, q: DVec3) -> f64 {
-        let flat = DVec2::new(q.x.hypot(q.y), q.z);
+        let flat = DVec2::new(q.xy().length(), q.z);
         self.profile.nearest(flat, f64::INFINITY).map_or(f64::NAN, |p| p.distance)
     }
 
     fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
-        let flat = DVec2::new(q.x.hypot(q.y), q.z);
+        let flat = DVec2::new(q.xy().length(), q.z);
         let gap = (self.low - flat).max(flat - self.high).max_element();
         if !(gap < max || max <= 0.0) {
             return None;

@@ -9,6 +9,7 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Accum, Conj, Mat, MatMut, Par, Side};
+use pulp::{Arch, NullaryFnOnce};
 use std::sync::Arc;
 
 /// Symbolic analysis, shared by every environment that uses the mesh.
@@ -115,6 +116,15 @@ impl Factor {
         );
     }
 
+    /// Computes all unknowns `x` where nothing but the last `size` of them, which are given, is loaded: the second half of a solve.
+    pub fn follow_last(&self, x: &mut [f64], size: usize) {
+        // Analyses are supernodal always.
+        let SymbolicCholeskyRaw::Supernodal(s) = self.symbolic.0.raw() else { return };
+        let factor = SupernodalLltRef::<usize, f64>::new(s, &self.values);
+        let first = x.len() - size;
+        Arch::new().dispatch(FollowLast { factor, first, x });
+    }
+
     /// Computes the Schur complement of the last matrix for its last `size` unknowns, by columns: the product of the factor's
     /// last block with its transpose.
     pub fn condensed(&self, size: usize) -> Mat<f64> {
@@ -137,4 +147,45 @@ impl Factor {
         faer::linalg::matmul::matmul(&mut stiffness, Accum::Replace, &last, last.transpose(), 1.0, Par::Seq);
         stiffness
     }
+}
+
+/// Back substitution for the unknowns before `first`: a callable struct, which uses all registers of a processor.
+struct FollowLast<'a> {
+    factor: SupernodalLltRef<'a, usize, f64>,
+    first: usize,
+    x: &'a mut [f64],
+}
+
+impl NullaryFnOnce for FollowLast<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { factor, first, x } = self;
+        let mut below = Vec::new();
+        for k in (0..factor.symbolic().n_supernodes()).rev() {
+            let node = factor.supernode(k);
+            let (start, columns) = (node.start(), node.val());
+            let own = columns.ncols();
+            below.clear();
+            below.extend(node.pattern().iter().map(|row| x[*row]));
+            for c in (0..own).rev().filter(|c| start + c < first) {
+                // Columns of a matrix are contiguous.
+                let column = columns.col(c).try_as_col_major().map_or(&[][..], |c| c.as_slice());
+                let (inside, outside) = column[c + 1..].split_at(own - c - 1);
+                x[start + c] = -(dot(inside, &x[start + c + 1..start + own]) + dot(outside, &below)) / column[c];
+            }
+        }
+    }
+}
+
+/// Computes a scalar product in eight sums side by side, which do not wait for each other.
+#[inline(always)]
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, rest), (b, other)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    let mut sums = [0.0; 8];
+    for (a, b) in a.iter().zip(b) {
+        (0..8).for_each(|k| sums[k] += a[k] * b[k]);
+    }
+    sums.iter().sum::<f64>() + rest.iter().zip(other).map(|(a, b)| a * b).sum::<f64>()
 }

@@ -1,16 +1,17 @@
 //! One soft body: mesh and law. Immutable and shared; the state lives with the caller.
 
 mod analysis;
+mod assembly;
 pub mod cholesky;
 pub mod locking;
 pub mod pattern;
 
 use self::analysis::Analysis;
-use self::pattern::{Pattern, Slot};
-use crate::mech::element::{Kernel, RestTet, ShapeFunctions, Stiffness, TET4, TET10, TET10_CENTER, TET10_NODES};
+use self::assembly::{AddGradient, AddStiffness, Energy, LeastDeterminant};
+use crate::mech::element::{Kernel, RestTet, ShapeFunctions, TET4, TET10, TET10_CENTER, TET10_NODES};
 use crate::mech::material::{Material, von_mises};
 use glam::{DMat3, DVec3};
-use pulp::{Arch, NullaryFnOnce};
+use pulp::Arch;
 use std::sync::Arc;
 
 /// Node lists of the elements.
@@ -111,26 +112,14 @@ impl Body {
 
     /// Elastic energy at positions `x`, J; `+inf` when an element is inverted under a law that refuses it.
     pub fn energy(&self, x: &[DVec3]) -> f64 {
-        Arch::new().dispatch(|| {
-            per_order!(self, nodes, kernel, {
-                nodes.iter().zip(&self.tets).map(|(n, rest)| kernel.energy(rest, &gather(n, x))).sum()
-            })
-        })
+        per_order!(self, nodes, kernel, Arch::new().dispatch(Energy { kernel, nodes, tets: &self.tets, x }))
     }
 
     /// Adds the gradient of the elastic energy, N, per node.
     pub fn add_gradient(&self, x: &[DVec3], gradient: &mut [DVec3]) {
-        Arch::new().dispatch(|| {
-            per_order!(self, nodes, kernel, {
-                for (n, rest) in nodes.iter().zip(&self.tets) {
-                    let mut local = n.map(|_| DVec3::ZERO);
-                    kernel.add_gradient(rest, &gather(n, x), &mut local);
-                    for (&i, g) in n.iter().zip(local) {
-                        gradient[i as usize] += g;
-                    }
-                }
-            })
-        })
+        per_order!(self, nodes, kernel, {
+            Arch::new().dispatch(AddGradient { kernel, nodes, tets: &self.tets, x, gradient });
+        });
     }
 
     /// Adds gradient (N, per node) and stiffness (N/m, in [`Pattern`] storage). `project` makes every point's tangent
@@ -145,8 +134,9 @@ impl Body {
     /// Smallest determinant of the deformation gradient at positions `x`, over all quadrature points. For 10-node elements it
     /// includes the corners, the middles of the edges and the centre, where an inversion would otherwise go unseen.
     pub fn min_det_f(&self, x: &[DVec3]) -> f64 {
-        let points = Arch::new()
-            .dispatch(|| per_order!(self, nodes, kernel, kernel.min_det_f(&self.tets, |e, a| x[nodes[e][a] as usize])));
+        let points = per_order!(self, nodes, kernel, {
+            Arch::new().dispatch(LeastDeterminant { kernel, nodes, tets: &self.tets, x })
+        });
         points.min(self.min_det_f_at(&TET10_NODES, x)).min(self.min_det_f_at(&TET10_CENTER, x))
     }
 
@@ -172,7 +162,7 @@ impl Body {
         let Elements::Quadratic(nodes) = &self.elements else { return f64::INFINITY };
         let material = self.material.as_ref();
         let kernel = Kernel { shape, material, mean_dilatation: false };
-        Arch::new().dispatch(|| kernel.min_det_f(&self.tets, |e, a| x[nodes[e][a] as usize]))
+        Arch::new().dispatch(LeastDeterminant { kernel, nodes, tets: &self.tets, x })
     }
 
     /// Stress at positions `x`.
@@ -255,49 +245,5 @@ fn extrapolate<const Q: usize>(point: &[DMat3; Q], mean: &DMat3, a: usize) -> DM
     } else {
         let [i, j] = crate::mech::element::EDGES[a - 4];
         (corner(i) + corner(j)) * 0.5
-    }
-}
-
-/// Elements whose stiffness is computed side by side.
-const SIDE: usize = 8;
-
-/// Arguments of [`Body::add_stiffness`] as a callable struct: it uses all registers of a processor, which a closure of this
-/// size would not.
-struct AddStiffness<'a, const N: usize, const Q: usize> {
-    kernel: Kernel<'a, N, Q>,
-    nodes: &'a [[u32; N]],
-    tets: &'a [RestTet],
-    slots: &'a [Slot],
-    x: &'a [DVec3],
-    project: bool,
-    gradient: &'a mut [DVec3],
-    values: &'a mut [f64],
-}
-
-impl<const N: usize, const Q: usize> NullaryFnOnce for AddStiffness<'_, N, Q> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Self { kernel, nodes, tets, slots, x, project, gradient, values } = self;
-        let pairs = slots.len() / nodes.len().max(1);
-        let mut sum = Box::<Stiffness<N, SIDE>>::default();
-        for start in (0..nodes.len()).step_by(SIDE) {
-            // The last one stands in for those that the last row lacks.
-            let own: [usize; SIDE] = std::array::from_fn(|l| (start + l).min(nodes.len() - 1));
-            let at = own.map(|e| gather(&nodes[e], x));
-            kernel.stiffness(own.map(|e| &tets[e]), &at, project, &mut sum);
-            for (l, e) in (start..nodes.len()).take(SIDE).enumerate() {
-                for (&i, g) in nodes[e].iter().zip(sum.gradient[l]) {
-                    gradient[i as usize] += g;
-                }
-                let mut slot = slots[e * pairs..(e + 1) * pairs].iter();
-                for a in 0..N {
-                    for (b, &s) in (a..N).zip(&mut slot) {
-                        Pattern::add(values, s, &sum.block(l, a, b));
-                    }
-                }
-            }
-        }
     }
 }

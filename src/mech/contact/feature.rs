@@ -23,6 +23,7 @@ use crate::mech::potential::term::{Assembly, BodyTerm, Stencil};
 use crate::scales::FEATURE_MOVES;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
+use std::cell::LazyCell;
 use std::sync::Arc;
 
 /// A point of the object that must not slip between the sample points of a pad.
@@ -110,11 +111,19 @@ impl FeatureContact {
 
     /// Faces that feature `i`, which is `near`, presses on, on a surface with nodes at `x`. If `stays` is set, the choice
     /// between one face and a whole fold is kept; else it may change.
-    fn incident(&self, faces: &FaceBounds, i: usize, x: &[DVec3], near: GapBounds, stays: bool) -> Vec<IncidentFace> {
+    fn incident<'a>(
+        &self,
+        faces: impl FnOnce() -> &'a FaceBounds,
+        i: usize,
+        x: &[DVec3],
+        near: GapBounds,
+        stays: bool,
+    ) -> Vec<IncidentFace> {
         let reach = self.law_of(i).offset;
         if !near.within(reach) {
             return Vec::new();
         }
+        let faces = faces();
         faces.incident(&self.surface, x, near.at, reach, self.sites[i].last(stays), |closest_point| {
             near.sided(closest_point, faces.offset)
         })
@@ -131,15 +140,19 @@ impl FeatureContact {
 
 impl BodyTerm for FeatureContact {
     fn energy(&self, _: &Body, view: &BodyView) -> f64 {
-        let mut bounds = FaceBounds::new(self.pool.law.offset);
-        bounds.update(&self.surface, view.x);
+        // Only if a feature is near.
+        let bounds = LazyCell::new(|| {
+            let mut bounds = FaceBounds::new(self.pool.law.offset);
+            bounds.update(&self.surface, view.x);
+            bounds
+        });
         let moved = self.candidates.moved(view.x);
         let mut energy = 0.0;
         for i in self.nearby(view).unwrap_or_else(|| self.all()) {
             let e = self.pool.edge(i);
             let near = self.candidates.bounds(i, self.sites[i].place(view), moved);
             let law = self.law_of(i);
-            let incident = self.incident(&bounds, i, view.x, near, true);
+            let incident = self.incident(|| &*bounds, i, view.x, near, true);
             let energies = incident
                 .iter()
                 .map(|(closest_point, weight, _)| weight * law.normal_energy(closest_point.gap, e.scale));
@@ -298,7 +311,7 @@ impl FeatureContact {
     /// Refreshes gap, pressure and friction of edge `i`, whose feature is `near`; returns how far its friction limit lags, Pa.
     fn update(&mut self, i: usize, view: &BodyView, near: GapBounds, damping: f64) -> f64 {
         let law = self.law_of(i);
-        let incident = self.incident(&self.bounds, i, view.x, near, false);
+        let incident = self.incident(|| &self.bounds, i, view.x, near, false);
         // The object's outward normal at the contact is the pad's inward one.
         let places =
             incident.iter().map(|(closest_point, weight, _)| (closest_point.gap, -closest_point.normal, *weight));

@@ -8,7 +8,7 @@
 
 use crate::error::Result;
 use crate::mech::body::Body;
-use crate::mech::body::cholesky::Factor;
+use crate::mech::body::cholesky::{Factor, dot};
 use crate::mech::body::pattern::FIXED;
 use crate::mech::potential::block::{BodyBlock, RigidBlock};
 use crate::mech::potential::state::{MAX_RIGID, NewtonStep};
@@ -77,16 +77,6 @@ impl ArrowBlock {
         let solved = &self.rhs[self.block.coupling.len()..];
         self.block.coupling.chunks_exact(self.body.unknowns().max(1)).map(|b| dot(b, solved))
     }
-}
-
-/// Computes a scalar product in eight sums side by side, which do not wait for each other.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, rest), (b, other)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
-    let mut sums = [0.0; 8];
-    for (a, b) in a.iter().zip(b) {
-        (0..8).for_each(|k| sums[k] += a[k] * b[k]);
-    }
-    sums.iter().sum::<f64>() + rest.iter().zip(other).map(|(a, b)| a * b).sum::<f64>()
 }
 
 /// Combines solved blocks, and the block of the object alone, into the full Newton step. Negative or

@@ -156,8 +156,12 @@ impl CondensedPad {
         }
         let nothing = Correction { change: 0.0, displacement: 0.0, residual: 0.0 };
         let Some((body, factor)) = &mut self.eliminated else { return nothing };
-        let from_center = solve(body, factor, &contact);
-        x.iter_mut().zip(&self.center).zip(from_center).for_each(|((x, c), u)| *x = *c + u);
+        // Nothing but the patch is loaded, and its displacement is known.
+        let mut moved = vec![DVec3::ZERO; x.len()];
+        self.patch.iter().for_each(|&n| moved[n as usize] = x[n as usize] - self.center[n as usize]);
+        let mut moved = unknowns(body, &moved);
+        factor.follow_last(&mut moved, 3 * self.patch.len());
+        x.iter_mut().zip(&self.center).zip(nodes(body, &moved)).for_each(|((x, c), u)| *x = *c + u);
         self.gradient = loads(&self.dead, x.len());
         body.add_gradient(x, &mut self.gradient);
         contact.iter_mut().zip(&self.gradient).for_each(|(f, g)| *f = *g - *f);
@@ -200,12 +204,22 @@ fn loads(dead: &[DVec3], nodes: usize) -> Vec<DVec3> {
 
 /// Computes the displacements under `force` (N per node), m; zero at fixed nodes.
 fn solve(body: &Body, factor: &mut Factor, force: &[DVec3]) -> Vec<DVec3> {
-    let position = &body.pattern().position;
-    let mut rhs = vec![0.0; body.unknowns()];
-    for (f, &p) in force.iter().zip(position).filter(|(_, p)| **p != FIXED) {
-        rhs[3 * p as usize..3 * p as usize + 3].copy_from_slice(&f.to_array());
-    }
+    let mut rhs = unknowns(body, force);
     factor.solve(&mut rhs, 1);
-    let entry = |p: u32| if p == FIXED { DVec3::ZERO } else { DVec3::from_slice(&rhs[3 * p as usize..]) };
-    position.iter().map(|&p| entry(p)).collect()
+    nodes(body, &rhs).collect()
+}
+
+/// Returns the entries of the unknowns of `body` from the vectors of its nodes.
+fn unknowns(body: &Body, nodes: &[DVec3]) -> Vec<f64> {
+    let mut entries = vec![0.0; body.unknowns()];
+    for (node, &p) in nodes.iter().zip(&body.pattern().position).filter(|(_, p)| **p != FIXED) {
+        entries[3 * p as usize..3 * p as usize + 3].copy_from_slice(&node.to_array());
+    }
+    entries
+}
+
+/// Returns the vectors of the nodes of `body` from the entries of its unknowns; zero at fixed nodes.
+fn nodes(body: &Body, entries: &[f64]) -> impl Iterator<Item = DVec3> {
+    let of = |p: u32| if p == FIXED { DVec3::ZERO } else { DVec3::from_slice(&entries[3 * p as usize..]) };
+    body.pattern().position.iter().map(move |&p| of(p))
 }

@@ -7,7 +7,7 @@ use crate::mech::potential::state::BodyView;
 use crate::mech::potential::term::{Assembly, BodyTerm};
 use faer::Mat;
 use glam::DVec3;
-use pulp::Arch;
+use pulp::{Arch, NullaryFnOnce};
 use std::sync::Arc;
 
 /// Energy `1/2 (x - c)' S (x - c)` on the nodes of a patch, which are the free nodes of the body, in its order.
@@ -27,13 +27,7 @@ impl CondensedEnergy {
         let moved = self.patch.iter().zip(&self.center).flat_map(|(&n, c)| (x[n as usize] - *c).to_array());
         let moved: Vec<f64> = moved.collect();
         let mut force = vec![0.0; moved.len()];
-        Arch::new().dispatch(|| {
-            for (column, d) in self.stiffness.col_iter().zip(&moved) {
-                // Columns of a matrix are contiguous.
-                let column = column.try_as_col_major().map_or(&[][..], |c| c.as_slice());
-                force.iter_mut().zip(column).for_each(|(f, s)| *f += s * d);
-            }
-        });
+        Arch::new().dispatch(Force { stiffness: &self.stiffness, moved: &moved, force: &mut force });
         (moved, force)
     }
 }
@@ -56,6 +50,26 @@ impl BodyTerm for CondensedEnergy {
                 let values = &mut block.values[columns[j]..columns[j + 1]];
                 values.iter_mut().zip(column.iter().skip(j)).for_each(|(v, s)| *v += s);
             }
+        }
+    }
+}
+
+/// Product of the stiffness with a displacement: a callable struct, which uses all registers of a processor.
+struct Force<'a> {
+    stiffness: &'a Mat<f64>,
+    moved: &'a [f64],
+    force: &'a mut [f64],
+}
+
+impl NullaryFnOnce for Force<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (column, d) in self.stiffness.col_iter().zip(self.moved) {
+            // Columns of a matrix are contiguous.
+            let column = column.try_as_col_major().map_or(&[][..], |c| c.as_slice());
+            self.force.iter_mut().zip(column).for_each(|(f, s)| *f += s * d);
         }
     }
 }
