@@ -122,7 +122,7 @@ impl Body {
         });
     }
 
-    /// Adds gradient (N, per node) and stiffness (N/m, in [`Pattern`] storage). `project` makes every point's tangent
+    /// Adds gradient (N, per node) and stiffness (N/m, in [`Pattern`](pattern::Pattern) storage). `project` makes every point's tangent
     /// positive semidefinite.
     pub fn add_stiffness(&self, x: &[DVec3], project: bool, gradient: &mut [DVec3], values: &mut [f64]) {
         per_order!(self, nodes, kernel, {
