@@ -195,7 +195,7 @@ impl BodyTerm for FeatureContact {
                 }
             }
             if let Some((stick, s)) = self.stretch(i, e.sticks(), view) {
-                let pair = friction_pair(&self.pool.law, &e, self.area, s, arm, how.project);
+                let pair = friction_pair(&self.pool.law, &e, self.area, s, arm, how);
                 block.add_pair(body, view, stick, &pair);
             }
         }

@@ -125,7 +125,7 @@ impl ObjectTerm for GroundContact {
             }
             if let Some(anchor) = e.sticks() {
                 let s = self.hand.to_hand(anchor) - view.position - arm;
-                block.add_object_pair(view, &friction_pair(&self.pool.law, &e, 1.0, s, arm, how.project));
+                block.add_object_pair(view, &friction_pair(&self.pool.law, &e, 1.0, s, arm, how));
             }
         }
     }

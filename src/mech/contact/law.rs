@@ -97,13 +97,15 @@ impl ContactLaw {
         if slips(size, limit) { limit * (s.length() - 0.5 * limit / self.tangential) } else { 0.5 * size * s.length() }
     }
 
-    /// Coefficients `(a, b)` of the friction Hessian `a (I - n n^T) - b t t^T`, Pa/m, with `t` the unit traction.
+    /// Coefficients `(a, b)` of the friction Hessian `a (I - n n^T) - b t t^T`, Pa/m, with `t` the unit traction. If it is the
+    /// `secant`, `b` is zero: the quadratic with this Hessian lies above the energy, so that its minimum is lower than where it touches
+    /// it (Kacanov's method: Han, Jensen and Shimansky 1997).
     #[inline(always)]
-    pub fn friction_hessian(&self, s: DVec3, limit: f64) -> (f64, f64) {
+    pub fn friction_hessian(&self, s: DVec3, limit: f64, secant: bool) -> (f64, f64) {
         let size = s.length() * self.tangential;
         if slips(size, limit) {
             let a = self.tangential * limit / size;
-            (a, a)
+            (a, if secant { 0.0 } else { a })
         } else {
             (self.tangential, 0.0)
         }

@@ -4,6 +4,7 @@ use super::edge::EdgeState;
 use super::law::ContactLaw;
 use crate::mech::potential::block::Pair;
 use crate::mech::potential::cross::{cross_matrix, outer, rotation_hessian};
+use crate::mech::potential::term::Assembly;
 use glam::{DMat3, DVec3};
 
 /// Derivatives of the normal energy. With `g` the gap, `u = delta - w x r` the relative motion and `n` the normal,
@@ -46,15 +47,15 @@ pub(crate) fn weighed(pair: Pair, weight: f64, project: bool) -> Pair {
 
 /// Derivatives of the friction energy at frozen normal and limit; `s` is the displacement of the pad's point from the
 /// sticking point, `r` the arm of the object's point.
-pub(crate) fn friction_pair(law: &ContactLaw, e: &EdgeState, area: f64, s: DVec3, r: DVec3, project: bool) -> Pair {
+pub(crate) fn friction_pair(law: &ContactLaw, e: &EdgeState, area: f64, s: DVec3, r: DVec3, how: Assembly) -> Pair {
     let n = e.plane;
-    let (a, b) = law.engaged(e.share).friction_hessian(slip(s, n), e.limit);
+    let (a, b) = law.engaged(e.share).friction_hessian(slip(s, n), e.limit, how.secant);
     let t = e.traction.normalize_or_zero();
     let d = ((DMat3::IDENTITY - outer(n, n)) * a - outer(t, t) * b) * area;
     let force = e.traction * -area;
     let arm = cross_matrix(r);
     let mut pair = Pair { force, torque: -r.cross(force), dd: d, dw: d * arm, ww: arm.transpose() * d * arm };
-    if !project {
+    if !how.project {
         pair.ww -= rotation_hessian(force, r);
     }
     pair

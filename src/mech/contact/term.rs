@@ -109,7 +109,7 @@ impl BodyTerm for PointContact {
             }
             if let Some(anchor) = e.sticks() {
                 let arm = view.object.rotation * anchor;
-                let pair = friction_pair(law, e, area, world - view.object.position - arm, arm, how.project);
+                let pair = friction_pair(law, e, area, world - view.object.position - arm, arm, how);
                 block.add_pair(body, view, &stencil, &pair);
             }
         }

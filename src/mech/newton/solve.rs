@@ -22,6 +22,8 @@ const CRAWLING: u32 = 8;
 const QUICK: f64 = 0.2;
 /// Largest number of iterations over the usual limit, for a solution whose terms strengthen themselves.
 const RENEWALS: u32 = 4;
+/// Part of a step from which on it counts as whole.
+const WHOLE: f64 = 0.9;
 /// Part of a step below which only rounding moves.
 const STUCK: f64 = 1e-9;
 
@@ -43,11 +45,13 @@ impl Newton {
         let (mut iterations, mut resting, mut untouched, mut crawled) = (0, 0, 0, 0);
         let mut history = [f64::INFINITY; 2];
         let mut lagging = Lagging::new(tolerance.passing);
+        let mut cut = false;
         loop {
             let damping = lagging.damping();
             self.profile.frozen += u64::from(lagging.freezes());
             let sharp = last_motion <= SHARP_MOTION * tolerance.offset;
-            let mut how = Assembly { project: false, damping, sharp };
+            // Friction bends the energy where points begin to slip: a step that crosses it far is cut, the next one is more careful.
+            let mut how = Assembly { project: false, damping, sharp, secant: cut };
             let clock = Instant::now();
             // The last factorisation may do once more where it did well.
             let fresh = history[0].is_infinite() || history[1] >= QUICK * history[0];
@@ -123,6 +127,7 @@ impl Newton {
                     }
                     now = next;
                     last_motion = motion;
+                    cut = alpha < WHOLE;
                 }
                 // At rounding level no step lowers the energy any more: that is as converged as doubles get.
                 None if residual <= allowed => last_motion = 0.0,

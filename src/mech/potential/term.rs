@@ -19,11 +19,13 @@ pub struct Assembly {
     pub damping: f64,
     /// Flag: Hessians have all second derivatives, those included that lead astray far from a solution.
     pub sharp: bool,
+    /// Flag: points that slip resist along their slip, too, by the secant of their friction: steps are shorter, and lead downhill farther.
+    pub secant: bool,
 }
 
 impl Assembly {
     /// Manner near a solution: lagged quantities follow at once, Hessians are whole.
-    pub const WHOLE: Self = Self { project: false, damping: 1.0, sharp: true };
+    pub const WHOLE: Self = Self { project: false, damping: 1.0, sharp: true, secant: false };
     /// [`Assembly::WHOLE`], with positive semidefinite parts alone.
     pub const PROJECTED: Self = Self { project: true, ..Self::WHOLE };
 }
