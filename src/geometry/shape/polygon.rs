@@ -17,6 +17,7 @@ pub struct Profile {
     closed: bool,
     /// Outward unit normal of segment `i`, from point `i` to the next.
     normals: Vec<DVec2>,
+    /// Segments, side by side.
     chunks: Vec<Chunk>,
     /// Boxes around the chunks.
     boxes: Vec<Boxes>,

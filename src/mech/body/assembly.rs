@@ -10,48 +10,43 @@ use pulp::NullaryFnOnce;
 /// Elements whose stiffness is computed side by side.
 const SIDE: usize = 8;
 
-/// Sum of the energies of all elements.
-pub(super) struct Energy<'a, const N: usize, const Q: usize> {
+/// All elements of a body at the node positions `x`.
+pub(super) struct ElementLoop<'a, const N: usize, const Q: usize> {
     pub kernel: Kernel<'a, N, Q>,
     pub nodes: &'a [[u32; N]],
     pub tets: &'a [RestTet],
     pub x: &'a [DVec3],
 }
+
+/// Sum of the energies.
+pub(super) struct Energy<'a, const N: usize, const Q: usize>(pub ElementLoop<'a, N, Q>);
 
 impl<const N: usize, const Q: usize> NullaryFnOnce for Energy<'_, N, Q> {
     type Output = f64;
 
     #[inline(always)]
     fn call(self) -> f64 {
-        let Self { kernel, nodes, tets, x } = self;
+        let ElementLoop { kernel, nodes, tets, x } = self.0;
         nodes.iter().zip(tets).map(|(n, rest)| kernel.energy(rest, &gather(n, x))).sum()
     }
 }
 
 /// Smallest determinant of the deformation gradient.
-pub(super) struct LeastDeterminant<'a, const N: usize, const Q: usize> {
-    pub kernel: Kernel<'a, N, Q>,
-    pub nodes: &'a [[u32; N]],
-    pub tets: &'a [RestTet],
-    pub x: &'a [DVec3],
-}
+pub(super) struct LeastDeterminant<'a, const N: usize, const Q: usize>(pub ElementLoop<'a, N, Q>);
 
 impl<const N: usize, const Q: usize> NullaryFnOnce for LeastDeterminant<'_, N, Q> {
     type Output = f64;
 
     #[inline(always)]
     fn call(self) -> f64 {
-        let Self { kernel, nodes, tets, x } = self;
+        let ElementLoop { kernel, nodes, tets, x } = self.0;
         kernel.min_det_f(tets, |e, a| x[nodes[e][a] as usize])
     }
 }
 
-/// Sum of the gradients of all elements.
+/// Sum of the gradients.
 pub(super) struct AddGradient<'a, const N: usize, const Q: usize> {
-    pub kernel: Kernel<'a, N, Q>,
-    pub nodes: &'a [[u32; N]],
-    pub tets: &'a [RestTet],
-    pub x: &'a [DVec3],
+    pub elements: ElementLoop<'a, N, Q>,
     pub gradient: &'a mut [DVec3],
 }
 
@@ -60,24 +55,21 @@ impl<const N: usize, const Q: usize> NullaryFnOnce for AddGradient<'_, N, Q> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { kernel, nodes, tets, x, gradient } = self;
+        let ElementLoop { kernel, nodes, tets, x } = self.elements;
         for (n, rest) in nodes.iter().zip(tets) {
             let mut local = n.map(|_| DVec3::ZERO);
             kernel.add_gradient(rest, &gather(n, x), &mut local);
             for (&i, g) in n.iter().zip(local) {
-                gradient[i as usize] += g;
+                self.gradient[i as usize] += g;
             }
         }
     }
 }
 
-/// Sum of the gradients and of the stiffness of all elements.
+/// Sum of the gradients and of the stiffness.
 pub(super) struct AddStiffness<'a, const N: usize, const Q: usize> {
-    pub kernel: Kernel<'a, N, Q>,
-    pub nodes: &'a [[u32; N]],
-    pub tets: &'a [RestTet],
+    pub elements: ElementLoop<'a, N, Q>,
     pub slots: &'a [Slot],
-    pub x: &'a [DVec3],
     pub project: bool,
     pub gradient: &'a mut [DVec3],
     pub values: &'a mut [f64],
@@ -88,7 +80,7 @@ impl<const N: usize, const Q: usize> NullaryFnOnce for AddStiffness<'_, N, Q> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { kernel, nodes, tets, slots, x, project, gradient, values } = self;
+        let Self { elements: ElementLoop { kernel, nodes, tets, x }, slots, project, gradient, values } = self;
         let pairs = slots.len() / nodes.len().max(1);
         let mut sum = Box::<Stiffness<N, SIDE>>::default();
         for start in (0..nodes.len()).step_by(SIDE) {

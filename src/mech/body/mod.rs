@@ -7,7 +7,7 @@ pub mod locking;
 pub mod pattern;
 
 use self::analysis::Analysis;
-use self::assembly::{AddGradient, AddStiffness, Energy, LeastDeterminant};
+use self::assembly::{AddGradient, AddStiffness, ElementLoop, Energy, LeastDeterminant};
 use crate::mech::element::{Kernel, RestTet, ShapeFunctions, TET4, TET10, TET10_CENTER, TET10_NODES};
 use crate::mech::material::{Material, von_mises};
 use glam::{DMat3, DVec3};
@@ -112,13 +112,19 @@ impl Body {
 
     /// Elastic energy at positions `x`, J; `+inf` when an element is inverted under a law that refuses it.
     pub fn energy(&self, x: &[DVec3]) -> f64 {
-        per_order!(self, nodes, kernel, Arch::new().dispatch(Energy { kernel, nodes, tets: &self.tets, x }))
+        per_order!(
+            self,
+            nodes,
+            kernel,
+            Arch::new().dispatch(Energy(ElementLoop { kernel, nodes, tets: &self.tets, x }))
+        )
     }
 
     /// Adds the gradient of the elastic energy, N, per node.
     pub fn add_gradient(&self, x: &[DVec3], gradient: &mut [DVec3]) {
         per_order!(self, nodes, kernel, {
-            Arch::new().dispatch(AddGradient { kernel, nodes, tets: &self.tets, x, gradient });
+            Arch::new()
+                .dispatch(AddGradient { elements: ElementLoop { kernel, nodes, tets: &self.tets, x }, gradient });
         });
     }
 
@@ -126,8 +132,8 @@ impl Body {
     /// positive semidefinite.
     pub fn add_stiffness(&self, x: &[DVec3], project: bool, gradient: &mut [DVec3], values: &mut [f64]) {
         per_order!(self, nodes, kernel, {
-            let (tets, slots) = (&self.tets[..], self.slots());
-            Arch::new().dispatch(AddStiffness { kernel, nodes, tets, slots, x, project, gradient, values });
+            let (elements, slots) = (ElementLoop { kernel, nodes, tets: &self.tets, x }, self.slots());
+            Arch::new().dispatch(AddStiffness { elements, slots, project, gradient, values });
         });
     }
 
@@ -135,7 +141,7 @@ impl Body {
     /// includes the corners, the middles of the edges and the centre, where an inversion would otherwise go unseen.
     pub fn min_det_f(&self, x: &[DVec3]) -> f64 {
         let points = per_order!(self, nodes, kernel, {
-            Arch::new().dispatch(LeastDeterminant { kernel, nodes, tets: &self.tets, x })
+            Arch::new().dispatch(LeastDeterminant(ElementLoop { kernel, nodes, tets: &self.tets, x }))
         });
         points.min(self.min_det_f_at(&TET10_NODES, x)).min(self.min_det_f_at(&TET10_CENTER, x))
     }
@@ -162,7 +168,7 @@ impl Body {
         let Elements::Quadratic(nodes) = &self.elements else { return f64::INFINITY };
         let material = self.material.as_ref();
         let kernel = Kernel { shape, material, mean_dilatation: false };
-        Arch::new().dispatch(LeastDeterminant { kernel, nodes, tets: &self.tets, x })
+        Arch::new().dispatch(LeastDeterminant(ElementLoop { kernel, nodes, tets: &self.tets, x }))
     }
 
     /// Stress at positions `x`.

@@ -149,16 +149,14 @@ impl CondensedPad {
 
     /// Computes the positions `x` of the whole pad from those of its patch, and corrects the centre by the real law.
     pub(crate) fn correct(&mut self, x: &mut [DVec3]) -> Correction {
-        let (_, force) = self.term().force(x);
-        let mut contact = vec![DVec3::ZERO; x.len()];
-        for (&n, f) in self.patch.iter().zip(force.chunks_exact(3)) {
-            contact[n as usize] = DVec3::from_slice(f);
+        // Nothing but the patch is loaded, and its displacement is known.
+        let (displacement, force) = self.term().force(x);
+        let (mut moved, mut contact) = (vec![DVec3::ZERO; x.len()], vec![DVec3::ZERO; x.len()]);
+        for ((&n, u), f) in self.patch.iter().zip(displacement.chunks_exact(3)).zip(force.chunks_exact(3)) {
+            (moved[n as usize], contact[n as usize]) = (DVec3::from_slice(u), DVec3::from_slice(f));
         }
         let nothing = Correction { change: 0.0, displacement: 0.0, residual: 0.0 };
         let Some((body, factor)) = &mut self.eliminated else { return nothing };
-        // Nothing but the patch is loaded, and its displacement is known.
-        let mut moved = vec![DVec3::ZERO; x.len()];
-        self.patch.iter().for_each(|&n| moved[n as usize] = x[n as usize] - self.center[n as usize]);
         let mut moved = unknowns(body, &moved);
         factor.follow_last(&mut moved, 3 * self.patch.len());
         x.iter_mut().zip(&self.center).zip(nodes(body, &moved)).for_each(|((x, c), u)| *x = *c + u);
