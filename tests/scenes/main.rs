@@ -6,6 +6,8 @@ mod common;
 mod keep;
 #[path = "../fixtures/promises.rs"]
 mod promises;
+#[path = "../fixtures/skipped.rs"]
+mod skipped;
 
 mod audit;
 mod campaign;
@@ -25,6 +27,7 @@ mod scene_load;
 mod scenes_checked;
 mod shipped;
 mod snapshots;
+mod summary;
 mod torture;
 mod torture_meshes;
 mod uneven_pads;
