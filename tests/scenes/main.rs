@@ -13,6 +13,7 @@ mod audit;
 mod campaign;
 mod certified;
 mod files_from_the_wild;
+mod links;
 #[cfg(unix)]
 mod mutations;
 mod outcomes;
