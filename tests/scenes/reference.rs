@@ -78,13 +78,21 @@ fn kind(name: &str) -> String {
         "Size" => "(x, y, z), m",
         "Cells" => "(x, y, z), whole numbers",
         "Span" => "(least, most)",
-        "String" | "Reason" => "text",
+        "String" | "Reason" | "Name" => "text",
+        "GraspCount" => "whole number, 1 to 1000000",
+        "Rotation" => "(w, x, y, z) or RpyDeg((roll, pitch, yaw))",
         "(String, String)" => "two texts",
         "PathBuf" => "path",
-        "usize" => "whole number from 0",
+        "usize" | "u64" => "whole number from 0",
         "usize, usize" => "two whole numbers from 0",
         "bool" => "true or false",
-        other => return format!("[`{}`](#{})", shown(other), shown(other).to_lowercase()),
+        other => {
+            return format!(
+                "[`{}`](#{})",
+                shown(other),
+                shown(other).to_lowercase().replace(": ", "-").replace(' ', "-")
+            );
+        }
     }
     .into()
 }
@@ -226,6 +234,8 @@ fn items() -> BTreeMap<String, Item> {
 fn absent(of: &str) -> String {
     let text = match of {
         "bool" => "false",
+        "u64" => "0",
+        "Rotation" => "no rotation",
         "String" => "empty",
         of if of.starts_with("Option<") => "none",
         of if of.starts_with("Vec<") => "empty",
