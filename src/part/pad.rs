@@ -130,7 +130,8 @@ fn read(file: &FilePad, notices: &mut Vec<String>) -> Result<PadMesh> {
     let scale = file.scale.get();
     let (bonding, listed) = bonding(file, notices)?;
     let (outward, across) = (file.outward.dvec3().normalize(), file.across.map(|a| a.dvec3()));
-    let (mut pad, news) = pad::read_pad(&file.path, &pad::PadPlacement { outward, across, bonding }, listed)?;
+    let placement = pad::PadPlacement { outward, across, bonding };
+    let (mut pad, news) = pad::read_pad_group(&file.path, file.group.as_deref(), &placement, listed)?;
     // The reader takes coordinates as metres, which `scale` says they are not.
     notices.extend(news.into_iter().filter(|n| scale == 1.0 || !n.contains("taken as metres")));
     pad.mesh.nodes.iter_mut().for_each(|p| *p *= scale);

@@ -245,6 +245,14 @@ fn grasps(grasps: &Grasps) -> Result<(), Problem> {
         Grasps::List(poses) if poses.is_empty() => {
             refuse("grasps", "an empty list of grasps\nleave `grasps` out for one at the identity")
         }
+        Grasps::List(poses) => match poses.iter().position(|p| p.position.is_some() == p.centre.is_some()) {
+            Some(i) => refuse(
+                &format!("grasps[{i}]"),
+                "a pose needs `position`, the origin of the hand, or `centre`, the point midway between the pads, and not both\n\
+                 `centre: (0, 0, 0)` puts the origin of the object between the pads, however the hand is turned",
+            ),
+            None => Ok(()),
+        },
         Grasps::Antipodal(a) if a.tilt_deg.get() > 90.0 => {
             refuse("grasps.tilt_deg", format!("must be at most 90 degrees, found {}", shown(a.tilt_deg.get())))
         }
