@@ -11,6 +11,7 @@ use tactus::geometry::pad::{Resolution, box_pad};
 use tactus::grasp::{poses_of, read_grasps_h5, write_grasps_h5};
 use tactus::gripper::GraspPose;
 use tactus::model::Model;
+use tactus::net::network::card::Trained;
 use tactus::random::Random;
 use tactus::scene::{Convention, HandAxis, QuaternionOrder, load};
 
@@ -254,7 +255,6 @@ fn two_volumes(version: &str, form: Form) -> Vec<u8> {
         o.text("\n");
     }
     o.text("$EndMeshFormat\n$PhysicalNames\n3\n2 9 \"skin\"\n3 7 \"gel\"\n3 8 \"soft backing\"\n$EndPhysicalNames\n");
-    let size = |o: &mut Out, v| if v41 { o.size(v) } else { o.int(v) };
     if !v2 {
         // A point in a group of its own, and two volumes without a boundary.
         o.text("$Entities\n");
@@ -279,15 +279,15 @@ fn two_volumes(version: &str, form: Form) -> Vec<u8> {
     if v2 {
         o.text(&format!("{n}\n"));
     } else {
-        size(&mut o, 1);
-        size(&mut o, n);
+        o.size(1);
+        o.size(n);
         if v41 {
             o.size(1);
             o.size(n);
         }
         o.end();
         [3, 1, 0].into_iter().for_each(|v| o.int(v));
-        size(&mut o, n);
+        o.size(n);
         o.end();
         (0..if v41 { n } else { 0 }).for_each(|i| {
             o.size(i + 1);
@@ -305,8 +305,8 @@ fn two_volumes(version: &str, form: Form) -> Vec<u8> {
     if v2 {
         o.text(&format!("{}\n", mesh.tets.len()));
     } else {
-        size(&mut o, 2);
-        size(&mut o, mesh.tets.len());
+        o.size(2);
+        o.size(mesh.tets.len());
         if v41 {
             o.size(1);
             o.size(mesh.tets.len());
@@ -318,7 +318,7 @@ fn two_volumes(version: &str, form: Form) -> Vec<u8> {
             // The dimension stands first since 4.1.
             if v41 { [3, part + 1] } else { [part + 1, 3] }.into_iter().for_each(|v| o.int(v));
             o.int(4);
-            size(&mut o, tets.len());
+            o.size(tets.len());
             o.end();
         } else if form != Form::Text {
             [4, tets.len(), 2].into_iter().for_each(|v| o.int(v));
@@ -373,8 +373,15 @@ fn a_group_of_a_gmsh_file_is_chosen_by_its_name() {
                 loading: Squeeze(force: 1, frames: 1))";
     let scene = dir.path().join("s.ron");
     std::fs::write(&scene, text).unwrap();
-    let (pad, _) = tactus::part::pad::build(&load(&scene).unwrap().scene.gripper.pads, &mut Vec::new()).unwrap();
+    let built = |scene: &Path| tactus::part::pad::build(&load(scene).unwrap().scene.gripper.pads, &mut Vec::new());
+    let (pad, _) = built(&scene).unwrap();
     assert!((pad.thickness() - 2e-3).abs() < 1e-9, "{} m", pad.thickness());
+    // In another unit than the file's it is too small or too large for any gel.
+    for (scale, size) in [("1e-6", "2e-8 x 1.6e-8 x 2e-9 m"), ("1000", "20 x 16 x 2 m")] {
+        std::fs::write(&scene, text.replace("\"gel\"", &format!("\"gel\", scale: {scale}"))).unwrap();
+        let error = built(&scene).map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains(&format!("the pad is {size}")) && error.contains("from 1e-5 to 2 m"), "{error}");
+    }
     let error = io::read_tet_group("a.vtk", Some("gel")).unwrap_err().to_string();
     assert!(error.contains("convert it to gmsh"), "{error}");
 }
@@ -1032,4 +1039,24 @@ fn damaged_meshes_and_grasp_files_are_read_or_refused_by_name() {
     }
     let all = each * files.len();
     assert!(all >= 500 && refused > all / 3, "{refused} of {all} damages are refused");
+}
+
+/// Models of version 0.1 are refused with what takes their place.
+#[test]
+fn models_of_former_versions_name_their_successor() {
+    let dir = tempfile::tempdir().unwrap();
+    let model = dir.path().join("old");
+    std::fs::create_dir(&model).unwrap();
+    std::fs::write(model.join("weights.safetensors"), [0; 8]).unwrap();
+    std::fs::write(
+        model.join("card.ron"),
+        "(tactus: \"0.1.0\", features: 2, spec: (layers: 3), data: \"x\", best: true)",
+    )
+    .unwrap();
+    let error = Trained::read(&model).unwrap_err().to_string();
+    for says in ["trained by tactus 0.1.0", "features of version 2", "`tactus train`", "ships: universe"] {
+        assert!(error.contains(says), "`{says}` is not in: {error}");
+    }
+    let error = Trained::read(&dir.path().join("gelsight_mini")).unwrap_err().to_string();
+    assert!(error.contains("shipped with version 0.1") && error.contains("universe"), "{error}");
 }

@@ -216,7 +216,8 @@ fn items() -> BTreeMap<String, Item> {
             let is_enum = opens("pub enum ").is_some();
             match (&open, opens("pub struct ").or_else(|| opens("pub enum ")).or(bare)) {
                 (None, Some(name)) if !name.contains(['$', '<']) => {
-                    let defaulted = attributes.contains("serde(default");
+                    let defaulted =
+                        ["serde(default", ", default,", ", default)"].iter().any(|mark| attributes.contains(mark));
                     let item = Item { is_enum, docs: docs.trim().into(), fields: Vec::new(), defaulted };
                     items.insert(name.clone(), item);
                     open = Some((name, indent));
@@ -374,7 +375,7 @@ fn the_page_has_the_values_of_defaults() {
         "| `pads` | [`Pads`](#pads) | GelSightMini() |",
         "| `material` | [`Material`](#material) | Preset(\"gelsight_mini\") |",
         "| `rotation` | (w, x, y, z) or RpyDeg((roll, pitch, yaw)) | (1, 0, 0, 0) |",
-        "| [Displacement, Stress, ContactForce, ObjectPose] | Fields of each frame. |",
+        "| `fields` | list: [`Field`](#field) | [Displacement, Stress, ContactForce, ObjectPose] | Fields of each frame. |",
         "| `arrays` | [`Arrays`](#arrays), optional | Npz |",
         "| `rows` | whole number, 1 to 512 | 8 |",
     ] {

@@ -51,7 +51,7 @@ fn unknown_fields_list_the_allowed_ones() {
 fn former_fields_name_their_successors() {
     line_three(
         "gripper: (pads: File(path: \"a.tet\", attach_distance: 1e-3)),",
-        38,
+        37,
         &["unknown field `attach_distance` in File", "`bonded: Plane(within: ...)`"],
     );
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::collect::{Collected, kept_nodes};
-use super::groups::Entry;
+use super::groups::NumberWidth;
 use super::{PARAMETRIC, Version, declared};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TetMesh;
@@ -61,9 +61,9 @@ pub(crate) fn parse(path: &Path, source: &str, group: Option<&str>) -> Result<(T
         }
         let mut numbers = numbers.into_iter();
         if let Some(version) = version {
-            found.groups.entities(version, |entry| match entry {
-                Entry::Real => numbers.next().map(|_| 0),
-                Entry::Int | Entry::Size => numbers.next()?.parse().ok(),
+            found.groups.entities(version, |width| match width {
+                NumberWidth::Real => numbers.next().map(|_| 0),
+                NumberWidth::Int | NumberWidth::Size => numbers.next()?.parse().ok(),
             });
         }
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::collect::{Collected, kept_nodes};
 use super::cursor::Cursor;
-use super::groups::Entry;
+use super::groups::NumberWidth;
 use super::{PARAMETRIC, Version, declared};
 use crate::error::Result;
 use crate::geometry::mesh::{MAX_COUNT, TetMesh};
@@ -38,10 +38,10 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], group: Option<&str>) -> Result<(T
                         }
                     }
                     ("$Entities", Some(version)) => {
-                        found.groups.entities(version, |entry| match entry {
-                            Entry::Real => section.take(8, "a real").ok().map(|_| 0),
-                            Entry::Int => section.any_int("a tag").ok().map(i64::from),
-                            Entry::Size => section.size("a count").ok()?.try_into().ok(),
+                        found.groups.entities(version, |width| match width {
+                            NumberWidth::Real => section.take(8, "a real").ok().map(|_| 0),
+                            NumberWidth::Int => section.any_int("a tag").ok().map(i64::from),
+                            NumberWidth::Size => section.size("a count").ok()?.try_into().ok(),
                         });
                     }
                     _ => {}

@@ -10,9 +10,9 @@ use std::path::Path;
 /// Largest number of groups that a message names.
 const SHOWN: usize = 20;
 
-/// Number of a section of entities, by the width that its binary form has.
+/// Width that a number of the section of entities has in the binary form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Entry {
+pub(crate) enum NumberWidth {
     Int,
     Size,
     Real,
@@ -42,21 +42,21 @@ impl Groups {
 
     /// Takes the section of entities of version 4, number by number; `next` returns a number, and zero for a real. A section that ends
     /// early gives no groups.
-    pub fn entities(&mut self, version: Version, mut next: impl FnMut(Entry) -> Option<i64>) -> Option<()> {
+    pub fn entities(&mut self, version: Version, mut next: impl FnMut(NumberWidth) -> Option<i64>) -> Option<()> {
         let mut counts = [0; 4];
         for count in &mut counts {
-            *count = next(Entry::Size)?;
+            *count = next(NumberWidth::Size)?;
         }
         let mut of_volume = BTreeMap::new();
         for (dimension, count) in counts.into_iter().enumerate() {
             for _ in 0..count {
-                let tag = next(Entry::Int)?;
+                let tag = next(NumberWidth::Int)?;
                 // A point has coordinates since 4.1, everything else a box.
                 let reals = if dimension == 0 && version == Version::V41 { 3 } else { 6 };
-                (0..reals).try_for_each(|_| next(Entry::Real).map(|_| ()))?;
+                (0..reals).try_for_each(|_| next(NumberWidth::Real).map(|_| ()))?;
                 let mut list = || {
-                    let count = next(Entry::Size)?;
-                    (0..count).map(|_| next(Entry::Int).map(i64::unsigned_abs)).collect::<Option<Vec<u64>>>()
+                    let count = next(NumberWidth::Size)?;
+                    (0..count).map(|_| next(NumberWidth::Int).map(i64::unsigned_abs)).collect::<Option<Vec<u64>>>()
                 };
                 let groups = list()?;
                 if dimension > 0 {
