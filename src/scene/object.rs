@@ -13,7 +13,7 @@ pub struct Object {
     /// Shape in the object frame.
     pub shape: ObjectShape,
     /// Factor on all lengths of the shape. None takes the `object/scale` that the grasp file has, and 1 without one.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<Positive>,
     /// Switch for the repair of a surface from a file that does not bound a solid: vertices are welded and holes filled;
     /// if that is not enough, the winding number of the surface is sampled anew.

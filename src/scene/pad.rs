@@ -200,7 +200,7 @@ pub struct FilePad {
     /// Path of the mesh file.
     pub path: PathBuf,
     /// Name or tag of the physical volume of a gmsh file that is the gel; None takes all volumes.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub group: Option<String>,
     /// Direction out of the gel towards the object, in the file's axes; any length except zero.
     #[serde(default = "defaults::pad_outward")]
