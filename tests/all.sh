@@ -1,9 +1,15 @@
 #!/usr/bin/env bash
-# Everything a change must pass: format, lints, documentation, tests. Needs the Rust toolchain and a C compiler.
+# Everything a change must pass: format, lints, documentation, tests. Needs the Rust toolchain and a C compiler. The last lines say what was
+# skipped and why, and how many tests passed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo fmt --check
 cargo clippy --release --all-targets -- -D warnings
 RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps
-cargo test --release --no-fail-fast
-tests/python.sh
+printed=$(mktemp) status=0
+trap 'rm -f "$printed"' EXIT
+for tests in "cargo test --release --no-fail-fast" tests/python.sh; do
+    $tests 2>&1 | tee -a "$printed" || status=1
+done
+awk -f tests/summary.awk "$printed"
+exit $status

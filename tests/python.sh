@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 skip() {
-    echo "skipped: Python tests ($1)"
+    echo "SKIPPED [1] python/tests: $1"
     exit 0
 }
 target=$PWD/target
@@ -15,9 +15,9 @@ python3 -c 'import sys; sys.exit(sys.version_info < (3, 10))' || skip "python3 i
 [ -x "$environment/bin/pip" ] || python3 -m venv "$environment" > /dev/null || skip "python3 makes no environment"
 "$environment/bin/pip" "${install[@]}" "maturin>=1.7,<2" pytest "numpy>=1.26" "gymnasium>=1.1" || skip "its packages cannot be fetched"
 "$environment/bin/pip" "${install[@]}" mypy matplotlib trimesh meshio ||
-    echo "skipped: Python tests of types, pictures and meshes (their packages cannot be fetched)"
+    echo "the packages for types, pictures and meshes cannot be fetched"
 "$environment/bin/pip" install -q --retries 1 --timeout 30 playwright ||
-    echo "skipped: Python tests of the viewer in a browser (Playwright cannot be fetched)"
+    echo "Playwright, for the viewer in a browser, cannot be fetched"
 cargo fetch -q --locked || skip "the crates of its bindings cannot be fetched"
 rm -rf "$wheels" "$bare"
 # The crate and its dependencies are built already. One wheel is for all CPython from 3.10 on.
@@ -32,4 +32,4 @@ python3 -m venv "$bare"
 empty=$(mktemp -d)
 trap 'rm -rf "$empty"' EXIT
 (cd "$empty" && "$bare/bin/python" -I - < "$target/../python/tests/without_repository.py")
-cd "$environment" && bin/python -P -m pytest -q -p no:cacheprovider ../../python/tests
+cd "$environment" && bin/python -P -m pytest -q -rs -p no:cacheprovider ../../python/tests

@@ -1,23 +1,12 @@
 //! Grasp files: what they mean, on real data where it is there, and what is refused.
 
+use crate::skipped::data;
 use glam::{DQuat, DVec3};
 use hdf5_pure::FileBuilder;
 use std::path::Path;
 use tactus::grasp::{keep_first, poses_of, read_grasps_h5, write_grasps_h5};
 use tactus::gripper::GraspPose;
 use tactus::scene::{GraspCount, Scene, load};
-
-/// The shared data next to the repository; None (and a word about it) where it is absent.
-fn objects() -> Option<Vec<std::path::PathBuf>> {
-    let dir = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared")).join("data/objects/dgn");
-    let Ok(entries) = std::fs::read_dir(&dir) else {
-        eprintln!("skipped: no real grasp files at {}", dir.display());
-        return None;
-    };
-    let mut dirs: Vec<_> = entries.map(|e| e.unwrap().path()).filter(|p| p.is_dir()).collect();
-    dirs.sort();
-    Some(dirs)
-}
 
 /// Triangles of a binary STL.
 fn triangles(path: &Path) -> Vec<[DVec3; 3]> {
@@ -36,8 +25,9 @@ fn spread(t: &[DVec3; 3]) -> impl Iterator<Item = DVec3> {
 
 #[test]
 fn real_grasps_have_the_object_between_the_pads() {
-    let Some(dirs) = objects() else { return };
-    for dir in dirs {
+    let Some(objects) = data("objects/dgn") else { return };
+    let entries = std::fs::read_dir(objects).unwrap().map(|entry| entry.unwrap().path());
+    for dir in entries.filter(|path| path.is_dir()) {
         let name = dir.file_name().unwrap().to_str().unwrap().to_string();
         let poses = read_grasps_h5(dir.join(format!("{name}_grasps.h5"))).unwrap();
         assert_eq!(poses.len(), 100, "{name}");

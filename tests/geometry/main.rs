@@ -2,8 +2,8 @@
 
 #[path = "../fixtures/shape_common.rs"]
 mod shape_common;
-#[path = "../fixtures/shared_data.rs"]
-mod shared_data;
+#[path = "../fixtures/skipped.rs"]
+mod skipped;
 
 mod antipodal;
 mod grasp_files;

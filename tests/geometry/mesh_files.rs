@@ -1,6 +1,6 @@
 //! Good files: what is written reads back, dialects are understood, and real files have the counts their source states.
 
-use crate::shared_data::data;
+use crate::skipped::data;
 use std::fs;
 
 use approx::assert_relative_eq;

@@ -1,6 +1,7 @@
 //! Objects as users bring them: hollow, overlapping, in millimetres, in 32 bits, with n-gons, in upper case, open. Each is read for
 //! what it is, or refused with the place and what to do; never wrong without a word.
 
+use crate::skipped::data;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -535,16 +536,12 @@ fn repair_makes_a_solid_and_says_how_far_it_moved() {
     refused("sheet.obj", sheet, "repair: true", &["encloses no volume"]);
 }
 
-/// Every object of the shared data and its name.
+/// Every real object.
 fn real_objects() -> Vec<PathBuf> {
-    let root = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data"));
-    let (mut folders, mut found) = (vec![root.join("objects"), root.join("indenters")], Vec::new());
+    let mut folders: Vec<PathBuf> = ["objects", "indenters"].into_iter().filter_map(data).collect();
+    let mut found = Vec::new();
     while let Some(folder) = folders.pop() {
-        let Ok(entries) = std::fs::read_dir(&folder) else {
-            eprintln!("skipped: {} is absent", folder.display());
-            continue;
-        };
-        for path in entries.flatten().map(|e| e.path()) {
+        for path in std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()) {
             let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
             if path.is_dir() {
                 folders.push(path);

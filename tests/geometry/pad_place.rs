@@ -1,6 +1,6 @@
 //! Pads from files land in the pad frame with the right nodes glued.
 
-use crate::shared_data::data;
+use crate::skipped::data;
 use std::fs;
 use std::sync::Arc;
 

@@ -8,6 +8,8 @@ mod env_made;
 mod gnn_made;
 #[path = "../fixtures/keep.rs"]
 mod keep;
+#[path = "../fixtures/skipped.rs"]
+mod skipped;
 #[path = "../fixtures/synthetic.rs"]
 mod synthetic;
 

@@ -1,5 +1,6 @@
 //! Claims about `.vtu` files: read back by an independent decoder here, and by `vtk` or `meshio` where Python has them.
 
+use crate::skipped::skipped;
 use crate::synthetic::{frame, pads, sphere};
 use std::process::Command;
 use tactus::record::vtu;
@@ -128,7 +129,7 @@ fn python_readers_agree() {
             Command::new(&python).args(["-c", code]).arg(dir.path().join("p.vtu")).arg(volume.to_string()).output()
         };
         if !run(&format!("import {module}")).is_ok_and(|out| out.status.success()) {
-            println!("skipped: {python} cannot import {module}");
+            skipped(&format!("python3 has no {module} (TACTUS_PYTHON names another)"));
             continue;
         }
         let out = run(script).expect("ran");

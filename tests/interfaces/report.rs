@@ -1,6 +1,7 @@
 //! `tactus report`: the page holds what the data hold, asks for nothing from elsewhere, and works in a browser.
 
 use crate::gnn_made::{Made, made, set};
+use crate::skipped::skipped;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::{Read, Write};
@@ -280,7 +281,7 @@ fn browser() -> Option<PathBuf> {
 /// What a page finds when it tries its picture in a browser, and its content then; None, and a word about it, without a browser.
 pub fn checked(page: &Path) -> Option<(Value, String)> {
     let Some(browser) = browser() else {
-        println!("skipped: no chromium or chrome on the path (TACTUS_BROWSER names one), so the page was not opened");
+        skipped("no chromium or chrome on the path (TACTUS_BROWSER names one)");
         return None;
     };
     let profile = tempfile::tempdir().unwrap();

@@ -122,6 +122,25 @@ fn every_frame_is_balanced_and_neither_inverted_nor_penetrating() {
     }
 }
 
+/// The frame in which a heavy ball is let go is done again on whole pads: the ball keeps its weight, 3.24 N of it.
+#[test]
+fn an_object_let_go_keeps_its_weight_where_condensed_pads_give_way_to_whole_ones() {
+    let text = "(object: (shape: Sphere(radius: 0.004), density: 1231990.7),
+          gripper: (pads: GelSightMini(spacing: 0.0026), material: NeoHookean(young: 20000.0, poisson: 0.45),
+            opening: 0.1, stroke: 0.05, friction: 1.2),
+          loading: Squeeze(force: 6.0, frames: 4, release: 4.44), gravity: (0, 0, -9.81),
+          stepper: Fem(element: Linear, solver: Condensed()))";
+    let (outcome, frames) = run(&read(text).unwrap_or_else(|e| panic!("{e}")), 2);
+    assert_eq!(outcome.summary.methods.whole, 1, "the case that is meant: {:?}", outcome.summary);
+    let reached = outcome.summary.status == Status::Reached;
+    let let_go: Vec<_> = frames.iter().filter(|frame| !frame.object_fixed).collect();
+    assert!(let_go.len() == if reached { 2 } else { 0 }, "held in {} of {} frames", let_go.len(), frames.len());
+    for frame in let_go {
+        let carried: f64 = frame.pads.iter().map(|pad| pad.wrench.force.z).sum();
+        assert!((carried.abs() - 3.24).abs() < 0.01, "the pads carry {carried:.3} of 3.24 N");
+    }
+}
+
 #[test]
 fn the_same_bits_on_one_and_on_two_threads() {
     let scene = squeeze(6.0, 3, FAST);

@@ -3,6 +3,7 @@
 //! Needs a `python3` with torch, safetensors and numpy, or one named by TACTUS_PYTHON; else it says that it skips.
 
 use crate::gnn_made::{PAPER, SPEC, made};
+use crate::skipped::skipped;
 use std::process::Command;
 
 #[test]
@@ -10,7 +11,7 @@ fn pytorch_gives_the_same_answers() {
     let python = std::env::var("TACTUS_PYTHON").unwrap_or_else(|_| "python3".into());
     let there = Command::new(&python).args(["-c", "import torch, safetensors, numpy"]).output();
     if !there.is_ok_and(|o| o.status.success()) {
-        println!("skipped: {python} has no torch, safetensors and numpy; name one that has by TACTUS_PYTHON");
+        skipped("python3 has no torch, safetensors and numpy (TACTUS_PYTHON names another)");
         return;
     }
     let made = made();

@@ -6,6 +6,8 @@ mod dataset_tiny;
 mod gnn_made;
 #[path = "../fixtures/keep.rs"]
 mod keep;
+#[path = "../fixtures/skipped.rs"]
+mod skipped;
 
 mod gnn;
 mod gnn_gradients;

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use tactus::backend::choose;
 use tactus::grasp::poses_of;
 use tactus::judge::Findings;
+use tactus::judge::audit::elasticity::{elastic_gradient, nodal_volume};
 use tactus::judge::audit::solid::Solid;
 use tactus::mech::element::TET10;
 use tactus::model::Model;
@@ -86,6 +87,39 @@ fn a_spoilt_frame_is_found_out() {
     let mut frame = sound.clone();
     frame.applied_force *= 1.01;
     assert!(judge(&model, &frame).imbalance > 5e-3, "a finger force that the mount does not give");
+}
+
+/// Elastic forces of the audit, from differences of the energy, are those of the solver, for every law and both elements, to 1e-7 of the
+/// largest; the volumes that nodes carry are, to rounding.
+#[test]
+fn forces_of_the_audit_agree_with_those_of_the_solver() {
+    for law in ["NeoHookean", "Corotated", "Linear"] {
+        for element in ["Linear", "Quadratic"] {
+            let folder = tempfile::tempdir().unwrap();
+            let text = format!(
+                "(object: (shape: Sphere(radius: 0.015)), gripper: (pads: GelSightMini(spacing: 6e-3),
+                   material: {law}(young: 1e5, poisson: 0.45)), loading: Squeeze(force: 1, frames: 1), stepper: Fem(element: {element}))"
+            );
+            let model = Model::build(&scene(folder.path(), &text)).unwrap();
+            let finger = &model.fingers[0];
+            let (body, elements) = (&finger.body, &finger.topology.elements);
+            let moved = |(i, x): (usize, &DVec3)| {
+                let way = (1e3 * *x + DVec3::splat(i as f64)).to_array().map(f64::sin);
+                *x + DVec3::from_array(way) * 2e-4
+            };
+            let x: Vec<DVec3> = body.rest.iter().enumerate().map(moved).collect();
+            let mut solver = vec![DVec3::ZERO; x.len()];
+            body.add_gradient(&x, &mut solver);
+            let own = elastic_gradient(body, elements, &x);
+            let largest = solver.iter().map(|f| f.length()).fold(0.0, f64::max);
+            let off = own.iter().zip(&solver).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+            assert!(body.min_det_f(&x) > 0.1 && largest > 0.0, "{law}, {element}: the state is no test");
+            assert!(off < 1e-7 * largest, "{law}, {element}: off by {:.1e} of the largest force", off / largest);
+            let volumes = nodal_volume(body, elements).into_iter().zip(body.nodal_volume());
+            let off = volumes.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-20, "{law}, {element}: volumes off by {off:.1e} m3");
+        }
+    }
 }
 
 /// A middle of an edge beyond the quarter points folds the corner of an element whose quadrature points are all right.

@@ -1,6 +1,7 @@
 //! Default settings against references whose own error is known (`docs/references.json`), and meshes chosen for an accuracy.
 
 use crate::keep::Keep;
+use crate::skipped::data;
 use std::path::PathBuf;
 use std::process::Command;
 use std::sync::Arc;
@@ -80,10 +81,8 @@ fn row(name: &str) -> Reference {
 #[test]
 fn default_settings_meet_the_references() {
     let mut all = scenes("scenes/references.ron");
-    if root().join("../shared/data/objects/dgn/lemon01").is_dir() {
+    if data("objects/dgn/lemon01").is_some() {
         all.extend(scenes("tests/scenes/scanned_lemon.ron"));
-    } else {
-        eprintln!("skipped: the scanned lemon, whose data are not there");
     }
     let mut beyond = Vec::new();
     for named in all {

@@ -1,5 +1,6 @@
 //! Tetrahedral meshes and grasp files as other programs write them: read with the right value, or refused with what to do.
 
+use crate::skipped::skipped;
 use glam::{DMat3, DQuat, DVec3};
 use hdf5_pure::FileBuilder;
 use std::path::{Path, PathBuf};
@@ -453,14 +454,6 @@ fn medit_files_of_mmg_hold_the_same_block() {
     assert!(error.contains("`meshio convert -o gmsh22 a.meshb a.msh`"), "{error}");
     let error = read("a.mesh", b"\x01\0\0\0\x02\0\0\0").unwrap_err();
     assert!(error.contains("binary Medit") && error.contains("meshio convert"), "{error}");
-    let shared = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/cases/d_normals.mesh"));
-    if !shared.exists() {
-        eprintln!("skipped: {} is not there", shared.display());
-        return;
-    }
-    let (mesh, notices) = io::read_tet_mesh(shared).unwrap();
-    assert_eq!(mesh.nodes.len(), 126);
-    assert!(notices.join("\n").contains("Normals"), "{notices:?}");
 }
 
 /// A legacy VTK file of the block, old (one list of cells) or of version 5.1 (offsets and connectivity).
@@ -836,7 +829,7 @@ fn check_and_run_say_the_same_of_what_cannot_start() {
 #[test]
 fn what_is_no_regular_file_is_refused_at_once() {
     if !cfg!(unix) {
-        eprintln!("skipped: no devices or fifos here");
+        skipped("no devices or fifos here");
         return;
     }
     let dir = tempfile::tempdir().unwrap();
@@ -865,12 +858,12 @@ fn h5py(dir: &Path, script: &str) -> bool {
     match out {
         Ok(out) if out.status.success() => true,
         Ok(out) if String::from_utf8_lossy(&out.stderr).contains("ModuleNotFoundError") => {
-            eprintln!("skipped: python3 has no h5py");
+            skipped("python3 has no h5py");
             false
         }
         Ok(out) => panic!("{}", String::from_utf8_lossy(&out.stderr)),
         Err(error) => {
-            eprintln!("skipped: no python3 ({error})");
+            skipped(&format!("no python3 ({error})"));
             false
         }
     }

@@ -6,11 +6,14 @@ mod common;
 mod keep;
 #[path = "../fixtures/promises.rs"]
 mod promises;
+#[path = "../fixtures/skipped.rs"]
+mod skipped;
 
 mod audit;
 mod campaign;
 mod certified;
 mod files_from_the_wild;
+mod links;
 #[cfg(unix)]
 mod mutations;
 mod outcomes;
@@ -25,6 +28,7 @@ mod scene_load;
 mod scenes_checked;
 mod shipped;
 mod snapshots;
+mod summary;
 mod torture;
 mod torture_meshes;
 mod uneven_pads;

@@ -3,7 +3,7 @@
 //! By default one grasp of each object; `TACTUS_ALL_GRASPS=1 cargo test --release --test scenes real_grasps:: -- --nocapture` runs all
 //! hundred of each and prints every grasp that does not reach the force, with its reason.
 
-use std::path::Path;
+use crate::skipped::data;
 use tactus::backend::choose;
 use tactus::grasp::poses_of;
 use tactus::judge::evaluate;
@@ -19,16 +19,12 @@ const OBJECTS: [(&str, usize, f64); 4] =
 
 #[test]
 fn free_objects_reach_fifteen_newtons_without_inversion_or_penetration() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/objects/dgn");
-    if !data.is_dir() {
-        eprintln!("skipped: {} is not there", data.display());
-        return;
-    }
+    let Some(objects) = data("objects/dgn") else { return };
     let all = std::env::var_os("TACTUS_ALL_GRASPS").is_some();
     let folder = tempfile::tempdir().unwrap();
     for (name, sample, share) in OBJECTS {
         let path = folder.path().join(format!("{name}.ron"));
-        let object = data.join(name);
+        let object = objects.join(name);
         let text = format!(
             "Scene(object: (shape: Mesh({:?}), motion: Free), gripper: (pads: GelSightMini(spacing: 2.6e-3), friction: 0.8),
              grasps: File({:?}), loading: Squeeze(force: 15.0, frames: 12), expect: [NoInversion, NoPenetration])",

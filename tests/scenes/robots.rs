@@ -1,5 +1,6 @@
 //! Grippers that a robot's description names: URDF and MJCF say what a scene could spell out.
 
+use crate::skipped::data;
 use std::path::{Path, PathBuf};
 use tactus::scene::{load, to_ron};
 
@@ -126,11 +127,8 @@ fn soft_pads_that_say_too_little_are_refused_with_the_reason() {
 /// A Franka hand of Isaac Gym: its file says 1.57 for right angles, gives the two pads different gels, and closes by 80 mm.
 #[test]
 fn a_hand_of_isaac_gym_is_read() {
-    let pads = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/pads/round_pad");
-    let Ok(urdf) = std::fs::read_to_string(pads.join("franka_panda_fem_simple_v4_with_arm.urdf")) else {
-        eprintln!("skipped: {} is not there", pads.display());
-        return;
-    };
+    let Some(pads) = data("pads/round_pad") else { return };
+    let urdf = std::fs::read_to_string(pads.join("franka_panda_fem_simple_v4_with_arm.urdf")).unwrap();
     let folder = tempfile::tempdir().unwrap();
     // Its meshes lie elsewhere, that of the fingers is not here, and a number of it is none.
     let mesh = pads.join("round_pad.tet");

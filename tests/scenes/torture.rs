@@ -1,7 +1,7 @@
 //! Hard cases, each with its promise: by default those that take a second or two, all of them with
 //! `TACTUS_ALL_SCENES=1 cargo test --release --test scenes torture:: -- --nocapture`.
 
-use std::path::Path;
+use crate::skipped::data;
 
 fn all() -> bool {
     std::env::var_os("TACTUS_ALL_SCENES").is_some()
@@ -31,11 +31,7 @@ const PADS: [(&str, &str, &str, bool); 4] = [
 
 #[test]
 fn real_pads_hold_a_ball() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/pads");
-    if !data.is_dir() {
-        eprintln!("skipped: {} is not there", data.display());
-        return;
-    }
+    let Some(pads) = data("pads") else { return };
     let folder = tempfile::tempdir().unwrap();
     let mut scenes = Vec::new();
     for (file, placement, more, quick) in PADS {
@@ -48,7 +44,7 @@ fn real_pads_hold_a_ball() {
              loading: Squeeze(force: 6.0, frames: 3), record: (fields: [ContactForce]),
              expect: [ReachesForce, ForceBalance(relative: 1e-3), TorqueBalance(relative: 1e-3), Finite, NoInversion,
                       NoPenetration, Converged(relative: 1e-3)])",
-            data.join(file)
+            pads.join(file)
         );
         std::fs::write(&path, text).unwrap();
         scenes.push(path);

@@ -48,17 +48,17 @@ impl GraspSolver {
         let (each, steps) = (self.settings().max_iterations.get() as u32, model.levels.len().max(self.steps));
         let given = self.settings().effort.map(|most| most.get() as u64);
         self.path.newton.effort.iterations = given.unwrap_or_else(|| most_iterations(each, steps));
-        let (begins, pushing) = (!self.started, self.pushing);
+        let progress = self.progress;
         let checkpoint = self.condensed.is_some().then(|| self.path.checkpoint());
         let stuck = match (self.raise(model, target), checkpoint) {
             (Err(Refusal::Condensed(_)), Some(checkpoint)) => checkpoint,
             // An object that turns far before it is held may leave what the pads are condensed onto.
-            (Err(Refusal::Unfound(_)), Some(checkpoint)) if begins => checkpoint,
+            (Err(Refusal::Unfound(_)), Some(checkpoint)) if !progress.started => checkpoint,
             (done, _) => return done.map_err(Refusal::stop),
         };
         self.path.restore(stuck);
         self.path.methods.whole += 1;
-        (self.started, self.pushing) = (!begins, pushing);
+        self.progress = progress;
         self.release(model).map_err(Stop::fault)?;
         self.raise(model, target).map_err(Refusal::stop)
     }
@@ -69,7 +69,7 @@ impl GraspSolver {
         let before = self.path.state.clone();
         let load = if model.force_driven { Load::Force } else { Load::Travel };
         let mut done = Advanced::default();
-        let begins = !std::mem::replace(&mut self.started, true);
+        let begins = !std::mem::replace(&mut self.progress.started, true);
         // Before it is held it may roll to where it rests.
         self.path.largest_drift = model.largest_drift.filter(|_| !begins);
         if begins {
@@ -109,7 +109,7 @@ impl GraspSolver {
         let first = model.contact_force().min(most);
         self.hand_over(0.0);
         self.path.tolerance = self.tolerance(model, first);
-        self.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
+        self.progress.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
         self.back_off(model).map_err(|reason| Refusal::Final(Stop::fault(reason)))?;
         self.condense(model).map_err(stuck)?;
         self.path.newton.object_fixed = model.free;
@@ -142,7 +142,7 @@ impl GraspSolver {
 
     /// Raises the push to `part` under the force `force` (N per finger).
     fn push(&mut self, model: &Model, force: f64, part: f64) -> std::result::Result<Advanced, Refusal> {
-        if !std::mem::replace(&mut self.pushing, true) {
+        if !std::mem::replace(&mut self.progress.pushing, true) {
             self.path.begin_load(FIRST_PART);
             self.condensed.iter_mut().for_each(|pads| pads.begin_load());
         }

@@ -25,6 +25,7 @@ use crate::world::spawn::spawn_edges;
 use crate::world::systems::sense::{center, first_contact};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Settings of the backend.
@@ -107,13 +108,20 @@ pub struct GraspSolver {
     pub path: Path,
     pub(crate) condensed: Option<Condensation>,
     settings: scene::Fem,
-    pub(crate) started: bool,
-    /// Flag: the squeeze is over, and the push rises.
-    pub(crate) pushing: bool,
     /// Number of load levels so far.
     pub(crate) steps: usize,
+    pub(crate) progress: Progress,
+}
+
+/// What a grasp has come through, as checkpoints and snapshots hold it beside its path.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub(crate) struct Progress {
+    /// Flag: the pads have met the object.
+    pub started: bool,
+    /// Flag: the squeeze is over, and the push rises.
+    pub pushing: bool,
     /// Pose at first contact.
-    pub(crate) start: ObjectPose,
+    pub start: ObjectPose,
 }
 
 impl GraspSolver {
@@ -154,12 +162,13 @@ impl GraspSolver {
         newton.effort = Effort::within(settings.max_time.map(|seconds| seconds.get()));
         let mut path = Path::new(newton, state, NewtonTolerance::new(model.offset));
         path.control = control(model);
-        Ok(Self { path, condensed, settings: *settings, started: false, pushing: false, steps: 0, start: pose })
+        let progress = Progress { started: false, pushing: false, start: pose };
+        Ok(Self { path, condensed, settings: *settings, steps: 0, progress })
     }
 
     /// Writes all that the next step depends on.
     fn write_history(&self, history: &mut HistoryWriter) {
-        history.write(&(self.started, self.pushing, self.steps, self.start, self.condensed.is_some()));
+        history.write(&(self.progress, self.steps, self.condensed.is_some()));
         self.condensed.iter().for_each(|pads| pads.write_history(history));
         self.path.write_history(history);
     }
@@ -167,7 +176,7 @@ impl GraspSolver {
     /// Reads what a solver of the same scene wrote.
     fn read_history(&mut self, model: &Model, history: &mut HistoryReader) -> Result<()> {
         let condensed: bool;
-        (self.started, self.pushing, self.steps, self.start, condensed) = history.read()?;
+        (self.progress, self.steps, condensed) = history.read()?;
         match &mut self.condensed {
             Some(pads) if condensed => pads.read_history(&mut self.path, history)?,
             Some(_) => self.release(model).map_err(Error::Start)?,
@@ -259,14 +268,14 @@ impl GraspSolver {
     /// Describes the motion of the object since first contact.
     fn moved(&self) -> String {
         let state = &self.path.state;
-        let moved = state.position.distance(self.start.position) * 1e3;
-        let turned = (state.rotation * self.start.rotation.inverse()).to_scaled_axis().length().to_degrees();
+        let moved = state.position.distance(self.progress.start.position) * 1e3;
+        let turned = (state.rotation * self.progress.start.rotation.inverse()).to_scaled_axis().length().to_degrees();
         format!("moved {moved:.1} mm and turned {turned:.1} degrees")
     }
 
     pub(crate) fn explain(&self, model: &Model, at: &str, failure: Failure) -> String {
         let state = &self.path.state;
-        let moved = state.position.distance(self.start.position);
+        let moved = state.position.distance(self.progress.start.position);
         let far = match model.free && moved > SLIPPING * model.object.bounding_radius {
             true if failure.leaves_the_grasp() => format!("; {}", self.escaped(model)),
             // Whether it would have come to rest is not known.

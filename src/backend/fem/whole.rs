@@ -33,7 +33,7 @@ impl GraspSolver {
         self.path.recover();
         for (i, finger) in model.fingers.iter().enumerate() {
             self.path.newton.exchange(i, finger.body.clone()).map_err(|e| e.to_string())?;
-            self.path.newton.gel[i] = gel(gel_loads(model, i, self.start));
+            self.path.newton.gel[i] = gel(gel_loads(model, i, self.progress.start));
         }
         Ok(())
     }
@@ -70,6 +70,6 @@ impl GraspSolver {
     pub fn gel_weight(&self, model: &Model, i: usize) -> DVec3 {
         let finger = &model.fingers[i];
         let volume = || finger.body.nodal_volume().iter().sum::<f64>();
-        model.gravity.map_or(DVec3::ZERO, |g| self.start.rotation * g * (volume() * finger.gel_density))
+        model.gravity.map_or(DVec3::ZERO, |g| self.progress.start.rotation * g * (volume() * finger.gel_density))
     }
 }

@@ -1,7 +1,7 @@
 //! Check of the equilibrium of a recorded state: elastic forces of its node positions against the forces that may act on each node.
 
+use super::elasticity::{elastic_gradient, nodal_volume};
 use super::penetration::PadSurface;
-use crate::mech::potential::inversion_barrier::add_barrier_gradient;
 use crate::part::FingerModel;
 use crate::record::Frame;
 use glam::DVec3;
@@ -15,12 +15,9 @@ pub fn imbalance(fingers: &[FingerModel], surfaces: &[PadSurface], frame: &Frame
     let (mut worst, mut missing) = (0.0_f64, 0.0);
     for ((finger, pad), surface) in fingers.iter().zip(&frame.pads).zip(surfaces) {
         let (body, weight) = (&finger.body, gravity * finger.gel_density);
-        let mut force = vec![DVec3::ZERO; body.rest.len()];
-        body.add_gradient(&pad.position, &mut force);
-        add_barrier_gradient(body, &pad.position, &mut force);
-        if weight != DVec3::ZERO {
-            force.iter_mut().zip(body.nodal_volume()).for_each(|(f, volume)| *f -= weight * volume);
-        }
+        let mut force = elastic_gradient(body, &finger.topology.elements, &pad.position);
+        let volume = nodal_volume(body, &finger.topology.elements);
+        force.iter_mut().zip(&volume).for_each(|(f, volume)| *f -= weight * *volume);
         let (mut inside, mut touching, mut mount) = (0.0, DVec3::ZERO, DVec3::ZERO);
         for (i, f) in force.iter().enumerate() {
             match (body.fixed[i], surface.free[i]) {
@@ -30,7 +27,7 @@ pub fn imbalance(fingers: &[FingerModel], surfaces: &[PadSurface], frame: &Frame
             }
         }
         // All forces of the gel sum to its weight, so the mount gives what the contact takes.
-        let whole = weight * body.nodal_volume().iter().sum::<f64>();
+        let whole = weight * volume.iter().sum::<f64>();
         // Contact on glued nodes of the rim goes straight to the mount.
         let on_mount = pad.contact_force.iter().zip(&body.fixed).filter(|(_, fixed)| **fixed).map(|(f, _)| *f);
         let on_mount: DVec3 = on_mount.sum();

@@ -1,16 +1,17 @@
 //! Independent judge of recorded frames: what a scene promises about inversion, penetration and equilibrium is checked from the
-//! node positions alone, by code that shares nothing with the contact of the solver.
+//! node positions alone. With the solver it shares the data of a scene and the strain energy density of the gel, and no code.
 //!
 //! | promise | checked by |
 //! |---|---|
 //! | finite | every number of the frame |
 //! | no inversion | [`inversion`]: det F at corners, edge midpoints, quadrature points and centre of every tetrahedron |
 //! | no penetration | [`penetration`]: points of the pads against [`solid`], of the object and of the other pad against the tetrahedra |
-//! | converged | [`equilibrium`]: elastic forces of the recorded positions against the loads |
+//! | converged | [`equilibrium`]: elastic forces of the recorded positions ([`elasticity`]) against the loads |
 //!
 //! A scene pays for the promises that it makes, and for no other.
 
 pub mod columns;
+pub mod elasticity;
 pub mod equilibrium;
 pub mod inversion;
 pub mod penetration;

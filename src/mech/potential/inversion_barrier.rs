@@ -35,19 +35,10 @@ pub fn is_crushed(body: &Body, x: &[DVec3]) -> bool {
     nodes.is_needed(body, x) || centers.is_needed(body, x)
 }
 
-/// Adds the gradient (N per node) of the barriers that the elements of `body` need at positions `x`, m.
-pub fn add_barrier_gradient(body: &Body, x: &[DVec3], gradient: &mut [DVec3]) {
-    let (mut nodes, mut centers) = inversion_barrier();
-    nodes.extend(body, x);
-    centers.extend(body, x);
-    nodes.add_gradient(body, x, gradient);
-    centers.add_gradient(body, x, gradient);
-}
-
 /// Value of det F at a node below which the barrier of its element resists.
-const FELT: f64 = 0.02;
+pub const FELT: f64 = 0.02;
 /// Stiffness of the barrier over the shear modulus of the gel.
-const STIFFNESS: f64 = 1.0;
+pub const STIFFNESS: f64 = 1.0;
 
 /// Law with the energy `k/2 (1 - J/FELT)^2` below [`FELT`].
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 use crate::record::Wrench;
 use crate::world::components::*;
-use crate::world::schedule::{BalanceReport, CurrentGrasp, Shared, StepLoad};
+use crate::world::schedule::{BalanceReport, CurrentGrasp, Next, Phase, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
@@ -68,6 +68,28 @@ pub fn measure_balance(
         force: relative(unbalanced, scale),
         torque: relative(torque, scale * model.object.bounding_radius),
     };
+}
+
+/// Force out of balance over the applied force from which on a state is no equilibrium, whatever tolerance it was solved to.
+const NO_EQUILIBRIUM: f64 = 0.1;
+
+/// Ends the grasp with a fault, without recording the frame, if the forces of the state do not balance: no stepper may call such a state
+/// reached, whatever it measured itself.
+pub fn refuse_imbalance(
+    balance: Res<BalanceReport>,
+    load: Res<StepLoad>,
+    mut report: ResMut<StepReport>,
+    mut next: ResMut<Next>,
+) {
+    if balance.force <= NO_EQUILIBRIUM {
+        return;
+    }
+    report.reached = false;
+    let (level, off) = (load.level, 100.0 * balance.force);
+    let reason = format!(
+        "at load {level:.4e}: the forces are out of balance by {off:.0} % of the applied force: no equilibrium"
+    );
+    next.request(Phase::Fault { reason });
 }
 
 /// Measures the distance of every node to the object.

@@ -28,6 +28,8 @@ pub fn register(schedule: &mut Schedule, needs: &Needs) {
         schedule.add_systems(apart::keep_pads_apart.run_if(reached).in_set(StepSet::Accept));
     }
     schedule.add_systems(measure::measure_balance.run_if(reached).in_set(StepSet::Measure));
+    let refuse = measure::refuse_imbalance.run_if(reached).before(record::record_frame);
+    schedule.add_systems(refuse.in_set(StepSet::Record));
     if needs.gap {
         schedule.add_systems(measure::measure_gap.run_if(reached).in_set(StepSet::Measure));
     }
