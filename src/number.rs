@@ -14,3 +14,26 @@ pub fn shown(v: f64) -> String {
     // The shortest text that reads as the same number has no more digits than were kept.
     format!("{six}")
 }
+
+/// Formats a count with its noun in the right number: `1 grasp`, `3 grasps`, `2 vertices`.
+pub fn counted(count: usize, noun: &str) -> String {
+    const IRREGULAR: [(&str, &str); 4] =
+        [("tetrahedron", "tetrahedra"), ("vertex", "vertices"), ("entry", "entries"), ("try", "tries")];
+    let several = || match IRREGULAR.iter().find_map(|(one, all)| Some((noun.strip_suffix(one)?, all))) {
+        Some((before, all)) => format!("{before}{all}"),
+        None => format!("{noun}s"),
+    };
+    format!("{count} {}", if count == 1 { noun.to_string() } else { several() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::counted;
+
+    #[test]
+    fn nouns_follow_their_count() {
+        let found = [(1, "object"), (0, "grasp"), (2, "repeated vertex"), (1, "tetrahedron"), (96, "tetrahedron")];
+        let expected = ["1 object", "0 grasps", "2 repeated vertices", "1 tetrahedron", "96 tetrahedra"];
+        assert_eq!(found.map(|(count, noun)| counted(count, noun)), expected);
+    }
+}

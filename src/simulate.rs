@@ -7,6 +7,7 @@ use crate::gripper::GraspPose;
 use crate::judge::{Measured, Verdict, evaluate_all};
 use crate::limits::machine_threads;
 use crate::model::Model;
+use crate::number::counted;
 use crate::record::{ExpectationReport, RunReport, Status};
 use crate::render::Scalar;
 use crate::run::sensitivity::{Ends, LastFrames, sensitivity};
@@ -166,7 +167,7 @@ fn select(poses: &[GraspPose], wanted: &[usize]) -> Result<Vec<(usize, GraspPose
     let pick = |i: usize| {
         poses.get(i).map(|p| (i, *p)).ok_or_else(|| {
             let last = poses.len().saturating_sub(1);
-            Error::Scene(format!("error: --grasp {i}: the scene has {} grasps, 0 to {last}", poses.len()))
+            Error::Scene(format!("error: --grasp {i}: the scene has {}, 0 to {last}", counted(poses.len(), "grasp")))
         })
     };
     numbers.into_iter().map(pick).collect()

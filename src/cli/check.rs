@@ -13,6 +13,7 @@ use crate::gripper::Hand;
 use crate::gripper::hand::HandPart;
 use crate::limits::machine_threads;
 use crate::model::Model;
+use crate::number::counted;
 use crate::run::effort::expected_seconds;
 use crate::scene::{self, Scene, load_set, to_ron};
 use crate::world::components::{FingerIndex, FingerTravel, ObjectPose};
@@ -82,7 +83,7 @@ pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
     if several && args.format == Format::Json {
         console.print(&format!("{}\n", json!({ "objects": objects, "more": more })))?;
     } else if more > 0 {
-        console.print(&format!("// and {more} more objects, not examined: choose one with --object\n"))?;
+        console.print(&format!("// and {}, not examined: choose one with --object\n", counted(more, "more object")))?;
     }
     if !errors.is_empty() {
         return Err(Error::Scene(errors.join("\n")));

@@ -15,6 +15,7 @@ use crate::gripper::GraspPose;
 use crate::limits::machine_threads;
 use crate::net::infer::doubt::doubts;
 use crate::net::infer::predict::Predictor;
+use crate::number::counted;
 use crate::record::Status;
 use crate::scene::overrides::limit_time;
 use crate::scene::{GraspCount, NamedScene, Scene, load_seeded};
@@ -129,11 +130,10 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
     let manifest = campaign.manifest();
     let resumed = campaign.finished();
     console.say(&format!(
-        "{} object{}, {} grasps of {} frames; at most {:.1} MB in {}{}",
-        manifest.objects.len(),
-        if manifest.objects.len() == 1 { "" } else { "s" },
-        manifest.grasps,
-        manifest.frames,
+        "{}, {} of {}; at most {:.1} MB in {}{}",
+        counted(manifest.objects.len(), "object"),
+        counted(manifest.grasps, "grasp"),
+        counted(manifest.frames, "frame"),
         campaign.bytes() as f64 / 1e6,
         out.display(),
         if resumed > 0 { format!("; {resumed} grasps are there already") } else { String::new() },
@@ -168,7 +168,9 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
             })
         })?;
         let text = match args.format {
-            Format::Text => format!("part {part} of {parts}: {ran} grasps; without --part the data set is closed\n"),
+            Format::Text => {
+                format!("part {part} of {parts}: {}; without --part the data set is closed\n", counted(ran, "grasp"))
+            }
             Format::Json => format!("{}\n", json!({ "part": part, "parts": parts, "computed": ran, "dir": out })),
         };
         console.print(&text)?;

@@ -2,6 +2,7 @@
 
 use crate::dataset::Manifest;
 use crate::dataset::sensitivity::SensitivityRow;
+use crate::number::counted;
 use crate::run::sensitivity::CHANGES;
 use crate::stats::median;
 use std::fmt::Write;
@@ -55,9 +56,9 @@ pub(super) fn moved(spreads: &[SensitivityRow]) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(
             out,
-            "{}: pads of {} grasps move by {:.2} % (median) to {:.1} %, objects by {:.3} to {:.2} mm",
+            "{}: pads of {} move by {:.2} % (median) to {:.1} %, objects by {:.3} to {:.2} mm",
             change.name(),
-            pads.len(),
+            counted(pads.len(), "grasp"),
             1e2 * median(pads.iter().copied()),
             1e2 * most(&pads),
             1e3 * median(object.iter().copied()),

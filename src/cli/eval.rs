@@ -13,6 +13,7 @@ use crate::net::eval::table::{ALL, ErrorRow, ranks, rows};
 use crate::net::eval::{Judged, frames, judge, picture, test_grasps};
 use crate::net::infer::predict::Predictor;
 use crate::net::train::sample::model_of;
+use crate::number::counted;
 use crate::render::save;
 use serde_json::json;
 use std::fmt::Write;
@@ -116,7 +117,7 @@ fn report(
     (stress, displacement): (f64, f64),
     (encode, decode): (f64, f64),
 ) -> String {
-    let mut out = format!("{grasps} grasps; relative errors in %\n");
+    let mut out = format!("{}; relative errors in %\n", counted(grasps, "grasp"));
     out += "group                 quantity                  median       p90     worst  frames  within  interval\n";
     // Writing to a String cannot fail.
     for r in table {

@@ -6,6 +6,7 @@ use crate::dataset::DataSet;
 use crate::dataset::inspect::{self, Inspection, Thinning};
 use crate::error::Result;
 use crate::files::atomic::create_dir;
+use crate::number::counted;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -54,11 +55,11 @@ fn render(set: &DataSet, found: &Inspection) -> String {
     let _ = writeln!(out, "{}", m.about);
     let _ = writeln!(
         out,
-        "{} objects, {} grasps ({} reached), {} frames each, {:.1} MB; tactus {}\n",
-        m.objects.len(),
-        m.grasps,
+        "{}, {} ({} reached), {} each, {:.1} MB; tactus {}\n",
+        counted(m.objects.len(), "object"),
+        counted(m.grasps, "grasp"),
         m.sum(|o| o.reached),
-        m.frames,
+        counted(m.frames, "frame"),
         m.bytes as f64 / 1e6,
         m.tactus
     );
@@ -79,7 +80,7 @@ fn render(set: &DataSet, found: &Inspection) -> String {
     }
     for o in found.objects.iter().filter(|o| !o.failures.is_empty()) {
         o.failures.iter().for_each(|f| {
-            let _ = writeln!(out, "{} grasp {} ({} frames): {}", o.name, f.grasp, f.frames, f.reason);
+            let _ = writeln!(out, "{} grasp {} ({}): {}", o.name, f.grasp, counted(f.frames, "frame"), f.reason);
         });
     }
     let (s, t) = (&set.splits, |poses: &crate::dataset::split::Poses| set.select(poses).len());

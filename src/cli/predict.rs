@@ -15,6 +15,7 @@ use crate::net::infer::arrays::each_array;
 use crate::net::infer::hold::slip;
 use crate::net::infer::many::PredictedGrasp;
 use crate::net::infer::predict::{GraspState, Predictor};
+use crate::number::counted;
 use crate::record::ErrorBound;
 use crate::record::arrays::{io_error, put};
 use crate::scene::{NamedScene, load_set};
@@ -176,12 +177,12 @@ impl Report {
         let answered = self.grasps.iter().filter(|row| matches!(row.end, End::Answer(_))).count();
         let _ = writeln!(
             text,
-            "{answered} of {} grasps in {:.2} s on {} threads, {:.0} a second; {} loads each, {:.1} of them decoded",
+            "{answered} of {} grasps in {:.2} s on {}, {:.0} a second; {} each, {:.1} of them decoded",
             self.grasps.len(),
             self.wall_s,
-            self.threads,
+            counted(self.threads, "thread"),
             self.grasps_per_s,
-            self.loads,
+            counted(self.loads, "load"),
             self.decoded_loads
         );
         text

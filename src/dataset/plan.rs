@@ -7,7 +7,7 @@ use super::split::Splits;
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
 use crate::geometry::mesh::TriMesh;
-use crate::grasp::{aim_notice, grasps_of};
+use crate::grasp::{aim_notice, grasps_of, object_of};
 use crate::gripper::GraspPose;
 use crate::interrupt;
 use crate::model::Model;
@@ -57,7 +57,8 @@ impl Planned {
         let own_pads = pad_of(scene) != pad_of(first);
         let pads = if own_pads || scene.loading != first.loading { PlannedPads::of(scene)? } else { pads.clone() };
         let mut grasps = grasps_of(scene)?;
-        let shape = object::build(&scene.object, &mut Vec::new()).map_err(|e| e.about("object.shape"))?;
+        let object = object_of(scene, &mut grasps.notices)?;
+        let shape = object::build(&object, &mut Vec::new()).map_err(|e| e.about("object.shape"))?;
         grasps.notices.extend(aim_notice(scene, &shape, pads.bounds, &grasps.poses));
         let sizes = FileSizes { grasps: grasps.poses.len(), ..pads.sizes };
         let file = Path::new("dgs_output").join(file_name(&named));

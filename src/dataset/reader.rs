@@ -7,6 +7,7 @@ use super::rows::checksum;
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TriMesh;
 use crate::gripper::GraspPose;
+use crate::number::counted;
 use crate::record::{ElementNodes, PadTopology, TactileArray, names};
 use crate::scene::{from_ron, place_in};
 use glam::DVec3;
@@ -229,7 +230,8 @@ impl ObjectFile {
     /// Fails if the grasp does not exist, or its rows are not those that were written.
     pub fn grasp(&self, grasp: usize) -> Result<StoredGrasp> {
         if grasp >= self.sizes.grasps {
-            let message = format!("has no grasp {grasp}; its {} grasps start at 0", self.sizes.grasps);
+            let message =
+                format!("has no grasp {grasp}; it has {}, counted from 0", counted(self.sizes.grasps, "grasp"));
             return Err(Error::file(&self.path, message));
         }
         let rows =

@@ -11,6 +11,7 @@ use super::snapshot::Snapshot;
 use super::view::{EnvArray, Outputs, StepError, StepView};
 use crate::error::{Error, Result};
 use crate::interrupt;
+use crate::number::counted;
 use crate::observe::ArraySpec;
 use crate::render::Pixmap;
 use crate::scene::{NamedScene, load_set};
@@ -121,7 +122,7 @@ impl BatchEnv {
         mask: Option<&[bool]>,
     ) -> std::result::Result<StepView<'_>, StepError> {
         if seeds.len() != self.envs.len() {
-            let message = format!("{} seeds for {} environments", seeds.len(), self.envs.len());
+            let message = format!("{} for {}", counted(seeds.len(), "seed"), counted(self.envs.len(), "environment"));
             return Err(StepError::call(message));
         }
         self.begin(mask, |i| seeds[i].map(|seed| EpisodeKey { seed, env: 0, episode: 0 }))
@@ -136,7 +137,11 @@ impl BatchEnv {
         if let Some(mask) = mask
             && mask.len() != self.envs.len()
         {
-            let message = format!("the mask has {} entries for {} environments", mask.len(), self.envs.len());
+            let message = format!(
+                "the mask has {} for {}",
+                counted(mask.len(), "entry"),
+                counted(self.envs.len(), "environment")
+            );
             return Err(StepError::call(message));
         }
         let Self { shared, envs, pool, .. } = self;
@@ -165,7 +170,11 @@ impl BatchEnv {
         let size = action::size(&self.shared.task);
         if actions.len() != size * self.envs.len() {
             let (found, n) = (actions.len(), self.envs.len());
-            return Err(StepError::call(format!("{found} numbers for {n} environments with {size} each")));
+            return Err(StepError::call(format!(
+                "{} for {} with {size} each",
+                counted(found, "number"),
+                counted(n, "environment")
+            )));
         }
         let mode = self.config.autoreset;
         for (i, (env, numbers)) in self.envs.iter().zip(actions.chunks_exact(size)).enumerate() {

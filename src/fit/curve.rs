@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::files::regular;
-use crate::number::shown;
+use crate::number::{counted, shown};
 use crate::scene::leaf::{Length, Positive};
 use std::path::Path;
 
@@ -50,7 +50,7 @@ impl Curve {
             points.push((depth, force));
         }
         if points.len() < FEWEST {
-            let message = format!("has {} points; a fit needs at least {FEWEST}", points.len());
+            let message = format!("has {}; a fit needs at least {FEWEST}", counted(points.len(), "point"));
             return Err(Error::file(path, message));
         }
         Ok(Self { points })

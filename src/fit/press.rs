@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::grasp::poses_of;
 use crate::gripper::GraspPose;
 use crate::model::Model;
+use crate::number::counted;
 use crate::record::Status;
 use crate::run::run_grasps;
 use crate::scene::leaf::{Length, NonNegative};
@@ -46,7 +47,7 @@ impl<'a> PressRuns<'a> {
         }
         let poses = poses_of(scene)?;
         let &[pose] = &poses[..] else {
-            return refused(&format!("is of one press, and the scene has {} grasps", poses.len()));
+            return refused(&format!("is of one press, and the scene has {}", counted(poses.len(), "grasp")));
         };
         let mut scene = scene.clone();
         scene.promise_nothing();

@@ -11,6 +11,7 @@ use crate::geometry::shape::Shape;
 use crate::gripper::Hand;
 use crate::gripper::hand::HandPart;
 use crate::gripper::pose::GraspPose;
+use crate::number::counted;
 use crate::random::Random;
 use crate::scene::Antipodal;
 use glam::{DMat3, DQuat, DVec3};
@@ -74,7 +75,7 @@ impl Sampled {
         let counts: Vec<_> = counts.map(|(r, n)| format!("{n} {}", r.reason())).collect();
         let rejected =
             if counts.is_empty() { "none rejected".into() } else { format!("rejected: {}", counts.join(", ")) };
-        format!("{} antipodal grasps from {} tries; {rejected}", self.poses.len(), self.tries)
+        format!("{} from {}; {rejected}", counted(self.poses.len(), "antipodal grasp"), counted(self.tries, "try"))
     }
 }
 

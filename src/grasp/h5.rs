@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::files::atomic::replace;
 use crate::files::regular;
 use crate::gripper::pose::GraspPose;
+use crate::scene::leaf::Positive;
 use crate::scene::{GraspFile, QuaternionOrder};
 use glam::{DMat3, DQuat, DVec3};
 use hdf5_pure::{Dataset, File, FileBuilder, Group};
@@ -11,6 +12,8 @@ use std::path::Path;
 
 /// Name of the dataset, unless the scene gives another.
 const POSES: &str = "poses";
+/// Name of the dataset with the factor on the lengths of the object, in files of ACRONYM.
+const OBJECT_SCALE: &str = "object/scale";
 /// Largest deviation from 1 of the length of a quaternion or of a matrix's column: f32 files pass, wrong columns do not.
 const UNIT_SLACK: f64 = 1e-5;
 /// Largest file that is read, and largest dataset or chunk that is unpacked, bytes; a million grasps take 56 MB.
@@ -40,11 +43,7 @@ pub fn read_grasp_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
     let path = file.path.as_path();
     let name = file.dataset.as_deref().unwrap_or(POSES);
     let fail = |message: String| Error::file(path, message);
-    let bytes = regular::read(path, SIZE_LIMIT)?;
-    if !hdf5_pure::is_hdf5_bytes(&bytes) {
-        return Err(fail("is not an HDF5 file; a grasp file is HDF5 with a dataset `poses` of shape (N, 7)".into()));
-    }
-    let h5 = File::from_bytes(bytes).map_err(|e| fail(format!("is not a readable HDF5 file: {e}; {REWRITE}")))?;
+    let h5 = open(path)?;
     let unreadable = |e: hdf5_pure::Error| fail(format!("dataset `{name}` cannot be read: {e}; {REWRITE}"));
     let names = datasets(&h5);
     let dataset = match h5.dataset(name) {
@@ -84,6 +83,35 @@ pub fn read_grasp_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
     };
     let rows = values.chunks_exact(width as usize).enumerate();
     rows.map(|(row, v)| read(v).map_err(|m| fail(format!("`{name}` row {row}: {m}")))).collect()
+}
+
+/// Opens a grasp file.
+fn open(path: &Path) -> Result<File> {
+    let bytes = regular::read(path, SIZE_LIMIT)?;
+    if !hdf5_pure::is_hdf5_bytes(&bytes) {
+        let message = "is not an HDF5 file; a grasp file is HDF5 with a dataset `poses` of shape (N, 7)";
+        return Err(Error::file(path, message));
+    }
+    File::from_bytes(bytes).map_err(|e| Error::file(path, format!("is not a readable HDF5 file: {e}; {REWRITE}")))
+}
+
+/// Reads the factor on the lengths of the object for which a file of ACRONYM has its grasps, the number `object/scale`; None if the file has
+/// none. (Eppner et al. 2021, "ACRONYM: a large-scale grasp dataset based on simulation".)
+///
+/// # Errors
+/// Fails if the file cannot be read, or the factor is not a number above zero.
+pub fn object_scale(path: &Path) -> Result<Option<Positive>> {
+    let h5 = open(path)?;
+    let Ok(dataset) = h5.dataset(OBJECT_SCALE) else { return Ok(None) };
+    let fail = |message: String| Error::file(path, format!("dataset `{OBJECT_SCALE}`: {message}"));
+    if dataset.shape().is_ok_and(|shape| shape.iter().product::<u64>() != 1) {
+        return Err(fail("one number is needed, the factor on the lengths of the object".into()));
+    }
+    let values = dataset.read_f64().map_err(|e| fail(format!("cannot be read: {e}; {REWRITE}")))?;
+    let [value] = values[..] else {
+        return Err(fail("holds a number of a type that is not read; allowed: float64, float32".into()));
+    };
+    Positive::new(value).map(Some).map_err(fail)
 }
 
 /// Returns the size of one chunk once unpacked, bytes; None if the dataset is in one piece; saturates.

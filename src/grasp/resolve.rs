@@ -1,13 +1,15 @@
 //! Grasps of a scene as poses.
 
 use super::antipodal::{self, Sampled};
-use super::h5::read_grasp_file;
+use super::h5::{object_scale, read_grasp_file};
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
 use crate::gripper::Hand;
 use crate::gripper::pose::GraspPose;
+use crate::number::{counted, shown};
 use crate::part::{object, pad};
-use crate::scene::{Antipodal, GraspCount, GraspFile, Grasps, Scene, Select};
+use crate::scene::vector::Vec3;
+use crate::scene::{Antipodal, GraspCount, GraspFile, Grasps, Object, Pose, Scene, Select};
 use glam::{DQuat, DVec3};
 
 /// Grasps of a scene, and notices about how they were found.
@@ -33,14 +35,16 @@ pub fn poses_of(scene: &Scene) -> Result<Vec<GraspPose>> {
 /// Fails if the grasp file cannot be read or selects grasps that it does not have, and as [`sample_of`] does.
 pub fn grasps_of(scene: &Scene) -> Result<Resolved> {
     let mut notices = Vec::new();
+    let between = scene.gripper.placement.center();
     let poses = match &scene.grasps {
-        Grasps::Identity => {
-            let placement = scene.gripper.placement;
-            let position = -DVec3::new(0.0, placement.y.get(), placement.z.get());
-            vec![GraspPose { position, rotation: DQuat::IDENTITY }]
-        }
+        Grasps::Identity => vec![GraspPose { position: -between, rotation: DQuat::IDENTITY }],
         Grasps::List(poses) => {
-            poses.iter().map(|p| GraspPose { position: p.position.dvec3(), rotation: p.rotation.quat() }).collect()
+            let pose = |p: &Pose| {
+                let rotation = p.rotation.quat();
+                let centred = || p.centre.map_or(DVec3::ZERO, Vec3::dvec3) - rotation * between;
+                GraspPose { position: p.position.map_or_else(centred, Vec3::dvec3), rotation }
+            };
+            poses.iter().map(pose).collect()
         }
         Grasps::File(file) => from_file(file).map_err(|e| e.about("grasps"))?,
         Grasps::Antipodal(wanted) => {
@@ -50,6 +54,32 @@ pub fn grasps_of(scene: &Scene) -> Result<Resolved> {
         }
     };
     Ok(Resolved { poses, notices })
+}
+
+/// Returns the object of the scene at its scale. A scene that gives none takes that for which the grasp file has its grasps, with a notice;
+/// another notice says that the two differ.
+///
+/// # Errors
+/// Fails if the grasp file cannot be read.
+pub fn object_of(scene: &Scene, notices: &mut Vec<String>) -> Result<Object> {
+    let mut object = scene.object.clone();
+    let Grasps::File(file) = &scene.grasps else { return Ok(object) };
+    let Some(scale) = object_scale(&file.path).map_err(|e| e.about("grasps"))? else { return Ok(object) };
+    let (path, stated) = (file.path.display(), shown(scale.get()));
+    match object.scale {
+        Some(own) if own == scale => {}
+        Some(own) => notices.push(format!(
+            "{path}: the grasps are those of the object at `object/scale` {stated}, and the scene has it at `scale: {}`",
+            shown(own.get())
+        )),
+        None => {
+            notices.push(format!(
+                "{path}: the object is scaled by the file's `object/scale`, {stated}; `scale` in the scene's object takes its place"
+            ));
+            object.scale = Some(scale);
+        }
+    }
+    Ok(object)
 }
 
 /// Keeps only the first `most` grasps of a scene, or all if there are fewer.
@@ -80,7 +110,7 @@ fn from_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
     let Some(select) = &file.select else { return Ok(all) };
     let pick = |row: usize| {
         all.get(row).copied().ok_or_else(|| {
-            let message = format!("has no grasp {row}; its {} grasps are 0 to {}", all.len(), all.len() - 1);
+            let message = format!("has no grasp {row}; it has {}, 0 to {}", counted(all.len(), "grasp"), all.len() - 1);
             Error::file(&file.path, message)
         })
     };

@@ -50,8 +50,7 @@ impl HandPart {
 impl Hand {
     /// Creates the hand of a gripper with pads in this box (pad frame, m).
     pub fn new(pad: Aabb, gripper: &Gripper) -> Self {
-        let center = DVec3::new(0.0, gripper.placement.y.get(), gripper.placement.z.get());
-        Self { pad, opening: gripper.opening.get(), center }
+        Self { pad, opening: gripper.opening.get(), center: gripper.placement.center() }
     }
 
     /// Returns points of the face of the open pad that closes along `closing`: the middles of `n` x `n` equal parts, hand frame, m.

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::geometry::Aabb;
 use crate::geometry::pad::{Resolution, dome};
 use crate::geometry::shape::Shape;
-use crate::grasp::poses_of;
+use crate::grasp::{object_of, poses_of};
 use crate::gripper::GraspPose;
 use crate::gripper::Hand;
 use crate::number::{rounded, shown};
@@ -53,7 +53,8 @@ pub struct Choice {
 pub fn meshed(scene: &Scene) -> Result<Scene> {
     let mut scene = scene.clone();
     if scene.gripper.pads.accuracy().is_some() {
-        let object = object::build(&scene.object, &mut Vec::new()).map_err(|e| e.about("object.shape"))?;
+        let object = object_of(&scene, &mut Vec::new())?;
+        let object = object::build(&object, &mut Vec::new()).map_err(|e| e.about("object.shape"))?;
         if let Some(choice) = choose(&scene, &object)? {
             scene.gripper.pads = choice.pads;
         }

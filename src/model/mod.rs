@@ -19,6 +19,7 @@ pub use push::PushLoad;
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
 use crate::geometry::shape::Shape;
+use crate::grasp::object_of;
 use crate::judge::Auditor;
 use crate::mech::body::locking::locking_notice;
 use crate::mech::contact::Feature;
@@ -95,7 +96,8 @@ impl Model {
     /// [`Error::Mesh`] or [`Error::File`] naming what cannot be simulated and what to do about it.
     pub fn build(scene: &Scene) -> Result<Arc<Self>> {
         let mut notices = Vec::new();
-        let object = object::build(&scene.object, &mut notices).map_err(|e| e.about("object.shape"))?;
+        let scaled = object_of(scene, &mut notices)?;
+        let object = object::build(&scaled, &mut notices).map_err(|e| e.about("object.shape"))?;
         let fem = match &scene.stepper {
             StepperChoice::Fem(fem) => *fem,
             StepperChoice::Gnn(_) => scene::Fem::default(),
@@ -131,7 +133,7 @@ impl Model {
         let needs = Needs::of(scene);
         // Friction makes the answer depend on the path of a quasi-static load, nothing else does.
         let depends = needs.friction && dynamics.is_none() && !fingers.is_empty();
-        let audit = || Arc::new(Auditor::new(&scene.promises(), &scene.object, &object, &fingers, offset));
+        let audit = || Arc::new(Auditor::new(&scene.promises(), &scaled, &object, &fingers, offset));
         let auditor = needs.audit.then(audit);
         let stroke = scene.gripper.stroke.get();
         let hand = SensedHand { fingers: &fingers, stroke, force: f64::INFINITY };

@@ -6,12 +6,18 @@ use crate::geometry::mesh::io::read_tri_mesh;
 use crate::geometry::mesh::{TriMesh, show};
 use crate::geometry::shape::{Shape, ShapeKind, sound};
 use crate::mech::contact::Feature;
+use crate::number::shown;
 use crate::scene::leaf::LENGTH_LIMIT;
 use crate::scene::{self, object as o};
+use crate::stats::median;
+use glam::DVec3;
 use std::sync::Arc;
 
 /// Largest distance of a point of the object from the origin of its frame, m.
 const FARTHEST: f64 = 1e3;
+
+/// Distance from the middle over that of most vertices from which on a vertex is a stray one, not part of a slender object.
+const STRAY: f64 = 100.0;
 
 /// Largest number of points of the object that are tested against a pad: they take about 1.5 GB.
 const MAX_FEATURES: u64 = 1_000_000;
@@ -22,7 +28,7 @@ const MAX_FEATURES: u64 = 1_000_000;
 /// Fails for an unreadable file, a size that no gripper holds, or a surface that does not enclose a volume; the message names the
 /// file.
 pub fn build(object: &scene::Object, notices: &mut Vec<String>) -> Result<Shape> {
-    let scale = object.scale.get();
+    let scale = object.factor();
     let shape = match &object.shape {
         o::ObjectShape::Mesh(path) => {
             let (mesh, news) = read_tri_mesh(path)?;
@@ -54,6 +60,15 @@ pub fn build(object: &scene::Object, notices: &mut Vec<String>) -> Result<Shape>
 fn within_limits(mesh: &TriMesh, scale: f64) -> Result<()> {
     let size = scale * Aabb::of(mesh.vertices.iter().copied()).size().max_element();
     if size > LENGTH_LIMIT {
+        if let Some((v, away)) = stray(mesh) {
+            return Err(Error::Mesh(format!(
+                "the object is {} m wide because its vertex {v} (0-based) at {} lies {} m from the middle of the others: remove it, or \
+                 the facets that use it",
+                shown(size),
+                show(scale * mesh.vertices[v]),
+                shown(scale * away)
+            )));
+        }
         let (unit, factor) = if size < 5.0 { ("centimetres", 1e-2) } else { ("millimetres", 1e-3) };
         return Err(Error::Mesh(format!(
             "the object is {} m wide, at most {LENGTH_LIMIT} m is simulated: is the file in {unit}? then write `scale: {:e}`",
@@ -68,6 +83,15 @@ fn within_limits(mesh: &TriMesh, scale: f64) -> Result<()> {
             show(scale * *p)
         )))
     })
+}
+
+/// Returns the vertex farthest from the middle (median) of all, and its distance, m, if it is [`STRAY`] times as far as most others.
+fn stray(mesh: &TriMesh) -> Option<(usize, f64)> {
+    let middle = DVec3::from_array([0, 1, 2].map(|axis| median(mesh.vertices.iter().map(|p| p[axis]))));
+    let away = |p: &DVec3| p.distance(middle);
+    let most = median(mesh.vertices.iter().map(away));
+    let farthest = mesh.vertices.iter().map(away).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (farthest.1 > STRAY * most).then_some(farthest)
 }
 
 /// Returns the generator of a shape that is not a file.

@@ -12,9 +12,11 @@ use crate::mech::body::{self, Body};
 use crate::mech::contact::law::ContactLaw;
 use crate::mech::contact::{ContactSurface, SurfaceFace};
 use crate::mech::material::Material;
+use crate::number::shown;
 use crate::record::{self, PadTopology};
 use crate::scales::CONTACT_FORCE;
 use crate::scene::bonding::BondingRule;
+use crate::scene::leaf::{LENGTH_LIMIT, PAD_FLOOR};
 use crate::scene::pad::FilePad;
 use crate::scene::{self, Element, Gripper, Pads};
 use glam::DVec3;
@@ -130,10 +132,23 @@ fn read(file: &FilePad, notices: &mut Vec<String>) -> Result<PadMesh> {
     let scale = file.scale.get();
     let (bonding, listed) = bonding(file, notices)?;
     let (outward, across) = (file.outward.dvec3().normalize(), file.across.map(|a| a.dvec3()));
-    let (mut pad, news) = pad::read_pad(&file.path, &pad::PadPlacement { outward, across, bonding }, listed)?;
+    let placement = pad::PadPlacement { outward, across, bonding };
+    let (mut pad, news) = pad::read_pad_group(&file.path, file.group.as_deref(), &placement, listed)?;
     // The reader takes coordinates as metres, which `scale` says they are not.
     notices.extend(news.into_iter().filter(|n| scale == 1.0 || !n.contains("taken as metres")));
     pad.mesh.nodes.iter_mut().for_each(|p| *p *= scale);
+    let size = Aabb::of(pad.mesh.nodes.iter().copied()).size();
+    if size.min_element() < PAD_FLOOR || size.max_element() > LENGTH_LIMIT {
+        let [x, y, z] = size.to_array().map(shown);
+        return Err(Error::file(
+            &file.path,
+            format!(
+                "the pad is {x} x {y} x {z} m; each side must be from {PAD_FLOOR:e} to {LENGTH_LIMIT} m: `scale` is the factor from the \
+                 unit of the file to metres (millimetres: 1e-3), here {}",
+                shown(scale)
+            ),
+        ));
+    }
     let (bonded, nodes) = (pad.bonded.iter().filter(|b| **b).count(), pad.bonded.len());
     notices.push(format!("{}: {bonded} of {nodes} nodes are bonded to the finger", file.path.display()));
     Ok(pad)

@@ -4,6 +4,7 @@ use super::page::{Page, PageBlock, Section};
 use crate::bench::report::{BenchReport, Point};
 use crate::bench::sizes::SizeStudy;
 use crate::error::{Error, Result};
+use crate::number::counted;
 use crate::table::Table;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -17,9 +18,9 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
     let mut blocks = Vec::new();
     let chart = dir.join("bench.svg");
     if let Ok(svg) = std::fs::read_to_string(&chart) {
-        // An XML declaration has no place inside a page.
-        let svg = svg.find("<svg").map(|at| svg[at..].to_string());
-        let svg = svg.ok_or_else(|| Error::file(&chart, "is no SVG picture"))?;
+        if !svg.contains("<svg") {
+            return Err(Error::file(&chart, "is no SVG picture"));
+        }
         blocks.push(PageBlock::Picture(
             svg,
             "Time against error, both logarithmic; what lies lower left is better.".into(),
@@ -131,11 +132,6 @@ fn stages(report: &BenchReport) -> Table {
 
 fn megabytes(bytes: Option<u64>) -> String {
     bytes.map_or("-".into(), |b| format!("{:.0}", b as f64 / 1e6))
-}
-
-/// Returns a count with its noun: `1 grasp`, `3 grasps`.
-pub fn counted(count: usize, name: &str) -> String {
-    format!("{count} {name}{}", if count == 1 { "" } else { "s" })
 }
 
 fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {

@@ -1,6 +1,5 @@
 //! Section of a data set, and of a network judged on it.
 
-use super::bench::counted;
 use super::chart::{Chart, Over, Quantity, Series};
 use super::page::{Page, PageBlock, Section};
 use super::recording::{Errors, RecordedState, Recording};
@@ -15,6 +14,7 @@ use crate::net::eval::{Judged, frames, judge};
 use crate::net::infer::predict::Predictor;
 use crate::net::train::data::split;
 use crate::net::train::sample::model_of;
+use crate::number::counted;
 use crate::record::PadTopology;
 use crate::table::Table;
 use std::path::Path;

@@ -109,9 +109,12 @@ impl Page {
                 body += &match block {
                     PageBlock::Table(table) => table.html(),
                     PageBlock::Note(text) => format!("<p class=\"note\">{}</p>\n", escape(text)),
-                    PageBlock::Picture(svg, about) => {
-                        format!("<figure class=\"picture\">{svg}<figcaption>{}</figcaption></figure>\n", escape(about))
-                    }
+                    // The picture comes from a file: as an image it can neither run anything nor load anything.
+                    PageBlock::Picture(svg, about) => format!(
+                        "<figure class=\"picture\"><img src=\"data:image/svg+xml;base64,{}\" alt=\"\"><figcaption>{}</figcaption></figure>\n",
+                        base64(svg.as_bytes()),
+                        escape(about)
+                    ),
                     PageBlock::Chart(chart) => {
                         charts.push(chart);
                         format!("<figure class=\"chart\" data-chart=\"{}\"></figure>\n", charts.len() - 1)

@@ -1,11 +1,11 @@
 //! Section of a run: the end of its grasps, its promises, its frames.
 
-use super::bench::counted;
 use super::page::{Page, PageBlock, Section};
 use super::recording::{RecordedState, Recording};
 use super::source::Wishes;
 use crate::dataset::inspect::chosen;
 use crate::error::Result;
+use crate::number::counted;
 use crate::record::{Frame, RunReport, meshes, read};
 use crate::run::grasp_files::directory;
 use crate::table::Table;

@@ -1,12 +1,12 @@
 //! Section of a training: the loss of every epoch so far, and the model once it is finished.
 
-use super::bench::counted;
 use super::chart::{Chart, Over, Quantity, Series};
 use super::page::{Page, PageBlock, Section};
 use super::run::name;
 use crate::error::Result;
 use crate::net::network::card::{CARD, Trained};
 use crate::net::train::curves::{self, Epoch};
+use crate::number::counted;
 use std::path::Path;
 
 /// Adds the training in `dir`.

@@ -1,12 +1,12 @@
 //! Section of a data set that is not finished: how far it is, and the grasps that have ended.
 
-use super::bench::counted;
 use super::evaluation::truth;
 use super::page::{Page, PageBlock, Section};
 use super::run::name;
 use super::source::Wishes;
 use crate::dataset::inspect::chosen;
 use crate::dataset::{Manifest, so_far};
+use crate::number::counted;
 use crate::record::Status;
 use crate::table::Table;
 use std::path::Path;

@@ -4,6 +4,7 @@ use super::bonding::{BondingPlane, BondingRule};
 use super::expect::{Bounds, Expectation};
 use super::grasps::Grasps;
 use super::gripper::Fingers;
+use super::leaf::PAD_FLOOR;
 use super::loading::{Loading, Squeeze};
 use super::motion;
 use super::object::{ObjectMotion, ObjectShape, Revolve};
@@ -185,9 +186,6 @@ fn profile(r: &Revolve) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Smallest thickness and width of a pad, m: far below any gel.
-const PAD: f64 = 1e-5;
-
 /// Checks the pads of both fingers, and that nothing reads pads that differ as if they were alike.
 fn gripper(scene: &Scene) -> Result<(), Problem> {
     let gripper = &scene.gripper;
@@ -208,13 +206,13 @@ fn gripper(scene: &Scene) -> Result<(), Problem> {
 
 fn pads(pads: &Pads, at: &str) -> Result<(), Problem> {
     let too_small = |field: &str, length: f64| {
-        let message = format!("{} m is too small for a pad\nallowed: at least {} m", shown(length), shown(PAD));
+        let message = format!("{} m is too small for a pad\nallowed: at least {} m", shown(length), shown(PAD_FLOOR));
         refuse(format!("{at}.{field}"), message)
     };
     match pads {
-        Pads::Box(b) if b.size.size().min_element() < PAD => too_small("size", b.size.size().min_element()),
-        Pads::Disc(d) if d.radius.get() < PAD => too_small("radius", d.radius.get()),
-        Pads::Disc(d) if d.thickness.get() < PAD => too_small("thickness", d.thickness.get()),
+        Pads::Box(b) if b.size.size().min_element() < PAD_FLOOR => too_small("size", b.size.size().min_element()),
+        Pads::Disc(d) if d.radius.get() < PAD_FLOOR => too_small("radius", d.radius.get()),
+        Pads::Disc(d) if d.thickness.get() < PAD_FLOOR => too_small("thickness", d.thickness.get()),
         Pads::Box(b) if b.cells.is_some() && b.spacing.is_some() => {
             refuse(format!("{at}.cells"), "cells and spacing are both given\ngive one of them")
         }
@@ -245,6 +243,14 @@ fn grasps(grasps: &Grasps) -> Result<(), Problem> {
         Grasps::List(poses) if poses.is_empty() => {
             refuse("grasps", "an empty list of grasps\nleave `grasps` out for one at the identity")
         }
+        Grasps::List(poses) => match poses.iter().position(|p| p.position.is_some() == p.centre.is_some()) {
+            Some(i) => refuse(
+                &format!("grasps[{i}]"),
+                "a pose needs `position`, the origin of the hand, or `centre`, the point midway between the pads, and not both\n\
+                 `centre: (0, 0, 0)` puts the origin of the object between the pads, however the hand is turned",
+            ),
+            None => Ok(()),
+        },
         Grasps::Antipodal(a) if a.tilt_deg.get() > 90.0 => {
             refuse("grasps.tilt_deg", format!("must be at most 90 degrees, found {}", shown(a.tilt_deg.get())))
         }

@@ -15,7 +15,7 @@ macro_rules! defaults {
 
 defaults! {
     /// Object: factor on the shape's lengths.
-    SCALE (scale): Positive = Positive::preset(1.0);
+    SCALE: Positive = Positive::preset(1.0);
     /// Object: density, kg/m3.
     OBJECT_DENSITY (object_density): Positive = Positive::preset(1000.0);
     /// Object: radius of rounded edges, m; zero is sharp.

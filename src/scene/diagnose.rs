@@ -1,6 +1,6 @@
 //! Messages for a parser's errors, with a place and a way out.
 
-use super::outline::Outline;
+use super::outline::{Outline, OutlineEntry};
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use ron::error::{Error as Ron, Position, SpannedError};
 use std::borrow::Cow;
@@ -17,6 +17,12 @@ pub(super) struct Diagnosis {
     /// Help: the allowed values or the remedy.
     pub help: Option<String>,
 }
+
+/// Fields of former versions, and what stands for them now.
+const FORMER: [(&str, &str); 1] = [(
+    "attach_distance",
+    "of version 0.1; now the rule `bonded`: write `bonded: Plane(within: ...)` with the same distance",
+)];
 
 /// Longest message, bytes: a word of the scene in it may be as long as the file.
 const MESSAGE: usize = 1000;
@@ -84,7 +90,9 @@ pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Di
             (named(&message, end, text, outline), whole(text, here, outline))
         }
         Ron::NoSuchStructField { expected, found, outer } => {
-            (format!("unknown field `{}`{}\n{}", clipped(found), of(outer), allowed(found, expected)), refused)
+            let former = FORMER.iter().find(|(name, _)| name == found).map(|(_, now)| now.to_string());
+            let help = former.unwrap_or_else(|| allowed(found, expected));
+            (format!("unknown field `{}`{}\n{help}", clipped(found), of(outer)), refused)
         }
         Ron::NoSuchEnumVariant { expected, found, outer } => {
             let what = outer.as_deref().unwrap_or("name");
@@ -93,6 +101,11 @@ pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Di
         Ron::MissingStructField { field, outer } => (format!("missing field `{field}`{}", of(outer)), here),
         Ron::DuplicateStructField { field, outer } => (format!("field `{field}` is given twice{}", of(outer)), refused),
         Ron::Eof => ("the file ends too early\na closing `)` or `]` is missing".to_string(), here),
+        Ron::ExpectedStructLikeEnd | Ron::ExpectedString | Ron::ExpectedArray
+            if let Some(message) = field_of_value(text, end, outline) =>
+        {
+            (message, here)
+        }
         Ron::ExpectedStructLikeEnd => (format!("expected `,` or `)`, found {}", found()), here),
         Ron::ExpectedArrayEnd => (format!("expected `,` or `]`, found {}", found()), here),
         Ron::ExpectedComma => {
@@ -141,6 +154,25 @@ fn named(message: &str, at: usize, text: &str, outline: &Outline) -> String {
         path if path.starts_with('[') => message.to_string(),
         path => format!("{path}: {message}"),
     }
+}
+
+/// Returns the message about a field at this byte within parentheses that hold one value, such as `Mesh("a.obj", scale: 2)`; None if there
+/// is no field.
+fn field_of_value(text: &str, at: usize, outline: &Outline) -> Option<String> {
+    let field = token(text, at);
+    let is_field = !field.is_empty()
+        && text[at + field.len()..].trim_start().starts_with(':')
+        && text[..at].trim_end().ends_with(['(', ',']);
+    let holds = |e: &&OutlineEntry| e.name.as_ref().is_some_and(|name| name.end < at) && e.value.contains(&at);
+    // Entries stand in order of their end: the first that holds the byte is the innermost.
+    let around = outline.entries().iter().find(|e| is_field && holds(e))?;
+    let name = &text[around.name.clone()?];
+    let path = outline.path(around);
+    let (owner, key) = path.rsplit_once('.').unwrap_or(("the scene", &path));
+    Some(format!(
+        "{path}: `{name}(...)` holds one value and no field `{}`\nfields of {owner} stand beside `{key}`: `{key}: {name}(...), {0}: ...`",
+        clipped(field)
+    ))
 }
 
 /// Returns the refused value as a reader sees it. A sign and a quote are steps of their own for the parser and are

@@ -24,12 +24,18 @@ pub enum Grasps {
     Antipodal(Antipodal),
 }
 
-/// Pose of the hand in the object frame.
+/// Pose of the hand in the object frame. Give `position` or `centre`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pose {
     /// Origin of the hand in the object frame, m.
-    pub position: Vec3,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position: Option<Vec3>,
+    /// Point midway between the pads in the object frame, m, about which `rotation` turns the hand: `position = centre - R(rotation) c`, with
+    /// the point `c` midway between the pads in the hand frame, `(0, y, z)` of the gripper's `placement`. `(0, 0, 0)` puts the origin of the
+    /// object between the pads.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub centre: Option<Vec3>,
     /// Rotation from the hand frame to the object frame.
     #[serde(default)]
     pub rotation: Rotation,

@@ -7,6 +7,7 @@ use super::material::MaterialChoice;
 use super::pad::{FilePad, Pads};
 use crate::error::Error;
 use crate::robot::{Mount, SoftPad};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -139,6 +140,13 @@ pub struct Placement {
     pub y: Finite,
     /// Position along the approach, m.
     pub z: Finite,
+}
+
+impl Placement {
+    /// Returns the point midway between the pads, hand frame, m.
+    pub fn center(&self) -> DVec3 {
+        DVec3::new(0.0, self.y.get(), self.z.get())
+    }
 }
 
 impl Default for Placement {

@@ -10,6 +10,8 @@ use serde::{Serialize, Serializer};
 
 /// Largest length that a scene may name, m: a gripper scene measured in metres never needs more.
 pub const LENGTH_LIMIT: f64 = 2.0;
+/// Smallest side of a pad, m: far below any gel. Steps towards an object go by the size of the pad.
+pub const PAD_FLOOR: f64 = 1e-5;
 /// Smallest stiffness that a scene may name, Pa: a smaller number was almost surely meant in MPa.
 pub const MODULUS_FLOOR: f64 = 1.0;
 /// Longest time that a scene may name, s.

@@ -12,9 +12,9 @@ use std::path::PathBuf;
 pub struct Object {
     /// Shape in the object frame.
     pub shape: ObjectShape,
-    /// Factor on all lengths of the shape.
-    #[serde(default = "defaults::scale")]
-    pub scale: Positive,
+    /// Factor on all lengths of the shape. None takes the `object/scale` that the grasp file has, and 1 without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<Positive>,
     /// Switch for the repair of a surface from a file that does not bound a solid: vertices are welded and holes filled;
     /// if that is not enough, the winding number of the surface is sampled anew.
     #[serde(default)]
@@ -35,6 +35,13 @@ pub struct Object {
     /// Angular velocity of the object at the start of a dynamic scene, world axes, rad/s.
     #[serde(default)]
     pub spin: Option<Vec3>,
+}
+
+impl Object {
+    /// Returns the factor on all lengths of the shape.
+    pub fn factor(&self) -> f64 {
+        self.scale.unwrap_or(defaults::SCALE).get()
+    }
 }
 
 /// Freedom of the object to move.

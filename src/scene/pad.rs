@@ -199,6 +199,9 @@ impl DiscPad {
 pub struct FilePad {
     /// Path of the mesh file.
     pub path: PathBuf,
+    /// Name or tag of the physical volume of a gmsh file that is the gel; None takes all volumes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub group: Option<String>,
     /// Direction out of the gel towards the object, in the file's axes; any length except zero.
     #[serde(default = "defaults::pad_outward")]
     pub outward: Vec3,
@@ -218,6 +221,7 @@ impl FilePad {
     pub(super) fn of_robot(pad: &SoftPad) -> Result<Self, String> {
         Ok(Self {
             path: pad.mesh.clone(),
+            group: None,
             outward: Vec3::of(pad.outward)?,
             across: Some(Vec3::of(pad.across)?),
             scale: Positive::new(pad.scale)?,
@@ -229,7 +233,7 @@ impl FilePad {
 impl<'de> PathOrFields<'de> for FilePad {
     fn from_path(path: PathBuf) -> Self {
         let bonded = BondingRule::default();
-        Self { path, outward: defaults::PAD_OUTWARD, across: None, scale: defaults::PAD_SCALE, bonded }
+        Self { path, group: None, outward: defaults::PAD_OUTWARD, across: None, scale: defaults::PAD_SCALE, bonded }
     }
     fn from_fields<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         Self::deserialize(deserializer)

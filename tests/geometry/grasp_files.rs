@@ -93,7 +93,7 @@ fn scenes_choose_among_the_grasps_of_a_file() {
     assert_eq!(rows("File(path: \"g.h5\", select: 2..4)").unwrap(), [2, 3]);
     assert_eq!(rows("File(path: \"g.h5\", select: ..2)").unwrap(), [0, 1]);
     let error = rows("File(path: \"g.h5\", select: [3, 10])").unwrap_err().to_string();
-    assert!(error.contains("g.h5: has no grasp 10; its 10 grasps are 0 to 9"), "{error}");
+    assert!(error.contains("g.h5: has no grasp 10; it has 10 grasps, 0 to 9"), "{error}");
     let first = |most: u64, grasps: &str| {
         let mut scene = scene(grasps);
         keep_first(&mut scene.grasps, GraspCount::new(most).unwrap()).unwrap();
@@ -115,6 +115,26 @@ fn the_identity_puts_the_object_between_the_pads() {
     let poses = poses_of(&load(&path).unwrap().scene).unwrap();
     assert_eq!(poses.len(), 1);
     assert_eq!(poses[0].to_hand(DVec3::ZERO), DVec3::new(0.0, 0.01, 0.12));
+}
+
+/// A pose by its centre keeps that point of the object midway between the pads, however the hand is turned.
+#[test]
+fn a_centre_lies_between_the_pads_of_a_turned_hand() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("s.ron");
+    let text =
+        "(object: (shape: Sphere(radius: 0.02)), loading: Squeeze(force: 15), gripper: (placement: (y: 0.01, z: 0.12)),
+                 grasps: List([(centre: (0.001, 0.002, 0.003), rotation: RpyDeg((0, 60, 0))), (centre: (0, 0, 0))]))";
+    std::fs::write(&path, text).unwrap();
+    let scene = load(&path).unwrap().scene;
+    let poses = poses_of(&scene).unwrap();
+    let turned = poses[0].to_hand(DVec3::new(0.001, 0.002, 0.003));
+    assert!((turned - DVec3::new(0.0, 0.01, 0.12)).length() < 1e-15, "{turned} m in the hand");
+    let expected = DQuat::from_rotation_y(60_f64.to_radians());
+    assert!(poses[0].rotation.angle_between(expected) < 1e-12);
+    assert_eq!(poses[1].position, DVec3::new(0.0, -0.01, -0.12));
+    // What is written loads as the same scene.
+    assert_eq!(tactus::scene::from_ron(&tactus::scene::to_ron(&scene).unwrap()).unwrap(), scene);
 }
 
 #[test]

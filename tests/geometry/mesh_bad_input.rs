@@ -61,6 +61,10 @@ fn unfit_tetrahedra() {
     refused("b.tet", flat, &["tetrahedron 1 (0-based)", "is flat: volume 0.000e0 m^3", "centroid (0.500000, 0.500000"]);
     let three = tet("v 0 0 2\nv 0 0 3\nt 0 1 2 3\nt 0 1 2 4\nt 0 1 2 5\n");
     refused("c.tet", three, &["the face of nodes [0, 1, 2]", "shared by 3 tetrahedra (0, 1, 2); at most 2"]);
+    let folded = tet("v 0.1 0.1 2\nt 0 1 2 3\nt 0 1 2 4\n");
+    refused("e.tet", folded, &["the face of nodes [0, 1, 2]", "2 tetrahedra (0, 1) on the same side of it"]);
+    let far = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1e30\nt 0 1 2 3\n";
+    refused("f.tet", far, &["node 3 (0-based) is [0, 0, 1000", "within 1e9"]);
     let coincident = tet("v 0 0 1\nt 0 1 3 4\n");
     refused("d.tet", coincident, &["uses node"]);
 }
@@ -87,6 +91,10 @@ fn gmsh_files() {
     let extra = format!("{v4}$Nodes\n0 0 0 0\n5 5 5\n$EndNodes\n");
     let fewer = format!("{v4}$Nodes\n1 2 1 2\n3 0 0 1\n1\n0 0 0\n$EndNodes\n");
     refused("m.msh", fewer, &["line 5, column 3: 2 nodes declared, but the blocks hold 1"]);
+    // Nine elements more than there are, as a file that was cut or changed by hand.
+    let tetrahedron = "$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n$Elements\n";
+    let nine = format!("{v4}{tetrahedron}1 10 1 10\n3 1 4 1\n1 1 2 3 4\n$EndElements\n");
+    refused("n.msh", nine, &["line 17, column 3: 10 elements declared, but the blocks hold 1"]);
     refused("j.msh", extra, &["line 6, column 1: expected `$EndNodes`"]);
     refused("k.msh", "hello\n", &["line 1, column 1: expected a section", "`hello`"]);
     refused("l.msh", "", &["no `$MeshFormat` section"]);
@@ -113,7 +121,7 @@ fn triangle_files() {
     refused("b.obj", "v 0 0 0\nf 0 1 1\n", &["refers to vertex 0"]);
     refused("c.obj", "v 0 0 0\nf 1 1\n", &["line 2, column 1: a face of 2 vertices"]);
     refused("d.obj", "v 0 0 inf\n", &["line 1, column 7: z is inf"]);
-    refused("e.obj", "v 0 0 0\n", &["the mesh is empty: 1 vertices"]);
+    refused("e.obj", "v 0 0 0\n", &["the mesh is empty: 1 vertex (`v`"]);
     refused("f.obj", "v 0 0 0\nf 1 1 1\n", &["every triangle has a repeated vertex"]);
     refused("g.obj", "x 1\n", &["line 1, column 1: unknown keyword `x`; allowed: v, f"]);
     refused("h.obj", "v 0 0 0\nf 1 -2 1\n", &["refers to vertex -2"]);

@@ -68,6 +68,49 @@ fn unusable_placements_are_refused() {
     assert!(pad::from_mesh(TetMesh::default(), &placement(DVec3::Z, 0.0)).is_err());
 }
 
+/// A part that the finger does not hold would move as a rigid body, and one within another would make the gel stiffer: both are refused.
+#[test]
+fn every_part_of_a_pad_is_held_and_none_overlaps_another() {
+    let pad = small();
+    let with = |nodes: &[DVec3], tets: &[[u32; 4]]| {
+        let mut mesh = pad.mesh.clone();
+        mesh.nodes.extend(nodes);
+        mesh.tets.extend(tets);
+        mesh
+    };
+    let refused = |mesh: TetMesh, bonding: Bonding, says: &[&str]| {
+        let placement = PadPlacement { bonding, ..placement(DVec3::Z, 0.0) };
+        let message = pad::from_mesh(mesh, &placement).expect_err("refused").to_string();
+        says.iter().for_each(|text| assert!(message.contains(text), "`{text}` is not in: {message}"));
+    };
+    let back = || Bonding::back(0.0);
+    let n = pad.mesh.nodes.len() as u32;
+    let millimetre = |i: usize| 1e-3 * DVec3::AXES[i];
+    let corner = pad.mesh.nodes[n as usize - 1];
+    let beside = [corner, corner + millimetre(0), corner + millimetre(1), corner + millimetre(2)];
+    // Far off, at a corner of the pad, and at an edge of it.
+    let loose = with(&beside.map(|p| p + 0.01), &[[n, n + 1, n + 2, n + 3]]);
+    refused(loose, back(), &["a part of 1 tetrahedron of 97 about", "shares no node"]);
+    let hung = with(&beside[1..], &[[n - 1, n, n + 1, n + 2]]);
+    refused(hung, back(), &["a part of 1 tetrahedron of 97 about", "is held at one node"]);
+    let hinged = with(&beside[2..], &[[n - 2, n - 1, n, n + 1]]);
+    refused(hinged, back(), &["a part of 1 tetrahedron of 97 about", "is held along a line"]);
+    // The pad itself at a node, and at the five nodes of an edge of its back.
+    refused(pad.mesh.clone(), Bonding::Nodes(vec![0]), &["the pad of 96 tetrahedra about", "is held at one node"]);
+    refused(pad.mesh.clone(), Bonding::Nodes((0..5).collect()), &["is held along a line", "off that line"]);
+    let three = PadPlacement { bonding: Bonding::Nodes(vec![0, 4, 10]), ..placement(DVec3::Z, 0.0) };
+    assert_eq!(count(&pad::from_mesh(pad.mesh.clone(), &three).expect("held at three nodes")), 3);
+    // A second copy, shifted or inside the first.
+    let copies: [fn(DVec3) -> DVec3; 3] =
+        [|p| p + DVec3::new(3e-3, 1e-3, 0.0), |p| 0.5 * p - 2e-3 * DVec3::Z, |p| 0.5 * p - 1e-3 * DVec3::Z];
+    for copy in copies {
+        let nodes: Vec<DVec3> = pad.mesh.nodes.iter().map(|p| copy(*p)).collect();
+        let tets: Vec<[u32; 4]> = pad.mesh.tets.iter().map(|t| t.map(|i| i + n)).collect();
+        let both = pad.bonded.iter().chain(&pad.bonded).enumerate().filter(|(_, b)| **b).map(|(i, _)| i).collect();
+        refused(with(&nodes, &tets), Bonding::Nodes(both), &["the pad overlaps itself", "one copy"]);
+    }
+}
+
 /// A plane, the surface of what carries the gel and a list say the same in three ways.
 #[test]
 fn every_rule_bonds_the_back() {

@@ -68,7 +68,7 @@ fn a_masked_reset_leaves_the_others_alone(set: &[NamedScene]) {
     let (plain, masked) = (run(None), run(Some(&[false, true, false])));
     assert_eq!((&plain[0], &plain[2]), (&masked[0], &masked[2]));
     assert_ne!(plain[1], masked[1], "the one in the middle is in another episode");
-    assert!(batch(set, config(3)).reset(None, Some(&[true])).unwrap_err().to_string().contains("1 entries for 3"));
+    assert!(batch(set, config(3)).reset(None, Some(&[true])).unwrap_err().to_string().contains("1 entry for 3"));
 }
 
 fn truncation_keeps_the_final_observation(set: &[NamedScene]) {
@@ -200,7 +200,7 @@ fn seeds_of_their_own_start_the_episodes_of_single_environments(set: &[NamedScen
     let mut alone = batch(set, config(1));
     assert_eq!(rows[0], bits(alone.reset(Some(3), None).unwrap(), 0));
     assert_eq!(rows[2], bits(alone.reset(Some(4), None).unwrap(), 0));
-    assert!(env.reset_each(&[None], None).unwrap_err().to_string().contains("1 seeds for 3 environments"));
+    assert!(env.reset_each(&[None], None).unwrap_err().to_string().contains("1 seed for 3 environments"));
     // A seed for all gives every environment its own number again.
     let all = env.reset(Some(3), None).unwrap();
     let all = [0, 1, 2].map(|i| bits(all, i));

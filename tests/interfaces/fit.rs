@@ -157,7 +157,7 @@ fn tables_that_are_none_are_refused_by_line() {
         (&format!("{head}2e-3,inf\n"), "curve.csv:4: ", "force_n must be a finite number"),
         (&format!("{head}5,1\n"), "curve.csv:4: ", "lengths are in metres"),
         (&format!("{head}0.5e-3,1\n"), "curve.csv:4: ", "depths must increase: 0.0005 m after 0.001 m"),
-        (head, "curve.csv: ", "has 1 points; a fit needs at least 2"),
+        (head, "curve.csv: ", "has 1 point; a fit needs at least 2"),
         ("depth_m,force_n\n1e-3,1\n9e-3,2\n", "", "goes through the pad"),
     ] {
         let error = refused(dir.path(), table, &[]);

@@ -4,8 +4,12 @@ use crate::gnn_made::{Made, made, set};
 use crate::skipped::skipped;
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::io::{Read, Write};
+use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use tactus::report::Wishes;
+use tactus::view::Viewer;
 
 pub fn tactus(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tactus")).args(arguments).output().unwrap()
@@ -176,7 +180,13 @@ fn a_page_of_a_run_and_a_bench_has_their_tables_the_chart_and_the_truth() {
     good(&["bench", text(&press), "-o", text(&bench), "--repeat", "1"]);
     let markdown = good(&["report", text(&bench), text(&run), "-o", text(&page)]);
     let html = std::fs::read_to_string(&page).unwrap();
-    assert!(html.contains("Speed against error") && html.contains("<svg") && html.contains("Pareto"), "the chart");
+    let picture = |html: &str| {
+        let (_, rest) = html.split_once("<img src=\"data:image/svg+xml;base64,").expect("the chart");
+        String::from_utf8(base64(rest.split_once('"').unwrap().0)).unwrap()
+    };
+    assert!(
+        html.contains("Speed against error") && picture(&html).contains("<svg") && picture(&html).contains("Pareto")
+    );
     assert!(html.contains("quadratic 4x4x2") && html.contains("0 reached"));
     assert!(markdown.contains("| setting | nodes | s a grasp |") && markdown.contains("| quadratic 4x4x2 |"));
     let data = data_of(&html);
@@ -190,6 +200,22 @@ fn a_page_of_a_run_and_a_bench_has_their_tables_the_chart_and_the_truth() {
         good(&["report", text(&bench), text(&run), "-o", text(&page)]);
         std::fs::read_to_string(&page).unwrap()
     });
+    // What stands in the folder comes into the page as an image, in which no script runs, and never as part of it.
+    let svg = std::fs::read_to_string(bench.join("bench.svg")).unwrap();
+    let altered = svg.replace("<rect", "<script>alert(5)</script><image href=\"x\" onerror=\"alert(5)\"/><rect");
+    assert_ne!(altered, svg);
+    std::fs::write(bench.join("bench.svg"), &altered).unwrap();
+    good(&["report", text(&bench), "-o", text(&page)]);
+    let viewer = Viewer::start(bench, Wishes { model: None, split: None, grasps: 1, frames: 1 }, 0).unwrap();
+    let host = viewer.address().trim_start_matches("http://").trim_end_matches('/').to_string();
+    let mut connection = TcpStream::connect(&host).unwrap();
+    write!(connection, "GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").unwrap();
+    let mut viewed = String::new();
+    connection.read_to_string(&mut viewed).unwrap();
+    for html in [std::fs::read_to_string(&page).unwrap(), viewed] {
+        assert_eq!(picture(&html), altered);
+        assert!(!html.contains("alert(5)") && !html.contains("onerror"), "a script of the folder stands in the page");
+    }
 }
 
 #[test]

@@ -64,7 +64,7 @@ fn options_replace_what_the_scene_says() {
     refused(&["--force", "0"], "error: --force must be above zero");
     refused(&["--backend", "fem", "--model", "universe"], "--model is for a network; add --backend gnn");
     refused(&["--extrapolate"], "--error-at-most and --extrapolate are for a network");
-    refused(&["--grasp", "1"], "--grasp 1: the scene has 1 grasps, 0 to 0");
+    refused(&["--grasp", "1"], "--grasp 1: the scene has 1 grasp, 0 to 0");
     let press = tactus(&["run", "scenes/press_sphere.ron", "--force", "3"]);
     assert!(String::from_utf8_lossy(&press.stderr).contains("--force is for a squeeze"));
 }

@@ -197,6 +197,10 @@ fn fingers_that_meet_nothing_or_start_inside_are_refused_by_name() {
     };
     let far = reason("", "grasps: List([(position: (0, 0.2, -0.1))])");
     assert!(far.contains("left finger meets nothing within its stroke of 40.0 mm"), "{far}");
+    assert!(far.contains("the object is 180.0 mm away from the point midway between the pads"), "{far}");
+    // A rotation about the hand swings the pads away; about the centre it does not.
+    let swung = reason("", "grasps: List([(position: (0, 0, -0.1), rotation: RpyDeg((0, 60, 0)))])");
+    assert!(swung.contains("meets nothing") && swung.contains("by its `centre`"), "{swung}");
     let inside = reason("opening: 0.02", "");
     assert!(inside.contains("left pad overlaps the object by") && inside.contains("widen `opening`"), "{inside}");
     let heavy = reason("", "gravity: (981, 0, 0)");

@@ -11,6 +11,8 @@ use tactus::geometry::mesh::{TetMesh, io, quadratic, signed_volume};
 use tactus::geometry::pad::{Resolution, box_pad};
 use tactus::grasp::{poses_of, read_grasps_h5, write_grasps_h5};
 use tactus::gripper::GraspPose;
+use tactus::model::Model;
+use tactus::net::network::card::Trained;
 use tactus::random::Random;
 use tactus::scene::{Convention, HandAxis, QuaternionOrder, load};
 
@@ -240,6 +242,151 @@ fn gmsh_files_of_every_version_and_form_hold_the_same_block() {
     }
 }
 
+/// A gmsh file of the block as two physical volumes, the gel above the middle and a soft backing below.
+fn two_volumes(version: &str, form: Form) -> Vec<u8> {
+    let mesh = block();
+    let middle = |t: usize| mesh.corners(t).into_iter().sum::<DVec3>().z / 4.0;
+    let parts =
+        [true, false].map(|above| (0..mesh.tets.len()).filter(|t| (middle(*t) > -2e-3) == above).collect::<Vec<_>>());
+    let (v2, v41, n) = (version.starts_with('2'), version == "4.1", mesh.nodes.len());
+    let mut o = Out(form, Vec::new());
+    o.text(&format!("$MeshFormat\n{version} {} 8\n", i32::from(form != Form::Text)));
+    if form != Form::Text {
+        o.int(1);
+        o.text("\n");
+    }
+    o.text("$EndMeshFormat\n$PhysicalNames\n3\n2 9 \"skin\"\n3 7 \"gel\"\n3 8 \"soft backing\"\n$EndPhysicalNames\n");
+    if !v2 {
+        // A point in a group of its own, and two volumes without a boundary.
+        o.text("$Entities\n");
+        [1, 0, 0, 2].into_iter().for_each(|count| o.size(count));
+        o.end();
+        o.int(5);
+        (0..if v41 { 3 } else { 6 }).for_each(|_| o.real(0.5));
+        o.size(1);
+        o.int(3);
+        o.end();
+        for (volume, group) in [(1, 7), (2, 8)] {
+            o.int(volume);
+            (0..6).for_each(|k| o.real(f64::from(k)));
+            o.size(1);
+            o.int(group);
+            o.size(0);
+            o.end();
+        }
+        o.text("\n$EndEntities\n");
+    }
+    o.text("$Nodes\n");
+    if v2 {
+        o.text(&format!("{n}\n"));
+    } else {
+        o.size(1);
+        o.size(n);
+        if v41 {
+            o.size(1);
+            o.size(n);
+        }
+        o.end();
+        [3, 1, 0].into_iter().for_each(|v| o.int(v));
+        o.size(n);
+        o.end();
+        (0..if v41 { n } else { 0 }).for_each(|i| {
+            o.size(i + 1);
+            o.end();
+        });
+    }
+    for (i, p) in mesh.nodes.iter().enumerate() {
+        if !v41 {
+            o.int(i + 1);
+        }
+        o.point(*p);
+        o.end();
+    }
+    o.text("\n$EndNodes\n$Elements\n");
+    if v2 {
+        o.text(&format!("{}\n", mesh.tets.len()));
+    } else {
+        o.size(2);
+        o.size(mesh.tets.len());
+        if v41 {
+            o.size(1);
+            o.size(mesh.tets.len());
+        }
+        o.end();
+    }
+    for (part, tets) in parts.iter().enumerate() {
+        if !v2 {
+            // The dimension stands first since 4.1.
+            if v41 { [3, part + 1] } else { [part + 1, 3] }.into_iter().for_each(|v| o.int(v));
+            o.int(4);
+            o.size(tets.len());
+            o.end();
+        } else if form != Form::Text {
+            [4, tets.len(), 2].into_iter().for_each(|v| o.int(v));
+        }
+        for t in tets {
+            let tag = |o: &mut Out, v| if v41 { o.size(v) } else { o.int(v) };
+            tag(&mut o, t + 1);
+            match (v2, form) {
+                (true, Form::Text) => [4, 2, 7 + part, part + 1].into_iter().for_each(|v| o.int(v)),
+                (true, _) => [7 + part, part + 1].into_iter().for_each(|v| o.int(v)),
+                (false, _) => {}
+            }
+            mesh.tets[*t].into_iter().for_each(|i| tag(&mut o, i as usize + 1));
+            o.end();
+        }
+    }
+    o.text("\n$EndElements\n");
+    o.1
+}
+
+#[test]
+fn a_group_of_a_gmsh_file_is_chosen_by_its_name() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("two.msh");
+    for version in ["2.2", "4.0", "4.1"] {
+        for form in [Form::Text, Form::Little, Form::Big] {
+            std::fs::write(&path, two_volumes(version, form)).unwrap();
+            let (all, notices) = io::read_tet_mesh(&path).unwrap_or_else(|e| panic!("{version} {form:?}: {e}"));
+            is_block(&all);
+            let notices = notices.join("\n");
+            let says = "the volumes \"gel\" of 96 tetrahedra, \"soft backing\" of 96 tetrahedra are all taken as one";
+            assert!(notices.contains(says) && notices.contains("`group: \"gel\"`"), "{version} {form:?}: {notices}");
+            for (group, low, high) in [("gel", -2e-3, 0.0), ("soft backing", -4e-3, -2e-3), ("8", -4e-3, -2e-3)] {
+                if group == "8" && version != "2.2" {
+                    continue;
+                }
+                let Ok((part, notices)) = io::read_tet_group(&path, Some(group)) else {
+                    assert_eq!(group, "8", "a group with a name is not called by its tag");
+                    continue;
+                };
+                let heights = part.tets.iter().flatten().map(|i| part.nodes[*i as usize].z);
+                let (least, most) = heights.fold((1.0, -1.0), |(l, h), z| (f64::min(l, z), f64::max(h, z)));
+                assert!((least - low).abs() < 1e-9 && (most - high).abs() < 1e-9, "{group}: {least} to {most} m");
+                assert!(part.tets.len() == 96 && notices.is_empty(), "{} {notices:?}", part.tets.len());
+            }
+            let error = io::read_tet_group(&path, Some("glue")).unwrap_err().to_string();
+            assert!(error.contains("has no physical volume \"glue\"") && error.contains("\"gel\" of 96"), "{error}");
+        }
+    }
+    // As a pad: half as thick.
+    let text = "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: File(path: \"two.msh\", group: \"gel\")), \
+                loading: Squeeze(force: 1, frames: 1))";
+    let scene = dir.path().join("s.ron");
+    std::fs::write(&scene, text).unwrap();
+    let built = |scene: &Path| tactus::part::pad::build(&load(scene).unwrap().scene.gripper.pads, &mut Vec::new());
+    let (pad, _) = built(&scene).unwrap();
+    assert!((pad.thickness() - 2e-3).abs() < 1e-9, "{} m", pad.thickness());
+    // In another unit than the file's it is too small or too large for any gel.
+    for (scale, size) in [("1e-6", "2e-8 x 1.6e-8 x 2e-9 m"), ("1000", "20 x 16 x 2 m")] {
+        std::fs::write(&scene, text.replace("\"gel\"", &format!("\"gel\", scale: {scale}"))).unwrap();
+        let error = built(&scene).map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains(&format!("the pad is {size}")) && error.contains("from 1e-5 to 2 m"), "{error}");
+    }
+    let error = io::read_tet_group("a.vtk", Some("gel")).unwrap_err().to_string();
+    assert!(error.contains("convert it to gmsh"), "{error}");
+}
+
 #[test]
 fn curved_edges_are_told_and_a_foreign_order_of_nodes_is_refused() {
     let (mut nodes, cells) = with_middles();
@@ -330,6 +477,34 @@ fn vtk(five: bool) -> String {
     text + "POINT_DATA 75\nSCALARS u float\n"
 }
 
+/// The block and a triangle as meshio writes them in binary, in version 4.2 (one list of cells) or 5.1 (offsets and connectivity).
+fn binary_vtk(five: bool) -> Vec<u8> {
+    let mesh = block();
+    let (n, mut out) = (mesh.tets.len(), Vec::new());
+    let cells: Vec<Vec<u32>> = mesh.tets.iter().map(|t| t.to_vec()).chain([vec![0, 1, 2]]).collect();
+    let version = if five { "5.1" } else { "4.2" };
+    out.extend(
+        format!("# vtk DataFile Version {version}\nwritten by meshio v5.3.5\nBINARY\nDATASET UNSTRUCTURED_GRID\n")
+            .bytes(),
+    );
+    out.extend(format!("POINTS {} double\n", mesh.nodes.len()).bytes());
+    mesh.nodes.iter().flat_map(|p| p.to_array()).for_each(|x| out.extend(x.to_be_bytes()));
+    if five {
+        out.extend(format!("\nCELLS {} {}\nOFFSETS vtktypeint64\n", n + 2, 4 * n + 3).bytes());
+        (0..=n).map(|t| 4 * t as i64).chain([4 * n as i64 + 3]).for_each(|at| out.extend(at.to_be_bytes()));
+        out.extend(b"\nCONNECTIVITY vtktypeint64\n");
+        cells.iter().flatten().for_each(|i| out.extend(i64::from(*i).to_be_bytes()));
+    } else {
+        out.extend(format!("\nCELLS {} {}\n", n + 1, 5 * n + 4).bytes());
+        let rows = cells.iter().flat_map(|cell| [cell.len() as u32].into_iter().chain(cell.iter().copied()));
+        rows.for_each(|i| out.extend((i as i32).to_be_bytes()));
+    }
+    out.extend(format!("\nCELL_TYPES {}\n", n + 1).bytes());
+    (0..=n).for_each(|t| out.extend(if t < n { 10_i32 } else { 5 }.to_be_bytes()));
+    out.extend(b"\nPOINT_DATA 75\nFIELD FieldData 1\nt 1 1 double\n\0\0\0\0\0\0\0\0\n");
+    out
+}
+
 /// The two files of TetGen, nodes counted from `first`.
 fn tetgen(first: u32) -> (String, String) {
     let mesh = block();
@@ -351,10 +526,25 @@ fn vtk_and_tetgen_files_hold_the_same_block_and_others_say_how_to_convert() {
     for five in [false, true] {
         let (mesh, notices) = read("a.vtk", vtk(five).as_bytes()).unwrap();
         is_block(&mesh);
-        assert!(notices.join("\n").contains("ignored 1 cells"), "{notices:?}");
+        assert!(notices.join("\n").contains("ignored 1 cell;"), "{notices:?}");
     }
-    let binary = read("a.vtk", b"# vtk DataFile Version 3.0\ntitle\nBINARY\n\0\0").unwrap_err();
-    assert!(binary.contains("binary VTK is not read") && binary.contains("meshio convert"), "{binary}");
+    for five in [false, true] {
+        let bytes = binary_vtk(five);
+        let (mesh, notices) = read("a.vtk", &bytes).unwrap();
+        is_block(&mesh);
+        assert!(notices.join("\n").contains("ignored 1 cell;"), "{notices:?}");
+        // Writers of VTK itself put words and a field in front.
+        let front = b"FIELD FieldData 1\ntime 1 1 double\n\x0a\x0a\0\0\0\0\0\0\nPOINTS";
+        let at = bytes.windows(6).position(|w| w == b"POINTS").unwrap();
+        let own = [&bytes[..at], front, &bytes[at + 6..]].concat();
+        is_block(&read("a.vtk", &own).unwrap().0);
+        for cut in (at..bytes.len() - 60).step_by(97) {
+            let error = read("a.vtk", &bytes[..cut]).unwrap_err();
+            assert!(error.contains("a.vtk"), "{error}");
+        }
+        let error = read("a.vtk", &bytes[..at + 200]).unwrap_err();
+        assert!(error.contains("the file ends within an array of 225 numbers"), "{error}");
+    }
     let dir = tempfile::tempdir().unwrap();
     for first in [0, 1] {
         let (node, ele) = tetgen(first);
@@ -494,6 +684,51 @@ fn grasps_of_other_conventions_are_the_same_grasps() {
             assert_eq!(again, loaded.scene);
         }
     }
+}
+
+/// Files of ACRONYM hold the grasps of a scaled object: the scale is taken over, and a scene may state its own.
+#[test]
+fn the_scale_of_an_acronym_file_is_that_of_the_object() {
+    let dir = tempfile::tempdir().unwrap();
+    let matrix = |p: &GraspPose| {
+        let (x, r) = (p.position, DMat3::from_quat(p.rotation));
+        let line = |k: usize| [r.row(k).x, r.row(k).y, r.row(k).z, x[k]];
+        [line(0), line(1), line(2), [0.0, 0.0, 0.0, 1.0]].concat()
+    };
+    let poses: Vec<f64> = around().iter().flat_map(matrix).collect();
+    let write = |scale: &[f64], shape: &[u64]| {
+        let mut builder = FileBuilder::new();
+        let mut grasps = builder.create_group("grasps");
+        grasps.create_dataset("transforms").with_f64_data(&poses).with_shape(&[around().len() as u64, 4, 4]);
+        builder.add_group(grasps.finish());
+        let mut object = builder.create_group("object");
+        object.create_dataset("scale").with_f64_data(scale).with_shape(shape);
+        builder.add_group(object.finish());
+        builder.write(dir.path().join("g.h5")).unwrap();
+    };
+    let file = "File(path: \"g.h5\", dataset: \"grasps/transforms\")";
+    let model = |object: &str| {
+        let path = scene(dir.path(), file);
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, text.replace("radius: 0.02)", &format!("radius: 0.02){object}"))).unwrap();
+        Model::build(&load(&path).unwrap().scene).map_err(|e| e.to_string())
+    };
+    write(&[0.5], &[]);
+    for (object, radius, says) in [
+        ("", 0.01, "the object is scaled by the file's `object/scale`, 0.5"),
+        (", scale: 0.5", 0.01, ""),
+        (", scale: 1", 0.02, "at `object/scale` 0.5, and the scene has it at `scale: 1`"),
+    ] {
+        let model = model(object).unwrap();
+        assert!((model.object.bounding_radius - radius).abs() < 1e-12, "{object}: {} m", model.object.bounding_radius);
+        let notices = model.notices.join("\n");
+        assert!(notices.contains(says) && notices.contains("object/scale") != says.is_empty(), "{object}: {notices}");
+    }
+    write(&[-0.5], &[1]);
+    let error = model("").err().unwrap();
+    assert!(error.contains("dataset `object/scale`") && error.contains("above zero"), "{error}");
+    write(&[0.5, 0.5], &[2]);
+    assert!(model("").err().unwrap().contains("one number is needed"));
 }
 
 #[test]
@@ -797,4 +1032,24 @@ fn damaged_meshes_and_grasp_files_are_read_or_refused_by_name() {
     }
     let all = each * files.len();
     assert!(all >= 500 && refused > all / 3, "{refused} of {all} damages are refused");
+}
+
+/// Models of version 0.1 are refused with what takes their place.
+#[test]
+fn models_of_former_versions_name_their_successor() {
+    let dir = tempfile::tempdir().unwrap();
+    let model = dir.path().join("old");
+    std::fs::create_dir(&model).unwrap();
+    std::fs::write(model.join("weights.safetensors"), [0; 8]).unwrap();
+    std::fs::write(
+        model.join("card.ron"),
+        "(tactus: \"0.1.0\", features: 2, spec: (layers: 3), data: \"x\", best: true)",
+    )
+    .unwrap();
+    let error = Trained::read(&model).unwrap_err().to_string();
+    for says in ["trained by tactus 0.1.0", "features of version 2", "`tactus train`", "ships: universe"] {
+        assert!(error.contains(says), "`{says}` is not in: {error}");
+    }
+    let error = Trained::read(&dir.path().join("gelsight_mini")).unwrap_err().to_string();
+    assert!(error.contains("shipped with version 0.1") && error.contains("universe"), "{error}");
 }

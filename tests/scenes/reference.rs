@@ -2,9 +2,11 @@
 //!
 //! `TACTUS_WRITE_DOCS=1 cargo test --release --test scenes reference::` writes it anew.
 
+use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use tactus::scene;
 
 /// Struct or enum of the schema.
 #[derive(Default)]
@@ -23,15 +25,9 @@ fn schema_files(dir: &Path) -> Vec<PathBuf> {
     found.into_iter().flat_map(|path| if path.is_dir() { schema_files(&path) } else { vec![path] }).collect()
 }
 
-/// Value of a default as a scene writes it: `Positive::preset(1.0)` is 1.
+/// Value of a constant as a scene writes it: `Positive::preset(1.0)` is 1.
 fn value(code: &str) -> String {
     let code = code.trim().trim_end_matches([',', ';']);
-    if code.ends_with("::ALL.to_vec()") {
-        return "all".into();
-    }
-    if code == "Vec::new()" {
-        return "empty".into();
-    }
     let inner = ["Tuple([", "::preset(", "::preset3(", "::preset_size("].iter().find_map(|mark| code.split_once(mark));
     match inner {
         Some((_, rest)) => {
@@ -41,13 +37,71 @@ fn value(code: &str) -> String {
                 text.split(", ").map(|n| if n.contains("::preset(") { value(n) } else { number(n) }).collect();
             if numbers.len() > 1 { format!("({})", numbers.join(", ")) } else { numbers.concat() }
         }
-        None => code.rsplit("::").next().unwrap_or(code).to_string(),
+        None => number(code.rsplit("::").next().unwrap_or(code)),
     }
 }
 
 /// A literal without the digits that say nothing.
 fn number(text: &str) -> String {
     text.parse::<f64>().map_or(text.to_string(), |v| format!("{v}"))
+}
+
+/// Defaults of the types that have one, as the crate writes them.
+fn defaults() -> BTreeMap<&'static str, Value> {
+    macro_rules! defaults {
+        ($($module:ident: $($name:ident)*;)*) => {
+            BTreeMap::from([$($((stringify!($name), serde_json::to_value(scene::$module::$name::default()).unwrap()),)*)*])
+        };
+    }
+    defaults! {
+        bonding: BondingPlane BondingRule;
+        convention: Convention;
+        expect: Bounds Reason;
+        grasps: Grasps;
+        gripper: Fingers Gripper Placement RightFinger;
+        ground: Plane;
+        material: MaterialChoice;
+        object: ObjectMotion;
+        objects: Split;
+        observation: Grid Markers;
+        output: Record;
+        pad: GelShape GelSightMini Pads;
+        reward: EconomyReward HoldReward Reward SlipReward;
+        rotation: Rotation;
+        stepper: Condensed Element Fem Solver StepperChoice Tolerance;
+        task: Control Randomise Task;
+        universe: PadSpans Universe;
+    }
+}
+
+/// A default as a scene writes it. A value with fields, all of them as by default, is `()`.
+fn written(value: &Value, items: &BTreeMap<String, Item>, of: &str) -> String {
+    let inner =
+        ["Option<", "Vec<"].iter().find_map(|wrapper| of.strip_prefix(wrapper)?.strip_suffix('>')).unwrap_or(of);
+    match value {
+        Value::Null => "none".into(),
+        Value::Bool(v) => v.to_string(),
+        Value::Number(v) => v.as_f64().map_or(v.to_string(), |v| format!("{v}")),
+        Value::String(text) if of == "String" && text.is_empty() => "empty".into(),
+        Value::String(text) if of == "String" => format!("{text:?}"),
+        Value::String(name) => name.clone(),
+        Value::Array(all) if of.starts_with("Vec<") => {
+            let known = items.get(inner).map_or(0, |item| item.fields.len());
+            match all.iter().map(|v| written(v, items, inner)).collect::<Vec<_>>() {
+                list if list.is_empty() => "empty".into(),
+                list if list.len() > 4 && list.len() == known => "all".into(),
+                list => format!("[{}]", list.join(", ")),
+            }
+        }
+        Value::Array(all) => {
+            format!("({})", all.iter().map(|v| written(v, items, inner)).collect::<Vec<_>>().join(", "))
+        }
+        Value::Object(fields) => match fields.iter().next() {
+            Some((name, Value::String(text))) if name.starts_with(char::is_uppercase) => format!("{name}({text:?})"),
+            Some((name, _)) if name.starts_with(char::is_uppercase) => format!("{name}()"),
+            _ => "()".into(),
+        },
+    }
 }
 
 /// What may be written for a type of the schema.
@@ -63,6 +117,7 @@ fn kind(name: &str) -> String {
         return format!("whole number, {}", range.replace(", ", " to "));
     }
     match name {
+        "GraspCount" => return kind("Count<1, 1000000>"),
         "Positive" => "number above 0",
         "NonNegative" => "number from 0",
         "Finite" => "number",
@@ -78,23 +133,23 @@ fn kind(name: &str) -> String {
         "Size" => "(x, y, z), m",
         "Cells" => "(x, y, z), whole numbers",
         "Span" => "(least, most)",
-        "String" | "Reason" | "Name" => "text",
-        "GraspCount" => "whole number, 1 to 1000000",
-        "Rotation" => "(w, x, y, z) or RpyDeg((roll, pitch, yaw))",
+        "String" | "Reason" => "text",
         "(String, String)" => "two texts",
         "PathBuf" => "path",
         "usize" | "u64" => "whole number from 0",
+        "Rotation" => "(w, x, y, z) or RpyDeg((roll, pitch, yaw))",
+        "Name" => "name of letters, digits and `-`",
         "usize, usize" => "two whole numbers from 0",
         "bool" => "true or false",
-        other => {
-            return format!(
-                "[`{}`](#{})",
-                shown(other),
-                shown(other).to_lowercase().replace(": ", "-").replace(' ', "-")
-            );
-        }
+        other => return format!("[`{}`](#{})", shown(other), anchor(shown(other))),
     }
     .into()
+}
+
+/// Address of a heading within a page, as GitHub makes it.
+fn anchor(heading: &str) -> String {
+    let kept = heading.to_lowercase().replace(' ', "-");
+    kept.chars().filter(|c| c.is_alphanumeric() || matches!(c, '-' | '_')).collect()
 }
 
 /// Name of a type in messages and in this page: that of the scene, where the code has another one.
@@ -113,35 +168,36 @@ fn shown(name: &str) -> &str {
     }
 }
 
+/// Values of the constants of the schema by name, and of those that serde calls by the name of their function.
+fn constants() -> (BTreeMap<String, String>, BTreeMap<String, String>) {
+    let (mut constants, mut functions) = (BTreeMap::new(), BTreeMap::new());
+    let sources =
+        ["src/scene/defaults.rs", "src/scales.rs"].map(|path| Path::new(env!("CARGO_MANIFEST_DIR")).join(path));
+    for line in sources
+        .iter()
+        .flat_map(|path| std::fs::read_to_string(path).unwrap().lines().map(str::to_string).collect::<Vec<_>>())
+    {
+        let line = line.trim().trim_start_matches("pub const ");
+        let Some((name, code)) = line.split_once(" = ").and_then(|(head, code)| Some((head.split_once(':')?.0, code)))
+        else {
+            continue;
+        };
+        let (name, function) = name.split_once(" (").map_or((name, None), |(n, f)| (n, Some(f.trim_end_matches(')'))));
+        constants.insert(name.to_string(), value(code));
+        function.map(|f| functions.insert(f.to_string(), value(code)));
+    }
+    (constants, functions)
+}
+
 /// All types of the schema.
 fn items() -> BTreeMap<String, Item> {
     let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/scene");
     let texts: Vec<_> = schema_files(&dir).iter().map(|path| std::fs::read_to_string(path).unwrap()).collect();
-    // Constants by name, and by the function that serde calls.
-    let (mut constants, mut functions) = (BTreeMap::new(), BTreeMap::new());
-    for line in texts.iter().flat_map(|text| text.lines()) {
-        let Some((head, code)) = line.trim().split_once(" = ") else { continue };
-        let Some((name, _)) = head.split_once(':') else { continue };
-        let (name, function) = name.split_once(" (").map_or((name, None), |(n, f)| (n, Some(f.trim_end_matches(')'))));
-        if name.chars().all(|c| c.is_ascii_uppercase() || c == '_' || c.is_ascii_digit()) {
-            constants.insert(name.to_string(), value(code));
-            function.map(|f| functions.insert(f.to_string(), value(code)));
-        }
-    }
-    let of_code = |code: &str| {
-        let code = code.trim().trim_end_matches(',');
-        match code.strip_prefix("defaults::") {
-            Some(name) => constants.get(name).cloned().unwrap_or_default(),
-            None if code == "None" => "none".into(),
-            None if code.ends_with("::default()") => "its own".into(),
-            None => value(code),
-        }
-    };
-    let (mut items, mut given): (BTreeMap<String, Item>, BTreeMap<(String, String), String>) = Default::default();
+    let (_, functions) = constants();
+    let mut items = BTreeMap::<String, Item>::new();
     for text in &texts {
         let code = text.split("#[cfg(test)]").next().unwrap();
         let (mut docs, mut attributes, mut open) = (String::new(), String::new(), None::<(String, usize)>);
-        let mut default_of = None::<String>;
         for line in code.lines() {
             let (trimmed, indent) = (line.trim(), line.len() - line.trim_start().len());
             if let Some(doc) = trimmed.strip_prefix("///") {
@@ -152,20 +208,6 @@ fn items() -> BTreeMap<String, Item> {
                 attributes += trimmed;
                 continue;
             }
-            if let Some(name) = trimmed.strip_prefix("impl Default for ").and_then(|rest| rest.strip_suffix(" {")) {
-                default_of = Some(name.to_string());
-            }
-            if line == "}" {
-                default_of = None;
-            }
-            if let Some(name) = &default_of {
-                let inner = trimmed.strip_prefix("Self {").map_or(trimmed, |rest| rest.trim_end_matches('}'));
-                for pair in inner.split(", ") {
-                    if let Some((field, code)) = pair.trim().split_once(": ") {
-                        given.insert((name.clone(), field.to_string()), of_code(code));
-                    }
-                }
-            }
             let opens =
                 |mark: &str| trimmed.strip_prefix(mark).and_then(|rest| rest.strip_suffix(" {")).map(str::to_string);
             let bare = (indent == 4 && docs.len() > 1).then(|| opens("")).flatten();
@@ -174,7 +216,8 @@ fn items() -> BTreeMap<String, Item> {
             let is_enum = opens("pub enum ").is_some();
             match (&open, opens("pub struct ").or_else(|| opens("pub enum ")).or(bare)) {
                 (None, Some(name)) if !name.contains(['$', '<']) => {
-                    let defaulted = attributes.contains("serde(default");
+                    let defaulted =
+                        ["serde(default", ", default,", ", default)"].iter().any(|mark| attributes.contains(mark));
                     let item = Item { is_enum, docs: docs.trim().into(), fields: Vec::new(), defaulted };
                     items.insert(name.clone(), item);
                     open = Some((name, indent));
@@ -203,7 +246,7 @@ fn items() -> BTreeMap<String, Item> {
                         let own = function.map(|f| {
                             functions.get(f.trim_start_matches("defaults::")).cloned().unwrap_or_else(|| f.into())
                         });
-                        let none = attributes.contains("serde(default").then(|| absent(of));
+                        let none = attributes.contains("serde(default").then(|| USUAL.into());
                         [field.into(), of.into(), own.or(none).unwrap_or_default(), docs.trim().to_string()]
                     };
                     item.fields.push(entry);
@@ -214,52 +257,68 @@ fn items() -> BTreeMap<String, Item> {
             attributes.clear();
         }
     }
-    for (name, item) in items.iter_mut().filter(|(_, item)| !item.is_enum) {
-        for field in &mut item.fields {
+    let known = defaults();
+    let usual = |of: &str| match of {
+        "bool" => Value::Bool(false),
+        "String" => Value::String(String::new()),
+        "u64" => 0.into(),
+        of if of.starts_with("Option<") => Value::Null,
+        of if of.starts_with("Vec<") => Value::Array(Vec::new()),
+        other => known.get(other).cloned().unwrap_or_else(|| panic!("the default of {other} is not in the list")),
+    };
+    let mut values = Vec::new();
+    for (name, item) in items.iter().filter(|(_, item)| !item.is_enum) {
+        for [field, of, default, _] in &item.fields {
+            let of_type =
+                || known.get(name.as_str()).unwrap_or_else(|| panic!("the default of {name} is not in the list"));
+            let own = item.defaulted.then(of_type);
             // A file may leave out all of a scene but these two: see `ScenePart::complete`.
-            if name == "Scene" && !["object", "loading"].contains(&field[0].as_str()) {
-                field[2] = absent(&field[1]);
-            }
-            if field[2].is_empty() {
-                let known = given.get(&(name.clone(), field[0].clone())).cloned();
-                let missing = if item.defaulted { "its own" } else { "required" };
-                field[2] = known.unwrap_or_else(|| missing.into());
-            }
+            let optional = name == "Scene" && !["object", "loading"].contains(&field.as_str());
+            values.push(match own {
+                Some(own) => written(own.get(field).unwrap_or(&Value::Null), &items, of),
+                None if optional || default == USUAL => written(&usual(of), &items, of),
+                None if default.is_empty() => "required".into(),
+                None => default.clone(),
+            });
         }
     }
+    let fields = items.values_mut().filter(|item| !item.is_enum).flat_map(|item| &mut item.fields);
+    fields.zip(values).for_each(|(field, value)| field[2] = value);
     items
 }
 
-/// What stands for a field that is not given and has no value of its own in the schema.
-fn absent(of: &str) -> String {
-    let text = match of {
-        "bool" => "false",
-        "u64" => "0",
-        "Rotation" => "no rotation",
-        "String" => "empty",
-        of if of.starts_with("Option<") => "none",
-        of if of.starts_with("Vec<") => "empty",
-        _ => "its own",
-    };
-    text.into()
-}
+/// Stands for the default of a field's type until that is known.
+const USUAL: &str = "the default of the type";
 
 /// Types that a type names.
 fn named(of: &str) -> impl Iterator<Item = String> + '_ {
     of.split(|c: char| !c.is_alphanumeric()).filter(|name| name.starts_with(char::is_uppercase)).map(str::to_string)
 }
 
-/// A doc comment as the cell of a table: without links into the code.
+/// A doc comment as the cell of a table: a link to a constant is its value, and one to other code is left out.
 fn cell(text: &str) -> String {
-    let text = text.replace('|', "\\|").replace("[`", "`").replace("`]", "`");
-    text.replace("defaults::", "").replace("crate::", "")
+    let (constants, _) = constants();
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some((before, (name, after))) = rest.split_once("[`").and_then(|(b, r)| Some((b, r.split_once("`]")?))) {
+        // The address of a link, in parentheses.
+        let after = after.strip_prefix('(').and_then(|r| r.split_once(')')).map_or(after, |(_, r)| r);
+        let last = name.rsplit("::").next().unwrap_or(name);
+        match constants.get(last) {
+            Some(value) => out += &format!("{before}{value}"),
+            None if name.contains("::") => out += before.trim_end_matches(", see "),
+            None => out += &format!("{before}`{name}`"),
+        }
+        rest = after;
+    }
+    (out + rest).replace('|', "\\|")
 }
 
 fn page() -> String {
     let items = items();
     let mut out = String::from(
         "# Scene reference\n\nEvery field of a scene file, made from the schema in `src/scene` (`TACTUS_WRITE_DOCS=1 cargo test --release --test scenes \
-         reference::` writes this page). Units are SI. A default of \"its own\" is that of the type beside it. [scenes.md](scenes.md) tells how scenes work.\n\n\
+         reference::` writes this page). Units are SI. A default of `()` has all fields as by default. [scenes.md](scenes.md) tells how scenes work.\n\n\
          A file may also have `include: [\"other.ron\"]`: fields that it does not give come from there; and in place of `object` a list `objects` for a\n\
          data set, or a `universe` that draws them, with `split` for training and test.\n",
     );
@@ -303,7 +362,7 @@ fn the_page_is_that_of_the_schema() {
     );
 }
 
-/// Fields whose defaults a user relies on stand there with their value.
+/// Fields whose defaults a user relies on stand there with their value, and every default is one that a scene can hold.
 #[test]
 fn the_page_has_the_values_of_defaults() {
     let page = page();
@@ -312,8 +371,29 @@ fn the_page_has_the_values_of_defaults() {
         "| `force` | number above 0 | required |",
         "| `path` | number above 0 | 0.01 |",
         "| `poisson` | (least, most) | (0.3, 0.495) |",
+        "| `motion` | [`Motion`](#motion) | Free |",
+        "| `pads` | [`Pads`](#pads) | GelSightMini() |",
+        "| `material` | [`Material`](#material) | Preset(\"gelsight_mini\") |",
+        "| `rotation` | (w, x, y, z) or RpyDeg((roll, pitch, yaw)) | (1, 0, 0, 0) |",
+        "| `fields` | list: [`Field`](#field) | [Displacement, Stress, ContactForce, ObjectPose] | Fields of each frame. |",
+        "| `arrays` | [`Arrays`](#arrays), optional | Npz |",
+        "| `rows` | whole number, 1 to 512 | 8 |",
     ] {
         assert!(page.contains(row), "{row} is missing");
     }
-    assert!(!page.contains("defaults::"));
+    assert!(page.contains("If neither it nor `accuracy` is given: 0.0026."), "the spacing of the GelSight Mini, m");
+    let body = page.split_once("## ").unwrap().1;
+    assert!(!body.contains("::") && !body.contains("](crate"), "paths of the code");
+    let rows = page.lines().filter(|line| line.starts_with("| `"));
+    for cells in rows.map(|line| line.split(" | ").collect::<Vec<_>>()).filter(|cells| cells.len() == 4) {
+        let default = cells[2];
+        let names = default.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|name| name.len() > 1);
+        let constant = |name: &str| name.chars().all(|c| c.is_ascii_uppercase() || c == '_');
+        assert_eq!(default.matches('(').count(), default.matches(')').count(), "{cells:?}");
+        assert!(
+            !default.contains(['.', ':']) || default.parse::<f64>().is_ok() || default.starts_with('('),
+            "{cells:?}"
+        );
+        assert_eq!(names.filter(|name| constant(name)).count(), 0, "{cells:?}");
+    }
 }

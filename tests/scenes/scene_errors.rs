@@ -46,6 +46,37 @@ fn unknown_fields_list_the_allowed_ones() {
     line_three("grasps: Antipodal(count: 3, sed: 4),", 29, &["did you mean `seed`?"]);
 }
 
+/// Fields of former versions name their successors.
+#[test]
+fn former_fields_name_their_successors() {
+    line_three(
+        "gripper: (pads: File(path: \"a.tet\", attach_distance: 1e-3)),",
+        37,
+        &["unknown field `attach_distance` in File", "`bonded: Plane(within: ...)`"],
+    );
+}
+
+/// Parentheses that hold one value have no fields: the message says where a field stands.
+#[test]
+fn fields_beside_a_single_value_are_shown_their_place() {
+    let beside = "fields of object stand beside `shape`: `shape: Mesh(...), scale: ...`";
+    let says = &["object.shape: `Mesh(...)` holds one value and no field `scale`", beside];
+    refused(&format!("(object: (shape: Mesh(\"a.obj\", scale: 1e-3)),\n{LOADING})"), 1, 32, says);
+    refused(&format!("(object: (shape: Mesh(scale: 1e-3, \"a.obj\")),\n{LOADING})"), 1, 23, says);
+    line_three(
+        "grasps: List(position: (0, 0, 0)),",
+        14,
+        &["grasps: `List(...)` holds one value and no field `position`"],
+    );
+}
+
+#[test]
+fn poses_have_one_place() {
+    let says = &["grasps[1]: a pose needs `position`", "or `centre`", "however the hand is turned"];
+    line_three("grasps: List([(centre: (0, 0, 0)), (rotation: (1, 0, 0, 0))]),", 36, says);
+    line_three("grasps: List([(centre: (0, 0, 0)), (position: (0, 0, 0), centre: (0, 0, 0))]),", 36, says);
+}
+
 #[test]
 fn only_files_are_repaired() {
     let text = format!("(object: (shape: Sphere(radius: 0.02), repair: true),\n{LOADING})");

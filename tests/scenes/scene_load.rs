@@ -109,7 +109,7 @@ fn vectors_and_rotations_have_two_spellings() {
     let with = |grasps: &str| {
         let scene = scene_of(&SMALLEST.replacen('(', &format!("(grasps: List([{grasps}]),"), 1));
         let Grasps::List(poses) = scene.grasps else { panic!("a list") };
-        (poses[0].position.dvec3(), poses[0].rotation.quat())
+        (poses[0].position.unwrap().dvec3(), poses[0].rotation.quat())
     };
     let (position, rotation) = with("(position: [1, -2.5, 3e-1], rotation: [0, 0, 0, 2])");
     assert_eq!(position, DVec3::new(1.0, -2.5, 0.3));

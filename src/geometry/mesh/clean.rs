@@ -1,7 +1,8 @@
 //! Repair of a tetrahedral mesh for simulation: reports what it changes and refuses what it would have to guess.
 
 use crate::error::{Error, Result};
-use crate::geometry::mesh::{MAX_COUNT, TetMesh, quality, show, signed_volume, surface};
+use crate::geometry::mesh::{FARTHEST, MAX_COUNT, TetMesh, quality, show, signed_volume, surface};
+use crate::number::counted;
 
 /// Mean-ratio quality below which a tetrahedron is flat and refused. (A sliver of this quality has a height of some 1e-6
 /// of its edge.)
@@ -35,10 +36,10 @@ pub fn repair_mapped(mesh: &mut TetMesh) -> Result<Repair> {
     let mut notices = Vec::new();
     let (node_map, welded, unused) = compact(mesh);
     if welded > 0 {
-        notices.push(format!("welded {welded} duplicate nodes (exactly equal coordinates)"));
+        notices.push(format!("welded {} (exactly equal coordinates)", counted(welded, "duplicate node")));
     }
     if unused > 0 {
-        notices.push(format!("removed {unused} nodes that no tetrahedron uses"));
+        notices.push(format!("removed {} that no tetrahedron uses", counted(unused, "node")));
     }
     for (t, tet) in mesh.tets.iter().enumerate() {
         for i in 0..4 {
@@ -60,7 +61,8 @@ pub fn repair_mapped(mesh: &mut TetMesh) -> Result<Repair> {
         }
     }
     if turned > 0 {
-        notices.push(format!("turned {turned} of {} tetrahedra that had negative volume", mesh.tets.len()));
+        notices
+            .push(format!("turned {turned} of {} that had negative volume", counted(mesh.tets.len(), "tetrahedron")));
     }
     refuse_flat(mesh)?;
     surface::refuse_non_manifold(mesh)?;
@@ -74,13 +76,18 @@ pub fn repair_mapped(mesh: &mut TetMesh) -> Result<Repair> {
 pub fn check_indices(mesh: &TetMesh) -> Result<()> {
     let (n, m) = (mesh.nodes.len(), mesh.tets.len());
     if n == 0 || m == 0 {
-        return Err(Error::Mesh(format!("the mesh is empty: {n} nodes and {m} tetrahedra")));
+        return Err(Error::Mesh(format!(
+            "the mesh is empty: {} and {}",
+            counted(n, "node"),
+            counted(m, "tetrahedron")
+        )));
     }
     if n.max(m) > MAX_COUNT {
         return Err(Error::Mesh(format!("{n} nodes and {m} tetrahedra; at most {MAX_COUNT} of each are allowed")));
     }
-    if let Some((i, p)) = mesh.nodes.iter().enumerate().find(|(_, p)| !p.is_finite()) {
-        return Err(Error::Mesh(format!("node {i} (0-based) is {p}; only finite coordinates are allowed")));
+    if let Some((i, p)) = mesh.nodes.iter().enumerate().find(|(_, p)| !(p.abs().max_element() <= FARTHEST)) {
+        let message = format!("node {i} (0-based) is {p}; coordinates must be finite and within {FARTHEST:e}");
+        return Err(Error::Mesh(message));
     }
     for (t, tet) in mesh.tets.iter().enumerate() {
         if let Some(i) = tet.iter().find(|i| **i as usize >= n) {

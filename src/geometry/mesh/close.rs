@@ -2,13 +2,16 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use glam::{DVec3, I64Vec3};
+use glam::I64Vec3;
 
 use crate::geometry::mesh::topology::{collapse, sides};
 use crate::geometry::mesh::{TriMesh, facets};
+use crate::stats::median;
 
-/// Fraction of an object's largest size within which open corners are one.
+/// Fraction of the size of an object within which open corners are one.
 const RELATIVE: f64 = 1e-6;
+/// Number of equilateral triangles whose edges are as long as the diameter of the ball that they cover: `4 pi / sqrt(3)`.
+const ON_BALL: f64 = 7.255;
 
 /// Result of [`weld_open`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,13 +24,17 @@ pub struct Closed {
     pub moved: f64,
 }
 
-/// Returns the distance within which vertices of `mesh` may be one, m: `1e-6 L + 2^-22 R`, with its largest size `L` and
-/// its largest coordinate `R`, both in m. The second part is the error of two roundings to 32 bits.
+/// Returns the distance within which vertices of `mesh` may be one, m: `1e-6 L + 2^-22 R`. Its size `L`, m, is the diameter of the ball
+/// that as many equilateral triangles with its median edge cover; `R`, m, is twice the median of the largest coordinates of its
+/// vertices. The second part is the error of two roundings to 32 bits. Vertices far from the others have no effect on it.
 pub fn tolerance(mesh: &TriMesh) -> f64 {
-    let low = mesh.vertices.iter().fold(DVec3::INFINITY, |m, p| m.min(*p));
-    let high = mesh.vertices.iter().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
-    let size = (high - low).max_element().max(0.0);
-    RELATIVE * size + low.abs().max(high.abs()).max_element() * 2.0_f64.powi(-22)
+    let edges = mesh.triangles.iter().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let edge = median(edges.map(|ends| {
+        let [p, q] = ends.map(|v| mesh.vertices[*v as usize]);
+        p.distance(q)
+    }));
+    let size = edge * (mesh.triangles.len() as f64 / ON_BALL).sqrt();
+    RELATIVE * size + 2.0 * median(mesh.vertices.iter().map(|p| p.abs().max_element())) * 2.0_f64.powi(-22)
 }
 
 /// Merges vertices at faulty edges (not shared by two triangles in opposite directions) with the first such vertex within [`tolerance`],

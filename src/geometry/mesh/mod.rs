@@ -41,6 +41,10 @@ pub struct TriMesh {
 /// allocating.
 pub const MAX_COUNT: usize = 5_000_000;
 
+/// Largest coordinate of a file, in its own unit: products of three of them stay far from overflow. The scene's scale
+/// determines its size in metres.
+pub(crate) const FARTHEST: f64 = 1e9;
+
 impl TetMesh {
     /// Returns the corner positions of tetrahedron `t`, m. `t` must be a valid tetrahedron of a mesh with valid indices.
     pub fn corners(&self, t: usize) -> [DVec3; 4] {

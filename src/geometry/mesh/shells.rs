@@ -8,6 +8,7 @@ use glam::DVec3;
 use crate::geometry::Aabb;
 use crate::geometry::mesh::topology::sides;
 use crate::geometry::mesh::{TriMesh, show};
+use crate::number::counted;
 
 /// Part of a surface whose triangles are connected across edges.
 #[derive(Debug, Clone, PartialEq)]
@@ -153,7 +154,11 @@ pub(crate) fn solid_angle(corners: [DVec3; 3], p: DVec3) -> f64 {
 pub(crate) fn flat_shell(mesh: &TriMesh) -> Option<String> {
     let shells = shells(mesh);
     let flat = shells.iter().find(|s| s.volume.abs() <= 1e-12 * s.bounds.size().max_element().powi(3))?;
-    let what = if shells.len() == 1 { "it".into() } else { format!("a part of {} triangles", flat.triangles.len()) };
+    let what = if shells.len() == 1 {
+        "it".into()
+    } else {
+        format!("a part of {}", counted(flat.triangles.len(), "triangle"))
+    };
     Some(format!(
         "the object's mesh: {what} is closed but encloses no volume, about {}; give it a thickness or remove it",
         show(flat.bounds.center())

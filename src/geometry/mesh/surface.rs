@@ -65,25 +65,63 @@ pub fn boundary_mesh(mesh: &TetMesh) -> (TriMesh, Vec<u32>) {
     (surface, node_of)
 }
 
-/// Refuses a face shared by three or more tetrahedra.
+/// Refuses a face shared by three or more tetrahedra, or by two on the same side of it. Volumes must be positive.
 ///
 /// # Errors
 /// Returns [`Error::Mesh`] that names the face's nodes, its tetrahedra and its position.
 pub(crate) fn refuse_non_manifold(mesh: &TetMesh) -> Result<()> {
+    // Seen from outside, the nodes of a face run in the order of an even permutation of their sorted order, or of an odd one.
+    let even = |t: u32, k: u8| {
+        let face = FACES[usize::from(k)].map(|c| mesh.tets[t as usize][c]);
+        (0..3).filter(|i| face[*i] < face[(i + 1) % 3]).count() == 2
+    };
     let faces = sorted_faces(mesh);
-    match faces.chunk_by(|a, b| a.0 == b.0).find(|group| group.len() > 2) {
-        None => Ok(()),
-        Some(group) => {
-            let corners = group[0].0.map(|i| mesh.nodes[i as usize]);
-            let tets: Vec<String> = group.iter().take(6).map(|g| g.1.to_string()).collect();
-            Err(Error::Mesh(format!(
-                "the face of nodes {:?} at {} is shared by {} tetrahedra ({}); at most 2 are allowed: the mesh overlaps \
-                 itself or holds a tetrahedron twice",
-                group[0].0,
-                show(corners.iter().sum::<glam::DVec3>() / 3.0),
-                group.len(),
-                tets.join(", ")
-            )))
+    let faulty = |group: &&[([u32; 3], u32, u8)]| match group {
+        [_] => false,
+        [(_, t, k), (_, u, l)] => even(*t, *k) == even(*u, *l),
+        _ => true,
+    };
+    let Some(group) = faces.chunk_by(|a, b| a.0 == b.0).find(faulty) else { return Ok(()) };
+    let corners = group[0].0.map(|i| mesh.nodes[i as usize]);
+    let tets: Vec<String> = group.iter().take(6).map(|g| g.1.to_string()).collect();
+    let what = if group.len() > 2 { "; at most 2 are allowed" } else { " on the same side of it" };
+    Err(Error::Mesh(format!(
+        "the face of nodes {:?} at {} is shared by {} tetrahedra ({}){what}: the mesh overlaps itself or holds a \
+         tetrahedron twice",
+        group[0].0,
+        show(corners.iter().sum::<glam::DVec3>() / 3.0),
+        group.len(),
+        tets.join(", ")
+    )))
+}
+
+/// Returns for each tetrahedron the number of its part, and the number of parts. Tetrahedra that share a face are of one part; parts are
+/// numbered in the order of their first tetrahedra. Indices must be valid.
+pub(crate) fn parts(mesh: &TetMesh) -> (Vec<u32>, usize) {
+    let faces = sorted_faces(mesh);
+    let mut beside = vec![Vec::new(); mesh.tets.len()];
+    for group in faces.chunk_by(|a, b| a.0 == b.0) {
+        for pair in group.windows(2) {
+            beside[pair[0].1 as usize].push(pair[1].1);
+            beside[pair[1].1 as usize].push(pair[0].1);
         }
     }
+    let (mut part, mut count) = (vec![u32::MAX; mesh.tets.len()], 0);
+    for first in 0..mesh.tets.len() {
+        if part[first] != u32::MAX {
+            continue;
+        }
+        part[first] = count;
+        let mut open = vec![first];
+        while let Some(t) = open.pop() {
+            for other in &beside[t] {
+                if part[*other as usize] == u32::MAX {
+                    part[*other as usize] = count;
+                    open.push(*other as usize);
+                }
+            }
+        }
+        count += 1;
+    }
+    (part, count as usize)
 }

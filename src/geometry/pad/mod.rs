@@ -7,10 +7,11 @@ pub mod dome;
 pub mod generate;
 pub mod place;
 pub mod resolution;
+mod sound;
 
 pub use bonding::Bonding;
 pub use generate::{GELSIGHT_MINI, GelProfile, box_pad, disc_pad, gelsight_mini};
-pub use place::{PadPlacement, from_mesh, read_pad};
+pub use place::{PadPlacement, from_mesh, read_pad, read_pad_group};
 pub use resolution::{Density, Resolution};
 
 use glam::DVec3;

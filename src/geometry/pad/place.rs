@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::io::{self, text};
 use crate::geometry::mesh::{TetMesh, clean};
-use crate::geometry::pad::{Bonding, PadMesh, free_faces, looks_along};
+use crate::geometry::pad::{Bonding, PadMesh, free_faces, looks_along, sound};
 use crate::number::shown;
 
 /// Size above which a pad gets a notice, m: its file is probably in millimetres.
@@ -30,13 +30,15 @@ pub struct PadPlacement {
 ///
 /// # Errors
 /// Returns [`Error::Mesh`] if the mesh is empty or has bad indices, `outward` is not a unit vector, `across` is along it,
-/// a node index is out of range, no node or every node is glued, or no free face looks outwards.
+/// a node index is out of range, no node or every node is glued, a part of the pad is not held or overlaps another, or no free face looks
+/// outwards.
 pub fn from_mesh(mesh: TetMesh, placement: &PadPlacement) -> Result<PadMesh> {
     clean::check_indices(&mesh)?;
     let [x, y, z] = axes(placement)?;
     // Rows are the pad's axes: from the mesh's frame to the pad's.
     let rotation = DMat3::from_cols(x, y, z).transpose();
     let bonded = placement.bonding.choose(&mesh, z)?;
+    sound::check(&mesh, &bonded)?;
     let mut mesh = mesh;
     for p in &mut mesh.nodes {
         *p = rotation * *p;
@@ -75,12 +77,25 @@ pub fn read_pad(
     placement: &PadPlacement,
     nodes_file: Option<&Path>,
 ) -> Result<(PadMesh, Vec<String>)> {
+    read_pad_group(mesh_file, None, placement, nodes_file)
+}
+
+/// Reads a pad as [`read_pad`] does, from the tetrahedra of a group alone, see [`io::read_tet_group`].
+///
+/// # Errors
+/// Fails in the cases of [`read_pad`], and if the file has no such group.
+pub fn read_pad_group(
+    mesh_file: impl AsRef<Path>,
+    group: Option<&str>,
+    placement: &PadPlacement,
+    nodes_file: Option<&Path>,
+) -> Result<(PadMesh, Vec<String>)> {
     let path = mesh_file.as_ref();
     let in_file = |e: Error| match e {
         Error::Mesh(message) => Error::file(path, message),
         other => other,
     };
-    let (mut mesh, mut notices) = io::read_tet_mesh_raw(path)?;
+    let (mut mesh, mut notices) = io::read_tet_group(path, group)?;
     let count = mesh.nodes.len();
     let repair = clean::repair_mapped(&mut mesh).map_err(in_file)?;
     notices.extend(repair.notices.iter().map(|n| format!("{}: {n}", path.display())));

@@ -8,6 +8,7 @@ use crate::geometry::mesh::topology::watertight;
 use crate::geometry::shape::overlap::overlaps;
 use crate::geometry::shape::repair::repair;
 use crate::geometry::shape::topology::Topology;
+use crate::number::counted;
 
 /// Turns triangles and shells of `mesh` the right way and refuses a surface that bounds no solid, with the place; with `mend` it is
 /// repaired instead. Returns the surface and a notice for each change.
@@ -35,11 +36,14 @@ pub(crate) fn judge(mesh: &mut TriMesh) -> Result<Vec<String>> {
         ));
     }
     if pairs > 0 {
-        news.push(format!("dropped {pairs} pairs of triangles back to back, between which there is nothing"));
+        news.push(format!(
+            "dropped {} of triangles back to back, between which there is nothing",
+            counted(pairs, "pair")
+        ));
     }
     let odd = agree(mesh);
     if odd > 0 {
-        news.push(format!("turned {odd} triangles that disagreed with their neighbours"));
+        news.push(format!("turned {} that disagreed with its neighbours", counted(odd, "triangle")));
     }
     let edges = watertight(mesh);
     if [&edges.open, &edges.crowded, &edges.twisted].iter().any(|f| f.count > 0) {

@@ -2,12 +2,8 @@
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::topology::{sides, watertight};
-use crate::geometry::mesh::{TriMesh, show};
+use crate::geometry::mesh::{FARTHEST, TriMesh, show};
 use glam::DVec3;
-
-/// Largest coordinate of a file, in its own unit: products of three of them stay far from overflow. The scene's scale
-/// determines its size in metres.
-const FARTHEST: f64 = 1e9;
 
 /// Edge between two triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -33,7 +33,7 @@ pub enum Solid {
 impl Solid {
     /// Creates the solid of the scene's object, which is `shape`.
     pub fn new(object: &scene::Object, shape: &Shape) -> Self {
-        let scale = object.scale.get();
+        let scale = object.factor();
         match &object.shape {
             o::ObjectShape::Sphere(s) => Self::Ellipsoid(DVec3::splat(scale * s.radius.get())),
             o::ObjectShape::Ellipsoid(s) => Self::Ellipsoid(scale * s.radii.size()),

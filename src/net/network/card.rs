@@ -16,6 +16,8 @@ use std::path::Path;
 
 /// Name of the card in the folder of a model.
 pub const CARD: &str = "card.ron";
+/// Models that shipped with former versions.
+const FORMER: [&str; 2] = ["gelsight_mini", "gelsight_mini_fine"];
 /// Name of the file of the weights.
 pub const WEIGHTS: &str = "weights.safetensors";
 
@@ -55,6 +57,15 @@ pub struct Card {
     pub checksum: String,
 }
 
+/// Origin of a model, which the cards of all versions tell.
+#[derive(Debug, Deserialize)]
+#[serde(rename = "Card")]
+struct Made {
+    tactus: String,
+    #[serde(default)]
+    features: u32,
+}
+
 /// Model read from a folder or from the program.
 #[derive(Debug)]
 pub struct Trained {
@@ -80,14 +91,20 @@ impl Trained {
                 (Cow::from(text), Cow::from(weights))
             }
         };
-        let card: Card = ron::from_str(&text).map_err(|e| Error::file(&path, format!("is no card of a model: {e}")))?;
-        if card.features != VERSION {
+        // Cards of other versions have other fields: what they were made by is read first.
+        let made: Made = ron::from_str(&text).map_err(|e| Error::file(&path, format!("is no card of a model: {e}")))?;
+        if made.features != VERSION {
             let message = format!(
-                "its network reads features of version {}, this tactus makes version {VERSION}; train it again",
-                card.features
+                "its network was trained by tactus {} and reads features of version {}, this is tactus {} of version {VERSION}; train it \
+                 again with `tactus train`, on a data set made anew, or use what ships: {}",
+                made.tactus,
+                made.features,
+                env!("CARGO_PKG_VERSION"),
+                shipped::names()
             );
             return Err(Error::file(&path, message));
         }
+        let card: Card = ron::from_str(&text).map_err(|e| Error::file(&path, format!("is no card of a model: {e}")))?;
         let read = Self { card, weights };
         read.card
             .check()
@@ -107,6 +124,11 @@ impl Trained {
 }
 
 fn missing(model: &Path, path: &Path, e: &std::io::Error) -> Error {
+    if let Some(name) = FORMER.iter().find(|name| model.file_name().is_some_and(|own| own == **name)) {
+        let message =
+            format!("{name:?} shipped with version 0.1; write the model that takes its place: {}", shipped::names());
+        return Error::file(model, message);
+    }
     let message = format!(
         "cannot be read: {e}; a model is made by `tactus train DATASET --model M.ron -o {}`, and this ships: {}",
         model.display(),

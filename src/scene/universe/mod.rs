@@ -221,7 +221,7 @@ impl Universe {
             name: Name::near(&format!("{}-{index:04}", family.name())),
             object: Object {
                 shape,
-                scale: defaults::SCALE,
+                scale: None,
                 repair: false,
                 density,
                 segments: defaults::SEGMENTS,

@@ -120,9 +120,24 @@ pub fn first_contact(model: &Model, index: usize, pose: &ObjectPose, clearance: 
             depth * 1e3,
             model.opening * 1e3
         )),
-        Approach::Misses => Err(format!(
-            "the {name} finger meets nothing within its stroke of {:.1} mm; move the grasp or lengthen `stroke`",
-            model.stroke * 1e3
-        )),
+        Approach::Misses => {
+            let away = distance_from_middle(model, finger, pose);
+            let place = if away > 0.0 {
+                format!("the object is {:.1} mm away from the point midway between the pads", away * 1e3)
+            } else {
+                "the point midway between the pads lies in the object".into()
+            };
+            Err(format!(
+                "the {name} finger meets nothing within its stroke of {:.1} mm: {place}; move the grasp (a pose by its `centre` gives that \
+                 point) or lengthen `stroke`",
+                model.stroke * 1e3
+            ))
+        }
     }
+}
+
+/// Returns the signed distance of the object from the point midway between the pads of the open hand, m.
+fn distance_from_middle(model: &Model, finger: &FingerModel, pose: &ObjectPose) -> f64 {
+    let middle = finger.placement.origin + 0.5 * model.opening * finger.placement.closing;
+    model.object.distance.distance(pose.rotation.conjugate() * (middle - pose.position))
 }

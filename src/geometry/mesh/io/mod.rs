@@ -17,7 +17,8 @@ pub use write::{write_obj, write_stl, write_tet};
 
 use crate::error::{Error, Result};
 use crate::files::regular;
-use crate::geometry::mesh::{TetMesh, TriMesh, clean, close, facets, topology};
+use crate::geometry::mesh::{FARTHEST, TetMesh, TriMesh, clean, close, facets, topology};
+use crate::number::counted;
 
 /// Triangle meshes that are read.
 const SURFACES: &str =
@@ -48,10 +49,31 @@ pub fn read_tet_mesh(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>)> {
 /// # Errors
 /// Fails in those cases of [`read_tet_mesh`] that concern the file and not the geometry.
 pub fn read_tet_mesh_raw(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>)> {
+    read_tet_group(path, None)
+}
+
+/// Reads the tetrahedra of one group of a mesh like [`read_tet_mesh_raw`], with all nodes of the file: those of the physical volume of this
+/// name or tag of a gmsh file. None reads all.
+///
+/// # Errors
+/// Fails in the cases of [`read_tet_mesh_raw`], and if the file has no such group.
+pub fn read_tet_group(path: impl AsRef<Path>, group: Option<&str>) -> Result<(TetMesh, Vec<String>)> {
     let path = path.as_ref();
-    match extension(path).as_str() {
+    match (extension(path).as_str(), group) {
+        ("msh", _) => gmsh::parse(path, read_bytes(path)?, group),
+        (other, Some(group)) => {
+            let message =
+                format!("group {group:?}: a file of type `.{}` has no groups that are read", other.escape_debug());
+            Err(Error::file(path, format!("{message}; convert it to gmsh (.msh), or leave `group` out")))
+        }
+        (known, None) => read_by_extension(path, known),
+    }
+}
+
+/// Reads a mesh of a format without groups.
+fn read_by_extension(path: &Path, extension: &str) -> Result<(TetMesh, Vec<String>)> {
+    match extension {
         "tet" => tet::parse(path, &read_text(path)?),
-        "msh" => gmsh::parse(path, read_bytes(path)?),
         "mesh" => medit::parse(path, read_bytes(path)?),
         "vtk" => vtk::parse(path, read_bytes(path)?),
         "node" | "ele" => tetgen::read(path),
@@ -76,30 +98,38 @@ pub fn read_tri_mesh(path: impl AsRef<Path>) -> Result<(TriMesh, Vec<String>)> {
         "ply" => ply::parse(path, &read_bytes(path)?)?,
         other => return Err(unknown(path, other, SURFACES)),
     };
+    // What follows compares lengths: it must not overflow.
+    let far = mesh.triangles.iter().flatten().map(|v| (v, mesh.vertices[*v as usize]));
+    if let Some((v, p)) = far.into_iter().find(|(_, p)| !(p.abs().max_element() <= FARTHEST)) {
+        let message = format!("vertex {v} (0-based) is at {p}; coordinates must be finite and within {FARTHEST:e}");
+        return Err(Error::file(path, message));
+    }
     let mut told = |text: String| notices.push(format!("{}: {text}", path.display()));
     // Every facet of an STL file repeats its corners: welding them is no news.
     let news = extension(path) != "stl";
     let welded = topology::weld(&mut mesh);
     if news && welded.vertices > 0 {
-        told(format!("welded {} duplicate or unused vertices", welded.vertices));
+        told(format!("welded {}", counted(welded.vertices, "duplicate or unused vertex")));
     }
     if welded.triangles > 0 {
-        told(format!("dropped {} triangles with a repeated vertex", welded.triangles));
+        told(format!("dropped {} with a repeated vertex", counted(welded.triangles, "triangle")));
     }
     if let Some(closed) = close::weld_open(&mut mesh) {
         told(format!(
-            "welded {} vertices at open edges with others within {:.2e} m (1e-6 of the object's size and the rounding to 32 \
+            "welded {} at open edges with others within {:.2e} m (1e-6 of the object's size and the rounding to 32 \
              bits); none moved by more than {:.2e} m",
-            closed.vertices, closed.tolerance, closed.moved
+            counted(closed.vertices, "vertex"),
+            closed.tolerance,
+            closed.moved
         ));
     }
     let repeated = facets::drop_repeated(&mut mesh);
     if repeated > 0 {
-        told(format!("dropped {repeated} repeated triangles"));
+        told(format!("dropped {}", counted(repeated, "repeated triangle")));
     }
     let flat = facets::remove_flat(&mut mesh);
     if flat > 0 {
-        told(format!("removed {flat} triangles without area"));
+        told(format!("removed {} without area", counted(flat, "triangle")));
     }
     if mesh.triangles.is_empty() {
         return Err(Error::file(path, "the mesh is empty: every triangle has a repeated vertex or no area"));

@@ -13,6 +13,7 @@ use std::path::Path;
 use super::text::{self, Line, Word};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{MAX_COUNT, TriMesh, polygon};
+use crate::number::counted;
 use glam::DVec3;
 
 /// Keywords of names, colours, normals and materials, which are skipped without a notice.
@@ -72,7 +73,10 @@ pub(crate) fn parse(path: &Path, source: &str) -> Result<(TriMesh, Vec<String>)>
     }
     if checked.face_lines.is_empty() {
         let n = checked.vertices;
-        return Err(Error::file(path, format!("the mesh is empty: {n} vertices (`v` lines) and no faces (`f` lines)")));
+        return Err(Error::file(
+            path,
+            format!("the mesh is empty: {} (`v` lines) and no faces (`f` lines)", counted(n, "vertex")),
+        ));
     }
     let (mesh, split) = checked.read()?;
     let notices = checked.notices(&split);
@@ -164,7 +168,7 @@ impl Checked<'_> {
     fn face(&mut self, line: &Line<'_>) -> Result<()> {
         let words = &line.words[1..];
         if words.len() < 3 {
-            let message = format!("a face of {} vertices; at least 3 are needed", words.len());
+            let message = format!("a face of {}; at least 3 are needed", counted(words.len(), "vertex"));
             return Err(text::at(self.path, line.first(), message));
         }
         self.faces.push('f');
@@ -241,7 +245,8 @@ impl Checked<'_> {
             let lines: usize = self.passed.values().sum();
             let words: Vec<&str> = self.passed.keys().copied().collect();
             notices.push(format!(
-                "{file}: passed over {lines} lines that say nothing of flat faces: {}",
+                "{file}: passed over {} without a word on flat faces: {}",
+                counted(lines, "line"),
                 words.join(", ")
             ));
         }

@@ -9,6 +9,7 @@ use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult,
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{MAX_COUNT, TriMesh, polygon};
+use crate::number::counted;
 
 /// Element of the file; unwanted properties are left out.
 #[derive(Debug, Clone, Default)]
@@ -143,7 +144,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<(TriMesh, Vec<String>)>
     // The cursor reads from memory.
     let _ = reader.into_inner().read_to_end(&mut rest);
     if rest.iter().any(|b| !b.is_ascii_whitespace()) {
-        notices.push(format!("{file}: passed over {} bytes after the last element", rest.len()));
+        notices.push(format!("{file}: passed over {} after the last element", counted(rest.len(), "byte")));
     }
     Ok((mesh, notices))
 }
@@ -163,7 +164,10 @@ fn complete(path: &Path, definition: &ElementDef) -> Result<()> {
 fn corners(path: &Path, i: usize, face: &Element, count: usize) -> Result<Vec<u32>> {
     let n = face.corners.len();
     if n < 3 {
-        return Err(Error::file(path, format!("face {i} (0-based) has {n} vertices; at least 3 are needed")));
+        return Err(Error::file(
+            path,
+            format!("face {i} (0-based) has {}; at least 3 are needed", counted(n, "vertex")),
+        ));
     }
     let valid = |v: &i64| u32::try_from(*v).ok().filter(|v| (*v as usize) < count);
     let refused = |v: &i64| {

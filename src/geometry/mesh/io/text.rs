@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::MAX_COUNT;
+use crate::number::counted;
 
 /// Longest line of a text, bytes: all its words are in memory at once.
 const MAX_LINE: usize = 4 << 20;
@@ -153,7 +154,7 @@ pub(crate) fn columns(path: &Path, line: &Line<'_>, allowed: &[usize], what: &st
         return Ok(());
     }
     let list: Vec<String> = allowed.iter().map(usize::to_string).collect();
-    let message = format!("{what} has {} columns; allowed: {}", line.words.len(), list.join(" or "));
+    let message = format!("{what} has {}; allowed: {}", counted(line.words.len(), "column"), list.join(" or "));
     Err(at(path, line.last(), message))
 }
 

@@ -6,11 +6,12 @@ mod fill;
 
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
-use crate::geometry::mesh::TriMesh;
 use crate::geometry::mesh::shells::{agree, orient, shells};
-use crate::geometry::mesh::topology::drop_unused;
+use crate::geometry::mesh::topology::{drop_unused, watertight};
+use crate::geometry::mesh::{TriMesh, show};
 use crate::geometry::shape::sound::judge;
 use crate::geometry::shape::winding::Winding;
+use crate::number::counted;
 use field::DistanceGrid;
 use glam::DVec3;
 
@@ -25,8 +26,10 @@ pub(crate) fn repair(mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
     let filled = fill::fill(&mut whole);
     if let (Some(filled), Ok(news)) = (filled, judge(&mut whole)) {
         let done = format!(
-            "filled {} holes with {} triangles of {:.3e} m2 in all; nothing else moved",
-            filled.holes, filled.triangles, filled.area
+            "filled {} with {} of {:.3e} m2 in all; nothing else moved",
+            counted(filled.holes, "hole"),
+            counted(filled.triangles, "triangle"),
+            filled.area
         );
         return Ok((whole, [vec![done], news].concat()));
     }
@@ -35,6 +38,17 @@ pub(crate) fn repair(mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
 
 fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
     agree(&mut mesh);
+    let edges = watertight(&mesh);
+    if let ([a, b], 0) = (edges.twisted.first.unwrap_or_default(), edges.crowded.count)
+        && edges.twisted.count > 0
+    {
+        return Err(Error::Mesh(format!(
+            "the surface has one side only, as a Moebius strip: however its triangles are turned, those at the edge from {} to {} \
+             disagree, so that nothing is inside of it; cut it there, or give it a thickness",
+            show(a),
+            show(b)
+        )));
+    }
     orient(&mut mesh);
     if mesh.triangles.iter().enumerate().all(|(t, _)| crate::geometry::mesh::facets::is_flat(mesh.corners(t))) {
         return Err(Error::Mesh("the surface has no area: there is nothing to repair".into()));
@@ -66,7 +80,7 @@ fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
         done += &format!("; {:.1} % of it is new, where there were holes", 100.0 * moved.new);
     }
     if dust > 0 {
-        done += &format!("; dropped {dust} closed parts of less than {DUST} of its volume");
+        done += &format!("; dropped {} of less than {DUST} of its volume", counted(dust, "closed part"));
     }
     Ok((surface, vec![done]))
 }

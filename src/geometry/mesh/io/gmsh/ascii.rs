@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use super::collect::{Collected, kept_nodes};
-use super::{PARAMETRIC, Version};
+use super::groups::NumberWidth;
+use super::{PARAMETRIC, Version, declared};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TetMesh;
 use crate::geometry::mesh::io::text::{self, Line};
 
-/// Parses the text of a gmsh file; `path` is for messages.
-pub(crate) fn parse(path: &Path, source: &str) -> Result<(TetMesh, Vec<String>)> {
+/// Parses the text of a gmsh file; `path` is for messages. Keeps the tetrahedra of `group`.
+pub(crate) fn parse(path: &Path, source: &str, group: Option<&str>) -> Result<(TetMesh, Vec<String>)> {
     let mut lines = text::lines(source, None);
     let mut next = |expected: &str| lines.next().ok_or_else(|| text::ended(path, expected));
     let mut found = Collected::default();
@@ -39,15 +40,31 @@ pub(crate) fn parse(path: &Path, source: &str) -> Result<(TetMesh, Vec<String>)>
         }
         // Rows of a section that is not needed, and the closing line.
         let end = format!("$End{}", name.trim_start_matches('$'));
+        let mut numbers = Vec::new();
         loop {
             let row = next(&text::quote(&end))?;
             if row.first().text == end {
                 break;
             }
+            match name {
+                "$PhysicalNames" => {
+                    let words: Vec<&str> = row.words.iter().map(|w| w.text).collect();
+                    found.groups.name(&words.join(" "));
+                }
+                "$Entities" => numbers.extend(row.words.iter().map(|w| w.text)),
+                _ => {}
+            }
             if matches!(name, "$Nodes" | "$Elements" | "$MeshFormat") {
                 let message = format!("expected `{end}`, found more rows than the counts declare");
                 return Err(text::at(path, row.first(), message));
             }
+        }
+        let mut numbers = numbers.into_iter();
+        if let Some(version) = version {
+            found.groups.entities(version, |width| match width {
+                NumberWidth::Real => numbers.next().map(|_| 0),
+                NumberWidth::Int | NumberWidth::Size => numbers.next()?.parse().ok(),
+            });
         }
     }
     if version.is_none() {
@@ -56,7 +73,7 @@ pub(crate) fn parse(path: &Path, source: &str) -> Result<(TetMesh, Vec<String>)>
             "no `$MeshFormat` section: this is not a gmsh file; allowed: gmsh 2.2, 4.0 or 4.1",
         ));
     }
-    found.finish(path)
+    found.finish(path, group)
 }
 
 fn format_version(path: &Path, line: &Line<'_>) -> Result<Version> {
@@ -124,8 +141,7 @@ fn nodes_v4<'a>(
         }
     }
     if found.nodes() < total {
-        let message = format!("{total} nodes declared, but the blocks hold {}", found.nodes());
-        return Err(text::at(path, head.words[1], message));
+        return Err(text::at(path, head.words[1], declared(total, found.nodes(), "nodes")));
     }
     Ok(())
 }
@@ -156,7 +172,10 @@ fn elements_v2<'a>(found: &mut Collected, path: &Path, next: &mut impl FnMut(&st
         };
         let kind = text::integer(path, kind, "element type")?;
         let tags = text::count(path, tags, "the number of tags")?;
-        element(found, path, &line, kind, 3 + tags)?;
+        // The first tag is the physical group.
+        let group = if tags > 0 { line.words.get(3) } else { None };
+        let group = group.map_or(Ok(0), |word| text::integer(path, *word, "physical group"))?;
+        element(found, path, &line, (kind, group), 3 + tags)?;
     }
     Ok(())
 }
@@ -168,19 +187,29 @@ fn elements_v4<'a>(
     next: &mut impl FnMut(&str) -> Result<Line<'a>>,
 ) -> Result<()> {
     let head = block_counts(version, path, next, "elements")?;
+    let total = text::count(path, head.words[1], "the number of elements")?;
+    let mut read = 0;
     for _ in 0..text::count(path, head.first(), "the number of element blocks")? {
         let block = next("an element block")?;
         text::columns(path, &block, &[4], "an element block of an entity's two numbers, `type`, `count`")?;
         let kind = text::integer(path, block.words[2], "element type")?;
-        for _ in 0..text::count(path, block.words[3], "the number of elements of a block")? {
-            element(found, path, &next("an element")?, kind, 1)?;
+        // Version 4.0 has the dimension second.
+        let volume = block.words[if version == Version::V41 { 1 } else { 0 }];
+        let volume = volume.text.parse::<i64>().map_or(0, i64::unsigned_abs);
+        let n = text::count(path, block.words[3], "the number of elements of a block")?;
+        for _ in 0..n {
+            element(found, path, &next("an element")?, (kind, volume), 1)?;
         }
+        read += n;
+    }
+    if read != total {
+        return Err(text::at(path, head.words[1], declared(total, read, "elements")));
     }
     Ok(())
 }
 
-/// Keeps a tetrahedron whose node tags start at column `skip`, counts anything else.
-fn element(found: &mut Collected, path: &Path, line: &Line<'_>, kind: u64, skip: usize) -> Result<()> {
+/// Keeps a tetrahedron of a volume whose node tags start at column `skip`, counts anything else.
+fn element(found: &mut Collected, path: &Path, line: &Line<'_>, (kind, volume): (u64, u64), skip: usize) -> Result<()> {
     let Some(n) = kept_nodes(kind) else {
         found.skip(kind);
         return Ok(());
@@ -190,5 +219,5 @@ fn element(found: &mut Collected, path: &Path, line: &Line<'_>, kind: u64, skip:
     for (tag, word) in tags.iter_mut().zip(&line.words[skip..]) {
         *tag = text::integer(path, *word, "node tag")?;
     }
-    found.tetrahedron(&tags[..n]).map_err(|(node, message)| text::at(path, line.words[skip + node], message))
+    found.tetrahedron(volume, &tags[..n]).map_err(|(node, message)| text::at(path, line.words[skip + node], message))
 }

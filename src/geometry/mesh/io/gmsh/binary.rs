@@ -4,15 +4,17 @@ use std::path::Path;
 
 use super::collect::{Collected, kept_nodes};
 use super::cursor::Cursor;
-use super::{PARAMETRIC, Version};
+use super::groups::NumberWidth;
+use super::{PARAMETRIC, Version, declared};
 use crate::error::Result;
 use crate::geometry::mesh::{MAX_COUNT, TetMesh};
 
 /// Number of nodes of the element types 1 to 31 of gmsh.
 const NODES: [usize; 31] =
     [2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1, 8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4, 5, 6, 20, 35, 56];
-/// Parses a binary gmsh file; `path` is for messages.
-pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<(TetMesh, Vec<String>)> {
+
+/// Parses a binary gmsh file; `path` is for messages. Keeps the tetrahedra of `group`.
+pub(crate) fn parse(path: &Path, bytes: &[u8], group: Option<&str>) -> Result<(TetMesh, Vec<String>)> {
     let mut file = Cursor::new(path, bytes);
     let mut found = Collected::default();
     while let Some(name) = file.section()? {
@@ -28,7 +30,22 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<(TetMesh, Vec<String>)>
             ("$Elements", Some(Version::V2)) => elements_v2(&mut file, &mut found)?,
             ("$Elements", Some(version)) => elements_v4(&mut file, &mut found, version)?,
             _ => {
-                file.skip_to(&format!("$End{body}"))?;
+                let mut section = file.skip_to(&format!("$End{body}"))?;
+                match (name, file.version) {
+                    ("$PhysicalNames", _) => {
+                        while let Ok(Some(line)) = section.rest_of_line() {
+                            found.groups.name(line);
+                        }
+                    }
+                    ("$Entities", Some(version)) => {
+                        found.groups.entities(version, |width| match width {
+                            NumberWidth::Real => section.take(8, "a real").ok().map(|_| 0),
+                            NumberWidth::Int => section.any_int("a tag").ok().map(i64::from),
+                            NumberWidth::Size => section.size("a count").ok()?.try_into().ok(),
+                        });
+                    }
+                    _ => {}
+                }
                 continue;
             }
         }
@@ -37,7 +54,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<(TetMesh, Vec<String>)>
             return Err(file.fail(&format!("expected `{end}`: the counts of the section do not fit what it holds")));
         }
     }
-    found.finish(path)
+    found.finish(path, group)
 }
 
 fn nodes_v2(file: &mut Cursor<'_>, found: &mut Collected) -> Result<()> {
@@ -83,7 +100,7 @@ fn nodes_v4(file: &mut Cursor<'_>, found: &mut Collected, version: Version) -> R
         }
     }
     if found.nodes() < total {
-        return Err(file.fail(&format!("{total} nodes declared, but the blocks hold {}", found.nodes())));
+        return Err(file.fail(&declared(total, found.nodes(), "nodes")));
     }
     Ok(())
 }
@@ -105,8 +122,10 @@ fn elements_v2(file: &mut Cursor<'_>, found: &mut Collected) -> Result<()> {
         }
         for _ in 0..follow {
             file.take(4, "an element's number")?;
-            file.take(4 * tags.min(MAX_COUNT), "an element's tags")?;
-            element(file, found, kind, Cursor::int)?;
+            // The first tag is the physical group.
+            let group = if tags > 0 { u64::from(file.any_int("an element's group")?.unsigned_abs()) } else { 0 };
+            file.take(4 * tags.saturating_sub(1).min(MAX_COUNT), "an element's tags")?;
+            element(file, found, (kind, group), Cursor::int)?;
         }
         read += follow;
     }
@@ -117,17 +136,25 @@ fn elements_v4<'a>(file: &mut Cursor<'a>, found: &mut Collected, version: Versio
     let tag: fn(&mut Cursor<'a>, &str) -> Result<u64> =
         if version == Version::V41 { Cursor::size } else { Cursor::int };
     let blocks = file.count("the number of element blocks")?;
-    file.count("the number of elements")?;
+    let total = file.count("the number of elements")?;
+    let mut read = 0;
     if version == Version::V41 {
         file.take(2 * file.wide, "the smallest and largest tag")?;
     }
     for _ in 0..blocks {
-        file.take(8, "an entity's two numbers")?;
+        let entity = [file.any_int("an entity's number")?, file.any_int("an entity's number")?];
+        // Version 4.0 has the dimension second.
+        let volume = u64::from(entity[if version == Version::V41 { 1 } else { 0 }].unsigned_abs());
         let kind = file.int("element type")?;
-        for _ in 0..file.count("the number of elements of a block")? {
+        let n = file.count("the number of elements of a block")?;
+        for _ in 0..n {
             tag(file, "an element's number")?;
-            element(file, found, kind, tag)?;
+            element(file, found, (kind, volume), tag)?;
         }
+        read += n;
+    }
+    if read != total {
+        return Err(file.fail(&declared(total, read, "elements")));
     }
     Ok(())
 }
@@ -136,7 +163,7 @@ fn elements_v4<'a>(file: &mut Cursor<'a>, found: &mut Collected, version: Versio
 fn element<'a>(
     file: &mut Cursor<'a>,
     found: &mut Collected,
-    kind: u64,
+    (kind, volume): (u64, u64),
     tag: fn(&mut Cursor<'a>, &str) -> Result<u64>,
 ) -> Result<()> {
     let known = (kind as usize).checked_sub(1).and_then(|k| NODES.get(k));
@@ -154,5 +181,5 @@ fn element<'a>(
     for t in &mut tags[..n] {
         *t = tag(file, "node tag")?;
     }
-    found.tetrahedron(&tags[..n]).map_err(|(_, message)| file.fail(&message))
+    found.tetrahedron(volume, &tags[..n]).map_err(|(_, message)| file.fail(&message))
 }

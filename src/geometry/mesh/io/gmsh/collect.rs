@@ -5,6 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use super::groups::Groups;
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{MAX_COUNT, TetMesh};
 
@@ -33,6 +34,8 @@ pub(crate) struct Collected {
     skipped: BTreeMap<u64, usize>,
     /// Number of tetrahedra of second order.
     quadratic: usize,
+    /// Groups of the tetrahedra.
+    pub groups: Groups,
     /// Largest distance of a middle node from the middle of its edge, m, and over the edge's length.
     bulge: (f64, f64),
 }
@@ -77,11 +80,11 @@ impl Collected {
         *self.skipped.entry(kind).or_default() += 1;
     }
 
-    /// Keeps a tetrahedron of [`kept_nodes`] by its corners; its middle nodes are only checked.
+    /// Keeps a tetrahedron of [`kept_nodes`] by its corners; its middle nodes are only checked. `volume` is the volume that it belongs to.
     ///
     /// # Errors
     /// Fails if there are too many tetrahedra, a tag is unknown or a middle node is far from the middle of its edge.
-    pub fn tetrahedron(&mut self, tags: &[u64]) -> std::result::Result<(), Refused> {
+    pub fn tetrahedron(&mut self, volume: u64, tags: &[u64]) -> std::result::Result<(), Refused> {
         let element = self.mesh.tets.len();
         if element >= MAX_COUNT {
             return Err((0, format!("more than the {MAX_COUNT} tetrahedra allowed")));
@@ -112,14 +115,15 @@ impl Collected {
             }
         }
         self.mesh.tets.push([a, b, c, d]);
+        self.groups.tetrahedron(volume);
         Ok(())
     }
 
-    /// Returns the mesh and the notices about it.
+    /// Returns the mesh of the tetrahedra of a group, of all without one, and the notices about it.
     ///
     /// # Errors
     /// Fails if there is no tetrahedron.
-    pub fn finish(self, path: &Path) -> Result<(TetMesh, Vec<String>)> {
+    pub fn finish(mut self, path: &Path, group: Option<&str>) -> Result<(TetMesh, Vec<String>)> {
         let list: Vec<String> = self.skipped.iter().map(|(kind, n)| format!("{n} of type {kind}")).collect();
         if self.mesh.tets.is_empty() {
             let found = if list.is_empty() { "no elements".into() } else { list.join(", ") };
@@ -152,6 +156,8 @@ impl Collected {
             let list = list.join(", ");
             notices.push(format!("{}: ignored elements {list}; only types 4 and 11 are used", path.display()));
         }
+        let several = self.groups.keep(path, &mut self.mesh.tets, group)?;
+        notices.extend(several.map(|text| format!("{}: {text}", path.display())));
         Ok((self.mesh, notices))
     }
 }

@@ -83,19 +83,28 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Continues after the next `end`.
+    /// Returns the rest of a line of text; None at the end of the file.
+    ///
+    /// # Errors
+    /// Fails if it is no text.
+    pub fn rest_of_line(&mut self) -> Result<Option<&'a str>> {
+        if self.at == self.bytes.len() { Ok(None) } else { self.line().map(Some) }
+    }
+
+    /// Continues after the next `end` and returns a cursor over what stands before it.
     ///
     /// # Errors
     /// Fails if the file has no further `end`.
-    pub fn skip_to(&mut self, end: &str) -> Result<()> {
+    pub fn skip_to(&mut self, end: &str) -> Result<Self> {
         let Some(found) = find(&self.bytes[self.at..], end.as_bytes()) else {
             return Err(Error::file(
                 self.path,
                 format!("the file ends where `{end}` should follow; it is cut short: write or copy it again"),
             ));
         };
+        let before = Self { bytes: &self.bytes[..self.at + found], ..*self };
         self.at += found + end.len();
-        Ok(())
+        Ok(before)
     }
 
     /// Reads the section `$MeshFormat`: `version 1 size`, and a 1 that states the byte order.

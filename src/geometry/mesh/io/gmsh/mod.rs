@@ -6,6 +6,7 @@ mod ascii;
 mod binary;
 mod collect;
 mod cursor;
+mod groups;
 
 use std::path::Path;
 
@@ -36,25 +37,31 @@ impl Version {
     }
 }
 
-/// Parses a gmsh file, which states whether it is text; `path` is for messages.
+/// Parses a gmsh file, which states whether it is text; `path` is for messages. Keeps the tetrahedra of the physical volume `group`, named
+/// by its name or its tag; None keeps all.
 ///
 /// # Errors
-/// Fails for an unknown version, declared counts above the cap or not met, doubled or unknown tags, bad numbers and no
+/// Fails for an unknown version, declared counts above the cap or not met, doubled or unknown tags, bad numbers, an unknown group and no
 /// tetrahedra. The error states line and column of a text file, the byte offset of a binary file.
-pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>)> {
+pub(crate) fn parse(path: &Path, bytes: Vec<u8>, group: Option<&str>) -> Result<(TetMesh, Vec<String>)> {
     // The formats of ANSYS have the same extension and begin so.
     if bytes.trim_ascii_start().starts_with(b"(") {
         return Err(Error::file(path, format!("a file of ANSYS, not of gmsh; {}", convert(path))));
     }
     if says_binary(&bytes) {
-        return binary::parse(path, &bytes);
+        return binary::parse(path, &bytes, group);
     }
-    ascii::parse(path, &text::decode(path, bytes)?)
+    ascii::parse(path, &text::decode(path, bytes)?, group)
 }
 
 /// Message that the nodes come with parameters of the geometry in a section of their own, of version 2.
 const PARAMETRIC: &str =
     "the nodes stand in `$ParametricNodes`; save them without parameters (Mesh.SaveParametric = 0)";
+
+/// Returns the message about a section that holds another number of `what` than it declares.
+fn declared(total: usize, found: usize, what: &str) -> String {
+    format!("{total} {what} declared, but the blocks hold {found}: the file is cut short or changed; write it again")
+}
 
 /// Returns true if the second word after `$MeshFormat` is the 1 of a binary file.
 fn says_binary(bytes: &[u8]) -> bool {

@@ -1,0 +1,142 @@
+//! Check that a pad from a file does not overlap itself, and that the finger holds every part of it.
+
+use glam::DVec3;
+
+use crate::error::{Error, Result};
+use crate::geometry::Aabb;
+use crate::geometry::mesh::shells::orient;
+use crate::geometry::mesh::{TetMesh, show, surface};
+use crate::geometry::shape::overlap::overlaps;
+use crate::number::counted;
+
+/// Spread of the held nodes of a part off their best line, over the size of the part, below which the part can turn about it.
+const ON_A_LINE: f64 = 1e-3;
+
+/// Refuses a mesh that overlaps itself, or has a part that is free to move. Indices must be valid, volumes positive and no face shared by
+/// more than two tetrahedra; `bonded` is a flag per node.
+///
+/// # Errors
+/// Returns [`Error::Mesh`] that names the first such part and its place.
+pub(super) fn check(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
+    held(mesh, bonded)?;
+    let (mut boundary, _) = surface::boundary_mesh(mesh);
+    if let Some(fault) = overlaps(&boundary).complaint(&boundary) {
+        return Err(Error::Mesh(format!(
+            "the pad overlaps itself: {fault}, or keep one copy of what stands in the file twice"
+        )));
+    }
+    // Every shell bounds gel from outside or a hollow from inside; one that would have to be turned lies within other gel.
+    if orient(&mut boundary).any() {
+        return Err(Error::Mesh(
+            "the pad overlaps itself: a part of it lies inside another; keep one copy of what stands in the file twice"
+                .into(),
+        ));
+    }
+    Ok(())
+}
+
+/// Part of a pad that hangs together across faces, and the nodes that hold it.
+struct Part {
+    /// Number of tetrahedra.
+    tets: usize,
+    bounds: Aabb,
+    /// Number of held nodes, their sum and the sums of products of their coordinates from the centre of the bounds.
+    count: usize,
+    sum: DVec3,
+    squares: DVec3,
+    products: DVec3,
+}
+
+impl Part {
+    /// Takes in a held node.
+    fn hold(&mut self, node: DVec3) {
+        let p = node - self.bounds.center();
+        self.count += 1;
+        self.sum += p;
+        self.squares += p * p;
+        self.products += DVec3::new(p.y * p.z, p.z * p.x, p.x * p.y);
+    }
+
+    /// Returns true if the held nodes are not on a line. Their covariance has the eigenvalues `a >= b >= c`; the second of its invariants
+    /// over the first lies between `(b + c) / 2` and `b + c`, the mean square of the distance from the best line.
+    fn is_held(&self) -> bool {
+        let n = (self.count as f64).max(1.0);
+        let mean = self.sum / n;
+        let (s, p) = (
+            self.squares / n - mean * mean,
+            self.products / n - DVec3::new(mean.y * mean.z, mean.z * mean.x, mean.x * mean.y),
+        );
+        let trace = s.element_sum();
+        let second = s.x * s.y + s.y * s.z + s.z * s.x - p.length_squared();
+        self.count > 2 && second > (ON_A_LINE * self.bounds.size().max_element()).powi(2) * trace
+    }
+}
+
+/// Refuses a part that can move as a rigid body. A part is held if those of its nodes that are bonded, or belong to a part that is held, do
+/// not lie on a line.
+fn held(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
+    let (part_of, count) = surface::parts(mesh);
+    let empty = || Part {
+        tets: 0,
+        bounds: Aabb::EMPTY,
+        count: 0,
+        sum: DVec3::ZERO,
+        squares: DVec3::ZERO,
+        products: DVec3::ZERO,
+    };
+    let mut parts: Vec<Part> = (0..count).map(|_| empty()).collect();
+    let mut parts_at = vec![Vec::new(); mesh.nodes.len()];
+    for (tet, part) in mesh.tets.iter().zip(&part_of) {
+        parts[*part as usize].tets += 1;
+        for node in tet {
+            parts[*part as usize].bounds.include(mesh.nodes[*node as usize]);
+            parts_at[*node as usize].push(*part);
+        }
+    }
+    let mut nodes_of = vec![Vec::new(); count];
+    for (node, at) in parts_at.iter_mut().enumerate() {
+        at.sort_unstable();
+        at.dedup();
+        for part in at {
+            nodes_of[*part as usize].push(node as u32);
+            if bonded[node] {
+                parts[*part as usize].hold(mesh.nodes[node]);
+            }
+        }
+    }
+    let mut fixed = bonded.to_vec();
+    let mut open: Vec<usize> = (0..count).filter(|part| parts[*part].is_held()).collect();
+    while let Some(part) = open.pop() {
+        for node in std::mem::take(&mut nodes_of[part]) {
+            if !std::mem::replace(&mut fixed[node as usize], true) {
+                for other in &parts_at[node as usize] {
+                    let other = *other as usize;
+                    let before = parts[other].is_held();
+                    parts[other].hold(mesh.nodes[node as usize]);
+                    if !before && parts[other].is_held() {
+                        open.push(other);
+                    }
+                }
+            }
+        }
+    }
+    let Some(loose) = parts.iter().find(|part| !part.is_held()) else { return Ok(()) };
+    let place = show(loose.bounds.center());
+    let tets = counted(loose.tets, "tetrahedron");
+    let what = if count == 1 {
+        format!("the pad of {tets} about {place}")
+    } else {
+        format!("a part of {tets} of {} about {place}", mesh.tets.len())
+    };
+    let (how, cure) = match loose.count {
+        0 => {
+            ("shares no node with the finger or with what it holds: it would fly off", "remove it, or join or bond it")
+        }
+        1 => (
+            "is held at one node and can turn about it",
+            "bond at least three nodes off a line, such as all of its back",
+        ),
+        _ => ("is held along a line and can turn about it", "bond nodes off that line, such as all of its back"),
+    };
+    Err(Error::Mesh(format!("{what} {how}; {cure}")))
+}
