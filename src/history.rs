@@ -5,14 +5,33 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// Values written one after the other.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct HistoryWriter(pub Vec<u8>);
+#[derive(Debug, Clone, Default)]
+pub struct HistoryWriter {
+    bytes: Vec<u8>,
+    /// Reason why a value could not be written, of the first one.
+    failed: Option<postcard::Error>,
+}
 
 impl HistoryWriter {
-    /// Writes `value`.
+    /// Writes `value`. After one that cannot be written nothing is: [`HistoryWriter::finish`] says so.
     pub fn write(&mut self, value: &impl Serialize) {
-        // Fails only for sequences of unknown length, which plain data does not have; a reader would notice what is missing.
-        self.0.extend(postcard::to_stdvec(value).unwrap_or_default());
+        if self.failed.is_none() {
+            match postcard::to_stdvec(value) {
+                Ok(bytes) => self.bytes.extend(bytes),
+                Err(error) => self.failed = Some(error),
+            }
+        }
+    }
+
+    /// Returns all that was written.
+    ///
+    /// # Errors
+    /// Fails if a value could not be written: a sequence of unknown length, or one that refuses to be.
+    pub fn finish(self) -> Result<Vec<u8>> {
+        match self.failed {
+            None => Ok(self.bytes),
+            Some(error) => Err(Error::Solver(format!("the state cannot be saved: {error}"))),
+        }
     }
 }
 
@@ -60,13 +79,32 @@ mod tests {
         let mut history = HistoryWriter::default();
         history.write(&vec![f64::INFINITY, -0.0, 1.0 / 3.0]);
         history.write(&(Some(7_u32), true));
-        let mut reader = HistoryReader(&history.0);
+        let bytes = history.finish().unwrap();
+        let mut reader = HistoryReader(&bytes);
         let mut values = [0.0_f64; 3];
         reader.read_into(&mut values).unwrap();
         assert_eq!(values.map(f64::to_bits), [f64::INFINITY, -0.0, 1.0 / 3.0].map(f64::to_bits));
         assert_eq!(reader.read::<(Option<u32>, bool)>().unwrap(), (Some(7), true));
         assert!(reader.read::<u32>().is_err(), "nothing is left");
-        assert!(HistoryReader(&history.0[..20]).read::<Vec<f64>>().is_err(), "cut off");
-        assert!(HistoryReader(&history.0).read_into(&mut [0.0_f64; 2]).is_err(), "another length");
+        assert!(HistoryReader(&bytes[..20]).read::<Vec<f64>>().is_err(), "cut off");
+        assert!(HistoryReader(&bytes).read_into(&mut [0.0_f64; 2]).is_err(), "another length");
+    }
+
+    /// Value that cannot be written.
+    struct Refuses;
+
+    impl Serialize for Refuses {
+        fn serialize<S: serde::Serializer>(&self, _: S) -> std::result::Result<S::Ok, S::Error> {
+            Err(serde::ser::Error::custom("refused"))
+        }
+    }
+
+    #[test]
+    fn a_value_that_cannot_be_written_is_an_error_and_no_gap() {
+        let mut history = HistoryWriter::default();
+        history.write(&1_u32);
+        history.write(&Refuses);
+        history.write(&2_u32);
+        assert!(history.finish().unwrap_err().to_string().contains("the state cannot be saved"));
     }
 }

@@ -69,7 +69,10 @@ impl Simulation {
         Ok(Self {
             grasps: select(&poses, wanted)?,
             threads: threads.or(own).unwrap_or_else(machine_threads),
-            notices: model.notices.iter().cloned().chain(model.pad_notices()).chain(aim).collect(),
+            notices: {
+                let own = model.notices.iter().cloned().chain(model.pad_notices());
+                own.chain(aim).chain(stepper.notices(&model)).collect()
+            },
             scene: scene.clone(),
             model,
             stepper,
@@ -144,6 +147,7 @@ impl Simulation {
         let backend = format!("{} ({})", self.stepper.name(), self.stepper.settings());
         let mut report = RunReport::new(backend, self.threads, value);
         report.pads = self.model.pad_reports();
+        report.notices = self.notices.clone();
         report.promised_in = self.scene.promised_in().into();
         Ok(report)
     }

@@ -146,7 +146,8 @@ impl Batch {
 
     fn save<'py>(&self, py: Python<'py>, env: usize) -> PyResult<Bound<'py, PyBytes>> {
         self.check(env)?;
-        Ok(PyBytes::new(py, &self.lock()?.save(env).to_bytes()))
+        let saved = self.lock()?.save(env).map_err(refused)?;
+        Ok(PyBytes::new(py, &saved.to_bytes().map_err(refused)?))
     }
 
     fn restore(&self, py: Python<'_>, env: usize, snapshot: &[u8], out: Vec<Out>) -> PyResult<()> {

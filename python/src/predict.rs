@@ -15,8 +15,9 @@ use tactus::net::infer::arrays::each_array;
 use tactus::net::infer::predict::Predictor;
 use tactus::scene::{Overrides, load_object};
 
-/// Predictions for Python: arrays, pads, object, and the reason of each grasp that has no answer, by its number.
-type Predictions<'py> = (Bound<'py, PyDict>, Vec<Bound<'py, PyDict>>, Bound<'py, PyDict>, Bound<'py, PyDict>);
+/// Predictions for Python: arrays, pads, object, the reason of each grasp that has no answer, by its number, and notices.
+type Predictions<'py> =
+    (Bound<'py, PyDict>, Vec<Bound<'py, PyDict>>, Bound<'py, PyDict>, Bound<'py, PyDict>, Vec<String>);
 
 /// Predicts the grasps of a scene, or at `poses`.
 #[pyfunction]
@@ -46,19 +47,22 @@ pub fn predict<'py>(
                 Some(poses) => poses,
                 None => poses_of(scene)?,
             };
-            let answers = predictor.many(&model, &poses, extrapolate || scene.stepper.extrapolates())?;
+            let extrapolate = extrapolate || scene.stepper.extrapolates();
+            let answers = predictor.many(&model, &poses, extrapolate)?;
+            let loads: Vec<_> = predictor.answered(&model, extrapolate).into_iter().map(|(_, load)| load).collect();
             let mut arrays = Vec::new();
-            each_array(&model, &answers, |name, shape, numbers| {
+            each_array(&model, &loads, &answers, |name, shape, numbers| {
                 arrays.push((name.to_string(), shape.to_vec(), numbers));
                 Ok::<(), Error>(())
             })?;
             let reason = |answer: &Result<_, Error>| answer.as_ref().err().map(Error::to_string);
             let failed = answers.iter().map(reason).enumerate().filter_map(|(i, reason)| Some((i, reason?)));
-            Ok((model, arrays, failed.collect::<Vec<_>>()))
+            let notices = predictor.notices(&model, extrapolate);
+            Ok((model, arrays, failed.collect::<Vec<_>>(), notices))
         };
         predict().map_err(|e| loaded.place(e))
     };
-    let (model, arrays, failed) = supervise(py, Some(threads.unwrap_or_else(machine_threads)), answer)?;
+    let (model, arrays, failed, notices) = supervise(py, Some(threads.unwrap_or_else(machine_threads)), answer)?;
     let (out, tactile, reasons) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
     let seen: Vec<String> = model.senses.iter().map(|sense| sense.spec().file_name()).collect();
     for (name, shape, numbers) in arrays {
@@ -67,5 +71,5 @@ pub fn predict<'py>(
     }
     out.set_item("tactile", tactile)?;
     failed.into_iter().try_for_each(|(grasp, reason)| reasons.set_item(grasp, reason))?;
-    Ok((out, pads(py, &model)?, surface(py, &model.object.surface)?, reasons))
+    Ok((out, pads(py, &model)?, surface(py, &model.object.surface)?, reasons, notices))
 }

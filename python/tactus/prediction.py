@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from dataclasses import dataclass
 
@@ -20,6 +21,7 @@ class Predictions:
 
     grasp: (G), numbers of the grasps.
     failed: the reason by the number of each grasp without an answer.
+    notices: what to know before an answer is trusted, as logged: frames without an answer, and where the error is unknown.
     pads: rest meshes of the pads.
     object: surface of the object.
     force_n: (F), N, sum over the fingers of |normal force|.
@@ -29,13 +31,14 @@ class Predictions:
     contact_force_n: (G, F, P, n, 3), N, on the pad.
     slip_margin: (G), part of what friction holds that the loads leave at the worst; below zero the object slips.
     von_mises_pa: (G, F, P, n), Pa; None where the scene does not record it.
-    displacement_error, stress_error, travel_error: (G, F), relative, what nine of ten predictions stay below; None of a
-      network that does not know it.
+    displacement_error, stress_error, travel_error: (G, F), relative, what nine of ten predictions stay below; infinite where
+      it is unknown: outside the range of the training, or of a network that was trained on few grasps.
     tactile: arrays of the tactile sensors that the scene records, by name: (G, F, P, ...), as of a run.
     """
 
     grasp: Indices
     failed: dict[int, str]
+    notices: tuple[str, ...]
     pads: tuple[Pad, ...]
     object: Surface
     force_n: F32
@@ -45,10 +48,10 @@ class Predictions:
     contact_force_n: F32
     slip_margin: F32
     tactile: dict[str, F32]
+    displacement_error: F32
+    stress_error: F32
+    travel_error: F32
     von_mises_pa: F32 | None = None
-    displacement_error: F32 | None = None
-    stress_error: F32 | None = None
-    travel_error: F32 | None = None
 
     def __len__(self) -> int:
         return len(self.grasp)
@@ -80,7 +83,7 @@ def predict(
 
     ValueError for what is refused.
     """
-    arrays, pads, surface, failed = _tactus.predict(
+    arrays, pads, surface, failed, notices = _tactus.predict(
         os.fspath(scene),
         object,
         None if model is None else os.fspath(model),
@@ -95,4 +98,8 @@ def predict(
     # The pads have it.
     arrays.pop("rest_m")
     meshes = tuple(Pad(**pad) for pad in pads)
-    return Predictions(grasp=grasp, failed=failed, pads=meshes, object=Surface(**surface), **arrays)
+    for notice in notices:
+        logging.getLogger("tactus").warning("%s", notice)
+    return Predictions(
+        grasp=grasp, failed=failed, notices=tuple(notices), pads=meshes, object=Surface(**surface), **arrays
+    )

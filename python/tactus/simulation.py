@@ -48,7 +48,8 @@ class Grasp:
     von_mises_pa: (F, P, n), Pa, per node.
     element_von_mises_pa: (F, P, t), Pa, per tetrahedron.
     gap_m: (F, P, n), m, signed distance of each node to the object, negative inside.
-    displacement_error, stress_error, travel_error: (F), relative, what nine of ten predictions of a network stay below.
+    displacement_error, stress_error, travel_error: (F), relative, what nine of ten predictions of a network stay below;
+      infinite where it is unknown.
     hand_pose: (F, 7), m and 1, pose of the hand in the world, of a dynamic scene, as the two that follow.
     object_motion: (F, 6), m/s and rad/s, velocity of the centre of mass and spin, world axes.
     ground_force_n: (F, 3), N, of the ground on the object, world axes.

@@ -3,10 +3,11 @@
 use super::fem::stepper::FemStepper;
 use super::network::NetworkStepper;
 use crate::error::{Error, Result};
+use crate::history::{HistoryReader, HistoryWriter};
 use crate::model::Model;
 use crate::scene::{Condensed, Fem, Solver};
 use crate::world::Stepper;
-use crate::world::schedule::HandedOver;
+use crate::world::schedule::{HandedOver, Shared};
 use bevy_ecs::prelude::*;
 
 /// Network, with condensed finite elements for grasps that it is not sure of.
@@ -25,16 +26,31 @@ impl GuardedNetwork {
         Self { network, elements: FemStepper::new(&elements), at_most }
     }
 
+    /// Returns the stepper of a prepared world.
+    fn chosen(&self, world: &World) -> &dyn Stepper {
+        match world.contains_resource::<HandedOver>() {
+            true => &self.elements,
+            false => &self.network,
+        }
+    }
+
     /// Returns why a grasp is not one for the network; None if it is.
     fn doubt(&self, world: &mut World) -> Result<Option<String>> {
+        let model = world.get_resource::<Shared>().map(|shared| shared.0.clone());
+        if let Some(reason) = model.as_ref().and_then(|model| self.network.refuses(model)) {
+            return Ok(Some(format!("the network was not trained for all loads: {reason}")));
+        }
         match self.network.prepare(world).and_then(|()| self.network.foresee(world)) {
-            Ok(Some(error)) if error <= self.at_most => Ok(None),
-            Ok(Some(error)) => Ok(Some(format!(
+            Ok(error) if error <= self.at_most => Ok(None),
+            Ok(error) if error.is_infinite() => {
+                let why = model.map(|model| self.network.notices(&model).join("; "));
+                Ok(Some(why.unwrap_or_else(|| "the error of the network is unknown".into())))
+            }
+            Ok(error) => Ok(Some(format!(
                 "nine of ten such predictions are off by at most {:.1} % in displacement, accepted are {:.1} %",
                 100.0 * error,
                 100.0 * self.at_most
             ))),
-            Ok(None) => Ok(Some("the model knows nothing of its error; train it again".into())),
             Err(Error::Start(message)) => Ok(Some(message)),
             Err(error) => Err(error),
         }
@@ -59,6 +75,10 @@ impl Stepper for GuardedNetwork {
         self.network.knows_error()
     }
 
+    fn chooses_systems(&self) -> bool {
+        true
+    }
+
     fn prepare(&self, world: &mut World) -> Result<()> {
         if let Some(reason) = self.doubt(world)? {
             self.network.withdraw(world);
@@ -69,9 +89,23 @@ impl Stepper for GuardedNetwork {
     }
 
     fn register(&self, schedule: &mut Schedule, world: &mut World, model: &Model) {
-        match world.contains_resource::<HandedOver>() {
-            true => self.elements.register(schedule, world, model),
-            false => self.network.register(schedule, world, model),
+        self.chosen(world).register(schedule, world, model);
+    }
+
+    fn write_history(&self, world: &World, history: &mut HistoryWriter) {
+        history.write(&world.contains_resource::<HandedOver>());
+        self.chosen(world).write_history(world, history);
+    }
+
+    fn read_history(&self, world: &mut World, history: &mut HistoryReader) -> Result<()> {
+        let handed_over: bool = history.read()?;
+        if handed_over != world.contains_resource::<HandedOver>() {
+            let [saved, own] =
+                [handed_over, !handed_over].map(|elements| if elements { "finite elements" } else { "the network" });
+            return Err(Error::Start(format!(
+                "{saved} computed the saved grasp; here {own} would: it is of another scene, model or version"
+            )));
         }
+        self.chosen(world).read_history(world, history)
     }
 }

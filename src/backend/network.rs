@@ -2,19 +2,21 @@
 
 use crate::error::{Error, Result};
 use crate::history::{HistoryReader, HistoryWriter};
+use crate::linear::GraspLoad;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::PadGraph;
-use crate::linear::{GraspLoad, loads_of};
 use crate::model::{Model, Needs};
 use crate::net::infer::force_ladder::ForceLadder;
 use crate::net::infer::hold::{hold, slip};
 use crate::net::infer::predict::{GraspState, PadState, Predictor, Seen};
 use crate::net::infer::ramp::Ramp;
 use crate::net::infer::touch::object_at;
+use crate::record::ErrorBound;
 use crate::world::Stepper;
 use crate::world::components::*;
 use crate::world::schedule::{
-    CurrentGrasp, ForceCommand, Next, Phase, Shared, StepLoad, StepReport, StepSet, Timings, ramping, reached,
+    BalanceReport, CurrentGrasp, ForceCommand, Next, Phase, Shared, StepLoad, StepReport, StepSet, Timings, ramping,
+    reached,
 };
 use crate::world::systems::sense::close_to_contact;
 use bevy_ecs::prelude::*;
@@ -48,23 +50,24 @@ impl NetworkStepper {
         Self { extrapolate, ..self }
     }
 
+    /// Returns why the network has no answer to some frame of `model`; None if it has.
+    pub fn refuses(&self, model: &Model) -> Option<String> {
+        self.predictor.card.range.forces_outside(model).filter(|_| !self.extrapolate)
+    }
+
     /// Decodes all levels of the grasp of a prepared world beforehand. Returns the largest of the errors of the displacement that nine of
-    /// ten such predictions stay below; None from a model that knows nothing of its error.
+    /// ten such predictions stay below; infinite where it is unknown.
     ///
     /// # Errors
     /// Fails for a grasp that cannot start, and if predicted numbers are not finite.
-    pub fn foresee(&self, world: &mut World) -> Result<Option<f64>> {
+    pub fn foresee(&self, world: &mut World) -> Result<f64> {
         let missing = || Error::Start("the world was not prepared for the network".into());
         let model = world.get_resource::<Shared>().ok_or_else(missing)?.0.clone();
         let pose = world.get_resource::<CurrentGrasp>().ok_or_else(missing)?.0;
         let contact = GeometricContact::find(&model, pose)?;
         let mut prediction = world.get_resource_mut::<Prediction>().ok_or_else(missing)?;
         prediction.look(&model, contact);
-        let Some((_, seen)) = &prediction.grasp else { return Ok(None) };
-        let ramp = Ramp::new(&prediction.predictor, seen, &loads_of(&model))?;
-        let worst = ramp.error().map(|error| error.displacement);
-        prediction.ahead = Some(ramp);
-        Ok(worst)
+        Ok(prediction.foresee()?.map_or(f64::INFINITY, |error| error.displacement))
     }
 
     /// Takes its resources out of `world`.
@@ -87,16 +90,26 @@ impl Stepper for NetworkStepper {
     }
 
     fn knows_error(&self) -> bool {
-        self.predictor.card.interval.is_some()
+        self.predictor.card.interval().is_some()
+    }
+
+    fn notices(&self, model: &Model) -> Vec<String> {
+        self.predictor.notices(model, self.extrapolate)
     }
 
     fn prepare(&self, world: &mut World) -> Result<()> {
         let missing = || Error::Start("the world was not spawned for a grasp".into());
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
-        let graph = self.predictor.admit(&shared.0, self.extrapolate)?;
+        let model = &shared.0;
+        // An agent may ask for any force.
+        let admit = if model.needs.task { Predictor::admit } else { Predictor::admit_some };
+        let graph = admit(&self.predictor, model, self.extrapolate)?;
+        let (frames, loads) = self.predictor.answered(model, self.extrapolate).into_iter().unzip();
         world.insert_resource(Prediction {
             predictor: self.predictor.clone(),
             graph,
+            frames,
+            loads,
             grasp: None,
             state: None,
             ahead: None,
@@ -124,9 +137,9 @@ impl Stepper for NetworkStepper {
             prediction.look(&model, contact);
         }
         let ahead: bool = history.read()?;
-        let Prediction { predictor, grasp: Some((_, seen)), .. } = &*prediction else { return Ok(()) };
-        let ramp = ahead.then(|| Ramp::new(predictor, seen, &loads_of(&model)));
-        prediction.ahead = ramp.transpose()?;
+        if ahead && prediction.ahead.is_none() {
+            prediction.foresee()?;
+        }
         Ok(())
     }
 }
@@ -136,22 +149,35 @@ impl Stepper for NetworkStepper {
 pub struct Prediction {
     predictor: Arc<Predictor>,
     graph: Arc<PadGraph>,
+    /// Numbers of the frames that have an answer, and their loads.
+    frames: Vec<usize>,
+    loads: Vec<GraspLoad>,
     /// First contact, and what the network computed from it.
     grasp: Option<(GeometricContact, Seen)>,
     /// State at the load of this step.
     state: Option<GraspState>,
-    /// States of all frames, of loads that are known beforehand.
+    /// States of the frames that have an answer, of loads that are known beforehand.
     ahead: Option<Ramp>,
     /// States at any load, for an agent; None if the network has no answer to one of its loads.
     ladder: OnceLock<Option<ForceLadder>>,
 }
 
 impl Prediction {
-    /// Encodes the grasp at first contact.
+    /// Encodes the grasp at first contact; what was foreseen is not seen again.
     fn look(&mut self, model: &Arc<Model>, contact: GeometricContact) {
+        if self.grasp.as_ref().is_some_and(|(known, _)| *known == contact) {
+            return;
+        }
         let seen = self.predictor.look(model, &self.graph, &contact).as_needed();
         self.grasp = Some((contact, seen));
         (self.ahead, self.ladder) = (None, OnceLock::new());
+    }
+
+    /// Decodes the frames of a grasp that was seen. Returns the largest of their errors; None before.
+    fn foresee(&mut self) -> Result<Option<ErrorBound>> {
+        let Some((_, seen)) = &self.grasp else { return Ok(None) };
+        let ramp = Ramp::new(&self.predictor, seen, &self.loads)?;
+        Ok(Some(self.ahead.insert(ramp).error()))
     }
 
     /// States of the pads at the load of this step; none before the first.
@@ -197,10 +223,7 @@ fn look(
     let clock = Instant::now();
     let travel: Vec<(u32, f64)> = fingers.iter().map(|(f, t)| (f.0, t.0)).collect();
     let contact = GeometricContact::new(&shared.0, **pose, &travel);
-    // What was foreseen need not be seen again.
-    if prediction.grasp.as_ref().is_none_or(|(known, _)| *known != contact) {
-        prediction.look(&shared.0, contact);
-    }
+    prediction.look(&shared.0, contact);
     timings.stages.insert("encode", clock.elapsed().as_secs_f64());
 }
 
@@ -214,21 +237,34 @@ fn predict(
     load: Res<StepLoad>,
     weight: Option<Single<&ObjectWeight>>,
     mut report: ResMut<StepReport>,
+    mut balance: ResMut<BalanceReport>,
     mut next: ResMut<Next>,
     mut timings: ResMut<Timings>,
 ) {
     let clock = Instant::now();
-    let Prediction { predictor, grasp, ahead, ladder, .. } = &mut *prediction;
+    if let (Phase::Ramp { frame }, None) = (&*phase, &command) {
+        let after = prediction.frames.partition_point(|answered| answered < frame);
+        match prediction.frames.get(after) {
+            Some(answered) if answered == frame => {}
+            Some(later) => return next.request(Phase::Ramp { frame: *later }),
+            None => {
+                let why = prediction.predictor.card.range.forces_outside(&shared.0).unwrap_or_default();
+                return next
+                    .request(Phase::Fault { reason: format!("the network was not trained for this load: {why}") });
+            }
+        }
+        if after == 0 && prediction.ahead.is_none() {
+            // Where one of the loads has no answer, each is asked for by itself, as far as they go.
+            let _ = prediction.foresee();
+        }
+    }
+    let Prediction { predictor, grasp, ahead, ladder, frames, .. } = &mut *prediction;
     let push = shared.0.push.as_ref().map(|push| push.at(load.push)).unwrap_or_default();
     let applied = GraspLoad { force: load.level, push };
     let asked = match grasp {
         Some((_, seen)) if command.is_none() => {
             let Phase::Ramp { frame } = *phase else { return };
-            if frame == 0 && ahead.is_none() {
-                // Where one of the loads has no answer, each is asked for by itself, as far as they go.
-                *ahead = Ramp::new(predictor, seen, &loads_of(&shared.0)).ok();
-            }
-            let known = ahead.as_ref().and_then(|ramp| ramp.at(frame));
+            let known = ahead.as_ref().zip(frames.binary_search(&frame).ok()).and_then(|(ramp, load)| ramp.at(load));
             known.map_or_else(|| predictor.at(seen, applied), Ok)
         }
         Some((_, seen)) => {
@@ -249,7 +285,8 @@ fn predict(
             if let Some(reason) = slips {
                 next.request(Phase::Dropped { reason });
             } else {
-                (report.reached, report.iterations, report.error) = (true, 1, state.error);
+                (report.reached, report.iterations, report.error) = (true, 1, Some(state.error));
+                balance.object_fixed = state.held;
                 prediction.state = Some(state);
                 timings.iterations += 1;
             }

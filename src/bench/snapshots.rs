@@ -45,9 +45,9 @@ pub fn snapshots(set: &[NamedScene], backend: &str, steps: usize) -> Result<Vec<
         let (mut bytes, mut times) = (0, Vec::new());
         for _ in 0..TURNS {
             let clock = Instant::now();
-            let saved = env.save(0);
+            let saved = env.save(0)?;
             let saving = clock.elapsed().as_secs_f64();
-            bytes = saved.to_bytes().len();
+            bytes = saved.to_bytes().map_err(Error::Solver)?.len();
             let clock = Instant::now();
             env.restore(0, &saved).map_err(failed)?;
             times.push((saving, clock.elapsed().as_secs_f64()));

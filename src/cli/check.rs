@@ -123,6 +123,7 @@ fn examine(scene: &Scene) -> Result<Found> {
         runs: false,
         model: model.clone(),
     };
+    found.notices.extend(stepper.notices(&model));
     let pad = model.pad_bounds();
     found.notices.extend(pad.and_then(|pad| aim_notice(scene, &model.object, pad, &poses)));
     let hand = pad.map(|pad| Hand::new(pad, &scene.gripper));

@@ -31,7 +31,7 @@ pub struct EvalArgs {
     /// trained.
     #[arg(long)]
     pub split: Option<String>,
-    /// Judge pads outside the range of the training, too, with a wider interval of the error.
+    /// Judge pads outside the range of the training, too, where the error is unknown.
     #[arg(long)]
     pub extrapolate: bool,
     /// Folder for pictures of the worst grasps, truth above prediction.
@@ -73,6 +73,7 @@ fn judged(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
             predictor.card.split
         ));
     }
+    predictor.card.unknown_error().iter().for_each(|notice| console.warn(&format!("note: {notice}")));
     if let Some(path) = &args.dump {
         let samples = test_grasps(&set, &predictor, &split, args.extrapolate)?;
         samples.first().map_or(Ok(()), |sample| dump::write(path, &predictor, sample))?;

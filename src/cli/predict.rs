@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::files::atomic::{create_dir, replace};
 use crate::grasp::poses_of;
 use crate::limits::machine_threads;
-use crate::linear::loads_of;
+use crate::linear::GraspLoad;
 use crate::model::Model;
 use crate::net::SHIPPED;
 use crate::net::infer::arrays::each_array;
@@ -49,7 +49,7 @@ pub struct PredictArgs {
     /// Folder for the arrays: one `NAME.npz` of each object, replaced if it is there.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Answer outside the range of the training, with a wider interval of the error.
+    /// Answer outside the range of the training, where the error is unknown.
     #[arg(long)]
     pub extrapolate: bool,
     /// Number of threads; the default is all that the machine has. No bit of the answers depends on it.
@@ -69,6 +69,7 @@ struct Report {
     threads: usize,
     wall_s: f64,
     grasps_per_s: f64,
+    notices: Vec<String>,
     grasps: Vec<Row>,
 }
 
@@ -97,7 +98,7 @@ struct Answer {
     displacement_mm: f64,
     stress_kpa: Option<f64>,
     object_deg: f64,
-    error: Option<ErrorBound>,
+    error: ErrorBound,
 }
 
 /// Predicts the grasps of a scene.
@@ -115,6 +116,7 @@ pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
     for named in &set.scenes {
         let report =
             pool.install(|| object(args, &predictor, named, threads)).map_err(|e| set.place(e, &named.name))?;
+        report.notices.iter().for_each(|notice| console.warn(&format!("note: {notice}")));
         if args.format == Format::Text {
             console.print(&report.text())?;
         }
@@ -133,24 +135,26 @@ fn object(args: &PredictArgs, predictor: &Predictor, named: &NamedScene, threads
     let poses = poses_of(&named.scene)?;
     let extrapolate = args.extrapolate || named.scene.stepper.extrapolates();
     // The linear response of pads that are new is not part of the time of a grasp.
-    predictor.admit(&model, extrapolate)?;
+    predictor.admit_some(&model, extrapolate)?;
+    let loads: Vec<GraspLoad> = predictor.answered(&model, extrapolate).into_iter().map(|(_, load)| load).collect();
     let clock = Instant::now();
     let answers = predictor.many(&model, &poses, extrapolate)?;
     let grasps = answers.par_iter().enumerate().map(|(grasp, answer)| Row { grasp, end: End::of(answer) }).collect();
     let wall_s = clock.elapsed().as_secs_f64();
     if let Some(dir) = &args.out {
         let path = dir.join(named.name.as_str()).with_extension("npz");
-        create_dir(dir).and_then(|()| replace(&path, |path| write(path, &model, &answers)))?;
+        create_dir(dir).and_then(|()| replace(&path, |path| write(path, &model, &loads, &answers)))?;
     }
     let answered: Vec<&PredictedGrasp> = answers.iter().flatten().collect();
     let decoded: usize = answered.iter().map(|answer| answer.ramp.decoded()).sum();
     Ok(Report {
         name: named.name.as_str().into(),
-        loads: loads_of(&model).len(),
+        loads: loads.len(),
         decoded_loads: decoded as f64 / answered.len().max(1) as f64,
         threads,
         wall_s,
         grasps_per_s: poses.len() as f64 / wall_s,
+        notices: predictor.notices(&model, extrapolate),
         grasps,
     })
 }
@@ -169,7 +173,10 @@ impl Report {
                     end.displacement_mm,
                     end.stress_kpa.map_or_else(|| "-".into(), |s| format!("{s:.1}")),
                     end.object_deg,
-                    end.error.map_or_else(|| "unknown".into(), |e| format!("{:.1} %", 100.0 * e.displacement)),
+                    match end.error {
+                        error if error.is_known() => format!("{:.1} %", 100.0 * error.displacement),
+                        _ => "unknown".into(),
+                    },
                 ),
                 End::Failed { reason } => writeln!(text, "{grasp:>5}  {reason}"),
             };
@@ -216,8 +223,8 @@ impl Answer {
 }
 
 /// Writes the arrays of all grasps that have an answer.
-fn write(path: &Path, model: &Model, answers: &[Result<PredictedGrasp>]) -> io::Result<()> {
+fn write(path: &Path, model: &Model, loads: &[GraspLoad], answers: &[Result<PredictedGrasp>]) -> io::Result<()> {
     let mut npz = NpzWriter::new(BufWriter::new(std::fs::File::create(path)?));
-    each_array(model, answers, |name, shape, numbers| put(&mut npz, name, IxDyn(shape), &numbers))?;
+    each_array(model, loads, answers, |name, shape, numbers| put(&mut npz, name, IxDyn(shape), &numbers))?;
     npz.finish().map(drop).map_err(io_error)
 }

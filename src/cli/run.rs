@@ -58,7 +58,7 @@ pub struct RunArgs {
     /// Largest error of the displacement that is accepted from a network, like 0.05; grasps of which it is not sure go to finite elements.
     #[arg(long, value_name = "PART")]
     pub error_at_most: Option<f64>,
-    /// Let a network answer outside the range of its training, with a wider interval of the error.
+    /// Let a network answer outside the range of its training, where its error is unknown.
     #[arg(long)]
     pub extrapolate: bool,
     /// Page in the browser.

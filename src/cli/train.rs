@@ -106,5 +106,6 @@ fn run(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
         }
     };
     console.print(&text)?;
+    card.unknown_error().iter().for_each(|notice| console.warn(&format!("note: {notice}")));
     Ok(OK)
 }

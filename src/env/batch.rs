@@ -213,7 +213,10 @@ impl BatchEnv {
     }
 
     /// Saves the state of environment `env`, to be restored here or in another batch of the same scene.
-    pub fn save(&self, env: usize) -> Snapshot {
+    ///
+    /// # Errors
+    /// Fails if the state cannot be written as bytes.
+    pub fn save(&self, env: usize) -> Result<Snapshot> {
         self.envs[env].save(&self.shared)
     }
 

@@ -77,11 +77,14 @@ impl Env {
     }
 
     /// Saves the state of the episode.
-    pub fn save(&self, shared: &EnvShared) -> Snapshot {
+    ///
+    /// # Errors
+    /// Fails if the state cannot be written as bytes.
+    pub fn save(&self, shared: &EnvShared) -> error::Result<Snapshot> {
         let mut history = HistoryWriter::default();
         history.write(&(self.ended, &self.output, self.run.is_some()));
         self.run.iter().for_each(|run| run.write_history(shared, &mut history));
-        Snapshot::new(&shared.identity, self.key, history.0)
+        Ok(Snapshot::new(&shared.identity, self.key, history.finish()?))
     }
 
     /// Returns to the state before the first reset, with the same episode next.

@@ -4,9 +4,10 @@ use super::shared::ObjectKind;
 use crate::error::{Error, Result};
 use crate::net::network::card::WEIGHTS;
 use crate::net::network::shipped;
-use crate::scene::{Fem, Pads, Scene, StepperChoice, Task};
+use crate::scene::{Fem, Gnn, Pads, Scene, StepperChoice, Task};
 use glam::DVec3;
 use serde::Serialize;
+use std::path::PathBuf;
 
 /// Returns the BLAKE3 hash, hexadecimal, of task, backend and gripper of `scene`, and of the objects and grasps of `kinds`.
 pub(crate) fn identity(scene: &Scene, task: &Task, kinds: &[ObjectKind]) -> Result<String> {
@@ -19,11 +20,14 @@ pub(crate) fn identity(scene: &Scene, task: &Task, kinds: &[ObjectKind]) -> Resu
     match &scene.stepper {
         StepperChoice::Fem(fem) => hasher.update(text(&Fem { threads: None, ..*fem })?.as_bytes()),
         // A network is its weights, wherever they lie.
-        StepperChoice::Gnn(gnn) => match (shipped::named(&gnn.model), std::fs::read(gnn.model.join(WEIGHTS))) {
-            (Some(shipped), _) => hasher.update(shipped.weights),
-            (None, Ok(weights)) => hasher.update(&weights),
-            (None, Err(_)) => hasher.update(gnn.model.as_os_str().as_encoded_bytes()),
-        },
+        StepperChoice::Gnn(gnn) => {
+            hasher.update(text(&Gnn { model: PathBuf::new(), ..gnn.clone() })?.as_bytes());
+            match (shipped::named(&gnn.model), std::fs::read(gnn.model.join(WEIGHTS))) {
+                (Some(shipped), _) => hasher.update(shipped.weights),
+                (None, Ok(weights)) => hasher.update(&weights),
+                (None, Err(_)) => hasher.update(gnn.model.as_os_str().as_encoded_bytes()),
+            }
+        }
     };
     for kind in kinds {
         hasher.update(kind.name.as_bytes());

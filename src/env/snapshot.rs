@@ -4,7 +4,7 @@ use super::draw::EpisodeKey;
 use serde::{Deserialize, Serialize};
 
 /// Version of the content of a snapshot.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 
 /// Saved state of an environment: with it the episode goes on bit for bit, here or in another process. Its size does not depend on
 /// the length of the episode.
@@ -30,9 +30,11 @@ impl Snapshot {
     }
 
     /// Returns the snapshot as bytes.
-    pub fn to_bytes(&self) -> Vec<u8> {
-        // Strings and numbers: there is nothing that could fail.
-        postcard::to_stdvec(self).unwrap_or_default()
+    ///
+    /// # Errors
+    /// Fails if it cannot be written; the message says why.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, String> {
+        postcard::to_stdvec(self).map_err(|e| format!("the snapshot cannot be written: {e}"))
     }
 
     /// Reads the snapshot that [`Snapshot::to_bytes`] wrote.

@@ -100,6 +100,11 @@ impl ObjectBalance {
         }
     }
 
+    /// Returns the balance of an object that is held where it is: its support carries whatever the pads leave over.
+    pub fn supported(self) -> Self {
+        Self { inverse: [[0.0; EQUATIONS]; EQUATIONS], ..self }
+    }
+
     /// Number of contact forces: nodes of both pads.
     pub fn nodes(&self) -> usize {
         self.place.len()

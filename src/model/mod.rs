@@ -234,6 +234,11 @@ impl Model {
         self.force_driven && self.free && self.dynamics.is_none()
     }
 
+    /// Returns true if the object is still held where it is under the force `force` per finger, N.
+    pub fn holds(&self, force: f64) -> bool {
+        self.lets_go() && force < self.release
+    }
+
     /// Force per finger that turns single points of contact into patches on every pad, N.
     pub fn contact_force(&self) -> f64 {
         self.fingers.iter().map(FingerModel::contact_force).fold(0.0, f64::max)

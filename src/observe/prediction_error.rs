@@ -3,7 +3,8 @@
 use super::{ArraySpec, Now, Sense, SensedHand};
 use crate::record::ErrorBound;
 
-/// Relative errors that nine of ten predictions stay below: displacement, stress, travel; zero for what was computed.
+/// Relative errors that nine of ten predictions stay below: displacement, stress, travel; zero for what was computed, the largest where they are
+/// unknown.
 #[derive(Debug)]
 pub struct PredictionError;
 

@@ -179,6 +179,9 @@ pub struct RunReport {
     pub scene: serde_json::Value,
     /// Discretisations of the pads, left first.
     pub pads: Vec<PadReport>,
+    /// What to know before the results are trusted, a sentence each.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notices: Vec<String>,
     /// Summaries of the grasps, in order.
     pub grasps: Vec<GraspSummary>,
     /// Field of the scene that the expectations come from: `expect`, or the one for networks.
@@ -211,6 +214,7 @@ impl RunReport {
             finished: false,
             scene,
             pads: Vec::new(),
+            notices: Vec::new(),
             grasps: Vec::new(),
             promised_in: String::new(),
             expectations: Vec::new(),

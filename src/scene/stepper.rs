@@ -160,7 +160,7 @@ pub struct Gnn {
     /// not trained for the scene, condensed finite elements compute the grasp. None takes every prediction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_at_most: Option<Positive>,
-    /// Answers outside the range of the training, with a wider interval of the error, in place of a refusal.
+    /// Answers outside the range of the training, where the error is unknown, in place of a refusal.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub extrapolate: bool,
 }

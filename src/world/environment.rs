@@ -42,6 +42,10 @@ impl Environment {
     /// Fails if the stepper refuses the scene.
     pub fn restart(&mut self, stepper: &dyn Stepper, pose: GraspPose) -> Result<()> {
         let model = self.model().clone();
+        if stepper.chooses_systems() {
+            *self = Self::new(&model, stepper, pose)?;
+            return Ok(());
+        }
         begin(&mut self.world, &model, pose);
         stepper.prepare(&mut self.world)
     }

@@ -5,7 +5,7 @@
 //! `FingerTravel`, `ObjectPose`, `FingerWrench`, the stress and force columns that exist, the contact edges if it has any
 //! (the network knows forces on nodes, not between points), and all of
 //! [`StepReport`](crate::world::schedule::StepReport) with `reached = true`; or leave the last accepted state in place and request
-//! `Phase::Fault`.
+//! `Phase::Fault`, or the `Phase::Ramp` of a later frame if it has no answer to this one.
 
 use crate::error::Result;
 use crate::history::{HistoryReader, HistoryWriter};
@@ -26,6 +26,14 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
     }
     /// Returns true if its frames come with their error.
     fn knows_error(&self) -> bool {
+        false
+    }
+    /// Returns what to know about its results for `model` before they are trusted, a sentence each.
+    fn notices(&self, _model: &Model) -> Vec<String> {
+        Vec::new()
+    }
+    /// Returns true if the grasp decides which systems it registers: no world is used again then.
+    fn chooses_systems(&self) -> bool {
         false
     }
     /// Puts its resources into `world`, at the start of a grasp.

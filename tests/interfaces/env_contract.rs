@@ -100,7 +100,7 @@ fn save_of_next(set: &[NamedScene]) -> tactus::env::Snapshot {
     let mut env = batch(set, config(1));
     env.reset(None, None).unwrap();
     env.reset(None, None).unwrap();
-    env.save(0)
+    env.save(0).unwrap()
 }
 
 fn episodes_differ_and_start_like_fresh_ones(set: &[NamedScene]) {
@@ -123,7 +123,7 @@ fn a_restored_environment_goes_on_exactly(set: &[NamedScene]) {
     for step in 0..2 {
         env.step(&actions(0, 2, step)).unwrap();
     }
-    let saved = Snapshot::from_bytes(&env.save(1).to_bytes()).unwrap();
+    let saved = Snapshot::from_bytes(&env.save(1).unwrap().to_bytes().unwrap()).unwrap();
     let rest = |env: &mut BatchEnv, at: usize| {
         (2..STEPS).map(|s| bits(env.step(&actions(0, 2, s)).unwrap(), at)).collect::<Vec<_>>()
     };
@@ -144,7 +144,7 @@ fn a_snapshot_does_not_grow_with_the_episode(set: &[NamedScene]) {
     let mut sizes = Vec::new();
     for _ in 0..STEPS - 1 {
         env.step(&[0.0]).unwrap();
-        sizes.push(env.save(0).to_bytes().len() as f64);
+        sizes.push(env.save(0).unwrap().to_bytes().unwrap().len() as f64);
     }
     let [least, most] = [f64::min, f64::max].map(|pick| sizes.iter().copied().reduce(pick).unwrap());
     assert!(most <= 1.1 * least, "from {least} to {most} bytes");
@@ -154,8 +154,8 @@ fn a_snapshot_that_does_not_fit_is_refused(set: &[NamedScene]) {
     let mut env = batch(set, config(2));
     env.reset(None, None).unwrap();
     let before = bits(env.step(&actions(0, 2, 0)).unwrap(), 1);
-    let good = env.save(1);
-    let bytes = good.to_bytes();
+    let good = env.save(1).unwrap();
+    let bytes = good.to_bytes().unwrap();
     for cut in [0, 1, bytes.len() / 2, bytes.len() - 1] {
         let error = Snapshot::from_bytes(&bytes[..cut]).unwrap_err();
         assert!(error.starts_with("the snapshot cannot be read"), "{error}");
@@ -173,7 +173,7 @@ fn a_snapshot_that_does_not_fit_is_refused(set: &[NamedScene]) {
         });
         let mut env = batch(&slower.collect::<Vec<_>>(), config(2));
         env.reset(None, None).unwrap();
-        env.save(1)
+        env.save(1).unwrap()
     };
     let cases = [
         (changed(&|s| s.state[100] ^= 1), "environment 1: the snapshot was changed or damaged"),

@@ -19,6 +19,7 @@ mod dataset_resume;
 mod dataset_sampling;
 mod dataset_universe;
 mod env_contract;
+mod env_hand_over;
 mod env_task;
 mod examples;
 mod fit;

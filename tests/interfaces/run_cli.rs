@@ -54,6 +54,9 @@ fn options_replace_what_the_scene_says() {
     assert!((grasp["force_n"].as_f64().unwrap() - 3.0).abs() < 1e-9, "N, of {grasp}");
     assert_eq!((grasp["frames"].as_u64(), &changed["scene"]["loading"]["Squeeze"]["frames"]), (Some(2), &2.into()));
     assert!(changed["backend"].as_str().unwrap().contains("condensed"), "{}", changed["backend"]);
+    let unchecked = |json: &Value| json["notices"].to_string().contains("once it is let go");
+    assert!(unchecked(&changed), "condensed pads of a free object: {}", changed["notices"]);
+    assert!(!unchecked(&json(&["--force", "3", "--frames", "1"])), "whole pads");
     let network = json(&["--backend", "gnn", "--frames", "1", "--extrapolate"]);
     assert_eq!(network["scene"]["stepper"]["Gnn"]["model"], "universe", "the one that ships");
     let refused = |options: &[&str], reason: &str| {

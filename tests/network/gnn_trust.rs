@@ -1,14 +1,15 @@
 //! What a network says of its own error, and what becomes of grasps that it is not sure of.
 
 use crate::gnn_made::{ball, made};
+use crate::keep::Keep;
 use tactus::backend::choose;
 use tactus::linear::first_contact::GeometricContact;
 use tactus::model::Model;
 use tactus::net::infer::predict::Predictor;
-use tactus::record::Status;
+use tactus::record::{ErrorBound, Status};
 use tactus::run::run_grasps;
-use tactus::scene::leaf::Positive;
-use tactus::scene::{Gnn, Scene, StepperChoice, from_ron};
+use tactus::scene::leaf::{Count, Positive};
+use tactus::scene::{Gnn, Loading, Scene, StepperChoice, from_ron};
 
 /// The scene of the data set's ball, whose grasps the network computes if it may be off by `at_most`.
 fn scene(at_most: Option<f64>, change: (&str, &str)) -> Scene {
@@ -16,24 +17,71 @@ fn scene(at_most: Option<f64>, change: (&str, &str)) -> Scene {
     assert!(text.contains(change.0), "the scene has {}", change.0);
     let mut scene = from_ron(&text.replace(change.0, change.1)).unwrap();
     let error_at_most = at_most.map(|most| Positive::new(most).unwrap());
-    scene.stepper = StepperChoice::Gnn(Gnn { error_at_most, ..Gnn::new(&made().model) });
+    scene.stepper = StepperChoice::Gnn(Gnn { error_at_most, ..Gnn::new(&made().sure) });
     scene
 }
 
+/// Outside the range of the training no error is known, however near or far: not at a friction of zero, either.
 #[test]
-fn the_interval_widens_outside_the_range_of_the_training() {
-    let predictor = Predictor::open(&made().model).unwrap();
-    let error = |friction: &str| {
-        let scene = scene(None, ("friction: 0.8", friction));
-        let model = Model::build(&scene).unwrap();
-        assert_eq!(predictor.admit(&model, false).is_ok(), friction == "friction: 0.8");
+fn outside_the_range_of_the_training_the_error_is_unknown() {
+    let predictor = Predictor::open(&made().sure).unwrap();
+    for (friction, within) in [("friction: 0.8", true), ("friction: 0.9", false), ("friction: 0.0", false)] {
+        let model = Model::build(&scene(None, ("friction: 0.8", friction))).unwrap();
+        assert_eq!(predictor.admit(&model, false).is_ok(), within);
         let graph = predictor.admit(&model, true).unwrap();
         let touch = GeometricContact::find(&model, ball(made()).1).unwrap();
-        predictor.at(&predictor.look(&model, &graph, &touch), 0.5).unwrap().error.unwrap().displacement
-    };
-    let (inside, outside) = (error("friction: 0.8"), error("friction: 1.6"));
-    assert!(inside.is_finite() && inside > 0.0);
-    assert!(outside > 1.2 * inside, "{outside} outside, {inside} inside");
+        let seen = predictor.look(&model, &graph, &touch);
+        let known = |force: f64| predictor.at(&seen, force).unwrap().error.is_known();
+        assert_eq!(known(0.7), within, "{friction}");
+        assert!(!known(0.1) && !known(3.0), "forces that it was not trained for");
+        let noted = predictor.notices(&model, true).iter().any(|notice| notice.contains("unknown"));
+        assert_eq!(noted, !within, "{friction}");
+    }
+}
+
+/// Forces per finger of 0.5 and 1 N were trained: of 0.3, 0.6, 0.9 and 1.2 N the second and the third have an answer.
+#[test]
+fn only_the_frames_outside_the_range_are_refused() {
+    let four = ("force: 2.0", "force: 2.4");
+    let mut wider = scene(None, four);
+    let Loading::Squeeze(squeeze) = &mut wider.loading else { panic!("a squeeze") };
+    squeeze.frames = Count::new(4).unwrap();
+    let model = Model::build(&wider).unwrap();
+    let stepper = choose(&wider).unwrap();
+    let frames = Keep::default();
+    let end = run_grasps(&model, stepper.as_ref(), &[(0, ball(made()).1)], 1, &frames).unwrap().remove(0).summary;
+    let indices: Vec<usize> = frames.0.into_inner().unwrap().iter().map(|frame| frame.index).collect();
+    assert_eq!(indices, [1, 2]);
+    let reason = end.reason.unwrap();
+    assert!(
+        end.status == Status::Fault && reason.contains("frame 0 (0.3000 N per finger) and frame 3 (1.2000 N"),
+        "{reason}"
+    );
+    let note = stepper.notices(&model).join("; ");
+    assert!(note.contains("frame 0 (0.3000 N per finger) and frame 3 (1.2000 N per finger) lie outside"), "{note}");
+
+    let predictor = Predictor::open(&made().sure).unwrap();
+    let many = predictor.many(&model, &[ball(made()).1], false).unwrap().remove(0).unwrap();
+    assert_eq!(many.ramp.len(), 2);
+    let forces: Vec<f64> = predictor.answered(&model, false).iter().map(|(_, load)| load.force).collect();
+    assert!(forces.iter().zip([0.6, 0.9]).all(|(a, b)| (a - b).abs() < 1e-12), "{forces:?} N");
+    // All of them outside: the scene is refused.
+    let beyond = Model::build(&scene(None, ("force: 2.0", "force: 9.0"))).unwrap();
+    let refused = predictor.many(&beyond, &[ball(made()).1], false).unwrap_err().to_string();
+    assert!(refused.contains("outside the trained"), "{refused}");
+}
+
+#[test]
+fn a_network_trained_on_a_few_grasps_states_no_error() {
+    let predictor = Predictor::open(&made().model).unwrap();
+    assert!(predictor.card.interval.is_none() && predictor.card.kept > 0);
+    let note = "are needed; train on more grasps";
+    assert!(made().notes.contains(note), "{}", made().notes);
+    let (model, pose) = ball(made());
+    assert!(predictor.notices(&model, false).iter().any(|notice| notice.contains(note)));
+    let seen =
+        predictor.look(&model, &predictor.graph(&model).unwrap(), &GeometricContact::find(&model, pose).unwrap());
+    assert_eq!(predictor.at(&seen, 0.7).unwrap().error, ErrorBound::UNKNOWN);
 }
 
 #[test]
@@ -54,6 +102,9 @@ fn grasps_that_the_network_is_not_sure_of_go_to_finite_elements() {
     assert!(handed.error.is_none() && handed.newton_iterations > 10, "finite elements have computed it");
     let unknown = ends(1e6, ("friction: 0.8", "friction: 1.6")).handed_over.unwrap();
     assert!(unknown.contains("friction is 1.6"), "{unknown}");
+    let forces = ends(1e6, ("force: 2.0", "force: 2.4"));
+    assert_eq!((forces.status, forces.frames), (Status::Reached, 2), "finite elements have all of its frames");
+    assert!(forces.handed_over.unwrap().contains("frame 1 (1.2000 N per finger) lies outside"));
 }
 
 /// A push past what friction holds ends the grasp where finite elements end it, to a tenth of the load that friction holds.

@@ -14,6 +14,7 @@ mod gnn_gradients;
 mod gnn_infer;
 mod gnn_mechanics;
 mod gnn_pads;
+mod gnn_release;
 mod gnn_slopes;
 mod gnn_torch;
 mod gnn_train;

@@ -60,6 +60,17 @@ impl Stepper for FemStepper {
         format!("{element}, force tolerance {:e}{pads}", s.tolerance.force.get())
     }
 
+    fn notices(&self, model: &Model) -> Vec<String> {
+        let scene::Solver::Condensed(c) = self.settings.solver else { return Vec::new() };
+        let notice = format!(
+            "pads are condensed to an error of {:e} while the object is held; once it is let go, at {:.4} N per finger, their error is not \
+             checked: where it then rolls or slides they may be off by as much as they move. `solver: Full` checks it",
+            c.error.get(),
+            model.release
+        );
+        model.lets_go().then_some(notice).into_iter().collect()
+    }
+
     fn prepare(&self, world: &mut World) -> Result<()> {
         let missing = || Error::Start("the world was not spawned for a grasp".into());
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();

@@ -42,8 +42,10 @@ pub struct RigidEquilibrium {
     weight: [DVec3; 2],
     /// Flag: the object may move.
     pub(crate) free: bool,
-    /// Flag: the object is still held where it is.
+    /// Flag: the path that is being computed has not yet let the object go.
     held: bool,
+    /// Force below which a free object is held where it is, and its support carries its weight.
+    release: f64,
     /// Distance of each pad's nearest basis function at first contact.
     nearest: Vec<f64>,
     /// States of the path with their forces: first contact, then `FIRST * STEP^k` until the largest force is among them.
@@ -115,7 +117,7 @@ impl RigidEquilibrium {
     /// Creates a grasp of `model` at first contact `touch`, and its path to the model's largest force.
     pub fn new(model: &Model, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Self {
         let (t, amid) = (graph.thickness, amid(model));
-        let unit = model.material.moduli().young * t * t;
+        let unit = model.material.moduli().young * t.powi(2);
         let finger = |(finger, travel): (&crate::part::FingerModel, &f64)| {
             let place = &finger.placement;
             let origin = (place.place(DVec3::ZERO) + place.closing * *travel - amid) / t;
@@ -129,6 +131,7 @@ impl RigidEquilibrium {
             weight: [touch.weight / unit, (center - amid) / t],
             free: model.free,
             held: true,
+            release: model.release / unit,
             nearest: vec![0.0; model.fingers.len()],
             path: Vec::new(),
             faces: Vec::new(),
@@ -140,41 +143,48 @@ impl RigidEquilibrium {
         let nearest = |seen: &Vec<Seen>| seen.iter().map(|s| s.gap).fold(f64::INFINITY, f64::min);
         equilibrium.nearest = start.seen.iter().map(nearest).collect();
         let (mut force, mut rest) = (0.0, equilibrium.looked(start, &object));
-        // The object is held, and its support carries it, until it is let go.
-        let heavy = equilibrium.weight;
-        let held = model.release / unit;
-        let changes = [(held, equilibrium.free)];
-        equilibrium.weight[0] = DVec3::ZERO;
+        let release = equilibrium.release;
         while force < most {
             let next = f64::max(FIRST, force * STEP);
-            let stops = changes.iter().filter(|(at, used)| *used && force < *at && *at <= next);
-            let next = stops.map(|(at, _)| *at).fold(next, f64::min);
+            let lets_go = equilibrium.free && force < release && release <= next;
+            let next = if lets_go { release } else { next };
             let after = equilibrium.settle(&rest, next, &object);
             equilibrium.path.push((force, std::mem::replace(&mut rest, after)));
             force = next;
-            if changes.contains(&(force, true)) {
-                equilibrium.held = force < held;
-                equilibrium.weight = if equilibrium.held { equilibrium.weight } else { heavy };
+            if lets_go {
+                equilibrium.held = false;
                 let after = equilibrium.settle(&rest, force, &object);
                 equilibrium.path.push((force.next_down(), std::mem::replace(&mut rest, after)));
             }
         }
-        (equilibrium.held, equilibrium.weight) = (false, heavy);
+        equilibrium.held = false;
         equilibrium.faces = (0..equilibrium.fingers.len()).map(|p| equilibrium.face(p, &rest, &object)).collect();
         equilibrium.path.push((force, rest));
         equilibrium
     }
 
-    /// Force that `finger` presses with under `load`: one carries more of what pulls at a free object than the other.
-    pub fn carried_by(&self, finger: usize, load: &GraspLoad) -> f64 {
-        let pull = self.weight[0] + load.push[0];
-        let share = pull.dot(self.fingers[finger].closing) / self.fingers.len() as f64;
+    /// Returns true if a free object is still held where it is under `load`: nothing pulls at it then, and it does not move.
+    pub fn holds(&self, load: &GraspLoad) -> bool {
+        self.free && load.force < self.release
+    }
+
+    /// Force that `finger` presses with under `load` at `rest`. Geared fingers share their force out: around an object that is held as their
+    /// pads resist, else one carries more of what pulls at the object than the other.
+    pub fn carried_by(&self, finger: usize, load: &GraspLoad, rest: &Rest) -> f64 {
+        let fingers = self.fingers.len() as f64;
+        if self.holds(load) {
+            let resists = |pad: &Vec<DVec3>| -pad.iter().map(|force| force.z).sum::<f64>();
+            let all: f64 = rest.force.iter().map(resists).sum();
+            return if all > 0.0 { fingers * load.force * resists(&rest.force[finger]) / all } else { load.force };
+        }
+        let share = self.pulled(load)[0].dot(self.fingers[finger].closing) / fingers;
         if self.free { (load.force - share).max(LEAST * load.force) } else { load.force }
     }
 
     /// Force and moment of weight and push on the object at `rest`, about its centre of mass.
     pub fn pulled(&self, load: &GraspLoad) -> [DVec3; 2] {
-        [self.weight[0] + load.push[0], load.push[1]]
+        let weight = if self.holds(load) { DVec3::ZERO } else { self.weight[0] };
+        [weight + load.push[0], load.push[1]]
     }
 
     /// Force and moment of weight and push on the object at `rest`, about the point amid the pads.

@@ -12,7 +12,7 @@ use faer::{Accum, Conj, Mat, MatMut, Par, Side};
 use pulp::{Arch, NullaryFnOnce};
 use std::sync::Arc;
 
-/// Symbolic analysis, shared by every environment that uses the mesh.
+/// Symbolic analysis, shared by every environment that uses the mesh. Its factor is supernodal.
 #[derive(Debug)]
 pub struct Symbolic(SymbolicCholesky<usize>);
 
@@ -31,9 +31,17 @@ impl Symbolic {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
         };
-        factorize_symbolic_cholesky(a, Side::Upper, SymmetricOrdering::Identity, params)
-            .map(Symbolic)
-            .map_err(|e| format!("symbolic factorisation of {n} unknowns failed: {e:?}; use a coarser mesh"))
+        let failed = |why: String| format!("symbolic factorisation of {n} unknowns failed: {why}; use a coarser mesh");
+        let analysis = factorize_symbolic_cholesky(a, Side::Upper, SymmetricOrdering::Identity, params);
+        Self::supernodal(analysis.map_err(|e| failed(format!("{e:?}")))?).map_err(failed)
+    }
+
+    /// Takes an analysis whose factor is supernodal, as its blocks are read, or that has no unknowns. The error says that it is not.
+    fn supernodal(analysis: SymbolicCholesky<usize>) -> Result<Self, String> {
+        match analysis.raw() {
+            SymbolicCholeskyRaw::Simplicial(_) if analysis.nrows() > 0 => Err("its factor is not supernodal".into()),
+            _ => Ok(Self(analysis)),
+        }
     }
 
     /// Number of stored entries of the factor.
@@ -116,12 +124,17 @@ impl Factor {
         );
     }
 
+    /// Returns the factor by its dense blocks; None of a matrix without unknowns.
+    fn supernodal(&self) -> Option<SupernodalLltRef<'_, usize, f64>> {
+        match self.symbolic.0.raw() {
+            SymbolicCholeskyRaw::Supernodal(symbolic) => Some(SupernodalLltRef::new(symbolic, &self.values)),
+            SymbolicCholeskyRaw::Simplicial(_) => None,
+        }
+    }
+
     /// Computes all unknowns `x` where nothing but the last `size` of them, which are given, is loaded: the second half of a solve.
     pub fn follow_last(&self, x: &mut [f64], size: usize) {
-        // Analyses are supernodal always.
-        let SymbolicCholeskyRaw::Supernodal(s) = self.symbolic.0.raw() else { return };
-        let factor = SupernodalLltRef::<usize, f64>::new(s, &self.values);
-        let first = x.len() - size;
+        let (Some(factor), first) = (self.supernodal(), x.len() - size) else { return };
         Arch::new().dispatch(FollowLast { factor, first, x });
     }
 
@@ -130,11 +143,9 @@ impl Factor {
     pub fn condensed(&self, size: usize) -> Mat<f64> {
         let mut last = Mat::<f64>::zeros(size, size);
         let mut stiffness = Mat::<f64>::zeros(size, size);
-        // Analyses are supernodal always.
-        let SymbolicCholeskyRaw::Supernodal(s) = self.symbolic.0.raw() else { return stiffness };
-        let factor = SupernodalLltRef::<usize, f64>::new(s, &self.values);
-        let first = s.nrows() - size;
-        for k in 0..s.n_supernodes() {
+        let Some(factor) = self.supernodal() else { return stiffness };
+        let first = factor.symbolic().nrows() - size;
+        for k in 0..factor.symbolic().n_supernodes() {
             let node = factor.supernode(k);
             let (start, values) = (node.start(), node.val());
             for c in (0..values.ncols()).filter(|c| start + c >= first) {
@@ -188,4 +199,22 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
         (0..8).for_each(|k| sums[k] += a[k] * b[k]);
     }
     sums.iter().sum::<f64>() + rest.iter().zip(other).map(|(a, b)| a * b).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_analysis_that_is_not_supernodal_is_refused() {
+        let analysis = |threshold: SupernodalThreshold| {
+            let (col_ptr, row_idx) = ([0, 1, 3, 6], [0, 0, 1, 0, 1, 2]);
+            let dense = SymbolicSparseColMatRef::new_checked(3, 3, &col_ptr, None, &row_idx);
+            let params = CholeskySymbolicParams { supernodal_flop_ratio_threshold: threshold, ..Default::default() };
+            factorize_symbolic_cholesky(dense, Side::Upper, SymmetricOrdering::Identity, params).unwrap()
+        };
+        assert!(Symbolic::supernodal(analysis(SupernodalThreshold::FORCE_SUPERNODAL)).is_ok());
+        let refused = Symbolic::supernodal(analysis(SupernodalThreshold::FORCE_SIMPLICIAL));
+        assert_eq!(refused.unwrap_err(), "its factor is not supernodal");
+    }
 }

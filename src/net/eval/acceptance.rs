@@ -21,13 +21,13 @@ pub struct Acceptance {
     pub worst: f64,
 }
 
-/// Returns what each of some bounds would do; empty for a network that knows nothing of its error.
+/// Returns what each of some bounds would do; empty where the network knows its error of no grasp.
 pub fn acceptances(judged: &[Judged]) -> Vec<Acceptance> {
-    let widest = |j: &Judged| {
-        let ends = j.frames.iter().map(|frame| Some(frame.bound?.displacement));
-        ends.collect::<Option<Vec<f64>>>().map(|ends| ends.into_iter().fold(0.0, f64::max))
-    };
-    let Some(widest) = judged.iter().map(widest).collect::<Option<Vec<f64>>>() else { return Vec::new() };
+    let widest = |j: &Judged| j.frames.iter().map(|frame| frame.bound.displacement).fold(0.0, f64::max);
+    let widest: Vec<f64> = judged.iter().map(widest).collect();
+    if !widest.iter().any(|end| end.is_finite()) {
+        return Vec::new();
+    }
     let of = |error_at_most: f64| {
         let kept: Vec<&Judged> =
             judged.iter().zip(&widest).filter(|(_, end)| **end <= error_at_most).map(|(j, _)| j).collect();

@@ -28,7 +28,7 @@ pub struct ErrorRow {
     pub worst: f64,
     /// Number of frames.
     pub samples: usize,
-    /// Part of the frames whose error is within the interval that the network gives; None without intervals.
+    /// Part of the frames with an interval whose error is within it; None without any.
     pub covered: Option<f64>,
     /// Median end of the intervals.
     pub interval: Option<f64>,
@@ -72,7 +72,7 @@ pub fn rows(split: &str, judged: &[Judged]) -> Vec<ErrorRow> {
     let row = |(group, frames): (&(u8, String), &Vec<&FrameError>)| {
         let of = |(quantity, pick, end): &Quantity| {
             let Spread { median, p90, worst } = Spread::of(frames.iter().map(|f| pick(f)))?;
-            let ends = frames.iter().filter_map(|f| Some((pick(f), end(f.bound.as_ref()?)?)));
+            let ends = frames.iter().filter(|f| f.bound.is_known()).filter_map(|f| Some((pick(f), end(&f.bound)?)));
             let ends: Vec<(f64, f64)> = ends.collect();
             Some(ErrorRow {
                 split: split.into(),

@@ -35,6 +35,8 @@ pub struct LoadFeatures {
     pub pad: Vec<f32>,
     /// Force per finger over `E t^2`, and push on the object over that and the thickness: (levels).
     pub load: Vec<GraspLoad>,
+    /// Flags: a free object is still held where it is: (levels).
+    pub held: Vec<bool>,
     /// Pressing force of each pad over `E t^2`: (levels * pads).
     pub pressing: Vec<f64>,
     /// Mean displacement where the force acts, m: (levels * pads).
@@ -55,6 +57,7 @@ impl LoadFeatures {
             node: rows(&self.node, count, wanted),
             pad: rows(&self.pad, count, wanted),
             load: rows(&self.load, count, wanted),
+            held: rows(&self.held, count, wanted),
             pressing: rows(&self.pressing, count, wanted),
             depth: rows(&self.depth, count, wanted),
             travel: rows(&self.travel, count, wanted),
@@ -96,13 +99,16 @@ impl GraspFeatures {
                 (0..self.pads).into_par_iter().map(|p| self.contacts(p, &rests)).collect();
             for (k, (load, rest)) in some.iter().zip(&rests).enumerate() {
                 loads.load.push(*load);
+                loads.held.push(self.equilibrium.holds(load));
                 (0..self.pads).for_each(|p| self.load_pad(p, rest, &contacts[p][k], &mut loads));
             }
             if let (true, [left, right]) = (self.equilibrium.free, &contacts[..]) {
                 let of = |k: usize| {
                     let pads = [(0, &left[k]), (1, &right[k])]
                         .map(|(p, contact)| self.pressed(p, &some[k], &rests[k], contact));
-                    Arc::new(ObjectBalance::new(&pads, self.equilibrium.hangs(&rests[k], &some[k])))
+                    let balance = ObjectBalance::new(&pads, self.equilibrium.hangs(&rests[k], &some[k]));
+                    let held = self.equilibrium.holds(&some[k]);
+                    Arc::new(if held { balance.supported() } else { balance })
                 };
                 loads.balance.par_extend((0..some.len()).into_par_iter().map(of));
             }
@@ -141,7 +147,7 @@ impl GraspFeatures {
         let places =
             self.graph.rest.iter().zip(&contact.given).map(|(at, moved)| self.equilibrium.place(p, *at, *moved, rest));
         Pressed {
-            force: self.equilibrium.carried_by(p, load),
+            force: self.equilibrium.carried_by(p, load, rest),
             rotation: self.to_pad[p].transpose(),
             nodes: places.zip(contact.force.iter().map(|push| -push.z.min(0.0))).collect(),
         }
@@ -151,7 +157,7 @@ impl GraspFeatures {
     fn load_pad(&self, p: usize, rest: &Rest, contact: &ProjectedContact, loads: &mut LoadFeatures) {
         let (t, to_pad) = (self.graph.thickness, self.to_pad[p]);
         let load = loads.load[loads.load.len() - 1];
-        let force = self.equilibrium.carried_by(p, &load);
+        let force = self.equilibrium.carried_by(p, &load, rest);
         let ProjectedContact { touching, moved, force: projected, closer, given } = contact;
         let carried: Vec<f64> = touching.iter().map(|t| t.force.length()).collect();
         let whole = carried.iter().sum::<f64>().max(1e-12);

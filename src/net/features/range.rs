@@ -1,4 +1,4 @@
-//! Range of the training of a model. The network gives no answer outside of it.
+//! Range of the training of a model. The network gives no answer outside of it, or one of unknown error.
 
 use super::GraspFeatures;
 use super::pad_range::{PadRange, Sensor};
@@ -47,23 +47,10 @@ fn unpushed(push: &[f64; 2]) -> bool {
 
 /// Tolerance for rounding at the ends of a range.
 const SLACK: f64 = 1e-6;
-/// Factor of the interval for a pad that a network of one pad does not know.
-const OTHER_PAD: f64 = 4.0;
-/// Value over one that is zero, so that a range that ends at zero has a factor, too.
-const NOTHING: f64 = 1e-2;
 
-/// Number of a grasp that lies outside the range.
-struct Outside {
-    /// Number and range, in words.
-    what: String,
-    /// Value over the end of the range, or the other way round; above one.
-    by: f64,
-}
-
-/// Returns the value over the end of the range that it lies beyond, or the other way round; one inside.
-fn excess(value: f64, [low, high]: [f64; 2]) -> f64 {
-    let [value, low, high] = [value, low, high].map(|v| v.max(0.0) + if high < NOTHING { NOTHING } else { 0.0 });
-    f64::max(low / value.max(f64::MIN_POSITIVE), value / high.max(f64::MIN_POSITIVE)).max(1.0)
+/// Returns true if `value` lies within a range.
+fn within(value: f64, [low, high]: [f64; 2]) -> bool {
+    (low * (1.0 - SLACK)..=high * (1.0 + SLACK)).contains(&value)
 }
 
 impl TrainedRange {
@@ -128,36 +115,43 @@ impl TrainedRange {
     pub fn admits_pad(&self, pad: &PadTopology, hash: &str) -> Result<()> {
         match self.pad_outside(pad, hash) {
             None => Ok(()),
-            Some(outside) => refuse(outside.what),
+            Some(outside) => refuse(outside),
         }
     }
 
     /// Returns what about a pad lies outside the range.
-    fn pad_outside(&self, pad: &PadTopology, hash: &str) -> Option<Outside> {
+    fn pad_outside(&self, pad: &PadTopology, hash: &str) -> Option<String> {
         if hash == self.pad {
             return None;
         }
         if let Some(pads) = &self.pads {
             let (name, value, [low, high]) = pads.refuses(&PadRange::of(&Sensor::of(pad)), SLACK)?;
-            let what = format!(
+            return Some(format!(
                 "the {name} of its pads is {value:.3} times their thickness, trained was {low:.3} to {high:.3}"
-            );
-            return Some(Outside { what, by: excess(value, [low, high]) });
+            ));
         }
         let own = Sensor::of(pad).to_string();
         let unknown = || format!("a pad whose mesh has the hash {:.8}", self.pad);
         let known = self.sensor.map_or_else(unknown, |sensor| sensor.to_string());
         let alike = if own == known { ", at other places" } else { "" };
-        let what = format!("its pads are another sensor or another mesh: {own}; trained was {known}{alike}");
-        Some(Outside { what, by: OTHER_PAD })
+        Some(format!("its pads are another sensor or another mesh: {own}; trained was {known}{alike}"))
     }
 
     /// Checks that a grasp of `model`, whose pads have a mesh of this hash, is of a kind that the network can answer, and lies within the
-    /// range unless it may `extrapolate`. Takes almost no time.
+    /// range under all of its forces, unless it may `extrapolate`. Takes almost no time.
     ///
     /// # Errors
     /// Fails if something lies outside; the message says what, by how much, and what to do.
     pub fn admits(&self, model: &Model, hash: &str, extrapolate: bool) -> Result<()> {
+        self.admits_some(model, hash, extrapolate)?;
+        self.forces_outside(model).filter(|_| !extrapolate).map_or(Ok(()), untrained)
+    }
+
+    /// Checks as [`TrainedRange::admits`] does, but for forces: one of them within the range is enough.
+    ///
+    /// # Errors
+    /// Fails if all forces, or something else, lie outside; the message says what, by how much, and what to do.
+    pub fn admits_some(&self, model: &Model, hash: &str, extrapolate: bool) -> Result<()> {
         if !model.alike() {
             return refuse("its two pads differ, the network knows pads that are alike".into());
         }
@@ -178,32 +172,47 @@ impl TrainedRange {
         if model.material.name() != self.material {
             return refuse(format!("its gel is {}, trained was {}", model.material.name(), self.material));
         }
-        match self.outside(model, hash).into_iter().next().filter(|_| !extrapolate) {
-            Some(outside) => Err(Error::Start(format!(
-                "the network was not trained for this scene: {}; use stepper: Fem(), train on such a data set, or let it answer \
-                 with a wider interval of its error: extrapolate: true, --extrapolate",
-                outside.what
-            ))),
-            None => Ok(()),
-        }
+        let none = || self.frames(model, false).is_empty().then(|| self.forces_outside(model)).flatten();
+        let outside = self.outside(model, hash).or_else(none);
+        outside.filter(|_| !extrapolate).map_or(Ok(()), untrained)
     }
 
-    /// Returns the factor by which the interval of the error widens for a grasp of `model`: one within the range; outside, the product of
-    /// value over end of the range, of all numbers that lie outside.
-    pub fn widening(&self, model: &Model, hash: &str) -> f64 {
-        self.outside(model, hash).into_iter().map(|outside| outside.by).product()
+    /// Returns true if a force over `E thickness^2` lies within the range.
+    pub fn holds_force(&self, force: f64) -> bool {
+        within(force, self.force)
     }
 
-    /// Returns all numbers of a grasp that lie outside the range.
-    fn outside(&self, model: &Model, hash: &str) -> Vec<Outside> {
-        let Some(finger) = model.fingers.first() else { return Vec::new() };
-        let (moduli, t) = (model.material.moduli(), finger.topology.thickness());
-        let unit = moduli.young * t.powi(2);
-        let mut all: Vec<Outside> = self.pad_outside(&finger.topology, hash).into_iter().collect();
+    /// Returns the numbers of the frames of `model` under whose forces the network answers: within the range, all if it may `extrapolate`.
+    pub fn frames(&self, model: &Model, extrapolate: bool) -> Vec<usize> {
+        let unit = unit(model);
+        (0..model.levels.len()).filter(|k| extrapolate || self.holds_force(model.levels[*k] / unit)).collect()
+    }
+
+    /// Returns which frames of `model` have forces outside the range; None without any.
+    pub fn forces_outside(&self, model: &Model) -> Option<String> {
+        let (unit, inside) = (unit(model), self.frames(model, false));
+        let outside: Vec<usize> = (0..model.levels.len()).filter(|k| !inside.contains(k)).collect();
+        let rows = outside.chunk_by(|a, b| a + 1 == *b).map(|row| match (row[0], row[row.len() - 1]) {
+            (first, last) if first == last => format!("frame {first} ({:.4} N per finger)", model.levels[first]),
+            (first, last) => {
+                let [low, high] = [first, last].map(|k| model.levels[k]);
+                format!("frames {first} to {last} ({low:.4} to {high:.4} N per finger)")
+            }
+        });
+        let rows: Vec<String> = rows.collect();
+        let [low, high] = self.force.map(|f| f * unit);
+        let verb = if outside.len() == 1 { "lies" } else { "lie" };
+        (!rows.is_empty()).then(|| format!("{} {verb} outside the trained {low:.4} to {high:.4} N", rows.join(" and ")))
+    }
+
+    /// Returns the first number of a grasp, whose pads have a mesh of this hash, that lies outside the range whatever its force.
+    pub fn outside(&self, model: &Model, hash: &str) -> Option<String> {
+        let finger = model.fingers.first()?;
+        let (moduli, t, unit) = (model.material.moduli(), finger.topology.thickness(), unit(model));
+        let mut all: Vec<String> = self.pad_outside(&finger.topology, hash).into_iter().collect();
         let mut check = |value: f64, range: [f64; 2], what: &dyn Fn() -> String| {
-            let by = excess(value, range);
-            if by > 1.0 + SLACK {
-                all.push(Outside { what: what(), by });
+            if !within(value, range) {
+                all.push(what());
             }
         };
         let [a, b] = self.poisson;
@@ -221,14 +230,7 @@ impl TrainedRange {
                 format!("the object is {what} with {:.4} {of}, trained was up to {:.4} {of}", own * unit, most * unit)
             });
         }
-        let [low, high] = self.force.map(|f| f * unit);
-        let worst = model.levels.iter().map(|l| (*l, excess(*l, [low, high]))).max_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some((level, _)) = worst {
-            check(level, [low, high], &|| {
-                format!("{level:.4} N per finger is outside the trained {low:.4} to {high:.4} N")
-            });
-        }
-        all
+        all.into_iter().next()
     }
 
     /// Checks that training can give such numbers. The error names the field and says what is wrong.
@@ -264,6 +266,20 @@ fn refuse(what: String) -> Result<()> {
     Err(Error::Start(format!(
         "the network was not trained for this scene: {what}; use stepper: Fem(), or train on such a data set"
     )))
+}
+
+/// Returns the error about a number that lies outside the range, which may be answered all the same.
+fn untrained(what: String) -> Result<()> {
+    Err(Error::Start(format!(
+        "the network was not trained for this scene: {what}; use stepper: Fem(), train on such a data set, or let it answer \
+         without knowing its error: extrapolate: true, --extrapolate"
+    )))
+}
+
+/// Returns the unit of force of the network, N; 1 without fingers.
+fn unit(model: &Model) -> f64 {
+    let thickness = model.fingers.first().map(|finger| finger.topology.thickness());
+    thickness.map_or(1.0, |t| model.material.moduli().young * t.powi(2))
 }
 
 /// Returns force and torque of the whole push in units of the network.

@@ -32,6 +32,8 @@ pub struct Answer {
     /// Signs of the error of each level.
     pub(crate) signs: Vec<Signs>,
     pub(crate) interval: Option<Interval>,
+    /// Flags: the interval holds at a level.
+    pub(crate) known: Vec<bool>,
 }
 
 /// Returns the rows of one pad at one level: the `at`th `rows` rows of a matrix.
@@ -70,8 +72,9 @@ impl Answer {
     }
 
     /// Returns the errors of a level that nine of ten such predictions stay below.
-    pub(crate) fn error(&self, level: usize) -> Option<ErrorBound> {
-        Some(self.interval?.at(self.signs.get(level)?))
+    pub(crate) fn error(&self, level: usize) -> ErrorBound {
+        let known = self.interval.zip(self.signs.get(level)).filter(|_| self.known[level]);
+        known.map_or(ErrorBound::UNKNOWN, |(interval, signs)| interval.at(signs))
     }
 
     /// Returns the displacement of the face nodes of all pads at a level, m.
@@ -111,8 +114,9 @@ impl Answer {
 pub(crate) fn mixed(parts: &[(&Answer, usize, f64)]) -> GraspState {
     let pads = parts.first().map_or(0, |(answer, ..)| answer.pads);
     let errors = parts.iter().map(|(answer, level, _)| answer.error(*level));
-    let error = errors.reduce(|a, b| Some(a?.or_larger(&b?))).flatten();
-    GraspState { pads: (0..pads).map(|pad| mixed_pad(pad, parts)).collect(), error }
+    let error = errors.reduce(|a, b| a.or_larger(&b)).unwrap_or(ErrorBound::UNKNOWN);
+    let held = parts.iter().all(|(answer, level, _)| answer.loads.held[*level]);
+    GraspState { pads: (0..pads).map(|pad| mixed_pad(pad, parts)).collect(), held, error }
 }
 
 fn mixed_pad(pad: usize, parts: &[(&Answer, usize, f64)]) -> PadState {
@@ -144,9 +148,13 @@ fn mixed_pad(pad: usize, parts: &[(&Answer, usize, f64)]) -> PadState {
             // Shares are of a force against the closing direction, friction in the same unit.
             state.contact[*i as usize] += vector(&[c[1], c[2], -c[0]]) * unit;
         }
+        state.travel += answer.travel.get(at).map_or_else(|| answer.head_travel(at), |travel| *travel) * weight;
+        // An object that is held stays where it is.
+        if loads.held[level] {
+            continue;
+        }
         let motion = own(&out.motion, at, 1).as_chunks().0;
         let given = |k: usize| DVec3::from_slice(&loads.motion[6 * at + k..]) * weight;
-        state.travel += answer.travel.get(at).map_or_else(|| answer.head_travel(at), |travel| *travel) * weight;
         state.shift += given(0) + vector(&motion[0]) * (depth * f64::from(norms.motion[0]));
         state.turn += given(3) + vector(&motion[1]) * (depth / t * f64::from(norms.motion[1]));
     }

@@ -5,7 +5,7 @@ use super::predict::{GraspState, PadState};
 use super::touch::object_at;
 use crate::error::Result;
 use crate::gripper::GraspPose;
-use crate::linear::loads_of;
+use crate::linear::GraspLoad;
 use crate::model::Model;
 use crate::observe::Now;
 use crate::record::{ErrorBound, names};
@@ -13,22 +13,22 @@ use crate::world::components::ObjectPose;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Calls `put` with name, shape and numbers of each array of those of `answers` that are there, one after the other: all of them at once
+/// Calls `put` with name, shape and numbers of each array of those of `answers` under `loads` that are there, one after the other: all of them at once
 /// may not fit in memory. Fields are in the frame of each pad: displacement, contact force (grasps, loads, pads, nodes, 3), stress (grasps,
 /// loads, pads, nodes), if the model needs them; travel (grasps, loads, pads), pose of the object (grasps, loads, 7), errors that nine of
-/// ten such predictions stay below (grasps, loads), part of the friction limit that is left (grasps). `grasp` numbers the grasps that have an answer.
+/// ten such predictions stay below, infinite where unknown (grasps, loads), part of the friction limit that is left (grasps). `grasp` numbers the grasps that have an answer.
 /// What tactile sensors see comes with the names that runs have, (grasps, loads, pads, ...), if the scene records it.
 ///
 /// # Errors
 /// Fails as `put` does.
 pub fn each_array<E>(
     model: &Model,
+    loads: &[GraspLoad],
     answers: &[Result<PredictedGrasp>],
     mut put: impl FnMut(&str, &[usize], Vec<f32>) -> std::result::Result<(), E>,
 ) -> std::result::Result<(), E> {
     let known = answers.iter().enumerate().filter_map(|(i, answer)| Some((i, answer.as_ref().ok()?)));
     let (numbers, known): (Vec<usize>, Vec<&PredictedGrasp>) = known.unzip();
-    let loads = loads_of(model);
     let (pads, topology) = (model.fingers.len(), model.fingers.first().map(|finger| &finger.topology));
     let nodes = topology.map_or(0, |pad| pad.rest.len());
     let of_loads = [known.len(), loads.len()];
@@ -57,10 +57,8 @@ pub fn each_array<E>(
     };
     put(names::OBJECT_POSE, &[known.len(), loads.len(), 7], every(&pose))?;
     put(names::SLIP_MARGIN, &[known.len()], known.iter().map(|answer| answer.hold as f32).collect())?;
-    if known.iter().any(|answer| answer.ramp.error().is_some()) {
-        for (k, name) in ErrorBound::NAMES.into_iter().enumerate() {
-            put(name, &of_loads, every(&|_, state| state.error.iter().map(|e| e.to_array()[k] as f32).collect()))?;
-        }
+    for (k, name) in ErrorBound::NAMES.into_iter().enumerate() {
+        put(name, &of_loads, every(&|_, state| vec![state.error.to_array()[k] as f32]))?;
     }
     let frames: Vec<(&PredictedGrasp, usize)> =
         known.iter().flat_map(|answer| (0..loads.len()).map(move |k| (*answer, k))).collect();

@@ -9,20 +9,21 @@ use crate::model::Model;
 use crate::scene::Scene;
 
 /// Returns for each grasp of `scene` the error that nine of ten such predictions of the displacement stay below under the last load; zero
-/// for a grasp that cannot start.
+/// for a grasp that cannot start, and infinite outside the range of the training, where it is unknown.
 ///
 /// # Errors
 /// Fails if the scene cannot be built, and for a model that knows nothing of its error.
 pub fn doubts(predictor: &Predictor, scene: &Scene, poses: &[GraspPose]) -> Result<Vec<f64>> {
+    if let Some(unknown) = predictor.card.unknown_error() {
+        return Err(Error::Start(unknown));
+    }
     let model = Model::build(&scene.on_own_mesh())?;
     let graph = predictor.graph(&model)?;
     let loads = loads_of(&model);
     let last = loads.last().copied().unwrap_or_default();
     let doubt = |pose: &GraspPose| {
         let Ok(touch) = GeometricContact::find(&model, *pose) else { return Ok(0.0) };
-        let state = predictor.at(&predictor.look(&model, &graph, &touch), last)?;
-        let unknown = || Error::Start("the model knows nothing of its error; train it again".into());
-        state.error.map(|error| error.displacement).ok_or_else(unknown)
+        Ok(predictor.at(&predictor.look(&model, &graph, &touch), last)?.error.displacement)
     };
     poses.iter().map(doubt).collect()
 }

@@ -22,7 +22,7 @@ impl PredictedGrasp {
             object_position: object.position,
             object_rotation: object.rotation,
             pads: state.pads.iter().enumerate().map(pad).collect(),
-            error: state.error,
+            error: Some(state.error),
             ..Frame::default()
         })
     }

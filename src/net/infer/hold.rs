@@ -17,7 +17,7 @@ pub fn pulls(touch: &GeometricContact, load: &GraspLoad) -> bool {
 /// across the fingers or for an object that is held otherwise, negative where the object slips.
 pub fn hold(model: &Model, touch: &GeometricContact, state: &GraspState, load: &GraspLoad) -> f64 {
     // Until it is let go its support carries the object.
-    let held = !model.free || load.force < model.release || !pulls(touch, load);
+    let held = !model.free || state.held || !pulls(touch, load);
     let (Some(finger), false) = (model.fingers.first(), held) else { return 1.0 };
     let presses = model.fingers.iter().zip(&state.pads).zip(&touch.travel).flat_map(|((finger, pad), first)| {
         let carried = finger.placement.closing * (first + pad.travel);

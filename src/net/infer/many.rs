@@ -7,8 +7,8 @@ use super::ramp::Ramp;
 use crate::error::Result;
 use crate::gripper::GraspPose;
 use crate::interrupt;
+use crate::linear::GraspLoad;
 use crate::linear::first_contact::GeometricContact;
-use crate::linear::loads_of;
 use crate::model::Model;
 use crate::world::environment::Environment;
 use rayon::prelude::*;
@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Largest number of grasps that are decoded together: with two pads each, they fill a register.
 const TOGETHER: usize = 8;
 
-/// Prediction of a grasp under all loads of its model.
+/// Prediction of a grasp under the loads of its model that have an answer.
 #[derive(Debug)]
 pub struct PredictedGrasp {
     /// First contact.
@@ -29,21 +29,22 @@ pub struct PredictedGrasp {
 }
 
 impl Predictor {
-    /// Predicts the grasps of `model` at `poses`. A grasp that cannot start, or has no finite answer, has its own error.
+    /// Predicts the grasps of `model` at `poses` under the loads that have an answer: see [`Predictor::answered`]. A grasp that cannot start, or
+    /// has no finite answer, has its own error.
     ///
     /// # Errors
-    /// Fails if the scene lies outside the trained range and may not be extrapolated, and if it is interrupted.
+    /// Fails if the scene, or each of its forces, lies outside the trained range and may not be extrapolated, and if it is interrupted.
     pub fn many(
         &self,
         model: &Arc<Model>,
         poses: &[GraspPose],
         extrapolate: bool,
     ) -> Result<Vec<Result<PredictedGrasp>>> {
-        let graph = self.admit(model, extrapolate)?;
-        let loads = loads_of(model);
+        let graph = self.admit_some(model, extrapolate)?;
+        let loads: Vec<GraspLoad> = self.answered(model, extrapolate).into_iter().map(|(_, load)| load).collect();
         // No thread waits for work, and no bit depends on the company.
         let each = poses.len().div_ceil(rayon::current_num_threads());
-        let together = (FaceEngine::LOADS / Ramp::decoded_at_first(&loads).max(1)).min(each).clamp(1, TOGETHER);
+        let together = (FaceEngine::LOADS / Ramp::decoded_at_first(model, &loads).max(1)).min(each).clamp(1, TOGETHER);
         let predict = |environment: &mut Option<Environment>, poses: &[GraspPose]| -> Result<Vec<_>> {
             interrupt::check()?;
             let touch = |pose: &GraspPose| GeometricContact::find_in(environment, model, *pose);

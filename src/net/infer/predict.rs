@@ -3,10 +3,10 @@
 use super::answer::Answer;
 use super::{Code, Decoding, FaceEngine};
 use crate::error::{Error, Result};
-use crate::linear::GraspLoad;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::known_pads::KnownPads;
 use crate::linear::pad_graph::{PadGraph, mesh_hash};
+use crate::linear::{GraspLoad, loads_of};
 use crate::model::Model;
 use crate::net::autodiff::tape::{Matrix, Tape};
 use crate::net::features::GraspFeatures;
@@ -39,6 +39,11 @@ pub struct Predictor {
     pub(crate) pads: KnownPads,
 }
 
+/// Returns the hash of the mesh of the pads; empty without any.
+fn pad_hash(model: &Model) -> String {
+    model.fingers.first().map_or_else(String::new, |finger| mesh_hash(&finger.topology))
+}
+
 /// Encoded grasp: all that a load level needs.
 #[derive(Debug)]
 pub struct Seen {
@@ -46,8 +51,8 @@ pub struct Seen {
     code: Encoded,
     /// True if stress is wanted.
     stress: bool,
-    /// Factor of the interval of the error: above one outside the range of the training.
-    widened: f64,
+    /// Flag: the grasp lies within the range of the training, but for its forces.
+    inside: bool,
 }
 
 impl Seen {
@@ -95,8 +100,10 @@ pub struct PadState {
 pub struct GraspState {
     /// States of the pads, left first.
     pub pads: Vec<PadState>,
-    /// Errors that nine of ten such predictions stay below; None from a model that knows nothing of its error.
-    pub error: Option<ErrorBound>,
+    /// Flag: a free object is still held where it is, and its support carries its weight.
+    pub held: bool,
+    /// Errors that nine of ten such predictions stay below; unknown outside the range of the training.
+    pub error: ErrorBound,
 }
 
 impl Predictor {
@@ -136,15 +143,40 @@ impl Predictor {
         Self { engine: None, ..self }
     }
 
-    /// Returns the graph of the pads of `model`, if the network was trained for it, or may `extrapolate`.
+    /// Returns the graph of the pads of `model`, if the network was trained for it and all of its forces, or may `extrapolate`.
     ///
     /// # Errors
     /// Fails if the scene lies outside the trained range; the message says where.
     pub fn admit(&self, model: &Model, extrapolate: bool) -> Result<Arc<PadGraph>> {
         // Before the response of a pad is solved for that it does not know.
-        let hash = model.fingers.first().map_or_else(String::new, |finger| mesh_hash(&finger.topology));
-        self.card.range.admits(model, &hash, extrapolate)?;
+        self.card.range.admits(model, &pad_hash(model), extrapolate)?;
         self.graph(model)
+    }
+
+    /// Returns the graph of the pads of `model`, if the network was trained for it and some of its forces, or may `extrapolate`.
+    ///
+    /// # Errors
+    /// Fails if the scene lies outside the trained range, or all of its forces do; the message says where.
+    pub fn admit_some(&self, model: &Model, extrapolate: bool) -> Result<Arc<PadGraph>> {
+        self.card.range.admits_some(model, &pad_hash(model), extrapolate)?;
+        self.graph(model)
+    }
+
+    /// Returns what to know about the answers to grasps of `model`: frames that have none, and whether their error is known.
+    pub fn notices(&self, model: &Model, extrapolate: bool) -> Vec<String> {
+        let range = &self.card.range;
+        let outside = range.outside(model, &pad_hash(model)).into_iter().chain(range.forces_outside(model));
+        let outside = outside.map(|what| match extrapolate {
+            true => format!("outside the range of its training the error of the network is unknown: {what}"),
+            false => format!("the network has no answer there: {what}; finite elements have, and `extrapolate` answers without knowing the error"),
+        });
+        outside.chain(self.card.unknown_error()).collect()
+    }
+
+    /// Returns the numbers and the loads of the frames of `model` that have an answer.
+    pub fn answered(&self, model: &Model, extrapolate: bool) -> Vec<(usize, GraspLoad)> {
+        let loads = loads_of(model);
+        self.card.range.frames(model, extrapolate).into_iter().map(|frame| (frame, loads[frame])).collect()
     }
 
     /// Returns the graph of the pads of `model`, trained for or not.
@@ -166,8 +198,8 @@ impl Predictor {
             Some(engine) => Encoded::Engine(engine.encode(&features)),
             None => Encoded::Tape(self.network.encode(&Tape::silent(), &self.parameters, &self.inputs(&features))),
         };
-        let widened = self.card.range.widening(&features.model, &features.graph.hash);
-        Seen { features, code, stress: true, widened }
+        let inside = self.card.range.outside(&features.model, &features.graph.hash).is_none();
+        Seen { features, code, stress: true, inside }
     }
 
     fn inputs<'a>(&'a self, features: &'a GraspFeatures) -> Inputs<'a> {
@@ -250,8 +282,12 @@ impl Predictor {
             unit_force,
             travel: Vec::new(),
             signs: Vec::new(),
-            interval: self.card.interval.map(|interval| interval.widened(seen.widened)),
+            interval: self.card.interval(),
+            known: Vec::new(),
         };
+        // Outside of what it was found on, an interval says nothing.
+        let known = |load: &GraspLoad| seen.inside && self.card.range.holds_force(load.force);
+        answer.known = answer.loads.load.iter().map(known).collect();
         match (0..given.len()).find(|level| !answer.is_finite(*level)) {
             None => {
                 answer.touch(features);

@@ -11,6 +11,7 @@ use super::answer::{Answer, mixed};
 use super::predict::{GraspState, Predictor, Seen};
 use crate::error::Result;
 use crate::linear::GraspLoad;
+use crate::model::Model;
 use crate::record::ErrorBound;
 use glam::DVec3;
 use std::ops::Range;
@@ -31,7 +32,7 @@ pub struct Ramp {
     answers: Vec<Answer>,
 }
 
-/// Loads in a row: of a squeeze, or of a push under one squeeze.
+/// Loads in a row: of a squeeze before or after the object is let go, or of a push under one squeeze.
 #[derive(Debug)]
 struct Piece {
     loads: Range<usize>,
@@ -42,9 +43,9 @@ struct Piece {
 }
 
 impl Ramp {
-    /// Returns the number of the loads that are decoded at first.
-    pub fn decoded_at_first(loads: &[GraspLoad]) -> usize {
-        Self::of(loads).missing_at_first().len()
+    /// Returns the number of the loads of a grasp of `model` that are decoded at first.
+    pub fn decoded_at_first(model: &Model, loads: &[GraspLoad]) -> usize {
+        Self::of(model, loads).missing_at_first().len()
     }
 
     /// Decodes as many of `loads` as a grasp takes.
@@ -55,11 +56,12 @@ impl Ramp {
         Self::many(predictor, &[seen], loads).swap_remove(0)
     }
 
-    /// Decodes as many of `loads` as each of `grasps` takes, on pads of one graph. The loads that are decoded at first are so for all grasps
+    /// Decodes as many of `loads` as each of `grasps` takes, all of one model. The loads that are decoded at first are so for all grasps
     /// together. A grasp fails if its predicted numbers are not finite.
     pub fn many(predictor: &Predictor, grasps: &[&Seen], loads: &[GraspLoad]) -> Vec<Result<Self>> {
-        let first = Self::of(loads).missing_at_first();
-        let mut ramps: Vec<Result<Self>> = grasps.iter().map(|_| Ok(Self::of(loads))).collect();
+        let Some(model) = grasps.first().map(|seen| seen.model()) else { return Vec::new() };
+        let first = Self::of(model, loads).missing_at_first();
+        let mut ramps: Vec<Result<Self>> = grasps.iter().map(|_| Ok(Self::of(model, loads))).collect();
         for some in first.chunks(FaceEngine::LOADS) {
             let given: Vec<GraspLoad> = some.iter().map(|load| loads[*load]).collect();
             for (ramp, answer) in ramps.iter_mut().zip(predictor.answers(grasps, &given)) {
@@ -74,9 +76,9 @@ impl Ramp {
         ramps.into_iter().zip(grasps).map(goes_on).collect()
     }
 
-    /// Creates the ramp of `loads` of which none is decoded.
-    fn of(loads: &[GraspLoad]) -> Self {
-        Self { pieces: pieces(loads), answers: Vec::new() }
+    /// Creates the ramp of `loads` on a grasp of `model`, of which none is decoded.
+    fn of(model: &Model, loads: &[GraspLoad]) -> Self {
+        Self { pieces: pieces(loads, |load| model.holds(load.force)), answers: Vec::new() }
     }
 
     /// Returns the loads that are decoded before anything is known.
@@ -130,9 +132,9 @@ impl Ramp {
     }
 
     /// Returns the largest errors of all decoded states that nine of ten such predictions stay below.
-    pub fn error(&self) -> Option<ErrorBound> {
+    pub fn error(&self) -> ErrorBound {
         let all = self.answers.iter().flat_map(|answer| (0..answer.loads.load.len()).map(|level| answer.error(level)));
-        all.reduce(|a, b| Some(a?.or_larger(&b?))).flatten()
+        all.reduce(|a, b| a.or_larger(&b)).unwrap_or(ErrorBound::UNKNOWN)
     }
 
     /// Returns the decoded states with their weights that give the state of `load` from those `known`.
@@ -154,8 +156,9 @@ impl Ramp {
             let guessed = displacement(&self.parts(piece, &others, load));
             let norm = |v: &mut dyn Iterator<Item = DVec3>| v.map(|v| v.length_squared()).sum::<f64>().sqrt();
             let off = norm(&mut exact.iter().zip(&guessed).map(|(a, b)| *a - *b));
-            // A network that does not know its error has every load decoded.
-            let own = self.answers[answer].error(level).map_or(0.0, |error| error.displacement);
+            // Where the error is unknown every load is decoded.
+            let own = Some(self.answers[answer].error(level)).filter(ErrorBound::is_known);
+            let own = own.map_or(0.0, |error| error.displacement);
             if off > FALL * OWN * own * norm(&mut exact.iter().copied()) {
                 missing.extend([[known[k - 1].0, load], [load, known[k + 1].0]].iter().filter_map(|[a, b]| {
                     let amid = a.midpoint(*b);
@@ -168,17 +171,21 @@ impl Ramp {
     }
 }
 
-/// Returns the loads in pieces: the squeeze, and the push under its last force.
-fn pieces(loads: &[GraspLoad]) -> Vec<Piece> {
+/// Returns the loads in pieces: the squeeze while it `holds` the object and after that, and the push under its last force.
+fn pieces(loads: &[GraspLoad], holds: impl Fn(&GraspLoad) -> bool) -> Vec<Piece> {
     let pushed = |load: &GraspLoad| load.push != [DVec3::ZERO; 2];
     let start = loads.iter().position(pushed).unwrap_or(loads.len());
     let rising = loads[..start].windows(2).all(|pair| pair[0].force < pair[1].force);
+    let free = loads[..start].iter().position(|load| !holds(load)).unwrap_or(start);
     let along = |i: usize| if i < start { loads[i].force.sqrt() } else { (1 + i - start) as f64 };
     let piece = |loads: Range<usize>| Piece { along: loads.clone().map(along).collect(), loads, known: Vec::new() };
     // Loads that go up and down stand each for itself.
-    let width = if rising { start.max(1) } else { 1 };
-    let squeeze = (0..start).step_by(width).map(|i| i..i + width);
-    squeeze.chain(std::iter::once(start..loads.len())).filter(|range| !range.is_empty()).map(piece).collect()
+    let squeeze: Vec<Range<usize>> = match rising {
+        true => vec![0..free, free..start],
+        false => (0..start).map(|i| i..i + 1).collect(),
+    };
+    let all = squeeze.into_iter().chain(std::iter::once(start..loads.len()));
+    all.filter(|range| !range.is_empty()).map(piece).collect()
 }
 
 /// Returns at most [`FEW`] numbers of a range, evenly spread along its coordinate, the first and the last among them.
@@ -273,7 +280,11 @@ mod tests {
         assert_eq!((few[0], few[1], few[few.len() - 1]), (0, 2, 49), "{few:?}");
         let load = |force: f64, push: f64| GraspLoad { force, push: [DVec3::X * push, DVec3::ZERO] };
         let loads = [load(1.0, 0.0), load(2.0, 0.0), load(2.0, 0.5), load(2.0, 1.0)];
-        let ranges: Vec<_> = pieces(&loads).into_iter().map(|piece| piece.loads).collect();
-        assert_eq!(ranges, [0..2, 2..4]);
+        let ranges = |release: f64| {
+            let held = |load: &GraspLoad| load.force < release;
+            pieces(&loads, held).into_iter().map(|piece| piece.loads).collect::<Vec<_>>()
+        };
+        assert_eq!(ranges(0.0), [0..2, 2..4]);
+        assert_eq!(ranges(2.0), [0..1, 1..2, 2..4], "an object that is held is another grasp than one that is free");
     }
 }

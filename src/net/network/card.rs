@@ -2,7 +2,7 @@
 //! trained.
 
 use super::Normalisers;
-use super::interval::Interval;
+use super::interval::{FEWEST, Interval};
 use super::shipped;
 use super::spec::{NetworkSpec, Spec};
 use crate::error::{Error, Result};
@@ -49,7 +49,10 @@ pub struct Card {
     pub normalisers: Normalisers,
     /// Range of the training, in which the model may be used.
     pub range: TrainedRange,
-    /// Interval of its error; None for models that know nothing of it.
+    /// Number of grasps that were kept from the training; zero in older models.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub kept: usize,
+    /// Interval of its error; None if too few grasps were kept from the training to find one: [`FEWEST`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interval: Option<Interval>,
     /// BLAKE3 hash of the numbers above and of the weights; empty in older models.
@@ -64,6 +67,10 @@ struct Made {
     tactus: String,
     #[serde(default)]
     features: u32,
+}
+
+fn is_zero(number: &usize) -> bool {
+    *number == 0
 }
 
 /// Model read from a folder or from the program.
@@ -147,6 +154,22 @@ impl Card {
             loss if (0.0..=MOST).contains(&loss) => Ok(()),
             loss => Err(format!("`validation_loss` is {loss}; allowed: 0 to {MOST:e}")),
         }
+    }
+
+    /// Returns the interval of its error, if it was found on enough grasps.
+    pub fn interval(&self) -> Option<Interval> {
+        self.interval.filter(Interval::holds)
+    }
+
+    /// Returns why nobody knows by how much its predictions are off; None if it has an interval.
+    pub fn unknown_error(&self) -> Option<String> {
+        self.interval().is_none().then(|| {
+            let kept = if self.kept > 0 { self.kept.to_string() } else { "too few".into() };
+            format!(
+                "the error of the network is unknown: {kept} grasps were kept from its training to find it, {FEWEST} are needed; \
+                 train on more grasps, or with a larger `validation`"
+            )
+        })
     }
 
     /// Computes [`Self::checksum`] for these weights.

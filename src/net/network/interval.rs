@@ -16,8 +16,9 @@ pub type Signs = [f64; 7];
 const RISKS: [usize; 5] = [1, 2, 4, 5, 6];
 /// Part of unseen grasps that an interval holds.
 pub const LEVEL: f64 = 0.9;
-/// Number of grasps below which estimate and factor come from the same ones.
-const FEW: usize = 8;
+/// Least number of grasps that an interval is found on: ten for the estimate and ten for the factor. Nine errors are the fewest whose largest
+/// one nine of ten further errors stay below: that of rank `ceil(0.9 (n + 1))` among `n` (Lei et al. 2018).
+pub const FEWEST: usize = 20;
 /// Error below which errors do not differ.
 const LEAST: f64 = 1e-3;
 /// Weight against large coefficients, per sample.
@@ -88,10 +89,13 @@ impl Bound {
 }
 
 impl Interval {
-    /// Finds the intervals from grasps that were kept from training: from halves of them, or all where they are few; None without any.
+    /// Finds the intervals from grasps that were kept from training, from halves of them; None from fewer than [`FEWEST`].
     pub fn fit(kept: &[Kept]) -> Option<Self> {
+        if kept.len() < FEWEST {
+            return None;
+        }
         let half = |odd: usize, k: usize| -> Vec<(Signs, f64)> {
-            let grasps = kept.iter().enumerate().filter(|(i, _)| kept.len() < FEW || i % 2 == odd);
+            let grasps = kept.iter().enumerate().filter(|(i, _)| i % 2 == odd);
             grasps.flat_map(|(_, levels)| levels.iter().map(|(signs, errors)| (*signs, errors[k]))).collect()
         };
         let bound = |k: usize| Bound::fit(&half(0, k), &half(1, k));
@@ -107,10 +111,9 @@ impl Interval {
         }
     }
 
-    /// Returns the intervals times a factor.
-    pub fn widened(self, by: f64) -> Self {
-        let wider = |bound: Bound| Bound { factor: bound.factor * by, ..bound };
-        Self { displacement: wider(self.displacement), stress: wider(self.stress), travel: wider(self.travel), ..self }
+    /// Returns true if it was found on enough grasps; older models have intervals of fewer.
+    pub fn holds(&self) -> bool {
+        self.grasps >= FEWEST
     }
 
     /// Checks that training can give such numbers. The error says what is wrong.
@@ -152,6 +155,13 @@ mod tests {
         let wide = |sign: f64| interval.at(&[1.0, sign, 0.0, 0.5, 0.0, 0.0, 0.0]).displacement;
         let ratio = wide(-1.0) / wide(-3.0);
         assert!((ratio / 1.6_f64.exp() - 1.0).abs() < 0.1, "widths differ by {ratio}");
+    }
+
+    #[test]
+    fn fewer_than_twenty_grasps_give_no_interval() {
+        let mut random = Random::new(9);
+        assert!(Interval::fit(&drawn(FEWEST - 1, &mut random)).is_none());
+        assert!(Interval::fit(&drawn(FEWEST, &mut random)).unwrap().holds());
     }
 
     #[test]

@@ -41,8 +41,8 @@ pub struct FrameError {
     pub object_mm: f64,
     /// Rotation of the object, degrees.
     pub object_deg: f64,
-    /// Error by the network's own account; None from a model that knows nothing of its error.
-    pub bound: Option<ErrorBound>,
+    /// Error by the network's own account.
+    pub bound: ErrorBound,
 }
 
 /// Returns displacement and stress that FEM found, all pads, level `k`.

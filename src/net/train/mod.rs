@@ -336,6 +336,7 @@ fn card(
         epochs: 0,
         normalisers: data::normalisers(samples, validation),
         range,
+        kept: validation.len(),
         interval: None,
         checksum: String::new(),
     }
