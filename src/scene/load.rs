@@ -74,7 +74,8 @@ pub fn load(path: impl AsRef<Path>) -> Result<Loaded> {
 pub fn load_object(path: impl AsRef<Path>, object: Option<&str>) -> Result<Loaded> {
     let mut set = load_set(path)?.only(object)?;
     if set.scenes.len() > 1 {
-        return set.refuse(format!("has several objects; choose one with --object: {}", set.names()));
+        let message = format!("{}: has several objects; choose one with --object: {}", set.path.display(), set.names());
+        return Err(Error::Argument(message));
     }
     let scene = set.scenes.swap_remove(0).scene;
     Ok(Loaded { scene, dir: folder(&set.path), path: set.path, sources: set.sources, places: set.places })
@@ -139,7 +140,7 @@ pub fn load_seeded(path: impl AsRef<Path>, seed: Option<u64>) -> Result<LoadedSe
     match (seed, &mut part.universe) {
         (Some(seed), Some(universe)) => universe.seed = seed,
         (Some(_), None) => {
-            return Err(Error::Scene("error: --seed is for a scene with a universe; this one draws nothing".into()));
+            return Err(Error::Argument("--seed is for a scene with a universe; this one draws nothing".into()));
         }
         (None, _) => {}
     }
