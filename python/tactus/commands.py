@@ -210,7 +210,7 @@ def view(path: Path, *, model: Path | None = None, port: int | None = None, brow
     print(f"http://127.0.0.1:{port}/", flush=True)
     options = [f"--port={port}", *(["--open"] if browser else []), *([f"--model={os.fspath(model)}"] if model else [])]
     with suppress(KeyboardInterrupt):
-        command("view", *options, "--", path)
+        _tactus.command(["view", *options, "--", os.fspath(path)], False, None)
 
 
 def _report(name: list[str], paths: Sequence[Path], options: Mapping[str, Any], progress: Told | None = None) -> Report:
@@ -222,7 +222,7 @@ def _report(name: list[str], paths: Sequence[Path], options: Mapping[str, Any], 
         elif value is not None and value is not False:
             values: Iterable[Any] = value if isinstance(value, (list, tuple)) else [value]
             arguments += [f"{flag}={os.fspath(v) if isinstance(v, os.PathLike) else v}" for v in values]
-    code, text = _tactus.command([*arguments, "--", *map(os.fspath, paths)], False, progress)
+    code, text = _tactus.command([*arguments, "--", *(os.fspath(path) for path in paths)], False, progress)
     return Report(code == 0, json.loads(text) if text else {})
 
 

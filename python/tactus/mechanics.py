@@ -43,7 +43,7 @@ class Looked(Function):
 
     # PyTorch's signature leaves the arguments open.
     @staticmethod
-    def forward(poses: Tensor, force: Tensor, friction: Tensor, look: Look) -> tuple[Tensor, ...]:  # type: ignore[override]
+    def forward(poses: Tensor, force: Tensor, friction: Tensor, look: Look) -> tuple[Tensor, ...]:
         at, under, rubbing = (value.detach().contiguous().numpy() for value in (poses, force, friction))
         values, slopes, look.grasp, look.failed = look.seen.grasps(at, under, rubbing, look.changes)
         if not look.grasp:
@@ -54,6 +54,11 @@ class Looked(Function):
     @staticmethod
     def setup_context(ctx: Any, inputs: tuple[Any, ...], output: tuple[Tensor, ...]) -> None:
         ctx.mark_non_differentiable(*output)
+        ctx.arrays = len(output)
+
+    @staticmethod
+    def jvp(ctx: Any, *tangents: Tensor | None) -> tuple[None, ...]:
+        return (None,) * ctx.arrays
 
     @staticmethod
     def vmap(
@@ -77,7 +82,7 @@ class Once(Function):
     generate_vmap_rule = True
 
     @staticmethod
-    def forward(x: Tensor) -> Tensor:  # type: ignore[override]
+    def forward(x: Tensor) -> Tensor:
         return x.clone()
 
     @staticmethod
@@ -86,11 +91,11 @@ class Once(Function):
         ctx.save_for_forward(*inputs)
 
     @staticmethod
-    def backward(ctx: Any, gradient: Tensor) -> Tensor:  # type: ignore[override]
+    def backward(ctx: Any, gradient: Tensor) -> Tensor:
         return Beside.apply(gradient, NoFurther.apply(*ctx.saved_tensors))
 
     @staticmethod
-    def jvp(ctx: Any, tangent: Tensor) -> Tensor:  # type: ignore[override]
+    def jvp(ctx: Any, tangent: Tensor) -> Tensor:
         return Beside.apply(tangent, NoFurther.apply(*ctx.saved_tensors))
 
 
@@ -100,7 +105,7 @@ class Beside(Function):
     generate_vmap_rule = True
 
     @staticmethod
-    def forward(x: Tensor, beside: Tensor) -> Tensor:  # type: ignore[override]
+    def forward(x: Tensor, beside: Tensor) -> Tensor:
         return x.clone()
 
     @staticmethod
@@ -108,11 +113,11 @@ class Beside(Function):
         pass
 
     @staticmethod
-    def backward(ctx: Any, gradient: Tensor) -> tuple[Tensor, Tensor]:  # type: ignore[override]
+    def backward(ctx: Any, gradient: Tensor) -> tuple[Tensor, Tensor]:
         return gradient, torch.zeros_like(gradient)
 
     @staticmethod
-    def jvp(ctx: Any, tangent: Tensor, beside: Tensor | None) -> Tensor:  # type: ignore[override]
+    def jvp(ctx: Any, tangent: Tensor, beside: Tensor | None) -> Tensor:
         return tangent.clone()
 
 
@@ -122,7 +127,7 @@ class NoFurther(Function):
     generate_vmap_rule = True
 
     @staticmethod
-    def forward(x: Tensor) -> Tensor:  # type: ignore[override]
+    def forward(x: Tensor) -> Tensor:
         return x.clone()
 
     @staticmethod
@@ -130,11 +135,11 @@ class NoFurther(Function):
         pass
 
     @staticmethod
-    def backward(ctx: Any, gradient: Tensor) -> Tensor:  # type: ignore[override]
+    def backward(ctx: Any, gradient: Tensor) -> Tensor:
         raise RuntimeError(SECOND)
 
     @staticmethod
-    def jvp(ctx: Any, tangent: Tensor) -> Tensor:  # type: ignore[override]
+    def jvp(ctx: Any, tangent: Tensor) -> Tensor:
         raise RuntimeError(SECOND)
 
 

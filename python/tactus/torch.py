@@ -91,11 +91,10 @@ class SceneNetwork(nn.Module):
     ) -> None:
         super().__init__()
         self.network = network
-        self.seen = _tactus.FaceInputs(
-            os.fspath(scene), object, network.model, frames, extrapolate, threads or os.cpu_count() or 1
-        )
+        rest = frames, extrapolate, threads or os.cpu_count() or 1
+        self.seen = _tactus.FaceInputs(os.fspath(scene), object, network.model, *rest)
         # A copy may be made in another folder.
-        self.made = (os.path.abspath(scene), object, lasting(network.model), frames, extrapolate, threads)
+        self.made = os.path.abspath(scene), object, lasting(network.model), *rest
         self.of_pad = nn.Module()
         for name, array in self.seen.pad().items():
             self.of_pad.register_buffer(name, torch.from_numpy(array))
@@ -105,8 +104,7 @@ class SceneNetwork(nn.Module):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         super().__setstate__(state)
-        *made, threads = self.made
-        self.seen = _tactus.FaceInputs(*made, threads or os.cpu_count() or 1)
+        self.seen = _tactus.FaceInputs(*self.made)
 
     def forward(self, poses: Any = None, force: Any = None, friction: Any = None) -> Answer:
         """Answers grasps at `poses` (G, 7), px py pz qw qx qy qz of the hand in the object frame, under `force` (F) or (G, F), N, the sum over
@@ -137,7 +135,7 @@ class SceneNetwork(nn.Module):
         look = Look(self.seen, [k for k, value in enumerate(needed) if differentiated(value)])
         arrays = look.at(poses, force, friction)
         along = changed(poses[look.grasp], force[look.grasp], friction[look.grasp])[..., look.changes]
-        return {name: self.moved(name, *array, along) for name, *array in arrays}, look.grasp, look.failed
+        return {name: self.moved(name, value, slope, along) for name, value, slope in arrays}, look.grasp, look.failed
 
     def moved(self, name: str, value: Tensor, slope: Tensor, along: Tensor) -> Tensor:
         """An input as a tensor that is linear in the changes `along` (G, F, changes)."""
