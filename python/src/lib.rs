@@ -32,5 +32,4 @@ fn _tactus(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(scene::objects, module)?)?;
     module.add_function(wrap_pyfunction!(scene::resolved, module)?)?;
     module.add("SHIPPED", (SHIPPED,))
-
 }

@@ -98,6 +98,7 @@ class SceneNetwork(nn.Module):
         self.of_pad = nn.Module()
         for name, array in self.seen.pad().items():
             self.of_pad.register_buffer(name, torch.from_numpy(array))
+        self.of_pad.to(network.weight("node.bias"))
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name != "seen"}
@@ -115,7 +116,10 @@ class SceneNetwork(nn.Module):
 
     def pad(self) -> dict[str, Tensor]:
         """Returns what the network sees of the pads, where its weights are and as exact as they are."""
-        return dict(self.of_pad.to(self.network.weight("node.bias")).named_buffers())
+        own = self.network.weight("node.bias")
+        # Not kept: under `torch.func` they would be tensors of one call.
+        moved = lambda array: array.to(own) if array.is_floating_point() else array.to(own.device)  # noqa: E731
+        return {name: moved(array) for name, array in self.of_pad.named_buffers()}
 
     def inputs(
         self, poses: Any = None, force: Any = None, friction: Any = None
@@ -151,7 +155,7 @@ class SceneNetwork(nn.Module):
         :meth:`inputs`. It answers with `displacement_m`, `von_mises_pa` and `contact_force_n`. Needs onnxscript."""
         with torch.no_grad():
             grasp, *_ = self.inputs()
-        self.pad()
+        self.of_pad.to(self.network.weight("node.bias"))
         # An axis of length one would be taken for constant.
         grasp = {k: v[:1].repeat(2, *[1] * (v.dim() - 1)) for k, v in grasp.items()}
         grasp = {k: v if k in LOADLESS else v[:, :1].repeat(1, 2, *[1] * (v.dim() - 2)) for k, v in grasp.items()}

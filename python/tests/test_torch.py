@@ -231,6 +231,12 @@ def test_torch_func_gives_what_autograd_gives(lemon):
         dual = torch.autograd.forward_ad.make_dual(FORCE, torch.ones_like(FORCE))
         tangent = torch.autograd.forward_ad.unpack_dual(shear(dual)).tangent
     assert torch.allclose(tangent, rows.sum(1), rtol=1e-9), "forward mode, too"
+    fresh = copy.deepcopy(lemon)
+    fresh.network.float()
+    torch.func.jacrev(lambda force: fresh(POSES[:1], force).displacement_m.sum())(FORCE)
+    assert torch.allclose(pickle.loads(pickle.dumps(fresh))(POSES, FORCE).displacement_m.double(), answers.displacement_m, rtol=1e-3, atol=1e-9), (
+        "nothing of a call is left behind"
+    )
 
 
 def test_it_is_copied_and_pickled_with_its_weights(lemon, tmp_path, monkeypatch):

@@ -84,7 +84,8 @@ impl DataSet {
 /// Opens the file of an object if it agrees with its entry.
 fn sound(path: &Path, entry: &ObjectEntry) -> Result<ObjectFile> {
     let fail = |message: String| Err(Error::file(path, message));
-    let size = std::fs::metadata(path).map_err(|e| Error::system(path, format!("cannot be opened: {e}"), e.kind()))?.len();
+    let size =
+        std::fs::metadata(path).map_err(|e| Error::system(path, format!("cannot be opened: {e}"), e.kind()))?.len();
     if size != entry.bytes {
         return fail(format!("has {size} bytes instead of {}: cut off or changed", entry.bytes));
     }

@@ -60,7 +60,7 @@ pub struct LoadedSet {
 /// Loads a scene file of one object.
 ///
 /// # Errors
-/// Returns an [`Error::Scene`] ready to print if a file cannot be read, a value is refused or the file has several
+/// Returns an error ready to print if a file cannot be read, a value is refused or the file has several
 /// objects.
 pub fn load(path: impl AsRef<Path>) -> Result<Loaded> {
     load_object(path, None)
@@ -69,7 +69,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Loaded> {
 /// Loads the scene of one object from a scene file; None stands for the only object.
 ///
 /// # Errors
-/// Returns an [`Error::Scene`] ready to print if a file cannot be read, a value is refused, no object has this name, or
+/// Returns an error ready to print if a file cannot be read, a value is refused, no object has this name, or
 /// the file has several objects and none is named.
 pub fn load_object(path: impl AsRef<Path>, object: Option<&str>) -> Result<Loaded> {
     let mut set = load_set(path)?.only(object)?;
@@ -123,7 +123,7 @@ impl LoadedSet {
 /// Loads all scenes of a file, one per object.
 ///
 /// # Errors
-/// Returns an [`Error::Scene`] ready to print if a file cannot be read, a value is refused, a field is missing or fields
+/// Returns an error ready to print if a file cannot be read, a value is refused, a field is missing or fields
 /// do not fit together.
 pub fn load_set(path: impl AsRef<Path>) -> Result<LoadedSet> {
     load_seeded(path, None)

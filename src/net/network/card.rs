@@ -76,7 +76,8 @@ impl Trained {
             None => {
                 let text = std::fs::read_to_string(&path).map_err(|e| missing(model, &path, &e))?;
                 let path = model.join(WEIGHTS);
-                let weights = std::fs::read(&path).map_err(|e| Error::system(&path, format!("cannot be read: {e}"), e.kind()))?;
+                let weights =
+                    std::fs::read(&path).map_err(|e| Error::system(&path, format!("cannot be read: {e}"), e.kind()))?;
                 (Cow::from(text), Cow::from(weights))
             }
         };
