@@ -15,7 +15,7 @@ use crate::run::writer::RunWriter;
 use crate::run::{Observer, Options, Outcome, RunRecorder, run_grasps};
 use crate::scene::{Scene, StepperChoice};
 use crate::world::Stepper;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -50,7 +50,7 @@ pub struct Simulated {
 }
 
 impl Simulation {
-    /// Builds all that the grasps of a scene share. `wanted`: numbers of the grasps to run, all if there is none. `threads`: instead of the
+    /// Builds all that the grasps of a scene share. `wanted`: numbers of the grasps to run, in this order, all if there is none. `threads`: instead of the
     /// scene's, or of all that the machine has.
     ///
     /// # Errors
@@ -96,6 +96,7 @@ impl Simulation {
             overwrite,
             object_name: model.object.name.clone(),
             pads: model.fingers.iter().map(|f| f.placement.pose()).collect(),
+            order: self.grasps.iter().map(|(number, _)| *number).collect(),
             ..Options::default()
         };
         Ok(RunWriter::new(model, RunRecorder::create(dir, options, self.report()?)?))
@@ -163,15 +164,15 @@ impl Simulated {
     }
 }
 
-/// Returns the grasps to run, with their numbers; all if none is requested.
+/// Returns the grasps to run, with their numbers: the wanted ones in their order, each once; all if none is wanted.
 fn select(poses: &[GraspPose], wanted: &[usize]) -> Result<Vec<(usize, GraspPose)>> {
     let mut numbers: Vec<usize> = if wanted.is_empty() { (0..poses.len()).collect() } else { wanted.to_vec() };
-    numbers.sort_unstable();
-    numbers.dedup();
+    let mut seen = BTreeSet::new();
+    numbers.retain(|number| seen.insert(*number));
     let pick = |i: usize| {
         poses.get(i).map(|p| (i, *p)).ok_or_else(|| {
             let last = poses.len().saturating_sub(1);
-            Error::Scene(format!("error: --grasp {i}: the scene has {}, 0 to {last}", counted(poses.len(), "grasp")))
+            Error::Argument(format!("--grasp {i}: the scene has {}, 0 to {last}", counted(poses.len(), "grasp")))
         })
     };
     numbers.into_iter().map(pick).collect()

@@ -13,7 +13,7 @@ install=(install -q --retries 1 --timeout 30)
 command -v python3 > /dev/null || skip "there is no python3"
 python3 -c 'import sys; sys.exit(sys.version_info < (3, 10))' || skip "python3 is older than 3.10"
 [ -x "$environment/bin/pip" ] || python3 -m venv "$environment" > /dev/null || skip "python3 makes no environment"
-"$environment/bin/pip" "${install[@]}" "maturin>=1.7,<2" pytest "numpy>=1.26" "gymnasium>=1.1" || skip "its packages cannot be fetched"
+"$environment/bin/pip" "${install[@]}" "maturin>=1.7,<2" "pytest>=9" pytest-timeout "numpy>=1.26" "gymnasium>=1.1" || skip "its packages cannot be fetched"
 "$environment/bin/pip" "${install[@]}" mypy matplotlib trimesh meshio ||
     echo "the packages for types, pictures and meshes cannot be fetched"
 "$environment/bin/pip" install -q --retries 1 --timeout 30 playwright ||

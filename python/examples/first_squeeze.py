@@ -1,5 +1,5 @@
-"""Your own mesh: squeezed, drawn, predicted, and how far the prediction is off. Usage: first_squeeze.py MESH"""
-import sys
+"""Your own mesh: squeezed, drawn, predicted, and how far the prediction is off."""
+import argparse
 from pathlib import Path
 
 import numpy as np
@@ -7,14 +7,14 @@ import numpy as np
 import tactus
 from tactus import ron
 
-scene = tactus.scene(
-    object={"shape": ron.Mesh(Path(sys.argv[1]))},
-    gripper={"pads": ron.GelSightMini(), "opening": 0.08},
-    grasps=ron.Antipodal(count=3, seed=1),
-    loading=ron.Squeeze(force=10.0, frames=5),
-)
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("mesh", type=Path, help="closed surface in an OBJ, STL or PLY file")
+parser.add_argument("--scale", type=float, default=1.0, help="factor from the file's unit to metres: 0.001 for millimetres")
+given = parser.parse_args()
+object, gripper = {"shape": ron.Mesh(given.mesh), "scale": given.scale}, {"pads": ron.GelSightMini(), "opening": 0.08}
+scene = tactus.scene(object=object, gripper=gripper, grasps=ron.Antipodal(count=3, seed=1), loading=ron.Squeeze(force=10.0, frames=5))
 for truth, fast in zip(tactus.run(scene, backend="condensed"), tactus.run(scene, backend="gnn")):
     off = np.linalg.norm(fast.displacement_m[-1] - truth.displacement_m[-1]) / np.linalg.norm(truth.displacement_m[-1])
-    print(f"grasp {truth.number}: {truth.wall_s / fast.wall_s:.0f} times as fast, {off:.1%} off", end="; ")
-    print(f"it says at most {fast.displacement_error[-1]:.1%}")
+    times, most = truth.wall_s / fast.wall_s, fast.displacement_error[-1]
+    print(f"grasp {truth.number}: {times:.0f} times as fast, {off:.1%} off; it says at most {most:.1%}")
     truth.plot().savefig(f"grasp_{truth.number}.png")

@@ -1,6 +1,6 @@
 //! Numbers of tactus as numpy arrays, by name.
 
-use crate::refused;
+use crate::refusal::refused;
 use numpy::{Element, PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

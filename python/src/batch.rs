@@ -1,6 +1,6 @@
 //! `tactus::env::BatchEnv` for Python: writes into arrays that the caller owns, with the interpreter's lock released.
 
-use crate::refused;
+use crate::refusal::refused;
 use crate::supervise::supervise;
 use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1, ToPyArray};
 use pyo3::exceptions::PyRuntimeError;

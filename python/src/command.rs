@@ -48,19 +48,25 @@ impl Kept {
     }
 }
 
-/// Runs a command with these arguments: its exit code, and what it prints on stdout.
+/// Runs a command with these arguments: its exit code, and what it prints on stdout. `typed`: errors name its options as they are typed,
+/// not as arguments of Python.
 #[pyfunction]
 pub fn command<'py>(
     py: Python<'py>,
     arguments: Vec<String>,
+    typed: bool,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<(u8, String)> {
     let kept = Arc::new(Kept::default());
     let (own, mut told) = (kept.clone(), None);
     let work = move || {
         let arguments = std::iter::once("tactus".to_string()).chain(arguments);
-        let cli: Cli = clap::Parser::try_parse_from(arguments).map_err(|e| Error::Scene(unusable(&e.to_string())))?;
-        cli.command.run(own.as_ref())
+        let refused = |e: clap::Error| Error::Argument(unusable(&e.to_string()));
+        let cli = <Cli as clap::Parser>::try_parse_from(arguments).map_err(refused);
+        cli.and_then(|cli| cli.command.run(own.as_ref())).map_err(|e| match e {
+            Error::Argument(text) if typed => Error::Scene(Error::Argument(text).to_string()),
+            other => other,
+        })
     };
     let look = |py: Python<'py>| {
         kept.look();
@@ -75,5 +81,6 @@ pub fn command<'py>(
 fn unusable(text: &str) -> String {
     let before = |mark| text.split(mark).next();
     let first = before("\n\nUsage:").into_iter().chain(before("\n\nFor more information")).min_by_key(|t| t.len());
-    first.unwrap_or(text).trim_end().to_string()
+    let text = first.unwrap_or(text).trim_end();
+    text.strip_prefix("error: ").unwrap_or(text).to_string()
 }

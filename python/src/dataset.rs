@@ -1,7 +1,7 @@
 //! Data sets as numpy arrays, one grasp at a time.
 
 use crate::arrays::{pad, put, surface};
-use crate::refused;
+use crate::refusal::refused;
 use crate::supervise::supervise;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

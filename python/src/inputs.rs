@@ -1,7 +1,7 @@
 //! What the face network sees of a scene's grasps, as numpy arrays: for the same network in PyTorch.
 
 use crate::arrays::{hands, put};
-use crate::refused;
+use crate::refusal::{raised, refused};
 use crate::supervise::supervise;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -17,7 +17,7 @@ use tactus::scene::{Overrides, load_object};
 /// Weights of a face network, by folder or name: the bytes of a safetensors file.
 #[pyfunction]
 pub fn face_weights<'py>(py: Python<'py>, model: &str) -> PyResult<Bound<'py, PyBytes>> {
-    Ok(PyBytes::new(py, &weights(model.as_ref()).map_err(refused)?))
+    Ok(PyBytes::new(py, &weights(model.as_ref()).map_err(raised)?))
 }
 
 /// Scene of one object as a face network sees it.

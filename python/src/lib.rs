@@ -7,35 +7,17 @@ mod dataset;
 mod inputs;
 mod predict;
 mod progress;
+mod refusal;
 mod run;
 mod scene;
 mod supervise;
 
 use mimalloc::MiMalloc;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use tactus::net::SHIPPED;
 
 #[global_allocator]
 static ALLOCATOR: MiMalloc = MiMalloc;
-
-/// What went wrong, as Python's `ValueError`. An option of the command line is an argument in Python: `--max-time` is `max_time`.
-fn refused(error: impl std::fmt::Display) -> PyErr {
-    let text = error.to_string();
-    let mut parts = text.split("--");
-    let mut said = parts.next().unwrap_or_default().to_string();
-    for part in parts {
-        let name = part.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(part.len());
-        let whole = said.ends_with([' ', '`', '(', '\'']) || said.is_empty();
-        if whole && name > 0 {
-            said += &part[..name].replace('-', "_");
-            said += &part[name..];
-        } else {
-            said += "--";
-            said += part;
-        }
-    }
-    PyValueError::new_err(said)
-}
 
 #[pymodule]
 fn _tactus(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -49,5 +31,5 @@ fn _tactus(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(run::run, module)?)?;
     module.add_function(wrap_pyfunction!(scene::objects, module)?)?;
     module.add_function(wrap_pyfunction!(scene::resolved, module)?)?;
-    Ok(())
+    module.add("SHIPPED", (SHIPPED,))
 }

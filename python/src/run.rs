@@ -2,7 +2,7 @@
 
 use crate::arrays::{flat, pads, put, surface, tactile};
 use crate::progress::{Level, Progress};
-use crate::refused;
+use crate::refusal::refused;
 use crate::supervise::watch;
 use clap::ValueEnum;
 use pyo3::prelude::*;
@@ -17,7 +17,7 @@ use tactus::run::{Observer, Outcome};
 use tactus::scene::{Backend, Overrides, load_object};
 use tactus::simulate::Simulation;
 
-/// Keeps the frames of every grasp, which `numbers` counts, and says how many have ended.
+/// Keeps the frames of every grasp, of which `numbers` has the numbers, and says how many have ended.
 struct Keep {
     numbers: Vec<usize>,
     frames: Vec<Mutex<Vec<Frame>>>,
@@ -26,7 +26,7 @@ struct Keep {
 
 impl Observer for Keep {
     fn frame(&self, index: usize, frame: &Frame) -> Result<()> {
-        let slot = self.numbers.binary_search(&index).ok().and_then(|at| self.frames[at].lock().ok());
+        let slot = self.numbers.iter().position(|number| *number == index).and_then(|at| self.frames[at].lock().ok());
         slot.into_iter().for_each(|mut frames| frames.push(frame.clone()));
         Ok(())
     }

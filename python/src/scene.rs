@@ -1,6 +1,6 @@
 //! Scenes for Python: what they resolve to.
 
-use crate::refused;
+use crate::refusal::{raised, refused};
 use crate::supervise::supervise;
 use pyo3::prelude::*;
 use tactus::scene::{load_object, load_set, to_ron};
@@ -15,5 +15,5 @@ pub fn objects(py: Python<'_>, scene: String) -> PyResult<Vec<String>> {
 /// The scene of one object as RON, all defaults written out.
 #[pyfunction]
 pub fn resolved(scene: &str, object: Option<&str>) -> PyResult<String> {
-    to_ron(&load_object(scene, object).map_err(refused)?.scene).map_err(refused)
+    to_ron(&load_object(scene, object).map_err(raised)?.scene).map_err(refused)
 }

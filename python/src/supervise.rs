@@ -1,11 +1,10 @@
 //! Long work for Python: on a thread of its own, without the interpreter's lock. What a signal handler raises in the
 //! meantime, as Ctrl-C does, ends it.
 
-use crate::refused;
+use crate::refusal::Refusal;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError};
 use pyo3::prelude::*;
 use std::any::Any;
-use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -75,7 +74,7 @@ fn request() {
 /// How work went.
 enum Done<T> {
     Good(T),
-    Refused(String),
+    Refused(Refusal),
     Interrupted,
     Panicked(String),
 }
@@ -83,7 +82,7 @@ enum Done<T> {
 /// Does `work`, on `threads` threads of its own where it does not bring any.
 ///
 /// # Errors
-/// `ValueError` with what `work` refuses; what a signal handler raises; `KeyboardInterrupt` in threads beside the one that
+/// The exception of what `work` refuses; what a signal handler raises; `KeyboardInterrupt` in threads beside the one that
 /// a signal came to; `RuntimeError` for a mistake of tactus itself.
 pub fn supervise<T, E>(
     py: Python<'_>,
@@ -92,7 +91,7 @@ pub fn supervise<T, E>(
 ) -> PyResult<T>
 where
     T: Send + 'static,
-    E: Display + Send + 'static,
+    E: Into<Refusal> + Send + 'static,
 {
     watch(py, threads, |_| Ok(()), work)
 }
@@ -109,7 +108,7 @@ pub fn watch<'py, T, E>(
 ) -> PyResult<T>
 where
     T: Send + 'static,
-    E: Display + Send + 'static,
+    E: Into<Refusal> + Send + 'static,
 {
     let given_up = Arc::new(AtomicBool::new(false));
     let (send, mut receive) = channel();
@@ -119,7 +118,7 @@ where
         let done = match catch_unwind(AssertUnwindSafe(|| on_threads(threads, work))) {
             Ok(Ok(value)) => Done::Good(value),
             Ok(Err(_)) if interrupt::requested() => Done::Interrupted,
-            Ok(Err(message)) => Done::Refused(message),
+            Ok(Err(refusal)) => Done::Refused(refusal),
             Err(panic) => Done::Panicked(message(panic.as_ref())),
         };
         drop(counted);
@@ -136,7 +135,7 @@ where
         });
         match got {
             Ok(Done::Good(value)) => return look(py).map(|()| value),
-            Ok(Done::Refused(message)) => return Err(refused(message)),
+            Ok(Done::Refused(refusal)) => return Err(refusal.into()),
             Ok(Done::Interrupted) => return Err(PyKeyboardInterrupt::new_err("interrupted")),
             Ok(Done::Panicked(message)) => {
                 return Err(PyRuntimeError::new_err(format!("tactus has made a mistake: {message}")));
@@ -154,14 +153,14 @@ where
     }
 }
 
-fn on_threads<T: Send, E: Display + Send>(
+fn on_threads<T: Send, E: Into<Refusal>>(
     threads: Option<usize>,
     work: impl FnOnce() -> Result<T, E> + Send,
-) -> Result<T, String> {
-    let Some(threads) = threads else { return work().map_err(|e| e.to_string()) };
+) -> Result<T, Refusal> {
+    let Some(threads) = threads else { return work().map_err(Into::into) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build();
     let pool = pool.map_err(|e| format!("cannot start {threads} threads: {e}"))?;
-    pool.install(|| work().map_err(|e| e.to_string()))
+    pool.install(|| work().map_err(Into::into))
 }
 
 fn message(panic: &(dyn Any + Send)) -> String {

@@ -6,7 +6,21 @@ import numpy.typing as npt
 
 _F32 = npt.NDArray[np.float32]
 
-__all__ = ["Batch", "FaceInputs", "Files", "command", "face_weights", "make", "objects", "predict", "resolved", "run"]
+__all__ = [
+    "SHIPPED",
+    "Batch",
+    "FaceInputs",
+    "Files",
+    "command",
+    "face_weights",
+    "make",
+    "objects",
+    "predict",
+    "resolved",
+    "run",
+]
+
+SHIPPED: tuple[str, ...]
 
 @final
 class Batch:
@@ -60,7 +74,7 @@ class Files:
     def surface(self, object: str) -> dict[str, Any]: ...
     def scene(self, object: str) -> str: ...
 
-def command(arguments: list[str], progress: Callable[[int, int], object] | None) -> tuple[int, str]: ...
+def command(arguments: list[str], typed: bool, progress: Callable[[int, int], object] | None) -> tuple[int, str]: ...
 @final
 class FaceInputs:
     def __new__(

@@ -1,8 +1,8 @@
 """The other commands of the command line: the same code in this process, each with its report as data.
 
 Arguments are the options of the command, and None leaves its default: `tactus COMMAND --help` tells them all. What a command
-says on the way goes to the logger `tactus`. ValueError for what is refused, with file, line and column; Ctrl-C keeps what is
-finished.
+says on the way goes to the logger `tactus`. ValueError for what is refused, with file, line and column; FileNotFoundError, or
+another OSError, for a file that the operating system refuses; Ctrl-C keeps what is finished.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Report:
 
 def command(*arguments: Path, progress: Told | None = None) -> tuple[int, str]:
     """Runs any command: `tactus.command("predict", "scene.ron", "-o", "out")`. Returns exit code and report, as it is printed."""
-    return _tactus.command([os.fspath(argument) for argument in arguments], progress)
+    return _tactus.command([os.fspath(argument) for argument in arguments], True, progress)
 
 
 def check(scene: Path, *, object: str | None = None, export: Path | None = None) -> Report:
@@ -210,7 +210,7 @@ def view(path: Path, *, model: Path | None = None, port: int | None = None, brow
     print(f"http://127.0.0.1:{port}/", flush=True)
     options = [f"--port={port}", *(["--open"] if browser else []), *([f"--model={os.fspath(model)}"] if model else [])]
     with suppress(KeyboardInterrupt):
-        command("view", *options, "--", path)
+        _tactus.command(["view", *options, "--", os.fspath(path)], False, None)
 
 
 def _report(name: list[str], paths: Sequence[Path], options: Mapping[str, Any], progress: Told | None = None) -> Report:
@@ -222,7 +222,7 @@ def _report(name: list[str], paths: Sequence[Path], options: Mapping[str, Any], 
         elif value is not None and value is not False:
             values: Iterable[Any] = value if isinstance(value, (list, tuple)) else [value]
             arguments += [f"{flag}={os.fspath(v) if isinstance(v, os.PathLike) else v}" for v in values]
-    code, text = command(*arguments, "--", *paths, progress=progress)
+    code, text = _tactus.command([*arguments, "--", *(os.fspath(path) for path in paths)], False, progress)
     return Report(code == 0, json.loads(text) if text else {})
 
 

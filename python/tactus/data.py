@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import logging
+import operator
 import os
-from typing import Iterator, Literal, TypedDict, cast
+from typing import Iterator, Literal, SupportsIndex, TypedDict, cast, overload
 
 from . import _tactus
 from .meshes import F32, F64, Pad, Surface
@@ -50,8 +51,10 @@ class DataSet:
     part: `"all"`, or the `"train"` or `"test"` set of its split by poses.
 
     `len(data)` and `data[i]` are those of a map-style `torch.utils.data.Dataset`, so a `DataLoader` takes it, with workers,
-    too. Copies and pickles hold the folder and open it again. Objects whose files are not as they were written are left out
-    with a warning to the logger `tactus`. ValueError if there is no finished data set.
+    too. A slice, as `data[:100]`, is a `DataSet` of those grasps, and reads none of them; `data["lemon", 3]` is a grasp by
+    object and number. Copies and pickles hold the folder and open it again. Objects whose files are not as they were written
+    are left out with a warning to the logger `tactus`. ValueError if there is no finished data set, FileNotFoundError if there
+    is no such folder.
     """
 
     def __init__(self, folder: str | os.PathLike[str], part: Literal["all", "train", "test"] = "all") -> None:
@@ -80,14 +83,31 @@ class DataSet:
     def __len__(self) -> int:
         return len(self._chosen)
 
-    def __getitem__(self, index: int) -> StoredGrasp:
-        return self.grasp(*self._chosen[index])
+    @overload
+    def __getitem__(self, index: SupportsIndex | tuple[str, int]) -> StoredGrasp: ...
+    @overload
+    def __getitem__(self, index: slice) -> DataSet: ...
+    def __getitem__(self, index: SupportsIndex | tuple[str, int] | slice) -> StoredGrasp | DataSet:
+        match index:
+            case slice():
+                some = DataSet.__new__(DataSet)
+                some.__dict__ |= self.__dict__ | {"_chosen": self._chosen[index]}
+                return some
+            case (str() as object, SupportsIndex() as grasp):
+                return self.grasp(object, operator.index(grasp))
+            case SupportsIndex():
+                return self.grasp(*self._chosen[index])
+        found = type(index).__name__
+        raise TypeError(f"a data set is indexed by an integer, a slice, or (object, grasp) like data['lemon', 3], not by {found}")
 
     def __iter__(self) -> Iterator[StoredGrasp]:
         return (self[index] for index in range(len(self)))
 
-    def __reduce__(self) -> tuple[type[DataSet], tuple[str, str]]:
-        return DataSet, (self.folder, self.part)
+    def __reduce__(self) -> tuple[type[DataSet], tuple[str, str], list[tuple[str, int]]]:
+        return DataSet, (self.folder, self.part), self._chosen
+
+    def __setstate__(self, chosen: list[tuple[str, int]]) -> None:
+        self._chosen = chosen
 
     def __repr__(self) -> str:
         return f"DataSet({self.folder!r}, {self.part!r}): {len(self)} grasps of {len(self._reached)} objects"

@@ -15,6 +15,7 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 
 from ._tactus import Batch
+from .models import lasting
 
 INFO = ("held", "slip", "slipped", "margin", "stress", "force", "load")
 
@@ -78,7 +79,7 @@ class VectorEnv(gym.vector.VectorEnv[Obs, Array, Array]):
         model = None if model is None else os.fspath(model)
         self._batch = Batch(*made(os.fspath(scene), model))
         # A copy may be made in another folder.
-        self._made = made(os.path.abspath(scene), None if model is None else os.path.abspath(model))
+        self._made = made(os.path.abspath(scene), None if model is None else lasting(model))
         self._np_random, self._np_random_seed = seeding.np_random(seed)
         self.num_envs = num_envs
         self.autoreset_mode = mode

@@ -81,7 +81,7 @@ def predict(
     extrapolate: answers outside the range of the training, too.
     threads: number; all of the machine if None.
 
-    ValueError for what is refused.
+    ValueError for what is refused; FileNotFoundError, or another OSError, for a file that the operating system refuses.
     """
     arrays, pads, surface, failed, notices = _tactus.predict(
         os.fspath(scene),

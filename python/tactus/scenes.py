@@ -43,7 +43,10 @@ class Scene:
 
 
 def load(path: str | os.PathLike[str]) -> Scene:
-    """Loads and checks a scene file; ValueError with file, line, column and what is allowed if it is wrong."""
+    """Loads and checks a scene file.
+
+    ValueError with file, line, column and what is allowed if it is wrong; FileNotFoundError, or another OSError, if it cannot be read.
+    """
     path = os.fspath(path)
     return Scene(path, tuple(_tactus.objects(path)))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Callable, Iterator, Literal, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Literal, Sequence, overload
 
 from . import _tactus, plots
 from .meshes import F32, F64, Library, Pad, Surface, rotate, tetrahedra_of, triangles_of
@@ -141,7 +141,7 @@ class Expectation:
 class Run:
     """Simulated grasps of a scene: a sequence of `Grasp`.
 
-    grasps: in the order of the scene.
+    grasps: in the order of the scene, or in that which was asked for.
     good: every promise of the scene is kept; without any, every grasp reached its load.
     expectations: the promises of the scene.
     backend: with its settings.
@@ -167,7 +167,11 @@ class Run:
     def __len__(self) -> int:
         return len(self.grasps)
 
-    def __getitem__(self, index: int) -> Grasp:
+    @overload
+    def __getitem__(self, index: int) -> Grasp: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Grasp, ...]: ...
+    def __getitem__(self, index: int | slice) -> Grasp | tuple[Grasp, ...]:
         return self.grasps[index]
 
     def __iter__(self) -> Iterator[Grasp]:
@@ -203,7 +207,7 @@ def run(
     model: folder of a trained network or name of the one that ships, `"universe"`; it means `"gnn"`.
     force: final force of a squeeze, the sum over the fingers, N.
     frames: number of recorded frames.
-    grasps: numbers of the grasps to run, from 0.
+    grasps: numbers of the grasps to run, from 0, in this order, each once.
     error_at_most: largest relative error of the displacement that is accepted from a network; finite elements compute the
       other grasps.
     extrapolate: a network answers outside the range of its training, too.
@@ -215,7 +219,8 @@ def run(
     pictures: draws `pads.png` of each grasp there.
     progress: function that is called with (grasps done, of how many).
 
-    ValueError with file, line and column for what is refused; KeyboardInterrupt within a second of Ctrl-C.
+    ValueError with file, line and column for what is refused; FileNotFoundError, or another OSError, for a file that the operating
+    system refuses; KeyboardInterrupt within a second of Ctrl-C.
     """
     if grasps is not None and len(grasps) == 0:
         raise ValueError("grasps: at least one number is needed; None runs all")

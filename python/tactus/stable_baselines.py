@@ -12,7 +12,7 @@ from .env import Array, Obs, Picture, VectorEnv
 try:
     from stable_baselines3.common import vec_env
 except ImportError as error:
-    raise ImportError('tactus.stable_baselines needs Stable-Baselines3; run: pip install "tactus[sb3]"') from error
+    raise ImportError('tactus.stable_baselines needs Stable-Baselines3; run: pip install "./python[sb3]"') from error
 
 
 class VecEnv(vec_env.VecEnv):

@@ -1,7 +1,8 @@
 """The network in PyTorch: the answers of `tactus.predict` with their derivatives, on any device, and as ONNX.
 
 Tactus computes the mechanics that the network sees (first contact, equilibrium on linear pads) and differentiates it by central differences;
-the network itself, and all of its derivatives, are PyTorch's.
+the network itself, and all of its derivatives, are PyTorch's. So there are first derivatives by poses, force and friction, and RuntimeError says
+so of second ones.
 """
 
 from __future__ import annotations
@@ -9,17 +10,17 @@ from __future__ import annotations
 import os
 from typing import Any, NamedTuple
 
-import numpy as np
-
 try:
     import safetensors.torch
     import torch
 except ImportError as missing:
-    raise ImportError('tactus.torch needs PyTorch and safetensors: pip install "tactus[torch]"') from missing
+    raise ImportError('tactus.torch needs PyTorch and safetensors: pip install "./python[torch]"') from missing
 from torch import Tensor, nn
 
 from . import _tactus
 from .face import FaceNetwork
+from .mechanics import Look, changed, differentiated
+from .models import lasting
 
 # Inputs of a grasp that no load changes.
 LOADLESS = ("node", "pad", "near")
@@ -62,9 +63,7 @@ class Network(FaceNetwork):
         threads: int | None = None,
     ) -> SceneNetwork:
         """Returns the network on the object and the pads of a scene, to be asked often; arguments as of `tactus.predict`."""
-        path = os.fspath(scene)
-        seen = _tactus.FaceInputs(path, object, self.model, frames, extrapolate, threads or os.cpu_count() or 1)
-        return SceneNetwork(self, seen)
+        return SceneNetwork(self, scene, object, frames, extrapolate, threads)
 
     def answer(
         self,
@@ -79,25 +78,48 @@ class Network(FaceNetwork):
 
 
 class SceneNetwork(nn.Module):
-    """A network on the object and the pads of a scene."""
+    """A network on the object and the pads of a scene. Copies and pickles hold its weights and the path of the scene, and read that again."""
 
-    def __init__(self, network: Network, seen: _tactus.FaceInputs) -> None:
+    def __init__(
+        self,
+        network: Network,
+        scene: str | os.PathLike[str],
+        object: str | None = None,
+        frames: int | None = None,
+        extrapolate: bool = False,
+        threads: int | None = None,
+    ) -> None:
         super().__init__()
-        self.network, self.seen = network, seen
+        self.network = network
+        rest = frames, extrapolate, threads or os.cpu_count() or 1
+        self.seen = _tactus.FaceInputs(os.fspath(scene), object, network.model, *rest)
+        # A copy may be made in another folder.
+        self.made = os.path.abspath(scene), object, lasting(network.model), *rest
         self.of_pad = nn.Module()
-        for name, array in seen.pad().items():
+        for name, array in self.seen.pad().items():
             self.of_pad.register_buffer(name, torch.from_numpy(array))
+        self.of_pad.to(network.weight("node.bias"))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "seen"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        self.seen = _tactus.FaceInputs(*self.made)
 
     def forward(self, poses: Any = None, force: Any = None, friction: Any = None) -> Answer:
         """Answers grasps at `poses` (G, 7), px py pz qw qx qy qz of the hand in the object frame, under `force` (F) or (G, F), N, the sum over
         the fingers, with `friction`, a number or (G); what is not given is as in the scene. Tensors among them that require a gradient have
-        one: each load by its own force, poses by all seven numbers."""
+        one: each load by its own force, poses by all seven numbers. ValueError if no grasp has an answer, or `torch.func.vmap` maps one without."""
         grasp, *which = self.inputs(poses, force, friction)
         return Answer(*self.network(self.pad(), grasp), *which)
 
     def pad(self) -> dict[str, Tensor]:
         """Returns what the network sees of the pads, where its weights are and as exact as they are."""
-        return dict(self.of_pad.to(self.network.weight("node.bias")).named_buffers())
+        own = self.network.weight("node.bias")
+        # Not kept: under `torch.func` they would be tensors of one call.
+        moved = lambda array: array.to(own) if array.is_floating_point() else array.to(own.device)  # noqa: E731
+        return {name: moved(array) for name, array in self.of_pad.named_buffers()}
 
     def inputs(
         self, poses: Any = None, force: Any = None, friction: Any = None
@@ -114,30 +136,26 @@ class SceneNetwork(nn.Module):
                 raise ValueError(f"{name}: for {len(value)} grasps, and there are {len(poses)} poses; give one, or as many")
         force, friction = force.expand(len(poses), -1), friction.expand(len(poses))
         needed = (force, friction, *[poses] * 6)
-        changes = [k for k, value in enumerate(needed) if value.requires_grad and torch.is_grad_enabled()]
-        at, under, rubbing = (value.detach().contiguous().numpy() for value in (poses, force, friction))
-        values, slopes, grasp, failed = self.seen.grasps(at, under, rubbing, changes)
-        if not grasp:
-            raise ValueError(f"no grasp has an answer: {failed}")
-        along = changed(poses[grasp], force[grasp], friction[grasp])[..., changes]
-        return {name: self.moved(name, value, slopes[name], along) for name, value in values.items()}, grasp, failed
+        look = Look(self.seen, [k for k, value in enumerate(needed) if differentiated(value)])
+        arrays = look.at(poses, force, friction)
+        along = changed(poses[look.grasp], force[look.grasp], friction[look.grasp])[..., look.changes]
+        return {name: self.moved(name, value, slope, along) for name, value, slope in arrays}, look.grasp, look.failed
 
-    def moved(self, name: str, value: np.ndarray, slope: np.ndarray, along: Tensor) -> Tensor:
+    def moved(self, name: str, value: Tensor, slope: Tensor, along: Tensor) -> Tensor:
         """An input as a tensor that is linear in the changes `along` (G, F, changes)."""
-        own = self.network.weight("node.bias")
-        x, slope_, along = torch.from_numpy(value).to(own), torch.from_numpy(slope).to(own), along.to(own)
+        x, slope, along = (array.to(self.network.weight("node.bias")) for array in (value, slope, along))
         if not along.shape[-1]:
             return x
         if name in LOADLESS:
-            return x + torch.einsum("gc...,gc->g...", slope_, along[:, 0])
-        return x + torch.einsum("gcf...,gfc->gf...", slope_, along)
+            return x + torch.einsum("gc...,gc->g...", slope, along[:, 0])
+        return x + torch.einsum("gcf...,gfc->gf...", slope, along)
 
     def export(self, file: str | os.PathLike[str]) -> list[str]:
         """Writes the network on these pads as ONNX, for any number of grasps and loads. Returns the names of its inputs, in order: those of
         :meth:`inputs`. It answers with `displacement_m`, `von_mises_pa` and `contact_force_n`. Needs onnxscript."""
         with torch.no_grad():
             grasp, *_ = self.inputs()
-        self.pad()
+        self.of_pad.to(self.network.weight("node.bias"))
         # An axis of length one would be taken for constant.
         grasp = {k: v[:1].repeat(2, *[1] * (v.dim() - 1)) for k, v in grasp.items()}
         grasp = {k: v if k in LOADLESS else v[:, :1].repeat(1, 2, *[1] * (v.dim() - 2)) for k, v in grasp.items()}
@@ -165,14 +183,3 @@ class OnPads(nn.Module):
 
     def forward(self, *arrays: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         return self.on.network(dict(self.on.of_pad.named_buffers()), dict(zip(self.names, arrays)))
-
-
-def changed(poses: Tensor, force: Tensor, friction: Tensor) -> Tensor:
-    """Changes of grasps from where they are, all zero, with their derivatives (G, F, 8): of the logarithm of each force, friction, position, and
-    rotation vector of the hand in the object frame."""
-    position, rotation = poses[:, :3], poses[:, 3:] / poses[:, 3:].norm(dim=1, keepdim=True)
-    (w, v), (w0, v0) = ((q[:, :1], q[:, 1:]) for q in (rotation, rotation.detach()))
-    turn = 2 * (w0 * v - w * v0 - torch.linalg.cross(v, v0))
-    grasp = torch.cat([friction[:, None], position, turn], 1)[:, None].expand(-1, force.shape[1], -1)
-    all_ = torch.cat([torch.log(force)[..., None], grasp], 2)
-    return all_ - all_.detach()

@@ -1,11 +1,15 @@
-"""A small data set and a small network, made once for all tests that need one."""
+"""A small data set and a small network, made once for all tests that need one; signals as tests need them."""
 
+import signal
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
 import tactus
+
+# A shell without job control starts what stands in its background with SIGINT ignored, and Python and its children leave it so.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 SMALL = """Scene(
     object: (shape: Sphere(radius: 0.02)),

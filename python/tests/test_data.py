@@ -41,6 +41,22 @@ def test_a_data_set_is_a_sequence_of_its_grasps(folder):
         data.reached("cup")
 
 
+def test_it_is_indexed_by_integers_slices_and_names(folder):
+    data = tactus.DataSet(folder)
+    some = data[1:-1:2]
+    assert isinstance(some, tactus.DataSet) and len(some) == len(range(1, len(data) - 1, 2)) and len(data[:0]) == 0
+    assert same(some[1], data[3]) and same(some[::-1][0], some[-1]) and same(data[np.int64(2)], data[2])
+    again = pickle.loads(pickle.dumps(some))
+    assert len(again) == len(some) and same(again[1], some[1])
+    name, number = "box", data.reached("box")[0]
+    assert same(data[name, number], data.grasp(name, number))
+    for wrong, found in ((1.5, "float"), ("box", "str"), ([0, 1], "list"), ((0, 1), "tuple"), (None, "NoneType")):
+        with pytest.raises(TypeError, match=rf"by an integer, a slice, or \(object, grasp\).* not by {found}"):
+            data[wrong]
+    with pytest.raises(ValueError, match='has no object "cup"; it has: ball, box'):
+        data["cup", 0]
+
+
 def test_its_parts_are_those_of_the_split(folder):
     train, test = tactus.DataSet(str(folder), "train"), tactus.DataSet(folder, part="test")
     assert len(train) + len(test) == len(tactus.DataSet(folder)) and len(test) > 0

@@ -13,6 +13,7 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
 import tactus
+from tactus.models import lasting
 
 HOLD = Path(__file__).parents[2] / "scenes" / "tasks" / "hold.ron"
 REGRASP = HOLD.with_name("regrasp.ron")
@@ -247,3 +248,8 @@ def test_tasks_are_found_from_anywhere(tmp_path):
     script = "import gymnasium, tactus; gymnasium.make('tactus/Hold-v0', objects=['sphere']).reset(seed=1); print('good')"
     done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, timeout=300)
     assert done.stdout.strip() == "good", done.stderr
+
+
+def test_a_copy_has_its_network_by_name_or_by_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert lasting("universe") == "universe" and lasting("model") == str(tmp_path / "model")

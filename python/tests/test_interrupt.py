@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -139,3 +141,11 @@ def test_a_thread_beside_the_main_one_is_ended_too(long):
     interrupted(lambda: tactus.run(long, threads=1))
     beside.join(timeout=30)
     assert raised == [KeyboardInterrupt]
+
+
+def test_tests_in_the_background_of_a_shell_are_interrupted_too():
+    """A shell without job control starts them with SIGINT ignored."""
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"{__file__}::test_a_reset_ends"]
+    ignored = lambda: signal.signal(signal.SIGINT, signal.SIG_IGN)  # noqa: E731
+    done = subprocess.run(command, preexec_fn=ignored, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout + done.stderr

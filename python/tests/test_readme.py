@@ -5,6 +5,7 @@ import re
 import textwrap
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -29,12 +30,20 @@ SMALL = """Scene(
 )"""
 
 
+# What the import of a module needs.
+NEEDED = {
+    "torch": ("torch", "safetensors"),
+    "tactus.torch": ("torch", "safetensors"),
+    "onnxruntime": ("onnx", "onnxscript", "onnxruntime"),
+}
+
+
 def blocks(text):
-    """Indented and fenced blocks of a Markdown text."""
+    """Blocks of Python in a Markdown text: those that are fenced, and those of the indented ones that are about tactus."""
     fenced = re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)
     without = re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)
     indented = re.findall(r"(?:^ {4,}\S.*\n(?:[ \t]*\n(?= {4}))?)+", without, re.M)
-    return fenced + [textwrap.dedent(block) for block in indented]
+    return fenced + [block for block in map(textwrap.dedent, indented) if is_python(block)]
 
 
 def is_python(block):
@@ -48,8 +57,9 @@ def is_python(block):
 
 
 def snippets():
-    texts = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
-    found = [(path.name, block) for path in texts for block in blocks(path.read_text()) if is_python(block)]
+    # The page of all signatures is made of the package.
+    texts = [ROOT / "README.md", *sorted(set((ROOT / "docs").glob("**/*.md")) - {ROOT / "docs" / "python-api.md"})]
+    found = [(path.name, block) for path in texts for block in blocks(path.read_text())]
     return [pytest.param(block, id=f"{name}-{k}") for k, (name, block) in enumerate(found)]
 
 
@@ -69,6 +79,7 @@ def test_a_snippet_runs(block, tmp_path, monkeypatch):
         "tactus": tactus,
         "scene": str(ROOT / "scenes" / "tasks" / "hold.ron"),
         "out": str(tmp_path / "out"),
+        "obs": {"travel": np.zeros((2, 2), np.float32), "force": np.zeros((2, 1), np.float32)},
     }
     for statement in ast.parse(block).body:
         line = ast.unparse(statement)
@@ -76,9 +87,8 @@ def test_a_snippet_runs(block, tmp_path, monkeypatch):
             ray = pytest.importorskip("ray", reason="the rest of the snippet is for a Ray cluster, which is not installed")
             names["ray"] = ray
             line = line.replace("address='auto'", "")
-        if line == "import torch":
-            for package in ("torch", "safetensors"):
-                pytest.importorskip(package, reason=f"the rest of the snippet needs {package}, which is not installed")
+        for package in NEEDED.get(line.removeprefix("import "), ()):
+            pytest.importorskip(package, reason=f"the rest of the snippet needs {package}, which is not installed")
         if "shards.dataset(scene" in line:
             line = line.replace("scene, out", f"{str(tmp_path / 'small.ron')!r}, {str(tmp_path / 'set')!r}")
         try:

@@ -1,7 +1,10 @@
 """Scenes that run from Python, with the overrides of the command line."""
 
 import dataclasses
+import errno
+import json
 import logging
+import os
 import pickle
 from pathlib import Path
 
@@ -59,7 +62,7 @@ def test_rest_meshes_are_those_of_the_nodes(small):
 
 def test_overrides_are_those_of_the_command_line(small, tmp_path):
     run = tactus.run(small, backend="condensed", force=3.0, frames=2, grasps=[2, 0], threads=1, out=tmp_path / "run")
-    assert [g.number for g in run] == [0, 2] and run.threads == 1 and "condensed" in run.backend
+    assert [g.number for g in run] == [2, 0] and run.threads == 1 and "condensed" in run.backend
     assert all(np.allclose(g.force_n, [1.5, 3.0], rtol=1e-3) for g in run), "N, at equal steps"
     assert run.good and [e.name for e in run.expectations] == ["ReachesForce"] and run.expectations[0].held
     assert (tmp_path / "run" / "grasp_002" / "arrays.npz").exists()
@@ -69,11 +72,28 @@ def test_overrides_are_those_of_the_command_line(small, tmp_path):
     assert code == 0 and "condensed" in text
     stored = np.load(tmp_path / "other" / "grasp_000" / "arrays.npz")
     nodes = run[0].position_m.shape[1:3]
-    assert np.array_equal(stored["position_m"].reshape(2, *nodes, 3), run[0].position_m), "bit for bit"
+    assert np.array_equal(stored["position_m"].reshape(2, *nodes, 3), run[1].position_m), "bit for bit"
     with pytest.raises(ValueError, match="earlier run"):
         tactus.run(small, grasps=[0], frames=1, out=tmp_path / "run")
     tactus.run(small, grasps=[0], frames=1, out=tmp_path / "run", overwrite=True, pictures=False)
     assert not (tmp_path / "run" / "grasp_000" / "pads.png").exists()
+
+
+def test_grasps_come_in_the_order_asked_for_each_once(small, tmp_path):
+    alone = [tactus.run(small, grasps=[k], frames=1)[0] for k in range(3)]
+    run = tactus.run(small, grasps=[2, 0, 2, 1], frames=1, threads=2, out=tmp_path / "run", pictures=False, sensitivity=True)
+    assert [g.number for g in run] == [g["grasp"] for g in run.report["grasps"]] == [2, 0, 1]
+    assert [g["grasp"] for g in json.loads((tmp_path / "run" / "run.json").read_text())["grasps"]] == [2, 0, 1]
+    for grasp in run:
+        other = alone[grasp.number]
+        assert np.array_equal(grasp.position_m, other.position_m) and np.array_equal(grasp.grasp_pose, other.grasp_pose)
+        assert grasp.summary["sensitivity"], "every grasp has its own"
+    # A small change moves the pads of the same grasp by as much, whatever its place.
+    moved = lambda g: [change["displacement"] for change in g.summary["sensitivity"]]  # noqa: E731
+    assert moved(tactus.run(small, grasps=[1], frames=1, sensitivity=True)[0]) == moved(run[2])
+    assert run[:2] == run.grasps[:2]
+    code, text = tactus.command("run", small, "--grasp=2", "--grasp=0", "--frames=1", "--format=json")
+    assert code == 0 and [g["grasp"] for g in json.loads(text)["grasps"]] == [2, 0]
 
 
 def test_a_network_runs_and_hands_over(small):
@@ -139,6 +159,58 @@ def test_a_mistake_is_reported_with_its_place(tmp_path):
     path.write_text("(object: (shape: Sphere(radius: -1)), loading: Squeeze(force: 1))")
     with pytest.raises(ValueError, match=r"bad.ron:1:\d+"):
         tactus.load(path)
+
+
+def test_a_file_that_the_system_refuses_is_an_error_of_the_system(tmp_path, small, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    asked = (
+        tactus.load,
+        tactus.run,
+        tactus.predict,
+        tactus.check,
+        tactus.VectorEnv,
+        lambda path: tactus.command("run", path),
+        lambda path: tactus.dataset(path, "out"),
+    )
+    for ask in asked:
+        with pytest.raises(FileNotFoundError, match="cannot be opened: no such file") as refused:
+            ask("none.ron")
+        assert refused.value.errno == errno.ENOENT and str(refused.value.filename) == "none.ron"
+    with pytest.raises(IsADirectoryError, match="is a directory, not a scene file"):
+        tactus.load(tmp_path)
+    (tmp_path / "file").write_text("")
+    for ask in (lambda: tactus.load("file/scene.ron"), lambda: tactus.run(small, frames=1, grasps=[0], out="file/run")):
+        with pytest.raises(NotADirectoryError):
+            ask()
+    with pytest.raises(FileNotFoundError, match="a model is made by"):
+        tactus.run(small, model="nowhere")
+    with pytest.raises(FileNotFoundError, match="holds no data set"):
+        tactus.DataSet("nowhere")
+    # What a scene names is a matter of the scene.
+    mesh = tmp_path / "mesh.ron"
+    mesh.write_text('(object: (shape: Mesh("none.stl")), loading: Squeeze(force: 1))')
+    with pytest.raises(ValueError, match=r"mesh.ron:1:\d+"):
+        tactus.run(mesh)
+    if os.geteuid():
+        mesh.chmod(0)
+        with pytest.raises(PermissionError):
+            tactus.load(mesh)
+
+
+def test_messages_are_verbatim_but_for_the_names_of_arguments(small, tmp_path):
+    with pytest.raises(OSError, match="`tactus train DATASET --model M.ron -o nowhere`"):
+        tactus.run(small, model="nowhere")
+    scene = tmp_path / "a --max-time.ron"
+    scene.write_text("(object: (shape: Sphere(radius: -1)), loading: Squeeze(force: 1)) // run with --max-time 5")
+    with pytest.raises(ValueError, match="// run with --max-time 5") as refused:
+        tactus.load(scene)
+    assert f"{scene}:1:" in str(refused.value)
+    with pytest.raises(ValueError, match="^error: error_at_most and extrapolate are for a network; add backend gnn"):
+        tactus.run(small, error_at_most=0.1)
+    # Who types options reads of options.
+    for typed in ("--error-at-most=0.1", "--force=-1", "--threads=0"):
+        with pytest.raises(ValueError, match=typed.split("=")[0]):
+            tactus.command("run", small, typed)
 
 
 def test_what_tactile_sensors_see_comes_by_name(tmp_path):

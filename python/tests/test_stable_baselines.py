@@ -30,7 +30,7 @@ sys.modules["stable_baselines3"] = None
 try:
     import tactus.stable_baselines
 except ImportError as error:
-    assert 'pip install "tactus[sb3]"' in str(error), error
+    assert 'pip install "./python[sb3]"' in str(error), error
 else:
     raise AssertionError("there is no Stable-Baselines3")
 """

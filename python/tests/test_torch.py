@@ -1,5 +1,7 @@
 """The network in PyTorch and in ONNX Runtime beside the Rust engine."""
 
+import copy
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -157,11 +159,102 @@ def test_a_quaternion_may_have_any_length(network):
     assert along < 1e-6 * by_pose[0, 3:].norm() * pose[0, 3:].norm(), "its length changes nothing"
 
 
+@pytest.fixture(scope="module")
+def lemon(tmp_path_factory):
+    """A network in float64 on a lemon and coarse pads, under two loads."""
+    path = tmp_path_factory.mktemp("lemon") / "lemon.ron"
+    path.write_text(
+        "(object: (shape: Lemon(length: 0.06, diameter: 0.044)), gripper: (pads: GelSightMini(spacing: 2.9e-3)),"
+        " loading: Squeeze(force: 10, frames: 2))"
+    )
+    return tactus.torch.Network.load("universe").double().on(path)
+
+
+POSES = torch.tensor([[0, 0, -0.1, 1, 0, 0, 0], [5e-4, 3e-4, -0.1, 1, 0, 0, 0]], dtype=torch.float64)
+FORCE = torch.tensor([4.0, 7.0], dtype=torch.float64)
+
+
+def test_second_derivatives_by_a_grasp_are_refused_and_those_by_the_weights_are_right(lemon):
+    force = FORCE.clone().requires_grad_()
+    loss = lambda: lemon(POSES[:1], force).contact_force_n[..., 2].square().sum()  # noqa: E731
+    (slope,) = torch.autograd.grad(loss(), force, create_graph=True)
+    with pytest.raises(RuntimeError, match="no second derivatives by poses, force and friction"):
+        torch.autograd.grad(slope.sum(), force)
+    with pytest.raises(RuntimeError, match="no second derivatives"):
+        torch.autograd.functional.hessian(lambda f: lemon(POSES[:1], f).contact_force_n.square().sum(), FORCE)
+    for transform in (torch.func.hessian, lambda f: torch.func.jacfwd(torch.func.jacfwd(f)), lambda f: torch.func.grad(torch.func.grad(f))):
+        with pytest.raises(RuntimeError, match="no second derivatives"):
+            transform(lambda f: lemon(POSES[:1], FORCE * f).contact_force_n.square().sum())(torch.tensor(1.0).double())
+    # Those by the weights do not meet the mechanics: beside a central difference of the slope, within 1e-6.
+    weight = lemon.network.weight("node.bias").requires_grad_()
+    try:
+        (slope,) = torch.autograd.grad(loss(), force, create_graph=True)
+        (by_weight,) = torch.autograd.grad(slope.sum(), weight)
+        along = torch.randn(weight.shape, dtype=weight.dtype, generator=torch.Generator().manual_seed(0))
+        beside = []
+        for step in (-1e-4, 1e-4):
+            with torch.no_grad():
+                weight += step * along
+            beside.append(torch.autograd.grad(loss(), force)[0].sum())
+            with torch.no_grad():
+                weight -= step * along
+        by_difference = (beside[1] - beside[0]) / 2e-4
+        assert abs((by_weight * along).sum() / by_difference - 1) < 1e-6, "of the derivative"
+    finally:
+        weight.requires_grad_(False)
+
+
+def test_torch_func_gives_what_autograd_gives(lemon):
+    answers = lemon(POSES, FORCE)
+    mapped = torch.func.vmap(lambda pose: lemon(pose[None], FORCE).displacement_m[0])(POSES)
+    assert torch.allclose(mapped, answers.displacement_m, rtol=1e-12, atol=0)
+    far = torch.cat([POSES[:1], POSES[:1] + torch.tensor([0, 0, 10.0, 0, 0, 0, 0])])
+    with pytest.raises(ValueError, match="vmap needs an answer to every grasp"):
+        torch.func.vmap(lambda pose: lemon(pose[None], FORCE).displacement_m)(far)
+
+    def shear(force):
+        return lemon(POSES[:1], force).contact_force_n[0, :, :, :, :2].square().sum((1, 2, 3))
+
+    rows = torch.autograd.functional.jacobian(shear, FORCE)
+    assert (rows.diagonal() != 0).all()
+    for transform in (torch.func.jacrev, torch.func.jacfwd):
+        assert torch.allclose(transform(shear)(FORCE), rows, rtol=1e-9, atol=1e-15), transform
+
+    def travelled(pose):
+        return lemon(pose[None], FORCE[:1]).displacement_m.square().sum()
+
+    each = torch.func.vmap(torch.func.grad(travelled))(POSES)
+    inner = torch.func.grad(lambda poses: torch.func.vmap(travelled)(poses).sum())(POSES)
+    alone = [torch.autograd.grad(travelled(pose), pose)[0] for pose in POSES.clone().requires_grad_().unbind()]
+    assert torch.allclose(each, torch.stack(alone), rtol=1e-9) and torch.allclose(inner, each, rtol=1e-9)
+    with torch.autograd.forward_ad.dual_level():
+        dual = torch.autograd.forward_ad.make_dual(FORCE, torch.ones_like(FORCE))
+        tangent = torch.autograd.forward_ad.unpack_dual(shear(dual)).tangent
+    assert torch.allclose(tangent, rows.sum(1), rtol=1e-9), "forward mode, too"
+    fresh = copy.deepcopy(lemon)
+    fresh.network.float()
+    torch.func.jacrev(lambda force: fresh(POSES[:1], force).displacement_m.sum())(FORCE)
+    assert torch.allclose(pickle.loads(pickle.dumps(fresh))(POSES, FORCE).displacement_m.double(), answers.displacement_m, rtol=1e-3, atol=1e-9), (
+        "nothing of a call is left behind"
+    )
+
+
+def test_it_is_copied_and_pickled_with_its_weights(lemon, tmp_path, monkeypatch):
+    with torch.no_grad():
+        other = copy.deepcopy(lemon)
+        other.network.weight("node.bias").add_(0.1)
+    monkeypatch.chdir(tmp_path)
+    for on in (lemon, other):
+        again = pickle.loads(pickle.dumps(on))
+        assert torch.equal(again(POSES, FORCE).displacement_m, on(POSES, FORCE).displacement_m)
+    assert not torch.equal(other(POSES, FORCE).displacement_m, lemon(POSES, FORCE).displacement_m)
+
+
 def test_a_folder_is_loaded_as_the_name_is(network):
     folder = tactus.torch.Network.load(ROOT / "models" / "universe")
     for (name, mine), (_, other) in zip(folder.named_parameters(), network.named_parameters()):
         assert torch.equal(mine.cpu(), other.cpu()), name
-    with pytest.raises(ValueError, match="a model is made by"):
+    with pytest.raises(FileNotFoundError, match="a model is made by"):
         tactus.torch.Network.load("nowhere")
 
 

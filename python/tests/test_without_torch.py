@@ -13,7 +13,7 @@ sys.modules["torch"] = None
 try:
     import tactus.torch
 except ImportError as error:
-    assert 'pip install "tactus[torch]"' in str(error), error
+    assert 'pip install "./python[torch]"' in str(error), error
 else:
     raise AssertionError("there is no torch")
 """

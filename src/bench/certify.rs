@@ -122,7 +122,7 @@ impl References {
         if !path.exists() {
             return Ok(Self::default());
         }
-        let bytes = std::fs::read(&path).map_err(|e| Error::file(&path, format!("cannot be read: {e}")))?;
+        let bytes = std::fs::read(&path).map_err(|e| Error::system(&path, format!("cannot be read: {e}"), e.kind()))?;
         serde_json::from_slice(&bytes)
             .map_err(|e| Error::file(&path, format!("is not what `tactus bench --certify` writes: {e}")))
     }

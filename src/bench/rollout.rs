@@ -64,7 +64,7 @@ pub fn rollouts(
     mut progress: impl FnMut(&str),
 ) -> Result<Rollouts> {
     let task = set.first().and_then(|s| s.scene.task.as_ref());
-    let task = task.ok_or_else(|| Error::Start("--envs is for a scene with a task; this one has none".into()))?;
+    let task = task.ok_or_else(|| Error::Argument("--envs is for a scene with a task; this one has none".into()))?;
     let steps = task.steps.get();
     let mut envs = envs.to_vec();
     envs.sort_unstable();

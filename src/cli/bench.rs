@@ -117,8 +117,7 @@ fn rules(args: &BenchArgs) -> Rules {
 
 /// Applies `--frames`.
 fn set_frames(args: &BenchArgs, scene: &mut Scene) -> Result<()> {
-    let refused = |m| Error::Scene(format!("error: {m}"));
-    args.frames.map_or(Ok(()), |frames| scene.loading.set_frames(frames).map_err(refused))
+    args.frames.map_or(Ok(()), |frames| scene.loading.set_frames(frames).map_err(Error::Argument))
 }
 
 /// Measures the steps of a task per second: returns the report as text and as JSON; files are written.

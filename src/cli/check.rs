@@ -48,7 +48,7 @@ pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
     let set = load_set(&args.scene)?.only(args.object.as_deref())?;
     let several = set.scenes.len() > 1;
     if several && args.export.is_some() {
-        return Err(Error::Scene("error: --export writes one object; choose it with --object".into()));
+        return Err(Error::Argument("--export writes one object; choose it with --object".into()));
     }
     let (mut runs, mut objects, mut errors) = (true, Vec::new(), Vec::new());
     for named in set.scenes.iter().take(EXAMINED) {

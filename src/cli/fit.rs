@@ -46,7 +46,7 @@ pub fn fit(args: &FitArgs, console: &dyn Console) -> Result<u8> {
     let curve = Curve::read(&args.curve)?;
     let mut ranges = Ranges::default();
     for text in &args.range {
-        ranges.set(text).map_err(|m| Error::Scene(format!("error: --range {m}")))?;
+        ranges.set(text).map_err(|m| Error::Argument(format!("--range {m}")))?;
     }
     let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
     args.out.as_deref().map_or(Ok(()), create_dir)?;

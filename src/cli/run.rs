@@ -91,7 +91,7 @@ impl RunArgs {
 
 /// Returns the error of a refused argument.
 pub(super) fn refused(message: &str) -> Error {
-    Error::Scene(format!("error: {message}"))
+    Error::Argument(message.into())
 }
 
 /// Simulates the grasps of the scene, of one object after the other, records and reports them. If there are several

@@ -387,6 +387,6 @@ const COMMAND: &str = "tactus dataset";
 const LAYING_OUT: &str = ".laying_out";
 
 fn size(path: &Path) -> Result<u64> {
-    let meta = std::fs::metadata(path).map_err(|e| Error::file(path, format!("cannot be read: {e}")))?;
+    let meta = std::fs::metadata(path).map_err(|e| Error::system(path, format!("cannot be read: {e}"), e.kind()))?;
     Ok(meta.len())
 }

@@ -103,7 +103,8 @@ impl Seal {
             }
             Ok(hasher.finalize().to_hex().to_string())
         };
-        let blake3 = hash().map_err(|e: std::io::Error| Error::file(path, format!("cannot be read: {e}")))?;
+        let blake3 =
+            hash().map_err(|e: std::io::Error| Error::system(path, format!("cannot be read: {e}"), e.kind()))?;
         Ok(Self { apart, blake3 })
     }
 

@@ -18,6 +18,7 @@ use super::manifest::{Manifest, ObjectEntry};
 use super::reader::ObjectFile;
 use super::split::{Poses, Splits};
 use crate::error::{Error, Result};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Data set on disk.
@@ -44,13 +45,17 @@ impl DataSet {
     pub fn open(dir: impl AsRef<Path>) -> Result<Self> {
         let dir = dir.as_ref();
         let manifest = Manifest::read(dir)?.ok_or_else(|| {
-            Error::file(dir, "holds no data set (no manifest.json); make one with `tactus dataset SCENE -o DIR`")
+            let message = "holds no data set (no manifest.json); make one with `tactus dataset SCENE -o DIR`";
+            match dir.exists() {
+                true => Error::file(dir, message),
+                false => Error::system(dir, message, ErrorKind::NotFound),
+            }
         })?;
         if !manifest.finished {
             return Err(Error::file(dir, "the data set is not finished; run the same `tactus dataset` again to go on"));
         }
         let path = dir.join("splits.json");
-        let bytes = std::fs::read(&path).map_err(|e| Error::file(&path, format!("cannot be read: {e}")))?;
+        let bytes = std::fs::read(&path).map_err(|e| Error::system(&path, format!("cannot be read: {e}"), e.kind()))?;
         if !manifest.splits.is_empty() && blake3::hash(&bytes).to_hex().as_str() != manifest.splits {
             return Err(Error::file(&path, "was changed or damaged since it was written; take it from a copy"));
         }
@@ -79,7 +84,8 @@ impl DataSet {
 /// Opens the file of an object if it agrees with its entry.
 fn sound(path: &Path, entry: &ObjectEntry) -> Result<ObjectFile> {
     let fail = |message: String| Err(Error::file(path, message));
-    let size = std::fs::metadata(path).map_err(|e| Error::file(path, format!("cannot be opened: {e}")))?.len();
+    let size =
+        std::fs::metadata(path).map_err(|e| Error::system(path, format!("cannot be opened: {e}"), e.kind()))?.len();
     if size != entry.bytes {
         return fail(format!("has {size} bytes instead of {}: cut off or changed", entry.bytes));
     }
@@ -110,6 +116,6 @@ fn sound(path: &Path, entry: &ObjectEntry) -> Result<ObjectFile> {
 pub fn hash(path: &Path) -> Result<String> {
     let mut hasher = blake3::Hasher::new();
     let read = std::fs::File::open(path).and_then(|file| hasher.update_reader(file).map(|h| h.finalize()));
-    let hash = read.map_err(|e| Error::file(path, format!("cannot be read: {e}")))?;
+    let hash = read.map_err(|e| Error::system(path, format!("cannot be read: {e}"), e.kind()))?;
     Ok(hash.to_hex().to_string())
 }

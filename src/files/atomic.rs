@@ -135,5 +135,5 @@ pub fn cannot_write(path: &Path, error: &io::Error) -> Error {
         ErrorKind::NotFound => "its directory is gone; was the output directory removed during the run?",
         _ => "check the output directory",
     };
-    Error::file(path, format!("cannot write: {error}; {remedy}"))
+    Error::system(path, format!("cannot write: {error}; {remedy}"), error.kind())
 }

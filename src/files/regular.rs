@@ -5,7 +5,7 @@
 
 use crate::error::{Error, Result};
 use std::fs::{File, FileType, Metadata};
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 /// Opens a regular file for reading.
@@ -41,6 +41,11 @@ pub fn other_kind(meta: &Metadata) -> Option<&'static str> {
     (!kind.is_file()).then(|| if kind.is_dir() { "a directory" } else { special(kind) })
 }
 
+/// Returns the kind of error with which the operating system refuses to read what is no regular file.
+pub fn refusal(meta: &Metadata) -> ErrorKind {
+    if meta.is_dir() { ErrorKind::IsADirectory } else { ErrorKind::Unsupported }
+}
+
 #[cfg(unix)]
 fn special(kind: FileType) -> &'static str {
     use std::os::unix::fs::FileTypeExt;
@@ -60,7 +65,7 @@ fn special(_: FileType) -> &'static str {
 fn checked(path: &Path) -> Result<(File, Metadata)> {
     let meta = path.metadata().map_err(|e| failed(path, &e))?;
     if let Some(kind) = other_kind(&meta) {
-        return Err(Error::file(path, format!("is {kind}, not a regular file")));
+        return Err(Error::system(path, format!("is {kind}, not a regular file"), refusal(&meta)));
     }
     let file = File::open(path).map_err(|e| failed(path, &e))?;
     Ok((file, meta))
@@ -68,9 +73,9 @@ fn checked(path: &Path) -> Result<(File, Metadata)> {
 
 fn failed(path: &Path, error: &std::io::Error) -> Error {
     let reason = match error.kind() {
-        std::io::ErrorKind::NotFound => "no such file".into(),
-        std::io::ErrorKind::PermissionDenied => "no permission".into(),
+        ErrorKind::NotFound => "no such file".into(),
+        ErrorKind::PermissionDenied => "no permission".into(),
         _ => error.to_string(),
     };
-    Error::file(path, format!("cannot be read: {reason}"))
+    Error::system(path, format!("cannot be read: {reason}"), error.kind())
 }

@@ -43,7 +43,7 @@ pub struct Minimum {
 /// # Errors
 /// Fails if `residuals` fails, or returns None at `start` or beside a point that was reached.
 pub fn minimise(start: &[f64], residuals: impl Fn(&[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>>) -> Result<Minimum> {
-    let failed = || Error::Solver("a press beside one that succeeded fails; narrow the ranges with --range".into());
+    let failed = || Error::Argument("a press beside one that succeeded fails; narrow the ranges with --range".into());
     let all = |points: &[Vec<f64>]| residuals(points)?.into_iter().collect::<Option<Vec<_>>>().ok_or_else(failed);
     let first = all(&[start.to_vec()])?.swap_remove(0);
     let jacobian = differences(start, &first, all)?;

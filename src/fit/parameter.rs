@@ -131,8 +131,8 @@ impl Ranges {
     pub(super) fn must_hold(&self, values: &ParameterValues) -> Result<()> {
         for (p, (value, [low, high])) in Parameter::ALL.into_iter().zip(values.iter().zip(self.0)) {
             if !(low..=high).contains(value) {
-                return Err(Error::Scene(format!(
-                    "error: {} of the scene is {}, outside its range of {} to {}; give --range {}=LOW,HIGH",
+                return Err(Error::Argument(format!(
+                    "{} of the scene is {}, outside its range of {} to {}; give --range {}=LOW,HIGH",
                     p.words(),
                     shown(*value),
                     shown(low),

@@ -17,7 +17,7 @@ use std::path::Path;
 /// Fails if the file cannot be read or is not a `run.json`.
 pub fn run_report(dir: &Path) -> Result<RunReport> {
     let path = dir.join("run.json");
-    let bytes = std::fs::read(&path).map_err(|e| Error::file(&path, format!("cannot be read: {e}")))?;
+    let bytes = std::fs::read(&path).map_err(|e| Error::system(&path, format!("cannot be read: {e}"), e.kind()))?;
     serde_json::from_slice(&bytes).map_err(|e| Error::file(&path, format!("is no report of a run: {e}")))
 }
 

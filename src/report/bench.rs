@@ -135,6 +135,6 @@ fn megabytes(bytes: Option<u64>) -> String {
 }
 
 fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
-    let bytes = std::fs::read(path).map_err(|e| Error::file(path, format!("cannot be read: {e}")))?;
+    let bytes = std::fs::read(path).map_err(|e| Error::system(path, format!("cannot be read: {e}"), e.kind()))?;
     serde_json::from_slice(&bytes).map_err(|e| Error::file(path, format!("is not what `tactus bench` writes: {e}")))
 }

@@ -39,6 +39,8 @@ pub struct Options {
     pub object_name: String,
     /// Pose of each pad in the hand at zero travel: `x_hand = rotation * x_pad + position`; empty if not known.
     pub pads: Vec<GraspPose>,
+    /// Numbers of the grasps in the order of `run.json`; those that are not listed follow by number.
+    pub order: Vec<usize>,
 }
 
 impl Default for Options {
@@ -54,6 +56,7 @@ impl Default for Options {
             overwrite: false,
             object_name: "object".into(),
             pads: Vec::new(),
+            order: Vec::new(),
         }
     }
 }
@@ -64,7 +67,8 @@ pub struct RunRecorder {
     dir: PathBuf,
     options: Options,
     report: RunReport,
-    grasps: BTreeMap<usize, GraspSummary>,
+    /// Summaries by place in the order and number of the grasp.
+    grasps: BTreeMap<(usize, usize), GraspSummary>,
     _lock: FolderLock,
 }
 
@@ -127,7 +131,9 @@ impl RunRecorder {
     /// Fails if `run.json` cannot be written.
     pub fn skip_grasp(&mut self, index: usize, mut summary: GraspSummary) -> Result<()> {
         summary.grasp = index;
-        self.grasps.insert(index, summary);
+        let order = &self.options.order;
+        let place = order.iter().position(|number| *number == index).unwrap_or(order.len());
+        self.grasps.insert((place, index), summary);
         self.report.grasps = self.grasps.values().cloned().collect();
         self.report.write(&self.dir.join("run.json"))
     }

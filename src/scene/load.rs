@@ -60,7 +60,7 @@ pub struct LoadedSet {
 /// Loads a scene file of one object.
 ///
 /// # Errors
-/// Returns an [`Error::Scene`] ready to print if a file cannot be read, a value is refused or the file has several
+/// Returns an error ready to print if a file cannot be read, a value is refused or the file has several
 /// objects.
 pub fn load(path: impl AsRef<Path>) -> Result<Loaded> {
     load_object(path, None)
@@ -69,12 +69,13 @@ pub fn load(path: impl AsRef<Path>) -> Result<Loaded> {
 /// Loads the scene of one object from a scene file; None stands for the only object.
 ///
 /// # Errors
-/// Returns an [`Error::Scene`] ready to print if a file cannot be read, a value is refused, no object has this name, or
+/// Returns an error ready to print if a file cannot be read, a value is refused, no object has this name, or
 /// the file has several objects and none is named.
 pub fn load_object(path: impl AsRef<Path>, object: Option<&str>) -> Result<Loaded> {
     let mut set = load_set(path)?.only(object)?;
     if set.scenes.len() > 1 {
-        return set.refuse(format!("has several objects; choose one with --object: {}", set.names()));
+        let message = format!("{}: has several objects; choose one with --object: {}", set.path.display(), set.names());
+        return Err(Error::Argument(message));
     }
     let scene = set.scenes.swap_remove(0).scene;
     Ok(Loaded { scene, dir: folder(&set.path), path: set.path, sources: set.sources, places: set.places })
@@ -122,7 +123,7 @@ impl LoadedSet {
 /// Loads all scenes of a file, one per object.
 ///
 /// # Errors
-/// Returns an [`Error::Scene`] ready to print if a file cannot be read, a value is refused, a field is missing or fields
+/// Returns an error ready to print if a file cannot be read, a value is refused, a field is missing or fields
 /// do not fit together.
 pub fn load_set(path: impl AsRef<Path>) -> Result<LoadedSet> {
     load_seeded(path, None)
@@ -139,7 +140,7 @@ pub fn load_seeded(path: impl AsRef<Path>, seed: Option<u64>) -> Result<LoadedSe
     match (seed, &mut part.universe) {
         (Some(seed), Some(universe)) => universe.seed = seed,
         (Some(_), None) => {
-            return Err(Error::Scene("error: --seed is for a scene with a universe; this one draws nothing".into()));
+            return Err(Error::Argument("--seed is for a scene with a universe; this one draws nothing".into()));
         }
         (None, _) => {}
     }

@@ -128,5 +128,5 @@ pub fn limit_time(stepper: &mut StepperChoice, seconds: f64) -> Result<()> {
 }
 
 fn refused(message: &str) -> Error {
-    Error::Scene(format!("error: {message}"))
+    Error::Argument(message.into())
 }

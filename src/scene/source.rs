@@ -1,7 +1,7 @@
 //! Reading of the text of a scene file, with the reason if it fails.
 
 use crate::error::{Error, Result};
-use crate::files::regular::other_kind;
+use crate::files::regular::{other_kind, refusal};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -11,10 +11,11 @@ pub const SIZE_LIMIT: u64 = 16 * 1024 * 1024;
 
 /// Reads a text of at most [`SIZE_LIMIT`] bytes; each failure is one message that names the file.
 pub(super) fn read(path: &Path) -> Result<String> {
-    let unopened = |e: std::io::Error| failure(path, format!("cannot be opened: {}", reason(&e)));
+    let unopened = |e: std::io::Error| Error::system(path, format!("cannot be opened: {}", reason(&e)), e.kind());
     // A fifo may block for ever, a device may never end.
-    if let Some(kind) = other_kind(&path.metadata().map_err(unopened)?) {
-        return fail(path, format!("is {kind}, not a scene file"));
+    let meta = path.metadata().map_err(unopened)?;
+    if let Some(kind) = other_kind(&meta) {
+        return Err(Error::system(path, format!("is {kind}, not a scene file"), refusal(&meta)));
     }
     let file = File::open(path).map_err(unopened)?;
     let mut bytes = Vec::new();
@@ -39,12 +40,8 @@ pub(super) fn read(path: &Path) -> Result<String> {
     Ok(text.strip_prefix('\u{feff}').map(str::to_string).unwrap_or(text))
 }
 
-fn failure(path: &Path, what: impl std::fmt::Display) -> Error {
-    Error::Scene(format!("error: {} {what}", path.display()))
-}
-
 fn fail<T>(path: &Path, what: impl std::fmt::Display) -> Result<T> {
-    Err(failure(path, what))
+    Err(Error::Scene(format!("error: {} {what}", path.display())))
 }
 
 fn reason(e: &std::io::Error) -> String {

@@ -40,7 +40,7 @@ impl Server {
     /// Fails if the port is taken or no thread can be started.
     pub fn start(port: u16, answer: impl Fn(&str) -> Option<Reply> + Send + Sync + 'static) -> Result<Self> {
         let cannot = |e: std::io::Error| {
-            Error::Start(format!("cannot listen on 127.0.0.1:{port}: {e}; --port takes another, 0 any that is free"))
+            Error::Argument(format!("cannot listen on 127.0.0.1:{port}: {e}; --port takes another, 0 any that is free"))
         };
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(cannot)?;
         let address = listener.local_addr().map_err(cannot)?;

@@ -279,7 +279,7 @@ fn files_that_are_no_text_are_refused() {
     let dir = tempfile::tempdir().unwrap();
     assert!(load(dir.path()).unwrap_err().to_string().contains("is a directory"));
     assert!(
-        load(dir.path().join("none.ron")).unwrap_err().to_string().contains("none.ron cannot be opened: no such file")
+        load(dir.path().join("none.ron")).unwrap_err().to_string().contains("none.ron: cannot be opened: no such file")
     );
     assert!(load(Path::new("")).unwrap_err().to_string().contains("no such file"));
 }

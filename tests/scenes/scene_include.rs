@@ -81,7 +81,7 @@ fn too_deep_missing_and_too_many_includes_are_refused() {
     let error = load(dir.path().join("0.ron")).unwrap_err().to_string();
     assert!(error.contains("nested more than 16 deep: 0.ron -> 1.ron"), "{error}");
     let error = load(dir.path().join("15.ron")).unwrap_err().to_string();
-    assert!(error.contains("include[0]: ") && error.contains("20.ron cannot be opened: no such file"), "{error}");
+    assert!(error.contains("include[0]: ") && error.contains("20.ron: cannot be opened: no such file"), "{error}");
     assert!(error.contains("19.ron:1:12\n"), "{error}");
     for i in 0..12 {
         write(dir.path(), &format!("{i}.ron"), &format!("(include: [\"{0}.ron\", \"{0}.ron\"])", i + 1));

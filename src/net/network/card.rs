@@ -94,7 +94,8 @@ impl Trained {
             None => {
                 let text = std::fs::read_to_string(&path).map_err(|e| missing(model, &path, &e))?;
                 let path = model.join(WEIGHTS);
-                let weights = std::fs::read(&path).map_err(|e| Error::file(&path, format!("cannot be read: {e}")))?;
+                let weights =
+                    std::fs::read(&path).map_err(|e| Error::system(&path, format!("cannot be read: {e}"), e.kind()))?;
                 (Cow::from(text), Cow::from(weights))
             }
         };
@@ -141,7 +142,7 @@ fn missing(model: &Path, path: &Path, e: &std::io::Error) -> Error {
         model.display(),
         shipped::names()
     );
-    Error::file(path, message)
+    Error::system(path, message, e.kind())
 }
 
 impl Card {

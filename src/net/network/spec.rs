@@ -118,7 +118,8 @@ impl Spec {
     /// # Errors
     /// Fails if the file cannot be read or parsed; the message gives file, line and column.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|e| Error::file(path, format!("cannot be read: {e}")))?;
+        let text =
+            std::fs::read_to_string(path).map_err(|e| Error::system(path, format!("cannot be read: {e}"), e.kind()))?;
         let bad = |e: ron::error::SpannedError| {
             let at = e.span.start;
             Error::Scene(format!("error: {}:{}:{}: {}", path.display(), at.line, at.col, e.code))

@@ -40,7 +40,8 @@ pub fn write(dir: &Path, epochs: &[Epoch]) -> Result<()> {
 /// Fails if the file cannot be read or is not what [`write()`] makes.
 pub fn read(dir: &Path) -> Result<Vec<Epoch>> {
     let path = dir.join(CURVES);
-    let text = std::fs::read_to_string(&path).map_err(|e| Error::file(&path, format!("cannot be read: {e}")))?;
+    let text =
+        std::fs::read_to_string(&path).map_err(|e| Error::system(&path, format!("cannot be read: {e}"), e.kind()))?;
     let epoch = |line: &str| {
         let numbers: Option<Vec<f64>> = line.split(',').map(|field| field.parse().ok()).collect();
         let [_, training, validation, rate] = numbers?.try_into().ok()?;

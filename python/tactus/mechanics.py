@@ -1,0 +1,165 @@
+"""Tactus's mechanics as PyTorch sees them: values, and first derivatives by autograd and `torch.func`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import torch
+from torch import Tensor
+from torch.autograd import Function
+from torch.autograd.forward_ad import unpack_dual
+
+from . import _tactus
+
+# Changes of a grasp: of the logarithm of the force, of friction, position (3) and rotation (3).
+CHANGES = 8
+
+
+class Look:
+    """One look at grasps.
+
+    changes: along which there are derivatives, a part of the range of `CHANGES`.
+    names: of the arrays.
+    grasp: numbers of the grasps (G) that have an answer.
+    failed: reasons of the others, by number.
+    """
+
+    def __init__(self, seen: _tactus.FaceInputs, changes: list[int]) -> None:
+        self.seen, self.changes = seen, changes
+        self.names: list[str] = []
+        self.grasp: list[int] = []
+        self.failed: dict[int, str] = {}
+
+    def at(self, poses: Tensor, force: Tensor, friction: Tensor) -> list[tuple[str, Tensor, Tensor]]:
+        """Returns names, arrays (G, ...) and their slopes (G, changes, ...) of the grasps at `poses` (G, 7) under `force` (G, F) with
+        `friction` (G), float64 where there are always f64. ValueError if no grasp has an answer."""
+        arrays = Looked.apply(poses, force, friction, self)
+        half = len(self.names)
+        return list(zip(self.names, arrays[:half], arrays[half:]))
+
+
+class Looked(Function):
+    """Arrays of a `Look`, then their slopes; constants for autograd."""
+
+    # PyTorch's signature leaves the arguments open.
+    @staticmethod
+    def forward(poses: Tensor, force: Tensor, friction: Tensor, look: Look) -> tuple[Tensor, ...]:
+        at, under, rubbing = (value.detach().contiguous().numpy() for value in (poses, force, friction))
+        values, slopes, look.grasp, look.failed = look.seen.grasps(at, under, rubbing, look.changes)
+        if not look.grasp:
+            raise ValueError(f"no grasp has an answer: {look.failed}")
+        look.names = list(values)
+        return tuple(torch.from_numpy(array) for array in (*values.values(), *(slopes[name] for name in values)))
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: tuple[Any, ...], output: tuple[Tensor, ...]) -> None:
+        ctx.mark_non_differentiable(*output)
+        ctx.arrays = len(output)
+
+    @staticmethod
+    def jvp(ctx: Any, *tangents: Tensor | None) -> tuple[None, ...]:
+        return (None,) * ctx.arrays
+
+    @staticmethod
+    def vmap(
+        info: Any, in_dims: tuple[Any, ...], poses: Tensor, force: Tensor, friction: Tensor, look: Look
+    ) -> tuple[tuple[Tensor, ...], tuple[int, ...]]:
+        """The grasps of all examples are those of one look."""
+        n, given = info.batch_size, (poses, force, friction)
+        rows = [x.expand(n, *x.shape) if dim is None else x.movedim(dim, 0) for x, dim in zip(given, in_dims)]
+        # What is mapped does not tell what is differentiated.
+        look.changes = list(range(CHANGES))
+        arrays = Looked.apply(*(x.flatten(0, 1) for x in rows), look)
+        if look.failed:
+            raise ValueError(f"torch.func.vmap needs an answer to every grasp; by number: {look.failed}")
+        look.grasp = look.grasp[: len(look.grasp) // n]
+        return tuple(array.unflatten(0, (n, -1)) for array in arrays), (0,) * len(arrays)
+
+
+class Once(Function):
+    """A tensor that can be differentiated once: RuntimeError for second derivatives."""
+
+    generate_vmap_rule = True
+
+    @staticmethod
+    def forward(x: Tensor) -> Tensor:
+        return x.clone()
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: tuple[Tensor], output: Tensor) -> None:
+        ctx.save_for_backward(*inputs)
+        ctx.save_for_forward(*inputs)
+
+    @staticmethod
+    def backward(ctx: Any, gradient: Tensor) -> Tensor:
+        return Beside.apply(gradient, NoFurther.apply(*ctx.saved_tensors))
+
+    @staticmethod
+    def jvp(ctx: Any, tangent: Tensor) -> Tensor:
+        return Beside.apply(tangent, NoFurther.apply(*ctx.saved_tensors))
+
+
+class Beside(Function):
+    """The first of two tensors; its derivatives go to both, those to the second are zero."""
+
+    generate_vmap_rule = True
+
+    @staticmethod
+    def forward(x: Tensor, beside: Tensor) -> Tensor:
+        return x.clone()
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: tuple[Tensor, Tensor], output: Tensor) -> None:
+        pass
+
+    @staticmethod
+    def backward(ctx: Any, gradient: Tensor) -> tuple[Tensor, Tensor]:
+        return gradient, torch.zeros_like(gradient)
+
+    @staticmethod
+    def jvp(ctx: Any, tangent: Tensor, beside: Tensor | None) -> Tensor:
+        return tangent.clone()
+
+
+class NoFurther(Function):
+    """A tensor without derivatives: RuntimeError where one is asked for."""
+
+    generate_vmap_rule = True
+
+    @staticmethod
+    def forward(x: Tensor) -> Tensor:
+        return x.clone()
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: tuple[Tensor], output: Tensor) -> None:
+        pass
+
+    @staticmethod
+    def backward(ctx: Any, gradient: Tensor) -> Tensor:
+        raise RuntimeError(SECOND)
+
+    @staticmethod
+    def jvp(ctx: Any, tangent: Tensor) -> Tensor:
+        raise RuntimeError(SECOND)
+
+
+SECOND = (
+    "there are no second derivatives by poses, force and friction: Tactus differentiates its mechanics once, by central differences; "
+    "take differences of the gradient, or differentiate by the weights alone: torch.autograd.grad(loss, network.parameters())"
+)
+
+
+def differentiated(value: Tensor) -> bool:
+    """Whether autograd follows `value`, backwards or forwards."""
+    return (value.requires_grad and torch.is_grad_enabled()) or unpack_dual(value).tangent is not None
+
+
+def changed(poses: Tensor, force: Tensor, friction: Tensor) -> Tensor:
+    """Changes of grasps from where they are, all zero, with their first derivatives (G, F, CHANGES): of the logarithm of each force, friction,
+    position, and rotation vector of the hand in the object frame."""
+    position, rotation = poses[:, :3], poses[:, 3:] / poses[:, 3:].norm(dim=1, keepdim=True)
+    (w, v), (w0, v0) = ((q[:, :1], q[:, 1:]) for q in (rotation, rotation.detach()))
+    turn = 2 * (w0 * v - w * v0 - torch.linalg.cross(v, v0))
+    grasp = torch.cat([friction[:, None], position, turn], 1)[:, None].expand(-1, force.shape[1], -1)
+    all_ = torch.cat([torch.log(force)[..., None], grasp], 2)
+    return Once.apply(all_ - all_.detach())
