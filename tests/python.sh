@@ -16,6 +16,7 @@ python3 -c 'import sys; sys.exit(sys.version_info < (3, 10))' || skip "python3 i
 "$environment/bin/pip" "${install[@]}" "maturin>=1.7,<2" pytest "numpy>=1.26" "gymnasium>=1.1" || skip "its packages cannot be fetched"
 "$environment/bin/pip" "${install[@]}" mypy matplotlib trimesh meshio ||
     echo "skipped: Python tests of types, pictures and meshes (their packages cannot be fetched)"
+"$environment/bin/pip" "${install[@]}" mujoco || echo "skipped: Python tests of robots against MuJoCo (it cannot be fetched)"
 "$environment/bin/pip" install -q --retries 1 --timeout 30 playwright ||
     echo "skipped: Python tests of the viewer in a browser (Playwright cannot be fetched)"
 cargo fetch -q --locked || skip "the crates of its bindings cannot be fetched"
