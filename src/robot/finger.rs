@@ -2,7 +2,7 @@
 
 use super::Mount;
 use super::tolerance::{ANGLE, Deviation, PLACE};
-use super::tree::{Drive, LinkTree, Motion};
+use super::tree::{JointRange, LinkTree, Mobility};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Advice on hands that are no parallel gripper.
@@ -17,7 +17,7 @@ pub(super) struct Finger {
     pub rotation: DMat3,
     /// Unit vector in which its joint slides.
     direction: DVec3,
-    drive: Drive,
+    drive: JointRange,
 }
 
 impl Finger {
@@ -34,13 +34,13 @@ impl Finger {
                 return Ok(Self { position: pose.translation, rotation: pose.matrix3, direction, drive });
             }
             let link = &tree.links[at];
-            match (&link.motion, slides) {
-                (Motion::Fixed, _) => {}
-                (Motion::Slides { axis, joint }, None) => slides = Some((*axis, *joint)),
-                (Motion::Slides { .. }, Some(_)) => {
+            match (&link.mobility, slides) {
+                (Mobility::Fixed, _) => {}
+                (Mobility::Slides { axis, joint }, None) => slides = Some((*axis, *joint)),
+                (Mobility::Slides { .. }, Some(_)) => {
                     return Err(format!("slides on more than one joint on {hand:?}; {SPELL_OUT}"));
                 }
-                (Motion::Other(joint), _) => {
+                (Mobility::Other(joint), _) => {
                     return Err(format!("moves by a joint that does not slide on {hand:?}: {joint}; {SPELL_OUT}"));
                 }
             }

@@ -3,7 +3,7 @@
 use super::fem::FemTag;
 use super::package;
 use super::tolerance::{Deviation, ROUNDING};
-use super::tree::{Link, LinkTree, Motion};
+use super::tree::{Link, LinkTree, Mobility};
 use super::urdf::origin;
 use super::xml::{XmlElement, plain};
 use crate::geometry::mesh::TriMesh;
@@ -76,7 +76,7 @@ fn carrier(tree: &LinkTree, elements: &[&XmlElement], pad: usize) -> Result<(usi
         if elements[at].child("collision").is_some() {
             return Ok((at, pose));
         }
-        let Link { motion: Motion::Fixed, parent: Some(parent), pose: own, .. } = &tree.links[at] else { break };
+        let Link { mobility: Mobility::Fixed, parent: Some(parent), pose: own, .. } = &tree.links[at] else { break };
         pose = *own * pose;
         at = *parent;
     }

@@ -18,19 +18,19 @@ pub(super) struct Link {
     pub parent: Option<usize>,
     /// Map from its axes to those of its parent, m, with its joint at zero.
     pub pose: DAffine3,
-    pub motion: Motion,
+    pub mobility: Mobility,
 }
 
-/// Motion of a link on its parent.
+/// Mobility of a link on its parent.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Motion {
+pub(super) enum Mobility {
     Fixed,
     /// Translation along a unit vector of the link, by the position of the joint of this number, m.
     Slides {
         axis: DVec3,
         joint: usize,
     },
-    /// Any other motion, in words, with the place of its joint.
+    /// Any other way, in words, with the place of its joint.
     Other(String),
 }
 
@@ -54,7 +54,7 @@ pub(super) struct Mimic {
 
 /// Range of a joint, and what moves it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Drive {
+pub(super) struct JointRange {
     /// Lowest and highest position.
     pub range: [f64; 2],
     /// Number of the joint that it follows, its own if it follows none.
@@ -109,7 +109,7 @@ impl LinkTree {
     ///
     /// # Errors
     /// Fails if the leader has no limits, or joints follow each other in a circle.
-    pub fn drive(&self, joint: usize) -> Result<Drive, String> {
+    pub fn drive(&self, joint: usize) -> Result<JointRange, String> {
         let (mut leader, mut gear, mut offset) = (joint, 1.0, 0.0);
         for _ in 0..=self.joints.len() {
             let Joint { range, mimic, name } = &self.joints[leader];
@@ -119,7 +119,7 @@ impl LinkTree {
                     false => format!("{reason} (joint {:?} follows {name:?})", self.joints[joint].name),
                 };
                 let [a, b] = range.clone().map_err(follows)?.map(|position| gear * position + offset);
-                return Ok(Drive { range: [a.min(b), a.max(b)], leader, gear });
+                return Ok(JointRange { range: [a.min(b), a.max(b)], leader, gear });
             };
             offset += gear * mimic.offset;
             gear *= mimic.gear;

@@ -1,6 +1,6 @@
 //! Links of a robot in URDF, and the joints that they hang on.
 
-use super::tree::{Joint, Link, LinkTree, Mimic, Motion};
+use super::tree::{Joint, Link, LinkTree, Mimic, Mobility};
 use super::xml::XmlElement;
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use std::collections::HashMap;
@@ -13,7 +13,7 @@ pub(super) fn read(robot: &XmlElement) -> Result<(LinkTree, Vec<&XmlElement>), S
     let links = by_name(&elements)?;
     for element in &elements {
         let name = element.needed("name")?.to_string();
-        tree.links.push(Link { name, site: false, parent: None, pose: DAffine3::IDENTITY, motion: Motion::Fixed });
+        tree.links.push(Link { name, site: false, parent: None, pose: DAffine3::IDENTITY, mobility: Mobility::Fixed });
     }
     let joints: Vec<&XmlElement> = robot.each("joint").collect();
     let numbers = by_name(&joints)?;
@@ -31,7 +31,7 @@ pub(super) fn read(robot: &XmlElement) -> Result<(LinkTree, Vec<&XmlElement>), S
         let link = &mut tree.links[child];
         link.parent = Some(parent);
         link.pose = origin(joint)?;
-        link.motion = motion(joint, number)?;
+        link.mobility = mobility(joint, number)?;
         let mimic = joint.child("mimic").map(|mimic| follows(mimic, &numbers)).transpose()?;
         tree.joints.push(Joint { name: joint.needed("name")?.to_string(), range: range(joint), mimic });
     }
@@ -67,16 +67,16 @@ pub(super) fn origin(of: &XmlElement) -> Result<DAffine3, String> {
     Ok(DAffine3::from_rotation_translation(rotation, DVec3::from_array(xyz)))
 }
 
-fn motion(joint: &XmlElement, number: usize) -> Result<Motion, String> {
+fn mobility(joint: &XmlElement, number: usize) -> Result<Mobility, String> {
     match joint.needed("type")? {
-        "fixed" => Ok(Motion::Fixed),
+        "fixed" => Ok(Mobility::Fixed),
         "prismatic" => {
             let axis = joint.child("axis").map(|axis| axis.numbers("xyz")).transpose()?.flatten();
             let axis = DVec3::from_array(axis.unwrap_or([1.0, 0.0, 0.0]));
             let unit = axis.try_normalize().ok_or_else(|| joint.error("has an <axis> of no length"))?;
-            Ok(Motion::Slides { axis: unit, joint: number })
+            Ok(Mobility::Slides { axis: unit, joint: number })
         }
-        kind => Ok(Motion::Other(joint.error(format_args!("is {kind}")))),
+        kind => Ok(Mobility::Other(joint.error(format_args!("is {kind}")))),
     }
 }
 

@@ -199,8 +199,9 @@ impl XmlReader {
         self.bytes += bytes.len() as u64;
         self.files += 1;
         let text = String::from_utf8(bytes).map_err(|e| {
-            let offset = e.utf8_error().valid_up_to();
-            format!("{}: is no UTF-8 text at byte {offset}; save it as UTF-8", path.display())
+            let read = &e.as_bytes()[..e.utf8_error().valid_up_to()];
+            let line = 1 + read.iter().filter(|byte| **byte == b'\n').count();
+            format!("{}:{line}: is no UTF-8 text; save it as UTF-8", path.display())
         })?;
         let root = parse(XmlText::new(path, text))?;
         self.chain.push(path.canonicalize().unwrap_or_else(|_| path.to_path_buf()));

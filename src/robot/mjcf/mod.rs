@@ -4,7 +4,7 @@ mod defaults;
 mod include;
 mod orientation;
 
-use super::tree::{Joint, LINKS, Link, LinkTree, Mimic, Motion};
+use super::tree::{Joint, LINKS, Link, LinkTree, Mimic, Mobility};
 use super::xml::{XmlElement, XmlReader};
 use defaults::{Defaults, MAIN};
 use glam::{DAffine3, DVec3};
@@ -32,8 +32,8 @@ pub(super) fn read(mut root: XmlElement, reader: &mut XmlReader) -> Result<LinkT
         })?;
         model.attachable.insert(name, tree);
     }
-    let motion = Motion::Fixed;
-    model.tree.links.push(Link { name: WORLD.into(), site: false, parent: None, pose: DAffine3::IDENTITY, motion });
+    let mobility = Mobility::Fixed;
+    model.tree.links.push(Link { name: WORLD.into(), site: false, parent: None, pose: DAffine3::IDENTITY, mobility });
     let world = Context { body: 0, class: MAIN, frame: DAffine3::IDENTITY };
     root.each("worldbody").try_for_each(|body| model.add(body, &world))?;
     let numbers: HashMap<String, usize> =
@@ -85,11 +85,11 @@ impl Model {
                     self.link(element, context, pose, true);
                 }
                 "joint" | "freejoint" => {
-                    let motion = self.joint(element, context)?;
-                    let own = &mut self.tree.links[context.body].motion;
+                    let mobility = self.joint(element, context)?;
+                    let own = &mut self.tree.links[context.body].mobility;
                     *own = match own {
-                        Motion::Fixed => motion,
-                        _ => Motion::Other(element.error("is the second joint of its body")),
+                        Mobility::Fixed => mobility,
+                        _ => Mobility::Other(element.error("is the second joint of its body")),
                     };
                 }
                 "attach" => self.attach(element, context)?,
@@ -101,21 +101,21 @@ impl Model {
 
     fn link(&mut self, element: &XmlElement, context: &Context, pose: DAffine3, site: bool) -> usize {
         let name = element.text("name").unwrap_or_default().to_string();
-        self.tree.links.push(Link { name, site, parent: Some(context.body), pose, motion: Motion::Fixed });
+        self.tree.links.push(Link { name, site, parent: Some(context.body), pose, mobility: Mobility::Fixed });
         self.tree.links.len() - 1
     }
 
-    fn joint(&mut self, own: &XmlElement, context: &Context) -> Result<Motion, String> {
+    fn joint(&mut self, own: &XmlElement, context: &Context) -> Result<Mobility, String> {
         let joint = self.defaults.apply(own, context.class)?;
         let kind = if own.tag == "freejoint" { "free" } else { joint.text("type").unwrap_or("hinge") };
         let range = self.range(&joint, kind);
         self.tree.joints.push(Joint { name: joint.text("name").unwrap_or_default().into(), range, mimic: None });
         if kind != "slide" {
-            return Ok(Motion::Other(own.error(format_args!("is of type {kind}"))));
+            return Ok(Mobility::Other(own.error(format_args!("is of type {kind}"))));
         }
         let axis = joint.numbers("axis")?.map_or(DVec3::Z, DVec3::from_array);
         let unit = axis.try_normalize().ok_or_else(|| own.error("has an axis of no length"))?;
-        Ok(Motion::Slides { axis: context.frame.transform_vector3(unit), joint: self.tree.joints.len() - 1 })
+        Ok(Mobility::Slides { axis: context.frame.transform_vector3(unit), joint: self.tree.joints.len() - 1 })
     }
 
     /// Returns the lowest and the highest position of a joint from that in which the model is drawn.
@@ -176,8 +176,8 @@ impl Model {
                 Some(parent) => (parent, link.pose),
                 None => continue,
             };
-            let motion = match &link.motion {
-                Motion::Slides { axis, joint } => Motion::Slides { axis: *axis, joint: joint + joints },
+            let mobility = match &link.mobility {
+                Mobility::Slides { axis, joint } => Mobility::Slides { axis: *axis, joint: joint + joints },
                 other => other.clone(),
             };
             taken[number] = Some(self.tree.links.len());
@@ -186,7 +186,7 @@ impl Model {
                 site: link.site,
                 parent: Some(parent),
                 pose,
-                motion,
+                mobility,
             });
         }
         Ok(())
