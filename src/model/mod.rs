@@ -94,7 +94,7 @@ impl Model {
     /// # Errors
     /// [`Error::Mesh`] or [`Error::File`] naming what cannot be simulated and what to do about it.
     pub fn build(scene: &Scene) -> Result<Arc<Self>> {
-        let mut notices: Vec<String> = scene.gripper.notice.iter().cloned().collect();
+        let mut notices: Vec<String> = scene.gripper.notice.0.iter().cloned().collect();
         let object = object::build(&scene.object, &mut notices).map_err(|e| e.about("object.shape"))?;
         let fem = match &scene.stepper {
             StepperChoice::Fem(fem) => *fem,

@@ -36,7 +36,7 @@ pub struct Gripper {
     pub robot: Option<Robot>,
     /// Sentence about what was taken for exact in the description of the robot.
     #[serde(skip)]
-    pub notice: Option<String>,
+    pub notice: RobotNotice,
 }
 
 impl Default for Gripper {
@@ -51,7 +51,7 @@ impl Default for Gripper {
             placement: Placement::default(),
             fingers: Fingers::default(),
             robot: None,
-            notice: None,
+            notice: RobotNotice::default(),
         }
     }
 }
@@ -71,6 +71,16 @@ pub struct Robot {
     /// Axis of the hand's link along which the hand approaches the object.
     #[serde(default = "defaults::approach")]
     pub approach: HandAxis,
+}
+
+/// Sentence about the description of a robot, which no scene file gives: it does not tell scenes apart.
+#[derive(Debug, Clone, Default)]
+pub struct RobotNotice(pub Option<String>);
+
+impl PartialEq for RobotNotice {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 /// Right finger of a gripper whose two pads differ; what is left out is as on the left.
@@ -119,7 +129,7 @@ impl Gripper {
     /// # Errors
     /// Fails if a number is none that the scene could give.
     pub(super) fn take_over(&mut self, Mounted { mount, soft, notice }: Mounted) -> Result<(), String> {
-        self.notice = notice;
+        self.notice = RobotNotice(notice);
         (self.opening, self.stroke) = (Length::new(mount.opening)?, Length::new(mount.stroke)?);
         self.placement = Placement { y: Finite::new(mount.y)?, z: Finite::new(mount.z)? };
         self.robot = None;

@@ -89,7 +89,7 @@ fn what_is_no_parallel_gripper_is_refused_with_the_reason() {
         (changed("<robot", "<robt"), "is no readable XML"),
         (
             changed("upper=\"0.04\"", "upper=\"1e9.0\""),
-            "changed.urdf:15:33: <limit upper=\"1e9.0\">: \"1e9.0\" is no number",
+            "changed.urdf:15:37: <limit upper=\"1e9.0\">: \"1e9.0\" is no number",
         ),
         (
             scene(folder.path(), &robot(&shipped("franka_gelsight.urdf"), "stroke: 0.03")).unwrap_err(),

@@ -26,7 +26,7 @@ fn soft_pads_of_a_urdf_are_the_scene_that_spells_them_out() {
     for side in [0, 1] {
         let (mut a, mut b) = (read.gripper.like(side), spelt.gripper.like(side));
         let pads = [&mut a.pads, &mut b.pads].map(std::mem::take);
-        let notice = a.notice.take().expect("1.57 is told");
+        let notice = a.notice.0.take().expect("1.57 is told");
         assert!(notice.contains("off by up to 8.0e-4 rad"), "{notice}");
         assert_eq!(a, b, "gel, friction, opening, stroke and place of finger {side}");
         let [a, b] = pads.map(|pads| tactus::part::pad::build(&pads, &mut Vec::new()).unwrap().0);

@@ -24,13 +24,13 @@ fn yawed(yaw: &str) -> Result<Gripper, String> {
 
 #[test]
 fn angles_of_few_digits_are_right_ones_with_a_note_by_how_much() {
-    assert_eq!(yawed("3.141592653589793").unwrap().notice, None, "what is exact is no news");
+    assert_eq!(yawed("3.141592653589793").unwrap().notice.0, None, "what is exact is no news");
     for (yaw, off) in
         [("3.1416", "7.3e-6 rad"), ("3.14159", "2.7e-6 rad"), ("3.14", "1.6e-3 rad"), ("-3.1416", "7.3e-6 rad")]
     {
         let gripper = yawed(yaw).unwrap();
         measures(&gripper, [0.08, 0.04, 0.0, 0.11], 1e-7);
-        let notice = gripper.notice.unwrap();
+        let notice = gripper.notice.0.unwrap();
         assert!(notice.contains(off) && notice.contains("g.urdf"), "{yaw}: {notice}");
     }
     refused(yawed("3.12"), &["must be parallel within 0.002 rad"]);
@@ -38,7 +38,7 @@ fn angles_of_few_digits_are_right_ones_with_a_note_by_how_much() {
         let origin = format!("xyz=\"0 0 0.06\" rpy=\"{roll} 0 0\"");
         let gripper = urdf([&origin, &origin], ["0 0 -1", "0 0 1"], "0 0.05 0").unwrap();
         measures(&gripper, [0.08, 0.04, 0.0, 0.11], 1e-7);
-        let notice = gripper.notice.unwrap();
+        let notice = gripper.notice.0.unwrap();
         assert!(notice.contains(off), "{roll}: {notice}");
     }
     let origin = "xyz=\"0 0 0.06\" rpy=\"1.55 0 0\"";
@@ -54,7 +54,7 @@ fn places_that_are_off_by_less_than_a_tenth_of_a_millimetre_are_in_line_with_a_n
     let turned = |z: &str| format!("xyz=\"0 0 {z}\" rpy=\"0 0 3.141592653589793\"");
     let gripper = urdf(["xyz=\"0.00001 0 0.06\"", &turned("0.060012")], ["0 1 0"; 2], "0 0 0.05").unwrap();
     measures(&gripper, [0.08, 0.04, 5e-6, 0.110006], 1e-12);
-    let notice = gripper.notice.unwrap();
+    let notice = gripper.notice.0.unwrap();
     assert!(notice.contains("off by up to 12.00 um") && !notice.contains("rad"), "{notice}");
     refused(
         urdf(["xyz=\"0 0 0.06\"", &turned("0.0602")], ["0 1 0"; 2], "0 0 0.05"),
@@ -77,5 +77,5 @@ fn quaternions_of_six_digits_are_right_angles() {
     let gripper = read(&[("p.xml", &text)], "hand", ["left_pad", "right_pad"]);
     let gripper = gripper.unwrap();
     measures(&gripper, [0.07, 0.035, 0.0, 0.105], 1e-6);
-    assert!(gripper.notice.unwrap().contains("off by up to"), "the note says by how much");
+    assert!(gripper.notice.0.unwrap().contains("off by up to"), "the note says by how much");
 }
