@@ -16,6 +16,7 @@ python3 -c 'import sys; sys.exit(sys.version_info < (3, 10))' || skip "python3 i
 "$environment/bin/pip" "${install[@]}" "maturin>=1.7,<2" "pytest>=9" pytest-timeout "numpy>=1.26" "gymnasium>=1.1" || skip "its packages cannot be fetched"
 "$environment/bin/pip" "${install[@]}" mypy matplotlib trimesh meshio ||
     echo "the packages for types, pictures and meshes cannot be fetched"
+"$environment/bin/pip" "${install[@]}" mujoco || echo "MuJoCo, for the kinematics of robots, cannot be fetched"
 "$environment/bin/pip" install -q --retries 1 --timeout 30 playwright ||
     echo "Playwright, for the viewer in a browser, cannot be fetched"
 cargo fetch -q --locked || skip "the crates of its bindings cannot be fetched"

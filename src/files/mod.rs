@@ -1,5 +1,6 @@
 //! Files: read with checks, written whole or not at all, in folders that one process writes at a time.
 
 pub mod atomic;
+pub mod include;
 pub mod lock;
 pub mod regular;

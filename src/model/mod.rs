@@ -95,7 +95,7 @@ impl Model {
     /// # Errors
     /// [`Error::Mesh`] or [`Error::File`] naming what cannot be simulated and what to do about it.
     pub fn build(scene: &Scene) -> Result<Arc<Self>> {
-        let mut notices = Vec::new();
+        let mut notices: Vec<String> = scene.gripper.notice.0.iter().cloned().collect();
         let scaled = object_of(scene, &mut notices)?;
         let object = object::build(&scaled, &mut notices).map_err(|e| e.about("object.shape"))?;
         let fem = match &scene.stepper {

@@ -1,43 +1,23 @@
 //! Parallel grippers of robots: where the pads of a description in URDF or MJCF stand, and how far its fingers slide.
 
 mod fem;
+mod finger;
 mod mjcf;
+mod package;
 mod soft;
+mod tolerance;
+mod tree;
 mod urdf;
+mod xml;
 
 pub use soft::SoftPad;
 
-use glam::{DQuat, DVec3};
-use std::collections::BTreeMap;
+use finger::{Finger, closing, gripper};
+use glam::DVec3;
 use std::path::Path;
-
-/// Largest length, m, and sine by which two fingers of one gripper may differ: descriptions are written by hand.
-const SLACK: f64 = 1e-6;
-
-/// Coordinate system of a link, of a body or of a site.
-#[derive(Debug, Clone)]
-struct Link {
-    name: String,
-    /// Number of the link that carries it; None for a root.
-    parent: Option<usize>,
-    /// Rotation and translation from it to its parent, with its joint at zero.
-    rotation: DQuat,
-    position: DVec3,
-    joint: Joint,
-}
-
-/// Joint by which a link hangs on its parent.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Joint {
-    Fixed,
-    /// Slides along a unit vector of the link, m.
-    Slides {
-        axis: DVec3,
-        range: [f64; 2],
-    },
-    /// Moves in any other way.
-    Other,
-}
+use tolerance::Deviation;
+use tree::LinkTree;
+use xml::{XmlElement, XmlReader};
 
 /// Pads of a parallel gripper.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,141 +32,87 @@ pub struct Mount {
     pub z: f64,
 }
 
-/// Reads the description at `path`, URDF (`.urdf`) or MJCF (`.xml`), and finds the pads whose sensing faces are centred at the links `pads`,
-/// left first, on the hand whose base is the link `hand`; `approach` is the direction of the approach in its axes.
+/// What a description says of a gripper.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mounted {
+    /// Place of the pads.
+    pub mount: Mount,
+    /// Soft pads, left first; None if the description has none.
+    pub soft: Option<[SoftPad; 2]>,
+    /// Sentence about angles and places that are nearly, but not quite, those of a parallel gripper, and were taken for such.
+    pub notice: Option<String>,
+}
+
+/// Reads the description at `path`, URDF or MJCF, and finds the pads whose sensing faces are centred at the links `pads`, left first, on the
+/// hand whose base is the link `hand`; `approach` is the direction of the approach, an axis of it.
 ///
 /// Links of a URDF that have a `<fem>` are soft pads: then the sensing faces are where their meshes say, and the pads are returned, too.
 ///
 /// # Errors
 /// Fails if the file cannot be read, lacks a link, its fingers are no parallel gripper, or a soft pad cannot be read or bonded; the message
-/// says why.
-pub fn mount(
-    path: &Path,
-    hand: &str,
-    pads: [&str; 2],
-    approach: DVec3,
-) -> Result<(Mount, Option<[SoftPad; 2]>), String> {
-    let (links, collisions, soft) = match path.extension().and_then(|e| e.to_str()) {
-        Some("urdf") => {
-            let (links, collisions) = urdf::read(path)?;
-            (links, collisions, fem::read(path)?)
+/// names the file, and the line where there is one.
+pub fn mount(path: &Path, hand: &str, pads: [&str; 2], approach: DVec3) -> Result<Mounted, String> {
+    XmlReader::default().file(path, None, |root, reader| match root.tag.as_str() {
+        "robot" => {
+            let (tree, elements) = urdf::read(&root)?;
+            Description { path, tree: &tree, elements: &elements }.mount(hand, pads, approach)
         }
-        Some("xml") => (mjcf::read(path)?, Vec::new(), BTreeMap::new()),
-        _ => return Err("is no description of a robot; allowed: URDF (.urdf), MJCF (.xml)".into()),
-    };
-    let find = |name: &str| {
-        let none = || {
-            let names: Vec<&str> =
-                links.iter().map(|link| link.name.as_str()).filter(|name| !name.is_empty()).collect();
-            format!("has no link {name:?}; it has: {}", names.join(", "))
+        "mujoco" => {
+            let tree = mjcf::read(root, reader)?;
+            Description { path, tree: &tree, elements: &[] }.mount(hand, pads, approach)
+        }
+        _ => Err(root.error("is no description of a robot; allowed: <robot> of URDF, <mujoco> of MJCF")),
+    })
+}
+
+/// Links of a description.
+struct Description<'a> {
+    path: &'a Path,
+    tree: &'a LinkTree,
+    /// Elements of the links; empty for MJCF, whose soft bodies are not read.
+    elements: &'a [&'a XmlElement],
+}
+
+impl Description<'_> {
+    fn mount(&self, hand: &str, pads: [&str; 2], approach: DVec3) -> Result<Mounted, String> {
+        let named = |message: String| format!("{}: {message}", self.path.display());
+        let find = |name: &str| self.tree.find(name).map_err(named);
+        let (base, ends) = (find(hand)?, [find(pads[0])?, find(pads[1])?]);
+        let finger = |side: usize, face: DVec3| {
+            Finger::of(self.tree, base, (ends[side], face)).map_err(|m| named(format!("{:?} {m}", pads[side])))
         };
-        links.iter().position(|link| link.name == name).ok_or_else(none)
-    };
-    let base = find(hand)?;
-    let ends = [find(pads[0])?, find(pads[1])?];
-    let finger = |side: usize, face: DVec3| {
-        Finger::of(&links, base, (ends[side], face)).map_err(|m| format!("{:?} {m} {hand:?}", pads[side]))
-    };
-    let tags = match pads.map(|name| soft.get(name)) {
-        [Some(left), Some(right)] => [left, right],
-        [None, None] => return Ok((gripper([finger(0, DVec3::ZERO)?, finger(1, DVec3::ZERO)?], approach)?, None)),
-        _ => return Err(format!("has a <fem> for one of the links {:?} and {:?}, not for both", pads[0], pads[1])),
-    };
-    let fingers = [finger(0, tags[0].position)?, finger(1, tags[1].position)?];
-    let closing = closing(&fingers);
-    let place = |side: usize, closing: DVec3| {
-        let to_link = fingers[side].rotation.inverse();
-        soft::place(path, (&links, &collisions), ends[side], tags[side], [to_link * closing, to_link * approach])
-    };
-    let ((left, left_face), (right, right_face)) = (place(0, closing)?, place(1, -closing)?);
-    Ok((gripper([finger(0, left_face)?, finger(1, right_face)?], approach)?, Some([left, right])))
-}
-
-/// Centre of a sensing face in the axes of the hand.
-struct Finger {
-    /// Position with the joint at zero, m.
-    position: DVec3,
-    /// Rotation from the axes of its link to those of the hand.
-    rotation: DQuat,
-    /// Direction in which its joint slides.
-    direction: DVec3,
-    range: [f64; 2],
-}
-
-impl Finger {
-    /// Follows the links from `pad` up to `base`; the centre of the face is at `face` in the axes of `pad`, m. The message of an error is about the pad, and ends before the name of the hand.
-    fn of(links: &[Link], base: usize, (pad, face): (usize, DVec3)) -> Result<Self, &'static str> {
-        let (mut at, mut position, mut rotation, mut slides) = (pad, face, DQuat::IDENTITY, None);
-        // A description whose links carry each other in a circle ends, too.
-        for _ in 0..=links.len() {
-            if at == base {
-                let (direction, range) = slides.ok_or("does not slide on")?;
-                return Ok(Self { position, rotation, direction, range });
+        let mut deviation = Deviation::default();
+        let mut tag = |side: usize| {
+            let link = self.elements.get(ends[side]);
+            link.map_or(Ok(None), |link| fem::read(self.path, link, &mut deviation))
+        };
+        let (faces, soft) = match (tag(0)?, tag(1)?) {
+            (None, None) => ([DVec3::ZERO; 2], None),
+            (Some(left), Some(right)) => {
+                let tags = [left, right];
+                let fingers = [finger(0, tags[0].pose.translation)?, finger(1, tags[1].pose.translation)?];
+                let closing = closing(&fingers, approach, &mut deviation).map_err(named)?;
+                let mut place = |side: usize, closing: DVec3| {
+                    let directions = [closing, approach].map(|v| fingers[side].rotation.transpose() * v);
+                    soft::place(
+                        self.path,
+                        (self.tree, self.elements),
+                        ends[side],
+                        &tags[side],
+                        directions,
+                        &mut deviation,
+                    )
+                };
+                let ((left, left_face), (right, right_face)) = (place(0, closing)?, place(1, -closing)?);
+                ([left_face, right_face], Some([left, right]))
             }
-            let link = &links[at];
-            match (link.joint, slides) {
-                (Joint::Fixed, _) => {}
-                (Joint::Slides { axis, range }, None) => slides = Some((axis, range)),
-                (Joint::Slides { .. }, Some(_)) => return Err("slides on more than one joint on"),
-                (Joint::Other, _) => return Err("moves by a joint that does not slide on"),
+            _ => {
+                let [left, right] = pads;
+                return Err(named(format!("has a <fem> for one of the links {left:?} and {right:?}, not for both")));
             }
-            position = link.rotation * position + link.position;
-            rotation = link.rotation * rotation;
-            slides = slides.map(|(direction, range)| (link.rotation * direction, range));
-            at = link.parent.ok_or("is not carried by")?;
-        }
-        Err("is not carried by")
+        };
+        let fingers = [finger(0, faces[0])?, finger(1, faces[1])?];
+        let mount = gripper(&fingers, approach, &mut deviation).map_err(named)?;
+        Ok(Mounted { mount, soft, notice: deviation.notice().map(named) })
     }
-
-    /// Returns its position in the middle of its range, m.
-    fn amid(&self) -> DVec3 {
-        self.position + self.direction * (0.5 * (self.range[0] + self.range[1]))
-    }
-
-    /// Returns the range of its joint as ways along `closing`, m, ascending.
-    fn along(&self, closing: DVec3) -> [f64; 2] {
-        let [a, b] = self.range.map(|way| (self.position + self.direction * way).dot(closing));
-        [a.min(b), a.max(b)]
-    }
-}
-
-/// Returns the direction in which the left one of two fingers closes, hand frame.
-fn closing([left, right]: &[Finger; 2]) -> DVec3 {
-    // With the joints at zero the pads may stand behind each other.
-    let apart = right.amid() - left.amid();
-    left.direction * if apart.dot(left.direction) < 0.0 { -1.0 } else { 1.0 }
-}
-
-/// Returns the pads of two fingers, the left one first.
-fn gripper(fingers: [Finger; 2], approach: DVec3) -> Result<Mount, String> {
-    let (closing, [left, right]) = (closing(&fingers), fingers);
-    if left.direction.cross(right.direction).length() > SLACK {
-        return Err(format!(
-            "the fingers slide along {} and {}; they must be parallel",
-            left.direction, right.direction
-        ));
-    }
-    if closing.dot(approach).abs() > SLACK {
-        return Err(format!(
-            "the fingers close along {closing}; the approach {approach} must be perpendicular to that"
-        ));
-    }
-    let [own, other] = [left.along(closing), right.along(closing)];
-    let (stroke, others) = (own[1] - own[0], other[1] - other[0]);
-    if (stroke - others).abs() > SLACK {
-        return Err(format!("the fingers slide by {stroke} m and {others} m; both must slide by as much"));
-    }
-    let across = approach.cross(closing);
-    let of = |axis: DVec3| [left.position.dot(axis), right.position.dot(axis)];
-    let ([y, other_y], [z, other_z]) = (of(across), of(approach));
-    let aside = 0.5 * (own[0] + other[1]);
-    if (y - other_y).abs() > SLACK || (z - other_z).abs() > SLACK || aside.abs() > SLACK {
-        return Err(format!(
-            "the pads do not face each other: in the hand they stand at y {y}, z {z} and y {other_y}, z {other_z} m, \
-             and {aside} m beside its middle along the closing direction"
-        ));
-    }
-    // Whole picometres: what is less stems from the rotations, and would hide that two descriptions are the same.
-    let [opening, stroke, y, z] = [other[1] - own[0], stroke, y, z].map(|v| (v * 1e12).round() / 1e12);
-    Ok(Mount { opening, stroke, y, z })
 }

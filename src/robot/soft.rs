@@ -1,17 +1,17 @@
 //! Soft pads of a URDF on the links that carry them: how their meshes lie, and which of their nodes are bonded.
 
 use super::fem::FemTag;
-use super::{Joint, Link};
+use super::package;
+use super::tolerance::{Deviation, ROUNDING};
+use super::tree::{Link, LinkTree, Mobility};
+use super::urdf::origin;
+use super::xml::{XmlElement, plain};
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::mesh::io::{read_tet_mesh, read_tet_mesh_raw, read_tri_mesh};
 use crate::geometry::pad::{Bonding, PadPlacement, read_pad};
 use crate::geometry::shape::{DEFAULT_SEGMENTS, ShapeKind, SurfaceDistance};
-use glam::{DMat3, DQuat, DVec3, EulerRot};
+use glam::{DAffine3, DMat3, DVec3};
 use std::path::{Path, PathBuf};
-use urdf_rs::{Collision, Geometry};
-
-/// Component of a direction that stems from rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// Soft pad from a mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,99 +34,104 @@ pub struct SoftPad {
     pub density: Option<f64>,
 }
 
-/// Places the soft body `tag` of the link `pad` of the URDF at `path`, whose links are `links` with these `collisions`; `closing` and
-/// `approach` are unit vectors in the axes of the link. Returns the pad, and the centre of its sensing face in the axes of the link, m.
+/// Places the soft body `tag` of the link `pad` of the URDF at `path`, whose links are `tree` with these `elements`; `closing` and `approach`
+/// are unit vectors in the axes of the link, which are squared in those of the mesh within `deviation`. Returns the pad, and the centre of its
+/// sensing face in the axes of the link, m.
 pub(super) fn place(
     path: &Path,
-    (links, collisions): (&[Link], &[Vec<Collision>]),
+    (tree, elements): (&LinkTree, &[&XmlElement]),
     pad: usize,
     tag: &FemTag,
     [closing, approach]: [DVec3; 2],
+    deviation: &mut Deviation,
 ) -> Result<(SoftPad, DVec3), String> {
-    let back = tag.rotation.inverse();
-    let [outward, across] = [closing, approach].map(|v| tidy(back * v));
-    let mesh = file(path, &tag.mesh);
-    let in_link = |x: DVec3| tag.rotation * (x * tag.scale) + tag.position;
-    let (raw, _) = read_tet_mesh_raw(&mesh).map_err(|e| e.to_string())?;
-    let (carrier, to_carrier) = carrier(links, collisions, pad)?;
-    let core = SurfaceDistance::new(&surface(path, &collisions[carrier])?);
-    let near = |x: &DVec3| core.outside(to_carrier(in_link(*x))) <= tag.attach + ROUNDING * core.size();
+    let back = tag.pose.matrix3.transpose();
+    let outward = deviation.squared(back * closing);
+    let across = deviation.squared(back * approach).reject_from_normalized(outward).normalize();
+    let mesh = &tag.mesh;
+    let in_link = |x: DVec3| tag.pose.transform_point3(x * tag.scale);
+    let (raw, _) = read_tet_mesh_raw(mesh).map_err(|e| plain(&e))?;
+    let (carrier, to_carrier) = carrier(tree, elements, pad)?;
+    let core = SurfaceDistance::new(&surface(path, elements[carrier])?);
+    let near =
+        |x: &DVec3| core.outside(to_carrier.transform_point3(in_link(*x))) <= tag.attach + ROUNDING * core.size();
     let bonded: Vec<usize> = (0..raw.nodes.len()).filter(|i| near(&raw.nodes[*i])).collect();
     let about = |e: crate::error::Error| {
-        format!("{e} (within <attachDistance> {} m of link {:?})", tag.attach, links[carrier].name)
+        format!("{} (within <attachDistance> {} m of link {:?})", plain(&e), tag.attach, tree.links[carrier].name)
     };
     let placement = PadPlacement { outward, across: Some(across), bonding: Bonding::Nodes(bonded.clone()) };
-    let (placed, _) = read_pad(&mesh, &placement, None).map_err(about)?;
+    let (placed, _) = read_pad(mesh, &placement, None).map_err(about)?;
     // Nodes keep their order, so that the first one says where the pad's origin lies in the axes of the mesh.
-    let (first, _) = read_tet_mesh(&mesh).map_err(|e| e.to_string())?;
+    let (first, _) = read_tet_mesh(mesh).map_err(|e| plain(&e))?;
     let axes = DMat3::from_cols(across, outward.cross(across), outward);
     let center = first.nodes[0] - axes * placed.mesh.nodes[0];
-    let (scale, young, poisson, density) = (tag.scale, tag.young, tag.poisson, tag.density);
+    let (mesh, scale, young, poisson, density) = (mesh.clone(), tag.scale, tag.young, tag.poisson, tag.density);
     Ok((SoftPad { mesh, scale, outward, across, bonded, young, poisson, density }, in_link(center)))
 }
 
-/// Returns the direction without what rounding has left beside its axes.
-fn tidy(v: DVec3) -> DVec3 {
-    DVec3::from_array(v.to_array().map(|c| if c.abs() < ROUNDING { 0.0 } else { c })).normalize()
-}
-
-/// Returns the first link from `pad` upwards that has a shape, and the way from the axes of `pad` into its axes.
-fn carrier(
-    links: &[Link],
-    collisions: &[Vec<Collision>],
-    pad: usize,
-) -> Result<(usize, impl Fn(DVec3) -> DVec3), String> {
-    let (mut at, mut rotation, mut position) = (pad, DQuat::IDENTITY, DVec3::ZERO);
-    for _ in 0..=links.len() {
-        if !collisions[at].is_empty() {
-            return Ok((at, move |x: DVec3| rotation * x + position));
+/// Returns the first link from `pad` upwards that has a shape, and the map from the axes of `pad` into its axes.
+fn carrier(tree: &LinkTree, elements: &[&XmlElement], pad: usize) -> Result<(usize, DAffine3), String> {
+    let (mut at, mut pose) = (pad, DAffine3::IDENTITY);
+    for _ in 0..=tree.links.len() {
+        if elements[at].child("collision").is_some() {
+            return Ok((at, pose));
         }
-        let Link { joint: Joint::Fixed, parent: Some(parent), .. } = &links[at] else { break };
-        position = links[at].rotation * position + links[at].position;
-        rotation = links[at].rotation * rotation;
+        let Link { mobility: Mobility::Fixed, parent: Some(parent), pose: own, .. } = &tree.links[at] else { break };
+        pose = *own * pose;
         at = *parent;
     }
-    Err(format!(
-        "the soft link {:?} is fixed to no link with a <collision> that it could be bonded to",
-        links[pad].name
-    ))
+    Err(elements[pad].error("is fixed to no link with a <collision> that its <fem> could be bonded to"))
 }
 
-/// Returns the surface of a link, in its axes, m.
-fn surface(path: &Path, collisions: &[Collision]) -> Result<TriMesh, String> {
+/// Returns the surface of a link of the URDF at `path`, in its axes, m.
+fn surface(path: &Path, link: &XmlElement) -> Result<TriMesh, String> {
     let mut whole = TriMesh::default();
-    for collision in collisions {
-        let ([roll, pitch, yaw], position) = (*collision.origin.rpy, DVec3::from_array(*collision.origin.xyz));
-        let rotation = DQuat::from_euler(EulerRot::ZYX, yaw, pitch, roll);
-        let (part, scale) = match &collision.geometry {
-            Geometry::Mesh { filename, scale } => {
-                let (mesh, _) = read_tri_mesh(file(path, filename)).map_err(|e| e.to_string())?;
-                (mesh, scale.map_or(DVec3::ONE, |s| DVec3::from_array(*s)))
-            }
-            Geometry::Box { size } => {
-                (shape(ShapeKind::Cuboid { size: DVec3::from_array(**size), edge_radius: 0.0 })?, DVec3::ONE)
-            }
-            Geometry::Cylinder { radius, length } => {
-                (shape(ShapeKind::Cylinder { radius: *radius, height: *length })?, DVec3::ONE)
-            }
-            Geometry::Capsule { radius, length } => {
-                (shape(ShapeKind::Capsule { radius: *radius, length: length + 2.0 * radius })?, DVec3::ONE)
-            }
-            Geometry::Sphere { radius } => (shape(ShapeKind::Sphere { radius: *radius })?, DVec3::ONE),
-        };
+    for collision in link.each("collision") {
+        let pose = origin(collision)?;
+        let of = collision.child("geometry").and_then(|geometry| geometry.children.first());
+        let of = of.ok_or_else(|| collision.error("has no <geometry>"))?;
+        let part = part(path, of)?;
         let first = whole.vertices.len() as u32;
-        whole.vertices.extend(part.vertices.iter().map(|x| rotation * (*x * scale) + position));
+        whole.vertices.extend(part.vertices.iter().map(|x| pose.transform_point3(*x)));
         whole.triangles.extend(part.triangles.iter().map(|t| t.map(|i| first + i)));
     }
     Ok(whole)
 }
 
-fn shape(kind: ShapeKind) -> Result<TriMesh, String> {
-    Ok((*kind.build(DEFAULT_SEGMENTS).map_err(|e| e.to_string())?.surface).clone())
+/// Returns the surface of one geometry, m.
+fn part(path: &Path, of: &XmlElement) -> Result<TriMesh, String> {
+    let length = |name: &str| of.number(name)?.ok_or_else(|| of.error(format_args!("has no {name}=\"...\"")));
+    let kind = match of.tag.as_str() {
+        "mesh" => return mesh(path, of),
+        "box" => {
+            let size = of.numbers("size")?.ok_or_else(|| of.error("has no size=\"...\""))?;
+            ShapeKind::Cuboid { size: DVec3::from_array(size), edge_radius: 0.0 }
+        }
+        "cylinder" => ShapeKind::Cylinder { radius: length("radius")?, height: length("length")? },
+        "capsule" => {
+            let radius = length("radius")?;
+            ShapeKind::Capsule { radius, length: length("length")? + 2.0 * radius }
+        }
+        "sphere" => ShapeKind::Sphere { radius: length("radius")? },
+        _ => return Err(of.error("is no geometry; allowed: mesh, box, cylinder, capsule, sphere")),
+    };
+    let shape = kind.build(DEFAULT_SEGMENTS).map_err(|e| of.error(plain(&e)))?;
+    Ok((*shape.surface).clone())
 }
 
-/// Returns the path of a file that the URDF at `path` names; `package://name/` is the folder of the URDF.
-fn file(path: &Path, name: &str) -> PathBuf {
-    let own = name.strip_prefix("package://").map_or(name, |rest| rest.split_once('/').map_or(rest, |(_, rest)| rest));
-    path.parent().unwrap_or(Path::new("")).join(own)
+/// Returns the surface of a file, m.
+fn mesh(path: &Path, of: &XmlElement) -> Result<TriMesh, String> {
+    let scale = of.numbers("scale")?.map_or(DVec3::ONE, DVec3::from_array);
+    if scale.abs().min_element() == 0.0 {
+        return Err(
+            of.error(format_args!("has scale {scale}, which leaves no volume; each factor must differ from zero"))
+        );
+    }
+    let (mut mesh, _) = read_tri_mesh(package::file(path, of)?).map_err(|e| plain(&e))?;
+    mesh.vertices.iter_mut().for_each(|x| *x *= scale);
+    // A mirror image is inside out.
+    if scale.to_array().iter().filter(|factor| **factor < 0.0).count() % 2 == 1 {
+        mesh.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+    }
+    Ok(mesh)
 }

@@ -1,58 +1,101 @@
-//! Links of a robot in URDF, and their shapes.
+//! Links of a robot in URDF, and the joints that they hang on.
 
-use super::{Joint, Link};
-use glam::{DQuat, DVec3, EulerRot};
-use roxmltree::Document;
-use std::path::Path;
-use urdf_rs::{Collision, JointType};
+use super::tree::{Joint, Link, LinkTree, Mimic, Mobility};
+use super::xml::XmlElement;
+use glam::{DAffine3, DQuat, DVec3, EulerRot};
+use std::collections::HashMap;
 
-/// Reads the links of a file, and of each the shapes that it collides with.
-pub(super) fn read(path: &Path) -> Result<(Vec<Link>, Vec<Vec<Collision>>), String> {
-    let unreadable = |e: urdf_rs::UrdfError| match misspelt(path) {
-        Some(culprit) => format!("is no readable URDF: {culprit}"),
-        None => format!("is no readable URDF: {e}"),
-    };
-    let robot = urdf_rs::read_file(path).map_err(unreadable)?;
-    let root = |link: &urdf_rs::Link| Link {
-        name: link.name.clone(),
-        parent: None,
-        rotation: DQuat::IDENTITY,
-        position: DVec3::ZERO,
-        joint: Joint::Fixed,
-    };
-    let mut links: Vec<Link> = robot.links.iter().map(root).collect();
-    for joint in &robot.joints {
-        let find = |name: &str| {
-            let missing = || format!("joint {:?} names the link {name:?}, which is not there", joint.name);
-            links.iter().position(|link| link.name == name).ok_or_else(missing)
-        };
-        let (parent, child) = (find(&joint.parent.link)?, find(&joint.child.link)?);
-        let [roll, pitch, yaw] = *joint.origin.rpy;
-        let axis = DVec3::from_array(*joint.axis.xyz).normalize_or_zero();
-        let link = &mut links[child];
-        link.parent = Some(parent);
-        link.rotation = DQuat::from_euler(EulerRot::ZYX, yaw, pitch, roll);
-        link.position = DVec3::from_array(*joint.origin.xyz);
-        link.joint = match joint.joint_type {
-            JointType::Fixed => Joint::Fixed,
-            JointType::Prismatic => Joint::Slides { axis, range: [joint.limit.lower, joint.limit.upper] },
-            _ => Joint::Other,
-        };
+/// Reads the links of a `<robot>`; returns them with the elements that describe them.
+pub(super) fn read(robot: &XmlElement) -> Result<(LinkTree, Vec<&XmlElement>), String> {
+    expanded(robot)?;
+    let mut tree = LinkTree::default();
+    let elements: Vec<&XmlElement> = robot.each("link").collect();
+    let links = by_name(&elements)?;
+    for element in &elements {
+        let name = element.needed("name")?.to_string();
+        tree.links.push(Link { name, site: false, parent: None, pose: DAffine3::IDENTITY, mobility: Mobility::Fixed });
     }
-    Ok((links, robot.links.into_iter().map(|link| link.collision).collect()))
+    let joints: Vec<&XmlElement> = robot.each("joint").collect();
+    let numbers = by_name(&joints)?;
+    for (number, joint) in joints.iter().enumerate() {
+        let end = |tag: &str| {
+            let name = joint.child(tag).ok_or_else(|| joint.error(format_args!("has no <{tag}>")))?.needed("link")?;
+            let missing = || joint.error(format_args!("names the link {name:?}, which is not there"));
+            links.get(name).copied().ok_or_else(missing)
+        };
+        let (parent, child) = (end("parent")?, end("child")?);
+        if let Some(first) = tree.links[child].parent {
+            let [own, first] = [child, first].map(|i| &tree.links[i].name);
+            return Err(joint.error(format_args!("carries the link {own:?}, which hangs on {first:?} already")));
+        }
+        let link = &mut tree.links[child];
+        link.parent = Some(parent);
+        link.pose = origin(joint)?;
+        link.mobility = mobility(joint, number)?;
+        let mimic = joint.child("mimic").map(|mimic| follows(mimic, &numbers)).transpose()?;
+        tree.joints.push(Joint { name: joint.needed("name")?.to_string(), range: range(joint), mimic });
+    }
+    Ok((tree, elements))
 }
 
-/// Returns the first attribute of a file that begins like a number and is none, with its line: `urdf-rs` says neither.
-fn misspelt(path: &Path) -> Option<String> {
-    let text = std::fs::read_to_string(path).ok()?;
-    let document = Document::parse(&text).ok()?;
-    let attributes = document.descendants().flat_map(|node| node.attributes());
-    let mut numbers = attributes.filter(|a| !["name", "link", "joint", "filename"].contains(&a.name()));
-    let wrong = |value: &str| {
-        let begins = value.trim_start().starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
-        begins && value.split_whitespace().any(|word| word.parse::<f64>().is_err())
-    };
-    let found = numbers.find(|a| wrong(a.value()))?;
-    let line = document.text_pos_at(found.range().start).row;
-    Some(format!("line {line}: {}={:?} is no number", found.name(), found.value()))
+/// Refuses what a macro processor should have replaced.
+fn expanded(element: &XmlElement) -> Result<(), String> {
+    if element.tag.starts_with("xacro:") {
+        return Err(element.error("is a macro; expand the file first: xacro FILE > robot.urdf"));
+    }
+    element.children.iter().try_for_each(expanded)
+}
+
+/// Returns the numbers of elements by their names, each of which may stand for one.
+fn by_name<'a>(elements: &[&'a XmlElement]) -> Result<HashMap<&'a str, usize>, String> {
+    let mut numbers = HashMap::new();
+    for (number, element) in elements.iter().enumerate() {
+        if numbers.insert(element.needed("name")?, number).is_some() {
+            return Err(element.error("has the name of another one above; give each a name of its own"));
+        }
+    }
+    Ok(numbers)
+}
+
+/// Returns the map from the axes of an element to those of what it stands in, m, as its `<origin>` says.
+pub(super) fn origin(of: &XmlElement) -> Result<DAffine3, String> {
+    let Some(origin) = of.child("origin") else { return Ok(DAffine3::IDENTITY) };
+    let [xyz, rpy] = [origin.numbers("xyz")?, origin.numbers("rpy")?].map(Option::unwrap_or_default);
+    origin.radians("rpy", &rpy)?;
+    let [roll, pitch, yaw] = rpy;
+    let rotation = DQuat::from_euler(EulerRot::ZYX, yaw, pitch, roll);
+    Ok(DAffine3::from_rotation_translation(rotation, DVec3::from_array(xyz)))
+}
+
+fn mobility(joint: &XmlElement, number: usize) -> Result<Mobility, String> {
+    match joint.needed("type")? {
+        "fixed" => Ok(Mobility::Fixed),
+        "prismatic" => {
+            let axis = joint.child("axis").map(|axis| axis.numbers("xyz")).transpose()?.flatten();
+            let axis = DVec3::from_array(axis.unwrap_or([1.0, 0.0, 0.0]));
+            let unit = axis.try_normalize().ok_or_else(|| joint.error("has an <axis> of no length"))?;
+            Ok(Mobility::Slides { axis: unit, joint: number })
+        }
+        kind => Ok(Mobility::Other(joint.error(format_args!("is {kind}")))),
+    }
+}
+
+fn follows(mimic: &XmlElement, numbers: &HashMap<&str, usize>) -> Result<Mimic, String> {
+    let name = mimic.needed("joint")?;
+    let missing = || mimic.error(format_args!("names the joint {name:?}, which is not there"));
+    let leader = *numbers.get(name).ok_or_else(missing)?;
+    let (gear, offset) = (mimic.number("multiplier")?.unwrap_or(1.0), mimic.number("offset")?.unwrap_or(0.0));
+    Ok(Mimic { leader, gear, offset })
+}
+
+/// Returns the lowest and the highest position of a joint; what it can bear and how fast it is does not matter.
+fn range(joint: &XmlElement) -> Result<[f64; 2], String> {
+    const WRITE: &str = "write how far the finger slides, in m, as in <limit lower=\"0\" upper=\"0.04\"/>";
+    let limit = joint.child("limit").ok_or_else(|| joint.error(format_args!("has no <limit>; {WRITE}")))?;
+    let [lower, upper] = [limit.number("lower")?.unwrap_or(0.0), limit.number("upper")?.unwrap_or(0.0)];
+    if lower < upper {
+        return Ok([lower, upper]);
+    }
+    let order = if lower > upper { "above" } else { "the same as" };
+    Err(joint.error(format_args!("has a <limit> whose lower, {lower}, is {order} its upper, {upper}; {WRITE}")))
 }

@@ -6,7 +6,7 @@ use super::leaf::{Finite, Length, NonNegative};
 use super::material::MaterialChoice;
 use super::pad::{FilePad, Pads};
 use crate::error::Error;
-use crate::robot::{Mount, SoftPad};
+use crate::robot::Mounted;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -35,6 +35,9 @@ pub struct Gripper {
     /// Description of the robot that the pads are mounted on, in place of opening, stroke and placement; a scene that is loaded has its numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<Robot>,
+    /// Sentence about what was taken for exact in the description of the robot.
+    #[serde(skip)]
+    pub notice: RobotNotice,
 }
 
 impl Default for Gripper {
@@ -49,11 +52,12 @@ impl Default for Gripper {
             placement: Placement::default(),
             fingers: Fingers::default(),
             robot: None,
+            notice: RobotNotice::default(),
         }
     }
 }
 
-/// Description of a robot with a parallel gripper: URDF (`.urdf`) or MJCF (`.xml`), of which links and their joints are read. Grasps are those of its
+/// Description of a robot with a parallel gripper, URDF or MJCF, of which links and their joints are read. Grasps are those of its
 /// hand: `grasps: File(path: "...", convention: (closing: Y, approach: Z))` reads poses in the axes of a Franka hand.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -62,11 +66,22 @@ pub struct Robot {
     pub path: PathBuf,
     /// Name of the link that is the base of the hand.
     pub hand: String,
-    /// Names of the links, or of the sites, whose origins are the centres of the two sensing faces, left first.
+    /// Names of the links, or of the sites, whose origins are the centres of the two sensing faces, left first; `site:NAME` and `body:NAME` tell
+    /// a site and a body of one name apart.
     pub pads: (String, String),
     /// Axis of the hand's link along which the hand approaches the object.
     #[serde(default = "defaults::approach")]
     pub approach: HandAxis,
+}
+
+/// Sentence about the description of a robot, which no scene file gives: it does not tell scenes apart.
+#[derive(Debug, Clone, Default)]
+pub struct RobotNotice(pub Option<String>);
+
+impl PartialEq for RobotNotice {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 /// Right finger of a gripper whose two pads differ; what is left out is as on the left.
@@ -110,11 +125,12 @@ impl Gripper {
         if self.alike() { Ok(()) } else { Err(refused().about("gripper.right")) }
     }
 
-    /// Takes opening, stroke and placement of the pads from the description of its robot, and `soft` pads, if it has them.
+    /// Takes opening, stroke and placement of the pads from what the description of its robot says, and soft pads, if it has them.
     ///
     /// # Errors
     /// Fails if a number is none that the scene could give.
-    pub(super) fn take_over(&mut self, mount: &Mount, soft: Option<[SoftPad; 2]>) -> Result<(), String> {
+    pub(super) fn take_over(&mut self, Mounted { mount, soft, notice }: Mounted) -> Result<(), String> {
+        self.notice = RobotNotice(notice);
         (self.opening, self.stroke) = (Length::new(mount.opening)?, Length::new(mount.stroke)?);
         self.placement = Placement { y: Finite::new(mount.y)?, z: Finite::new(mount.z)? };
         self.robot = None;

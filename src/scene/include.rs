@@ -9,12 +9,8 @@ use super::places::{Origins, SceneText};
 use super::schema::ScenePart;
 use super::source::{self, SIZE_LIMIT};
 use crate::error::{Error, Result};
+use crate::files::include::may_include;
 use std::path::{Path, PathBuf};
-
-/// Longest chain of includes.
-const INCLUDE_DEPTH: usize = 16;
-/// Largest number of files that one scene may read: includes that include each other's includes multiply.
-const INCLUDE_FILES: usize = 256;
 
 /// Reader of a scene file and of all that it includes.
 #[derive(Default)]
@@ -55,7 +51,7 @@ impl Loader {
         let (mut whole, mut origins) = (ScenePart::default(), Origins::new());
         for (i, name) in std::mem::take(&mut own.include).iter().enumerate() {
             let included = dir.join(name);
-            self.may_include(&included, chain)
+            may_include(&included, chain, self.sources.len())
                 .map_err(|m| self.sources[index].error_at(&format!("include[{i}]"), &m))?;
             let (part, theirs) = self.tree(&included, chain, Some((index, i)))?;
             whole.take_over(part);
@@ -65,26 +61,6 @@ impl Loader {
         origins.extend(own.given().into_iter().map(|field| (field, index)));
         whole.take_over(own);
         Ok((whole, origins))
-    }
-
-    fn may_include(&self, path: &Path, chain: &[PathBuf]) -> std::result::Result<(), String> {
-        let show = |chain: &[PathBuf]| {
-            let names: Vec<_> = chain.iter().map(|p| p.file_name().unwrap_or_default().to_string_lossy()).collect();
-            names.join(" -> ")
-        };
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        if let Ok(canonical) = path.canonicalize()
-            && let Some(first) = chain.iter().position(|p| *p == canonical)
-        {
-            return Err(format!("the files include each other in a circle: {} -> {name}", show(&chain[first..])));
-        }
-        if chain.len() > INCLUDE_DEPTH {
-            return Err(format!("includes are nested more than {INCLUDE_DEPTH} deep: {} -> {name}", show(chain)));
-        }
-        if self.sources.len() >= INCLUDE_FILES {
-            return Err(format!("the scene includes more than {INCLUDE_FILES} files"));
-        }
-        Ok(())
     }
 }
 

@@ -50,7 +50,7 @@ pub use dialect::{from_json, from_ron, recheck, to_ron};
 pub use dynamic::Dynamic;
 pub use expect::Expectation;
 pub use grasps::{Antipodal, GraspCount, GraspFile, Grasps, Pose, Select};
-pub use gripper::{Fingers, Gripper, Placement, RightFinger, Robot};
+pub use gripper::{Fingers, Gripper, Placement, RightFinger, Robot, RobotNotice};
 pub use ground::Ground;
 pub use load::{Loaded, LoadedSet, load, load_object, load_seeded, load_set, place_in};
 pub use loading::{Loading, Press, Squeeze};

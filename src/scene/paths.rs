@@ -66,11 +66,10 @@ pub(super) fn resolve(part: &mut ScenePart, dir: &Path, text: &str) -> std::resu
         twice(&["opening", "stroke", "placement"])?;
         let pads = [robot.pads.0.as_str(), robot.pads.1.as_str()];
         let mounted = mount(&robot.path, &robot.hand, pads, robot.approach.vector());
-        if let Ok((_, Some(_))) = &mounted {
+        if mounted.as_ref().is_ok_and(|mounted| mounted.soft.is_some()) {
             twice(&["pads", "material", "right.pads", "right.material"])?;
         }
-        let taken = mounted.and_then(|(mount, soft)| gripper.take_over(&mount, soft));
-        taken.map_err(|message| (format!("{field}.robot"), format!("{}: {message}", robot.path.display())))
+        mounted.and_then(|mounted| gripper.take_over(mounted)).map_err(|message| (format!("{field}.robot"), message))
     };
     part.object.as_mut().map_or(Ok(()), |o| object(o, "object"))?;
     part.grasps.as_mut().map_or(Ok(()), |g| grasps(g, "grasps"))?;

@@ -1,13 +1,11 @@
 //! Reading of the text of a scene file, with the reason if it fails.
 
 use crate::error::{Error, Result};
+pub use crate::files::include::SIZE_LIMIT;
 use crate::files::regular::{other_kind, refusal};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
-
-/// Largest scene file, bytes: far above any scene, far below any harm.
-pub const SIZE_LIMIT: u64 = 16 * 1024 * 1024;
 
 /// Reads a text of at most [`SIZE_LIMIT`] bytes; each failure is one message that names the file.
 pub(super) fn read(path: &Path) -> Result<String> {

@@ -230,6 +230,8 @@ fn items() -> BTreeMap<String, Item> {
                     open = Some(("Motion".into(), indent));
                 }
                 (Some((_, at)), _) if trimmed == "}" && indent == *at => open = None,
+                // What no file can give.
+                (Some(_), None) if attributes.contains("serde(skip)") => {}
                 (Some((name, _)), None) if !trimmed.is_empty() && !trimmed.starts_with("//") => {
                     let item = items.get_mut(name).unwrap();
                     let field = trimmed.trim_start_matches("pub ").trim_end_matches(',');

@@ -1,67 +1,9 @@
-//! Grippers that a robot's description names: URDF and MJCF say what a scene could spell out.
+//! Soft pads of robots, in Isaac Gym's dialect of URDF.
 
+use super::{scene, shipped};
 use crate::skipped::data;
-use std::path::{Path, PathBuf};
-use tactus::scene::{load, to_ron};
-
-fn shipped(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/robots").join(name)
-}
-
-/// Writes a scene whose gripper has these fields, and loads it.
-fn scene(folder: &Path, gripper: &str) -> Result<String, String> {
-    let path = folder.join("scene.ron");
-    let text = format!("(object: (shape: Sphere(radius: 0.02)), gripper: ({gripper}), loading: Squeeze(force: 5))");
-    std::fs::write(&path, text).unwrap();
-    load(&path).map(|loaded| to_ron(&loaded.scene).unwrap()).map_err(|error| error.to_string())
-}
-
-fn robot(path: &Path, more: &str) -> String {
-    format!("robot: (path: {path:?}, hand: \"fr3_hand\", pads: (\"left_gel\", \"right_gel\")), {more}")
-}
-
-#[test]
-fn urdf_and_mjcf_are_the_scene_that_spells_it_out() {
-    let folder = tempfile::tempdir().unwrap();
-    let spelt = scene(folder.path(), "opening: 0.07, stroke: 0.04, placement: (y: 0, z: 0.1128)").unwrap();
-    for file in ["franka_gelsight.urdf", "franka_gelsight.xml"] {
-        let read = scene(folder.path(), &robot(&shipped(file), "")).unwrap();
-        assert_eq!(read, spelt, "{file}: what is the same scene gives the same grasp, bit for bit");
-    }
-}
-
-#[test]
-fn what_is_no_parallel_gripper_is_refused_with_the_reason() {
-    let folder = tempfile::tempdir().unwrap();
-    let urdf = std::fs::read_to_string(shipped("franka_gelsight.urdf")).unwrap();
-    let changed = |from: &str, to: &str| {
-        assert!(urdf.contains(from), "{from}");
-        let path = folder.path().join("changed.urdf");
-        std::fs::write(&path, urdf.replacen(from, to, 1)).unwrap();
-        scene(folder.path(), &robot(&path, "")).unwrap_err()
-    };
-    let refused = [
-        (changed("prismatic", "revolute"), "moves by a joint that does not slide"),
-        (changed("axis xyz=\"0 1 0\"", "axis xyz=\"1 0 0\""), "must be parallel"),
-        (changed("upper=\"0.04\"", "upper=\"0.03\""), "both must slide by as much"),
-        (changed("-0.005 0.0544", "-0.005 0.05"), "do not face each other"),
-        (changed("link name=\"left_gel\"", "link name=\"gel\""), "left_mount"),
-        (changed("<robot", "<robt"), "no readable URDF"),
-        (changed("upper=\"0.04\"", "upper=\"1e9.0\""), "line 15: upper=\"1e9.0\" is no number"),
-        (
-            scene(folder.path(), &robot(&shipped("franka_gelsight.urdf"), "stroke: 0.03")).unwrap_err(),
-            "leave one of them out",
-        ),
-        (scene(folder.path(), &robot(&shipped("franka.urdf"), "")).unwrap_err(), "no file at"),
-        (
-            scene(folder.path(), &robot(&shipped("franka_gelsight.xml"), "").replace("left_gel", "gel")).unwrap_err(),
-            "has no link \"gel\"; it has",
-        ),
-    ];
-    for (message, reason) in refused {
-        assert!(message.contains(reason) && message.contains("scene.ron:1:"), "{message}");
-    }
-}
+use std::path::Path;
+use tactus::scene::load;
 
 const SOFT: &str = "hand: \"hand\", pads: (\"left_pad\", \"right_pad\")";
 
@@ -85,6 +27,8 @@ fn soft_pads_of_a_urdf_are_the_scene_that_spells_them_out() {
     for side in [0, 1] {
         let (mut a, mut b) = (read.gripper.like(side), spelt.gripper.like(side));
         let pads = [&mut a.pads, &mut b.pads].map(std::mem::take);
+        let notice = a.notice.0.take().expect("1.57 is told");
+        assert!(notice.contains("off by up to 8.0e-4 rad"), "{notice}");
         assert_eq!(a, b, "gel, friction, opening, stroke and place of finger {side}");
         let [a, b] = pads.map(|pads| tactus::part::pad::build(&pads, &mut Vec::new()).unwrap().0);
         assert_eq!(a.bonded, b.bonded, "what the distance to the core bonds on finger {side}");
@@ -109,9 +53,9 @@ fn soft_pads_that_say_too_little_are_refused_with_the_reason() {
         &urdf[start..urdf.find(&format!("</{tag}>")).unwrap() + tag.len() + 3]
     };
     for (message, reason) in [
-        (refused("<youngs value=\"2e5\"/>", "<youngs value=\"\"/>", ""), "has <youngs value=\"\">; a number is needed"),
-        (refused("<poissons value=\"0.45\"/>", "", ""), "\"left_pad\" has no <poissons"),
-        (refused(block("collision"), "<none/>", ""), "\"left_pad\" is fixed to no link with a <collision>"),
+        (refused("<youngs value=\"2e5\"/>", "<youngs value=\"\"/>", ""), "<youngs value=\"\">: 0 numbers; 1 needed"),
+        (refused("<poissons value=\"0.45\"/>", "", ""), "\"left_pad\" has no <poissons value"),
+        (refused(block("collision"), "<none/>", ""), "<link name=\"left_pad\"> is fixed to no link with a <collision>"),
         (refused(block("fem"), "<none/>", ""), "for one of the links \"left_pad\" and \"right_pad\", not for both"),
         (
             refused("attachDistance value=\"2e-4\"", "attachDistance value=\"0.05\"", ""),
@@ -144,4 +88,72 @@ fn a_hand_of_isaac_gym_is_read() {
     for part in ["opening: 0.08", "stroke: 0.04", "outward: (0.0, 0.0, 1.0)", "young: 1552230.93", "young: 200000.0"] {
         assert!(scene.contains(part), "{part} is in {scene}");
     }
+}
+
+fn fingertips(changes: &[(&str, &str)]) -> Result<(), String> {
+    let folder = tempfile::tempdir().unwrap();
+    let mut urdf = std::fs::read_to_string(shipped("fingertips.urdf")).unwrap();
+    urdf = urdf.replace("../pads", shipped("../pads").to_str().unwrap());
+    for (from, to) in changes {
+        assert!(urdf.contains(from), "{from}");
+        urdf = urdf.replace(from, to);
+    }
+    std::fs::write(folder.path().join("tips.urdf"), urdf).unwrap();
+    scene(folder.path(), &format!("robot: (path: \"tips.urdf\", {SOFT})")).map(|_| ())
+}
+
+/// A surface that its scale flattens bonds what happens to lie in its plane, or nothing.
+#[test]
+fn shapes_without_volume_and_words_that_are_no_numbers_are_refused_with_their_place() {
+    let mesh = "core.obj\"/>";
+    for (from, to, reason) in [
+        (mesh, "core.obj\" scale=\"0 0 0\"/>", "leaves no volume; each factor must differ from zero"),
+        (mesh, "core.obj\" scale=\"1 1 0\"/>", "leaves no volume"),
+        (mesh, "core.obj\" scale=\"nan 1 1\"/>", "tips.urdf:8:"),
+        (mesh, "core.obj\" scale=\"nan 1 1\"/>", "\"nan\" is no number"),
+        ("xyz=\"0 0 0.1\" rpy", "xyz=\"0 oops 0 0.1\" rpy", "<origin xyz=\"0 oops 0 0.1\">: \"oops\" is no number"),
+        ("xyz=\"0 0 0.1\" rpy", "xyz=\"0,0 0 0 0.1\" rpy", "\"0,0\" is no number"),
+        ("xyz=\"0 0 0.1\" rpy", "xyz=\"0 0 0 0.1\" rpy", "4 numbers; 3 needed"),
+        ("rpy=\"1.57 0 0\"", "rpy=\"90 0 0\"", "angles are in radians here, 90 degrees are 1.5707963"),
+        ("rpy=\"1.57 0 0\"", "rpy=\"inf 0 0\"", "\"inf\" is no number"),
+    ] {
+        let message = fingertips(&[(from, to)]).unwrap_err();
+        assert!(message.contains(reason), "{reason:?} is not in: {message}");
+    }
+}
+
+/// The core is symmetric about its planes: its mirror image bonds the same nodes, unless it is taken inside out.
+#[test]
+fn a_mirrored_shape_is_the_mirror_image_and_not_inside_out() {
+    fingertips(&[("core.obj\"/>", "core.obj\" scale=\"-1 1 1\"/>")]).unwrap();
+}
+
+/// A package of ROS keeps descriptions and meshes in two folders of it; `file://` is a path.
+#[test]
+fn meshes_are_found_in_packages_and_by_file_uris() {
+    let folder = tempfile::tempdir().unwrap();
+    let urdf = std::fs::read_to_string(shipped("fingertips.urdf")).unwrap();
+    let pads = shipped("../pads").canonicalize().unwrap();
+    let write = |path: &str, root: &str| {
+        let path = folder.path().join(path);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, urdf.replace("../pads", root)).unwrap();
+        scene(folder.path(), &format!("robot: (path: {path:?}, {SOFT})")).map(|_| ())
+    };
+    let copy = |to: &str| {
+        std::fs::create_dir_all(folder.path().join(to)).unwrap();
+        for name in ["fingertip.tet", "core.obj"] {
+            std::fs::copy(pads.join(name), folder.path().join(to).join(name)).unwrap();
+        }
+    };
+    copy("tips_description/meshes");
+    write("tips_description/urdf/p.urdf", "package://tips_description/meshes").expect("the folder has its name");
+    write("arm_description/urdf/p.urdf", "package://tips_description/meshes").expect("it lies beside another one");
+    copy("checkout/meshes");
+    let manifest = "<package format=\"3\">\n  <name> fingers </name>\n</package>";
+    std::fs::write(folder.path().join("checkout/package.xml"), manifest).unwrap();
+    write("checkout/urdf/p.urdf", "package://fingers/meshes").expect("its package.xml has its name");
+    write("uri.urdf", &format!("file://{}", pads.display())).expect("file:// is stripped");
+    let message = write("none.urdf", "package://nowhere/meshes").unwrap_err();
+    assert!(message.contains("no package \"nowhere\"") && message.contains("ROS_PACKAGE_PATH"), "{message}");
 }

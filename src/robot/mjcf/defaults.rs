@@ -1,0 +1,48 @@
+//! The tag `<default>`: classes of attributes that elements take over.
+
+use super::orientation::ORIENTATIONS;
+use crate::robot::xml::XmlElement;
+use std::collections::HashMap;
+
+/// Name of the class that all others inherit from.
+pub(super) const MAIN: &str = "main";
+
+/// Attributes of each class by the tag of the elements that they are for.
+#[derive(Default)]
+pub(super) struct Defaults {
+    classes: HashMap<String, HashMap<String, XmlElement>>,
+}
+
+impl Defaults {
+    /// Takes in the class `of`, which stands in the class `parent`, with the classes in it.
+    pub fn add(&mut self, of: &XmlElement, parent: &str) {
+        let name = of.text("class").unwrap_or(parent).to_string();
+        let inherited = self.classes.get(&name).or_else(|| self.classes.get(parent));
+        let mut tags = inherited.cloned().unwrap_or_default();
+        for own in of.children.iter().filter(|child| child.tag != "default") {
+            let merged = tags.get(&own.tag).map_or_else(|| own.clone(), |base| inherit(own, base));
+            tags.insert(own.tag.clone(), merged);
+        }
+        self.classes.insert(name.clone(), tags);
+        of.each("default").for_each(|inner| self.add(inner, &name));
+    }
+
+    /// Returns an element with the attributes that its class gives it: the one that it names, or `class`.
+    ///
+    /// # Errors
+    /// Fails if there is no such class.
+    pub fn apply(&self, element: &XmlElement, class: &str) -> Result<XmlElement, String> {
+        let class = element.text("class").unwrap_or(class);
+        match self.classes.get(class) {
+            Some(tags) => Ok(tags.get(&element.tag).map_or_else(|| element.clone(), |base| inherit(element, base))),
+            None if class == MAIN => Ok(element.clone()),
+            None => Err(element.error(format_args!("is of the class {class:?}, which is not there"))),
+        }
+    }
+}
+
+fn inherit(own: &XmlElement, base: &XmlElement) -> XmlElement {
+    // An orientation has several forms; one of its own takes the place of any other.
+    let turned = ORIENTATIONS.iter().any(|form| own.text(form).is_some());
+    own.over(base, |name| name != "name" && name != "class" && !(turned && ORIENTATIONS.contains(&name)))
+}

@@ -1,0 +1,225 @@
+//! Bodies and sites of a robot in MJCF, as MuJoCo has them: with includes, classes of defaults, frames and attached models.
+
+mod defaults;
+mod include;
+mod orientation;
+
+use super::tree::{Joint, LINKS, Link, LinkTree, Mimic, Mobility};
+use super::xml::{XmlElement, XmlReader};
+use defaults::{Defaults, MAIN};
+use glam::{DAffine3, DVec3};
+use orientation::Compiler;
+use std::collections::HashMap;
+
+/// Name of the link that carries all others.
+const WORLD: &str = "world";
+
+/// Reads the links of a `<mujoco>`; a site is a link that is fixed on its body.
+pub(super) fn read(mut root: XmlElement, reader: &mut XmlReader) -> Result<LinkTree, String> {
+    let folder = root.folder().to_path_buf();
+    include::expand(&mut root, &folder, 0, reader)?;
+    let mut model = Model::default();
+    root.each("compiler").try_for_each(|compiler| model.compiler.add(compiler))?;
+    root.each("default").for_each(|class| model.defaults.add(class, MAIN));
+    for asset in root.each("asset").flat_map(|asset| asset.each("model")) {
+        let path = folder.join(asset.needed("file")?);
+        let (name, tree) = reader.file(&path, Some(asset), |root, reader| match root.tag.as_str() {
+            "mujoco" => {
+                let name = asset.text("name").or(root.text("model")).unwrap_or_default().to_string();
+                Ok((name, read(root, reader)?))
+            }
+            _ => Err(root.error("is no <mujoco>, which alone can be attached")),
+        })?;
+        model.attachable.insert(name, tree);
+    }
+    let mobility = Mobility::Fixed;
+    model.tree.links.push(Link { name: WORLD.into(), site: false, parent: None, pose: DAffine3::IDENTITY, mobility });
+    let world = Context { body: 0, class: MAIN, frame: DAffine3::IDENTITY };
+    root.each("worldbody").try_for_each(|body| model.add(body, &world))?;
+    let numbers: HashMap<String, usize> =
+        (0..).zip(&model.tree.joints).map(|(number, joint): (usize, &Joint)| (joint.name.clone(), number)).collect();
+    root.each("equality")
+        .flat_map(|all| all.each("joint"))
+        .try_for_each(|equality| model.couple(equality, &numbers))?;
+    Ok(model.tree)
+}
+
+/// Model being read.
+#[derive(Default)]
+struct Model {
+    compiler: Compiler,
+    defaults: Defaults,
+    /// Models of `<asset>`, by their names.
+    attachable: HashMap<String, LinkTree>,
+    tree: LinkTree,
+}
+
+/// What elements stand in.
+struct Context<'a> {
+    /// Number of the body.
+    body: usize,
+    /// Class of elements that name none.
+    class: &'a str,
+    /// Map from the innermost frame to the body, m.
+    frame: DAffine3,
+}
+
+impl Model {
+    /// Takes in all that a body or a frame carries.
+    fn add(&mut self, of: &XmlElement, context: &Context) -> Result<(), String> {
+        for element in &of.children {
+            let class = element.text("childclass").unwrap_or(context.class);
+            match element.tag.as_str() {
+                "body" => {
+                    let pose = context.frame * self.compiler.pose(element)?;
+                    let body = self.link(element, context, pose, false);
+                    self.add(element, &Context { body, class, frame: DAffine3::IDENTITY })?;
+                }
+                "frame" => {
+                    let frame = context.frame * self.compiler.pose(element)?;
+                    self.add(element, &Context { body: context.body, class, frame })?;
+                }
+                "site" => {
+                    let merged = self.defaults.apply(element, class)?;
+                    let pose = context.frame * self.compiler.pose(&merged)?;
+                    self.link(element, context, pose, true);
+                }
+                "joint" | "freejoint" => {
+                    let mobility = self.joint(element, context)?;
+                    let own = &mut self.tree.links[context.body].mobility;
+                    *own = match own {
+                        Mobility::Fixed => mobility,
+                        _ => Mobility::Other(element.error("is the second joint of its body")),
+                    };
+                }
+                "attach" => self.attach(element, context)?,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn link(&mut self, element: &XmlElement, context: &Context, pose: DAffine3, site: bool) -> usize {
+        let name = element.text("name").unwrap_or_default().to_string();
+        self.tree.links.push(Link { name, site, parent: Some(context.body), pose, mobility: Mobility::Fixed });
+        self.tree.links.len() - 1
+    }
+
+    fn joint(&mut self, own: &XmlElement, context: &Context) -> Result<Mobility, String> {
+        let joint = self.defaults.apply(own, context.class)?;
+        let kind = if own.tag == "freejoint" { "free" } else { joint.text("type").unwrap_or("hinge") };
+        let range = self.range(&joint, kind);
+        self.tree.joints.push(Joint { name: joint.text("name").unwrap_or_default().into(), range, mimic: None });
+        if kind != "slide" {
+            return Ok(Mobility::Other(own.error(format_args!("is of type {kind}"))));
+        }
+        let axis = joint.numbers("axis")?.map_or(DVec3::Z, DVec3::from_array);
+        let unit = axis.try_normalize().ok_or_else(|| own.error("has an axis of no length"))?;
+        Ok(Mobility::Slides { axis: context.frame.transform_vector3(unit), joint: self.tree.joints.len() - 1 })
+    }
+
+    /// Returns the lowest and the highest position of a joint from that in which the model is drawn.
+    fn range(&self, joint: &XmlElement, kind: &str) -> Result<[f64; 2], String> {
+        const WRITE: &str = "write how far the finger slides, in m, as in range=\"0 0.04\"";
+        let limited = match joint.text("limited") {
+            Some("true") => true,
+            Some("false") => false,
+            _ => self.compiler.autolimits,
+        };
+        let range: Option<[f64; 2]> = joint.numbers("range")?;
+        let [a, b] = match range {
+            Some(range) if limited => range,
+            Some(_) => return Err(joint.error("has a range, but is not limited; write limited=\"true\"")),
+            None => return Err(joint.error(format_args!("has no range; {WRITE}"))),
+        };
+        if a >= b {
+            let order = if a > b { "downwards" } else { "nowhere" };
+            return Err(joint.error(format_args!("has a range from {a} to {b}, which leads {order}; {WRITE}")));
+        }
+        let drawn = joint.number("ref")?.unwrap_or(0.0);
+        let scale = if kind == "hinge" && self.compiler.degrees { 1f64.to_radians() } else { 1.0 };
+        Ok([a, b].map(|position| (position - drawn) * scale))
+    }
+
+    /// Takes in the body that an `<attach>` names with all that it carries, or all of the model's world if it names none.
+    fn attach(&mut self, attach: &XmlElement, context: &Context) -> Result<(), String> {
+        let (model, prefix) = (attach.needed("model")?, attach.text("prefix").unwrap_or_default());
+        let missing = || attach.error(format_args!("names the model {model:?}, which no <asset> has"));
+        let other = self.attachable.get(model).ok_or_else(missing)?;
+        let root = match attach.text("body") {
+            Some(body) => {
+                other.find(&format!("body:{body}")).map_err(|e| attach.error(format_args!("{model:?} {e}")))?
+            }
+            None => 0,
+        };
+        if self.tree.links.len() + other.links.len() > LINKS {
+            return Err(attach.error(format_args!("brings more than {LINKS} links together")));
+        }
+        let joints = self.tree.joints.len();
+        let prefixed = |name: &str| if name.is_empty() { String::new() } else { format!("{prefix}{name}") };
+        self.tree.joints.extend(other.joints.iter().map(|joint| Joint {
+            name: prefixed(&joint.name),
+            range: joint.range.clone(),
+            mimic: joint.mimic.clone().map(|mimic| Mimic { leader: mimic.leader + joints, ..mimic }),
+        }));
+        // A link stands after the one that carries it.
+        let mut taken: Vec<Option<usize>> = vec![None; other.links.len()];
+        for (number, link) in other.links.iter().enumerate() {
+            let carrier = link.parent.and_then(|parent| taken[parent]);
+            let (parent, pose) = match carrier {
+                _ if number == root && root == 0 => {
+                    taken[0] = Some(context.body);
+                    continue;
+                }
+                _ if number == root => (context.body, context.frame * link.pose),
+                Some(parent) if parent == context.body => (parent, context.frame * link.pose),
+                Some(parent) => (parent, link.pose),
+                None => continue,
+            };
+            let mobility = match &link.mobility {
+                Mobility::Slides { axis, joint } => Mobility::Slides { axis: *axis, joint: joint + joints },
+                other => other.clone(),
+            };
+            taken[number] = Some(self.tree.links.len());
+            self.tree.links.push(Link {
+                name: prefixed(&link.name),
+                site: link.site,
+                parent: Some(parent),
+                pose,
+                mobility,
+            });
+        }
+        Ok(())
+    }
+
+    /// Takes in an equality of joints: the first one follows the second one.
+    fn couple(&mut self, equality: &XmlElement, numbers: &HashMap<String, usize>) -> Result<(), String> {
+        if equality.text("active") == Some("false") {
+            return Ok(());
+        }
+        let find = |name: &str| {
+            let missing = || equality.error(format_args!("names the joint {name:?}, which is not there"));
+            numbers.get(name).copied().ok_or_else(missing)
+        };
+        let follower = find(equality.needed("joint1")?)?;
+        let leader = equality.text("joint2").map(find).transpose()?;
+        let mut polynomial = [0.0, 1.0, 0.0, 0.0, 0.0];
+        let given = equality.list("polycoef")?.unwrap_or_default();
+        polynomial.iter_mut().zip(given).for_each(|(own, given)| *own = given);
+        let [offset, gear, bent @ ..] = polynomial;
+        let joint = &mut self.tree.joints[follower];
+        match leader {
+            Some(_) if joint.mimic.is_some() => {
+                joint.mimic = None;
+                joint.range = Err(equality.error("is the second one for its first joint"));
+            }
+            Some(_) if bent != [0.0; 3] => {
+                joint.range =
+                    Err(equality.error("has a polycoef of higher than first order; fingers slide in proportion here"));
+            }
+            Some(leader) => joint.mimic = Some(Mimic { leader, gear, offset }),
+            None => joint.range = Err(equality.error(format_args!("fixes joint {:?}", joint.name))),
+        }
+        Ok(())
+    }
+}
