@@ -2,4 +2,5 @@
 
 pub mod atomic;
 pub mod lock;
+pub mod lock_file;
 pub mod regular;

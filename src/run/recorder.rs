@@ -65,7 +65,7 @@ pub struct RunRecorder {
     options: Options,
     report: RunReport,
     grasps: BTreeMap<usize, GraspSummary>,
-    _lock: FolderLock,
+    lock: FolderLock,
 }
 
 impl RunRecorder {
@@ -84,9 +84,14 @@ impl RunRecorder {
             remove_grasps(dir)?;
             remove_meshes(dir)?;
         }
-        let recorder = RunRecorder { dir: dir.to_path_buf(), options, report, grasps: BTreeMap::new(), _lock: lock };
+        let recorder = RunRecorder { dir: dir.to_path_buf(), options, report, grasps: BTreeMap::new(), lock };
         recorder.report.write(&recorder.dir.join("run.json"))?;
         Ok(recorder)
+    }
+
+    /// Returns a notice for the user about how the directory is held; None if there is nothing to say.
+    pub fn notice(&self) -> Option<String> {
+        self.lock.notice()
     }
 
     /// Returns the directory of the run.

@@ -28,6 +28,13 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
     fn knows_error(&self) -> bool {
         false
     }
+    /// Checks that the backend serves `model`, before anything of it is written.
+    ///
+    /// # Errors
+    /// Fails if it does not; the message says why.
+    fn admit(&self, _model: &Model) -> Result<()> {
+        Ok(())
+    }
     /// Puts its resources into `world`, at the start of a grasp.
     ///
     /// # Errors
