@@ -10,6 +10,7 @@ mod promises;
 mod audit;
 mod campaign;
 mod certified;
+mod expected_effort;
 mod files_from_the_wild;
 #[cfg(unix)]
 mod mutations;
