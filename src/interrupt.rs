@@ -36,7 +36,8 @@ pub fn check() -> Result<()> {
 /// Time after which an interrupted command is ended, s, if it does not check the flag.
 const GRACE: Duration = Duration::from_secs(3);
 
-/// Installs handlers by which SIGINT and SIGTERM request an end; a second signal ends the process at once, with exit code
+/// Installs handlers by which SIGINT and SIGTERM request an end, even if they were ignored when the process began, as a shell without job
+/// control has it for a command in the background; a second signal ends the process at once, with exit code
 /// `code`. `GRACE` after the first the process ends in any case, after `last_words`: files appear whole or not at all,
 /// whenever that is.
 ///

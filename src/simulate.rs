@@ -54,11 +54,12 @@ impl Simulation {
     /// scene's, or of all that the machine has.
     ///
     /// # Errors
-    /// Fails if the model cannot be built, the network cannot be read, or the scene has no such grasp.
+    /// Fails if the model cannot be built, the network cannot be read or does not serve it, or the scene has no such grasp.
     pub fn new(scene: &Scene, wanted: &[usize], threads: Option<usize>) -> Result<Self> {
         // A network takes as long to read as the pads to mesh.
         let (stepper, model) = rayon::join(|| choose(scene), || Model::build(scene));
         let (stepper, model) = (stepper?, model?);
+        stepper.admit(&model)?;
         let poses = poses_of(scene)?;
         let pad = model.pad_bounds();
         let aim = pad.and_then(|pad| aim_notice(scene, &model.object, pad, &poses));

@@ -31,10 +31,11 @@ fn scene(dir: &Path, text: &str) -> std::path::PathBuf {
     path
 }
 
+/// Starts a command as a shell without job control starts it in the background: with SIGINT ignored.
 fn start(args: &[&str]) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_tactus"));
-    command.args(args).stdout(Stdio::piped()).stderr(Stdio::piped());
-    command.spawn().unwrap()
+    let mut command = Command::new("sh");
+    command.args(["-c", "trap '' INT; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_tactus")]).args(args);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
 fn send(signal: &str, child: &Child) {
@@ -103,7 +104,7 @@ fn a_data_set_goes_on_after_a_signal() {
         out.display()
     );
     assert!(stderr.trim_end().ends_with(&said), "{stderr:?} does not say {said:?}");
-    let whole = Command::new(env!("CARGO_BIN_EXE_tactus")).args(args).args(["--format", "json"]).output().unwrap();
+    let (whole, _) = end(start(&[&args[..], &["--format", "json"]].concat()));
     assert_eq!(whole.status.code(), Some(0), "{}", String::from_utf8_lossy(&whole.stderr));
     let report: serde_json::Value = serde_json::from_slice(&whole.stdout).unwrap();
     assert!(report["resumed"].as_u64().unwrap() >= 2, "what was finished did not run again");

@@ -97,6 +97,10 @@ impl Stepper for NetworkStepper {
         self.predictor.notices(model, self.extrapolate)
     }
 
+    fn admit(&self, model: &Model) -> Result<()> {
+        self.predictor.admit(model, self.extrapolate).map(drop)
+    }
+
     fn prepare(&self, world: &mut World) -> Result<()> {
         let missing = || Error::Start("the world was not spawned for a grasp".into());
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();

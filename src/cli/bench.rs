@@ -18,7 +18,7 @@ use std::time::Duration;
 /// Arguments of `tactus bench`.
 #[derive(Debug, clap::Args)]
 pub struct BenchArgs {
-    /// Scene file.
+    /// Scene file; `-` is standard input.
     pub scene: PathBuf,
     /// Object to take from a scene with several.
     #[arg(long, value_name = "NAME")]

@@ -2,6 +2,7 @@
 
 use super::console::Console;
 use super::findings::{Found, TRIED};
+use super::plausible::implausible;
 use super::run::about_object;
 use super::{Format, OK, REFUSED};
 use crate::backend::choose;
@@ -9,23 +10,23 @@ use crate::backend::fem::condensed::nodes_at_contact;
 use crate::error::{Error, Result};
 use crate::geometry::mesh::io::{write_obj, write_stl};
 use crate::grasp::{aim_notice, grasps_of, write_grasps_h5};
-use crate::gripper::Hand;
 use crate::gripper::hand::HandPart;
+use crate::gripper::{GraspPose, Hand};
 use crate::limits::machine_threads;
-use crate::model::Model;
+use crate::linear::first_contact::GeometricContact;
+use crate::model::{Model, Unknowns};
 use crate::number::counted;
-use crate::run::effort::expected_seconds;
-use crate::scene::{self, Scene, load_set, to_ron};
-use crate::world::components::{FingerIndex, FingerTravel, ObjectPose};
+use crate::run::effort::ExpectedTime;
+use crate::scene::{self, Grasps, NamedScene, Scene, load_set, to_ron};
 use crate::world::environment::Environment;
-use crate::world::schedule::Phase;
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `tactus check`.
 #[derive(Debug, clap::Args)]
 pub struct CheckArgs {
-    /// Scene file.
+    /// Scene file; `-` is standard input.
     pub scene: PathBuf,
     /// Object to take from a scene with several; without it all are checked, one after the other.
     #[arg(long, value_name = "NAME")]
@@ -39,8 +40,8 @@ pub struct CheckArgs {
 }
 
 /// Loads the scene, builds everything that a run would build, closes every grasp to first contact, and prints the findings. The text form
-/// is the complete scene, with the findings as comments: it loads as the same scene. Several objects are printed one after the other;
-/// their JSON is one object with the list `objects`.
+/// is the complete scene, with the findings as comments: it loads as the same scene. What is wrong stands last. Several objects are printed
+/// one after the other; their JSON is one object with the list `objects`.
 ///
 /// # Errors
 /// Fails if the scene or an argument is refused, or a file cannot be written.
@@ -50,41 +51,48 @@ pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
     if several && args.export.is_some() {
         return Err(Error::Argument("--export writes one object; choose it with --object".into()));
     }
-    let (mut runs, mut objects, mut errors) = (true, Vec::new(), Vec::new());
-    for named in set.scenes.iter().take(EXAMINED) {
-        let (scene, name) = (&named.scene, named.name.as_str());
-        let found = examine(scene).map_err(|e| set.place(e, &named.name));
-        let mut json = match &found {
-            Ok(found) if args.format == Format::Json => found.json(scene, &set.sources),
-            Ok(_) => Value::Null,
-            // A reader of JSON wants the reason on stdout, too.
-            Err(error) => json!({"scene": scene, "sources": set.sources, "problems": [error.to_string()]}),
-        };
-        if args.format == Format::Json && several {
-            json["name"] = json!(name);
-            objects.push(json);
-        } else if args.format == Format::Json {
-            console.print(&format!("{json}\n"))?;
-        } else if let Ok(found) = &found {
-            let head = if several { format!("// object {name}\n") } else { String::new() };
-            let foot = if several { "\n" } else { "" };
-            console.print(&format!("{head}{}{}{}{foot}", found.overview(), to_ron(scene)?, found.details()))?;
-        }
-        match found {
-            Ok(found) => {
-                runs &= found.runs;
-                args.export.as_ref().map_or(Ok(()), |path| export(path, &found))?;
+    let (mut runs, mut objects, mut errors, mut problems) = (true, Vec::new(), Vec::new(), String::new());
+    let examined = &set.scenes[..set.scenes.len().min(EXAMINED)];
+    // As many at once as there are threads: each has pads of its own in memory.
+    for chunk in examined.chunks(machine_threads()) {
+        let found = chunk.par_iter().map(|named| (named, examine(&named.scene).map_err(|e| set.place(e, &named.name))));
+        for (NamedScene { name, scene, .. }, found) in found.collect::<Vec<_>>() {
+            let name = name.as_str();
+            let mut json = match &found {
+                Ok(found) if args.format == Format::Json => found.json(scene, &set.sources),
+                Ok(_) => Value::Null,
+                // A reader of JSON wants the reason on stdout, too.
+                Err(error) => json!({"scene": scene, "sources": set.sources, "problems": [error.to_string()]}),
+            };
+            if args.format == Format::Json && several {
+                json["name"] = json!(name);
+                objects.push(json);
+            } else if args.format == Format::Json {
+                console.print(&format!("{json}\n"))?;
+            } else if let Ok(found) = &found {
+                let head = if several { format!("// object {name}\n") } else { String::new() };
+                let foot = if several { "\n" } else { "" };
+                let details = found.details(console.follows());
+                console.print(&format!("{head}{}{}{details}{foot}", found.overview(), to_ron(scene)?))?;
+                problems += &found.complaints(several.then_some(name));
             }
-            Err(error) if several => errors.push(about_object(name, &error).to_string()),
-            Err(error) => return Err(error),
+            match found {
+                Ok(found) => {
+                    runs &= found.started > 0;
+                    args.export.as_ref().map_or(Ok(()), |path| export(path, &found))?;
+                }
+                Err(error) if several => errors.push(about_object(name, &error).to_string()),
+                Err(error) => return Err(error),
+            }
         }
     }
-    let more = set.scenes.len().saturating_sub(EXAMINED);
+    let more = set.scenes.len() - examined.len();
     if several && args.format == Format::Json {
         console.print(&format!("{}\n", json!({ "objects": objects, "more": more })))?;
     } else if more > 0 {
         console.print(&format!("// and {}, not examined: choose one with --object\n", counted(more, "more object")))?;
     }
+    console.print(&problems)?;
     if !errors.is_empty() {
         return Err(Error::Scene(errors.join("\n")));
     }
@@ -103,6 +111,8 @@ fn export(path: &Path, found: &Found) -> Result<()> {
 
 /// Largest number of objects of a scene that are examined: a check answers within seconds.
 const EXAMINED: usize = 50;
+
+/// Builds what a run of `scene` would build, and closes its grasps to first contact. Nothing is factorised and no network computes.
 fn examine(scene: &Scene) -> Result<Found> {
     let stepper = choose(scene)?;
     // First, as it refuses what is too large.
@@ -110,61 +120,62 @@ fn examine(scene: &Scene) -> Result<Found> {
     let grasps = grasps_of(scene)?;
     let poses = grasps.poses;
     let first = poses.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
-    let mut environment = Environment::new(&model, stepper.as_ref(), *first)?;
+    let environment = Environment::new(&model, stepper.as_ref(), *first)?;
     let systems = environment.systems().into_iter().map(|(set, names)| (format!("{set:?}").to_lowercase(), names));
+    let tried = &poses[..poses.len().min(TRIED)];
+    // One environment for all grasps of a thread.
+    let close = |poses: &[GraspPose]| {
+        let mut kept = None;
+        poses.iter().map(|pose| GeometricContact::find_in(&mut kept, &model, *pose)).collect::<Vec<_>>()
+    };
+    let contacts: Vec<_> = tried.par_chunks(tried.len().div_ceil(machine_threads())).flat_map_iter(close).collect();
+    let expected = ExpectedTime::of(scene, &model, poses.len(), machine_threads());
+    let (mut unknowns, mut notices, mut problems) = (model.unknowns(), grasps.notices, Vec::new());
+    if let Some((grasp, contact)) = contacts.iter().enumerate().find_map(|(i, c)| Some((i, c.as_ref().ok()?))) {
+        notices.extend(condensed(scene, &model, contact, &mut unknowns).map(|whole| {
+            format!("unknowns are those of grasp {grasp} at first contact and grow with it; {whole} of the pads are condensed")
+        }));
+        problems.extend(implausible(scene, &model, &poses[grasp], &expected));
+    }
     let mut found = Found {
         systems: systems.collect(),
         components: environment.components().into_iter().collect(),
-        unknowns: model.unknowns(),
-        poses: poses.clone(),
-        notices: grasps.notices,
-        problems: Vec::new(),
-        expected: expected_seconds(scene, &model, poses.len(), machine_threads()),
-        runs: false,
+        expected,
+        unknowns,
+        notices,
+        problems,
+        started: contacts.iter().filter(|contact| contact.is_ok()).count(),
         model: model.clone(),
+        poses,
     };
     found.notices.extend(stepper.notices(&model));
     let pad = model.pad_bounds();
-    found.notices.extend(pad.and_then(|pad| aim_notice(scene, &model.object, pad, &poses)));
-    let hand = pad.map(|pad| Hand::new(pad, &scene.gripper));
-    for (index, pose) in poses.iter().enumerate().take(TRIED) {
-        // Only pads are simulated, so this is to be known and no problem.
-        let part = hand.as_ref().and_then(|h| h.obstacle(model.object.distance.as_ref(), pose, 0.0, 0.0));
-        if let Some(part @ (HandPart::Palm | HandPart::Finger)) = part {
-            let part = part.name();
-            found.notices.push(format!("grasp {index}: the {part} of a real hand would collide with the object"));
+    found.notices.extend(pad.and_then(|pad| aim_notice(scene, &model.object, pad, &found.poses)));
+    // Sampled ones are clear of the hand. Only pads are simulated, so that it is to be known and no problem.
+    let hand = pad.filter(|_| !matches!(scene.grasps, Grasps::Antipodal(_))).map(|pad| Hand::new(pad, &scene.gripper));
+    let distance = model.object.distance.as_ref();
+    let met = |(grasp, pose): (usize, &GraspPose)| match hand.as_ref()?.obstacle(distance, pose, 0.0, 0.0)? {
+        part @ (HandPart::Palm | HandPart::Finger) => {
+            Some(format!("grasp {grasp}: the {} of a real hand would collide with the object", part.name()))
         }
-        environment.restart(stepper.as_ref(), *pose)?;
-        while matches!(environment.phase(), Phase::Place | Phase::Close) {
-            environment.step();
-        }
-        match environment.phase() {
-            Phase::Infeasible { reason } => found.problems.push(format!("grasp {index}: {reason}")),
-            _ if !std::mem::replace(&mut found.runs, true) => found.condense(scene, index, &mut environment),
-            _ => {}
-        }
-    }
+        _ => None,
+    };
+    let met: Vec<String> = found.poses[..contacts.len()].par_iter().enumerate().filter_map(met).collect();
+    found.notices.extend(met);
+    let unfit = contacts.iter().enumerate().filter_map(|(grasp, contact)| Some((grasp, contact.as_ref().err()?)));
+    found.problems.extend(unfit.map(|(grasp, reason)| format!("grasp {grasp}: {reason}")));
     Ok(found)
 }
 
-impl Found {
-    /// Adds the unknowns of condensed pads, which only a grasp at first contact has.
-    fn condense(&mut self, scene: &Scene, grasp: usize, environment: &mut Environment) {
-        let scene::StepperChoice::Fem(scene::Fem { solver: scene::Solver::Condensed(_), .. }) = scene.stepper else {
-            return;
-        };
-        let world = environment.world_mut();
-        let mut travel = vec![0.0; self.model.fingers.len()];
-        let mut fingers = world.query::<(&FingerIndex, &FingerTravel)>();
-        fingers.iter(world).for_each(|(i, t)| travel[i.0 as usize] = t.0);
-        let mut poses = world.query::<&ObjectPose>();
-        let Some(pose) = poses.iter(world).next() else { return };
-        let full = std::mem::take(&mut self.unknowns.pads);
-        self.unknowns.pads = nodes_at_contact(&self.model, pose, &travel).into_iter().map(|n| 3 * n).collect();
-        self.unknowns.total -= full.iter().sum::<usize>() - self.unknowns.pads.iter().sum::<usize>();
-        self.notices.push(format!(
-            "unknowns are those of grasp {grasp} at first contact and grow with it; {} of the pads are condensed",
-            full.iter().sum::<usize>()
-        ));
-    }
+/// Replaces the `unknowns` of pads that are condensed by those of a grasp at first contact, which alone has them. Returns how many they were;
+/// None if pads are whole.
+fn condensed(scene: &Scene, model: &Model, contact: &GeometricContact, unknowns: &mut Unknowns) -> Option<usize> {
+    let scene::StepperChoice::Fem(scene::Fem { solver: scene::Solver::Condensed(_), .. }) = scene.stepper else {
+        return None;
+    };
+    let nodes = nodes_at_contact(model, &contact.object, &contact.travel);
+    let whole = unknowns.pads.iter().sum::<usize>();
+    unknowns.pads = nodes.into_iter().map(|n| 3 * n).collect();
+    unknowns.total -= whole - unknowns.pads.iter().sum::<usize>();
+    Some(whole)
 }

@@ -35,7 +35,7 @@ pub struct DatasetArgs {
     /// Command to run instead of making a data set.
     #[command(subcommand)]
     pub command: Option<DatasetCommand>,
-    /// Scene file; it may name several objects.
+    /// Scene file, which may name several objects; `-` is standard input.
     #[arg(required = true)]
     pub scene: Option<PathBuf>,
     /// Folder of the data set; an unfinished one is continued.
@@ -113,10 +113,7 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
         set.scenes.iter_mut().try_for_each(|s| limit_time(&mut s.scene.stepper, seconds))?;
     }
     if args.sensitivity.is_some() {
-        let alike = |named: &NamedScene| {
-            named.scene.gripper.needs_alike("a sensitivity").map_err(|e| set.place(e, &named.name))
-        };
-        set.scenes.iter().try_for_each(alike)?;
+        set.needs_alike("a sensitivity")?;
     }
     let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
     let predictor = args.worst_of.as_deref().map(Predictor::open).transpose()?;
@@ -152,8 +149,7 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
         None => (grasps, resumed),
         Some((part, parts)) => (manifest.sum(|o| (o.grasps + parts - part) / parts), 0),
     };
-    let bar =
-        Bar::new(console.show(ProgressBar::new(((own - there) * manifest.frames) as u64)), own, there, manifest.frames);
+    let bar = Bar::new(console, own, there, manifest.frames);
     let clock = Instant::now();
     if let Some((part, parts)) = args.part {
         let ran = campaign.run_part(part - 1, parts, threads, &bar);
@@ -235,7 +231,8 @@ fn choose(scenes: &mut Vec<NamedScene>, wanted: &[String]) -> Result<()> {
 }
 
 /// Progress bar on stderr: frames, rate, time left, failures.
-struct Bar {
+struct Bar<'a> {
+    console: &'a dyn Console,
     bar: ProgressBar,
     grasps: usize,
     frames: usize,
@@ -243,17 +240,18 @@ struct Bar {
     failed: AtomicUsize,
 }
 
-impl Bar {
-    fn new(bar: ProgressBar, grasps: usize, resumed: usize, frames: usize) -> Self {
+impl<'a> Bar<'a> {
+    fn new(console: &'a dyn Console, grasps: usize, resumed: usize, frames: usize) -> Self {
+        let bar = console.show(ProgressBar::new(((grasps - resumed) * frames) as u64));
         // The template is a constant; if it were wrong the default style would do.
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}  {per_sec} frames  {elapsed}, {eta} left") {
             bar.set_style(style);
         }
-        Self { bar, grasps, frames, ended: AtomicUsize::new(resumed), failed: AtomicUsize::new(0) }
+        Self { console, bar, grasps, frames, ended: AtomicUsize::new(resumed), failed: AtomicUsize::new(0) }
     }
 }
 
-impl Watcher for Bar {
+impl Watcher for Bar<'_> {
     fn frame(&self) {
         self.bar.inc(1);
     }
@@ -264,5 +262,9 @@ impl Watcher for Bar {
         let failed = usize::from(finished.status != Status::Reached);
         let failed = self.failed.fetch_add(failed, Ordering::Relaxed) + failed;
         self.bar.set_message(format!("{object}: grasp {ended}/{}, {failed} failed", self.grasps));
+    }
+
+    fn notice(&self, notice: &str) {
+        self.console.warn(&format!("note: {notice}"));
     }
 }

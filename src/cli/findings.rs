@@ -7,7 +7,7 @@ use crate::model::{Model, Unknowns};
 use crate::number::shown;
 use crate::part::FingerModel;
 use crate::record::pad_name;
-use crate::run::effort::EXPECTED_WITHIN;
+use crate::run::effort::{EXPECTED_WITHIN, ExpectedTime};
 use crate::scene::Scene;
 use glam::DVec3;
 use indicatif::HumanDuration;
@@ -20,6 +20,9 @@ use std::time::Duration;
 /// data set are sufficient.
 pub(super) const TRIED: usize = 1000;
 
+/// Largest number of problems that are printed; the JSON lists all.
+const PROBLEMS: usize = 20;
+
 /// Findings about a scene.
 pub(super) struct Found {
     pub model: Arc<Model>,
@@ -29,9 +32,10 @@ pub(super) struct Found {
     pub poses: Vec<GraspPose>,
     pub notices: Vec<String>,
     pub problems: Vec<String>,
-    /// Expected wall time of all grasps, s; None where it is not known.
-    pub expected: Option<f64>,
-    pub runs: bool,
+    /// Expected time of all grasps.
+    pub expected: ExpectedTime,
+    /// Number of grasps that can start, of those that were closed to first contact.
+    pub started: usize,
 }
 
 impl Found {
@@ -73,7 +77,8 @@ impl Found {
             "pads": m.pad_reports(),
             "quality": m.fingers.first().map(quality),
             "right_quality": m.fingers.get(1).filter(|_| !m.alike()).map(quality),
-            "expected_s": self.expected,
+            "expected_s": self.expected.wall_s,
+            "expected_processor_s": self.expected.processor_s,
             "object": {
                 "name": m.object.name,
                 "closed_form": m.object.exact,
@@ -104,11 +109,20 @@ impl Found {
         comment(&lines)
     }
 
-    /// Returns the rest as comment lines: the mesh, and all that is active.
-    pub fn details(&self) -> String {
+    /// Returns the rest as comment lines: the mesh, and the unknowns; where wanted, all `systems` and components, too.
+    pub fn details(&self, systems: bool) -> String {
         let mut lines = vec![String::new()];
-        self.rest(&mut |text| lines.push(text.to_string()));
+        self.rest(systems, &mut |text| lines.push(text.to_string()));
         comment(&lines)
+    }
+
+    /// Returns the problems as comment lines, those of the `object` of this name if there are several objects.
+    pub fn complaints(&self, object: Option<&str>) -> String {
+        let about = object.map_or_else(String::new, |name| format!("object {name}: "));
+        let shown = self.problems.iter().take(PROBLEMS).map(|problem| format!("problem: {about}{problem}"));
+        let more = self.problems.len().saturating_sub(PROBLEMS);
+        let rest = (more > 0).then(|| format!("problem: {about}{more} more of this kind; --format json lists them"));
+        comment(&shown.chain(rest).collect::<Vec<_>>())
     }
 
     fn first(&self, line: &mut dyn FnMut(&str)) {
@@ -127,10 +141,13 @@ impl Found {
                 reach(&held)
             ));
         }
-        if let Some(seconds) = self.expected {
-            let all = if self.poses.len() == 1 { "1 grasp".into() } else { format!("{} grasps", self.poses.len()) };
-            line(&format!("time: about {} for {all}, within a factor of {EXPECTED_WITHIN}", duration(seconds)));
-        }
+        let all = if self.poses.len() == 1 { "1 grasp".into() } else { format!("{} grasps", self.poses.len()) };
+        let ExpectedTime { processor_s, wall_s, .. } = self.expected;
+        line(&format!(
+            "time: about {} of processor time for {all}, {} on this machine, within a factor of {EXPECTED_WITHIN}",
+            duration(processor_s),
+            duration(wall_s)
+        ));
         let solid = watertight(&m.object.surface);
         line(&format!(
             "{}: {}, {}, volume {:.2} cm3, mass {:.2} g, {}",
@@ -162,16 +179,15 @@ impl Found {
         }
         let (all, tried) = (self.poses.len(), self.tried());
         let untried = if tried < all { format!("; {} more were not tried", all - tried) } else { String::new() };
-        line(&format!("{} of {tried} grasps can start{untried}", tried - self.problems.len()));
+        line(&format!("{} of {tried} grasps can start{untried}", self.started));
         m.notices
             .iter()
             .chain(&m.pad_notices())
             .chain(&self.notices)
             .for_each(|notice| line(&format!("note: {notice}")));
-        self.problems.iter().for_each(|problem| line(&format!("problem: {problem}")));
     }
 
-    fn rest(&self, line: &mut dyn FnMut(&str)) {
+    fn rest(&self, systems: bool, line: &mut dyn FnMut(&str)) {
         let m = &self.model;
         for (side, finger) in m.fingers.iter().enumerate().take(if m.alike() { 1 } else { 2 }) {
             let (q, c) = (&finger.quality, finger.quality.worst_centroid * 1e3);
@@ -188,13 +204,6 @@ impl Found {
                 q.max_edge * 1e3
             ));
         }
-        line("");
-        for (set, names) in &self.systems {
-            line(&format!("{set:<8} {}", names.join(", ")));
-        }
-        line("");
-        let components: Vec<_> = self.components.iter().map(|(name, count)| format!("{count} {name}")).collect();
-        line(&format!("components: {}", components.join(", ")));
         let u = &self.unknowns;
         let pads: Vec<_> = u.pads.iter().map(usize::to_string).collect();
         line(&format!(
@@ -204,12 +213,25 @@ impl Found {
             u.travels,
             u.pose
         ));
+        if systems {
+            line("");
+            for (set, names) in &self.systems {
+                line(&format!("{set:<8} {}", names.join(", ")));
+            }
+            line("");
+            let components: Vec<_> = self.components.iter().map(|(name, count)| format!("{count} {name}")).collect();
+            line(&format!("components: {}", components.join(", ")));
+        }
     }
 }
 
 /// Returns a time as text.
 fn duration(seconds: f64) -> String {
-    if seconds < 2.0 { format!("{seconds:.1} s") } else { HumanDuration(Duration::from_secs_f64(seconds)).to_string() }
+    if seconds < 2.0 {
+        format!("{seconds:.1} s")
+    } else {
+        HumanDuration(Duration::from_secs_f64(seconds.min(1e12))).to_string()
+    }
 }
 
 /// Returns lines of text as comments of a scene.

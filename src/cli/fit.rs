@@ -14,7 +14,7 @@ use std::time::Duration;
 /// Arguments of `tactus fit`.
 #[derive(Debug, clap::Args)]
 pub struct FitArgs {
-    /// Scene file: a press.
+    /// Scene file: a press; `-` is standard input.
     pub scene: PathBuf,
     /// Measured forces: CSV with the header `depth_m,force_n`.
     #[arg(long, value_name = "TABLE")]

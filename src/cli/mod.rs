@@ -10,6 +10,7 @@ mod eval;
 mod findings;
 mod fit;
 mod inspect;
+mod plausible;
 mod predict;
 mod progress;
 mod report;

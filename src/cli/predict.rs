@@ -4,7 +4,7 @@ use super::console::Console;
 use super::dataset::limit;
 use super::run::pool;
 use super::{Format, NOT_HELD, OK};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::files::atomic::{create_dir, replace};
 use crate::grasp::poses_of;
 use crate::limits::machine_threads;
@@ -32,7 +32,7 @@ use std::time::Instant;
 /// Arguments of `tactus predict`.
 #[derive(Debug, clap::Args)]
 pub struct PredictArgs {
-    /// Scene file.
+    /// Scene file; `-` is standard input.
     pub scene: PathBuf,
     /// Object to take from a scene with several; without it all are predicted, one after the other.
     #[arg(long, value_name = "NAME")]
@@ -46,9 +46,12 @@ pub struct PredictArgs {
     /// Number of loads of each grasp, instead of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: Option<u64>,
-    /// Folder for the arrays: one `NAME.npz` of each object, replaced if it is there.
+    /// Folder for the arrays: one `NAME.npz` of each object.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Replace the arrays of an earlier prediction in the folder instead of refusing.
+    #[arg(long, requires = "out")]
+    pub overwrite: bool,
     /// Answer outside the range of the training, where the error is unknown.
     #[arg(long)]
     pub extrapolate: bool,
@@ -112,6 +115,12 @@ pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
     let pool = pool(threads)?;
     let own = set.scenes.first().and_then(|named| named.scene.stepper.model());
     let predictor = Predictor::open(args.model.as_deref().or(own).unwrap_or(SHIPPED.as_ref()))?;
+    // Before anything is computed.
+    let earlier = set.scenes.iter().filter_map(|named| arrays_of(args, named)).find(|path| path.exists());
+    if let Some(path) = earlier.filter(|_| !args.overwrite) {
+        let message = "holds an earlier prediction; choose another output directory, or --overwrite it";
+        return Err(Error::file(path, message));
+    }
     let mut reports = Vec::new();
     for named in &set.scenes {
         let report =
@@ -129,6 +138,11 @@ pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
     Ok(if good { OK } else { NOT_HELD })
 }
 
+/// Returns the file for the arrays of an object; None without a folder.
+fn arrays_of(args: &PredictArgs, named: &NamedScene) -> Option<PathBuf> {
+    args.out.as_ref().map(|dir| dir.join(format!("{}.npz", named.name.as_str())))
+}
+
 /// Predicts the grasps of an object.
 fn object(args: &PredictArgs, predictor: &Predictor, named: &NamedScene, threads: usize) -> Result<Report> {
     let model = Model::build(&named.scene.on_own_mesh())?;
@@ -141,8 +155,7 @@ fn object(args: &PredictArgs, predictor: &Predictor, named: &NamedScene, threads
     let answers = predictor.many(&model, &poses, extrapolate)?;
     let grasps = answers.par_iter().enumerate().map(|(grasp, answer)| Row { grasp, end: End::of(answer) }).collect();
     let wall_s = clock.elapsed().as_secs_f64();
-    if let Some(dir) = &args.out {
-        let path = dir.join(named.name.as_str()).with_extension("npz");
+    if let (Some(dir), Some(path)) = (&args.out, arrays_of(args, named)) {
         create_dir(dir).and_then(|()| replace(&path, |path| write(path, &model, &loads, &answers)))?;
     }
     let answered: Vec<&PredictedGrasp> = answers.iter().flatten().collect();

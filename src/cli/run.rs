@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `tactus run`.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct RunArgs {
-    /// Scene file.
+    /// Scene file; `-` is standard input.
     pub scene: PathBuf,
     /// Object to take from a scene with several; without it all run, one after the other, into `DIR/NAME`.
     #[arg(long, value_name = "NAME")]
@@ -85,6 +85,9 @@ impl RunArgs {
             no_pictures: self.no_pictures,
         };
         set.scenes.iter_mut().try_for_each(|named| overrides.apply(&mut named.scene))?;
+        if self.sensitivity {
+            set.needs_alike("a sensitivity")?;
+        }
         Ok(set)
     }
 }
@@ -155,7 +158,8 @@ fn run_object(
 ) -> Result<(String, bool)> {
     let simulation = Simulation::new(scene, &args.grasp, args.threads.map(|n| n as usize))?;
     let writer = out.map(|dir| simulation.record(dir, args.overwrite)).transpose()?;
-    simulation.notices.iter().for_each(|notice| console.warn(&format!("note: {notice}")));
+    let held = writer.as_ref().and_then(|writer| writer.notice());
+    simulation.notices.iter().chain(&held).for_each(|notice| console.warn(&format!("note: {notice}")));
     let (grasps, frames) = (simulation.grasps.len(), simulation.model.levels.len());
     let watch = RunProgress::new(console, grasps, frames);
     let simulated = simulation.run(writer, args.sensitivity, &watch);

@@ -53,9 +53,7 @@ fn run(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
     let spec = Spec::read(&args.model)?;
     let sets = args.data.iter().map(DataSet::open).collect::<Result<Vec<_>>>()?;
     let mut trainer = Trainer::new(&sets, &spec, &args.split, &args.out)?;
-    if let Some(notice) = &trainer.notice {
-        console.warn(&format!("note: {notice}"));
-    }
+    trainer.notices.iter().for_each(|notice| console.warn(&format!("note: {notice}")));
     let (training, validation) = trainer.counts();
     let resumed = trainer.epochs().len();
     console.say(&format!(

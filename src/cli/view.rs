@@ -4,7 +4,7 @@ use super::console::Console;
 use super::run::{RunArgs, refused, run};
 use super::{Format, OK};
 use crate::error::{Error, Result};
-use crate::files::lock::LOCK;
+use crate::files::lock::is_held;
 use crate::report::{FRAMES, Wishes, holds_results};
 use crate::view::Viewer;
 use serde_json::json;
@@ -60,7 +60,7 @@ pub fn view(args: &ViewArgs, console: &dyn Console) -> Result<u8> {
     if !scene && args.out.is_some() {
         return Err(refused("-o DIR is for a scene, whose results it takes"));
     }
-    if !scene && !holds_results(&args.path) && !args.path.join(LOCK).exists() {
+    if !scene && !holds_results(&args.path) && !is_held(&args.path) {
         let message = "holds nothing to show; allowed: a folder that `tactus run`, `dataset`, `train` or `bench` writes, or a scene \
                        (FILE.ron)";
         return Err(Error::file(&args.path, message));

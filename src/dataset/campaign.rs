@@ -14,7 +14,7 @@ use super::sensitivity::{self, SensitivityRow};
 use super::split::Splits;
 use crate::error::{Error, Result};
 use crate::files::atomic::{cannot_write, create_dir, remove_left_over, sync_folder, write_durable};
-use crate::files::lock::FolderLock;
+use crate::files::lock::{FolderLock, Turn};
 use crate::geometry::mesh::io::{write_stl, write_tet};
 use crate::grasp::write_grasps_h5;
 use crate::interrupt;
@@ -148,6 +148,12 @@ impl Campaign {
         self.objects.iter().map(|o| self.progress(o).finished(o.poses.len()).len()).sum()
     }
 
+    /// Checks that the backend serves the first object, before anything is written.
+    fn admit(&self) -> Result<()> {
+        let Some(Planned { named, .. }) = self.objects.first() else { return Ok(()) };
+        (self.choose)(&named.scene)?.admit(&*Model::build(&named.scene)?)
+    }
+
     /// Runs the grasps that are not finished, on `threads` threads, and closes the data set.
     ///
     /// # Errors
@@ -156,9 +162,11 @@ impl Campaign {
     pub fn run(&mut self, threads: usize, watcher: &dyn Watcher) -> Result<Manifest> {
         if !self.manifest.finished {
             self.fits()?;
+            self.admit()?;
         }
         // Held while this campaign writes, so that two never write the same folder.
-        let _lock = FolderLock::alone(&self.dir, COMMAND)?;
+        let lock = FolderLock::alone(&self.dir, COMMAND)?;
+        lock.notice().iter().for_each(|notice| watcher.notice(notice));
         self.resume()?;
         if !self.manifest.finished {
             self.manifest.write(&self.dir)?;
@@ -225,7 +233,9 @@ impl Campaign {
             return Ok(0);
         }
         self.fits()?;
-        let _lock = FolderLock::beside(&self.dir, COMMAND)?;
+        self.admit()?;
+        let lock = FolderLock::beside(&self.dir, COMMAND)?;
+        lock.notice().iter().for_each(|notice| watcher.notice(notice));
         self.resume()?;
         let turn = self.turn()?;
         self.manifest.write(&self.dir)?;
@@ -332,11 +342,8 @@ impl Campaign {
 
     /// Waits until no other part writes the files that all parts share. Without the wait, a part that started at the same moment would
     /// find its half-written file renamed.
-    fn turn(&self) -> Result<std::fs::File> {
-        let path = self.dir.join(LAYING_OUT);
-        let lock = std::fs::File::create(&path).map_err(|e| cannot_write(&path, &e))?;
-        lock.lock().map_err(|e| cannot_write(&path, &e))?;
-        Ok(lock)
+    fn turn(&self) -> Result<Turn> {
+        Turn::wait(&self.dir.join(LAYING_OUT), COMMAND)
     }
 
     /// Writes the files of one object, with empty rows, unless they are there. One part does it, the others wait.

@@ -20,6 +20,8 @@ pub trait Watcher: Sync {
     fn frame(&self) {}
     /// Reports the end of a grasp of `object`.
     fn grasp(&self, _object: &str, _finished: &Finished) {}
+    /// Reports a notice for the user, one sentence.
+    fn notice(&self, _notice: &str) {}
 }
 
 /// Observer that ignores everything.

@@ -1,10 +1,15 @@
 //! Folders that one process writes at a time: two processes that fill one folder would replace each other's results.
+//!
+//! The system locks a file and releases it with the process. Where the file system has no locks, a [`LockFile`] stands in their place.
 
 use super::atomic::{cannot_write, create_dir, remove_left_over};
+use super::lock_file::LockFile;
 use crate::error::{Error, Result};
+use crate::interrupt;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// Name of the file that is locked.
 pub const LOCK: &str = ".lock";
@@ -12,10 +17,16 @@ pub const LOCK: &str = ".lock";
 /// Folder held by this process until dropped; a process that ends, in whatever way, releases it.
 #[derive(Debug)]
 pub struct FolderLock {
-    path: PathBuf,
-    alone: bool,
-    // Its lock goes with it, after its name.
-    _file: File,
+    holding: Holding,
+}
+
+/// Means by which a folder is held.
+#[derive(Debug)]
+enum Holding {
+    /// Lock of the system on the file at `path`.
+    System { path: PathBuf, alone: bool, _file: File },
+    /// File that stands in its place.
+    File { file: LockFile, reason: String },
 }
 
 impl FolderLock {
@@ -40,6 +51,22 @@ impl FolderLock {
 
     fn take(dir: &Path, command: &str, alone: bool) -> Result<Self> {
         create_dir(dir)?;
+        Ok(Self { holding: Holding::take(dir, command, alone)? })
+    }
+
+    /// Returns a notice for the user if the folder is held without a lock of the system.
+    pub fn notice(&self) -> Option<String> {
+        let Holding::File { file, reason } = &self.holding else { return None };
+        Some(format!(
+            "{}: the file system has no locks ({reason}); this file stands in their place while the command runs, and must be deleted \
+             by hand if the command is killed and the next one runs on another machine",
+            file.path().display()
+        ))
+    }
+}
+
+impl Holding {
+    fn take(dir: &Path, command: &str, alone: bool) -> Result<Self> {
         let path = dir.join(LOCK);
         let fail = |e: &std::io::Error| cannot_write(&path, e);
         loop {
@@ -60,11 +87,16 @@ impl FolderLock {
                     let message = format!("{holder} is writing here; wait for it, end it, or choose another folder");
                     return Err(Error::file(dir, message));
                 }
-                // A file system without locks: what one process writes alone is right there, too.
-                Err(TryLockError::Error(e)) if e.kind() == std::io::ErrorKind::Unsupported => {}
+                Err(TryLockError::Error(e)) if has_no_locks(&e) => {
+                    // A holder that has a lock wrote its name into it.
+                    if file.metadata().is_ok_and(|meta| meta.len() == 0) {
+                        let _ = std::fs::remove_file(&path);
+                    }
+                    return Ok(Self::File { file: LockFile::take(&path, command, alone)?, reason: e.to_string() });
+                }
                 Err(TryLockError::Error(e)) => return Err(fail(&e)),
             }
-            return Ok(Self { path, alone, _file: file });
+            return Ok(Self::System { path, alone, _file: file });
         }
     }
 }
@@ -73,10 +105,66 @@ impl Drop for FolderLock {
     fn drop(&mut self) {
         // Before the lock is given up: who takes it then looks whether its file still has the name. Others beside have the same
         // file, and Windows keeps a name until the last handle is closed.
-        if self.alone && cfg!(unix) {
-            let _ = std::fs::remove_file(&self.path);
+        if let Holding::System { path, alone: true, .. } = &self.holding
+            && cfg!(unix)
+        {
+            let _ = std::fs::remove_file(path);
         }
     }
+}
+
+/// Turn of a thread at what several threads and processes write in one folder; it ends when this is dropped.
+#[derive(Debug)]
+pub enum Turn {
+    /// Lock of the system.
+    System(File),
+    /// File that stands in its place.
+    File(LockFile),
+}
+
+/// Longest time for which a turn is waited for where the system does not end it with its process.
+const LONGEST_TURN: Duration = Duration::from_secs(600);
+
+impl Turn {
+    /// Waits for the turn of `command` at the file `path`, which is created and stays.
+    ///
+    /// # Errors
+    /// Fails if the file cannot be written, an end is requested, or another process keeps its turn for ten minutes without a lock of the
+    /// system.
+    pub fn wait(path: &Path, command: &str) -> Result<Self> {
+        let file = File::create(path).map_err(|e| cannot_write(path, &e))?;
+        match file.lock() {
+            Ok(()) => return Ok(Self::System(file)),
+            Err(e) if has_no_locks(&e) => {}
+            Err(e) => return Err(cannot_write(path, &e)),
+        }
+        let until = Instant::now() + LONGEST_TURN;
+        loop {
+            match LockFile::take(path, command, true) {
+                Ok(file) => return Ok(Self::File(file)),
+                Err(error) if Instant::now() >= until => return Err(error),
+                Err(_) => interrupt::check()?,
+            }
+            // Two that gave way to each other come back at different times.
+            std::thread::sleep(Duration::from_millis(20 + u64::from(std::process::id() % 32)));
+        }
+    }
+}
+
+/// Returns true if a file system says by this error that it has no locks.
+fn has_no_locks(error: &std::io::Error) -> bool {
+    // ENOLCK has no kind of its own: NFS without its lock service and Lustre without `-o flock` answer with it.
+    #[cfg(unix)]
+    let none = rustix::io::Errno::from_io_error(error) == Some(rustix::io::Errno::NOLCK);
+    #[cfg(not(unix))]
+    let none = false;
+    none || error.kind() == std::io::ErrorKind::Unsupported
+}
+
+/// Returns true if a process holds `dir`, or held it and was killed.
+pub fn is_held(dir: &Path) -> bool {
+    let names = std::fs::read_dir(dir).into_iter().flatten().flatten().map(|entry| entry.file_name());
+    names.into_iter().any(|name| name.to_str().is_some_and(|name| name.starts_with(LOCK)))
 }
 
 /// Returns true if `path` still leads to `file`: its last holder may have removed the name after it was opened.

@@ -3,4 +3,5 @@
 pub mod atomic;
 pub mod include;
 pub mod lock;
+pub mod lock_file;
 pub mod regular;

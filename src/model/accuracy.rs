@@ -108,6 +108,26 @@ pub fn choose(scene: &Scene, object: &Shape) -> Result<Option<Choice>> {
     Ok(Some(Choice { pads: pads.with_mesh(spacing, focus), why }))
 }
 
+/// Returns how deep the largest load presses the object into the pad of finger `side` at `pose` as a bed of springs, m; None for a pad that
+/// meets nothing, or starts inside the object. `size` is that of the pad along x, y and z, m. The gel stiffens as it is pressed, so that it
+/// is an upper bound beyond a few tenths of the thickness.
+pub fn indentation(scene: &Scene, object: &Shape, side: usize, size: [f64; 3], pose: &GraspPose) -> Option<f64> {
+    let own = Scene { gripper: scene.gripper.like(side), ..scene.clone() };
+    let bed = Bed::of(&own, size);
+    let gaps = bed.gaps(object, pose, *closing(scene).get(side)?)?;
+    let first = gaps.iter().copied().reduce(f64::min).filter(|first| first.is_finite())?;
+    Some(bed.depth(&gaps, first, 4.0 * bed.half.x * bed.half.y / (POINTS * POINTS) as f64))
+}
+
+/// Returns the directions in which the fingers of a scene close, hand frame.
+fn closing(scene: &Scene) -> &'static [DVec3] {
+    match scene.gripper.fingers {
+        Fingers::Both => &[DVec3::X, DVec3::NEG_X],
+        Fingers::One => &[DVec3::X],
+        Fingers::None => &[],
+    }
+}
+
 /// Contact patch of a pad.
 #[derive(Debug, Clone, Copy)]
 struct Patch {
@@ -174,25 +194,25 @@ impl Bed {
 
     /// Returns the patches of a grasp; none for a pad that meets nothing or starts inside the object.
     fn patches(&self, scene: &Scene, object: &Shape, grasp: usize, pose: &GraspPose) -> Vec<Patch> {
-        let closing: &[DVec3] = match scene.gripper.fingers {
-            Fingers::Both => &[DVec3::X, DVec3::NEG_X],
-            Fingers::One => &[DVec3::X],
-            Fingers::None => &[],
-        };
         let of = |(side, closing): (usize, &DVec3)| {
-            let gap = |(start, sunk): (DVec3, &f64)| {
-                let start = pose.to_object(start);
-                if object.distance.distance(start) < 0.0 {
-                    return None;
-                }
-                let hit = object.ray(start, pose.rotation * *closing).filter(|hit| hit.t <= self.hand.opening);
-                Some(hit.map_or(f64::INFINITY, |hit| hit.t + sunk))
-            };
-            let gaps: Vec<f64> = self.hand.face(*closing, POINTS).zip(&self.sunk).map(gap).collect::<Option<_>>()?;
-            let (size, reach) = self.patch(&gaps)?;
+            let (size, reach) = self.patch(&self.gaps(object, pose, *closing)?)?;
             Some(Patch { grasp, side, size, reach })
         };
-        closing.iter().enumerate().filter_map(of).collect()
+        closing(scene).iter().enumerate().filter_map(of).collect()
+    }
+
+    /// Returns the distances of the points of the open pad from the object along `closing`, m, infinite where it is not met; None for a pad
+    /// that starts inside the object.
+    fn gaps(&self, object: &Shape, pose: &GraspPose, closing: DVec3) -> Option<Vec<f64>> {
+        let gap = |(start, sunk): (DVec3, &f64)| {
+            let start = pose.to_object(start);
+            if object.distance.distance(start) < 0.0 {
+                return None;
+            }
+            let hit = object.ray(start, pose.rotation * closing).filter(|hit| hit.t <= self.hand.opening);
+            Some(hit.map_or(f64::INFINITY, |hit| hit.t + sunk))
+        };
+        self.hand.face(closing, POINTS).zip(&self.sunk).map(gap).collect()
     }
 
     /// Size and reach of the patch of a profile, given by its distances from the open pad, m.

@@ -69,7 +69,7 @@ pub struct RunRecorder {
     report: RunReport,
     /// Summaries by place in the order and number of the grasp.
     grasps: BTreeMap<(usize, usize), GraspSummary>,
-    _lock: FolderLock,
+    lock: FolderLock,
 }
 
 impl RunRecorder {
@@ -88,9 +88,14 @@ impl RunRecorder {
             remove_grasps(dir)?;
             remove_meshes(dir)?;
         }
-        let recorder = RunRecorder { dir: dir.to_path_buf(), options, report, grasps: BTreeMap::new(), _lock: lock };
+        let recorder = RunRecorder { dir: dir.to_path_buf(), options, report, grasps: BTreeMap::new(), lock };
         recorder.report.write(&recorder.dir.join("run.json"))?;
         Ok(recorder)
+    }
+
+    /// Returns a notice for the user about how the directory is held; None if there is nothing to say.
+    pub fn notice(&self) -> Option<String> {
+        self.lock.notice()
     }
 
     /// Returns the directory of the run.

@@ -24,6 +24,11 @@ impl RunWriter {
         Self { model: model.clone(), topologies, recorder: Mutex::new(recorder), open: Mutex::default() }
     }
 
+    /// Returns a notice for the user about how the directory is held; None if there is nothing to say.
+    pub fn notice(&self) -> Option<String> {
+        self.recorder.lock().unwrap_or_else(PoisonError::into_inner).notice()
+    }
+
     /// Returns the recorder, to complete the run.
     pub fn finish(self) -> RunRecorder {
         self.recorder.into_inner().unwrap_or_else(PoisonError::into_inner)

@@ -245,7 +245,7 @@ fn grasps(grasps: &Grasps) -> Result<(), Problem> {
         }
         Grasps::List(poses) => match poses.iter().position(|p| p.position.is_some() == p.centre.is_some()) {
             Some(i) => refuse(
-                &format!("grasps[{i}]"),
+                format!("grasps[{i}]"),
                 "a pose needs `position`, the origin of the hand, or `centre`, the point midway between the pads, and not both\n\
                  `centre: (0, 0, 0)` puts the origin of the object between the pads, however the hand is turned",
             ),

@@ -27,7 +27,7 @@ impl Loader {
         chain: &mut Vec<PathBuf>,
         from: Option<(usize, usize)>,
     ) -> Result<(ScenePart, Origins)> {
-        let text = match (source::read(path), from) {
+        let text = match (source::read(path, from.is_none()), from) {
             (Ok(text), _) => text,
             (Err(e), None) => return Err(e),
             (Err(e), Some((parent, place))) => {
@@ -41,7 +41,7 @@ impl Loader {
                 format!("{} and the files before it are together larger than {} MiB", path.display(), SIZE_LIMIT >> 20);
             return Err(Error::Scene(format!("error: {message}, the limit for a scene")));
         }
-        self.sources.push(SceneText { path: path.to_path_buf(), text });
+        self.sources.push(SceneText { path: source::shown(path).to_path_buf(), text });
         let source = &self.sources[index];
         let mut own = read_part(source)?;
         let dir = folder(path);
@@ -82,7 +82,7 @@ fn read_part(source: &SceneText) -> Result<ScenePart> {
     Ok(part)
 }
 
-/// Returns the folder of a file.
+/// Returns the folder of a file; the working folder for standard input.
 pub(super) fn folder(path: &Path) -> PathBuf {
-    path.parent().map(Path::to_path_buf).unwrap_or_default()
+    path.parent().filter(|_| !source::is_stream(path)).map(Path::to_path_buf).unwrap_or_default()
 }

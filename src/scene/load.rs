@@ -6,6 +6,7 @@ use super::include::{Loader, folder};
 use super::objects::{Name, NamedScene, Split};
 use super::places::{FieldPlaces, Origins, SceneText};
 use super::schema::Scene;
+use super::source::{is_stream, shown};
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -105,6 +106,15 @@ impl LoadedSet {
         self.places.place(error, Some(name))
     }
 
+    /// Checks that the pads of every scene are alike, as `what` needs.
+    ///
+    /// # Errors
+    /// Fails at the field of a pad that differs.
+    pub fn needs_alike(&self, what: &str) -> Result<()> {
+        let alike = |named: &NamedScene| named.scene.gripper.needs_alike(what).map_err(|e| self.place(e, &named.name));
+        self.scenes.iter().try_for_each(alike)
+    }
+
     /// Returns the names of the objects for a message, at most the first 20.
     fn names(&self) -> String {
         const SHOWN: usize = 20;
@@ -116,7 +126,7 @@ impl LoadedSet {
     }
 
     fn refuse<T>(&self, message: String) -> Result<T> {
-        Err(Error::Scene(format!("error: {}: {message}", self.path.display())))
+        Err(Error::Scene(format!("error: {}: {message}", shown(&self.path).display())))
     }
 }
 
@@ -149,7 +159,8 @@ pub fn load_seeded(path: impl AsRef<Path>, seed: Option<u64>) -> Result<LoadedSe
     let at = |problem: check::Problem| places.error_at(&problem.path, &problem.message);
     check::objects(&part, places.shared()).map_err(at)?;
     let (split, drawn) = (part.split.unwrap_or_default(), part.universe.is_some());
-    let name = Name::near(&path.file_stem().unwrap_or_default().to_string_lossy());
+    let stem = path.file_stem().filter(|_| !is_stream(path)).map_or("stdin".into(), |stem| stem.to_string_lossy());
+    let name = Name::near(&stem);
     let main = &places.sources[0];
     let scenes = part.complete(&name).map_err(|field| {
         let end = main.text.trim_end().len();

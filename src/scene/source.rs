@@ -7,15 +7,37 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// Reads a text of at most [`SIZE_LIMIT`] bytes; each failure is one message that names the file.
-pub(super) fn read(path: &Path) -> Result<String> {
+/// Returns true for what the process has open already: `-` and `/dev/stdin`, and the `/dev/fd/N` that a shell writes for `<(...)`. It
+/// has no folder.
+pub(super) fn is_stream(path: &Path) -> bool {
+    let open = ["/dev/stdin", "/dev/fd", "/proc/self/fd"];
+    path == Path::new("-") || (cfg!(unix) && open.iter().any(|folder| path.starts_with(folder)))
+}
+
+/// Returns the name of a scene file in messages.
+pub(super) fn shown(path: &Path) -> &Path {
+    if path == Path::new("-") { Path::new("<stdin>") } else { path }
+}
+
+/// Opens a scene file, or a stream.
+fn open(path: &Path, may_stream: bool) -> Result<Box<dyn Read>> {
+    let streams = may_stream && is_stream(path);
+    if streams && (path == Path::new("-") || path == Path::new("/dev/stdin")) {
+        return Ok(Box::new(std::io::stdin()));
+    }
     let unopened = |e: std::io::Error| Error::system(path, format!("cannot be opened: {}", reason(&e)), e.kind());
     // A fifo may block for ever, a device may never end.
     let meta = path.metadata().map_err(unopened)?;
-    if let Some(kind) = other_kind(&meta) {
+    if let Some(kind) = other_kind(&meta).filter(|_| !streams) {
         return Err(Error::system(path, format!("is {kind}, not a scene file"), refusal(&meta)));
     }
-    let file = File::open(path).map_err(unopened)?;
+    Ok(Box::new(File::open(path).map_err(unopened)?))
+}
+
+/// Reads a text of at most [`SIZE_LIMIT`] bytes, from a regular file or, if it `may_stream`, from what is open already; each failure is one
+/// message that names the file.
+pub(super) fn read(path: &Path, may_stream: bool) -> Result<String> {
+    let file = open(path, may_stream)?;
     let mut bytes = Vec::new();
     // one byte more than allowed tells too large from just fitting, also for files that grow
     let read = file.take(SIZE_LIMIT + 1).read_to_end(&mut bytes);
@@ -38,8 +60,12 @@ pub(super) fn read(path: &Path) -> Result<String> {
     Ok(text.strip_prefix('\u{feff}').map(str::to_string).unwrap_or(text))
 }
 
+fn failure(path: &Path, what: impl std::fmt::Display) -> Error {
+    Error::Scene(format!("error: {} {what}", shown(path).display()))
+}
+
 fn fail<T>(path: &Path, what: impl std::fmt::Display) -> Result<T> {
-    Err(Error::Scene(format!("error: {} {what}", path.display())))
+    Err(failure(path, what))
 }
 
 fn reason(e: &std::io::Error) -> String {

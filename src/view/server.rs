@@ -7,14 +7,18 @@ use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Largest head of a request, bytes.
 const MOST: usize = 16 * 1024;
 /// Largest number of requests that are answered at once.
 const AT_ONCE: usize = 32;
-/// Time after which a client that is silent, or does not read, is given up.
-const PATIENCE: Duration = Duration::from_secs(5);
+/// Time in which a request has to arrive, from its first byte to its last: a client that sends it byte by byte holds no place for longer.
+const REQUEST: Duration = Duration::from_secs(5);
+/// Time in which an answer has to be taken: a page of some megabytes through a slow tunnel.
+const ANSWER: Duration = Duration::from_secs(60);
+/// Time in which a connection to this server is made.
+const CONNECT: Duration = Duration::from_secs(5);
 
 /// Reply to a request that is good.
 #[derive(Debug)]
@@ -61,7 +65,7 @@ impl Drop for Server {
     fn drop(&mut self) {
         self.ended.store(true, Ordering::SeqCst);
         // Wakes the thread that waits for the next request.
-        if TcpStream::connect_timeout(&self.address, PATIENCE).is_ok()
+        if TcpStream::connect_timeout(&self.address, CONNECT).is_ok()
             && let Some(thread) = self.thread.take()
         {
             let _ = thread.join();
@@ -96,9 +100,8 @@ where
 }
 
 /// Answers one request and closes the connection.
-fn serve(mut stream: TcpStream, answer: &dyn Fn(&str) -> Option<Reply>) -> std::io::Result<()> {
-    stream.set_read_timeout(Some(PATIENCE))?;
-    stream.set_write_timeout(Some(PATIENCE))?;
+fn serve(stream: TcpStream, answer: &dyn Fn(&str) -> Option<Reply>) -> std::io::Result<()> {
+    let mut stream = Timed { stream, end: Instant::now() + REQUEST };
     let reply = match read(&mut stream)? {
         Ok(path) => answer(&path).ok_or(Refusal::NoSuchPath),
         Err(refusal) => Err(refusal),
@@ -114,11 +117,45 @@ fn serve(mut stream: TcpStream, answer: &dyn Fn(&str) -> Option<Reply>) -> std::
          Referrer-Policy: no-referrer\r\nConnection: close\r\n\r\n",
         body.len()
     );
+    stream.end = Instant::now() + ANSWER;
     stream.write_all(head.as_bytes())?;
     stream.write_all(body.as_bytes())?;
-    stream.shutdown(Shutdown::Write)?;
+    stream.stream.shutdown(Shutdown::Write)?;
     // What was sent and not read, as the body of a POST, would break off the answer on its way.
+    stream.end = Instant::now() + REQUEST;
     std::io::copy(&mut stream.take(MOST as u64), &mut std::io::sink()).map(|_| ())
+}
+
+/// Connection whose reads and writes all end before one time, whatever the number of bytes of each.
+struct Timed {
+    stream: TcpStream,
+    end: Instant,
+}
+
+impl Timed {
+    /// Returns the time that is left.
+    fn left(&self) -> std::io::Result<Option<Duration>> {
+        let left = self.end.saturating_duration_since(Instant::now());
+        if left.is_zero() { Err(std::io::ErrorKind::TimedOut.into()) } else { Ok(Some(left)) }
+    }
+}
+
+impl Read for Timed {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        self.stream.set_read_timeout(self.left()?)?;
+        self.stream.read(bytes)
+    }
+}
+
+impl Write for Timed {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.stream.set_write_timeout(self.left()?)?;
+        self.stream.write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.stream.flush()
+    }
 }
 
 /// Reason why there is no answer.
@@ -144,7 +181,7 @@ impl fmt::Display for Refusal {
 }
 
 /// Reads the head of a request; returns its path without the query.
-fn read(stream: &mut TcpStream) -> std::io::Result<std::result::Result<String, Refusal>> {
+fn read(stream: &mut Timed) -> std::io::Result<std::result::Result<String, Refusal>> {
     let (mut head, mut part) = (Vec::new(), [0; 2048]);
     loop {
         let count = stream.read(&mut part)?;

@@ -32,6 +32,13 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
     fn notices(&self, _model: &Model) -> Vec<String> {
         Vec::new()
     }
+    /// Checks that the backend serves `model`, before anything of it is written.
+    ///
+    /// # Errors
+    /// Fails if it does not; the message says why.
+    fn admit(&self, _model: &Model) -> Result<()> {
+        Ok(())
+    }
     /// Returns true if the grasp decides which systems it registers: no world is used again then.
     fn chooses_systems(&self) -> bool {
         false

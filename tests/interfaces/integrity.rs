@@ -19,6 +19,7 @@ use tactus::dataset::arrays::{ARRAYS, FORMAT, FileSizes, NumberKind};
 use tactus::dataset::{DataSet, ObjectFile, StoredGrasp};
 use tactus::files::atomic::write_atomic;
 use tactus::files::lock::FolderLock;
+use tactus::files::lock_file::LockFile;
 use tactus::linear::compliance_cache::{ComplianceCache, ComplianceKey, MOST};
 use tactus::linear::first_contact::GeometricContact;
 use tactus::linear::pad_graph::{Layout, PadGraph, mesh_hash};
@@ -247,6 +248,49 @@ fn two_commands_never_fill_one_folder() {
             });
         }
     });
+}
+
+/// Where the file system has no locks (ENOLCK), files with host and process stand in their place.
+#[cfg(unix)]
+#[test]
+fn a_file_holds_a_folder_without_locks() {
+    let dir = tempfile::tempdir().unwrap();
+    let base = dir.path().join(".lock");
+    let take = |alone: bool| LockFile::take(&base, "tactus run", alone);
+    let own = take(true).unwrap();
+    let name = own.path().file_name().unwrap().to_str().unwrap().to_string();
+    let number = format!(".{}", std::process::id());
+    let host = name.strip_prefix(".lock.alone.").and_then(|rest| rest.strip_suffix(&number)).unwrap().to_string();
+    drop(own);
+    let names = || -> Vec<String> {
+        let all = std::fs::read_dir(dir.path()).unwrap();
+        all.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    };
+    assert!(names().is_empty(), "it goes with its holder: {:?}", names());
+    let left = |kind: &str, host: &str, process: u32| {
+        let path = dir.path().join(format!(".lock.{kind}.{host}.{process}"));
+        std::fs::write(&path, "`tactus dataset`").unwrap();
+        path
+    };
+    let mut child = Command::new("true").spawn().unwrap();
+    child.wait().unwrap();
+    left("alone", &host, child.id());
+    assert_eq!(take(true).map(|own| own.path().to_path_buf()).unwrap(), dir.path().join(&name), "its holder is dead");
+    assert!(names().is_empty(), "{:?}", names());
+    // Of a process that lives, and of another machine, where nobody knows.
+    for (host, process, alone) in
+        [(host.as_str(), 1, true), ("elsewhere.example", 7, true), ("elsewhere.example", 7, false)]
+    {
+        let path = left("alone", host, process);
+        let said = take(alone).unwrap_err().to_string();
+        let holder = format!("`tactus dataset` (process {process} on {host}) is writing here");
+        assert!(said.contains(&holder) && said.ends_with(&format!("delete {}", path.display())), "{said}");
+        assert_eq!(names().len(), 1, "who gives way leaves nothing: {:?}", names());
+        std::fs::remove_file(path).unwrap();
+    }
+    left("beside", "elsewhere.example", 7);
+    assert!(take(false).is_ok(), "beside others of its kind");
+    assert!(take(true).is_err(), "not alone with them");
 }
 
 #[test]
@@ -523,7 +567,7 @@ fn no_change_of_a_file_changes_an_answer_silently() {
             "checkpoint" => {
                 let trainer = Trainer::new(&[set(made)], &spec, "poses", &begun).ok()?;
                 // Named, and begun afresh.
-                let named = trainer.notice.as_ref().is_some_and(|n| n.contains("checkpoint.bin: is damaged"));
+                let named = trainer.notices.iter().any(|n| n.contains("checkpoint.bin: is damaged"));
                 if named && trainer.epochs().is_empty() {
                     None
                 } else {

@@ -136,8 +136,13 @@ fn check_says_what_will_run() {
     let out = tactus(&["check", "scenes/quickstart.ron"]);
     assert_eq!(out.status.code(), Some(0));
     let text = String::from_utf8(out.stdout).unwrap();
-    for part in ["worst", "in tetrahedron", "fem::systems::advance_level", "unknowns:", "watertight", "1 of 1 grasps"] {
+    for part in ["worst", "in tetrahedron", "unknowns:", "watertight", "1 of 1 grasps", "of processor time for 1 grasp"]
+    {
         assert!(text.contains(part), "{part}: {text}");
+    }
+    let verbose = String::from_utf8(tactus(&["check", "scenes/quickstart.ron", "-v"]).stdout).unwrap();
+    for part in ["fem::systems::advance_level", "components: "] {
+        assert!(verbose.contains(part) && !text.contains(part), "{part}: {text}");
     }
     let dir = tempfile::tempdir().unwrap();
     let copy = dir.path().join("copy.ron");
@@ -146,7 +151,7 @@ fn check_says_what_will_run() {
 
     let out = tactus(&["check", "scenes/quickstart.ron", "--format", "json"]);
     let json: Value = serde_json::from_slice(&out.stdout).unwrap();
-    for key in ["systems", "components", "unknowns", "problems", "quality", "object"] {
+    for key in ["systems", "components", "unknowns", "problems", "quality", "object", "expected_processor_s"] {
         assert!(json.get(key).is_some(), "{key}");
     }
     assert_eq!(json["unknowns"]["pose"], 6);
@@ -166,6 +171,80 @@ fn check_names_grasps_that_cannot_start() {
     assert_eq!((code, problems.len()), (Some(0), 1));
     assert!(problems[0].as_str().unwrap().starts_with("grasp 1: the left finger meets nothing"));
     assert_eq!(check("(position: (0, 0.2, -0.1))").0, Some(2), "nothing could run");
+}
+
+/// A modulus in kPa, a force of tons, and a time step of a nanosecond: each is said in the last line, below the scene.
+#[test]
+fn check_ends_with_what_is_absurd() {
+    let dir = tempfile::tempdir().unwrap();
+    let check = |pads: &str, rest: &str| {
+        let path = dir.path().join("scene.ron");
+        let text = format!(
+            "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 4e-3){pads}), {rest})"
+        );
+        std::fs::write(&path, text).unwrap();
+        let out = tactus(&["check", path.to_str().unwrap()]);
+        let text = String::from_utf8(out.stdout).unwrap();
+        assert_eq!(out.status.code(), Some(0), "{text}");
+        (text.lines().last().unwrap().to_string(), text.matches("problem: ").count())
+    };
+    let young = |young: f64| format!(", material: NeoHookean(young: {young:?}, poisson: 0.49)");
+    let squeeze = |force: f64| format!("loading: Squeeze(force: {force:?}, frames: 3)");
+    for (pads, force) in [(young(435.0), 10.0), (String::new(), 1e4)] {
+        let (last, problems) = check(&pads, &squeeze(force));
+        assert!(last.starts_with("// problem: a force of") && last.contains("the force is 720 E t^2"), "{last}");
+        assert_eq!(problems, 1);
+    }
+    let (last, problems) = check(&young(435e3), &squeeze(10.0));
+    assert!(problems == 0 && last.starts_with("// unknowns:"), "{last}");
+    let motions = |step: f64| {
+        format!(
+            "gravity: (0, 0, -9.81), loading: Dynamic(motions: [Close(force: 8, duration: 0.2), Hold(duration: 1)], time_step: {step:?})"
+        )
+    };
+    let (last, problems) = check("", &motions(1e-9));
+    assert!(last.starts_with("// problem: a grasp takes about") && last.contains("is 1.2e9 steps in time"), "{last}");
+    assert_eq!((problems, check("", &motions(1e-3)).1), (1, 0));
+}
+
+/// What refuses a run does so before its folder is touched, so that the next run finds nothing in its way.
+#[test]
+fn a_refused_run_leaves_nothing_behind() {
+    let dir = tempfile::tempdir().unwrap();
+    // Pads that the network was not trained for.
+    let (scene, out) = (write(dir.path(), 1, ""), dir.path().join("out"));
+    let run =
+        |options: &[&str]| tactus(&[&["run", scene.to_str().unwrap(), "-o", out.to_str().unwrap()], options].concat());
+    let refused = run(&["--backend", "gnn"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", String::from_utf8_lossy(&refused.stdout));
+    assert!(!out.exists(), "a refused run leaves no folder");
+    let ran = run(&["--force", "1"]);
+    assert_eq!(ran.status.code(), Some(0), "{}", String::from_utf8_lossy(&ran.stderr));
+}
+
+#[cfg(unix)]
+#[test]
+fn scenes_come_from_standard_input() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("pads.ron"), "(gripper: (pads: GelSightMini(spacing: 4e-3)))").unwrap();
+    let text =
+        "(include: [\"pads.ron\"], object: (shape: Sphere(radius: 0.015)), loading: Squeeze(force: 5, frames: 2))";
+    let check = |script: &str, text: &str| {
+        let mut command = Command::new("bash");
+        command.args(["-c", script, "bash", env!("CARGO_BIN_EXE_tactus"), text]).current_dir(dir.path());
+        let out = command.output().unwrap();
+        (out.status.code(), String::from_utf8_lossy(&out.stdout).into_owned() + &String::from_utf8_lossy(&out.stderr))
+    };
+    for source in ["- <<< \"$2\"", "- < <(echo \"$2\")", "/dev/stdin <<< \"$2\"", "<(echo \"$2\")"] {
+        let (code, said) = check(&format!("\"$1\" check {source}"), text);
+        assert!(code == Some(0) && said.contains("spacing: 0.004"), "{source}: {said}");
+    }
+    let (code, said) = check("\"$1\" check - <<< \"$2\"", "(object: (shape: Ball(1)))");
+    assert!(code == Some(2) && said.contains("<stdin>:1:"), "{said}");
+    for endless in ["/dev/zero", "<(yes)"] {
+        let (code, said) = check(&format!("\"$1\" check - < {endless}"), "");
+        assert!(code == Some(2) && said.contains("<stdin> is larger than 16 MiB"), "{endless}: {said}");
+    }
 }
 
 #[test]
@@ -200,6 +279,13 @@ fn predictions_of_many_grasps_come_as_a_table_as_json_and_as_arrays() {
     let mut npz = ndarray_npy::NpzReader::new(std::fs::File::open(out.join("lemon.npz")).unwrap()).unwrap();
     let displacement: ndarray::ArrayD<f32> = npz.by_name("displacement_m").unwrap();
     assert_eq!(displacement.shape()[..3], [2, 5, 2]);
+    let again = |options: &[&str]| {
+        tactus(&[&["predict", "scenes/lemon.ron", "--frames", "1", "-o", out.to_str().unwrap()], options].concat())
+    };
+    let refused = again(&[]);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(refused.status.code() == Some(2) && said.contains("lemon.npz: holds an earlier prediction"), "{said}");
+    assert_eq!(again(&["--overwrite"]).status.code(), Some(0));
 
     let scene = write(dir.path(), 2, "grasps: List([(position: (0, 0, -0.1)), (position: (0, 0.2, -0.1))])");
     let run = tactus(&["predict", scene.to_str().unwrap(), "--extrapolate"]);

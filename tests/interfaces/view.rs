@@ -134,6 +134,32 @@ fn only_this_machine_and_its_own_names_are_answered() {
     assert_eq!(viewing.end().0, Some(0));
 }
 
+/// Clients that send their requests byte by byte hold the places of the server no longer than a request may take.
+#[test]
+fn slow_requests_do_not_shut_others_out() {
+    let dir = made();
+    let viewing = Viewing::start(&["view", text(&dir.path().join("run"))]);
+    let open = |_| {
+        let mut stream = TcpStream::connect(&viewing.address).unwrap();
+        stream.write_all(b"GET / HTTP/1.1\r\nX: ").unwrap();
+        stream
+    };
+    let mut slow: Vec<TcpStream> = (0..40).map(open).collect();
+    let is_answered = || {
+        // Whoever is turned away finds the connection closed.
+        let mut stream = TcpStream::connect(&viewing.address).unwrap();
+        stream.set_read_timeout(Some(LIMIT)).unwrap();
+        let mut answer = String::new();
+        let asked = stream.write_all(format!("GET /state HTTP/1.1\r\nHost: {}\r\n\r\n", viewing.address).as_bytes());
+        asked.is_ok() && stream.read_to_string(&mut answer).is_ok() && answer.starts_with("HTTP/1.1 200")
+    };
+    wait_until("an answer beside clients that send on", || {
+        slow.iter_mut().for_each(|stream| drop(stream.write_all(b"x")));
+        is_answered()
+    });
+    assert_eq!(viewing.end().0, Some(0));
+}
+
 #[test]
 fn state_and_page_change_with_the_grasps() {
     let dir = made();

@@ -12,6 +12,7 @@ mod skipped;
 mod audit;
 mod campaign;
 mod certified;
+mod expected_effort;
 mod files_from_the_wild;
 mod links;
 #[cfg(unix)]

@@ -36,13 +36,14 @@ fn goes_on(scene: &str, change: impl Fn(&mut Scene)) {
         if [0, 1, 3].contains(&frames) {
             let mut history = HistoryWriter::default();
             truth.write_history(stepper.as_ref(), &mut history);
+            let history = history.finish().unwrap();
             let mut other = fresh();
-            other.read_history(stepper.as_ref(), &mut HistoryReader(&history.0)).unwrap();
+            other.read_history(stepper.as_ref(), &mut HistoryReader(&history)).unwrap();
             moved.push((frames, other));
             if frames > 0 {
-                sizes.push(history.0.len() as f64);
+                sizes.push(history.len() as f64);
             }
-            let cut = HistoryReader(&history.0[..history.0.len() / 2]).to_owned();
+            let cut = HistoryReader(&history[..history.len() / 2]).to_owned();
             assert!(fresh().read_history(stepper.as_ref(), &mut { cut }).is_err(), "half of it is refused");
         }
     }

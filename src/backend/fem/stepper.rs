@@ -121,12 +121,12 @@ pub struct GraspSolver {
     settings: scene::Fem,
     /// Number of load levels so far.
     pub(crate) steps: usize,
-    pub(crate) progress: Progress,
+    pub(crate) progress: GraspProgress,
 }
 
 /// What a grasp has come through, as checkpoints and snapshots hold it beside its path.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-pub(crate) struct Progress {
+pub(crate) struct GraspProgress {
     /// Flag: the pads have met the object.
     pub started: bool,
     /// Flag: the squeeze is over, and the push rises.
@@ -173,7 +173,7 @@ impl GraspSolver {
         newton.effort = Effort::within(settings.max_time.map(|seconds| seconds.get()));
         let mut path = Path::new(newton, state, NewtonTolerance::new(model.offset));
         path.control = control(model);
-        let progress = Progress { started: false, pushing: false, start: pose };
+        let progress = GraspProgress { started: false, pushing: false, start: pose };
         Ok(Self { path, condensed, settings: *settings, steps: 0, progress })
     }
 

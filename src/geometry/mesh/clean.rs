@@ -1,7 +1,7 @@
 //! Repair of a tetrahedral mesh for simulation: reports what it changes and refuses what it would have to guess.
 
 use crate::error::{Error, Result};
-use crate::geometry::mesh::{FARTHEST, MAX_COUNT, TetMesh, quality, show, signed_volume, surface};
+use crate::geometry::mesh::{FARTHEST, MAX_COUNT, TetMesh, is_far, quality, show, signed_volume, surface};
 use crate::number::counted;
 
 /// Mean-ratio quality below which a tetrahedron is flat and refused. (A sliver of this quality has a height of some 1e-6
@@ -85,7 +85,7 @@ pub fn check_indices(mesh: &TetMesh) -> Result<()> {
     if n.max(m) > MAX_COUNT {
         return Err(Error::Mesh(format!("{n} nodes and {m} tetrahedra; at most {MAX_COUNT} of each are allowed")));
     }
-    if let Some((i, p)) = mesh.nodes.iter().enumerate().find(|(_, p)| !(p.abs().max_element() <= FARTHEST)) {
+    if let Some((i, p)) = mesh.nodes.iter().enumerate().find(|(_, p)| is_far(**p)) {
         let message = format!("node {i} (0-based) is {p}; coordinates must be finite and within {FARTHEST:e}");
         return Err(Error::Mesh(message));
     }

@@ -64,6 +64,11 @@ pub fn signed_volume([a, b, c, d]: [DVec3; 4]) -> f64 {
     (b - a).cross(c - a).dot(d - a) / 6.0
 }
 
+/// Returns true if a coordinate is not finite or beyond [`FARTHEST`].
+pub(crate) fn is_far(p: DVec3) -> bool {
+    !p.is_finite() || p.abs().max_element() > FARTHEST
+}
+
 /// Returns `p` as text for messages, in metres.
 pub(crate) fn show(p: DVec3) -> String {
     format!("({:.6}, {:.6}, {:.6}) m", p.x, p.y, p.z)

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::topology::{sides, watertight};
-use crate::geometry::mesh::{FARTHEST, TriMesh, show};
+use crate::geometry::mesh::{FARTHEST, TriMesh, is_far, show};
 use glam::DVec3;
 
 /// Edge between two triangles.
@@ -70,7 +70,7 @@ fn check_indices(mesh: &TriMesh) -> Result<()> {
         );
         return Err(Error::Mesh(message));
     }
-    if let Some(v) = mesh.vertices.iter().position(|p| !p.is_finite() || p.abs().max_element() > FARTHEST) {
+    if let Some(v) = mesh.vertices.iter().position(|p| is_far(*p)) {
         let p = mesh.vertices[v];
         let message =
             format!("vertex {v} of the object's mesh is at {p}; coordinates must be finite and within {FARTHEST:e}");

@@ -44,8 +44,8 @@ pub struct Trainer {
     validation: Vec<Sample>,
     /// State of the run: weights, those of the best epoch, moments, and all epochs so far.
     state: TrainingState,
-    /// Notice about the start.
-    pub notice: Option<String>,
+    /// Notices about the start, a sentence each.
+    pub notices: Vec<String>,
     _lock: FolderLock,
 }
 
@@ -98,8 +98,9 @@ impl Trainer {
         let card = card(spec, sets, split, [&samples, &validation], range, &parameters);
         let adam = Adam::new(&parameters);
         let state = TrainingState { best: parameters.clone(), parameters, adam, epochs: Vec::new() };
+        let notices = lock.notice().into_iter().collect();
         let mut trainer =
-            Self { dir: dir.to_path_buf(), card, network, samples, validation, state, notice: None, _lock: lock };
+            Self { dir: dir.to_path_buf(), card, network, samples, validation, state, notices, _lock: lock };
         match checkpoint::read(dir, &trainer.plan()?, &trainer.state)? {
             Left::State(state) => trainer.state = *state,
             Left::Nothing | Left::Damaged(_) if dir.join(CARD).exists() => {
@@ -108,7 +109,7 @@ impl Trainer {
             }
             Left::Nothing => {}
             Left::Damaged(path) => {
-                trainer.notice = Some(format!("{}: is damaged; training starts afresh", path.display()));
+                trainer.notices.push(format!("{}: is damaged; training starts afresh", path.display()));
             }
         }
         Ok(trainer)

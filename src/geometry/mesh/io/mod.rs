@@ -17,7 +17,7 @@ pub use write::{write_obj, write_stl, write_tet};
 
 use crate::error::{Error, Result};
 use crate::files::regular;
-use crate::geometry::mesh::{FARTHEST, TetMesh, TriMesh, clean, close, facets, topology};
+use crate::geometry::mesh::{FARTHEST, TetMesh, TriMesh, clean, close, facets, is_far, topology};
 use crate::number::counted;
 
 /// Triangle meshes that are read.
@@ -100,7 +100,7 @@ pub fn read_tri_mesh(path: impl AsRef<Path>) -> Result<(TriMesh, Vec<String>)> {
     };
     // What follows compares lengths: it must not overflow.
     let far = mesh.triangles.iter().flatten().map(|v| (v, mesh.vertices[*v as usize]));
-    if let Some((v, p)) = far.into_iter().find(|(_, p)| !(p.abs().max_element() <= FARTHEST)) {
+    if let Some((v, p)) = far.into_iter().find(|(_, p)| is_far(*p)) {
         let message = format!("vertex {v} (0-based) is at {p}; coordinates must be finite and within {FARTHEST:e}");
         return Err(Error::file(path, message));
     }

@@ -1,0 +1,60 @@
+//! Loads that no gel bears, and runs that take days: mistakes of a unit or of a digit, to be known before a run begins.
+
+use crate::geometry::Aabb;
+use crate::gripper::GraspPose;
+use crate::model::Model;
+use crate::model::accuracy::indentation;
+use crate::number::{rounded, shown};
+use crate::record::pad_name;
+use crate::run::effort::{ExpectedTime, steps};
+use crate::scene::{Loading, Scene};
+use indicatif::HumanDuration;
+use std::time::Duration;
+
+/// Processor time of a grasp above which something is mistaken, s: a day.
+const LONGEST: f64 = 86_400.0;
+
+/// Depth of an object in a pad over its thickness, above which a force is mistaken: twice what a press is refused for, because springs do not
+/// stiffen as gel does.
+const THROUGH: f64 = 2.0;
+
+/// Returns what is implausible about a scene, a sentence each: a force that presses the object through a pad in the grasp at `pose`, and a
+/// grasp that takes more than a day.
+pub(super) fn implausible(scene: &Scene, model: &Model, pose: &GraspPose, expected: &ExpectedTime) -> Vec<String> {
+    let sides = if model.alike() { 1 } else { model.fingers.len() };
+    let mut all: Vec<String> = (0..sides).filter_map(|side| overload(scene, model, side, pose)).collect();
+    if expected.grasp_s > LONGEST {
+        let steps = steps(model).zip(model.dynamics.as_ref()).map_or_else(String::new, |(steps, dynamics)| {
+            let (steps, step) = (shown(rounded(steps, 2)), shown(dynamics.time_step));
+            format!(": it is {steps} steps in time; is `time_step` = {step} s what is meant?")
+        });
+        let long = HumanDuration(Duration::from_secs_f64(expected.grasp_s.min(1e12)));
+        all.push(format!("a grasp takes about {long} of processor time{steps}"));
+    }
+    all
+}
+
+/// Returns a sentence if the largest force presses the object through pad `side`, as a bed of springs.
+fn overload(scene: &Scene, model: &Model, side: usize, pose: &GraspPose) -> Option<String> {
+    let force = match &scene.loading {
+        Loading::Squeeze(squeeze) => squeeze.force.get(),
+        Loading::Dynamic(_) => model.dynamics.as_ref()?.rated_force,
+        Loading::Press(_) => return None,
+    };
+    let force = force / model.fingers.len() as f64;
+    let topology = &model.fingers.get(side)?.topology;
+    let (thickness, size) = (topology.thickness(), Aabb::of(topology.rest.iter().copied()).size().to_array());
+    let depth = indentation(scene, &model.object, side, size, pose).filter(|depth| *depth > THROUGH * thickness)?;
+    let young = scene.gripper.like(side).material.spec().young;
+    let two = |value: f64| shown(rounded(value, 2));
+    Some(format!(
+        "a force of {} N on the {} pad presses the object {} mm deep into gel that is {} mm thick (the force is {} E t^2): is `young` = {} Pa \
+         in pascals, and the force in newtons?",
+        shown(force),
+        pad_name(side),
+        two(depth * 1e3),
+        two(thickness * 1e3),
+        two(force / (young * thickness * thickness)),
+        shown(young),
+    ))
+}

@@ -1,0 +1,125 @@
+//! Folders held by a file, where the file system has no locks, as NFS and Lustre may have none.
+//!
+//! Instead of a lock on the file BASE, a process has a file `BASE.KIND.HOST.PROCESS` beside it, where KIND is `alone` or `beside`. It creates
+//! its own first and looks for those of others then: of two processes that begin at once, at least one sees the other and gives way.
+
+use super::atomic::cannot_write;
+use crate::error::{Error, Result};
+use std::fs::OpenOptions;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+/// Lock file of this process; it is removed when this is dropped. One that a killed process left is removed by the next process of the
+/// same machine.
+#[derive(Debug)]
+pub struct LockFile {
+    path: PathBuf,
+}
+
+impl LockFile {
+    /// Takes what `base` stands for, for `command`, like "tactus train": alone, or beside others that take it in this way.
+    ///
+    /// # Errors
+    /// Fails if another process holds it, or one of another machine may hold it, with the file to delete if it does not; and if the folder
+    /// cannot be written.
+    pub fn take(base: &Path, command: &str, alone: bool) -> Result<Self> {
+        let own = Holder { alone, host: host(), process: std::process::id() };
+        let (path, dir) = (own.path(base), folder(base));
+        match OpenOptions::new().write(true).create_new(true).open(&path) {
+            // Without the command a message says less.
+            Ok(mut file) => drop(file.write_all(format!("`{command}`").as_bytes())),
+            Err(e) if e.kind() == ErrorKind::AlreadyExists => return Err(own.refusal(base)),
+            Err(e) => return Err(cannot_write(&path, &e)),
+        }
+        let taken = Self { path };
+        let names = std::fs::read_dir(dir).map_err(|e| cannot_write(dir, &e))?.flatten().map(|entry| entry.file_name());
+        for other in names.filter_map(|name| Holder::of(base, name.to_str()?)).filter(|other| *other != own) {
+            if other.host == own.host && !is_running(other.process) {
+                // Whoever else begins removes it as well.
+                let _ = std::fs::remove_file(other.path(base));
+            } else if alone || other.alone {
+                return Err(other.refusal(base));
+            }
+        }
+        Ok(taken)
+    }
+
+    /// Returns the path of the file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Drop for LockFile {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.path);
+    }
+}
+
+/// Process that holds a folder, as the name of its lock file says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Holder {
+    alone: bool,
+    host: String,
+    process: u32,
+}
+
+impl Holder {
+    /// Returns the holder of the lock file of this name in the folder of `base`; None for any other file.
+    fn of(base: &Path, name: &str) -> Option<Self> {
+        let (kind, rest) = name.strip_prefix(base.file_name()?.to_str()?)?.strip_prefix('.')?.split_once('.')?;
+        let (host, process) = rest.rsplit_once('.')?;
+        Some(Self { alone: kind == "alone", host: host.into(), process: process.parse().ok()? })
+    }
+
+    fn path(&self, base: &Path) -> PathBuf {
+        let kind = if self.alone { "alone" } else { "beside" };
+        let mut name = base.file_name().unwrap_or_default().to_os_string();
+        name.push(format!(".{kind}.{}.{}", self.host, self.process));
+        base.with_file_name(name)
+    }
+
+    fn refusal(&self, base: &Path) -> Error {
+        let path = self.path(base);
+        let command = std::fs::read_to_string(&path).ok().filter(|text| !text.is_empty());
+        let message = format!(
+            "{} (process {} on {}) is writing here; wait for it, end it, or choose another folder; if it is gone, delete {}",
+            command.as_deref().unwrap_or("another command"),
+            self.process,
+            self.host,
+            path.display()
+        );
+        Error::file(folder(base), message)
+    }
+}
+
+/// Returns the folder of a file.
+fn folder(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Returns the name of this machine.
+#[cfg(unix)]
+fn host() -> String {
+    rustix::system::uname().nodename().to_string_lossy().replace('/', "-")
+}
+
+/// Returns the name of this machine.
+#[cfg(not(unix))]
+fn host() -> String {
+    std::env::var("COMPUTERNAME").unwrap_or_else(|_| "localhost".into())
+}
+
+/// Returns true if a process of this machine runs, or may run.
+#[cfg(unix)]
+fn is_running(process: u32) -> bool {
+    let number = i32::try_from(process).ok().and_then(rustix::process::Pid::from_raw);
+    // No permission to signal it: it runs.
+    number.is_some_and(|number| rustix::process::test_kill_process(number) != Err(rustix::io::Errno::SRCH))
+}
+
+/// Returns true, because this system does not say whether a process runs.
+#[cfg(not(unix))]
+fn is_running(_: u32) -> bool {
+    true
+}
