@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("force on the left pad of the first environment: {:.2?} N", &wrench[..3]);
     }
     println!("earned: {earned:.2?}");
-    let saved = envs.save(0);
+    let saved = envs.save(0)?;
     let reward = envs.step(&forces)?.reward()[0];
     envs.restore(0, &saved)?;
     assert_eq!(envs.step(&forces)?.reward()[0], reward, "a restored environment goes on with the same bits");
