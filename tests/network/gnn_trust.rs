@@ -75,7 +75,7 @@ fn only_the_frames_outside_the_range_are_refused() {
 fn a_network_trained_on_a_few_grasps_states_no_error() {
     let predictor = Predictor::open(&made().model).unwrap();
     assert!(predictor.card.interval.is_none() && predictor.card.kept > 0);
-    let note = "are needed; train on more grasps";
+    let note = "is found on 20 grasps or more";
     assert!(made().notes.contains(note), "{}", made().notes);
     let (model, pose) = ball(made());
     assert!(predictor.notices(&model, false).iter().any(|notice| notice.contains(note)));

@@ -162,13 +162,17 @@ impl Predictor {
         self.graph(model)
     }
 
-    /// Returns what to know about the answers to grasps of `model`: frames that have none, and whether their error is known.
+    /// Returns what to know about the answers to grasps of `model`: frames that have none, and whether their error is known; nothing of a scene
+    /// that is refused.
     pub fn notices(&self, model: &Model, extrapolate: bool) -> Vec<String> {
-        let range = &self.card.range;
-        let outside = range.outside(model, &pad_hash(model)).into_iter().chain(range.forces_outside(model));
+        let (range, hash) = (&self.card.range, pad_hash(model));
+        if range.admits_some(model, &hash, extrapolate).is_err() {
+            return Vec::new();
+        }
+        let outside = range.outside(model, &hash).into_iter().chain(range.forces_outside(model));
         let outside = outside.map(|what| match extrapolate {
             true => format!("outside the range of its training the error of the network is unknown: {what}"),
-            false => format!("the network has no answer there: {what}; finite elements have, and `extrapolate` answers without knowing the error"),
+            false => format!("{what}: the network has no answer; `extrapolate` gives one whose error is unknown"),
         });
         outside.chain(self.card.unknown_error()).collect()
     }

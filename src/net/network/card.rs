@@ -165,10 +165,10 @@ impl Card {
     /// Returns why nobody knows by how much its predictions are off; None if it has an interval.
     pub fn unknown_error(&self) -> Option<String> {
         self.interval().is_none().then(|| {
-            let kept = if self.kept > 0 { self.kept.to_string() } else { "too few".into() };
+            let kept = if self.kept > 0 { self.kept.to_string() } else { "fewer".into() };
             format!(
-                "the error of the network is unknown: {kept} grasps were kept from its training to find it, {FEWEST} are needed; \
-                 train on more grasps, or with a larger `validation`"
+                "the error of the network is unknown: it is found on {FEWEST} grasps or more that are kept from the training, and there \
+                 were {kept}; train on more grasps, or with a larger `validation`"
             )
         })
     }
