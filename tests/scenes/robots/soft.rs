@@ -2,7 +2,6 @@
 
 use super::{scene, shipped};
 use crate::skipped::data;
-use std::path::Path;
 use tactus::scene::load;
 
 const SOFT: &str = "hand: \"hand\", pads: (\"left_pad\", \"right_pad\")";
