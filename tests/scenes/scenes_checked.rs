@@ -280,14 +280,14 @@ fn fifos_and_devices_are_refused_by_name() {
     let fifo = dir.path().join("fifo");
     assert!(Command::new("mkfifo").arg(&fifo).status().unwrap().success());
     let fifo = fifo.to_str().unwrap();
-    refused_at_once(&["check", fifo], &["fifo is a fifo, not a scene file"]);
-    refused_at_once(&["check", "/dev/zero"], &["/dev/zero is a device, not a scene file"]);
+    refused_at_once(&["check", fifo], &["fifo: is a fifo, not a scene file"]);
+    refused_at_once(&["check", "/dev/zero"], &["/dev/zero: is a device, not a scene file"]);
     let rest = "object: (shape: Sphere(radius: 0.02)),\n loading: Squeeze(force: 1)";
     let scene = |name: &str, field: &str| file(dir.path(), name, &format!("({rest},\n {field})"));
     let include = scene("include.ron", "include: [\"fifo\"]");
     refused_at_once(&["check", &include], &["is a fifo, not a scene file", "include.ron:3:12"]);
     let include = scene("zero.ron", "include: [\"/dev/zero\"]");
-    refused_at_once(&["run", &include], &["/dev/zero is a device", "zero.ron:3:12"]);
+    refused_at_once(&["run", &include], &["/dev/zero: is a device", "zero.ron:3:12"]);
     for (field, says) in [
         ("grasps: File(\"/dev/zero\")", "/dev/zero is a device, not a file"),
         ("grasps: File(\"fifo\")", "fifo is a fifo, not a file"),
