@@ -4,15 +4,13 @@
 //! constants of the inversion barrier and the choice of mean dilatation in common with the solver; shape functions, quadrature and
 //! assembly are its own.
 
+use super::inversion::EDGES;
 use crate::mech::body::Body;
 use crate::mech::material::Dilatation;
 use crate::mech::potential::inversion_barrier::{FELT, STIFFNESS};
 use crate::record::ElementNodes;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
-
-/// Ends of the edges whose middles are nodes 4 to 9.
-const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
 /// Step of the difference quotients, in the deformation gradient: truncation and rounding then both stay below 1e-9 of the shear modulus.
 const STEP: f64 = 1e-5;

@@ -4,7 +4,7 @@ use crate::record::{ElementNodes, PadTopology};
 use glam::{DMat3, DVec3};
 
 /// Ends of the edges whose middles are nodes 4 to 9.
-const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+pub(super) const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
 /// Returns the smallest det F of a pad whose nodes are at `x`, m. A linear tetrahedron has one value; a 10-node one is evaluated at
 /// the corners, the middles of the edges, the four points of the rule of degree 2 and the centre.
