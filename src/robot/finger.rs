@@ -102,36 +102,58 @@ pub(super) fn closing(
     Ok(closing)
 }
 
-/// Returns the pads of two fingers, the left one first; what is not quite a parallel gripper adds to `deviation`.
-pub(super) fn gripper(fingers: &[Finger; 2], approach: DVec3, deviation: &mut Deviation) -> Result<Mount, String> {
+/// Returns the pads of two fingers, the left one first, and what there is to say about fingers that one joint drives by unequal ways; what is
+/// not quite a parallel gripper adds to `deviation`.
+pub(super) fn gripper(
+    fingers: &[Finger; 2],
+    approach: DVec3,
+    deviation: &mut Deviation,
+) -> Result<(Mount, Option<String>), String> {
     let (closing, [left, right]) = (closing(fingers, approach, deviation)?, fingers);
-    if left.drive.leader == right.drive.leader && left.gear(closing) * right.gear(closing) >= 0.0 {
+    let geared = left.drive.leader == right.drive.leader;
+    if geared && left.gear(closing) * right.gear(closing) >= 0.0 {
         return Err("one joint drives both fingers to the same side; the multiplier of one must change its sign".into());
     }
     let [own, other] = [left.along(closing), right.along(closing)];
     let [stroke, others] = [own, other].map(|[a, b]| whole(b - a));
-    if whole(stroke - others).abs() > PLACE {
-        let gear = match left.drive.leader == right.drive.leader {
-            true => format!(", as their joints follow one joint by {} and {}", left.drive.gear, right.drive.gear),
-            false => String::new(),
-        };
-        let opening = whole(other[1] - own[0]);
-        return Err(format!(
-            "the fingers slide by {stroke} m and {others} m{gear} (opening {opening} m); both must slide by as much within {PLACE} m: {SPELL_OUT}"
-        ));
-    }
+    let unequal = whole(stroke - others).abs() > PLACE;
+    let opening = whole(other[1] - own[0]);
+    // Middle between the faces in the hand, with the fingers open and closed.
+    let [open, closed] = [own[0] + other[1], own[1] + other[0]].map(|sum| whole(0.5 * sum));
     let across = approach.cross(closing);
     let of = |axis: DVec3| [left.position.dot(axis), right.position.dot(axis)].map(whole);
     let ([y, other_y], [z, other_z]) = (of(across), of(approach));
-    let aside = whole(0.5 * (own[0] + other[1]));
-    let off = [y - other_y, z - other_z, aside, stroke - others].map(whole);
+    if unequal && !geared {
+        return Err(format!(
+            "the fingers slide by {stroke} m and {others} m (opening {opening} m); both must slide by as much within {PLACE} m, or follow one \
+             joint: {SPELL_OUT}"
+        ));
+    }
+    // The middle of fingers that close by unequal ways moves; somewhere it is that of the hand.
+    let aside = if unequal && open * closed < 0.0 {
+        0.0
+    } else if unequal && closed.abs() < open.abs() {
+        closed
+    } else {
+        open
+    };
+    let off = [y - other_y, z - other_z, aside].map(whole);
     if off.iter().any(|length| length.abs() > PLACE) {
         return Err(format!(
             "the pads do not face each other within {PLACE} m: in the hand they stand at y {y}, z {z} and y {other_y}, z {other_z} m, \
              and {aside} m beside its middle along the closing direction; {SPELL_OUT}"
         ));
     }
-    deviation.add_places(off);
-    let [opening, y, z] = [other[1] - own[0], 0.5 * (y + other_y), 0.5 * (z + other_z)].map(whole);
-    Ok(Mount { opening, stroke: stroke.min(others), y, z })
+    deviation.add_places(&off);
+    let [y, z] = [0.5 * (y + other_y), 0.5 * (z + other_z)].map(whole);
+    if !unequal {
+        deviation.add_places(&[whole(stroke - others)]);
+        return Ok((Mount { opening, stroke: stroke.min(others), y, z }, None));
+    }
+    let mean = whole(0.5 * (stroke + others));
+    let notice = format!(
+        "one joint closes the fingers by {stroke} m and {others} m: they are taken as two that close by {mean} m each about their common \
+         middle, to which they bring a free object; in the hand that middle moves from {open} m to {closed} m along the closing direction"
+    );
+    Ok((Mount { opening, stroke: mean, y, z }, Some(notice)))
 }

@@ -39,7 +39,7 @@ pub struct Mounted {
     pub mount: Mount,
     /// Soft pads, left first; None if the description has none.
     pub soft: Option<[SoftPad; 2]>,
-    /// Sentence about angles and places that are nearly, but not quite, those of a parallel gripper, and were taken for such.
+    /// Sentence about what is not quite a parallel gripper, and was taken for one: angles and places, fingers that close by unequal ways.
     pub notice: Option<String>,
 }
 
@@ -112,7 +112,9 @@ impl Description<'_> {
             }
         };
         let fingers = [finger(0, faces[0])?, finger(1, faces[1])?];
-        let mount = gripper(&fingers, approach, &mut deviation).map_err(named)?;
-        Ok(Mounted { mount, soft, notice: deviation.notice().map(named) })
+        let (mount, unequal) = gripper(&fingers, approach, &mut deviation).map_err(named)?;
+        let notices: Vec<String> = unequal.into_iter().chain(deviation.notice()).collect();
+        let notice = (!notices.is_empty()).then(|| named(notices.join("; ")));
+        Ok(Mounted { mount, soft, notice })
     }
 }

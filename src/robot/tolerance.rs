@@ -43,7 +43,7 @@ impl Deviation {
     }
 
     /// Takes in lengths, m.
-    pub fn add_places(&mut self, lengths: [f64; 4]) {
+    pub fn add_places(&mut self, lengths: &[f64]) {
         self.place = lengths.iter().fold(self.place, |largest, length| largest.max(length.abs()));
     }
 
