@@ -11,7 +11,7 @@
 # Stopped at any moment it goes on with the next table. Nothing else should run beside it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-readonly RESULTS=docs/results.md OUT=out/results TABLES=(press peers squeeze objects network slip size predictions stages inference growth environments data_set sensitivity hard_cases)
+readonly RESULTS=docs/results.md OUT=out/results TABLES=(press peers squeeze objects scans network slip size predictions stages inference growth environments data_set sensitivity hard_cases)
 commit=$(git rev-parse --short HEAD)
 git diff --quiet HEAD -- src Cargo.toml Cargo.lock || commit="$commit and uncommitted changes"
 processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1 || true)

@@ -60,8 +60,6 @@ pub const FIRST_DEPTH: f64 = 30.0;
 pub const PATCH_MARGIN: f64 = 15.0;
 /// Patch margin of a small patch: few nodes cost nothing, and a tip that sinks in soon needs more.
 pub const SMALL_PATCH_MARGIN: f64 = 200.0;
-/// Motion of an object in its grasp after which pads are condensed anew: half a thickness.
-pub const CONDENSED_MOTION: f64 = 200.0;
 
 // Samples of the object; in contact offsets. All say how deep a pad may come in between two points that feel it, below 1.
 

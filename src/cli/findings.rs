@@ -2,6 +2,7 @@
 
 use crate::geometry::Aabb;
 use crate::geometry::mesh::topology::watertight;
+use crate::geometry::shape::SurfaceDefinition;
 use crate::gripper::GraspPose;
 use crate::model::{Model, Unknowns};
 use crate::number::shown;
@@ -81,7 +82,7 @@ impl Found {
             "expected_processor_s": self.expected.processor_s,
             "object": {
                 "name": m.object.name,
-                "closed_form": m.object.exact,
+                "closed_form": matches!(m.object.definition, SurfaceDefinition::ClosedForm),
                 "watertight": solid.is_solid(),
                 "volume_m3": m.object.mass.volume,
                 "mass_kg": m.mass,
@@ -152,7 +153,11 @@ impl Found {
         line(&format!(
             "{}: {}, {}, volume {:.2} cm3, mass {:.2} g, {}",
             m.object.name,
-            if m.object.exact { "distance in closed form" } else { "distance to its facets" },
+            match m.object.definition {
+                SurfaceDefinition::ClosedForm => "distance in closed form",
+                SurfaceDefinition::Facets => "distance to its facets",
+                SurfaceDefinition::Smooth(_) => "distance to a smooth surface through its mesh",
+            },
             solid.complaint().unwrap_or_else(|| "watertight".into()),
             m.object.mass.volume * 1e6,
             m.mass * 1e3,

@@ -74,6 +74,8 @@ pub struct Model {
     pub dynamics: Option<Dynamics>,
     /// Motion of a free object at one load level, once held, at which it counts as lost, m; None follows it however far it goes.
     pub largest_drift: Option<f64>,
+    /// Motion in the hand after which a free object counts as dropped; None follows one that is held in place, or moves in time.
+    pub dropped_after: Option<DropLimits>,
     /// Approximate memory of a grasp, bytes.
     pub memory: u64,
     /// Needs of the scene in its world.
@@ -84,6 +86,15 @@ pub struct Model {
     pub senses: Arc<[Box<dyn Sense>]>,
     /// Repairs and assumptions, one sentence each.
     pub notices: Vec<String>,
+}
+
+/// Motion in the hand after which an object counts as dropped.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DropLimits {
+    /// Motion of the point that was at the centre of the grasp, m.
+    pub distance: f64,
+    /// Turn, rad.
+    pub angle: f64,
 }
 
 /// Force at which an object with weight is let go, over the last one.
@@ -103,6 +114,9 @@ impl Model {
             StepperChoice::Gnn(_) => scene::Fem::default(),
         };
         let MeshedPads { fingers, memory, offset } = pads::build(scene, &object, &fem, &mut notices)?;
+        let spacing = fingers.iter().map(|f| f.surface.spacing).fold(f64::INFINITY, f64::min);
+        let object = object::with_contact_surface(&scaled, object, spacing, &mut notices)
+            .map_err(|e| e.about("object.surface"))?;
         let sides = fingers.len();
         let mass = object.mass.volume * scene.object.density.get();
         let dynamics = Dynamics::of(scene, &object, mass, offset);
@@ -128,7 +142,6 @@ impl Model {
                 return Err(Error::Start(format!("{message}; give a smaller depth")).about("loading"));
             }
         }
-        let spacing = fingers.iter().map(|f| f.surface.spacing).fold(f64::INFINITY, f64::min);
         let free = scene.object.motion == ObjectMotion::Free;
         let needs = Needs::of(scene);
         // Friction makes the answer depend on the path of a quasi-static load, nothing else does.
@@ -156,6 +169,7 @@ impl Model {
             push,
             dynamics,
             largest_drift: None,
+            dropped_after: None,
             memory,
             needs,
             auditor,
@@ -164,7 +178,17 @@ impl Model {
             object,
         };
         model.release = model.released_at(&scene.loading);
+        model.dropped_after = model.dropped_after(&scene.object.dropped_after);
         Ok(Arc::new(model))
+    }
+
+    /// Returns the motion after which the object counts as dropped: by default half of the narrower side of the smaller pad.
+    fn dropped_after(&self, given: &scene::object::DroppedAfter) -> Option<DropLimits> {
+        let sides = self.fingers.iter().map(|finger| finger.bounds().size().truncate().min_element());
+        let half = 0.5 * sides.reduce(f64::min)?;
+        let distance = given.distance.map_or(half, |distance| distance.get());
+        let angle = given.turn_deg.get().to_radians();
+        (self.free && self.dynamics.is_none()).then_some(DropLimits { distance, angle })
     }
 
     /// Returns the model of the same scene with these forces per finger, N, in place of those of its squeeze `loading`, and this coefficient of

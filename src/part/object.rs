@@ -4,9 +4,9 @@ use crate::error::{Error, Result};
 use crate::geometry::Aabb;
 use crate::geometry::mesh::io::read_tri_mesh;
 use crate::geometry::mesh::{TriMesh, show};
-use crate::geometry::shape::{Shape, ShapeKind, sound};
+use crate::geometry::shape::{Shape, ShapeKind, SurfaceDefinition, sound};
 use crate::mech::contact::Feature;
-use crate::number::shown;
+use crate::number::{rounded, shown};
 use crate::scene::leaf::LENGTH_LIMIT;
 use crate::scene::{self, object as o};
 use crate::stats::median;
@@ -48,11 +48,44 @@ pub fn build(object: &scene::Object, notices: &mut Vec<String>) -> Result<Shape>
         }
         generated => kind(generated).build(object.segments.get() as u32)?,
     };
-    let shape = if scale == 1.0 { shape } else { shape.scaled(scale)? };
-    if !shape.exact {
-        let n = shape.surface.triangles.len();
-        notices.push(format!("the {} is its surface mesh of {n} triangles, facets included", shape.name));
-    }
+    if scale == 1.0 { Ok(shape) } else { shape.scaled(scale) }
+}
+
+/// Returns `shape`, which is that of `object`, with the surface that pads feel whose points lie `spacing` (m) apart; `+inf` without pads. What
+/// the surface is, and its error, goes to `notices`.
+///
+/// # Errors
+/// Fails for a radius that is too small for the size of the object.
+pub fn with_contact_surface(
+    object: &scene::Object,
+    shape: Shape,
+    spacing: f64,
+    notices: &mut Vec<String>,
+) -> Result<Shape> {
+    let SurfaceDefinition::Facets = shape.definition else { return Ok(shape) };
+    let count = shape.surface.triangles.len();
+    let (shape, why) = match (&object.surface, &object.shape) {
+        _ if !spacing.is_finite() => (shape, None),
+        (Some(o::ObjectSurface::Smooth(smooth)), _) => {
+            (shape.smoothed(smooth.radius.map(|radius| radius.get()), spacing)?, None)
+        }
+        (None, o::ObjectShape::Mesh(_)) => shape.with_suitable_surface(spacing),
+        (Some(o::ObjectSurface::Faceted), _) | (None, _) => (shape, None),
+    };
+    let name = &shape.name;
+    notices.push(match &shape.definition {
+        SurfaceDefinition::Smooth(smooth) => format!(
+            "the {name} is a smooth surface through its mesh of {count} triangles, with edges rounded by about {} mm: off by {} mm at most, \
+             {} mm rms; `surface: Faceted` keeps the facets",
+            shown(1e3 * smooth.level.spacing()),
+            shown(rounded(1e3 * smooth.largest, 2)),
+            shown(rounded(1e3 * smooth.rms, 2)),
+        ),
+        _ => {
+            let why = why.map_or_else(String::new, |why| format!(": {why}"));
+            format!("the {name} is its surface mesh of {count} triangles, facets included{why}")
+        }
+    });
     Ok(shape)
 }
 

@@ -18,6 +18,8 @@ defaults! {
     SCALE: Positive = Positive::preset(1.0);
     /// Object: density, kg/m3.
     OBJECT_DENSITY (object_density): Positive = Positive::preset(1000.0);
+    /// Object: turn in the hand after which it counts as dropped, degrees.
+    DROPPED_TURN_DEG (dropped_turn_deg): Positive = Positive::preset(45.0);
     /// Object: radius of rounded edges, m; zero is sharp.
     EDGE_RADIUS (edge_radius): Depth = Depth::preset(0.0);
     /// Object: divisions of a full turn of a generated surface.

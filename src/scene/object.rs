@@ -19,6 +19,11 @@ pub struct Object {
     /// if that is not enough, the winding number of the surface is sampled anew.
     #[serde(default)]
     pub repair: bool,
+    /// Surface that the pads feel of an object that is a mesh. None rounds the facets of a mesh file, with twice the distance of the points of
+    /// a pad as the radius, unless flat faces meet at its edges or it is too thin or too sharp for that; `tactus check` says which, and
+    /// by how much it is off. Generated shapes keep their facets then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<ObjectSurface>,
     /// Density, kg/m3.
     #[serde(default = "defaults::object_density")]
     pub density: Positive,
@@ -29,6 +34,9 @@ pub struct Object {
     /// Freedom of the object to move.
     #[serde(default)]
     pub motion: ObjectMotion,
+    /// Motion in the hand after which a free object counts as dropped, in a scene without time.
+    #[serde(default)]
+    pub dropped_after: DroppedAfter,
     /// Velocity of the object's centre of mass at the start of a dynamic scene, world axes, m/s.
     #[serde(default)]
     pub velocity: Option<Vec3>,
@@ -53,6 +61,42 @@ pub enum ObjectMotion {
     Free,
     /// Object held in place.
     Fixed,
+}
+
+/// Motion of an object in the hand after which it counts as dropped.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DroppedAfter {
+    /// Motion of the point of the object that was at the centre of the grasp, m. None is half of the narrower side of a pad.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distance: Option<Length>,
+    /// Turn of the object, degrees.
+    #[serde(default = "defaults::dropped_turn_deg")]
+    pub turn_deg: Positive,
+}
+
+impl Default for DroppedAfter {
+    fn default() -> Self {
+        Self { distance: None, turn_deg: defaults::DROPPED_TURN_DEG }
+    }
+}
+
+/// Surface of a mesh that pads feel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum ObjectSurface {
+    /// The facets with all their edges.
+    Faceted,
+    /// A smooth surface through the mesh.
+    Smooth(SmoothObjectSurface),
+}
+
+/// Smooth surface through a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SmoothObjectSurface {
+    /// Radius with which edges are rounded, m. None is twice the distance of the points of a pad.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radius: Option<Length>,
 }
 
 /// Shape, centred on the origin of its frame unless stated otherwise, with its axis along z if it has one.

@@ -19,3 +19,4 @@ mod shape_features;
 mod shape_mesh_distance;
 mod shape_ray;
 mod shape_touch;
+mod smooth_surface;

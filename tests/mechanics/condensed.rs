@@ -122,22 +122,22 @@ fn every_frame_is_balanced_and_neither_inverted_nor_penetrating() {
     }
 }
 
-/// The frame in which a heavy ball is let go is done again on whole pads: the ball keeps its weight, 3.24 N of it.
+/// A heavy ball rolls into the pads in springs and halvings as it is let go, and keeps its weight of 1.62 N.
 #[test]
-fn an_object_let_go_keeps_its_weight_where_condensed_pads_give_way_to_whole_ones() {
-    let text = "(object: (shape: Sphere(radius: 0.004), density: 1231990.7),
+fn an_object_let_go_keeps_its_weight_whatever_it_takes() {
+    let text = "(object: (shape: Sphere(radius: 0.004), density: 615995.0),
           gripper: (pads: GelSightMini(spacing: 0.0026), material: NeoHookean(young: 20000.0, poisson: 0.45),
             opening: 0.1, stroke: 0.05, friction: 1.2),
           loading: Squeeze(force: 6.0, frames: 4, release: 4.44), gravity: (0, 0, -9.81),
           stepper: Fem(element: Linear, solver: Condensed()))";
     let (outcome, frames) = run(&read(text).unwrap_or_else(|e| panic!("{e}")), 2);
-    assert_eq!(outcome.summary.methods.whole, 1, "the case that is meant: {:?}", outcome.summary);
-    let reached = outcome.summary.status == Status::Reached;
+    let methods = outcome.summary.methods;
+    assert!(methods.halved > 0 && methods.pseudo_transient > 0, "the case that is meant: {:?}", outcome.summary);
     let let_go: Vec<_> = frames.iter().filter(|frame| !frame.object_fixed).collect();
-    assert!(let_go.len() == if reached { 2 } else { 0 }, "held in {} of {} frames", let_go.len(), frames.len());
+    assert_eq!(let_go.len(), 2, "{:?}", outcome.summary);
     for frame in let_go {
         let carried: f64 = frame.pads.iter().map(|pad| pad.wrench.force.z).sum();
-        assert!((carried.abs() - 3.24).abs() < 0.01, "the pads carry {carried:.3} of 3.24 N");
+        assert!((carried.abs() - 1.62).abs() < 0.01, "the pads carry {carried:.3} of 1.62 N");
     }
 }
 

@@ -61,7 +61,7 @@ fn defaults() -> BTreeMap<&'static str, Value> {
         gripper: Fingers Gripper Placement RightFinger;
         ground: Plane;
         material: MaterialChoice;
-        object: ObjectMotion;
+        object: DroppedAfter ObjectMotion;
         objects: Split;
         observation: Grid Markers;
         output: Record;

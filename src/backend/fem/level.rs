@@ -4,12 +4,14 @@ use super::stepper::GraspSolver;
 use crate::mech::newton::Failure;
 use crate::mech::newton::effort::most_iterations;
 use crate::mech::path::continuation::WholePads;
+use crate::mech::path::grasp_place::GraspPlace;
 use crate::mech::path::{Advanced, Load};
-use crate::model::Model;
 use crate::model::push::FIRST_PART;
+use crate::model::{DropLimits, Model};
 use crate::scales::DROPPED;
 use crate::world::components::ObjectPose;
 use crate::world::schedule::{StepLoad, Stop};
+use glam::DVec3;
 
 /// Number of steps in which the fingers take an object with weight over from its support.
 const HANDOVER: u32 = 4;
@@ -75,6 +77,7 @@ impl GraspSolver {
         if begins {
             done.add(self.begin(model, level.min(model.release))?);
         }
+        self.path.place = model.dropped_after.map(|after| self.place(model, after));
         if self.path.newton.object_fixed && level >= model.release {
             done.add(self.load(model, load, model.release)?);
             done.add(self.let_go(model)?);
@@ -98,6 +101,14 @@ impl GraspSolver {
         }
         self.path.recover();
         Ok(done)
+    }
+
+    /// Returns the place that the object may not leave.
+    fn place(&self, model: &Model, after: DropLimits) -> GraspPlace {
+        let ObjectPose { position, rotation } = self.progress.start;
+        let faces = model.fingers.iter().map(|finger| finger.placement.origin);
+        let center = faces.sum::<DVec3>() / model.fingers.len().max(1) as f64;
+        GraspPlace { position, rotation, center, distance: after.distance, angle: after.angle }
     }
 
     /// Makes contact, at a force of at most `most` (N per finger), around an object that is held in place.
@@ -129,9 +140,10 @@ impl GraspSolver {
             self.hand_over(f64::from(k) / f64::from(steps));
             // What the force did before says nothing of what the weight does.
             self.path.history = None;
+            let level = self.path.level;
             let more = match &mut self.condensed {
-                Some(pads) => pads.follow(&mut self.path, model),
-                None => self.path.polish(),
+                Some(pads) => self.path.advance(Load::Force, level, &mut pads.of(model)),
+                None => self.path.advance(Load::Force, level, &mut WholePads),
             };
             let letting_go = format!("letting go of the object {}", at(Load::Force, self.path.level));
             done.add(more.map_err(|f| self.refuse(model, &letting_go, f))?);

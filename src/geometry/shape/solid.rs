@@ -9,7 +9,7 @@ use crate::geometry::shape::mesh_distance::MeshDistance;
 use crate::geometry::shape::params::{length, require};
 use crate::geometry::shape::scaled::Scaled;
 use crate::geometry::shape::topology::Topology;
-use crate::geometry::shape::{Hit, MassProperties, SignedDistance, SurfaceFeatures};
+use crate::geometry::shape::{Hit, MassProperties, SignedDistance, SurfaceDefinition, SurfaceFeatures};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -20,15 +20,14 @@ pub struct Shape {
     pub name: String,
     /// Exact signed distance to the surface.
     pub distance: Arc<dyn SignedDistance>,
-    /// Surface mesh; if `exact`, a drawing with vertices on the true surface, otherwise the surface itself.
+    /// Surface mesh: the surface itself, or a drawing of it with vertices on the true surface.
     pub surface: Arc<TriMesh>,
     /// Vertices and sharp edges.
     pub features: Arc<SurfaceFeatures>,
-    /// Volume, centre of mass and inertia at unit density; closed forms if `exact`.
+    /// Volume, centre of mass and inertia at unit density; closed forms for a surface in closed form, else those of the mesh.
     pub mass: MassProperties,
-    /// True if the distance is that of the smooth ideal shape in closed form, rather than that of the facets of
-    /// `surface`.
-    pub exact: bool,
+    /// What the surface is.
+    pub definition: SurfaceDefinition,
     /// Bounding box of the true surface, m.
     pub aabb: Aabb,
     /// Largest distance of the true surface from the frame's origin, m.
@@ -54,7 +53,8 @@ impl Shape {
         let features = Arc::new(SurfaceFeatures::of_mesh(&mesh, &topology));
         let surface = Arc::new(mesh);
         let distance = Arc::new(MeshDistance::with_topology(surface.clone(), topology));
-        Ok(Self { name: "mesh".into(), distance, surface, features, mass, exact: false, aabb, bounding_radius })
+        let definition = SurfaceDefinition::Facets;
+        Ok(Self { name: "mesh".into(), distance, surface, features, mass, definition, aabb, bounding_radius })
     }
 
     /// Builds an object with a distance in closed form, which must know its `support`.
@@ -74,7 +74,7 @@ impl Shape {
             surface: Arc::new(surface),
             features: Arc::new(features),
             mass,
-            exact: true,
+            definition: SurfaceDefinition::ClosedForm,
             aabb,
             bounding_radius,
         }
@@ -103,7 +103,7 @@ impl Shape {
             surface: Arc::new(surface),
             features: Arc::new(self.features.scaled(factor)),
             mass: self.mass.scaled(factor),
-            exact: self.exact,
+            definition: self.definition.clone(),
             aabb: Aabb { min: factor * self.aabb.min, max: factor * self.aabb.max },
             bounding_radius: factor * self.bounding_radius,
         })

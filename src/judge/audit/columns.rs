@@ -80,6 +80,11 @@ impl Columns {
         winding > 0
     }
 
+    /// Returns the depth of `q` inside, m; zero outside.
+    pub fn depth(&self, q: DVec3) -> f64 {
+        if self.inside(q) { self.distance(q) } else { 0.0 }
+    }
+
     /// Returns the distance of `q` to the surface, m.
     pub fn distance(&self, q: DVec3) -> f64 {
         super::triangle::distance(&self.triangles, self.turn * q)

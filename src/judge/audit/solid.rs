@@ -3,9 +3,11 @@
 
 use super::columns::Columns;
 use crate::geometry::mesh::TriMesh;
-use crate::geometry::shape::Shape;
+use crate::geometry::shape::level_set::LevelSet;
+use crate::geometry::shape::{Shape, SurfaceDefinition};
 use crate::scene::{self, object as o};
 use glam::{DVec2, DVec3};
+use std::sync::Arc;
 
 /// Rigid object in its own frame.
 #[derive(Debug)]
@@ -28,6 +30,8 @@ pub enum Solid {
     },
     /// A closed triangle surface.
     Surface(Columns),
+    /// The zero level of a function near a triangle surface, which tells what is inside elsewhere.
+    Level(Arc<LevelSet>, Columns),
 }
 
 impl Solid {
@@ -59,7 +63,13 @@ impl Solid {
             | o::ObjectShape::Prism(_)
             | o::ObjectShape::Banana(_)
             | o::ObjectShape::Potato(_)
-            | o::ObjectShape::Sweep(_) => Self::Surface(Columns::new(&shape.surface)),
+            | o::ObjectShape::Sweep(_) => {
+                let columns = Columns::new(&shape.surface);
+                match &shape.definition {
+                    SurfaceDefinition::Smooth(smooth) => Self::Level(smooth.level.clone(), columns),
+                    SurfaceDefinition::ClosedForm | SurfaceDefinition::Facets => Self::Surface(columns),
+                }
+            }
         }
     }
 
@@ -84,12 +94,10 @@ impl Solid {
                     0.0
                 }
             }
-            Self::Surface(columns) => {
-                if columns.inside(q) {
-                    columns.distance(q)
-                } else {
-                    0.0
-                }
+            Self::Surface(columns) => columns.depth(q),
+            // To first order; where the level is not known, the surface is far.
+            Self::Level(level, columns) => {
+                level.height(q).map_or_else(|| columns.depth(q), |height| (-height).max(0.0))
             }
         }
     }

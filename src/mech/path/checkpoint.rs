@@ -1,6 +1,7 @@
 //! What a path remembers: kept whole to go back further than the last increment, and written whole to go on in another process.
 
 use super::continuation::Methods;
+use super::pseudo_time::PseudoTime;
 use super::step_size::StepSize;
 use super::{Path, PathControl};
 use crate::error::Result;
@@ -27,7 +28,7 @@ struct Accepted {
 struct Work {
     step: StepSize,
     spent: u32,
-    at_once: bool,
+    pseudo_time: PseudoTime,
     methods: Methods,
     iterations: u64,
     projections: u64,
@@ -58,12 +59,12 @@ impl Path {
             history,
             control,
             methods,
-            at_once,
+            pseudo_time,
             step,
             spent,
             tolerance: _,
             largest_drift: _,
-            stage: _,
+            place: _,
         } = self;
         let accepted = Accepted {
             state: state.clone(),
@@ -77,7 +78,7 @@ impl Path {
         let work = Work {
             step: *step,
             spent: *spent,
-            at_once: *at_once,
+            pseudo_time: *pseudo_time,
             methods: *methods,
             iterations: profile.iterations,
             projections: profile.projections,
@@ -102,7 +103,6 @@ impl Path {
     pub fn restore(&mut self, checkpoint: Checkpoint) {
         self.accept(checkpoint.accepted);
         self.newton.restore(checkpoint.terms);
-        self.at_once = false;
     }
 
     /// Writes all that the next increment depends on.
@@ -118,8 +118,8 @@ impl Path {
     pub fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
         let (accepted, work): (Accepted, Work) = history.read()?;
         self.accept(accepted);
-        let Work { step, spent, at_once, methods, iterations, projections, frozen } = work;
-        (self.step, self.spent, self.at_once, self.methods) = (step, spent, at_once, methods);
+        let Work { step, spent, pseudo_time, methods, iterations, projections, frozen } = work;
+        (self.step, self.spent, self.pseudo_time, self.methods) = (step, spent, pseudo_time, methods);
         let profile = &mut self.newton.profile;
         (profile.iterations, profile.projections, profile.frozen) = (iterations, projections, frozen);
         self.newton.read_history(history)

@@ -5,10 +5,8 @@
 //! | what an attempt ends with | answer |
 //! |---|---|
 //! | the path bends too far | a smaller increment, by the error (`step_size.rs`) |
-//! | no equilibrium | half the increment, three times where there are rigid unknowns, else twelve |
+//! | no equilibrium | half the increment, with springs, or stiffer ones (`pseudo_time.rs`); condensed pads anew as they are, every fourth time |
 //! | no equilibrium under a push | halfway to the load that found none; within a thousandth of it the object slips, or the grasp ends (`backend/fem/level.rs`) |
-//! | none in the smallest increment either | pseudo-time from the accepted state (`pseudo_transient.rs`), over the increment that was refused first |
-//! | none in pseudo-time; corrections of condensed pads do not settle | half the increment, condensed pads anew as they are, ten times |
 //! | contact outgrows the patch of a condensed pad | condensed anew onto a larger one, the same increment |
 //! | condensed pads get no further | whole pads, from the level accepted last (`backend/fem/level.rs`) |
 //! | the object left the grasp; no effort is left | the grasp ends |
@@ -18,6 +16,7 @@
 
 use super::{Advanced, Load, Path};
 use crate::mech::newton::Failure;
+use crate::scales::GONE;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::AddAssign;
@@ -97,6 +96,13 @@ pub trait PadDiscretisation {
     fn correct(&mut self, _path: &mut Path, _level: f64, _result: bool, _done: &mut Advanced) -> Result<(), Failure> {
         Ok(())
     }
+    /// Corrects the pads once by their state at `level`, on the way to an equilibrium.
+    ///
+    /// # Errors
+    /// Fails if contact has outgrown the pads, or with [`Failure::Singular`].
+    fn adjust(&mut self, _path: &mut Path, _level: f64) -> Result<(), Failure> {
+        Ok(())
+    }
     /// Takes note that the attempt ended in the state of `path` with `failure`.
     fn fail(&mut self, _path: &Path, _failure: Failure) {}
     /// Takes note that `path` is back at the accepted state.
@@ -115,142 +121,146 @@ pub struct WholePads;
 
 impl PadDiscretisation for WholePads {}
 
-/// Number of halvings of an increment before another method: for a path with nothing but bodies, and for one whose object can
-/// move.
-const HALVINGS: [u32; 2] = [12, 3];
+/// Maximum number of attempts in a row that may fail, and of those after which condensed pads are condensed anew as they are.
+const FAILURES: u32 = 16;
+const STALE: u32 = 4;
 /// Distance from a push that finds no equilibrium, over the push wanted, at which none exists. An object that slips is told
 /// from one that only rolls on by increments this small: at a hundredth, an ellipsoid counts as lost at nine tenths of what it bears.
 const SLIP_ERROR: f64 = 0.001;
-/// Maximum number of changes of the method on the way to one level.
-const CHANGES: u32 = 10;
 /// Largest increment of a force over the force reached.
 const GROWTH: f64 = 3.0;
 
+/// What came of an attempt.
+struct Attempt {
+    /// Error of the increment over the error allowed.
+    error: f64,
+    /// Flag: the state is one of rest.
+    rests: bool,
+}
+
 impl Path {
     /// Raises the load to `target` in as many increments as convergence and error ask for; at `target` already, finds the equilibrium
-    /// there once more. Halts at the end of a stage of pseudo-time, with the state there.
+    /// there once more. Load and pseudo-time run together: where no equilibrium is found, springs bound the motion of an increment.
     ///
     /// # Errors
     /// The last [`Failure`] when no method is left. State, history and level are then those of the last accepted increment.
     pub fn advance(&mut self, load: Load, target: f64, pads: &mut dyn PadDiscretisation) -> Result<Advanced, Failure> {
         // Under a dead push nothing stops an object once it goes.
-        let can_roll = self.newton.rigid.size > 0 && load != Load::Push;
-        let (mut done, mut halvings, mut changes) = (Advanced::default(), 0, 0);
-        // Increment that was refused first since the last one that was accepted.
-        let mut refused = None;
+        let can_roll = self.newton.rigid.pose.is_some() && load != Load::Push;
+        let (mut done, mut failures) = (Advanced::default(), 0);
+        let begins = self.state.clone();
         // Push that found no equilibrium, nearest to the one accepted.
         let mut beyond = None;
+        // Motion since a finger has touched nothing, m.
+        let mut apart = 0.0;
         loop {
             let rest = target - self.level;
             let gap = beyond.map_or(f64::INFINITY, |push: f64| (push - self.level).abs());
             let smallest = SLIP_ERROR * target.abs();
             let near = gap <= smallest;
             let longest = self.longest(load).min(0.5 * gap);
-            let planned = if near { gap.copysign(rest) } else { self.step.next(rest).clamp(-longest, longest) };
-            // An object with a largest drift is followed at once: smaller increments would only find out later that it slides.
-            let tried = match load {
-                _ if self.largest_drift.is_some() || planned == 0.0 => true,
-                Load::Push => planned.abs() <= smallest,
-                Load::Force | Load::Travel => halvings >= HALVINGS[usize::from(can_roll)],
+            let planned = match near {
+                _ if self.pseudo_time.waits => 0.0,
+                true => gap.copysign(rest),
+                false => self.step.next(rest).clamp(-longest, longest),
             };
-            let last_resort = tried || self.exhausted();
-            // Pseudo-time follows the whole increment: next to nothing would drive it on over a tiny one. A push has none, and what was
-            // refused would only be refused again.
-            let whole = refused.filter(|_| last_resort && load != Load::Push);
-            let size = whole.map_or(planned, |first: f64| first.clamp(-rest.abs(), rest.abs()));
-            let next = if size.abs() >= rest.abs() { target } else { self.level + size };
-            self.at_once |= last_resort && can_roll && refused.is_some();
+            let next = if planned.abs() >= rest.abs() { target } else { self.level + planned };
+            let size = next - self.level;
             let cost = done.iterations;
-            let failure = match self.attempt(load, next, next == target, last_resort && can_roll, pads, &mut done) {
-                Ok(_) if done.halted => return Ok(done),
-                Ok(error) => {
+            let failure = match self.attempt(load, next, next == target, pads, &mut done) {
+                Ok((Attempt { error, rests }, moved)) => {
                     self.methods.increments += 1;
                     if size != 0.0 {
                         let shortest = self.control.map_or(0.0, |control| self.shortest(control.first));
                         self.step.accept(size, done.iterations - cost, error, shortest);
                     }
-                    (halvings, refused) = (0, None);
+                    failures = 0;
                     beyond = beyond.filter(|_| !near);
-                    if next == target {
-                        return Ok(done);
+                    apart = if self.newton.untouched() { apart + moved } else { 0.0 };
+                    let way = self.newton.rigid.distance(&self.state, &begins);
+                    match () {
+                        _ if apart >= GONE * self.tolerance.offset => return Err(Failure::Lost),
+                        _ if self.largest_drift.is_some_and(|most| way > most) => return Err(Failure::Astray),
+                        _ if self.place.is_some_and(|place| place.is_left(&self.state)) => return Err(Failure::Astray),
+                        _ if next == target && rests => return Ok(done),
+                        _ if self.exhausted() => return Err(Failure::Unsettled),
+                        _ => continue,
                     }
-                    continue;
                 }
                 Err(failure) => failure,
             };
+            failures += 1;
             match failure {
+                Failure::Astray => return Err(failure),
+                _ if failure.is_out_of_effort() => return Err(failure),
                 Failure::Bent(error) => {
                     self.methods.bent += 1;
                     self.step.refuse(size, Some(error));
                 }
-                Failure::Astray => return Err(failure),
-                _ if failure.is_out_of_effort() => return Err(failure),
-                Failure::Iterations(_)
-                | Failure::LineSearch(_)
-                | Failure::Singular
-                | Failure::Lost
-                | Failure::Unsettled
-                    if !last_resort =>
-                {
-                    (halvings, self.methods.halved) = (halvings + 1, self.methods.halved + 1);
-                    refused = refused.or(Some(size));
-                    beyond = (load == Load::Push).then_some(next);
-                    self.step.refuse(size, None);
-                }
-                Failure::Iterations(_)
-                | Failure::LineSearch(_)
-                | Failure::Singular
-                | Failure::Lost
-                | Failure::Unsettled
-                    if load == Load::Push =>
-                {
-                    return Err(failure);
-                }
-                // Whole pads at the same load would only fail in the same way again.
-                _ if size == 0.0 && !pads.corrects() => return Err(failure),
-                _ if changes >= CHANGES || self.exhausted() => return Err(failure),
-                _ => {
+                _ if failures > FAILURES || self.exhausted() => return Err(failure),
+                Failure::Outside => {
+                    self.methods.condensed_anew += 1;
                     pads.renew(self)?;
-                    (halvings, changes) = (0, changes + 1);
-                    self.methods.condensed_anew += u64::from(pads.corrects());
-                    (refused, beyond) = (None, None);
-                    if failure != Failure::Outside && size != 0.0 {
+                }
+                // Nothing is left to change.
+                _ if load == Load::Push && planned.abs() <= smallest => return Err(failure),
+                _ if size == 0.0 && !can_roll => return Err(failure),
+                Failure::Lost if self.pseudo_time.is_on() => return Err(failure),
+                _ => {
+                    self.methods.halved += 1;
+                    beyond = (load == Load::Push).then_some(next);
+                    if size != 0.0 {
                         self.step.refuse(size, None);
+                    }
+                    if can_roll {
+                        self.methods.pseudo_transient += u64::from(!self.pseudo_time.is_on());
+                        self.pseudo_time.refuse(self.driving(), &self.tolerance);
+                    }
+                    if pads.corrects() && failures % STALE == 0 {
+                        self.methods.condensed_anew += 1;
+                        pads.renew(self)?;
                     }
                 }
             }
         }
     }
 
-    /// Makes one attempt at level `next`, which is a `result` or only on the way to one. Returns the error of the increment
-    /// over the error allowed.
+    /// Makes one attempt at level `next`, which is a `result` or only on the way to one. Returns what came of it, and the motion of the
+    /// rigid unknowns, m.
     fn attempt(
         &mut self,
         load: Load,
         next: f64,
         result: bool,
-        pseudo_time: bool,
         pads: &mut dyn PadDiscretisation,
         done: &mut Advanced,
-    ) -> Result<f64, Failure> {
+    ) -> Result<(Attempt, f64), Failure> {
         let saved = pads.corrects().then(|| self.checkpoint());
         pads.predict(self, next);
         self.apply(load, next);
         let before = (self.state.clone(), self.level);
+        self.newton.proximal = self.pseudo_time.springs(&self.state);
         let start = self.start(load, next);
         let to = (next != self.level).then_some(next);
-        let found = self.equilibrate(start, to, pseudo_time, done);
-        let corrected = match found {
-            Ok(error) if !done.halted => pads.correct(self, next, result, done).map(|()| error),
-            found => found,
-        };
-        match corrected {
-            Ok(error) if done.halted => Ok(error),
-            Ok(error) => {
-                if to.is_some() {
-                    (self.history, self.level) = (Some(before), next);
-                }
-                Ok(error)
+        let tolerance = self.pseudo_time.tolerance(&self.tolerance);
+        let floor = self.tolerance.force.max(self.tolerance.relative * self.driving());
+        let attempt = self.equilibrate(start, to, &tolerance, done).and_then(|(error, moved)| {
+            let rests = self.pseudo_time.rests(moved.pull, floor);
+            match result && rests || !self.pseudo_time.is_on() {
+                true => pads.correct(self, next, result, done)?,
+                false => pads.adjust(self, next)?,
+            }
+            Ok((Attempt { error, rests }, moved))
+        });
+        self.newton.proximal = None;
+        match attempt {
+            Ok((attempt, moved)) => {
+                let (load, full) = (self.driving(), self.tolerance);
+                // Where the load has not changed, the states say nothing of how the path goes on.
+                self.history = to.map(|_| before).filter(|_| !self.pseudo_time.waits);
+                self.pseudo_time.accept(&moved, load, floor, &full, to.is_some());
+                self.level = next;
+                Ok((attempt, moved.way))
             }
             Err(failure) => {
                 pads.fail(self, failure);
@@ -262,6 +272,12 @@ impl Path {
                 Err(failure)
             }
         }
+    }
+
+    /// Force that drives the rigid unknowns, N.
+    fn driving(&self) -> f64 {
+        let forces = self.newton.force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        forces.max(self.tolerance.force / self.tolerance.relative)
     }
 
     /// Longest increment from the accepted state.

@@ -2,11 +2,14 @@
 
 pub mod checkpoint;
 pub mod continuation;
+pub mod grasp_place;
 mod path_error;
-mod pseudo_transient;
+mod pseudo_time;
 pub mod step_size;
 
-use self::continuation::Methods;
+use self::continuation::{Methods, WholePads};
+use self::grasp_place::GraspPlace;
+use self::pseudo_time::{PseudoStep, PseudoTime};
 use self::step_size::{REFUSED, StepSize};
 use super::newton::{Converged, Failure, Newton, NewtonTolerance};
 use super::potential::state::State;
@@ -25,19 +28,19 @@ pub struct Path {
     /// Largest bend of the path away from a straight increment, over the displacement, and the load with which the path begins
     /// (N or m); None where the answer does not depend on the path.
     pub control: Option<PathControl>,
-    /// Motion of the object in one pseudo-transient continuation at which it counts as lost, m; None follows it however far it goes.
+    /// Motion of the object on the way to one level at which it counts as lost, m; None follows it however far it goes.
     pub largest_drift: Option<f64>,
-    /// Motion of the object after which pseudo-transient continuation halts on its way, m; None goes on to where the object rests.
-    pub stage: Option<f64>,
+    /// Place that the object may not leave; None follows it wherever it goes.
+    pub place: Option<GraspPlace>,
     /// Counts of how often each method was used.
     pub methods: Methods,
-    /// Flag: the next attempt begins with pseudo-transient continuation, which has halted in `state`, or because nothing else helped.
-    pub(crate) at_once: bool,
     /// The accepted state before `state`, with its level.
     pub(crate) history: Option<(State, f64)>,
     /// Size of the next increment.
     pub(crate) step: StepSize,
-    /// Iterations of pseudo-transient continuation and of increments that failed.
+    /// PseudoTime of the next increment.
+    pub(crate) pseudo_time: PseudoTime,
+    /// Iterations of steps in pseudo-time and of increments that failed.
     spent: u32,
 }
 
@@ -59,8 +62,6 @@ pub struct Advanced {
     pub increments: u32,
     /// Residual of the last one, N.
     pub residual: f64,
-    /// Flag: pseudo-transient continuation halted at the end of a stage; the object is still moving.
-    pub halted: bool,
 }
 
 impl Advanced {
@@ -68,7 +69,6 @@ impl Advanced {
     pub fn add(&mut self, more: Advanced) {
         self.iterations += more.iterations;
         self.increments += more.increments;
-        self.halted = more.halted;
         if more.increments > 0 {
             self.residual = more.residual;
         }
@@ -94,7 +94,7 @@ pub enum Load {
 
 /// Tolerance of intermediate states over that of results.
 pub(crate) const LOOSE: f64 = 20.0;
-/// Iterations that pseudo-transient continuations and failed increments may take before the path is given up.
+/// Iterations that steps in pseudo-time and failed increments may take before the path is given up.
 const ENDURANCE: u32 = 4000;
 
 impl Path {
@@ -107,11 +107,11 @@ impl Path {
             tolerance,
             control: None,
             largest_drift: None,
-            stage: None,
+            place: None,
             methods: Methods::default(),
-            at_once: false,
             history: None,
             step: StepSize(f64::INFINITY),
+            pseudo_time: PseudoTime::NONE,
             spent: 0,
         }
     }
@@ -138,12 +138,14 @@ impl Path {
         let sharp = self.tolerance;
         self.tolerance.relative *= LOOSE;
         self.newton.force.fill(force);
-        let mut done = Advanced::default();
-        let closed = self.equilibrate(self.state.clone(), None, true, &mut done);
+        let level = std::mem::replace(&mut self.level, force);
+        let closed = self.advance(Load::Force, force, &mut WholePads);
         self.tolerance = sharp;
-        closed?;
-        (self.level, self.history) = (force, None);
-        Ok(done)
+        self.history = None;
+        if closed.is_err() {
+            self.level = level;
+        }
+        closed
     }
 
     /// Begins another kind of load, which is zero in the accepted state; its path begins with the load `first`.
@@ -161,61 +163,46 @@ impl Path {
         }
     }
 
-    /// Solves once more at the level reached, to the full tolerance.
+    /// Solves once more in the state reached, to the full tolerance.
     ///
     /// # Errors
     /// The [`Failure`]; the state stays as it was.
     pub fn polish(&mut self) -> Result<Advanced, Failure> {
-        let mut done = Advanced::default();
-        self.equilibrate(self.state.clone(), None, true, &mut done).map(|_| done)
+        let (mut done, tolerance) = (Advanced::default(), self.tolerance);
+        self.equilibrate(self.state.clone(), None, &tolerance, &mut done).map(|_| done)
     }
 
-    /// Solves from `start`, which is at level `to` if that is another one, and accepts the result. If that fails and
-    /// `pseudo_time` is set, follows the object there from the accepted state, or to the end of a stage. Returns the error of the
-    /// increment over the error allowed.
-    pub(crate) fn equilibrate(
+    /// Solves from `start`, which is at level `to` if that is another one, and accepts the result. Returns the error of the increment over
+    /// the error allowed, and what came of it.
+    fn equilibrate(
         &mut self,
         start: State,
         to: Option<f64>,
-        pseudo_time: bool,
+        tolerance: &NewtonTolerance,
         done: &mut Advanced,
-    ) -> Result<f64, Failure> {
-        if !std::mem::take(&mut self.at_once) {
-            let failure = match self.newton.solve(&self.state, start, &self.tolerance) {
-                Ok((state, converged)) => {
-                    let error = to.map_or(0.0, |to| self.bend(&state, to));
-                    if error > REFUSED {
-                        self.newton.rollback();
-                        done.iterations += converged.iterations;
-                        return Err(Failure::Bent(error));
-                    }
-                    self.newton.commit(&state);
-                    self.state = state;
-                    done.accept(converged);
-                    return Ok(error);
+    ) -> Result<(f64, PseudoStep), Failure> {
+        match self.newton.solve(&self.state, start, tolerance) {
+            Ok((state, converged)) => {
+                let springs = self.newton.proximal.as_ref();
+                // Springs bound the motion of an increment in the place of its bend.
+                let error = to.filter(|_| springs.is_none()).map_or(0.0, |to| self.bend(&state, to));
+                if error > REFUSED {
+                    self.newton.rollback();
+                    done.iterations += converged.iterations;
+                    return Err(Failure::Bent(error));
                 }
-                Err(failure) => failure,
-            };
-            self.newton.rollback();
-            done.iterations += self.tolerance.iterations;
-            self.spent += self.tolerance.iterations;
-            if !pseudo_time || self.newton.rigid.size == 0 || self.exhausted() || failure.is_out_of_effort() {
-                return Err(failure);
-            }
-        }
-        self.methods.pseudo_transient += 1;
-        let saved = self.newton.save();
-        let before = done.iterations;
-        let followed = self.pseudo_transient(done);
-        self.spent += done.iterations - before;
-        self.newton.proximal = None;
-        match followed {
-            Ok(state) => {
-                (self.state, self.history, self.at_once) = (state, None, done.halted);
-                Ok(0.0)
+                let pull = springs.map_or(0.0, |springs| springs.pull(&self.newton, &state));
+                let way = self.newton.rigid.distance(&state, &self.state);
+                self.spent += if springs.is_some() { converged.iterations } else { 0 };
+                self.newton.commit(&state);
+                self.state = state;
+                done.accept(converged);
+                Ok((error, PseudoStep { iterations: converged.iterations, way, pull }))
             }
             Err(failure) => {
-                self.newton.restore(saved);
+                self.newton.rollback();
+                done.iterations += tolerance.iterations;
+                self.spent += tolerance.iterations;
                 Err(failure)
             }
         }

@@ -12,7 +12,7 @@ use super::grasps::{Antipodal, Grasps};
 use super::gripper::{Fingers, Gripper};
 use super::leaf::{Count, NonNegative, Positive};
 use super::loading::{Loading, ObjectPush, Squeeze};
-use super::object::{Object, ObjectMotion};
+use super::object::{DroppedAfter, Object, ObjectMotion};
 use super::objects::{Entry, Name};
 use super::task::Span;
 use super::vector::{Tuple, Vec3};
@@ -223,6 +223,8 @@ impl Universe {
                 shape,
                 scale: None,
                 repair: false,
+                surface: None,
+                dropped_after: DroppedAfter::default(),
                 density,
                 segments: defaults::SEGMENTS,
                 motion: if single { ObjectMotion::Fixed } else { ObjectMotion::Free },

@@ -27,11 +27,11 @@ use crate::error;
 use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::newton::Failure;
 use crate::mech::path::continuation::PadDiscretisation;
-use crate::mech::path::{Advanced, Load, Path};
+use crate::mech::path::{Advanced, Path};
 use crate::mech::potential::state::{RigidUnknowns, State};
 use crate::mech::potential::term::Stencil;
 use crate::model::Model;
-use crate::scales::{CONDENSED_MOTION, FIRST_DEPTH};
+use crate::scales::FIRST_DEPTH;
 use crate::world::components::ObjectPose;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -76,44 +76,6 @@ impl Condensation {
         self.condense(path, patches)
     }
 
-    /// Finds the equilibrium at the current level again, under another load on the object. The load may take the object far from
-    /// where the pads are condensed, so they are condensed again on the way. The motion is given up when it is longer than the
-    /// largest drift.
-    ///
-    /// # Errors
-    /// Returns the last [`Failure`]; the path is then as it was.
-    pub fn follow(&mut self, path: &mut Path, model: &Model) -> Result<Advanced, Failure> {
-        let start = path.checkpoint();
-        let gone = |path: &Path| {
-            let way = path.newton.rigid.distance(&path.state, start.state());
-            path.largest_drift.is_some_and(|most| way > most)
-        };
-        path.stage = Some(CONDENSED_MOTION * model.offset);
-        let mut done = path.advance(Load::Force, path.level, &mut self.of(model));
-        let moving = |done: &Result<Advanced, Failure>| done.as_ref().is_ok_and(|done| done.halted);
-        while moving(&done) && !gone(path) && !path.exhausted() {
-            let renewed = self.follow_on(path, model);
-            done = renewed.and_then(|()| path.advance(Load::Force, path.level, &mut self.of(model)));
-        }
-        path.stage = None;
-        if gone(path) {
-            done = Err(Failure::Astray);
-        } else if moving(&done) {
-            done = Err(Failure::Unsettled);
-        }
-        if done.is_err() {
-            path.restore(start);
-        }
-        done
-    }
-
-    /// Condenses the pads again at their current contact.
-    fn follow_on(&mut self, path: &mut Path, model: &Model) -> Result<(), Failure> {
-        self.correct(path)?;
-        let patches = self.patches(path, model, 0.0);
-        self.condense(path, patches)
-    }
-
     /// Returns the condensed pads of `model`, for a continuation.
     pub fn of<'a>(&'a mut self, model: &'a Model) -> CondensedPads<'a> {
         CondensedPads { pads: self, model, outside: None }
@@ -148,11 +110,23 @@ impl Condensation {
             }
             last = error;
             done.add(path.polish()?);
-            if done.halted {
-                return Ok(());
-            }
         }
         Err(Failure::Corrections(last))
+    }
+
+    /// Corrects the pads once at the state found at `level`, on the way to an equilibrium; condenses them anew if they are far off.
+    fn adjust(&mut self, path: &mut Path, level: f64) -> Result<(), Failure> {
+        let (error, _) = self.correct(path)?;
+        if (0..self.pads.len()).any(|i| self.is_outside(path, i)) {
+            return Err(Failure::Outside);
+        }
+        self.levels = [self.levels[1], Some(level)];
+        self.pads.iter_mut().for_each(CondensedPad::accept);
+        if error > self.error {
+            let same = self.pads.iter().map(|pad| Some(pad.patch().to_vec())).collect();
+            self.condense(path, same)?;
+        }
+        Ok(())
     }
 
     /// Condenses the pads for which `patches` has nodes onto these nodes, with their stiffness in the state of `path`.
@@ -276,6 +250,10 @@ impl PadDiscretisation for CondensedPads<'_> {
 
     fn correct(&mut self, path: &mut Path, level: f64, result: bool, done: &mut Advanced) -> Result<(), Failure> {
         self.pads.correct_until_converged(path, level, result, done)
+    }
+
+    fn adjust(&mut self, path: &mut Path, level: f64) -> Result<(), Failure> {
+        self.pads.adjust(path, level)
     }
 
     fn fail(&mut self, path: &Path, failure: Failure) {

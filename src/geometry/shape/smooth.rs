@@ -1,0 +1,185 @@
+//! Contact surface of an object that is a mesh: its facets, or a smooth surface through them.
+//!
+//! The facets of a scan are an artefact of its decimation: each crease turns the normal of a point of a pad within a contact offset. A
+//! smooth surface has none. A mesh keeps its facets where they are what it is, as those of a box.
+
+use crate::error::{Error, Result};
+use crate::geometry::Aabb;
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::shape::features::{FeaturePoint, Ridge, SHARP};
+use crate::geometry::shape::level_set::LevelSet;
+use crate::geometry::shape::topology::Topology;
+use crate::geometry::shape::{Shape, SurfaceFeatures};
+use glam::DVec3;
+use parry3d_f64::glamx::DSymmetricEigen3;
+use std::sync::Arc;
+
+/// How a shape defines its surface.
+#[derive(Debug, Clone)]
+pub enum SurfaceDefinition {
+    /// A distance in closed form; the mesh is a drawing with vertices on the true surface.
+    ClosedForm,
+    /// The facets of the mesh.
+    Facets,
+    /// A smooth surface near the facets; the mesh is a drawing with vertices on it.
+    Smooth(SmoothSurface),
+}
+
+/// A smooth surface, and how far it is from the mesh that it was made of.
+#[derive(Debug, Clone)]
+pub struct SmoothSurface {
+    /// The surface.
+    pub level: Arc<LevelSet>,
+    /// Largest distance to the mesh, at its vertices, at the middles of its edges and triangles, m.
+    pub largest: f64,
+    /// Root of the mean squared distance there, m.
+    pub rms: f64,
+}
+
+/// Angle between triangles that lie on one flat face, rad.
+const COPLANAR: f64 = 0.5 / 180.0 * std::f64::consts::PI;
+/// Radius of edges over the distance of the points of a pad, unless it is given: two points and the one between them see an edge.
+const RADIUS: f64 = 2.0;
+/// Distance to the mesh, over the radius, above which a surface is not a rounding of it: the corner of a cube recedes by
+/// `sqrt(3) - 1`, an edge of 60 degrees by one. What is sharper, or thinner than the grid resolves, is lost.
+const ROUNDED: f64 = 1.0;
+/// Width of flat faces over the radius, from which on their edges are real.
+const WIDE: f64 = 2.0;
+/// Number of times that a radius is halved before a mesh counts as too fine to be rounded.
+const HALVINGS: u32 = 3;
+/// Largest number of cells along an object.
+const CELLS: f64 = 512.0;
+
+impl Shape {
+    /// Returns true if the mesh is only a drawing, with vertices on the true surface.
+    pub fn is_drawn(&self) -> bool {
+        !matches!(self.definition, SurfaceDefinition::Facets)
+    }
+
+    /// Returns the object with a smooth surface that rounds edges by about `radius` (m; None is twice the spacing), for pads whose points are
+    /// `spacing` (m) apart.
+    ///
+    /// # Errors
+    /// Fails for a radius that takes more than 512 cells along the object.
+    pub fn smoothed(&self, radius: Option<f64>, spacing: f64) -> Result<Self> {
+        let radius = radius.unwrap_or(RADIUS * spacing);
+        let size = self.aabb.size().max_element();
+        if !(size <= CELLS * radius) {
+            return Err(Error::Mesh(format!(
+                "a radius of {radius:e} m takes more than {CELLS} cells along the {}, which is {size:.3} m long; write at least {:.1e} m",
+                self.name,
+                size / CELLS
+            )));
+        }
+        // A grid along the principal axes turns with the object.
+        let inertia = self.mass.inertia;
+        let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
+        let axes = DSymmetricEigen3::new(inertia * trace.recip()).eigenvectors;
+        let mut level = LevelSet::new(self.distance.clone(), &self.surface.vertices, (self.mass.center, axes), radius);
+        let [largest, rms] = level.fit(&samples(&self.surface));
+        let level = Arc::new(level);
+        let on = |p: DVec3| level.project(p).map_or(p, |(c, _)| c);
+        let mut surface = TriMesh::clone(&self.surface);
+        surface.vertices.iter_mut().for_each(|p| *p = on(*p));
+        // Sharp edges are rounded more tightly than the points of a pad see: rows of points follow them, all over the rounding.
+        let fine = 0.5 * spacing;
+        let rows = (radius / fine).ceil() as i32;
+        let beside = |ridge: &Ridge| {
+            let across = (ridge.b - ridge.a).cross(ridge.normal).normalize_or_zero() * fine;
+            let along = (ridge.length() / fine).ceil().clamp(1.0, 1e4);
+            let (ridge, along) = (*ridge, along as i32);
+            (0..=along).flat_map(move |i| {
+                let on_edge = ridge.point(f64::from(i) / f64::from(along));
+                (-rows..=rows)
+                    .map(move |k| FeaturePoint { position: on_edge.position + across * f64::from(k), ..on_edge })
+            })
+        };
+        let rounded = |f: FeaturePoint| FeaturePoint { position: on(f.position), sharp: false, ..f };
+        let corners = self.features.vertices.iter().filter(|v| v.sharp).copied();
+        let vertices = corners.chain(self.features.sharp_edges.iter().flat_map(beside)).map(rounded).collect();
+        Ok(Self {
+            aabb: Aabb::of(surface.vertices.iter().copied()),
+            bounding_radius: surface.vertices.iter().fold(0.0, |r: f64, p| r.max(p.length())),
+            surface: Arc::new(surface),
+            features: Arc::new(SurfaceFeatures { vertices, ..SurfaceFeatures::default() }),
+            distance: level.clone(),
+            definition: SurfaceDefinition::Smooth(SmoothSurface { level, largest, rms }),
+            ..self.clone()
+        })
+    }
+
+    /// Returns the object with the surface that suits its mesh, for pads whose points are `spacing` (m) apart: smooth, with twice that as the
+    /// radius of its edges, or the facets, and then why.
+    pub fn with_suitable_surface(&self, spacing: f64) -> (Self, Option<String>) {
+        if !matches!(self.definition, SurfaceDefinition::Facets) {
+            return (self.clone(), None);
+        }
+        let mut radius = RADIUS * spacing;
+        if self.aabb.size().max_element() > CELLS * radius {
+            return (self.clone(), Some("it is too large for a grid as fine as the pads".into()));
+        }
+        if is_polyhedron(&self.surface, WIDE * radius) {
+            return (self.clone(), Some("flat faces meet at its edges".into()));
+        }
+        for _ in 0..=HALVINGS {
+            let Ok(smooth) = self.smoothed(Some(radius), spacing) else { break };
+            if let SurfaceDefinition::Smooth(SmoothSurface { largest, .. }) = smooth.definition
+                && largest <= ROUNDED * radius
+            {
+                return (smooth, None);
+            }
+            radius *= 0.5;
+        }
+        (self.clone(), Some(format!("it is too thin or too sharp to be rounded by {:.2} mm", radius * 2e3)))
+    }
+}
+
+/// Points of a surface with their weights: vertices and middles of its triangles, each with its share of the area.
+fn samples(mesh: &TriMesh) -> Vec<(DVec3, f64)> {
+    let of = |t: usize| {
+        let [a, b, c] = mesh.corners(t);
+        let share = 0.5 * (b - a).cross(c - a).length() / 7.0;
+        let middles = [(a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5, (a + b + c) / 3.0];
+        [a, b, c].into_iter().chain(middles).map(move |p| (p, share))
+    };
+    (0..mesh.triangles.len()).flat_map(of).collect()
+}
+
+/// Returns true if most of the sharp edges are between flat faces wider than `width` (m): a box or a prism, not a cylinder or a scan.
+fn is_polyhedron(mesh: &TriMesh, width: f64) -> bool {
+    let Ok(topology) = Topology::new(mesh) else { return true };
+    let angle = |[l, r]: [u32; 2]| {
+        let [l, r] = [l, r].map(|t| topology.normals[t as usize]);
+        l.cross(r).length().atan2(l.dot(r))
+    };
+    // Triangles of one flat face have one number.
+    let mut face: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+    fn root(face: &mut [u32], t: u32) -> u32 {
+        let mut t = t;
+        while face[t as usize] != t {
+            face[t as usize] = face[face[t as usize] as usize];
+            t = face[t as usize];
+        }
+        t
+    }
+    for edge in topology.edges.iter().filter(|e| angle(e.triangles) < COPLANAR) {
+        let [a, b] = edge.triangles.map(|t| root(&mut face, t));
+        face[a.max(b) as usize] = a.min(b);
+    }
+    let mut areas = vec![0.0; face.len()];
+    let mut boxes = vec![Aabb::EMPTY; face.len()];
+    for t in 0..face.len() {
+        let (f, [a, b, c]) = (root(&mut face, t as u32) as usize, mesh.corners(t));
+        areas[f] += 0.5 * (b - a).cross(c - a).length();
+        [a, b, c].into_iter().for_each(|p| boxes[f].include(p));
+    }
+    let wide = |f: usize| areas[f] >= width * boxes[f].size().length();
+    let (mut all, mut flat) = (0.0, 0.0);
+    for edge in topology.edges.iter().filter(|e| angle(e.triangles) > SHARP) {
+        let [a, b] = edge.ends.map(|v| mesh.vertices[v as usize]);
+        let [l, r] = edge.triangles.map(|t| root(&mut face, t) as usize);
+        all += a.distance(b);
+        flat += if wide(l) && wide(r) { a.distance(b) } else { 0.0 };
+    }
+    flat > 0.5 * all
+}

@@ -1,0 +1,57 @@
+//! Place at which an object was grasped, and how far it may leave it.
+
+use crate::mech::potential::state::State;
+use glam::{DQuat, DVec3};
+
+/// Point of the object that was at the centre of the grasp, and its largest motion while the object counts as held.
+#[derive(Debug, Clone, Copy)]
+pub struct GraspPlace {
+    /// Position of the object when it was grasped, m, hand frame.
+    pub position: DVec3,
+    /// Orientation of the object when it was grasped.
+    pub rotation: DQuat,
+    /// Centre of the grasp, m, hand frame.
+    pub center: DVec3,
+    /// Largest motion of the point of the object that was there, m.
+    pub distance: f64,
+    /// Largest turn of the object, rad.
+    pub angle: f64,
+}
+
+impl GraspPlace {
+    /// Returns true if the object has left the place in `state`.
+    pub fn is_left(&self, state: &State) -> bool {
+        let turn = state.rotation * self.rotation.inverse();
+        let now = state.position + turn * (self.center - self.position);
+        now.distance(self.center) > self.distance || turn.to_scaled_axis().length() > self.angle
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    /// An object whose origin is 0.3 m away turns by 30 degrees about the grasp: it stays, although its origin moves by 0.16 m. One that
+    /// slides by 11 mm, or turns by 90 degrees, has left.
+    #[test]
+    fn an_object_that_turns_in_the_hand_stays() {
+        let center = DVec3::Z * 0.1;
+        let place = GraspPlace {
+            position: center + DVec3::Y * 0.3,
+            rotation: DQuat::IDENTITY,
+            center,
+            distance: 0.01,
+            angle: 0.8,
+        };
+        let about = |angle: f64, slide: f64| {
+            let rotation = DQuat::from_rotation_x(angle);
+            let position = center + rotation * (place.position - center) + DVec3::Y * slide;
+            State { x: Vec::new(), travel: Vec::new(), position, rotation }
+        };
+        assert!(!place.is_left(&about(FRAC_PI_2 / 3.0, 0.0)));
+        assert!(!place.is_left(&about(0.0, 0.009)));
+        assert!(place.is_left(&about(0.0, 0.011)));
+        assert!(place.is_left(&about(FRAC_PI_2, 0.0)));
+    }
+}
