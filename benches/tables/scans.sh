@@ -9,7 +9,8 @@ scans() {
     echo '|---|---|---|---|---|---|---|'
     rm -f "$OUT"/scan_*.json
     for file in "$data"/*/*/*_grasps.h5; do
-        mesh=$(ls "${file%_grasps.h5}_processed.stl" "${file%_grasps.h5}.obj" 2> /dev/null | head -n 1)
+        mesh=${file%_grasps.h5}_processed.stl
+        [ -f "$mesh" ] || mesh=${file%_grasps.h5}.obj
         name=$(basename "${file%_grasps.h5}" | tr -d _)
         printf 'Scene(object: (shape: Mesh("%s")), grasps: File(path: "%s", select: 0..20), gripper: (pads: GelSightMini(spacing: 2.6e-3), opening: 0.08, stroke: 0.04, friction: 0.8), loading: Squeeze(force: 15.0, frames: 10), stepper: Fem(solver: Condensed(error: 0.01)))\n' \
             "$(realpath "$mesh")" "$(realpath "$file")" > "$OUT/scan.ron"
@@ -31,4 +32,5 @@ for path in sys.argv[1:]:
     every += grasps
 row("all", every)
 END
+    printf '\nA grasp that takes longer than %s s of wall time has no answer.\n' "${MOST:-60}"
 }
