@@ -140,11 +140,7 @@ impl GraspSolver {
             self.hand_over(f64::from(k) / f64::from(steps));
             // What the force did before says nothing of what the weight does.
             self.path.history = None;
-            let level = self.path.level;
-            let more = match &mut self.condensed {
-                Some(pads) => self.path.advance(Load::Force, level, &mut pads.of(model)),
-                None => self.path.advance(Load::Force, level, &mut WholePads),
-            };
+            let more = self.follow(model, Load::Force, self.path.level);
             let letting_go = format!("letting go of the object {}", at(Load::Force, self.path.level));
             done.add(more.map_err(|f| self.refuse(model, &letting_go, f))?);
         }
@@ -159,11 +155,7 @@ impl GraspSolver {
             self.condensed.iter_mut().for_each(|pads| pads.begin_load());
         }
         self.path.tolerance = self.tolerance(model, force);
-        let done = match &mut self.condensed {
-            Some(pads) => self.path.advance(Load::Push, part, &mut pads.of(model)),
-            None => self.path.advance(Load::Push, part, &mut WholePads),
-        };
-        done.map_err(|failure| {
+        self.follow(model, Load::Push, part).map_err(|failure| {
             let (slipping, at) = (self.slipping(model), at(Load::Push, part));
             if failure.is_out_of_effort() || slipping < SLIPS {
                 return self.refuse(model, &at, failure);
@@ -188,11 +180,15 @@ impl GraspSolver {
 
     fn load(&mut self, model: &Model, load: Load, level: f64) -> std::result::Result<Advanced, Refusal> {
         self.path.tolerance = self.tolerance(model, level);
-        let done = match &mut self.condensed {
-            None => self.path.advance(load, level, &mut WholePads),
+        self.follow(model, load, level).map_err(|f| self.refuse(model, &at(load, level), f))
+    }
+
+    /// Advances the path with the pads as they are, condensed or whole.
+    fn follow(&mut self, model: &Model, load: Load, level: f64) -> std::result::Result<Advanced, Failure> {
+        match &mut self.condensed {
             Some(pads) => self.path.advance(load, level, &mut pads.of(model)),
-        };
-        done.map_err(|f| self.refuse(model, &at(load, level), f))
+            None => self.path.advance(load, level, &mut WholePads),
+        }
     }
 
     fn refuse(&self, model: &Model, at: &str, failure: Failure) -> Refusal {

@@ -6,6 +6,7 @@
 
 pub mod clean;
 pub mod close;
+pub(crate) mod disjoint_sets;
 pub mod facets;
 pub mod grid;
 pub mod io;

@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use crate::geometry::Aabb;
+use crate::geometry::mesh::disjoint_sets::DisjointSets;
 use crate::geometry::mesh::topology::sides;
 use crate::geometry::mesh::{TriMesh, show};
 use crate::number::counted;
@@ -23,22 +24,14 @@ pub struct Shell {
 
 /// Returns the shells of `mesh`, in the order of their first triangles. Indices must be valid.
 pub fn shells(mesh: &TriMesh) -> Vec<Shell> {
-    let mut parent: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-    fn root(parent: &mut [u32], mut i: u32) -> u32 {
-        while parent[i as usize] != i {
-            parent[i as usize] = parent[parent[i as usize] as usize];
-            i = parent[i as usize];
-        }
-        i
-    }
+    let mut joined = DisjointSets::new(mesh.triangles.len());
     for pair in sides(mesh).windows(2).filter(|p| p[0].ends == p[1].ends) {
-        let [a, b] = [0, 1].map(|i| root(&mut parent, pair[i].triangle));
-        parent[a.max(b) as usize] = a.min(b);
+        joined.join([pair[0].triangle, pair[1].triangle]);
     }
     let mut shell_of = BTreeMap::new();
     let mut shells: Vec<Shell> = Vec::new();
     for t in 0..mesh.triangles.len() as u32 {
-        let at = *shell_of.entry(root(&mut parent, t)).or_insert(shells.len());
+        let at = *shell_of.entry(joined.root(t)).or_insert(shells.len());
         if at == shells.len() {
             shells.push(Shell { triangles: Vec::new(), volume: 0.0, bounds: Aabb::EMPTY });
         }

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use crate::geometry::mesh::disjoint_sets::DisjointSets;
 use crate::geometry::mesh::{TriMesh, clean};
 
 /// Report on the edges of a triangle mesh. An edge is sound if exactly two triangles share it and run along it in
@@ -124,26 +125,13 @@ pub fn watertight(mesh: &TriMesh) -> Watertight {
 
 /// Counts the pieces connected through shared vertices. Indices must be valid.
 fn components(mesh: &TriMesh) -> usize {
-    let mut parent: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
-    fn root(parent: &mut [u32], mut i: u32) -> u32 {
-        while parent[i as usize] != i {
-            parent[i as usize] = parent[parent[i as usize] as usize];
-            i = parent[i as usize];
-        }
-        i
+    let (mut pieces, mut used) = (DisjointSets::new(mesh.vertices.len()), vec![false; mesh.vertices.len()]);
+    for &[a, b, c] in &mesh.triangles {
+        [a, b, c].into_iter().for_each(|i| used[i as usize] = true);
+        pieces.join([a, b]);
+        pieces.join([a, c]);
     }
-    let mut used = vec![false; mesh.vertices.len()];
-    for [a, b, c] in &mesh.triangles {
-        for i in [a, b, c] {
-            used[*i as usize] = true;
-        }
-        let r = root(&mut parent, *a);
-        for i in [b, c] {
-            let s = root(&mut parent, *i);
-            parent[s as usize] = r;
-        }
-    }
-    (0..parent.len()).filter(|i| used[*i] && parent[*i] == *i as u32).count()
+    (0..used.len() as u32).filter(|i| used[*i as usize] && pieces.root(*i) == *i).count()
 }
 
 /// Computes the signed volume, m^3, as a sum of tetrahedra from the first vertex, so that a distant origin costs no

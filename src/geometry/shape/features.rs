@@ -130,7 +130,7 @@ const FLAT: f64 = 1e-6;
 const ROUND: f64 = 12.0;
 
 /// Returns the number of parts of at most `spacing` m into which a length is cut; one if the spacing is not positive.
-fn parts(length: f64, spacing: f64) -> u32 {
+pub(super) fn parts(length: f64, spacing: f64) -> u32 {
     if spacing > 0.0 { (length / spacing).ceil().clamp(1.0, 1e4) as u32 } else { 1 }
 }
 

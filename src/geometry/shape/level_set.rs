@@ -88,17 +88,17 @@ impl LevelSet {
     /// Moves the level so that it lies on the `samples` (m, with their weights) of the surface on average, and measures how far it is from
     /// them. Returns the largest distance and the root of the mean squared one, m.
     pub fn fit(&mut self, samples: &[(DVec3, f64)]) -> [f64; 2] {
-        let mean = |of: &dyn Fn(DVec3) -> f64| {
-            let sums = samples.iter().fold([0.0; 2], |[s, w], (p, weight)| [s + weight * of(*p), w + weight]);
+        let mean = |values: &mut dyn Iterator<Item = f64>| {
+            let sums =
+                samples.iter().zip(values).fold([0.0; 2], |[s, w], ((_, weight), v)| [s + weight * v, w + weight]);
             sums[0] / sums[1].max(f64::MIN_POSITIVE)
         };
-        self.level = mean(&|p| self.jet(p).map_or(0.0, |jet| jet.value));
+        self.level = mean(&mut samples.iter().map(|(p, _)| self.jet(*p).map_or(0.0, |jet| jet.value)));
         // Where nothing of the surface is near, it is off by more than the grid resolves.
         let off = |p: DVec3| self.project(p).map_or(2.0 * self.spacing, |(_, c)| c.distance.abs());
-        let largest = samples.iter().map(|(p, _)| off(*p)).fold(0.0, f64::max);
-        let rms = mean(&|p| off(p).powi(2)).sqrt();
-        self.deviation = largest;
-        [largest, rms]
+        let off: Vec<f64> = samples.par_iter().map(|(p, _)| off(*p)).collect();
+        self.deviation = off.iter().copied().fold(0.0, f64::max);
+        [self.deviation, mean(&mut off.iter().map(|off| off * off)).sqrt()]
     }
 
     /// Spacing of the nodes, m: about the radius with which edges are rounded.
@@ -106,14 +106,13 @@ impl LevelSet {
         self.spacing
     }
 
-    /// Memory of the coefficients, bytes.
-    pub fn memory(&self) -> usize {
-        8 * self.coefficients.len() + 4 * self.index.len()
-    }
-
     /// Point of the surface closest to `q`, which is near it, and the distance; None for a point that has none.
     pub fn project(&self, q: DVec3) -> Option<(DVec3, Closest)> {
-        let mut jet = self.jet(q)?;
+        self.project_from(q, self.jet(q)?)
+    }
+
+    /// Does what [`LevelSet::project`] does, with the level at `q` known.
+    fn project_from(&self, q: DVec3, mut jet: Jet) -> Option<(DVec3, Closest)> {
         let slope = jet.gradient.length_squared();
         if slope < STEEP * STEEP || jet.value.abs() > 2.0 * BAND * self.spacing {
             return None;
@@ -158,8 +157,8 @@ impl LevelSet {
         if !(distance.abs() <= BAND * self.spacing) {
             return None;
         }
-        let first_order = || Closest { distance, normal: jet.gradient / size, curvature: DMat3::ZERO };
-        Some(self.project(q).map_or_else(first_order, |(_, closest)| closest))
+        let first_order = Closest { distance, normal: jet.gradient / size, curvature: DMat3::ZERO };
+        Some(self.project_from(q, jet).map_or(first_order, |(_, closest)| closest))
     }
 
     /// Value of the level at `q` over its slope, m: the distance to first order; None far from the surface.

@@ -6,7 +6,8 @@
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
 use crate::geometry::mesh::TriMesh;
-use crate::geometry::shape::features::{FeaturePoint, Ridge, SHARP};
+use crate::geometry::mesh::disjoint_sets::DisjointSets;
+use crate::geometry::shape::features::{FeaturePoint, Ridge, SHARP, parts};
 use crate::geometry::shape::level_set::LevelSet;
 use crate::geometry::shape::topology::Topology;
 use crate::geometry::shape::{Shape, SurfaceFeatures};
@@ -86,8 +87,7 @@ impl Shape {
         let rows = (radius / fine).ceil() as i32;
         let beside = |ridge: &Ridge| {
             let across = (ridge.b - ridge.a).cross(ridge.normal).normalize_or_zero() * fine;
-            let along = (ridge.length() / fine).ceil().clamp(1.0, 1e4);
-            let (ridge, along) = (*ridge, along as i32);
+            let (ridge, along) = (*ridge, parts(ridge.length(), fine));
             (0..=along).flat_map(move |i| {
                 let on_edge = ridge.point(f64::from(i) / f64::from(along));
                 (-rows..=rows)
@@ -152,24 +152,15 @@ fn is_polyhedron(mesh: &TriMesh, width: f64) -> bool {
         let [l, r] = [l, r].map(|t| topology.normals[t as usize]);
         l.cross(r).length().atan2(l.dot(r))
     };
-    // Triangles of one flat face have one number.
-    let mut face: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-    fn root(face: &mut [u32], t: u32) -> u32 {
-        let mut t = t;
-        while face[t as usize] != t {
-            face[t as usize] = face[face[t as usize] as usize];
-            t = face[t as usize];
-        }
-        t
-    }
+    let count = mesh.triangles.len();
+    let mut faces = DisjointSets::new(count);
     for edge in topology.edges.iter().filter(|e| angle(e.triangles) < COPLANAR) {
-        let [a, b] = edge.triangles.map(|t| root(&mut face, t));
-        face[a.max(b) as usize] = a.min(b);
+        faces.join(edge.triangles);
     }
-    let mut areas = vec![0.0; face.len()];
-    let mut boxes = vec![Aabb::EMPTY; face.len()];
-    for t in 0..face.len() {
-        let (f, [a, b, c]) = (root(&mut face, t as u32) as usize, mesh.corners(t));
+    let mut areas = vec![0.0; count];
+    let mut boxes = vec![Aabb::EMPTY; count];
+    for t in 0..count {
+        let (f, [a, b, c]) = (faces.root(t as u32) as usize, mesh.corners(t));
         areas[f] += 0.5 * (b - a).cross(c - a).length();
         [a, b, c].into_iter().for_each(|p| boxes[f].include(p));
     }
@@ -177,7 +168,7 @@ fn is_polyhedron(mesh: &TriMesh, width: f64) -> bool {
     let (mut all, mut flat) = (0.0, 0.0);
     for edge in topology.edges.iter().filter(|e| angle(e.triangles) > SHARP) {
         let [a, b] = edge.ends.map(|v| mesh.vertices[v as usize]);
-        let [l, r] = edge.triangles.map(|t| root(&mut face, t) as usize);
+        let [l, r] = edge.triangles.map(|t| faces.root(t) as usize);
         all += a.distance(b);
         flat += if wide(l) && wide(r) { a.distance(b) } else { 0.0 };
     }

@@ -41,13 +41,6 @@ pub struct Checkpoint {
     terms: SavedTerms,
 }
 
-impl Checkpoint {
-    /// The accepted state.
-    pub fn state(&self) -> &State {
-        &self.accepted.state
-    }
-}
-
 impl Path {
     /// Returns what the path remembers. Every field of a path is named here: a new one belongs to the state, to the work, or to
     /// the settings that the caller gives before each level (`_`).

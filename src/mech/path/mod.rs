@@ -38,7 +38,7 @@ pub struct Path {
     pub(crate) history: Option<(State, f64)>,
     /// Size of the next increment.
     pub(crate) step: StepSize,
-    /// PseudoTime of the next increment.
+    /// Springs of the next increment.
     pub(crate) pseudo_time: PseudoTime,
     /// Iterations of steps in pseudo-time and of increments that failed.
     spent: u32,

@@ -69,12 +69,12 @@ impl PseudoTime {
     /// The springs of the next step, from `state`.
     pub fn springs(&self, state: &State) -> Option<Proximal> {
         let springs = || Proximal { center: state.clone(), rigid: self.stiffness, nodes: NODES * self.stiffness };
-        (self.stiffness > 0.0).then(springs)
+        self.is_on().then(springs)
     }
 
     /// Tolerance of the next step, if that of a result is `full`.
     pub fn tolerance(&self, full: &NewtonTolerance) -> NewtonTolerance {
-        let iterations = if self.stiffness > 0.0 { full.iterations.min(STEP_ITERATIONS) } else { full.iterations };
+        let iterations = if self.is_on() { full.iterations.min(STEP_ITERATIONS) } else { full.iterations };
         let (relative, force) = (self.slack * full.relative, self.slack * full.force);
         NewtonTolerance { relative, force, iterations, passing: self.slack > 1.0, ..*full }
     }
@@ -87,7 +87,7 @@ impl PseudoTime {
 
     /// Takes note of a step with springs under `load` (N) that was accepted. The load has changed in it if it was `loaded`.
     pub fn accept(&mut self, moved: &PseudoStep, load: f64, floor: f64, full: &NewtonTolerance, loaded: bool) {
-        if self.stiffness == 0.0 {
+        if !self.is_on() {
             return;
         }
         self.last = self.stiffness;
@@ -109,7 +109,7 @@ impl PseudoTime {
 
     /// Takes note of a step under `load` (N) that failed.
     pub fn refuse(&mut self, load: f64, full: &NewtonTolerance) {
-        if self.stiffness > 0.0 {
+        if self.is_on() {
             self.softest = WARY * self.stiffness;
             self.stiffness *= STIFFER[1];
             self.slack = (2.0 * self.slack).min(LOOSE);

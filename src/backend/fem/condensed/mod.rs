@@ -94,19 +94,17 @@ impl Condensation {
         for _ in 0..CORRECTIONS {
             let (error, residual) = self.correct(path)?;
             done.residual = residual;
-            if (0..self.pads.len()).any(|i| self.is_outside(path, i)) {
+            if self.is_outgrown(path) {
                 return Err(Failure::Outside);
             }
             // Only a result has to be balanced.
             let balanced = !result || residual <= BALANCE * self.error * path.newton.activity();
             if error <= self.error && balanced {
-                self.levels = [self.levels[1], Some(level)];
-                self.pads.iter_mut().for_each(CondensedPad::accept);
+                self.accept(level);
                 return Ok(());
             }
             if error > CONTRACTION * last {
-                let same = self.pads.iter().map(|pad| Some(pad.patch().to_vec())).collect();
-                self.condense(path, same)?;
+                self.condense_again(path)?;
             }
             last = error;
             done.add(path.polish()?);
@@ -117,16 +115,26 @@ impl Condensation {
     /// Corrects the pads once at the state found at `level`, on the way to an equilibrium; condenses them anew if they are far off.
     fn adjust(&mut self, path: &mut Path, level: f64) -> Result<(), Failure> {
         let (error, _) = self.correct(path)?;
-        if (0..self.pads.len()).any(|i| self.is_outside(path, i)) {
+        if self.is_outgrown(path) {
             return Err(Failure::Outside);
         }
-        self.levels = [self.levels[1], Some(level)];
-        self.pads.iter_mut().for_each(CondensedPad::accept);
+        self.accept(level);
         if error > self.error {
-            let same = self.pads.iter().map(|pad| Some(pad.patch().to_vec())).collect();
-            self.condense(path, same)?;
+            self.condense_again(path)?;
         }
         Ok(())
+    }
+
+    /// Stores the pads as those of the level that was accepted.
+    fn accept(&mut self, level: f64) {
+        self.levels = [self.levels[1], Some(level)];
+        self.pads.iter_mut().for_each(CondensedPad::accept);
+    }
+
+    /// Condenses the pads onto the same nodes, with their stiffness in the state of `path`.
+    fn condense_again(&mut self, path: &mut Path) -> Result<(), Failure> {
+        let same = self.pads.iter().map(|pad| Some(pad.patch().to_vec())).collect();
+        self.condense(path, same)
     }
 
     /// Condenses the pads for which `patches` has nodes onto these nodes, with their stiffness in the state of `path`.
@@ -210,6 +218,11 @@ impl Condensation {
     /// Returns true if contact has reached nodes of pad `i` that are not in its patch.
     fn is_outside(&self, path: &Path, i: usize) -> bool {
         touched(path, i).any(|stencil| !self.pads[i].carries(&stencil))
+    }
+
+    /// Returns true if contact has outgrown the patch of some pad.
+    fn is_outgrown(&self, path: &Path) -> bool {
+        (0..self.pads.len()).any(|i| self.is_outside(path, i))
     }
 
     /// Returns new patches for the pads whose contact has outgrown theirs.
