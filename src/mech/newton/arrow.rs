@@ -72,6 +72,20 @@ impl ArrowBlock {
         }
     }
 
+    /// Computes the motion of the nodes, m, when the rigid unknowns move by `rigid` (m).
+    fn motion(&self, rigid: &[f64]) -> Vec<DVec3> {
+        let n = self.body.unknowns();
+        let entry = |row: usize| {
+            let start = self.rhs[rigid.len() * n + row];
+            -rigid.iter().enumerate().fold(start, |sum, (c, d)| sum + self.rhs[c * n + row] * d)
+        };
+        let of = |p: u32| match 3 * p as usize {
+            _ if p == FIXED => DVec3::ZERO,
+            row => DVec3::new(entry(row), entry(row + 1), entry(row + 2)),
+        };
+        self.body.pattern().position.iter().map(|p| of(*p)).collect()
+    }
+
     /// Computes `B^T K^-1 g` of this body.
     fn reduced(&self) -> impl Iterator<Item = f64> + '_ {
         let solved = &self.rhs[self.block.coupling.len()..];
@@ -79,95 +93,91 @@ impl ArrowBlock {
     }
 }
 
-/// Combines solved blocks, and the block of the object alone, into the full Newton step. Negative or
-/// tiny curvature of the rigid unknowns (rigid modes of an object that nothing holds yet) is replaced by its magnitude and
-/// shifted so that the rigid unknowns move by at most `cap` (m). The step descends and stays finite, and does not depend on the
-/// basis of modes of equal stiffness. The solution is not changed, because only the matrix is. The first `unknowns` of the
-/// `size` rigid columns move.
-pub fn step(
-    blocks: &[ArrowBlock],
-    object: &RigidBlock,
-    rigid_gradient: &[f64; MAX_RIGID],
-    [unknowns, size]: [usize; 2],
-    cap: f64,
-) -> NewtonStep {
-    let (mut s, mut g) = ([[0.0; MAX_RIGID]; MAX_RIGID], *rigid_gradient);
-    for b in blocks {
-        for i in 0..size {
-            for j in 0..size {
-                s[i][j] += b.block.rigid.hessian[i][j] - b.schur[i][j];
-            }
-        }
-        g.iter_mut().zip(b.reduced()).for_each(|(g, reduced)| *g -= reduced);
-    }
-    (0..size).for_each(|i| (0..size).for_each(|j| s[i][j] += object.hessian[i][j]));
-    let dy = solve_rigid(&s, &g, unknowns, cap);
-    let x = blocks
-        .iter()
-        .map(|b| {
-            let n = b.body.unknowns();
-            let solution = &b.rhs;
-            let entry = |row: usize| {
-                let mut v = solution[size * n + row];
-                for c in 0..size {
-                    v += solution[c * n + row] * dy[c];
-                }
-                -v
-            };
-            let position = &b.body.pattern().position;
-            position
-                .iter()
-                .map(|&p| {
-                    if p == FIXED {
-                        return DVec3::ZERO;
-                    }
-                    let row = 3 * p as usize;
-                    DVec3::new(entry(row), entry(row + 1), entry(row + 2))
-                })
-                .collect()
-        })
-        .collect();
-    NewtonStep { x, rigid: dy }
-}
-
 /// Smallest stiffness of a rigid unknown that is divided by, over the largest: far below any contact, above rounding.
 const STIFFNESS_FLOOR: f64 = 1e-10;
 /// Number of bisections for the shift, which need not be sharp.
 const BISECTIONS: u32 = 30;
 
-/// Solves `|S| dy = -g` through the eigenvalues of the rigid unknowns' Schur complement.
-fn solve_rigid(s: &[[f64; MAX_RIGID]; MAX_RIGID], g: &[f64; MAX_RIGID], size: usize, cap: f64) -> [f64; MAX_RIGID] {
-    let mut dy = [0.0; MAX_RIGID];
-    if size == 0 {
-        return dy;
-    }
-    let matrix = faer::Mat::<f64>::from_fn(size, size, |i, j| 0.5 * (s[i][j] + s[j][i]));
-    // Fails only for non-finite input; a zero step then makes the caller stop with a fault.
-    let Ok(eigen) = matrix.self_adjoint_eigen(faer::Side::Lower) else { return dy };
-    let (u, values) = (eigen.U(), eigen.S());
-    let projected: Vec<f64> = (0..size).map(|k| (0..size).map(|i| u[(i, k)] * g[i]).sum()).collect();
-    let largest = (0..size).map(|k| values[k].abs()).fold(0.0, f64::max);
-    let floor = (STIFFNESS_FLOOR * largest).max(f64::MIN_POSITIVE);
-    let stiffness: Vec<f64> = (0..size).map(|k| values[k].abs().max(floor)).collect();
-    let length = |shift: f64| {
-        let parts = projected.iter().zip(&stiffness).map(|(p, k)| p / (k + shift));
-        parts.map(|p| p * p).sum::<f64>().sqrt()
-    };
-    let mut shift = 0.0;
-    if length(shift) > cap {
-        // With the force over the cap every step is short enough; the smallest shift that does is bisected for.
-        let mut low = shift;
-        shift = projected.iter().map(|p| p * p).sum::<f64>().sqrt() / cap;
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (low + shift);
-            if length(middle) > cap { low = middle } else { shift = middle }
-        }
-    }
-    for k in 0..size {
-        let along = -projected[k] / (stiffness[k] + shift);
+/// Schur complement of the rigid unknowns, in its principal axes. Negative or tiny curvature (rigid modes of an object that nothing
+/// holds yet) is replaced by its magnitude, and shifted so that the step under the gradient that it was created for is at most a `cap`
+/// long. The step descends and stays finite, and does not depend on the basis of modes of equal stiffness. The solution is not changed,
+/// because only the matrix is.
+#[derive(Debug, Clone, Default)]
+pub struct RigidSystem {
+    /// Principal axes, over the unknowns.
+    axes: Vec<[f64; MAX_RIGID]>,
+    /// Stiffness along each, N/m.
+    stiffness: Vec<f64>,
+    /// Number of rigid columns.
+    size: usize,
+}
+
+impl RigidSystem {
+    /// Creates the system of solved blocks, and of the block of the object alone, under the `gradient` (N) of the rigid unknowns. The
+    /// first `unknowns` of the `size` rigid columns move.
+    pub fn new(
+        blocks: &[ArrowBlock],
+        object: &RigidBlock,
+        gradient: &[f64; MAX_RIGID],
+        [unknowns, size]: [usize; 2],
+        cap: f64,
+    ) -> Self {
+        let mut s = [[0.0; MAX_RIGID]; MAX_RIGID];
         for i in 0..size {
-            dy[i] += u[(i, k)] * along;
+            for j in 0..size {
+                let bodies = blocks.iter().map(|b| b.block.rigid.hessian[i][j] - b.schur[i][j]).sum::<f64>();
+                s[i][j] = bodies + object.hessian[i][j];
+            }
+        }
+        let mut system = Self { axes: Vec::new(), stiffness: Vec::new(), size };
+        let matrix = faer::Mat::<f64>::from_fn(unknowns, unknowns, |i, j| 0.5 * (s[i][j] + s[j][i]));
+        // Fails only for non-finite input; a zero step then makes the caller stop with a fault.
+        let Ok(eigen) = matrix.self_adjoint_eigen(faer::Side::Lower) else { return system };
+        let (u, values) = (eigen.U(), eigen.S());
+        let largest = (0..unknowns).map(|k| values[k].abs()).fold(0.0, f64::max);
+        let floor = (STIFFNESS_FLOOR * largest).max(f64::MIN_POSITIVE);
+        for k in 0..unknowns {
+            let mut axis = [0.0; MAX_RIGID];
+            (0..unknowns).for_each(|i| axis[i] = u[(i, k)]);
+            system.axes.push(axis);
+            system.stiffness.push(values[k].abs().max(floor));
+        }
+        system.shorten(&system.along(blocks, gradient), cap);
+        system
+    }
+
+    /// Gradient that the nodes leave along each axis, N, when the rigid unknowns have `gradient`.
+    fn along(&self, blocks: &[ArrowBlock], gradient: &[f64; MAX_RIGID]) -> Vec<f64> {
+        let mut g = *gradient;
+        for b in blocks {
+            g.iter_mut().zip(b.reduced()).for_each(|(g, reduced)| *g -= reduced);
+        }
+        self.axes.iter().map(|axis| axis.iter().zip(&g).map(|(u, g)| u * g).sum()).collect()
+    }
+
+    /// Adds the smallest shift to the stiffness with which the step under the gradient `along` the axes (N) is at most `cap` (m) long.
+    fn shorten(&mut self, along: &[f64], cap: f64) {
+        let length = |shift: f64| {
+            let parts = along.iter().zip(&self.stiffness).map(|(p, k)| p / (k + shift));
+            parts.map(|p| p * p).sum::<f64>().sqrt()
+        };
+        if length(0.0) > cap {
+            // With the force over the cap every step is short enough.
+            let (mut low, mut shift) = (0.0, along.iter().map(|p| p * p).sum::<f64>().sqrt() / cap);
+            for _ in 0..BISECTIONS {
+                let middle = 0.5 * (low + shift);
+                if length(middle) > cap { low = middle } else { shift = middle }
+            }
+            self.stiffness.iter_mut().for_each(|k| *k += shift);
         }
     }
-    dy
+
+    /// Full Newton step of solved blocks, when the rigid unknowns have `gradient` (N).
+    pub fn step(&self, blocks: &[ArrowBlock], gradient: &[f64; MAX_RIGID]) -> NewtonStep {
+        let mut rigid = [0.0; MAX_RIGID];
+        for ((g, axis), stiffness) in self.along(blocks, gradient).iter().zip(&self.axes).zip(&self.stiffness) {
+            rigid.iter_mut().zip(axis).for_each(|(d, u)| *d -= u * g / stiffness);
+        }
+        NewtonStep { x: blocks.iter().map(|b| b.motion(&rigid[..self.size])).collect(), rigid }
+    }
 }

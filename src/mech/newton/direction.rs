@@ -1,64 +1,92 @@
-//! Newton direction: the symmetric system is solved by its factorisation, the nonsymmetric part by iteration.
+//! Newton direction: the symmetric system is solved by its factorisation, the nonsymmetric part by a Krylov method.
 //!
 //! The Hessian of frozen friction is symmetric, but the friction limit grows with the pressure: where a point slips, a motion
-//! against the object also changes the force along it. That part has no potential. It is put on the right-hand side a few
-//! times, which costs a triangular solve each instead of a nonsymmetric factorisation, and restores the fast convergence of
-//! Newton's method where points slip.
+//! against the object also changes the force along it. That part has no potential, and its rank is small. The symmetric system
+//! preconditions a generalised conjugate residual method (Eisenstat, Elman and Schultz 1983), whose vectors cost a triangular solve each
+//! instead of a nonsymmetric factorisation. It restores the fast convergence of Newton's method where points slip.
 
 use super::Newton;
-use super::arrow;
+use super::arrow::RigidSystem;
 use crate::mech::potential::state::{MAX_RIGID, NewtonStep, State};
 use rayon::prelude::*;
 
-/// Maximum number of corrections of one direction.
-const CORRECTIONS: usize = 4;
-/// Largest ratio of two successive corrections; above it the plain direction is taken.
-const CONTRACTION: f64 = 0.7;
-/// Size of a correction over the direction below which another solve is not worthwhile.
-const ENOUGH: f64 = 0.03;
+/// Maximum number of Krylov vectors of one direction.
+const VECTORS: usize = 8;
+/// Residual of the direction over the direction below which another vector is not worthwhile.
+const ENOUGH: f64 = 0.01;
 
 impl Newton {
     /// Computes the step from the assembled and factorised state `now`, and the gradient of the rigid unknowns that it answers.
-    /// No step in the rigid unknowns is longer than `cap` (m) along an axis of its own. `anew`: the factorisation is new.
-    /// `follow`: friction limits follow.
-    pub(crate) fn direction(
-        &mut self,
-        now: &State,
-        cap: f64,
-        anew: bool,
-        follow: bool,
-    ) -> (NewtonStep, [f64; MAX_RIGID]) {
+    /// No step in the rigid unknowns is longer than `cap` (m). `anew`: the factorisation is new.
+    pub(crate) fn direction(&mut self, cap: f64, anew: bool) -> (NewtonStep, [f64; MAX_RIGID]) {
         self.blocks.par_iter_mut().for_each(|b| {
             b.extra.clear(false);
             b.solve(anew);
         });
         let gradient = self.rigid_gradient();
-        let columns = [self.unknowns(), self.rigid.size];
-        let plain = arrow::step(&self.blocks, &self.object_block, &gradient, columns, cap);
-        if !follow {
-            return (plain, gradient);
-        }
-        let (mut step, mut last) = (plain.clone(), plain.norm());
-        for _ in 0..CORRECTIONS {
-            if !self.couple(now, &step) {
+        self.rigid_system =
+            RigidSystem::new(&self.blocks, &self.object_block, &gradient, [self.unknowns(), self.rigid.size], cap);
+        (self.rigid_system.step(&self.blocks, &gradient), gradient)
+    }
+
+    /// Turns the direction `plain` at `now`, that of frozen friction limits under `gradient`, into the one of limits that follow the
+    /// pressure. It is at most `cap` (m) long in the rigid unknowns.
+    pub(crate) fn follow(
+        &mut self,
+        now: &State,
+        plain: &NewtonStep,
+        gradient: &[f64; MAX_RIGID],
+        cap: f64,
+    ) -> NewtonStep {
+        let mut step = plain.clone();
+        let Some(mut rest) = self.response(now, plain, gradient, plain) else { return step };
+        let mut vectors: Vec<[NewtonStep; 2]> = Vec::new();
+        while vectors.len() < VECTORS && rest.norm() > ENOUGH * step.norm() {
+            let mut along = rest.clone();
+            let Some(response) = self.response(now, &along, gradient, plain) else { break };
+            let mut image = along.clone();
+            image.add(&response, -1.0);
+            for [direction, unit] in &vectors {
+                let part = image.dot(unit);
+                image.add(unit, -part);
+                along.add(direction, -part);
+            }
+            let size = image.norm();
+            if !(size > f64::EPSILON * along.norm()) {
                 break;
             }
-            self.blocks.par_iter_mut().for_each(|b| b.solve(false));
-            let mut g = gradient;
-            let extras = self.blocks.iter().map(|b| &b.extra.rigid).chain([&self.object_extra]);
-            extras.for_each(|extra| g.iter_mut().zip(extra.gradient).for_each(|(g, e)| *g += e));
-            let next = arrow::step(&self.blocks, &self.object_block, &g, columns, cap);
-            let change = next.distance(&step);
-            if change.total_cmp(&(CONTRACTION * last)).is_gt() {
-                return (plain, gradient);
-            }
-            (step, last) = (next, change);
-            if change <= ENOUGH * step.norm() {
-                break;
-            }
+            image.scale(1.0 / size);
+            along.scale(1.0 / size);
+            let part = rest.dot(&image);
+            step.add(&along, part);
+            rest.add(&image, -part);
+            vectors.push([along, image]);
         }
-        // What has no potential may lead uphill in the one that the line search goes by.
-        if self.slope(&step, &gradient) < 0.0 { (step, gradient) } else { (plain, gradient) }
+        let length = step.rigid.iter().map(|d| d * d).sum::<f64>().sqrt();
+        if length > cap {
+            step.scale(cap / length);
+        }
+        step
+    }
+
+    /// Response of the symmetric system to what friction forces change along `step` beyond what the Hessian says; None if they do not.
+    fn response(
+        &mut self,
+        now: &State,
+        step: &NewtonStep,
+        gradient: &[f64; MAX_RIGID],
+        plain: &NewtonStep,
+    ) -> Option<NewtonStep> {
+        if !self.couple(now, step) {
+            return None;
+        }
+        self.blocks.par_iter_mut().for_each(|b| b.solve(false));
+        let mut g = *gradient;
+        let extras = self.blocks.iter().map(|b| &b.extra.rigid).chain([&self.object_extra]);
+        extras.for_each(|extra| g.iter_mut().zip(extra.gradient).for_each(|(g, e)| *g += e));
+        let mut response = self.rigid_system.step(&self.blocks, &g);
+        response.add(plain, -1.0);
+        Some(response)
     }
 
     /// Collects the change of the forces along `step` beyond what the Hessian says; returns false if there is none.

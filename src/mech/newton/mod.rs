@@ -10,7 +10,7 @@ pub mod proximal;
 mod solve;
 mod terms;
 
-use self::arrow::ArrowBlock;
+use self::arrow::{ArrowBlock, RigidSystem};
 use self::effort::Effort;
 pub use self::failure::Failure;
 use self::object::ObjectTerms;
@@ -105,6 +105,8 @@ pub struct Newton {
     /// Limit on the work of the solver.
     pub effort: Effort,
     pub(crate) blocks: Vec<ArrowBlock>,
+    /// Rigid unknowns of the last direction.
+    rigid_system: RigidSystem,
     /// Gradient and Hessian of what acts on the rigid unknowns alone, and gradients to be solved for beside them.
     pub(crate) object_block: RigidBlock,
     pub(crate) object_extra: RigidBlock,
@@ -132,6 +134,7 @@ impl Newton {
             object_fixed: false,
             effort: Effort::default(),
             blocks,
+            rigid_system: RigidSystem::default(),
             object_block: RigidBlock::default(),
             object_extra: RigidBlock::default(),
         })

@@ -22,6 +22,8 @@ const CRAWLING: u32 = 8;
 const QUICK: f64 = 0.2;
 /// Largest number of iterations over the usual limit, for a solution whose terms strengthen themselves.
 const RENEWALS: u32 = 4;
+/// Least part by which a step of friction that follows the pressure lowers the residual.
+const BALANCED: f64 = 0.1;
 /// Part of a step from which on it counts as whole.
 const WHOLE: f64 = 0.9;
 /// Part of a step below which only rounding moves.
@@ -101,15 +103,19 @@ impl Newton {
                 return Err(Failure::Singular);
             }
             let clock = Instant::now();
-            let (step, gradient) = self.direction(&now, STRIDE * tolerance.motion, factorize, damping == 1.0);
+            let cap = STRIDE * tolerance.motion;
+            let (plain, gradient) = self.direction(cap, factorize);
+            let step = if damping == 1.0 { self.follow(&now, &plain, &gradient, cap) } else { plain.clone() };
             self.profile.solve += clock.elapsed().as_secs_f64();
-            // A residual that stays may be a cycle between two states, each a minimum for what the other lags: half a step
-            // leads out of it.
-            let cycles = damping == 1.0 && (residual - history[0]).abs() < 0.05 * residual;
             history = [history[1], residual];
-            let longest = if cycles { 0.5 } else { 1.0 };
             let clock = Instant::now();
-            let searched = self.line_search(&now, &step, &gradient, tolerance.motion, longest);
+            // Friction that follows the pressure has no potential: its step is good if the forces come into balance by it.
+            let balanced = if damping == 1.0 { self.balance(&now, &step, residual, tolerance.motion) } else { None };
+            let searched = balanced.or_else(|| {
+                // What has no potential may lead uphill in the one that the line search goes by.
+                let step = if self.slope(&step, &gradient) < 0.0 { &step } else { &plain };
+                self.line_search(&now, step, &gradient, tolerance.motion)
+            });
             self.profile.line_search += clock.elapsed().as_secs_f64();
             iterations += 1;
             self.profile.iterations += 1;
@@ -136,7 +142,23 @@ impl Newton {
         }
     }
 
-    /// Backtracks from the fraction `longest` of the step until the energy falls (Armijo). Returns the new state, its largest
+    /// Takes the step, as far as `cap` (m) allows, if it lowers the `residual` (N). Returns as [`Newton::line_search`] does; the terms
+    /// are assembled at `now` if the step is not taken, and at the new state if it is.
+    fn balance(&mut self, now: &State, step: &NewtonStep, residual: f64, cap: f64) -> Option<(State, f64, f64)> {
+        let motion = self.motion(step);
+        let alpha = (cap / motion.max(f64::MIN_POSITIVE)).min(1.0);
+        let next = now.moved(&self.rigid, step, alpha);
+        let how = Assembly { project: false, damping: 1.0, sharp: false, secant: false };
+        self.assemble_some(&next, how, false);
+        let (left, lag) = self.residual();
+        if left.hypot(lag) < (1.0 - BALANCED * alpha) * residual {
+            return Some((next, alpha * motion, alpha));
+        }
+        self.assemble_some(now, how, false);
+        None
+    }
+
+    /// Backtracks from the whole step until the energy falls (Armijo). Returns the new state, its largest
     /// motion (m, at most `cap`) and the fraction taken; None if no step lowers the energy.
     fn line_search(
         &self,
@@ -144,7 +166,6 @@ impl Newton {
         step: &NewtonStep,
         rigid: &[f64; MAX_RIGID],
         cap: f64,
-        longest: f64,
     ) -> Option<(State, f64, f64)> {
         let motion = self.motion(step);
         let slope = self.slope(step, rigid);
@@ -152,7 +173,7 @@ impl Newton {
             return None;
         }
         let start = self.energy(now);
-        let mut alpha = (cap / motion.max(f64::MIN_POSITIVE)).min(longest);
+        let mut alpha = (cap / motion.max(f64::MIN_POSITIVE)).min(1.0);
         for trial in 0..30 {
             let next = now.moved(&self.rigid, step, alpha);
             let energy = self.energy(&next);

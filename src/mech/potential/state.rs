@@ -104,15 +104,25 @@ pub struct NewtonStep {
 impl NewtonStep {
     /// Euclidean norm over all unknowns, m.
     pub fn norm(&self) -> f64 {
-        let nodes = self.x.iter().flatten().map(|d| d.length_squared()).sum::<f64>();
-        (nodes + self.rigid.iter().map(|b| b * b).sum::<f64>()).sqrt()
+        self.dot(self).sqrt()
     }
 
-    /// Norm of the difference to `other`, m.
-    pub fn distance(&self, other: &NewtonStep) -> f64 {
-        let pairs = self.x.iter().flatten().zip(other.x.iter().flatten());
-        let rigid = self.rigid.iter().zip(&other.rigid).map(|(a, b)| (a - b) * (a - b));
-        (pairs.map(|(a, b)| a.distance_squared(*b)).sum::<f64>() + rigid.sum::<f64>()).sqrt()
+    /// Scalar product over all unknowns, m2.
+    pub fn dot(&self, other: &NewtonStep) -> f64 {
+        let nodes = self.x.iter().flatten().zip(other.x.iter().flatten()).map(|(a, b)| a.dot(*b)).sum::<f64>();
+        nodes + self.rigid.iter().zip(&other.rigid).map(|(a, b)| a * b).sum::<f64>()
+    }
+
+    /// Adds `factor` times `other`.
+    pub fn add(&mut self, other: &NewtonStep, factor: f64) {
+        self.x.iter_mut().flatten().zip(other.x.iter().flatten()).for_each(|(a, b)| *a += *b * factor);
+        self.rigid.iter_mut().zip(&other.rigid).for_each(|(a, b)| *a += b * factor);
+    }
+
+    /// Multiplies every increment by `factor`.
+    pub fn scale(&mut self, factor: f64) {
+        self.x.iter_mut().flatten().for_each(|d| *d *= factor);
+        self.rigid.iter_mut().for_each(|d| *d *= factor);
     }
 
     /// Motion of body `index`, and of the frames that it touches, in this step.
