@@ -16,13 +16,16 @@ use tactus::world::schedule::Phase;
 
 /// A small squeeze of an ellipsoid; `more` adds to the scene.
 fn scene(gripper: &str, more: &str) -> Scene {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("scene.ron");
-    let text = format!(
+    read(&format!(
         "(object: (shape: Ellipsoid(radii: (0.014, 0.02, 0.017)), density: 900.0),
           gripper: (pads: GelSightMini(spacing: 4e-3), {gripper}),
           loading: Squeeze(force: 6.0, frames: 3), {more})"
-    );
+    ))
+}
+
+fn read(text: &str) -> Scene {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("scene.ron");
     std::fs::write(&path, text).unwrap();
     load(&path).unwrap_or_else(|e| panic!("{e}")).scene
 }
@@ -252,4 +255,19 @@ fn an_object_that_slips_out_is_dropped_and_says_how() {
     assert_eq!(summary.status, Status::Dropped, "{summary:?}");
     let reason = summary.reason.unwrap();
     assert!(reason.contains("squeezed out"), "{reason}");
+}
+
+/// Two pads that press with 4 N each bear 2 N of weight at friction 0.25: half a percent less is held, half a percent more slides out.
+#[test]
+fn a_weight_just_beyond_friction_drops_and_one_just_below_is_held() {
+    for (weight, expected) in [(1.99, Status::Reached), (2.01, Status::Dropped)] {
+        let density = weight / (9.81 * 0.03_f64.powi(3));
+        let text = format!(
+            "(object: (shape: Cuboid(size: (0.03, 0.03, 0.03)), density: {density}),
+              gripper: (pads: GelSightMini(spacing: 8e-3), friction: 0.25), gravity: (0, 0, -9.81),
+              loading: Squeeze(force: 8.0, release: 8.0, frames: 2), stepper: Fem(element: Linear))"
+        );
+        let summary = run(&read(&text), 1).0.remove(0).summary;
+        assert_eq!(summary.status, expected, "{weight} N: {:?}", summary.reason);
+    }
 }

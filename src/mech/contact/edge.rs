@@ -68,14 +68,14 @@ impl EdgeState {
         }
     }
 
-    /// Moves the friction limit by the fraction `damping` towards `mu pressure`, and the plane of friction to the normal
-    /// unless frozen (`damping` zero); returns how far the limit lags, Pa.
-    pub fn relax_limit(&mut self, friction: f64, damping: f64) -> f64 {
-        if damping > 0.0 || self.plane == DVec3::ZERO {
+    /// Sets the friction limit to `friction` times the pressure and the plane of friction to the normal if they are to `follow`; returns
+    /// how far the limit lags, Pa.
+    pub fn set_limit(&mut self, friction: f64, follow: bool) -> f64 {
+        if follow || self.plane == DVec3::ZERO {
             self.plane = self.normal;
         }
         let goal = friction * self.pressure;
-        self.limit += damping * (goal - self.limit);
+        self.limit = if follow { goal } else { self.limit };
         (goal - self.limit).abs()
     }
 }

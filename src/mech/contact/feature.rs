@@ -175,7 +175,7 @@ impl BodyTerm for FeatureContact {
         let mut seen = vec![GapBounds::UNKNOWN; self.features.len()];
         for i in nearby.unwrap_or_else(|| self.all()) {
             let near = self.candidates.bounds(i, self.sites[i].place(view), moved);
-            block.rigid.lag += (self.area * self.update(i, view, near, how.damping)).powi(2);
+            block.rigid.lag += (self.area * self.update(i, view, near, how.follow)).powi(2);
             let (e, law) = (*self.pool.edge(i), self.law_of(i));
             seen[i] = near.narrowed(self.sites[i].incident(), law.offset);
             let arm = view.object.rotation * self.sites[i].position;
@@ -309,13 +309,13 @@ impl FeatureContact {
     }
 
     /// Refreshes gap, pressure and friction of edge `i`, whose feature is `near`; returns how far its friction limit lags, Pa.
-    fn update(&mut self, i: usize, view: &BodyView, near: GapBounds, damping: f64) -> f64 {
+    fn update(&mut self, i: usize, view: &BodyView, near: GapBounds, follow: bool) -> f64 {
         let law = self.law_of(i);
         let incident = self.incident(|| &self.bounds, i, view.x, near, false);
         // The object's outward normal at the contact is the pad's inward one.
         let places =
             incident.iter().map(|(closest_point, weight, _)| (closest_point.gap, -closest_point.normal, *weight));
-        let lag = self.pool.press(i, &law, damping, places);
+        let lag = self.pool.press(i, &law, follow, places);
         let site = &mut self.sites[i];
         site.press(incident, &self.surface);
         let Some(touch) = &mut site.touch else { return 0.0 };
@@ -336,6 +336,6 @@ impl FeatureContact {
             self.pool.touch(i, &law, drag, || -normal.dot(start));
         }
         let stretch = self.stretch(i, self.pool.edge(i).anchor, view).map(|(_, stretch)| stretch);
-        lag.hypot(stretch.map_or(0.0, |stretch| self.pool.rub(i, &law, damping, stretch)))
+        lag.hypot(stretch.map_or(0.0, |stretch| self.pool.rub(i, &law, follow, stretch)))
     }
 }

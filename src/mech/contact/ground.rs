@@ -84,19 +84,19 @@ impl GroundContact {
     }
 
     /// Refreshes gap, force and friction of edge `i`; returns how far its friction limit lags, N.
-    fn update(&mut self, i: usize, view: &ObjectView, damping: f64) -> f64 {
+    fn update(&mut self, i: usize, view: &ObjectView, follow: bool) -> f64 {
         let arm = view.rotation * self.vertices[i];
         let gap = self.gap(self.hand.to_world(view.position + arm));
         let (law, last) = (self.pool.law, self.last[i]);
         // The outward normal of the object is the inward one of the ground.
         let normal = -(self.hand.rotation.conjugate() * self.normal);
-        let Some(lag) = self.pool.press(i, &law, damping, iter::once((gap, normal, 1.0))) else { return 0.0 };
+        let Some(lag) = self.pool.press(i, &law, follow, iter::once((gap, normal, 1.0))) else { return 0.0 };
         if self.pool.is_fresh(i) {
             let clear = self.gap(last);
             self.pool.touch(i, &law, last, || clear);
         }
         let anchor = self.pool.edge(i).anchor.unwrap_or(last);
-        let behind = self.pool.rub(i, &law, damping, self.hand.to_hand(anchor) - view.position - arm);
+        let behind = self.pool.rub(i, &law, follow, self.hand.to_hand(anchor) - view.position - arm);
         lag.hypot(behind)
     }
 }
@@ -117,7 +117,7 @@ impl ObjectTerm for GroundContact {
 
     fn assemble(&mut self, view: &ObjectView, how: Assembly, block: &mut RigidBlock) {
         for i in 0..self.vertices.len() {
-            block.lag += self.update(i, view, how.damping).powi(2);
+            block.lag += self.update(i, view, how.follow).powi(2);
             let e = *self.pool.edge(i);
             let arm = view.rotation * self.vertices[i];
             if e.pressure > 0.0 {

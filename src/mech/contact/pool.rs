@@ -147,13 +147,13 @@ impl EdgePool {
     }
 
     /// Sets gap, normal and pressure of edge `i` under `law` from the places that it touches (gap, m, normal and weight of
-    /// each, the nearest first) and relaxes its friction limit by the part `damping`. Returns how far the limit lags, Pa, if friction acts;
+    /// each, the nearest first) and its friction limit if it is to `follow`. Returns how far the limit lags, Pa, if friction acts;
     /// [`EdgePool::rub`] must follow.
     pub fn press(
         &mut self,
         i: usize,
         law: &ContactLaw,
-        damping: f64,
+        follow: bool,
         places: impl Iterator<Item = (f64, DVec3, f64)>,
     ) -> Option<f64> {
         let mut places = places.peekable();
@@ -168,7 +168,7 @@ impl EdgePool {
         if law.friction == 0.0 {
             return None;
         }
-        let lag = e.relax_limit(law.friction, damping);
+        let lag = e.set_limit(law.friction, follow);
         if e.pressure <= 0.0 && (e.limit <= negligible || e.anchor.is_none()) {
             // A point that touched only on the way to this iterate has not stuck anywhere yet.
             e.limit = 0.0;
@@ -212,12 +212,12 @@ impl EdgePool {
 
     /// Sets the traction of edge `i`, whose points have moved apart by `s` (m) since they stuck, or since the increment began; returns
     /// how far the part of it that the spring takes up lags, Pa.
-    pub fn rub(&mut self, i: usize, law: &ContactLaw, damping: f64, s: DVec3) -> f64 {
+    pub fn rub(&mut self, i: usize, law: &ContactLaw, follow: bool, s: DVec3) -> f64 {
         let e = self.edge_mut(i);
         let s = slip(s, e.plane);
         let missing = e.past_touch(law.offset) - e.share;
-        e.share += damping * missing;
+        e.share += if follow { missing } else { 0.0 };
         (e.traction, e.slips) = law.engaged(e.share).traction(s, e.limit);
-        (law.tangential * s.length() * (1.0 - damping) * missing.abs()).min(e.limit)
+        if follow { 0.0 } else { (law.tangential * s.length() * missing.abs()).min(e.limit) }
     }
 }

@@ -94,7 +94,7 @@ impl BodyTerm for PointContact {
             }
             let stencil = self.surface.points[i];
             let area = self.surface.area[i];
-            let (lag, touch) = self.update(k, &stencil, view, how.damping);
+            let (lag, touch) = self.update(k, &stencil, view, how.follow);
             block.rigid.lag += (area * lag).powi(2);
             let (law, e) = (&self.law_of(i), self.pool.edge(i));
             let (world, _) = locate(&stencil, view);
@@ -250,7 +250,7 @@ impl PointContact {
 
     /// Refreshes gap, pressure and friction of the edge of listed point `k`. Returns how far its friction limit lags, Pa, and where it touches the
     /// object, object axes.
-    fn update(&mut self, k: usize, stencil: &Stencil, view: &BodyView, damping: f64) -> (f64, Option<SurfaceTouch>) {
+    fn update(&mut self, k: usize, stencil: &Stencil, view: &BodyView, follow: bool) -> (f64, Option<SurfaceTouch>) {
         let (i, seen) = self.near.get(k);
         let law = self.law_of(i);
         let (world, q) = locate(stencil, view);
@@ -265,7 +265,7 @@ impl PointContact {
         }
         let places = touch.iter().flat_map(SurfaceTouch::places);
         let places = places.map(|(c, weight)| (c.distance, view.object.rotation * c.normal, weight));
-        let Some(lag) = self.pool.press(i, &law, damping, places) else { return (0.0, touch) };
+        let Some(lag) = self.pool.press(i, &law, follow, places) else { return (0.0, touch) };
         let e = *self.pool.edge(i);
         let mut anchor = e.anchor.unwrap_or(q);
         if self.pool.is_fresh(i) {
@@ -275,7 +275,7 @@ impl PointContact {
             anchor = start + normal * (normal.dot(q - start) - e.gap.min(law.offset));
             self.pool.touch(i, &law, anchor, || self.object.distance(start));
         }
-        let behind = self.pool.rub(i, &law, damping, world - view.object.position - view.object.rotation * anchor);
+        let behind = self.pool.rub(i, &law, follow, world - view.object.position - view.object.rotation * anchor);
         (lag.hypot(behind), touch)
     }
 }

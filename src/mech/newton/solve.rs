@@ -7,11 +7,6 @@ use crate::mech::potential::term::Assembly;
 use crate::scales::SHARP_MOTION;
 use std::time::Instant;
 
-/// Iterations without motion after which a state counts as at rest, and by how much its residual may then miss the goal.
-const RESTING: u32 = 4;
-const RESTING_FACTOR: f64 = 2.0;
-/// A residual that stays above this part of the one before falls no further.
-const FALLING: f64 = 0.9;
 /// Iterations without any contact after which a driven finger counts as closing on nothing.
 const UNTOUCHED: u32 = 10;
 /// Longest stride of the rigid unknowns in one iteration, as a part of the largest motion.
@@ -44,20 +39,23 @@ impl Newton {
         let mut now = start;
         let mut limit = tolerance.iterations;
         let mut last_motion = f64::INFINITY;
-        let (mut iterations, mut resting, mut untouched, mut crawled) = (0, 0, 0, 0);
+        let (mut iterations, mut untouched, mut crawled) = (0, 0, 0);
         let mut history = [f64::INFINITY; 2];
         let mut lagging = Lagging::new(tolerance.passing);
-        let mut cut = false;
+        let (mut cut, mut assembled) = (false, false);
         loop {
-            let damping = lagging.damping();
+            let follow = lagging.follows();
             self.profile.frozen += u64::from(lagging.freezes());
             let sharp = last_motion <= SHARP_MOTION * tolerance.offset;
             // Friction bends the energy where points begin to slip: a step that crosses it far is cut, the next one is more careful.
-            let mut how = Assembly { project: false, damping, sharp, secant: cut };
+            let mut how = Assembly { project: false, follow, sharp, secant: cut };
             let clock = Instant::now();
             // The last factorisation may do once more where it did well.
             let fresh = history[0].is_infinite() || history[1] >= QUICK * history[0];
-            self.assemble_some(&now, how, fresh);
+            if fresh || !assembled {
+                self.assemble_some(&now, how, fresh);
+            }
+            assembled = false;
             self.profile.assembly += clock.elapsed().as_secs_f64();
             let (residual, lag) = self.residual();
             if !residual.is_finite() {
@@ -70,12 +68,7 @@ impl Newton {
             if untouched >= UNTOUCHED {
                 return Err(Failure::Lost);
             }
-            // Where a point of contact sits on a crease its normal, and so the residual, is not continuous: nothing moves any
-            // more, but the residual stays a few times above, and falls no further.
-            let rests = last_motion <= 0.1 * tolerance.length && residual >= FALLING * history[1];
-            resting = if rests { resting + 1 } else { 0 };
-            let at_rest = resting >= RESTING && residual <= RESTING_FACTOR * allowed;
-            if at_rest || residual <= allowed && (last_motion <= tolerance.length || residual <= 0.01 * allowed) {
+            if residual <= allowed && (last_motion <= tolerance.length || residual <= 0.01 * allowed) {
                 if self.satisfied(&now) {
                     return Ok((now, Converged { iterations, residual }));
                 }
@@ -96,7 +89,7 @@ impl Newton {
             }
             let factorize = fresh || residual >= QUICK * history[1];
             if factorize && !fresh {
-                how.damping = 0.0;
+                how.follow = false;
                 self.assemble_some(&now, how, true);
             }
             if factorize && !self.factorize(&now, how) {
@@ -105,12 +98,13 @@ impl Newton {
             let clock = Instant::now();
             let cap = STRIDE * tolerance.motion;
             let (plain, gradient) = self.direction(cap, factorize);
-            let step = if damping == 1.0 { self.follow(&now, &plain, &gradient, cap) } else { plain.clone() };
+            let step = if follow { self.follow(&now, &plain, &gradient, cap) } else { plain.clone() };
             self.profile.solve += clock.elapsed().as_secs_f64();
             history = [history[1], residual];
             let clock = Instant::now();
             // Friction that follows the pressure has no potential: its step is good if the forces come into balance by it.
-            let balanced = if damping == 1.0 { self.balance(&now, &step, residual, tolerance.motion) } else { None };
+            let balanced = if follow { self.balance(&now, &step, residual, tolerance.motion) } else { None };
+            assembled = balanced.is_some();
             let searched = balanced.or_else(|| {
                 // What has no potential may lead uphill in the one that the line search goes by.
                 let step = if self.slope(&step, &gradient) < 0.0 { &step } else { &plain };
@@ -148,7 +142,7 @@ impl Newton {
         let motion = self.motion(step);
         let alpha = (cap / motion.max(f64::MIN_POSITIVE)).min(1.0);
         let next = now.moved(&self.rigid, step, alpha);
-        let how = Assembly { project: false, damping: 1.0, sharp: false, secant: false };
+        let how = Assembly { project: false, follow: true, sharp: false, secant: false };
         self.assemble_some(&next, how, false);
         let (left, lag) = self.residual();
         if left.hypot(lag) < (1.0 - BALANCED * alpha) * residual {

@@ -15,8 +15,8 @@ use serde::{Deserialize, Serialize};
 pub struct Assembly {
     /// Flag: only positive semidefinite parts of Hessians are added.
     pub project: bool,
-    /// Part of the way that lagged quantities move towards their goal (1 = all the way).
-    pub damping: f64,
+    /// Flag: friction limits and planes follow the pressure and the normal; frozen otherwise.
+    pub follow: bool,
     /// Flag: Hessians have all second derivatives, those included that lead astray far from a solution.
     pub sharp: bool,
     /// Flag: points that slip resist along their slip, too, by the secant of their friction: steps are shorter, and lead downhill farther.
@@ -24,8 +24,8 @@ pub struct Assembly {
 }
 
 impl Assembly {
-    /// Manner near a solution: lagged quantities follow at once, Hessians are whole.
-    pub const WHOLE: Self = Self { project: false, damping: 1.0, sharp: true, secant: false };
+    /// Manner near a solution: friction follows, Hessians are whole.
+    pub const WHOLE: Self = Self { project: false, follow: true, sharp: true, secant: false };
     /// [`Assembly::WHOLE`], with positive semidefinite parts alone.
     pub const PROJECTED: Self = Self { project: true, ..Self::WHOLE };
 }

@@ -2,6 +2,8 @@
 
 use super::{scene, shipped};
 use crate::skipped::data;
+use std::path::Path;
+use std::process::Command;
 use tactus::scene::load;
 
 const SOFT: &str = "hand: \"hand\", pads: (\"left_pad\", \"right_pad\")";
@@ -139,12 +141,7 @@ fn meshes_are_found_in_packages_and_by_file_uris() {
         std::fs::write(&path, urdf.replace("../pads", root)).unwrap();
         scene(folder.path(), &format!("robot: (path: {path:?}, {SOFT})")).map(|_| ())
     };
-    let copy = |to: &str| {
-        std::fs::create_dir_all(folder.path().join(to)).unwrap();
-        for name in ["fingertip.tet", "core.obj"] {
-            std::fs::copy(pads.join(name), folder.path().join(to).join(name)).unwrap();
-        }
-    };
+    let copy = |to: &str| copy_pads(&folder.path().join(to));
     copy("tips_description/meshes");
     write("tips_description/urdf/p.urdf", "package://tips_description/meshes").expect("the folder has its name");
     write("arm_description/urdf/p.urdf", "package://tips_description/meshes").expect("it lies beside another one");
@@ -155,4 +152,35 @@ fn meshes_are_found_in_packages_and_by_file_uris() {
     write("uri.urdf", &format!("file://{}", pads.display())).expect("file:// is stripped");
     let message = write("none.urdf", "package://nowhere/meshes").unwrap_err();
     assert!(message.contains("no package \"nowhere\"") && message.contains("ROS_PACKAGE_PATH"), "{message}");
+}
+
+/// Copies the mesh of a pad and of its core into `folder`, which is created.
+fn copy_pads(folder: &Path) {
+    std::fs::create_dir_all(folder).unwrap();
+    for name in ["fingertip.tet", "core.obj"] {
+        std::fs::copy(shipped("../pads").join(name), folder.join(name)).unwrap();
+    }
+}
+
+/// The variable lists packages, and folders of packages; the first that has the file counts. Without it the package is not found.
+#[test]
+fn packages_are_found_in_the_path_of_ros() {
+    let folder = tempfile::tempdir().unwrap();
+    let urdf = std::fs::read_to_string(shipped("fingertips.urdf")).unwrap();
+    std::fs::write(folder.path().join("p.urdf"), urdf.replace("../pads", "package://tips/meshes")).unwrap();
+    copy_pads(&folder.path().join("workspace/src/tips/meshes"));
+    let refused = scene(folder.path(), &format!("robot: (path: \"p.urdf\", {SOFT})")).unwrap_err();
+    assert!(refused.contains("no package \"tips\""), "{refused}");
+    let found = |listed: &[&str]| {
+        let listed = listed.iter().map(|root| folder.path().join(root));
+        let checked = Command::new(env!("CARGO_BIN_EXE_tactus"))
+            .args(["check", "scene.ron"])
+            .current_dir(folder.path())
+            .env("ROS_PACKAGE_PATH", std::env::join_paths(listed).unwrap())
+            .output();
+        checked.unwrap().status.code() == Some(0)
+    };
+    assert!(found(&["missing", "workspace/src"]), "a folder that holds the package");
+    assert!(found(&["workspace/src/tips"]), "the package itself");
+    assert!(!found(&["workspace"]), "not two folders below");
 }
