@@ -52,7 +52,7 @@ impl Newton {
                 along.add(direction, -part);
             }
             let size = image.norm();
-            if !(size > f64::EPSILON * along.norm()) {
+            if !size.is_finite() || size <= f64::EPSILON * along.norm() {
                 break;
             }
             image.scale(1.0 / size);
