@@ -62,7 +62,7 @@ impl Newton {
             rest.add(&image, -part);
             vectors.push([along, image]);
         }
-        let length = step.rigid.iter().map(|d| d * d).sum::<f64>().sqrt();
+        let length = step.rigid_norm();
         if length > cap {
             step.scale(cap / length);
         }

@@ -119,8 +119,8 @@ impl Newton {
                     return Err(Failure::LineSearch(residual));
                 }
                 Some((next, motion, alpha)) => {
-                    let stride = alpha * step.rigid.iter().map(|d| d * d).sum::<f64>().sqrt();
-                    let crawls = self.proximal.is_none() && stride > 0.95 * STRIDE * tolerance.motion;
+                    let stride = alpha * step.rigid_norm();
+                    let crawls = self.proximal.is_none() && stride > 0.95 * cap;
                     crawled = if crawls { crawled + 1 } else { 0 };
                     if crawled >= CRAWLING {
                         return Err(Failure::Unsettled);

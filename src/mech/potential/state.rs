@@ -107,6 +107,11 @@ impl NewtonStep {
         self.dot(self).sqrt()
     }
 
+    /// Euclidean norm over the rigid columns, m.
+    pub fn rigid_norm(&self) -> f64 {
+        self.rigid.iter().map(|d| d * d).sum::<f64>().sqrt()
+    }
+
     /// Scalar product over all unknowns, m2.
     pub fn dot(&self, other: &NewtonStep) -> f64 {
         let nodes = self.x.iter().flatten().zip(other.x.iter().flatten()).map(|(a, b)| a.dot(*b)).sum::<f64>();
