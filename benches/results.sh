@@ -2,7 +2,7 @@
 # Measures the tables of docs/results.md, writes them there with command, commit, date and processor, and fills in the figures that
 # README.md quotes.
 #
-#   benches/results.sh                  every table that was not measured at this commit yet; about an hour on two cores
+#   benches/results.sh                  every table that was not measured at this commit yet; some hours on two cores, most of them for `rules`
 #   benches/results.sh press squeeze    these tables alone, once more
 #
 # The tables `peers` and `inference` run other systems, `objects` compares arrays: PYTHON names a Python that has mujoco, drake, torch,
@@ -11,7 +11,7 @@
 # Stopped at any moment it goes on with the next table. Nothing else should run beside it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-readonly RESULTS=docs/results.md OUT=out/results TABLES=(press peers squeeze objects scans network slip size predictions stages inference growth environments data_set sensitivity hard_cases)
+readonly RESULTS=docs/results.md OUT=out/results TABLES=(press peers squeeze objects scans network slip size predictions stages inference growth environments data_set sensitivity hard_cases rules)
 commit=$(git rev-parse --short HEAD)
 git diff --quiet HEAD -- src Cargo.toml Cargo.lock || commit="$commit and uncommitted changes"
 processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1 || true)

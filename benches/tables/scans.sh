@@ -2,18 +2,24 @@
 
 # Twenty grasps of each of sixteen objects of DefGraspSim and YCB, to 15 N in ten frames, as `DATA/FOLDER/*_grasps.h5` beside a mesh; DATA is
 # ../shared/data/objects unless it is given. Grasps that start inside the object are left out.
+
+# Scene of the grasps in the file $1, around the mesh beside it.
+scan_scene() {
+    local mesh=${1%_grasps.h5}_processed.stl
+    [ -f "$mesh" ] || mesh=${1%_grasps.h5}.obj
+    printf 'Scene(object: (shape: Mesh("%s")), grasps: File(path: "%s", select: 0..20), gripper: (pads: GelSightMini(spacing: 2.6e-3), opening: 0.08, stroke: 0.04, friction: 0.8), loading: Squeeze(force: 15.0, frames: 10), stepper: Fem(solver: Condensed(error: 0.01)))\n' \
+        "$(realpath "$mesh")" "$(realpath "$1")"
+}
+
 scans() {
-    local data=${DATA:-../shared/data/objects} file mesh name
+    local data=${DATA:-../shared/data/objects} file name
     [ -d "$data" ] || { echo "not measured: $data is not there"; return; }
     echo '| object | grasps | reached | dropped | no answer | iterations: median, 90 %, worst | wall time a grasp, s: median, worst |'
     echo '|---|---|---|---|---|---|---|'
     rm -f "$OUT"/scan_*.json
     for file in "$data"/*/*/*_grasps.h5; do
-        mesh=${file%_grasps.h5}_processed.stl
-        [ -f "$mesh" ] || mesh=${file%_grasps.h5}.obj
         name=$(basename "${file%_grasps.h5}" | tr -d _)
-        printf 'Scene(object: (shape: Mesh("%s")), grasps: File(path: "%s", select: 0..20), gripper: (pads: GelSightMini(spacing: 2.6e-3), opening: 0.08, stroke: 0.04, friction: 0.8), loading: Squeeze(force: 15.0, frames: 10), stepper: Fem(solver: Condensed(error: 0.01)))\n' \
-            "$(realpath "$mesh")" "$(realpath "$file")" > "$OUT/scan.ron"
+        scan_scene "$file" > "$OUT/scan.ron"
         tactus run "$OUT/scan.ron" -q --no-pictures --max-time "${MOST:-60}" --format json > "$OUT/scan_$name.json" 2> /dev/null || true
     done
     "$python" - "$OUT"/scan_*.json << 'END'

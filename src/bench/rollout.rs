@@ -31,6 +31,9 @@ pub struct Rate {
     pub threads: usize,
     /// Steps of single environments per second under a random policy, new grasps included.
     pub steps_per_s: f64,
+    /// Time of the longest step of the batch over that of the median one.
+    #[serde(default)]
+    pub worst_over_median: f64,
     /// Largest resident memory of the process, bytes; null if the system does not provide it.
     pub peak_memory_bytes: Option<u64>,
 }
@@ -89,13 +92,14 @@ pub fn rollouts(
                 }
                 progress(&name);
                 let turns = (0..repeats).map(|_| play(&set, n, threads, steps)).collect::<Result<Vec<_>>>()?;
-                rate = median(turns.iter().map(|t| t.0));
+                rate = median(turns.iter().map(|t| t.steps_per_s));
                 rates.push(Rate {
                     backend: backend.clone(),
                     envs: n,
                     threads,
                     steps_per_s: rate,
-                    peak_memory_bytes: turns.iter().filter_map(|t| t.1).max(),
+                    worst_over_median: turns.iter().map(|t| t.worst_over_median).fold(0.0, f64::max),
+                    peak_memory_bytes: turns.iter().filter_map(|t| t.peak_memory_bytes).max(),
                 });
             }
         }
@@ -103,22 +107,35 @@ pub fn rollouts(
     Ok(Rollouts { memory_per_env_bytes: growth(&rates), rates, snapshots: saved, left_out, repeats })
 }
 
-/// Returns steps per second and peak memory of one batch.
-fn play(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Result<(f64, Option<u64>)> {
+/// What came of one batch.
+struct Turn {
+    steps_per_s: f64,
+    worst_over_median: f64,
+    peak_memory_bytes: Option<u64>,
+}
+
+/// Plays one batch.
+fn play(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Result<Turn> {
     let known = forget_peak_memory();
     let mut env = BatchEnv::new(set, BatchConfig { num_envs, threads: Some(threads), ..BatchConfig::default() })?;
     let failed = |e: crate::env::StepError| Error::Solver(e.to_string());
     env.reset(None, None).map_err(failed)?;
     let mut random = Random::new(1);
     let numbers = num_envs * env.action_spec().size();
-    let (clock, mut done) = (Instant::now(), 0);
-    while done < steps || clock.elapsed().as_secs_f64() < LEAST {
+    let (clock, mut times) = (Instant::now(), Vec::new());
+    while times.len() < steps || clock.elapsed().as_secs_f64() < LEAST {
         let actions: Vec<f32> = (0..numbers).map(|_| 2.0 * random.unit() as f32 - 1.0).collect();
+        let step = Instant::now();
         env.step(&actions).map_err(failed)?;
         interrupt::check()?;
-        done += 1;
+        times.push(step.elapsed().as_secs_f64());
     }
-    Ok(((done * num_envs) as f64 / clock.elapsed().as_secs_f64(), peak_memory().filter(|_| known)))
+    let worst = times.iter().copied().fold(0.0, f64::max);
+    Ok(Turn {
+        steps_per_s: (times.len() * num_envs) as f64 / clock.elapsed().as_secs_f64(),
+        worst_over_median: worst / median(times.iter().copied()),
+        peak_memory_bytes: peak_memory().filter(|_| known),
+    })
 }
 
 /// Returns the growth of the memory from the batch with the least memory to the largest one of each backend. A small
@@ -150,11 +167,16 @@ pub fn save_chart(report: &Rollouts, dir: &Path) -> Result<()> {
 
 /// Returns the table as text.
 pub fn text(report: &Rollouts) -> String {
-    let mut text =
-        format!("random policy, turns: {}\n\nsteps/s  environments  threads  memory MB  backend\n", report.repeats);
+    let mut text = format!(
+        "random policy, turns: {}\n\nsteps/s  environments  threads  worst/median step  memory MB  backend\n",
+        report.repeats
+    );
     for r in &report.rates {
         let memory = r.peak_memory_bytes.map_or("-".into(), |b| format!("{:.0}", b as f64 / 1e6));
-        text += &format!("{:>7.0}  {:>12}  {:>7}  {memory:>9}  {}\n", r.steps_per_s, r.envs, r.threads, r.backend);
+        let Rate { steps_per_s, envs, threads, worst_over_median, backend, .. } = r;
+        text += &format!(
+            "{steps_per_s:>7.0}  {envs:>12}  {threads:>7}  {worst_over_median:>17.1}  {memory:>9}  {backend}\n"
+        );
     }
     text.push('\n');
     for (backend, bytes) in &report.memory_per_env_bytes {

@@ -9,6 +9,7 @@
 
 use super::compliance::Compliance;
 use crate::kernel::product::{Packed, RowsView, respond};
+use crate::mech::contact::coulomb::{kept, slips};
 use glam::DVec3;
 use pulp::{Arch, NullaryFnOnce};
 
@@ -340,9 +341,8 @@ impl Node {
         let wanted = [0, 1, 2].map(|a| self.along[a][load] + gain * slid[a]);
         let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1] + wanted[2] * wanted[2]).sqrt();
         let most = friction * self.pressure[load];
-        let slips = length > most;
-        let part = if slips { most / length } else { 1.0 };
-        let bends = if slips && most > 0.0 { 1.0 / (most * most) } else { 0.0 };
+        let part = kept(length, most);
+        let bends = if slips(length, most) && most > 0.0 { 1.0 / (most * most) } else { 0.0 };
         (wanted.map(|w| w * part), part, bends)
     }
 }

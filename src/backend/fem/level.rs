@@ -2,7 +2,7 @@
 
 use super::stepper::GraspSolver;
 use crate::mech::newton::Failure;
-use crate::mech::newton::effort::most_iterations;
+use crate::mech::newton::effort::{most_iterations, most_iterations_of_agent_step};
 use crate::mech::path::continuation::WholePads;
 use crate::mech::path::grasp_place::GraspPlace;
 use crate::mech::path::{Advanced, Load};
@@ -48,8 +48,12 @@ impl GraspSolver {
     pub fn advance(&mut self, model: &Model, target: StepLoad) -> std::result::Result<Advanced, Stop> {
         self.steps += 1;
         let (each, steps) = (self.settings().max_iterations.get() as u32, model.levels.len().max(self.steps));
-        let given = self.settings().effort.map(|most| most.get() as u64);
-        self.path.newton.effort.iterations = given.unwrap_or_else(|| most_iterations(each, steps));
+        let agent = model.needs.task && self.progress.started;
+        let usual = if agent { most_iterations_of_agent_step(each) } else { most_iterations(each, steps) };
+        let most = self.settings().effort.map_or(usual, |most| most.get() as u64);
+        let newton = &mut self.path.newton;
+        newton.effort.from = if agent { newton.profile.iterations } else { 0 };
+        newton.effort.iterations = most;
         let progress = self.progress;
         let checkpoint = self.condensed.is_some().then(|| self.path.checkpoint());
         let stuck = match (self.raise(model, target), checkpoint) {

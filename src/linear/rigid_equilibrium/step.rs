@@ -7,6 +7,7 @@
 
 use super::{Rest, RigidEquilibrium, Seen};
 use crate::linear::GraspLoad;
+use crate::mech::contact::coulomb::{kept, tangential};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
@@ -95,7 +96,8 @@ impl RigidEquilibrium {
                 let normal = before.seen[p][function].normal;
                 let push = force.dot(normal).max(0.0);
                 // Friction carries no more than Coulomb's limit.
-                let along = (*force - normal * force.dot(normal)).clamp_length_max(self.friction * push);
+                let (along, _) = tangential(*force, normal, self.friction);
+                let along = along * kept(along.length(), self.friction * push);
                 if contact.touching[function] { normal * push + along } else { DVec3::ZERO }
             };
             now.force[p] = contact.force.iter().enumerate().map(held).collect();
@@ -252,7 +254,7 @@ impl RigidEquilibrium {
                 continue;
             }
             let own = self.graph.basis.own(function);
-            let beyond = (force - normal * push).length() / (self.friction * push).max(1e-12);
+            let beyond = tangential(force, normal, self.friction).1;
             let softer = ((own + give) * beyond - own).clamp(0.0, 1e6);
             same &= (softer - give).abs() <= CONVERGED * (own + softer);
             contact.give[function] += part * (softer - give);

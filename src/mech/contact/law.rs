@@ -6,6 +6,7 @@
 //! an augmented Lagrangian it has no history, so that the answer does not depend on how many increments led to it.
 //! Since travel counts from where the offset surfaces touch, the offset acts as a radius larger by as much.
 
+use super::coulomb::{kept, slips};
 use crate::scales::CONTACT_STIFFNESS;
 use glam::DVec3;
 
@@ -87,7 +88,7 @@ impl ContactLaw {
     pub fn traction(&self, s: DVec3, limit: f64) -> (DVec3, bool) {
         let trial = s * -self.tangential;
         let size = trial.length();
-        if slips(size, limit) { (trial * (limit / size), true) } else { (trial, false) }
+        (trial * kept(size, limit), slips(size, limit))
     }
 
     /// Friction energy per area, J/m2, at frozen `limit`; its gradient in `s` is minus the traction.
@@ -110,11 +111,4 @@ impl ContactLaw {
             (self.tangential, 0.0)
         }
     }
-}
-
-/// Returns true if a trial traction of this size slips. A point that slipped in the last accepted state is left exactly at its
-/// limit: it goes on slipping, whatever the rounding.
-#[inline(always)]
-fn slips(size: f64, limit: f64) -> bool {
-    size > limit * (1.0 - 1e-9)
 }

@@ -7,6 +7,7 @@
 mod candidate_list;
 mod cells;
 mod closest_point;
+pub mod coulomb;
 mod distance_sign;
 pub mod edge;
 mod edge_edge;

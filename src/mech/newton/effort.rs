@@ -1,9 +1,9 @@
 //! Bound on the work of a grasp: every grasp ends.
 //!
 //! A grasp takes at most `max_iterations * (START + PER_STEP * steps)` Newton iterations. The scene gives `max_iterations`, 40
-//! by default. The number of steps is that of the recorded frames or, in a dynamic scene, of the time steps; the world of an
-//! agent counts the steps taken. A scene meets the same bound on every machine. A limit on wall time, which depends on the
-//! machine, can be set as well.
+//! by default. The number of steps is that of the recorded frames or, in a dynamic scene, of the time steps. A step of an agent takes at
+//! most `PER_AGENT_STEP * max_iterations`, because all environments of a batch wait for it. A scene meets the same bound on every
+//! machine. A limit on wall time, which depends on the machine, can be set as well.
 
 use super::Failure;
 use crate::interrupt;
@@ -12,6 +12,8 @@ use std::time::{Duration, Instant};
 /// Increments of `max_iterations` that a grasp may take to make contact and to settle, and for each step after that.
 const START: u64 = 50;
 const PER_STEP: u64 = 10;
+/// Increments of `max_iterations` that a step of an agent may take: some twenty times as many iterations as a usual step.
+const PER_AGENT_STEP: u64 = 4;
 
 /// Maximum number of Newton iterations of a grasp with `steps` load levels or time steps, each of `max_iterations` per
 /// increment.
@@ -19,10 +21,17 @@ pub fn most_iterations(max_iterations: u32, steps: usize) -> u64 {
     u64::from(max_iterations).saturating_mul(START.saturating_add(PER_STEP.saturating_mul(steps as u64)))
 }
 
+/// Maximum number of Newton iterations of a step of an agent.
+pub fn most_iterations_of_agent_step(max_iterations: u32) -> u64 {
+    u64::from(max_iterations).saturating_mul(PER_AGENT_STEP)
+}
+
 /// Limit on the work of a solver.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort {
-    /// Maximum number of Newton iterations since the start of the grasp.
+    /// Number of Newton iterations of the grasp from which on they count.
+    pub from: u64,
+    /// Maximum number of Newton iterations from there on.
     pub iterations: u64,
     /// Time by which the solver must have ended, and the wall time it had, s.
     deadline: Option<(Instant, f64)>,
@@ -31,7 +40,7 @@ pub struct Effort {
 impl Default for Effort {
     /// Sets no limit.
     fn default() -> Self {
-        Self { iterations: u64::MAX, deadline: None }
+        Self { from: 0, iterations: u64::MAX, deadline: None }
     }
 }
 
@@ -47,9 +56,22 @@ impl Effort {
         if interrupt::requested() {
             return Some(Failure::Interrupted);
         }
-        if iterations >= self.iterations {
+        if iterations.saturating_sub(self.from) >= self.iterations {
             return Some(Failure::Effort(self.iterations));
         }
         self.deadline.filter(|(until, _)| Instant::now() >= *until).map(|(_, seconds)| Failure::Time(seconds))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A step may take its ten iterations whatever the grasp has taken before it.
+    #[test]
+    fn iterations_count_from_the_start_of_the_step() {
+        let effort = Effort { from: 500, iterations: 10, ..Effort::default() };
+        assert_eq!(effort.exceeded(509), None);
+        assert_eq!(effort.exceeded(510), Some(Failure::Effort(10)));
     }
 }

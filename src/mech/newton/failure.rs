@@ -23,7 +23,7 @@ pub enum Failure {
     Lost,
     /// The object moved farther at one load level than counts as held.
     Astray,
-    /// The number of Newton iterations reached this limit of a grasp.
+    /// The number of Newton iterations reached this limit of a grasp, or of a step of an agent.
     Effort(u64),
     /// The wall time that a grasp may take is over, s.
     Time(f64),
@@ -55,7 +55,7 @@ impl fmt::Display for Failure {
             Failure::Astray => f.write_str("the object moves too far to count as held"),
             Failure::Effort(most) => write!(
                 f,
-                "no equilibrium within {most} Newton iterations, the most that a grasp of so many steps may take"
+                "no equilibrium within {most} Newton iterations, the most that a grasp of so many steps, or a step of an agent, may take"
             ),
             Failure::Time(seconds) => {
                 write!(f, "no equilibrium within the {seconds} s of wall time that a grasp may take")

@@ -11,12 +11,8 @@ use std::time::Instant;
 const UNTOUCHED: u32 = 10;
 /// Longest stride of the rigid unknowns in one iteration, as a part of the largest motion.
 const STRIDE: f64 = 0.2;
-/// Iterations with the longest stride allowed after which an object counts as rolling or sliding away.
-const CRAWLING: u32 = 8;
 /// A residual that falls below this part of the one before lets the factorisation serve another iteration.
 const QUICK: f64 = 0.2;
-/// Largest number of iterations over the usual limit, for a solution whose terms strengthen themselves.
-const RENEWALS: u32 = 4;
 /// Least part by which a step of friction that follows the pressure lowers the residual.
 const BALANCED: f64 = 0.1;
 /// Part of a step from which on it counts as whole.
@@ -37,9 +33,8 @@ impl Newton {
     ) -> Result<(State, Converged), Failure> {
         self.depart(from);
         let mut now = start;
-        let mut limit = tolerance.iterations;
         let mut last_motion = f64::INFINITY;
-        let (mut iterations, mut untouched, mut crawled) = (0, 0, 0);
+        let (mut iterations, mut untouched) = (0, 0);
         let mut history = [f64::INFINITY; 2];
         let mut lagging = Lagging::new(tolerance.passing);
         let (mut cut, mut assembled) = (false, false);
@@ -68,21 +63,17 @@ impl Newton {
             if untouched >= UNTOUCHED {
                 return Err(Failure::Lost);
             }
-            if residual <= allowed && (last_motion <= tolerance.length || residual <= 0.01 * allowed) {
-                if self.satisfied(&now) {
-                    return Ok((now, Converged { iterations, residual }));
-                }
+            let balanced = residual <= allowed && (last_motion <= tolerance.length || residual <= 0.01 * allowed);
+            if balanced && self.satisfied(&now) {
+                return Ok((now, Converged { iterations, residual }));
+            }
+            if iterations >= tolerance.iterations {
+                return Err(Failure::Iterations(residual));
+            }
+            if balanced {
                 last_motion = f64::INFINITY;
                 iterations += 1;
-                // What has changed is small: it gets as many again, as long as it does not go on for ever.
-                limit = (iterations + tolerance.iterations).min(RENEWALS * tolerance.iterations);
-                if iterations >= limit {
-                    return Err(Failure::Iterations(residual));
-                }
                 continue;
-            }
-            if iterations >= limit {
-                return Err(Failure::Iterations(residual));
             }
             if let Some(failure) = self.effort.exceeded(self.profile.iterations) {
                 return Err(failure);
@@ -119,12 +110,6 @@ impl Newton {
                     return Err(Failure::LineSearch(residual));
                 }
                 Some((next, motion, alpha)) => {
-                    let stride = alpha * step.rigid_norm();
-                    let crawls = self.proximal.is_none() && stride > 0.95 * cap;
-                    crawled = if crawls { crawled + 1 } else { 0 };
-                    if crawled >= CRAWLING {
-                        return Err(Failure::Unsettled);
-                    }
                     now = next;
                     last_motion = motion;
                     cut = alpha < WHOLE;

@@ -5,7 +5,7 @@
 //! | what an attempt ends with | answer |
 //! |---|---|
 //! | the path bends too far | a smaller increment, by the error (`step_size.rs`) |
-//! | no equilibrium | half the increment, with springs, or stiffer ones (`pseudo_time.rs`); condensed pads anew as they are, every fourth time |
+//! | no equilibrium | half the increment, with springs, or stiffer ones (`pseudo_time.rs`) |
 //! | no equilibrium under a push | halfway to the load that found none; within a thousandth of it the object slips, or the grasp ends (`backend/fem/level.rs`) |
 //! | contact outgrows the patch of a condensed pad | condensed anew onto a larger one, the same increment |
 //! | condensed pads get no further | whole pads, from the level accepted last (`backend/fem/level.rs`) |
@@ -121,9 +121,8 @@ pub struct WholePads;
 
 impl PadDiscretisation for WholePads {}
 
-/// Maximum number of attempts in a row that may fail, and of those after which condensed pads are condensed anew as they are.
+/// Maximum number of attempts in a row that may fail.
 const FAILURES: u32 = 16;
-const STALE: u32 = 4;
 /// Distance from a push that finds no equilibrium, over the push wanted, at which none exists. An object that slips is told
 /// from one that only rolls on by increments this small: at a hundredth, an ellipsoid counts as lost at nine tenths of what it bears.
 const SLIP_ERROR: f64 = 0.001;
@@ -160,19 +159,17 @@ impl Path {
             let near = gap <= smallest;
             let longest = self.longest(load).min(0.5 * gap);
             let planned = match near {
-                _ if self.pseudo_time.waits => 0.0,
                 true => gap.copysign(rest),
                 false => self.step.next(rest).clamp(-longest, longest),
             };
             let next = if planned.abs() >= rest.abs() { target } else { self.level + planned };
             let size = next - self.level;
-            let cost = done.iterations;
             let failure = match self.attempt(load, next, next == target, pads, &mut done) {
                 Ok((Attempt { error, rests }, moved)) => {
                     self.methods.increments += 1;
                     if size != 0.0 {
                         let shortest = self.control.map_or(0.0, |control| self.shortest(control.first));
-                        self.step.accept(size, done.iterations - cost, error, shortest);
+                        self.step.accept(size, error, shortest);
                     }
                     failures = 0;
                     beyond = beyond.filter(|_| !near);
@@ -216,10 +213,6 @@ impl Path {
                         self.methods.pseudo_transient += u64::from(!self.pseudo_time.is_on());
                         self.pseudo_time.refuse(self.driving(), &self.tolerance);
                     }
-                    if pads.corrects() && failures % STALE == 0 {
-                        self.methods.condensed_anew += 1;
-                        pads.renew(self)?;
-                    }
                 }
             }
         }
@@ -255,10 +248,10 @@ impl Path {
         self.newton.proximal = None;
         match attempt {
             Ok((attempt, moved)) => {
-                let (load, full) = (self.driving(), self.tolerance);
+                let full = self.tolerance;
                 // Where the load has not changed, the states say nothing of how the path goes on.
-                self.history = to.map(|_| before).filter(|_| !self.pseudo_time.waits);
-                self.pseudo_time.accept(&moved, load, floor, &full, to.is_some());
+                self.history = to.map(|_| before);
+                self.pseudo_time.accept(&moved, floor, &full, to.is_some());
                 self.level = next;
                 Ok((attempt, moved.way))
             }

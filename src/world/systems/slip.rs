@@ -1,6 +1,7 @@
 //! Slip of the nodes of the pads over the object.
 
 use crate::geometry::face_lookup::FaceLookup;
+use crate::mech::contact::coulomb::tangential;
 use crate::mech::potential::term::Stencil;
 use crate::model::Model;
 use crate::world::components::*;
@@ -76,8 +77,7 @@ pub fn by_nodes(
 
 /// Returns true if a force on a pad (N), pressed along the outward normal of the object, is at Coulomb's limit of this friction.
 fn slides(force: DVec3, normal: DVec3, friction: f64) -> bool {
-    let pressing = force.dot(normal);
-    pressing > 0.0 && (force - normal * pressing).length() >= AT_LIMIT * friction * pressing
+    force.dot(normal) > 0.0 && tangential(force, normal, friction).1 >= AT_LIMIT
 }
 
 /// Gathers the slip of the points of contact of pad `f` at its nodes: `x` relative to the finger, which has `carried` them so far, m.

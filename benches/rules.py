@@ -1,0 +1,178 @@
+"""What each constant of the solver is worth: doubled, halved and switched off, against hard cases.
+
+    python3 benches/rules.py OUT [SCENE[#[OBJECT][#GRASP]] ...]
+
+copies the sources to OUT/tree, where the constants become variables of the environment, builds them once, and runs the scenes with
+each constant changed. Rows go to OUT/rows.json, one after the other: stopped at any moment it goes on from there. The table goes to stdout.
+A case is lost if it ends otherwise than it does without a change, or takes longer than LIMIT seconds (60). RULES is a regular expression for
+the names of some of the constants.
+"""
+
+import hashlib
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+FOLDERS = ["src/mech/newton", "src/mech/path", "src/mech/contact", "src/backend/fem"]
+SCALES = "src/scales.rs"
+# Scales that the solver uses; the others place samples of the object.
+OF_SOLVER = """NO_FRICTION DISPLACEMENT_TOLERANCE SHARP_MOTION LARGEST_MOTION PSEUDO_TIME_BEGINS PSEUDO_TIME_REACH GONE DROPPED SAFE_MOTION FIRST_DEPTH
+PATCH_MARGIN SMALL_PATCH_MARGIN FEATURE_MOVES MIDDLE_CUT LOOK_AHEAD POINTS_LISTED FACE_KEPT DISTANCES_STALE FEATURES_LISTED DEEPEST""".split()
+# Facts of geometry and rounding.
+FACTS = "BULGE TIE NOWHERE ALONG ARC ROUNDING START PER_STEP STILL".split()
+# Value that switches a rule off.
+OFF = {
+    "lagging.SWINGING": "1000000", "solve.UNTOUCHED": "1000000", "solve.STRIDE": "1e9", "solve.QUICK": "0",
+    "solve.BALANCED": "-1e9", "solve.WHOLE": "0", "direction.VECTORS": "0",
+    "continuation.GROWTH": "1e9", "path_error.SHORTEST": "0;0", "path.LOOSE": "1",
+    "pseudo_time.WARY": "0", "law.STIFFENING": "1", "law.LEAST": "-1e9", "law.LATE": "1",
+    "stepper.BLUNT": "0", "scales.SHARP_MOTION": "0", "scales.MIDDLE_CUT": "1e9", "scales.FACE_KEPT": "0",
+}
+PROGRAM = "tactus-rules"
+KIND = r"f64|u32|u64|usize|\[f64; ?\d+\]"
+CONSTANT = re.compile(rf"^(?:pub(?:\([a-z]+\))? )?const ([A-Z_0-9]+): ({KIND}) = (.*);$", re.M)
+LOOKUP = """
+/// A constant that the environment may replace.
+pub trait Rule: Copy { fn parse(text: &str) -> Self; }
+impl Rule for f64 { fn parse(text: &str) -> Self { text.parse().unwrap() } }
+impl Rule for u32 { fn parse(text: &str) -> Self { text.parse().unwrap() } }
+impl Rule for u64 { fn parse(text: &str) -> Self { text.parse().unwrap() } }
+impl Rule for usize { fn parse(text: &str) -> Self { text.parse().unwrap() } }
+impl<const N: usize> Rule for [f64; N] {
+    fn parse(text: &str) -> Self { let mut all = text.split(';'); std::array::from_fn(|_| all.next().unwrap().parse().unwrap()) }
+}
+pub fn of<T: Rule>(name: &str, usual: T) -> T {
+    static CHANGED: std::sync::LazyLock<Option<(String, String)>> =
+        std::sync::LazyLock::new(|| std::env::var("RULE").ok()?.split_once('=').map(|(a, b)| (a.into(), b.into())));
+    match &*CHANGED { Some((rule, value)) if rule == name => T::parse(value), _ => usual }
+}
+"""
+
+
+def files(root):
+    for folder in FOLDERS:
+        yield from sorted((root / folder).rglob("*.rs"))
+    yield root / SCALES
+
+
+def room(path):
+    """Name of a file in the name of a rule."""
+    return path.parent.name if path.stem == "mod" else path.stem
+
+
+def rules(root):
+    """Constants by name: kind, value."""
+    found = {}
+    for path in files(root):
+        for name, kind, value in CONSTANT.findall(path.read_text()):
+            if name not in FACTS and (path.name != "scales.rs" or name in OF_SOLVER):
+                found[f"{room(path)}.{name}"] = (kind, value)
+    return found
+
+
+def changed(kind, value, factor):
+    numbers = [eval(part) for part in value.strip("[]").split(",")]
+    change = lambda number: number * factor if "f64" in kind else max(1, int(number * factor))
+    return ";".join(str(change(number)) for number in numbers)
+
+
+def rewrite(root):
+    """Turns each use of a constant into a lookup."""
+    owners = {}
+    for rule in rules(root):
+        owners.setdefault(rule.split(".")[1], []).append(rule)
+    for path in files(root):
+        text = path.read_text()
+        own = {name: f"{room(path)}.{name}" for name, *_ in CONSTANT.findall(text)}
+        imported = set(re.findall(r"[A-Z][A-Z_0-9]+", "".join(re.findall(r"^use [^;]*;", text, re.M))))
+        body, *tests = text.split("#[cfg(test)]")
+        lines = []
+        for line in body.splitlines(True):
+            if not re.match(r"\s*(//|use |pub use |(pub(\([a-z]+\))? )?const )", line):
+                for name in owners:
+                    rule = own.get(name) or (owners[name][0] if name in imported else None)
+                    if rule in owners[name]:
+                        line = re.sub(rf"(?<![\w:.`\[{{]){name}\b", f'crate::rules::of("{rule}", {name})', line)
+            lines.append(line)
+        path.write_text("#[cfg(test)]".join(["".join(lines), *tests]))
+    lib = root / "src/lib.rs"
+    lib.write_text(lib.read_text() + "\n#[doc(hidden)]\npub mod rules {" + LOOKUP + "}\n")
+
+
+def build(out):
+    """Builds the rewritten sources; returns the program."""
+    tree = out / "tree"
+    shutil.rmtree(tree, ignore_errors=True)
+    for name in subprocess.run(["git", "ls-files"], capture_output=True, text=True, check=True).stdout.split():
+        (tree / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(name, tree / name)
+    rewrite(tree)
+    manifest = re.sub("^default-run.*\n", "", (tree / "Cargo.toml").read_text(), flags=re.M)
+    (tree / "Cargo.toml").write_text(f'{manifest}\n[[bin]]\nname = "{PROGRAM}"\npath = "src/main.rs"\n')
+    # Beside the usual build, so that the dependencies are there already.
+    target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", "target")).resolve()
+    own = dict(os.environ, CARGO_TARGET_DIR=str(target), CARGO_INCREMENTAL="1")
+    subprocess.run(["cargo", "build", "--release", "--bin", PROGRAM], cwd=tree, env=own, check=True)
+    return target / "release" / PROGRAM
+
+
+def run(program, case, rule):
+    """Outcome and iterations of one case."""
+    scene, *which = case.split("#")
+    flags = [part for pair in zip(("--object", "--grasp"), which) if pair[1] for part in pair]
+    command = [program, "run", scene, *flags, "-q", "--no-pictures", "--threads", "1", "--max-time", os.environ.get("LIMIT", "60"), "--format", "json"]
+    done = subprocess.run(command, env=dict(os.environ, RULE=rule), capture_output=True, text=True)
+    try:
+        grasps = json.loads(done.stdout)["grasps"]
+        return [done.returncode, [g["status"] for g in grasps]], sum(g["newton_iterations"] for g in grasps)
+    except (ValueError, KeyError):
+        return [done.returncode, [done.stderr[-200:]]], 0
+
+
+def main():
+    out, cases = pathlib.Path(sys.argv[1]), sys.argv[2:]
+    out.mkdir(parents=True, exist_ok=True)
+    sources = hashlib.sha256(b"".join(path.read_bytes() for path in files(pathlib.Path(".")))).hexdigest()[:12]
+    program = out / f"{PROGRAM}-{sources}"
+    program.exists() or shutil.copy(build(out), program)
+    rows = json.loads((out / "rows.json").read_text()) if (out / "rows.json").exists() else {}
+
+    def row(rule):
+        key = json.dumps([sources, rule, cases])
+        if key not in rows:
+            with ThreadPoolExecutor(os.cpu_count()) as pool:
+                rows[key] = list(pool.map(lambda case: run(program, case, rule), cases))
+            part = out / "rows.json.part"
+            part.write_text(json.dumps(rows))
+            part.replace(out / "rows.json")
+        return rows[key]
+
+    usual = row("")
+    whole = sum(iterations for _, iterations in usual)
+    print(f"{len(cases)} cases, {whole} iterations as it is.\n")
+    print("| constant | value | doubled: lost, iterations | halved | off |\n|---|---|---|---|---|")
+    only = re.compile(os.environ.get("RULES", ""))
+    for name, (kind, value) in rules(pathlib.Path(".")).items():
+        if not only.search(name):
+            continue
+        cells = []
+        for to in [changed(kind, value, 2), changed(kind, value, 0.5), OFF.get(name)]:
+            if to is None:
+                cells.append("")
+                continue
+            now = row(f"{name}={to}")
+            lost = sum(a[0] != b[0] for a, b in zip(now, usual))
+            # Iterations where both end alike.
+            both = [(a[1], b[1]) for a, b in zip(now, usual) if a[0] == b[0]]
+            change = sum(a for a, _ in both) / max(sum(b for _, b in both), 1) - 1
+            cells.append(f"{lost}, {change:+.0%}" if lost or change else "same")
+        print(f"| {name} | {value} | {' | '.join(cells)} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

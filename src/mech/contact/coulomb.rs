@@ -1,0 +1,42 @@
+//! Coulomb's cone: the tangential force that a normal one bears. Forces and tractions are in one unit.
+
+use glam::DVec3;
+
+/// Returns true if a tangential force of this `size` slips under `limit`. One that a projection left exactly at its limit goes on
+/// slipping, whatever the rounding.
+#[inline(always)]
+pub fn slips(size: f64, limit: f64) -> bool {
+    size > limit * (1.0 - 1e-9)
+}
+
+/// Returns the part of a tangential force of this `size` that its projection onto the cone leaves.
+#[inline(always)]
+pub fn kept(size: f64, limit: f64) -> f64 {
+    if slips(size, limit) { limit / size } else { 1.0 }
+}
+
+/// Returns the tangential part of `force`, which presses against the unit `normal`, and its size over Coulomb's limit; infinite where
+/// nothing presses.
+pub fn tangential(force: DVec3, normal: DVec3, friction: f64) -> (DVec3, f64) {
+    let pressing = force.dot(normal);
+    let along = force - normal * pressing;
+    let size = along.length();
+    (along, if size == 0.0 { 0.0 } else { size / (friction * pressing.max(0.0)) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 10 N bear 5 N at friction 0.5: of 8 N along the face 5 N are left, and what is left goes on slipping.
+    #[test]
+    fn a_force_is_projected_onto_the_cone() {
+        let (along, used) = tangential(DVec3::new(8.0, 0.0, 10.0), DVec3::Z, 0.5);
+        assert_eq!((along, used), (DVec3::X * 8.0, 1.6));
+        let left = along * kept(along.length(), 5.0);
+        assert!((left.length() - 5.0).abs() < 1e-12, "{left} N");
+        assert!(slips(left.length(), 5.0));
+        assert_eq!(kept(3.0, 5.0), 1.0);
+        assert_eq!(tangential(DVec3::X - DVec3::Z, DVec3::Z, 0.5).1, f64::INFINITY);
+    }
+}
