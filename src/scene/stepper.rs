@@ -47,7 +47,7 @@ pub struct Fem {
     pub max_iterations: Count<1, 10000>,
     /// Largest number of Newton iterations of a whole grasp, or of a step of an agent; a longer one ends as a fault, on every machine
     /// alike. None follows from `max_iterations` and the number of frames, and ends what would not end by itself; that of a step of an agent
-    /// is four times `max_iterations`, because all environments of a batch wait for it.
+    /// is ten times `max_iterations`, because all environments of a batch wait for it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effort: Option<Count<1, 1000000>>,
     /// Wall time that a grasp may take, s; a longer one ends as a fault. Which grasps end then depends on the machine. None is no limit.

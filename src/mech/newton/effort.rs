@@ -2,7 +2,7 @@
 //!
 //! A grasp takes at most `max_iterations * (START + PER_STEP * steps)` Newton iterations. The scene gives `max_iterations`, 40
 //! by default. The number of steps is that of the recorded frames or, in a dynamic scene, of the time steps. A step of an agent takes at
-//! most `PER_AGENT_STEP * max_iterations`, because all environments of a batch wait for it. A scene meets the same bound on every
+//! most `max_iterations * PER_STEP`, because all environments of a batch wait for it. A scene meets the same bound on every
 //! machine. A limit on wall time, which depends on the machine, can be set as well.
 
 use super::Failure;
@@ -12,8 +12,6 @@ use std::time::{Duration, Instant};
 /// Increments of `max_iterations` that a grasp may take to make contact and to settle, and for each step after that.
 const START: u64 = 50;
 const PER_STEP: u64 = 10;
-/// Increments of `max_iterations` that a step of an agent may take: some twenty times as many iterations as a usual step.
-const PER_AGENT_STEP: u64 = 4;
 
 /// Maximum number of Newton iterations of a grasp with `steps` load levels or time steps, each of `max_iterations` per
 /// increment.
@@ -23,7 +21,7 @@ pub fn most_iterations(max_iterations: u32, steps: usize) -> u64 {
 
 /// Maximum number of Newton iterations of a step of an agent.
 pub fn most_iterations_of_agent_step(max_iterations: u32) -> u64 {
-    u64::from(max_iterations).saturating_mul(PER_AGENT_STEP)
+    u64::from(max_iterations).saturating_mul(PER_STEP)
 }
 
 /// Limit on the work of a solver.

@@ -164,12 +164,13 @@ impl Path {
             };
             let next = if planned.abs() >= rest.abs() { target } else { self.level + planned };
             let size = next - self.level;
+            let cost = done.iterations;
             let failure = match self.attempt(load, next, next == target, pads, &mut done) {
                 Ok((Attempt { error, rests }, moved)) => {
                     self.methods.increments += 1;
                     if size != 0.0 {
                         let shortest = self.control.map_or(0.0, |control| self.shortest(control.first));
-                        self.step.accept(size, error, shortest);
+                        self.step.accept(size, done.iterations - cost, error, shortest);
                     }
                     failures = 0;
                     beyond = beyond.filter(|_| !near);

@@ -4,8 +4,10 @@ use serde::{Deserialize, Serialize};
 
 /// Size of an increment after one that failed, over the size of that one.
 const HALF: f64 = 0.5;
-/// Largest growth of an increment.
+/// Largest growth after an increment that was easy.
 const GROWTH: f64 = 2.0;
+/// Number of iterations from which on an increment was hard.
+const HARD: u32 = 15;
 /// Part of the error allowed that the next increment aims at.
 const SAFETY: f64 = 0.8;
 /// Error over the error allowed from which on an increment is not accepted.
@@ -22,9 +24,10 @@ impl StepSize {
         rest / (rest.abs() / self.0 * (1.0 - 1e-9)).ceil().max(1.0)
     }
 
-    /// Updates the size after an increment `size` that was accepted with `error` over the error allowed. The error grows with the square of the size; it asks for no increment below `shortest`.
-    pub fn accept(&mut self, size: f64, error: f64, shortest: f64) {
-        let next = (size.abs() * SAFETY / error.sqrt()).max(shortest).min(GROWTH * size.abs());
+    /// Updates the size after an increment `size` that was accepted after so many `iterations`, with `error` over the error allowed. The error grows with the square of the size; it asks for no increment below `shortest`.
+    pub fn accept(&mut self, size: f64, iterations: u32, error: f64, shortest: f64) {
+        let eased = size.abs() * if iterations < HARD { GROWTH } else { 1.0 };
+        let next = (size.abs() * SAFETY / error.sqrt()).max(shortest).min(eased);
         // A last small part says nothing against larger ones.
         self.0 = if error < SAFETY * SAFETY { self.0.max(next) } else { next };
     }
@@ -51,7 +54,7 @@ mod tests {
                     step.refuse(size, Some(error));
                     continue;
                 }
-                step.accept(size, error, 0.0);
+                step.accept(size, 3, error, 0.0);
                 (at, count) = (at + size, count + 1);
             }
             let ideal = 1.0 / (SAFETY * allowed.sqrt());

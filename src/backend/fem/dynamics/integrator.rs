@@ -71,8 +71,9 @@ impl Integrator {
                 let rest = to - self.time;
                 let size = self.size.next(rest);
                 let end = if size >= rest { to } else { self.time + size };
+                let before = done.iterations;
                 match self.step(path, model, dynamics, end, &mut done) {
-                    Ok(()) => self.size.accept(size, 0.0, 0.0),
+                    Ok(()) => self.size.accept(size, done.iterations - before, 0.0, 0.0),
                     Err(failure) if size <= shortest || failure.is_out_of_effort() => return Err((end, failure)),
                     Err(_) => self.size.refuse(size, None),
                 }
