@@ -30,7 +30,7 @@ OFF = {
     "step_size.HARD": "1000000", "lagging.SWINGING": "1000000", "solve.UNTOUCHED": "1000000", "solve.STRIDE": "1e9", "solve.QUICK": "0",
     "solve.BALANCED": "-1e9", "solve.WHOLE": "0", "direction.VECTORS": "0",
     "continuation.GROWTH": "1e9", "path_error.SHORTEST": "0;0", "path.LOOSE": "1",
-    "pseudo_time.WARY": "0", "law.STIFFENING": "1", "law.LEAST": "-1e9", "law.LATE": "1",
+    "pseudo_time.WARY": "0", "pseudo_time.WAITS": "1e9", "law.STIFFENING": "1", "law.LEAST": "-1e9", "law.LATE": "1",
     "stepper.BLUNT": "0", "scales.SHARP_MOTION": "0", "scales.MIDDLE_CUT": "1e9", "scales.FACE_KEPT": "0",
 }
 PROGRAM = "tactus-rules"

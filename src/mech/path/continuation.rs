@@ -159,6 +159,7 @@ impl Path {
             let near = gap <= smallest;
             let longest = self.longest(load).min(0.5 * gap);
             let planned = match near {
+                _ if self.pseudo_time.waits => 0.0,
                 true => gap.copysign(rest),
                 false => self.step.next(rest).clamp(-longest, longest),
             };
@@ -249,10 +250,10 @@ impl Path {
         self.newton.proximal = None;
         match attempt {
             Ok((attempt, moved)) => {
-                let full = self.tolerance;
+                let (load, full) = (self.driving(), self.tolerance);
                 // Where the load has not changed, the states say nothing of how the path goes on.
-                self.history = to.map(|_| before);
-                self.pseudo_time.accept(&moved, floor, &full, to.is_some());
+                self.history = to.map(|_| before).filter(|_| !self.pseudo_time.waits);
+                self.pseudo_time.accept(&moved, load, floor, &full, to.is_some());
                 self.level = next;
                 Ok((attempt, moved.way))
             }

@@ -29,6 +29,8 @@ const STIFFER: [f64; 2] = [2.0, 8.0];
 /// step after it.
 const WARY: f64 = 3.0;
 const FORGETTING: f64 = 0.7;
+/// Pull of the springs over the load above which the load waits for the object.
+const WAITS: f64 = 0.02;
 
 /// State of the springs.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -41,6 +43,8 @@ pub(crate) struct PseudoTime {
     last: f64,
     /// Tolerance of the next step over that of a result.
     slack: f64,
+    /// Flag: the springs pull so much that the load waits.
+    pub waits: bool,
 }
 
 /// What came of a step.
@@ -55,7 +59,7 @@ pub(crate) struct PseudoStep {
 
 impl PseudoTime {
     /// No springs.
-    pub const NONE: Self = Self { stiffness: 0.0, softest: 0.0, last: 0.0, slack: 1.0 };
+    pub const NONE: Self = Self { stiffness: 0.0, softest: 0.0, last: 0.0, slack: 1.0, waits: false };
 
     /// Returns true if the next step has springs.
     pub fn is_on(&self) -> bool {
@@ -81,8 +85,8 @@ impl PseudoTime {
         self.slack == 1.0 && pull <= FOLLOWED * floor
     }
 
-    /// Takes note of a step with springs that was accepted. The load has changed in it if it was `loaded`.
-    pub fn accept(&mut self, moved: &PseudoStep, floor: f64, full: &NewtonTolerance, loaded: bool) {
+    /// Takes note of a step with springs under `load` (N) that was accepted. The load has changed in it if it was `loaded`.
+    pub fn accept(&mut self, moved: &PseudoStep, load: f64, floor: f64, full: &NewtonTolerance, loaded: bool) {
         if !self.is_on() {
             return;
         }
@@ -92,6 +96,7 @@ impl PseudoTime {
             return;
         }
         let reach = PSEUDO_TIME_REACH * full.offset;
+        self.waits = moved.pull > WAITS * load;
         self.slack = (FOLLOWED * moved.pull / floor).clamp(1.0, LOOSE);
         self.softest *= FORGETTING;
         if moved.iterations < HARD && moved.way < 0.5 * reach {

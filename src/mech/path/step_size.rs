@@ -24,7 +24,8 @@ impl StepSize {
         rest / (rest.abs() / self.0 * (1.0 - 1e-9)).ceil().max(1.0)
     }
 
-    /// Updates the size after an increment `size` that was accepted after so many `iterations`, with `error` over the error allowed. The error grows with the square of the size; it asks for no increment below `shortest`.
+    /// Updates the size after an increment `size` that was accepted after so many `iterations`, with `error` over the error
+    /// allowed. The error grows with the square of the size; it asks for no increment below `shortest`.
     pub fn accept(&mut self, size: f64, iterations: u32, error: f64, shortest: f64) {
         let eased = size.abs() * if iterations < HARD { GROWTH } else { 1.0 };
         let next = (size.abs() * SAFETY / error.sqrt()).max(shortest).min(eased);
