@@ -27,7 +27,7 @@ PATCH_MARGIN SMALL_PATCH_MARGIN FEATURE_MOVES MIDDLE_CUT LOOK_AHEAD POINTS_LISTE
 FACTS = "BULGE TIE NOWHERE ALONG ARC ROUNDING START PER_STEP STILL".split()
 # Value that switches a rule off.
 OFF = {
-    "step_size.HARD": "1000000", "lagging.SWINGING": "1000000", "solve.UNTOUCHED": "1000000", "solve.STRIDE": "1e9", "solve.QUICK": "0",
+    "step_size.HARD": "1000000", "lagging.SWINGING": "1000000", "solve.STRIDE": "1e9",
     "solve.BALANCED": "-1e9", "solve.WHOLE": "0", "direction.VECTORS": "0",
     "continuation.GROWTH": "1e9", "path_error.SHORTEST": "0;0", "path.LOOSE": "1",
     "pseudo_time.WARY": "0", "pseudo_time.WAITS": "1e9", "law.STIFFENING": "1", "law.LEAST": "-1e9", "law.LATE": "1",

@@ -54,10 +54,10 @@ pub const STROKE_YIELD: f64 = 1.0;
 // Condensed pads; in contact offsets.
 
 /// Depth of an object in the pads when contact is made.
-pub const FIRST_DEPTH: f64 = 30.0;
+pub const FIRST_DEPTH: f64 = 15.0;
 /// Distance beyond the reach of contact up to which nodes belong to a patch: more than fingers travel between two frames, less than would
 /// make the patch large.
-pub const PATCH_MARGIN: f64 = 15.0;
+pub const PATCH_MARGIN: f64 = 6.0;
 /// Patch margin of a small patch: few nodes cost nothing, and a tip that sinks in soon needs more.
 pub const SMALL_PATCH_MARGIN: f64 = 200.0;
 

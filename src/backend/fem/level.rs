@@ -199,7 +199,7 @@ impl GraspSolver {
         let dropped = model.free && failure.leaves_the_grasp();
         let stop = Stop { dropped, reason: self.explain(model, at, failure) };
         match failure {
-            Failure::Corrections(_) | Failure::Singular | Failure::Outside => Refusal::Condensed(stop),
+            Failure::Corrections(_) | Failure::Singular => Refusal::Condensed(stop),
             Failure::Iterations(_) | Failure::LineSearch(_) | Failure::Unsettled | Failure::Bent(_) => {
                 Refusal::Unfound(stop)
             }

@@ -5,11 +5,11 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky, supernodal::SupernodalLltRef,
+    factorize_symbolic_cholesky,
+    supernodal::{SupernodalLltRef, SymbolicSupernodalCholesky},
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Accum, Conj, Mat, MatMut, Par, Side};
-use pulp::{Arch, NullaryFnOnce};
 use std::sync::Arc;
 
 /// Symbolic analysis, shared by every environment that uses the mesh. Its factor is supernodal.
@@ -44,6 +44,14 @@ impl Symbolic {
         }
     }
 
+    /// Returns the dense blocks of the factor; None of a matrix without unknowns.
+    pub(super) fn supernodal_blocks(&self) -> Option<&SymbolicSupernodalCholesky<usize>> {
+        match self.0.raw() {
+            SymbolicCholeskyRaw::Supernodal(symbolic) => Some(symbolic),
+            SymbolicCholeskyRaw::Simplicial(_) => None,
+        }
+    }
+
     /// Number of stored entries of the factor.
     pub fn entries(&self) -> usize {
         self.0.len_val()
@@ -69,10 +77,14 @@ fn transpose(col_ptr: &[usize], row_idx: &[usize]) -> (Vec<usize>, Vec<usize>) {
     (ptr, idx)
 }
 
-/// Numeric factor with its workspace, owned by one environment.
+/// Numeric factor with its workspace, owned by one environment. The matrix is divided by a power of two of the size of its entries: a
+/// scene twice as large then has the same rounding.
 pub struct Factor {
-    symbolic: Arc<Symbolic>,
-    values: Vec<f64>,
+    pub(super) symbolic: Arc<Symbolic>,
+    pub(super) values: Vec<f64>,
+    /// What the matrix was divided by.
+    pub(super) unit: f64,
+    divided: Vec<f64>,
     memory: MemBuffer,
 }
 
@@ -83,7 +95,8 @@ impl Factor {
             .0
             .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default())
             .or(symbolic.0.solve_in_place_scratch::<f64>(columns, Par::Seq));
-        Self { symbolic: symbolic.clone(), values: vec![0.0; symbolic.0.len_val()], memory: MemBuffer::new(request) }
+        let (values, memory) = (vec![0.0; symbolic.0.len_val()], MemBuffer::new(request));
+        Self { symbolic: symbolic.clone(), values, unit: 1.0, divided: Vec::new(), memory }
     }
 
     /// Factorises the lower-triangular `values`; false if the matrix is not positive definite.
@@ -92,9 +105,13 @@ impl Factor {
         if n == 0 {
             return true;
         }
+        let largest = pattern.col_ptr[..n].iter().map(|diagonal| values[*diagonal].abs()).fold(0.0, f64::max);
+        self.unit = power_of_two(largest);
+        self.divided.clear();
+        self.divided.extend(values.iter().map(|v| v / self.unit));
         let a = SparseColMatRef::new(
             SymbolicSparseColMatRef::new_checked(n, n, &pattern.col_ptr, None, &pattern.row_idx),
-            values,
+            self.divided.as_slice(),
         );
         self.symbolic
             .0
@@ -116,6 +133,7 @@ impl Factor {
             return;
         }
         let rows = rhs.len() / columns;
+        rhs.iter_mut().for_each(|b| *b /= self.unit);
         LltRef::new(&self.symbolic.0, &self.values).solve_in_place_with_conj(
             Conj::No,
             MatMut::from_column_major_slice_mut(rhs, rows, columns),
@@ -125,17 +143,8 @@ impl Factor {
     }
 
     /// Returns the factor by its dense blocks; None of a matrix without unknowns.
-    fn supernodal(&self) -> Option<SupernodalLltRef<'_, usize, f64>> {
-        match self.symbolic.0.raw() {
-            SymbolicCholeskyRaw::Supernodal(symbolic) => Some(SupernodalLltRef::new(symbolic, &self.values)),
-            SymbolicCholeskyRaw::Simplicial(_) => None,
-        }
-    }
-
-    /// Computes all unknowns `x` where nothing but the last `size` of them, which are given, is loaded: the second half of a solve.
-    pub fn follow_last(&self, x: &mut [f64], size: usize) {
-        let (Some(factor), first) = (self.supernodal(), x.len() - size) else { return };
-        Arch::new().dispatch(FollowLast { factor, first, x });
+    pub(super) fn supernodal(&self) -> Option<SupernodalLltRef<'_, usize, f64>> {
+        self.symbolic.supernodal_blocks().map(|symbolic| SupernodalLltRef::new(symbolic, &self.values))
     }
 
     /// Computes the Schur complement of the last matrix for its last `size` unknowns, by columns: the product of the factor's
@@ -155,39 +164,16 @@ impl Factor {
                     .for_each(|(row, r)| last[(row - first, start + c - first)] = values[(r, c)]);
             }
         }
-        faer::linalg::matmul::matmul(&mut stiffness, Accum::Replace, &last, last.transpose(), 1.0, Par::Seq);
+        faer::linalg::matmul::matmul(&mut stiffness, Accum::Replace, &last, last.transpose(), self.unit, Par::Seq);
         stiffness
     }
 }
 
-/// Back substitution for the unknowns before `first`: a callable struct, which uses all registers of a processor.
-struct FollowLast<'a> {
-    factor: SupernodalLltRef<'a, usize, f64>,
-    first: usize,
-    x: &'a mut [f64],
-}
-
-impl NullaryFnOnce for FollowLast<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Self { factor, first, x } = self;
-        let mut below = Vec::new();
-        for k in (0..factor.symbolic().n_supernodes()).rev() {
-            let node = factor.supernode(k);
-            let (start, columns) = (node.start(), node.val());
-            let own = columns.ncols();
-            below.clear();
-            below.extend(node.pattern().iter().map(|row| x[*row]));
-            for c in (0..own).rev().filter(|c| start + c < first) {
-                // Columns of a matrix are contiguous.
-                let column = columns.col(c).try_as_col_major().map_or(&[][..], |c| c.as_slice());
-                let (inside, outside) = column[c + 1..].split_at(own - c - 1);
-                x[start + c] = -(dot(inside, &x[start + c + 1..start + own]) + dot(outside, &below)) / column[c];
-            }
-        }
-    }
+/// Returns the largest power of two up to `x`; one for what has none.
+fn power_of_two(x: f64) -> f64 {
+    // Bits of the exponent.
+    let power = f64::from_bits(x.to_bits() & (0x7ff << 52));
+    if power.is_normal() { power } else { 1.0 }
 }
 
 /// Computes a scalar product in eight sums side by side, which do not wait for each other.

@@ -5,6 +5,7 @@ mod assembly;
 pub mod cholesky;
 pub mod locking;
 pub mod pattern;
+pub mod single_precision;
 
 use self::analysis::Analysis;
 use self::assembly::{AddGradient, AddStiffness, ElementLoop, Energy, LeastDeterminant};

@@ -17,11 +17,11 @@ const ENOUGH: f64 = 0.01;
 
 impl Newton {
     /// Computes the step from the assembled and factorised state `now`, and the gradient of the rigid unknowns that it answers.
-    /// No step in the rigid unknowns is longer than `cap` (m). `anew`: the factorisation is new.
-    pub(crate) fn direction(&mut self, cap: f64, anew: bool) -> (NewtonStep, [f64; MAX_RIGID]) {
+    /// No step in the rigid unknowns is longer than `cap` (m).
+    pub(crate) fn direction(&mut self, cap: f64) -> (NewtonStep, [f64; MAX_RIGID]) {
         self.blocks.par_iter_mut().for_each(|b| {
             b.extra.clear(false);
-            b.solve(anew);
+            b.solve(true);
         });
         let gradient = self.rigid_gradient();
         self.rigid_system =

@@ -15,8 +15,6 @@ pub enum Failure {
     Corrections(f64),
     /// The path bends so far that the error of the increment is this many times the error allowed.
     Bent(f64),
-    /// Contact has reached nodes that a condensed pad has eliminated.
-    Outside,
     /// The object kept rolling or sliding and did not come to rest.
     Unsettled,
     /// A finger closes on nothing: the object left the grasp.
@@ -50,7 +48,6 @@ impl fmt::Display for Failure {
             Failure::LineSearch(r) => write!(f, "line search: no step lowers the energy (residual {r:.1e} N)"),
             Failure::Corrections(e) => write!(f, "the corrections of the condensed pads do not settle (error {e:.1e})"),
             Failure::Bent(error) => write!(f, "the path bends {error:.1} times as far as one increment may"),
-            Failure::Outside => f.write_str("contact outgrows what the pads are condensed onto"),
             Failure::Lost => f.write_str("a finger closes on nothing: the object was squeezed out"),
             Failure::Astray => f.write_str("the object moves too far to count as held"),
             Failure::Effort(most) => write!(

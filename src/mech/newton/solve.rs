@@ -7,12 +7,8 @@ use crate::mech::potential::term::Assembly;
 use crate::scales::SHARP_MOTION;
 use std::time::Instant;
 
-/// Iterations without any contact after which a driven finger counts as closing on nothing.
-const UNTOUCHED: u32 = 10;
 /// Longest stride of the rigid unknowns in one iteration, as a part of the largest motion.
 const STRIDE: f64 = 0.2;
-/// A residual that falls below this part of the one before lets the factorisation serve another iteration.
-const QUICK: f64 = 0.2;
 /// Least part by which a step of friction that follows the pressure lowers the residual.
 const BALANCED: f64 = 0.1;
 /// Part of a step from which on it counts as whole.
@@ -34,23 +30,15 @@ impl Newton {
         self.depart(from);
         let mut now = start;
         let mut last_motion = f64::INFINITY;
-        let (mut iterations, mut untouched) = (0, 0);
-        let mut history = [f64::INFINITY; 2];
+        let mut iterations = 0;
         let mut lagging = Lagging::new(tolerance.passing);
-        let (mut cut, mut assembled) = (false, false);
+        let (mut how, mut assembled) = (after_step(last_motion, false, tolerance), false);
         loop {
-            let follow = lagging.follows();
             self.profile.frozen += u64::from(lagging.freezes());
-            let sharp = last_motion <= SHARP_MOTION * tolerance.offset;
-            // Friction bends the energy where points begin to slip: a step that crosses it far is cut, the next one is more careful.
-            let mut how = Assembly { project: false, follow, sharp, secant: cut };
             let clock = Instant::now();
-            // The last factorisation may do once more where it did well.
-            let fresh = history[0].is_infinite() || history[1] >= QUICK * history[0];
-            if fresh || !assembled {
-                self.assemble_some(&now, how, fresh);
+            if !assembled {
+                self.assemble(&now, how);
             }
-            assembled = false;
             self.profile.assembly += clock.elapsed().as_secs_f64();
             let (residual, lag) = self.residual();
             if !residual.is_finite() {
@@ -59,10 +47,6 @@ impl Newton {
             let allowed = tolerance.force + tolerance.relative * self.activity();
             lagging.note(residual, lag, allowed);
             let residual = lagging.out_of_balance(residual, lag);
-            untouched = if self.untouched() { untouched + 1 } else { 0 };
-            if untouched >= UNTOUCHED {
-                return Err(Failure::Lost);
-            }
             let balanced = residual <= allowed && (last_motion <= tolerance.length || residual <= 0.01 * allowed);
             if balanced && self.satisfied(&now) {
                 return Ok((now, Converged { iterations, residual }));
@@ -73,29 +57,25 @@ impl Newton {
             if balanced {
                 last_motion = f64::INFINITY;
                 iterations += 1;
+                how = Assembly { follow: lagging.follows(), ..after_step(last_motion, how.secant, tolerance) };
+                assembled = false;
                 continue;
             }
             if let Some(failure) = self.effort.exceeded(self.profile.iterations) {
                 return Err(failure);
             }
-            let factorize = fresh || residual >= QUICK * history[1];
-            if factorize && !fresh {
-                how.follow = false;
-                self.assemble_some(&now, how, true);
-            }
-            if factorize && !self.factorize(&now, how) {
+            if !self.factorize(&now, how) {
                 return Err(Failure::Singular);
             }
             let clock = Instant::now();
             let cap = STRIDE * tolerance.motion;
-            let (plain, gradient) = self.direction(cap, factorize);
-            let step = if follow { self.follow(&now, &plain, &gradient, cap) } else { plain.clone() };
+            let (plain, gradient) = self.direction(cap);
+            let step = if how.follow { self.follow(&now, &plain, &gradient, cap) } else { plain.clone() };
             self.profile.solve += clock.elapsed().as_secs_f64();
-            history = [history[1], residual];
-            let clock = Instant::now();
             // Friction that follows the pressure has no potential: its step is good if the forces come into balance by it.
-            let balanced = if follow { self.balance(&now, &step, residual, tolerance.motion) } else { None };
-            assembled = balanced.is_some();
+            let balanced = if how.follow { self.balance(&now, &step, residual, tolerance) } else { None };
+            assembled = balanced.is_some() && lagging.follows();
+            let clock = Instant::now();
             let searched = balanced.or_else(|| {
                 // What has no potential may lead uphill in the one that the line search goes by.
                 let step = if self.slope(&step, &gradient) < 0.0 { &step } else { &plain };
@@ -110,31 +90,43 @@ impl Newton {
                     return Err(Failure::LineSearch(residual));
                 }
                 Some((next, motion, alpha)) => {
-                    now = next;
-                    last_motion = motion;
-                    cut = alpha < WHOLE;
+                    (now, last_motion) = (next, motion);
+                    how = after_step(motion, alpha < WHOLE, tolerance);
                 }
                 // At rounding level no step lowers the energy any more: that is as converged as doubles get.
-                None if residual <= allowed => last_motion = 0.0,
+                None if residual <= allowed => {
+                    last_motion = 0.0;
+                    how = after_step(last_motion, how.secant, tolerance);
+                }
                 None => return Err(Failure::LineSearch(residual)),
             }
+            how.follow = lagging.follows();
         }
     }
 
-    /// Takes the step, as far as `cap` (m) allows, if it lowers the `residual` (N). Returns as [`Newton::line_search`] does; the terms
-    /// are assembled at `now` if the step is not taken, and at the new state if it is.
-    fn balance(&mut self, now: &State, step: &NewtonStep, residual: f64, cap: f64) -> Option<(State, f64, f64)> {
+    /// Takes the step, as far as the largest motion of `tolerance` allows, if it lowers the `residual` (N). Returns as
+    /// [`Newton::line_search`] does; the terms are assembled at the new state, or at `now` without their Hessians if the step is not
+    /// taken.
+    fn balance(
+        &mut self,
+        now: &State,
+        step: &NewtonStep,
+        residual: f64,
+        tolerance: &NewtonTolerance,
+    ) -> Option<(State, f64, f64)> {
+        let clock = Instant::now();
         let motion = self.motion(step);
-        let alpha = (cap / motion.max(f64::MIN_POSITIVE)).min(1.0);
+        let alpha = (tolerance.motion / motion.max(f64::MIN_POSITIVE)).min(1.0);
         let next = now.moved(&self.rigid, step, alpha);
-        let how = Assembly { project: false, follow: true, sharp: false, secant: false };
-        self.assemble_some(&next, how, false);
+        let how = after_step(alpha * motion, alpha < WHOLE, tolerance);
+        self.assemble(&next, how);
         let (left, lag) = self.residual();
-        if left.hypot(lag) < (1.0 - BALANCED * alpha) * residual {
-            return Some((next, alpha * motion, alpha));
+        let good = left.hypot(lag) < (1.0 - BALANCED * alpha) * residual;
+        if !good {
+            self.assemble_some(now, how, false);
         }
-        self.assemble_some(now, how, false);
-        None
+        self.profile.assembly += clock.elapsed().as_secs_f64();
+        good.then_some((next, alpha * motion, alpha))
     }
 
     /// Backtracks from the whole step until the energy falls (Armijo). Returns the new state, its largest
@@ -164,4 +156,10 @@ impl Newton {
         }
         None
     }
+}
+
+/// Returns how terms are assembled after a step of length `motion` (m). Friction bends the energy where points begin to slip: a step that
+/// crosses it far is `cut`, and the next one is more careful.
+fn after_step(motion: f64, cut: bool, tolerance: &NewtonTolerance) -> Assembly {
+    Assembly { project: false, follow: true, sharp: motion <= SHARP_MOTION * tolerance.offset, secant: cut }
 }

@@ -78,14 +78,15 @@ impl Condensation {
 
     /// Returns the condensed pads of `model`, for a continuation.
     pub fn of<'a>(&'a mut self, model: &'a Model) -> CondensedPads<'a> {
-        CondensedPads { pads: self, model, outside: None }
+        CondensedPads { pads: self, model }
     }
 
-    /// Corrects the pads at the equilibrium found at `level` until their error is small enough. If it is a `result`, the forces out
-    /// of balance must be small, too.
+    /// Corrects the pads of `model` at the equilibrium found at `level` until their error is small enough and contact lies within their
+    /// patches. If it is a `result`, the forces out of balance must be small, too.
     fn correct_until_converged(
         &mut self,
         path: &mut Path,
+        model: &Model,
         level: f64,
         result: bool,
         done: &mut Advanced,
@@ -94,16 +95,14 @@ impl Condensation {
         for _ in 0..CORRECTIONS {
             let (error, residual) = self.correct(path)?;
             done.residual = residual;
-            if self.is_outgrown(path) {
-                return Err(Failure::Outside);
-            }
+            let grown = self.grow(path, model)?;
             // Only a result has to be balanced.
             let balanced = !result || residual <= BALANCE * self.error * path.newton.activity();
-            if error <= self.error && balanced {
+            if error <= self.error && balanced && !grown {
                 self.accept(level);
                 return Ok(());
             }
-            if error > CONTRACTION * last {
+            if error > CONTRACTION * last && !grown {
                 self.condense_again(path)?;
             }
             last = error;
@@ -112,17 +111,29 @@ impl Condensation {
         Err(Failure::Corrections(last))
     }
 
-    /// Corrects the pads once at the state found at `level`, on the way to an equilibrium; condenses them anew if they are far off.
-    fn adjust(&mut self, path: &mut Path, level: f64) -> Result<(), Failure> {
+    /// Corrects the pads of `model` once at the state found at `level`, on the way to an equilibrium; condenses them anew if they are far
+    /// off or contact has outgrown their patches.
+    fn adjust(&mut self, path: &mut Path, model: &Model, level: f64) -> Result<(), Failure> {
         let (error, _) = self.correct(path)?;
-        if self.is_outgrown(path) {
-            return Err(Failure::Outside);
-        }
         self.accept(level);
-        if error > self.error {
+        if !self.grow(path, model)? && error > self.error {
             self.condense_again(path)?;
         }
         Ok(())
+    }
+
+    /// Condenses the pads whose contact has outgrown their patches onto larger ones, in the state of `path`; returns true if there
+    /// are any.
+    fn grow(&mut self, path: &mut Path, model: &Model) -> Result<bool, Failure> {
+        let outside: Vec<bool> = (0..self.pads.len()).map(|i| self.is_outside(path, i)).collect();
+        if !outside.contains(&true) {
+            return Ok(false);
+        }
+        path.methods.condensed_anew += 1;
+        let patches = self.patches(path, model, 0.0).into_iter().zip(outside);
+        let patches = patches.map(|(patch, outside)| patch.filter(|_| outside)).collect();
+        self.condense(path, patches)?;
+        Ok(true)
     }
 
     /// Stores the pads as those of the level that was accepted.
@@ -220,17 +231,6 @@ impl Condensation {
         touched(path, i).any(|stencil| !self.pads[i].carries(&stencil))
     }
 
-    /// Returns true if contact has outgrown the patch of some pad.
-    fn is_outgrown(&self, path: &Path) -> bool {
-        (0..self.pads.len()).any(|i| self.is_outside(path, i))
-    }
-
-    /// Returns new patches for the pads whose contact has outgrown theirs.
-    fn outside(&self, path: &Path, model: &Model) -> Vec<Option<Vec<u32>>> {
-        let patches = self.patches(path, model, 0.0).into_iter().enumerate();
-        patches.map(|(i, patch)| patch.filter(|_| self.is_outside(path, i))).collect()
-    }
-
     /// Returns, for every pad, the nodes that may touch the object in the state of `path`, and those that would if the object came
     /// `nearer` (m).
     fn patches(&self, path: &Path, model: &Model, nearer: f64) -> Vec<Option<Vec<u32>>> {
@@ -247,8 +247,6 @@ impl Condensation {
 pub struct CondensedPads<'a> {
     pads: &'a mut Condensation,
     model: &'a Model,
-    /// Patches that contact asked for where it outgrew those of the last attempt.
-    outside: Option<Vec<Option<Vec<u32>>>>,
 }
 
 impl PadDiscretisation for CondensedPads<'_> {
@@ -257,29 +255,19 @@ impl PadDiscretisation for CondensedPads<'_> {
     }
 
     fn predict(&mut self, path: &mut Path, level: f64) {
-        self.outside = None;
         self.pads.predict(path, level);
     }
 
     fn correct(&mut self, path: &mut Path, level: f64, result: bool, done: &mut Advanced) -> Result<(), Failure> {
-        self.pads.correct_until_converged(path, level, result, done)
+        self.pads.correct_until_converged(path, self.model, level, result, done)
     }
 
     fn adjust(&mut self, path: &mut Path, level: f64) -> Result<(), Failure> {
-        self.pads.adjust(path, level)
-    }
-
-    fn fail(&mut self, path: &Path, failure: Failure) {
-        self.outside = (failure == Failure::Outside).then(|| self.pads.outside(path, self.model));
+        self.pads.adjust(path, self.model, level)
     }
 
     fn restore(&mut self) {
         self.pads.pads.iter_mut().for_each(CondensedPad::restore);
-    }
-
-    fn renew(&mut self, path: &mut Path) -> Result<(), Failure> {
-        let patches = self.outside.take().unwrap_or_else(|| self.pads.patches(path, self.model, 0.0));
-        self.pads.condense(path, patches)
     }
 }
 

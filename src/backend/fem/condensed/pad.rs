@@ -6,18 +6,19 @@ use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::body::Body;
 use crate::mech::body::cholesky::Factor;
 use crate::mech::body::pattern::FIXED;
+use crate::mech::body::single_precision::SinglePrecisionFactor;
 use crate::mech::newton::Failure;
 use crate::mech::potential::term::Stencil;
 use crate::part::FingerModel;
 use faer::Mat;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 /// A pad with the factor of its stiffness.
 pub struct CondensedPad {
     body: Arc<Body>,
     dead: Vec<DVec3>,
-    eliminated: Option<(Body, Factor)>,
+    eliminated: Option<(Body, SinglePrecisionFactor)>,
     patch: Arc<[u32]>,
     stiffness: Arc<Mat<f64>>,
     /// Positions at which the pad was condensed, m.
@@ -93,14 +94,12 @@ impl CondensedPad {
     /// # Errors
     /// Returns [`Failure::Singular`] if the stiffness cannot be factorised.
     pub fn condense(&mut self, x: &[DVec3], patch: Vec<u32>) -> std::result::Result<Option<Arc<Body>>, Failure> {
-        let mut left = None;
-        if self.eliminated.is_none() || *patch != *self.patch {
-            let body = self.body.eliminating_last(&patch);
-            let factor = Factor::new(body.symbolic().map_err(|_| Failure::Singular)?, 1);
-            left = Some(Arc::new(self.body.condensed(&patch)));
-            (self.eliminated, self.patch) = (Some((body, factor)), patch.into());
-        }
-        let Some((body, factor)) = &mut self.eliminated else { return Err(Failure::Singular) };
+        let other =
+            self.eliminated.as_ref().is_none_or(|_| *patch != *self.patch).then(|| self.body.eliminating_last(&patch));
+        let Some(body) = other.as_ref().or(self.eliminated.as_ref().map(|(body, _)| body)) else {
+            return Err(Failure::Singular);
+        };
+        let mut factor = Factor::new(body.symbolic().map_err(|_| Failure::Singular)?, 1);
         let mut factorized = false;
         for project in [false, true] {
             let mut values = vec![0.0; body.pattern().row_idx.len()];
@@ -114,11 +113,16 @@ impl CondensedPad {
         if !factorized {
             return Err(Failure::Singular);
         }
-        self.condensed_at = x.to_vec();
-        self.stiffness = Arc::new(factor.condensed(3 * self.patch.len()));
-        let back = solve(body, factor, &self.gradient);
+        self.stiffness = Arc::new(factor.condensed(3 * patch.len()));
+        let factor = SinglePrecisionFactor::new(&factor);
+        let back = solve(body, &factor, &self.gradient);
         self.center = x.iter().zip(back).map(|(x, w)| *x - w).collect();
         self.accepted = [self.center.clone(), self.center.clone()];
+        self.condensed_at = x.to_vec();
+        let left = other.as_ref().map(|_| Arc::new(self.body.condensed(&patch)));
+        self.patch = patch.into();
+        let body = other.or_else(|| self.eliminated.take().map(|(body, _)| body));
+        self.eliminated = body.map(|body| (body, factor));
         Ok(left)
     }
 
@@ -156,10 +160,13 @@ impl CondensedPad {
             (moved[n as usize], contact[n as usize]) = (DVec3::from_slice(u), DVec3::from_slice(f));
         }
         let nothing = Correction { change: 0.0, displacement: 0.0, residual: 0.0 };
-        let Some((body, factor)) = &mut self.eliminated else { return nothing };
+        let Some((body, factor)) = &self.eliminated else { return nothing };
         let mut moved = unknowns(body, &moved);
         factor.follow_last(&mut moved, 3 * self.patch.len());
+        let patch: Vec<DVec3> = self.patch.iter().map(|&n| x[n as usize]).collect();
         x.iter_mut().zip(&self.center).zip(nodes(body, &moved)).for_each(|((x, c), u)| *x = *c + u);
+        // The patch is given, not computed.
+        self.patch.iter().zip(patch).for_each(|(&n, given)| x[n as usize] = given);
         self.gradient = loads(&self.dead, x.len());
         body.add_gradient(x, &mut self.gradient);
         contact.iter_mut().zip(&self.gradient).for_each(|(f, g)| *f = *g - *f);
@@ -201,23 +208,23 @@ fn loads(dead: &[DVec3], nodes: usize) -> Vec<DVec3> {
 }
 
 /// Computes the displacements under `force` (N per node), m; zero at fixed nodes.
-fn solve(body: &Body, factor: &mut Factor, force: &[DVec3]) -> Vec<DVec3> {
+fn solve(body: &Body, factor: &SinglePrecisionFactor, force: &[DVec3]) -> Vec<DVec3> {
     let mut rhs = unknowns(body, force);
-    factor.solve(&mut rhs, 1);
+    factor.solve(&mut rhs);
     nodes(body, &rhs).collect()
 }
 
 /// Returns the entries of the unknowns of `body` from the vectors of its nodes.
-fn unknowns(body: &Body, nodes: &[DVec3]) -> Vec<f64> {
+fn unknowns(body: &Body, nodes: &[DVec3]) -> Vec<f32> {
     let mut entries = vec![0.0; body.unknowns()];
     for (node, &p) in nodes.iter().zip(&body.pattern().position).filter(|(_, p)| **p != FIXED) {
-        entries[3 * p as usize..3 * p as usize + 3].copy_from_slice(&node.to_array());
+        entries[3 * p as usize..3 * p as usize + 3].copy_from_slice(&node.as_vec3().to_array());
     }
     entries
 }
 
 /// Returns the vectors of the nodes of `body` from the entries of its unknowns; zero at fixed nodes.
-fn nodes(body: &Body, entries: &[f64]) -> impl Iterator<Item = DVec3> {
-    let of = |p: u32| if p == FIXED { DVec3::ZERO } else { DVec3::from_slice(&entries[3 * p as usize..]) };
+fn nodes(body: &Body, entries: &[f32]) -> impl Iterator<Item = DVec3> {
+    let of = |p: u32| if p == FIXED { DVec3::ZERO } else { Vec3::from_slice(&entries[3 * p as usize..]).as_dvec3() };
     body.pattern().position.iter().map(move |&p| of(p))
 }
