@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn solutions_are_those_of_double_precision() {
         let elements: Vec<[u32; 2]> = (0..60).map(|i| [i, i + 1]).collect();
-        let pattern = Pattern::new(elements.iter().map(|e| &e[..]), &vec![false; 61]);
+        let pattern = Pattern::new(elements.iter().map(|e| &e[..]), &[false; 61]);
         let mut values = vec![0.0; pattern.row_idx.len()];
         let mut spring = |a: u32, b: u32, k: f64| {
             Pattern::add(&mut values, pattern.slot(a, b), &glam::DMat3::from_diagonal(glam::DVec3::splat(k)))
