@@ -104,7 +104,7 @@ pub trait PadDiscretisation {
         Ok(())
     }
     /// Takes note that `path` is back at the accepted state.
-    fn restore(&mut self) {}
+    fn restore(&mut self, _path: &mut Path) {}
 }
 
 /// Pads whose nodes are all unknowns.
@@ -254,7 +254,7 @@ impl Path {
                 self.apply(load, self.level);
                 if let Some(saved) = saved {
                     self.restore(saved);
-                    pads.restore();
+                    pads.restore(self);
                 }
                 Err(failure)
             }

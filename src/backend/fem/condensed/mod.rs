@@ -156,14 +156,18 @@ impl Condensation {
             patch.map_or(Ok(None), |patch| pad.condense(x, patch))
         };
         let bodies: Vec<_> = work.map(condense).collect();
+        // A pad that could not be condensed stays as it was; the solver hosts what the others have become.
+        let mut condensed = Ok(());
         for (i, body) in bodies.into_iter().enumerate() {
-            if let Some(body) = body? {
-                path.newton.exchange(i, body).map_err(|_| Failure::Singular)?;
+            match body {
+                Ok(None) => {}
+                Ok(Some(body)) => path.newton.exchange(i, body).map_err(|_| Failure::Singular)?,
+                Err(failure) => condensed = Err(failure),
             }
         }
         self.install(path);
         path.newton.profile.factorization += clock.elapsed().as_secs_f64();
-        Ok(())
+        condensed
     }
 
     /// Computes whole pads from patches and corrects them by the real law. Returns the size of the correction over the
@@ -266,8 +270,10 @@ impl PadDiscretisation for CondensedPads<'_> {
         self.pads.adjust(path, self.model, level)
     }
 
-    fn restore(&mut self) {
+    fn restore(&mut self, path: &mut Path) {
         self.pads.pads.iter_mut().for_each(CondensedPad::restore);
+        // The terms that came back are those of the patches before.
+        self.pads.install(path);
     }
 }
 
