@@ -166,7 +166,7 @@ impl Path {
                     if size != 0.0 {
                         let shortest = self.control.map_or(0.0, |control| self.shortest(control.first));
                         self.step.accept(size, done.iterations - cost, error, shortest);
-                        if self.control.is_some() && load == Load::Force && self.step == StepSize(f64::INFINITY) {
+                        if self.control.is_some() && load == Load::Force && self.step == StepSize::UNKNOWN {
                             self.step = StepSize(FIRST_GROWTH * next);
                         }
                     }

@@ -110,7 +110,7 @@ impl Path {
             place: None,
             methods: Methods::default(),
             history: None,
-            step: StepSize(f64::INFINITY),
+            step: StepSize::UNKNOWN,
             pseudo_time: PseudoTime::NONE,
             spent: 0,
         }
@@ -150,7 +150,7 @@ impl Path {
 
     /// Begins another kind of load, which is zero in the accepted state; its path begins with the load `first`.
     pub fn begin_load(&mut self, first: f64) {
-        (self.level, self.history, self.step) = (0.0, None, StepSize(f64::INFINITY));
+        (self.level, self.history, self.step) = (0.0, None, StepSize::UNKNOWN);
         self.control = self.control.map(|control| PathControl { first, ..control });
     }
 

@@ -18,6 +18,9 @@ pub const REFUSED: f64 = 4.0;
 pub struct StepSize(pub f64);
 
 impl StepSize {
+    /// The size before anything is known that bounds it.
+    pub const UNKNOWN: Self = Self(f64::INFINITY);
+
     /// Returns the next part of the way `rest`: all parts that are left are alike. A whole number of parts stays one whatever
     /// the rounding.
     pub fn next(&self, rest: f64) -> f64 {
@@ -67,6 +70,6 @@ mod tests {
     fn the_last_parts_are_alike() {
         assert_eq!(StepSize(0.4).next(1.0), 1.0 / 3.0);
         assert_eq!(StepSize(0.4).next(-1.0), -1.0 / 3.0);
-        assert_eq!(StepSize(f64::INFINITY).next(1.0), 1.0);
+        assert_eq!(StepSize::UNKNOWN.next(1.0), 1.0);
     }
 }

@@ -299,3 +299,41 @@ fn touched(path: &Path, i: usize) -> impl Iterator<Item = Stencil> {
     let edges = path.newton.edge_readings(&path.state, i).into_iter();
     edges.filter(|edge| edge.state.pressure > 0.0).map(|edge| edge.touched)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::fem::stepper::GraspSolver;
+    use crate::grasp::poses_of;
+    use crate::mech::potential::term::Assembly;
+    use crate::scene::from_ron;
+
+    /// A patch that grew in an attempt that failed leaves stiffness and unknowns of one patch: the system can be factorised in the state
+    /// that the path is back at.
+    #[test]
+    fn a_patch_that_grew_outlives_the_attempt_that_failed() {
+        let text =
+            "Scene(object: (shape: Sphere(radius: 0.02), motion: Fixed), gripper: (pads: GelSightMini(spacing: 1.5e-3)),
+                    loading: Squeeze(force: 6.0), stepper: Fem())";
+        let scene = from_ron(text).unwrap();
+        let (model, place) = (Model::build(&scene).unwrap(), poses_of(&scene).unwrap()[0].object_in_hand());
+        let pose = ObjectPose { position: place.position, rotation: place.rotation };
+        let crate::scene::StepperChoice::Fem(settings) = &scene.stepper else { panic!("finite elements") };
+        let mut solver = GraspSolver::new(&model, pose, settings).unwrap();
+        solver.back_off(&model).unwrap();
+        let mut pads = Condensation::new(&model, vec![Vec::new(); model.fingers.len()], 0.01);
+        pads.begin(&mut solver.path, &model).unwrap();
+        let (saved, before) = (solver.path.checkpoint(), pads.pad(0).patch().len());
+        solver.path.state.travel.iter_mut().for_each(|travel| *travel += 1e-3);
+        let deeper = solver.path.state.clone();
+        solver.path.newton.assemble(&deeper, Assembly::WHOLE);
+        solver.path.newton.commit(&deeper);
+        pads.of(&model).adjust(&mut solver.path, 1.0).unwrap();
+        assert!(pads.pad(0).patch().len() > before, "{before} nodes, and no more 1 mm deeper");
+        solver.path.restore(saved);
+        pads.of(&model).restore(&mut solver.path);
+        let (state, newton) = (solver.path.state.clone(), &mut solver.path.newton);
+        newton.assemble(&state, Assembly::WHOLE);
+        assert!(newton.factorize(&state, Assembly::WHOLE) && newton.profile.projections == 0);
+    }
+}

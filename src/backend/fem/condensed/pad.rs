@@ -18,7 +18,7 @@ use std::sync::Arc;
 pub struct CondensedPad {
     body: Arc<Body>,
     dead: Vec<DVec3>,
-    eliminated: Option<(Body, SinglePrecisionFactor)>,
+    eliminated: Option<(Arc<Body>, SinglePrecisionFactor)>,
     patch: Arc<[u32]>,
     stiffness: Arc<Mat<f64>>,
     /// Positions at which the pad was condensed, m.
@@ -94,11 +94,9 @@ impl CondensedPad {
     /// # Errors
     /// Returns [`Failure::Singular`] if the stiffness cannot be factorised.
     pub fn condense(&mut self, x: &[DVec3], patch: Vec<u32>) -> std::result::Result<Option<Arc<Body>>, Failure> {
-        let other =
-            self.eliminated.as_ref().is_none_or(|_| *patch != *self.patch).then(|| self.body.eliminating_last(&patch));
-        let Some(body) = other.as_ref().or(self.eliminated.as_ref().map(|(body, _)| body)) else {
-            return Err(Failure::Singular);
-        };
+        let same = self.eliminated.as_ref().filter(|_| *patch == *self.patch).map(|(body, _)| body.clone());
+        let left = same.is_none().then(|| Arc::new(self.body.condensed(&patch)));
+        let body = same.unwrap_or_else(|| Arc::new(self.body.eliminating_last(&patch)));
         let mut factor = Factor::new(body.symbolic().map_err(|_| Failure::Singular)?, 1);
         let mut factorized = false;
         for project in [false, true] {
@@ -115,14 +113,12 @@ impl CondensedPad {
         }
         self.stiffness = Arc::new(factor.condensed(3 * patch.len()));
         let factor = SinglePrecisionFactor::new(&factor);
-        let back = solve(body, &factor, &self.gradient);
+        let back = solve(&body, &factor, &self.gradient);
         self.center = x.iter().zip(back).map(|(x, w)| *x - w).collect();
         self.accepted = [self.center.clone(), self.center.clone()];
         self.condensed_at = x.to_vec();
-        let left = other.as_ref().map(|_| Arc::new(self.body.condensed(&patch)));
         self.patch = patch.into();
-        let body = other.or_else(|| self.eliminated.take().map(|(body, _)| body));
-        self.eliminated = body.map(|body| (body, factor));
+        self.eliminated = Some((body, factor));
         Ok(left)
     }
 

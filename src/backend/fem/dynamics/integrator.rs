@@ -42,7 +42,7 @@ const STRIDE: f64 = 2.0;
 impl Integrator {
     /// Creates the integrator at time zero of a grasp at `pose`.
     pub fn new(dynamics: &Dynamics, pose: GraspPose) -> Self {
-        Self { time: 0.0, hand: dynamics.hand(&pose, 0.0), pose, before: None, size: StepSize(f64::INFINITY) }
+        Self { time: 0.0, hand: dynamics.hand(&pose, 0.0), pose, before: None, size: StepSize::UNKNOWN }
     }
 
     /// Advances time to `end` (s).
