@@ -12,7 +12,7 @@ use crate::geometry::shape::level_set::LevelSet;
 use crate::geometry::shape::topology::Topology;
 use crate::geometry::shape::{Shape, SurfaceFeatures};
 use glam::DVec3;
-use parry3d_f64::glamx::DSymmetricEigen3;
+use glamx::DSymmetricEigen3;
 use std::sync::Arc;
 
 /// How a shape defines its surface.

@@ -2,7 +2,7 @@
 
 use super::{Dilatation, Material, Moduli, Tangent, quadratic};
 use glam::{DMat3, DVec3};
-use parry3d_f64::glamx::DSymmetricEigen3;
+use glamx::DSymmetricEigen3;
 
 /// Law with the energy `W = mu |F - R|^2 + lambda/2 (J - 1)^2`, with the rotation `R` of the polar decomposition of `F`
 /// (Stomakhin, Howes, Schroeder & Teran 2012, equation 6).
