@@ -164,7 +164,7 @@ impl References {
 
 const HEAD: &str = "# References
 
-FrameValues of single grasps at their last frame, over both pads, each with an estimate of its own error, written by
+Values of single grasps at their last frame, over both pads, each with an estimate of its own error, written by
 `tactus bench SCENE --certify -o docs`; `references.json` has the same in SI. An error is what the last refinement or a mesh of another kind
 changes, whichever is more, and twice what half the tolerance of the path changes. The last two columns are errors of the reference's whole
 fields, L2 over the volume, relative.
