@@ -70,8 +70,8 @@ impl EdgeState {
         }
     }
 
-    /// Sets the friction limit to `friction` times the pressure and the friction plane to that of the normal if they
-    /// are to `follow`; a plane not yet set is always set. Returns the lag of the limit, Pa.
+    /// Sets the friction limit to `friction` times the pressure and the normal of the friction plane to the current one
+    /// if they are to `follow`; a plane not yet set is always set. Returns the lag of the limit, Pa.
     pub fn set_limit(&mut self, friction: f64, follow: bool) -> f64 {
         if follow || self.plane == DVec3::ZERO {
             self.plane = self.normal;

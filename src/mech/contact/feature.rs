@@ -59,7 +59,7 @@ pub struct FeatureContact {
     pool: EdgePool,
     surface: Arc<ContactSurface>,
     features: Arc<[Feature]>,
-    /// Area of a vertex, m2: that of a sample point of the pad, which it replaces.
+    /// Contact area per vertex, m2: that of a sample point of the pad, which it replaces.
     area: f64,
     sites: Vec<Site>,
     bounds: FaceBounds,
@@ -87,7 +87,7 @@ impl FeatureContact {
         Self { pool, surface, features, area, accepted, sites, bounds, candidates, from: None }
     }
 
-    /// Edges of the contact vertices near the pad, with the indices of the vertices; in their order once accepted.
+    /// Edges of the contact vertices near the pad, with the indices of the vertices; in ascending order once accepted.
     pub fn edges(&self) -> impl Iterator<Item = (usize, &EdgeState)> {
         self.pool.near()
     }
@@ -111,8 +111,8 @@ impl FeatureContact {
         (0..self.features.len()).collect()
     }
 
-    /// Faces that contact vertex `i`, with the bounds `near`, presses on, for node positions `x`. If `stays` is set,
-    /// the choice between one face and a whole fold is kept; else it may change.
+    /// Faces that contact vertex `i`, with the gap bounds `near`, presses on, for node positions `x`. If `stays` is
+    /// set, the choice between one face and a whole fold is kept; else it may change.
     fn incident<'a>(
         &self,
         faces: impl FnOnce() -> &'a FaceBounds,
@@ -286,7 +286,7 @@ impl BodyTerm for FeatureContact {
 const MOVES: u32 = 2;
 
 impl FeatureContact {
-    /// Moves contact vertices along their edges to where the pad is deepest; returns true if none had to move.
+    /// Moves contact vertices along their edges to their deepest points in the pad; returns true if none had to move.
     fn follow(&mut self, view: &BodyView) -> bool {
         let moved = self.candidates.moved(view.x);
         let mut stay = true;
@@ -311,7 +311,7 @@ impl FeatureContact {
         stay
     }
 
-    /// Updates gap, pressure and friction of edge `i`, whose vertex has the bounds `near`; returns the lag of its
+    /// Updates gap, pressure and friction of edge `i`, whose vertex has the gap bounds `near`; returns the lag of its
     /// friction, Pa.
     fn update(&mut self, i: usize, view: &BodyView, near: GapBounds, follow: bool) -> f64 {
         let law = self.law_of(i);

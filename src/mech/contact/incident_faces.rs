@@ -81,9 +81,9 @@ impl FaceBounds {
     /// Finds the closest points of a contact vertex at `y` (relative to the finger, m), the nearest first; none if it
     /// is farther than `reach` (m) from the surface.
     ///
-    /// At a shallow fold, as between faces of a smoothly curved pad, the normal changes little, but within a fraction
-    /// of the reach. A single face is used there, and that of `last` is kept as long as it is nearly as near. `side`
-    /// decides on which side of the surface the vertex is.
+    /// At a shallow fold, as between faces of a smoothly curved pad, the normals differ little, but they change within
+    /// a fraction of the reach. A single face is used there, and that of `last` is kept as long as it is nearly as
+    /// near. `side` decides on which side of the surface the vertex is.
     pub(crate) fn incident(
         &self,
         surface: &ContactSurface,

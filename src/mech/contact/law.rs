@@ -83,8 +83,8 @@ impl ContactLaw {
         0.5 * self.stiffness * scale * (closed * closed + (STIFFENING - 1.0) * hard * hard)
     }
 
-    /// Friction traction on the pad (Pa) at tangential displacement `s` (m) from the sticking point, for the limit `mu
-    /// p` (Pa), and whether the point slips. The traction opposes `s`.
+    /// Friction traction on the pad (Pa) at tangential displacement `s` (m) from the sticking point, for the limit
+    /// `mu p` (Pa), and whether the point slips. The traction opposes `s`.
     #[inline(always)]
     pub fn traction(&self, s: DVec3, limit: f64) -> (DVec3, bool) {
         let trial = s * -self.tangential;

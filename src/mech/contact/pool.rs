@@ -8,11 +8,11 @@ use crate::history::{HistoryReader, HistoryWriter};
 use crate::scales::NO_FRICTION;
 use glam::DVec3;
 
-/// Edges of one contact term, current and last accepted. Only points near a surface have an edge, a few hundred of
+/// Edges of one contact term, current and last accepted. Only points near a surface have an edge, a few hundred out of
 /// thousands; the others are open.
 #[derive(Debug, Clone)]
 pub(crate) struct EdgePool {
-    /// Edges that are not open, with the indices of their points; in their order once accepted.
+    /// Edges that are not open, with the indices of their points; in ascending order once accepted.
     near: Vec<(usize, EdgeState)>,
     /// Index in `near` of the edge of each point.
     slot: Vec<u32>,
@@ -60,7 +60,7 @@ impl EdgePool {
         &mut self.near[self.slot[i] as usize].1
     }
 
-    /// Edges that are not open, with the indices of their points; in their order once accepted.
+    /// Edges that are not open, with the indices of their points; in ascending order once accepted.
     pub fn near(&self) -> impl Iterator<Item = (usize, &EdgeState)> {
         self.near.iter().map(|(i, e)| (*i, e))
     }
@@ -201,8 +201,8 @@ impl EdgePool {
     }
 
     /// Change of the friction traction of edge `i` on the pad, Pa, when its points move by `u` (m) relative to each
-    /// other, beyond that of its potential. Where the edge slips, the limit follows the pressure; where it made contact
-    /// within the increment, the active fraction grows with the depth.
+    /// other, which its potential does not include. Where the edge slips, the limit follows the pressure; where it made
+    /// contact within the increment, the active fraction grows with the depth.
     pub fn drag(&self, i: usize, law: &ContactLaw, u: DVec3) -> Option<DVec3> {
         let e = self.edge(i);
         let stiffness = law.pressure(e.gap, e.scale).1;

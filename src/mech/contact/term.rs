@@ -41,7 +41,7 @@ impl PointContact {
         Self { pool, near, committed: felt.clone(), felt, surface, object, from: None }
     }
 
-    /// Edges of the points near the object, with the indices of the points; in their order once accepted.
+    /// Edges of the points near the object, with the indices of the points; in ascending order once accepted.
     pub fn edges(&self) -> impl Iterator<Item = (usize, &EdgeState)> {
         self.pool.near()
     }
@@ -270,8 +270,8 @@ impl PointContact {
         let mut anchor = e.anchor.unwrap_or(q);
         if self.pool.is_fresh(i) {
             let start = self.from.as_ref().map_or(q, |from| from.in_object(stencil));
-            // On the surface that it touches now; the gap of a point that has left again is infinite, and is replaced
-            // by the offset.
+            // The start position, moved along the normal onto the surface in contact. The gap of a point that has left
+            // again is infinite, hence the limit.
             let normal = view.object.rotation.transpose() * e.normal;
             anchor = start + normal * (normal.dot(q - start) - e.gap.min(law.offset));
             self.pool.touch(i, &law, anchor, || self.object.distance(start));

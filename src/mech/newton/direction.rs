@@ -70,8 +70,8 @@ impl Newton {
         step
     }
 
-    /// Response of the symmetric system to the change of friction forces along `step` beyond the Hessian; None if there
-    /// is no such change.
+    /// Response of the symmetric system to the change of friction forces along `step` that the Hessian does not
+    /// include; None if there is no such change.
     fn response(
         &mut self,
         now: &State,
@@ -91,7 +91,8 @@ impl Newton {
         Some(response)
     }
 
-    /// Collects the change of the forces along `step` beyond the Hessian; returns false if there is none.
+    /// Collects the change of the forces along `step` that the Hessian does not include; returns false if there is
+    /// none.
     fn couple(&mut self, now: &State, step: &NewtonStep) -> bool {
         let (rigid, terms) = (&self.rigid, &self.terms);
         self.blocks.par_iter_mut().enumerate().for_each(|(i, b)| {

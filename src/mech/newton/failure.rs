@@ -13,7 +13,7 @@ pub enum Failure {
     Singular,
     /// The corrections of condensed pads do not converge; size of the last one over the displacement.
     Corrections(f64),
-    /// The path deviates too much from a straight increment; its error over the error allowed.
+    /// The path deviates too much from a straight increment; path error over the error allowed.
     Bent(f64),
     /// The object kept rolling or sliding and did not reach equilibrium.
     Unsettled,

@@ -52,7 +52,7 @@ impl ObjectTerms {
         self.all_mut().for_each(|t| t.assemble(&view, how, block));
     }
 
-    /// Adds the change of the forces along `step` beyond the Hessian to `change`.
+    /// Adds to `change` the change of the forces along `step` that the Hessian does not include.
     pub(crate) fn couple(&self, state: &State, rigid: &RigidUnknowns, step: &NewtonStep, change: &mut RigidBlock) {
         let view = state.object_view(rigid);
         let motion = step.object_motion(&view);

@@ -159,8 +159,8 @@ impl Newton {
     }
 }
 
-/// Returns the assembly options after a step of length `motion` (m). Where points begin to slip, the slope of the
-/// friction energy changes abruptly: after a step that was `cut` there, the next one uses the secant.
+/// Returns the assembly options after a step of length `motion` (m). Where points begin to slip, the curvature of the
+/// friction energy drops abruptly: after a step that was `cut` there, the next one uses the secant.
 fn after_step(motion: f64, cut: bool, tolerance: &NewtonTolerance) -> Assembly {
     Assembly { project: false, follow: true, sharp: motion <= SHARP_MOTION * tolerance.offset, secant: cut }
 }

@@ -116,9 +116,9 @@ impl PadDiscretisation for WholePads {}
 
 /// Maximum number of consecutive failed attempts.
 const FAILURES: u32 = 16;
-/// Distance from the accepted push to one without equilibrium, over the push wanted, at which none exists beyond.
-/// Increments this small distinguish an object that slips from one that rolls on: at a hundredth, an ellipsoid counts
-/// as lost at nine tenths of the push that it can bear.
+/// Distance between the accepted push and one without equilibrium, over the target push, below which the accepted one
+/// counts as the largest that the grasp can bear. Increments this small distinguish an object that slips from one that
+/// rolls on: at a hundredth, an ellipsoid counts as lost at nine tenths of the push that it can bear.
 const SLIP_ERROR: f64 = 0.001;
 /// Largest increment of a force over the current force.
 const GROWTH: f64 = 3.0;

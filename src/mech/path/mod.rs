@@ -29,7 +29,7 @@ pub struct Path {
     pub control: Option<PathControl>,
     /// Largest motion of the object within one advance, m, beyond which it counts as lost; None without limit.
     pub largest_drift: Option<f64>,
-    /// Pose that the object may not leave; None without limit.
+    /// Limits of the object's pose; None without limits.
     pub place: Option<GraspPlace>,
     /// Counts of how often each method was used.
     pub methods: Methods,

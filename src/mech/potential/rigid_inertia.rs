@@ -12,17 +12,17 @@ use crate::scene::motion::HandState;
 use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// Energy `m / 2 h2 |c - target|2` of the centre of mass `c`, and for the rotation `R`, with the second moments `J =
-/// integral of r r^T dm` in body axes,
+/// Energy `m / 2 h2 |c - target|2` of the centre of mass `c`, and for the rotation `R`, with the second moments
+/// `J = integral of r r^T dm` in body axes,
 ///
 /// ```text
 /// |R - R0|2_J / 2 h2  -  L0 . log(R Rk^T) / h        |A|2_J = trace(A J A^T)
 /// ```
 ///
-/// Its gradient in a rotation of `R` is `(L(R0, R) - L0) / h` with the angular momentum `L(R0, R) = axial(R J R0^T - R0
-/// J R^T) / h` of the step (Moser & Veselov 1991), which is exactly conserved without torque. No potential has the
-/// constant gradient `L0` on the rotation group, so that the last iterate `Rk` is used; at the solution the balance is
-/// exact. The angular momentum must not correspond to more than about a radian per step.
+/// Its gradient in a rotation of `R` is `(L(R0, R) - L0) / h` with the angular momentum
+/// `L(R0, R) = axial(R J R0^T - R0 J R^T) / h` of the step (Moser & Veselov 1991), which is exactly conserved without
+/// torque. No potential has the constant gradient `L0` on the rotation group, so that the lagged iterate `Rk` is used;
+/// at the solution the balance is exact. The angular momentum must not correspond to more than about a radian per step.
 #[derive(Debug, Clone)]
 pub struct RigidInertia {
     /// Mass, kg.

@@ -86,8 +86,8 @@ pub trait BodyTerm: TermClone + Send + Sync {
     fn energy(&self, body: &Body, view: &BodyView) -> f64;
     /// Adds gradient and Hessian to `block`; updates lagged quantities.
     fn assemble(&mut self, body: &Body, view: &BodyView, how: Assembly, block: &mut BodyBlock);
-    /// Adds to the gradients of `change` the change of the term's forces along a small `motion` beyond its (symmetric)
-    /// Hessian.
+    /// Adds to the gradients of `change` the change of the term's forces along a small `motion` that its (symmetric)
+    /// Hessian does not include.
     fn couple(&self, _body: &Body, _view: &BodyView, _motion: &BodyMotion, _change: &mut BodyBlock) {}
     /// Begins an increment: the next solves start from this accepted state.
     fn depart(&mut self, _from: &Departure) {}
@@ -132,7 +132,8 @@ pub trait ObjectTerm: Send + Sync {
     fn energy(&self, view: &ObjectView) -> f64;
     /// Adds gradient and Hessian to `block`; updates lagged quantities.
     fn assemble(&mut self, view: &ObjectView, how: Assembly, block: &mut RigidBlock);
-    /// Adds to `change` the change of the term's forces along a small `motion` beyond its (symmetric) Hessian.
+    /// Adds to `change` the change of the term's forces along a small `motion` that its (symmetric) Hessian does not
+    /// include.
     fn couple(&self, _view: &ObjectView, _motion: &ObjectIncrement, _change: &mut RigidBlock) {}
     /// Distance by which every point may move before the term must be evaluated again, m.
     fn clearance(&self, _view: &ObjectView) -> f64 {
