@@ -87,7 +87,7 @@ pub const FEATURE_MOVES: [f64; 2] = [0.4, 0.5];
 /// Penetration of the object at a sub-face sample of the pad above which the sample becomes active.
 pub const MIDDLE_CUT: f64 = 0.2;
 
-// Closest points; in contact offsets. Search radii; only `FACE_KEPT` affects results.
+// Closest points; in contact offsets. Search radii; only the tolerances `FACE_KEPT`, `DEEPEST_LENGTH` affect results.
 
 /// Distance within which the exact gap is computed: farther points are skipped until they may have come this close.
 pub const LOOK_AHEAD: f64 = 50.0;
