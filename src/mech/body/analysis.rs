@@ -1,4 +1,5 @@
-//! Analysis for the factorisation of the stiffness of a body. It is made on first request: the network never asks for it.
+//! Symbolic analysis for the factorisation of a body's stiffness. It is computed on first request; the network does not
+//! need it.
 
 use super::cholesky::Symbolic;
 use super::pattern::{FIXED, Pattern, Slot};
@@ -55,7 +56,7 @@ impl Body {
         })
     }
 
-    /// Returns this body with its nodes at `rest`; both share one analysis.
+    /// Returns this body with its nodes at the reference positions `rest`; both share one analysis.
     pub fn placed(&self, rest: Vec<DVec3>) -> Self {
         let (elements, fixed) = (self.elements.clone(), self.fixed.clone());
         let mut body = Self::new(rest, elements, fixed, self.material.clone(), self.mean_dilatation);
@@ -72,8 +73,8 @@ impl Body {
         body
     }
 
-    /// Returns the nodes of this body without its elements. All nodes but `kept` are fixed, and the kept ones are coupled with
-    /// each other: the body hosts what is left when the others are eliminated. Unknowns are in the order of `kept`.
+    /// Returns this body without elements, with all nodes but `kept` fixed and the kept nodes fully coupled: it holds
+    /// the stiffness condensed to these nodes. Unknowns are in the order of `kept`.
     pub fn condensed(&self, kept: &[u32]) -> Self {
         let mut position = vec![FIXED; self.rest.len()];
         kept.iter().enumerate().for_each(|(k, &i)| position[i as usize] = k as u32);

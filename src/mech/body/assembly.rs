@@ -1,5 +1,5 @@
-//! Loops over all elements of a body, as callable structs: they use all registers of a processor, which closures of this size would
-//! not.
+//! Loops over all elements of a body, as callable structs: these are compiled for the widest vector registers of the
+//! processor, which closures of this size are not.
 
 use super::gather;
 use super::pattern::{Pattern, Slot};
@@ -7,7 +7,7 @@ use crate::mech::element::{Kernel, RestTet, Stiffness};
 use glam::DVec3;
 use pulp::NullaryFnOnce;
 
-/// Elements whose stiffness is computed side by side.
+/// Number of elements whose stiffness is computed together, one per vector lane.
 const SIDE: usize = 8;
 
 /// All elements of a body at the node positions `x`.
@@ -84,7 +84,7 @@ impl<const N: usize, const Q: usize> NullaryFnOnce for AddStiffness<'_, N, Q> {
         let pairs = slots.len() / nodes.len().max(1);
         let mut sum = Box::<Stiffness<N, SIDE>>::default();
         for start in (0..nodes.len()).step_by(SIDE) {
-            // The last one stands in for those that the last row lacks.
+            // The last element fills the unused lanes of the last batch.
             let own: [usize; SIDE] = std::array::from_fn(|l| (start + l).min(nodes.len() - 1));
             let at = own.map(|e| gather(&nodes[e], x));
             kernel.stiffness(own.map(|e| &tets[e]), &at, project, &mut sum);

@@ -1,4 +1,5 @@
-//! Sparse Cholesky factor of one body's stiffness: symbolic analysis once per mesh, numbers once per iteration.
+//! Sparse Cholesky factor of one body's stiffness: symbolic analysis once per mesh, numeric factorisation once per
+//! iteration.
 
 use super::pattern::Pattern;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -20,13 +21,13 @@ impl Symbolic {
     /// Analyses the pattern; it is already in elimination order.
     ///
     /// # Errors
-    /// Fails if the factorisation cannot be analysed; the message says why.
+    /// Fails if the factorisation cannot be analysed; the message gives the reason.
     pub fn new(pattern: &Pattern) -> Result<Self, String> {
         let n = pattern.unknowns();
         // The analysis reads the upper triangle: the transpose of the stored lower one.
         let (col_ptr, row_idx) = transpose(&pattern.col_ptr, &pattern.row_idx);
         let a = SymbolicSparseColMatRef::new_checked(n, n, &col_ptr, None, &row_idx);
-        // Supernodal always: 3 to 8 times faster than simplicial on these meshes.
+        // Supernodal in all cases: 3 to 8 times faster than simplicial on these meshes.
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
@@ -36,7 +37,8 @@ impl Symbolic {
         Self::supernodal(analysis.map_err(|e| failed(format!("{e:?}")))?).map_err(failed)
     }
 
-    /// Takes an analysis whose factor is supernodal, as its blocks are read, or that has no unknowns. The error says that it is not.
+    /// Accepts an analysis whose factor is supernodal, since its blocks are read, or that has no unknowns; fails for
+    /// any other.
     fn supernodal(analysis: SymbolicCholesky<usize>) -> Result<Self, String> {
         match analysis.raw() {
             SymbolicCholeskyRaw::Simplicial(_) if analysis.nrows() > 0 => Err("its factor is not supernodal".into()),
@@ -44,7 +46,7 @@ impl Symbolic {
         }
     }
 
-    /// Returns the dense blocks of the factor; None of a matrix without unknowns.
+    /// Returns the dense blocks of the factor; None for a matrix without unknowns.
     pub(super) fn supernodal_blocks(&self) -> Option<&SymbolicSupernodalCholesky<usize>> {
         match self.0.raw() {
             SymbolicCholeskyRaw::Supernodal(symbolic) => Some(symbolic),
@@ -77,19 +79,19 @@ fn transpose(col_ptr: &[usize], row_idx: &[usize]) -> (Vec<usize>, Vec<usize>) {
     (ptr, idx)
 }
 
-/// Numeric factor with its workspace, owned by one environment. The matrix is divided by a power of two of the size of its entries: a
-/// scene twice as large then has the same rounding.
+/// Numeric factor with its workspace, owned by one environment. The matrix is divided by a power of two of the size of
+/// its entries, so that a scene twice as large has the same rounding.
 pub struct Factor {
     pub(super) symbolic: Arc<Symbolic>,
     pub(super) values: Vec<f64>,
-    /// What the matrix was divided by.
+    /// Divisor of the matrix.
     pub(super) unit: f64,
     divided: Vec<f64>,
     memory: MemBuffer,
 }
 
 impl Factor {
-    /// Workspace for `symbolic`, for solves with up to `columns` right-hand sides.
+    /// Creates the workspace for `symbolic`, for solves with up to `columns` right-hand sides.
     pub fn new(symbolic: &Arc<Symbolic>, columns: usize) -> Self {
         let request = symbolic
             .0
@@ -99,7 +101,7 @@ impl Factor {
         Self { symbolic: symbolic.clone(), values, unit: 1.0, divided: Vec::new(), memory }
     }
 
-    /// Factorises the lower-triangular `values`; false if the matrix is not positive definite.
+    /// Factorises the lower-triangular `values`; returns false if the matrix is not positive definite.
     pub fn factorize(&mut self, pattern: &Pattern, values: &[f64]) -> bool {
         let n = pattern.unknowns();
         if n == 0 {
@@ -142,13 +144,13 @@ impl Factor {
         );
     }
 
-    /// Returns the factor by its dense blocks; None of a matrix without unknowns.
+    /// Returns the dense blocks of the factor; None for a matrix without unknowns.
     pub(super) fn supernodal(&self) -> Option<SupernodalLltRef<'_, usize, f64>> {
         self.symbolic.supernodal_blocks().map(|symbolic| SupernodalLltRef::new(symbolic, &self.values))
     }
 
-    /// Computes the Schur complement of the last matrix for its last `size` unknowns, by columns: the product of the factor's
-    /// last block with its transpose.
+    /// Computes the Schur complement of the last matrix for its last `size` unknowns, by columns: the product of the
+    /// factor's last block with its transpose.
     pub fn condensed(&self, size: usize) -> Mat<f64> {
         let mut last = Mat::<f64>::zeros(size, size);
         let mut stiffness = Mat::<f64>::zeros(size, size);
@@ -169,14 +171,14 @@ impl Factor {
     }
 }
 
-/// Returns the largest power of two up to `x`; one for what has none.
+/// Returns the largest power of two up to `x`; one if `x` is zero, subnormal or not finite.
 fn power_of_two(x: f64) -> f64 {
     // Bits of the exponent.
     let power = f64::from_bits(x.to_bits() & (0x7ff << 52));
     if power.is_normal() { power } else { 1.0 }
 }
 
-/// Computes a scalar product in eight sums side by side, which do not wait for each other.
+/// Computes a scalar product in eight independent sums, which run in parallel.
 #[inline(always)]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let ((a, rest), (b, other)) = (a.as_chunks::<8>(), b.as_chunks::<8>());

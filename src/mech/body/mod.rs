@@ -1,4 +1,4 @@
-//! One soft body: mesh and law. Immutable and shared; the state lives with the caller.
+//! One soft body: mesh and law. It is immutable and shared; the caller holds the state.
 
 mod analysis;
 mod assembly;
@@ -34,16 +34,16 @@ impl Elements {
     }
 }
 
-/// A discretised soft body at rest.
+/// A discretised soft body in its reference configuration.
 #[derive(Debug)]
 pub struct Body {
-    /// Rest position of every node, m.
+    /// Reference (undeformed) position of every node, m.
     pub rest: Vec<DVec3>,
     /// Node lists.
     pub elements: Elements,
     /// Flags of the nodes without unknowns.
     pub fixed: Vec<bool>,
-    /// The law of the gel.
+    /// Law of the gel.
     pub material: Arc<dyn Material>,
     /// Flag: each element has one pressure.
     pub mean_dilatation: bool,
@@ -60,7 +60,7 @@ pub struct BodyStress {
     pub node: Vec<f64>,
 }
 
-/// Runs `$body` with `$nodes`, `$shape` bound to the element tables of the mesh's order.
+/// Evaluates `$body` with `$nodes` and `$kernel` bound to the node lists and the kernel of the mesh's order.
 macro_rules! per_order {
     ($self:expr, $nodes:ident, $kernel:ident, $body:expr) => {
         match &$self.elements {
@@ -81,7 +81,7 @@ fn gather<const N: usize>(nodes: &[u32; N], x: &[DVec3]) -> [DVec3; N] {
 }
 
 impl Body {
-    /// The body whose nodes lie at `rest`.
+    /// Creates the body whose nodes have the reference positions `rest`.
     pub fn new(
         rest: Vec<DVec3>,
         elements: Elements,
@@ -103,7 +103,7 @@ impl Body {
         self.tets.len()
     }
 
-    /// Returns element `e` if it has 10 nodes: its rest geometry, its node positions among `x`, and its nodes.
+    /// Returns element `e` if it has 10 nodes: its reference geometry, its node positions among `x`, and its nodes.
     pub fn quadratic(&self, e: usize, x: &[DVec3]) -> Option<(&RestTet, [DVec3; 10], &[u32; 10])> {
         match &self.elements {
             Elements::Quadratic(nodes) => Some((&self.tets[e], gather(&nodes[e], x), &nodes[e])),
@@ -111,7 +111,7 @@ impl Body {
         }
     }
 
-    /// Elastic energy at positions `x`, J; `+inf` when an element is inverted under a law that refuses it.
+    /// Elastic energy at positions `x`, J; `+inf` if an element is inverted and the law is not defined there.
     pub fn energy(&self, x: &[DVec3]) -> f64 {
         per_order!(
             self,
@@ -129,8 +129,8 @@ impl Body {
         });
     }
 
-    /// Adds gradient (N, per node) and stiffness (N/m, in [`Pattern`](pattern::Pattern) storage). `project` makes every point's tangent
-    /// positive semidefinite.
+    /// Adds gradient (N, per node) and stiffness (N/m, in [`Pattern`](pattern::Pattern) storage). `project` makes the
+    /// tangent of every point positive semidefinite.
     pub fn add_stiffness(&self, x: &[DVec3], project: bool, gradient: &mut [DVec3], values: &mut [f64]) {
         per_order!(self, nodes, kernel, {
             let (elements, slots) = (ElementLoop { kernel, nodes, tets: &self.tets, x }, self.slots());
@@ -138,8 +138,9 @@ impl Body {
         });
     }
 
-    /// Smallest determinant of the deformation gradient at positions `x`, over all quadrature points. For 10-node elements it
-    /// includes the corners, the middles of the edges and the centre, where an inversion would otherwise go unseen.
+    /// Smallest determinant of the deformation gradient at positions `x`, over all quadrature points. For 10-node
+    /// elements it includes the corners, the midpoints of the edges and the centre, where an inversion would otherwise
+    /// be undetected.
     pub fn min_det_f(&self, x: &[DVec3]) -> f64 {
         let points = per_order!(self, nodes, kernel, {
             Arch::new().dispatch(LeastDeterminant(ElementLoop { kernel, nodes, tets: &self.tets, x }))
@@ -163,8 +164,8 @@ impl Body {
         (0..det.len()).min_by(|a, b| det[*a].total_cmp(&det[*b]))
     }
 
-    /// Smallest determinant of the deformation gradient of 10-node elements at the points of `shape`, at positions `x`; `+inf` if there
-    /// are none.
+    /// Smallest determinant of the deformation gradient of 10-node elements at the points of `shape`, at positions `x`;
+    /// `+inf` if there are none.
     pub fn min_det_f_at<const Q: usize>(&self, shape: &ShapeFunctions<10, Q>, x: &[DVec3]) -> f64 {
         let Elements::Quadratic(nodes) = &self.elements else { return f64::INFINITY };
         let material = self.material.as_ref();
@@ -178,8 +179,8 @@ impl Body {
         BodyStress { element, node }
     }
 
-    /// Cauchy stress at positions `x`, Pa: mean of every element, and of every node, extrapolated from the quadrature points
-    /// and weighted with the volume.
+    /// Cauchy stress at positions `x`, Pa: mean of every element, and of every node, extrapolated from the quadrature
+    /// points and weighted with the volume.
     pub fn cauchy(&self, x: &[DVec3]) -> [Vec<DMat3>; 2] {
         let mut node = vec![(DMat3::ZERO, 0.0); x.len()];
         let mut element = Vec::with_capacity(self.tets.len());
@@ -199,8 +200,8 @@ impl Body {
         [element, node.iter().map(mean).collect()]
     }
 
-    /// Volume that each node carries, positive and with the body's sum: the diagonal of the consistent mass matrix, scaled
-    /// per element (Hinton, Rock & Zienkiewicz 1976), m3.
+    /// Lumped volume per node, positive and with the sum of the body's: the diagonal of the consistent mass matrix,
+    /// scaled per element (Hinton, Rock & Zienkiewicz 1976), m3.
     pub fn lumped_volume(&self) -> Vec<f64> {
         let mut volume = vec![0.0; self.rest.len()];
         let mut share = |nodes: &[u32], tet: &RestTet, part: &dyn Fn(usize) -> f64| {
@@ -216,8 +217,8 @@ impl Body {
         volume
     }
 
-    /// Total mass per unit density that each node carries (row sums of the mass matrix are not positive for 10-node
-    /// tetrahedra; this is the element volume shared by diagonal scaling), m3.
+    /// Integral of each node's shape function, m3: the consistent nodal load of a unit body force, negative at the
+    /// corners of 10-node tetrahedra.
     pub fn nodal_volume(&self) -> Vec<f64> {
         let mut volume = vec![0.0; self.rest.len()];
         match &self.elements {
@@ -244,7 +245,7 @@ fn extrapolate<const Q: usize>(point: &[DMat3; Q], mean: &DMat3, a: usize) -> DM
     if Q != 4 {
         return *mean;
     }
-    // Point q sits at barycentric coordinate 0.585 of corner q: scale its deviation from the mean out to the corner.
+    // Point q has barycentric coordinate 0.585 of corner q: its deviation from the mean is scaled to the corner.
     let scale = 1.0 / (0.585_410_196_624_968_5 - 0.138_196_601_125_010_5);
     let corner = |k: usize| *mean + (point[k] - *mean) * scale;
     if a < 4 {

@@ -1,4 +1,4 @@
-//! Sparsity of one body's stiffness: elimination order, lower block columns, and where each node pair is stored.
+//! Sparsity of one body's stiffness: elimination order, lower block columns, and storage location of each node pair.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
@@ -10,8 +10,8 @@ pub const FIXED: u32 = u32::MAX;
 
 /// Lower-triangular pattern of a symmetric matrix of 3 x 3 node blocks, in elimination order.
 ///
-/// Nodes, not unknowns, are ordered (approximate minimum degree on the node graph): three times fewer vertices and the
-/// same fill. Unknown `3 p + c` is component `c` of the free node eliminated as number `p`.
+/// Nodes, not unknowns, are ordered (approximate minimum degree on the node graph): a third of the vertices and the
+/// same fill. Unknown `3 p + c` is component `c` of the free node at elimination position `p`.
 #[derive(Debug)]
 pub struct Pattern {
     /// Elimination position of each node, or [`FIXED`].
@@ -52,7 +52,7 @@ impl Pattern {
         Self::store(&neighbours(elements, &fixed), position)
     }
 
-    /// Returns the positions of this order with the nodes `last` moved to its end, in their order.
+    /// Returns the positions of this order with the nodes `last` moved to the end, in their order.
     pub fn position_with_last(&self, last: &[u32]) -> Vec<u32> {
         let mut position = self.position.clone();
         last.iter().for_each(|&i| position[i as usize] = FIXED);
@@ -105,12 +105,12 @@ impl Pattern {
             return Slot { base: start as u32, stride: stride | DIAGONAL };
         }
         let below = &self.below[col as usize];
-        // Where every node meets every other, the search is over before it begins.
+        // If all nodes are coupled, the index is known without a search.
         let full = (row - col - 1) as usize;
         let found = if below.get(full) == Some(&row) { Ok(full) } else { below.binary_search(&row) };
         match found {
             Ok(k) => Slot { base: (start + 3 + 3 * k) as u32, stride: stride | flag },
-            // Not coupled by any element: nothing to store (callers only ask for pairs of one element).
+            // Not coupled by any element: there is nothing to store (callers only pass pairs of one element).
             Err(_) => Slot { base: FIXED, stride: 0 },
         }
     }
@@ -185,7 +185,7 @@ fn order(neighbours: &[Vec<u32>], fixed: &[bool]) -> Vec<u32> {
         amd::order(&mut forward, &mut inverse, graph, amd::Control::default(), MemStack::new(&mut memory)).is_ok();
     let mut position = vec![FIXED; fixed.len()];
     for (k, &i) in free.iter().enumerate() {
-        // Without an ordering the natural one is still correct, only slower.
+        // If the ordering fails, the natural order is still correct, only slower.
         position[i] = if ordered { inverse[k] as u32 } else { k as u32 };
     }
     position

@@ -1,8 +1,9 @@
-//! Factor `L D L^T` in single precision, for corrections of a state that the law itself judges in double precision.
+//! Factor `L D L^T` in single precision, for corrections of a state whose residual the law gives in double precision.
 //!
-//! A solve for one right-hand side reads every entry of the factor twice and does little else with it, so its time is that of the
-//! memory. A solution is off by the rounding of single precision, 6e-8 times the condition number, of itself. The diagonal of `L` is
-//! one: its entries are ratios of stiffnesses, so that their rounding does not depend on the size of the scene.
+//! A solve for one right-hand side reads every entry of the factor twice with little arithmetic, so that it is bound by
+//! memory bandwidth. The relative error of a solution is the rounding of single precision, 6e-8, times the condition
+//! number. The diagonal of `L` is one: its entries are ratios of stiffnesses, so that their rounding does not depend on
+//! the size of the scene.
 
 use super::cholesky::{Factor, Symbolic};
 use faer::sparse::linalg::cholesky::supernodal::{SupernodalLltRef, SupernodeRef};
@@ -50,23 +51,24 @@ impl SinglePrecisionFactor {
         Arch::new().dispatch(Backward { factor, unknowns: x.len(), x });
     }
 
-    /// Computes the unknowns `x` before the last `size`, which are given, where nothing but these is loaded: the second half of a solve.
+    /// Computes the unknowns `x` before the last `size`, which are given, without load on the others: the back
+    /// substitution of a solve.
     pub fn follow_last(&self, x: &mut [f32], size: usize) {
         let (Some(factor), unknowns) = (self.supernodal(), x.len() - size) else { return };
         x[..unknowns].fill(0.0);
         Arch::new().dispatch(Backward { factor, unknowns, x });
     }
 
-    /// Returns the factor by its dense blocks; None of a matrix without unknowns.
+    /// Returns the dense blocks of the factor; None for a matrix without unknowns.
     fn supernodal(&self) -> Option<SupernodalLltRef<'_, usize, f32>> {
         self.symbolic.supernodal_blocks().map(|symbolic| SupernodalLltRef::new(symbolic, &self.lower))
     }
 }
 
-/// Columns that are read together: each entry of a vector is then loaded once for all of them.
+/// Number of columns that are read together: each entry of a vector is then loaded once for all of them.
 const TOGETHER: usize = 4;
 
-/// Forward substitution, `L^-1 x`: a callable struct, which uses all registers of a processor.
+/// Forward substitution, `L^-1 x`: a callable struct, compiled for the widest vector registers of the processor.
 struct Forward<'a> {
     factor: SupernodalLltRef<'a, usize, f32>,
     x: &'a mut [f32],
@@ -178,8 +180,8 @@ mod tests {
     use super::*;
     use crate::mech::body::pattern::Pattern;
 
-    /// A chain of nodes with springs of 1 to 5 N/m, held at its ends: solutions agree with those in double precision to 1e-5, also
-    /// the second half of a solve alone.
+    /// A chain of nodes with springs of 1 to 5 N/m, held at its ends: solutions agree with those in double precision to
+    /// 1e-5, also those of the back substitution alone.
     #[test]
     fn solutions_are_those_of_double_precision() {
         let elements: Vec<[u32; 2]> = (0..60).map(|i| [i, i + 1]).collect();

@@ -1,5 +1,5 @@
-//! Features of the object that are too far from a pad to be looked for, and the side of the pad that the others are on. Both
-//! follow from bounds on the motion of features and pad.
+//! Broad phase for the contact vertices of the object: which are too far from a pad for an exact query, and on which
+//! side of the pad surface the others lie. Both follow from bounds on the motion of vertices and pad.
 
 use super::closest_point::ClosestPoint;
 use super::incident_faces::IncidentFace;
@@ -12,27 +12,28 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Known bounds of the distances of all features to the pad.
+/// Bounds of the signed distances of all contact vertices to the pad.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct CandidateList {
     /// Contact offset, m.
     offset: f64,
-    /// Bounds from the last time that all were taken.
+    /// Bounds from the last query of all vertices.
     looked: Arc<Seen>,
-    /// Bounds from the last assembly, for the features that were near.
+    /// Bounds from the last assembly, for the vertices that were near.
     last: Arc<Seen>,
     nearby: Arc<Nearby>,
 }
 
-/// Distances of all features to the pad at an earlier state.
+/// Distances of all contact vertices to the pad at an earlier state.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 struct Seen {
-    /// Node positions then, m.
+    /// Node positions at that state, m.
     x: Vec<DVec3>,
     features: Vec<GapBounds>,
 }
 
-/// Earlier position of a feature relative to the finger, and bounds of its distance outside the pad, m.
+/// Position of a contact vertex relative to the finger, and bounds of its signed distance to the pad there (positive
+/// outside), m.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(crate) struct GapBounds {
     pub at: DVec3,
@@ -40,8 +41,8 @@ pub(crate) struct GapBounds {
     most: f64,
 }
 
-/// Largest motion of a node of the pad since its features were looked for, and since the last assembly, m; `+inf` if there was
-/// none.
+/// Largest motion of a node of the pad since the last query of all vertices, and since the last assembly, m; `+inf`
+/// before the first.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Drift {
     looked: f64,
@@ -53,7 +54,8 @@ impl Seen {
         motion(&self.x, x)
     }
 
-    /// Bounds of the signed distance of feature `i`, now at `y`, to the pad, whose nodes have moved by up to `moved` (m).
+    /// Bounds of the signed distance of vertex `i`, now at `y`, to the pad, whose nodes have moved by up to `moved`
+    /// (m).
     fn bounds(&self, i: usize, y: DVec3, moved: f64) -> GapBounds {
         match self.features.get(i) {
             Some(then) => {
@@ -66,10 +68,10 @@ impl Seen {
 }
 
 impl GapBounds {
-    /// Bounds of a feature of which nothing is known.
+    /// Bounds of a vertex that was never queried.
     pub const UNKNOWN: Self = Self { at: DVec3::ZERO, least: f64::NEG_INFINITY, most: f64::INFINITY };
 
-    /// Returns true if the feature may be nearer than `reach` (m) to the pad.
+    /// Returns true if the vertex may be nearer than `reach` (m) to the pad.
     pub fn within(&self, reach: f64) -> bool {
         self.least <= reach
     }
@@ -82,9 +84,8 @@ impl GapBounds {
         }
     }
 
-    /// Returns `closest_point` on the side that is possible. Where a face is folded over or a crease is closed, the surface
-    /// passes through itself: a point outside then looks as if it were inside, or the other way round. Contact has this
-    /// `offset` (m).
+    /// Returns `closest_point` with the sign of the gap that the bounds allow. Where a face is folded over or a fold is
+    /// closed, the surface intersects itself and may give the wrong side. Contact has this `offset` (m).
     pub fn sided(&self, closest_point: ClosestPoint, offset: f64) -> ClosestPoint {
         let slack = FACE_KEPT * offset;
         let possible = |gap: f64| self.least - slack <= gap && gap <= self.most + slack;
@@ -97,13 +98,13 @@ impl GapBounds {
 }
 
 impl CandidateList {
-    /// Creates a list of which nothing is known; contact has this `offset` (m).
+    /// Creates a list without any bounds; contact has this `offset` (m).
     pub fn new(offset: f64) -> Self {
         Self { offset, looked: Arc::default(), last: Arc::default(), nearby: Arc::default() }
     }
 
-    /// Takes the distances of `count` features anew if the pad at `x` has moved too far since the last time; `place` gives the
-    /// position of each of them.
+    /// Recomputes the distances of `count` contact vertices if the pad at `x` has moved too far since the last time;
+    /// `place` returns the position of each vertex.
     pub fn update(
         &mut self,
         surface: &ContactSurface,
@@ -125,13 +126,13 @@ impl CandidateList {
         }
     }
 
-    /// Stores what an assembly at node positions `x` found out about each feature.
+    /// Stores the bounds of each vertex found in an assembly at node positions `x`.
     pub fn remember(&mut self, x: &[DVec3], features: Vec<GapBounds>) {
         self.last = Arc::new(Seen { x: x.to_vec(), features });
     }
 
-    /// Lists the features that are near by the last assembly, and those that `matter` wherever they are. The object reaches as
-    /// far as `radius` (m) from its origin.
+    /// Lists the vertices that are near according to the last assembly, and those that `matter` at any distance. The
+    /// object reaches as far as `radius` (m) from its origin.
     pub fn list(&mut self, view: &BodyView, radius: f64, matter: impl Fn(usize) -> bool) {
         let all = self.last.features.iter().enumerate();
         let features = all
@@ -141,7 +142,7 @@ impl CandidateList {
         self.nearby = Arc::new(Nearby::new(features, view, radius));
     }
 
-    /// Adds feature `i`, whose place has changed, to the list, at `distance` (m) from the origin of the object.
+    /// Adds vertex `i`, whose position has changed, to the list, at `distance` (m) from the origin of the object.
     pub fn add(&mut self, i: usize, distance: f64) {
         let listed = Arc::make_mut(&mut self.nearby);
         if let Err(k) = listed.list.binary_search(&i) {
@@ -150,7 +151,7 @@ impl CandidateList {
         listed.radius = listed.radius.max(distance);
     }
 
-    /// Returns the listed features, ascending, if under `view` no other one can be nearer than `reach` (m).
+    /// Returns the listed vertices, ascending, if under `view` no other one can be nearer than `reach` (m).
     pub fn nearby(&self, view: &BodyView, reach: f64) -> Option<&[usize]> {
         let moved = self.nearby.moved(view);
         (moved + reach <= FEATURES_LISTED * self.offset).then_some(&self.nearby.list)
@@ -161,7 +162,7 @@ impl CandidateList {
         Drift { looked: self.looked.moved(x), last: self.last.moved(x) }
     }
 
-    /// Bounds of the signed distance of feature `i`, now at `y`.
+    /// Bounds of the signed distance of vertex `i`, now at `y`.
     pub fn bounds(&self, i: usize, y: DVec3, moved: Drift) -> GapBounds {
         let (looked, last) = (self.looked.bounds(i, y, moved.looked), self.last.bounds(i, y, moved.last));
         GapBounds { at: y, least: looked.least.max(last.least), most: looked.most.min(last.most) }
@@ -172,7 +173,7 @@ impl CandidateList {
 mod tests {
     use super::*;
 
-    /// A feature 10 um outside that moved by 1 um, and the pad not at all, is where it can be: 9 to 11 um outside.
+    /// A vertex 10 um outside that moved by 1 um while the pad did not move is 9 to 11 um outside.
     #[test]
     fn a_feature_stays_on_the_side_where_it_can_be() {
         let then = GapBounds { at: DVec3::ZERO, least: 1e-5, most: 1e-5 };
@@ -180,7 +181,7 @@ mod tests {
         let now = seen.bounds(0, DVec3::X * 1e-6, 0.0);
         let gap = |gap: f64| now.sided(ClosestPoint::at(0, [1.0, 0.0, 0.0], gap, DVec3::Z), 1e-5).gap;
         assert_eq!([gap(9.5e-6), gap(-9.5e-6)], [9.5e-6; 2], "m");
-        // Neither side is possible: what the surface says stands.
+        // Neither side is possible: the sign of the surface is kept.
         assert_eq!(gap(-5e-5), -5e-5, "m");
     }
 }

@@ -1,12 +1,12 @@
-//! Look-up of the faces of a deformed surface near a point: the box around them is cut into cells, each with the faces close to
-//! it.
+//! Uniform grid for queries of the faces of a deformed surface near a point: each cell of the bounding box lists the
+//! faces close to it.
 
 use glam::{DVec3, UVec3};
 
 /// Faces by cell.
 #[derive(Debug, Clone)]
 pub(crate) struct FaceGrid {
-    /// Distance within which a cell lists all faces around any of its points, m: not much more than the width of a face.
+    /// Distance within which a cell lists all faces around any of its points, m: at most the mean width of a face.
     pub near: f64,
     reach: f64,
     low: DVec3,
@@ -21,7 +21,8 @@ pub(crate) struct FaceGrid {
 const MOST: f64 = 64.0;
 
 impl FaceGrid {
-    /// Creates a grid without faces; its cells will list those nearer than `reach` (m), or than a face is wide.
+    /// Creates a grid without faces; its cells will list those nearer than `reach` (m), or than the mean width of a
+    /// face if that is less.
     pub fn new(reach: f64) -> Self {
         Self {
             near: reach,
@@ -34,8 +35,8 @@ impl FaceGrid {
         }
     }
 
-    /// Sorts faces, given by the ends of boxes around them (m), into cells half as wide as a face; the box from `low` to `high` is
-    /// around them all.
+    /// Sorts faces, given by the corners of their bounding boxes (m), into cells half as wide as a face; the box from
+    /// `low` to `high` encloses them all.
     pub fn update(&mut self, boxes: &[[DVec3; 2]], low: DVec3, high: DVec3) {
         let widths: f64 = boxes.iter().map(|[low, high]| (*high - *low).max_element()).sum();
         let width = widths / boxes.len().max(1) as f64;
@@ -61,7 +62,7 @@ impl FaceGrid {
         self.faces = faces;
     }
 
-    /// Faces that may be nearer than `near` to `y`, ascending; others may be among them.
+    /// Faces that may be nearer than `near` to `y`, ascending; farther faces may be among them.
     pub fn at(&self, y: DVec3) -> &[u32] {
         let place = (y - self.low) / self.size;
         let outside = self.first.is_empty() || place.cmplt(DVec3::ZERO).any();
@@ -77,7 +78,7 @@ impl FaceGrid {
         ((at.x * self.count.y + at.y) * self.count.z + at.z) as usize
     }
 
-    /// Visits the cells that a face with this box comes near to.
+    /// Visits the cells within distance `near` of a face with this box.
     fn covered(&self, [low, high]: &[DVec3; 2], mut visit: impl FnMut(usize)) {
         let place = |p: DVec3| ((p - self.low) / self.size).max(DVec3::ZERO).as_uvec3().min(self.count - 1);
         let (from, to) = (place(*low - self.near), place(*high + self.near));

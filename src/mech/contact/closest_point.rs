@@ -15,11 +15,11 @@ pub struct ClosestPoint {
     pub l: [f64; 3],
     /// Signed distance of the query point, m; negative inside the gel.
     pub gap: f64,
-    /// Unit direction of growing distance: the pad's outward normal.
+    /// Unit direction of increasing distance: the pad's outward normal.
     pub normal: DVec3,
     /// Cosine of the angle between the direction to the query point and the normal of the face.
     pub(crate) facing: f64,
-    /// Flag: the point lies on the face carried on beyond its rim, and is not the nearest of all points.
+    /// Flag: the point lies on the extension of the face beyond its rim, and is not the nearest point of the surface.
     pub(crate) carried: bool,
 }
 
@@ -38,8 +38,8 @@ impl ClosestPoint {
 /// Barycentric coordinate below which a point lies on the rim of its face.
 pub(crate) const ON_RIM: f64 = 1e-9;
 
-/// Closest point of one face: Gauss-Newton on the barycentric coordinates, kept inside the triangle. A face that is folded, or
-/// on which this does not settle, is searched with more care.
+/// Closest point of one face: Gauss-Newton on the barycentric coordinates, constrained to the triangle. A folded face,
+/// or one on which this does not converge, is searched from several starting points.
 pub(crate) fn on_face(index: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3) -> ClosestPoint {
     let [a, b, c] = face.corners.map(|n| x[n as usize]);
     let mut l = clamp_to_triangle(project_flat(a, b, c, y), a, b, c, y);
@@ -60,7 +60,7 @@ pub(crate) fn on_face(index: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3) -
                 break;
             }
         }
-        // On a bent rim the steps over the face keep disturbing each other: the last ones go along it.
+        // On a curved edge, steps over the face do not settle: the last iterations run along the edge.
         if let Some(k) = (0..3).find(|k| l[*k] <= 0.0) {
             l = along_edge(face, x, k, y, l);
         }
@@ -73,20 +73,21 @@ pub(crate) fn on_face(index: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3) -
     let distance = away.length();
     let side = if away.dot(face_normal) < 0.0 { -1.0 } else { 1.0 };
     let interior = l.iter().all(|v| *v > ON_RIM);
-    // On the rim of a face the direction to the point is the normal; on its inside both agree, and the frame is exact
-    // also at distance zero.
+    // On the rim of a face the direction to the point is the normal; in the interior both agree, and the normal of the
+    // face is exact even at distance zero.
     let normal = if interior || face.touches(x, distance) { face_normal } else { away * (side / distance) };
     let gap = if interior { away.dot(face_normal) } else { side * distance };
     let facing = if interior || distance == 0.0 { 1.0 } else { away.dot(face_normal).abs() / distance };
     ClosestPoint { face: index, l, gap, normal, facing, carried: false }
 }
 
-/// Sagitta of an edge over its chord from which a face is folded: its ends are at about 70 degrees.
+/// Sagitta of an edge over its chord above which a face is folded: the tangents at its ends then differ by about 70
+/// degrees.
 const FOLDED: f64 = 0.15;
-/// Sine of the angle to the normal up to which the direction to a closest point is along it.
+/// Largest sine of the angle between the normal of the face and the direction to a converged closest point.
 const ASKEW: f64 = 1e-3;
 
-/// Returns true if the face is bent so much that it may come near a point in several places.
+/// Returns true if the face is curved so much that the distance to a point may have several minima on it.
 fn folded(face: &SurfaceFace, x: &[DVec3]) -> bool {
     let Some(mids) = face.mids else { return false };
     (0..3).any(|k| {
@@ -95,12 +96,12 @@ fn folded(face: &SurfaceFace, x: &[DVec3]) -> bool {
     })
 }
 
-/// Returns true if no point of the face beside `l` is nearer to `y`.
+/// Returns true if no point of the face in the vicinity of `l` is nearer to `y`.
 fn settled(face: &SurfaceFace, x: &[DVec3], l: [f64; 3], y: DVec3) -> bool {
     let (p, d1, d2) = tangents(face, x, l);
     let away = y - p;
     let reach = ASKEW * away.length();
-    // Along the three edges: as far as the closest point is from the ends, that must not lead nearer.
+    // No direction along the three edges that stays within the face may reduce the distance.
     let along = [d1, d2 - d1, -d2];
     (0..3).all(|k| {
         let (slope, most) = (away.dot(along[k]), reach * along[k].length());
@@ -109,10 +110,10 @@ fn settled(face: &SurfaceFace, x: &[DVec3], l: [f64; 3], y: DVec3) -> bool {
     })
 }
 
-/// Distance by which a face is carried on beyond its rim, in barycentric coordinates.
+/// Extension of a face beyond its rim, in barycentric coordinates.
 const BEYOND: f64 = 0.05;
 
-/// The closest point of `y` on a face carried on a little beyond its rim; None where that is not enough.
+/// The closest point of `y` on a face extended beyond its rim; None if it lies beyond the extension.
 pub(crate) fn carried_on(index: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3) -> Option<ClosestPoint> {
     let [a, b, c] = face.corners.map(|n| x[n as usize]);
     let mut l = project_flat(a, b, c, y);
@@ -131,7 +132,7 @@ pub(crate) fn carried_on(index: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3
     near(&l).then(|| ClosestPoint { carried: true, ..ClosestPoint::at(index, l, (y - p).dot(normal), normal) })
 }
 
-/// Change of `l1` and `l2` towards the closest point of `y`; None where the face is degenerate.
+/// Gauss-Newton step of `l1` and `l2` towards the closest point of `y`; None if the face is degenerate.
 fn gauss_newton(face: &SurfaceFace, x: &[DVec3], l: [f64; 3], y: DVec3) -> Option<(f64, f64)> {
     let (p, d1, d2) = tangents(face, x, l);
     let (g11, g12, g22) = (d1.dot(d1), d1.dot(d2), d2.dot(d2));
@@ -159,7 +160,7 @@ pub(crate) fn on_edge(face: &SurfaceFace, x: &[DVec3], k: usize, y: DVec3) -> [f
     along_edge(face, x, k, y, middle)
 }
 
-/// Coordinates of that point, found from a point `l` on the edge.
+/// Coordinates of the same point, found by iteration from a point `l` on the edge.
 fn along_edge(face: &SurfaceFace, x: &[DVec3], k: usize, y: DVec3, mut l: [f64; 3]) -> [f64; 3] {
     for _ in 0..8 {
         let next = along_rim(face, x, l, k, y);
@@ -216,7 +217,7 @@ pub(crate) fn clamp_to_triangle(l: [f64; 3], a: DVec3, b: DVec3, c: DVec3, y: DV
     best.0
 }
 
-/// Cuts negative coordinates and restores their sum.
+/// Sets negative coordinates to zero and restores the sum of one.
 fn restrict(l: [f64; 3]) -> [f64; 3] {
     let l = l.map(|v| v.max(0.0));
     let sum: f64 = l.iter().sum();

@@ -1,22 +1,22 @@
-//! Coulomb's cone: the tangential force that a normal one bears. Forces and tractions are in one unit.
+//! Coulomb's friction cone: the tangential force that a normal force can carry. Forces and tractions share one unit.
 
 use glam::DVec3;
 
-/// Returns true if a tangential force of this `size` slips under `limit`. One that a projection left exactly at its limit goes on
-/// slipping, whatever the rounding.
+/// Returns true if a tangential force of this `size` slips under `limit`. A force that was projected onto the limit
+/// still counts as slipping, despite rounding.
 #[inline(always)]
 pub fn slips(size: f64, limit: f64) -> bool {
     size > limit * (1.0 - 1e-9)
 }
 
-/// Returns the part of a tangential force of this `size` that its projection onto the cone leaves.
+/// Returns the factor by which the projection onto the friction cone scales a tangential force of this `size`.
 #[inline(always)]
 pub fn kept(size: f64, limit: f64) -> f64 {
     if slips(size, limit) { limit / size } else { 1.0 }
 }
 
-/// Returns the tangential part of `force`, which presses against the unit `normal`, and its size over Coulomb's limit; infinite where
-/// nothing presses.
+/// Returns the tangential part of `force`, which presses against the unit `normal`, and its size over Coulomb's limit;
+/// infinite where `force` does not press.
 pub fn tangential(force: DVec3, normal: DVec3, friction: f64) -> (DVec3, f64) {
     let pressing = force.dot(normal);
     let along = force - normal * pressing;
@@ -28,7 +28,8 @@ pub fn tangential(force: DVec3, normal: DVec3, friction: f64) -> (DVec3, f64) {
 mod tests {
     use super::*;
 
-    /// 10 N bear 5 N at friction 0.5: of 8 N along the face 5 N are left, and what is left goes on slipping.
+    /// A normal force of 10 N carries 5 N at friction 0.5: a tangential force of 8 N is reduced to 5 N, which still
+    /// count as slipping.
     #[test]
     fn a_force_is_projected_onto_the_cone() {
         let (along, used) = tangential(DVec3::new(8.0, 0.0, 10.0), DVec3::Z, 0.5);

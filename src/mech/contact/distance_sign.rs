@@ -1,8 +1,8 @@
-//! Side of the surface of a pad on which a point lies whose closest point is where faces meet.
+//! Side of a pad surface on which a point lies whose closest point is on an edge or corner shared by faces.
 //!
-//! The normal of one of the faces does not tell the side: at a fold as sharp as that over the edge of an object the point may
-//! be behind one face and yet outside. The angle-weighted pseudo-normal of all faces that meet there tells it (Baerentzen and
-//! Aanaes 2005).
+//! The normal of one of the faces does not determine the side: at a sharp fold, such as that over an edge of the
+//! object, the point may be behind one face and yet outside. The angle-weighted pseudo-normal of all faces that meet
+//! there determines it (Baerentzen and Aanaes 2005).
 
 use super::closest_point::{ClosestPoint, ON_RIM, tangents};
 use super::surface::{ContactSurface, SurfaceFace, face_frame};
@@ -10,7 +10,8 @@ use crate::geometry::mesh::rings::TrianglePart;
 use glam::DVec3;
 
 impl ClosestPoint {
-    /// The closest point of `y` with the sign of the whole surface at node positions `x`, not of its face alone.
+    /// Returns the closest point of `y` with the sign of the whole surface at node positions `x`, not of its face
+    /// alone.
     pub(crate) fn signed(self, surface: &ContactSurface, x: &[DVec3], y: DVec3) -> Self {
         if self.l.iter().all(|v| *v > ON_RIM) {
             return self;
@@ -43,7 +44,7 @@ fn pseudo_normal(surface: &ContactSurface, x: &[DVec3], closest_point: &ClosestP
     sum.normalize_or(closest_point.normal)
 }
 
-/// The faces that meet at a closest point on the rim of its face, each with its own coordinates of that point.
+/// Faces that meet at a closest point on the rim of its face, each with its own coordinates of that point.
 fn meeting<'a>(
     surface: &'a ContactSurface,
     closest_point: &ClosestPoint,
@@ -55,7 +56,7 @@ fn meeting<'a>(
         TrianglePart::Edge(k) => surface.rings.sides(own, k).map_or(vec![own], |sides| sides.to_vec()),
         TrianglePart::Face => vec![own],
     };
-    // A coordinate belongs to a node; of nodes that a face does not have it is zero here.
+    // Coordinates belong to nodes; here, those of nodes outside the face are zero.
     let of = move |node: u32| corners.iter().position(|n| *n == node).map_or(0.0, |k| l[k].max(0.0));
     faces.into_iter().map(move |i| &surface.faces[i as usize]).map(move |face| (face, face.corners.map(of)))
 }

@@ -1,11 +1,11 @@
-//! What the contact law makes of the state of one edge.
+//! Contact law applied to the state of one edge.
 
 use super::law::ContactLaw;
 pub use crate::mech::potential::edge::EdgeState;
 use glam::DVec3;
 
 impl EdgeState {
-    /// The edge of a point that is near nothing.
+    /// Edge of a point that is out of reach of any surface.
     pub const OPEN: Self = Self {
         gap: f64::INFINITY,
         normal: DVec3::ZERO,
@@ -20,7 +20,7 @@ impl EdgeState {
         scale: 1.0,
     };
 
-    /// Returns true if the edge is equivalent to [`EdgeState::OPEN`]: nothing is near, and nothing is remembered.
+    /// Returns true if the edge is equivalent to [`EdgeState::OPEN`]: no surface is in reach, and there is no history.
     pub fn is_open(&self) -> bool {
         self.gap == f64::INFINITY
             && self.pressure <= 0.0
@@ -29,7 +29,8 @@ impl EdgeState {
             && self.scale == 1.0
     }
 
-    /// Part of the way from the start of the increment to here that lies past the touch, if both are straight.
+    /// Active fraction: part of the straight motion since the start of the increment during which the point has been in
+    /// contact.
     pub fn past_touch(&self, offset: f64) -> f64 {
         match self.clear {
             Some(clear) if clear > offset && self.gap < offset => (offset - self.gap) / (clear - self.gap),
@@ -38,7 +39,8 @@ impl EdgeState {
         }
     }
 
-    /// Friction energy per area under `law`, J/m2, at tangential displacement `s` (m) from the sticking point and frozen limit.
+    /// Friction energy per area under `law`, J/m2, at tangential displacement `s` (m) from the sticking point and fixed
+    /// limit.
     pub fn friction_energy(&self, law: &ContactLaw, s: DVec3) -> f64 {
         law.engaged(self.share).friction_energy(s, self.limit)
     }
@@ -48,12 +50,12 @@ impl EdgeState {
         self.anchor.filter(|_| self.limit > 0.0)
     }
 
-    /// Returns this edge as pressed by one of the places that it touches, at `gap` (m) along `normal`.
+    /// Returns this edge with the pressure at one of its contact points, at `gap` (m) along `normal`.
     pub fn on(&self, law: &ContactLaw, gap: f64, normal: DVec3) -> Self {
         Self { gap, normal, pressure: law.pressure(gap, self.scale).0, ..*self }
     }
 
-    /// Sets pressure and normal from the places that it touches: gap (m), normal and weight of each, the nearest first.
+    /// Sets pressure and normal from the contact points: gap (m), normal and weight of each, the nearest first.
     pub fn press(&mut self, law: &ContactLaw, mut places: impl Iterator<Item = (f64, DVec3, f64)>) {
         let Some((gap, normal, _)) = places.next() else {
             (self.gap, self.pressure) = (f64::INFINITY, 0.0);
@@ -68,8 +70,8 @@ impl EdgeState {
         }
     }
 
-    /// Sets the friction limit to `friction` times the pressure and the plane of friction to the normal if they are to `follow`; returns
-    /// how far the limit lags, Pa.
+    /// Sets the friction limit to `friction` times the pressure and the normal of the friction plane to the current one
+    /// if they are to `follow`; a plane not yet set is always set. Returns the lag of the limit, Pa.
     pub fn set_limit(&mut self, friction: f64, follow: bool) -> f64 {
         if follow || self.plane == DVec3::ZERO {
             self.plane = self.normal;

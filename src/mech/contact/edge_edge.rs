@@ -1,5 +1,5 @@
-//! Deepest point of an edge of the object in a pad. It mostly lies where an edge between faces of the pad crosses it. Points at
-//! fixed places of both edges miss it by the more the steeper the two are.
+//! Deepest point of an edge of the object in a pad. It usually lies where an edge between faces of the pad crosses it.
+//! Fixed samples of both edges miss it by a depth that grows with the angles of the two edges.
 
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
@@ -8,7 +8,7 @@ use crate::mech::potential::state::BodyView;
 use crate::scales::{DEEPEST, DEEPEST_LENGTH};
 use glam::DVec3;
 
-/// The point of a stretch that is deepest in the pad, object axes, m; None if none is deeper than `least` (m).
+/// The point of an edge segment that is deepest in the pad, object frame, m; None if none is deeper than `least` (m).
 pub(crate) fn deepest(
     bounds: &FaceBounds,
     surface: &ContactSurface,
@@ -16,8 +16,8 @@ pub(crate) fn deepest(
     stretch: &Stretch,
     least: f64,
 ) -> Option<DVec3> {
-    // The distance changes no faster than the point moves, along an arc a little more than along its chord: parts that cannot go
-    // deeper than what is found are skipped.
+    // Branch and bound: the distance changes no faster than the point moves, so that parts which cannot contain a
+    // deeper point are skipped. Lengths are those of the arc, which is slightly longer than its chord.
     let [reach, deep, fine] = [bounds.at_once(), DEEPEST * bounds.offset, DEEPEST_LENGTH * bounds.offset];
     let length = ARC * stretch.length();
     let mut best = (-least, None);
@@ -42,5 +42,5 @@ pub(crate) fn deepest(
     best.1
 }
 
-/// Length of the flattest arc of a rim, over its chord, at most.
+/// Largest ratio of arc length to chord for a segment of a rim.
 const ARC: f64 = 1.05;

@@ -1,5 +1,5 @@
-//! Contact of the object's features (vertices, points along sharp edges) with a pad's faces, as a term of the potential. It
-//! keeps a needle or a knife edge from slipping between the sample points of the pad.
+//! Contact of the object's contact vertices (vertices and points of sharp edges) with the faces of a pad, as a term of
+//! the potential. It keeps a needle or a knife edge from passing between the sample points of the pad.
 
 use super::candidate_list::{CandidateList, GapBounds};
 use super::edge::EdgeState;
@@ -26,48 +26,50 @@ use serde::{Deserialize, Serialize};
 use std::cell::LazyCell;
 use std::sync::Arc;
 
-/// A point of the object that must not slip between the sample points of a pad.
+/// Contact vertex: a point of the object that must not pass between the sample points of a pad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Feature {
     /// Position in the object frame, m.
     pub position: DVec3,
     /// Flag: the point is on a sharp edge or corner; else it is a vertex of a smooth surface.
     pub sharp: bool,
-    /// The stretch of an edge that it may move along.
+    /// Segment of an edge along which the vertex may move.
     pub along: Option<Stretch>,
 }
 
 impl Feature {
-    /// Creates a feature that moves to where a pad is deepest on a stretch of an edge, so that the edge does not come through
-    /// between fixed points. It begins at a third of the stretch, where no fixed point is.
+    /// Creates a contact vertex that moves to the deepest point of an edge segment in a pad, so that the edge does not
+    /// penetrate between fixed samples. It starts at a third of the segment, where no fixed sample is.
     pub fn along(stretch: Stretch) -> Self {
         Self { position: stretch.point(1.0 / 3.0), sharp: false, along: Some(stretch) }
     }
 
-    /// Law of this feature. Vertices of a smooth surface are felt late: the pad's own points carry that contact.
+    /// Law of this vertex. Vertices of a smooth surface have a reduced contact offset: the pad's own points carry that
+    /// contact.
     fn law(&self, law: &ContactLaw) -> ContactLaw {
         if self.sharp { *law } else { law.late() }
     }
 }
 
-/// Contact and friction between the object's features and a pad.
+/// Contact and friction between the object's contact vertices and a pad.
 #[derive(Debug, Clone)]
 pub struct FeatureContact {
-    /// One edge per feature. The anchor of an edge is the drag of its sticking point, hand frame.
+    /// One edge per contact vertex. The anchor of an edge is the position of the vertex relative to its sticking point
+    /// on the pad at which friction vanishes, hand axes.
     pool: EdgePool,
     surface: Arc<ContactSurface>,
     features: Arc<[Feature]>,
-    /// Area a feature stands for, m2: that of a sample point of the pad, which it replaces.
+    /// Contact area per vertex, m2: that of a sample point of the pad, which it replaces.
     area: f64,
     sites: Vec<Site>,
     bounds: FaceBounds,
     candidates: CandidateList,
     accepted: Accepted,
-    /// State from which the increment departed.
+    /// State from which the increment starts.
     from: Option<Departure>,
 }
 
-/// State that a rollback goes back to.
+/// State that a rollback restores.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Accepted {
     sites: Vec<Site>,
@@ -85,22 +87,22 @@ impl FeatureContact {
         Self { pool, surface, features, area, accepted, sites, bounds, candidates, from: None }
     }
 
-    /// Edges of the features near the pad, with the numbers of the features; in the order of these once accepted.
+    /// Edges of the contact vertices near the pad, with the indices of the vertices; in ascending order once accepted.
     pub fn edges(&self) -> impl Iterator<Item = (usize, &EdgeState)> {
         self.pool.near()
     }
 
-    /// The edge of feature `i`.
+    /// Edge of contact vertex `i`.
     pub fn edge(&self, i: usize) -> &EdgeState {
         self.pool.edge(i)
     }
 
-    /// The law of feature `i`.
+    /// Law of contact vertex `i`.
     fn law_of(&self, i: usize) -> ContactLaw {
         self.features[i].law(&self.pool.law)
     }
 
-    /// The features that may matter under `view`, if known.
+    /// Contact vertices that may touch under `view`; None if the list is outdated.
     fn nearby(&self, view: &BodyView) -> Option<Vec<usize>> {
         self.candidates.nearby(view, self.pool.law.offset).map(<[usize]>::to_vec)
     }
@@ -109,8 +111,8 @@ impl FeatureContact {
         (0..self.features.len()).collect()
     }
 
-    /// Faces that feature `i`, which is `near`, presses on, on a surface with nodes at `x`. If `stays` is set, the choice
-    /// between one face and a whole fold is kept; else it may change.
+    /// Faces that contact vertex `i`, with the gap bounds `near`, presses on, for node positions `x`. If `stays` is
+    /// set, the choice between one face and a whole fold is kept; else it may change.
     fn incident<'a>(
         &self,
         faces: impl FnOnce() -> &'a FaceBounds,
@@ -129,7 +131,7 @@ impl FeatureContact {
         })
     }
 
-    /// Point where feature `i` sticks to the pad, and its distance from the feature plus its `drag`, m.
+    /// Sticking point of vertex `i` on the pad, and its displacement from the vertex plus `drag`, m.
     fn stretch(&self, i: usize, drag: Option<DVec3>, view: &BodyView) -> Option<(&Stencil, DVec3)> {
         let (drag, site) = (drag?, &self.sites[i]);
         let stick = &site.touch.as_ref()?.stick;
@@ -140,7 +142,7 @@ impl FeatureContact {
 
 impl BodyTerm for FeatureContact {
     fn energy(&self, _: &Body, view: &BodyView) -> f64 {
-        // Only if a feature is near.
+        // Computed only if a vertex is near.
         let bounds = LazyCell::new(|| {
             let mut bounds = FaceBounds::new(self.pool.law.offset);
             bounds.update(&self.surface, view.x);
@@ -280,17 +282,18 @@ impl BodyTerm for FeatureContact {
     }
 }
 
-/// Maximum number of moves of a feature along its edge in one increment.
+/// Maximum number of moves of a contact vertex along its edge in one increment.
 const MOVES: u32 = 2;
 
 impl FeatureContact {
-    /// Moves features along their edges to where the pad is deepest; returns true if none had to move.
+    /// Moves contact vertices along their edges to their deepest points in the pad; returns true if none had to move.
     fn follow(&mut self, view: &BodyView) -> bool {
         let moved = self.candidates.moved(view.x);
         let mut stay = true;
         for (i, (feature, site)) in self.features.iter().zip(&mut self.sites).enumerate() {
             let Some(stretch) = &feature.along else { continue };
-            // If one that is pressed leaves its place, the pad comes through there: for little it stays.
+            // The pad would penetrate where a vertex under pressure leaves: such a vertex moves only for a larger
+            // depth.
             let most = self.pool.law.offset * FEATURE_MOVES[usize::from(self.pool.edge(i).pressure > 0.0)];
             let near = self.candidates.bounds(i, site.place(view), moved).within(stretch.length());
             let free = near && site.moves < MOVES;
@@ -308,7 +311,8 @@ impl FeatureContact {
         stay
     }
 
-    /// Refreshes gap, pressure and friction of edge `i`, whose feature is `near`; returns how far its friction limit lags, Pa.
+    /// Updates gap, pressure and friction of edge `i`, whose vertex has the gap bounds `near`; returns the lag of its
+    /// friction, Pa.
     fn update(&mut self, i: usize, view: &BodyView, near: GapBounds, follow: bool) -> f64 {
         let law = self.law_of(i);
         let incident = self.incident(|| &self.bounds, i, view.x, near, false);
@@ -330,9 +334,9 @@ impl FeatureContact {
             let normal = self.pool.edge(i).normal;
             let away = near.at - touch.now.position(view.x);
             let start = self.from.as_ref().map_or(away, |from| from.of_object(site.position) - from.point(&touch.now));
-            // Along the normal it is where it is now.
+            // The normal component is that of the current state.
             let drag = start + normal * normal.dot(away - start);
-            // The normal is that of the object.
+            // `normal` is the outward normal of the object.
             self.pool.touch(i, &law, drag, || -normal.dot(start));
         }
         let stretch = self.stretch(i, self.pool.edge(i).anchor, view).map(|(_, stretch)| stretch);

@@ -1,4 +1,4 @@
-//! Closest point of a quadratic face that is folded, where the search from its flat triangle ends anywhere.
+//! Closest point of a folded quadratic face, on which the search from its flat triangle may end at any local minimum.
 
 use super::closest_point::{ON_RIM, tangents};
 use super::surface::SurfaceFace;
@@ -7,7 +7,7 @@ use glam::DVec3;
 
 /// Maximum number of iterations from one start.
 const ITERATIONS: u32 = 30;
-/// Change of the coordinates below which the iterations end.
+/// Change of the coordinates below which the iterations stop.
 const STILL: f64 = 1e-13;
 /// Starting points of the search over the face, and along an edge.
 const OVER: [[f64; 3]; 4] = [
@@ -18,7 +18,8 @@ const OVER: [[f64; 3]; 4] = [
 ];
 const ALONG: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
 
-/// Barycentric coordinates of the nearest of all points of `face` where Newton's method from several starts comes to rest.
+/// Barycentric coordinates of the nearest of all local minima that Newton's method finds on `face` from several
+/// starting points.
 pub(crate) fn closest(face: &SurfaceFace, x: &[DVec3], y: DVec3) -> [f64; 3] {
     let over = OVER.into_iter().map(|l| inside(face, x, y, l));
     let along = (0..3).flat_map(|k| ALONG.map(|t| along(face, x, y, k, t)));
@@ -33,8 +34,8 @@ fn distance_squared(face: &SurfaceFace, x: &[DVec3], y: DVec3, l: [f64; 3]) -> f
     face.stencil(l).position(x).distance_squared(y)
 }
 
-/// Finds the least squared distance over the face from `l` on; slides along the rim where the search leads out. Returns the
-/// coordinates and that distance.
+/// Minimises the squared distance over the face from `l`; moves along the rim where the search would leave the face.
+/// Returns the coordinates and that distance.
 fn inside(face: &SurfaceFace, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> ([f64; 3], f64) {
     let [d11, d12, d22] = bends(face, x);
     let mut far = distance_squared(face, x, y, l);
@@ -59,7 +60,7 @@ fn inside(face: &SurfaceFace, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> ([f64; 
             let by = (r1 * u + r2 * v) / (a * u * u + 2.0 * b * u * v + c * v * v);
             step = along.map(|part| by * part);
         }
-        // As far as the rim at most.
+        // At most up to the rim.
         let most = (0..3).filter(|k| step[*k] < 0.0).map(|k| l[k] / -step[k]).fold(1.0, f64::min);
         let Some((next, nearer)) = shorten(most, far, |alpha| {
             let next: [f64; 3] = std::array::from_fn(|k| {
@@ -79,7 +80,7 @@ fn inside(face: &SurfaceFace, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> ([f64; 
     (l, far)
 }
 
-/// Finds the least squared distance along the edge opposite to corner `k`, from the part `t` of it on.
+/// Minimises the squared distance along the edge opposite to corner `k`, from the fraction `t` of its length.
 fn along(face: &SurfaceFace, x: &[DVec3], y: DVec3, k: usize, mut t: f64) -> ([f64; 3], f64) {
     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
     let at = |t: f64| {
@@ -108,7 +109,7 @@ fn along(face: &SurfaceFace, x: &[DVec3], y: DVec3, k: usize, mut t: f64) -> ([f
     (at(t), far)
 }
 
-/// Returns the longest of successively shorter steps that leads nearer than `far`, with the squared distance there.
+/// Halves the step `alpha` until the squared distance is below `far`; returns the result with that distance, or None.
 fn shorten<T>(mut alpha: f64, far: f64, step: impl Fn(f64) -> (T, f64)) -> Option<(T, f64)> {
     for _ in 0..12 {
         let (next, nearer) = step(alpha);

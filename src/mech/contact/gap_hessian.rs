@@ -1,15 +1,16 @@
-//! Curvature of the distance of a feature to a face of the pad: the face bends, turns with its nodes, and the closest point
-//! slides over it.
+//! Second derivatives of the distance of a contact vertex to a face of the pad: the face is curved, rotates with its
+//! nodes, and the closest point slides over it.
 //!
-//! Let `g` be the gap along the face's normal `n`, `u` the motion of the feature relative to the closest point, `d_i` the
-//! tangents there and `w_i` their turn towards `n` by the motion of the nodes. The least distance over the face has
+//! Let `g` be the gap along the face's normal `n`, `u` the motion of the vertex relative to the closest point, `d_i`
+//! the tangents there and `w_i` their rotation towards `n` by the motion of the nodes. The smallest distance over the
+//! face has
 //!
 //! ```text
 //! d2g = -(2 a.G^-1 w + g w.G^-1 w + c.Q c)      a_i = d_i.u    c = a + g w    G_ij = d_i.d_j
 //!                                               Q = G^-1 B (G - g B)^-1       B_ij = n.d_i,j
 //! ```
 //!
-//! (second variation of a minimum: the Hessian less what the closest point gives by sliding).
+//! (second variation of a minimum: the Hessian minus the part that the sliding of the closest point relaxes).
 
 use super::closest_point::{ClosestPoint, ON_RIM, tangents};
 use super::folds::bends;
@@ -17,8 +18,8 @@ use super::surface::SurfaceFace;
 use crate::mech::potential::block::Form;
 use glam::{DMat2, DVec2, DVec3};
 
-/// Second derivatives that a pressure force `p` (N) on the pad has for this reason; `None` on the rim of the face, where the
-/// closest point does not slide, and beyond the centre of curvature.
+/// Second derivatives of the energy of a pressure force `p` (N) on the pad due to this curvature; `None` on the rim of
+/// the face, where the closest point does not slide, and beyond the centre of curvature.
 pub(crate) fn bend(face: &SurfaceFace, x: &[DVec3], closest_point: &ClosestPoint, p: f64) -> Option<Form<4>> {
     if closest_point.l.iter().any(|v| v.abs() <= ON_RIM) {
         return None;
@@ -37,7 +38,7 @@ pub(crate) fn bend(face: &SurfaceFace, x: &[DVec3], closest_point: &ClosestPoint
     let cross = inverse + q * gap;
     let turned = cross * gap;
     let part = |m: &DMat2, i: usize, j: usize| 0.5 * (m.col(i)[j] + m.col(j)[i]);
-    // The force along the gap is -p.
+    // The force conjugate to the gap is -p.
     let matrix = std::array::from_fn(|i| {
         std::array::from_fn(|j| {
             p * match (i < 2, j < 2) {

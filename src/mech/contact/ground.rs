@@ -15,8 +15,8 @@ use glam::{DMat3, DVec3};
 use std::iter;
 use std::sync::Arc;
 
-/// Contact of the object with the half-space `normal . x <= height` of the world. Edges are per vertex, with forces in N
-/// where those of pads have pressures in Pa; the sticking point is in world axes.
+/// Contact of the object with the half-space `normal . x <= height` of the world. Edges are per vertex and hold forces
+/// in N where those of pads hold pressures in Pa; the sticking point is in world axes.
 #[derive(Debug, Clone)]
 pub struct GroundContact {
     /// One edge per vertex.
@@ -25,8 +25,8 @@ pub struct GroundContact {
     normal: DVec3,
     height: f64,
     hand: HandState,
-    /// World position of each vertex at the last accepted state, m. A vertex that touches starts to stick there, so that a step
-    /// in which it slides on has the friction of all its way.
+    /// World position of each vertex at the last accepted state, m. A vertex that makes contact within a step gets its
+    /// sticking point there, so that friction acts on all of its sliding in the step.
     last: Vec<DVec3>,
 }
 
@@ -41,7 +41,7 @@ impl GroundContact {
         hand: HandState,
         view: &ObjectView,
     ) -> Self {
-        // Forces, not pressures: no limit is too small to matter.
+        // Limits are forces, not pressures: none counts as negligible.
         let mut pool = EdgePool::new(law, vertices.len());
         pool.negligible = 0.0;
         let last = vertices.iter().map(|v| hand.to_world(view.position + view.rotation * *v)).collect();
@@ -53,7 +53,7 @@ impl GroundContact {
         self.hand = step.hand;
     }
 
-    /// Edges of the vertices near the ground, with the numbers of the vertices.
+    /// Edges of the vertices near the ground, with the indices of the vertices.
     pub fn edges(&self) -> impl Iterator<Item = (usize, &EdgeState)> {
         self.pool.near()
     }
@@ -66,7 +66,7 @@ impl GroundContact {
             if e.pressure <= 0.0 {
                 continue;
             }
-            // The edge has the force on the ground.
+            // The edge holds the force on the ground.
             let force = -(e.normal * e.pressure + e.traction);
             sum.0 += force;
             sum.1 += (view.position + view.rotation * *v - center).cross(force);
@@ -83,7 +83,7 @@ impl GroundContact {
         self.normal.dot(world) - self.height
     }
 
-    /// Refreshes gap, force and friction of edge `i`; returns how far its friction limit lags, N.
+    /// Updates gap, force and friction of edge `i`; returns the lag of its friction, N.
     fn update(&mut self, i: usize, view: &ObjectView, follow: bool) -> f64 {
         let arm = view.rotation * self.vertices[i];
         let gap = self.gap(self.hand.to_world(view.position + arm));

@@ -1,8 +1,9 @@
-//! Faces that a feature of the object presses on: the nearest face of the pad and, in a fold, its other incident faces.
+//! Faces that a contact vertex of the object presses on: the nearest face of the pad and, in a fold, its other incident
+//! faces.
 //!
-//! An edge of the object folds the pad around it and comes to rest in the fold, where it touches both incident faces. The least
-//! of their distances has a kink there, about which Newton's method would jump for ever; the sum over both has none (see
-//! [`Rings::beside`](crate::geometry::mesh::rings::Rings::beside)).
+//! An edge of the object folds the pad and reaches equilibrium in the fold, where it touches both incident faces. The
+//! smaller of their distances has a kink there, across which Newton's method would oscillate; the sum over both has
+//! none (see [`Rings::beside`](crate::geometry::mesh::rings::Rings::beside)).
 
 use super::closest_point::{ClosestPoint, ON_RIM, carried_on, on_edge, on_face};
 use super::project::FaceBounds;
@@ -12,16 +13,17 @@ use crate::geometry::shape::outer;
 use crate::scales::FACE_KEPT;
 use glam::{DMat3, DVec3};
 
-/// A closest point, its weight in the sum over all of them, and how the direction to it turns as the feature moves, 1/m.
+/// Closest point, its weight in the sum over all of them, and the derivative of the direction to it in the position of
+/// the vertex, 1/m.
 pub(crate) type IncidentFace = (ClosestPoint, f64, DMat3);
 
 impl ClosestPoint {
-    /// The part of its face that it lies on.
+    /// Part of the face on which the point lies.
     pub(crate) fn part(&self) -> TrianglePart {
         let on = |k: usize| self.l[k] <= ON_RIM;
         match [on(0), on(1), on(2)] {
             [false, false, false] => TrianglePart::Face,
-            // Opposite to corner `k` lies edge `k + 1`.
+            // Edge `k + 1` is opposite to corner `k`.
             [true, false, false] => TrianglePart::Edge(1),
             [false, true, false] => TrianglePart::Edge(2),
             [false, false, true] => TrianglePart::Edge(0),
@@ -32,29 +34,30 @@ impl ClosestPoint {
     }
 }
 
-/// Cosine of the angle between faces from which on a fold is shallow (15 degrees).
+/// Cosine of the angle between faces above which a fold is shallow (15 degrees).
 const SHALLOW: f64 = 0.966;
-/// Cosine where one face counted last (18 degrees), and where the whole fold did (12): the choice does not swing.
+/// The same if one face was used last (18 degrees), and if the whole fold was (12 degrees): the choice does not
+/// oscillate.
 const SHALLOW_STILL: f64 = 0.951;
 const SHALLOW_AGAIN: f64 = 0.978;
-/// Cosine while the choice of one face stays (30 degrees).
+/// The same while the choice of one face is kept (30 degrees).
 const NOT_SHALLOW: f64 = 0.866;
-/// Contact of a feature at the last assembly.
+/// Contact of a vertex at the last assembly.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LastContact {
-    /// The nearest face.
+    /// Nearest face.
     pub face: usize,
-    /// Flag: the face was carried on beyond its rim.
+    /// Flag: the face was extended beyond its rim.
     pub carried: bool,
-    /// Flag: other faces counted beside it.
+    /// Flag: other faces were used in addition to it.
     pub folded: bool,
-    /// Flag: the choice stays, so that the energy along a line has no jumps; else it is made anew, but not changed
-    /// for a small difference.
+    /// Flag: the choice of faces is kept, so that the energy along a line has no jumps; else it is made again, with
+    /// hysteresis.
     pub stays: bool,
 }
 
 impl LastContact {
-    /// Cosine of the angle between faces from which on a fold is shallow.
+    /// Cosine of the angle between faces above which a fold is shallow.
     fn shallow(self) -> f64 {
         match (self.stays, self.folded) {
             (false, false) => SHALLOW_STILL,
@@ -64,7 +67,7 @@ impl LastContact {
         }
     }
 
-    /// Difference of distance up to which its face is kept at a shallow fold, m, for contact with this `offset` (m).
+    /// Difference of distances up to which the face is kept at a shallow fold, m, for contact with this `offset` (m).
     fn kept(self, offset: f64) -> f64 {
         match (self.stays, self.carried) {
             (false, _) => FACE_KEPT * offset,
@@ -75,12 +78,12 @@ impl LastContact {
 }
 
 impl FaceBounds {
-    /// Finds the closest points of a feature at `y` (relative to the finger, m), the nearest first; none if it is farther than
-    /// `reach` (m) from the surface.
+    /// Finds the closest points of a contact vertex at `y` (relative to the finger, m), the nearest first; none if it
+    /// is farther than `reach` (m) from the surface.
     ///
-    /// The normal hardly changes at a shallow fold, like that between faces of a smoothly bent pad, but it changes within a
-    /// fraction of the reach. Just one face counts there, and that of `last` is kept as long as it is nearly as near. `side`
-    /// decides on which side of the surface the feature is.
+    /// At a shallow fold, as between faces of a smoothly curved pad, the normals differ little, but they change within
+    /// a fraction of the reach. A single face is used there, and that of `last` is kept as long as it is nearly as
+    /// near. `side` decides on which side of the surface the vertex is.
     pub(crate) fn incident(
         &self,
         surface: &ContactSurface,
@@ -110,7 +113,7 @@ impl FaceBounds {
         incident
     }
 
-    /// Closest points within `reach` without the nearest.
+    /// Closest points within `reach` except the nearest.
     fn beside(
         &self,
         surface: &ContactSurface,
@@ -159,7 +162,7 @@ fn inside(surface: &ContactSurface, x: &[DVec3], closest_point: &ClosestPoint, m
     (0..3).all(|k| closest_point.l[k] * twice > margin * edges[k])
 }
 
-/// Closest point on a place of the surface that faces `y`, and how the direction to it turns.
+/// Closest point of `y`, which is outside, on a part of the surface, and the derivative of the direction to it.
 fn outside(surface: &ContactSurface, x: &[DVec3], y: DVec3, place: SurfacePart) -> Option<(ClosestPoint, DMat3)> {
     let (face, l, along) = match place {
         SurfacePart::Face(i) => return Some((on_face(i as usize, &surface.faces[i as usize], x, y), DMat3::ZERO)),

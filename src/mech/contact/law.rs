@@ -1,10 +1,12 @@
-//! The contact law at one point, per unit area: normal pressure and Coulomb friction, each the gradient of a C1 potential.
+//! The contact law at one point, per unit area: normal pressure and Coulomb friction, each the gradient of a C1
+//! potential.
 //!
-//! Surfaces meet at an `offset` (a 400th of the thickness of the pads) outside the object: from there a stiff penalty resists, and stiffens
-//! again in the last quarter, so that no accepted state penetrates while an iterate may. Against a barrier, whose steps
-//! shrink to the first point that would touch, this lets one Newton iteration change the contact set everywhere; against
-//! an augmented Lagrangian it has no history, so that the answer does not depend on how many increments led to it.
-//! Since travel counts from where the offset surfaces touch, the offset acts as a radius larger by as much.
+//! Surfaces come into contact at a gap `offset` (a 400th of the pad thickness). Below it a stiff penalty acts, which
+//! becomes stiffer in the last quarter, so that accepted states do not penetrate while iterates may. Unlike a barrier,
+//! whose steps are limited by the first point that would touch, this lets one Newton iteration change the contact set
+//! everywhere; unlike an augmented Lagrangian it has no history, so that the solution does not depend on the number of
+//! increments. Since travel counts from the contact of the offset surfaces, the offset acts as an equal increase of the
+//! radius.
 
 use super::coulomb::{kept, slips};
 use crate::scales::CONTACT_STIFFNESS;
@@ -15,26 +17,26 @@ use glam::DVec3;
 pub struct ContactLaw {
     /// Stiffness per area in normal direction, Pa/m.
     pub stiffness: f64,
-    /// Gap at which the surfaces meet, m.
+    /// Gap at which surfaces come into contact, m.
     pub offset: f64,
-    /// Coulomb coefficient; 0 switches friction off.
+    /// Coulomb coefficient; 0 disables friction.
     pub friction: f64,
     /// Stiffness per area in tangential direction while sticking, Pa/m.
     pub tangential: f64,
 }
 
-/// Fraction of the offset kept for the stiffer branch.
+/// Fraction of the offset in which the stiffer branch acts.
 const RESERVE: f64 = 0.25;
-/// Fraction of the offset from which a point is felt late.
+/// Reduced contact offset over the full one.
 const LATE: f64 = 0.3;
 /// Smallest gap of an accepted state, as a fraction of the offset.
 const LEAST: f64 = 0.02;
-/// Stiffness of that branch over the stiffness of the law.
+/// Stiffness of the stiffer branch over that of the law.
 const STIFFENING: f64 = 30.0;
 
 impl ContactLaw {
     /// Creates the law for a gel of Young's modulus `young` (Pa) sampled every `spacing` (m) with Coulomb coefficient
-    /// `friction`, from the gap `offset` (m) on.
+    /// `friction`, active below the gap `offset` (m).
     ///
     /// A layer as thick as the spacing has stiffness `young / spacing`; contact is eighty times stiffer.
     pub fn new(young: f64, spacing: f64, friction: f64, offset: f64) -> Self {
@@ -42,14 +44,13 @@ impl ContactLaw {
         Self { stiffness, offset, friction, tangential: stiffness / 3.0 }
     }
 
-    /// Returns this law for a point that is felt late: others carry the contact, and the point only must not come through
-    /// between them.
+    /// Returns this law with the reduced contact offset, for a point that only prevents penetration between points that
+    /// carry the contact.
     pub fn late(&self) -> Self {
         Self { offset: LATE * self.offset, ..*self }
     }
 
-    /// Returns this law for a point that has been in contact for the part `share` of its motion: the spring takes up that part
-    /// alone.
+    /// Returns this law for a point with the active fraction `share`: its tangential stiffness is multiplied by it.
     pub fn engaged(&self, share: f64) -> Self {
         Self { tangential: share * self.tangential, ..*self }
     }
@@ -59,7 +60,7 @@ impl ContactLaw {
         LEAST * self.offset
     }
 
-    /// Pressure (Pa) and minus its derivative in the gap (Pa/m). `scale` stiffens a single edge.
+    /// Pressure (Pa) and minus its derivative in the gap (Pa/m). `scale` multiplies the stiffness of a single edge.
     #[inline(always)]
     pub fn pressure(&self, gap: f64, scale: f64) -> (f64, f64) {
         let k = self.stiffness * scale;
@@ -82,8 +83,8 @@ impl ContactLaw {
         0.5 * self.stiffness * scale * (closed * closed + (STIFFENING - 1.0) * hard * hard)
     }
 
-    /// Friction traction on the pad (Pa) at tangential displacement `s` (m) from the sticking point, for the limit `mu p` (Pa),
-    /// and whether the point slips. The traction opposes `s`.
+    /// Friction traction on the pad (Pa) at tangential displacement `s` (m) from the sticking point, for the limit
+    /// `mu p` (Pa), and whether the point slips. The traction opposes `s`.
     #[inline(always)]
     pub fn traction(&self, s: DVec3, limit: f64) -> (DVec3, bool) {
         let trial = s * -self.tangential;
@@ -91,16 +92,16 @@ impl ContactLaw {
         (trial * kept(size, limit), slips(size, limit))
     }
 
-    /// Friction energy per area, J/m2, at frozen `limit`; its gradient in `s` is minus the traction.
+    /// Friction energy per area, J/m2, at fixed `limit`; its gradient in `s` is minus the traction.
     #[inline(always)]
     pub fn friction_energy(&self, s: DVec3, limit: f64) -> f64 {
         let size = s.length() * self.tangential;
         if slips(size, limit) { limit * (s.length() - 0.5 * limit / self.tangential) } else { 0.5 * size * s.length() }
     }
 
-    /// Coefficients `(a, b)` of the friction Hessian `a (I - n n^T) - b t t^T`, Pa/m, with `t` the unit traction. If it is the
-    /// `secant`, `b` is zero: the quadratic with this Hessian lies above the energy, so that its minimum is lower than where it touches
-    /// it (Kacanov's method: Han, Jensen and Shimansky 1997).
+    /// Coefficients `(a, b)` of the friction Hessian `a (I - n n^T) - b t t^T`, Pa/m, with `t` the unit traction. For
+    /// the `secant`, `b` is zero: the quadratic with this Hessian majorises the energy, so that its minimum is below
+    /// the energy at the current point (Kacanov's method: Han, Jensen and Shimansky 1997).
     #[inline(always)]
     pub fn friction_hessian(&self, s: DVec3, limit: f64, secant: bool) -> (f64, f64) {
         let size = s.length() * self.tangential;

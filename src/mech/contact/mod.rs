@@ -1,8 +1,9 @@
 //! Contact of a soft pad with the rigid object.
 //!
-//! A *contact edge* joins a point of one body to the surface of the other: points of the pad's surface to the object
-//! ([`surface`]), and points of the object's features to the pad ([`feature`]), so that neither a smooth face nor a needle
-//! slips between samples. All edges carry the same [`law`]: a stiff penalty on the gap, and Coulomb friction.
+//! A *contact edge* joins a point of one body to its closest point on the other: sample points of the pad to the object
+//! ([`surface`]), and *contact vertices* of the object (vertices and points of sharp edges) to the pad ([`feature`]),
+//! so that neither a smooth face nor a needle passes between samples. All edges have the same [`law`]: a stiff penalty
+//! on the gap, and Coulomb friction.
 
 mod candidate_list;
 mod cells;

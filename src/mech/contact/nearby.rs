@@ -1,32 +1,36 @@
-//! The only points of a pad, or features of an object, that can matter while both have not moved far.
+//! List of the pad points, or contact vertices of the object, that can touch while neither body has moved far since it
+//! was built.
 
 use crate::mech::potential::state::BodyView;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// Largest motion of a point of a quadratic face over that of its nodes: the sum of the magnitudes of its shape functions.
+/// Largest motion of a point of a quadratic face over that of its nodes: the maximum of the sum of its shape functions'
+/// magnitudes.
 pub(crate) const BULGE: f64 = 5.0 / 3.0;
 
-/// Numbers of what was near at an earlier state.
+/// Indices of the points that were near at an earlier state.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Nearby {
-    /// Numbers, ascending.
+    /// Indices, ascending.
     pub list: Vec<usize>,
-    /// Node positions when they were listed, m; none before.
+    /// Node positions when the list was built, m; empty before.
     x: Vec<DVec3>,
-    /// Position of the object then, relative to the finger, m, and its orientation.
+    /// Position of the object relative to the finger, m, and its orientation when the list was built.
     object: (DVec3, DMat3),
-    /// Largest distance from the origin of the object of what turns against each other, m.
+    /// Largest distance from the origin of the object of the points that may rotate relative to each other, m.
     pub radius: f64,
 }
 
 impl Nearby {
-    /// Creates the list of the ascending numbers `list` under `view`; nothing is farther than `radius` (m) from the origin of the object.
+    /// Creates the list of the ascending indices `list` under `view`; no point is farther than `radius` (m) from the
+    /// origin of the object.
     pub fn new(list: Vec<usize>, view: &BodyView, radius: f64) -> Self {
         Self { list, x: view.x.to_vec(), object: object(view), radius }
     }
 
-    /// Bound of the motion of any point of the pad and any of the object against each other since then, m; `+inf` before the first list.
+    /// Upper bound of the relative motion of any point of the pad and any of the object since the list was built, m;
+    /// `+inf` before the first list.
     pub fn moved(&self, view: &BodyView) -> f64 {
         let ((place, turn), (then, turned)) = (object(view), self.object);
         let turn = turn - turned;
@@ -35,7 +39,7 @@ impl Nearby {
     }
 }
 
-/// Largest distance between two positions of a node, m; `+inf` if they are not of the same mesh.
+/// Largest distance between two positions of a node, m; `+inf` if the meshes differ.
 pub(crate) fn motion(before: &[DVec3], x: &[DVec3]) -> f64 {
     if before.len() != x.len() {
         return f64::INFINITY;

@@ -23,8 +23,8 @@ pub(crate) fn normal_pair(law: &ContactLaw, e: &EdgeState, area: f64, r: DVec3, 
     pair
 }
 
-/// Derivatives of the normal energy for a feature of the object against a pad, whose normal does not turn with the object: with
-/// `r` the arm of the feature, `g = n.(delta - w x r - w x (w x r) / 2) + u.H u / 2`.
+/// Derivatives of the normal energy for a contact vertex of the object against a pad, whose normal does not rotate with
+/// the object: with `r` the arm of the vertex, `g = n.(delta - w x r - w x (w x r) / 2) + u.H u / 2`.
 pub(crate) fn feature_pair(law: &ContactLaw, e: &EdgeState, area: f64, r: DVec3, h: &DMat3, project: bool) -> Pair {
     let mut pair = normal_pair(law, e, area, r, &DMat3::ZERO, true);
     if !project {
@@ -36,8 +36,8 @@ pub(crate) fn feature_pair(law: &ContactLaw, e: &EdgeState, area: f64, r: DVec3,
     pair
 }
 
-/// Drops the stiffness of a contact with negative `weight` if `project` is set. The energy of such a contact is taken off where
-/// incident faces of a valley meet. Its stiffness is negative: projected, it has none.
+/// Drops the stiffness of a contact with negative `weight` if `project` is set. Such a contact is subtracted where
+/// incident faces of a valley meet; its stiffness is negative, so that its projection is zero.
 pub(crate) fn weighed(pair: Pair, weight: f64, project: bool) -> Pair {
     if weight < 0.0 && project {
         return Pair { dd: DMat3::ZERO, dw: DMat3::ZERO, ww: DMat3::ZERO, ..pair };
@@ -45,7 +45,7 @@ pub(crate) fn weighed(pair: Pair, weight: f64, project: bool) -> Pair {
     pair
 }
 
-/// Derivatives of the friction energy at frozen normal and limit; `s` is the displacement of the pad's point from the
+/// Derivatives of the friction energy at fixed normal and limit; `s` is the displacement of the pad's point from the
 /// sticking point, `r` the arm of the object's point.
 pub(crate) fn friction_pair(law: &ContactLaw, e: &EdgeState, area: f64, s: DVec3, r: DVec3, how: Assembly) -> Pair {
     let n = e.plane;

@@ -1,4 +1,4 @@
-//! The points of a pad that can matter, and what is known of their distances to the object.
+//! Points of a pad that can touch the object, and bounds of their distances to it.
 
 use super::nearby::Nearby;
 use super::surface::ContactSurface;
@@ -9,10 +9,10 @@ use crate::scales::{LOOK_AHEAD, POINTS_LISTED};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Distance of a point to the object when that was last looked up. It holds whatever is accepted or taken back.
+/// Distance of a point to the object at its last query. It stays valid when states are accepted or rolled back.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DistanceBound {
-    /// Position of the point then, object frame, m.
+    /// Position of the point at the query, object frame, m.
     pub at: DVec3,
     /// Lower bound of the distance there, m.
     pub bound: f64,
@@ -26,31 +26,31 @@ impl DistanceBound {
     }
 }
 
-/// Points that are near the object, have an edge or are felt.
+/// Points that are near the object, have an edge or are active sub-face samples, and the sub-face samples next to them.
 #[derive(Debug, Clone)]
 pub(crate) struct PointList {
-    /// Distances of all points when they were last listed, or before.
+    /// Distances of all points when the list was last built, or before.
     all: Arc<Vec<DistanceBound>>,
     nearby: Arc<Nearby>,
-    /// Distances of the listed points when they were last looked up.
+    /// Distances of the listed points at their last queries.
     listed: Vec<DistanceBound>,
     /// Contact offset, m.
     offset: f64,
 }
 
 impl PointList {
-    /// Creates the list of `count` points of which nothing is known; contact has this `offset` (m).
+    /// Creates the list of `count` points with unknown distances; contact has this `offset` (m).
     pub fn new(count: usize, offset: f64) -> Self {
         let all = Arc::new(vec![DistanceBound { at: DVec3::ZERO, bound: f64::NEG_INFINITY }; count]);
         Self { all, nearby: Arc::default(), listed: Vec::new(), offset }
     }
 
-    /// Forgets which points are near.
+    /// Discards the list.
     pub fn clear(&mut self) {
         (self.nearby, self.listed) = (Arc::default(), Vec::new());
     }
 
-    /// Least distance of the points that are not listed, under `view`, m; `-inf` where that is not known.
+    /// Lower bound of the distance of the points that are not listed, under `view`, m; `-inf` if it is unknown.
     fn others(&self, view: &BodyView) -> f64 {
         POINTS_LISTED * self.offset - self.nearby.moved(view)
     }
@@ -60,7 +60,8 @@ impl PointList {
         self.others(view) >= self.offset
     }
 
-    /// Returns the least of the distances that `nearest` finds among the points it is given: those listed, or all where these may be nearer.
+    /// Returns the smallest distance that `nearest` finds among the points passed to it: the listed points, or all
+    /// points where others may be nearer.
     pub fn least(
         &self,
         view: &BodyView,
@@ -71,30 +72,30 @@ impl PointList {
         if found { listed } else { nearest(&mut self.all.iter().copied().enumerate()) }
     }
 
-    /// Numbers of the listed points, ascending.
+    /// Indices of the listed points, ascending.
     pub fn numbers(&self) -> &[usize] {
         &self.nearby.list
     }
 
-    /// Number of listed point `k`, and what is known of it.
+    /// Index of listed point `k`, and the bound of its distance.
     pub fn get(&self, k: usize) -> (usize, DistanceBound) {
         (self.nearby.list[k], self.listed[k])
     }
 
-    /// Notes the distance of listed point `k`.
+    /// Stores the distance of listed point `k`.
     pub fn note(&mut self, k: usize, seen: DistanceBound) {
         self.listed[k] = seen;
     }
 
-    /// The points that can matter under `view`, ascending: those listed, or all where too much has moved since.
+    /// Points that can touch under `view`, ascending: those listed, or all if pad or object have moved too far since.
     pub fn points(&self, view: &BodyView) -> impl Iterator<Item = (usize, DistanceBound)> + '_ {
         let known = self.holds(view);
         let count = if known { self.listed.len() } else { self.all.len() };
         (0..count).map(move |k| if known { self.get(k) } else { (k, self.all[k]) })
     }
 
-    /// Lists the points of `surface` anew where pad and object have moved too far: those near the `object`, those that `matter` wherever they
-    /// are, and the middles next to them.
+    /// Rebuilds the list of points of `surface` if pad and object have moved too far: those near the `object`, those
+    /// that `matter` at any distance, and the sub-face samples next to them.
     pub fn update(
         &mut self,
         surface: &ContactSurface,

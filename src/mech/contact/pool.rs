@@ -8,19 +8,19 @@ use crate::history::{HistoryReader, HistoryWriter};
 use crate::scales::NO_FRICTION;
 use glam::DVec3;
 
-/// Edges of one contact term, at present and as last accepted. Only points that are near something have an edge, a few hundred
-/// of thousands; the others are open.
+/// Edges of one contact term, current and last accepted. Only points near a surface have an edge, a few hundred out of
+/// thousands; the others are open.
 #[derive(Debug, Clone)]
 pub(crate) struct EdgePool {
-    /// Edges that are not open, with their points; in the order of these once accepted.
+    /// Edges that are not open, with the indices of their points; in ascending order once accepted.
     near: Vec<(usize, EdgeState)>,
     /// Index in `near` of the edge of each point.
     slot: Vec<u32>,
     /// Edges as last accepted, in the order of their points.
     committed: Vec<(usize, EdgeState)>,
-    /// The law of every edge.
+    /// Law of every edge.
     pub law: ContactLaw,
-    /// Friction limit that counts as none, in the unit of the pressure.
+    /// Friction limit that counts as zero, in the unit of the pressure.
     pub negligible: f64,
 }
 
@@ -40,7 +40,7 @@ impl EdgePool {
         }
     }
 
-    /// The edge of point `i`.
+    /// Edge of point `i`.
     #[inline(always)]
     pub fn edge(&self, i: usize) -> &EdgeState {
         self.near.get(self.slot[i] as usize).map_or(&EdgeState::OPEN, |(_, e)| e)
@@ -60,18 +60,19 @@ impl EdgePool {
         &mut self.near[self.slot[i] as usize].1
     }
 
-    /// Edges that are not open, with their points; in the order of these once accepted.
+    /// Edges that are not open, with the indices of their points; in ascending order once accepted.
     pub fn near(&self) -> impl Iterator<Item = (usize, &EdgeState)> {
         self.near.iter().map(|(i, e)| (*i, e))
     }
 
-    /// Smallest gap, m; `+inf` if nothing is near.
+    /// Smallest gap, m; `+inf` if no surface is near.
     pub fn min_gap(&self) -> f64 {
         self.near().map(|(_, e)| e.gap).fold(f64::INFINITY, f64::min)
     }
 
-    /// Accepts the edges as they are. Edges without pressure forget their sticking point. For edges that slip or have touched
-    /// since the increment began, `dragged` gives the new sticking point, so that the whole spring carries the same traction.
+    /// Accepts the current edges. Edges without pressure lose their sticking point. For edges that slip or made contact
+    /// within the increment, `dragged` returns the new sticking point, at which the full spring carries the same
+    /// traction.
     pub fn commit(&mut self, mut dragged: impl FnMut(usize, &EdgeState) -> DVec3) {
         for (i, e) in &mut self.near {
             if e.pressure <= 0.0 {
@@ -85,7 +86,7 @@ impl EdgePool {
         self.committed.clone_from(&self.near);
     }
 
-    /// Drops the edges that are open, and puts the others in the order of their points.
+    /// Drops the open edges and sorts the others by their points.
     fn sort(&mut self) {
         let slot = &mut self.slot;
         self.near.iter().for_each(|(i, _)| slot[*i] = NOWHERE);
@@ -94,7 +95,7 @@ impl EdgePool {
         self.near.iter().zip(0..).for_each(|((i, _), k)| slot[*i] = k);
     }
 
-    /// Opens edge `i`, whose point is another one from now on.
+    /// Opens edge `i`, whose point has been replaced by another one.
     pub fn renew(&mut self, i: usize) {
         if self.slot[i] != NOWHERE {
             *self.edge_mut(i) = EdgeState::OPEN;
@@ -102,7 +103,7 @@ impl EdgePool {
         self.committed.retain(|(k, _)| *k != i);
     }
 
-    /// Puts accepted edges back.
+    /// Restores accepted edges.
     pub fn set(&mut self, edges: &[(usize, EdgeState)]) {
         self.committed = edges.to_vec();
         self.rollback();
@@ -116,7 +117,7 @@ impl EdgePool {
     /// Reads the edges last accepted.
     ///
     /// # Errors
-    /// Fails for a history of something else.
+    /// Fails if the history does not match these edges.
     pub fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
         let edges: Vec<(usize, EdgeState)> = history.read()?;
         if edges.iter().any(|(i, _)| *i >= self.slot.len()) {
@@ -134,7 +135,7 @@ impl EdgePool {
         self.near.iter().zip(0..).for_each(|((i, _), k)| slot[*i] = k);
     }
 
-    /// Stiffens the edges that come closer than they may, `least(i)` (m); returns true if there were none.
+    /// Stiffens the edges with gaps below `least(i)` (m); returns true if there were none.
     pub fn satisfied(&mut self, least: impl Fn(usize) -> f64) -> bool {
         let mut satisfied = true;
         for (i, e) in &mut self.near {
@@ -146,9 +147,9 @@ impl EdgePool {
         satisfied
     }
 
-    /// Sets gap, normal and pressure of edge `i` under `law` from the places that it touches (gap, m, normal and weight of
-    /// each, the nearest first) and its friction limit if it is to `follow`. Returns how far the limit lags, Pa, if friction acts;
-    /// [`EdgePool::rub`] must follow.
+    /// Sets gap, normal and pressure of edge `i` under `law` from its contact points (gap, m, normal and weight of
+    /// each, the nearest first) and its friction limit if it is to `follow`. Returns the lag of the limit, Pa, if
+    /// friction acts; [`EdgePool::rub`] must be called next.
     pub fn press(
         &mut self,
         i: usize,
@@ -170,7 +171,8 @@ impl EdgePool {
         }
         let lag = e.set_limit(law.friction, follow);
         if e.pressure <= 0.0 && (e.limit <= negligible || e.anchor.is_none()) {
-            // A point that touched only on the way to this iterate has not stuck anywhere yet.
+            // A point that was in contact only at an earlier iterate has not stuck yet: its accepted anchor is
+            // restored.
             e.limit = 0.0;
             let known = self.committed.binary_search_by_key(&i, |(k, _)| *k);
             let anchor = known.ok().and_then(|k| self.committed[k].1.anchor);
@@ -181,13 +183,14 @@ impl EdgePool {
         Some(lag)
     }
 
-    /// Returns true if edge `i` has touched since the increment began; [`EdgePool::touch`] must follow.
+    /// Returns true if edge `i` made contact within the increment; [`EdgePool::touch`] must be called next.
     pub fn is_fresh(&self, i: usize) -> bool {
         let e = self.edge(i);
         e.anchor.is_none() || e.clear.is_some()
     }
 
-    /// Records that edge `i` has touched since the increment began, when its point was at `start`, at the gap `clear()` (m).
+    /// Records that edge `i` made contact within the increment, at whose start its point was at `start`, at the gap
+    /// `clear()` (m).
     pub fn touch(&mut self, i: usize, law: &ContactLaw, start: DVec3, clear: impl FnOnce() -> f64) {
         let e = self.edge_mut(i);
         e.anchor = Some(start);
@@ -197,9 +200,9 @@ impl EdgePool {
         }
     }
 
-    /// Change of the friction of edge `i` on the pad per area when its points move by `u` (m) against each other, Pa, beyond
-    /// what its potential says. Where the edge slips, the limit follows the pressure; where it touches within the increment,
-    /// the spring takes up more of the motion the deeper it gets.
+    /// Change of the friction traction of edge `i` on the pad, Pa, when its points move by `u` (m) relative to each
+    /// other, which its potential does not include. Where the edge slips, the limit follows the pressure; where it made
+    /// contact within the increment, the active fraction grows with the depth.
     pub fn drag(&self, i: usize, law: &ContactLaw, u: DVec3) -> Option<DVec3> {
         let e = self.edge(i);
         let stiffness = law.pressure(e.gap, e.scale).1;
@@ -210,8 +213,8 @@ impl EdgePool {
         (stiffness > 0.0 && rate != DVec3::ZERO).then(|| rate * -e.normal.dot(u))
     }
 
-    /// Sets the traction of edge `i`, whose points have moved apart by `s` (m) since they stuck, or since the increment began; returns
-    /// how far the part of it that the spring takes up lags, Pa.
+    /// Sets the traction of edge `i`, whose points have moved apart by `s` (m) since they stuck or since the start of
+    /// the increment; returns the lag of the traction due to the active fraction, Pa.
     pub fn rub(&mut self, i: usize, law: &ContactLaw, follow: bool, s: DVec3) -> f64 {
         let e = self.edge_mut(i);
         let s = slip(s, e.plane);

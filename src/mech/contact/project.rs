@@ -7,7 +7,7 @@ use super::surface::{ContactSurface, SurfaceFace};
 use crate::scales::LOOK_AHEAD;
 use glam::DVec3;
 
-/// Bounds of the faces of a deformed surface, to skip most of them.
+/// Bounds of the faces of a deformed surface, which exclude most of them from a query.
 #[derive(Debug, Clone)]
 pub struct FaceBounds {
     /// Contact offset, m.
@@ -27,7 +27,7 @@ impl FaceBounds {
         Self { offset, boxes: Vec::new(), bulges: Vec::new(), cells, min: DVec3::ZERO, max: DVec3::ZERO }
     }
 
-    /// Distance up to which the nearest face is found at once, m.
+    /// Distance up to which the cells contain the nearest face, m.
     pub(crate) fn at_once(&self) -> f64 {
         self.cells.near
     }
@@ -66,7 +66,8 @@ impl FaceBounds {
         self.closest_as(surface, x, y, reach, |closest_point| closest_point)
     }
 
-    /// Returns the closest point as [`FaceBounds::closest`] does, where `side` decides on which side of the surface `y` is.
+    /// Returns the closest point as [`FaceBounds::closest`] does, where `side` decides on which side of the surface `y`
+    /// is.
     pub(crate) fn closest_as(
         &self,
         surface: &ContactSurface,
@@ -89,8 +90,8 @@ impl FaceBounds {
         self.nearest(surface, x, y, faces, limit)
     }
 
-    /// Lower bound of the distance of `y` outside the surface, m: exact near the surface, not positive inside. `side` decides
-    /// on which side of the surface `y` is.
+    /// Lower bound of the distance of `y` outside the surface, m: exact near the surface, not positive inside. `side`
+    /// decides on which side of the surface `y` is.
     pub(crate) fn outside(
         &self,
         surface: &ContactSurface,
@@ -114,7 +115,7 @@ impl FaceBounds {
         faces: impl Iterator<Item = usize> + Clone,
         limit: f64,
     ) -> Option<ClosestPoint> {
-        // The face that promises to be nearest goes first: it leaves few others that could win.
+        // The face with the smallest lower bound is tested first: it excludes most of the others.
         let (mut first, mut least) = (None, limit);
         for i in faces.clone() {
             let away = self.away(i, &surface.faces[i], x, y, least);
@@ -130,7 +131,7 @@ impl FaceBounds {
             }
             let closest_point = on_face(i, &surface.faces[i], x, y);
             let distance = closest_point.gap.abs();
-            // On the edge that two faces share only the one that the point lies over knows on which side it is.
+            // On an edge shared by two faces, only the face that the point lies over gives the correct side.
             let better = match best {
                 Some(ClosestPoint { facing, .. }) if (distance - nearest).abs() <= TIE * nearest => {
                     closest_point.facing > facing
@@ -145,8 +146,8 @@ impl FaceBounds {
         best.map(|closest_point| closest_point.signed(surface, x, y))
     }
 
-    /// Lower bound of the distance of face `i` from `y`, m: that of its flat triangle, less its bulge. A face whose box is
-    /// beyond `limit` (m) is not looked at more closely.
+    /// Lower bound of the distance of face `i` from `y`, m: that of its flat triangle, minus its bulge. For a face
+    /// whose box is beyond `limit` (m), it is the distance of the box.
     pub(crate) fn away(&self, i: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3, limit: f64) -> f64 {
         let [low, high] = self.boxes[i];
         let beyond = y.clamp(low, high).distance(y);
@@ -159,8 +160,8 @@ impl FaceBounds {
     }
 }
 
-/// Largest distance of a quadratic face from its flat triangle, over that of the middles of its edges: the maximum of the sum
+/// Largest distance of a quadratic face from its flat triangle, over that of its mid-edge nodes: the maximum of the sum
 /// of their shape functions.
 const BULGE: f64 = 4.0 / 3.0;
-/// Relative difference of distances that is rounding.
+/// Relative difference of distances that counts as rounding.
 const TIE: f64 = 1e-9;

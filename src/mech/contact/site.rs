@@ -1,4 +1,4 @@
-//! Place where a feature of the object meets a pad.
+//! Position of a contact vertex on the object, and its contact with a pad.
 
 use super::incident_faces::{IncidentFace, LastContact};
 use super::surface::ContactSurface;
@@ -7,42 +7,42 @@ use crate::mech::potential::term::Stencil;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// Position of a feature on the object, and its contact with a pad.
+/// Position of a contact vertex on the object, and its contact with a pad.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Site {
-    /// Position of the feature in the object frame, m.
+    /// Position of the vertex in the object frame, m.
     pub position: DVec3,
     /// Number of moves along its edge since the last accepted state.
     pub moves: u32,
-    /// Contact with the pad, if any. Few features are near a pad: the others are copied with every state at no cost.
+    /// Contact with the pad, if any. Few vertices are near a pad; for the others, a copy of the state costs nothing.
     pub touch: Option<Box<FeatureTouch>>,
 }
 
-/// Point where a feature meets the pad now, and point where it sticks.
+/// Current contact point of a vertex on the pad, and its sticking point.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct FeatureTouch {
-    /// Faces that the feature presses on, the nearest first.
+    /// Faces that the vertex presses on, the nearest first.
     pub incident: Vec<IncidentFace>,
-    /// Point of the nearest face that is touched.
+    /// Contact point on the nearest face.
     pub now: Stencil,
-    /// Point of the pad where the feature sticks.
+    /// Sticking point on the pad.
     pub stick: Stencil,
-    /// Nodes that share the force for reporting.
+    /// Nodes among which reports distribute the force.
     pub report: Stencil,
 }
 
 impl Site {
-    /// Creates the site of a feature at `position` (object frame, m) that is nowhere near.
+    /// Creates the site of a vertex at `position` (object frame, m) without contact.
     pub fn new(position: DVec3) -> Self {
         Self { position, moves: 0, touch: None }
     }
 
-    /// Faces that the feature presses on, the nearest first.
+    /// Faces that the vertex presses on, the nearest first.
     pub fn incident(&self) -> &[IncidentFace] {
         self.touch.as_ref().map_or(&[], |touch| &touch.incident)
     }
 
-    /// Contact at the last assembly; `stays` keeps its choice of faces.
+    /// Contact at the last assembly; its choice of faces is kept if it `stays`.
     pub fn last(&self, stays: bool) -> Option<LastContact> {
         let folded = self.incident().len() > 1;
         self.incident().first().map(|(closest_point, ..)| LastContact {
@@ -53,7 +53,7 @@ impl Site {
         })
     }
 
-    /// Sets the `incident` faces of `surface` that the feature presses on now.
+    /// Sets the `incident` faces of `surface` that the vertex currently presses on.
     pub fn press(&mut self, incident: Vec<IncidentFace>, surface: &ContactSurface) {
         let Some((closest_point, ..)) = incident.first() else {
             self.touch.iter_mut().for_each(|touch| touch.incident.clear());
@@ -66,7 +66,7 @@ impl Site {
         (touch.incident, touch.now, touch.report) = (incident, now, report);
     }
 
-    /// Position of the feature under `view`, m, relative to the finger.
+    /// Position of the vertex under `view`, m, relative to the finger.
     pub fn place(&self, view: &BodyView) -> DVec3 {
         view.object.position + view.object.rotation * self.position - view.offset
     }

@@ -1,5 +1,6 @@
-//! Contact points on the free surface of a pad: the vertices of its subdivided faces, with the area they stand for, and the
-//! middles of their parts. Middles are felt late, only where something would come through between the vertices.
+//! Sample points on the free surface of a pad: the vertices of its subdivided faces, each with an area, and the
+//! centroids of their sub-triangles (*sub-face samples*). The latter have a reduced contact offset and are active only
+//! where vertices carry contact or the object would penetrate between them.
 
 use crate::geometry::mesh::rings::Rings;
 use crate::geometry::triangle6;
@@ -27,22 +28,22 @@ pub struct ContactSurface {
     pub faces: Arc<Vec<SurfaceFace>>,
     /// Adjacency of the faces.
     pub rings: Arc<Rings>,
-    /// Location of each point: nodes and shape function values. The vertices come first, then the middles.
+    /// Location of each point: nodes and shape function values. The vertices come first, then the sub-face samples.
     pub points: Arc<Vec<Stencil>>,
     /// Number of points that are vertices.
     pub vertices: usize,
-    /// Rest area each point stands for, m2; the middles share it out among themselves once more.
+    /// Reference area of each point, m2; the areas of the sub-face samples sum to the area of the surface once more.
     pub area: Vec<f64>,
     /// Mean spacing of the vertices, m.
     pub spacing: f64,
-    /// Nodes that share the force of each point for reporting, with the weights of the linear interpolation on the nodal
-    /// sub-triangles: non-negative, so that reported nodal forces have the sign of the pressure.
+    /// Nodes among which reports distribute the force of each point, with the weights of the linear interpolation on
+    /// the nodal sub-triangles: non-negative, so that reported nodal forces have the sign of the pressure.
     pub report: Arc<Vec<Stencil>>,
-    /// Points at the corners of the parts of each face.
+    /// Vertices of the sub-triangles of each face.
     parts: Arc<Vec<u32>>,
 }
 
-/// Sub-edges per face edge of a linear and of a quadratic mesh: contact is felt between the nodes too.
+/// Sub-edges per face edge of a linear and of a quadratic mesh: contact is detected between the nodes, too.
 const SUBDIVISION: [usize; 2] = [4, 4];
 
 impl ContactSurface {
@@ -61,10 +62,10 @@ impl ContactSurface {
                 !nodes.iter().all(|&n| body.fixed[n as usize])
             })
             .collect();
-        // A lattice point shared by faces is one point: keyed by its corner weights, in node order.
+        // A lattice point shared by faces is one sample point: keyed by its corner weights, in node order.
         let mut index: BTreeMap<[(u32, u32); 3], u32> = BTreeMap::new();
         let cuts = sub_triangles(m);
-        // About half as many vertices as parts of faces.
+        // The number of vertices is about half that of the sub-triangles.
         let (mut points, mut report) = (Vec::with_capacity(faces.len() * m * m * 13 / 8), Vec::new());
         report.reserve(points.capacity());
         let mut parts = Vec::with_capacity(faces.len() * cuts.len() * 3);
@@ -72,7 +73,7 @@ impl ContactSurface {
         for face in &faces {
             known.fill(None);
             for lattice in cuts.iter().flatten() {
-                // Most corners have been met before on this face.
+                // Most corners are shared with earlier sub-triangles of this face.
                 let known = &mut known[lattice[1] * (m + 1) + lattice[2]];
                 let point = known.get_or_insert_with(|| {
                     let mut key = [0, 1, 2]
@@ -102,13 +103,13 @@ impl ContactSurface {
         Self { faces, rings, points, vertices, report, parts, area: Vec::new(), spacing: 0.0 }.placed(&body.rest)
     }
 
-    /// The vertices around middle `i`.
+    /// Vertices of the sub-triangle around sub-face sample `i`.
     pub fn around(&self, i: usize) -> [usize; 3] {
         let first = 3 * (i - self.vertices);
         [0, 1, 2].map(|k| self.parts[first + k] as usize)
     }
 
-    /// Returns the surface of the same body with its nodes at `rest`, m.
+    /// Returns the surface of the same body with its nodes at reference positions `rest`, m.
     pub fn placed(&self, rest: &[DVec3]) -> Self {
         let mut area = vec![0.0; self.vertices];
         let own = self.parts.len() / self.faces.len().max(1);
@@ -125,15 +126,15 @@ impl ContactSurface {
 }
 
 impl SurfaceFace {
-    /// Returns true if a point at `distance` (m) from the face, with nodes at `x`, is on it but for rounding: the direction to
-    /// it then says nothing.
+    /// Returns true if a point at `distance` (m) from the face, with nodes at `x`, is on it up to rounding: the
+    /// direction to it is then undefined.
     pub(crate) fn touches(&self, x: &[DVec3], distance: f64) -> bool {
         let [a, b, _] = self.corners.map(|n| x[n as usize]);
         distance < ROUNDING * a.distance(b)
     }
 
-    /// Flat triangles between the nodes of the face, oriented as it is: the face itself, or those at the corners and then the
-    /// middle one.
+    /// Flat triangles between the nodes of the face, with its orientation: the face itself, or those at the corners and
+    /// then the central one.
     pub fn flat_parts(&self) -> Vec<[u32; 3]> {
         let [a, b, c] = self.corners;
         match self.mids {
@@ -147,7 +148,7 @@ impl SurfaceFace {
         self.corners.into_iter().chain(self.mids.into_iter().flatten())
     }
 
-    /// Positions of corners and middles of the edges for node positions `x`, m: of a linear face, too.
+    /// Positions of the corners and midpoints of the edges for node positions `x`, m; also for a linear face.
     pub fn positions(&self, x: &[DVec3]) -> [DVec3; 6] {
         let [a, b, c] = self.corners.map(|n| x[n as usize]);
         self.six_nodes(x).unwrap_or([a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)])
@@ -170,7 +171,7 @@ impl SurfaceFace {
     /// Nodes with their shape functions at `l` and the derivatives of these in `l1`, `l2` (with `l0 = 1 - l1 - l2`).
     pub(crate) fn shape(&self, l: [f64; 3]) -> impl Iterator<Item = (u32, f64, DVec2)> {
         let (values, derivatives) = match self.mids {
-            // The nodes end the sequence: a linear face has three.
+            // The nodes limit the sequence: a linear face has three.
             None => {
                 let zero = DVec2::ZERO;
                 ([l[0], l[1], l[2], 0.0, 0.0, 0.0], [DVec2::NEG_ONE, DVec2::X, DVec2::Y, zero, zero, zero])

@@ -1,4 +1,4 @@
-//! Contact of one pad's surface points with the object, as a term of the potential.
+//! Contact of the sample points of one pad with the object, as a term of the potential.
 
 use super::edge::EdgeState;
 use super::law::ContactLaw;
@@ -23,13 +23,13 @@ use std::sync::Arc;
 pub struct PointContact {
     pool: EdgePool,
     near: PointList,
-    /// Flags of the points that are felt, at present and as last accepted: all vertices, and the middles where vertices carry
-    /// contact or the object would come through.
+    /// Flags of the active points, current and last accepted: all vertices, and the sub-face samples where vertices
+    /// carry contact or the object would penetrate.
     felt: Vec<bool>,
     committed: Vec<bool>,
     surface: Arc<ContactSurface>,
     object: Arc<dyn SignedDistance>,
-    /// State from which the increment departed.
+    /// State from which the increment starts.
     from: Option<Departure>,
 }
 
@@ -41,12 +41,12 @@ impl PointContact {
         Self { pool, near, committed: felt.clone(), felt, surface, object, from: None }
     }
 
-    /// Edges of the points near the object, with the numbers of the points; in the order of these once accepted.
+    /// Edges of the points near the object, with the indices of the points; in ascending order once accepted.
     pub fn edges(&self) -> impl Iterator<Item = (usize, &EdgeState)> {
         self.pool.near()
     }
 
-    /// The edge of point `i`.
+    /// Edge of point `i`.
     pub fn edge(&self, i: usize) -> &EdgeState {
         self.pool.edge(i)
     }
@@ -134,7 +134,7 @@ impl BodyTerm for PointContact {
         let nearest = |points: &mut dyn Iterator<Item = (usize, DistanceBound)>| {
             points.filter(|(i, _)| self.felt[*i]).fold(f64::INFINITY, |nearest, (i, seen)| {
                 let (_, q) = locate(&self.surface.points[i], view);
-                // The bound of the last query spares most of the others.
+                // The bound of the last query excludes most of the others.
                 if seen.bound(q) < nearest { nearest.min(self.object.distance(q)) } else { nearest }
             })
         };
@@ -152,7 +152,7 @@ impl BodyTerm for PointContact {
             let drag = e.traction * (1.0 / tangential) - e.normal * e.gap;
             q + view.object.rotation.transpose() * drag
         });
-        // What is pressed, and the middles around it, are listed.
+        // Points under pressure and the sub-face samples around them are all listed.
         for i in self.near.numbers().iter().copied().filter(|i| *i >= self.surface.vertices) {
             let pressed = |i: usize| self.pool.edge(i).pressure > 0.0;
             let patch = pressed(i) || self.surface.around(i).into_iter().any(pressed);
@@ -211,18 +211,18 @@ impl BodyTerm for PointContact {
 }
 
 impl PointContact {
-    /// Numbers of the points that are felt.
+    /// Indices of the active points.
     pub fn felt(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.felt.len()).filter(|i| self.felt[*i])
     }
 
-    /// Lists the points that can matter under `view`, if those listed may not be all of them.
+    /// Lists the points that can touch under `view`, if the current list may be incomplete.
     fn update_list(&mut self, view: &BodyView) {
         let Self { pool, felt, surface, object, near, .. } = self;
         near.update(surface, &**object, view, |i| pool.has(i) || i >= surface.vertices && felt[i]);
     }
 
-    /// Feels the middles at which the object comes through between vertices; returns true if there were none.
+    /// Activates the sub-face samples at which the object penetrates between vertices; returns true if there were none.
     fn feel(&mut self, view: &BodyView) -> bool {
         let mut none = true;
         let offset = self.pool.law.offset;
@@ -243,13 +243,13 @@ impl PointContact {
         none
     }
 
-    /// The law of point `i`.
+    /// Law of point `i`.
     pub fn law_of(&self, i: usize) -> ContactLaw {
         if i < self.surface.vertices { self.pool.law } else { self.pool.law.late() }
     }
 
-    /// Refreshes gap, pressure and friction of the edge of listed point `k`. Returns how far its friction limit lags, Pa, and where it touches the
-    /// object, object axes.
+    /// Updates gap, pressure and friction of the edge of listed point `k`. Returns the lag of its friction, Pa, and its
+    /// contact with the object, object axes.
     fn update(&mut self, k: usize, stencil: &Stencil, view: &BodyView, follow: bool) -> (f64, Option<SurfaceTouch>) {
         let (i, seen) = self.near.get(k);
         let law = self.law_of(i);
@@ -257,7 +257,7 @@ impl PointContact {
         let mut touch = None;
         // Far points are skipped without a query.
         if seen.bound(q) < law.offset {
-            // Look farther than needed, so that the bound spares the next queries.
+            // The query reaches farther than needed, so that its bound makes the next queries unnecessary.
             let reach = LOOK_AHEAD * self.pool.law.offset;
             touch = self.object.touch(q, reach, law.offset);
             let bound = touch.as_ref().map_or(reach, |t| t.nearest.distance);
@@ -270,7 +270,8 @@ impl PointContact {
         let mut anchor = e.anchor.unwrap_or(q);
         if self.pool.is_fresh(i) {
             let start = self.from.as_ref().map_or(q, |from| from.in_object(stencil));
-            // On the surface, where it touches now; one that is far off again has no gap.
+            // The start position, moved along the normal onto the surface in contact. The gap of a point that has left
+            // again is infinite, hence the limit.
             let normal = view.object.rotation.transpose() * e.normal;
             anchor = start + normal * (normal.dot(q - start) - e.gap.min(law.offset));
             self.pool.touch(i, &law, anchor, || self.object.distance(start));

@@ -4,17 +4,17 @@ use super::{RestTet, ShapeFunctions};
 use crate::mech::material::{Dilatation, Material, cauchy, cofactor};
 use glam::{DMat3, DVec3};
 
-/// The elastic kernel of a tetrahedron with `N` nodes and `Q` quadrature points.
+/// Elastic kernel of a tetrahedron with `N` nodes and `Q` quadrature points.
 ///
-/// The volumetric energy with `mean_dilatation` is `V U(mean theta)`: one pressure per element (Simo, Taylor & Pister 1985,
-/// equation 3.13), plus a small resistance to fluctuations around the mean. Without it each point carries its own pressure,
-/// which locks near nu = 0.5.
+/// The volumetric energy with `mean_dilatation` is `V U(mean theta)`: one pressure per element (Simo, Taylor & Pister
+/// 1985, equation 3.13), plus a small resistance to fluctuations around the mean. Without it each point has its own
+/// pressure, which locks near nu = 0.5.
 pub struct Kernel<'a, const N: usize, const Q: usize> {
     /// Shape functions and quadrature.
     pub shape: &'a ShapeFunctions<N, Q>,
-    /// The law of the gel.
+    /// Law of the gel.
     pub material: &'a dyn Material,
-    /// Flag that makes the element average its dilatation.
+    /// Flag: the dilatation is averaged over the element.
     pub mean_dilatation: bool,
 }
 
@@ -48,8 +48,9 @@ impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
 
     /// Modulus that resists fluctuations of the dilatation inside an element, Pa.
     ///
-    /// Pure mean dilatation leaves them free, and the gel under a contact is then 1 to 2 % too soft; with the full bulk
-    /// modulus it locks. The shear modulus, the stiffness of everything else in the element, does neither.
+    /// Pure mean dilatation does not resist them, so that the gel under a contact is 1 to 2 % too soft; with the full
+    /// bulk modulus the element locks. The shear modulus, the stiffness of all other deformations of the element, does
+    /// neither.
     pub(crate) fn fluctuation_modulus(&self) -> f64 {
         self.material.moduli().mu
     }
@@ -95,14 +96,14 @@ impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
         }
     }
 
-    /// Smallest determinant of the deformation gradient among the quadrature points of some elements, with node positions
-    /// `x(element, node)`, m. Elements are computed side by side, with the same operations for each.
+    /// Smallest determinant of the deformation gradient among the quadrature points of the given elements, with node
+    /// positions `x(element, node)`, m. Elements are computed in vector lanes, with the same operations for each.
     #[inline(always)]
     pub fn min_det_f(&self, rest: &[RestTet], x: impl Fn(usize, usize) -> DVec3) -> f64 {
         const SIDE: usize = 8;
         let mut least = [f64::INFINITY; SIDE];
         for start in (0..rest.len()).step_by(SIDE) {
-            // The last ones stand in for those that a whole row lacks.
+            // The last element fills the unused lanes of the last batch.
             let own: [usize; SIDE] = std::array::from_fn(|l| (start + l).min(rest.len() - 1));
             let (mut at, mut g) = ([[[0.0; SIDE]; 3]; N], [[[0.0; SIDE]; 3]; 4]);
             for (l, e) in own.into_iter().enumerate() {
@@ -154,7 +155,7 @@ impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
             match kind {
                 // Exact for a pressure: cof(F) F^T / J = I, also where the mean pressure is taken.
                 Dilatation::Determinant => cauchy(&(distortional + cofactor(&f[q]) * pressure), &f[q]),
-                // Infinitesimal strain does not tell P from sigma.
+                // For infinitesimal strain, P and sigma coincide.
                 Dilatation::Trace => distortional + DMat3::IDENTITY * pressure,
             }
         })

@@ -1,7 +1,8 @@
 //! Tetrahedral elements: shape functions, quadrature, and the elastic kernel with mean dilatation.
 //!
-//! Both elements are sub-parametric (straight edges at rest), so an element is its four barycentric gradients and its
-//! volume; everything of higher order follows from constant tables over the barycentric coordinates.
+//! Both elements are sub-parametric (straight edges in the reference configuration), so that four barycentric gradients
+//! and the volume describe an element; all terms of higher order follow from constant tables over the barycentric
+//! coordinates.
 
 mod kernel;
 mod shape;
@@ -13,7 +14,7 @@ pub use stiffness::Stiffness;
 
 use glam::{DMat3, DVec3};
 
-/// Rest geometry of one tetrahedron.
+/// Reference geometry of one tetrahedron.
 #[derive(Debug, Clone, Copy)]
 pub struct RestTet {
     /// Gradients of the barycentric coordinates, 1/m.
@@ -23,7 +24,7 @@ pub struct RestTet {
 }
 
 impl RestTet {
-    /// Computes the geometry from the rest positions of the four corners, m; the volume must be positive.
+    /// Computes the geometry from the reference positions of the four corners, m; the volume must be positive.
     pub fn new(x: [DVec3; 4]) -> Self {
         let d = DMat3::from_cols(x[1] - x[0], x[2] - x[0], x[3] - x[0]);
         let inverse = d.inverse().transpose();

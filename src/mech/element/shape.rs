@@ -21,7 +21,7 @@ pub const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 
 /// The 10-node tetrahedron with the 4-point rule of degree 2 (Keast 1986).
 pub const TET10: ShapeFunctions<10, 4> = tet10(keast());
 
-/// The 10-node tetrahedron evaluated at its nodes, which are no quadrature points.
+/// The 10-node tetrahedron evaluated at its nodes, which are not quadrature points.
 pub const TET10_NODES: ShapeFunctions<10, 10> = tet10(nodes());
 
 /// The 10-node tetrahedron evaluated at its centre.
@@ -49,7 +49,8 @@ const fn nodes() -> [[f64; 4]; 10] {
     points
 }
 
-/// Values of the shape functions of the 10-node tetrahedron at barycentric coordinates `l`: corners, then the middles of [`EDGES`].
+/// Values of the shape functions of the 10-node tetrahedron at barycentric coordinates `l`: corners, then the midpoints
+/// of [`EDGES`].
 pub fn tet10_values(l: [f64; 4]) -> [f64; 10] {
     std::array::from_fn(|a| match a {
         0..4 => l[a] * (2.0 * l[a] - 1.0),
@@ -84,7 +85,7 @@ mod tests {
 
     #[test]
     fn quadratic_shape_functions_reproduce_quadratic_fields() {
-        // f(l) = sum c_ij l_i l_j: nodal interpolation differentiates exactly along the simplex.
+        // f(l) = sum c_ij l_i l_j: the derivative of the nodal interpolation is exact along the simplex.
         let f = |l: [f64; 4]| 1.3 * l[0] * l[0] - 0.7 * l[1] * l[2] + 0.4 * l[3] * l[3] + 2.0 * l[0] * l[3] + l[2];
         let mut nodes = [[0.0; 4]; 10];
         for k in 0..4 {

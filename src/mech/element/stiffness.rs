@@ -1,11 +1,11 @@
-//! Stiffness of several elements side by side. Each element takes the same operations in the same order, so that the bits do
-//! not depend on the number of elements.
+//! Stiffness of several elements in vector lanes. Each element undergoes the same operations in the same order, so that
+//! the result is bitwise independent of the number of elements.
 
 use super::{Kernel, RestTet};
 use crate::mech::material::Tangent;
 use glam::{DMat3, DVec3};
 
-/// The entries of a 3 x 3 block, column by column, of each of `L` elements.
+/// Entries of a 3 x 3 block, column by column, of each of `L` elements.
 type Block<const L: usize> = [[f64; L]; 9];
 
 /// Energy gradients (N per node) and stiffness (N/m) of `L` elements.
@@ -23,7 +23,7 @@ impl<const N: usize, const L: usize> Default for Stiffness<N, L> {
 }
 
 impl<const N: usize, const L: usize> Stiffness<N, L> {
-    /// The block of nodes `a` and `b >= a` of element `lane`.
+    /// Block of nodes `a` and `b >= a` of element `lane`.
     #[inline(always)]
     pub fn block(&self, lane: usize, a: usize, b: usize) -> DMat3 {
         DMat3::from_cols_array(&std::array::from_fn(|e| self.blocks[a][b][e][lane]))
@@ -31,8 +31,8 @@ impl<const N: usize, const L: usize> Stiffness<N, L> {
 }
 
 impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
-    /// Computes gradients and stiffness of the elements with rest geometry `rest` and node positions `x` (m) and stores them in
-    /// `sum`. If `project` is set, the tangent of every point is made positive semidefinite first.
+    /// Computes gradients and stiffness of the elements with reference geometry `rest` and node positions `x` (m) and
+    /// stores them in `sum`. If `project` is set, the tangent of every point is made positive semidefinite first.
     #[inline(always)]
     pub fn stiffness<const L: usize>(
         &self,
@@ -80,7 +80,7 @@ impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
         });
         for a in 0..N {
             for b in a..N {
-                // In registers from the first point to the last.
+                // Accumulated in registers over all points.
                 let mut block = [[0.0; L]; 9];
                 for (m, d) in m.iter().zip(&self.shape.d) {
                     for k in (0..4).filter(|k| d[a][*k] != 0.0) {
@@ -106,7 +106,8 @@ impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
         }
     }
 
-    /// Tangent dP/dF, stress P and dtheta/dF at a point where the volumetric part has pressure and modulus `volumetric`.
+    /// Tangent dP/dF, stress P and dtheta/dF at a point where the volumetric part has pressure and modulus
+    /// `volumetric`.
     #[inline(always)]
     fn tangent(&self, f: &DMat3, volumetric: [f64; 3], project: bool) -> (Tangent, DMat3, DMat3) {
         let kind = self.material.dilatation();
@@ -162,11 +163,12 @@ fn contract<const L: usize>(
     m
 }
 
-/// Least eigenvalue of a projected tangent over its largest: a sum of tangents with none at all would be positive definite or not as
-/// rounding has it.
+/// Smallest eigenvalue of a projected tangent over its largest: with zero eigenvalues, rounding would decide whether a
+/// sum of tangents is positive definite.
 const LEAST: f64 = 1e-10;
 
-/// Raises the negative eigenvalues of a symmetric 9 x 9 tangent to next to nothing (Teran et al. 2005: to zero).
+/// Raises the negative eigenvalues of a symmetric 9 x 9 tangent to [`LEAST`] times the largest (Teran et al. 2005: to
+/// zero).
 fn project_positive(tangent: &mut [[f64; 9]; 9]) {
     let matrix = faer::Mat::<f64>::from_fn(9, 9, |i, j| 0.5 * (tangent[i][j] + tangent[j][i]));
     // The decomposition fails only for non-finite input, which no feasible state produces; keep the tangent then.

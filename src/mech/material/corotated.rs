@@ -1,4 +1,5 @@
-//! Fixed corotated law: linear elasticity in the rotated frame of the material, cheap and defined when inverted.
+//! Fixed corotated law: linear elasticity in the rotated frame of the material, cheap and defined for inverted
+//! elements.
 
 use super::{Dilatation, Material, Moduli, Tangent, quadratic};
 use glam::{DMat3, DVec3};
@@ -10,7 +11,7 @@ use glamx::DSymmetricEigen3;
 pub struct FixedCorotated(Moduli);
 
 impl FixedCorotated {
-    /// Creates the law from Young's modulus (Pa) and Poisson's ratio at rest.
+    /// Creates the law from Young's modulus (Pa) and Poisson's ratio of the undeformed material.
     pub fn new(young: f64, poisson: f64) -> Self {
         Self(Moduli::new(young, poisson))
     }
@@ -25,7 +26,7 @@ fn polar(f: &DMat3) -> (DMat3, DMat3) {
     order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
     let [a, b] = [v[order[0]].normalize(), v[order[1]].normalize()];
     let c = a.cross(b);
-    // The two largest stretches give two axes; the third follows from them, so a flat or inverted F is no special case.
+    // The two largest stretches give two axes, and these the third, so that a flat or inverted F is not a special case.
     let u = (*f * a).try_normalize().unwrap_or(DVec3::X);
     let w = *f * b;
     let w = (w - u * u.dot(w)).try_normalize().unwrap_or_else(|| u.any_orthonormal_vector());

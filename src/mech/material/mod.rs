@@ -1,8 +1,8 @@
 //! Constitutive laws of the gel: one law per file behind the [`Material`] trait.
 //!
 //! A law is split into a *distortional* part, evaluated point by point, and a *volumetric* energy of one scalar, the
-//! dilatation. The split is what lets an element average the dilatation (mean dilatation, Nagtegaal, Parks & Rice
-//! 1974; Simo, Taylor & Pister 1985) with any law: near-incompressible gels then do not lock.
+//! dilatation. The split allows an element to average the dilatation (mean dilatation, Nagtegaal, Parks & Rice 1974;
+//! Simo, Taylor & Pister 1985) with any law, so that nearly incompressible gels do not lock.
 //!
 //! Adding a law takes one file that implements [`Material`], one line here and one line in the derivative test.
 
@@ -30,7 +30,7 @@ pub enum Dilatation {
 }
 
 impl Dilatation {
-    /// The dilatation of the deformation gradient `f`, dimensionless, 0 at rest.
+    /// Dilatation of the deformation gradient `f`, dimensionless, 0 without deformation.
     #[inline(always)]
     pub fn value(self, f: &DMat3) -> f64 {
         match self {
@@ -74,7 +74,7 @@ impl Dilatation {
 pub trait Material: Send + Sync + std::fmt::Debug {
     /// Name as it appears in scenes and reports.
     fn name(&self) -> &'static str;
-    /// Dilatation that [`Material::volumetric`] takes.
+    /// Dilatation that is the argument of [`Material::volumetric`].
     fn dilatation(&self) -> Dilatation;
     /// Distortional energy density, J/m3; `+inf` where the law is not defined (an inverted element).
     fn distortional_energy(&self, f: &DMat3) -> f64;
@@ -84,11 +84,11 @@ pub trait Material: Send + Sync + std::fmt::Debug {
     fn distortional_tangent(&self, f: &DMat3) -> Tangent;
     /// Volumetric energy density and its first two derivatives in the dilatation `theta`: `[J/m3, Pa, Pa]`.
     fn volumetric(&self, theta: f64) -> [f64; 3];
-    /// Elastic constants at rest: they scale contact stiffness and tolerances.
+    /// Elastic constants of the undeformed material: they scale contact stiffness and tolerances.
     fn moduli(&self) -> &Moduli;
 }
 
-/// Elastic constants of an isotropic law at rest.
+/// Elastic constants of an undeformed isotropic material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moduli {
     /// Young's modulus, Pa.
@@ -111,13 +111,13 @@ impl Moduli {
     }
 }
 
-/// The volumetric energy `modulus / 2 theta^2` with its derivatives, as [`Material::volumetric`] gives them.
+/// The volumetric energy `modulus / 2 theta^2` with its derivatives, as [`Material::volumetric`] returns them.
 #[inline(always)]
 fn quadratic(modulus: f64, theta: f64) -> [f64; 3] {
     [0.5 * modulus * theta * theta, modulus * theta, modulus]
 }
 
-/// Cofactor matrix `det(F) F^-T`, defined for singular F too.
+/// Cofactor matrix `det(F) F^-T`, also defined for singular F.
 #[inline(always)]
 pub fn cofactor(f: &DMat3) -> DMat3 {
     DMat3::from_cols(f.y_axis.cross(f.z_axis), f.z_axis.cross(f.x_axis), f.x_axis.cross(f.y_axis))

@@ -1,16 +1,16 @@
-//! Compressible neo-Hookean law with decoupled volume: the gel.
+//! Compressible neo-Hookean law with decoupled volumetric energy: the law of the gel.
 
 use super::{Dilatation, Material, Moduli, Tangent, cofactor, quadratic};
 use glam::DMat3;
 
-/// Law with the energy `W = mu/2 (J^(-2/3) tr(F^T F) - 3) + kappa/2 (J - 1)^2` (Bonet & Wood 2008, section 6.5.1) and the
-/// stress `sigma = mu/J dev(J^(-2/3) F F^T) + kappa (J - 1) I`. The energy is infinite for `J <= 0`, so that a line search
-/// refuses inversion.
+/// Law with the energy `W = mu/2 (J^(-2/3) tr(F^T F) - 3) + kappa/2 (J - 1)^2` (Bonet & Wood 2008, section 6.5.1) and
+/// the stress `sigma = mu/J dev(J^(-2/3) F F^T) + kappa (J - 1) I`. The energy is infinite for `J <= 0`, so that a line
+/// search rejects inversion.
 #[derive(Debug, Clone, Copy)]
 pub struct NeoHookean(Moduli);
 
 impl NeoHookean {
-    /// Creates the law from Young's modulus (Pa) and Poisson's ratio at rest.
+    /// Creates the law from Young's modulus (Pa) and Poisson's ratio of the undeformed material.
     pub fn new(young: f64, poisson: f64) -> Self {
         Self(Moduli::new(young, poisson))
     }
@@ -36,8 +36,8 @@ impl Material for NeoHookean {
         if j <= 0.0 {
             return f64::INFINITY;
         }
-        // I1 - 3 from the displacement gradient H = F - I keeps the digits of small strains:
-        // tr(F^T F) - 3 = 2 tr H + |H|^2, and J^(-2/3) = exp(-2/3 ln J).
+        // I1 - 3 from the displacement gradient H = F - I is accurate at small strains: tr(F^T F) - 3 = 2 tr H + |H|^2,
+        // and J^(-2/3) = exp(-2/3 ln J).
         let h = *f - DMat3::IDENTITY;
         let trace = h.x_axis.x + h.y_axis.y + h.z_axis.z;
         let squared = h.x_axis.length_squared() + h.y_axis.length_squared() + h.z_axis.length_squared();

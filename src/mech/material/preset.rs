@@ -5,9 +5,9 @@
 pub struct GelPreset {
     /// Name used in scenes.
     pub name: &'static str,
-    /// Young's modulus at rest, Pa.
+    /// Young's modulus of the undeformed gel, Pa.
     pub young: f64,
-    /// Poisson's ratio at rest.
+    /// Poisson's ratio of the undeformed gel.
     pub poisson: f64,
     /// Density, kg/m3.
     pub density: f64,

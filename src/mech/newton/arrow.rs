@@ -21,11 +21,11 @@ pub struct ArrowBlock {
     pub body: Arc<Body>,
     /// Its gradient and Hessian.
     pub block: BodyBlock,
-    /// Gradients to be solved for beside those of `block`.
+    /// Gradients added to those of `block` in a solve.
     pub extra: BodyBlock,
     factor: Factor,
     rhs: Vec<f64>,
-    /// `B^T K^-1 B` of the last columns that were solved for.
+    /// `B^T K^-1 B` of the last solve with new columns.
     schur: [[f64; MAX_RIGID]; MAX_RIGID],
 }
 
@@ -41,12 +41,12 @@ impl ArrowBlock {
         Ok(Self { body, block, extra, factor, rhs: Vec::new(), schur: [[0.0; MAX_RIGID]; MAX_RIGID] })
     }
 
-    /// Factorises the block; false if it is not positive definite.
+    /// Factorises the block; returns false if it is not positive definite.
     pub fn factorize(&mut self) -> bool {
         self.factor.factorize(self.body.pattern(), &self.block.values)
     }
 
-    /// Solves for the gradient; for all rigid columns at once if `columns` are new.
+    /// Solves for the gradient, and for all rigid columns too if `columns` are new.
     pub fn solve(&mut self, columns: bool) {
         let n = self.body.unknowns();
         let coupled = self.block.coupling.len();
@@ -72,7 +72,7 @@ impl ArrowBlock {
         }
     }
 
-    /// Computes the motion of the nodes, m, when the rigid unknowns move by `rigid` (m).
+    /// Computes the motion of the nodes, m, for a motion `rigid` (m) of the rigid unknowns.
     fn motion(&self, rigid: &[f64]) -> Vec<DVec3> {
         let n = self.body.unknowns();
         let entry = |row: usize| {
@@ -93,15 +93,15 @@ impl ArrowBlock {
     }
 }
 
-/// Smallest stiffness of a rigid unknown that is divided by, over the largest: far below any contact, above rounding.
+/// Smallest stiffness of a rigid unknown over the largest: far below that of any contact, above rounding.
 const STIFFNESS_FLOOR: f64 = 1e-10;
-/// Number of bisections for the shift, which need not be sharp.
+/// Number of bisections for the shift, which need not be accurate.
 const BISECTIONS: u32 = 30;
 
-/// Schur complement of the rigid unknowns, in its principal axes. Negative or tiny curvature (rigid modes of an object that nothing
-/// holds yet) is replaced by its magnitude, and shifted so that the step under the gradient that it was created for is at most a `cap`
-/// long. The step descends and stays finite, and does not depend on the basis of modes of equal stiffness. The solution is not changed,
-/// because only the matrix is.
+/// Schur complement of the rigid unknowns, in its principal axes. Negative or tiny eigenvalues (rigid modes of an
+/// object that is not yet held) are replaced by their magnitudes, and all are shifted so that the step under the
+/// gradient given at construction is at most `cap` long. The step is then a finite descent direction that does not
+/// depend on the basis of modes of equal stiffness. Only the matrix is modified, so that the solution is unchanged.
 #[derive(Debug, Clone, Default)]
 pub struct RigidSystem {
     /// Principal axes, over the unknowns.
@@ -113,8 +113,8 @@ pub struct RigidSystem {
 }
 
 impl RigidSystem {
-    /// Creates the system of solved blocks, and of the block of the object alone, under the `gradient` (N) of the rigid unknowns. The
-    /// first `unknowns` of the `size` rigid columns move.
+    /// Creates the system from solved blocks and the block of the object alone, under the `gradient` (N) of the rigid
+    /// unknowns. The first `unknowns` of the `size` rigid columns may move.
     pub fn new(
         blocks: &[ArrowBlock],
         object: &RigidBlock,
@@ -131,7 +131,7 @@ impl RigidSystem {
         }
         let mut system = Self { axes: Vec::new(), stiffness: Vec::new(), size };
         let matrix = faer::Mat::<f64>::from_fn(unknowns, unknowns, |i, j| 0.5 * (s[i][j] + s[j][i]));
-        // Fails only for non-finite input; a zero step then makes the caller stop with a fault.
+        // Fails only for non-finite input; the resulting zero step makes the caller stop with a failure.
         let Ok(eigen) = matrix.self_adjoint_eigen(faer::Side::Lower) else { return system };
         let (u, values) = (eigen.U(), eigen.S());
         let largest = (0..unknowns).map(|k| values[k].abs()).fold(0.0, f64::max);
@@ -146,7 +146,7 @@ impl RigidSystem {
         system
     }
 
-    /// Gradient that the nodes leave along each axis, N, when the rigid unknowns have `gradient`.
+    /// Gradient along each axis after elimination of the nodes, N, for the `gradient` of the rigid unknowns.
     fn along(&self, blocks: &[ArrowBlock], gradient: &[f64; MAX_RIGID]) -> Vec<f64> {
         let mut g = *gradient;
         for b in blocks {
@@ -155,14 +155,15 @@ impl RigidSystem {
         self.axes.iter().map(|axis| axis.iter().zip(&g).map(|(u, g)| u * g).sum()).collect()
     }
 
-    /// Adds the smallest shift to the stiffness with which the step under the gradient `along` the axes (N) is at most `cap` (m) long.
+    /// Adds to the stiffness the smallest shift for which the step under the gradient `along` the axes (N) is at most
+    /// `cap` (m) long.
     fn shorten(&mut self, along: &[f64], cap: f64) {
         let length = |shift: f64| {
             let parts = along.iter().zip(&self.stiffness).map(|(p, k)| p / (k + shift));
             parts.map(|p| p * p).sum::<f64>().sqrt()
         };
         if length(0.0) > cap {
-            // With the force over the cap every step is short enough.
+            // A shift of the force over the cap makes every step short enough.
             let (mut low, mut shift) = (0.0, along.iter().map(|p| p * p).sum::<f64>().sqrt() / cap);
             for _ in 0..BISECTIONS {
                 let middle = 0.5 * (low + shift);
@@ -172,7 +173,7 @@ impl RigidSystem {
         }
     }
 
-    /// Full Newton step of solved blocks, when the rigid unknowns have `gradient` (N).
+    /// Full Newton step of solved blocks for the `gradient` (N) of the rigid unknowns.
     pub fn step(&self, blocks: &[ArrowBlock], gradient: &[f64; MAX_RIGID]) -> NewtonStep {
         let mut rigid = [0.0; MAX_RIGID];
         for ((g, axis), stiffness) in self.along(blocks, gradient).iter().zip(&self.axes).zip(&self.stiffness) {

@@ -1,9 +1,10 @@
 //! Newton direction: the symmetric system is solved by its factorisation, the nonsymmetric part by a Krylov method.
 //!
-//! The Hessian of frozen friction is symmetric, but the friction limit grows with the pressure: where a point slips, a motion
-//! against the object also changes the force along it. That part has no potential, and its rank is small. The symmetric system
-//! preconditions a generalised conjugate residual method (Eisenstat, Elman and Schultz 1983), whose vectors cost a triangular solve each
-//! instead of a nonsymmetric factorisation. It restores the fast convergence of Newton's method where points slip.
+//! The Hessian at lagged friction is symmetric, but the friction limit grows with the pressure: where a point slips, a
+//! normal motion also changes the tangential force. That part has no potential, and its rank is small. The symmetric
+//! system preconditions a generalised conjugate residual method (Eisenstat, Elman and Schultz 1983), whose vectors cost
+//! one triangular solve each instead of a nonsymmetric factorisation. It restores the fast convergence of Newton's
+//! method where points slip.
 
 use super::Newton;
 use super::arrow::RigidSystem;
@@ -12,12 +13,12 @@ use rayon::prelude::*;
 
 /// Maximum number of Krylov vectors of one direction.
 const VECTORS: usize = 8;
-/// Residual of the direction over the direction below which another vector is not worthwhile.
+/// Residual of the direction over the direction below which no further vector is added.
 const ENOUGH: f64 = 0.01;
 
 impl Newton {
-    /// Computes the step from the assembled and factorised state `now`, and the gradient of the rigid unknowns that it answers.
-    /// No step in the rigid unknowns is longer than `cap` (m).
+    /// Computes the step of the assembled and factorised system at lagged friction, and the gradient of the rigid
+    /// unknowns. The step in the rigid unknowns is at most `cap` (m) long.
     pub(crate) fn direction(&mut self, cap: f64) -> (NewtonStep, [f64; MAX_RIGID]) {
         self.blocks.par_iter_mut().for_each(|b| {
             b.extra.clear(false);
@@ -29,8 +30,8 @@ impl Newton {
         (self.rigid_system.step(&self.blocks, &gradient), gradient)
     }
 
-    /// Turns the direction `plain` at `now`, that of frozen friction limits under `gradient`, into the one of limits that follow the
-    /// pressure. It is at most `cap` (m) long in the rigid unknowns.
+    /// Corrects the direction `plain` at `now`, computed at lagged friction under `gradient`, for limits that follow
+    /// the pressure. The result is at most `cap` (m) long in the rigid unknowns.
     pub(crate) fn follow(
         &mut self,
         now: &State,
@@ -69,7 +70,8 @@ impl Newton {
         step
     }
 
-    /// Response of the symmetric system to what friction forces change along `step` beyond what the Hessian says; None if they do not.
+    /// Response of the symmetric system to the change of friction forces along `step` that the Hessian does not
+    /// include; None if there is no such change.
     fn response(
         &mut self,
         now: &State,
@@ -89,7 +91,8 @@ impl Newton {
         Some(response)
     }
 
-    /// Collects the change of the forces along `step` beyond what the Hessian says; returns false if there is none.
+    /// Collects the change of the forces along `step` that the Hessian does not include; returns false if there is
+    /// none.
     fn couple(&mut self, now: &State, step: &NewtonStep) -> bool {
         let (rigid, terms) = (&self.rigid, &self.terms);
         self.blocks.par_iter_mut().enumerate().for_each(|(i, b)| {

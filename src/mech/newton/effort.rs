@@ -1,19 +1,21 @@
-//! Bound on the work of a grasp: every grasp ends.
+//! Bound on the work of a grasp, so that every grasp terminates.
 //!
-//! A grasp takes at most `max_iterations * (START + PER_STEP * steps)` Newton iterations. The scene gives `max_iterations`, 40
-//! by default. The number of steps is that of the recorded frames or, in a dynamic scene, of the time steps. A step of an agent takes at
-//! most `max_iterations * PER_STEP`, because all environments of a batch wait for it. A scene meets the same bound on every
-//! machine. A limit on wall time, which depends on the machine, can be set as well.
+//! A grasp takes at most `max_iterations * (START + PER_STEP * steps)` Newton iterations. The scene sets
+//! `max_iterations`, 40 by default. The number of steps is that of the recorded frames or, in a dynamic scene, of the
+//! time steps. A step of an agent takes at most `max_iterations * PER_STEP`, because all environments of a batch wait
+//! for it. The bound is the same on every machine. A limit on wall time, which depends on the machine, can be set as
+//! well.
 
 use super::Failure;
 use crate::interrupt;
 use std::time::{Duration, Instant};
 
-/// Increments of `max_iterations` that a grasp may take to make contact and to settle, and for each step after that.
+/// Number of increments, of `max_iterations` each, that a grasp may take to make contact and reach equilibrium, and for
+/// each step after that.
 const START: u64 = 50;
 const PER_STEP: u64 = 10;
 
-/// Maximum number of Newton iterations of a grasp with `steps` load levels or time steps, each of `max_iterations` per
+/// Maximum number of Newton iterations of a grasp with `steps` load levels or time steps, for `max_iterations` per
 /// increment.
 pub fn most_iterations(max_iterations: u32, steps: usize) -> u64 {
     u64::from(max_iterations).saturating_mul(START.saturating_add(PER_STEP.saturating_mul(steps as u64)))
@@ -27,11 +29,11 @@ pub fn most_iterations_of_agent_step(max_iterations: u32) -> u64 {
 /// Limit on the work of a solver.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort {
-    /// Number of Newton iterations of the grasp from which on they count.
+    /// Number of Newton iterations of the grasp at which counting begins.
     pub from: u64,
-    /// Maximum number of Newton iterations from there on.
+    /// Maximum number of Newton iterations counted.
     pub iterations: u64,
-    /// Time by which the solver must have ended, and the wall time it had, s.
+    /// Deadline of the solver, and the wall time allowed, s.
     deadline: Option<(Instant, f64)>,
 }
 
@@ -43,13 +45,13 @@ impl Default for Effort {
 }
 
 impl Effort {
-    /// Limits the wall time to `seconds` from now on, if any.
+    /// Limits the wall time to `seconds` from now, if given.
     pub fn within(seconds: Option<f64>) -> Self {
         let until = |s: f64| Some((Instant::now().checked_add(Duration::try_from_secs_f64(s).ok()?)?, s));
         Self { deadline: seconds.and_then(until), ..Self::default() }
     }
 
-    /// Returns why a solver that has taken this many iterations must stop; None if it may go on.
+    /// Returns the reason why a solver that has taken this many iterations must stop; None if it may continue.
     pub fn exceeded(&self, iterations: u64) -> Option<Failure> {
         if interrupt::requested() {
             return Some(Failure::Interrupted);
@@ -65,7 +67,7 @@ impl Effort {
 mod tests {
     use super::*;
 
-    /// A step may take its ten iterations whatever the grasp has taken before it.
+    /// A step may take its ten iterations regardless of those of the grasp before it.
     #[test]
     fn iterations_count_from_the_start_of_the_step() {
         let effort = Effort { from: 500, iterations: 10, ..Effort::default() };

@@ -11,31 +11,31 @@ pub enum Failure {
     LineSearch(f64),
     /// The stiffness is not positive definite even after projection, or not finite.
     Singular,
-    /// The corrections of condensed pads do not settle; size of the last one over the displacement.
+    /// The corrections of condensed pads do not converge; size of the last one over the displacement.
     Corrections(f64),
-    /// The path bends so far that the error of the increment is this many times the error allowed.
+    /// The path deviates too much from a straight increment; path error over the error allowed.
     Bent(f64),
-    /// The object kept rolling or sliding and did not come to rest.
+    /// The object kept rolling or sliding and did not reach equilibrium.
     Unsettled,
-    /// A finger closes on nothing: the object left the grasp.
+    /// A finger closes without contact: the object left the grasp.
     Lost,
-    /// The object moved farther at one load level than counts as held.
+    /// The object moved farther than an object that counts as held.
     Astray,
     /// The number of Newton iterations reached this limit of a grasp, or of a step of an agent.
     Effort(u64),
-    /// The wall time that a grasp may take is over, s.
+    /// The wall time allowed for a grasp was exceeded, s.
     Time(f64),
-    /// The user asked to stop.
+    /// The user interrupted the run.
     Interrupted,
 }
 
 impl Failure {
-    /// Returns true if the object leaves the grasp, as a real one would.
+    /// Returns true if the object left the grasp: a physical outcome, not a numerical one.
     pub fn leaves_the_grasp(&self) -> bool {
         matches!(self, Failure::Lost | Failure::Astray | Failure::Unsettled)
     }
 
-    /// Returns true if nothing more is to be tried.
+    /// Returns true if no further attempt may be made.
     pub fn is_out_of_effort(&self) -> bool {
         matches!(self, Failure::Effort(_) | Failure::Time(_) | Failure::Interrupted)
     }

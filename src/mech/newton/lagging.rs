@@ -1,14 +1,15 @@
-//! Friction that follows the pressure in each iteration, or is frozen.
+//! Friction that follows the pressure in each iteration, or is lagged (limits and planes held fixed).
 //!
-//! Friction limits and planes follow at once, and the Newton direction anticipates this, so that slipping points cost nothing
-//! extra. If that does not converge (a point touches in one state and not in the next), friction is frozen until the frozen
-//! problem, a plain minimisation, is solved well enough to say where friction wants to go.
+//! By default, limits and planes are updated in every iteration, and the Newton direction accounts for this, so that
+//! slipping points take no additional iterations. If that does not converge (a point is in contact in one state and not
+//! in the next), friction is lagged until the problem with fixed limits, a plain minimisation, is solved well enough to
+//! give the next limits.
 
-/// Iterations without progress after which friction is frozen.
+/// Iterations without progress after which friction is lagged.
 const SWINGING: u32 = 5;
-/// Progress is a residual below this part of the best.
+/// Residual over the smallest one so far below which an iteration counts as progress.
 const PROGRESS: f64 = 0.5;
-/// Residual over the friction lag below which the frozen problem counts as solved.
+/// Residual over the friction lag below which the problem with lagged friction counts as solved.
 const SOLVED: f64 = 0.1;
 
 /// State of the friction lag in one Newton solve.
@@ -17,14 +18,14 @@ pub(crate) struct Lagging {
     best: f64,
     stale: u32,
     frozen: bool,
-    /// Flag: the solution is only on the way to a result; friction stays frozen, and its lag does not count.
+    /// Flag: the solution is intermediate, not a result; friction stays lagged, and its lag error is ignored.
     passing: bool,
-    /// Flag: the frozen problem is solved, and friction moves on.
+    /// Flag: the problem with lagged friction is solved, and friction is updated.
     solved: bool,
 }
 
 impl Lagging {
-    /// Creates the state for a solution that is a result, or only on the way to one (`passing`).
+    /// Creates the state for a result or for an intermediate (`passing`) solution.
     pub fn new(passing: bool) -> Self {
         Self { best: f64::INFINITY, stale: 0, frozen: false, passing, solved: false }
     }
@@ -34,7 +35,7 @@ impl Lagging {
         self.stale < SWINGING || self.solved
     }
 
-    /// Returns true once, when friction becomes frozen.
+    /// Returns true once, when friction becomes lagged.
     pub fn freezes(&mut self) -> bool {
         let frozen = self.stale >= SWINGING;
         frozen && !std::mem::replace(&mut self.frozen, frozen)
@@ -45,7 +46,7 @@ impl Lagging {
         if self.passing && self.stale >= SWINGING { residual } else { residual.hypot(lag) }
     }
 
-    /// Records an assembled state: out-of-balance forces, friction lag and the residual allowed, N.
+    /// Records an assembled state: out-of-balance forces, friction lag and admissible residual, N.
     pub fn note(&mut self, residual: f64, lag: f64, allowed: f64) {
         if self.stale < SWINGING {
             let progress = residual.hypot(lag) < PROGRESS * self.best;
@@ -60,7 +61,7 @@ impl Lagging {
 mod tests {
     use super::*;
 
-    /// A state on the way to a result is done at 1e-3 N out of balance although friction swings by 1 N; a result is not.
+    /// An intermediate state converges at 1e-3 N out of balance although friction oscillates by 1 N; a result does not.
     #[test]
     fn only_a_result_waits_for_friction_that_swings() {
         for passing in [true, false] {

@@ -1,4 +1,4 @@
-//! The incremental potential: bodies with their terms, the rigid unknowns that join them, and the system Newton's method solves.
+//! The system that Newton's method solves: bodies with their terms, and the rigid unknowns that couple them.
 
 pub mod arrow;
 mod direction;
@@ -27,20 +27,20 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Limits of Newton's method: when to stop, and how far one iteration may go.
+/// Limits of Newton's method: convergence criteria, and largest motion in one iteration.
 #[derive(Debug, Clone, Copy)]
 pub struct NewtonTolerance {
     /// Largest norm of the out-of-balance forces relative to the contact forces.
     pub relative: f64,
-    /// Absolute part of that bound, which remains where there is no contact, N.
+    /// Absolute part of that bound, which remains without contact, N.
     pub force: f64,
     /// Largest motion of any unknown in the last iteration, m.
     pub length: f64,
-    /// Iterations before an increment is given up.
+    /// Maximum number of iterations of an increment.
     pub iterations: u32,
-    /// Largest motion of any point in one iteration, m: keeps the closest point on the right side of thin objects.
+    /// Largest motion of any point in one iteration, m: keeps closest points on the correct side of thin objects.
     pub motion: f64,
-    /// Flag: the solve is only on the way to a result; friction may lag where it swings.
+    /// Flag: the solution is intermediate, not a result; friction may stay lagged where it oscillates.
     pub passing: bool,
     /// Contact offset, m: the reference of all lengths of the method.
     pub offset: f64,
@@ -78,15 +78,15 @@ pub struct SolverProfile {
     pub iterations: u64,
     /// Factorisations that needed a projected Hessian.
     pub projections: u64,
-    /// Solutions in which friction was frozen.
+    /// Solves in which friction was lagged.
     pub frozen: u64,
 }
 
-/// Bodies with their terms, and the rigid unknowns that join them.
+/// Bodies with their terms, and the rigid unknowns that couple them.
 pub struct Newton {
-    /// Terms of each body: the law of its gel, or what stands for it.
+    /// Terms that represent the gel of each body: its elastic energy, or a substitute.
     pub gel: Vec<Vec<Box<dyn BodyTerm>>>,
-    /// Terms of each body beside its gel: contact, inertia, drive.
+    /// Other terms of each body: contact, inertia, drive.
     pub terms: Vec<Vec<Box<dyn BodyTerm>>>,
     /// Terms of the object.
     pub object: ObjectTerms,
@@ -96,18 +96,18 @@ pub struct Newton {
     pub force: Vec<f64>,
     /// Timings.
     pub profile: SolverProfile,
-    /// The time step that is solved for; None on a quasi-static path.
+    /// Current time step; None on a quasi-static path.
     pub step: Option<TimeStep>,
-    /// The springs of a pseudo-time step, on paths without stable equilibria.
+    /// Proximal springs of a pseudo-time step; None without pseudo-time.
     pub proximal: Option<Proximal>,
-    /// Flag: the object is held where it is, and its pose is no unknown.
+    /// Flag: the object is held fixed, and its pose is not an unknown.
     pub object_fixed: bool,
     /// Limit on the work of the solver.
     pub effort: Effort,
     pub(crate) blocks: Vec<ArrowBlock>,
-    /// Rigid unknowns of the last direction.
+    /// System of the rigid unknowns of the last direction.
     rigid_system: RigidSystem,
-    /// Gradient and Hessian of what acts on the rigid unknowns alone, and gradients to be solved for beside them.
+    /// Gradient and Hessian of terms on the rigid unknowns alone, and gradients added to them in a solve.
     pub(crate) object_block: RigidBlock,
     pub(crate) object_extra: RigidBlock,
 }
@@ -118,7 +118,7 @@ impl Newton {
     /// # Errors
     /// Fails if the factorisation of a body cannot be analysed.
     pub fn new(bodies: Vec<Arc<Body>>, terms: Vec<Vec<Box<dyn BodyTerm>>>, rigid: RigidUnknowns) -> Result<Self> {
-        // Analyses take long the first time.
+        // The first analysis of each body takes long.
         let blocks: Vec<_> = bodies.into_par_iter().map(|b| ArrowBlock::new(b, rigid.size)).collect::<Result<_>>()?;
         let force = vec![0.0; blocks.len()];
         let gel = blocks.iter().map(|_| Vec::new()).collect();
@@ -145,7 +145,7 @@ impl Newton {
         &self.blocks[index].body
     }
 
-    /// Puts `body` in the place of body `index`, of as many nodes; the terms stay.
+    /// Replaces body `index` by `body`, which has the same number of nodes; the terms stay.
     ///
     /// # Errors
     /// Fails if its factorisation cannot be analysed.
@@ -169,12 +169,12 @@ impl Newton {
             })
             .collect();
         let object = self.object.energy(state, &self.rigid);
-        // Summed in body order: the same bits on any number of threads.
+        // Summed in body order: bitwise the same result on any number of threads.
         bodies.iter().sum::<f64>() + object - self.work(state)
             + self.proximal.as_ref().map_or(0.0, |p| p.energy(self, state))
     }
 
-    /// A distance that every point may move from `state` before anything is touched, m.
+    /// Distance by which every point may move from `state` before anything touches, m.
     pub fn clearance(&self, state: &State) -> f64 {
         let of = |i: usize| {
             let view = state.view(i, &self.rigid);
@@ -234,17 +234,17 @@ impl Newton {
             }
         }
         g.iter_mut().zip(self.object_block.gradient).for_each(|(g, v)| *g += v);
-        // What holds the object answers every force on it.
+        // The support of a fixed object balances every force on it.
         g[self.unknowns()..].fill(0.0);
         g
     }
 
-    /// Number of rigid columns that are unknowns: those of the pose come last.
+    /// Number of rigid columns that are unknowns; those of the pose come last.
     pub(crate) fn unknowns(&self) -> usize {
         self.rigid.pose.filter(|_| self.object_fixed).unwrap_or(self.rigid.size)
     }
 
-    /// Norm of all out-of-balance forces, and norm of what lagged forces still miss, N.
+    /// Norms of all out-of-balance forces and of the lag of lagged forces, N.
     pub(crate) fn residual(&self) -> (f64, f64) {
         let rigid: f64 = self.rigid_gradient()[..self.rigid.size].iter().map(|v| v * v).sum();
         let nodes: f64 = self
@@ -259,19 +259,19 @@ impl Newton {
         ((rigid + nodes).sqrt(), lag.sqrt())
     }
 
-    /// Largest contact force on a body, and the forces on the object alone, N.
+    /// Largest sum of contact force magnitudes on a body, plus that of the forces on the object alone, N.
     pub(crate) fn activity(&self) -> f64 {
         self.blocks.iter().map(|b| b.block.rigid.activity).fold(0.0, f64::max) + self.object_block.activity
     }
 
-    /// Returns true if some driven finger carries no contact force at all.
+    /// Returns true if some driven finger carries no contact force.
     pub(crate) fn untouched(&self) -> bool {
         let driven = self.blocks.iter().zip(&self.rigid.travel);
         driven.into_iter().any(|(b, column)| column.is_some() && b.block.rigid.activity == 0.0)
     }
 
-    /// Factorises all blocks; assembles again with projected Hessians if one is not positive definite. Returns false if that
-    /// fails too.
+    /// Factorises all blocks; assembles again with projected Hessians if one is not positive definite. Returns false if
+    /// that fails too.
     pub(crate) fn factorize(&mut self, state: &State, how: Assembly) -> bool {
         let clock = Instant::now();
         let good = factorize_all(&mut self.blocks);
@@ -284,7 +284,7 @@ impl Newton {
         factorize_all(&mut self.blocks)
     }
 
-    /// Largest motion of any node relative to the object in a step, m.
+    /// Upper bound of the motion of any node relative to the object in a step, m.
     pub(crate) fn motion(&self, step: &NewtonStep) -> f64 {
         let nodes = step.x.iter().flatten().map(|d| d.length_squared()).fold(0.0, f64::max).sqrt();
         nodes + step.rigid[..self.rigid.size].iter().map(|d| d.abs()).fold(0.0, f64::max)
@@ -303,6 +303,6 @@ impl Newton {
 }
 
 fn factorize_all(blocks: &mut [ArrowBlock]) -> bool {
-    // Every block is factorised whatever the others give, so that the work does not depend on timing.
+    // All blocks are factorised even if one fails, so that the work does not depend on timing.
     blocks.par_iter_mut().map(ArrowBlock::factorize).collect::<Vec<_>>().into_iter().all(|ok| ok)
 }

@@ -1,4 +1,4 @@
-//! The object with its terms, beside the bodies of the pads.
+//! Terms of the object alone, in addition to those of the pads.
 
 use crate::error::Result;
 use crate::history::{HistoryReader, HistoryWriter};
@@ -10,14 +10,15 @@ use crate::mech::potential::state::{NewtonStep, RigidUnknowns, State};
 use crate::mech::potential::term::{Assembly, ObjectTerm};
 use crate::mech::potential::time_step::TimeStep;
 
-/// Effects on the object alone; what a scene does not need is not there. A new one is a field, and a line in `all` and `all_mut`.
+/// Effects on the object alone; those that a scene does not need are None or empty. A new one takes a field, and a line
+/// in `all` and `all_mut`.
 #[derive(Debug, Clone, Default)]
 pub struct ObjectTerms {
-    /// Weight, or what else pulls at the object on a quasi-static path.
+    /// Weight, or another constant force on the object on a quasi-static path.
     pub weight: Option<DeadForce>,
     /// Forces of a push.
     pub push: Vec<DeadForce>,
-    /// Inertia and weight in motion.
+    /// Inertia and weight in a dynamic scene.
     pub inertia: Option<RigidInertia>,
     /// Contact with the ground.
     pub ground: Option<GroundContact>,
@@ -34,7 +35,7 @@ impl ObjectTerms {
         dead.chain(self.inertia.iter_mut().map(|t| t as _)).chain(self.ground.iter_mut().map(|t| t as _))
     }
 
-    /// Sets the part of the push that acts.
+    /// Sets the acting fraction of the push.
     pub fn set_push_part(&mut self, part: f64) {
         self.push.iter_mut().for_each(|force| force.part = part);
     }
@@ -51,14 +52,14 @@ impl ObjectTerms {
         self.all_mut().for_each(|t| t.assemble(&view, how, block));
     }
 
-    /// Adds the change of the forces along `step` beyond what the Hessian says to `change`.
+    /// Adds to `change` the change of the forces along `step` that the Hessian does not include.
     pub(crate) fn couple(&self, state: &State, rigid: &RigidUnknowns, step: &NewtonStep, change: &mut RigidBlock) {
         let view = state.object_view(rigid);
         let motion = step.object_motion(&view);
         self.all().for_each(|t| t.couple(&view, &motion, change));
     }
 
-    /// Distance that the object may move before anything is touched, m.
+    /// Distance by which the object may move before anything touches, m.
     pub(crate) fn clearance(&self, state: &State, rigid: &RigidUnknowns) -> f64 {
         let view = state.object_view(rigid);
         self.all().map(|t| t.clearance(&view)).fold(f64::INFINITY, f64::min)
@@ -70,18 +71,18 @@ impl ObjectTerms {
         self.ground.iter_mut().for_each(|ground| ground.begin(step));
     }
 
-    /// Takes over the history of an accepted state.
+    /// Updates the history to an accepted state.
     pub(crate) fn commit(&mut self, state: &State, rigid: &RigidUnknowns) {
         let view = state.object_view(rigid);
         self.all_mut().for_each(|t| t.commit(&view));
     }
 
-    /// Forgets what was learnt since the last commit.
+    /// Discards all changes since the last commit.
     pub(crate) fn rollback(&mut self) {
         self.all_mut().for_each(ObjectTerm::rollback);
     }
 
-    /// Returns true if the converged state satisfies every term; each is asked.
+    /// Returns true if the converged state satisfies every term; all terms are evaluated.
     pub(crate) fn satisfied(&mut self) -> bool {
         self.all_mut().filter_map(|t| (!t.satisfied()).then_some(())).count() == 0
     }
@@ -94,7 +95,7 @@ impl ObjectTerms {
     /// Reads the history of the same terms.
     ///
     /// # Errors
-    /// Fails for a history of something else.
+    /// Fails if the history does not match these terms.
     pub(crate) fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
         self.all_mut().try_for_each(|t| t.read_history(history))
     }

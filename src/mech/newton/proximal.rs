@@ -1,4 +1,4 @@
-//! Springs to the previous state: they make a pseudo-time step an implicit step of gradient descent.
+//! Proximal springs to the previous state, with which a pseudo-time step is an implicit step of gradient descent.
 
 use super::Newton;
 use crate::mech::body::Body;
@@ -7,10 +7,10 @@ use crate::mech::potential::block::{BodyBlock, RigidBlock};
 use crate::mech::potential::state::{RigidUnknowns, State};
 use glam::{DMat3, DVec3};
 
-/// Pulls rigid unknowns and nodes towards `center`.
+/// Springs that pull rigid unknowns and nodes towards `center`.
 #[derive(Debug)]
 pub struct Proximal {
-    /// The previous state.
+    /// Previous state.
     pub center: State,
     /// Stiffness of the rigid unknowns, N/m per column.
     pub rigid: f64,
@@ -34,7 +34,7 @@ impl Proximal {
         0.5 * self.rigid * rigid + 0.5 * self.nodes * self.spread(newton, state)
     }
 
-    /// Force that all springs pull with at `state`, N.
+    /// Force of all springs at `state`, N.
     pub(crate) fn pull(&self, newton: &Newton, state: &State) -> f64 {
         let rigid = newton.rigid.distance(state, &self.center);
         (self.rigid * rigid).hypot(self.nodes * self.spread(newton, state).sqrt())
@@ -51,7 +51,7 @@ impl Proximal {
         }
     }
 
-    /// Sum of the squared distances of the free nodes, m2.
+    /// Sum of the squared displacements of the free nodes, m2.
     fn spread(&self, newton: &Newton, state: &State) -> f64 {
         let of = |i: usize| {
             let nodes = state.x[i].iter().zip(&self.center.x[i]).zip(&newton.body(i).fixed);

@@ -7,20 +7,20 @@ use crate::mech::potential::term::Assembly;
 use crate::scales::SHARP_MOTION;
 use std::time::Instant;
 
-/// Longest stride of the rigid unknowns in one iteration, as a part of the largest motion.
+/// Largest step of the rigid unknowns in one iteration, as a fraction of the largest motion.
 const STRIDE: f64 = 0.2;
-/// Least part by which a step of friction that follows the pressure lowers the residual.
+/// Smallest relative decrease of the residual in a full step with friction that follows the pressure.
 const BALANCED: f64 = 0.1;
-/// Part of a step from which on it counts as whole.
+/// Fraction of a step from which it counts as full.
 const WHOLE: f64 = 0.9;
-/// Part of a step below which only rounding moves.
+/// Fraction of a step below which it is lost in rounding.
 const STUCK: f64 = 1e-9;
 
 impl Newton {
-    /// Minimises the potential from `start`, in an increment that departs from the accepted state `from`.
+    /// Minimises the potential from `start`, in an increment that starts from the accepted state `from`.
     ///
     /// # Errors
-    /// [`Failure`] says why; the terms' history is untouched, so a smaller increment can be tried.
+    /// Returns the [`Failure`]; the terms' history is unchanged, so that a smaller increment can be tried.
     pub fn solve(
         &mut self,
         from: &State,
@@ -72,12 +72,12 @@ impl Newton {
             let (plain, gradient) = self.direction(cap);
             let step = if how.follow { self.follow(&now, &plain, &gradient, cap) } else { plain.clone() };
             self.profile.solve += clock.elapsed().as_secs_f64();
-            // Friction that follows the pressure has no potential: its step is good if the forces come into balance by it.
+            // Friction that follows the pressure has no potential: its step is accepted if it reduces the residual.
             let balanced = if how.follow { self.balance(&now, &step, residual, tolerance) } else { None };
             assembled = balanced.is_some() && lagging.follows();
             let clock = Instant::now();
             let searched = balanced.or_else(|| {
-                // What has no potential may lead uphill in the one that the line search goes by.
+                // The nonsymmetric step may be an ascent direction of the energy that the line search uses.
                 let step = if self.slope(&step, &gradient) < 0.0 { &step } else { &plain };
                 self.line_search(&now, step, &gradient, tolerance.motion)
             });
@@ -85,7 +85,8 @@ impl Newton {
             iterations += 1;
             self.profile.iterations += 1;
             match searched {
-                // A step that rounding swallows: the state sits on a crease of the object, where no direction descends.
+                // The step is lost in rounding: the state lies on a non-smooth ridge of the object, where no direction
+                // descends.
                 Some((_, _, alpha)) if alpha < STUCK && residual > allowed => {
                     return Err(Failure::LineSearch(residual));
                 }
@@ -93,7 +94,7 @@ impl Newton {
                     (now, last_motion) = (next, motion);
                     how = after_step(motion, alpha < WHOLE, tolerance);
                 }
-                // At rounding level no step lowers the energy any more: that is as converged as doubles get.
+                // No step lowers the energy by more than rounding: the state has converged to double precision.
                 None if residual <= allowed => {
                     last_motion = 0.0;
                     how = after_step(last_motion, how.secant, tolerance);
@@ -104,9 +105,9 @@ impl Newton {
         }
     }
 
-    /// Takes the step, as far as the largest motion of `tolerance` allows, if it lowers the `residual` (N). Returns as
-    /// [`Newton::line_search`] does; the terms are assembled at the new state, or at `now` without their Hessians if the step is not
-    /// taken.
+    /// Takes the step, limited to the largest motion of `tolerance`, if it lowers the `residual` (N). Returns the same
+    /// as [`Newton::line_search`]; the terms are then assembled at the new state or, if the step is rejected, at `now`
+    /// without their Hessians.
     fn balance(
         &mut self,
         now: &State,
@@ -129,8 +130,8 @@ impl Newton {
         good.then_some((next, alpha * motion, alpha))
     }
 
-    /// Backtracks from the whole step until the energy falls (Armijo). Returns the new state, its largest
-    /// motion (m, at most `cap`) and the fraction taken; None if no step lowers the energy.
+    /// Backtracks from the full step until the energy decreases (Armijo). Returns the new state, its largest motion (m,
+    /// at most `cap`) and the fraction taken; None if no step lowers the energy.
     fn line_search(
         &self,
         now: &State,
@@ -158,8 +159,8 @@ impl Newton {
     }
 }
 
-/// Returns how terms are assembled after a step of length `motion` (m). Friction bends the energy where points begin to slip: a step that
-/// crosses it far is `cut`, and the next one is more careful.
+/// Returns the assembly options after a step of length `motion` (m). Where points begin to slip, the curvature of the
+/// friction energy drops abruptly: after a step that was `cut` there, the next one uses the secant.
 fn after_step(motion: f64, cut: bool, tolerance: &NewtonTolerance) -> Assembly {
     Assembly { project: false, follow: true, sharp: motion <= SHARP_MOTION * tolerance.offset, secant: cut }
 }

@@ -1,4 +1,4 @@
-//! What terms remember: increments that begin, are accepted or taken back, copies, readings, and bytes.
+//! History of the terms: begin, accept and reject increments, copy, contact readings, serialisation.
 
 use super::Newton;
 use super::object::ObjectTerms;
@@ -31,7 +31,7 @@ impl Newton {
         SavedTerms { gel: copy(&self.gel), terms: copy(&self.terms), object: self.object.clone() }
     }
 
-    /// Puts saved terms back.
+    /// Restores saved terms.
     pub fn restore(&mut self, saved: SavedTerms) {
         (self.gel, self.terms, self.object) = (saved.gel, saved.terms, saved.object);
     }
@@ -46,7 +46,7 @@ impl Newton {
         step.iter().for_each(|step| self.object.begin(step));
     }
 
-    /// Takes over the history of an accepted state.
+    /// Updates the history of all terms to an accepted state.
     pub fn commit(&mut self, state: &State) {
         let terms = self.gel.iter_mut().zip(&mut self.terms);
         for (i, (b, (gel, terms))) in self.blocks.iter().zip(terms).enumerate() {
@@ -56,13 +56,13 @@ impl Newton {
         self.object.commit(state, &self.rigid);
     }
 
-    /// Forgets what terms learnt since the last commit.
+    /// Discards all changes of the terms since the last commit.
     pub fn rollback(&mut self) {
         self.gel.iter_mut().chain(&mut self.terms).flatten().for_each(|t| t.rollback());
         self.object.rollback();
     }
 
-    /// Returns true if the converged `state` satisfies every term; each is asked, since each may strengthen itself.
+    /// Returns true if the converged `state` satisfies every term; all are evaluated, since each may stiffen itself.
     pub(crate) fn satisfied(&mut self, state: &State) -> bool {
         let (rigid, blocks) = (&self.rigid, &self.blocks);
         let terms = self.gel.par_iter_mut().zip(&mut self.terms).enumerate();
@@ -87,7 +87,8 @@ impl Newton {
         all
     }
 
-    /// Puts the accepted edges of body `i` that are not open back, with their numbers within the body in rising order.
+    /// Restores the accepted edges of body `i` that are not open, given by their numbers within the body in ascending
+    /// order.
     pub fn set_edges(&mut self, i: usize, edges: &[(usize, EdgeState)]) {
         let (mut rest, mut first) = (edges, 0);
         for term in self.gel[i].iter_mut().chain(&mut self.terms[i]) {
@@ -108,7 +109,7 @@ impl Newton {
     /// Reads the history of the same terms.
     ///
     /// # Errors
-    /// Fails for a history of something else.
+    /// Fails if the history does not match these terms.
     pub fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
         for (gel, terms) in self.gel.iter_mut().zip(&mut self.terms) {
             gel.iter_mut().chain(terms).try_for_each(|t| t.read_history(history))?;

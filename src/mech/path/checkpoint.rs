@@ -1,4 +1,5 @@
-//! What a path remembers: kept whole to go back further than the last increment, and written whole to go on in another process.
+//! Saved states of a path: checkpoints, which go back further than the last increment, and snapshots, from which
+//! another process continues.
 
 use super::continuation::Methods;
 use super::pseudo_time::PseudoTime;
@@ -10,20 +11,21 @@ use crate::mech::newton::SavedTerms;
 use crate::mech::potential::state::State;
 use serde::{Deserialize, Serialize};
 
-/// Accepted state of a path with all that led to it. Checkpoints and snapshots both hold it, so that neither can lack a part of it.
+/// Accepted state of a path with its history. Checkpoints and snapshots share this type, so that neither can lack a
+/// part of it.
 #[derive(Clone, Serialize, Deserialize)]
 struct Accepted {
     state: State,
     level: f64,
     history: Option<(State, f64)>,
-    /// Load with which the path begins, N or m.
+    /// First load of the path, N or m.
     first: Option<f64>,
     /// Force along each driven travel, N.
     force: Vec<f64>,
     object_fixed: bool,
 }
 
-/// Work done on a path, which going back does not undo. Snapshots hold it, too.
+/// Work done on a path. Snapshots hold it; restoring a checkpoint does not undo it.
 #[derive(Serialize, Deserialize)]
 struct Work {
     step: StepSize,
@@ -35,15 +37,15 @@ struct Work {
     frozen: u64,
 }
 
-/// An accepted state with all that the path and the terms of its solver remember.
+/// Accepted state with the history of the path and of its solver's terms.
 pub struct Checkpoint {
     accepted: Accepted,
     terms: SavedTerms,
 }
 
 impl Path {
-    /// Returns what the path remembers. Every field of a path is named here: a new one belongs to the state, to the work, or to
-    /// the settings that the caller gives before each level (`_`).
+    /// Returns the state and work to be saved. Every field of a path is named here: a new one belongs to the state, to
+    /// the work, or to the settings that the caller makes before each level (`_`).
     fn remembered(&self) -> (Accepted, Work) {
         let Self {
             newton,
@@ -87,27 +89,27 @@ impl Path {
         (self.newton.force, self.newton.object_fixed) = (force, object_fixed);
     }
 
-    /// Saves the state that [`Path::restore`] goes back to.
+    /// Saves the state that [`Path::restore`] restores.
     pub fn checkpoint(&self) -> Checkpoint {
         Checkpoint { accepted: self.remembered().0, terms: self.newton.save() }
     }
 
-    /// Forgets what happened since `checkpoint`.
+    /// Discards all changes since `checkpoint`.
     pub fn restore(&mut self, checkpoint: Checkpoint) {
         self.accept(checkpoint.accepted);
         self.newton.restore(checkpoint.terms);
     }
 
-    /// Writes all that the next increment depends on.
+    /// Writes everything that the next increment depends on.
     pub fn write_history(&self, history: &mut HistoryWriter) {
         history.write(&self.remembered());
         self.newton.write_history(history);
     }
 
-    /// Reads what [`Path::write_history`] wrote, into a path with the same bodies and terms.
+    /// Reads the data of [`Path::write_history`] into a path with the same bodies and terms.
     ///
     /// # Errors
-    /// Fails for a history of something else.
+    /// Fails if the history does not match this path.
     pub fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
         let (accepted, work): (Accepted, Work) = history.read()?;
         self.accept(accepted);

@@ -1,15 +1,15 @@
-//! Continuation of the load in increments, and the methods that are tried where one fails.
+//! Continuation of the load in increments, and the methods that are tried if one fails.
 //!
-//! An attempt at a level is accepted, or the increment shrinks, or the method changes:
+//! An attempt at a level is accepted, or the increment is reduced, or the method changes:
 //!
-//! | what an attempt ends with | answer |
+//! | outcome of an attempt | response |
 //! |---|---|
-//! | the path bends too far | a smaller increment, by the error (`step_size.rs`) |
-//! | no equilibrium | half the increment, with springs, or stiffer ones (`pseudo_time.rs`) |
-//! | no equilibrium under a push | halfway to the load that found none; within a thousandth of it the object slips, or the grasp ends (`backend/fem/level.rs`) |
-//! | condensed pads get no further | whole pads, from the level accepted last (`backend/fem/level.rs`) |
-//! | the object left the grasp; no effort is left | the grasp ends |
-//! | a time step finds no equilibrium (`backend/fem/dynamics/integrator.rs`) | half the step, down to a 64th of the scene's |
+//! | path error too large | smaller increment, by the error (`step_size.rs`) |
+//! | no equilibrium | half the increment, with proximal springs, or stiffer ones (`pseudo_time.rs`) |
+//! | no equilibrium under a push | bisection to a thousandth; then slip or end of the grasp (`backend/fem/level.rs`) |
+//! | condensed pads fail | full pads, from the last accepted level (`backend/fem/level.rs`) |
+//! | the object left the grasp, or no effort is left | end of the grasp |
+//! | no equilibrium in a time step (`backend/fem/dynamics/integrator.rs`) | half, down to 1/64 of the scene's step |
 //!
 //! [`Methods`] counts how often each was needed.
 
@@ -27,19 +27,19 @@ use std::ops::AddAssign;
 pub struct Methods {
     /// Accepted increments.
     pub increments: u64,
-    /// Increments for which the path bent too far.
+    /// Increments rejected because of their path error.
     pub bent: u64,
     /// Increments halved because no equilibrium was found.
     pub halved: u64,
-    /// Solutions in which friction swung and was frozen.
+    /// Solves in which friction oscillated and was lagged.
     pub frozen: u64,
-    /// Iterations whose stiffness had to be projected.
+    /// Iterations with a projected stiffness.
     pub projected: u64,
     /// Pseudo-transient continuations.
     pub pseudo_transient: u64,
-    /// Pads condensed anew on the way to a level.
+    /// Pads recondensed before a level was reached.
     pub condensed_anew: u64,
-    /// Grasps that went on with whole pads where condensed ones got no further.
+    /// Grasps that fell back to full pads after condensed ones failed.
     pub whole: u64,
 }
 
@@ -81,70 +81,76 @@ impl fmt::Display for Methods {
     }
 }
 
-/// Discretisation of the pads: what an attempt takes beyond an equilibrium.
+/// Discretisation of the pads: operations of an attempt in addition to the equilibrium.
 pub trait PadDiscretisation {
-    /// Returns true if an attempt may fail after its equilibrium was accepted, and the pads may be discretised anew.
+    /// Returns true if an attempt may fail after its equilibrium was accepted, and may change the discretisation of the
+    /// pads.
     fn corrects(&self) -> bool {
         false
     }
     /// Begins an attempt at `level`.
     fn predict(&mut self, _path: &mut Path, _level: f64) {}
-    /// Corrects the equilibrium found at `level` to that of the whole pads, within the full tolerance if it is a `result`.
+    /// Corrects the equilibrium found at `level` to that of the full pads, within the full tolerance if it is a
+    /// `result`.
     ///
     /// # Errors
-    /// Fails if that equilibrium is not reached; the [`Failure`] says why.
+    /// Fails if that equilibrium is not reached; the [`Failure`] gives the reason.
     fn correct(&mut self, _path: &mut Path, _level: f64, _result: bool, _done: &mut Advanced) -> Result<(), Failure> {
         Ok(())
     }
-    /// Corrects the pads once by their state at `level`, on the way to an equilibrium.
+    /// Corrects the pads once for their state at `level`, which is intermediate.
     ///
     /// # Errors
-    /// Fails with [`Failure::Singular`] if the pads cannot be discretised anew there.
+    /// Fails with [`Failure::Singular`] if the pads cannot be discretised again there.
     fn adjust(&mut self, _path: &mut Path, _level: f64) -> Result<(), Failure> {
         Ok(())
     }
-    /// Takes note that `path` is back at the accepted state.
+    /// Updates the pads after `path` was restored to the accepted state.
     fn restore(&mut self, _path: &mut Path) {}
 }
 
-/// Pads whose nodes are all unknowns.
+/// Full (uncondensed) pad model: all nodes are unknowns.
 pub struct WholePads;
 
 impl PadDiscretisation for WholePads {}
 
-/// Maximum number of attempts in a row that may fail.
+/// Maximum number of consecutive failed attempts.
 const FAILURES: u32 = 16;
-/// Distance from a push that finds no equilibrium, over the push wanted, at which none exists. An object that slips is told
-/// from one that only rolls on by increments this small: at a hundredth, an ellipsoid counts as lost at nine tenths of what it bears.
+/// Distance between the accepted push and one without equilibrium, over the target push, below which the accepted one
+/// counts as the largest that the grasp can bear. Increments this small distinguish an object that slips from one that
+/// rolls on: at a hundredth, an ellipsoid counts as lost at nine tenths of the push that it can bear.
 const SLIP_ERROR: f64 = 0.001;
-/// Largest increment of a force over the force reached.
+/// Largest increment of a force over the current force.
 const GROWTH: f64 = 3.0;
-/// Increment of a force over the force reached before any error is known. A contact that opens as Hertz (1882) has it, with the power
-/// 2/3 of the force, departs there from its secant by 2 % of the displacement: the path error is of this order.
+/// Increment of a force over the current force while no error is known. A Hertz (1882) contact, whose depth grows with
+/// the power 2/3 of the force, deviates there from its secant by 2 % of the displacement: the path error is of this
+/// order.
 const FIRST_GROWTH: f64 = 0.25;
 
-/// What came of an attempt.
+/// Result of an attempt.
 struct Attempt {
     /// Error of the increment over the error allowed.
     error: f64,
-    /// Flag: the state is one of rest.
+    /// Flag: the state is an equilibrium.
     rests: bool,
 }
 
 impl Path {
-    /// Raises the load to `target` in as many increments as convergence and error ask for; at `target` already, finds the equilibrium
-    /// there once more. Load and pseudo-time run together: where no equilibrium is found, springs bound the motion of an increment.
+    /// Raises the load to `target` in as many increments as convergence and path error require; if it is at `target`
+    /// already, finds the equilibrium there again. Load and pseudo-time advance together: where no equilibrium is
+    /// found, springs bound the motion of an increment.
     ///
     /// # Errors
-    /// The last [`Failure`] when no method is left. State, history and level are then those of the last accepted increment.
+    /// Returns the last [`Failure`] when no method is left. State, history and level are then those of the last
+    /// accepted increment.
     pub fn advance(&mut self, load: Load, target: f64, pads: &mut dyn PadDiscretisation) -> Result<Advanced, Failure> {
-        // Under a dead push nothing stops an object once it goes.
+        // Under a constant push, nothing stops an object that starts to move.
         let can_roll = self.newton.rigid.pose.is_some() && load != Load::Push;
         let (mut done, mut failures) = (Advanced::default(), 0);
         let begins = self.state.clone();
-        // Push that found no equilibrium, nearest to the one accepted.
+        // Push without equilibrium that is nearest to the accepted one.
         let mut beyond = None;
-        // Motion since a finger has touched nothing, m.
+        // Motion accumulated while a finger has no contact, m.
         let mut apart = 0.0;
         loop {
             let rest = target - self.level;
@@ -194,7 +200,7 @@ impl Path {
                     self.step.refuse(size, Some(error));
                 }
                 _ if failures > FAILURES || self.exhausted() => return Err(failure),
-                // Nothing is left to change.
+                // No parameter is left to change.
                 _ if load == Load::Push && planned.abs() <= smallest => return Err(failure),
                 _ if size == 0.0 && !can_roll => return Err(failure),
                 Failure::Lost if self.pseudo_time.is_on() => return Err(failure),
@@ -213,8 +219,8 @@ impl Path {
         }
     }
 
-    /// Makes one attempt at level `next`, which is a `result` or only on the way to one. Returns what came of it, and the motion of the
-    /// rigid unknowns, m.
+    /// Makes one attempt at level `next`, which is a `result` or intermediate. Returns its outcome, and the motion of
+    /// the rigid unknowns, m.
     fn attempt(
         &mut self,
         load: Load,
@@ -244,7 +250,7 @@ impl Path {
         match attempt {
             Ok((attempt, moved)) => {
                 let (load, full) = (self.driving(), self.tolerance);
-                // Where the load has not changed, the states say nothing of how the path goes on.
+                // At constant load, the two states do not give the direction of the path.
                 self.history = to.map(|_| before).filter(|_| !self.pseudo_time.waits);
                 self.pseudo_time.accept(&moved, load, floor, &full, to.is_some());
                 self.level = next;
@@ -269,10 +275,10 @@ impl Path {
 
     /// Longest increment from the accepted state.
     fn longest(&self, load: Load) -> f64 {
-        // From a small load on, contact spreads fast: a load many times as large is not near.
+        // Contact spreads fast at small loads: a load many times as large is out of reach.
         let near = if load == Load::Force && self.level > 0.0 { GROWTH * self.level } else { f64::INFINITY };
         match self.control {
-            // Nothing is known of the path yet.
+            // The direction of the path is not known yet.
             Some(control) if self.history.is_none() => near.min(control.first.max(self.level)),
             _ => near,
         }

@@ -1,9 +1,9 @@
-//! Place at which an object was grasped, and how far it may leave it.
+//! Pose in which an object was grasped, and the limits of its motion from there.
 
 use crate::mech::potential::state::State;
 use glam::{DQuat, DVec3};
 
-/// Point of the object that was at the centre of the grasp, and its largest motion while the object counts as held.
+/// Pose of the object when it was grasped, and its largest motion while it counts as held.
 #[derive(Debug, Clone, Copy)]
 pub struct GraspPlace {
     /// Position of the object when it was grasped, m, hand frame.
@@ -12,14 +12,14 @@ pub struct GraspPlace {
     pub rotation: DQuat,
     /// Centre of the grasp, m, hand frame.
     pub center: DVec3,
-    /// Largest motion of the point of the object that was there, m.
+    /// Largest motion of the object's point that was at the centre, m.
     pub distance: f64,
-    /// Largest turn of the object, rad.
+    /// Largest rotation of the object, rad.
     pub angle: f64,
 }
 
 impl GraspPlace {
-    /// Returns true if the object has left the place in `state`.
+    /// Returns true if the object in `state` has moved beyond these limits.
     pub fn is_left(&self, state: &State) -> bool {
         let turn = state.rotation * self.rotation.inverse();
         let now = state.position + turn * (self.center - self.position);
@@ -32,8 +32,8 @@ mod tests {
     use super::*;
     use std::f64::consts::FRAC_PI_2;
 
-    /// An object whose origin is 0.3 m away turns by 30 degrees about the grasp: it stays, although its origin moves by 0.16 m. One that
-    /// slides by 11 mm, or turns by 90 degrees, has left.
+    /// An object whose origin is 0.3 m away rotates by 30 degrees about the grasp: it counts as held, although its
+    /// origin moves by 0.16 m. One that slides by 11 mm, or rotates by 90 degrees, has left the grasp.
     #[test]
     fn an_object_that_turns_in_the_hand_stays() {
         let center = DVec3::Z * 0.1;

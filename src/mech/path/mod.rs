@@ -1,4 +1,4 @@
-//! Quasi-static loading path: the accepted state, and the way to the next one.
+//! Quasi-static loading path: the accepted state, and the increment to the next one.
 
 pub mod checkpoint;
 pub mod continuation;
@@ -14,42 +14,41 @@ use self::step_size::{REFUSED, StepSize};
 use super::newton::{Converged, Failure, Newton, NewtonTolerance};
 use super::potential::state::State;
 
-/// Quasi-static loading path: solver, accepted state, and the history that its predictor needs.
-/// [`Path::advance`](self::continuation) goes along it.
+/// Quasi-static loading path: solver, accepted state, and history of the predictor.
+/// [`Path::advance`](self::continuation) raises the load.
 pub struct Path {
-    /// The solver with its terms.
+    /// Solver with its terms.
     pub newton: Newton,
-    /// The last accepted state.
+    /// Last accepted state.
     pub state: State,
-    /// Load level of `state`: force per finger (N), prescribed travel (m) or part of a push, whatever [`Load`] says.
+    /// Load level of `state`: force per finger (N), prescribed travel (m) or fraction of a push, depending on [`Load`].
     pub level: f64,
     /// Convergence criteria.
     pub tolerance: NewtonTolerance,
-    /// Largest bend of the path away from a straight increment, over the displacement, and the load with which the path begins
-    /// (N or m); None where the answer does not depend on the path.
+    /// Largest path error and first load; None if the solution does not depend on the path.
     pub control: Option<PathControl>,
-    /// Motion of the object on the way to one level at which it counts as lost, m; None follows it however far it goes.
+    /// Largest motion of the object within one advance, m, beyond which it counts as lost; None without limit.
     pub largest_drift: Option<f64>,
-    /// Place that the object may not leave; None follows it wherever it goes.
+    /// Limits of the object's pose; None without limits.
     pub place: Option<GraspPlace>,
     /// Counts of how often each method was used.
     pub methods: Methods,
-    /// The accepted state before `state`, with its level.
+    /// Accepted state before `state`, with its level.
     pub(crate) history: Option<(State, f64)>,
     /// Size of the next increment.
     pub(crate) step: StepSize,
-    /// Springs of the next increment.
+    /// Proximal springs of the next increment.
     pub(crate) pseudo_time: PseudoTime,
-    /// Iterations of steps in pseudo-time and of increments that failed.
+    /// Iterations spent on pseudo-time steps and failed increments.
     spent: u32,
 }
 
-/// Control of the increments where friction makes the answer depend on the path.
+/// Control of the increments where friction makes the solution depend on the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathControl {
-    /// Largest bend of the path away from a straight increment, over the displacement.
+    /// Largest path error: deviation from a straight increment, over the displacement.
     pub bend: f64,
-    /// The load with which the path begins, N or m.
+    /// First load of the path, N or m.
     pub first: f64,
 }
 
@@ -65,7 +64,7 @@ pub struct Advanced {
 }
 
 impl Advanced {
-    /// Adds the cost of what followed.
+    /// Adds the cost of a subsequent advance.
     pub fn add(&mut self, more: Advanced) {
         self.iterations += more.iterations;
         self.increments += more.increments;
@@ -88,17 +87,17 @@ pub enum Load {
     Force,
     /// The level is the travel of every finger since the start, m.
     Travel,
-    /// The level is the part of the push on the object that acts.
+    /// The level is the acting fraction of the push on the object.
     Push,
 }
 
-/// Tolerance of intermediate states over that of results.
+/// Loose tolerance, of intermediate states, over the tight one, of results.
 pub(crate) const LOOSE: f64 = 20.0;
-/// Iterations that steps in pseudo-time and failed increments may take before the path is given up.
+/// Maximum number of iterations of pseudo-time steps and failed increments before the path is given up.
 const ENDURANCE: u32 = 4000;
 
 impl Path {
-    /// Starts at `state`, which must be in equilibrium at level zero.
+    /// Creates a path at `state`, which must be in equilibrium at level zero.
     pub fn new(newton: Newton, state: State, tolerance: NewtonTolerance) -> Self {
         Self {
             newton,
@@ -116,25 +115,25 @@ impl Path {
         }
     }
 
-    /// Returns true once so much was spent on pseudo-transient continuations and on increments that failed that the next
-    /// failure ends the path.
+    /// Returns true once the iterations spent on pseudo-time steps and failed increments reach their limit: the path
+    /// then ends unless it has reached its target.
     pub fn exhausted(&self) -> bool {
         self.spent >= ENDURANCE
     }
 
-    /// Forgives half of what was spent, since a level was reached.
+    /// Halves the iterations spent, after a level was reached.
     pub fn recover(&mut self) {
         self.spent /= 2;
     }
 
-    /// Brings the fingers from first touch to the small force `force` (N), around an object that is held where it is. An object
-    /// touched at single points would have next to no stiffness against rotation and turn to wherever a solver takes it;
-    /// between patches that stick it moves as little as these give.
+    /// Raises the finger forces from first contact to the small `force` (N), around an object that is held fixed. An
+    /// object in contact at single points would have almost no rotational stiffness and rotate arbitrarily; between
+    /// contact patches that stick, it moves only as far as these deform.
     ///
     /// # Errors
-    /// The last [`Failure`]; the state is then that of the start.
+    /// Returns the last [`Failure`]; the state is then that of the start.
     pub fn establish(&mut self, force: f64) -> Result<Advanced, Failure> {
-        // A stepping stone, not a result: nobody needs it sharp. `advance` or `polish` come next.
+        // The state is intermediate, so that the loose tolerance suffices; `advance` or `polish` follow.
         let sharp = self.tolerance;
         self.tolerance.relative *= LOOSE;
         self.newton.force.fill(force);
@@ -148,13 +147,13 @@ impl Path {
         closed
     }
 
-    /// Begins another kind of load, which is zero in the accepted state; its path begins with the load `first`.
+    /// Begins another kind of load, which is zero in the accepted state, with the first load `first`.
     pub fn begin_load(&mut self, first: f64) {
         (self.level, self.history, self.step) = (0.0, None, StepSize::UNKNOWN);
         self.control = self.control.map(|control| PathControl { first, ..control });
     }
 
-    /// Sets the load that acts in the solver to `level`.
+    /// Applies the load `level` to the solver.
     fn apply(&mut self, load: Load, level: f64) {
         match load {
             Load::Force => self.newton.force.fill(level),
@@ -163,17 +162,17 @@ impl Path {
         }
     }
 
-    /// Solves once more in the state reached, to the full tolerance.
+    /// Solves again at the accepted state, to the full tolerance.
     ///
     /// # Errors
-    /// The [`Failure`]; the state stays as it was.
+    /// Returns the [`Failure`]; the state is unchanged.
     pub fn polish(&mut self) -> Result<Advanced, Failure> {
         let (mut done, tolerance) = (Advanced::default(), self.tolerance);
         self.equilibrate(self.state.clone(), None, &tolerance, &mut done).map(|_| done)
     }
 
-    /// Solves from `start`, which is at level `to` if that is another one, and accepts the result. Returns the error of the increment over
-    /// the error allowed, and what came of it.
+    /// Solves from `start`, at level `to` if the load changes, and accepts the result. Returns the path error over the
+    /// error allowed, and the outcome of the step.
     fn equilibrate(
         &mut self,
         start: State,
@@ -184,7 +183,7 @@ impl Path {
         match self.newton.solve(&self.state, start, tolerance) {
             Ok((state, converged)) => {
                 let springs = self.newton.proximal.as_ref();
-                // Springs bound the motion of an increment in the place of its bend.
+                // Springs bound the motion of an increment, which replaces the bound on its path error.
                 let error = to.filter(|_| springs.is_none()).map_or(0.0, |to| self.bend(&state, to));
                 if error > REFUSED {
                     self.newton.rollback();
@@ -208,9 +207,8 @@ impl Path {
         }
     }
 
-    /// Returns the start state of the increment to `level`, under whose load the solver is: extrapolated from the last two
-    /// accepted states. A prediction that overshoots, into deep contact or infeasible territory, is replaced by the accepted
-    /// state.
+    /// Returns the start state of the increment to `level`, whose load is applied already: extrapolated from the last
+    /// two accepted states. A prediction of higher energy (deep contact, infeasible) is replaced by the accepted state.
     pub(crate) fn start(&self, load: Load, level: f64) -> State {
         let mut plain = self.state.clone();
         if load == Load::Travel {

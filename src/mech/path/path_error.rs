@@ -1,18 +1,17 @@
-//! Error of an increment: how far the path bends away from the straight line that friction assumes.
+//! Error of an increment: deviation of the path from the straight line that friction assumes.
 //!
-//! A point that touches within an increment is assumed to have moved along a straight line from where it was to where it is,
-//! and so is one that slips. Three states in a row show how the path bends. The last part of the parabola through them is
-//! `h1^2 |x''| / 8 = (d1 - q d0) q / (4 (1 + q))` away from its chord in the middle, with the increments `d0` and `d1` of the
-//! state and the ratio `q` of those of the load. That distance over the displacement is the error; it falls with the square of
+//! A point that makes contact or slips within an increment is assumed to move along a straight line. Three consecutive
+//! states show the curvature of the path. The last part of the parabola through them deviates from its chord at the
+//! midpoint by `h1^2 |x''| / 8 = (d1 - q d0) q / (4 (1 + q))`, with the increments `d0` and `d1` of the state and the
+//! ratio `q` of the load increments. This deviation over the displacement is the error; it decreases with the square of
 //! the increment.
 
 use super::Path;
 use crate::mech::potential::state::State;
 
 impl Path {
-    /// Error of the increment to `next` at level `to`: how far the path bends away from a straight line, over what is allowed.
-    /// It is zero where no error is asked for, where nothing is known of the path yet, or if the increment is so small that the
-    /// path jumps rather than bends.
+    /// Path error of the increment to `next` at level `to`, over the error allowed. It is zero without error control or
+    /// history, and for an increment so small that the deviation is a jump, not a curvature.
     pub(crate) fn bend(&self, next: &State, to: f64) -> f64 {
         let (Some(control), Some((before, at))) = (self.control, &self.history) else { return 0.0 };
         let [h0, h1] = [self.level - at, to - self.level];
@@ -40,11 +39,11 @@ impl Path {
         part * (bent / moved).max(turned / largest).sqrt() / control.bend
     }
 
-    /// Shortest increment whose error is looked at.
+    /// Shortest increment whose error is evaluated.
     pub(crate) fn shortest(&self, first: f64) -> f64 {
         (SHORTEST[0] * first).max(SHORTEST[1] * self.level.abs())
     }
 }
 
-/// Shortest increment over the load with which the path begins, and over the load reached.
+/// Shortest increment over the first load of the path, and over the current load.
 const SHORTEST: [f64; 2] = [0.25, 1.0 / 32.0];

@@ -1,9 +1,9 @@
-//! Pseudo-time: springs from the accepted state to the next one, which bound the motion of one step.
+//! Pseudo-time: proximal springs from the accepted state to the next one, which bound the motion of one step.
 //!
-//! An object that rolls or slides passes through states that are no equilibria. A step with springs is one of implicit gradient descent
-//! (pseudo-transient continuation: Kelley and Keyes 1998): it has a solution near the state before whatever the load does. The stiffness
-//! follows from how the steps go: softer after an easy one, stiffer after one that went too far or failed, none once the springs pull no
-//! more than the forces are out of balance anyhow.
+//! An object that rolls or slides passes through states that are not equilibria. A step with springs is an implicit
+//! step of gradient descent (pseudo-transient continuation: Kelley and Keyes 1998): it has a solution near the previous
+//! state under any load. The stiffness adapts to the steps: softer after an easy one, stiffer after one that moved too
+//! far or failed, none once the force of the springs is within the tolerance of the out-of-balance forces.
 
 use super::LOOSE;
 use crate::mech::newton::NewtonTolerance;
@@ -16,20 +16,21 @@ use serde::{Deserialize, Serialize};
 const STEP_ITERATIONS: u32 = 25;
 /// Stiffness of the springs of the nodes over those of the rigid unknowns.
 const NODES: f64 = 0.3;
-/// Forces out of balance that a step may leave, over those that drive it; and pull of the springs at rest, over forces that may be out of
-/// balance.
+/// Out-of-balance force that a step may leave, over the force of its springs; and force of the springs at equilibrium,
+/// over the admissible out-of-balance force.
 const FOLLOWED: f64 = 0.3;
-/// Iterations up to which a step was easy, and from which on it was hard.
+/// Number of iterations from which a step is no longer easy, and from which it is hard.
 const EASY: u32 = 8;
 const HARD: u32 = 15;
-/// Springs after a step that was easy, or not so easy, over those of the step; and after one that went too far, or failed.
+/// Factors of the stiffness after an easy step and after a moderate one; and after one that moved too far and one that
+/// failed.
 const SOFTER: [f64; 2] = [0.25, 0.5];
 const STIFFER: [f64; 2] = [2.0, 8.0];
-/// Least stiffness of the springs after a step that failed, over that of its own, and the factor by which it falls with every
-/// step after it.
+/// Lower bound of the stiffness after a step that failed, over that of its own, and the factor by which the bound
+/// decreases with every accepted step.
 const WARY: f64 = 3.0;
 const FORGETTING: f64 = 0.7;
-/// Pull of the springs over the load above which the load waits for the object.
+/// Force of the springs over the load above which the load is held constant.
 const WAITS: f64 = 0.02;
 
 /// State of the springs.
@@ -37,17 +38,18 @@ const WAITS: f64 = 0.02;
 pub(crate) struct PseudoTime {
     /// Stiffness of the springs of the rigid unknowns, N/m; zero without springs.
     stiffness: f64,
-    /// Stiffness below which the next steps do not go, N/m: one that failed is not tried again soon with springs as soft.
+    /// Lower bound of the stiffness of the next steps, N/m: springs as soft as those of a failed step are not tried
+    /// again soon.
     softest: f64,
     /// Stiffness of the last springs, N/m.
     last: f64,
     /// Tolerance of the next step over that of a result.
     slack: f64,
-    /// Flag: the springs pull so much that the load waits.
+    /// Flag: the force of the springs is so large that the load is held constant.
     pub waits: bool,
 }
 
-/// What came of a step.
+/// Outcome of a step.
 pub(crate) struct PseudoStep {
     /// Newton iterations.
     pub iterations: u32,
@@ -66,7 +68,7 @@ impl PseudoTime {
         self.stiffness > 0.0
     }
 
-    /// The springs of the next step, from `state`.
+    /// Springs of the next step, from `state`.
     pub fn springs(&self, state: &State) -> Option<Proximal> {
         let springs = || Proximal { center: state.clone(), rigid: self.stiffness, nodes: NODES * self.stiffness };
         self.is_on().then(springs)
@@ -79,13 +81,14 @@ impl PseudoTime {
         NewtonTolerance { relative, force, iterations, passing: self.slack > 1.0, ..*full }
     }
 
-    /// Returns true if the state after a step in which the springs pull with `pull` (N) is one of rest, with forces of up to `floor` (N)
-    /// out of balance.
+    /// Returns true if the state after a step with spring force `pull` (N) is an equilibrium, where forces of up to
+    /// `floor` (N) may be out of balance.
     pub fn rests(&self, pull: f64, floor: f64) -> bool {
         self.slack == 1.0 && pull <= FOLLOWED * floor
     }
 
-    /// Takes note of a step with springs under `load` (N) that was accepted. The load has changed in it if it was `loaded`.
+    /// Updates the springs after an accepted step under `load` (N). The load has changed in the step if it was
+    /// `loaded`.
     pub fn accept(&mut self, moved: &PseudoStep, load: f64, floor: f64, full: &NewtonTolerance, loaded: bool) {
         if !self.is_on() {
             return;
@@ -107,7 +110,7 @@ impl PseudoTime {
         }
     }
 
-    /// Takes note of a step under `load` (N) that failed.
+    /// Updates the springs after a failed step under `load` (N).
     pub fn refuse(&mut self, load: f64, full: &NewtonTolerance) {
         if self.is_on() {
             self.softest = WARY * self.stiffness;

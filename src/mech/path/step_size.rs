@@ -2,15 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Size of an increment after one that failed, over the size of that one.
+/// Size of an increment after a failed one, over the size of that one.
 const HALF: f64 = 0.5;
-/// Largest growth after an increment that was easy.
+/// Largest growth after an easy increment.
 const GROWTH: f64 = 2.0;
-/// Number of iterations from which on an increment was hard.
+/// Number of iterations from which an increment counts as hard.
 const HARD: u32 = 15;
-/// Part of the error allowed that the next increment aims at.
+/// Safety factor of the size that the error admits.
 const SAFETY: f64 = 0.8;
-/// Error over the error allowed from which on an increment is not accepted.
+/// Error over the error allowed above which an increment is rejected.
 pub const REFUSED: f64 = 4.0;
 
 /// The size of the next increment, in the unit of the load.
@@ -18,25 +18,26 @@ pub const REFUSED: f64 = 4.0;
 pub struct StepSize(pub f64);
 
 impl StepSize {
-    /// The size before anything is known that bounds it.
+    /// Size without any known bound.
     pub const UNKNOWN: Self = Self(f64::INFINITY);
 
-    /// Returns the next part of the way `rest`: all parts that are left are alike. A whole number of parts stays one whatever
-    /// the rounding.
+    /// Returns the next increment of the remaining load `rest`, which is divided into equal parts. A whole number of
+    /// parts stays whole despite rounding.
     pub fn next(&self, rest: f64) -> f64 {
         rest / (rest.abs() / self.0 * (1.0 - 1e-9)).ceil().max(1.0)
     }
 
-    /// Updates the size after an increment `size` that was accepted after so many `iterations`, with `error` over the error
-    /// allowed. The error grows with the square of the size; it asks for no increment below `shortest`.
+    /// Updates the size after an increment `size` that was accepted after `iterations`, with `error` over the error
+    /// allowed. The error grows with the square of the size; it does not reduce the size below `shortest`.
     pub fn accept(&mut self, size: f64, iterations: u32, error: f64, shortest: f64) {
         let eased = size.abs() * if iterations < HARD { GROWTH } else { 1.0 };
         let next = (size.abs() * SAFETY / error.sqrt()).max(shortest).min(eased);
-        // A last small part says nothing against larger ones.
+        // A short last part does not bound longer ones.
         self.0 = if error < SAFETY * SAFETY { self.0.max(next) } else { next };
     }
 
-    /// Updates the size after an increment `size` that was refused, with `error` over the error allowed if that is why.
+    /// Updates the size after an increment `size` that was rejected, with `error` over the error allowed if that was
+    /// the reason.
     pub fn refuse(&mut self, size: f64, error: Option<f64>) {
         self.0 = size.abs() * error.map_or(HALF, |error| (SAFETY / error.sqrt()).min(HALF));
     }
@@ -46,7 +47,7 @@ impl StepSize {
 mod tests {
     use super::*;
 
-    /// Increments of a path whose error is that of a parabola reach 1 in as many parts as the error allows, to a fifth.
+    /// A path whose error is that of a parabola reaches 1 in as many increments as the error allows, to a fifth.
     #[test]
     fn increments_are_as_many_as_the_error_allows() {
         for allowed in [1e-2, 1e-4_f64] {

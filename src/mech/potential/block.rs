@@ -1,4 +1,4 @@
-//! Gradients and Hessians that the terms of the potential add up to: one block per body, and one of the rigid unknowns.
+//! Gradients and Hessians to which the terms of the potential add: one block per body, and one of the rigid unknowns.
 
 use super::cross::outer;
 use super::state::{BodyView, MAX_RIGID, ObjectView};
@@ -14,22 +14,22 @@ pub struct RigidBlock {
     pub gradient: [f64; MAX_RIGID],
     /// Second derivatives of the energy in the rigid columns, N/m.
     pub hessian: [[f64; MAX_RIGID]; MAX_RIGID],
-    /// Sum of the squares of what lagged quantities still miss, N2.
+    /// Sum of the squared lag errors, N2.
     pub lag: f64,
-    /// Sum of the norms of the forces that meet at the rigid unknowns (scale of the balance), N.
+    /// Sum of the norms of the forces on the rigid unknowns (scale of the force tolerance), N.
     pub activity: f64,
-    /// Flag: Hessians are wanted; else those of the last time stay as they are.
+    /// Flag: Hessians are assembled; else the previous ones are kept.
     pub wants_hessian: bool,
 }
 
 impl RigidBlock {
-    /// Sets the gradient to zero, and the Hessian if it is wanted anew.
+    /// Sets the gradient to zero, and the Hessian if it is to be assembled again.
     pub fn clear(&mut self, hessian: bool) {
         let kept = if hessian { [[0.0; MAX_RIGID]; MAX_RIGID] } else { self.hessian };
         *self = Self { hessian: kept, wants_hessian: hessian, ..Self::default() };
     }
 
-    /// Adds an interaction of the object with something that does not move.
+    /// Adds an interaction of the object with a fixed body.
     pub fn add_object_pair(&mut self, view: &ObjectView, pair: &Pair) {
         self.add_pair(&RigidColumns::new(None, view), pair);
     }
@@ -49,16 +49,17 @@ impl RigidBlock {
     }
 }
 
-/// Gradient and Hessian of one body's terms, with its share of the rigid unknowns.
+/// Gradient and Hessian of one body's terms, with their contribution to the rigid unknowns.
 #[derive(Debug, Clone)]
 pub struct BodyBlock {
     /// Energy gradient per node, N.
     pub gradient: Vec<DVec3>,
     /// Lower triangle of the body's Hessian in [`Pattern`] storage, N/m.
     pub values: Vec<f64>,
-    /// Columns of the second derivatives of the energy in nodes and rigid unknowns, in elimination order, one after the other, N/m.
+    /// Second derivatives of the energy in nodes (rows, in elimination order) and rigid unknowns (columns), column by
+    /// column, N/m.
     pub coupling: Vec<f64>,
-    /// Share of the rigid unknowns.
+    /// Contribution to the rigid unknowns.
     pub rigid: RigidBlock,
 }
 
@@ -79,12 +80,12 @@ impl BodyBlock {
         Self { gradient, values: Vec::new(), coupling: Vec::new(), rigid: RigidBlock::default() }
     }
 
-    /// Returns true if Hessians are wanted; else those of the last time stay as they are.
+    /// Returns true if Hessians are assembled; else the previous ones are kept.
     pub fn wants_hessian(&self) -> bool {
         self.rigid.wants_hessian
     }
 
-    /// Sets gradients to zero, and Hessians if they are wanted anew.
+    /// Sets gradients to zero, and Hessians if they are to be assembled again.
     pub fn clear(&mut self, hessian: bool) {
         self.gradient.fill(DVec3::ZERO);
         self.rigid.clear(hessian);
@@ -94,7 +95,7 @@ impl BodyBlock {
         }
     }
 
-    /// Adds a term that acts between a material point of the body (`sum phi_a x_a`) and the rigid object.
+    /// Adds an interaction between a material point of the body (`sum phi_a x_a`) and the rigid object.
     pub fn add_pair(&mut self, body: &Body, view: &BodyView, stencil: &Stencil, pair: &Pair) {
         let pattern = body.pattern();
         let unknowns = pattern.unknowns();
@@ -162,8 +163,8 @@ impl BodyBlock {
     }
 }
 
-/// Columns of the rigid unknowns that an interaction feels. Each has its index, the motion along it of the point of a body
-/// relative to that of the object, and the turn of the object.
+/// Columns of the rigid unknowns that take part in an interaction. Each has its index, the motion along it of the
+/// body's point relative to the object's, and the rotation of the object.
 struct RigidColumns {
     columns: [(usize, DVec3, DVec3); 7],
     count: usize,
@@ -200,12 +201,13 @@ impl RigidColumns {
     }
 }
 
-/// Second derivatives `sum matrix_ij f_i f_j` in linear forms `f` of the motion of nodes and of a point of a body relative to the object.
+/// Second derivatives `sum matrix_ij f_i f_j` in linear forms `f` of the motion of nodes and of a point of a body
+/// relative to the object.
 #[derive(Debug, Clone)]
 pub struct Form<const K: usize> {
     /// Contributions of the motion of each node to each form.
     pub nodes: Vec<(u32, [DVec3; K])>,
-    /// Contributions of a motion of finger and object, by the relative displacement (m) that it makes.
+    /// Contributions of the motion of finger and object to each form, per relative displacement (m).
     pub delta: [DVec3; K],
     /// Symmetric matrix of the second derivatives in the forms.
     pub matrix: [[f64; K]; K],
@@ -227,8 +229,8 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// Creates a pair of a force alone: `force` is the gradient in the relative displacement (N), `r` the arm of the object's
-    /// point (m).
+    /// Creates a pair of a force alone: `force` is the gradient in the relative displacement (N), `r` the arm of the
+    /// object's point (m).
     pub fn force(force: DVec3, r: DVec3) -> Self {
         Self { force, torque: -r.cross(force), dd: DMat3::ZERO, dw: DMat3::ZERO, ww: DMat3::ZERO }
     }

@@ -10,13 +10,13 @@ use glam::{DMat3, DVec3};
 /// Dead load at a point of the object: potential `-f . x`.
 #[derive(Debug, Clone, Copy)]
 pub struct DeadForce {
-    /// Whole force, N, hand frame.
+    /// Full force, N, hand frame.
     pub force: DVec3,
     /// Point in the object frame, m.
     pub point: DVec3,
-    /// Position of the point at the start, hand frame, m: the potential counts from there, which keeps its digits.
+    /// Position of the point at the start, hand frame, m: reference of the potential, which avoids cancellation.
     pub start: DVec3,
-    /// Part of the force that acts: a support carries the rest of a weight, and a push rises.
+    /// Acting fraction of the force: a support carries the rest of a weight, and a push is raised gradually.
     pub part: f64,
 }
 
@@ -26,7 +26,7 @@ impl DeadForce {
         Self { force, point, start, part: 1.0 }
     }
 
-    /// Force that acts, N.
+    /// Acting force, N.
     fn acting(&self) -> DVec3 {
         self.force * self.part
     }
@@ -46,7 +46,7 @@ impl ObjectTerm for DeadForce {
             block.gradient[c + 3 + k] -= t / view.length;
         }
         if block.wants_hessian && !how.project {
-            // -f . (w x (w x r)) / 2 twice differentiated in w.
+            // Second derivative in w of -f . (w x (w x r)) / 2.
             let half = DMat3::from_cols(f * r.x + r * f.x, f * r.y + r * f.y, f * r.z + r * f.z) * 0.5;
             let h = (half - DMat3::IDENTITY * f.dot(r)) * (-1.0 / (view.length * view.length));
             for i in 0..3 {

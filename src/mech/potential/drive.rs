@@ -7,8 +7,8 @@ use crate::error::Result;
 use crate::history::{HistoryReader, HistoryWriter};
 use crate::mech::body::Body;
 
-/// Energy `c / 2 h (t - t0)2 + k / 2 max(t - end, 0)2` of the travel `t`: a motor whose force falls with its speed, and the end
-/// of the stroke. The force itself belongs to the solver.
+/// Energy `c / 2 h (t - t0)2 + k / 2 max(t - end, 0)2` of the travel `t`: a motor whose force decreases with its speed,
+/// and a stop at the end of the stroke. The solver applies the driving force itself.
 #[derive(Debug, Clone)]
 pub struct Drive {
     /// Largest force of this finger, N.
@@ -24,8 +24,8 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// Creates the drive of a finger at `travel` (m) that closes with `speed` (m/s) on nothing under the `rated` force (N), up
-    /// to `end` (m), where the rated force pushes it into the stop by `yields` (m).
+    /// Creates the drive of a finger at `travel` (m) that closes freely with `speed` (m/s) under the `rated` force (N),
+    /// up to `end` (m), where the rated force pushes it into the stop by `yields` (m).
     pub fn new(rated: f64, speed: f64, end: f64, yields: f64, travel: f64) -> Self {
         Self { rated, damping: rated / speed, end, stop: rated / yields, travel, size: 1.0 }
     }

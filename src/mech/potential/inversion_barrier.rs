@@ -1,8 +1,9 @@
-//! Barrier that keeps elements from turning inside out where no quadrature point looks.
+//! Barrier against the inversion of elements away from their quadrature points.
 //!
-//! The elastic energy is summed over points inside an element. Pressed hard by an edge, a 10-node tetrahedron may be sound at all of
-//! them and yet inverted at a corner or in its middle. One with a small det F at a node gets a barrier at its nodes, one with a small det F
-//! at its centre a barrier there, a part of the law of the gel that is zero from `FELT` on; the others pay nothing.
+//! The elastic energy is summed over points inside an element. Under the pressure of an edge, a 10-node tetrahedron may
+//! be valid at all of them and yet inverted at a corner or at its centre. An element with a small det F at a node gets
+//! a barrier at its nodes, one with a small det F at its centre a barrier there: a volumetric energy that is zero for
+//! det F above `FELT`. Other elements cost nothing.
 
 use super::block::BodyBlock;
 use super::state::BodyView;
@@ -16,15 +17,15 @@ use crate::mech::material::{Dilatation, Material, Moduli, Tangent};
 use glam::{DMat3, DVec3};
 use std::collections::BTreeSet;
 
-/// The elements that have a barrier at the points of `shape`.
+/// Elements that have a barrier at the points of `shape`.
 #[derive(Debug, Clone)]
 pub struct InversionBarrier<const Q: usize> {
     shape: &'static ShapeFunctions<10, Q>,
     elements: BTreeSet<usize>,
 }
 
-/// Creates the terms that keep elements from turning inside out at their nodes and at their centres; no element has a barrier
-/// yet.
+/// Creates the terms against the inversion of elements at their nodes and at their centres; initially, no element has a
+/// barrier.
 pub fn inversion_barrier() -> (InversionBarrier<10>, InversionBarrier<1>) {
     (InversionBarrier::at(&TET10_NODES), InversionBarrier::at(&TET10_CENTER))
 }
@@ -35,7 +36,7 @@ pub fn is_crushed(body: &Body, x: &[DVec3]) -> bool {
     nodes.is_needed(body, x) || centers.is_needed(body, x)
 }
 
-/// Value of det F at a node below which the barrier of its element resists.
+/// Value of det F below which the barrier is active.
 pub const FELT: f64 = 0.02;
 /// Stiffness of the barrier over the shear modulus of the gel.
 pub const STIFFNESS: f64 = 1.0;
@@ -101,7 +102,7 @@ impl<const Q: usize> InversionBarrier<Q> {
         }
     }
 
-    /// Gives a barrier to the elements that need one at positions `x`; returns true if none is new.
+    /// Adds a barrier to the elements that need one at positions `x`; returns true if none is new.
     fn extend(&mut self, body: &Body, x: &[DVec3]) -> bool {
         if !self.is_needed(body, x) {
             return true;

@@ -1,4 +1,4 @@
-//! The incremental potential: its state, its terms, and what they add to gradient and Hessian.
+//! The incremental potential: its state, its terms, and their contributions to gradient and Hessian.
 
 pub mod block;
 pub mod cross;

@@ -21,8 +21,8 @@ use serde::{Deserialize, Serialize};
 ///
 /// Its gradient in a rotation of `R` is `(L(R0, R) - L0) / h` with the angular momentum
 /// `L(R0, R) = axial(R J R0^T - R0 J R^T) / h` of the step (Moser & Veselov 1991), which is exactly conserved without
-/// torque. No potential has the constant gradient `L0` on the rotation group, so `Rk`, the last iterate, lags: at the
-/// solution the balance is exact. L must not ask for more than about a radian per step.
+/// torque. No potential has the constant gradient `L0` on the rotation group, so that the lagged iterate `Rk` is used;
+/// at the solution the balance is exact. The angular momentum must not correspond to more than about a radian per step.
 #[derive(Debug, Clone)]
 pub struct RigidInertia {
     /// Mass, kg.
@@ -35,10 +35,10 @@ pub struct RigidInertia {
     gravity: DVec3,
     /// Motion at the last accepted state.
     state: RigidMotion,
-    /// Rates of the velocity and the angular momentum in the last accepted step: their changes over its length.
+    /// Rates of change of the velocity and the angular momentum in the last accepted step.
     rate: (DVec3, DVec3),
     step: TimeStep,
-    /// Centre of mass without forces but the weight, hand frame, m.
+    /// Centre of mass at the end of the step under its weight alone, hand frame, m.
     target: DVec3,
     /// Rotation and angular momentum at the start, hand axes at the end of the step.
     from: DMat3,
@@ -61,7 +61,8 @@ pub struct RigidMotion {
 }
 
 impl RigidInertia {
-    /// Creates the inertia of an object of `density` (kg/m3) that moves with `velocity` (m/s) and `spin` (rad/s), world axes.
+    /// Creates the inertia of an object of `density` (kg/m3) that moves with `velocity` (m/s) and `spin` (rad/s), world
+    /// axes.
     pub fn new(
         mass: &MassProperties,
         density: f64,
@@ -143,7 +144,7 @@ fn axial(a: &DMat3) -> DVec3 {
     DVec3::new(a.y_axis.z - a.z_axis.y, a.z_axis.x - a.x_axis.z, a.x_axis.y - a.y_axis.x)
 }
 
-/// Rotation vector of a rotation below half a turn.
+/// Rotation vector of a rotation by less than half a turn.
 fn log(r: &DMat3) -> DVec3 {
     let sine = axial(r) * 0.5;
     let (s, c) = (sine.length(), 0.5 * (trace(r) - 1.0));
@@ -157,7 +158,7 @@ impl ObjectTerm for RigidInertia {
         let d = view.rotation - self.from;
         let spread = trace(&(d * self.second * d.transpose()));
         let turn = log(&(view.rotation * self.iterate.transpose()));
-        // The constant is the size of the terms that cancel in `d`: the line search takes its allowance for rounding from it.
+        // The constant has the size of the terms that cancel in `d`: it sets the rounding tolerance of the line search.
         let constant = trace(&self.second);
         0.5 * (self.mass * off.length_squared() + spread + constant) / (h * h) - self.momentum.dot(turn) / h
     }

@@ -1,4 +1,4 @@
-//! The unknowns of a grasp and the few rigid unknowns that all bodies share.
+//! The unknowns of a grasp, and the few rigid unknowns that all bodies share.
 
 use super::term::Stencil;
 use super::time_step::TimeStep;
@@ -9,8 +9,8 @@ use std::sync::Arc;
 /// Maximum number of rigid unknowns of a scene: two travels and six of a free object.
 pub const MAX_RIGID: usize = 8;
 
-/// Configuration of all bodies. Pad nodes are stored relative to their finger, in hand axes: the position in the
-/// hand frame is `x + travel * closing`, so that elasticity never sees the fingers move.
+/// Configuration of all bodies. Pad nodes are stored relative to their finger, in hand axes: the position in the hand
+/// frame is `x + travel * closing`, so that elasticity does not depend on the travel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Node positions of each body, m, relative to the finger.
@@ -23,7 +23,7 @@ pub struct State {
     pub rotation: DQuat,
 }
 
-/// Layout of the rigid unknowns: which travels and whether the object's pose are unknowns.
+/// Layout of the rigid unknowns: which travels are unknown, and whether the object's pose is.
 #[derive(Debug, Clone)]
 pub struct RigidUnknowns {
     /// Closing direction of each body's finger, unit, hand frame.
@@ -32,20 +32,20 @@ pub struct RigidUnknowns {
     pub travel: Vec<Option<usize>>,
     /// First of the six columns of the object's pose (translation, then rotation); None for a fixed object.
     pub pose: Option<usize>,
-    /// Length that turns rotations into metres of surface motion, m: the object's bounding radius.
+    /// Length that converts rotations to metres of surface motion, m: the object's bounding radius.
     pub length: f64,
     /// Number of columns.
     pub size: usize,
 }
 
 impl RigidUnknowns {
-    /// Creates a layout without rigid unknowns: bodies alone, fingers at rest.
+    /// Creates a layout without rigid unknowns: bodies alone, with stationary fingers.
     pub fn none(bodies: usize) -> Self {
         Self { closing: vec![DVec3::ZERO; bodies], travel: vec![None; bodies], pose: None, length: 1.0, size: 0 }
     }
 
-    /// Creates the layout for fingers with the given closing directions; `driven` ones are pushed by a force, others by
-    /// prescribed travel.
+    /// Creates the layout for fingers with the given closing directions; `driven` fingers are pushed by a force, others
+    /// have a prescribed travel.
     pub fn new(closing: Vec<DVec3>, driven: bool, free_object: bool, length: f64) -> Self {
         let fingers = if driven { closing.len() } else { 0 };
         let travel = (0..closing.len()).map(|i| driven.then_some(i)).collect();
@@ -55,7 +55,7 @@ impl RigidUnknowns {
 }
 
 impl RigidUnknowns {
-    /// Creates the layout for geared fingers, which travel alike.
+    /// Creates the layout for geared fingers, which share one travel.
     pub fn geared(closing: Vec<DVec3>, driven: bool, free_object: bool, length: f64) -> Self {
         let travels = usize::from(driven && !closing.is_empty());
         let travel = closing.iter().map(|_| driven.then_some(0)).collect();
@@ -85,7 +85,7 @@ impl RigidUnknowns {
     }
 }
 
-/// Rotation as a vector along its axis, rad; sharp also where it is tiny, which glam takes for none.
+/// Rotation vector, rad; accurate also for tiny rotations, which glam rounds to zero.
 fn turn(q: DQuat) -> DVec3 {
     let (half, cosine) = (q.xyz(), q.w);
     let sine = half.length();
@@ -130,7 +130,7 @@ impl NewtonStep {
         self.rigid.iter_mut().for_each(|d| *d *= factor);
     }
 
-    /// Motion of body `index`, and of the frames that it touches, in this step.
+    /// Motion of body `index`, and of the frames that it interacts with, in this step.
     pub fn motion<'a>(&'a self, index: usize, view: &BodyView) -> BodyMotion<'a> {
         let offset = view.travel_column.map_or(DVec3::ZERO, |c| view.closing * self.rigid[c]);
         BodyMotion { x: &self.x[index], offset, object: self.object_motion(&view.object) }
@@ -236,26 +236,26 @@ impl State {
     }
 }
 
-/// The accepted state from which an increment departs, as one body has it.
+/// The accepted state from which an increment starts, for one body.
 #[derive(Debug, Clone)]
 pub struct Departure {
     state: Arc<State>,
     index: usize,
     offset: DVec3,
     turn: DMat3,
-    /// The time step that begins; None on a quasi-static path.
+    /// Time step of the increment; None on a quasi-static path.
     pub step: Option<TimeStep>,
 }
 
 impl Departure {
-    /// Creates the departure of body `index` from `state`.
+    /// Creates the start of an increment of body `index` from `state`.
     pub fn new(state: Arc<State>, index: usize, rigid: &RigidUnknowns, step: Option<TimeStep>) -> Self {
         let view = state.view(index, rigid);
         let (offset, turn) = (view.offset, view.object.rotation);
         Self { state, index, offset, turn, step }
     }
 
-    /// Position of a point of the body at the departure, relative to its finger, m.
+    /// Position of a point of the body at the start of the increment, relative to its finger, m.
     pub fn point(&self, stencil: &Stencil) -> DVec3 {
         stencil.position(&self.state.x[self.index])
     }
@@ -265,13 +265,14 @@ impl Departure {
         self.turn.transpose() * (self.point(stencil) + self.offset - self.state.position)
     }
 
-    /// Position of the point `p` of the object (object frame, m) at the departure, relative to the finger, m.
+    /// Position of the point `p` of the object (object frame, m) at the start of the increment, relative to the finger,
+    /// m.
     pub fn of_object(&self, p: DVec3) -> DVec3 {
         self.state.position + self.turn * p - self.offset
     }
 }
 
-/// A body's view of the state: its nodes and the rigid frames it touches.
+/// View of the state from one body: its nodes and the rigid frames that it interacts with.
 #[derive(Debug, Clone, Copy)]
 pub struct BodyView<'a> {
     /// Node positions relative to the finger, m.
@@ -286,14 +287,14 @@ pub struct BodyView<'a> {
     pub object: ObjectView,
 }
 
-/// Pose of the object, and where it stands among the rigid unknowns.
+/// Pose of the object, and its columns among the rigid unknowns.
 #[derive(Debug, Clone, Copy)]
 pub struct ObjectView {
     /// Object origin, m.
     pub position: DVec3,
     /// Object orientation.
     pub rotation: DMat3,
-    /// First rigid column of the pose; None for an object that is held.
+    /// First rigid column of the pose; None for a fixed object.
     pub column: Option<usize>,
     /// Length scale of rotations, m.
     pub length: f64,

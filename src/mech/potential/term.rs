@@ -1,5 +1,5 @@
-//! The terms of the incremental potential. A physical effect is one file that implements the trait of its scope: [`BodyTerm`] for
-//! what acts on a pad, [`ObjectTerm`] for what acts on the object alone. The solver sees only the sum.
+//! The terms of the incremental potential. A physical effect is one file that implements the trait of its scope:
+//! [`BodyTerm`] for effects on a pad, [`ObjectTerm`] for effects on the object alone. The solver uses only the sum.
 
 use super::block::{BodyBlock, RigidBlock};
 use super::edge::{EdgeReading, EdgeState};
@@ -10,23 +10,24 @@ use crate::mech::body::Body;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// Manner in which terms assemble.
+/// Options of an assembly.
 #[derive(Debug, Clone, Copy)]
 pub struct Assembly {
-    /// Flag: only positive semidefinite parts of Hessians are added.
+    /// Flag: Hessians are projected to their positive semidefinite parts.
     pub project: bool,
-    /// Flag: friction limits and planes follow the pressure and the normal; frozen otherwise.
+    /// Flag: friction limits and planes follow the pressure and the normal; lagged otherwise.
     pub follow: bool,
-    /// Flag: Hessians have all second derivatives, those included that lead astray far from a solution.
+    /// Flag: Hessians are complete, with second derivatives that are harmful far from a solution.
     pub sharp: bool,
-    /// Flag: points that slip resist along their slip, too, by the secant of their friction: steps are shorter, and lead downhill farther.
+    /// Flag: slipping points also have stiffness along their slip, by the secant of their friction energy: steps are
+    /// shorter, but descend over a longer range.
     pub secant: bool,
 }
 
 impl Assembly {
-    /// Manner near a solution: friction follows, Hessians are whole.
+    /// Options near a solution: friction follows, Hessians are complete.
     pub const WHOLE: Self = Self { project: false, follow: true, sharp: true, secant: false };
-    /// [`Assembly::WHOLE`], with positive semidefinite parts alone.
+    /// [`Assembly::WHOLE`] with projected Hessians.
     pub const PROJECTED: Self = Self { project: true, ..Self::WHOLE };
 }
 
@@ -39,7 +40,7 @@ pub struct Stencil {
 }
 
 impl Stencil {
-    /// Stencil of no point.
+    /// Stencil without nodes.
     pub const NONE: Self = Self { nodes: [0; 6], phi: [0.0; 6], len: 0 };
 
     /// Creates a stencil from at most six nodes and weights; weights of zero are dropped.
@@ -67,7 +68,7 @@ impl Stencil {
     }
 }
 
-/// Copies a term behind its trait object; every term that is `Clone` has it.
+/// Copies a term behind its trait object; implemented for every term that is `Clone`.
 pub trait TermClone {
     /// Returns a copy with the same history.
     fn boxed_clone(&self) -> Box<dyn BodyTerm>;
@@ -79,27 +80,27 @@ impl<T: BodyTerm + Clone + 'static> TermClone for T {
     }
 }
 
-/// One physical effect on one body: value, gradient, Hessian, and what it must remember between accepted states.
+/// One physical effect on one body: value, gradient, Hessian, and its history between accepted states.
 pub trait BodyTerm: TermClone + Send + Sync {
-    /// Energy, J; `+inf` where the state is not feasible. Quantities lagged by [`BodyTerm::assemble`] stay frozen.
+    /// Energy, J; `+inf` where the state is not feasible. Quantities lagged by [`BodyTerm::assemble`] stay fixed.
     fn energy(&self, body: &Body, view: &BodyView) -> f64;
-    /// Adds gradient and Hessian to `block`; refreshes lagged quantities.
+    /// Adds gradient and Hessian to `block`; updates lagged quantities.
     fn assemble(&mut self, body: &Body, view: &BodyView, how: Assembly, block: &mut BodyBlock);
-    /// Adds the change of the term's forces along a small `motion`, beyond what its (symmetric) Hessian says, to the gradients
-    /// of `change`.
+    /// Adds to the gradients of `change` the change of the term's forces along a small `motion` that its (symmetric)
+    /// Hessian does not include.
     fn couple(&self, _body: &Body, _view: &BodyView, _motion: &BodyMotion, _change: &mut BodyBlock) {}
-    /// Begins an increment: the next solves depart from this accepted state.
+    /// Begins an increment: the next solves start from this accepted state.
     fn depart(&mut self, _from: &Departure) {}
-    /// A distance that every point may move before the term must be looked at again, m.
+    /// Distance by which every point may move before the term must be evaluated again, m.
     fn clearance(&self, _body: &Body, _view: &BodyView) -> f64 {
         f64::INFINITY
     }
-    /// Takes over the history: the increment was accepted.
+    /// Accepts the increment: updates the history.
     fn commit(&mut self, _body: &Body, _view: &BodyView) {}
-    /// Forgets what was learnt since the last commit: the increment was rejected.
+    /// Rejects the increment: discards all changes since the last commit.
     fn rollback(&mut self) {}
-    /// Returns true if the converged state satisfies what the term promises beyond equilibrium (no penetration); if not, the
-    /// term has strengthened itself and the solve goes on.
+    /// Returns true if the converged state satisfies the conditions of the term beyond equilibrium (no penetration); if
+    /// not, the term has stiffened itself and the solve continues.
     fn satisfied(&mut self, _body: &Body, _view: &BodyView) -> bool {
         true
     }
@@ -107,18 +108,19 @@ pub trait BodyTerm: TermClone + Send + Sync {
     fn edge_count(&self) -> usize {
         0
     }
-    /// Readings of the contact edges that are not open, in the order of their numbers, at the state of the last assembly.
+    /// Readings of the contact edges that are not open, in the order of their numbers, at the state of the last
+    /// assembly.
     fn edge_readings(&self, _view: &BodyView) -> Vec<EdgeReading> {
         Vec::new()
     }
-    /// Puts the accepted edges that are not open back, with their numbers in rising order.
+    /// Restores the accepted edges that are not open, given by their numbers in ascending order.
     fn set_edges(&mut self, _edges: &[(usize, EdgeState)]) {}
-    /// Writes all that the next increment depends on, but the edges.
+    /// Writes everything that the next increment depends on, except the edges.
     fn write_history(&self, _history: &mut HistoryWriter) {}
-    /// Reads what [`BodyTerm::write_history`] wrote.
+    /// Reads the data of [`BodyTerm::write_history`].
     ///
     /// # Errors
-    /// Fails for a history of something else.
+    /// Fails if the history does not match this term.
     fn read_history(&mut self, _history: &mut HistoryReader) -> Result<()> {
         Ok(())
     }
@@ -128,28 +130,29 @@ pub trait BodyTerm: TermClone + Send + Sync {
 pub trait ObjectTerm: Send + Sync {
     /// Energy, J.
     fn energy(&self, view: &ObjectView) -> f64;
-    /// Adds gradient and Hessian to `block`; refreshes lagged quantities.
+    /// Adds gradient and Hessian to `block`; updates lagged quantities.
     fn assemble(&mut self, view: &ObjectView, how: Assembly, block: &mut RigidBlock);
-    /// Adds the change of the term's forces along a small `motion`, beyond what its (symmetric) Hessian says.
+    /// Adds to `change` the change of the term's forces along a small `motion` that its (symmetric) Hessian does not
+    /// include.
     fn couple(&self, _view: &ObjectView, _motion: &ObjectIncrement, _change: &mut RigidBlock) {}
-    /// A distance that every point may move before the term must be looked at again, m.
+    /// Distance by which every point may move before the term must be evaluated again, m.
     fn clearance(&self, _view: &ObjectView) -> f64 {
         f64::INFINITY
     }
-    /// Takes over the history: the increment was accepted.
+    /// Accepts the increment: updates the history.
     fn commit(&mut self, _view: &ObjectView) {}
-    /// Forgets what was learnt since the last commit: the increment was rejected.
+    /// Rejects the increment: discards all changes since the last commit.
     fn rollback(&mut self) {}
-    /// Returns true if the converged state satisfies what the term promises beyond equilibrium.
+    /// Returns true if the converged state satisfies the conditions of the term beyond equilibrium.
     fn satisfied(&mut self) -> bool {
         true
     }
-    /// Writes all that the next increment depends on.
+    /// Writes everything that the next increment depends on.
     fn write_history(&self, history: &mut HistoryWriter);
-    /// Reads what [`ObjectTerm::write_history`] wrote.
+    /// Reads the data of [`ObjectTerm::write_history`].
     ///
     /// # Errors
-    /// Fails for a history of something else.
+    /// Fails if the history does not match this term.
     fn read_history(&mut self, history: &mut HistoryReader) -> Result<()>;
 }
 

@@ -1,4 +1,4 @@
-//! Motion in time: backward Euler as an incremental potential, beside the quasi-static path.
+//! Dynamics: backward Euler as an incremental potential, in addition to the quasi-static path.
 //!
 //! A time step from `t` to `t + h` minimises, over the state at its end,
 //!
@@ -9,16 +9,17 @@
 //!   - force x travel
 //! ```
 //!
-//! The hand is prescribed and everything is written in its frame at the end of the step: inertia compares positions in the
-//! world, so that it feels the hand accelerate, and nothing else does. Gravity acts on masses and so stands with them.
+//! The motion of the hand is prescribed, and all positions are in its frame at the end of the step. Inertia compares
+//! positions in the world and is the only effect that depends on the acceleration of the hand. Gravity acts on masses
+//! and is part of the inertia terms.
 //!
-//! Backward Euler conserves linear momentum, the rotation conserves angular momentum, both to the solver's tolerance;
-//! energy of oscillations is lost at a rate that falls with the step (first order), energy of free flight and free spin is
-//! not. Errors of positions are of first order: a free fall is off by `g h t / 2`.
+//! Backward Euler conserves linear momentum, the rotation conserves angular momentum, both to the solver's tolerance.
+//! Energy of oscillations is dissipated at a rate that decreases with the step (first order); energy of free flight and
+//! free rotation is not. Errors of positions are of first order: a free fall is off by `g h t / 2`.
 
 use crate::scene::motion::HandState;
 
-/// A time step, as the terms see it.
+/// Time step, as passed to the terms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeStep {
     /// Length of the step, s.

@@ -10,8 +10,9 @@ use crate::mech::body::pattern::FIXED;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Energy `tau / 2 h (x - x0)^T K (x - x0)` with the stiffness `K` of the gel at rest: a Kelvin-Voigt solid whose stress is
-/// `C (strain + tau rate)` for small strains. Nodes are relative to their finger, so moving the hand costs nothing.
+/// Energy `tau / 2 h (x - x0)^T K (x - x0)` with the stiffness `K` of the undeformed gel: a Kelvin-Voigt solid whose
+/// stress is `C (strain + tau rate)` for small strains. Nodes are relative to their finger, so that a motion of the
+/// hand is not damped.
 #[derive(Debug, Clone)]
 pub struct Viscosity {
     /// Retardation time, s.
@@ -24,7 +25,7 @@ pub struct Viscosity {
 }
 
 impl Viscosity {
-    /// Creates the viscosity of a gel with retardation time `tau`, s, at rest at positions `x` (m).
+    /// Creates the viscosity of a gel with retardation time `tau` (s), at rest at positions `x` (m).
     pub fn new(body: &Body, tau: f64, x: &[DVec3]) -> Self {
         let mut values = vec![0.0; body.pattern().row_idx.len()];
         body.add_stiffness(&body.rest, true, &mut vec![DVec3::ZERO; body.rest.len()], &mut values);
