@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::geometry::shape::Shape;
 use crate::geometry::shape::generate::fruit;
 
-/// Builds a lemon: an ellipsoid that runs out into a blunt tip at both ends; overall length and diameter in m.
+/// Builds a lemon: an ellipsoid with a blunt tip at both ends; overall length and diameter in m.
 ///
 /// # Errors
 /// Fails if a parameter is out of range.
