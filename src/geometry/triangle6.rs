@@ -1,7 +1,7 @@
 //! Shape functions of the 6-node triangle on barycentric coordinates.
 //!
-//! Nodes: three corners, then the midpoints of (0,1), (1,2) and (2,0). Derivatives are in `l1` and `l2`, with `l0 = 1 -
-//! l1 - l2`.
+//! Nodes: three corners, then the midpoints of (0,1), (1,2) and (2,0). Derivatives are in `l1` and `l2`, with
+//! `l0 = 1 - l1 - l2`.
 
 use glam::{DVec2, DVec3};
 

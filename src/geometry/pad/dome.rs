@@ -4,9 +4,9 @@
 //! the two symmetry axes the profile is, to the precision of the CAD file, an arc from the apex to a depth of 0.25 mm,
 //! continued by a second arc, tangent to the first, to the rim 1.25 mm below the apex; the side walls are upright. Off
 //! the axes the CAD surface is a spline patch. The blend of the two profiles approximates it to 1.2 um rms and 5.3 um
-//! at most, except at the four corners where both fillets meet (there the true outline is rounded with a radius of 1.5
-//! mm, the pad has a sharp corner, and the depth differs by up to 0.16 mm; the volume of the whole gel agrees to 0.1
-//! %).
+//! at most, except at the four corners where both fillets meet (there the true outline is rounded with a radius of
+//! 1.5 mm, the pad has a sharp corner, and the depth differs by up to 0.16 mm; the volume of the whole gel agrees to
+//! 0.1 %).
 
 /// Half length and half width of the gel, m: along x (long) and y (short).
 pub const HALF: [f64; 2] = [12.625e-3, 10.375e-3];

@@ -40,9 +40,9 @@ pub fn box_pad(size_x: f64, size_y: f64, thickness: f64, resolution: &Resolution
 /// Builds a disc of `radius` and `thickness`, m: a square grid mapped so that its outline becomes the circle.
 ///
 /// The grid needs the same even number of cells along x and y. The rim is a polygon inscribed in the circle, so the
-/// volume is slightly too small: by the fraction 0.46 / n^2 for n uniform cells across (n = 20: 0.12 %, n = 60: 0.013
-/// %). The worst tetrahedra lie at the images of the corners of the square; their mean ratio is 0.58 at n = 20, 0.45 at
-/// n = 60.
+/// volume is slightly too small: by the fraction 0.46 / n^2 for n uniform cells across (n = 20: 0.12 %, n = 60:
+/// 0.013 %). The worst tetrahedra lie at the images of the corners of the square; their mean ratio is 0.58 at n = 20,
+/// 0.45 at n = 60.
 ///
 /// # Errors
 /// Fails for a length that is not in (0, [`MAX_SIZE`]], a bad resolution, and odd or unequal numbers of cells.

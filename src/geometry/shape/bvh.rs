@@ -8,8 +8,8 @@ use glam::DVec3;
 
 const LEAF: usize = 4;
 const BINS: usize = 16;
-/// Depth beyond which nodes are split at the median, which bounds the depth of the tree by `SAH_DEPTH +
-/// log2(u32::MAX)`.
+/// Depth beyond which nodes are split at the median, which bounds the depth of the tree by
+/// `SAH_DEPTH + log2(u32::MAX)`.
 const SAH_DEPTH: usize = 40;
 const STACK: usize = 80;
 

@@ -14,8 +14,8 @@ pub(crate) struct Filled {
     pub area: f64,
 }
 
-/// Closes every hole. Each rim must be a simple loop whose projection along its normal does not cross itself. Returns
-/// None if a hole cannot be closed or an edge has more than two triangles.
+/// Closes every hole. Each rim must be a simple loop that [`triangulate`] accepts. Returns None if a hole cannot be
+/// closed or an edge has more than two triangles.
 pub(crate) fn fill(mesh: &mut TriMesh) -> Option<Filled> {
     let mut after = BTreeMap::new();
     for group in sides(mesh).chunk_by(|x, y| x.ends == y.ends) {

@@ -77,7 +77,7 @@ fn nodes_v4(file: &mut Cursor<'_>, found: &mut Collected, version: Version) -> R
         let entity = [file.any_int("an entity's number")?, file.any_int("an entity's number")?];
         let dimension = if version == Version::V41 { entity[0] } else { entity[1] };
         let parametric = file.int("`parametric`")? != 0;
-        // A node on a curve, surface or volume has as many parameters as that has dimensions.
+        // The number of parameters of a node is the dimension of the curve, surface or volume that contains it.
         let extra = if parametric { dimension.clamp(0, 3) as usize } else { 0 };
         let n = file.count("the number of nodes of a block")?;
         if found.nodes() + n > total {
