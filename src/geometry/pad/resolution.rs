@@ -113,8 +113,8 @@ impl Resolution {
         1.0 + (focus - 1.0) * low * low
     }
 
-    /// Returns the grid lines of `cells` cells over [-1, 1], exactly symmetric about 0: `t (1 + beta t^2) / (1 +
-    /// beta)`, whose slope at the rim is `focus` times that at the centre.
+    /// Returns the grid lines of `cells` cells over [-1, 1], exactly symmetric about 0:
+    /// `t (1 + beta t^2) / (1 + beta)`, whose slope at the rim is `focus` times that at the centre.
     pub(crate) fn across(&self, cells: usize) -> Vec<f64> {
         let beta = self.beta();
         (0..=cells).map(|i| line(beta, (2.0 * i as f64 - cells as f64) / cells as f64)).collect()

@@ -6,7 +6,7 @@ use super::text::{self, VertexReference, Word};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TetMesh;
 
-/// Parses a Medit file; `path` is for messages. All other sections (mmg alone writes a dozen: `RequiredEdges`,
+/// Parses a Medit file; `path` is for messages. Unused sections (mmg alone writes a dozen: `RequiredEdges`,
 /// `NormalAtVertices` ...) consist of numbers after a count; they are skipped up to the next section name.
 ///
 /// # Errors

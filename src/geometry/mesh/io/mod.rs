@@ -28,8 +28,8 @@ const SURFACES: &str =
 const MAX_BYTES: u64 = 1 << 31;
 
 /// Reads a tetrahedral mesh and repairs it with [`clean::repair`]: `.tet` (Isaac Gym), `.msh` (gmsh 2.2, 4.0 or 4.1,
-/// ASCII or binary, tetrahedra of first or second order), `.mesh` (Medit ASCII), `.vtk` (legacy ASCII) or `.node` with
-/// `.ele` (TetGen). Returns the mesh (m) and notices about everything that was changed or omitted.
+/// ASCII or binary, tetrahedra of first or second order), `.mesh` (Medit ASCII), `.vtk` (legacy, ASCII or binary) or
+/// `.node` with `.ele` (TetGen). Returns the mesh (m) and notices about everything that was changed or omitted.
 ///
 /// # Errors
 /// Fails for a missing file, an unknown extension (with advice on the conversion, if there is any), a bad number, index
