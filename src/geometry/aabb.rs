@@ -61,10 +61,10 @@ impl Aabb {
     #[inline]
     pub fn ray(&self, o: DVec3, inverse: DVec3, max: f64) -> Option<f64> {
         let (a, b) = ((self.min - o) * inverse, (self.max - o) * inverse);
-        // A component is 0 * inf = NaN when the ray lies in a slab's plane; f64::min/max drop the NaN, as they should.
+        // A component is 0 * inf = NaN when the ray lies in a slab's plane; f64::min/max ignore the NaN, as intended.
         let enter = a.x.min(b.x).max(a.y.min(b.y)).max(a.z.min(b.z)).max(0.0);
         let leave = a.x.max(b.x).min(a.y.max(b.y)).min(a.z.max(b.z)).min(max);
-        // The slack keeps rays that graze the face of a flat box.
+        // The slack includes rays that graze the face of a flat box.
         (enter <= leave * (1.0 + 4.0 * f64::EPSILON)).then_some(enter)
     }
 }

@@ -1,9 +1,9 @@
-//! Triangles of a sensing face, seen from above.
+//! Point location in the triangles of a sensing face, projected along z.
 
 use super::barycentric::{barycentric, held, least};
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
-/// Triangles that are looked up by x and y.
+/// Triangles that are queried by x and y.
 #[derive(Debug)]
 pub struct FaceLookup<'a> {
     points: &'a [DVec3],
@@ -12,7 +12,7 @@ pub struct FaceLookup<'a> {
     margin: DVec2,
 }
 
-/// Part of the face within which a point still counts as inside a triangle.
+/// Margin of the bounding rectangles of the triangles, over the size of the face.
 const MARGIN: f64 = 1e-7;
 
 impl<'a> FaceLookup<'a> {
@@ -28,17 +28,18 @@ impl<'a> FaceLookup<'a> {
         Self { points, triangles, bounds, margin: DVec2::splat(MARGIN * (high - low).max_element().max(0.0)) }
     }
 
-    /// Returns the number of the triangle at `p` and barycentric coordinates in it, which are not negative and sum to one; beside the
-    /// face, those of the nearest place in the triangle that `p` is least outside of. None without triangles.
+    /// Returns the index of the triangle at `p` and its barycentric coordinates there, which are not negative and sum
+    /// to one. Outside the face, returns the triangle whose smallest barycentric coordinate is largest, with clamped
+    /// coordinates. None without triangles.
     pub fn place(&self, p: DVec2) -> Option<(usize, [f64; 3])> {
         let weights = |t: &[u32; 3]| barycentric(p, t.map(|i| self.points[i as usize].xy()));
-        // The triangle that the point is most inside of; beside the face, the least outside.
+        // The triangle whose smallest barycentric coordinate is largest.
         let among = |near: &dyn Fn(&[DVec2; 2]) -> bool| {
             let all = self.triangles.iter().zip(&self.bounds).enumerate();
             let some = all.filter(|(_, (_, bounds))| near(bounds)).map(|(k, (t, _))| (k, weights(t)));
             some.max_by(|a, b| least(a.1).total_cmp(&least(b.1)))
         };
-        // Whoever is in a triangle is within its bounds.
+        // A point inside a triangle is within its bounds.
         let best = among(&|[low, high]| p.cmpge(*low - self.margin).all() && p.cmple(*high + self.margin).all());
         let best = best.filter(|(_, l)| least(*l) > -1e-9).or_else(|| among(&|_| true));
         best.map(|(k, l)| (k, held(l)))

@@ -5,26 +5,26 @@ use super::face_lookup::FaceLookup;
 use super::triangle6::{position, tangents};
 use glam::{DMat2, DVec2, DVec3, Vec3Swizzles};
 
-/// Points amid the cells of a rectangle in the plane.
+/// Regular grid of cells over a rectangle in the plane, with a point at the centre of each.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PlaneGrid {
-    /// Corner of the rectangle with the least coordinates.
+    /// Corner of the rectangle with the smallest coordinates.
     pub low: DVec2,
-    /// Its size.
+    /// Size of the rectangle.
     pub size: DVec2,
     /// Number of cells along x and y.
     pub cells: [usize; 2],
 }
 
-/// Number of Newton iterations for the place of a triangle over a point.
+/// Number of Newton iterations for the point of a triangle above a given point.
 const ITERATIONS: usize = 8;
-/// Distance from the point, over the size of the triangle, that is as good as none.
+/// Distance from the given point, over the size of the triangle, at which the iteration has converged.
 const CLOSE: f64 = 1e-9;
-/// Barycentric coordinate below which a place lies outside of its triangle.
+/// Barycentric coordinate below which a point lies outside its triangle.
 const OUTSIDE: f64 = -1e-6;
 
 impl PlaneGrid {
-    /// Returns point (row, column), the middle of that cell.
+    /// Returns point (row, column), the centre of that cell.
     pub fn point(&self, row: usize, col: usize) -> DVec2 {
         self.low + self.cell() * DVec2::new(row as f64 + 0.5, col as f64 + 0.5)
     }
@@ -40,7 +40,7 @@ impl PlaneGrid {
         [0, 1].map(|axis| at[axis].clamp(0.0, (self.cells[axis] - 1) as f64) as usize)
     }
 
-    /// Returns the rows and columns of the cells whose points lie in the rectangle around some points.
+    /// Returns the rows and columns of the cells whose centres lie in the bounding rectangle of `points`.
     pub fn amid(&self, points: &[DVec2]) -> impl Iterator<Item = [usize; 2]> + use<> {
         let (low, high) =
             points.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
@@ -48,21 +48,21 @@ impl PlaneGrid {
         rows.flat_map(move |row| cols.clone().map(move |col| [row, col]))
     }
 
-    /// Returns the numbers along one axis of the cells whose points lie between two coordinates.
+    /// Returns the indices along one axis of the cells whose centres lie between two coordinates.
     fn within(&self, axis: usize, [low, high]: [f64; 2]) -> std::ops::Range<usize> {
         let at = |x: f64| (x - self.low[axis]) / self.size[axis] * self.cells[axis] as f64 - 0.5;
         let bound = |v: f64| v.clamp(0.0, self.cells[axis] as f64) as usize;
         bound(at(low).ceil())..bound(at(high).floor() + 1.0)
     }
 
-    /// Computes the height (rows, columns) of a face of 6-node `triangles`: three corners, then the middles of (0,1), (1,2) and (2,0). A point
-    /// beside the face has the height of the triangle that it is least outside of.
+    /// Computes the height (rows, columns) of a face of 6-node `triangles`: three corners, then the midpoints of (0,1),
+    /// (1,2) and (2,0). A point outside the face has the height at the point that [`FaceLookup::place`] returns for it.
     pub fn heights(&self, triangles: &[[DVec3; 6]]) -> Vec<f64> {
         let [rows, cols] = self.cells;
         let mut heights = vec![None; rows * cols];
         for x in triangles {
             let nodes = x.map(|p| p.xy());
-            // A curved edge may reach beyond its nodes.
+            // A curved edge may extend beyond the bounding rectangle of its nodes.
             let (low, high) = (nodes.into_iter().reduce(DVec2::min), nodes.into_iter().reduce(DVec2::max));
             let (low, high) = (low.unwrap_or_default(), high.unwrap_or_default());
             let more = 0.25 * (high - low);
@@ -81,7 +81,7 @@ impl PlaneGrid {
     }
 }
 
-/// Height of the triangle over a point; None beside it.
+/// Height of the triangle above a point; None outside the triangle, or if the iteration does not converge.
 fn over(x: &[DVec3; 6], p: DVec2) -> Option<f64> {
     let size = x[0].xy().distance(x[1].xy());
     let mut l = barycentric(p, [x[0].xy(), x[1].xy(), x[2].xy()]);
@@ -101,7 +101,7 @@ fn over(x: &[DVec3; 6], p: DVec2) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// A face of two triangles that bends, stretches and shears by a map of second degree, which their shape functions follow exactly.
+    /// A face of two triangles deformed by a quadratic map, which their shape functions reproduce exactly.
     #[test]
     fn heights_of_a_bent_face_are_exact() {
         let map = |u: f64, v: f64| {

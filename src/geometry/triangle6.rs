@@ -1,6 +1,7 @@
 //! Shape functions of the 6-node triangle on barycentric coordinates.
 //!
-//! Nodes: three corners, then the middles of (0,1), (1,2) and (2,0). Derivatives are in `l1` and `l2`, with `l0 = 1 - l1 - l2`.
+//! Nodes: three corners, then the midpoints of (0,1), (1,2) and (2,0). Derivatives are in `l1` and `l2`, with
+//! `l0 = 1 - l1 - l2`.
 
 use glam::{DVec2, DVec3};
 
@@ -43,8 +44,8 @@ pub fn tangents(x: &[DVec3; 6], l: [f64; 3]) -> [DVec3; 2] {
     [d1 - d0, d2 - d0]
 }
 
-/// Returns the second derivatives of the position in `l1 l1`, `l1 l2` and `l2 l2` for node positions `x`, constant on the
-/// triangle.
+/// Returns the second derivatives of the position in `l1 l1`, `l1 l2` and `l2 l2` for node positions `x`, constant on
+/// the triangle.
 #[inline]
 pub fn second_derivatives(x: &[DVec3; 6]) -> [DVec3; 3] {
     let [a, b, c, ab, bc, ca] = *x;

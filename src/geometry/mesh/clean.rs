@@ -1,11 +1,11 @@
-//! Repair of a tetrahedral mesh for simulation: reports what it changes and refuses what it would have to guess.
+//! Repair of a tetrahedral mesh for simulation: reports all changes and rejects faults without a unique remedy.
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{FARTHEST, MAX_COUNT, TetMesh, is_far, quality, show, signed_volume, surface};
 use crate::number::counted;
 
-/// Mean-ratio quality below which a tetrahedron is flat and refused. (A sliver of this quality has a height of some 1e-6
-/// of its edge.)
+/// Mean-ratio quality below which a tetrahedron is rejected as flat. (A sliver of this quality has a height of some
+/// 1e-6 of its edge.)
 pub const FLAT: f64 = 1e-4;
 
 /// Result of [`repair_mapped`].
@@ -13,16 +13,17 @@ pub const FLAT: f64 = 1e-4;
 pub struct Repair {
     /// Notices, one sentence per kind of change.
     pub notices: Vec<String>,
-    /// Index now of each node before the repair; None if the node was unused and removed.
+    /// New index of each node of the mesh before the repair; None if the node was unused and removed.
     pub node_map: Vec<Option<u32>>,
 }
 
-/// Welds exactly equal nodes, removes unused ones, and turns tetrahedra of negative volume; returns a notice for each.
+/// Welds exactly equal nodes, removes unused ones, and reorients tetrahedra of negative volume; returns a notice for
+/// each.
 ///
 /// # Errors
 /// Fails for an index out of range, a repeated node, a non-finite node, a flat tetrahedron (quality below [`FLAT`]), a
-/// face shared by three or more tetrahedra and an empty mesh. The error names the tetrahedron (0-based), its position and
-/// its size.
+/// face shared by three or more tetrahedra and an empty mesh. The error states the tetrahedron (0-based), its position
+/// and its size.
 pub fn repair(mesh: &mut TetMesh) -> Result<Vec<String>> {
     repair_mapped(mesh).map(|r| r.notices)
 }
@@ -69,10 +70,10 @@ pub fn repair_mapped(mesh: &mut TetMesh) -> Result<Repair> {
     Ok(Repair { notices, node_map })
 }
 
-/// Refuses an empty mesh, indices out of range and non-finite nodes.
+/// Rejects an empty mesh, indices out of range and non-finite nodes.
 ///
 /// # Errors
-/// Returns [`Error::Mesh`] that names the first offender.
+/// Returns [`Error::Mesh`] with the first fault.
 pub fn check_indices(mesh: &TetMesh) -> Result<()> {
     let (n, m) = (mesh.nodes.len(), mesh.tets.len());
     if n == 0 || m == 0 {
@@ -97,8 +98,8 @@ pub fn check_indices(mesh: &TetMesh) -> Result<()> {
     Ok(())
 }
 
-/// Welds equal nodes to the first of them and drops unused ones, keeping the order. Returns the map, the number of welded
-/// and the number of dropped nodes.
+/// Welds equal nodes to the first of them and drops unused ones, keeping the order. Returns the map, the number of
+/// welded and the number of dropped nodes.
 fn compact(mesh: &mut TetMesh) -> (Vec<Option<u32>>, usize, usize) {
     let n = mesh.nodes.len();
     let representative = first_equal(&mesh.nodes);
@@ -115,7 +116,7 @@ fn compact(mesh: &mut TetMesh) -> (Vec<Option<u32>>, usize, usize) {
             kept.push(mesh.nodes[i]);
         }
     }
-    // A representative in use is always kept, so the default is never taken.
+    // A representative in use is always kept, so the default is never used.
     for i in mesh.tets.iter_mut().flatten() {
         *i = new_index[*i as usize].unwrap_or_default();
     }

@@ -1,4 +1,4 @@
-//! Welding within a tolerance, for points that 32-bit numbers or a few digits of text have pulled apart.
+//! Welding within a tolerance, for vertices separated by rounding to 32 bits or to a few decimal digits.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -8,9 +8,9 @@ use crate::geometry::mesh::topology::{collapse, sides};
 use crate::geometry::mesh::{TriMesh, facets};
 use crate::stats::median;
 
-/// Fraction of the size of an object within which open corners are one.
+/// Tolerance, over the size of the object, within which vertices at open edges are merged.
 const RELATIVE: f64 = 1e-6;
-/// Number of equilateral triangles whose edges are as long as the diameter of the ball that they cover: `4 pi / sqrt(3)`.
+/// Number of equilateral triangles of unit edge length that cover a ball of unit diameter: `4 pi / sqrt(3)`.
 const ON_BALL: f64 = 7.255;
 
 /// Result of [`weld_open`].
@@ -24,9 +24,10 @@ pub struct Closed {
     pub moved: f64,
 }
 
-/// Returns the distance within which vertices of `mesh` may be one, m: `1e-6 L + 2^-22 R`. Its size `L`, m, is the diameter of the ball
-/// that as many equilateral triangles with its median edge cover; `R`, m, is twice the median of the largest coordinates of its
-/// vertices. The second part is the error of two roundings to 32 bits. Vertices far from the others have no effect on it.
+/// Returns the distance within which vertices of `mesh` may be merged, m: `1e-6 L + 2^-22 R`. The size `L`, m, is the
+/// diameter of the ball covered by equilateral triangles of the number and the median edge length of the mesh; `R`, m,
+/// is twice the median over the vertices of the largest coordinate magnitude. The second term is the error of two
+/// roundings to 32 bits. Outlying vertices do not affect the medians.
 pub fn tolerance(mesh: &TriMesh) -> f64 {
     let edges = mesh.triangles.iter().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
     let edge = median(edges.map(|ends| {
@@ -37,9 +38,9 @@ pub fn tolerance(mesh: &TriMesh) -> f64 {
     RELATIVE * size + 2.0 * median(mesh.vertices.iter().map(|p| p.abs().max_element())) * 2.0_f64.powi(-22)
 }
 
-/// Merges vertices at faulty edges (not shared by two triangles in opposite directions) with the first such vertex within [`tolerance`],
-/// and also the ends of a triangle without area that are as close; drops triangles that are left without extent. A mesh without faults
-/// remains unchanged. Indices must be valid.
+/// Merges vertices at faulty edges (not shared by two triangles in opposite directions) and vertices of triangles
+/// without area with the first such vertex within [`tolerance`]; drops triangles that are left with a repeated vertex.
+/// A mesh without faults remains unchanged. Indices must be valid.
 pub fn weld_open(mesh: &mut TriMesh) -> Option<Closed> {
     let mut loose = BTreeSet::new();
     for group in sides(mesh).chunk_by(|x, y| x.ends == y.ends) {

@@ -1,6 +1,6 @@
-//! Numbers in disjoint sets that are joined one by one (union-find with path halving: Tarjan and van Leeuwen 1984).
+//! Disjoint sets of numbers (union-find with path halving: Tarjan and van Leeuwen 1984).
 
-/// Disjoint sets of the numbers from 0 on; each is known by its least number.
+/// Disjoint sets of the numbers from 0 on; each is represented by its smallest number.
 #[derive(Debug)]
 pub(crate) struct DisjointSets(Vec<u32>);
 
@@ -10,7 +10,7 @@ impl DisjointSets {
         Self((0..count as u32).collect())
     }
 
-    /// Returns the least number of the set that holds `i`.
+    /// Returns the smallest number of the set that contains `i`.
     pub fn root(&mut self, mut i: u32) -> u32 {
         let parent = &mut self.0;
         while parent[i as usize] != i {
@@ -20,7 +20,7 @@ impl DisjointSets {
         i
     }
 
-    /// Joins the sets that hold two numbers.
+    /// Joins the sets that contain two numbers.
     pub fn join(&mut self, [a, b]: [u32; 2]) {
         let [a, b] = [a, b].map(|i| self.root(i));
         self.0[a.max(b) as usize] = a.min(b);

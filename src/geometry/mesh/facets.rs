@@ -1,4 +1,4 @@
-//! Triangles that add nothing to a surface: repeated triangles and triangles without area.
+//! Removal of redundant triangles: repeated triangles and triangles without area.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::mesh::topology::{drop_unused, sides};
 
-/// Height over the longest side up to which a triangle has no area.
+/// Ratio of height to longest side up to which a triangle counts as one without area.
 pub(crate) const FLAT: f64 = 1e-13;
 
 /// Returns true if the triangle is too thin to have a normal.
@@ -17,7 +17,7 @@ pub(crate) fn is_flat(p: [DVec3; 3]) -> bool {
     twice_area.is_nan() || twice_area <= FLAT * longest
 }
 
-/// Drops triangles with the same corners in the same sense as an earlier one; returns their number. Indices must be
+/// Drops triangles with the same corners and orientation as an earlier one; returns their number. Indices must be
 /// valid.
 pub fn drop_repeated(mesh: &mut TriMesh) -> usize {
     let before = mesh.triangles.len();
@@ -29,15 +29,15 @@ pub fn drop_repeated(mesh: &mut TriMesh) -> usize {
     before - mesh.triangles.len()
 }
 
-/// Drops pairs of triangles back to back, which enclose nothing: the common face of parts that touch, or a sheet. Returns the number of
-/// pairs. Indices must be valid.
+/// Drops pairs of triangles with the same corners and opposite orientation, which enclose no volume: the common face of
+/// parts that touch, or a sheet. Returns the number of pairs. Indices must be valid.
 pub fn drop_back_to_back(mesh: &mut TriMesh) -> usize {
     let sorted = |t: &[u32; 3]| {
         let mut corners = *t;
         corners.sort_unstable();
         corners
     };
-    // An even permutation of its sorted corners is one sense, an odd one the other.
+    // Even permutations of the sorted corners have one orientation, odd ones the other.
     let even = |t: &[u32; 3]| (0..3).filter(|i| t[*i] < t[(i + 1) % 3]).count() == 2;
     let mut at: BTreeMap<[u32; 3], [Vec<usize>; 2]> = BTreeMap::new();
     for (i, t) in mesh.triangles.iter().enumerate() {
@@ -53,12 +53,12 @@ pub fn drop_back_to_back(mesh: &mut TriMesh) -> usize {
     dropped.len() / 2
 }
 
-/// Removes triangles without area. A triangle that no neighbour needs is dropped. If a triangle lies between neighbours and its corner
-/// lies on its longest side, that side is flipped, which leaves the surface unchanged. Returns the number of removed triangles. Indices
-/// must be valid.
+/// Removes triangles without area. A triangle is dropped if it shares no edge with exactly one other triangle.
+/// Otherwise its longest edge is flipped, which leaves the surface unchanged, because the opposite corner lies on that
+/// edge. Returns the number of removed triangles. Indices must be valid.
 pub fn remove_flat(mesh: &mut TriMesh) -> usize {
     let mut removed = 0;
-    // A chain of flat triangles needs a round for each; what is left after so many is refused with its place.
+    // A chain of flat triangles needs one pass for each; triangles that remain are rejected later, with their location.
     for _ in 0..64 {
         let Some(done) = round(mesh) else { break };
         removed += done;
@@ -69,7 +69,7 @@ pub fn remove_flat(mesh: &mut TriMesh) -> usize {
     removed
 }
 
-/// Removes the flat triangles that can be removed from the mesh as it is; returns None if there were none.
+/// Removes flat triangles in one pass over the mesh; returns their number, or None if none was removed.
 fn round(mesh: &mut TriMesh) -> Option<usize> {
     let flat: Vec<usize> = (0..mesh.triangles.len()).filter(|t| is_flat(mesh.corners(*t))).collect();
     if flat.is_empty() {
@@ -105,7 +105,7 @@ fn round(mesh: &mut TriMesh) -> Option<usize> {
         let [other] = beside[longest][..] else { continue };
         let Some(c) = across(mesh.triangles[other], [b, a]) else { continue };
         if c == m {
-            // Two on each other: both go.
+            // Coincident triangles: both are dropped.
             dropped.extend([t, other]);
         } else if at.contains_key(&[m.min(c), m.max(c)]) {
             continue;

@@ -1,11 +1,11 @@
-//! Box of hexahedral cells, each split into six tetrahedra, mirror-symmetric about the middle planes.
+//! Box of hexahedral cells, each split into six tetrahedra, mirror-symmetric about the mid-planes in x and y.
 
 use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{MAX_COUNT, TetMesh};
 
-/// Six Kuhn paths from corner 000 to corner 111 of a cell: the axes in the order in which they are walked. Odd
+/// Six Kuhn paths from corner 000 to corner 111 of a cell: the axes in the order in which they are traversed. Odd
 /// permutations give negative volume in right-handed axes.
 const PATHS: [([usize; 3], bool); 6] = [
     ([0, 1, 2], true),
@@ -23,9 +23,9 @@ pub fn node(points: [usize; 3], [i, j, k]: [usize; 3]) -> usize {
 
 /// Builds a mesh over the grid lines `lines[axis]`, m, each strictly increasing. Nodes run x fastest, z slowest.
 ///
-/// Each cell is split into six tetrahedra around its main diagonal (Kuhn). The diagonal starts at the corner nearest the
-/// middle of the grid in x and y. Faces therefore match between cells, and the mesh is its own mirror image about the
-/// middle planes x and y if the numbers of cells along them are even and the lines are symmetric.
+/// Each cell is split into six tetrahedra around its main diagonal (Kuhn). The diagonal starts at the corner closest to
+/// the centre of the grid in x and y. Faces therefore match between cells, and the mesh is its own mirror image about
+/// the mid-planes in x and y if the numbers of cells along them are even and the lines are symmetric.
 ///
 /// # Errors
 /// Fails for fewer than two lines on an axis, for lines that are not increasing or not finite, and for more nodes than
@@ -50,7 +50,7 @@ pub fn structured(lines: [&[f64]; 3]) -> Result<TetMesh> {
     Ok(TetMesh { nodes, tets: split(cells) })
 }
 
-/// Refuses zero cells and numbers of cells whose nodes or tetrahedra exceed the cap.
+/// Rejects zero cells and numbers of cells whose nodes or tetrahedra exceed the cap.
 ///
 /// # Errors
 /// Returns [`Error::Mesh`] with the numbers and the allowed range.

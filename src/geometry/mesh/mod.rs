@@ -1,7 +1,7 @@
 //! Tetrahedral and triangle meshes: storage, surface, quality, reading and writing.
 //!
-//! Readers are in [`io`]; the meshes that they return have valid indices and finite coordinates. [`clean::repair`] makes
-//! a tetrahedral mesh fit for simulation; [`topology`] judges a triangle surface. Everything is deterministic: the
+//! Readers are in [`io`]; the meshes that they return have valid indices and finite coordinates. [`clean::repair`]
+//! repairs a tetrahedral mesh for simulation; [`topology`] checks a triangle surface. Everything is deterministic: the
 //! numbering never depends on the order of a hash map.
 
 pub mod clean;
@@ -38,16 +38,17 @@ pub struct TriMesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Largest number of nodes, vertices or elements accepted in one mesh; larger declared counts are refused before
-/// allocating.
+/// Largest number of nodes, vertices or elements accepted in one mesh; larger declared counts are rejected before
+/// allocation.
 pub const MAX_COUNT: usize = 5_000_000;
 
-/// Largest coordinate of a file, in its own unit: products of three of them stay far from overflow. The scene's scale
-/// determines its size in metres.
+/// Largest accepted coordinate in a file, in its own unit: products of three coordinates stay far from overflow. The
+/// scale in the scene converts them to metres.
 pub(crate) const FARTHEST: f64 = 1e9;
 
 impl TetMesh {
-    /// Returns the corner positions of tetrahedron `t`, m. `t` must be a valid tetrahedron of a mesh with valid indices.
+    /// Returns the corner positions of tetrahedron `t`, m. `t` must be a valid tetrahedron of a mesh with valid
+    /// indices.
     pub fn corners(&self, t: usize) -> [DVec3; 4] {
         self.tets[t].map(|i| self.nodes[i as usize])
     }

@@ -1,14 +1,15 @@
-//! Polygons split into triangles.
+//! Triangulation of polygons.
 
 use std::collections::{BTreeMap, VecDeque};
 
 use glam::DVec3;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-/// Splits the polygon with the corners `points` (m) into triangles, given as indices of its corners and in its sense. A polygon that a
-/// fan from its first corner fills is split into that fan. Any other is split by a constrained Delaunay triangulation of its outline,
-/// seen along the axis nearest to its normal, which uses every corner, including one on a straight side. A hole is a slit to the outline
-/// and back.
+/// Splits the polygon with the corners `points` (m) into triangles, given as indices of its corners and with its
+/// orientation. The fan from the first corner is used if all its triangles agree with the normal of the polygon;
+/// otherwise a constrained Delaunay triangulation of the outline, projected along the coordinate axis closest to the
+/// normal. It uses every corner, including those on straight sides. A hole is represented by a slit from the outline to
+/// the hole and back.
 ///
 /// Returns None if the outline crosses itself.
 pub(crate) fn triangulate(points: &[DVec3]) -> Option<Vec<[usize; 3]>> {
@@ -24,7 +25,7 @@ pub(crate) fn triangulate(points: &[DVec3]) -> Option<Vec<[usize; 3]>> {
     constrained(points, normal)
 }
 
-/// Returns twice the area of the polygon along its normal (Newell), m2.
+/// Returns the area vector of the polygon (Newell), along its normal and of twice its area, m2.
 fn area_vector(points: &[DVec3]) -> DVec3 {
     let Some(first) = points.first() else { return DVec3::ZERO };
     points.windows(2).map(|p| (p[0] - first).cross(p[1] - first)).sum()
@@ -41,13 +42,13 @@ fn constrained(points: &[DVec3], normal: DVec3) -> Option<Vec<[usize; 3]>> {
     let mut corner_of = BTreeMap::new();
     let mut handles = Vec::with_capacity(points.len());
     for (i, p) in points.iter().enumerate() {
-        // A corner that is closer to an axis than the library can hold is on it.
+        // Coordinates smaller than the library accepts are set to zero.
         let flat = |x: f64| if x.abs() < spade::MIN_ALLOWED_VALUE { 0.0 } else { x };
         let handle = net.insert(Point2::new(flat(p[u]), flat(p[v]))).ok()?;
         corner_of.entry(handle.index()).or_insert(i);
         handles.push(handle);
     }
-    // A slit is walked twice: crossing it leads from the inside to the inside.
+    // A slit is traversed twice, so it does not separate inside from outside.
     let mut walked = BTreeMap::new();
     for (i, from) in handles.iter().enumerate() {
         let to = handles[(i + 1) % handles.len()];
@@ -62,7 +63,7 @@ fn constrained(points: &[DVec3], normal: DVec3) -> Option<Vec<[usize; 3]>> {
             *walked.entry(stretch.as_undirected().index()).or_insert(false) ^= true;
         }
     }
-    // Which faces are inside: an odd number of outlines lies between them and the outer face.
+    // A face is inside if an odd number of outlines separates it from the outer face.
     let mut beside = vec![Vec::new(); net.num_all_faces()];
     for edge in net.undirected_edges() {
         let odd = walked.get(&edge.fix().index()).copied().unwrap_or(false);

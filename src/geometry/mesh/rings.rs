@@ -1,4 +1,4 @@
-//! Triangles of a surface that meet at an edge or a vertex, and the parts of it that act on a point.
+//! Adjacency of the triangles of a surface, and the parts of the surface that interact with a point.
 
 /// Part of one triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,12 +22,12 @@ pub enum SurfacePart {
     Corner(u32),
 }
 
-/// View of a triangle from a point.
+/// Position of a triangle relative to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TriangleView {
-    /// Triangle out of reach.
+    /// Triangle out of range.
     Beyond,
-    /// Triangle that is nearest from its back: the other side of a thin ridge.
+    /// Triangle whose back faces the point: the other side of a thin ridge.
     Behind,
     /// Triangle of which this part is nearest.
     At(TrianglePart),
@@ -39,15 +39,15 @@ pub struct Rings {
     corners: Vec<[u32; 3]>,
     /// Edges of each triangle; edge `i` runs from its corner `i` to its corner `i + 1`, or back.
     edges: Vec<[u32; 3]>,
-    /// Triangle that names each edge, and the index of the edge in it.
+    /// First triangle of each edge, and the index of the edge in it.
     owner: Vec<(u32, usize)>,
     /// Two triangles at each edge; None on the rim of the surface.
     sides: Vec<Option<[u32; 2]>>,
-    /// Start of the triangles of each vertex in `triangles`; one more entry than vertices.
+    /// Offset of the triangles of each vertex in `triangles`; one more entry than vertices.
     first: Vec<usize>,
     /// Triangles around each vertex, ascending.
     triangles: Vec<u32>,
-    /// True for each vertex whose triangles close around it.
+    /// True for each vertex whose triangles form a closed fan around it.
     closed: Vec<bool>,
 }
 
@@ -125,10 +125,10 @@ impl Rings {
         }
     }
 
-    /// Returns the other places that act on a point beside its closest place, the part `nearest` of triangle `own`. Each has a weight in
-    /// a sum in which the weight of the closest is 1 (inclusion and exclusion). `view` returns the view of the triangles around from the
-    /// point; `along` returns the part of the given triangle (edge or corner) on which the closest point of its given
-    /// edge lies.
+    /// Returns the parts of the surface that interact with a point in addition to the closest part, which is `nearest`
+    /// of triangle `own`. Each has a weight in a sum in which the weight of the closest part is 1 (inclusion and
+    /// exclusion). `view` returns the position of an adjacent triangle relative to the point; `along` returns the part
+    /// (edge or corner) of the given triangle that contains the closest point of its given edge.
     pub fn beside(
         &self,
         own: u32,
@@ -141,7 +141,7 @@ impl Rings {
             match if t == own { TriangleView::At(nearest) } else { view(t) } {
                 TriangleView::Beyond => {}
                 TriangleView::At(part) => found.push((t, part)),
-                // There nothing but the closest place counts.
+                // At a thin ridge only the closest part interacts.
                 TriangleView::Behind => return Vec::new(),
             }
         }
@@ -155,14 +155,16 @@ impl Rings {
         weights
     }
 
-    /// Returns the places that act on a point, with weights, when energies of its distances are added.
+    /// Returns the parts of the surface that interact with a point, with weights for a sum of energies of their
+    /// distances.
     ///
-    /// In a valley a point touches both incident faces, and the sum over triangles is smooth where the smallest of their distances has a
-    /// kink. On flat ground and over ridges the triangles at an edge are equally near and would count twice there. Edges within reach are
-    /// therefore subtracted and vertices added again, so that the sum is that of one touch (inclusion and exclusion; Li, Ferguson,
-    /// Schneider et al. 2023, "Convergent incremental potential contact", section 4).
+    /// Near a concave edge (valley) a point is in contact with both incident faces, and the sum over triangles is
+    /// smooth where the smallest of their distances has a kink. On flat regions and at convex edges, the triangles at
+    /// an edge are equally near and would count twice. Edges within range are therefore subtracted and vertices added
+    /// again, so that the sum is that of a single contact (inclusion and exclusion; Li, Ferguson, Schneider et al.
+    /// 2023, "Convergent incremental potential contact", section 4).
     ///
-    /// `found` holds the triangles within reach and the closest part of each.
+    /// `found` contains the triangles within range and the closest part of each.
     fn weights(
         &self,
         found: &[(u32, TrianglePart)],

@@ -49,8 +49,8 @@ pub fn shells(mesh: &TriMesh) -> Vec<Shell> {
     shells
 }
 
-/// Turns triangles until all triangles of a shell agree with its first, where that is possible. Returns the number of turned triangles.
-/// Indices must be valid.
+/// Flips triangles so that all triangles of a shell are oriented consistently, as the majority of them, where that is
+/// possible. Returns the number of flipped triangles. Indices must be valid.
 pub fn agree(mesh: &mut TriMesh) -> usize {
     let sides = sides(mesh);
     let mut across = vec![[None; 3]; mesh.triangles.len()];
@@ -79,7 +79,7 @@ pub fn agree(mesh: &mut TriMesh) -> usize {
                 }
             }
         }
-        // Of the two ways, that of most triangles: a few in a scan are the odd ones out.
+        // Of the two orientations, that of the majority: only a few triangles of a scan are inverted.
         let odd = part.iter().filter(|t| turned[**t] == Some(true)).count();
         let most = 2 * odd > part.len();
         count += if most { part.len() - odd } else { odd };
@@ -91,21 +91,21 @@ pub fn agree(mesh: &mut TriMesh) -> usize {
 /// Result of [`orient`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Oriented {
-    /// Number of shells of a solid that were inside out.
+    /// Number of outer shells that were oriented inward.
     pub outward: usize,
-    /// Number of shells that lie in an odd number of others and so bound a hollow, but were wound outward.
+    /// Number of shells inside an odd number of others, which bound a cavity, that were oriented outward.
     pub inward: usize,
 }
 
 impl Oriented {
-    /// Returns true if anything was turned.
+    /// Returns true if any shell was flipped.
     pub fn any(&self) -> bool {
         self.outward + self.inward > 0
     }
 }
 
-/// Turns each shell of a closed, consistently wound mesh as a whole: outward, or inward if it lies in an odd number of others, because it
-/// then bounds a hollow. Shells must not cross each other, and indices must be valid.
+/// Orients each shell of a closed, consistently wound mesh: outward, or inward if it lies inside an odd number of
+/// others, because it then bounds a cavity. Shells must not intersect each other, and indices must be valid.
 pub fn orient(mesh: &mut TriMesh) -> Oriented {
     let shells = shells(mesh);
     let mut done = Oriented::default();
@@ -121,13 +121,13 @@ pub fn orient(mesh: &mut TriMesh) -> Oriented {
     done
 }
 
-/// Returns true if `outer` encloses `inner`, whichever way it is wound.
+/// Returns true if `outer` encloses `inner`, for either orientation.
 fn holds(mesh: &TriMesh, outer: &Shell, inner: &Shell) -> bool {
     let (o, i) = (&outer.bounds, &inner.bounds);
     if !(o.min.cmple(i.min).all() && i.max.cmple(o.max).all()) || outer.triangles == inner.triangles {
         return false;
     }
-    // A point where the two touch says nothing; most say yes or no, and the first of those counts.
+    // Where the two touch, the winding number is ambiguous; the first point with an unambiguous one decides.
     let turns =
         |p: DVec3| outer.triangles.iter().map(|t| solid_angle(mesh.corners(*t as usize), p)).sum::<f64>() / (4.0 * PI);
     let points = inner.triangles.iter().take(64).map(|t| mesh.corners(*t as usize).into_iter().sum::<DVec3>() / 3.0);
@@ -135,7 +135,8 @@ fn holds(mesh: &TriMesh, outer: &Shell, inner: &Shell) -> bool {
     sure.is_some_and(|w| w.round() as u64 % 2 == 1)
 }
 
-/// Computes the signed solid angle of the triangle seen from `p`, sr (Van Oosterom and Strackee 1983, eq. 8); positive seen from behind.
+/// Computes the signed solid angle of the triangle seen from `p`, sr (Van Oosterom and Strackee 1983, eq. 8); positive
+/// if `p` is behind the triangle.
 pub(crate) fn solid_angle(corners: [DVec3; 3], p: DVec3) -> f64 {
     let [a, b, c] = corners.map(|q| q - p);
     let [x, y, z] = [a, b, c].map(DVec3::length);
@@ -143,7 +144,7 @@ pub(crate) fn solid_angle(corners: [DVec3; 3], p: DVec3) -> f64 {
     2.0 * a.dot(b.cross(c)).atan2(below)
 }
 
-/// Returns one sentence that refuses a shell without volume, if there is one.
+/// Returns the reason to reject the mesh, in one sentence, if a shell has no volume.
 pub(crate) fn flat_shell(mesh: &TriMesh) -> Option<String> {
     let shells = shells(mesh);
     let flat = shells.iter().find(|s| s.volume.abs() <= 1e-12 * s.bounds.size().max_element().powi(3))?;

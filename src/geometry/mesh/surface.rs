@@ -15,7 +15,7 @@ pub struct BoundaryFace {
     pub tet: u32,
 }
 
-/// Returns every face, preceded by its sorted nodes and in their order.
+/// Returns every face as its sorted nodes, its tetrahedron and its index in that, in ascending order.
 fn sorted_faces(mesh: &TetMesh) -> Vec<([u32; 3], u32, u8)> {
     let mut all = Vec::with_capacity(4 * mesh.tets.len());
     for (t, tet) in mesh.tets.iter().enumerate() {
@@ -29,8 +29,8 @@ fn sorted_faces(mesh: &TetMesh) -> Vec<([u32; 3], u32, u8)> {
     all
 }
 
-/// Returns the boundary faces, in the order of their tetrahedra. Indices must be valid and volumes positive, as
-/// [`crate::geometry::mesh::clean::repair`] leaves them.
+/// Returns the boundary faces, in the order of their tetrahedra. Indices must be valid and volumes positive, as after
+/// [`crate::geometry::mesh::clean::repair`].
 pub fn boundary(mesh: &TetMesh) -> Vec<BoundaryFace> {
     let mut single: Vec<(u32, u8)> = sorted_faces(mesh)
         .chunk_by(|a, b| a.0 == b.0)
@@ -65,12 +65,12 @@ pub fn boundary_mesh(mesh: &TetMesh) -> (TriMesh, Vec<u32>) {
     (surface, node_of)
 }
 
-/// Refuses a face shared by three or more tetrahedra, or by two on the same side of it. Volumes must be positive.
+/// Rejects a face shared by three or more tetrahedra, or by two on the same side of it. Volumes must be positive.
 ///
 /// # Errors
-/// Returns [`Error::Mesh`] that names the face's nodes, its tetrahedra and its position.
+/// Returns [`Error::Mesh`] with the nodes, the tetrahedra and the position of the face.
 pub(crate) fn refuse_non_manifold(mesh: &TetMesh) -> Result<()> {
-    // Seen from outside, the nodes of a face run in the order of an even permutation of their sorted order, or of an odd one.
+    // The parity of the permutation from the sorted nodes to the outward order of a face determines its side.
     let even = |t: u32, k: u8| {
         let face = FACES[usize::from(k)].map(|c| mesh.tets[t as usize][c]);
         (0..3).filter(|i| face[*i] < face[(i + 1) % 3]).count() == 2
@@ -95,8 +95,8 @@ pub(crate) fn refuse_non_manifold(mesh: &TetMesh) -> Result<()> {
     )))
 }
 
-/// Returns for each tetrahedron the number of its part, and the number of parts. Tetrahedra that share a face are of one part; parts are
-/// numbered in the order of their first tetrahedra. Indices must be valid.
+/// Returns the index of the connected part of each tetrahedron, and the number of parts. Tetrahedra that share a face
+/// belong to one part; parts are numbered in the order of their first tetrahedra. Indices must be valid.
 pub(crate) fn parts(mesh: &TetMesh) -> (Vec<u32>, usize) {
     let faces = sorted_faces(mesh);
     let mut beside = vec![Vec::new(); mesh.tets.len()];

@@ -1,11 +1,11 @@
-//! Checks that a triangle mesh is a closed, oriented surface, and repairs that need no guess.
+//! Checks that a triangle mesh is a closed, oriented surface, and unambiguous repairs.
 
 use glam::DVec3;
 
 use crate::geometry::mesh::disjoint_sets::DisjointSets;
 use crate::geometry::mesh::{TriMesh, clean};
 
-/// Report on the edges of a triangle mesh. An edge is sound if exactly two triangles share it and run along it in
+/// Report on the edges of a triangle mesh. An edge is valid if exactly two triangles share it and traverse it in
 /// opposite directions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Watertight {
@@ -13,11 +13,11 @@ pub struct Watertight {
     pub open: Faulty,
     /// Edges with three or more triangles.
     pub crowded: Faulty,
-    /// Edges along which both triangles run in the same direction.
+    /// Edges that both triangles traverse in the same direction.
     pub twisted: Faulty,
     /// Number of triangles.
     pub triangles: usize,
-    /// Number of pieces connected through shared vertices.
+    /// Number of components connected through shared vertices.
     pub components: usize,
     /// Signed volume, m^3: positive if the triangles are counter-clockwise seen from outside. Only a closed mesh has
     /// a volume.
@@ -46,7 +46,7 @@ impl Watertight {
         self.complaint().is_none()
     }
 
-    /// Returns one sentence for a message; None for a solid.
+    /// Returns the first fault and its remedy, in one sentence; None for a solid.
     pub fn complaint(&self) -> Option<String> {
         let (open, crowded, twisted) = (&self.open, &self.crowded, &self.twisted);
         let faults = [
@@ -80,7 +80,7 @@ impl Watertight {
 pub(crate) struct Side {
     /// End vertices of its edge, the smaller first.
     pub ends: [u32; 2],
-    /// True if the side runs from the larger vertex to the smaller.
+    /// True if the side is directed from the larger vertex to the smaller.
     pub reversed: bool,
     /// Index of the triangle.
     pub triangle: u32,
@@ -88,7 +88,7 @@ pub(crate) struct Side {
     pub corner: u8,
 }
 
-/// Returns the sides of all triangles, sorted: those along the same edge are neighbours.
+/// Returns the sides of all triangles, sorted such that those of the same edge are adjacent.
 pub(crate) fn sides(mesh: &TriMesh) -> Vec<Side> {
     let mut sides = Vec::with_capacity(3 * mesh.triangles.len());
     for (c, triangle) in mesh.triangles.iter().zip(0..) {
@@ -123,7 +123,7 @@ pub fn watertight(mesh: &TriMesh) -> Watertight {
     report
 }
 
-/// Counts the pieces connected through shared vertices. Indices must be valid.
+/// Counts the components connected through shared vertices. Indices must be valid.
 fn components(mesh: &TriMesh) -> usize {
     let (mut pieces, mut used) = (DisjointSets::new(mesh.vertices.len()), vec![false; mesh.vertices.len()]);
     for &[a, b, c] in &mesh.triangles {
@@ -134,8 +134,8 @@ fn components(mesh: &TriMesh) -> usize {
     (0..used.len() as u32).filter(|i| used[*i as usize] && pieces.root(*i) == *i).count()
 }
 
-/// Computes the signed volume, m^3, as a sum of tetrahedra from the first vertex, so that a distant origin costs no
-/// digits.
+/// Computes the signed volume, m^3, as a sum of tetrahedra from the first vertex, which avoids cancellation for a
+/// distant origin.
 fn signed_volume(mesh: &TriMesh) -> f64 {
     let Some(o) = mesh.vertices.first().copied() else { return 0.0 };
     (0..mesh.triangles.len())
@@ -149,9 +149,9 @@ fn signed_volume(mesh: &TriMesh) -> f64 {
 /// Result of [`weld`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Welded {
-    /// Number of vertices that were equal to an earlier one, or unused.
+    /// Number of dropped vertices: equal to an earlier one, or unused.
     pub vertices: usize,
-    /// Number of triangles with a repeated vertex.
+    /// Number of dropped triangles: with a repeated vertex.
     pub triangles: usize,
 }
 
@@ -164,7 +164,8 @@ pub fn weld(mesh: &mut TriMesh) -> Welded {
     Welded { vertices: vertices - mesh.vertices.len(), triangles: triangles - mesh.triangles.len() }
 }
 
-/// Replaces each vertex `v` by vertex `first[v]`, and drops triangles left with a repeated vertex, then unused vertices.
+/// Replaces each vertex `v` by vertex `first[v]`, and drops triangles left with a repeated vertex, then unused
+/// vertices.
 pub(crate) fn collapse(mesh: &mut TriMesh, first: &[u32]) {
     for i in mesh.triangles.iter_mut().flatten() {
         *i = first[*i as usize];

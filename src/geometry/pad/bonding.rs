@@ -1,4 +1,4 @@
-//! Nodes of a pad that are bonded to the finger, chosen by a rule.
+//! Selection of the nodes of a pad that are bonded to the finger, by a rule.
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{TetMesh, TriMesh};
@@ -7,21 +7,22 @@ use crate::number::shown;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Rule that chooses the nodes that are bonded to the finger. Lengths and coordinates are in the frame and the unit of the mesh.
+/// Rule that selects the nodes that are bonded to the finger. Lengths and coordinates are in the frame and the unit of
+/// the mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Bonding {
     /// Nodes on or behind a plane, or at most `within` in front of it.
     Plane {
         /// Unit normal of the plane, into the finger; None is the opposite of the outward direction.
         normal: Option<DVec3>,
-        /// Position of the plane along its normal; None puts it through the farthest node.
+        /// Position of the plane along its normal; None is that of the farthest node.
         offset: Option<f64>,
         /// Distance in front of the plane.
         within: f64,
     },
-    /// Nodes at most `within` away from a surface; those inside it, too, if it is closed.
+    /// Nodes at most `within` away from a surface, and all nodes inside it if it is closed.
     Surface {
-        /// Surface of what carries the gel.
+        /// Surface of the body that carries the gel.
         surface: Arc<TriMesh>,
         /// Distance from the surface.
         within: f64,
@@ -31,12 +32,13 @@ pub enum Bonding {
 }
 
 impl Bonding {
-    /// Nodes at most this far above the lowest node along the outward direction, m.
+    /// Returns the rule that bonds the nodes at most `within` (m) above the lowest node along the outward direction.
     pub const fn back(within: f64) -> Self {
         Bonding::Plane { normal: None, offset: None, within }
     }
 
-    /// Returns a flag per node of a mesh whose gel looks along the unit vector `outward`: true if the node is bonded.
+    /// Returns a flag per node of a mesh whose sensing face points along the unit vector `outward`: true if the node is
+    /// bonded.
     ///
     /// # Errors
     /// Fails for a negative distance, an index out of range, and if no node or every node is bonded.
@@ -49,7 +51,7 @@ impl Bonding {
                         format!("the attach distance is {} m; a length of 0 or more is needed", shown(*within));
                     return Err(Error::Mesh(message));
                 }
-                // Rounding must not decide about nodes on the plane or on the surface.
+                // Rounding must not exclude nodes on the plane or on the surface.
                 let (beyond, size) = self.distances(mesh, outward);
                 let reach = within + 1e-9 * size;
                 let bonded: Vec<bool> = beyond.iter().map(|distance| *distance <= reach).collect();
@@ -78,8 +80,8 @@ impl Bonding {
         }
     }
 
-    /// Returns how far each node lies in front of the plane or outside the surface, and the size that rounding is measured by; no
-    /// distances for a list.
+    /// Returns the distance of each node in front of the plane or outside the surface, and the length that scales the
+    /// tolerance for rounding; no distances for a list.
     fn distances(&self, mesh: &TetMesh, outward: DVec3) -> (Vec<f64>, f64) {
         match self {
             Bonding::Plane { normal, offset, .. } => {

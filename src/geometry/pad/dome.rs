@@ -1,11 +1,12 @@
 //! Domed sensing face of the GelSight Mini gel, in closed form.
 //!
-//! It is derived from the CAD of FEATS (`gelsight_mini.step`) through the 5137 surface nodes of its CalculiX mesh. On the
-//! two symmetry axes the profile is, exactly to the CAD's digits, an arc from the apex down to 0.25 mm and from there a
-//! second arc, tangent to the first, down to the rim 1.25 mm below the apex; the side walls are upright. Off the axes the
-//! CAD is a spline patch. Blending the two profiles meets it to 1.2 um rms and 5.3 um at most, away from the four corners
-//! where both fillets meet (there the true outline is rounded with a radius of 1.5 mm, the pad keeps a sharp corner, and
-//! the depth differs by up to 0.16 mm; the volume of the whole gel agrees to 0.1 %).
+//! It is derived from the CAD of FEATS (`gelsight_mini.step`) through the 5137 surface nodes of its CalculiX mesh. On
+//! the two symmetry axes the profile is, to the precision of the CAD file, an arc from the apex to a depth of 0.25 mm,
+//! continued by a second arc, tangent to the first, to the rim 1.25 mm below the apex; the side walls are upright. Off
+//! the axes the CAD surface is a spline patch. The blend of the two profiles approximates it to 1.2 um rms and 5.3 um
+//! at most, except at the four corners where both fillets meet (there the true outline is rounded with a radius of
+//! 1.5 mm, the pad has a sharp corner, and the depth differs by up to 0.16 mm; the volume of the whole gel agrees to
+//! 0.1 %).
 
 /// Half length and half width of the gel, m: along x (long) and y (short).
 pub const HALF: [f64; 2] = [12.625e-3, 10.375e-3];
@@ -22,8 +23,8 @@ const COUPLING: f64 = 2.81e3;
 /// Decay of the coupling over the fillet; fitted.
 const DECAY: f64 = 1.6;
 
-/// Returns the radius of the dome's arc along an axis (0 = x, 1 = y), m: 188.9 mm along the long side, 113.7 mm along the
-/// short one.
+/// Returns the radius of the dome's arc along an axis (0 = x, 1 = y), m: 188.9 mm along the long side, 113.7 mm along
+/// the short one.
 pub fn dome_radius(axis: usize) -> f64 {
     (KNEE[axis].powi(2) + KNEE_DEPTH.powi(2)) / (2.0 * KNEE_DEPTH)
 }
@@ -41,7 +42,8 @@ fn profile(axis: usize, at: f64) -> f64 {
     KNEE_DEPTH + fillet * slope.cos() - (fillet * fillet - along * along).max(0.0).sqrt()
 }
 
-/// Returns the fraction of the other axis' depth that is dropped at distance `at`: 0 at the centre, 1 at the rim.
+/// Returns the fraction by which the depth along the other axis is reduced at the distance `at` from the centre: 0 at
+/// the centre, 1 at the rim.
 fn swallowed(axis: usize, at: f64) -> f64 {
     if at <= KNEE[axis] {
         COUPLING * profile(axis, at)

@@ -16,7 +16,7 @@ pub const GELSIGHT_MINI: [f64; 3] = [2.0 * dome::HALF[0], 2.0 * dome::HALF[1], d
 /// Profile of the sensing face of the GelSight Mini gel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 pub enum GelProfile {
-    /// Box of 25.25 x 20.75 x 4 mm, as most simulators take it.
+    /// Box of 25.25 x 20.75 x 4 mm, as used in most simulators.
     #[default]
     Flat,
     /// Face of the real gel, see [`dome`]: 4 mm thick at the apex, 2.75 mm at the rim.
@@ -40,8 +40,9 @@ pub fn box_pad(size_x: f64, size_y: f64, thickness: f64, resolution: &Resolution
 /// Builds a disc of `radius` and `thickness`, m: a square grid mapped so that its outline becomes the circle.
 ///
 /// The grid needs the same even number of cells along x and y. The rim is a polygon inscribed in the circle, so the
-/// volume is slightly small: by 0.46 / n^2 of itself for n uniform cells across (n = 20: 0.12 %, n = 60: 0.013 %). The
-/// worst tetrahedra lie where the corners of the square were; their mean ratio is 0.58 at n = 20, 0.45 at n = 60.
+/// volume is slightly too small: by the fraction 0.46 / n^2 for n uniform cells across (n = 20: 0.12 %, n = 60:
+/// 0.013 %). The worst tetrahedra lie at the images of the corners of the square; their mean ratio is 0.58 at n = 20,
+/// 0.45 at n = 60.
 ///
 /// # Errors
 /// Fails for a length that is not in (0, [`MAX_SIZE`]], a bad resolution, and odd or unequal numbers of cells.
@@ -75,7 +76,7 @@ pub fn gelsight_mini(shape: GelProfile, resolution: &Resolution) -> Result<PadMe
     let mut pad = box_pad(x, y, z, resolution)?;
     if shape == GelProfile::Domed {
         for p in &mut pad.mesh.nodes {
-            // Columns shrink towards the flat back face, whose z stays exact.
+            // Columns of nodes are compressed towards the flat back face, whose z remains exact.
             let above_back = p.z + dome::THICKNESS;
             p.z = above_back * (1.0 - dome::depth(p.x, p.y) / dome::THICKNESS) - dome::THICKNESS;
         }
@@ -83,8 +84,8 @@ pub fn gelsight_mini(shape: GelProfile, resolution: &Resolution) -> Result<PadMe
     Ok(pad)
 }
 
-/// Maps [-1, 1]^2 onto the unit disc, the outline onto the circle. Points move inwards along their ray, more so near the
-/// outline, so that cells at the centre keep their square shape and those at the four corners stay open.
+/// Maps [-1, 1]^2 onto the unit disc, the outline onto the circle. Points move radially inwards, further near the
+/// outline, so that cells at the centre keep their square shape and those at the four corners do not degenerate.
 fn square_to_disc(u: f64, v: f64) -> (f64, f64) {
     let (outer, length) = (u.abs().max(v.abs()), u.hypot(v));
     if length == 0.0 {

@@ -1,6 +1,7 @@
 //! Soft pad: a tetrahedral mesh in the pad frame with its bonded back face.
 //!
-//! [`generate`] makes box, disc and GelSight Mini pads; [`place`] takes a mesh from a file, and [`bonding`] says which of its nodes are bonded.
+//! [`generate`] makes box, disc and GelSight Mini pads; [`place`] imports a mesh from a file, and [`bonding`] selects
+//! the bonded nodes.
 
 pub mod bonding;
 pub mod dome;
@@ -19,16 +20,16 @@ use glam::DVec3;
 use crate::geometry::mesh::TetMesh;
 use crate::geometry::mesh::surface::{self, BoundaryFace};
 
-/// Smallest z component of the outward unit normal of a face of the sensing face.
+/// Lower bound of the z component of the outward unit normals of the sensing face.
 pub const SENSING_SLOPE: f64 = 0.5;
 
-/// Pad at rest in the pad frame: origin at the centre of the sensing face, +z out of the gel towards the object, back
-/// face bonded to the finger.
+/// Undeformed pad in the pad frame: origin at the centre of the sensing face, +z out of the gel towards the object,
+/// back face bonded to the finger.
 #[derive(Debug, Clone)]
 pub struct PadMesh {
-    /// Rest mesh in the pad frame, m.
+    /// Reference (undeformed) mesh in the pad frame, m.
     pub mesh: TetMesh,
-    /// Flag per node: true if it is glued to the finger.
+    /// Flag per node: true if it is bonded to the finger.
     pub bonded: Vec<bool>,
 }
 
@@ -39,12 +40,12 @@ impl PadMesh {
     }
 }
 
-/// Returns the faces of the pad that can touch something: all boundary faces except those with three bonded nodes.
+/// Returns the faces of the pad that can be in contact: all boundary faces except those with three bonded nodes.
 pub fn free_surface(pad: &PadMesh) -> Vec<BoundaryFace> {
     free_faces(&pad.mesh, &pad.bonded)
 }
 
-/// Returns the faces that look at the object: those of [`free_surface`] whose outward unit normal has z >
+/// Returns the faces that point towards the object: those of [`free_surface`] whose outward unit normal has z >
 /// [`SENSING_SLOPE`].
 pub fn sensing_faces(pad: &PadMesh) -> Vec<BoundaryFace> {
     free_surface(pad).into_iter().filter(|f| looks_along(&pad.mesh, f, DVec3::Z)).collect()

@@ -1,4 +1,4 @@
-//! Pads from mesh files: outward direction and the move into the pad frame.
+//! Pads from mesh files: outward direction and transformation into the pad frame.
 
 use std::path::Path;
 
@@ -10,32 +10,33 @@ use crate::geometry::mesh::{TetMesh, clean};
 use crate::geometry::pad::{Bonding, PadMesh, free_faces, looks_along, sound};
 use crate::number::shown;
 
-/// Size above which a pad gets a notice, m: its file is probably in millimetres.
+/// Size of a pad above which a notice is given, m: its file is probably in millimetres.
 pub const UNLIKELY_SIZE: f64 = 0.5;
 
-/// Placement of a mesh of an arbitrary frame as a pad.
+/// Placement of a mesh, given in an arbitrary frame, as a pad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PadPlacement {
     /// Unit vector out of the gel, in the frame of the mesh; becomes +z of the pad.
     pub outward: DVec3,
-    /// Direction that becomes +x of the pad, in the frame of the mesh; its part along `outward` is dropped. None takes
-    /// the mesh's +x, or its +y if `outward` is nearly along x.
+    /// Direction that becomes +x of the pad, in the frame of the mesh; its component along `outward` is removed. None
+    /// selects +x of the mesh, or +y if `outward` is nearly along x.
     pub across: Option<DVec3>,
-    /// Rule that chooses the glued nodes, in the frame of the mesh.
+    /// Rule that selects the bonded nodes, in the frame of the mesh.
     pub bonding: Bonding,
 }
 
-/// Moves a mesh into the pad frame: origin at the centre of the bounding rectangle of the sensing face (the free faces
-/// within 60 degrees of `outward`), at its highest point. Node order is kept, and the mesh must already be repaired.
+/// Transforms a mesh into the pad frame: origin at the centre of the bounding rectangle of the sensing face (the free
+/// faces within 60 degrees of `outward`), at its highest point. Node order is kept, and the mesh must already be
+/// repaired.
 ///
 /// # Errors
-/// Returns [`Error::Mesh`] if the mesh is empty or has bad indices, `outward` is not a unit vector, `across` is along it,
-/// a node index is out of range, no node or every node is glued, a part of the pad is not held or overlaps another, or no free face looks
-/// outwards.
+/// Returns [`Error::Mesh`] if the mesh is empty or has bad indices, `outward` is not a unit vector, `across` is along
+/// it, a node index is out of range, no node or every node is bonded, a part of the pad is not held or overlaps
+/// another, or no free face points outwards.
 pub fn from_mesh(mesh: TetMesh, placement: &PadPlacement) -> Result<PadMesh> {
     clean::check_indices(&mesh)?;
     let [x, y, z] = axes(placement)?;
-    // Rows are the pad's axes: from the mesh's frame to the pad's.
+    // Rows are the axes of the pad: the rotation maps from the frame of the mesh to that of the pad.
     let rotation = DMat3::from_cols(x, y, z).transpose();
     let bonded = placement.bonding.choose(&mesh, z)?;
     sound::check(&mesh, &bonded)?;
@@ -63,15 +64,15 @@ pub fn from_mesh(mesh: TetMesh, placement: &PadPlacement) -> Result<PadMesh> {
     Ok(PadMesh { mesh, bonded })
 }
 
-/// Reads, repairs and places a pad. `nodes_file`, if given, replaces `placement.bonding`; its numbers refer to the nodes
-/// of the mesh file in their order there. Returns the pad and notices.
+/// Reads, repairs and places a pad. `nodes_file`, if given, replaces `placement.bonding`; its numbers refer to the
+/// nodes of the mesh file in their order there. Returns the pad and notices.
 ///
-/// The file holds whole numbers separated by blanks or lines, `#` starts a comment: either the 0-based indices of the
-/// glued nodes, or one 0 or 1 per node of the mesh (1 = glued).
+/// The file contains whole numbers separated by blanks or line breaks; `#` starts a comment. They are either the
+/// 0-based indices of the bonded nodes, or one 0 or 1 per node of the mesh (1 = bonded).
 ///
 /// # Errors
-/// Fails in the cases of [`io::read_tet_mesh`] and [`from_mesh`], and for a bad or repeated number in `nodes_file`, with
-/// its position.
+/// Fails in the cases of [`io::read_tet_mesh`] and [`from_mesh`], and for a bad or repeated number in `nodes_file`,
+/// with its position.
 pub fn read_pad(
     mesh_file: impl AsRef<Path>,
     placement: &PadPlacement,
@@ -80,7 +81,7 @@ pub fn read_pad(
     read_pad_group(mesh_file, None, placement, nodes_file)
 }
 
-/// Reads a pad as [`read_pad`] does, from the tetrahedra of a group alone, see [`io::read_tet_group`].
+/// Reads a pad as [`read_pad`] does, only from the tetrahedra of a group, see [`io::read_tet_group`].
 ///
 /// # Errors
 /// Fails in the cases of [`read_pad`], and if the file has no such group.
@@ -110,7 +111,7 @@ pub fn read_pad_group(
             let message = format!("glued node index {i}, but the mesh has {count} nodes; allowed: 0..={}", count - 1);
             return Err(Error::file(path, message));
         }
-        // Nodes removed as unused need no glue.
+        // Nodes that were removed as unused are omitted.
         let now = list.into_iter().filter_map(|i| repair.node_map[i].map(|i| i as usize));
         placement.bonding = Bonding::Nodes(now.collect());
     }
@@ -131,7 +132,8 @@ pub fn read_pad_group(
 /// Reads the indices of a list of nodes, see [`read_pad`]; `count` is the number of nodes of the mesh file.
 ///
 /// # Errors
-/// Fails for an entry that is not a whole number, out of range or repeated, with line and column, and for an empty list.
+/// Fails for an entry that is not a whole number, out of range or repeated, with line and column, and for an empty
+/// list.
 pub fn read_nodes(path: impl AsRef<Path>, count: usize) -> Result<Vec<usize>> {
     let path = path.as_ref();
     let source = io::read_text(path)?;

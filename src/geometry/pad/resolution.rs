@@ -16,12 +16,12 @@ pub const MAX_RATIO: f64 = 20.0;
 /// Choice of the number of cells.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Density {
-    /// Target distance of corner nodes on the sensing face at its centre, m. Numbers of cells along x and y become even,
+    /// Target spacing of corner nodes on the sensing face at its centre, m. Numbers of cells along x and y become even,
     /// so that the mesh is mirror-symmetric; the layer at the sensing face is at most [`LAYER_ASPECT`] spacings thick
     /// and there are at least [`MIN_LAYERS`].
     Spacing(f64),
-    /// Numbers of cells along x, y and z (layers). Even numbers along x and y give a mirror-symmetric mesh; a disc needs
-    /// one even number for both.
+    /// Numbers of cells along x, y and z (layers). Even numbers along x and y give a mirror-symmetric mesh; a disc
+    /// needs one even number for both.
     Cells([usize; 3]),
 }
 
@@ -102,7 +102,8 @@ impl Resolution {
         beta(self.focus)
     }
 
-    /// Returns the width of the cells at `at`, in half widths of the pad from its centre, over that at the centre.
+    /// Returns the width of the cells at the distance `at` from the centre, in half widths of the pad, over the width
+    /// at the centre.
     pub fn widening(focus: f64, at: f64) -> f64 {
         let (beta, mut low, mut high) = (beta(focus), 0.0, 1.0);
         for _ in 0..BISECTIONS {
@@ -112,8 +113,8 @@ impl Resolution {
         1.0 + (focus - 1.0) * low * low
     }
 
-    /// Returns the grid lines of `cells` cells over [-1, 1], exactly symmetric about 0: `t (1 + beta t^2) / (1 + beta)`,
-    /// whose slope at the rim is `focus` times that at the centre.
+    /// Returns the grid lines of `cells` cells over [-1, 1], exactly symmetric about 0:
+    /// `t (1 + beta t^2) / (1 + beta)`, whose slope at the rim is `focus` times that at the centre.
     pub(crate) fn across(&self, cells: usize) -> Vec<f64> {
         let beta = self.beta();
         (0..=cells).map(|i| line(beta, (2.0 * i as f64 - cells as f64) / cells as f64)).collect()
@@ -132,14 +133,14 @@ impl Resolution {
     }
 }
 
-/// Number of bisections for the grid line at a place: as many as a double has digits.
+/// Number of bisections for the grid line at a position: about the precision of a double, in bits.
 const BISECTIONS: u32 = 50;
 
 fn beta(focus: f64) -> f64 {
     (focus - 1.0) / 3.0
 }
 
-/// Returns the position of the grid line `t` in -1..=1 of a uniform grid.
+/// Maps the grid line `t` in -1..=1 of a uniform grid to its graded position.
 fn line(beta: f64, t: f64) -> f64 {
     t * (1.0 + beta * t * t) / (1.0 + beta)
 }

@@ -1,4 +1,4 @@
-//! Check that a pad from a file does not overlap itself, and that the finger holds every part of it.
+//! Check that a pad from a file does not overlap itself, and that no part of it has a free rigid-body motion.
 
 use glam::DVec3;
 
@@ -9,14 +9,15 @@ use crate::geometry::mesh::{TetMesh, show, surface};
 use crate::geometry::shape::overlap::overlaps;
 use crate::number::counted;
 
-/// Spread of the held nodes of a part off their best line, over the size of the part, below which the part can turn about it.
+/// Root-mean-square distance of the held nodes of a part from their best-fit line, over the size of the part, below
+/// which the part can rotate about that line.
 const ON_A_LINE: f64 = 1e-3;
 
-/// Refuses a mesh that overlaps itself, or has a part that is free to move. Indices must be valid, volumes positive and no face shared by
-/// more than two tetrahedra; `bonded` is a flag per node.
+/// Rejects a mesh that overlaps itself, or has a part with a free rigid-body motion. Indices must be valid, volumes
+/// positive and no face shared by more than two tetrahedra; `bonded` is a flag per node.
 ///
 /// # Errors
-/// Returns [`Error::Mesh`] that names the first such part and its place.
+/// Returns [`Error::Mesh`] with the first such part and its position.
 pub(super) fn check(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
     held(mesh, bonded)?;
     let (mut boundary, _) = surface::boundary_mesh(mesh);
@@ -25,7 +26,8 @@ pub(super) fn check(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
             "the pad overlaps itself: {fault}, or keep one copy of what stands in the file twice"
         )));
     }
-    // Every shell bounds gel from outside or a hollow from inside; one that would have to be turned lies within other gel.
+    // Every shell bounds gel from outside or a cavity from inside; one with the wrong orientation lies inside other
+    // gel.
     if orient(&mut boundary).any() {
         return Err(Error::Mesh(
             "the pad overlaps itself: a part of it lies inside another; keep one copy of what stands in the file twice"
@@ -35,12 +37,13 @@ pub(super) fn check(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
     Ok(())
 }
 
-/// Part of a pad that hangs together across faces, and the nodes that hold it.
+/// Part of a pad that is connected across faces, and statistics of its held nodes.
 struct Part {
     /// Number of tetrahedra.
     tets: usize,
     bounds: Aabb,
-    /// Number of held nodes, their sum and the sums of products of their coordinates from the centre of the bounds.
+    /// Number of held nodes, the sum of their positions relative to the centre of the bounds, and the sums of the
+    /// products of these coordinates.
     count: usize,
     sum: DVec3,
     squares: DVec3,
@@ -48,7 +51,7 @@ struct Part {
 }
 
 impl Part {
-    /// Takes in a held node.
+    /// Adds a held node.
     fn hold(&mut self, node: DVec3) {
         let p = node - self.bounds.center();
         self.count += 1;
@@ -57,8 +60,9 @@ impl Part {
         self.products += DVec3::new(p.y * p.z, p.z * p.x, p.x * p.y);
     }
 
-    /// Returns true if the held nodes are not on a line. Their covariance has the eigenvalues `a >= b >= c`; the second of its invariants
-    /// over the first lies between `(b + c) / 2` and `b + c`, the mean square of the distance from the best line.
+    /// Returns true if the held nodes are not on a line. Their covariance has the eigenvalues `a >= b >= c`; the ratio
+    /// of its second to its first invariant lies between `(b + c) / 2` and `b + c`, the mean square of the distance
+    /// from the best-fit line.
     fn is_held(&self) -> bool {
         let n = (self.count as f64).max(1.0);
         let mean = self.sum / n;
@@ -72,8 +76,8 @@ impl Part {
     }
 }
 
-/// Refuses a part that can move as a rigid body. A part is held if those of its nodes that are bonded, or belong to a part that is held, do
-/// not lie on a line.
+/// Rejects a part that can move as a rigid body. A part is held if those of its nodes that are bonded, or belong to a
+/// part that is held, do not lie on a line.
 fn held(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
     let (part_of, count) = surface::parts(mesh);
     let empty = || Part {

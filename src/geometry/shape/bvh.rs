@@ -8,7 +8,8 @@ use glam::DVec3;
 
 const LEAF: usize = 4;
 const BINS: usize = 16;
-/// Depth beyond which the tree splits at the median, which bounds it by `SAH_DEPTH + log2(u32::MAX)`.
+/// Depth beyond which nodes are split at the median, which bounds the depth of the tree by
+/// `SAH_DEPTH + log2(u32::MAX)`.
 const SAH_DEPTH: usize = 40;
 const STACK: usize = 80;
 
@@ -55,7 +56,8 @@ impl Bvh {
         self.nodes[0].bounds
     }
 
-    /// Returns the facet nearest to `q` with squared distance below `best.0`, otherwise `best` itself.
+    /// Returns the squared distance and the index of the facet nearest to `q` if the distance is below `best.0`;
+    /// otherwise `best`.
     #[inline]
     pub fn nearest(&self, q: DVec3, mut best: (f64, u32)) -> (f64, u32) {
         let mut stack = [(0.0_f64, 0_u32); STACK];
@@ -97,7 +99,7 @@ impl Bvh {
         }
     }
 
-    /// Calls `f` for every facet whose leaf's box meets `bounds`.
+    /// Calls `f` for every facet of the leaves whose bounding boxes intersect `bounds`.
     pub fn overlapping(&self, bounds: &Aabb, mut f: impl FnMut(u32)) {
         let mut stack = vec![0_u32];
         while let Some(at) = stack.pop() {
@@ -113,7 +115,7 @@ impl Bvh {
         }
     }
 
-    /// Returns the first facet through which the ray `o + t d` enters, and `t`.
+    /// Returns `t` and the index of the first facet through which the ray `o + t d` enters.
     pub fn enter(&self, o: DVec3, d: DVec3) -> Option<(f64, u32)> {
         let inverse = d.recip();
         let mut best = (f64::INFINITY, u32::MAX);
@@ -151,7 +153,7 @@ fn half_area(b: &Aabb) -> f64 {
     s.x * s.y + s.y * s.z + s.z * s.x
 }
 
-/// Reorders `items` into two parts and returns the length of the first, which is never 0 or all.
+/// Reorders `items` into two parts and returns the length of the first; neither part is empty.
 fn split(items: &mut [(Aabb, DVec3, u32)], depth: usize) -> usize {
     let centers = Aabb::of(items.iter().map(|i| i.1));
     let size = centers.size();

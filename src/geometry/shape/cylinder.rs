@@ -21,7 +21,7 @@ impl SignedDistance for Cylinder {
     #[inline]
     fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
         let rho = q.x.hypot(q.y);
-        // Beyond the side, beyond the end.
+        // Signed distances to the lateral surface and to the nearer end plane.
         let (s, e) = (rho - self.radius, q.z.abs() - self.half);
         if !(s.max(e) < max) {
             return None;

@@ -2,8 +2,9 @@
 //!
 //! The closest point `x` satisfies `q - x = t x / e^2` for the largest root `t` of `sum (e_i q_i / (t + e_i^2))^2 = 1`
 //! (Eberly 2013, "Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid", section 3). With the unknown
-//! `s = t + min e^2` the root keeps its relative precision near the medial disc, and Newton's method on
-//! `1 / norm - 1` (More and Sorensen 1983, eq. 3.10), which is almost linear, needs a few steps; bisection guards it.
+//! `s = t + min e^2` the root retains its relative precision near the medial disc. Newton's method on `1 / norm - 1`
+//! (More and Sorensen 1983, eq. 3.10), which is almost linear, converges in a few steps and is safeguarded by
+//! bisection.
 
 use crate::geometry::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
 use glam::{DMat3, DVec3};
@@ -16,7 +17,7 @@ pub struct Ellipsoid {
 }
 
 impl Ellipsoid {
-    /// Returns the closest point of the surface and the signed distance.
+    /// Returns the closest surface point, the signed distance and the unit outward normal.
     fn project(&self, q: DVec3) -> (DVec3, f64, DVec3) {
         // Unit of length: the shortest semi-axis.
         let unit = self.semi.min_element();
@@ -32,18 +33,20 @@ impl Ellipsoid {
             x[i] = if below > 0.0 { (e[i] * z[i] / below).min(e[i]) } else { 0.0 };
         }
         if s == 0.0 {
-            // On the medial disc: the rest of the unit sum falls to a shortest axis, on either side.
+            // On the medial disc the closest point is not unique: the remainder of the unit sum is assigned to a
+            // shortest axis.
             let axis = e.min_position();
             let rest = (0..3).filter(|&i| i != axis).map(|i| (x[i] / e[i]).powi(2)).sum::<f64>();
             x[axis] = e[axis] * (1.0 - rest).max(0.0).sqrt();
         }
         let n = (x / square).normalize_or(DVec3::Z);
         let sign = DVec3::ONE.copysign(q);
-        // Along n, the difference loses nothing to the error of x in the tangent plane.
+        // The projection onto n removes the error of x in the tangent plane.
         (sign * x * unit, (y - x).dot(n) * unit, sign * n)
     }
 
-    /// Returns a lower bound of the distance of an outside point, m: `q / e` is stretched by at most `1 / min e`.
+    /// Returns a lower bound of the distance of an exterior point, m: the map `q -> q / e` has the Lipschitz constant
+    /// `1 / min e`.
     #[inline]
     fn at_least(&self, q: DVec3) -> f64 {
         let outside = (q.abs() - self.semi).max_element();
@@ -51,13 +54,13 @@ impl Ellipsoid {
     }
 }
 
-/// Computes the root `s >= 0` of `sum (z_i / (s + gap_i))^2 = 1`, or 0 if the sum stays below 1 (then `z` is zero where
-/// `gap` is).
+/// Computes the root `s >= 0` of `sum (z_i / (s + gap_i))^2 = 1`, or 0 if the sum is at most 1 for all `s` (then `z` is
+/// zero where `gap` is).
 fn root(z: DVec3, gap: DVec3) -> f64 {
     let norm = |s: f64| {
         let (mut sum, mut slope) = (0.0, 0.0);
         for i in 0..3 {
-            // 0 / 0 on the medial disc counts as nothing.
+            // Terms 0 / 0 on the medial disc are omitted.
             if z[i] > 0.0 {
                 let r = z[i] / (s + gap[i]);
                 sum += r * r;
@@ -66,13 +69,14 @@ fn root(z: DVec3, gap: DVec3) -> f64 {
         }
         (sum.sqrt(), slope)
     };
-    // The sum is at least 1 as soon as one term is; at most 1 where s is at least |z|, for gaps are not negative.
+    // Bracket: at `low` one term of the sum is at least 1; at s = |z| the sum is at most 1, because gaps are not
+    // negative.
     let mut low = (z - gap).max_element().max(0.0);
     let mut high = z.length();
     if low == 0.0 && norm(0.0).0 <= 1.0 {
         return 0.0;
     }
-    // Next to the surface the root is next to t = 0, which is s = 1 in units of the shortest semi-axis.
+    // Near the surface the root is close to t = 0, which is s = 1 in units of the shortest semi-axis.
     let mut s = if low < 1.0 && 1.0 < high { 1.0 } else { low };
     for _ in 0..200 {
         let (n, slope) = norm(s);
@@ -108,12 +112,12 @@ impl SignedDistance for Ellipsoid {
         if !(distance < max) {
             return None;
         }
-        // Hessian on the surface: P diag(1/e^2) P / |x/e^2|; carried along the normal: S (I + d S)^-1.
+        // Hessian on the surface: P diag(1/e^2) P / |x/e^2|; transported along the normal: S (I + d S)^-1.
         let square = self.semi * self.semi;
         let tangent = DMat3::IDENTITY - outer(normal);
         let shape = tangent * DMat3::from_diagonal(square.recip()) * tangent * (x / square).length_recip();
         let carry = DMat3::IDENTITY + shape * distance;
-        // On the medial surface the distance has a crease.
+        // The distance is not differentiable on the medial surface.
         let curvature = if carry.determinant().abs() > 1e-9 { shape * carry.inverse() } else { DMat3::ZERO };
         Some(Closest { distance, normal, curvature })
     }

@@ -1,8 +1,8 @@
-//! Triangle in a 2D frame of its own, for fast and accurate closest points.
+//! Triangle in a local 2D frame, for fast and accurate closest-point queries.
 //!
-//! With the longest edge on the x axis, slivers keep their digits, and a query costs one change of frame plus a few
-//! products. The closest point of a convex polygon to an outside point lies on an edge that sees the point, so only those
-//! edges are measured.
+//! The longest edge lies on the x axis, which preserves the precision of slivers; a query costs one change of frame and
+//! a few products. The point of a convex polygon closest to an exterior point lies on an edge whose outer half-plane
+//! contains that point, so only these edges are evaluated.
 
 use crate::geometry::Aabb;
 use crate::geometry::mesh::facets::FLAT;
@@ -22,7 +22,7 @@ pub(crate) struct Facet {
     cy: f64,
     /// Index of the triangle in its mesh.
     pub triangle: u32,
-    /// Corner of the mesh's triangle that is corner 0 here.
+    /// Index of the corner of the mesh triangle that is corner 0 of the facet.
     pub turn: u32,
 }
 
@@ -43,7 +43,8 @@ impl Facet {
         Some(Self { origin: a, u, v, n, bx, cx: u.dot(c - a), cy: v.dot(c - a), triangle, turn: turn as u32 })
     }
 
-    /// Returns the squared distance to the triangle, m2, and its nearest part. A point above an edge or corner counts as nearest to that.
+    /// Returns the squared distance to the triangle, m2, and its nearest part. If `q` projects exactly onto an edge or
+    /// a corner, the part is that edge or corner.
     #[inline]
     pub fn nearest(&self, q: DVec3) -> (f64, TrianglePart) {
         self.nearest_within(q, f64::INFINITY)
@@ -93,7 +94,7 @@ impl Facet {
         (best.0 + hh, best.1)
     }
 
-    /// Converts a part to the mesh's numbers of corners and edges.
+    /// Converts a part to the corner and edge indices of the mesh triangle.
     pub fn in_mesh(&self, part: TrianglePart) -> TrianglePart {
         let turned = |i: usize| (i + self.turn as usize) % 3;
         match part {
@@ -103,7 +104,7 @@ impl Facet {
         }
     }
 
-    /// Returns the distance inside the edges at which the triangle is met straight below `q`, m; negative outside.
+    /// Returns the distance of the projection of `q` from the nearest edge line, m; negative outside the triangle.
     pub fn margin(&self, q: DVec3) -> f64 {
         let w = q - self.origin;
         let (x, y) = (self.u.dot(w), self.v.dot(w));
@@ -123,8 +124,8 @@ impl Facet {
         0.5 * self.bx * self.cy
     }
 
-    /// Returns the parameters in 0..=1 between which the line from `a` to `b`, which lies in the plane of the triangle, is in the
-    /// triangle or within `slack` (m) of it.
+    /// Returns the interval of parameters in 0..=1 on which the segment from `a` to `b`, which lies in the plane of the
+    /// triangle, is inside the triangle or within `slack` (m) of it.
     pub fn clip(&self, a: DVec3, b: DVec3, slack: f64) -> Option<(f64, f64)> {
         let corners = self.corners();
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
@@ -143,8 +144,8 @@ impl Facet {
         (from <= to).then_some((from, to))
     }
 
-    /// Returns the parameter at which the ray `o + t d` crosses from the outside in, with a rounding-sized margin so that
-    /// none slips between two triangles.
+    /// Returns the parameter at which the ray `o + t d` crosses from the outside to the inside. A margin of the size of
+    /// rounding errors prevents rays from passing between two adjacent triangles.
     pub fn enter(&self, o: DVec3, d: DVec3) -> Option<f64> {
         let (rate, w) = (self.n.dot(d), o - self.origin);
         if rate >= 0.0 {
@@ -160,7 +161,7 @@ impl Facet {
         (inside && t >= 0.0).then_some(t)
     }
 
-    /// Returns the box around the triangle; it may exceed the corners by rounding.
+    /// Returns the bounding box of the triangle; it may exceed the corners by rounding.
     pub fn aabb(&self) -> Aabb {
         Aabb::of(self.corners())
     }

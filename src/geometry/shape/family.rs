@@ -41,7 +41,7 @@ pub enum ShapeKind {
 }
 
 impl ShapeKind {
-    /// Builds the object; `segments` divides a full turn of its surface mesh.
+    /// Builds the object; `segments` is the number of divisions of a full turn in its surface mesh.
     ///
     /// # Errors
     /// Fails if a parameter is out of range or the surface does not bound a solid.

@@ -1,4 +1,4 @@
-//! Vertices and sharp edges of an object, which are tested against the faces of a pad that is coarser than they are.
+//! Vertices and edges of an object that are tested against the faces of a pad whose mesh is too coarse to resolve them.
 
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::shape::polygon::Profile;
@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 /// Angle between the normals of two faces above which their edge is sharp, rad (20 degrees).
 pub const SHARP: f64 = 20.0 / 180.0 * std::f64::consts::PI;
 
-/// Point of the surface that may press into a pad.
+/// Contact vertex of the object: a surface point that is tested against the faces of a pad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeaturePoint {
     /// Position, m.
@@ -44,7 +44,7 @@ impl Ridge {
         self.a.distance(self.b)
     }
 
-    /// Returns the point at `t` in 0..=1, which is on the edge itself even if that is an arc.
+    /// Returns the point at the parameter `t` in 0..=1; for an arc it lies on the arc, not on the chord.
     pub fn point(&self, t: f64) -> FeaturePoint {
         let mut position = self.a.lerp(self.b, t);
         let mut normal = self.normal;
@@ -58,13 +58,13 @@ impl Ridge {
         FeaturePoint { position, normal, sharp: self.angle > SHARP }
     }
 
-    /// Returns points between the ends, at most `spacing` m apart.
+    /// Returns points strictly between the ends, at most `spacing` m apart.
     fn sample(&self, spacing: f64) -> impl Iterator<Item = FeaturePoint> {
         let (edge, count) = (*self, parts(self.length(), spacing));
         (1..count).map(move |i| edge.point(f64::from(i) / f64::from(count)))
     }
 
-    /// Divides the edge into stretches, at most `length` m long.
+    /// Divides the edge into sections, each at most `length` m long.
     fn stretches(&self, length: f64) -> impl Iterator<Item = Stretch> {
         let (ridge, count) = (*self, parts(self.length(), length));
         let at = move |i: u32| f64::from(i) / f64::from(count);
@@ -72,19 +72,19 @@ impl Ridge {
     }
 }
 
-/// Stretch of a ridge on which the point of closest approach to a pad may lie.
+/// Section of a ridge on which the point of closest approach to a pad may lie.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
-    /// Whole ridge.
+    /// Complete ridge.
     pub ridge: Ridge,
-    /// Start of the stretch, in 0..1.
+    /// Parameter of the ridge at the start of the section, in 0..1.
     pub from: f64,
-    /// End of the stretch, in 0..=1.
+    /// Parameter of the ridge at the end of the section, in 0..=1.
     pub to: f64,
 }
 
 impl Stretch {
-    /// Returns the point at `t` in 0..=1 of the stretch, m.
+    /// Returns the point at the parameter `t` in 0..=1 of the section, m.
     pub fn point(&self, t: f64) -> DVec3 {
         self.ridge.point(self.from + t * (self.to - self.from)).position
     }
@@ -95,24 +95,27 @@ impl Stretch {
     }
 }
 
-/// Features of an object; empty for one that is smooth everywhere.
+/// Contact vertices and edges of an object; all empty for an ellipsoid.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SurfaceFeatures {
-    /// All vertices of an object that is a mesh; the sharp corners of one that is not.
+    /// All vertices of a mesh; the sharp corners of a closed-form shape; samples of the rounded edges and corners of a
+    /// smoothed mesh.
     pub vertices: Vec<FeaturePoint>,
     /// Sharp convex edges; a rim is a closed chain of arcs.
     pub sharp_edges: Vec<Ridge>,
-    /// Convex edges between facets of a mesh that are not sharp but steep enough to be felt.
+    /// Convex edges between facets of a mesh that are not sharp; only those that a pad would detect are tested.
     pub blunt_edges: Vec<Ridge>,
-    /// Straight convex edges with a radius.
+    /// Straight rounded convex edges.
     pub rounded_edges: Vec<RoundedEdge>,
-    /// Circles on the smooth convex parts of a round solid, in the order of its profile.
+    /// Circles on the smooth convex parts of a solid of revolution, in the order of its profile.
     pub rings: Vec<Ring>,
-    /// Rod that stands for a ball, a capsule or the side of a cylinder that is thin compared with the pad.
+    /// Rod that represents a ball, a capsule or the lateral surface of a cylinder; sampled if thin compared with the
+    /// pad spacing.
     pub rod: Option<Rod>,
 }
 
-/// Straight rounded convex edge: a strip of a cylinder. A pad coarser than its radius would cut into it between two of its own points.
+/// Straight rounded convex edge: a sector of a cylinder. A pad whose spacing exceeds its radius would penetrate it
+/// between two samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoundedEdge {
     /// Ends of the axis, m.
@@ -123,19 +126,21 @@ pub struct RoundedEdge {
     pub normals: [DVec3; 2],
 }
 
-/// Angle between two faces up to which they are one, rad.
+/// Largest angle between the normals of two faces that count as coplanar, rad.
 const FLAT: f64 = 1e-6;
-/// Radius, over the distance of the points on it, from which on the points of a pad see a rounded edge: between them the pad then
-/// penetrates it by a fiftieth of their distance.
+/// Radius of a rounded edge, over the spacing of the points on it, from which on the samples of a pad resolve the edge:
+/// between them the pad then penetrates it by a fiftieth of their distance.
 const ROUND: f64 = 12.0;
 
-/// Returns the number of parts of at most `spacing` m into which a length is cut; one if the spacing is not positive.
+/// Returns the number of parts of at most `spacing` m into which a length is divided (at most 10,000); 1 if the spacing
+/// is not positive.
 pub(super) fn parts(length: f64, spacing: f64) -> u32 {
     if spacing > 0.0 { (length / spacing).ceil().clamp(1.0, 1e4) as u32 } else { 1 }
 }
 
 impl RoundedEdge {
-    /// Returns points at most `spacing` m apart along the edge and around it, except where it meets the two faces.
+    /// Returns points at most `spacing` m apart along the edge and around it, without the lines where it meets the two
+    /// faces.
     fn sample(&self, spacing: f64) -> impl Iterator<Item = FeaturePoint> {
         let [a, b] = self.axis;
         let angle = self.normals[0].angle_between(self.normals[1]);
@@ -150,10 +155,10 @@ impl RoundedEdge {
 }
 
 impl SurfaceFeatures {
-    /// Returns the vertices, then points on the sharp edges between their ends such that neighbours are at most `spacing` m apart (no
-    /// points on edges if it is not positive; at most 10,000 points per edge). Equally dense points follow on the rounded edges whose
-    /// radius is not large compared with the spacing, on the tight parts of a round solid, and all over a thin rod. No point occurs
-    /// twice. Contact has this `offset` (m).
+    /// Returns the vertices, then points on the sharp edges between their ends such that neighbours are at most
+    /// `spacing` m apart (none if it is not positive; at most 10,000 per edge). Points of the same spacing follow on
+    /// rounded edges with a radius below `ROUND * spacing`; points on the tight parts of a solid of revolution and all
+    /// over a thin rod are spaced according to the contact `offset` (m). No point occurs twice.
     pub fn sample(&self, spacing: f64, offset: f64) -> Vec<FeaturePoint> {
         let mut points = self.vertices.clone();
         points.extend(self.sharp_edges.iter().flat_map(|e| e.sample(spacing)));
@@ -164,21 +169,22 @@ impl SurfaceFeatures {
         points
     }
 
-    /// Returns all edges between facets in stretches of at most `length` m. On these, a pad whose points are half as far apart could come
-    /// through by more than a part of the contact `offset` (m), because it meets them crosswise with an edge of its own.
+    /// Returns, in sections of at most `length` m, the sharp edges and those blunt edges that a pad could penetrate by
+    /// more than a fraction of the contact `offset` (m): an edge of the pad may cross them between its vertices.
     pub fn stretches(&self, length: f64, offset: f64) -> impl Iterator<Item = Stretch> {
         let blunt = self.blunt(length, offset);
         self.sharp_edges.iter().chain(blunt).flat_map(move |e| e.stretches(length))
     }
 
-    /// Returns the blunt edges that are felt if a pad may miss `length` (m) of them: the pad would come as deep as an eighth of that
-    /// length times the angle between the faces.
+    /// Returns the blunt edges to be tested if `length` (m) of them may lie between the samples of a pad: those where
+    /// the penetration, an eighth of that length times the angle between the faces, exceeds `EDGE_CUT` contact offsets.
     fn blunt(&self, length: f64, offset: f64) -> impl Iterator<Item = &Ridge> {
         let cuts = move |e: &&Ridge| e.angle * e.length().min(length) / 8.0 > EDGE_CUT * offset;
         self.blunt_edges.iter().filter(cuts)
     }
 
-    /// Returns the number of vertices, points on sharp edges and stretches for points of a pad `spacing` m apart.
+    /// Returns the number of vertices, points on sharp edges and sections of edges for a pad whose points are `spacing`
+    /// m apart.
     pub fn count(&self, spacing: f64, offset: f64) -> u64 {
         let along = |e: &Ridge, spacing: f64| u64::from(parts(e.length(), spacing));
         let sharp = self.sharp_edges.iter().map(|e| along(e, 0.5 * spacing) + along(e, spacing)).sum::<u64>();
@@ -196,7 +202,8 @@ impl SurfaceFeatures {
         for (edge, &normal) in topology.edges.iter().zip(&topology.edge_normals) {
             let [l, r] = edge.triangles.map(|t| topology.normals[t as usize]);
             let [a, b] = edge.ends.map(|v| mesh.vertices[v as usize]);
-            // Seen along the edge, with the left face on the left: over a ridge the normal turns from left to right.
+            // Viewed along the edge, with the left face on the left: across a convex edge the normal rotates from left
+            // to right.
             let angle = l.cross(r).length().atan2(l.dot(r));
             let convex = l.cross(r).dot(b - a) > 0.0;
             let ridge = Ridge { a, b, normal, angle, round: false };
@@ -216,7 +223,7 @@ impl SurfaceFeatures {
         Self { vertices, sharp_edges, blunt_edges, ..Self::default() }
     }
 
-    /// Returns the rims of a round solid, each in `segments` arcs, and its tips on the axis.
+    /// Returns the rims of a solid of revolution, each as `segments` arcs, its tips on the axis and its rings.
     pub(crate) fn of_profile(profile: &Profile, segments: u32) -> Self {
         let mut features = Self::default();
         for (i, &p) in profile.points().iter().enumerate() {
@@ -262,8 +269,8 @@ impl SurfaceFeatures {
     }
 }
 
-/// Marks tips as sharp. The tip of a finely faceted cone has no sharp edge: a convex vertex is also sharp if a face there
-/// leans away from the pseudo-normal by more than [`SHARP`].
+/// Marks tips as sharp. The tip of a finely faceted cone has no sharp edge; therefore a convex vertex is also sharp if
+/// the normal of an adjacent face deviates from the pseudo-normal by more than [`SHARP`].
 fn mark_tips(mesh: &TriMesh, topology: &Topology, sharp: &mut [bool]) {
     let mut leans = vec![false; sharp.len()];
     let mut convex = vec![true; sharp.len()];

@@ -1,4 +1,4 @@
-//! Distances sampled on a coarse lattice: a first guess and a lower bound for every point of a box.
+//! Distances sampled on a coarse lattice: an initial guess and a lower bound for every point of a box.
 //!
 //! A signed distance is 1-Lipschitz, so the sample `D` at a cell's centre `c` bounds it in the cell: `d(q) >= D - |q -
 //! c|`.
@@ -9,12 +9,12 @@ use glam::{DVec3, UVec3};
 /// Approximate number of cells of a lattice: 256 kB, built in some ten milliseconds.
 const CELLS: f64 = 32768.0;
 
-/// Content of the lattice about a point.
+/// Data of the lattice for a point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LatticeCell {
     /// Lower bound of the signed distance, m.
     pub at_least: f64,
-    /// Index of the facet closest to the cell's centre.
+    /// Index of the facet closest to the centre of the cell.
     pub seed: u32,
 }
 
@@ -28,7 +28,7 @@ pub(crate) struct Lattice {
 }
 
 impl Lattice {
-    /// Returns a lattice of cubic cells over `bounds` and a margin of a tenth of its size; empty until filled.
+    /// Creates an empty lattice of cubic cells over `bounds`, enlarged on every side by a tenth of its largest size.
     pub fn over(bounds: Aabb) -> Self {
         let margin = DVec3::splat(0.1 * bounds.size().max_element());
         let (min, size) = (bounds.min - margin, bounds.size() + 2.0 * margin);
@@ -37,7 +37,7 @@ impl Lattice {
         Self { min, step, counts, samples: Vec::new() }
     }
 
-    /// Samples `f(centre, seed) -> (signed distance, facet)`; the seed is the facet found for a neighbouring cell.
+    /// Samples `f(centre, seed) -> (signed distance, facet)`; the seed is the facet found for the previous cell.
     pub fn fill(&mut self, f: impl Fn(DVec3, u32) -> (f64, u32)) {
         let mut samples = Vec::with_capacity(self.counts.element_product() as usize);
         let mut seed = 0;
@@ -57,7 +57,7 @@ impl Lattice {
         self.min + self.step * (cell.as_dvec3() + 0.5)
     }
 
-    /// Returns the cell of a point; None outside the lattice (and for a point that is not finite).
+    /// Returns the data for a point; None outside the lattice (and for a point that is not finite).
     #[inline]
     pub fn look(&self, q: DVec3) -> Option<LatticeCell> {
         let at = (q - self.min) / self.step;

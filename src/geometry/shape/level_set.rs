@@ -1,9 +1,11 @@
-//! Smooth surface: the zero level of a tricubic B-spline over a grid, with closest points, normals and curvature in constant time.
+//! Smooth surface: the zero level of a tricubic B-spline over a grid, with closest points, normals and curvature in
+//! constant time.
 //!
-//! The coefficients are samples of a signed distance at the nodes of the grid. As such they do not interpolate it but average it over
-//! about a cell on every side (the B-spline of degree three is a convolution kernel: Unser 1999, "Splines: a perfect fit for signal and
-//! image processing", eq. 4): planes stay planes, and an edge is rounded with about the spacing of the grid as its radius. The level is
-//! C2, so that the curvature of the surface is continuous. Samples are kept in blocks near the surface alone.
+//! The coefficients are samples of a signed distance at the nodes of the grid. The spline therefore does not
+//! interpolate the distance but averages it over about a cell on every side (the B-spline of degree three is a
+//! convolution kernel: Unser 1999, "Splines: a perfect fit for signal and image processing", eq. 4): planes are
+//! reproduced, and edges are rounded with a radius of about the grid spacing. The spline is C2, so the curvature of the
+//! surface is continuous. Samples are stored only in blocks near the surface.
 
 use crate::geometry::Aabb;
 use crate::geometry::shape::{Closest, SignedDistance, outer};
@@ -13,47 +15,51 @@ use std::sync::Arc;
 
 /// Nodes along an edge of a block.
 const BLOCK: i32 = 4;
-/// Distance from the surface, over the spacing, up to which the level is evaluated; beyond it the distance that was sampled serves.
+/// Distance from the surface, over the spacing, up to which the spline is evaluated; beyond it the sampled distance is
+/// used.
 const BAND: f64 = 1.0;
-/// Nodes beyond a point, along an axis, that its value takes.
+/// Half-width of the support of the B-spline along an axis, in cells.
 const SUPPORT: f64 = 2.0;
-/// Lower bound of the distance of a point beyond the band, over the band: distances in it are of first order.
+/// Lower bound of the distance of a point beyond the band, over the width of the band, which is measured to first
+/// order.
 const NEARER: f64 = 0.5;
-/// Least gradient of the level, which is one where it is a distance, at which a point has a closest point.
+/// Smallest gradient norm of the spline at which a closest point is computed; the norm is 1 where the spline is a
+/// distance.
 const STEEP: f64 = 0.3;
-/// Motion of a closest point, over the spacing, at which it counts as found: the next step would be at rounding.
+/// Step of the closest-point iteration, over the spacing, at which it has converged: the next one would be of the size
+/// of rounding errors.
 const FOUND: f64 = 1e-8;
-/// Maximum number of steps to a closest point.
+/// Maximum number of iterations for a closest point.
 const STEPS: usize = 12;
 
 /// Tricubic B-spline over a grid whose zero level is a surface.
 #[derive(Debug)]
 pub struct LevelSet {
-    /// Distance that was sampled.
+    /// Sampled distance.
     base: Arc<dyn SignedDistance>,
-    /// Axes of the grid.
+    /// Axes of the grid, as columns.
     axes: DMat3,
-    /// Point at a node, m.
+    /// Origin of the grid frame, which is a node, m.
     center: DVec3,
-    /// Place of the first node from there along the axes, m.
+    /// Coordinates of the first node in the grid frame, m.
     origin: DVec3,
     /// Spacing of the nodes, m.
     spacing: f64,
     /// Number of blocks along the axes.
     blocks: IVec3,
-    /// Index of the coefficients of each block, over `BLOCK^3`; [`NONE`] far from the surface.
+    /// Index of the first coefficient of each block, divided by `BLOCK^3`; [`NONE`] far from the surface.
     index: Vec<u32>,
     coefficients: Vec<f64>,
-    /// Value of the level that is the surface, m.
+    /// Value of the spline on the surface, m.
     level: f64,
-    /// Largest distance between the surface and that of `base`, m.
+    /// Largest measured distance between the surface and the surface of `base`, m.
     deviation: f64,
 }
 
 /// Index of a block that has no coefficients.
 const NONE: u32 = u32::MAX;
 
-/// Value, gradient and Hessian of the level at a point.
+/// Value above the level of the surface, gradient and Hessian of the spline at a point.
 struct Jet {
     value: f64,
     gradient: DVec3,
@@ -61,7 +67,8 @@ struct Jet {
 }
 
 impl LevelSet {
-    /// Samples `base` on nodes `spacing` (m) apart along the `axes`, one of them at `center`, m. The `surface` (m) spans its surface.
+    /// Samples `base` on nodes `spacing` (m) apart along the `axes`, one of them at `center`, m. The points `surface`
+    /// (m) span its surface.
     pub fn new(base: Arc<dyn SignedDistance>, surface: &[DVec3], (center, axes): (DVec3, DMat3), spacing: f64) -> Self {
         let reach = (BAND + 3.0_f64.sqrt() * SUPPORT) * spacing;
         let bounds = Aabb::of(surface.iter().map(|p| axes.transpose() * (*p - center)));
@@ -85,8 +92,8 @@ impl LevelSet {
         Self { base, axes, center, origin, spacing, blocks, index, coefficients, level: 0.0, deviation: 0.0 }
     }
 
-    /// Moves the level so that it lies on the `samples` (m, with their weights) of the surface on average, and measures how far it is from
-    /// them. Returns the largest distance and the root of the mean squared one, m.
+    /// Shifts the level such that the surface passes through the `samples` (m, with weights) on average, and measures
+    /// their distances from it. Returns the largest distance and the root mean square, m.
     pub fn fit(&mut self, samples: &[(DVec3, f64)]) -> [f64; 2] {
         let mean = |values: &mut dyn Iterator<Item = f64>| {
             let sums =
@@ -94,7 +101,7 @@ impl LevelSet {
             sums[0] / sums[1].max(f64::MIN_POSITIVE)
         };
         self.level = mean(&mut samples.iter().map(|(p, _)| self.jet(*p).map_or(0.0, |jet| jet.value)));
-        // Where nothing of the surface is near, it is off by more than the grid resolves.
+        // A sample without a closest point is farther from the surface than the grid resolves.
         let off = |p: DVec3| self.project(p).map_or(2.0 * self.spacing, |(_, c)| c.distance.abs());
         let off: Vec<f64> = samples.par_iter().map(|(p, _)| off(*p)).collect();
         self.deviation = off.iter().copied().fold(0.0, f64::max);
@@ -106,18 +113,19 @@ impl LevelSet {
         self.spacing
     }
 
-    /// Point of the surface closest to `q`, which is near it, and the distance; None for a point that has none.
+    /// Surface point closest to `q`, which must be near the surface, and its data; None if the search fails.
     pub fn project(&self, q: DVec3) -> Option<(DVec3, Closest)> {
         self.project_from(q, self.jet(q)?)
     }
 
-    /// Does what [`LevelSet::project`] does, with the level at `q` known.
+    /// As [`LevelSet::project`], given the spline's values at `q`.
     fn project_from(&self, q: DVec3, mut jet: Jet) -> Option<(DVec3, Closest)> {
         let slope = jet.gradient.length_squared();
         if slope < STEEP * STEEP || jet.value.abs() > 2.0 * BAND * self.spacing {
             return None;
         }
-        // Newton's method for the least |c - q|^2 / 2 under level(c) = 0, with the multiplier lambda.
+        // Newton's method for the minimum of |c - q|^2 / 2 subject to level(c) = 0, with the Lagrange multiplier
+        // lambda.
         let (mut c, mut lambda) = (q, jet.value / slope);
         for _ in 0..STEPS {
             let (g, residual) = (jet.gradient, c - q + lambda * jet.gradient);
@@ -137,23 +145,24 @@ impl LevelSet {
         let size = jet.gradient.length();
         let normal = jet.gradient / size;
         let distance = (q - c).dot(normal);
-        // The tangential part of the way is what is left to find.
+        // The tangential part of q - c is the remaining error.
         if size < STEEP || (q - c - distance * normal).length() > 1e-6 * self.spacing {
             return None;
         }
         let tangent = DMat3::IDENTITY - outer(normal);
         let shape = tangent * jet.hessian * tangent * size.recip();
-        // The surface at a constant distance has the same lines of curvature, with radii larger by as much.
+        // A parallel surface has the same lines of curvature; its radii of curvature are larger by the distance.
         let curvature = (DMat3::IDENTITY + shape * distance).inverse() * shape;
         Some((c, Closest { distance, normal, curvature }))
     }
 
-    /// Closest point data of `q` if it is near the surface. A point on a medial axis, where it has no closest point, has that of first order.
+    /// Closest point data of `q` if it lies in the band around the surface; of first order where the search fails, as
+    /// on a medial axis.
     fn near(&self, q: DVec3) -> Option<Closest> {
         let jet = self.jet(q)?;
         let size = jet.gradient.length();
         let distance = jet.value / size;
-        // Not a number fails, too.
+        // The negated comparison also excludes NaN.
         if !(distance.abs() <= BAND * self.spacing) {
             return None;
         }
@@ -161,12 +170,12 @@ impl LevelSet {
         Some(self.project_from(q, jet).map_or(first_order, |(_, closest)| closest))
     }
 
-    /// Value of the level at `q` over its slope, m: the distance to first order; None far from the surface.
+    /// Value at `q` over the gradient norm, m: the distance to first order; None far from the surface.
     pub fn height(&self, q: DVec3) -> Option<f64> {
         self.jet(q).map(|jet| jet.value / jet.gradient.length())
     }
 
-    /// Value, gradient and Hessian of the level at `q`; None far from the surface.
+    /// Value above the level, gradient and Hessian of the spline at `q`; None far from the surface.
     #[inline]
     fn jet(&self, q: DVec3) -> Option<Jet> {
         let at = (self.axes.transpose() * (q - self.center) - self.origin) / self.spacing;
@@ -217,7 +226,8 @@ impl LevelSet {
     }
 }
 
-/// Weights of the four nodes about a point that is the part `t` of a cell beyond the second, with their first and second derivatives.
+/// Cubic B-spline weights of the four nodes around a point at the fraction `t` of the cell after the second node, with
+/// their first and second derivatives.
 #[inline(always)]
 fn weights(t: f64) -> [[f64; 3]; 4] {
     let s = 1.0 - t;
@@ -239,7 +249,8 @@ impl SignedDistance for LevelSet {
             return (closest.distance < max).then_some(closest);
         }
         let base = self.base.closest(q, max + self.deviation)?;
-        // No farther than the surface, which may be nearer than that of the samples, but is beyond the band.
+        // A lower bound of the distance: the surface may be nearer than that of `base` by the deviation, but not within
+        // the band.
         let size = (base.distance.abs() - self.deviation).max(NEARER * BAND * self.spacing);
         let distance = size.copysign(self.height(q).unwrap_or(base.distance));
         (distance < max).then_some(Closest { distance, ..base })

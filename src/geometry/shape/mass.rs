@@ -25,10 +25,11 @@ impl MassProperties {
         Self { volume, center, inertia: DMat3::from_diagonal(DVec3::splat(trace)) - second }
     }
 
-    /// Computes the mass properties of the polyhedron inside a closed, outward-wound mesh: sums over the tetrahedra from a reference
-    /// point to each triangle, for which all moments are exact (Tonon 2004, eq. 9; the same integrals as Mirtich 1996 and Eberly 2002).
+    /// Computes the mass properties of the polyhedron inside a closed, outward-wound mesh: sums over the tetrahedra
+    /// from a reference point to each triangle, for which all moments are exact (Tonon 2004, eq. 9; the same integrals
+    /// as Mirtich 1996 and Eberly 2002).
     pub fn of_mesh(mesh: &TriMesh) -> Self {
-        // A reference point amid the mesh keeps the digits of an object far from its origin.
+        // A reference point at the centroid of the vertices avoids cancellation for an object far from its origin.
         let count = mesh.vertices.len().max(1) as f64;
         let reference = mesh.vertices.iter().copied().sum::<DVec3>() / count;
         let (mut volume, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
@@ -50,19 +51,19 @@ impl MassProperties {
         Self::from_moments(volume, DVec3::ZERO, DMat3::from_diagonal(semi * semi * (volume / 5.0)))
     }
 
-    /// Computes the mass properties of a capsule along z: a cylinder of length `2 half` and two half balls, m.
+    /// Computes the mass properties of a capsule along z: a cylinder of length `2 half` and two hemispheres, m.
     pub fn of_capsule(radius: f64, half: f64) -> Self {
         let (r2, h) = (radius * radius, half);
         let tube = 2.0 * PI * r2 * h;
         let ball = 4.0 / 3.0 * PI * r2 * radius;
         let across = tube * r2 / 4.0 + ball * r2 / 5.0;
-        // A half ball has its centre 3/8 r from its flat face.
+        // The centroid of a hemisphere is 3/8 r from its flat face.
         let along = tube * h * h / 3.0 + ball * (r2 / 5.0 + 2.0 * h * 3.0 / 8.0 * radius + h * h);
         Self::from_moments(tube + ball, DVec3::ZERO, DMat3::from_diagonal(DVec3::new(across, across, along)))
     }
 
-    /// Computes the mass properties of a box with the half sizes `core`, grown by `radius` to all sides (Steiner's decomposition into the
-    /// core, slabs, quarter cylinders along the edges and eighths of a ball), m.
+    /// Computes the mass properties of a box with the half sizes `core`, offset outward by `radius` (Steiner's
+    /// decomposition into the core, slabs, quarter cylinders along the edges and eighths of a ball), m.
     pub fn of_cuboid(core: DVec3, radius: f64) -> Self {
         let (s, r) = (2.0 * core, radius);
         let disc = PI * r * r;
@@ -83,7 +84,7 @@ impl MassProperties {
         Self::from_moments(volume, DVec3::ZERO, DMat3::from_diagonal(second))
     }
 
-    /// Computes the mass properties of the round solid that a profile sweeps about z: `V = pi * integral rho^2 dz` round
+    /// Computes the mass properties of the solid of revolution of a profile about z: `V = pi * integral rho^2 dz` along
     /// the profile, and likewise the moments, by 3-point Gauss quadrature, which is exact for these polynomials.
     pub fn of_profile(profile: &Profile) -> Self {
         let half_gap = 0.6_f64.sqrt() / 2.0;
@@ -107,7 +108,7 @@ impl MassProperties {
         Self::from_moments(volume, DVec3::Z * (reference + z), DMat3::from_diagonal(second))
     }
 
-    /// Returns the mass properties of the object magnified by `factor` about the origin.
+    /// Returns the mass properties of the object scaled by `factor` about the origin.
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
             volume: self.volume * factor.powi(3),

@@ -1,8 +1,8 @@
 //! Exact signed distance to a closed triangle mesh.
 //!
 //! The magnitude comes from a bounding-volume tree, the sign from the pseudo-normal of the closest face, edge or vertex
-//! (Baerentzen and Aanaes 2005). A lattice of distances over the mesh's box starts each search next to its answer and
-//! rejects far points by the Lipschitz bound, without touching the tree.
+//! (Baerentzen and Aanaes 2005). A lattice of distances over the bounding box of the mesh supplies a nearby facet as
+//! the start of each search and rejects distant points by the Lipschitz bound, without a traversal of the tree.
 
 use crate::error::Result;
 use crate::geometry::mesh::TriMesh;
@@ -15,7 +15,8 @@ use crate::geometry::shape::{Closest, Hit, SignedDistance, SurfaceTouch, outer};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
-/// Distance below which everything is rounding, m: the gradient there is the pseudo-normal.
+/// Distance below which the direction from the closest point is dominated by rounding, m; the gradient is then the
+/// pseudo-normal.
 const TOUCHING: f64 = 1e-12;
 
 /// Signed distance to a closed, outward-wound triangle mesh.
@@ -31,8 +32,7 @@ pub struct MeshDistance {
 }
 
 impl MeshDistance {
-    /// Builds the distance of a mesh. It does not check the sense of the winding: an inside-out mesh gives the distance
-    /// of its outside.
+    /// Builds the distance of a mesh. The orientation is not checked: for an inverted mesh the sign is reversed.
     ///
     /// # Errors
     /// Fails if the mesh is open, inconsistently wound or degenerate.
@@ -43,7 +43,7 @@ impl MeshDistance {
 
     pub(crate) fn with_topology(mesh: Arc<TriMesh>, topology: Topology) -> Self {
         let corners = |t: [u32; 3]| t.map(|v| mesh.vertices[v as usize]);
-        // `Topology` has refused every triangle for which there is no facet.
+        // `Topology` has rejected every triangle that has no facet.
         let facets = mesh.triangles.iter().zip(0..).filter_map(|(&t, i)| Facet::new(corners(t), i)).collect();
         let bvh = Bvh::new(facets);
         let mut facet = vec![0; mesh.triangles.len()];
@@ -63,14 +63,14 @@ impl MeshDistance {
         &self.mesh
     }
 
-    /// Returns distance and gradient, given the facet to which `q` is closest.
+    /// Returns distance and gradient, given the index of the facet closest to `q`.
     #[inline]
     fn signed(&self, q: DVec3, facet: u32) -> Closest {
         let f = &self.bvh.facets[facet as usize];
         let corners = self.mesh.triangles[f.triangle as usize];
         let corner = |i: usize| corners[(i + f.turn as usize) % 3] as usize;
         let (point, pseudo) = match f.nearest(q).1 {
-            // On a face the plane's own distance and normal are exact.
+            // On a face the distance from the plane and its normal are exact.
             TrianglePart::Face => {
                 return Closest { distance: f.n.dot(q - f.origin), normal: f.n, curvature: DMat3::ZERO };
             }
@@ -95,7 +95,8 @@ impl MeshDistance {
     fn signed_within(&self, q: DVec3, max: f64) -> Option<(Closest, u32)> {
         let (seed, limit) = match self.lattice.look(q) {
             Some(cell) if cell.at_least >= max => return None,
-            // Surely outside: nothing beyond `max` matters. Elsewhere `q` may be deep inside, below any `max`.
+            // If `q` is outside for certain, distances beyond `max` are irrelevant. Otherwise it may be deep inside,
+            // below any `max`.
             Some(cell) => (cell.seed, if cell.at_least > 0.0 { max } else { f64::INFINITY }),
             None => {
                 let gap = self.bvh.bounds().distance_squared(q);
@@ -106,7 +107,7 @@ impl MeshDistance {
             }
         };
         let start = self.bvh.facets[seed as usize].nearest(q).0;
-        // The margin keeps a point at `max` to within rounding from being lost to the squaring.
+        // The margin ensures that squaring does not exclude a point that is at `max` to within rounding.
         let limit = limit * limit * (1.0 + 1e-12);
         let best = self.bvh.nearest(q, if start < limit { (start, seed) } else { (limit, u32::MAX) });
         if best.1 == u32::MAX {
@@ -116,8 +117,8 @@ impl MeshDistance {
         (closest.distance < max).then_some((closest, best.1))
     }
 
-    /// Returns the places other than the nearest point, which is on `facet`, that act on `q` from within `felt` (m): beside a valley the
-    /// other incident face.
+    /// Returns the surface points other than the closest one, which is on `facet`, that interact with `q` within the
+    /// distance `felt` (m), with their weights: near a concave edge, the closest point on the other incident face.
     fn beside(&self, q: DVec3, facet: u32, felt: f64) -> Vec<(Closest, f64)> {
         let f = &self.bvh.facets[facet as usize];
         let (_, nearest) = f.nearest(q);
@@ -137,8 +138,8 @@ impl MeshDistance {
         others.filter_map(|(place, weight)| Some((self.outside(q, place)?, weight))).collect()
     }
 
-    /// Returns the point of edge `i` of triangle `t` that is closest to `q`, and the part of the triangle that it belongs
-    /// to.
+    /// Returns the point of edge `i` of triangle `t` that is closest to `q`, and the part of the triangle that contains
+    /// it.
     fn along(&self, q: DVec3, t: u32, i: usize) -> (DVec3, TrianglePart) {
         let [a, b] = [i, (i + 1) % 3].map(|k| self.mesh.corners(t as usize)[k]);
         let s = (q - a).dot(b - a) / (b - a).length_squared();
@@ -152,7 +153,7 @@ impl MeshDistance {
         (a.lerp(b, s.clamp(0.0, 1.0)), part)
     }
 
-    /// Returns the distance to a place of the surface that faces `q`.
+    /// Returns closest point data for a part of the surface that faces `q`.
     fn outside(&self, q: DVec3, place: SurfacePart) -> Option<Closest> {
         let (point, turning) = match place {
             SurfacePart::Face(t) => {

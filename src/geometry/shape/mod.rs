@@ -1,7 +1,7 @@
 //! Rigid object shapes: exact signed distance, surface mesh, mass properties, sharp features, rays.
 //!
-//! [`Shape`] bundles them; [`ShapeKind`] names every generated family, and [`Shape::from_mesh`] takes any closed mesh.
-//! All lengths are metres, in the object's own frame.
+//! [`Shape`] bundles them; [`ShapeKind`] enumerates the generated families, and [`Shape::from_mesh`] accepts any closed
+//! mesh. All lengths are metres, in the object's own frame.
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a value that is not a number must fail every test")]
 
@@ -56,30 +56,30 @@ pub struct Closest {
     pub distance: f64,
     /// Gradient of the signed distance at `q`: unit outward normal.
     pub normal: DVec3,
-    /// Hessian of the signed distance at `q`, 1/m (surface curvature). Zero if the closest feature is a flat facet; also
-    /// zero at the edges and vertices of a mesh, where the true curvature 1/distance is unbounded and useless to a Newton
-    /// method.
+    /// Hessian of the signed distance at `q`, 1/m (surface curvature). Zero if the closest feature is a flat facet;
+    /// also zero at the edges and vertices of a mesh, where the true curvature 1/distance is unbounded and of no use to
+    /// Newton's method.
     pub curvature: DMat3,
 }
 
-/// Places of a surface that act on a point: the closest point of the surface and, in a valley, those of its other
-/// incident faces.
+/// Surface points that interact with a query point: the closest point of the surface and, near a concave edge, those of
+/// the other incident faces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceTouch {
     /// Closest point.
     pub nearest: Closest,
-    /// Other places within reach, each with its weight (-1 where the incident faces meet) in a sum over all, in which the weight of the
-    /// closest is 1. Their distances are positive.
+    /// Other points within range, each with its weight in the sum over all points (-1 where the incident faces meet);
+    /// the weight of the closest point is 1. Their distances are positive.
     pub beside: Vec<(Closest, f64)>,
 }
 
 impl SurfaceTouch {
-    /// Returns all places with their weights, the closest first.
+    /// Returns all points with their weights, the closest first.
     pub fn places(&self) -> impl Iterator<Item = (&Closest, f64)> {
         std::iter::once((&self.nearest, 1.0)).chain(self.beside.iter().map(|(c, weight)| (c, *weight)))
     }
 
-    /// Returns the weighted sum over all places.
+    /// Returns the weighted sum over all points.
     pub fn sum(&self, of: impl Fn(&Closest) -> f64) -> f64 {
         self.places().map(|(c, weight)| weight * of(c)).sum()
     }
@@ -91,13 +91,13 @@ pub trait SignedDistance: Send + Sync + std::fmt::Debug {
     fn distance(&self, q: DVec3) -> f64;
     /// Returns closest point data if the signed distance at `q` is below `max`, otherwise None.
     fn closest(&self, q: DVec3, max: f64) -> Option<Closest>;
-    /// Returns the closest point if its signed distance is below `max`, and the other places that are felt from within `felt`. By default
-    /// there are none, which is right for a surface without creases.
+    /// Returns the closest point if its signed distance is below `max`, and the other points that interact within the
+    /// distance `felt`. By default there are none, which is correct for a smooth surface.
     fn touch(&self, q: DVec3, max: f64, _felt: f64) -> Option<SurfaceTouch> {
         self.closest(q, max).map(|nearest| SurfaceTouch { nearest, beside: Vec::new() })
     }
-    /// Returns the first entrance into the object of the ray from `origin` along `direction` (any length > 0), at `t >=
-    /// 0` metres. None if it misses, starts inside and never re-enters, or is not finite. Default: sphere tracing.
+    /// Returns the first entry into the object of the ray from `origin` along `direction` (any length > 0), at `t >= 0`
+    /// metres. None if the ray misses, starts inside and never re-enters, or is not finite. Default: sphere tracing.
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
         trace(self, origin, direction)
     }

@@ -1,4 +1,4 @@
-//! Overlaps of a closed surface with itself.
+//! Self-intersections of a closed surface.
 
 use crate::geometry::Aabb;
 use crate::geometry::mesh::close::tolerance;
@@ -9,16 +9,16 @@ use crate::geometry::shape::winding::Winding;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Depth of an overlap over the object's largest size above which it is refused: 3 um for a lemon. Shallower overlaps, such as folds in
-/// scans, are below what a pad feels.
+/// Depth of an overlap over the object's largest size above which it is rejected: 3 um for a lemon. Shallower overlaps,
+/// such as folds in scans, are not detected by a pad.
 pub(crate) const DEPTH: f64 = 1e-4;
 
-/// Place where two triangles meet and the winding number beside them is neither 0 nor 1.
+/// Intersection of two triangles next to which the winding number is neither 0 nor 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Overlap {
     /// Indices of the two triangles.
     pub triangles: [u32; 2],
-    /// Middle of their common points, m.
+    /// Mean of their common points, m.
     pub place: DVec3,
 }
 
@@ -31,8 +31,9 @@ pub(crate) struct Overlaps {
     pub shallow: usize,
 }
 
-/// Finds overlaps among all pairs of triangles that meet apart from common corners and edges. They overlap if the winding number beside
-/// the place is neither 0 nor 1; parts that only touch do not. `mesh` must be closed and each shell turned the right way.
+/// Finds overlaps among all pairs of triangles that intersect, other than at common corners and edges. A pair overlaps
+/// if the winding number next to the intersection is neither 0 nor 1; parts that only touch do not. `mesh` must be
+/// closed and all its shells correctly oriented.
 pub(crate) fn overlaps(mesh: &TriMesh) -> Overlaps {
     let winding = Winding::new(mesh);
     let bounds = winding.bvh.bounds();
@@ -65,7 +66,7 @@ pub(crate) fn overlaps(mesh: &TriMesh) -> Overlaps {
 }
 
 impl Overlaps {
-    /// Returns one sentence for a surface that is refused.
+    /// Returns the reason for the rejection of the surface, in one sentence.
     pub fn complaint(&self, mesh: &TriMesh) -> Option<String> {
         let Overlap { mut triangles, place } = self.deep?;
         triangles.sort_unstable();
@@ -85,20 +86,20 @@ impl Overlaps {
     }
 }
 
-/// Returns true if the winding number is neither 0 nor 1 at `away` (m) from a place where two facets with the normals `n` meet, in one of
-/// the four wedges between them.
+/// Returns true if the winding number is neither 0 nor 1 at the distance `away` (m) from the point `place`, where two
+/// facets with the normals `n` intersect, in one of the four wedges between them.
 fn astray(winding: &Winding, place: DVec3, n: [DVec3; 2], away: f64) -> bool {
     let wedges = [-n[0] - n[1], n[0] + n[1], n[0] - n[1], n[1] - n[0]];
     wedges.into_iter().filter(|d| d.length() > 1e-3).any(|d| {
         let q = place + away * d.normalize();
-        // On the surface itself, as beside faces in one plane, the number says nothing.
+        // On the surface itself, as next to coplanar faces, the winding number is not meaningful.
         let clear = winding.bvh.nearest(q, (f64::INFINITY, u32::MAX)).0 > (1e-3 * away).powi(2);
         clear && !(-0.5..=1.5).contains(&winding.at(q))
     })
 }
 
-/// Returns the middle of the common points of two triangles apart from a corner; None if there are none, or if they share
-/// an edge.
+/// Returns the mean of the common points of two triangles, except a common corner; None if there are none, or if they
+/// share an edge.
 fn meeting(mesh: &TriMesh, pair: [u32; 2]) -> Option<DVec3> {
     let [s, t] = pair.map(|t| mesh.triangles[t as usize]);
     let shared: Vec<u32> = s.into_iter().filter(|v| t.contains(v)).collect();
@@ -118,8 +119,8 @@ fn meeting(mesh: &TriMesh, pair: [u32; 2]) -> Option<DVec3> {
     (!points.is_empty()).then(|| points.iter().sum::<DVec3>() / points.len() as f64)
 }
 
-/// Returns points that the sides of triangle `p` have in common with triangle `q`: the points where they cross it, or the ends of the
-/// part that lies in it.
+/// Returns the points where the sides of triangle `p` cross triangle `q`; for a side in the plane of `q`, the ends of
+/// its part inside `q`.
 fn common(p: [DVec3; 3], q: [DVec3; 3], rounding: f64) -> Vec<DVec3> {
     let Some(facet) = Facet::new(q, 0) else { return Vec::new() };
     let height = p.map(|x| {

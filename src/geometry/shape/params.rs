@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 
 /// Default number of divisions of a full turn.
 pub const DEFAULT_SEGMENTS: u32 = 64;
-/// Smallest number of divisions of a full turn that still looks round.
+/// Smallest number of divisions of a full turn.
 pub const MIN_SEGMENTS: u32 = 8;
 /// Largest number of divisions of a full turn: meshes stay below some 300,000 triangles.
 pub const MAX_SEGMENTS: u32 = 512;

@@ -7,7 +7,7 @@ use pulp::{Arch, NullaryFnOnce};
 
 /// Largest number of points of a profile.
 pub const MAX_POINTS: usize = 2048;
-/// Number of segments that are looked at together.
+/// Number of segments that are evaluated together (SIMD).
 const CHUNK: usize = 8;
 
 /// Outline of a meridian section: points (rho, z), m, counter-clockwise (inside on the left).
@@ -17,16 +17,16 @@ pub struct Profile {
     closed: bool,
     /// Outward unit normal of segment `i`, from point `i` to the next.
     normals: Vec<DVec2>,
-    /// Segments, side by side.
+    /// Segments in groups of [`CHUNK`].
     chunks: Vec<Chunk>,
-    /// Boxes around the chunks.
+    /// Bounding boxes of the chunks, in groups of [`CHUNK`].
     boxes: Vec<Boxes>,
 }
 
-/// Some segments one after the other, side by side for the processor; the last one fills up what is left.
+/// Up to [`CHUNK`] consecutive segments as a structure of arrays; the last segment is repeated in unused entries.
 #[derive(Debug, Clone, PartialEq)]
 struct Chunk {
-    /// Starts of the segments, and the way along each to its end.
+    /// Starts of the segments, and the vectors from there to their ends, m; by axis, then segment.
     start: [[f64; CHUNK]; 2],
     along: [[f64; CHUNK]; 2],
     /// Inverse of the squared length.
@@ -34,7 +34,7 @@ struct Chunk {
 }
 
 impl Chunk {
-    /// Puts at most [`CHUNK`] segments, given by their ends, side by side.
+    /// Packs at most [`CHUNK`] segments, given by their ends.
     fn new(segments: &[(DVec2, DVec2)]) -> Self {
         let of = |value: fn(DVec2, DVec2) -> f64| {
             std::array::from_fn(|k| {
@@ -49,7 +49,7 @@ impl Chunk {
         }
     }
 
-    /// Squared distance of `q` from each segment, and the part of its length at which the closest point lies.
+    /// Squared distance of `q` from each segment, and the parameter in 0..=1 of the closest point.
     #[inline(always)]
     fn distances(&self, q: DVec2) -> ([f64; CHUNK], [f64; CHUNK]) {
         let ([ax, ay], [ex, ey]) = (&self.start, &self.along);
@@ -73,7 +73,8 @@ pub(crate) struct ProfilePoint {
     pub smooth: bool,
 }
 
-/// Boxes around some chunks, side by side; what is left of the last ones is nowhere.
+/// Bounding boxes of up to [`CHUNK`] chunks as a structure of arrays; unused entries are empty boxes, at an infinite
+/// distance.
 #[derive(Debug, Clone, PartialEq)]
 struct Boxes {
     low: [[f64; CHUNK]; 2],
@@ -81,7 +82,7 @@ struct Boxes {
 }
 
 impl Boxes {
-    /// Creates the boxes around at most [`CHUNK`] chunks of `segments`.
+    /// Creates the bounding boxes of at most [`CHUNK`] chunks of `segments`.
     fn new(segments: &[(DVec2, DVec2)]) -> Self {
         let mut boxes = Self { low: [[f64::INFINITY; CHUNK]; 2], high: [[f64::NEG_INFINITY; CHUNK]; 2] };
         for (k, chunk) in segments.chunks(CHUNK).enumerate() {
@@ -104,12 +105,12 @@ impl Boxes {
 }
 
 impl Profile {
-    /// Builds a profile: either a loop off the axis (`closed`, first point not repeated), or a line from the axis to the
-    /// axis.
+    /// Builds a profile: either a loop that does not touch the axis (`closed`, first point not repeated), or an open
+    /// polyline that starts and ends on the axis.
     ///
     /// # Errors
-    /// Fails if the number of points is out of range, a point is out of range or repeated, an end is not on the axis, the
-    /// profile crosses itself or encloses no area.
+    /// Fails if the number of points is out of range, a point is out of range or repeated, an end is not on the axis,
+    /// the profile crosses itself or encloses no area.
     pub fn new(shape: &str, mut points: Vec<DVec2>, closed: bool) -> Result<Self> {
         let n = points.len();
         let most = 1e3;
@@ -192,7 +193,7 @@ impl Profile {
         }
     }
 
-    /// Returns the closest point to `q` with squared distance below `limit`.
+    /// Returns the closest point to `q` if its squared distance is below `limit`.
     pub(crate) fn nearest(&self, q: DVec2, limit: f64) -> Option<ProfilePoint> {
         let (at, along) = Arch::new().dispatch(NearestSegment { profile: self, q, limit });
         if at == usize::MAX {
@@ -227,8 +228,9 @@ impl Profile {
     }
 }
 
-/// Search for the segment nearest to `q`: its number (`usize::MAX` if none is nearer than the root of `limit`), and the part of its length
-/// at which the closest point lies. A callable struct, which uses all registers of a processor.
+/// Search for the segment nearest to `q`: its index (`usize::MAX` if no squared distance is below `limit`), and the
+/// parameter of the closest point. A callable struct, which `Arch::dispatch` runs with the vector instructions of the
+/// processor.
 struct NearestSegment<'a> {
     profile: &'a Profile,
     q: DVec2,
@@ -246,7 +248,7 @@ impl NullaryFnOnce for NearestSegment<'_> {
             *apart = boxes.distances(q);
         }
         let apart = &apart[..chunks.len()];
-        // The nearest box first: it leaves little to the others.
+        // The chunk with the nearest box comes first, so that most others are skipped.
         let (mut first, mut least) = (0, f64::INFINITY);
         for (c, apart) in apart.iter().enumerate() {
             (first, least) = if *apart < least { (c, *apart) } else { (first, least) };

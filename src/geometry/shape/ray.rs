@@ -1,9 +1,9 @@
-//! Rays against signed distances.
+//! Intersection of rays with signed distances.
 
 use crate::geometry::shape::SignedDistance;
 use glam::DVec3;
 
-/// Entrance of a ray into an object.
+/// Entry of a ray into an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// Length of the ray up to the surface, m.
@@ -12,14 +12,14 @@ pub struct Hit {
     pub normal: DVec3,
 }
 
-/// Distance at which the ray counts as arrived, m.
+/// Distance at which the ray has reached the surface, m.
 const ARRIVED: f64 = 1e-12;
-/// Length after which a ray has missed, m: no object is longer.
+/// Length beyond which a ray misses the object, m: no object is longer.
 const FAR: f64 = 1e5;
 
-/// Traces spheres along the ray (Hart 1996): a step as long as the distance cannot pass through the surface. It works on
-/// any shape and takes many steps where the ray grazes it. A ray that starts inside first leaves, then looks for its next
-/// entrance.
+/// Traces a ray by sphere tracing (Hart 1996): a step as long as the distance cannot pass through the surface. It works
+/// for any shape and takes many steps at grazing incidence. A ray that starts inside must leave the object before its
+/// entry is found.
 pub fn trace<D: SignedDistance + ?Sized>(shape: &D, origin: DVec3, direction: DVec3) -> Option<Hit> {
     let dir = direction.try_normalize().filter(|_| origin.is_finite())?;
     let mut t = 0.0;
@@ -32,10 +32,10 @@ pub fn trace<D: SignedDistance + ?Sized>(shape: &D, origin: DVec3, direction: DV
         }
         outside |= c.distance > ARRIVED;
         if outside && c.distance < -ARRIVED {
-            // Only rounding can carry a step across: the surface is right here.
+            // A step crosses the surface only by rounding, so this is the entry.
             return Some(Hit { t, normal: c.normal });
         }
-        // The least step keeps a ray that leaves, or slides along the surface, from standing still.
+        // The minimum step ensures progress where the ray leaves the object or runs along its surface.
         t += c.distance.abs().max(ARRIVED);
         if t > FAR {
             return None;
@@ -44,8 +44,9 @@ pub fn trace<D: SignedDistance + ?Sized>(shape: &D, origin: DVec3, direction: DV
     None
 }
 
-/// Traces a ray against a convex shape in a handful of steps: the tangent plane at the closest point separates, so the ray may go up to
-/// that plane, and has missed once it no longer approaches it. This is Newton's method on a convex function.
+/// Traces a ray against a convex shape in few steps: the tangent plane at the closest point separates the current point
+/// from the shape, so the ray advances to that plane; it misses if it does not approach the plane. This is Newton's
+/// method on a convex function.
 pub fn trace_convex<D: SignedDistance + ?Sized>(shape: &D, origin: DVec3, direction: DVec3) -> Option<Hit> {
     let dir = direction.try_normalize().filter(|_| origin.is_finite())?;
     let mut t = 0.0;

@@ -6,7 +6,7 @@ use crate::geometry::shape::polygon::Profile;
 use crate::geometry::shape::{Closest, SignedDistance, outer};
 use glam::{DMat3, DVec2, DVec3, Vec3Swizzles};
 
-/// Solid of revolution; round about z, with a polygon as its profile.
+/// Solid of revolution about z with a polygonal profile.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Revolved {
     profile: Profile,
@@ -15,7 +15,7 @@ pub struct Revolved {
 }
 
 impl Revolved {
-    /// Builds the solid that `profile` sweeps about z.
+    /// Builds the solid of revolution of `profile` about z.
     pub fn new(profile: Profile) -> Self {
         let (low, high) = profile.bounds();
         Self { profile, low, high }
@@ -39,7 +39,8 @@ impl SignedDistance for Revolved {
         if !(gap < max || max <= 0.0) {
             return None;
         }
-        // Outside the box nothing beyond `max` matters; inside it the point may be deep in the solid.
+        // Outside the bounding box, distances beyond `max` are irrelevant; inside it the point may be deep in the
+        // solid.
         let limit = if gap > 0.0 { max * max * (1.0 + 1e-12) } else { f64::INFINITY };
         let p = self.profile.nearest(flat, limit)?;
         if !(p.distance < max) {

@@ -1,4 +1,4 @@
-//! Tight bends of a round solid, which would come through between the points of a pad at which it feels them.
+//! Tightly curved parts of a solid of revolution, which would penetrate a pad between its contact samples.
 
 use super::features::FeaturePoint;
 use super::polygon::Profile;
@@ -6,38 +6,40 @@ use crate::scales::{CORNER_CUT, SAMPLE_CUT};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// Radius, over the requested distance of the points, above which a pad's own points are sufficient.
+/// Radius of curvature, over the requested spacing, above which the samples of a pad are sufficient.
 const ROUND: f64 = 24.0;
 
-/// Circle about the z axis on a smooth convex part of a round solid.
+/// Circle about the z axis on a smooth convex part of a solid of revolution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ring {
     /// Point (rho, z), m.
     point: DVec2,
-    /// Outward unit normal in that plane.
+    /// Outward unit normal in the (rho, z) plane.
     normal: DVec2,
-    /// Smaller of the two radii of curvature, m.
+    /// Smaller of the two principal radii of curvature, m.
     radius: f64,
-    /// Length of the segments that meet there, m, and the turn of the normal from one to the other, rad.
+    /// Mean length of the segments that meet there, m, and the angle between their normals, rad.
     corner: (f64, f64),
 }
 
 impl Ring {
-    /// Builds the ring of point `i` of a profile, where the normal turns by `turn` (rad) over the two segments that meet
-    /// there.
+    /// Builds the ring of point `i` of a profile, where the normals of the two adjacent segments enclose the angle
+    /// `turn` (rad).
     pub(crate) fn new(profile: &Profile, i: usize, turn: f64, normal: DVec2) -> Self {
         let (points, point) = (profile.points(), profile.points()[i]);
         let n = points.len();
         let [before, after] = [points[(i + n - 1) % n], points[(i + 1) % n]].map(|p| p.distance(point));
-        // On the axis a profile ends: one of the two is its other end, and the true neighbour has its mirror image there.
+        // The profile ends on the axis: one of the two points is its other end; the true neighbour is the mirror image
+        // of the other point.
         let on_axis = point.x == 0.0;
         let length = if on_axis { before.min(after) } else { 0.5 * (before + after) };
         let around = if !on_axis && normal.x > 0.0 { point.x / normal.x } else { f64::INFINITY };
         Self { point, normal, radius: around.min(length / turn), corner: (length, turn) }
     }
 
-    /// Returns points on those of `rings`, which follow each other along a profile, that are tight for a pad whose points are `spacing`
-    /// (m) apart: bent in less than [`ROUND`] times that, or a corner. Contact has this `offset` (m).
+    /// Returns points on those of `rings`, in the order of a profile, that are tight for a pad whose points are twice
+    /// `spacing` (m) apart: with a radius below [`ROUND`] times `spacing`, or a corner that such a pad would cut by
+    /// more than `CORNER_CUT` contact offsets. Contact has this `offset` (m).
     pub(crate) fn sample(rings: &[Self], spacing: f64, offset: f64) -> Vec<FeaturePoint> {
         let (mut points, mut last) = (Vec::new(), None::<DVec2>);
         let is_tight = |ring: &&Self| ring.radius < ROUND * spacing || ring.cut(2.0 * spacing) > CORNER_CUT * offset;
@@ -57,7 +59,7 @@ impl Ring {
         points
     }
 
-    /// Returns the distance by which a pad passes over the corner between two of its points that are `apart`, m.
+    /// Returns the depth of the corner in a pad between two samples that are `apart` (m) from each other, m.
     fn cut(&self, apart: f64) -> f64 {
         let (length, turn) = self.corner;
         turn * length.min(apart) / 8.0

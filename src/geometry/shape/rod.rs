@@ -1,4 +1,4 @@
-//! Ball, pin or capsule that is so thin that it would come through between the points of a pad at which the pad feels it.
+//! Ball, pin or capsule so thin that it would penetrate a pad between its contact samples.
 
 use super::features::FeaturePoint;
 use crate::scales::{ROD_CUT, SAMPLE_CUT};
@@ -12,20 +12,21 @@ pub struct Rod {
     pub radius: f64,
     /// Half the length of the straight part, m.
     pub half: f64,
-    /// True if half balls close the rod; otherwise only its straight part counts.
+    /// True if hemispheres close the rod; otherwise only its lateral surface is sampled.
     pub capped: bool,
 }
 
 impl Rod {
-    /// Returns points all over the rod if a pad whose points are twice `spacing` (m) apart would miss it: places between them and the
-    /// middles of their triangles are up to two fifths of that from the next, and over a length `a` a ball of radius `r` falls by `a^2 /
-    /// (2 r)`. Contact has this `offset` (m).
+    /// Returns points all over the rod if a pad whose points are twice `spacing` (m) apart would miss it: points of the
+    /// pad are up to two fifths of that distance from the nearest vertex or triangle centre, and over a length `a` the
+    /// surface of a ball of radius `r` recedes by `a^2 / (2 r)`. Contact has this `offset` (m).
     pub(crate) fn sample(&self, spacing: f64, offset: f64) -> Vec<FeaturePoint> {
         let fall = |a: f64| a * a / (2.0 * self.radius);
         if fall(0.8 * spacing) <= ROD_CUT * offset {
             return Vec::new();
         }
-        // Rings along the meridian, from the middle of a square of four points as far as the pad may come in between.
+        // Spacing of the rings along the meridian, and of the points on them: at the centre of a square of four points
+        // the rod is then `SAMPLE_CUT` contact offsets deep in the pad.
         let apart = 2.0 * (self.radius * SAMPLE_CUT * offset).sqrt();
         let cap = if self.capped { self.radius * FRAC_PI_2 } else { 0.0 };
         let reach = self.half + cap;
@@ -41,7 +42,7 @@ impl Rod {
                 FeaturePoint { position: self.radius * normal + axial * DVec3::Z, normal, sharp: false }
             })
         };
-        // The ends of a straight part are rims, which are felt as such.
+        // The ends of an uncapped rod are rims, which are sampled as sharp edges.
         let ends = u32::from(!self.capped);
         (ends..=rings - ends).flat_map(ring).collect()
     }

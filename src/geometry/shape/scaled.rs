@@ -4,7 +4,7 @@ use crate::geometry::shape::{Closest, Hit, SignedDistance, SurfaceTouch};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Shape `inner` magnified by `factor` about the origin: `d(q) = factor * inner(q / factor)`.
+/// Shape `inner` scaled by `factor` about the origin: `d(q) = factor * inner(q / factor)`.
 #[derive(Debug)]
 pub(crate) struct Scaled {
     pub inner: Arc<dyn SignedDistance>,

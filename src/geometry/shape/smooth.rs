@@ -1,7 +1,8 @@
-//! Contact surface of an object that is a mesh: its facets, or a smooth surface through them.
+//! Contact surface of a mesh object: its facets, or a smooth surface that approximates them.
 //!
-//! The facets of a scan are an artefact of its decimation: each crease turns the normal of a point of a pad within a contact offset. A
-//! smooth surface has none. A mesh keeps its facets where they are what it is, as those of a box.
+//! The facets of a scan are an artefact of its decimation: at each edge between them the contact normal rotates within
+//! one contact offset, which a smooth surface avoids. A mesh keeps its facets where they are its true shape, as those
+//! of a box.
 
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
@@ -18,50 +19,51 @@ use std::sync::Arc;
 /// How a shape defines its surface.
 #[derive(Debug, Clone)]
 pub enum SurfaceDefinition {
-    /// A distance in closed form; the mesh is a drawing with vertices on the true surface.
+    /// A distance in closed form; the mesh is for display, with vertices on the true surface.
     ClosedForm,
     /// The facets of the mesh.
     Facets,
-    /// A smooth surface near the facets; the mesh is a drawing with vertices on it.
+    /// A smooth surface near the facets; the mesh is for display, with vertices on it.
     Smooth(SmoothSurface),
 }
 
-/// A smooth surface, and how far it is from the mesh that it was made of.
+/// Smooth surface, and its distance from the mesh that it approximates.
 #[derive(Debug, Clone)]
 pub struct SmoothSurface {
     /// The surface.
     pub level: Arc<LevelSet>,
-    /// Largest distance to the mesh, at its vertices, at the middles of its edges and triangles, m.
+    /// Largest distance of the mesh's vertices, edge midpoints and triangle centroids from the surface, m.
     pub largest: f64,
-    /// Root of the mean squared distance there, m.
+    /// Area-weighted root mean square of these distances, m.
     pub rms: f64,
 }
 
-/// Angle between triangles that lie on one flat face, rad.
+/// Angle below which adjacent triangles belong to one flat face, rad.
 const COPLANAR: f64 = 0.5 / 180.0 * std::f64::consts::PI;
-/// Radius of edges over the distance of the points of a pad, unless it is given: two points and the one between them see an edge.
+/// Default radius of rounded edges over the spacing of the pad's points: three adjacent points then resolve an edge.
 const RADIUS: f64 = 2.0;
-/// Distance to the mesh, over the radius, above which a surface is not a rounding of it: the corner of a cube recedes by
-/// `sqrt(3) - 1`, an edge of 60 degrees by one. What is sharper, or thinner than the grid resolves, is lost.
+/// Distance to the mesh, over the radius, above which a surface is rejected: rounding moves the corner of a cube by
+/// `sqrt(3) - 1`, an edge of 60 degrees by 1. Sharper edges, and parts thinner than the grid resolves, would be lost.
 const ROUNDED: f64 = 1.0;
-/// Width of flat faces over the radius, from which on their edges are real.
+/// Width of a flat face, over the radius, from which on its edges are edges of the object, not artefacts of a
+/// triangulation.
 const WIDE: f64 = 2.0;
-/// Number of times that a radius is halved before a mesh counts as too fine to be rounded.
+/// Number of times that the radius is halved before the facets are kept.
 const HALVINGS: u32 = 3;
-/// Largest number of cells along an object.
+/// Largest number of grid cells along an object.
 const CELLS: f64 = 512.0;
 
 impl Shape {
-    /// Returns true if the mesh is only a drawing, with vertices on the true surface.
+    /// Returns true if the mesh is only for display, with vertices on the true surface.
     pub fn is_drawn(&self) -> bool {
         !matches!(self.definition, SurfaceDefinition::Facets)
     }
 
-    /// Returns the object with a smooth surface that rounds edges by about `radius` (m; None is twice the spacing), for pads whose points are
-    /// `spacing` (m) apart.
+    /// Returns the object with a smooth surface that rounds edges by about `radius` (m; by default twice the spacing),
+    /// for pads whose points are `spacing` (m) apart.
     ///
     /// # Errors
-    /// Fails for a radius that takes more than 512 cells along the object.
+    /// Fails for a radius that requires more than 512 grid cells along the object.
     pub fn smoothed(&self, radius: Option<f64>, spacing: f64) -> Result<Self> {
         let radius = radius.unwrap_or(RADIUS * spacing);
         let size = self.aabb.size().max_element();
@@ -72,7 +74,7 @@ impl Shape {
                 size / CELLS
             )));
         }
-        // A grid along the principal axes turns with the object.
+        // A grid along the principal axes rotates with the object.
         let inertia = self.mass.inertia;
         let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
         let axes = DSymmetricEigen3::new(inertia * trace.recip()).eigenvectors;
@@ -82,7 +84,7 @@ impl Shape {
         let on = |p: DVec3| level.project(p).map_or(p, |(c, _)| c);
         let mut surface = TriMesh::clone(&self.surface);
         surface.vertices.iter_mut().for_each(|p| *p = on(*p));
-        // Sharp edges are rounded more tightly than the points of a pad see: rows of points follow them, all over the rounding.
+        // The points of a pad do not resolve the rounding of sharp edges: rows of samples along the edges cover it.
         let fine = 0.5 * spacing;
         let rows = (radius / fine).ceil() as i32;
         let beside = |ridge: &Ridge| {
@@ -108,8 +110,8 @@ impl Shape {
         })
     }
 
-    /// Returns the object with the surface that suits its mesh, for pads whose points are `spacing` (m) apart: smooth, with twice that as the
-    /// radius of its edges, or the facets, and then why.
+    /// Returns the object with the surface suited to its mesh, for pads whose points are `spacing` (m) apart: smooth,
+    /// with an edge radius of at most twice the spacing, or the facets, with the reason.
     pub fn with_suitable_surface(&self, spacing: f64) -> (Self, Option<String>) {
         if !matches!(self.definition, SurfaceDefinition::Facets) {
             return (self.clone(), None);
@@ -134,7 +136,8 @@ impl Shape {
     }
 }
 
-/// Points of a surface with their weights: vertices and middles of its triangles, each with its share of the area.
+/// Sample points of a surface with their weights: vertices, edge midpoints and centroid of each triangle, each with a
+/// seventh of its area.
 fn samples(mesh: &TriMesh) -> Vec<(DVec3, f64)> {
     let of = |t: usize| {
         let [a, b, c] = mesh.corners(t);
@@ -145,7 +148,8 @@ fn samples(mesh: &TriMesh) -> Vec<(DVec3, f64)> {
     (0..mesh.triangles.len()).flat_map(of).collect()
 }
 
-/// Returns true if most of the sharp edges are between flat faces wider than `width` (m): a box or a prism, not a cylinder or a scan.
+/// Returns true if sharp edges lie, by more than half of their length, between flat faces wider than `width` (m): a box
+/// or a prism, not a cylinder or a scan.
 fn is_polyhedron(mesh: &TriMesh, width: f64) -> bool {
     let Ok(topology) = Topology::new(mesh) else { return true };
     let angle = |[l, r]: [u32; 2]| {

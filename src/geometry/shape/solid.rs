@@ -1,4 +1,4 @@
-//! Rigid object: everything that the solver, the recorder and the renderer need of it.
+//! Rigid object, with all data that the solver, the recorder and the renderer require.
 
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
@@ -20,13 +20,14 @@ pub struct Shape {
     pub name: String,
     /// Exact signed distance to the surface.
     pub distance: Arc<dyn SignedDistance>,
-    /// Surface mesh: the surface itself, or a drawing of it with vertices on the true surface.
+    /// Surface mesh: the surface itself, or an approximation for display with vertices on the true surface.
     pub surface: Arc<TriMesh>,
-    /// Vertices and sharp edges.
+    /// Contact vertices and edges.
     pub features: Arc<SurfaceFeatures>,
-    /// Volume, centre of mass and inertia at unit density; closed forms for a surface in closed form, else those of the mesh.
+    /// Volume, centre of mass and inertia at unit density; closed forms for a surface in closed form, otherwise those
+    /// of the mesh.
     pub mass: MassProperties,
-    /// What the surface is.
+    /// Definition of the surface.
     pub definition: SurfaceDefinition,
     /// Bounding box of the true surface, m.
     pub aabb: Aabb,
@@ -35,10 +36,12 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Builds an object with the surface `mesh`. Shells are turned by [`orient`]; vertices that no triangle uses are dropped.
+    /// Builds an object with the surface `mesh`. Shells are oriented by [`orient`]; vertices that no triangle uses are
+    /// dropped.
     ///
     /// # Errors
-    /// Fails if the mesh is not closed, not consistently wound or has degenerate triangles, and names the first such place.
+    /// Fails if the mesh is not closed, not consistently wound or has degenerate triangles, with the location of the
+    /// first fault.
     pub fn from_mesh(mut mesh: TriMesh) -> Result<Self> {
         let mut topology = Topology::new(&mesh)?;
         if drop_unused(&mut mesh) | orient(&mut mesh).any() {
@@ -57,7 +60,7 @@ impl Shape {
         Ok(Self { name: "mesh".into(), distance, surface, features, mass, definition, aabb, bounding_radius })
     }
 
-    /// Builds an object with a distance in closed form, which must know its `support`.
+    /// Builds an object with a distance in closed form, which must implement `support`.
     pub(crate) fn closed_form(
         name: &str,
         distance: impl SignedDistance + 'static,
@@ -86,7 +89,7 @@ impl Shape {
         self
     }
 
-    /// Returns the object magnified by `factor` about its origin.
+    /// Returns the object scaled by `factor` about its origin.
     ///
     /// # Errors
     /// Fails if the factor is not positive and finite or the scaled size is out of range.
@@ -109,7 +112,7 @@ impl Shape {
         })
     }
 
-    /// Returns the first entrance of the ray into the object; see [`SignedDistance::ray`].
+    /// Returns the first entry of the ray into the object; see [`SignedDistance::ray`].
     pub fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
         self.distance.ray(origin, direction)
     }

@@ -1,4 +1,4 @@
-//! Check that the surface of a file bounds a solid, and corrections that do not move it.
+//! Check that the surface of a file bounds a solid, and corrections that do not displace it.
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TriMesh;
@@ -10,8 +10,8 @@ use crate::geometry::shape::repair::repair;
 use crate::geometry::shape::topology::Topology;
 use crate::number::counted;
 
-/// Turns triangles and shells of `mesh` the right way and refuses a surface that bounds no solid, with the place; with `mend` it is
-/// repaired instead. Returns the surface and a notice for each change.
+/// Orients triangles and shells of `mesh` and rejects a surface that bounds no solid, with the location of the fault;
+/// with `mend` it is repaired instead. Returns the surface and a notice for each change.
 pub(crate) fn sound(mesh: TriMesh, mend: bool) -> Result<(TriMesh, Vec<String>)> {
     let mut turned = mesh.clone();
     match judge(&mut turned) {
@@ -26,7 +26,7 @@ pub(crate) fn sound(mesh: TriMesh, mend: bool) -> Result<(TriMesh, Vec<String>)>
     }
 }
 
-/// Turns triangles and shells the right way, and refuses a surface that bounds no solid.
+/// Orients triangles and shells, and rejects a surface that bounds no solid. Returns a notice for each change.
 pub(crate) fn judge(mesh: &mut TriMesh) -> Result<Vec<String>> {
     let mut news = Vec::new();
     let pairs = drop_back_to_back(mesh);

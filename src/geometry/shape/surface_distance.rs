@@ -4,10 +4,10 @@ use crate::geometry::mesh::TriMesh;
 use crate::geometry::shape::winding::Winding;
 use glam::DVec3;
 
-/// Winding number from which on a point is inside, whatever way the triangles turn.
+/// Magnitude of the winding number above which a point is inside; its sign depends on the orientation of the triangles.
 const INSIDE: f64 = 0.5;
 
-/// Distance to a surface: zero inside of what it encloses.
+/// Distance to a surface; zero inside the volume that it encloses.
 #[derive(Debug)]
 pub struct SurfaceDistance(Winding);
 

@@ -8,13 +8,13 @@ use glam::DVec3;
 /// Edge between two triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Edge {
-    /// End vertices; the left triangle runs from `ends[0]` to `ends[1]`.
+    /// End vertices; the left triangle traverses the edge from `ends[0]` to `ends[1]`.
     pub ends: [u32; 2],
     /// Indices of the left and the right triangle.
     pub triangles: [u32; 2],
 }
 
-/// Neighbourhoods of a closed, oriented mesh.
+/// Adjacency and normals of a closed, oriented mesh.
 #[derive(Debug, Clone)]
 pub(crate) struct Topology {
     pub edges: Vec<Edge>,
@@ -30,10 +30,10 @@ pub(crate) struct Topology {
 }
 
 impl Topology {
-    /// Builds the neighbourhoods of a mesh.
+    /// Builds the adjacency and the normals of a mesh.
     ///
     /// # Errors
-    /// Fails if the mesh does not bound a solid, and names the first place where it fails.
+    /// Fails if the mesh does not bound a solid, with the location of the first fault.
     pub fn new(mesh: &TriMesh) -> Result<Self> {
         check_indices(mesh)?;
         let normals = (0..mesh.triangles.len()).map(|t| normal(mesh, t)).collect::<Result<Vec<_>>>()?;

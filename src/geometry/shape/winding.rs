@@ -1,5 +1,5 @@
-//! Generalized winding number of a triangle surface (Jacobson et al. 2013), by a tree (Barill et al. 2018, "Fast winding numbers
-//! for soups and clouds").
+//! Generalized winding number of a triangle surface (Jacobson et al. 2013), evaluated by a tree (Barill et al. 2018,
+//! "Fast winding numbers for soups and clouds").
 
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::mesh::shells::solid_angle;
@@ -8,8 +8,8 @@ use crate::geometry::shape::facet::Facet;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Distance, in radii of a part of the surface, from which on the part is one dipole: the error is then below some
-/// hundredths.
+/// Distance from a part of the surface, in radii of that part, beyond which the part is approximated by one dipole: the
+/// error is then below some hundredths.
 const FAR: f64 = 3.0;
 
 /// Far-field description of a part of the surface.
@@ -18,12 +18,12 @@ struct Dipole {
     center: DVec3,
     /// Sum of area times normal, m2.
     area: DVec3,
-    /// Distance of its farthest point from the centre, m.
+    /// Upper bound of the distance of its points from the centre, m.
     radius: f64,
 }
 
-/// Winding number of a surface, closed or not, about a point: 1 inside and 0 outside of a solid, in between near a hole, 2 where the
-/// surface overlaps itself.
+/// Winding number of a surface, closed or not, about a point: 1 inside and 0 outside a solid, between 0 and 1 near a
+/// hole, 2 where the surface overlaps itself.
 #[derive(Debug)]
 pub(crate) struct Winding {
     pub bvh: Bvh,
@@ -37,9 +37,9 @@ impl Winding {
         let bvh = Bvh::new(facets);
         let nothing = Dipole { center: DVec3::ZERO, area: DVec3::ZERO, radius: 0.0 };
         let mut dipoles = vec![nothing; bvh.nodes.len()];
-        // Weight and weighted centre, m2 and m3.
+        // Area, m2; area times centroid, m3; area times normal, m2.
         let mut sums = vec![(0.0, DVec3::ZERO, DVec3::ZERO); bvh.nodes.len()];
-        // Children come after their parents.
+        // Children have larger indices than their parents.
         for (i, node) in bvh.nodes.iter().enumerate().rev() {
             sums[i] = if node.count == 0 {
                 let [a, b] = [0, 1].map(|k| sums[node.first as usize + k]);
@@ -60,7 +60,7 @@ impl Winding {
         Self { bvh, dipoles }
     }
 
-    /// Returns the winding number at `q`; half-way values on the surface itself.
+    /// Returns the winding number at `q`; on the surface itself, values between those of its two sides.
     pub fn at(&self, q: DVec3) -> f64 {
         let mut stack = vec![0_u32];
         let mut angle = 0.0;

@@ -6,12 +6,12 @@ use super::text::{self, VertexReference, Word};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TetMesh;
 
-/// Parses a Medit file; `path` is for messages. Sections other than these two are numbers after a count, whatever their
-/// name (mmg alone writes a dozen: `RequiredEdges`, `NormalAtVertices` ...); they are skipped up to the next name.
+/// Parses a Medit file; `path` is for messages. Unused sections (mmg alone writes a dozen: `RequiredEdges`,
+/// `NormalAtVertices` ...) consist of numbers after a count; they are skipped up to the next section name.
 ///
 /// # Errors
-/// Fails for binary content, a version or dimension other than 3D ASCII, a declared count above the cap or not met, and a
-/// bad number or index. The error states line and column.
+/// Fails for binary content, a version or dimension other than 3D ASCII, a declared count that exceeds the cap or
+/// differs from the content, and a bad number or index. The error states line and column.
 pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>)> {
     if bytes.contains(&0) {
         return Err(Error::file(path, format!("binary Medit is not read; write ASCII, or {}", super::convert(path))));
@@ -29,7 +29,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>
     }
     let mut passed_over = Vec::new();
     text::integer(path, next(path, &mut words, "the format version")?, "the format version")?;
-    // Some writers leave out `End`: the end of the file in place of a section closes it too.
+    // Some writers omit `End`; the end of the file between sections is accepted instead.
     while let Some(section) = words.next() {
         match section.text {
             "End" => break,

@@ -1,4 +1,4 @@
-//! Reading and writing of mesh files, chosen by extension. SI: coordinates are taken as metres, without conversion.
+//! Reading and writing of mesh files; the extension determines the format. Coordinates are taken as metres.
 
 mod gmsh;
 mod medit;
@@ -20,21 +20,21 @@ use crate::files::regular;
 use crate::geometry::mesh::{FARTHEST, TetMesh, TriMesh, clean, close, facets, is_far, topology};
 use crate::number::counted;
 
-/// Triangle meshes that are read.
+/// Supported formats of triangle meshes, for messages.
 const SURFACES: &str =
     ".obj, .stl, .ply (a STEP or IGES solid: export it as STL; glTF, OFF, 3MF, DAE: convert with MeshLab or Blender)";
 
 /// Size of the largest file that is read, bytes.
 const MAX_BYTES: u64 = 1 << 31;
 
-/// Reads a tetrahedral mesh and repairs it with [`clean::repair`]: `.tet` (Isaac Gym), `.msh` (gmsh 2.2, 4.0 or 4.1, ASCII or binary,
-/// tetrahedra of first or second order), `.mesh` (Medit ASCII), `.vtk` (legacy ASCII) or `.node` with `.ele` (TetGen). Returns the mesh
-/// (m) and notices about everything that was changed or left out.
+/// Reads a tetrahedral mesh and repairs it with [`clean::repair`]: `.tet` (Isaac Gym), `.msh` (gmsh 2.2, 4.0 or 4.1,
+/// ASCII or binary, tetrahedra of first or second order), `.mesh` (Medit ASCII), `.vtk` (legacy, ASCII or binary) or
+/// `.node` with `.ele` (TetGen). Returns the mesh (m) and notices about everything that was changed or omitted.
 ///
 /// # Errors
-/// Fails for a missing file, an unknown extension (with advice on the conversion, if there is any), a bad number, index or column count
-/// (with line and column), an empty mesh, more than [`crate::geometry::mesh::MAX_COUNT`] nodes, and in the cases of [`clean::repair`],
-/// with the file's name.
+/// Fails for a missing file, an unknown extension (with advice on the conversion, if there is any), a bad number, index
+/// or column count (with line and column), an empty mesh, more than [`crate::geometry::mesh::MAX_COUNT`] nodes, and in
+/// the cases of [`clean::repair`], with the file's name.
 pub fn read_tet_mesh(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>)> {
     let path = path.as_ref();
     let (mut mesh, mut notices) = read_tet_mesh_raw(path)?;
@@ -43,8 +43,8 @@ pub fn read_tet_mesh(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>)> {
     Ok((mesh, notices))
 }
 
-/// Reads a mesh like [`read_tet_mesh`], but without the repair: nodes and tetrahedra are in the order and winding of the
-/// file, indices are valid and coordinates finite. It is meant for files that come with lists of node numbers.
+/// Reads a mesh like [`read_tet_mesh`], but without the repair: nodes and tetrahedra are in the order and winding of
+/// the file, indices are valid and coordinates finite. It is meant for files that come with lists of node numbers.
 ///
 /// # Errors
 /// Fails in those cases of [`read_tet_mesh`] that concern the file and not the geometry.
@@ -52,8 +52,8 @@ pub fn read_tet_mesh_raw(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>
     read_tet_group(path, None)
 }
 
-/// Reads the tetrahedra of one group of a mesh like [`read_tet_mesh_raw`], with all nodes of the file: those of the physical volume of this
-/// name or tag of a gmsh file. None reads all.
+/// Reads the tetrahedra of one group of a mesh like [`read_tet_mesh_raw`], with all nodes of the file: those of the
+/// physical volume of this name or tag of a gmsh file. None reads all.
 ///
 /// # Errors
 /// Fails in the cases of [`read_tet_mesh_raw`], and if the file has no such group.
@@ -84,12 +84,13 @@ fn read_by_extension(path: &Path, extension: &str) -> Result<(TetMesh, Vec<Strin
     }
 }
 
-/// Reads a triangle mesh: `.obj` (all groups merged, polygons triangulated), `.stl` or `.ply` (binary or ASCII). Welds equal vertices
-/// and, where the surface is not closed, those within [`close::tolerance`]; drops repeated triangles and triangles without area. Returns
-/// the mesh (m) and notices. [`topology::watertight`] checks if it is closed.
+/// Reads a triangle mesh: `.obj` (all groups merged, polygons triangulated), `.stl` or `.ply` (binary or ASCII). Welds
+/// equal vertices and, where the surface is not closed, those within [`close::tolerance`]; drops repeated triangles and
+/// triangles without area. Returns the mesh (m) and notices. [`topology::watertight`] checks if it is closed.
 ///
 /// # Errors
-/// Fails for a missing file, an unknown extension, bad content (with line and column where they exist) and an empty mesh.
+/// Fails for a missing file, an unknown extension, bad content (with line and column where they exist) and an empty
+/// mesh.
 pub fn read_tri_mesh(path: impl AsRef<Path>) -> Result<(TriMesh, Vec<String>)> {
     let path = path.as_ref();
     let (mut mesh, mut notices) = match extension(path).as_str() {
@@ -98,14 +99,14 @@ pub fn read_tri_mesh(path: impl AsRef<Path>) -> Result<(TriMesh, Vec<String>)> {
         "ply" => ply::parse(path, &read_bytes(path)?)?,
         other => return Err(unknown(path, other, SURFACES)),
     };
-    // What follows compares lengths: it must not overflow.
+    // The following steps compare lengths, which must not overflow.
     let far = mesh.triangles.iter().flatten().map(|v| (v, mesh.vertices[*v as usize]));
     if let Some((v, p)) = far.into_iter().find(|(_, p)| is_far(*p)) {
         let message = format!("vertex {v} (0-based) is at {p}; coordinates must be finite and within {FARTHEST:e}");
         return Err(Error::file(path, message));
     }
     let mut told = |text: String| notices.push(format!("{}: {text}", path.display()));
-    // Every facet of an STL file repeats its corners: welding them is no news.
+    // Every facet of an STL file has its own corners, so welding them is not reported.
     let news = extension(path) != "stl";
     let welded = topology::weld(&mut mesh);
     if news && welded.vertices > 0 {
@@ -146,7 +147,7 @@ fn unknown(path: &Path, extension: &str, allowed: &str) -> Error {
     Error::file(path, format!("file type `.{}` is not read here; allowed: {allowed}", extension.escape_debug()))
 }
 
-/// Returns advice on the conversion of a file of another format to one that is read, after a `; `.
+/// Returns advice, after a `; `, on the conversion of a file of an unsupported format to a supported one.
 fn advice(path: &Path, extension: &str) -> String {
     match extension {
         "meshb" | "vtu" | "xdmf" | "inp" | "nas" | "bdf" | "med" | "exo" | "e" | "cgns" | "avs" | "su2" | "ugrid" => {
@@ -162,13 +163,13 @@ fn advice(path: &Path, extension: &str) -> String {
 }
 
 /// Returns the command that converts a file to gmsh. (Without `-o`, meshio takes `.msh` for a format of ANSYS; to write
-/// version 4.1 it asks for more than most files have.)
+/// version 4.1 it requires data that most files lack.)
 fn convert(path: &Path) -> String {
     let (name, mesh) = names(path);
     format!("convert it with Python's meshio: `meshio convert -o gmsh22 {name} {mesh}`")
 }
 
-/// Returns the names of a file and of the gmsh file that is made from it.
+/// Returns the names of a file and of the gmsh file to which it is converted.
 fn names(path: &Path) -> (String, String) {
     let name = |p: &Path| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mesh = name(&path.with_extension("msh"));

@@ -1,10 +1,10 @@
 //! Wavefront `.obj`: the positions and faces of all groups, as one triangle mesh.
 //!
-//! [tobj](tobj::load_obj_buf) reads the file, in f64. Before that, every line is checked here, because tobj states neither line nor
-//! column of what it refuses, panics on some files (a normal or texture index out of range), and divides positions by a weight that
-//! belongs to curves. It gets only checked content: positions and vertex indices, without comments, weights, colours, groups and
-//! materials, which makes one model of all groups. Its own split of polygons is a fan whatever their outline, so polygons are split by
-//! [`polygon::triangulate`].
+//! [tobj](tobj::load_obj_buf) reads the file, in f64. Before that, every line is checked here, because tobj reports
+//! neither line nor column of an error, panics on some files (a normal or texture index out of range), and divides
+//! positions by a weight that belongs to curves. It receives only checked content: positions and vertex indices,
+//! without comments, weights, colours, groups and materials, so that all groups form one model. It always splits
+//! polygons into fans, so polygons are split by [`polygon::triangulate`].
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -52,8 +52,8 @@ const PASSED: [&str; 29] = [
     "bzp",
 ];
 
-/// Parses the text of an `.obj` file; `path` is for messages. Vertices keep the order of the file; polygons are split by
-/// [`polygon::triangulate`].
+/// Parses the text of an `.obj` file; `path` is for messages. Vertices keep the order of the file; polygons are split
+/// by [`polygon::triangulate`].
 ///
 /// # Errors
 /// Fails for an unknown keyword and a bad column count, number or index, each with line and column; for more items than
@@ -118,7 +118,7 @@ struct Checked<'a> {
     passed: BTreeMap<&'static str, usize>,
 }
 
-/// Result of the split of the polygons.
+/// Result of the triangulation of the polygons.
 #[derive(Default)]
 struct Split {
     /// Number of faces with more than three corners.
@@ -141,7 +141,7 @@ impl Checked<'_> {
                 let _ = writeln!(self.positions, "v {x} {y} {z}");
                 self.vertices += 1;
             }
-            // `fo` is what the first version of the format called a face.
+            // `fo` denotes a face in the first version of the format.
             "f" | "fo" => self.face(line)?,
             other if SILENT.contains(&other) => {}
             other => match PASSED.iter().find(|k| **k == other) {
@@ -184,7 +184,7 @@ impl Checked<'_> {
 
     /// Reads the mesh from the checked content.
     fn read(&self) -> Result<(TriMesh, Split)> {
-        // tobj numbers vertices by first use: one point per vertex before the faces keeps the order of the file.
+        // tobj numbers vertices by first use: one point per vertex before the faces preserves the order of the file.
         let points: String = (1..=self.vertices).fold(String::new(), |mut s, i| {
             let _ = writeln!(s, "f {i}");
             s
@@ -213,7 +213,8 @@ impl Checked<'_> {
         Ok((mesh, split))
     }
 
-    /// Returns the vertex of `i`, `i/t`, `i//n` or `i/t/n`, 0-based; the file counts from one, or backwards from the latest if negative.
+    /// Returns the vertex of `i`, `i/t`, `i//n` or `i/t/n`, 0-based; the file counts from one, or backwards from the
+    /// latest if negative.
     fn reference(&self, word: Word<'_>) -> Result<u32> {
         let (count, triangle) = (self.vertices, self.corners.saturating_sub(2 * self.face_lines.len()));
         let head = word.text.split('/').next().unwrap_or("");

@@ -1,4 +1,4 @@
-//! `.ply`, ASCII and binary of both byte orders, through `ply_rs_bw`: the positions of its vertices and its faces.
+//! `.ply`, ASCII and binary of both byte orders, through `ply_rs_bw`: vertex positions and faces.
 
 use std::io::{Cursor, Read};
 use std::path::Path;
@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::geometry::mesh::{MAX_COUNT, TriMesh, polygon};
 use crate::number::counted;
 
-/// Element of the file; unwanted properties are left out.
+/// Element of the file; unused properties are omitted.
 #[derive(Debug, Clone, Default)]
 struct Element {
     position: [f64; 3],
@@ -71,10 +71,10 @@ fn indices(property: Property) -> Option<Vec<i64>> {
 /// Parses a `.ply` file. Vertices keep the order of the file; polygons are split by [`polygon::triangulate`].
 ///
 /// # Errors
-/// Fails for content that is not PLY or is cut short, non-finite numbers, an index out of range, more items than the cap
-/// and no faces (a point cloud).
+/// Fails for content that is not PLY or is cut short, non-finite numbers, an index out of range, more items than the
+/// cap and no faces (a point cloud).
 pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<(TriMesh, Vec<String>)> {
-    // The library's words quote whole lines.
+    // Messages of the library quote whole lines.
     let failed = |e: &dyn std::fmt::Display| {
         let said = e.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
         Error::file(path, format!("the PLY file cannot be read: {}", said.chars().take(200).collect::<String>()))
@@ -141,7 +141,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<(TriMesh, Vec<String>)>
         notices.push(format!("{file}: passed over elements that are no vertices or faces: {}", left_out.join(", ")));
     }
     let mut rest = Vec::new();
-    // The cursor reads from memory.
+    // Reading from memory cannot fail.
     let _ = reader.into_inner().read_to_end(&mut rest);
     if rest.iter().any(|b| !b.is_ascii_whitespace()) {
         notices.push(format!("{file}: passed over {} after the last element", counted(rest.len(), "byte")));
@@ -149,7 +149,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<(TriMesh, Vec<String>)>
     Ok((mesh, notices))
 }
 
-/// Refuses vertices without a position.
+/// Rejects vertices without a position.
 fn complete(path: &Path, definition: &ElementDef) -> Result<()> {
     for axis in ["x", "y", "z"] {
         let scalar = definition.properties.get(axis).is_some_and(|p| matches!(p.data_type, PropertyType::Scalar(_)));

@@ -17,9 +17,9 @@ const FACET: usize = 50;
 /// Largest accepted error of the facet count of a binary file.
 const MISCOUNTED: u64 = 8;
 
-/// Parses an `.stl` file. It is binary if its length agrees with its binary count (many binary files start with `solid` too). Otherwise
-/// it is ASCII if it starts with `solid` in any case. Otherwise it is binary with bytes after its last facet, or with a count that is
-/// wrong by a few.
+/// Parses an `.stl` file. It is binary if its length agrees with its binary facet count (many binary files also start
+/// with `solid`). Otherwise it is ASCII if it starts with `solid`, in upper or lower case. Otherwise it is binary with
+/// bytes after its last facet, or with a count that is wrong by a few.
 ///
 /// # Errors
 /// Fails for a file of neither kind or cut short, non-finite numbers, more facets than the cap and no facet.
@@ -73,7 +73,7 @@ fn push(mesh: &mut TriMesh, corners: [DVec3; 3]) {
 }
 
 fn parse_binary(path: &Path, mut bytes: Vec<u8>) -> Result<TriMesh> {
-    // stl_io takes a comment starting with "solid " for ASCII: blank it.
+    // stl_io takes a header that starts with "solid " for ASCII, so the header is blanked.
     bytes[..80].fill(0);
     let facets = (bytes.len() - HEADER) / FACET;
     if facets > MAX_COUNT {

@@ -1,5 +1,5 @@
 //! Files `.node` and `.ele` of TetGen, which belong together: points, and tetrahedra of 4 or 10 nodes. `#` comments;
-//! nodes are counted from the number of the first point, 0 or 1.
+//! node indices start at the number of the first point, 0 or 1.
 
 use std::path::Path;
 
@@ -7,10 +7,11 @@ use super::text::{self, Line, VertexReference};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TetMesh;
 
-/// Reads the file at `path` and the one beside it with the other extension.
+/// Reads the file at `path` and the one in the same folder with the other extension.
 ///
 /// # Errors
-/// Fails if one of the two is missing or is not such a file (counts not met, bad number or index), with line and column.
+/// Fails if one of the two is missing or is not such a file (counts that differ from the content, bad number or index),
+/// with line and column.
 pub(crate) fn read(path: &Path) -> Result<(TetMesh, Vec<String>)> {
     let (nodes, elements) = (path.with_extension("node"), path.with_extension("ele"));
     for part in [&nodes, &elements] {
@@ -85,7 +86,7 @@ fn tetrahedra(path: &Path, source: &str, first: u64, mesh: &mut TetMesh) -> Resu
     Ok(width)
 }
 
-/// Returns the number at the head of a line of at least `columns` words.
+/// Returns the first number of a line of at least `columns` words.
 fn at_least(path: &Path, line: &Line<'_>, columns: usize, what: &str) -> Result<u64> {
     if line.words.len() < columns {
         let message = format!("{what} has {} columns; at least {columns} are needed", line.words.len());

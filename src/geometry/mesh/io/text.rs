@@ -1,4 +1,4 @@
-//! Text files as lines of words with their positions, so that every refusal can state line and column.
+//! Text files as lines of words with their positions, so that every error message can state line and column.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::geometry::mesh::MAX_COUNT;
 use crate::number::counted;
 
-/// Longest line of a text, bytes: all its words are in memory at once.
+/// Longest accepted line, bytes: all its words are held in memory at once.
 const MAX_LINE: usize = 4 << 20;
 
 /// Word of a text file with its position.
@@ -37,13 +37,13 @@ impl<'a> Line<'a> {
         self.words.first().copied().unwrap_or(Word { line: self.number, column: 1, text: "" })
     }
 
-    /// Returns the end of the line, which is the place to name when a word is missing.
+    /// Returns the last word, whose position is reported when a word is missing.
     pub fn last(&self) -> Word<'a> {
         self.words.last().copied().unwrap_or(self.first())
     }
 }
 
-/// Returns the non-blank lines of `text`, cut at `comment`.
+/// Returns the non-blank lines of `text`, truncated at `comment`.
 pub(crate) fn lines(text: &str, comment: Option<char>) -> impl Iterator<Item = Line<'_>> {
     text.lines().enumerate().filter_map(move |(i, raw)| {
         let number = i + 1;
@@ -78,7 +78,7 @@ fn split(body: &str, line: usize) -> Vec<Word<'_>> {
 /// replaced.
 ///
 /// # Errors
-/// Fails for a zero byte, which no text has, and for a line of more than [`MAX_LINE`] bytes.
+/// Fails for a zero byte, which text does not contain, and for a line of more than [`MAX_LINE`] bytes.
 pub(crate) fn decode(path: &Path, bytes: Vec<u8>) -> Result<String> {
     if let Some(at) = bytes.iter().position(|b| *b == 0) {
         let message = format!("binary content (a zero byte at offset {at}); a text file is needed");
@@ -130,7 +130,7 @@ pub(crate) fn integer(path: &Path, word: Word<'_>, what: &str) -> Result<u64> {
     word.text.parse().map_err(|_| at(path, word, format!("{what} {} is not a whole number >= 0", quote(word.text))))
 }
 
-/// Parses the word as a declared count, refused above [`MAX_COUNT`].
+/// Parses the word as a declared count, rejected above [`MAX_COUNT`].
 pub(crate) fn count(path: &Path, word: Word<'_>, what: &str) -> Result<usize> {
     let value = integer(path, word, what)?;
     if value > MAX_COUNT as u64 {
@@ -148,7 +148,7 @@ pub(crate) fn position(path: &Path, words: &[Word<'_>]) -> Result<DVec3> {
     Ok(DVec3::from_array(p))
 }
 
-/// Refuses a line with more or fewer words than allowed.
+/// Rejects a line with more or fewer words than allowed.
 pub(crate) fn columns(path: &Path, line: &Line<'_>, allowed: &[usize], what: &str) -> Result<()> {
     if allowed.contains(&line.words.len()) {
         return Ok(());

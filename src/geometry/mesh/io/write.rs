@@ -1,4 +1,4 @@
-//! Writers. Every file appears whole or not at all: it is written beside its place and then renamed.
+//! Writers. Every file is written atomically: to a temporary file in the same folder, which is then renamed.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -10,10 +10,10 @@ use crate::error::{Error, Result};
 use crate::files::atomic::replace;
 use crate::geometry::mesh::{TetMesh, TriMesh};
 
-/// Writes `path` through `fill`, whole or not at all.
+/// Writes `path` atomically through `fill`.
 ///
 /// # Errors
-/// Fails if the folder does not exist or is not writable or the disk is full; nothing is left behind in these cases.
+/// Fails if the folder does not exist or is not writable or the disk is full; no partial file remains in these cases.
 fn atomically(path: &Path, fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
     replace(path, |temporary| {
         let mut out = BufWriter::new(File::create(temporary)?);
@@ -22,8 +22,8 @@ fn atomically(path: &Path, fill: impl FnOnce(&mut dyn Write) -> std::io::Result<
     })
 }
 
-/// Writes a `.tet` file (4-column `v` lines with tag 0, as the tools of the format expect). Coordinates in m read back to
-/// the same bits.
+/// Writes a `.tet` file (4-column `v` lines with tag 0, as the tools of the format expect). Coordinates (m) are
+/// recovered exactly on reading.
 ///
 /// # Errors
 /// Fails if the file cannot be written.
@@ -42,7 +42,7 @@ pub fn write_tet(path: impl AsRef<Path>, mesh: &TetMesh) -> Result<()> {
     })
 }
 
-/// Writes an `.obj` file. Coordinates in m read back to the same bits.
+/// Writes an `.obj` file. Coordinates (m) are recovered exactly on reading.
 ///
 /// # Errors
 /// Fails if the file cannot be written.

@@ -6,8 +6,8 @@ use crate::geometry::shape::generate::sweep;
 use crate::geometry::shape::params::{length as check, require, segments as turn};
 use glam::DVec3;
 
-/// Builds a banana: a tube tapered to both ends along an arc in the xz plane, middle at the origin, convex towards +x.
-/// `length` along the arc and largest `diameter` in m; `bend` is the angle that the arc turns, rad, 0.01 to 3.
+/// Builds a banana: a tube tapered to both ends along an arc in the xz plane, midpoint at the origin, convex towards
+/// +x. `length` along the arc and largest `diameter` in m; `bend` is the angle that the arc subtends, rad, 0.01 to 3.
 ///
 /// # Errors
 /// Fails if a parameter is out of range or the tube is too thick for its bend.

@@ -51,13 +51,13 @@ fn rounded_edges(shape: &Cuboid) -> Vec<RoundedEdge> {
     edges
 }
 
-/// Returns the surface points of an integer lattice on a cube, of which the outer `k` layers form the rounding: along each axis `k` steps
-/// bend from the flat face to 45 degrees, where the next face begins.
+/// Returns the surface mesh of an integer lattice on a cube whose outer `k` layers form the rounding: along each axis,
+/// `k` steps rotate the normal from that of the flat face to 45 degrees, where the next face begins.
 fn lattice(shape: &Cuboid, k: u32) -> TriMesh {
     let last = 2 * k + 1;
     let bend = |i: u32| {
         let t = if k == 0 { 0.0 } else { f64::from(k.saturating_sub(i).max(i.saturating_sub(k + 1))) / f64::from(k) };
-        // Cut into equal angles.
+        // Division into equal angles.
         let t = (t * FRAC_PI_4).tan();
         if i <= k { -t } else { t }
     };

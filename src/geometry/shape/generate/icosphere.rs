@@ -4,8 +4,8 @@ use crate::geometry::mesh::TriMesh;
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Builds a unit sphere from an icosahedron of which each edge is cut into `2^k` parts, so that a full turn has at least
-/// `segments` (five parts of the icosahedron make about a turn). Vertices lie on the sphere.
+/// Builds a unit sphere from an icosahedron of which each edge is cut into `2^k` parts, so that a full turn has at
+/// least `segments` (five edges of the icosahedron span about a full turn). Vertices lie on the sphere.
 pub fn icosphere(segments: u32) -> TriMesh {
     let g = (1.0 + 5.0_f64.sqrt()) / 2.0;
     let mut vertices = Vec::new();

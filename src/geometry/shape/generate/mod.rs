@@ -1,5 +1,5 @@
-//! Generated families of objects: one file each, every one a closed, outward-wound mesh, with a distance in closed form
-//! if there is one.
+//! Generated families of objects, one file each: a closed, outward-wound mesh, with a distance in closed form if there
+//! is one.
 
 mod annulus;
 mod banana;
@@ -40,8 +40,9 @@ use crate::geometry::shape::Shape;
 use crate::geometry::shape::params::{length as check, segments as turn};
 use glam::DVec2;
 
-/// Builds a fruit: `profile(s)` for s in 0..=1 along z, zero at both ends, is scaled to the given length and diameter, m. Points are
-/// denser towards the ends, where the profile is steep; as many along the profile as around it leave corners too flat for a pad to feel.
+/// Builds a fruit: `profile(s)`, for s in 0..=1 along z and zero at both ends, is scaled to the given length and
+/// diameter, m. The profile has `segments` segments, the number of divisions of a full turn, so that its corners are
+/// too flat for a pad to detect; they are denser towards the ends, where the profile is steep.
 fn fruit(name: &str, length: f64, diameter: f64, segments: u32, profile: impl Fn(f64) -> f64) -> Result<Shape> {
     check(name, "length", length)?;
     check(name, "diameter", diameter)?;

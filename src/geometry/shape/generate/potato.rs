@@ -30,7 +30,7 @@ pub fn potato(semi: DVec3, roughness: f64, seed: u64, segments: u32) -> Result<S
     let mut random = || 2.0 * numbers.unit() - 1.0;
     let waves: Vec<(DVec3, f64)> = (0..WAVES)
         .map(|_| {
-            // Plane waves of a wave number of 1 to 4 per radius, seen on the sphere only.
+            // Plane waves with wave numbers of 1 to 4 per radius, evaluated on the sphere only.
             let direction = DVec3::new(random(), random(), random()).normalize_or(DVec3::X);
             (direction * (2.5 + 1.5 * random()), std::f64::consts::PI * random())
         })

@@ -9,12 +9,12 @@ use crate::geometry::shape::{MassProperties, Shape, SurfaceFeatures};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// Builds the solid that a profile of points (rho, z), m, sweeps about z: either a line from the axis to the axis, or a
-/// loop off it (`closed`, first point not repeated), in either sense. The distance is that of the round solid, not of the
-/// mesh.
+/// Builds the solid of revolution about z of a profile with the points (rho, z), m: either an open polyline from axis
+/// to axis, or a loop that does not touch the axis (`closed`, first point not repeated), in either orientation. The
+/// distance is that of the exact solid, not of the mesh.
 ///
 /// # Errors
-/// Fails if the number of segments is out of range or the profile is refused, see [`Profile::new`].
+/// Fails if the number of segments is out of range or the profile is invalid, see [`Profile::new`].
 pub fn revolve(name: &str, profile: Vec<DVec2>, closed: bool, segments: u32) -> Result<Shape> {
     turn(name, segments)?;
     let profile = Profile::new(name, profile, closed)?;
@@ -25,7 +25,7 @@ pub fn revolve(name: &str, profile: Vec<DVec2>, closed: bool, segments: u32) -> 
     Ok(Shape::closed_form(name, Revolved::new(profile), mesh, features, mass, reach))
 }
 
-/// Returns the surface of the solid, a ring of `segments` vertices for each profile point off the axis.
+/// Returns the surface of the solid, with a ring of `segments` vertices for each profile point off the axis.
 pub fn revolved_mesh(profile: &Profile, segments: u32) -> TriMesh {
     let mut mesh = TriMesh::default();
     let rings: Vec<u32> = profile

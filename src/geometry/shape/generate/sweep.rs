@@ -9,8 +9,9 @@ use std::f64::consts::TAU;
 
 const MAX_POINTS: usize = 1024;
 
-/// Builds a tube about a path, with a radius at each of its points, m. A radius of 0 at an end makes a tip there; otherwise the end is
-/// flat. The path must bend less than the tube is thick, and come no closer to itself than its radii.
+/// Builds a tube about a path, with a radius at each of its points, m. A radius of 0 at an end gives a tip there;
+/// otherwise the end is flat. The radius of curvature of the path must exceed that of the tube, and the tube must not
+/// touch itself.
 ///
 /// # Errors
 /// Fails if a parameter is out of range or the tube touches itself.
@@ -19,7 +20,7 @@ pub fn sweep(name: &str, path: &[DVec3], radii: &[f64], segments: u32) -> Result
     check(name, path, radii)?;
     let (mesh, rings) = swept_mesh(path, radii, segments);
     for i in 0..path.len() - 1 {
-        // Where neighbouring rings cross, the tube is folded.
+        // Where adjacent rings intersect, the tube is folded.
         let ahead = path[i + 1] - path[i];
         let bad = rings[i].iter().zip(&rings[i + 1]).any(|(a, b)| (*b - *a).dot(ahead) <= 0.0);
         require(name, !bad, || format!("the path bends too sharply for the radius {} m near point {i}", radii[i]))?;
@@ -54,7 +55,8 @@ fn check(name: &str, path: &[DVec3], radii: &[f64]) -> Result<()> {
     for i in 0..n {
         for j in i + 1..n {
             let reach = radii[i] + radii[j];
-            // Parts joined by a half turn of the tightest possible bend are neighbours, not strangers.
+            // Points no farther apart along the path than a half turn of the tightest possible bend are neighbours,
+            // which may be close.
             let strangers = along[j] - along[i] > std::f64::consts::PI * reach;
             let apart = path[i].distance(path[j]) > reach;
             require(name, apart || !strangers, || format!("the tube touches itself at path points {i} and {j}"))?;
@@ -63,8 +65,8 @@ fn check(name: &str, path: &[DVec3], radii: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// Returns the tube and its rings of points. Frames are carried along the path by the smallest rotation, so they do not
-/// twist.
+/// Returns the tube and its rings of points. Frames are transported along the path by the smallest rotation, so they do
+/// not twist.
 pub fn swept_mesh(path: &[DVec3], radii: &[f64], segments: u32) -> (TriMesh, Vec<Vec<DVec3>>) {
     let n = path.len();
     let step = |i: usize| (path[i + 1] - path[i]).normalize_or(DVec3::X);

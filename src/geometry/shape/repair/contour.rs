@@ -1,5 +1,5 @@
-//! Surface between the inside and the outside nodes of a grid, by dual contouring (Ju et al. 2002) with a vertex for each sheet of the
-//! surface in a cell (Nielson 2004, "Dual marching cubes"): closed, and a manifold.
+//! Surface between the inside and the outside nodes of a grid, by dual contouring (Ju et al. 2002) with a vertex for
+//! each sheet of the surface in a cell (Nielson 2004, "Dual marching cubes"): closed, and a manifold.
 
 use super::field::DistanceGrid;
 use crate::geometry::Aabb;
@@ -11,7 +11,8 @@ use glam::{DMat3, DVec3, USizeVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Weight of the middle of a sheet relative to the planes of the surface: it decides where they leave a vertex free.
+/// Weight of the mean crossing of a sheet relative to the tangent planes of the surface: a regularisation where the
+/// planes do not determine a vertex.
 const SLACK: f64 = 1e-3;
 /// Smallest distance of a vertex from the sides of its cell, over the size of the cell.
 const MARGIN: f64 = 0.02;
@@ -23,8 +24,8 @@ struct Crossing {
     normal: DVec3,
 }
 
-/// Returns the surface; with its corners and creases if `sharp`, otherwise with each vertex amid the crossings of its
-/// cell.
+/// Returns the surface; with sharp corners and edges if `sharp`, otherwise with each vertex at the mean of its
+/// crossings.
 pub(crate) fn surface(field: &DistanceGrid, winding: &Winding, sharp: bool) -> TriMesh {
     let crossings = crossings(field, winding);
     let mut mesh = TriMesh::default();
@@ -48,7 +49,8 @@ pub(crate) fn surface(field: &DistanceGrid, winding: &Winding, sharp: bool) -> T
             if inside == field.inside(cell + USizeVec3::AXES[k]) {
                 continue;
             }
-            // The four cells around the edge, counter-clockwise seen from its end; it is inside the grid, whose border is outside.
+            // The four cells around the edge, counter-clockwise seen from its end; all exist, because nodes at the
+            // border of the grid are outside.
             let (u, v) = (USizeVec3::AXES[(k + 1) % 3], USizeVec3::AXES[(k + 2) % 3]);
             let around = [(cell - u - v, 3), (cell - v, 2), (cell, 0), (cell - u, 1)];
             let mut quad = around.map(|(c, edge)| vertices[&c][4 * k + edge]);
@@ -79,7 +81,8 @@ fn start(edge: usize) -> USizeVec3 {
     USizeVec3::AXES[(k + 1) % 3] * (i & 1) + USizeVec3::AXES[(k + 2) % 3] * (i >> 1)
 }
 
-/// Returns the crossed edges of a cell, in groups that the surface connects through its faces. Each face has two crossed edges or none.
+/// Returns the crossed edges of a cell, grouped by the sheet of the surface that connects them across the faces of the
+/// cell. Each face has two crossed edges or none.
 fn sheets(inside: &[bool]) -> Vec<Vec<usize>> {
     let at = |n: USizeVec3| inside[n.x | n.y << 1 | n.z << 2];
     let crossed: Vec<usize> = (0..12).filter(|e| at(start(*e)) != at(start(*e) + USizeVec3::AXES[e / 4])).collect();
@@ -100,7 +103,8 @@ fn sheets(inside: &[bool]) -> Vec<Vec<usize>> {
     sheets.into_iter().filter(|s| !s.is_empty()).collect()
 }
 
-/// Returns the vertex of a sheet, m: nearest to the planes of the surface at its crossings.
+/// Returns the vertex of a sheet, m: the least-squares point of the tangent planes at its crossings, clamped to the
+/// cell.
 fn place(field: &DistanceGrid, cell: USizeVec3, met: &[Crossing], sharp: bool) -> DVec3 {
     let middle = met.iter().map(|c| c.point).sum::<DVec3>() / met.len() as f64;
     if !sharp {
@@ -127,8 +131,8 @@ fn crossings(field: &DistanceGrid, winding: &Winding) -> HashMap<(USizeVec3, usi
     crossed.par_iter().map(found).collect::<Vec<_>>().into_iter().collect()
 }
 
-/// Returns the crossing on the way from `a` inside to `b` outside: the point where a triangle is passed from inside to outside, or else
-/// the point where the winding number becomes one half.
+/// Returns the crossing on the segment from `a` (inside) to `b` (outside): the point where it leaves the inside through
+/// a triangle, or else the point where the winding number becomes one half.
 fn crossing(winding: &Winding, a: DVec3, b: DVec3, step: f64) -> Crossing {
     let mut passed: Vec<(f64, DVec3)> = Vec::new();
     winding.bvh.overlapping(&Aabb::of([a, b]), |i| {
@@ -154,7 +158,7 @@ fn crossing(winding: &Winding, a: DVec3, b: DVec3, step: f64) -> Crossing {
     Crossing { point, normal: DVec3::from_array(slope).normalize_or((b - a).normalize()) }
 }
 
-/// Returns the parameter in 0..=1 at which the way from `a` to `b` passes the facet.
+/// Returns the parameter in 0..=1 at which the segment from `a` to `b` crosses the facet.
 fn pass(facet: &Facet, a: DVec3, b: DVec3) -> Option<f64> {
     let [from, to] = [a, b].map(|p| facet.n.dot(p - facet.origin));
     let t = from / (from - to);

@@ -1,4 +1,4 @@
-//! Grid of nodes inside and outside of a surface.
+//! Grid of nodes, each inside or outside a surface.
 
 use super::room;
 use crate::geometry::shape::winding::Winding;
@@ -25,7 +25,7 @@ impl DistanceGrid {
     pub fn new(winding: &Winding) -> Self {
         let room = room(winding.bvh.bounds());
         let step = (room.size().element_product() / NODES).cbrt();
-        // No node lies on a face that follows the axes.
+        // The irregular offsets keep nodes off axis-aligned faces of the object.
         let origin = room.min - step * DVec3::new(2.37, 2.41, 2.43);
         let counts = ((room.max - origin) / step + 3.0).ceil().as_usizevec3();
         let mut field = Self { origin, step, counts, inside: Vec::new() };
@@ -40,8 +40,8 @@ impl DistanceGrid {
         field
     }
 
-    /// Adds inside nodes until no face of a cell has its inside nodes opposite each other; the surface between in and out is then a
-    /// manifold.
+    /// Adds inside nodes until no face of a cell has exactly two inside nodes on a diagonal; the surface between inside
+    /// and outside nodes is then a manifold.
     fn unite(&mut self) {
         let mut again = true;
         while std::mem::take(&mut again) {
@@ -83,7 +83,7 @@ impl DistanceGrid {
         self.origin + self.step * node.as_dvec3()
     }
 
-    /// Returns the nodes from which a cell begins, x fastest.
+    /// Returns the lowest node of each cell, x fastest.
     pub fn cells(&self) -> impl Iterator<Item = USizeVec3> {
         let n = self.counts - 1;
         (0..n.element_product()).map(move |i| USizeVec3::new(i % n.x, i / n.x % n.y, i / (n.x * n.y)))

@@ -1,4 +1,4 @@
-//! Holes closed by triangles between their rims.
+//! Filling of holes with triangles between the vertices of their rims.
 
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::mesh::polygon::triangulate;
@@ -14,14 +14,14 @@ pub(crate) struct Filled {
     pub area: f64,
 }
 
-/// Closes every hole whose rim is a simple loop that has a simple outline seen from the front. Returns None if a hole is left or an edge
-/// has more than two triangles.
+/// Closes every hole. Each rim must be a simple loop that [`triangulate`] accepts. Returns None if a hole cannot be
+/// closed or an edge has more than two triangles.
 pub(crate) fn fill(mesh: &mut TriMesh) -> Option<Filled> {
     let mut after = BTreeMap::new();
     for group in sides(mesh).chunk_by(|x, y| x.ends == y.ends) {
         match group {
             [side] => {
-                // The rim runs against the only triangle.
+                // The rim runs in the opposite direction to its only triangle.
                 let [a, b] = if side.reversed { [side.ends[1], side.ends[0]] } else { side.ends };
                 if after.insert(b, a).is_some() {
                     return None;

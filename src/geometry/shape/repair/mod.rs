@@ -1,4 +1,4 @@
-//! Repair of surfaces that bound no solid: open, crossing, non-manifold.
+//! Repair of surfaces that bound no solid: open, self-intersecting, non-manifold.
 
 mod contour;
 mod field;
@@ -15,11 +15,12 @@ use crate::number::counted;
 use field::DistanceGrid;
 use glam::DVec3;
 
-/// Volume over the volume of the whole below which a closed part is dust.
+/// Volume, over the total volume, below which a closed part is removed as an artefact (dust).
 const DUST: f64 = 1e-3;
 
-/// Returns the surface as a solid: with its holes filled, if that is all it lacks, otherwise the surface on which its generalized winding
-/// number is one half, sampled on a grid. Also returns a list of the changes, with the distance by which it moved.
+/// Returns the surface as a solid: with its holes filled, if that suffices, otherwise the level set of its generalized
+/// winding number at one half, sampled on a grid. Also returns a list of the changes, with the displacement of the
+/// surface.
 pub(crate) fn repair(mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
     let mut whole = mesh.clone();
     agree(&mut whole);
@@ -55,7 +56,7 @@ fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
     }
     let winding = Winding::new(&mesh);
     let field = DistanceGrid::new(&winding);
-    // Corners where the surface has them; if that makes it cross itself, rounded by a cell.
+    // Sharp corners first; if the surface is then invalid, for example self-intersecting, corners rounded by a cell.
     let attempt = |sharp: bool| {
         let mut surface = contour::surface(&field, &winding, sharp);
         let dust = drop_dust(&mut surface);
@@ -85,7 +86,7 @@ fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
     Ok((surface, vec![done]))
 }
 
-/// Drops shells that are small compared with the whole; returns their number.
+/// Drops shells whose volume is below [`DUST`] times the total; returns their number.
 fn drop_dust(mesh: &mut TriMesh) -> usize {
     let shells = shells(mesh);
     let whole: f64 = shells.iter().map(|s| s.volume).sum();
@@ -98,13 +99,13 @@ fn drop_dust(mesh: &mut TriMesh) -> usize {
     small.len()
 }
 
-/// Distance of a new surface from the old one.
+/// Distance of a new surface from the old one, at sample points; those farther than a cell count as new surface.
 struct Moved {
     /// Largest distance, m.
     most: f64,
     /// Mean distance, m.
     mean: f64,
-    /// Fraction of the new surface that is farther from the old one than a cell.
+    /// Fraction of sample points that are farther from the old surface than a cell.
     new: f64,
 }
 
@@ -122,7 +123,7 @@ impl Moved {
     }
 }
 
-/// Returns the box around a surface with no side shorter than a twentieth of its longest, m.
+/// Returns the bounding box, enlarged such that no side is shorter than a twentieth of the longest, m.
 fn room(bounds: Aabb) -> Aabb {
     let size = bounds.size();
     let half = 0.5 * size.max(DVec3::splat(0.05 * size.max_element()));

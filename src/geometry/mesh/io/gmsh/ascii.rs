@@ -38,7 +38,7 @@ pub(crate) fn parse(path: &Path, source: &str, group: Option<&str>) -> Result<(T
                 return Err(text::at(path, line.first(), message));
             }
         }
-        // Rows of a section that is not needed, and the closing line.
+        // Rows that have not been read yet, and the closing line.
         let end = format!("$End{}", name.trim_start_matches('$'));
         let mut numbers = Vec::new();
         loop {
@@ -85,7 +85,7 @@ fn format_version(path: &Path, line: &Line<'_>) -> Result<Version> {
     Version::of(line.words[0].text).map_err(|message| text::at(path, line.first(), message))
 }
 
-/// Reads the node of a line that starts with its tag.
+/// Adds the node whose tag starts the line.
 fn node(found: &mut Collected, path: &Path, line: &Line<'_>) -> Result<()> {
     let tag = text::integer(path, line.first(), "node tag")?;
     found.node(tag).map_err(|message| text::at(path, line.first(), message))
@@ -146,7 +146,8 @@ fn nodes_v4<'a>(
     Ok(())
 }
 
-/// Reads the line that opens a section of blocks: blocks, items, and since 4.1 the smallest and largest tag.
+/// Reads the first line of a section of blocks: numbers of blocks and items, and since 4.1 the smallest and largest
+/// tag.
 fn block_counts<'a>(
     version: Version,
     path: &Path,
@@ -193,7 +194,7 @@ fn elements_v4<'a>(
         let block = next("an element block")?;
         text::columns(path, &block, &[4], "an element block of an entity's two numbers, `type`, `count`")?;
         let kind = text::integer(path, block.words[2], "element type")?;
-        // Version 4.0 has the dimension second.
+        // In version 4.0 the dimension is the second number.
         let volume = block.words[if version == Version::V41 { 1 } else { 0 }];
         let volume = volume.text.parse::<i64>().map_or(0, i64::unsigned_abs);
         let n = text::count(path, block.words[3], "the number of elements of a block")?;
@@ -208,7 +209,7 @@ fn elements_v4<'a>(
     Ok(())
 }
 
-/// Keeps a tetrahedron of a volume whose node tags start at column `skip`, counts anything else.
+/// Stores a tetrahedron of a volume, whose node tags start at column `skip`; counts any other element.
 fn element(found: &mut Collected, path: &Path, line: &Line<'_>, (kind, volume): (u64, u64), skip: usize) -> Result<()> {
     let Some(n) = kept_nodes(kind) else {
         found.skip(kind);

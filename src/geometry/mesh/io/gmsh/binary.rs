@@ -1,4 +1,4 @@
-//! Binary form, in the byte order that the file states by a 1.
+//! Binary form, in the byte order that an integer 1 in the file indicates.
 
 use std::path::Path;
 
@@ -77,7 +77,7 @@ fn nodes_v4(file: &mut Cursor<'_>, found: &mut Collected, version: Version) -> R
         let entity = [file.any_int("an entity's number")?, file.any_int("an entity's number")?];
         let dimension = if version == Version::V41 { entity[0] } else { entity[1] };
         let parametric = file.int("`parametric`")? != 0;
-        // Parameters of a node on a curve, surface or volume: as many as dimensions.
+        // The number of parameters of a node is the dimension of the curve, surface or volume that contains it.
         let extra = if parametric { dimension.clamp(0, 3) as usize } else { 0 };
         let n = file.count("the number of nodes of a block")?;
         if found.nodes() + n > total {
@@ -143,7 +143,7 @@ fn elements_v4<'a>(file: &mut Cursor<'a>, found: &mut Collected, version: Versio
     }
     for _ in 0..blocks {
         let entity = [file.any_int("an entity's number")?, file.any_int("an entity's number")?];
-        // Version 4.0 has the dimension second.
+        // In version 4.0 the dimension is the second number.
         let volume = u64::from(entity[if version == Version::V41 { 1 } else { 0 }].unsigned_abs());
         let kind = file.int("element type")?;
         let n = file.count("the number of elements of a block")?;
@@ -159,7 +159,7 @@ fn elements_v4<'a>(file: &mut Cursor<'a>, found: &mut Collected, version: Versio
     Ok(())
 }
 
-/// Keeps a tetrahedron; counts and passes over any other element. `tag` reads the number of a node.
+/// Stores a tetrahedron; counts and skips any other element. `tag` reads a node tag.
 fn element<'a>(
     file: &mut Cursor<'a>,
     found: &mut Collected,

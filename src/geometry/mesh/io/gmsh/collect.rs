@@ -9,38 +9,38 @@ use super::groups::Groups;
 use crate::error::{Error, Result};
 use crate::geometry::mesh::{MAX_COUNT, TetMesh};
 
-/// Number of the 4-node tetrahedron in gmsh.
+/// Element type of the 4-node tetrahedron in gmsh.
 const LINEAR: u64 = 4;
-/// Number of the 10-node tetrahedron in gmsh.
+/// Element type of the 10-node tetrahedron in gmsh.
 const QUADRATIC: u64 = 11;
-/// Edges of the 10-node tetrahedron in the order of their middle nodes in gmsh.
+/// Edges of the 10-node tetrahedron in the order of their mid-edge nodes in gmsh.
 const MIDDLES: [(usize, usize); 6] = [(0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3)];
-/// Distance of the middle node from the middle, over the length of the edge, up to which an edge is straight: the
+/// Distance of the mid-edge node from the midpoint, over the edge length, up to which an edge counts as straight: the
 /// rounding of files with few digits stays below.
 const STRAIGHT: f64 = 1e-3;
-/// Distance over the length of the edge above which a node is not the middle node: the order of the nodes is another.
+/// Distance, over the edge length, above which a node is not the mid-edge node: the file has another node order.
 const MISPLACED: f64 = 0.25;
 
-/// Refused element: index of the node (0-based) and reason.
+/// Rejected element: index of the node (0-based) and reason.
 pub(crate) type Refused = (usize, String);
 
 /// Content collected while reading.
 #[derive(Default)]
 pub(crate) struct Collected {
     mesh: TetMesh,
-    /// Index by node tag; only looked up, never iterated.
+    /// Index by node tag; only queried, never iterated.
     index_of: HashMap<u64, u32>,
-    /// Number of elements left out, by element type.
+    /// Number of omitted elements, by element type.
     skipped: BTreeMap<u64, usize>,
     /// Number of tetrahedra of second order.
     quadratic: usize,
     /// Groups of the tetrahedra.
     pub groups: Groups,
-    /// Largest distance of a middle node from the middle of its edge, m, and over the edge's length.
+    /// Largest distance of a mid-edge node from the midpoint of its edge, m, and over the edge length.
     bulge: (f64, f64),
 }
 
-/// Returns the number of nodes of a tetrahedron that is kept; None for other elements.
+/// Returns the number of nodes of a supported tetrahedron; None for other element types.
 pub(crate) fn kept_nodes(kind: u64) -> Option<usize> {
     match kind {
         LINEAR => Some(4),
@@ -75,15 +75,17 @@ impl Collected {
         self.mesh.nodes[index] = position;
     }
 
-    /// Counts an element that is left out.
+    /// Counts an omitted element.
     pub fn skip(&mut self, kind: u64) {
         *self.skipped.entry(kind).or_default() += 1;
     }
 
-    /// Keeps a tetrahedron of [`kept_nodes`] by its corners; its middle nodes are only checked. `volume` is the volume that it belongs to.
+    /// Stores the corners of a tetrahedron of [`kept_nodes`]; its mid-edge nodes are only checked. `volume` is the tag
+    /// of its volume, in version 2 that of its group.
     ///
     /// # Errors
-    /// Fails if there are too many tetrahedra, a tag is unknown or a middle node is far from the middle of its edge.
+    /// Fails if there are too many tetrahedra, a tag is unknown or a mid-edge node is far from the midpoint of its
+    /// edge.
     pub fn tetrahedron(&mut self, volume: u64, tags: &[u64]) -> std::result::Result<(), Refused> {
         let element = self.mesh.tets.len();
         if element >= MAX_COUNT {
@@ -119,7 +121,7 @@ impl Collected {
         Ok(())
     }
 
-    /// Returns the mesh of the tetrahedra of a group, of all without one, and the notices about it.
+    /// Returns the mesh of the tetrahedra of a group, or of all if `group` is None, and the notices about it.
     ///
     /// # Errors
     /// Fails if there is no tetrahedron.

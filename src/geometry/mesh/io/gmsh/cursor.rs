@@ -1,4 +1,4 @@
-//! Bytes of a binary gmsh file, read one after the other in the byte order that the file states.
+//! Sequential reader of the bytes of a binary gmsh file, in the byte order that the file indicates.
 
 use std::path::Path;
 
@@ -30,7 +30,7 @@ impl<'a> Cursor<'a> {
         Self { path, bytes, at: 0, big_endian: false, wide: 8, version: None }
     }
 
-    /// Returns an error at this byte.
+    /// Returns an error at the current byte.
     pub fn fail(&self, message: &str) -> Error {
         Error::file(self.path, format!("byte {}: {message}", self.at))
     }
@@ -59,7 +59,7 @@ impl<'a> Cursor<'a> {
         Ok(text.trim())
     }
 
-    /// Returns the next line that is not blank, which names a section or its end; None at the end of the file.
+    /// Returns the next line that is not blank, which starts or ends a section; None at the end of the file.
     ///
     /// # Errors
     /// Fails if the line does not start with `$`.
@@ -86,12 +86,12 @@ impl<'a> Cursor<'a> {
     /// Returns the rest of a line of text; None at the end of the file.
     ///
     /// # Errors
-    /// Fails if it is no text.
+    /// Fails if it is not text.
     pub fn rest_of_line(&mut self) -> Result<Option<&'a str>> {
         if self.at == self.bytes.len() { Ok(None) } else { self.line().map(Some) }
     }
 
-    /// Continues after the next `end` and returns a cursor over what stands before it.
+    /// Continues after the next `end` and returns a cursor over the bytes before it.
     ///
     /// # Errors
     /// Fails if the file has no further `end`.
@@ -107,7 +107,7 @@ impl<'a> Cursor<'a> {
         Ok(before)
     }
 
-    /// Reads the section `$MeshFormat`: `version 1 size`, and a 1 that states the byte order.
+    /// Reads the section `$MeshFormat`: `version 1 size`, and a 1 that indicates the byte order.
     ///
     /// # Errors
     /// Fails for an unknown version, data size or byte order, and if the file is cut short.
@@ -131,7 +131,7 @@ impl<'a> Cursor<'a> {
         Ok(())
     }
 
-    /// Returns eight bytes from `n` bytes in the order of the file, the lowest first.
+    /// Reads `n` bytes in the byte order of the file; returns them as eight bytes in little-endian order.
     fn number(&mut self, n: usize, what: &str) -> Result<[u8; 8]> {
         let mut lowest_first = [0; 8];
         let taken = self.take(n, what)?;

@@ -7,10 +7,10 @@ use crate::error::{Error, Result};
 use crate::number::counted;
 use std::path::Path;
 
-/// Largest number of groups that a message names.
+/// Largest number of groups listed in a message.
 const SHOWN: usize = 20;
 
-/// Width that a number of the section of entities has in the binary form.
+/// Type of a number in the entities section, which determines its width in the binary form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum NumberWidth {
     Int,
@@ -23,14 +23,14 @@ pub(crate) enum NumberWidth {
 pub(crate) struct Groups {
     /// Names of groups of volumes by their tags.
     names: BTreeMap<u64, String>,
-    /// Tags of the groups of a volume, by its tag; empty for version 2, whose elements name their group.
+    /// Tags of the groups of a volume, by its tag; empty for version 2, whose elements store their group.
     of_volume: BTreeMap<u64, Vec<u64>>,
-    /// Volume of each tetrahedron; of version 2 its group, 0 for none.
+    /// Volume of each tetrahedron; in version 2 its group, 0 for none.
     volume: Vec<u64>,
 }
 
 impl Groups {
-    /// Takes a line `dimension tag "name"` of the section of names; passes over what is none.
+    /// Stores the name in a line `dimension tag "name"` of dimension 3; ignores any other line.
     pub fn name(&mut self, line: &str) {
         let mut words = line.trim().splitn(3, char::is_whitespace);
         if let (Some("3"), Some(tag), Some(name)) = (words.next(), words.next(), words.next())
@@ -40,8 +40,8 @@ impl Groups {
         }
     }
 
-    /// Takes the section of entities of version 4, number by number; `next` returns a number, and zero for a real. A section that ends
-    /// early gives no groups.
+    /// Reads the entities section of version 4 number by number; `next` returns the next number, zero for a real. A
+    /// truncated section gives no groups.
     pub fn entities(&mut self, version: Version, mut next: impl FnMut(NumberWidth) -> Option<i64>) -> Option<()> {
         let mut counts = [0; 4];
         for count in &mut counts {
@@ -51,7 +51,7 @@ impl Groups {
         for (dimension, count) in counts.into_iter().enumerate() {
             for _ in 0..count {
                 let tag = next(NumberWidth::Int)?;
-                // A point has coordinates since 4.1, everything else a box.
+                // Since version 4.1 a point has coordinates; all other entities have a bounding box.
                 let reals = if dimension == 0 && version == Version::V41 { 3 } else { 6 };
                 (0..reals).try_for_each(|_| next(NumberWidth::Real).map(|_| ()))?;
                 let mut list = || {
@@ -71,7 +71,7 @@ impl Groups {
         Some(())
     }
 
-    /// Takes the volume of the next tetrahedron that is kept; of version 2 its group.
+    /// Stores the volume of the next kept tetrahedron; in version 2 its group.
     pub fn tetrahedron(&mut self, volume: u64) {
         self.volume.push(volume);
     }
@@ -81,7 +81,8 @@ impl Groups {
         self.of_volume.get(&volume).map_or(&[], Vec::as_slice)
     }
 
-    /// Keeps those of `tets` that belong to the group `wanted`; None keeps all, with a notice where they belong to several.
+    /// Keeps those of `tets` that belong to the group `wanted`; None keeps all, with a notice where they belong to
+    /// several.
     ///
     /// # Errors
     /// Fails if no tetrahedron belongs to the group.

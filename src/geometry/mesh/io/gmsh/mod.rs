@@ -14,7 +14,7 @@ use super::{convert, text};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TetMesh;
 
-/// Version of the format, which decides the order and width of the numbers in a block.
+/// Version of the format, which determines the order and width of the numbers in a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Version {
     V2,
@@ -37,14 +37,15 @@ impl Version {
     }
 }
 
-/// Parses a gmsh file, which states whether it is text; `path` is for messages. Keeps the tetrahedra of the physical volume `group`, named
-/// by its name or its tag; None keeps all.
+/// Parses an ASCII or binary gmsh file; `path` is for messages. Keeps the tetrahedra of the physical volume with the
+/// name or tag `group`; None keeps all.
 ///
 /// # Errors
-/// Fails for an unknown version, declared counts above the cap or not met, doubled or unknown tags, bad numbers, an unknown group and no
-/// tetrahedra. The error states line and column of a text file, the byte offset of a binary file.
+/// Fails for an unknown version, declared counts that exceed the cap or differ from the content, repeated or unknown
+/// tags, bad numbers, an unknown group and no tetrahedra. The error states line and column of a text file, the byte
+/// offset of a binary file.
 pub(crate) fn parse(path: &Path, bytes: Vec<u8>, group: Option<&str>) -> Result<(TetMesh, Vec<String>)> {
-    // The formats of ANSYS have the same extension and begin so.
+    // Files of ANSYS have the same extension and start with a parenthesis.
     if bytes.trim_ascii_start().starts_with(b"(") {
         return Err(Error::file(path, format!("a file of ANSYS, not of gmsh; {}", convert(path))));
     }
@@ -54,11 +55,11 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>, group: Option<&str>) -> Result<
     ascii::parse(path, &text::decode(path, bytes)?, group)
 }
 
-/// Message that the nodes come with parameters of the geometry in a section of their own, of version 2.
+/// Error message for nodes with geometric parameters, which version 2 stores in a separate section.
 const PARAMETRIC: &str =
     "the nodes stand in `$ParametricNodes`; save them without parameters (Mesh.SaveParametric = 0)";
 
-/// Returns the message about a section that holds another number of `what` than it declares.
+/// Returns the error message for a section whose number of `what` differs from the declared one.
 fn declared(total: usize, found: usize, what: &str) -> String {
     format!("{total} {what} declared, but the blocks hold {found}: the file is cut short or changed; write it again")
 }

@@ -1,4 +1,4 @@
-//! Binary form: keywords in lines of text, arrays in bytes, the highest first.
+//! Binary form: keywords in lines of text, arrays in big-endian bytes.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ pub(super) struct Bytes<'a> {
 }
 
 impl<'a> Bytes<'a> {
-    /// Returns the bytes after the three lines of the head.
+    /// Returns the bytes after the three header lines.
     pub fn new(path: &'a Path, bytes: &'a [u8]) -> Self {
         let mut file = Self { path, bytes, at: 0 };
         (0..3).for_each(|_| file.skip_line());
@@ -34,7 +34,7 @@ impl<'a> Bytes<'a> {
         self.bytes[start..self.at].trim_ascii()
     }
 
-    /// Returns `n` numbers of `N` bytes each, which begin after the end of the present line.
+    /// Returns `n` numbers of `N` bytes each, which begin after the end of the current line.
     fn numbers<const N: usize>(&mut self, n: usize) -> Result<&'a [[u8; N]]> {
         let begin = self.at;
         let rest = self.line();
@@ -91,7 +91,7 @@ impl<'a> Content<'a> for Bytes<'a> {
         let begin = self.at;
         let word = self.word();
         if !matches!(word, Ok(Some("OFFSETS"))) {
-            // Bytes of cells in the old form.
+            // The cells are in the old form, and these are bytes of their array.
             self.at = begin;
             return Ok(None);
         }

@@ -1,6 +1,7 @@
 //! Legacy `.vtk`, ASCII and binary: the tetrahedra (cell types 10 and 24) of an unstructured grid. 0-based indices.
 //!
-//! Layout: "VTK file formats", simple legacy formats, up to version 5.1, which lists offsets and connectivity apart.
+//! Layout: "VTK file formats", simple legacy formats, up to version 5.1, which stores offsets and connectivity
+//! separately.
 
 mod binary;
 mod words;
@@ -15,10 +16,10 @@ use binary::Bytes;
 use glam::DVec3;
 use words::Words;
 
-/// Numbers of the 4-node and of the 10-node tetrahedron in VTK.
+/// Cell types of the 4-node and of the 10-node tetrahedron in VTK.
 const TETRAHEDRA: [u64; 2] = [10, 24];
 
-/// Whole number of a file, with the line and column of its word, both 1-based; a binary file has none.
+/// Integer of a file, with its line and column, both 1-based, if the file is text.
 #[derive(Debug, Clone, Copy)]
 struct Index {
     value: u64,
@@ -27,22 +28,23 @@ struct Index {
 
 /// Content of a file, word by word and array by array.
 trait Content<'a> {
-    /// Returns an error at what was read last.
+    /// Returns an error at the position that was read last.
     fn fail(&self, message: String) -> Error;
 
     /// Returns the next word of a line of text; None at the end of the file.
     fn word(&mut self) -> Result<Option<&'a str>>;
 
-    /// Returns the type of the offsets if the cells come in the form of version 5, with offsets and connectivity apart.
+    /// Returns the type of the offsets if the cells are in the form of version 5, with separate offsets and
+    /// connectivity.
     fn offsets(&mut self) -> Result<Option<&'a str>>;
 
     /// Reads `n` real numbers of the type `kind`, all finite.
     fn reals(&mut self, n: usize, kind: &str) -> Result<Vec<f64>>;
 
-    /// Reads `n` whole numbers from zero of the type `kind`.
+    /// Reads `n` non-negative integers of the type `kind`.
     fn integers(&mut self, n: usize, kind: &str) -> Result<Vec<Index>>;
 
-    /// Passes over a section that is not needed, whose keyword was read last.
+    /// Skips an unused section, whose keyword was read last.
     fn pass_over(&mut self, keyword: &str) -> Result<()>;
 
     /// Returns the next word; `expected` names it.
@@ -55,7 +57,7 @@ trait Content<'a> {
         }
     }
 
-    /// Reads a declared count, which is refused above `most`.
+    /// Reads a declared count, which is rejected above `most`.
     fn count(&mut self, what: &str, most: usize) -> Result<usize> {
         let word = self.next(what)?;
         match word.parse::<u64>() {
@@ -71,8 +73,8 @@ trait Content<'a> {
 /// Parses a legacy VTK file; `path` is for messages.
 ///
 /// # Errors
-/// Fails for a dataset other than an unstructured grid, declared counts above the cap or not met, and a bad number or index. The error
-/// states line and column of a text file, the byte offset of a binary file.
+/// Fails for a dataset other than an unstructured grid, declared counts that exceed the cap or differ from the content,
+/// and a bad number or index. The error states line and column of a text file, the byte offset of a binary file.
 pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>)> {
     let head: Vec<&[u8]> = bytes.split(|b| *b == b'\n').take(3).map(<[u8]>::trim_ascii).collect();
     match head[..] {
@@ -88,7 +90,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>
     }
 }
 
-/// Reads the sections that follow the head.
+/// Reads the sections after the header.
 fn sections<'a>(path: &Path, mut file: impl Content<'a>) -> Result<(TetMesh, Vec<String>)> {
     let (mut mesh, mut cells, mut types) = (TetMesh::default(), Vec::new(), Vec::new());
     while let Some(word) = file.word()? {
@@ -110,7 +112,7 @@ fn sections<'a>(path: &Path, mut file: impl Content<'a>) -> Result<(TetMesh, Vec
                 let n = file.count("the number of cell types", MAX_COUNT)?;
                 types = file.integers(n, "int")?;
             }
-            // Values at points and cells come last.
+            // Point and cell data come last.
             "POINT_DATA" | "CELL_DATA" => break,
             other => file.pass_over(other)?,
         }

@@ -6,7 +6,7 @@ use super::{Content, Index};
 use crate::error::{Error, Result};
 use crate::geometry::mesh::io::text::{self, Line, Word};
 
-/// Words of the file after its head.
+/// Words of the file after its header.
 pub(super) struct Words<'a> {
     path: &'a Path,
     words: std::iter::Peekable<Box<dyn Iterator<Item = Word<'a>> + 'a>>,
@@ -14,7 +14,7 @@ pub(super) struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// Returns the words after the three lines of the head.
+    /// Returns the words after the three header lines.
     pub fn new(path: &'a Path, source: &'a str) -> Self {
         let words = text::lines(source, None).filter(|line: &Line| line.number > 3).flat_map(|line| line.words);
         let words: Box<dyn Iterator<Item = Word<'a>> + 'a> = Box::new(words);
