@@ -1,4 +1,4 @@
-//! Graph network: trained on data sets, then a stepper like any other.
+//! Graph network: trained on data sets, then used as one of the solver backends.
 //!
 //! ```text
 //! Model + grasp -> linear/first_contact.rs -> features/ (on linear/pad_graph.rs) -> network/ -> infer/predict.rs
