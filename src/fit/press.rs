@@ -81,7 +81,8 @@ impl<'a> PressRuns<'a> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner).len()
     }
 
-    /// Returns simulated over measured force, minus one, at every point of the curve, for each of `values`; None if the press fails.
+    /// Returns, for each of `values`, the simulated over the measured force, minus one, at every point of the curve;
+    /// None if the press fails.
     ///
     /// # Errors
     /// Fails if a model cannot be built or run.

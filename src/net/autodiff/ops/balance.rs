@@ -1,12 +1,13 @@
-//! Projection of contact forces onto the equilibrium of a free object.
+//! Equilibrium of a free object under contact forces.
 
 use crate::linear::balance::ObjectBalance;
 use crate::net::autodiff::real::Real;
 use crate::net::autodiff::tape::{Matrix, Tape};
 use std::sync::Arc;
 
-/// Projects the contact forces x (levels * pads * nodes, 3) of each load level onto the equilibrium of the object at
+/// Corrects the contact forces x (levels * pads * nodes, 3) of each load level so that the object is in equilibrium at
 /// that level. Returns x itself if `balances` is empty. `mirror` holds the signs of the x and y components relative to
+/// those of the pads.
 /// those of the pads.
 pub fn balanced<T: Real>(
     tape: &Tape<T>,
