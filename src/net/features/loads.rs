@@ -23,8 +23,8 @@ pub const PAD_LOAD: [Parity; 23] =
 
 /// Fraction of the force that regularises the ratio of tangential to normal force.
 const FAINT: f64 = 1e-3;
-/// Largest ratio of tangential to normal force: where the face is parallel to the wall of an object it would be
-/// unbounded.
+/// Largest ratio of a tangential to a normal force: where the surface of the object is perpendicular to the face, it
+/// would be unbounded.
 const STEEPEST: f64 = 3.0;
 
 /// Features of some load levels of a grasp, ordered by level, then pad, then node.
