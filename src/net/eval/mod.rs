@@ -44,7 +44,7 @@ pub struct Judged {
 /// Evaluates `predictor` on the test grasps of `split`.
 ///
 /// # Errors
-/// Fails if data cannot be read or, without `extrapolate`, lies outside the range of the training.
+/// Fails if data cannot be read or, without `extrapolate`, if pad or gel law is outside the range of the training.
 pub fn judge(set: &DataSet, predictor: &Predictor, split: &str, extrapolate: bool) -> Result<Vec<Judged>> {
     let samples = test_grasps(set, predictor, split, extrapolate)?;
     samples.par_iter().map(|sample| interrupt::check().and_then(|()| judge_grasp(predictor, sample))).collect()
@@ -64,7 +64,7 @@ pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str, extrapolat
     }
     let (samples, range) = data::read(&[(set, &poses)], &predictor.pads, usize::MAX)?;
     if !extrapolate {
-        // Refuses a different pad, law or kind of grasp; other quantities may lie outside the range.
+        // Refuses another gel law; other quantities may lie outside the range.
         predictor.card.range.clone().extend(&range)?;
     }
     Ok(samples)

@@ -292,7 +292,7 @@ impl FaceEngine {
     }
 }
 
-/// Computes a product whose result has rows without padding beyond that of the weights.
+/// Computes a product into `out`, whose rows have the padded length of those of the weights.
 pub(crate) fn multiply(a: RowsView, w: &Packed, keep: bool, bias: Option<&[f32]>, act: Act, out: &mut [f32]) {
     let stride = w.cols;
     Arch::new().dispatch(Product { a, w, keep, bias, act, out, stride });

@@ -11,7 +11,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
 
-/// Error indicators of an answer, all dimensionless: the constant one; logarithms of the mismatch of the pressed nodes
+/// Error indicators of an answer, all dimensionless: the constant 1; logarithms of the mismatch of the pressed nodes
 /// and of the deepest overlap with the object, over the depth, and of depth over thickness; rotation of the object;
 /// difference between nodal gaps and the smallest gaps around them, over the depth; push over force.
 pub type Signs = [f64; 7];

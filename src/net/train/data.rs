@@ -197,7 +197,8 @@ fn volume(samples: &[Sample], validation: &[Sample]) -> Option<VolumeNormalisers
     })
 }
 
-/// Returns the root mean square of the displacement beyond the linear response to the true contact forces, over the depth.
+/// Returns the root mean square of the displacement beyond the linear response to the true contact forces, over the
+/// depth.
 fn beyond_response(samples: &[Sample], loads: &[&LoadFeatures]) -> f32 {
     let (mut count, mut square) = (0.0, 0.0);
     for (s, l) in samples.iter().zip(loads) {

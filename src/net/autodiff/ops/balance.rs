@@ -8,7 +8,6 @@ use std::sync::Arc;
 /// Corrects the contact forces x (levels * pads * nodes, 3) of each load level so that the object is in equilibrium at
 /// that level. Returns x itself if `balances` is empty. `mirror` holds the signs of the x and y components relative to
 /// those of the pads.
-/// those of the pads.
 pub fn balanced<T: Real>(
     tape: &Tape<T>,
     x: &Matrix<T>,
